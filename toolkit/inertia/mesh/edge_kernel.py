@@ -1,0 +1,191 @@
+"""The compiled kernels that pair the edges of triangles as they stream by; see `closure`.
+
+Imported only to be compiled (`inertia.native`).
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numba import carray, njit, uint64
+
+K1 = np.uint64(0x9E3779B97F4A7C15)
+K2 = np.uint64(0xBF58476D1CE4E5B9)
+K3 = np.uint64(0x94D049BB133111EB)
+S29, S32, S31 = np.uint64(29), np.uint64(32), np.uint64(31)
+ONE = np.uint64(1)
+
+STRIDE_F4 = 25
+"""Half-words (uint16) in a binary STL record; its corners begin at half-word 6."""
+
+
+@njit(inline="always")
+def mix(h):
+    """Scramble 64 bits (a bijection: the finalizer of SplitMix64)."""
+    h = (h ^ (h >> S29)) * K2
+    h = (h ^ (h >> S32)) * K3
+    return h ^ (h >> S31)
+
+
+@njit(inline="always")
+def word(halves, at):
+    """Return the float32 pattern at half-word `at`, with −0 read as +0."""
+    bits = uint64(halves[at]) | (uint64(halves[at + 1]) << np.uint64(16))
+    if bits == np.uint64(0x80000000):
+        bits = np.uint64(0)
+    return bits
+
+
+@njit(inline="always")
+def corner_key(halves, at):
+    """Return a 64-bit key of a stored corner: the hash of its three coordinates."""
+    return mix(mix(word(halves, at) | (word(halves, at + 2) << S32)) * K1 + word(halves, at + 4))
+
+
+@njit(inline="always")
+def find(parent, label):
+    """Return the root of `label`, halving the path to it."""
+    while parent[label] != label:
+        parent[label] = parent[parent[label]]
+        label = parent[label]
+    return label
+
+
+@njit(inline="always")
+def home(key, mask):
+    """Return the slot where the search for `key` begins (its lowest bit is always 1)."""
+    return np.int64(key >> S29) & mask
+
+
+@njit(inline="always")
+def insert(keys, values, mask, key, value):
+    """Put an entry at its first free slot."""
+    slot = home(key, mask)
+    while keys[slot] != 0:
+        slot = (slot + 1) & mask
+    keys[slot] = key
+    values[slot] = value
+
+
+@njit(inline="always")
+def take(keys, values, mask, key, sign):
+    """Remove an entry of `key` with the opposite sign and return its label, or −1."""
+    slot = home(key, mask)
+    while keys[slot] != 0:
+        if keys[slot] == key and (values[slot] & 1) != sign:
+            label = values[slot] >> 1
+            # Close the gap: move back every later entry that could not be found past an empty slot.
+            hole = slot
+            after = (slot + 1) & mask
+            while keys[after] != 0:
+                if ((after - home(keys[after], mask)) & mask) >= ((after - hole) & mask):
+                    keys[hole] = keys[after]
+                    values[hole] = values[after]
+                    hole = after
+                after = (after + 1) & mask
+            keys[hole] = 0
+            return label
+        slot = (slot + 1) & mask
+    return np.int64(-1)
+
+
+@njit(inline="always")
+def pair(u, v, w, triangle, keys, values, mask, parent, labels, state):
+    """Pair the three directed edges of one triangle with those that wait, and let the rest wait.
+
+    `state` is (edges waiting, labels given, triangles with a repeated corner).
+    """
+    if u == v or v == w or w == u:  # its edges cancel among themselves
+        state[2] += 1
+        labels[triangle] = -1
+        return
+    label = np.int64(-1)
+    pending = 0
+    k0 = k1 = k2 = np.uint64(0)
+    s0 = s1 = s2 = np.int64(0)
+    for side in range(3):
+        if side == 0:
+            a, b = u, v
+        elif side == 1:
+            a, b = v, w
+        else:
+            a, b = w, u
+        sign = np.int64(a < b)
+        key = mix(min(a, b) * K1 + max(a, b)) | ONE
+        other = take(keys, values, mask, key, sign)
+        if other >= 0:
+            state[0] -= 1
+            other = find(parent, other)
+            if label < 0:
+                label = other
+            elif label != other:  # keep the older label: numbering follows the file
+                if label < other:
+                    parent[other] = label
+                else:
+                    parent[label] = other
+                    label = other
+        else:
+            if pending == 0:
+                k0, s0 = key, sign
+            elif pending == 1:
+                k1, s1 = key, sign
+            else:
+                k2, s2 = key, sign
+            pending += 1
+    if label < 0:
+        label = state[1]
+        parent[label] = label
+        state[1] += 1
+    labels[triangle] = label
+    if pending > 0:
+        insert(keys, values, mask, k0, label << 1 | s0)
+    if pending > 1:
+        insert(keys, values, mask, k1, label << 1 | s1)
+    if pending > 2:
+        insert(keys, values, mask, k2, label << 1 | s2)
+    state[0] += pending
+
+
+def pair_facets(records, start, stop, keys_at, values_at, capacity, parent_at, room, labels_at, state_at):
+    """Pair the edges of binary STL records `start:stop` (all the tables are carried from call to call)."""
+    halves = carray(records, (stop * STRIDE_F4,), np.uint16)
+    keys = carray(keys_at, (capacity,), np.uint64)
+    values = carray(values_at, (capacity,), np.int64)
+    parent = carray(parent_at, (room,), np.int32)
+    labels = carray(labels_at, (stop,), np.int32)
+    state = carray(state_at, (3,), np.int64)
+    for triangle in range(start, stop):
+        at = triangle * STRIDE_F4 + 6
+        u = corner_key(halves, at)
+        v = corner_key(halves, at + 6)
+        w = corner_key(halves, at + 12)
+        pair(u, v, w, triangle, keys, values, capacity - 1, parent, labels, state)
+    return 0
+
+
+def pair_faces(
+    faces_at, vertex_keys, vertices, start, stop, keys_at, values_at, capacity, parent_at, room, labels_at, state_at
+):
+    """Pair the edges of faces `start:stop`, whose vertices have the 64-bit keys `vertex_keys`."""
+    faces = carray(faces_at, (stop, 3), np.int64)
+    of = carray(vertex_keys, (vertices,), np.uint64)
+    keys = carray(keys_at, (capacity,), np.uint64)
+    values = carray(values_at, (capacity,), np.int64)
+    parent = carray(parent_at, (room,), np.int32)
+    labels = carray(labels_at, (stop,), np.int32)
+    state = carray(state_at, (3,), np.int64)
+    for triangle in range(start, stop):
+        u, v, w = of[faces[triangle, 0]], of[faces[triangle, 1]], of[faces[triangle, 2]]
+        pair(u, v, w, triangle, keys, values, capacity - 1, parent, labels, state)
+    return 0
+
+
+def rehash(old_keys_at, old_values_at, old_capacity, keys_at, values_at, capacity):
+    """Move all entries into a larger, empty table."""
+    old_keys = carray(old_keys_at, (old_capacity,), np.uint64)
+    old_values = carray(old_values_at, (old_capacity,), np.int64)
+    keys = carray(keys_at, (capacity,), np.uint64)
+    values = carray(values_at, (capacity,), np.int64)
+    for slot in range(old_capacity):
+        if old_keys[slot] != 0:
+            insert(keys, values, capacity - 1, old_keys[slot], old_values[slot])
+    return 0

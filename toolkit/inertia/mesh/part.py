@@ -1,0 +1,223 @@
+"""`Part`: coordinates as stored, their unit, and where they came from.
+
+A part holds one of three geometries:
+
+* `Facets`: the 50-byte records of a binary STL file, usually still in the file (memory-mapped);
+* `Surface`: vertices and triangles;
+* `Cells`: a volume mesh (or wires and points) as blocks of cells, with meshio's names and node order.
+
+Both surfaces offer the same few things (`count`, `corners`, `select`), so that what integrates or checks
+triangles needs not know where they lie. Coordinates are never multiplied by a unit.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import hashlib
+import mmap
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from functools import cached_property
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from inertia.errors import GeometryError, UsageError
+from inertia.units import DEFAULT_UNIT, Unit, UnitFrom, length_unit
+
+Float = NDArray[np.float64]
+Int = NDArray[np.int64]
+
+FACET = np.dtype(
+    [
+        ("normal", "<f4", 3),
+        *((name, "<f4") for name in ("x0", "y0", "z0", "x1", "y1", "z1", "x2", "y2", "z2")),
+        ("attribute", "<u2"),
+    ]
+)
+"""One record of a binary STL file: a normal (ignored), nine coordinates, an attribute; 50 bytes, packed."""
+
+_CORNERS_OFFSET = 12
+
+
+class Facets:
+    """Triangles as binary STL records, in memory or mapped from a file.
+
+    Parameters
+    ----------
+    records : (n,) array of `FACET`
+    mapping : the memory map that `records` is a view of, if it is one
+    offset : byte at which the records begin in `mapping`
+    """
+
+    def __init__(self, records: NDArray[Any], mapping: mmap.mmap | None = None, offset: int = 0) -> None:
+        self.records = records
+        self._mapping = mapping
+        self._offset = offset
+
+    @property
+    def count(self) -> int:
+        """Number of triangles."""
+        return len(self.records)
+
+    def corners_f4(self, start: int = 0, stop: int | None = None) -> NDArray[np.float32]:
+        """Return the stored corners of triangles `start:stop`, (k, 3, 3) float32, as a view."""
+        part = self.records[start:stop]
+        return np.ndarray(
+            (len(part), 3, 3), "<f4", buffer=part, offset=_CORNERS_OFFSET, strides=(FACET.itemsize, 12, 4)
+        )
+
+    def corners(self, start: int = 0, stop: int | None = None) -> Float:
+        """Return the corners of triangles `start:stop`, (k, 3, 3), widened exactly to float64."""
+        return self.corners_f4(start, stop).astype(np.float64)
+
+    def select(self, index: NDArray[Any]) -> Facets:
+        """Return the triangles picked by an index or mask array, as a copy in memory."""
+        return Facets(self.records[index])
+
+    def release(self, start: int, stop: int) -> None:
+        """Tell the system that the pages of triangles `start:stop` are done with.
+
+        It keeps the process small: only the pages in use stay resident. They are read again when touched.
+        """
+        if self._mapping is None or not hasattr(mmap, "MADV_DONTNEED"):
+            return
+        first = -(-(self._offset + start * FACET.itemsize) // mmap.PAGESIZE) * mmap.PAGESIZE
+        last = (self._offset + stop * FACET.itemsize) // mmap.PAGESIZE * mmap.PAGESIZE
+        if last > first:
+            with contextlib.suppress(OSError):
+                self._mapping.madvise(mmap.MADV_DONTNEED, first, last - first)
+
+
+class Surface:
+    """Triangles over shared vertices.
+
+    Parameters
+    ----------
+    vertices : (n, 3) float64
+    faces : (m, 3) int64, indices into `vertices`; counter-clockwise seen from outside
+    """
+
+    def __init__(self, vertices: ArrayLike, faces: ArrayLike) -> None:
+        self.vertices: Float = np.ascontiguousarray(vertices, dtype=np.float64)
+        self.faces: Int = np.ascontiguousarray(faces, dtype=np.int64)
+        if self.vertices.ndim != 2 or self.vertices.shape[1] != 3:
+            raise UsageError(f"vertices must have shape (n, 3), not {self.vertices.shape}")
+        if self.faces.ndim != 2 or self.faces.shape[1] != 3:
+            raise UsageError(f"faces must have shape (m, 3), not {self.faces.shape}")
+        if self.faces.size:
+            out_of_range = (self.faces < 0) | (self.faces >= len(self.vertices))
+            if out_of_range.any():
+                face, corner = (int(i) for i in np.argwhere(out_of_range)[0])
+                raise GeometryError(
+                    f"face {face} names vertex {self.faces[face, corner]}, "
+                    f"but the vertices are 0 to {len(self.vertices) - 1}: export the mesh again"
+                )
+
+    @property
+    def count(self) -> int:
+        """Number of triangles."""
+        return len(self.faces)
+
+    def corners(self, start: int = 0, stop: int | None = None) -> Float:
+        """Return the corners of triangles `start:stop`, (k, 3, 3)."""
+        return self.vertices[self.faces[start:stop]]
+
+    def select(self, index: NDArray[Any]) -> Surface:
+        """Return the triangles picked by an index or mask array; the vertices are shared."""
+        return Surface(self.vertices, self.faces[index])
+
+    def release(self, start: int, stop: int) -> None:
+        """Do nothing: these triangles are in memory."""
+
+
+Triangles = Facets | Surface
+
+
+@dataclass(frozen=True, eq=False)
+class CellBlock:
+    """Cells of one kind: `kind` is meshio's name (`"tetra"`, `"hexahedron20"`, ...), `nodes` is (m, k) int64."""
+
+    kind: str
+    nodes: Int
+
+
+@dataclass(frozen=True, eq=False)
+class Cells:
+    """A mesh of cells: `points` (n, 3) float64 and blocks of cells over them.
+
+    The volume cells carry mass as solids; `line` cells as wires, `vertex` cells as points.
+    """
+
+    points: Float
+    blocks: tuple[CellBlock, ...]
+
+    @property
+    def count(self) -> int:
+        """Number of cells."""
+        return sum(len(block.nodes) for block in self.blocks)
+
+
+@dataclass(frozen=True, eq=False)
+class Regions:
+    """Named groups of elements, as the file names them.
+
+    `index[i]` is the place in `names` of element i's group; elements are triangles, or cells in block order.
+    """
+
+    names: tuple[str, ...]
+    index: NDArray[np.int32]
+
+
+@dataclass(frozen=True)
+class Source:
+    """Where a part came from: `path` (None for arrays in memory) and `format` (`"stl"`, `"vtk"`, ...)."""
+
+    path: str | None
+    format: str
+
+    @cached_property
+    def sha256(self) -> str | None:
+        """SHA-256 of the file, in hexadecimal; None for arrays in memory."""
+        if self.path is None:
+            return None
+        with Path(self.path).open("rb") as file:
+            return hashlib.file_digest(file, "sha256").hexdigest()
+
+
+@dataclass(frozen=True, eq=False)
+class Part:
+    """A geometry as stored, its unit and its source."""
+
+    geometry: Facets | Surface | Cells
+    unit: Unit = DEFAULT_UNIT
+    unit_from: UnitFrom = "assumed"
+    source: Source = field(default_factory=lambda: Source(None, "arrays"))
+    regions: Regions | None = None
+    notes: Sequence[str] = ()
+    """What reading had to decide, in sentences (parts of the file left out, faces split, ...)."""
+
+    @classmethod
+    def from_arrays(cls, vertices: ArrayLike, faces: ArrayLike, unit: str = "m") -> Part:
+        """Make a part from a triangle mesh in memory, `vertices` (n, 3) in `unit` and `faces` (m, 3).
+
+        >>> part = Part.from_arrays([[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]],
+        ...                         [[0, 2, 1], [0, 1, 3], [1, 2, 3], [0, 3, 2]], unit="mm")
+        >>> part.triangles.count
+        4
+        """
+        return cls(Surface(vertices, faces), length_unit(unit), "option")
+
+    @property
+    def triangles(self) -> Triangles:
+        """The surface; raises `GeometryError` where the part is a mesh of cells."""
+        if isinstance(self.geometry, Cells):
+            raise GeometryError(f"{self.name} is a mesh of cells, which has no surface of its own")
+        return self.geometry
+
+    @property
+    def name(self) -> str:
+        """The file's path as given, or `"the part"`."""
+        return self.source.path or "the part"

@@ -1,0 +1,86 @@
+"""Length units as exact rationals, so that a unit never costs a digit.
+
+Coordinates are kept as stored; results are multiplied by a power of `Unit.metres` once.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from difflib import get_close_matches
+from fractions import Fraction
+from typing import Literal
+
+from inertia.errors import UsageError
+
+UnitFrom = Literal["option", "file", "assumed"]
+
+
+@dataclass(frozen=True)
+class Unit:
+    """A unit of length: its short name and its exact size in metres."""
+
+    name: str
+    metres: Fraction
+
+
+_INCH = Fraction(254, 10_000)
+_UNITS = {
+    unit.name: unit
+    for unit in (
+        Unit("m", Fraction(1)),
+        Unit("dm", Fraction(1, 10)),
+        Unit("cm", Fraction(1, 100)),
+        Unit("mm", Fraction(1, 1000)),
+        Unit("um", Fraction(1, 10**6)),
+        Unit("nm", Fraction(1, 10**9)),
+        Unit("km", Fraction(1000)),
+        Unit("in", _INCH),
+        Unit("mil", _INCH / 1000),
+        Unit("ft", 12 * _INCH),
+        Unit("yd", 36 * _INCH),
+    )
+}
+_ALIASES = {
+    "meter": "m",
+    "metre": "m",
+    "decimeter": "dm",
+    "decimetre": "dm",
+    "centimeter": "cm",
+    "centimetre": "cm",
+    "millimeter": "mm",
+    "millimetre": "mm",
+    "micron": "um",
+    "micrometer": "um",
+    "micrometre": "um",
+    "µm": "um",
+    "nanometer": "nm",
+    "nanometre": "nm",
+    "kilometer": "km",
+    "kilometre": "km",
+    "inch": "in",
+    "inches": "in",
+    '"': "in",
+    "thou": "mil",
+    "foot": "ft",
+    "feet": "ft",
+    "yard": "yd",
+}
+
+DEFAULT_UNIT = _UNITS["mm"]
+METRE = _UNITS["m"]
+
+
+def length_unit(name: str) -> Unit:
+    """Return the unit called `name` (`"mm"`, `"inch"`, ...); raise `UsageError` for an unknown one.
+
+    >>> length_unit("inch").metres
+    Fraction(127, 5000)
+    """
+    key = name.strip()
+    for candidate in (key, key.lower(), key.lower().removesuffix("s")):
+        candidate = _ALIASES.get(candidate, candidate)
+        if candidate in _UNITS:
+            return _UNITS[candidate]
+    close = get_close_matches(key.lower(), [*_UNITS, *_ALIASES], n=1)
+    hint = f"; did you mean {close[0]!r}?" if close else ""
+    raise UsageError(f"unknown unit {name!r}: use one of {', '.join(_UNITS)}{hint}")
