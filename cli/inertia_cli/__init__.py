@@ -1,0 +1,1 @@
+"""The command `inertia`: parse the options, call one library function, render its result."""

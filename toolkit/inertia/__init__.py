@@ -1,0 +1,75 @@
+"""Mesh in, exact inertia out.
+
+The public names below are imported when they are first used, so that ``import inertia`` costs nothing.
+"""
+
+from __future__ import annotations
+
+from importlib import import_module
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from inertia.errors import GeometryError, InertiaError, ReadError, UsageError
+    from inertia.mass.analysis import Analysis, analyse, mass_properties
+    from inertia.mass.elements import lamina, point_masses, wire
+    from inertia.mass.principal import Principal, principal
+    from inertia.mass.properties import ErrorBound, MassProperties
+    from inertia.mass.repair import Repaired, repair, weld
+    from inertia.mass.tensor import reexpress, steiner
+    from inertia.mesh.check import Finding, Report, check
+    from inertia.mesh.part import Part
+    from inertia.mesh.read import read
+
+_HOMES = {
+    "errors": ("GeometryError", "InertiaError", "ReadError", "UsageError"),
+    "mass.analysis": ("Analysis", "analyse", "mass_properties"),
+    "mass.elements": ("lamina", "point_masses", "wire"),
+    "mass.principal": ("Principal", "principal"),
+    "mass.properties": ("ErrorBound", "MassProperties"),
+    "mass.repair": ("Repaired", "repair", "weld"),
+    "mass.tensor": ("reexpress", "steiner"),
+    "mesh.check": ("Finding", "Report", "check"),
+    "mesh.part": ("Part",),
+    "mesh.read": ("read",),
+}
+_HOME_OF = {name: home for home, names in _HOMES.items() for name in names}
+
+__version__ = "0.1.0"
+__all__ = [
+    "Analysis",
+    "ErrorBound",
+    "Finding",
+    "GeometryError",
+    "InertiaError",
+    "MassProperties",
+    "Part",
+    "Principal",
+    "ReadError",
+    "Repaired",
+    "Report",
+    "UsageError",
+    "analyse",
+    "check",
+    "lamina",
+    "mass_properties",
+    "point_masses",
+    "principal",
+    "read",
+    "reexpress",
+    "repair",
+    "steiner",
+    "weld",
+    "wire",
+]
+
+
+def __getattr__(name: str) -> Any:
+    if name not in _HOME_OF:
+        raise AttributeError(f"module 'inertia' has no attribute {name!r}")
+    value = getattr(import_module(f"inertia.{_HOME_OF[name]}"), name)
+    globals()[name] = value
+    return value
+
+
+def __dir__() -> list[str]:
+    return sorted({*globals(), *__all__})

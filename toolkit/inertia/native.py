@@ -112,7 +112,10 @@ def _write(file: Path, symbol: str, code: bytes) -> None:
         file.parent.mkdir(parents=True, exist_ok=True)
         with tempfile.NamedTemporaryFile(dir=file.parent, delete=False) as beside:
             beside.write(head + b"\n" + code)
-        Path(beside.name).replace(file)
+        try:
+            Path(beside.name).replace(file)
+        finally:
+            Path(beside.name).unlink(missing_ok=True)
 
 
 def _machine() -> Any:

@@ -1,0 +1,1 @@
+"""Part → mass properties: moments with error bounds, Steiner's theorem, principal axes."""

@@ -1,0 +1,1 @@
+"""File → part: reading, checking and repairing meshes."""

@@ -1,13 +1,14 @@
 """Is a surface closed, and of how many pieces is it made: one pass over the triangles.
 
-A surface bounds a solid when its boundary chain is zero: every directed edge u→v is matched by an edge v→u. Edges
-are paired as the triangles stream by; only those that still wait for their partner are kept, so a file in any
-sensible order needs little memory. Triangles whose edges were paired belong to one component. Vertices are equal
-when their stored coordinates are (−0 equals +0).
+A surface bounds a solid when its boundary chain is zero: every directed edge u→v is matched by an edge v→u.
+Edges are paired as the triangles stream by; only those that still wait for their partner are kept, so a file
+in any sensible order needs little memory. Triangles whose edges were paired belong to one component; where
+more than two triangles meet at an edge, the first to come are paired first. Vertices are equal when their
+stored coordinates are (−0 equals +0), which must be finite.
 
-The compiled pass knows a vertex, and an edge, by a 64-bit hash. Two of n edges collide with a probability of about
-n²/2⁶⁵ (6e-6 at ten million triangles); a collision can at worst report a closed surface as open, which the exact
-pairing (`inertia.mesh.edges`) then corrects, or join two components.
+The compiled pass knows a vertex, and an edge, by a 64-bit hash. Two of n edges collide with a probability of
+about n²/2⁶⁵ (6e-6 at ten million triangles); a collision can at worst report a closed surface as open, which
+the exact pairing (`inertia.mesh.edges`) then corrects, or join two components.
 """
 
 from __future__ import annotations
@@ -25,7 +26,7 @@ from inertia.native import Kernel
 Progress = Callable[[float], None]
 """Called with the fraction of the work done."""
 
-_FACETS = Kernel("inertia.mesh.edge_kernel", "pair_facets", "piippipipp".replace(" ", ""))
+_FACETS = Kernel("inertia.mesh.edge_kernel", "pair_facets", "piippipipp")
 _FACES = Kernel("inertia.mesh.edge_kernel", "pair_faces", "ppiiippipipp")
 _REHASH = Kernel("inertia.mesh.edge_kernel", "rehash", "ppippi")
 
@@ -41,8 +42,8 @@ class Closure:
     ----------
     open_edges : directed edges without an opposite partner; 0 for a closed, consistently wound surface
     components : pieces of surface that hang together by their edges
-    labels : (n,) int32, the component of each triangle, numbered as they appear in the file; −1 for a triangle
-        with a repeated corner
+    labels : (n,) int32, the component of each triangle, numbered as they appear in the file; −1 for one with
+        a repeated corner
     repeated : triangles with a repeated corner (they have no area and take part in nothing)
     """
 
@@ -62,7 +63,8 @@ def closure(triangles: Triangles, progress: Progress | None = None) -> Closure:
     >>> found.open_edges, found.components
     (0, 1)
     """
-    if _FACETS.worthwhile(triangles.count):
+    kernel = _FACETS if isinstance(triangles, Facets) else _FACES
+    if kernel.worthwhile(triangles.count):
         return _compiled(triangles, progress)
     return _vectorised(triangles)
 
@@ -85,11 +87,10 @@ def _compiled(triangles: Triangles, progress: Progress | None) -> Closure:
         stop = min(start + _CHUNK, count)
         if 2 * (state[0] + 3 * _CHUNK) > capacity:
             larger = np.zeros(4 * capacity, np.uint64), np.empty(4 * capacity, np.int64)
-            _REHASH.function(
-                _address(keys), _address(values), capacity, _address(larger[0]), _address(larger[1]), 4 * capacity
-            )
-            keys, values = larger
+            old = _address(keys), _address(values), capacity
             capacity *= 4
+            _REHASH.function(*old, _address(larger[0]), _address(larger[1]), capacity)
+            keys, values = larger
         if state[1] + _CHUNK > len(parent):
             parent = np.concatenate([parent, np.empty_like(parent)])
         tables = (
@@ -192,12 +193,17 @@ def _vectorised(triangles: Triangles) -> Closure:
     first = np.ones(len(low), bool)
     first[1:] = (low[1:] != low[:-1]) | (high[1:] != high[:-1])
     starts = np.flatnonzero(first)
-    surplus = np.add.reduceat(np.where(forward, 1, -1), starts) if len(starts) else np.zeros(0, int)
-    # Within one edge's group every triangle hangs together with the next, unless the group has no opposite at all.
-    same = ~first[1:]
-    label = components(np.column_stack([owner[:-1][same], owner[1:][same]]), count)
+    uses = np.diff(np.append(starts, len(low)))
+    ahead = np.add.reduceat(forward, starts, dtype=np.int64) if len(starts) else uses
+    behind = uses - ahead
+    # First come, first served, as in the compiled pass: an edge's k-th use one way meets the k-th the other.
+    pairs = np.minimum(ahead, behind)
+    turn = np.arange(pairs.sum()) - np.repeat(np.cumsum(pairs) - pairs, pairs)
+    one = np.repeat(starts, pairs) + turn
+    other = one + np.repeat(behind, pairs)
+    label = components(np.column_stack([owner[one], owner[other]]), count)
     label[repeated] = -1
     roots, number = np.unique(label, return_inverse=True)
     shift = 1 if repeated.any() else 0
     labels = (number - shift).astype(np.int32)
-    return Closure(int(np.abs(surplus).sum()), len(roots) - shift, labels, int(repeated.sum()))
+    return Closure(int(np.abs(ahead - behind).sum()), len(roots) - shift, labels, int(repeated.sum()))

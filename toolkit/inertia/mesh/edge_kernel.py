@@ -180,12 +180,16 @@ def pair_faces(
 
 
 def rehash(old_keys_at, old_values_at, old_capacity, keys_at, values_at, capacity):
-    """Move all entries into a larger, empty table."""
+    """Move all entries into a larger, empty table; those of one key stay in the order in which they came."""
     old_keys = carray(old_keys_at, (old_capacity,), np.uint64)
     old_values = carray(old_values_at, (old_capacity,), np.int64)
     keys = carray(keys_at, (capacity,), np.uint64)
     values = carray(values_at, (capacity,), np.int64)
-    for slot in range(old_capacity):
+    free = 0
+    while old_keys[free] != 0:
+        free += 1
+    for step in range(old_capacity):
+        slot = (free + step) & (old_capacity - 1)
         if old_keys[slot] != 0:
             insert(keys, values, capacity - 1, old_keys[slot], old_values[slot])
     return 0

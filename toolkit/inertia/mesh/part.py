@@ -65,6 +65,8 @@ class Facets:
     def corners_f4(self, start: int = 0, stop: int | None = None) -> NDArray[np.float32]:
         """Return the stored corners of triangles `start:stop`, (k, 3, 3) float32, as a view."""
         part = self.records[start:stop]
+        if len(part) == 0:
+            return np.empty((0, 3, 3), "<f4")
         return np.ndarray(
             (len(part), 3, 3), "<f4", buffer=part, offset=_CORNERS_OFFSET, strides=(FACET.itemsize, 12, 4)
         )

@@ -1,0 +1,92 @@
+"""A STEP file (AP214) of a solid with plane faces, written from its corners and polygons."""
+
+from collections.abc import Sequence
+
+import numpy as np
+
+_HEAD = """ISO-10303-21;
+HEADER;
+FILE_DESCRIPTION((''),'2;1');
+FILE_NAME('','',(''),(''),'','','');
+FILE_SCHEMA(('AUTOMOTIVE_DESIGN { 1 0 10303 214 1 1 1 1 }'));
+ENDSEC;
+DATA;
+"""
+
+
+class _Writer:
+    def __init__(self) -> None:
+        self.entities: list[str] = []
+
+    def add(self, text: str) -> str:
+        self.entities.append(text)
+        return f"#{len(self.entities)}"
+
+    def vector(self, kind: str, xyz: Sequence[float]) -> str:
+        return self.add(f"{kind}('',({','.join(repr(float(x)) for x in xyz)}))")
+
+    def axes(self, origin: Sequence[float], z: Sequence[float], x: Sequence[float]) -> str:
+        at = self.vector("CARTESIAN_POINT", origin)
+        return self.add(f"AXIS2_PLACEMENT_3D('',{at},{self.vector('DIRECTION', z)},{self.vector('DIRECTION', x)})")
+
+
+def step_solid(points: np.ndarray, polygons: Sequence[Sequence[int]], name: str, inches: bool = False) -> str:
+    """The solid with corners `points` and outward `polygons`, in millimetres or in inches."""
+    w = _Writer()
+    context = _context(w, inches)
+    shape = _product(w, name)
+    corners = [w.add(f"VERTEX_POINT('',{w.vector('CARTESIAN_POINT', p)})") for p in points]
+    edges: dict[tuple[int, int], str] = {}
+
+    def oriented_edge(a: int, b: int) -> str:
+        forward = (b, a) not in edges
+        if forward:
+            along = points[b] - points[a]
+            length = float(np.linalg.norm(along))
+            vector = w.add(f"VECTOR('',{w.vector('DIRECTION', along / length)},{length!r})")
+            line = w.add(f"LINE('',{w.vector('CARTESIAN_POINT', points[a])},{vector})")
+            edges[a, b] = w.add(f"EDGE_CURVE('',{corners[a]},{corners[b]},{line},.T.)")
+        edge = edges[(a, b) if forward else (b, a)]
+        return w.add(f"ORIENTED_EDGE('',*,*,{edge},.{'T' if forward else 'F'}.)")
+
+    faces = []
+    for polygon in polygons:
+        ring = [oriented_edge(a, b) for a, b in zip(polygon, [*polygon[1:], polygon[0]], strict=True)]
+        loop = w.add(f"EDGE_LOOP('',({','.join(ring)}))")
+        bound = w.add(f"FACE_OUTER_BOUND('',{loop},.T.)")
+        a, b, c = points[list(polygon[:3])]
+        normal = np.cross(b - a, c - a)
+        plane = w.axes(a, normal / np.linalg.norm(normal), (b - a) / np.linalg.norm(b - a))
+        surface = w.add(f"PLANE('',{plane})")
+        faces.append(w.add(f"ADVANCED_FACE('',({bound}),{surface},.T.)"))
+    shell = w.add(f"CLOSED_SHELL('',({','.join(faces)}))")
+    brep = w.add(f"MANIFOLD_SOLID_BREP('{name}',{shell})")
+    origin = w.axes((0, 0, 0), (0, 0, 1), (1, 0, 0))
+    body = w.add(f"ADVANCED_BREP_SHAPE_REPRESENTATION('',({origin},{brep}),{context})")
+    w.add(f"SHAPE_DEFINITION_REPRESENTATION({shape},{body})")
+    entities = "".join(f"#{i} = {text};\n" for i, text in enumerate(w.entities, 1))
+    return f"{_HEAD}{entities}ENDSEC;\nEND-ISO-10303-21;\n"
+
+
+def _product(w: _Writer, name: str) -> str:
+    application = w.add("APPLICATION_CONTEXT('automotive design')")
+    product_context = w.add(f"PRODUCT_CONTEXT('',{application},'mechanical')")
+    product = w.add(f"PRODUCT('{name}','{name}','',({product_context}))")
+    formation = w.add(f"PRODUCT_DEFINITION_FORMATION('','',{product})")
+    context = w.add(f"PRODUCT_DEFINITION_CONTEXT('part definition',{application},'design')")
+    definition = w.add(f"PRODUCT_DEFINITION('','',{formation},{context})")
+    return w.add(f"PRODUCT_DEFINITION_SHAPE('','',{definition})")
+
+
+def _context(w: _Writer, inches: bool) -> str:
+    length = w.add("(LENGTH_UNIT()NAMED_UNIT(*)SI_UNIT(.MILLI.,.METRE.))")
+    if inches:
+        size = w.add(f"LENGTH_MEASURE_WITH_UNIT(LENGTH_MEASURE(25.4),{length})")
+        dimensions = w.add("DIMENSIONAL_EXPONENTS(1.,0.,0.,0.,0.,0.,0.)")
+        length = w.add(f"(CONVERSION_BASED_UNIT('INCH',{size})LENGTH_UNIT()NAMED_UNIT({dimensions}))")
+    angle = w.add("(NAMED_UNIT(*)PLANE_ANGLE_UNIT()SI_UNIT($,.RADIAN.))")
+    solid = w.add("(NAMED_UNIT(*)SI_UNIT($,.STERADIAN.)SOLID_ANGLE_UNIT())")
+    return w.add(
+        f"(GEOMETRIC_REPRESENTATION_CONTEXT(3)GLOBAL_UNIT_ASSIGNED_CONTEXT(({length},{angle},{solid}))"
+        "REPRESENTATION_CONTEXT('',''))"
+    )

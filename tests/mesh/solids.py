@@ -1,0 +1,95 @@
+"""Small solids with known answers, for the tests of the mesh."""
+
+import numpy as np
+
+from inertia.mesh.part import FACET, Facets, Part, Source, Surface, Triangles
+from inertia.units import length_unit
+
+Mesh = tuple[np.ndarray, np.ndarray]
+
+BOX_FACES = [
+    [0, 2, 1], [1, 2, 3], [4, 5, 6], [5, 7, 6], [0, 1, 4], [1, 5, 4],
+    [2, 6, 3], [3, 6, 7], [0, 4, 2], [2, 4, 6], [1, 3, 5], [3, 7, 5],
+]  # fmt: skip
+
+
+def box(low: tuple[float, float, float], high: tuple[float, float, float]) -> Mesh:
+    """Return a box of 12 outward triangles; vertex x + 2y + 4z is at the high ends whose x, y, z are 1."""
+    vertices = [[(low, high)[i >> k & 1][k] for k in range(3)] for i in range(8)]
+    return np.array(vertices, float), np.array(BOX_FACES)
+
+
+def cube(middle: tuple[float, float, float] = (0, 0, 0), size: float = 1.0) -> Mesh:
+    return box(tuple(x - size / 2 for x in middle), tuple(x + size / 2 for x in middle))
+
+
+def sphere(middle: tuple[float, float, float] = (0, 0, 0), radius: float = 1.0, splits: int = 3) -> Mesh:
+    """Return an octahedron split `splits` times, its vertices on the sphere."""
+    points = [(1, 0, 0), (-1, 0, 0), (0, 1, 0), (0, -1, 0), (0, 0, 1), (0, 0, -1)]
+    faces = [(0, 2, 4), (2, 1, 4), (1, 3, 4), (3, 0, 4), (2, 0, 5), (1, 2, 5), (3, 1, 5), (0, 3, 5)]
+    number = {point: i for i, point in enumerate(points)}
+
+    def middle_of(a: int, b: int) -> int:
+        point = np.add(points[a], points[b])
+        unit = tuple((point / np.linalg.norm(point)).tolist())
+        if unit not in number:
+            number[unit] = len(points)
+            points.append(unit)
+        return number[unit]
+
+    for _ in range(splits):
+        split = []
+        for a, b, c in faces:
+            ab, bc, ca = middle_of(*sorted((a, b))), middle_of(*sorted((b, c))), middle_of(*sorted((c, a)))
+            split += [(a, ab, ca), (ab, b, bc), (ca, bc, c), (ab, bc, ca)]
+        faces = split
+    return np.array(middle) + radius * np.array(points, float), np.array(faces)
+
+
+def ring(around: int = 48, along: int = 16, radius: float = 3.0, tube: float = 1.0) -> Mesh:
+    """Return a torus about the z axis."""
+    u, v = np.meshgrid(np.arange(around), np.arange(along), indexing="ij")
+    a, b = 2 * np.pi * u / around, 2 * np.pi * v / along
+    from_axis = radius + tube * np.cos(b)
+    points = np.stack([from_axis * np.cos(a), from_axis * np.sin(a), tube * np.sin(b)], axis=-1)
+    here, beside = u * along + v, (u + 1) % around * along + v
+    above, across = u * along + (v + 1) % along, (u + 1) % around * along + (v + 1) % along
+    faces = np.stack([here, beside, across, here, across, above], axis=-1)
+    return points.reshape(-1, 3), faces.reshape(-1, 3)
+
+
+def moebius(steps: int = 12) -> Mesh:
+    """Return a band of 2 × steps triangles with half a turn in it, wound consistently except at one seam."""
+    angle = 2 * np.pi * np.arange(steps) / steps
+    middle = np.stack([4 * np.cos(angle), 4 * np.sin(angle), 0 * angle], axis=1)
+    across = np.stack([np.cos(angle / 2) * np.cos(angle), np.cos(angle / 2) * np.sin(angle), np.sin(angle / 2)], axis=1)
+    faces = []
+    for step in range(steps):
+        a, b = 2 * step, 2 * step + 1
+        c, d = (a + 2, b + 2) if step + 1 < steps else (1, 0)
+        faces += [[a, c, b], [b, c, d]]
+    return np.stack([middle - across, middle + across], axis=1).reshape(-1, 3), np.array(faces)
+
+
+def inside_out(mesh: Mesh) -> Mesh:
+    return mesh[0], mesh[1][:, ::-1]
+
+
+def joined(*meshes: Mesh) -> Surface:
+    """Return all meshes as one surface, each with vertices of its own."""
+    counts = np.cumsum([0, *(len(vertices) for vertices, _ in meshes)])
+    faces = [faces + start for (_, faces), start in zip(meshes, counts[:-1], strict=True)]
+    return Surface(np.concatenate([vertices for vertices, _ in meshes]), np.concatenate(faces))
+
+
+def facets(surface: Surface) -> Facets:
+    """Return the surface as binary STL records; its coordinates are rounded to float32."""
+    records = np.zeros(surface.count, FACET)
+    result = Facets(records)
+    result.corners_f4()[...] = surface.corners()
+    return result
+
+
+def part(geometry: Triangles | Mesh, unit: str = "mm") -> Part:
+    surface = joined(geometry) if isinstance(geometry, tuple) else geometry
+    return Part(surface, length_unit(unit), "option", Source("bracket.stl", "stl"))

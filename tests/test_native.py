@@ -1,0 +1,131 @@
+"""The cache of compiled kernels: it may be absent, damaged or read-only, and the answer stays the same."""
+
+import sys
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from inertia.mesh import closure
+from inertia.mesh.part import Surface
+from inertia.native import COMPILE_ABOVE, LOAD_ABOVE, Kernel
+
+
+def torus(around: int, along: int) -> Surface:
+    """Return a closed torus of 2 × around × along triangles."""
+    u, v = np.meshgrid(np.arange(around), np.arange(along), indexing="ij")
+    a, b = 2 * np.pi * u / around, 2 * np.pi * v / along
+    points = np.stack([(3 + np.cos(b)) * np.cos(a), (3 + np.cos(b)) * np.sin(a), np.sin(b)], axis=-1)
+    here, beside = u * along + v, (u + 1) % around * along + v
+    above, across = u * along + (v + 1) % along, (u + 1) % around * along + (v + 1) % along
+    faces = np.stack([here, beside, across, here, across, above], axis=-1)
+    return Surface(points.reshape(-1, 3), faces.reshape(-1, 3))
+
+
+LARGE = torus(700, 300)
+"""Enough triangles that compiling is worthwhile."""
+
+
+def is_one_closed_piece(surface: Surface) -> bool:
+    found = closure.closure(surface)
+    return (found.open_edges, found.components, found.repeated) == (0, 1, 0) and not found.labels.any()
+
+
+def forget_kernels(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Make this process look for its kernels again, as another process would."""
+    for name in ("_FACETS", "_FACES", "_REHASH"):
+        kernel: Kernel = getattr(closure, name)
+        monkeypatch.setattr(closure, name, Kernel(kernel.module, kernel.name, kernel.abi))
+
+
+def forbid_compiler(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setitem(sys.modules, "numba", None)
+
+
+@pytest.fixture
+def cache(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """An empty cache, and no kernel loaded."""
+    folder = tmp_path / "cache"
+    monkeypatch.setenv("INERTIA_CACHE", str(folder))
+    forget_kernels(monkeypatch)
+    return folder
+
+
+@pytest.fixture(scope="module")
+def compiled(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """The one file that a first use leaves in the cache."""
+    with pytest.MonkeyPatch.context() as monkeypatch:
+        folder = tmp_path_factory.mktemp("compiled")
+        monkeypatch.setenv("INERTIA_CACHE", str(folder))
+        forget_kernels(monkeypatch)
+        assert is_one_closed_piece(LARGE)
+        (file,) = folder.iterdir()
+        return file
+
+
+def put(cache: Path, compiled: Path, content: bytes) -> Path:
+    cache.mkdir()
+    file = cache / compiled.name
+    file.write_bytes(content)
+    return file
+
+
+def test_what_one_process_compiled_the_next_loads_without_the_compiler(
+    cache: Path, compiled: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    file = put(cache, compiled, compiled.read_bytes())
+    forbid_compiler(monkeypatch)
+    assert is_one_closed_piece(LARGE)
+    assert file.read_bytes() == compiled.read_bytes()
+
+
+@pytest.mark.parametrize(
+    "damage",
+    [
+        lambda content: b"",
+        lambda content: content[:-1],
+        lambda content: content[:-1] + bytes([content[-1] ^ 1]),
+        lambda content: content.replace(b'"symbol"', b'"simbol"', 1),
+        lambda content: b"[]\n" + content,
+    ],
+    ids=["empty", "truncated", "one bit flipped", "no symbol", "not a record"],
+)
+def test_a_damaged_file_is_made_again(
+    cache: Path, compiled: Path, monkeypatch: pytest.MonkeyPatch, damage: Callable[[bytes], bytes]
+) -> None:
+    file = put(cache, compiled, damage(compiled.read_bytes()))
+    assert is_one_closed_piece(LARGE)
+    assert list(cache.iterdir()) == [file]
+    forget_kernels(monkeypatch)
+    forbid_compiler(monkeypatch)
+    assert is_one_closed_piece(LARGE)
+
+
+def test_a_cache_that_cannot_be_written_costs_no_answer(
+    cache: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    (tmp_path / "file").write_text("not a folder")
+    monkeypatch.setenv("INERTIA_CACHE", str(tmp_path / "file" / "cache"))
+    assert is_one_closed_piece(LARGE)
+    assert [path.name for path in tmp_path.iterdir()] == ["file"]
+
+
+def test_native_0_does_without_compiled_kernels(cache: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("INERTIA_NATIVE", "0")
+    forbid_compiler(monkeypatch)
+    assert is_one_closed_piece(LARGE)
+    assert not cache.exists()
+
+
+def test_a_kernel_is_compiled_for_many_triangles_and_loaded_for_fewer(
+    cache: Path, compiled: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def worthwhile() -> list[bool]:
+        return [closure._FACES.worthwhile(count) for count in (LOAD_ABOVE - 1, LOAD_ABOVE, COMPILE_ABOVE)]
+
+    assert worthwhile() == [False, False, True]
+    put(cache, compiled, compiled.read_bytes())
+    assert worthwhile() == [False, True, True]
+    monkeypatch.setenv("INERTIA_NATIVE", "0")
+    assert worthwhile() == [False, False, False]

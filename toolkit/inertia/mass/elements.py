@@ -1,0 +1,109 @@
+"""Bodies without a mesh: point masses, wires and flat laminae, by the second-moment algebra of simplices."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from inertia.errors import GeometryError, UsageError
+from inertia.mass.moments import ZERO, simplex_moments
+from inertia.mass.properties import MassProperties
+from inertia.mesh.part import Float
+
+_FLAT = 1e-9
+"""A polygon counts as flat when its corners lie within this part of its size from its plane."""
+
+
+def point_masses(positions: ArrayLike, masses: ArrayLike) -> MassProperties:
+    """Return the mass properties of point masses: I = Σ m (r² δ − r rᵀ) (textbook eq. 13.12).
+
+    Parameters
+    ----------
+    positions : (n, 3) m
+    masses : (n,) kg, all positive
+
+    >>> point_masses([[1, 0, 0], [-1, 0, 0]], [0.5, 0.5]).inertia.diagonal().tolist()
+    [0.0, 1.0, 1.0]
+    """
+    points = _points(positions, 1)
+    weights = np.asarray(masses, dtype=np.float64)
+    if weights.shape != (len(points),):
+        raise UsageError(f"masses must have shape ({len(points)},), one for each position, not {weights.shape}")
+    if not (np.isfinite(weights) & (weights > 0)).all():
+        worst = int(np.flatnonzero(~(np.isfinite(weights) & (weights > 0)))[0])
+        raise GeometryError(f"masses[{worst}] is {weights[worst]}: a mass must be positive and finite")
+    moments = simplex_moments(points[:, None, :], weights)
+    return MassProperties.from_moments(moments, ZERO, ZERO, "exact sums over points")
+
+
+def wire(points: ArrayLike, linear_density: float) -> MassProperties:
+    """Return the mass properties of a thin wire along a polyline.
+
+    The second moments of a segment of mass m between a and b are m/6 (s sᵀ + a aᵀ + b bᵀ), s = a + b.
+
+    Parameters
+    ----------
+    points : (n, 3) m, n ≥ 2, the polyline's corners in order; repeat the first to close it
+    linear_density : kg/m
+
+    >>> rod = wire([[0, 0, 0], [2, 0, 0]], 1.5)
+    >>> rod.mass, float(rod.inertia[2, 2])
+    (3.0, 1.0)
+    """
+    corners = _points(points, 2)
+    segments = np.stack([corners[:-1], corners[1:]], axis=1)
+    lengths = np.linalg.norm(segments[:, 1] - segments[:, 0], axis=1)
+    moments = simplex_moments(segments, lengths * _positive(linear_density, "linear_density", "kg/m"))
+    return MassProperties.from_moments(moments, ZERO, ZERO, "float64 lengths, exact moments")
+
+
+def lamina(outline: ArrayLike, areal_density: float) -> MassProperties:
+    """Return the mass properties of a flat plate of negligible thickness with a polygonal outline.
+
+    The polygon is split into triangles with its first corner, whose signed areas add up also where it is not convex;
+    I1 + I2 = I3 for any lamina (textbook § 13.9).
+
+    Parameters
+    ----------
+    outline : (n, 2) or (n, 3) m, n ≥ 3, corners in order, in one plane
+    areal_density : kg/m²
+
+    >>> lamina([[0, 0], [1, 0], [1, 1], [0, 1]], 12.0).inertia.diagonal().tolist()
+    [1.0, 1.0, 2.0]
+    """
+    corners = _points(outline, 3)
+    triangles = np.stack([np.broadcast_to(corners[0], (len(corners) - 2, 3)), corners[1:-1], corners[2:]], axis=1)
+    normals = 0.5 * np.cross(triangles[:, 1] - triangles[:, 0], triangles[:, 2] - triangles[:, 0])
+    normal = normals.sum(axis=0)
+    area = float(np.linalg.norm(normal))
+    size = float(np.ptp(corners, axis=0).max())
+    if area <= 1e-15 * size * size:
+        raise GeometryError(f"the outline encloses an area of {area:.3g} m2: give its corners in order around it")
+    off = np.abs((corners - corners.mean(axis=0)) @ (normal / area))
+    if off.max() > _FLAT * size:
+        worst = int(off.argmax())
+        raise GeometryError(
+            f"outline[{worst}] is {off[worst]:.3g} m off the plane of the outline, the limit is {_FLAT * size:.3g} m: "
+            "a lamina is flat; use a mesh with shell=THICKNESS"
+        )
+    weight = _positive(areal_density, "areal_density", "kg/m2")
+    moments = simplex_moments(triangles, normals @ (normal / area) * weight)
+    return MassProperties.from_moments(moments, ZERO, ZERO, "float64 areas, exact moments")
+
+
+def _points(value: ArrayLike, least: int) -> Float:
+    points = np.asarray(value, dtype=np.float64)
+    if points.ndim == 2 and points.shape[1] == 2:
+        points = np.column_stack([points, np.zeros(len(points))])
+    if points.ndim != 2 or points.shape[1] != 3 or len(points) < least:
+        raise UsageError(f"points must have shape (n, 3) with n at least {least}, not {points.shape}")
+    if not np.isfinite(points).all():
+        row = int(np.argwhere(~np.isfinite(points))[0, 0])
+        raise GeometryError(f"point {row} has the coordinates {points[row].tolist()}, which are not all finite")
+    return points
+
+
+def _positive(value: float, name: str, unit: str) -> float:
+    if not 0 < value < np.inf:
+        raise UsageError(f"{name} is {value!r} {unit}: it must be positive and finite")
+    return float(value)

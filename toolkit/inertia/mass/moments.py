@@ -1,0 +1,265 @@
+"""Zeroth, first and second moments of a body, as exact rationals with bounds.
+
+Everything after the sums over the mesh is done in rational arithmetic: shifting (Steiner), adding bodies, the unit,
+the density. Each result is rounded to float64 once. So the only errors are those of the sums, and those have bounds.
+
+`second` holds ∫ x xᵀ, the *positive* second moments; the sign of the tensor's products enters in `inertia_tensor`
+only: I_xx = ∫(y² + z²), I_xy = −∫xy.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+from fractions import Fraction
+from math import isqrt
+
+from inertia.mass.sums import ROUNDINGS, Sums
+from inertia.mesh.part import Float
+
+Vector = tuple[Fraction, Fraction, Fraction]
+Six = tuple[Fraction, Fraction, Fraction, Fraction, Fraction, Fraction]
+
+PAIRS = ((0, 0), (1, 1), (2, 2), (1, 2), (2, 0), (0, 1))
+"""The axes of the six second moments: xx, yy, zz, yz, zx, xy."""
+
+ZERO = Fraction(0)
+_UNIT_ROUNDOFF = Fraction(1, 2**53)
+
+
+@dataclass(frozen=True)
+class Moments:
+    """Moments about `origin`, and bounds on the error of each.
+
+    `zeroth` is a volume, an area, a length or a mass; `first` is ∫x, `second` is ∫x xᵀ (xx, yy, zz, yz, zx, xy),
+    with x measured from `origin`. The bounds are absolute. Lengths are in any one unit.
+    """
+
+    origin: Vector
+    zeroth: Fraction
+    first: Vector
+    second: Six
+    zeroth_bound: Fraction = ZERO
+    first_bound: Vector = (ZERO, ZERO, ZERO)
+    second_bound: Six = (ZERO, ZERO, ZERO, ZERO, ZERO, ZERO)
+
+    def scaled(self, factor: Fraction) -> Moments:
+        """Return the moments of the same shape with `factor` times the density."""
+        size = abs(factor)
+        return Moments(
+            self.origin,
+            factor * self.zeroth,
+            _vector(factor * k for k in self.first),
+            _six(factor * k for k in self.second),
+            size * self.zeroth_bound,
+            _vector(size * k for k in self.first_bound),
+            _six(size * k for k in self.second_bound),
+        )
+
+    def in_unit(self, metres: Fraction) -> Moments:
+        """Return the same moments with lengths in metres, for coordinates in a unit of `metres`; `zeroth` stays.
+
+        The zeroth moment's own unit is the caller's: it is a volume, an area, a length or a mass.
+        """
+        return Moments(
+            _vector(metres * k for k in self.origin),
+            self.zeroth,
+            _vector(metres * k for k in self.first),
+            _six(metres**2 * k for k in self.second),
+            self.zeroth_bound,
+            _vector(metres * k for k in self.first_bound),
+            _six(metres**2 * k for k in self.second_bound),
+        )
+
+    def about(self, point: Sequence[Fraction]) -> Moments:
+        """Return the moments about another point (Steiner's theorem, exactly).
+
+        With d = origin − point: ∫x → ∫x + d V and ∫x xᵀ → ∫x xᵀ + d ∫xᵀ + ∫x dᵀ + d dᵀ V.
+        """
+        d = [o - p for o, p in zip(self.origin, point, strict=True)]
+        f, fb = self.first, self.first_bound
+        v, vb = self.zeroth, self.zeroth_bound
+        return Moments(
+            _vector(point),
+            v,
+            _vector(f[i] + d[i] * v for i in range(3)),
+            _six(self.second[k] + d[i] * f[j] + d[j] * f[i] + d[i] * d[j] * v for k, (i, j) in enumerate(PAIRS)),
+            vb,
+            _vector(fb[i] + abs(d[i]) * vb for i in range(3)),
+            _six(
+                self.second_bound[k] + abs(d[i]) * fb[j] + abs(d[j]) * fb[i] + abs(d[i] * d[j]) * vb
+                for k, (i, j) in enumerate(PAIRS)
+            ),
+        )
+
+    def __add__(self, other: Moments) -> Moments:
+        """Return the moments of both bodies together, about the first one's origin."""
+        moved = other.about(self.origin)
+        return Moments(
+            self.origin,
+            self.zeroth + moved.zeroth,
+            _vector(a + b for a, b in zip(self.first, moved.first, strict=True)),
+            _six(a + b for a, b in zip(self.second, moved.second, strict=True)),
+            self.zeroth_bound + moved.zeroth_bound,
+            _vector(a + b for a, b in zip(self.first_bound, moved.first_bound, strict=True)),
+            _six(a + b for a, b in zip(self.second_bound, moved.second_bound, strict=True)),
+        )
+
+    @property
+    def centroid(self) -> Vector:
+        """The centre of volume or mass, in file axes."""
+        return _vector(o + f / self.zeroth for o, f in zip(self.origin, self.first, strict=True))
+
+    @property
+    def centroid_bound(self) -> Fraction:
+        """A bound on the centroid's distance from the true one (Euclidean).
+
+        |f̂/v̂ − f/v| ≤ (B_f + |f̂/v̂| B_v) / (|v̂| − B_v) for each axis.
+        """
+        least = abs(self.zeroth) - self.zeroth_bound
+        if least <= 0:
+            raise ZeroDivisionError
+        bounds = [
+            (b + abs(f / self.zeroth) * self.zeroth_bound) / least
+            for f, b in zip(self.first, self.first_bound, strict=True)
+        ]
+        return root_above(sum((b * b for b in bounds), ZERO))
+
+    def central(self) -> Moments:
+        """Return the moments about the centroid, with bounds that hold for the *true* centroid.
+
+        The central moments are s − f fᵀ/v. With c = f̂/v̂ and ε the bound on c, f fᵀ/v moves by at most
+        |c| B_f + B_f |c|ᵀ + |c||c|ᵀ B_v + ε εᵀ |v| (expand about c; the last term is of second order).
+        """
+        v, vb = self.zeroth, self.zeroth_bound
+        least = abs(v) - vb
+        if least <= 0:
+            raise ZeroDivisionError
+        c = [f / v for f in self.first]
+        fb = self.first_bound
+        eps = [(b + abs(k) * vb) / least for k, b in zip(c, fb, strict=True)]
+        return Moments(
+            self.centroid,
+            v,
+            (ZERO, ZERO, ZERO),
+            _six(self.second[k] - self.first[i] * c[j] for k, (i, j) in enumerate(PAIRS)),
+            vb,
+            (ZERO, ZERO, ZERO),
+            _six(
+                self.second_bound[k]
+                + abs(c[i]) * fb[j]
+                + abs(c[j]) * fb[i]
+                + abs(c[i] * c[j]) * vb
+                + eps[i] * eps[j] * (abs(v) + vb)
+                for k, (i, j) in enumerate(PAIRS)
+            ),
+        )
+
+
+def total(bodies: Iterable[Moments]) -> Moments:
+    """Add up the moments of several bodies, about the origin of the first; at least one is needed."""
+    first, *others = bodies
+    for other in others:
+        first = first + other
+    return first
+
+
+def inertia_tensor(second: Six) -> list[list[Fraction]]:
+    """Return the 3×3 inertia tensor of second moments: I = tr(S) δ − S, with Ixx formed as Syy + Szz."""
+    xx, yy, zz, yz, zx, xy = second
+    return [[yy + zz, -xy, -zx], [-xy, zz + xx, -yz], [-zx, -yz, xx + yy]]
+
+
+def inertia_bound(bound: Six) -> Fraction:
+    """Return a bound on the Frobenius norm of the tensor's error, from the bounds on the second moments."""
+    xx, yy, zz, yz, zx, xy = bound
+    squares = (yy + zz) ** 2 + (zz + xx) ** 2 + (xx + yy) ** 2 + 2 * (xy * xy + zx * zx + yz * yz)
+    return root_above(squares)
+
+
+def root_above(square: Fraction) -> Fraction:
+    """Return a rational at least as large as √square, above it by at most a part in 2⁶⁰."""
+    if square <= 0:
+        return ZERO
+    n, d = square.numerator, square.denominator
+    shift = max(0, 64 - (n.bit_length() - d.bit_length()) // 2)
+    scaled = (n << (2 * shift)) // d + 1
+    return Fraction(isqrt(scaled) + 1, 1 << shift)
+
+
+def moments_of(sums: Sums, *, surface: bool = False) -> Moments:
+    """Turn the sums over triangles into moments with a-priori bounds, in the file's unit.
+
+    For a solid, V = Σd/6, ∫x = Σd s/24, ∫x xᵀ = Σd(…)/120 (twice that on the diagonal); for a shell, with |n| for d,
+    A = Σ|n|/2, ∫x = Σ|n|s/6, ∫x xᵀ = Σ|n|(…)/24.
+
+    Every term passes through at most k = `ROUNDINGS` roundings, so each sum is within γ Σ(magnitudes), with
+    γ = k u/(1 − k u) and u = 2⁻⁵³ (Higham, *Accuracy and Stability of Numerical Algorithms*, 2nd ed., lemma 3.1).
+    The magnitudes of d are Σp; those of s are at most 3 X, and those of the brackets 12 X Y (6 X², taken twice), X
+    and Y being the largest distances from the origin along the two axes. Σp itself is off by at most the same factor.
+    What underflow can add, at most 100 smallest normal numbers a triangle times the four lengths that may multiply
+    them, is added.
+    """
+    exponent = sums.exponent
+    gamma = ROUNDINGS * _UNIT_ROUNDOFF / (1 - 2 * ROUNDINGS * _UNIT_ROUNDOFF)
+    size = Fraction(float(sums.sums[10])) * (1 + gamma)
+    origin = _vector(Fraction(float(k)) for k in sums.origin)
+    shrink = Fraction(2) ** -exponent
+    reach = [
+        max(abs(Fraction(float(high)) - o), abs(Fraction(float(low)) - o)) / shrink
+        for low, high, o in zip(sums.low, sums.high, origin, strict=True)
+    ]
+    tiny = sums.count * Fraction(100, 2**1022) * max([Fraction(1), *reach]) ** 4
+    value = [Fraction(k) for k in sums.sums.tolist()]
+    first = _vector(k / (6 if surface else 24) for k in value[1:4])
+    second = _six(k / (24 if surface else 120) for k in (*(2 * k for k in value[4:7]), *value[7:10]))
+    power = 2 if surface else 3
+    zeroth_bound = (gamma * size + tiny) / (2 if surface else 6)
+    first_bound = [(gamma * size * 3 * r + tiny) / (6 if surface else 24) for r in reach]
+    second_bound = [(gamma * size * 12 * reach[i] * reach[j] + tiny) / (24 if surface else 120) for i, j in PAIRS]
+    unit = shrink**power
+    return Moments(
+        origin,
+        unit * value[0] / (2 if surface else 6),
+        _vector(unit * shrink * k for k in first),
+        _six(unit * shrink**2 * k for k in second),
+        unit * zeroth_bound,
+        _vector(unit * shrink * k for k in first_bound),
+        _six(unit * shrink**2 * k for k in second_bound),
+    )
+
+
+def _vector(values: Iterable[Fraction]) -> Vector:
+    x, y, z = values
+    return x, y, z
+
+
+def _six(values: Iterable[Fraction]) -> Six:
+    xx, yy, zz, yz, zx, xy = values
+    return xx, yy, zz, yz, zx, xy
+
+
+def simplex_moments(corners: Float, measures: Float) -> Moments:
+    """Return the moments of points, segments or triangles of uniform density.
+
+    For a k-dimensional simplex of measure m with corners v: ∫x = m/(k + 1) Σv and
+    ∫x xᵀ = m/((k + 1)(k + 2)) (s sᵀ + Σ v vᵀ), s = Σv. Summed in rational arithmetic: exact for the measures given.
+
+    Parameters
+    ----------
+    corners : (n, k + 1, 3), in any unit
+    measures : (n,) mass, length or area of each
+    """
+    corner_count = corners.shape[1]
+    zeroth, first, second = ZERO, [ZERO] * 3, [ZERO] * 6
+    for simplex, measure in zip(corners.tolist(), measures.tolist(), strict=True):
+        m = Fraction(measure)
+        points = [[Fraction(x) for x in point] for point in simplex]
+        s = [sum(column, ZERO) for column in zip(*points, strict=True)]
+        zeroth += m
+        for i in range(3):
+            first[i] += m * s[i] / corner_count
+        for k, (i, j) in enumerate(PAIRS):
+            squares = s[i] * s[j] + sum((p[i] * p[j] for p in points), ZERO)
+            second[k] += m * squares / (corner_count * (corner_count + 1))
+    return Moments((ZERO, ZERO, ZERO), zeroth, _vector(first), _six(second))

@@ -1,0 +1,203 @@
+"""`MassProperties`: mass, centre of mass and inertia tensor of a body, with bounds, and the algebra on them.
+
+Signs and frames are those of `inertia.mass.tensor`.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from fractions import Fraction
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from inertia.errors import GeometryError, UsageError
+from inertia.mass import principal as principals
+from inertia.mass.moments import ZERO, Moments, Six, inertia_bound, inertia_tensor
+from inertia.mass.tensor import array_of, faults, rotation_of
+from inertia.mesh.part import Float
+
+_ROUNDOFF = 2.0**-53
+
+
+@dataclass(frozen=True)
+class ErrorBound:
+    """Bounds on the arithmetic error, and the method that ran.
+
+    `volume`, `mass` and `inertia` (Frobenius norm) are relative; `center_of_mass` is a distance in metres. They
+    compare with the exact answer *for the coordinates as stored*: what tessellation or storage lost before is not
+    in them.
+    """
+
+    method: str
+    volume: float
+    mass: float
+    center_of_mass: float
+    inertia: float
+
+
+@dataclass(frozen=True, eq=False)
+class MassProperties:
+    """Mass properties of a body, in SI units and part axes.
+
+    Attributes
+    ----------
+    mass : kg
+    volume : m³; 0 for wires and points
+    center_of_mass : (3,) m
+    inertia : (3, 3) kg m² about the centre of mass; off-diagonal elements are negative products of inertia
+    error : `ErrorBound`
+
+    Raises `GeometryError` where no body of positive mass can have these properties.
+
+    >>> ball = MassProperties(2.0, 1.0, [0, 0, 0], 0.8 * np.eye(3))
+    >>> (ball + ball).about([0, 0, 1]).tolist()
+    [[5.6, 0.0, 0.0], [0.0, 5.6, 0.0], [0.0, 0.0, 1.6]]
+    """
+
+    mass: float
+    volume: float
+    center_of_mass: Float
+    inertia: Float
+    error: ErrorBound = ErrorBound("given", 0.0, 0.0, 0.0, 0.0)
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "center_of_mass", array_of(self.center_of_mass, (3,), "center_of_mass"))
+        object.__setattr__(self, "inertia", array_of(self.inertia, (3, 3), "inertia"))
+        if not 0 < self.mass < np.inf:
+            raise GeometryError(f"the mass is {self.mass:.6g} kg: it must be positive and finite")
+        if found := faults(self.inertia, max(principals.CLASS_TOLERANCE, 4 * self.error.inertia)):
+            raise GeometryError(f"the inertia tensor is not physical: {found[0]}")
+        self.center_of_mass.setflags(write=False)
+        self.inertia.setflags(write=False)
+
+    @classmethod
+    def from_moments(cls, moments: Moments, volume: Fraction, volume_bound: Fraction, method: str) -> MassProperties:
+        """Round exact moments of mass (kg, m) to float64, once each.
+
+        Raises `GeometryError` where the mass is not larger than its bound, or a result leaves float64.
+        """
+        if moments.zeroth <= moments.zeroth_bound:
+            raise GeometryError(
+                f"the mass, {_show(moments.zeroth)} kg, is not above its error bound of "
+                f"{_show(moments.zeroth_bound)} kg: the solid has no volume that these coordinates can tell from zero"
+            )
+        central = moments.central()
+        try:
+            mass, size = float(moments.zeroth), float(volume)
+            com = np.array([float(k) for k in central.origin])
+            tensor = np.array([[float(k) for k in row] for row in inertia_tensor(central.second)])
+            norm = float(np.linalg.norm(tensor / np.abs(tensor).max()) * np.abs(tensor).max())
+        except OverflowError:
+            raise GeometryError(
+                "the result is above 1.8e308 and leaves float64: give the coordinates in a smaller unit with --unit"
+            ) from None
+        if mass == 0 or not tensor.any():
+            raise GeometryError(
+                "the result is below 5e-324 and leaves float64: give the coordinates in a larger unit with --unit"
+            )
+        error = ErrorBound(
+            method,
+            _relative(volume_bound, volume),
+            _relative(moments.zeroth_bound, moments.zeroth),
+            float(moments.centroid_bound) + _ROUNDOFF * float(np.linalg.norm(com)),
+            float(inertia_bound(central.second_bound) / Fraction(norm)) + _ROUNDOFF,
+        )
+        return cls(mass, size, com, tensor, error)
+
+    @cached_property
+    def principal(self) -> principals.Principal:
+        """Principal moments, axes, degenerate subspaces and class, at the default tolerance."""
+        return principals.principal(self.inertia)
+
+    @property
+    def principal_moments(self) -> Float:
+        """Principal moments (3,) kg m², ascending."""
+        return self.principal.moments
+
+    @property
+    def principal_axes(self) -> Float:
+        """Principal axes (3, 3), columns of a right-handed rotation, in part axes."""
+        return self.principal.axes
+
+    def about(self, point: ArrayLike) -> Float:
+        """Return the tensor (3, 3) kg m² about `point` (3,) m, in part axes (Steiner's theorem)."""
+        to = [Fraction(k) for k in array_of(point, (3,), "point").tolist()]
+        return np.array([[float(k) for k in row] for row in inertia_tensor(self._moments.about(to).second)])
+
+    def expressed_in(self, rotation: ArrayLike, origin: ArrayLike = (0.0, 0.0, 0.0)) -> MassProperties:
+        """Return the same body in another frame.
+
+        Parameters
+        ----------
+        rotation : (3, 3), its columns are the new axes in the old ones
+        origin : (3,) m, the new frame's origin in the old one
+        """
+        axes = rotation_of(rotation)
+        tensor = axes.T @ self.inertia @ axes
+        com = axes.T @ (self.center_of_mass - array_of(origin, (3,), "origin"))
+        error = ErrorBound(
+            self.error.method,
+            self.error.volume,
+            self.error.mass,
+            self.error.center_of_mass + 8 * _ROUNDOFF * float(np.linalg.norm(self.center_of_mass)),
+            self.error.inertia + 16 * _ROUNDOFF,
+        )
+        return MassProperties(self.mass, self.volume, com, 0.5 * (tensor + tensor.T), error)
+
+    def with_mass(self, mass: float) -> MassProperties:
+        """Return the same shape with another total mass, kg: the tensor in proportion."""
+        if not 0 < mass < np.inf:
+            raise UsageError(f"mass is {mass!r} kg: it must be positive and finite")
+        return MassProperties(mass, self.volume, self.center_of_mass, self.inertia * (mass / self.mass), self.error)
+
+    def __add__(self, other: object) -> MassProperties:
+        """Assemble two bodies given in the same frame."""
+        return self._combined(other, 1)
+
+    def __sub__(self, other: object) -> MassProperties:
+        """Cut a body out of another one that contains it, given in the same frame."""
+        return self._combined(other, -1)
+
+    def _combined(self, other: object, sign: int) -> MassProperties:
+        if not isinstance(other, MassProperties):
+            raise UsageError(f"mass properties combine with mass properties, not with {type(other).__name__}")
+        volume = Fraction(self.volume) + sign * Fraction(other.volume)
+        bound = sum((Fraction(k.volume) * Fraction(k.error.volume) for k in (self, other)), ZERO)
+        methods = dict.fromkeys((self.error.method, other.error.method))
+        moments = self._moments + other._moments.scaled(Fraction(sign))
+        return MassProperties.from_moments(moments, volume, bound, " + ".join(methods))
+
+    @cached_property
+    def _moments(self) -> Moments:
+        """The moments of mass about the centre of mass, with the bounds."""
+        tensor = [[Fraction(k) for k in row] for row in self.inertia.tolist()]
+        half = sum((tensor[i][i] for i in range(3)), ZERO) / 2
+        mass, x, y, z = (Fraction(k) for k in (self.mass, *self.center_of_mass.tolist()))
+        # |δS_ii| = |½ δtr − δI_ii| ≤ (½√3 + 1)|δI|, and off the diagonal |δS_ij| = |δI_ij|.
+        size = Fraction(self.error.inertia * float(np.linalg.norm(self.inertia)))
+        shift = mass * Fraction(self.error.center_of_mass)
+        second: Six = (
+            *(half - tensor[i][i] for i in range(3)), -tensor[1][2], -tensor[2][0], -tensor[0][1]
+        )  # type: ignore[assignment]  # fmt: skip
+        return Moments(
+            (x, y, z),
+            mass,
+            (ZERO, ZERO, ZERO),
+            second,
+            mass * Fraction(self.error.mass),
+            (shift, shift, shift),
+            (2 * size, 2 * size, 2 * size, size, size, size),
+        )
+
+
+def _relative(bound: Fraction, value: Fraction) -> float:
+    return float(bound / abs(value)) + _ROUNDOFF if value else 0.0
+
+
+def _show(value: Fraction) -> str:
+    try:
+        return f"{float(value):.3g}"
+    except OverflowError:
+        return "inf"

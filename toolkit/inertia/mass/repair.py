@@ -1,0 +1,81 @@
+"""Repairing a part on request, with what the repair did to its volume, centre of mass and tensor."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from fractions import Fraction
+
+import numpy as np
+
+from inertia.mass.moments import Moments, inertia_tensor, moments_of
+from inertia.mass.sums import sum_triangles
+from inertia.mesh.part import Float, Part
+from inertia.mesh.repair import Change, Repair, welded
+from inertia.mesh.repair import repair as repair_mesh
+
+
+@dataclass(frozen=True)
+class Repaired:
+    """A repaired part, every change that was made, and how far the answer moved.
+
+    The integral before the repair is the one over the triangles that there were, about the middle of the part: of
+    a surface with holes it is no volume, but it shows the size of the change.
+
+    Attributes
+    ----------
+    part : the part to go on with; the one given where nothing was changed
+    changes : what was changed, in the order it was done
+    volume_before, volume_after : m³
+    center_of_mass_shift : m; None where there was no volume before
+    inertia_change : Frobenius norm of the change of the tensor about the centre of mass (at equal density), as a
+        part of the new tensor; None where there was no volume before
+    """
+
+    part: Part
+    changes: tuple[Change, ...]
+    volume_before: float
+    volume_after: float
+    center_of_mass_shift: float | None
+    inertia_change: float | None
+
+
+def repair(part: Part, tolerance: float | None = None) -> Repaired:
+    """Repair the surface of a part (see `inertia.mesh.repair` for the steps) and measure the effect.
+
+    Parameters
+    ----------
+    tolerance : vertices within this distance of each other, in the part's unit, become one
+
+    Raises
+    ------
+    GeometryError : the surface cannot be closed
+    UsageError : the tolerance is not usable, or manifold3d is needed and not installed
+
+    >>> part = Part.from_arrays([[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]], [[0, 2, 1], [0, 1, 3], [1, 2, 3]])
+    >>> [str(change) for change in repair(part).changes]
+    ['holes filled: 1 (of 3 edges around (0, 0.333333333, 0.333333333))']
+    """
+    return _measured(part, repair_mesh(part, tolerance=tolerance))
+
+
+def weld(part: Part, tolerance: float) -> Repaired:
+    """Let the vertices within `tolerance` (the part's unit) of each other become one, and measure the effect."""
+    return _measured(part, welded(part, tolerance))
+
+
+def _measured(part: Part, done: Repair) -> Repaired:
+    before = moments_of(sum_triangles(part.triangles))
+    after = moments_of(sum_triangles(done.part.triangles)) if done.changes else before
+    unit = part.unit.metres
+    volumes = [float(unit**3 * moments.zeroth) for moments in (before, after)]
+    if abs(before.zeroth) <= before.zeroth_bound or abs(after.zeroth) <= after.zeroth_bound:
+        return Repaired(done.part, done.changes, volumes[0], volumes[1], None, None)
+    shift = [float((b - a) * unit) for a, b in zip(before.centroid, after.centroid, strict=True)]
+    old, new = _tensor(before, unit), _tensor(after, unit)
+    change = float(np.linalg.norm(new - old) / np.linalg.norm(new))
+    return Repaired(done.part, done.changes, volumes[0], volumes[1], float(np.linalg.norm(shift)), change)
+
+
+def _tensor(moments: Moments, unit: Fraction) -> Float:
+    second = moments.central().scaled(unit**3).in_unit(unit).second
+    return np.array([[float(k) for k in row] for row in inertia_tensor(second)])

@@ -1,0 +1,103 @@
+"""Tensor algebra on plain arrays: Steiner, other frames, physical validity.
+
+Signs, once and for all: the elements off the diagonal are *negative* products of inertia,
+``inertia[0, 1] = −∫ x y dm``, and ``inertia[0, 0] = ∫ (y² + z²) dm``. Shifting changes the point the moments are
+taken about; re-expressing changes the axes they are resolved along. These are two verbs, `steiner` and `reexpress`.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from inertia.errors import UsageError
+from inertia.mesh.part import Float
+
+VALIDITY_TOLERANCE = 1e-9
+"""Relative slack, of the trace, within which a tensor still counts as physical."""
+
+
+def array_of(value: ArrayLike, shape: tuple[int, ...], name: str) -> Float:
+    """Return `value` as a finite float64 array of `shape`, or raise `UsageError` naming it."""
+    array = np.array(value, dtype=np.float64)
+    if array.shape != shape:
+        raise UsageError(f"{name} must have shape {shape}, not {array.shape}")
+    if not np.isfinite(array).all():
+        raise UsageError(f"{name} holds a value that is not finite: {array.tolist()}")
+    return array
+
+
+def point_inertia(mass: float, offset: ArrayLike) -> Float:
+    """Return the tensor of a point mass at `offset` (3,): m (r² δ − r rᵀ).
+
+    Diagonal elements are formed as sums of squares, so that nothing cancels.
+    """
+    x, y, z = array_of(offset, (3,), "offset").tolist()
+    return mass * np.array(
+        [[y * y + z * z, -x * y, -x * z], [-x * y, x * x + z * z, -y * z], [-x * z, -y * z, x * x + y * y]]
+    )
+
+
+def steiner(inertia: ArrayLike, mass: float, center_of_mass: ArrayLike, *, about: ArrayLike, to: ArrayLike) -> Float:
+    """Shift a tensor from one point to another (parallel-axis theorem, textbook eq. 13.8).
+
+    J_to = J_about + M [ (b² δ − b bᵀ) − (a² δ − a aᵀ) ], with a = `about` − COM and b = `to` − COM.
+
+    Parameters
+    ----------
+    inertia : (3, 3) about the point `about`, kg m²
+    mass : kg
+    center_of_mass, about, to : (3,) m, in the tensor's axes
+
+    >>> steiner(np.eye(3), 2.0, [0, 0, 0], about=[0, 0, 0], to=[0, 0, 3]).diagonal().tolist()
+    [19.0, 19.0, 1.0]
+    """
+    tensor = array_of(inertia, (3, 3), "inertia")
+    com = array_of(center_of_mass, (3,), "center_of_mass")
+    a = array_of(about, (3,), "about") - com
+    b = array_of(to, (3,), "to") - com
+    return tensor + (point_inertia(mass, b) - point_inertia(mass, a))
+
+
+def rotation_of(value: ArrayLike) -> Float:
+    """Return `value` as a (3, 3) rotation; raise `UsageError` where it is not orthonormal and right-handed."""
+    rotation = array_of(value, (3, 3), "rotation")
+    skew = float(np.abs(rotation.T @ rotation - np.eye(3)).max())
+    if skew > 1e-9:
+        raise UsageError(f"rotation is off orthonormal by {skew:.2g}, the limit is 1e-9: normalise its columns")
+    if np.linalg.det(rotation) < 0:
+        raise UsageError("rotation is left-handed: change the sign of one of its columns")
+    return rotation
+
+
+def reexpress(inertia: ArrayLike, rotation: ArrayLike) -> Float:
+    """Resolve a tensor along other axes: Rᵀ J R, the columns of R (3, 3) being the new axes in the old ones."""
+    rotation = rotation_of(rotation)
+    tensor = rotation.T @ array_of(inertia, (3, 3), "inertia") @ rotation
+    return 0.5 * (tensor + tensor.T)
+
+
+def faults(inertia: ArrayLike, tolerance: float = VALIDITY_TOLERANCE) -> list[str]:
+    """Say, in sentences, why no body of positive mass can have this tensor; an empty list when one can.
+
+    Checked relative to the trace: symmetry, I1 ≥ 0, and the triangle rule I1 + I2 ≥ I3 (equality for a lamina;
+    textbook § 13.9).
+
+    >>> faults([[1, 0, 0], [0, 1, 0], [0, 0, 3]])
+    ['the principal moments 1, 1, 3 break the triangle rule: no body has I1 + I2 < I3']
+    """
+    tensor = array_of(inertia, (3, 3), "inertia")
+    size = float(np.abs(np.trace(tensor)))
+    if size == 0:
+        return [] if not tensor.any() else ["the trace is zero but the tensor is not"]
+    slack = tolerance * size
+    skew = float(np.abs(tensor - tensor.T).max())
+    if skew > slack:
+        return [f"the tensor is not symmetric: mirrored elements differ by {skew:.3g}"]
+    i1, i2, i3 = np.linalg.eigvalsh(tensor / size).tolist()
+    named = f"the principal moments {size * i1:.6g}, {size * i2:.6g}, {size * i3:.6g}"
+    if i1 < -tolerance:
+        return [f"{named} are not all positive"]
+    if i1 + i2 < i3 - tolerance:
+        return [f"{named} break the triangle rule: no body has I1 + I2 < I3"]
+    return []

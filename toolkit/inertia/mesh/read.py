@@ -1,0 +1,143 @@
+"""`read`: a file becomes a `Part`.
+
+Surfaces and Gmsh have readers here, one module a format; the other meshes of cells go through meshio. trimesh
+would read the surfaces too, but (5.2) it passes in silence over what is missing from a text STL, OFF or PLY
+file that was cut short, over the line that a negative OBJ index counts from, over instances in nested 3MF
+assemblies and over sparse glTF positions; each of these gives another body.
+"""
+
+from __future__ import annotations
+
+import errno
+import os
+import stat
+from collections.abc import Callable
+from importlib import import_module
+from pathlib import Path
+
+from inertia.errors import ReadError, UsageError
+from inertia.mesh.part import Part, Source
+from inertia.mesh.read_contents import Contents
+from inertia.mesh.sniff import EXTENSIONS, HEAD, sniff
+from inertia.mesh.stl import read_stl
+from inertia.units import DEFAULT_UNIT, Unit, UnitFrom, length_unit
+
+_READERS = {
+    "obj": "read_obj",
+    "ply": "read_ply",
+    "off": "read_off",
+    "glb": "read_gltf",
+    "gltf": "read_gltf",
+    "3mf": "read_3mf",
+    "step": "read_step",
+    "gmsh": "read_gmsh",
+}
+"""Formats that have a module with a function of the same name; the others go through meshio."""
+
+_REASONS = {
+    errno.ENOENT: "there is no such file: check the path",
+    errno.ENOTDIR: "part of the path is not a directory: check the path",
+    errno.EACCES: "permission is denied: ask its owner to let you read it",
+    errno.ELOOP: "it is a symbolic link that leads back to itself: point the link at a file",
+    errno.ENAMETOOLONG: "the path is too long: check the path",
+}
+
+
+def read(
+    path: str | os.PathLike[str],
+    unit: str | None = None,
+    *,
+    format: str | None = None,
+    progress: Callable[[float], None] | None = None,
+) -> Part:
+    """Read a mesh from a file.
+
+    Parameters
+    ----------
+    path : the file; its contents decide what kind it is, and its name only where they do not
+    unit : the unit of length of the coordinates, in place of the file's own; without either, millimetres are
+        assumed
+    format : the kind of file (`"stl"`, `"obj"`, ...), where it is not to be found out
+    progress : called with the fraction of the work that is done; a file is read in one step
+
+    Raises
+    ------
+    ReadError
+        If the file cannot be read; the message names it, what is wrong with it, and the remedy.
+    UsageError
+        If the unit or the format is not known.
+
+    Examples
+    --------
+    >>> import pathlib, tempfile
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     path = pathlib.Path(folder) / "corner.off"
+    ...     _ = path.write_text("OFF\\n4 4 0\\n0 0 0\\n1 0 0\\n0 1 0\\n0 0 1\\n"
+    ...                         "3 0 2 1\\n3 0 1 3\\n3 1 2 3\\n3 0 3 2\\n")
+    ...     part = read(path, unit="mm")
+    >>> part.triangles.count, part.unit.name, part.source.format
+    (4, 'mm', 'off')
+    """
+    chosen = None if unit is None else length_unit(unit)
+    if format is not None and format not in EXTENSIONS:
+        raise UsageError(f"unknown format {format!r}: use one of {', '.join(EXTENSIONS)}")
+    name = os.fspath(path)
+    try:
+        kind, contents = _contents(name, format)
+    except ReadError as error:
+        raise ReadError(f"cannot read {name if name.isprintable() else ascii(name)}: {error}") from error
+    notes = list(contents.notes)
+    suffix = Path(name).suffix.lower()
+    named = next((other for other, suffixes in EXTENSIONS.items() if suffix in suffixes), kind)
+    if named != kind and format is None:
+        notes.append(f"the name says {named}, but the contents are {kind} and were read as such")
+    if chosen and contents.unit and chosen != contents.unit:
+        notes.append(f"the file says that its unit is {contents.unit.name}, but it was read in {chosen.name} as asked")
+    if progress is not None:
+        progress(1.0)
+    return Part(contents.geometry, *_unit(chosen, contents.unit), Source(name, kind), contents.regions, tuple(notes))
+
+
+def _unit(chosen: Unit | None, of_file: Unit | None) -> tuple[Unit, UnitFrom]:
+    if chosen is not None:
+        return chosen, "option"
+    return (DEFAULT_UNIT, "assumed") if of_file is None else (of_file, "file")
+
+
+def _contents(name: str, format: str | None) -> tuple[str, Contents]:
+    """Return the kind of a file and what is in it."""
+    path = Path(name)
+    if "\0" in name:
+        raise ReadError(_REASONS[errno.ENOENT])
+    try:
+        status = path.stat()
+        if stat.S_ISDIR(status.st_mode):
+            raise ReadError("it is a directory: give a file in it")
+        if not stat.S_ISREG(status.st_mode):
+            raise ReadError("it is not a regular file but a pipe, socket or device: copy its contents into a file")
+        with path.open("rb") as file:
+            head = file.read(HEAD)
+        if not head:
+            raise ReadError("it is empty: export the part again")
+        kind = format or sniff(path, head, status.st_size)
+        return kind, _read_as(kind, path)
+    except OSError as error:
+        reason = _REASONS.get(error.errno or 0, f"{error.strerror or error}: check the path and the disk")
+        raise ReadError(reason) from error
+    except UnicodeEncodeError as error:
+        raise ReadError(_REASONS[errno.ENOENT]) from error
+    except MemoryError as error:
+        raise ReadError("it needs more memory than there is: split the part or use a larger machine") from error
+
+
+def _read_as(kind: str, path: Path) -> Contents:
+    """Read a file with the reader of its kind; the readers are imported when they are used."""
+    if kind == "stl":
+        return read_stl(path)
+    name = _READERS.get(kind)
+    if name is None:
+        from inertia.mesh.via_meshio import read_with_meshio
+
+        return read_with_meshio(path, kind)
+    contents: Contents = getattr(import_module(f"inertia.mesh.{name}"), name)(path)
+    return contents

@@ -1,0 +1,292 @@
+"""Repairing a surface, one recorded step after another.
+
+What is right is left alone: a sound part comes back as it went in, bit for bit. The steps, in their order:
+
+1. vertices with equal coordinates become one (by itself no change: all that reads them takes them for one);
+2. vertices within the tolerance become one; without a tolerance, those at open edges that are no farther
+   apart than 1e-6 of the diagonal of the part's box (cracks);
+3. triangles with a repeated corner, copies of triangles, and fins without thickness are removed;
+4. triangles are turned until neighbours agree, the fewer ones in each piece;
+5. holes are filled (see `inertia.mesh.holes`);
+6. shells that are inside out are turned;
+7. bodies that overlap are united.
+
+A shell that crosses itself stays as it is.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from inertia.errors import GeometryError
+from inertia.mesh.closure import weld
+from inertia.mesh.copies import copies, facing
+from inertia.mesh.findings import counted
+from inertia.mesh.halfedges import half_edges
+from inertia.mesh.holes import around, filled, rims
+from inertia.mesh.orientation import inconsistent, nest
+from inertia.mesh.part import Float, Int, Part, Regions, Surface, Triangles
+from inertia.mesh.unite import overlapping_groups, united
+from inertia.mesh.weld import (
+    chained,
+    close_vertices,
+    compact,
+    diagonal,
+    repeats_a_corner,
+    require_finite,
+    weld_within,
+)
+
+_CRACK = 1e-6  # width of a crack that is closed unasked, over the diagonal of the part's box
+_NAMED = 5  # triangles named in a change
+
+
+@dataclass(frozen=True)
+class Change:
+    """One thing that was changed.
+
+    Attributes
+    ----------
+    what : what was done to what, as in "triangles turned to agree with their neighbours"
+    count : to how many
+    where : the first triangles concerned, by their numbers in the part as given, or a place in file units
+    largest_move : the longest way that a vertex went, in file units
+    """
+
+    what: str
+    count: int
+    where: str
+    largest_move: float = 0.0
+
+    def __str__(self) -> str:
+        moved = f", moved by at most {self.largest_move:.3g}" if self.largest_move else ""
+        return f"{self.what}: {self.count} ({self.where}){moved}"
+
+
+@dataclass(frozen=True, eq=False)
+class Repair:
+    """The repaired part, and what was changed; the same part if nothing was."""
+
+    part: Part
+    changes: tuple[Change, ...]
+
+
+@dataclass(frozen=True, eq=False)
+class _Mesh:
+    """A surface under repair; each face comes from, or was put beside, the given triangle `origin`."""
+
+    vertices: Float
+    faces: Int
+    origin: Int
+
+    def without(self, which: Int) -> _Mesh:
+        kept = np.ones(len(self.faces), bool)
+        kept[which] = False
+        return replace(self, faces=self.faces[kept], origin=self.origin[kept])
+
+    def turned(self, which: Int) -> _Mesh:
+        faces = self.faces.copy()
+        faces[which] = faces[which, ::-1]
+        return replace(self, faces=faces)
+
+    def at(self, which: Int) -> str:
+        """Name the triangles that faces come from."""
+        numbers = np.unique(self.origin[which])
+        more = len(numbers) - _NAMED
+        named = ", ".join(map(str, numbers[:_NAMED].tolist()))
+        return f"triangle{'s' if len(numbers) > 1 else ''} {named}{f' and {more} more' if more > 0 else ''}"
+
+
+_Step = tuple[_Mesh, list[Change]]
+
+
+def repair(part: Part, *, tolerance: float | None = None) -> Repair:
+    """Repair the surface of a part, and say what was changed.
+
+    Parameters
+    ----------
+    tolerance : vertices within this distance of each other, in file units, become one
+
+    Raises
+    ------
+    GeometryError : the surface cannot be closed (an open sheet, a one-sided surface, a hole too large),
+        overlapping bodies are of different regions, or a coordinate is not finite
+    UsageError : the tolerance is not usable, or bodies overlap and manifold3d is not installed
+
+    >>> part = Part.from_arrays([[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]],
+    ...                         [[0, 2, 1], [0, 1, 3], [1, 2, 3]])
+    >>> for change in repair(part).changes:
+    ...     print(change)
+    holes filled: 1 (of 3 edges around (0, 0.333333333, 0.333333333))
+    """
+    triangles = part.triangles
+    try:
+        mesh, changes = _repaired(triangles, part.regions, tolerance)
+    except GeometryError as fault:
+        raise GeometryError(f"{part.name} cannot be repaired: {fault}") from None
+    return _rebuilt(part, Surface(*compact(mesh.vertices, mesh.faces)), mesh.origin, changes)
+
+
+def welded(part: Part, tolerance: float) -> Repair:
+    """Make one of the vertices of a part's surface that lie within `tolerance` (file units), and nothing else.
+
+    Raises as `inertia.mesh.weld.weld_within`.
+    """
+    result = weld_within(part.triangles, tolerance)
+    if result.merged == 0:
+        return Repair(part, ())
+    where = f"{counted(result.collapsed, 'triangle')} collapsed and left out"
+    change = Change("vertices within the tolerance merged", result.merged, where, result.largest_move)
+    return _rebuilt(part, result.surface, result.kept, [change])
+
+
+def _rebuilt(part: Part, surface: Surface, origin: Int, changes: list[Change]) -> Repair:
+    if not changes:
+        return Repair(part, ())
+    regions = part.regions
+    if regions is not None:
+        regions = Regions(regions.names, regions.index[origin])
+    notes = (*part.notes, *(f"repaired: {change}" for change in changes))
+    return Repair(replace(part, geometry=surface, regions=regions, notes=notes), tuple(changes))
+
+
+def _repaired(triangles: Triangles, regions: Regions | None, tolerance: float | None) -> _Step:
+    require_finite(triangles)
+    mesh, joined = _joined(triangles)
+    changes: list[Change] = []
+    steps: list[Callable[[_Mesh], _Step]] = [
+        lambda mesh: _without(mesh, _repeating(mesh.faces), "triangles with a repeated corner removed"),
+        _without_cracks if tolerance is None else lambda mesh: _welded(mesh, tolerance),
+        lambda mesh: _without(mesh, copies(mesh.faces), "copies of triangles removed"),
+        _without_doubles_and_fins,
+        _wound_alike,
+        _without_holes,
+        _turned_outward,
+        lambda mesh: _united(mesh, regions),
+    ]
+    for step in steps:
+        mesh, found = step(mesh)
+        changes += found
+        if len(mesh.faces) == 0:
+            raise GeometryError("no triangle bounds anything: export the part as a solid")
+    edges = half_edges(mesh.faces)
+    still = np.flatnonzero(edges.surplus[edges.edge])
+    if len(still):
+        place = around(mesh.vertices[edges.tail[still[:1]]])
+        raise GeometryError(f"{len(still)} edges, the first {place}, are open after all: close them by hand")
+    return mesh, [*joined, *changes] if changes else []
+
+
+def _joined(triangles: Triangles) -> _Step:
+    """Give equal vertices one number; that is no change where the format numbers no vertices."""
+    vertices, faces = weld(triangles)
+    mesh = _Mesh(vertices, faces, np.arange(len(faces)))
+    if not isinstance(triangles, Surface):
+        return mesh, []
+    first = np.full(len(vertices), len(triangles.vertices))
+    np.minimum.at(first, faces, triangles.faces)
+    joined = np.flatnonzero((triangles.faces != first[faces]).any(axis=1))
+    if len(joined) == 0:
+        return mesh, []
+    count = len(np.unique(triangles.faces)) - len(vertices)
+    return mesh, [Change("vertices with equal coordinates joined", count, mesh.at(joined))]
+
+
+def _without(mesh: _Mesh, which: Int, what: str) -> _Step:
+    if len(which) == 0:
+        return mesh, []
+    return mesh.without(which), [Change(what, len(which), mesh.at(which))]
+
+
+def _repeating(faces: Int) -> Int:
+    return np.flatnonzero(repeats_a_corner(faces))
+
+
+def _without_cracks(mesh: _Mesh) -> _Step:
+    edges = half_edges(mesh.faces)
+    rim = edges.uses[edges.edge] == 1
+    if not rim.any():
+        return mesh, []
+    points = np.unique([edges.tail[rim], edges.head[rim]])
+    into = np.arange(len(mesh.vertices))
+    into[points] = points[chained(mesh.vertices[points], _CRACK * diagonal(mesh.vertices))]
+    return _merged(mesh, into, "vertices at cracks merged")
+
+
+def _welded(mesh: _Mesh, tolerance: float) -> _Step:
+    return _merged(mesh, close_vertices(mesh.vertices, tolerance), "vertices within the tolerance merged")
+
+
+def _merged(mesh: _Mesh, into: Int, what: str) -> _Step:
+    """Let vertices become others; drop the triangles that this leaves without area."""
+    count = int((into != np.arange(len(into))).sum())
+    if count == 0:
+        return mesh, []
+    faces = into[mesh.faces]
+    where = mesh.at(np.flatnonzero((faces != mesh.faces).any(axis=1)))
+    move = float(np.linalg.norm(mesh.vertices - mesh.vertices[into], axis=1).max())
+    mesh, lost = _without(replace(mesh, faces=faces), _repeating(faces), "triangles that collapsed removed")
+    return mesh, [Change(what, count, where, move), *lost]
+
+
+def _without_doubles_and_fins(mesh: _Mesh) -> _Step:
+    doubled, fins = facing(mesh.faces)
+    _, first = _without(mesh, doubled, "copies of triangles, wound the other way, removed")
+    _, second = _without(mesh, fins, "triangles of fins without thickness removed")
+    return mesh.without(np.concatenate([doubled, fins])), first + second
+
+
+def _wound_alike(mesh: _Mesh) -> _Step:
+    which = np.flatnonzero(inconsistent(mesh.vertices, mesh.faces, half_edges(mesh.faces)))
+    if len(which) == 0:
+        return mesh, []
+    what = "triangles turned to agree with their neighbours"
+    return mesh.turned(which), [Change(what, len(which), mesh.at(which))]
+
+
+def _without_holes(mesh: _Mesh) -> _Step:
+    edges = half_edges(mesh.faces)
+    loops = rims(edges)
+    if not loops:
+        return mesh, []
+    vertices, added = filled(mesh.vertices, mesh.faces, edges, loops)
+    beside = [np.full(len(new), mesh.origin[loop[0] // 3]) for loop, new in zip(loops, added, strict=True)]
+    largest = max(loops, key=len)
+    where = f"of {len(largest)} edges {around(vertices[edges.head[largest]])}"
+    mesh = _Mesh(vertices, np.concatenate([mesh.faces, *added]), np.concatenate([mesh.origin, *beside]))
+    return mesh, [Change("holes filled", len(loops), where if len(loops) == 1 else f"the largest {where}")]
+
+
+def _turned_outward(mesh: _Mesh) -> _Step:
+    shells = nest(mesh.vertices, mesh.faces, half_edges(mesh.faces))
+    turn = shells.to_turn()
+    if not turn:
+        return mesh, []
+    which = np.concatenate([shells.members[shell] for shell in turn])
+    return mesh.turned(which), [Change("inside-out shells turned", len(turn), mesh.at(which))]
+
+
+def _united(mesh: _Mesh, regions: Regions | None) -> _Step:
+    bodies = nest(mesh.vertices, mesh.faces, half_edges(mesh.faces)).bodies()
+    groups, where = overlapping_groups(mesh.vertices, mesh.faces, bodies)
+    vertices, faces, origin = [mesh.vertices], [], []
+    for group in groups:
+        given = mesh.origin[np.concatenate(group)]
+        if regions is not None and len(named := np.unique(regions.index[given])) > 1:
+            names = " and ".join(repr(regions.names[k]) for k in named)
+            raise GeometryError(
+                f"bodies of the regions {names} overlap {where}, and which of them is to have that place is "
+                "not known: cut one out of the other"
+            )
+        points, corners = united(mesh.vertices, mesh.faces, group)
+        faces.append(corners + sum(map(len, vertices)))
+        vertices.append(points)
+        origin.append(np.full(len(corners), given.min()))
+    if not groups:
+        return mesh, []
+    rest = mesh.without(np.concatenate([body for group in groups for body in group]))
+    mesh = _Mesh(np.concatenate(vertices), np.concatenate([rest.faces, *faces]), np.concatenate([rest.origin, *origin]))
+    return mesh, [Change("overlapping bodies united", sum(map(len, groups)), where)]
