@@ -1,1 +1,74 @@
-"""The entry point of the command `inertia`."""
+"""The entry point of the command `inertia`: run a command, and turn whatever goes wrong into a sentence."""
+
+from __future__ import annotations
+
+import io
+import os
+import sys
+from collections.abc import Sequence
+
+from inertia.errors import InertiaError, UsageError
+from inertia_cli.options import build_parser
+
+__all__ = ["build_parser", "main", "run"]
+
+FAULT = 1
+INTERRUPTED = 130
+
+
+def run() -> None:
+    """Run the command line of this process and leave with its exit code."""
+    for stream in (sys.stdout, sys.stderr):
+        if isinstance(stream, io.TextIOWrapper):
+            stream.reconfigure(errors="backslashreplace")  # a terminal without "³" gets the rest
+    sys.exit(main(sys.argv[1:]))
+
+
+def main(arguments: Sequence[str]) -> int:
+    """Run one command line and return the exit code; see the table in ``inertia --help``."""
+    # One thread is plenty for 3×3 matrices, and starting the others costs more than a small part.
+    os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
+    options = build_parser().parse_args(_joined(arguments))
+    try:
+        code: int = options.run(options)
+        sys.stdout.flush()
+        return code
+    except InertiaError as error:
+        message = str(error)
+        placed = isinstance(error, UsageError) or options.part in message
+        return _say(message if placed else f"{options.part}: {message}", error.exit_code)
+    except KeyboardInterrupt:
+        return _say("interrupted", INTERRUPTED)
+    except BrokenPipeError:
+        # The reader has gone: point the stream elsewhere, so that closing it at exit does not fail again.
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        return 0
+    except MemoryError:
+        return _say(f"{options.part} needs more memory than there is: split the part or use a larger machine", FAULT)
+    except OSError as error:
+        return _say(f"cannot write the result: {error.strerror or error}", FAULT)
+    except Exception as error:
+        if os.environ.get("INERTIA_TRACEBACK") == "1":
+            raise
+        name = type(error).__name__
+        return _say(
+            f"{options.part}: a fault of this program, {name}: {error}; run it again with INERTIA_TRACEBACK=1 and "
+            "report what it prints",
+            FAULT,
+        )
+
+
+def _say(message: str, code: int) -> int:
+    print(f"inertia: {message}", file=sys.stderr)
+    return code
+
+
+def _joined(arguments: Sequence[str]) -> list[str]:
+    """Join ``--about -1,2,3`` with an equals sign; argparse would take the value for an option."""
+    joined: list[str] = []
+    for argument in arguments:
+        if joined and joined[-1] == "--about" and argument[:1] == "-" and argument[1:2] in set("0123456789."):
+            joined[-1] += f"={argument}"
+        else:
+            joined.append(argument)
+    return joined

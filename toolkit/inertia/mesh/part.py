@@ -24,7 +24,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from inertia.errors import GeometryError, UsageError
+from inertia.errors import GeometryError, ReadError, UsageError
 from inertia.units import DEFAULT_UNIT, Unit, UnitFrom, length_unit
 
 Float = NDArray[np.float64]
@@ -182,11 +182,17 @@ class Source:
 
     @cached_property
     def sha256(self) -> str | None:
-        """SHA-256 of the file, in hexadecimal; None for arrays in memory."""
+        """SHA-256 of the file, in hexadecimal; None for arrays in memory.
+
+        Raises `ReadError` where the file is no longer there.
+        """
         if self.path is None:
             return None
-        with Path(self.path).open("rb") as file:
-            return hashlib.file_digest(file, "sha256").hexdigest()
+        try:
+            with Path(self.path).open("rb") as file:
+                return hashlib.file_digest(file, "sha256").hexdigest()
+        except OSError as error:
+            raise ReadError(f"cannot read {self.path} a second time, for its SHA-256: {error.strerror}") from error
 
 
 @dataclass(frozen=True, eq=False)

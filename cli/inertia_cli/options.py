@@ -1,0 +1,163 @@
+"""The commands and their options; importing this loads nothing that is slow."""
+
+from __future__ import annotations
+
+import argparse
+import math
+from typing import NoReturn
+
+import inertia
+from inertia_cli import commands
+
+_CODES = """exit codes:
+  0  done
+  1  a fault of this program, or the result could not be written
+  2  the command line is not usable
+  3  the file cannot be read
+  4  the mesh or the data cannot give an honest answer
+"""
+
+_ANALYSE = """examples:
+  inertia analyse part.stl --density 7850
+  inertia analyse part.stl --unit in --mass 1.25 --about 0,0,-1.5 --json
+  inertia analyse assembly.3mf --material housing=aluminium --material shaft=steel
+  inertia analyse sheet.obj --shell 1.5 --material steel
+"""
+
+
+class _Parser(argparse.ArgumentParser):
+    def error(self, message: str) -> NoReturn:
+        """Leave with one sentence and exit code 2."""
+        self.exit(2, f"{self.prog}: {message}; see `{self.prog} --help`\n")
+
+
+def build_parser() -> argparse.ArgumentParser:
+    """Return the parser; the chosen command's function is its default `run`."""
+    parser = _Parser(
+        prog="inertia",
+        description="Mesh in, exact inertia out.",
+        epilog=_CODES,
+        formatter_class=argparse.RawDescriptionHelpFormatter,
+    )
+    parser.add_argument("--version", action="version", version=f"inertia {inertia.__version__}")
+    parsers = parser.add_subparsers(title="commands", required=True, metavar="COMMAND")
+    _add_analyse(parsers)
+    _add_check(parsers)
+    return parser
+
+
+def _add_analyse(parsers: argparse._SubParsersAction[_Parser]) -> None:
+    parser = parsers.add_parser(
+        "analyse",
+        aliases=["analyze"],
+        help="mass, centre of mass, inertia tensor, principal axes",
+        description="Integrate a mesh to its mass, centre of mass and inertia tensor, with an error bound.",
+        epilog=_ANALYSE,
+        formatter_class=argparse.RawDescriptionHelpFormatter,
+    )
+    parser.set_defaults(run=commands.analyse)
+    _add_input(parser)
+    density = parser.add_argument_group("density")
+    density.add_argument(
+        "--density",
+        action="append",
+        default=[],
+        type=_named_number,
+        metavar="[NAME=]KG/M3",
+        help="of the part, or of the region or body NAME (repeat it); 1000 is assumed without it",
+    )
+    density.add_argument(
+        "--material",
+        action="append",
+        default=[],
+        type=_named,
+        metavar="[NAME=]MATERIAL",
+        help="take the density from the table of materials: steel, aluminium, abs, ...",
+    )
+    density.add_argument(
+        "--mass", type=float, metavar="KG", help="the total as weighed; densities are proportions then"
+    )
+    model = parser.add_argument_group("what carries the mass")
+    model.add_argument("--shell", type=float, metavar="THICKNESS", help="the surface, which may be open, in --unit")
+    model.add_argument(
+        "--wire", type=float, metavar="AREA", help="the lines of the mesh, cross-section in --unit squared"
+    )
+    _add_orientation(parser)
+    mend = parser.add_argument_group("mending, never unasked")
+    mend.add_argument("--weld", type=float, metavar="DISTANCE", help="merge vertices within DISTANCE, in --unit")
+    mend.add_argument("--repair", action="store_true", help="close, turn and unite; every change is listed")
+    result = parser.add_argument_group("result")
+    result.add_argument("--about", type=_point, metavar="X,Y,Z", help="give the tensor about this point too, in --unit")
+    result.add_argument(
+        "--accuracy", type=_accuracy, metavar="REL", help='relative bound that must be reached, as 1e-12, or "exact"'
+    )
+    result.add_argument(
+        "--class-tolerance", type=float, metavar="REL", help="moments within this part of the largest are equal (1e-6)"
+    )
+    result.add_argument("--json", action="store_true", help="print one JSON document (inertia/analysis/1)")
+
+
+def _add_check(parsers: argparse._SubParsersAction[_Parser]) -> None:
+    parser = parsers.add_parser(
+        "check",
+        help="closed, wound, overlapping? each finding says where",
+        description="Check whether a mesh bounds an honest volume; exit code 4 if it does not.",
+    )
+    parser.set_defaults(run=commands.check)
+    _add_input(parser)
+    _add_orientation(parser)
+    parser.add_argument(
+        "--intersections", action="store_true", help="look for triangles of one shell that cross each other (slow)"
+    )
+    parser.add_argument("--json", action="store_true", help="print one JSON document (inertia/check/1)")
+
+
+def _add_input(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument(
+        "part", metavar="PART", help="STL, OBJ, PLY, OFF, glTF, 3MF, STEP, VTK, Gmsh, Nastran, Abaqus, ..."
+    )
+    parser.add_argument("--unit", metavar="UNIT", help="length unit of the coordinates: mm (assumed), m, in, ...")
+    parser.add_argument("--format", metavar="KIND", help="kind of file, where its contents should not decide")
+
+
+def _add_orientation(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument(
+        "--orientation",
+        choices=["stored", "absolute"],
+        default="stored",
+        help="absolute: take every shell as facing the way its nesting asks, however it is wound",
+    )
+
+
+def _named(text: str) -> tuple[str, str]:
+    name, _, value = text.rpartition("=")
+    if not value:
+        raise argparse.ArgumentTypeError(f"{text!r} has nothing after the equals sign")
+    return name, value
+
+
+def _named_number(text: str) -> tuple[str, float]:
+    name, value = _named(text)
+    try:
+        return name, float(value)
+    except ValueError:
+        raise argparse.ArgumentTypeError(f"{value!r} is no number of kg/m³") from None
+
+
+def _point(text: str) -> tuple[float, ...]:
+    try:
+        point = tuple(float(part) for part in text.split(","))
+    except ValueError:
+        point = ()
+    if len(point) != 3 or not all(map(math.isfinite, point)):
+        raise argparse.ArgumentTypeError(f"{text!r} is no point: give three numbers as X,Y,Z")
+    return point
+
+
+def _accuracy(text: str) -> float | str:
+    if text == "exact":
+        return text
+    try:
+        return float(text)
+    except ValueError:
+        raise argparse.ArgumentTypeError(f"{text!r} is neither a number nor 'exact'") from None

@@ -1,0 +1,257 @@
+"""`Analysis` → the text that goes into a report, and the document ``inertia/analysis/1``."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from fractions import Fraction
+from typing import Any
+
+from inertia.mass.analysis import Analysis
+from inertia.mass.principal import equivalent_ellipsoid, radii_of_gyration
+from inertia.mass.repair import Repaired
+from inertia.report.layout import cleared, columns, number, power, row
+
+_DENSITY_FROM = {
+    "option": "as given",
+    "material": "of the material given",
+    "mass": "from the mass given",
+    "file": "from the file",
+    "assumed": "assumed: state it with --density, --material or --mass",
+}
+_UNIT_FROM = {"option": "as given", "file": "from the file", "assumed": "assumed: state it with --unit"}
+_LISTED = 12  # names of regions in the text
+_CLASS = {
+    "spherical": "spherical (I1 = I2 = I3: every axis is a principal one)",
+    "prolate": "prolate (I2 = I3: axes 2 and 3 are any two at right angles to axis 1)",
+    "oblate": "oblate (I1 = I2: axes 1 and 2 are any two at right angles to axis 3)",
+    "asymmetric": "asymmetric (no two moments are equal)",
+    "rotor": "rotor (I1 = 0, I2 = I3: all mass lies on axis 1)",
+}
+
+
+def analysis_document(analysis: Analysis, repaired: Repaired | None = None) -> dict[str, Any]:
+    """Return the analysis as ``inertia/analysis/1``; numbers are SI but for the points given in the part's unit."""
+    part, properties, principal = analysis.part, analysis.properties, analysis.principal
+    mesh: dict[str, Any] = {"triangles": analysis.triangles, "closed": analysis.closed, "bodies": analysis.bodies}
+    if analysis.cells:
+        mesh["cells"] = analysis.cells
+    document: dict[str, Any] = {
+        "schema": "inertia/analysis/1",
+        "source": {"path": part.source.path, "sha256": part.source.sha256, "format": part.source.format},
+        "unit": part.unit.name,
+        "unit_from": part.unit_from,
+        "density": analysis.density,
+        "density_from": analysis.density_from,
+        "model": analysis.model,
+        "mesh": mesh,
+        "extents": analysis.extents.tolist(),
+        "volume": properties.volume,
+        "area": analysis.area,
+        "mass": properties.mass,
+        "center_of_mass": properties.center_of_mass.tolist(),
+        "inertia": properties.inertia.tolist(),
+        "principal_moments": principal.moments.tolist(),
+        "principal_axes": principal.axes.tolist(),
+        "equal_moments": [list(group) for group in principal.equal],
+        "class": principal.kind,
+        "class_tolerance": principal.tolerance,
+        "radii_of_gyration": radii_of_gyration(principal.moments, properties.mass).tolist(),
+        "equivalent_ellipsoid": equivalent_ellipsoid(principal.moments, properties.mass).tolist(),
+        "error": {
+            "method": properties.error.method,
+            "volume": properties.error.volume,
+            "mass": properties.error.mass,
+            "center_of_mass": properties.error.center_of_mass,
+            "inertia": properties.error.inertia,
+        },
+    }
+    if analysis.about is not None:
+        point, tensor = analysis.about
+        document["inertia_about"] = {"point": list(point), "inertia": tensor.tolist()}
+    if analysis.shares:
+        document["shares"] = [
+            {
+                "name": share.name,
+                "density": share.density,
+                "volume": share.volume,
+                "mass": share.mass,
+                "center_of_mass": list(share.center_of_mass),
+            }
+            for share in analysis.shares
+        ]
+    if repaired is not None:
+        document["repair"] = {
+            "changes": [
+                {
+                    "what": change.what,
+                    "count": change.count,
+                    "where": change.where,
+                    "largest_move": float(Fraction(change.largest_move) * part.unit.metres),
+                }
+                for change in repaired.changes
+            ],
+            "volume_before": repaired.volume_before,
+            "volume_after": repaired.volume_after,
+            "center_of_mass_shift": repaired.center_of_mass_shift,
+            "inertia_change": repaired.inertia_change,
+        }
+    document["notes"] = list(analysis.notes)
+    return document
+
+
+def analysis_text(analysis: Analysis, repaired: Repaired | None = None) -> str:
+    """Return the analysis as lines of text; what its error bound cannot tell from zero is set as 0."""
+    blocks = [
+        _source(analysis, repaired),
+        _repair(repaired, analysis.part.unit.name) if repaired else [],
+        list(_results(analysis)),
+        _tensor(analysis),
+        _principal(analysis),
+        _about(analysis),
+        _shares(analysis),
+        list(_closing(analysis, repaired)),
+    ]
+    return "\n\n".join("\n".join(block) for block in blocks if block)
+
+
+def _source(analysis: Analysis, repaired: Repaired | None) -> list[str]:
+    part = analysis.part
+    elements = [f"{analysis.triangles} triangles"] if analysis.triangles else []
+    elements += [f"{analysis.cells} cells"] if analysis.cells else []
+    closed = [] if analysis.cells else ["closed" if analysis.closed else "open"]
+    bodies = f"{analysis.bodies} {'body' if analysis.bodies == 1 else 'bodies'}"
+    repairs = ["repaired"] if repaired and repaired.changes else []
+    return [
+        row("Part", f"{part.name} ({part.source.format})"),
+        *([row("SHA-256", part.source.sha256)] if part.source.sha256 else []),
+        row("Unit", f"{part.unit.name} ({_UNIT_FROM[part.unit_from]})"),
+        row("Density", f"{number(analysis.density)} kg/m³ ({_density_from(analysis)})"),
+        row("Mesh", ", ".join([*elements, *closed, bodies, *repairs])),
+        *([row("Regions", _listed(part.regions.names))] if part.regions else []),
+        *([row("Model", _MODEL[analysis.model])] if analysis.model != "solid" else []),
+    ]
+
+
+_MODEL = {"shell": "thin shell: the surface carries the mass", "wire": "wire: the lines carry the mass"}
+
+
+def _listed(names: tuple[str, ...]) -> str:
+    return ", ".join(names[:_LISTED]) + (f" and {len(names) - _LISTED} more" if len(names) > _LISTED else "")
+
+
+def _density_from(analysis: Analysis) -> str:
+    mean = "mean, " if analysis.shares else ""
+    return mean + _DENSITY_FROM[analysis.density_from]
+
+
+def _repair(repaired: Repaired, unit: str) -> list[str]:
+    if not repaired.changes:
+        return [row("Repair", "nothing to repair: the part is used as it is")]
+    changes = [f"{change} {unit}" if change.largest_move else f"{change}" for change in repaired.changes]
+    effect = [
+        f"volume from {number(repaired.volume_before)} to {number(repaired.volume_after)} m³ "
+        "(before: the integral over the triangles that there were)"
+    ]
+    if repaired.center_of_mass_shift is not None and repaired.inertia_change is not None:
+        effect.append(
+            f"centre of mass moved by {repaired.center_of_mass_shift:.3g} m, tensor changed by "
+            f"{repaired.inertia_change:.3g} of its norm"
+        )
+    return [row("" if k else "Repair", line) for k, line in enumerate([*changes, *effect])]
+
+
+def _results(analysis: Analysis) -> Iterator[str]:
+    properties, unit = analysis.properties, analysis.part.unit
+
+    def scalar(label: str, value: float, exponent: int) -> str:
+        scaled = number(float(Fraction(value) / unit.metres**exponent))
+        beside = "" if unit.metres == 1 else f"   = {scaled} {power(unit.name, exponent)}"
+        return row(label, f"{number(value)} {power('m', exponent)}{beside}")
+
+    def vector(label: str, values: list[float]) -> Iterator[str]:
+        yield row(label, f"{', '.join(map(number, values))} m")
+        if unit.metres != 1:
+            scaled = (number(float(Fraction(value) / unit.metres)) for value in values)
+            yield row("", f"= {', '.join(scaled)} {unit.name}")
+
+    low, high = analysis.extents.tolist()
+    size = [float(Fraction(b) - Fraction(a)) for a, b in zip(low, high, strict=True)]
+    com = [cleared(value, properties.error.center_of_mass) for value in properties.center_of_mass.tolist()]
+    yield from vector("Size", size)
+    if analysis.model != "wire":
+        yield scalar("Volume", properties.volume, 3)
+        yield scalar("Surface area", analysis.area, 2)
+    yield row("Mass", f"{number(properties.mass)} kg")
+    yield from vector("Centre of mass", com)
+
+
+def _tensor(analysis: Analysis) -> list[str]:
+    properties = analysis.properties
+    return [
+        "Inertia tensor about the centre of mass, part axes, kg m² (off the diagonal: −∫xy dm)",
+        *_matrix(properties.inertia.tolist(), properties.error.inertia),
+    ]
+
+
+def _matrix(rows: list[list[float]], relative: float) -> list[str]:
+    bound = relative * sum(value * value for line in rows for value in line) ** 0.5
+    return [columns(cleared(value, bound) for value in line) for line in rows]
+
+
+def _principal(analysis: Analysis) -> list[str]:
+    principal, mass = analysis.principal, analysis.properties.mass
+    radii = radii_of_gyration(principal.moments, mass).tolist()
+    semi = ", ".join(number(value) for value in equivalent_ellipsoid(principal.moments, mass).tolist())
+    lines = [f"{'Principal':<10}{'moment, kg m²':>18}{'gyration, m':>18}{'axis x':>14}{'y':>14}{'z':>14}"]
+    for k, (moment, radius) in enumerate(zip(principal.moments.tolist(), radii, strict=True)):
+        axis = "".join(f"{round(value, 9) + 0.0:>14.9f}" for value in principal.axes[:, k].tolist())
+        lines.append(f"{f'  {k + 1}':<10}{columns([moment, radius])}{axis}")
+    return [
+        *lines,
+        "",
+        row("Class", _CLASS[principal.kind]),
+        row("", f"moments count as equal within {principal.tolerance:g} of the largest"),
+        row("Equivalent", f"ellipsoid of semi-axes {semi} m along axes 1, 2, 3"),
+    ]
+
+
+def _about(analysis: Analysis) -> list[str]:
+    if analysis.about is None:
+        return []
+    point, tensor = analysis.about
+    where = ", ".join(map(number, point))
+    return [
+        f"Inertia tensor about ({where}) {analysis.part.unit.name}, part axes, kg m²",
+        *_matrix(tensor.tolist(), analysis.properties.error.inertia),
+    ]
+
+
+def _shares(analysis: Analysis) -> list[str]:
+    if not analysis.shares:
+        return []
+    width = max(len("Body"), *(len(_name(share.name)) for share in analysis.shares)) + 2
+    head = f"{'Body':<{width}}{'density, kg/m³':>18}{'volume, m³':>18}{'mass, kg':>18}"
+    return [
+        head,
+        *(
+            f"{_name(share.name):<{width}}{columns([share.density, share.volume, share.mass])}"
+            for share in analysis.shares
+        ),
+    ]
+
+
+def _name(name: str) -> str:
+    return name or "(the rest)"
+
+
+def _closing(analysis: Analysis, repaired: Repaired | None) -> Iterator[str]:
+    error = analysis.properties.error
+    yield row(
+        "Error bound", f"volume {error.volume:.2g}, mass {error.mass:.2g}, tensor {error.inertia:.2g} (relative),"
+    )
+    yield row("", f"centre of mass {error.center_of_mass:.2g} m")
+    yield row("", f"{error.method}; for the mesh as stored, its tessellation apart")
+    told = {f"repaired: {change}" for change in repaired.changes} if repaired else set()
+    for note in analysis.notes:
+        if note not in told:
+            yield row("Note", note)
