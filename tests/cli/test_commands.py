@@ -1,0 +1,346 @@
+"""The command as a user meets it: what it prints, where, and the exit code."""
+
+import io
+import json
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import inertia
+from inertia_cli.main import main
+from inertia_cli.progress import Progress
+from inertia_meshes import catalogue, path
+
+MM = 1e-3
+
+
+def stl(tmp_path: Path, corners: np.ndarray, name: str = "part.stl") -> str:
+    """Write triangles (n, 3, 3) as binary STL."""
+    records = np.zeros(len(corners), np.dtype([("n", "<f4", 3), ("v", "<f4", (3, 3)), ("a", "<u2")]))
+    records["v"] = corners
+    file = tmp_path / name
+    file.write_bytes(bytes(80) + np.uint32(len(corners)).tobytes() + records.tobytes())
+    return str(file)
+
+
+def document(capsys: pytest.CaptureFixture[str], *arguments: str) -> dict:
+    assert main([*arguments, "--json"]) == 0
+    captured = capsys.readouterr()
+    assert captured.err == ""
+    return json.loads(captured.out)
+
+
+def sentence(capsys: pytest.CaptureFixture[str], code: int, *arguments: str) -> str:
+    """Run a command that must fail, and return the one line that it says."""
+    try:
+        left = main(arguments)
+    except SystemExit as leaving:
+        left = leaving.code
+    assert left == code
+    captured = capsys.readouterr()
+    assert captured.out == ""
+    assert captured.err.count("\n") == 1
+    assert "Traceback" not in captured.err
+    return captured.err
+
+
+def test_the_document_holds_the_contract(capsys: pytest.CaptureFixture[str]) -> None:
+    file = str(path("two_disc_rotor.stl"))
+    found = document(capsys, "analyse", file, "--density", "7850", "--about", "0,0,150")
+    fields = (
+        "schema source unit unit_from density density_from mesh volume area mass center_of_mass inertia "
+        "principal_moments principal_axes class error inertia_about"
+    )
+    assert set(fields.split()) <= set(found)
+    assert found["schema"] == "inertia/analysis/1"
+    assert set(found["source"]) == {"path", "sha256", "format"}
+    assert (found["source"]["path"], found["source"]["format"]) == (file, "stl")
+    assert (found["unit"], found["unit_from"]) == ("mm", "assumed")
+    assert (found["density"], found["density_from"]) == (7850.0, "option")
+    assert found["mesh"] == {"triangles": 5640, "closed": True, "bodies": 1}
+    assert found["class"] == "asymmetric"
+    assert set(found["error"]) == {"method", "volume", "mass", "center_of_mass", "inertia"}
+    assert found["inertia_about"]["point"] == [0.0, 0.0, 150.0]
+
+
+def test_the_numbers_are_those_of_the_mesh(capsys: pytest.CaptureFixture[str]) -> None:
+    known = catalogue()["two_disc_rotor.stl"]["mesh"]
+    found = document(capsys, "analyse", str(path("two_disc_rotor.stl")), "--density", "2", "--about", "1,-2,3")
+    assert found["volume"] == pytest.approx(known["volume"] * MM**3, rel=1e-14)
+    assert found["mass"] == pytest.approx(2 * known["volume"] * MM**3, rel=1e-14)
+    com, tensor = np.array(known["center_of_mass"]) * MM, 2 * np.array(known["inertia"]) * MM**5
+    np.testing.assert_allclose(found["center_of_mass"], com, rtol=0, atol=2e-16)
+    np.testing.assert_allclose(found["inertia"], tensor, rtol=0, atol=1e-14 * np.linalg.norm(tensor))
+    d = com - np.array([1, -2, 3]) * MM
+    shifted = tensor + found["mass"] * (d @ d * np.eye(3) - np.outer(d, d))
+    np.testing.assert_allclose(found["inertia_about"]["inertia"], shifted, rtol=1e-12)
+
+
+def test_the_axes_are_written_row_by_row(capsys: pytest.CaptureFixture[str]) -> None:
+    found = document(capsys, "analyse", str(path("tetrahedron.stl")))
+    axes, tensor = np.array(found["principal_axes"]), np.array(found["inertia"])
+    moments = np.array(found["principal_moments"])
+    np.testing.assert_allclose(tensor @ axes, axes * moments, atol=1e-14 * moments[2])
+    assert np.linalg.det(axes) == pytest.approx(1)
+    assert (np.diff(moments) > 0).all()
+
+
+def test_numbers_read_back_as_the_same_floats(capsys: pytest.CaptureFixture[str]) -> None:
+    file = path("ellipsoid.stl")
+    properties = inertia.analyse(inertia.read(file), material="titanium").properties
+    found = document(capsys, "analyze", str(file), "--material", "titanium")
+    assert found["mass"] == properties.mass
+    assert found["inertia"] == properties.inertia.tolist()
+    assert found["density_from"] == "material"
+
+
+@pytest.mark.parametrize(
+    ("options", "density", "said"),
+    [([], 1000.0, "assumed"), (["--mass", "3"], 3e6, "mass"), (["--material", "Steel"], 7850.0, "material")],
+)
+def test_says_where_the_density_came_from(
+    capsys: pytest.CaptureFixture[str], options: list[str], density: float, said: str
+) -> None:
+    found = document(capsys, "analyse", str(path("cube.stl")), *options)
+    assert (found["density"], found["density_from"]) == (pytest.approx(density), said)
+
+
+def test_a_body_each_with_its_density(capsys: pytest.CaptureFixture[str]) -> None:
+    known = catalogue()["shaft_impeller.obj"]
+    arguments = [part for name, of in known["parts"].items() for part in ("--density", f"{name}={of['density']}")]
+    found = document(capsys, "analyse", str(path("shaft_impeller.obj")), *arguments)
+    assert {share["name"] for share in found["shares"]} == set(known["parts"])
+    for share in found["shares"]:
+        assert share["volume"] == pytest.approx(known["parts"][share["name"]]["mesh"]["volume"] * MM**3, rel=1e-13)
+    assert found["mass"] == pytest.approx(sum(share["mass"] for share in found["shares"]), rel=1e-15)
+
+
+def test_a_point_may_begin_with_a_minus(capsys: pytest.CaptureFixture[str]) -> None:
+    for arguments in (["--about", "-1,2,3"], ["--about=-1,2,3"]):
+        found = document(capsys, "analyse", str(path("cube.stl")), *arguments)
+        assert found["inertia_about"]["point"] == [-1.0, 2.0, 3.0]
+
+
+def test_the_text_states_what_a_report_needs(capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["analyse", str(path("cube.stl")), "--material", "steel", "--about", "5,0,0"]) == 0
+    text = capsys.readouterr().out
+    for stated in (
+        "cube.stl (stl)",
+        "mm (assumed",
+        "7850 kg/m³ (of the material given)",
+        "12 triangles, closed, 1 body",
+        "1e-06 m³   = 1000 mm³",
+        "0.0006 m²   = 600 mm²",
+        "0.00785 kg",
+        "1.308333333e-07",
+        "spherical",
+        "4.082482905e-03",
+        "0.006454972244, 0.006454972244, 0.006454972244 m",
+        "Error bound",
+        "about (5, 0, 0) mm",
+        "3.270833333e-07",
+    ):
+        assert stated in text
+    assert "e-2" not in text.partition("Error bound")[0]  # nothing but noise is that small on this part
+
+
+def test_a_repair_is_listed_with_its_effect(capsys: pytest.CaptureFixture[str]) -> None:
+    file = str(path("broken/missing_face.stl"))
+    found = document(capsys, "analyse", file, "--repair")
+    (change,) = found["repair"]["changes"]
+    assert (change["what"], change["count"]) == ("holes filled", 1)
+    assert found["repair"]["volume_before"] == pytest.approx(11 / 12 * 1e-6)
+    assert found["repair"]["volume_after"] == found["volume"] == pytest.approx(1e-6)
+    assert main(["analyse", file, "--repair"]) == 0
+    assert "holes filled: 1 (of 3 edges" in capsys.readouterr().out
+
+
+def test_welding_is_listed_too(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
+    corners = inertia.read(path("cube.stl")).triangles.corners()
+    corners[0] += 1e-4
+    file = stl(tmp_path, corners)
+    assert "open" in sentence(capsys, 4, "analyse", file)
+    found = document(capsys, "analyse", file, "--weld", "1e-3")
+    assert found["repair"]["changes"][0]["largest_move"] == pytest.approx(np.sqrt(3) * 1e-7, rel=0.05)
+    assert main(["analyse", str(path("cube.stl")), "--weld", "1e-3"]) == 0
+    assert "nothing to repair" in capsys.readouterr().out
+
+
+@pytest.mark.parametrize(
+    ("code", "arguments", "said"),
+    [
+        (2, ["analyse"], "required: PART"),
+        (2, ["analyse", "cube.stl", "--frobnicate"], "--frobnicate"),
+        (2, ["analyse", "cube.stl", "--about", "1,2"], "X,Y,Z"),
+        (2, ["analyse", "cube.stl", "--about", "1,2,nan"], "X,Y,Z"),
+        (2, ["analyse", "cube.stl", "--density", "heavy"], "kg/m³"),
+        (2, ["analyse", "cube.stl", "--density", "rim="], "equals sign"),
+        (2, ["analyse", "cube.stl", "--density", "-1"], "must be positive"),
+        (2, ["analyse", "cube.stl", "--density", "1", "--density", "2"], "twice"),
+        (2, ["analyse", "cube.stl", "--density", "rim=1"], "'rim'"),
+        (2, ["analyse", "cube.stl", "--material", "stel"], "did you mean steel"),
+        (2, ["analyse", "cube.stl", "--mass", "1", "--density", "1"], "both"),
+        (2, ["analyse", "cube.stl", "--unit", "furlong"], "furlong"),
+        (2, ["analyse", "cube.stl", "--format", "dwg"], "dwg"),
+        (2, ["analyse", "cube.stl", "--accuracy", "0"], "positive"),
+        (2, ["analyse", "cube.stl", "--accuracy", "very"], "exact"),
+        (2, ["analyse", "cube.stl", "--weld", "5"], "tolerance"),
+        (2, ["analyse", "cube.stl", "--shell", "0"], "thickness"),
+        (2, ["analyse", "cube.stl", "--class-tolerance", "2"], "below 1"),
+        (3, ["analyse", "no-such-file.stl"], "no such file"),
+        (3, ["check", "broken/truncated.stl"], "cut short"),
+        (4, ["analyse", "broken/missing_face.stl"], "1 boundary loop, 34.14 mm"),
+        (4, ["analyse", "broken/flipped_face.stl"], "winding"),
+        (4, ["analyse", "broken/inside_out.stl"], "--orientation absolute"),
+        (4, ["analyse", "broken/nan.stl"], "triangle 4, corner 1"),
+        (4, ["analyse", "broken/zero_volume.stl"], "no volume"),
+        (4, ["analyse", "broken/overlapping_cubes.stl"], "overlapping"),
+        (4, ["analyse", "cube.stl", "--wire", "1"], "no lines"),
+    ],
+)
+def test_a_fault_is_one_sentence_and_a_code(
+    capsys: pytest.CaptureFixture[str], code: int, arguments: list[str], said: str
+) -> None:
+    command, *rest = arguments
+    located = [str(path("cube.stl").parent / part) if part.endswith(".stl") else part for part in rest]
+    message = sentence(capsys, code, command, *located)
+    assert message.startswith("inertia")
+    assert said in message
+    if code > 2:
+        assert located[0] in message
+
+
+def test_check_judges_by_its_exit_code(capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["check", str(path("cube.stl"))]) == 0
+    assert "fit for integration" in capsys.readouterr().out
+    assert main(["check", str(path("broken/missing_face.stl"))]) == 4
+    captured = capsys.readouterr()
+    assert "1 boundary loop" in captured.out
+    assert captured.err == ""
+
+
+def test_check_forgives_orientation_when_asked(capsys: pytest.CaptureFixture[str]) -> None:
+    file = str(path("broken/inside_out.stl"))
+    assert main(["check", file]) == 4
+    capsys.readouterr()
+    assert document(capsys, "check", file, "--orientation", "absolute")["fit"] is True
+    assert document(capsys, "analyse", file, "--orientation", "absolute")["volume"] == pytest.approx(1e-6)
+
+
+def test_the_document_of_a_check_says_where(capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["check", str(path("broken/missing_face.stl")), "--json"]) == 4
+    found = json.loads(capsys.readouterr().out)
+    assert (found["schema"], found["fit"], found["closed"], found["consistent"]) == (
+        "inertia/check/1",
+        False,
+        False,
+        True,
+    )
+    (loop,) = found["loops"]
+    assert loop["edges"] == 3
+    assert loop["length"] == pytest.approx(20 + 200**0.5)
+    assert found["findings"][0]["faces"] == [0]
+
+
+def test_check_finds_crossings_when_asked(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
+    cube = inertia.read(path("cube.stl")).triangles.corners()
+    spike = np.where((cube == cube.max(axis=(0, 1))).all(axis=2, keepdims=True), cube - 30.0, cube)
+    file = stl(tmp_path, spike)
+    assert document(capsys, "check", str(path("cube.stl")), "--intersections")["findings"] == []
+    codes = []
+    for options in ([], ["--intersections"]):
+        main(["check", file, "--json", *options])
+        codes.append({finding["code"] for finding in json.loads(capsys.readouterr().out)["findings"]})
+    assert codes[1] - codes[0] == {"self_intersection"}
+
+
+def test_an_interrupt_is_no_traceback(capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch) -> None:
+    def interrupted(*_: object, **__: object) -> None:
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr("inertia.mass.analysis.analyse", interrupted)
+    assert sentence(capsys, 130, "analyse", str(path("cube.stl"))) == "inertia: interrupted\n"
+
+
+def test_a_fault_of_ours_is_a_sentence_with_code_1(
+    capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def broken(*_: object, **__: object) -> None:
+        raise ZeroDivisionError("division by zero")
+
+    monkeypatch.setattr("inertia.mass.analysis.analyse", broken)
+    assert "ZeroDivisionError" in sentence(capsys, 1, "analyse", str(path("cube.stl")))
+    monkeypatch.setenv("INERTIA_TRACEBACK", "1")
+    with pytest.raises(ZeroDivisionError):
+        main(["analyse", str(path("cube.stl"))])
+
+
+def console(*arguments: str, **options: object) -> subprocess.CompletedProcess[bytes]:
+    """Run the command in a process of its own."""
+    code = "from inertia_cli.main import run; run()"
+    return subprocess.run([sys.executable, "-c", code, *arguments], check=False, capture_output=True, **options)
+
+
+def test_a_reader_that_leaves_early_is_no_fault() -> None:
+    reading, writing = os.pipe()
+    os.close(reading)
+    code = "from inertia_cli.main import run; run()"
+    done = subprocess.run(
+        [sys.executable, "-c", code, "analyse", str(path("cube.stl"))],
+        check=False,
+        stdout=writing,
+        stderr=subprocess.PIPE,
+    )
+    os.close(writing)
+    assert (done.returncode, done.stderr) == (0, b"")
+
+
+@pytest.mark.skipif(not Path("/dev/full").exists(), reason="needs a device that is full")
+def test_a_full_disk_is_said() -> None:
+    with Path("/dev/full").open("wb") as full:
+        code = "from inertia_cli.main import run; run()"
+        arguments = [sys.executable, "-c", code, "analyse", str(path("cube.stl"))]
+        done = subprocess.run(arguments, check=False, stdout=full, stderr=subprocess.PIPE)
+    assert done.returncode == 1
+    assert done.stderr.startswith(b"inertia: cannot write the result: No space left")
+
+
+def test_an_old_terminal_gets_all_but_its_missing_characters() -> None:
+    done = console("analyse", str(path("cube.stl")), env={**os.environ, "PYTHONIOENCODING": "ascii"})
+    assert done.returncode == 0
+    assert rb"kg/m\xb3" in done.stdout
+
+
+def test_the_version_and_the_help() -> None:
+    assert console("--version").stdout.decode().strip() == f"inertia {inertia.__version__}"
+    done = console("analyse", "--help")
+    assert done.returncode == 0
+    assert b"--material" in done.stdout
+
+
+class Terminal(io.StringIO):
+    """A stream that takes itself for a terminal."""
+
+    def isatty(self) -> bool:
+        return True
+
+
+def test_progress_is_drawn_on_a_terminal_and_wiped(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("inertia_cli.progress._PATIENCE", 0.0)
+    terminal = Terminal()
+    with Progress("integrating", terminal) as progress:
+        progress(0.5)
+    drawn = terminal.getvalue()
+    assert "integrating [####################....................]  50%" in drawn
+    assert drawn.endswith("\r\x1b[K")
+
+
+def test_progress_draws_nothing_elsewhere_or_where_work_is_short() -> None:
+    for stream in (io.StringIO(), Terminal()):
+        with Progress("integrating", stream) as progress:
+            progress(0.5)
+        assert stream.getvalue() == ""
