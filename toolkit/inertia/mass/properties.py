@@ -88,12 +88,13 @@ class MassProperties:
             mass, size = float(moments.zeroth), float(volume)
             com = np.array([float(k) for k in central.origin])
             tensor = np.array([[float(k) for k in row] for row in inertia_tensor(central.second)])
-            norm = float(np.linalg.norm(tensor / np.abs(tensor).max()) * np.abs(tensor).max())
+            largest = float(np.abs(tensor).max()) or 1.0
+            norm = float(np.linalg.norm(tensor / largest) * largest)
         except OverflowError:
             raise GeometryError(
                 "the result is above 1.8e308 and leaves float64: give the coordinates in a smaller unit with --unit"
             ) from None
-        if mass == 0 or not tensor.any():
+        if mass == 0 or (any(central.second) and not tensor.any()):
             raise GeometryError(
                 "the result is below 5e-324 and leaves float64: give the coordinates in a larger unit with --unit"
             )
@@ -102,7 +103,7 @@ class MassProperties:
             _relative(volume_bound, volume),
             _relative(moments.zeroth_bound, moments.zeroth),
             float(moments.centroid_bound) + _ROUNDOFF * float(np.linalg.norm(com)),
-            float(inertia_bound(central.second_bound) / Fraction(norm)) + _ROUNDOFF,
+            float(inertia_bound(central.second_bound) / Fraction(norm)) + _ROUNDOFF if norm else 0.0,
         )
         return cls(mass, size, com, tensor, error)
 
