@@ -6,20 +6,23 @@
 from __future__ import annotations
 
 import math
+import sys
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
+from numbers import Real
 from typing import Literal
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from inertia.errors import GeometryError, UsageError
-from inertia.mass.bodies import Group, cell_groups, surface_groups, wire_group
+from inertia.mass.bodies import Found, Group, cell_groups, naming, surface_groups, wire_group
 from inertia.mass.density import Densities, DensityFrom, densities
 from inertia.mass.moments import ZERO, total
 from inertia.mass.principal import CLASS_TOLERANCE, Principal, principal
 from inertia.mass.properties import MassProperties
+from inertia.mass.rungs import FINEST
 from inertia.mass.tensor import array_of
 from inertia.mesh.part import Cells, Float, Part
 
@@ -98,11 +101,12 @@ def mass_properties(
     Parameters
     ----------
     part : what `inertia.read` returned
-    density : kg/m³, or one for each region or body by name ("1", "2", ... for unnamed bodies, in file order; "" for
-        the rest); 1000 if neither it nor `material` nor `mass` is given
+    density : kg/m³, or one for each region by name, or for each body of a surface by number ("1", "2", ... in file
+        order); "" is the rest; 1000 if neither it nor `material` nor `mass` is given
     material : name(s) in the table of materials, instead of density
     mass : kg, the total weighed; densities then count as proportions
-    accuracy : None for float64 with its bound; a relative figure that the bound must reach; or "exact"
+    accuracy : None for float64 with its bound; a relative figure that the bound must reach, by the cheapest method
+        that reaches it; or "exact"
     shell : thickness in the part's unit: the surface itself carries the mass (it may be open)
     wire : cross-section in the part's unit squared: the lines carry the mass
     orientation : "absolute" integrates an inward surface as if it faced outward
@@ -163,6 +167,8 @@ def analyse(
         raise UsageError(f"orientation is {orientation!r}: use 'stored' or 'absolute'")
     if shell is not None and wire is not None:
         raise UsageError("both a shell and a wire are asked for: give one")
+    if accuracy == "exact" and (wire is not None or isinstance(part.geometry, Cells)):
+        raise UsageError("exact arithmetic is for triangle surfaces: give a relative accuracy for cells and wires")
 
     f = part.unit.metres
     model: Literal["solid", "shell", "wire"] = "solid"
@@ -172,28 +178,30 @@ def analyse(
         found = surface_groups(part, chosen.named, shell=True, accuracy=accuracy, progress=progress)
     elif wire is not None:
         model, factor = "wire", f**3 * _length(wire, "wire cross-section", f"{part.unit.name}2")
-        found = wire_group(part)
+        found = wire_group(part, chosen.named, progress)
     elif isinstance(part.geometry, Cells):
-        if accuracy == "exact":
-            raise UsageError("exact arithmetic is for triangle surfaces: give a relative accuracy for a volume mesh")
         found = cell_groups(part, chosen.named, progress=progress)
     else:
         found = surface_groups(
-            part, chosen.named, accuracy=accuracy, absolute=orientation == "absolute", progress=progress
+            part,
+            chosen.named,
+            accuracy=accuracy,
+            reached=lambda found: _reached(_properties(part, found, chosen, factor), found, f) <= _figure(accuracy),
+            absolute=orientation == "absolute",
+            progress=progress,
         )
 
     weights = _weights(found.groups, chosen, factor)
-    moments = total(
-        group.moments.in_unit(f).scaled(factor * weight) for group, weight in zip(found.groups, weights, strict=True)
-    )
-    volume = factor * sum((group.moments.zeroth for group in found.groups), ZERO)
-    volume_bound = factor * sum((group.moments.zeroth_bound for group in found.groups), ZERO)
-    properties = MassProperties.from_moments(moments, volume, volume_bound, found.method)
-    _require_reached(properties, accuracy)
+    properties = _properties(part, found, chosen, factor)
+    if (reached := _reached(properties, found, f)) > _figure(accuracy):
+        raise GeometryError(
+            f"{part.name}: the bound reached by {found.method} is {reached:.2g}, above the accuracy asked for, "
+            f"{accuracy:g}: ask for a larger figure"
+        )
     return Analysis(
         part=part,
         model=model,
-        density=float(moments.zeroth / volume),
+        density=float(_mean(weights, found.groups)),
         density_from=chosen.source,
         triangles=found.triangles,
         cells=found.cells,
@@ -212,26 +220,50 @@ def analyse(
 def _require_accuracy(accuracy: Accuracy) -> None:
     if accuracy is None or accuracy == "exact":
         return
-    if not isinstance(accuracy, (int, float)) or not 0 < accuracy < math.inf:
+    if not isinstance(accuracy, Real) or not 0 < accuracy < math.inf:
         raise UsageError(f"accuracy is {accuracy!r}: give a positive relative figure such as 1e-12, or 'exact'")
-
-
-def _require_reached(properties: MassProperties, accuracy: Accuracy) -> None:
-    if accuracy is None or accuracy == "exact":
-        return
-    error = properties.error
-    reached = max(error.volume, error.mass, error.inertia)
-    if reached > accuracy:
-        raise GeometryError(
-            f"the bound reached by {error.method} is {reached:.2g}, above the accuracy asked for, {accuracy:g}: "
-            "ask for a larger figure"
+    if accuracy < FINEST:
+        raise UsageError(
+            f"accuracy is {accuracy:g}, finer than results in float64 can be, {FINEST:g}: ask for 'exact', which "
+            "rounds each number once"
         )
 
 
+def _figure(accuracy: Accuracy) -> float:
+    """Return the relative accuracy asked for, as a number."""
+    return math.inf if accuracy is None or isinstance(accuracy, str) else accuracy
+
+
+def _properties(part: Part, found: Found, chosen: Densities, factor: Fraction) -> MassProperties:
+    weights = _weights(found.groups, chosen, factor)
+    moments = total(
+        group.moments.in_unit(part.unit.metres).scaled(factor * weight)
+        for group, weight in zip(found.groups, weights, strict=True)
+    )
+    if chosen.mass is not None and moments.zeroth > moments.zeroth_bound:
+        moments = moments.weighed(Fraction(chosen.mass))
+    volume = factor * sum((group.moments.zeroth for group in found.groups), ZERO)
+    volume_bound = factor * sum((group.moments.zeroth_bound for group in found.groups), ZERO)
+    with naming(part):
+        return MassProperties.from_moments(moments, volume, volume_bound, found.method)
+
+
+def _reached(properties: MassProperties, found: Found, f: Fraction) -> float:
+    """Return the largest relative bound; the centre of mass counts relative to the size of the part."""
+    error = properties.error
+    size = float(Fraction(float(np.ptp(found.extents, axis=0).max())) * f)
+    return max(error.volume, error.mass, error.inertia, error.center_of_mass / size)
+
+
+def _mean(weights: Sequence[Fraction], groups: Sequence[Group]) -> Fraction:
+    volume = sum((group.moments.zeroth for group in groups), ZERO)
+    return sum((w * g.moments.zeroth for w, g in zip(weights, groups, strict=True)), ZERO) / volume
+
+
 def _length(value: float, name: str, unit: str) -> Fraction:
-    if not (isinstance(value, (int, float)) and 0 < value < math.inf):
+    if not (isinstance(value, Real) and 0 < value < math.inf):
         raise UsageError(f"the {name} is {value!r} {unit}: it must be positive and finite")
-    return Fraction(value)
+    return Fraction(float(value))
 
 
 def _weights(groups: Sequence[Group], chosen: Densities, factor: Fraction) -> list[Fraction]:
@@ -242,6 +274,8 @@ def _weights(groups: Sequence[Group], chosen: Densities, factor: Fraction) -> li
         if mass <= 0:
             raise GeometryError("the solid has no volume to spread the mass over: check the mesh")
         weights = [w * Fraction(chosen.mass) / mass for w in weights]
+        if max(weights) > sys.float_info.max:
+            raise UsageError(f"a mass of {chosen.mass:g} kg makes a density above 1.8e308 kg/m3: check mass and unit")
     return weights
 
 

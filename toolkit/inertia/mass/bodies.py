@@ -2,27 +2,25 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping
-from dataclasses import dataclass
+from collections.abc import Callable, Collection, Iterable, Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass, replace
 from difflib import get_close_matches
 from fractions import Fraction
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from inertia.errors import GeometryError, UsageError
-from inertia.mass.exact import METHOD as EXACT
-from inertia.mass.exact import exact_moments
 from inertia.mass.moments import Moments, moments_of
+from inertia.mass.rungs import METHODS, Rung, rungs, solid_moments
 from inertia.mass.sums import Sums, sum_triangles
 from inertia.mesh.check import cell_bodies, check
 from inertia.mesh.closure import Closure, closure
-from inertia.mesh.part import Cells, Float, Part, Regions, Triangles
+from inertia.mesh.findings import around, middle, usable
+from inertia.mesh.part import Cells, Facets, Float, Int, Part, Regions, Surface, Triangles
 from inertia.mesh.shells import Shell, absolute_orientation, shells
 from inertia.mesh.shells import bodies as bodies_of
-
-FLOAT64 = "float64, a-priori bound"
 
 Progress = Callable[[float], None] | None
 
@@ -55,102 +53,125 @@ class Found:
 
 def surface_groups(
     part: Part,
-    named: Iterable[str],
+    named: Collection[str],
     *,
     shell: bool = False,
     accuracy: float | str | None = None,
+    reached: Callable[[Found], bool] = lambda found: True,
     absolute: bool = False,
     progress: Progress = None,
 ) -> Found:
     """Integrate a triangle surface as a solid, or as a `shell` (whose "volume" is its area).
 
+    The rungs that `accuracy` names are tried in their order until `reached` says that one is good enough; the last
+    one's result is returned in any case.
+
     Raises `GeometryError` where the surface does not bound a solid that faces outward; with `absolute` an inward
     one, or one with inverted bodies, is integrated by its absolute orientation.
     """
     triangles = part.triangles
-    exact = accuracy == "exact"
-    if shell and exact:
-        raise UsageError("exact arithmetic cannot give a shell's area, which holds square roots: leave it out")
-    hangs = closure(triangles, _part_of(progress, 0.0, 0.6))
-    sums = sum_triangles(triangles, surface=shell, progress=_part_of(progress, 0.6, 1.0))
-    if not shell and hangs.open_edges:
+    if triangles.count == 0:
         check(part).require_fit()
-    named = list(named)
-    pieces = shells(triangles, hangs) if hangs.components != 1 else ()
-    whole = exact_moments(triangles, progress) if exact else moments_of(sums, surface=shell)
-    notes: list[str] = []
-    if shell:
-        groups = _shell_groups(part, named, whole)
-    elif pieces:
-        groups = _body_groups(part, named, hangs, pieces, whole, exact=exact, absolute=absolute, notes=notes)
-    else:
-        _refuse_unknown(named, ["1"], part.regions)
-        groups = (Group("1", _outward(part, whole, absolute, notes)),)
-    return Found(
-        groups=groups,
-        method=EXACT if exact else FLOAT64,
+    if shell and accuracy == "exact":
+        raise UsageError("exact arithmetic cannot give a shell's area, which holds square roots: leave it out")
+    trying = rungs(accuracy)
+    paired, summed = (0.6, 1.0) if shell or (len(trying) == 1 and trying[0] == "float64") else (0.1, 0.2)
+    hangs = closure(triangles, _part_of(progress, 0.0, paired))
+    with naming(part):
+        sums = sum_triangles(triangles, surface=shell, progress=_part_of(progress, paired, summed))
+    extents = np.array([sums.low, sums.high])
+    if not usable(extents).all() or (hangs.open_edges and not shell):
+        check(part).require_fit()
+    pieces = shells(triangles, hangs) if not shell and hangs.components != 1 else ()
+    if absolute and not shell and len(wrong := _wrong(pieces, moments_of(sums))):
+        turned = replace(part, geometry=_turned(triangles, np.isin(hangs.labels, wrong)))
+        note = f"{len(wrong)} of {hangs.components} shells turned, as absolute orientation was asked for"
+        return replace(surface_groups(turned, named, accuracy=accuracy, reached=reached), notes=(note,))
+    found = Found(
+        groups=_shell_groups(part, named, moments_of(sums, surface=True)) if shell else (),
+        method=METHODS["float64"],
         triangles=triangles.count,
         cells=0,
         closed=hangs.open_edges == 0,
         bodies=len(bodies_of(pieces)) if pieces else hangs.components,
         area=_area(sums),
-        extents=np.array([sums.low, sums.high]),
-        notes=tuple(notes),
+        extents=extents,
+    )
+    if shell:
+        return found
+    for k, rung in enumerate(trying):
+        start, stop = (summed + (1.0 - summed) * step / len(trying) for step in (k, k + 1))
+        whole = solid_moments(triangles, rung, sums, _part_of(progress, start, stop))
+        if pieces or whole.zeroth < -whole.zeroth_bound:
+            check(part).require_fit()
+        flat = not pieces and whole.zeroth <= whole.zeroth_bound
+        if not flat:
+            found = replace(found, groups=_solid_groups(part, named, hangs, pieces, whole, rung), method=METHODS[rung])
+            if reached(found):
+                break
+        elif rung == trying[-1]:
+            _refuse_flat(part, whole, extents)
+    return found
+
+
+@contextmanager
+def naming(part: Part) -> Iterator[None]:
+    """Name the part in the errors of what knows its numbers only."""
+    try:
+        yield
+    except GeometryError as fault:
+        raise GeometryError(f"{part.name}: {fault}") from None
+
+
+def _wrong(pieces: tuple[Shell, ...], whole: Moments) -> Int:
+    """Return the numbers of the shells that absolute orientation turns."""
+    if pieces:
+        return absolute_orientation(pieces)
+    return np.arange(1 if whole.zeroth < -whole.zeroth_bound else 0)
+
+
+def _turned(triangles: Triangles, which: NDArray[np.bool_]) -> Triangles:
+    if isinstance(triangles, Facets):
+        result = Facets(triangles.records.copy())
+        corners = result.corners_f4()
+        corners[which] = corners[which, ::-1]
+        return result
+    faces = triangles.faces.copy()
+    faces[which] = faces[which, ::-1]
+    return Surface(triangles.vertices, faces)
+
+
+def _refuse_flat(part: Part, whole: Moments, box: Float) -> None:
+    raise GeometryError(
+        f"{part.name} has no volume: {float(whole.zeroth):.3g} {part.unit.name}3 {around(middle(box), box)}, with "
+        f"an error bound of {float(whole.zeroth_bound):.3g}: use --shell THICKNESS if it is a sheet, or --accuracy "
+        "exact if it is very thin"
     )
 
 
-def _outward(part: Part, whole: Moments, absolute: bool, notes: list[str]) -> Moments:
-    if abs(whole.zeroth) <= whole.zeroth_bound:
-        check(part).require_fit()
-        raise GeometryError(
-            f"{part.name} has no volume: {float(whole.zeroth):.3g} {part.unit.name}3 with an error bound of "
-            f"{float(whole.zeroth_bound):.3g}; use --shell THICKNESS if it is a sheet"
-        )
-    if whole.zeroth > 0:
-        return whole
-    if not absolute:
-        check(part).require_fit()
-    notes.append("the surface faces inward: integrated by its absolute orientation, as asked")
-    return whole.scaled(Fraction(-1))
-
-
-def _body_groups(
-    part: Part,
-    named: list[str],
-    hangs: Closure,
-    pieces: tuple[Shell, ...],
-    whole: Moments,
-    *,
-    exact: bool,
-    absolute: bool,
-    notes: list[str],
+def _solid_groups(
+    part: Part, named: Collection[str], hangs: Closure, pieces: tuple[Shell, ...], whole: Moments, rung: Rung
 ) -> tuple[Group, ...]:
-    """Integrate a surface of several shells: as one group, or apart where densities are given by name."""
-    triangles = part.triangles
-    flip = sorted(int(k) for k in absolute_orientation(pieces)) if absolute else []
-    check(part).require_fit(orientation="absolute" if absolute else "stored")
-    if flip:
-        notes.append(f"{len(flip)} of {len(pieces)} shells face the wrong way: integrated by absolute orientation")
-    if not named and not flip:
+    """Integrate a sound surface: as one group, or its regions or bodies apart where densities name them."""
+    if not named:
         return (Group("1", whole),)
 
     def integrate(chosen: Triangles) -> Moments:
-        return exact_moments(chosen) if exact else moments_of(sum_triangles(chosen))
+        return solid_moments(chosen, rung)
 
-    if named and part.regions is not None and set(named) <= set(part.regions.names):
+    bodies = {str(body.number + 1): body.shells for body in bodies_of(pieces)} or {"1": ()}
+    _refuse_unknown(named, bodies, part.regions)
+    if part.regions is not None and set(named) <= set(part.regions.names):
         return _region_groups(part, part.regions, integrate)
-    groups = {str(body.number + 1): body.shells for body in bodies_of(pieces)}
-    _refuse_unknown(named, groups, part.regions)
-    found = []
-    for name, members in groups.items():
-        moments = None
-        for number in members:
-            shell = integrate(triangles.select(np.flatnonzero(hangs.labels == number)))
-            shell = shell.scaled(Fraction(-1)) if number in flip else shell
-            moments = shell if moments is None else moments + shell
-        if moments is not None:
-            found.append(Group(name, moments))
-    return tuple(found)
+    if regions := sorted(set(named) - set(bodies)):
+        raise UsageError(
+            f"densities are given for regions ({regions[0]!r}) and for bodies by number, which may share volume: "
+            "name regions only, or bodies only"
+        )
+    if not pieces:
+        return (Group("1", whole),)
+    chosen = [part.triangles.select(np.flatnonzero(np.isin(hangs.labels, members))) for members in bodies.values()]
+    return tuple(Group(name, integrate(triangles)) for name, triangles in zip(bodies, chosen, strict=True))
 
 
 def _region_groups(part: Part, regions: Regions, integrate: Callable[[Triangles], Moments]) -> tuple[Group, ...]:
@@ -165,11 +186,18 @@ def _region_groups(part: Part, regions: Regions, integrate: Callable[[Triangles]
                 f"region {name!r} of {part.name} is not closed by itself: {edges} of its edges have no partner, "
                 "so it has no volume of its own to give a density; close it, or give one density for the part"
             )
-        found.append(Group(name, integrate(chosen)))
+        moments = integrate(chosen)
+        if moments.zeroth < -moments.zeroth_bound:
+            raise GeometryError(
+                f"region {name!r} of {part.name} faces inward and has a volume of {float(moments.zeroth):.3g} "
+                f"{part.unit.name}3 by itself, as the wall of a cavity has: give one density for the part, or number "
+                "its bodies"
+            )
+        found.append(Group(name, moments))
     return tuple(found)
 
 
-def _shell_groups(part: Part, named: list[str], whole: Moments) -> tuple[Group, ...]:
+def _shell_groups(part: Part, named: Collection[str], whole: Moments) -> tuple[Group, ...]:
     if not named:
         return (Group("1", whole),)
     regions = part.regions
@@ -184,7 +212,7 @@ def _shell_groups(part: Part, named: list[str], whole: Moments) -> tuple[Group, 
     )
 
 
-def cell_groups(part: Part, named: Iterable[str], *, progress: Progress = None) -> Found:
+def cell_groups(part: Part, named: Collection[str], *, progress: Progress = None) -> Found:
     """Integrate a volume mesh, region by region where densities are given by name."""
     from inertia.mass.cells import boundary_area, cell_moments
 
@@ -193,12 +221,12 @@ def cell_groups(part: Part, named: Iterable[str], *, progress: Progress = None) 
     if all(block.kind in ("line", "line3", "vertex") for block in cells.blocks):
         raise GeometryError(f"{part.name} holds lines or points only, which have no volume: use --wire AREA for lines")
     check(part).require_fit()
-    named = list(named)
     regions = part.regions
     if named:
         _refuse_unknown(named, [], regions)
     names, index = _named_regions(regions) if named and regions is not None else (("1",), None)
-    result = cell_moments(cells, index, len(names), progress)
+    with naming(part):
+        result = cell_moments(cells, index, len(names), progress)
     groups = tuple(
         Group(name, moments) for name, moments in zip(names, result.moments, strict=True) if moments.zeroth != 0
     )
@@ -218,16 +246,21 @@ def cell_groups(part: Part, named: Iterable[str], *, progress: Progress = None) 
     )
 
 
-def wire_group(part: Part) -> Found:
+def wire_group(part: Part, named: Collection[str], progress: Progress = None) -> Found:
     """Integrate the lines of a mesh as wires; the "volume" of the group is its length."""
     from inertia.mass.cells import wire_moments
 
     cells = part.geometry
     if not isinstance(cells, Cells) or not any(block.kind.startswith("line") for block in cells.blocks):
         raise GeometryError(f"{part.name} holds no lines for a wire: leave --wire out, or use --shell THICKNESS")
+    _refuse_unknown(named, ["1"], None)
+    with naming(part):
+        moments = wire_moments(cells)
+    if progress is not None:
+        progress(1.0)
     return Found(
-        groups=(Group("1", wire_moments(cells)),),
-        method="float64 lengths, exact moments",
+        groups=(Group("1", moments),),
+        method="float64 quadrature, a-priori bound (an estimate for curved lines)",
         triangles=0,
         cells=cells.count,
         closed=False,
@@ -247,10 +280,7 @@ def _named_regions(regions: Regions) -> tuple[tuple[str, ...], NDArray[np.int32]
 
 def _area(sums: Sums) -> float:
     """Return the surface area Σ|n|/2 in the file's unit."""
-    try:
-        return float(Fraction(float(sums.sums[11])) / 2 * Fraction(4) ** -sums.exponent)
-    except OverflowError:
-        raise GeometryError("the surface area is above 1.8e308: give the coordinates in a larger unit") from None
+    return float(Fraction(float(sums.sums[11])) / 2 * Fraction(4) ** -sums.exponent)
 
 
 def _extents(cells: Cells) -> Float:
@@ -259,7 +289,7 @@ def _extents(cells: Cells) -> Float:
     return np.array([points.min(axis=0), points.max(axis=0)])
 
 
-def _refuse_unknown(named: Iterable[str], known: Mapping[str, Any] | list[str], regions: Regions | None) -> None:
+def _refuse_unknown(named: Iterable[str], known: Iterable[str], regions: Regions | None) -> None:
     names = [*known, *(regions.names if regions is not None else ())]
     for key in named:
         if key not in names:

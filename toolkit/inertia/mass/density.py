@@ -59,7 +59,7 @@ def densities(
     if mass is not None:
         if "" in named:
             raise UsageError("both a mass and a density are given: give the one that was measured")
-        _positive(mass, "mass", "kg")
+        mass = _positive(mass, "mass", "kg")
         source = "mass"
     default = named.pop("", None if named else ASSUMED)
     return Densities(default, named, source, mass)

@@ -2,16 +2,21 @@
 
 from __future__ import annotations
 
+from fractions import Fraction
+
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
 from inertia.errors import GeometryError, UsageError
-from inertia.mass.moments import ZERO, simplex_moments
+from inertia.mass.moments import ZERO, root_above, simplex_moments
 from inertia.mass.properties import MassProperties
 from inertia.mesh.part import Float
 
 _FLAT = 1e-9
 """A polygon counts as flat when its corners lie within this part of its size from its plane."""
+
+_OF_ROOT = Fraction(1, 2**60)
+"""How far `root_above` may be from the root, as a part of it."""
 
 
 def point_masses(positions: ArrayLike, masses: ArrayLike) -> MassProperties:
@@ -26,7 +31,7 @@ def point_masses(positions: ArrayLike, masses: ArrayLike) -> MassProperties:
     [0.0, 1.0, 1.0]
     """
     points = _points(positions, 1)
-    weights = np.asarray(masses, dtype=np.float64)
+    weights = _numbers(masses, "masses")
     if weights.shape != (len(points),):
         raise UsageError(f"masses must have shape ({len(points)},), one for each position, not {weights.shape}")
     if not (np.isfinite(weights) & (weights > 0)).all():
@@ -52,9 +57,10 @@ def wire(points: ArrayLike, linear_density: float) -> MassProperties:
     """
     corners = _points(points, 2)
     segments = np.stack([corners[:-1], corners[1:]], axis=1)
-    lengths = np.linalg.norm(segments[:, 1] - segments[:, 0], axis=1)
-    moments = simplex_moments(segments, lengths * _positive(linear_density, "linear_density", "kg/m"))
-    return MassProperties.from_moments(moments, ZERO, ZERO, "float64 lengths, exact moments")
+    weight = Fraction(_positive(linear_density, "linear_density", "kg/m"))
+    lengths = [root_above(edge @ edge) for edge in _rational(segments[:, 1]) - _rational(segments[:, 0])]
+    moments = simplex_moments(segments, [weight * length for length in lengths], _OF_ROOT)
+    return MassProperties.from_moments(moments, ZERO, ZERO, "exact sums over segments")
 
 
 def lamina(outline: ArrayLike, areal_density: float) -> MassProperties:
@@ -87,12 +93,16 @@ def lamina(outline: ArrayLike, areal_density: float) -> MassProperties:
             "a lamina is flat; use a mesh with shell=THICKNESS"
         )
     weight = _positive(areal_density, "areal_density", "kg/m2")
-    moments = simplex_moments(triangles, normals @ (normal / area) * weight)
-    return MassProperties.from_moments(moments, ZERO, ZERO, "float64 areas, exact moments")
+    a, b, c = _rational(triangles).transpose(1, 0, 2)
+    doubled = np.cross(b - a, c - a)
+    total = doubled.sum(axis=0)
+    factor = Fraction(weight) / (2 * root_above(total @ total))
+    moments = simplex_moments(triangles, factor * (doubled @ total), _OF_ROOT)
+    return MassProperties.from_moments(moments, ZERO, ZERO, "exact sums over triangles")
 
 
 def _points(value: ArrayLike, least: int) -> Float:
-    points = np.asarray(value, dtype=np.float64)
+    points = _numbers(value, "points")
     if points.ndim == 2 and points.shape[1] == 2:
         points = np.column_stack([points, np.zeros(len(points))])
     if points.ndim != 2 or points.shape[1] != 3 or len(points) < least:
@@ -101,6 +111,18 @@ def _points(value: ArrayLike, least: int) -> Float:
         row = int(np.argwhere(~np.isfinite(points))[0, 0])
         raise GeometryError(f"point {row} has the coordinates {points[row].tolist()}, which are not all finite")
     return points
+
+
+def _numbers(value: ArrayLike, name: str) -> Float:
+    try:
+        return np.asarray(value, dtype=np.float64)
+    except (TypeError, ValueError):
+        raise UsageError(f"{name} must be an array of numbers") from None
+
+
+def _rational(array: Float) -> NDArray[np.object_]:
+    """Return the same numbers as `Fraction`s."""
+    return np.array([Fraction(k) for k in array.flat], dtype=object).reshape(array.shape)
 
 
 def _positive(value: float, name: str, unit: str) -> float:

@@ -9,8 +9,8 @@ only: I_xx = ∫(y² + z²), I_xy = −∫xy.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import dataclass, replace
 from fractions import Fraction
 from math import isqrt
 
@@ -54,6 +54,24 @@ class Moments:
             size * self.zeroth_bound,
             _vector(size * k for k in self.first_bound),
             _six(size * k for k in self.second_bound),
+        )
+
+    def weighed(self, mass: Fraction) -> Moments:
+        """Return the moments of the same shape with a total that is known exactly.
+
+        What was uncertain in the computed total, at most ρ = B_v / (v − B_v) of it, goes over to the others.
+        """
+        slack = self.zeroth_bound / (self.zeroth - self.zeroth_bound)
+        exact = self.scaled(mass / self.zeroth)
+
+        def wider(bounds: Iterable[Fraction], values: Iterable[Fraction]) -> Iterator[Fraction]:
+            return ((1 + slack) * b + slack * abs(k) for b, k in zip(bounds, values, strict=True))
+
+        return replace(
+            exact,
+            zeroth_bound=ZERO,
+            first_bound=_vector(wider(exact.first_bound, exact.first)),
+            second_bound=_six(wider(exact.second_bound, exact.second)),
         )
 
     def in_unit(self, metres: Fraction) -> Moments:
@@ -197,20 +215,28 @@ def moments_of(sums: Sums, *, surface: bool = False) -> Moments:
     γ = k u/(1 − k u) and u = 2⁻⁵³ (Higham, *Accuracy and Stability of Numerical Algorithms*, 2nd ed., lemma 3.1).
     The magnitudes of d are Σp; those of s are at most 3 X, and those of the brackets 12 X Y (6 X², taken twice), X
     and Y being the largest distances from the origin along the two axes. Σp itself is off by at most the same factor.
-    What underflow can add, at most 100 smallest normal numbers a triangle times the four lengths that may multiply
-    them, is added.
+    What underflow can add, at most 100 smallest normal numbers a triangle (in a shell 2⁻⁵⁰⁰, as a square root is
+    taken of the squares of n) times the four lengths that may multiply them, is added.
+    """
+    return assembled(tuple(map(Fraction, sums.sums[:10].tolist())), sums, ROUNDINGS * _UNIT_ROUNDOFF, surface=surface)
+
+
+def assembled(value: Sequence[Fraction], sums: Sums, rounding: Fraction, *, surface: bool = False) -> Moments:
+    """Turn ten sums in the frame of `sums` into moments; each term passed through errors of `rounding` in all.
+
+    The magnitudes are those of `sums`; for the bounds see `moments_of`.
     """
     exponent = sums.exponent
-    gamma = ROUNDINGS * _UNIT_ROUNDOFF / (1 - 2 * ROUNDINGS * _UNIT_ROUNDOFF)
-    size = Fraction(float(sums.sums[10])) * (1 + gamma)
+    gamma = rounding / (1 - 2 * ROUNDINGS * _UNIT_ROUNDOFF)
+    size = Fraction(float(sums.sums[10])) * (1 + 2 * ROUNDINGS * _UNIT_ROUNDOFF)
     origin = _vector(Fraction(float(k)) for k in sums.origin)
     shrink = Fraction(2) ** -exponent
     reach = [
         max(abs(Fraction(float(high)) - o), abs(Fraction(float(low)) - o)) / shrink
         for low, high, o in zip(sums.low, sums.high, origin, strict=True)
     ]
-    tiny = sums.count * Fraction(100, 2**1022) * max([Fraction(1), *reach]) ** 4
-    value = [Fraction(k) for k in sums.sums.tolist()]
+    least = Fraction(1, 2**500) if surface else Fraction(100, 2**1022)
+    tiny = sums.count * least * max([Fraction(1), *reach]) ** 4
     first = _vector(k / (6 if surface else 24) for k in value[1:4])
     second = _six(k / (24 if surface else 120) for k in (*(2 * k for k in value[4:7]), *value[7:10]))
     power = 2 if surface else 3
@@ -239,7 +265,7 @@ def _six(values: Iterable[Fraction]) -> Six:
     return xx, yy, zz, yz, zx, xy
 
 
-def simplex_moments(corners: Float, measures: Float) -> Moments:
+def simplex_moments(corners: Float, measures: Iterable[Fraction | float], relative: Fraction = ZERO) -> Moments:
     """Return the moments of points, segments or triangles of uniform density.
 
     For a k-dimensional simplex of measure m with corners v: ∫x = m/(k + 1) Σv and
@@ -249,17 +275,32 @@ def simplex_moments(corners: Float, measures: Float) -> Moments:
     ----------
     corners : (n, k + 1, 3), in any unit
     measures : (n,) mass, length or area of each
+    relative : how far each measure may be from the true one, as a part of it; it goes into the bounds
     """
     corner_count = corners.shape[1]
     zeroth, first, second = ZERO, [ZERO] * 3, [ZERO] * 6
-    for simplex, measure in zip(corners.tolist(), measures.tolist(), strict=True):
+    zeroth_size, first_size, second_size = ZERO, [ZERO] * 3, [ZERO] * 6
+    for simplex, measure in zip(corners.tolist(), measures, strict=True):
         m = Fraction(measure)
         points = [[Fraction(x) for x in point] for point in simplex]
         s = [sum(column, ZERO) for column in zip(*points, strict=True)]
         zeroth += m
+        zeroth_size += abs(m)
         for i in range(3):
-            first[i] += m * s[i] / corner_count
+            term = m * s[i] / corner_count
+            first[i] += term
+            first_size[i] += abs(term)
         for k, (i, j) in enumerate(PAIRS):
             squares = s[i] * s[j] + sum((p[i] * p[j] for p in points), ZERO)
-            second[k] += m * squares / (corner_count * (corner_count + 1))
-    return Moments((ZERO, ZERO, ZERO), zeroth, _vector(first), _six(second))
+            term = m * squares / (corner_count * (corner_count + 1))
+            second[k] += term
+            second_size[k] += abs(term)
+    return Moments(
+        (ZERO, ZERO, ZERO),
+        zeroth,
+        _vector(first),
+        _six(second),
+        relative * zeroth_size,
+        _vector(relative * k for k in first_size),
+        _six(relative * k for k in second_size),
+    )

@@ -51,8 +51,8 @@ def principal(inertia: ArrayLike, tolerance: float = CLASS_TOLERANCE) -> Princip
     """
     tensor = array_of(inertia, (3, 3), "inertia")
     size = float(np.abs(tensor).max())
-    scale = 2.0 ** -np.frexp(size)[1] if size > 0 else 1.0
-    moments, axes = np.linalg.eigh(tensor * scale)
+    exponent = int(np.frexp(size)[1])
+    moments, axes = np.linalg.eigh(np.ldexp(tensor, -exponent))
     limit = tolerance * float(moments[2])
     low, high = bool(moments[1] - moments[0] <= limit), bool(moments[2] - moments[1] <= limit)
     equal: tuple[tuple[int, ...], ...] = ()
@@ -67,7 +67,7 @@ def principal(inertia: ArrayLike, tolerance: float = CLASS_TOLERANCE) -> Princip
         kind = "rotor"
     for group in equal:
         axes[:, list(group)] = _nearest_axes(axes[:, list(group)])
-    return Principal(moments / scale, _signed(axes), equal, kind, tolerance)
+    return Principal(np.ldexp(moments, exponent), _signed(axes), equal, kind, tolerance)
 
 
 def _nearest_axes(basis: Float) -> Float:

@@ -5,7 +5,7 @@ Signs and frames are those of `inertia.mass.tensor`.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from fractions import Fraction
 from functools import cached_property
 
@@ -18,7 +18,8 @@ from inertia.mass.moments import ZERO, Moments, Six, inertia_bound, inertia_tens
 from inertia.mass.tensor import array_of, faults, rotation_of
 from inertia.mesh.part import Float
 
-_ROUNDOFF = 2.0**-53
+_ROUNDOFF = Fraction(1, 2**53)
+_SPACING = Fraction(1, 2**1074)  # of the numbers below the normal range, where rounding is not relative
 
 
 @dataclass(frozen=True)
@@ -67,6 +68,8 @@ class MassProperties:
         object.__setattr__(self, "inertia", array_of(self.inertia, (3, 3), "inertia"))
         if not 0 < self.mass < np.inf:
             raise GeometryError(f"the mass is {self.mass:.6g} kg: it must be positive and finite")
+        if not 0 <= self.volume < np.inf:
+            raise GeometryError(f"the volume is {self.volume:.6g} m3: it must be finite and not negative")
         if found := faults(self.inertia, max(principals.CLASS_TOLERANCE, 4 * self.error.inertia)):
             raise GeometryError(f"the inertia tensor is not physical: {found[0]}")
         self.center_of_mass.setflags(write=False)
@@ -76,24 +79,29 @@ class MassProperties:
     def from_moments(cls, moments: Moments, volume: Fraction, volume_bound: Fraction, method: str) -> MassProperties:
         """Round exact moments of mass (kg, m) to float64, once each.
 
-        Raises `GeometryError` where the mass is not larger than its bound, or a result leaves float64.
+        Raises `GeometryError` where the mass or the volume is not larger than its bound (a volume may be exactly
+        zero), or a result leaves float64.
         """
         if moments.zeroth <= moments.zeroth_bound:
             raise GeometryError(
                 f"the mass, {_show(moments.zeroth)} kg, is not above its error bound of "
                 f"{_show(moments.zeroth_bound)} kg: the solid has no volume that these coordinates can tell from zero"
             )
+        if volume <= volume_bound and (volume or volume_bound):
+            raise GeometryError(
+                f"the volume, {_show(volume)} m3, is not above its error bound of {_show(volume_bound)} m3: nothing "
+                "is left of the solid"
+            )
         central = moments.central()
         try:
             mass, size = float(moments.zeroth), float(volume)
             com = np.array([float(k) for k in central.origin])
             tensor = np.array([[float(k) for k in row] for row in inertia_tensor(central.second)])
-            largest = float(np.abs(tensor).max()) or 1.0
-            norm = float(np.linalg.norm(tensor / largest) * largest)
         except OverflowError:
             raise GeometryError(
                 "the result is above 1.8e308 and leaves float64: give the coordinates in a smaller unit with --unit"
             ) from None
+        norm, bound = _norm(tensor), inertia_bound(central.second_bound)
         if mass == 0 or (any(central.second) and not tensor.any()):
             raise GeometryError(
                 "the result is below 5e-324 and leaves float64: give the coordinates in a larger unit with --unit"
@@ -102,8 +110,8 @@ class MassProperties:
             method,
             _relative(volume_bound, volume),
             _relative(moments.zeroth_bound, moments.zeroth),
-            float(moments.centroid_bound) + _ROUNDOFF * float(np.linalg.norm(com)),
-            float(inertia_bound(central.second_bound) / Fraction(norm)) + _ROUNDOFF if norm else 0.0,
+            float(moments.centroid_bound + _norm(com) * _ROUNDOFF + 2 * _SPACING),
+            _relative(bound + _SPACING, norm),
         )
         return cls(mass, size, com, tensor, error)
 
@@ -125,33 +133,48 @@ class MassProperties:
     def about(self, point: ArrayLike) -> Float:
         """Return the tensor (3, 3) kg m² about `point` (3,) m, in part axes (Steiner's theorem)."""
         to = [Fraction(k) for k in array_of(point, (3,), "point").tolist()]
-        return np.array([[float(k) for k in row] for row in inertia_tensor(self._moments.about(to).second)])
+        try:
+            return np.array([[float(k) for k in row] for row in inertia_tensor(self._moments.about(to).second)])
+        except OverflowError:
+            raise UsageError(
+                f"the tensor about {[float(k) for k in to]} is above 1.8e308: name a nearer point"
+            ) from None
 
     def expressed_in(self, rotation: ArrayLike, origin: ArrayLike = (0.0, 0.0, 0.0)) -> MassProperties:
         """Return the same body in another frame.
 
         Parameters
         ----------
-        rotation : (3, 3), its columns are the new axes in the old ones
+        rotation : (3, 3), its columns are the new axes in the old ones; the bounds take it as it is given
         origin : (3,) m, the new frame's origin in the old one
         """
         axes = rotation_of(rotation)
         tensor = axes.T @ self.inertia @ axes
-        com = axes.T @ (self.center_of_mass - array_of(origin, (3,), "origin"))
+        offset = self.center_of_mass - array_of(origin, (3,), "origin")
+        com = axes.T @ offset
         error = ErrorBound(
             self.error.method,
             self.error.volume,
             self.error.mass,
-            self.error.center_of_mass + 8 * _ROUNDOFF * float(np.linalg.norm(self.center_of_mass)),
-            self.error.inertia + 16 * _ROUNDOFF,
+            self.error.center_of_mass + float(8 * _ROUNDOFF * _norm(offset)),
+            self.error.inertia + float(16 * _ROUNDOFF),
         )
         return MassProperties(self.mass, self.volume, com, 0.5 * (tensor + tensor.T), error)
 
     def with_mass(self, mass: float) -> MassProperties:
-        """Return the same shape with another total mass, kg: the tensor in proportion."""
+        """Return the same shape with another total mass, kg: the tensor in proportion.
+
+        The mass is exact as given; what was uncertain in the old one goes over to the tensor, which is its multiple.
+        """
         if not 0 < mass < np.inf:
             raise UsageError(f"mass is {mass!r} kg: it must be positive and finite")
-        return MassProperties(mass, self.volume, self.center_of_mass, self.inertia * (mass / self.mass), self.error)
+        least = max(1 - self.error.mass, float(_ROUNDOFF))
+        error = replace(
+            self.error,
+            mass=0.0,
+            inertia=(self.error.inertia + self.error.mass) / least + float(4 * _ROUNDOFF),
+        )
+        return MassProperties(mass, self.volume, self.center_of_mass, self.inertia * (mass / self.mass), error)
 
     def __add__(self, other: object) -> MassProperties:
         """Assemble two bodies given in the same frame."""
@@ -177,8 +200,10 @@ class MassProperties:
         half = sum((tensor[i][i] for i in range(3)), ZERO) / 2
         mass, x, y, z = (Fraction(k) for k in (self.mass, *self.center_of_mass.tolist()))
         # |δS_ii| = |½ δtr − δI_ii| ≤ (½√3 + 1)|δI|, and off the diagonal |δS_ij| = |δI_ij|.
-        size = Fraction(self.error.inertia * float(np.linalg.norm(self.inertia)))
-        shift = mass * Fraction(self.error.center_of_mass)
+        size = Fraction(self.error.inertia) * _norm(self.inertia)
+        mass_bound, off = mass * Fraction(self.error.mass), Fraction(self.error.center_of_mass)
+        # Seen from the centre of mass given, the true one may be `off` away: by Steiner's theorem.
+        shift = (mass + mass_bound) * off
         second: Six = (
             *(half - tensor[i][i] for i in range(3)), -tensor[1][2], -tensor[2][0], -tensor[0][1]
         )  # type: ignore[assignment]  # fmt: skip
@@ -187,14 +212,21 @@ class MassProperties:
             mass,
             (ZERO, ZERO, ZERO),
             second,
-            mass * Fraction(self.error.mass),
+            mass_bound,
             (shift, shift, shift),
-            (2 * size, 2 * size, 2 * size, size, size, size),
+            (*(2 * size + shift * off,) * 3, *(size + shift * off,) * 3),
         )
 
 
+def _norm(array: Float) -> Fraction:
+    """Return the Frobenius norm, also of numbers whose squares leave float64."""
+    largest = float(np.abs(array).max())
+    return Fraction(largest) * Fraction(float(np.linalg.norm(array / largest))) if largest else ZERO
+
+
 def _relative(bound: Fraction, value: Fraction) -> float:
-    return float(bound / abs(value)) + _ROUNDOFF if value else 0.0
+    """Return a bound relative to the value, with what rounding the value to float64 adds; 0 of nothing."""
+    return float((bound + _SPACING) / abs(value) + _ROUNDOFF) if value else 0.0
 
 
 def _show(value: Fraction) -> str:

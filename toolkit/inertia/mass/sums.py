@@ -74,7 +74,8 @@ def sum_triangles(
     Raises `GeometryError` where a coordinate is infinite or not a number.
     """
     origin, exponent = _frame(triangles)
-    native = exponent == 0 and _FACETS.worthwhile(triangles.count)
+    kernel = _FACETS if isinstance(triangles, Facets) else _FACES
+    native = exponent == 0 and kernel.worthwhile(triangles.count)
     runs = _native(triangles, origin, surface) if native else _vectorised(triangles, origin, exponent, surface)
     blocks = []
     with np.errstate(invalid="ignore", over="ignore"):

@@ -19,7 +19,10 @@ VALIDITY_TOLERANCE = 1e-9
 
 def array_of(value: ArrayLike, shape: tuple[int, ...], name: str) -> Float:
     """Return `value` as a finite float64 array of `shape`, or raise `UsageError` naming it."""
-    array = np.array(value, dtype=np.float64)
+    try:
+        array = np.array(value, dtype=np.float64)
+    except (TypeError, ValueError):
+        raise UsageError(f"{name} must be numbers of shape {shape}") from None
     if array.shape != shape:
         raise UsageError(f"{name} must have shape {shape}, not {array.shape}")
     if not np.isfinite(array).all():
@@ -87,15 +90,18 @@ def faults(inertia: ArrayLike, tolerance: float = VALIDITY_TOLERANCE) -> list[st
     ['the principal moments 1, 1, 3 break the triangle rule: no body has I1 + I2 < I3']
     """
     tensor = array_of(inertia, (3, 3), "inertia")
-    size = float(np.abs(np.trace(tensor)))
-    if size == 0:
-        return [] if not tensor.any() else ["the trace is zero but the tensor is not"]
-    slack = tolerance * size
+    largest = float(np.abs(tensor).max())
+    if largest == 0:
+        return []
+    tensor = tensor / largest  # the trace of the largest tensors is no float64
+    trace = abs(float(np.trace(tensor)))
+    if trace == 0:
+        return ["the trace is zero but the tensor is not"]
     skew = float(np.abs(tensor - tensor.T).max())
-    if skew > slack:
-        return [f"the tensor is not symmetric: mirrored elements differ by {skew:.3g}"]
-    i1, i2, i3 = np.linalg.eigvalsh(tensor / size).tolist()
-    named = f"the principal moments {size * i1:.6g}, {size * i2:.6g}, {size * i3:.6g}"
+    if skew > tolerance * trace:
+        return [f"the tensor is not symmetric: mirrored elements differ by {largest * skew:.3g}"]
+    i1, i2, i3 = np.linalg.eigvalsh(tensor / trace).tolist()
+    named = "the principal moments " + ", ".join(f"{largest * (trace * i):.6g}" for i in (i1, i2, i3))
     if i1 < -tolerance:
         return [f"{named} are not all positive"]
     if i1 + i2 < i3 - tolerance:

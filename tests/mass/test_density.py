@@ -1,0 +1,131 @@
+"""Densities: who said so, what is taken where nobody did, and what contradicts itself."""
+
+import math
+
+import pytest
+
+from inertia.errors import UsageError
+from inertia.mass.density import ASSUMED, Densities, densities
+from inertia.mass.materials import DENSITIES, density_of
+
+
+@pytest.mark.parametrize(
+    ("said", "default", "named", "source"),
+    [
+        ({}, ASSUMED, {}, "assumed"),
+        ({"density": {}}, ASSUMED, {}, "assumed"),
+        ({"density": 2700}, 2700.0, {}, "option"),
+        ({"density": {"": 5.0}}, 5.0, {}, "option"),
+        ({"density": {"a": 5.0}}, None, {"a": 5.0}, "option"),
+        ({"density": {"a": 5.0, "": 7}}, 7.0, {"a": 5.0}, "option"),
+        ({"material": "steel"}, 7850.0, {}, "material"),
+        ({"material": {"a": "steel", "": "gold"}}, 19300.0, {"a": 7850.0}, "material"),
+        ({"density": 1.0, "material": {"a": "steel"}}, 1.0, {"a": 7850.0}, "option"),
+        ({"mass": 3.0}, ASSUMED, {}, "mass"),
+        ({"mass": 3.0, "density": {"a": 2.0, "b": 1.0}}, None, {"a": 2.0, "b": 1.0}, "mass"),
+    ],
+)
+def test_what_was_said_is_what_is_taken(
+    said: dict, default: float | None, named: dict[str, float], source: str
+) -> None:
+    found = densities(**said)
+    assert (found.default, dict(found.named), found.source) == (default, named, source)
+    assert found.mass == said.get("mass")
+
+
+def test_nobody_said_means_water() -> None:
+    assert densities().of("anything") == density_of("water") == 1000.0
+
+
+@pytest.mark.parametrize("bad", [0, -1.0, math.nan, math.inf, -math.inf, "heavy", None, [1]], ids=str)
+def test_a_density_or_mass_is_a_positive_finite_number(bad: object) -> None:
+    for said in ({"density": {"a": bad}}, {"density": bad}, {"mass": bad}):
+        if None in said.values():
+            continue  # nothing said
+        with pytest.raises(UsageError, match=r"^(density|density of 'a'|mass) is .*kg") as e:
+            densities(**said)
+        assert e.value.exit_code == 2
+
+
+def test_a_number_is_kept_as_a_number() -> None:
+    assert densities(density="2.5").default == 2.5
+    assert densities(mass="2.5").mass == 2.5
+
+
+@pytest.mark.parametrize(
+    ("said", "match"),
+    [
+        ({"density": 1.0, "material": "steel"}, "both a density and a material are given: give one"),
+        (
+            {"density": {"a": 1.0}, "material": {"a": "steel"}},
+            "both a density and a material are given for 'a': give one",
+        ),
+        ({"density": 1.0, "mass": 2.0}, "both a mass and a density are given"),
+        ({"material": "steel", "mass": 2.0}, "both a mass and a density are given"),
+        ({"density": {"a": 1.0, "": 2.0}, "mass": 2.0}, "both a mass and a density are given"),
+        ({"material": {"a": "unobtainium"}}, "unknown material 'unobtainium'"),
+    ],
+)
+def test_a_contradiction_is_refused(said: dict, match: str) -> None:
+    with pytest.raises(UsageError, match=match):
+        densities(**said)
+
+
+def test_a_name_takes_its_own_density_or_the_rest() -> None:
+    chosen = Densities(7.0, {"a": 5.0}, "option")
+    assert (chosen.of("a"), chosen.of("b")) == (5.0, 7.0)
+
+
+def test_a_name_without_density_is_refused() -> None:
+    with pytest.raises(UsageError, match="no density is given for 'b': give it one, or one without a name") as e:
+        densities({"a": 5.0}).of("b")
+    assert e.value.exit_code == 2
+
+
+# Materials, against handbook densities of pure substances and the ranges of the rest (kg/m³)
+
+PURE = {
+    "aluminium": 2700, "copper": 8960, "gold": 19300, "ice": 917, "lead": 11340, "magnesium": 1740, "nickel": 8900,
+    "silicon": 2330, "silver": 10490, "tungsten": 19300, "water": 1000, "zinc": 7140,
+}  # fmt: skip
+RANGES = {
+    "abs": (1030, 1070), "acetal": (1400, 1430), "alumina": (3700, 3990), "brass": (8400, 8750),
+    "bronze": (7400, 8900), "carbon-fibre": (1500, 1700), "cast-iron": (6800, 7400), "concrete": (2200, 2500),
+    "glass": (2400, 2800), "nylon": (1120, 1170), "oak": (600, 900), "peek": (1260, 1320), "petg": (1230, 1290),
+    "pine": (350, 700), "pla": (1210, 1250), "polycarbonate": (1190, 1220), "polyethylene": (910, 970),
+    "ptfe": (2100, 2300), "stainless": (7480, 8030), "steel": (7750, 8050), "titanium": (4400, 4540),
+}  # fmt: skip
+
+
+def test_every_density_is_that_of_the_handbooks() -> None:
+    assert set(DENSITIES) == set(PURE) | set(RANGES)
+    for name, value in PURE.items():
+        assert density_of(name) == pytest.approx(value, rel=0.005)
+    for name, (low, high) in RANGES.items():
+        assert low <= density_of(name) <= high
+
+
+@pytest.mark.parametrize(
+    ("name", "material"),
+    [
+        ("Steel", "steel"),
+        ("  STEEL ", "steel"),
+        ("aluminum", "aluminium"),
+        ("carbon fiber", "carbon-fibre"),
+        ("Carbon_Fibre", "carbon-fibre"),
+        ("stainless steel", "stainless"),
+        ("iron", "cast-iron"),
+        ("POM", "acetal"),
+    ],
+)
+def test_a_material_goes_by_several_names(name: str, material: str) -> None:
+    assert density_of(name) == DENSITIES[material]
+
+
+def test_an_unknown_material_brings_the_nearest_names_and_the_whole_list() -> None:
+    with pytest.raises(UsageError, match="unknown material 'steal' \\(did you mean steel") as e:
+        density_of("steal")
+    assert e.value.exit_code == 2
+    assert all(name in str(e.value) for name in DENSITIES)
+    with pytest.raises(UsageError, match="unknown material 'xyzzy': use one of abs, "):
+        density_of("xyzzy")

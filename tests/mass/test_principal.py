@@ -1,0 +1,218 @@
+"""Principal moments and axes: right-handed, of definite signs, and honest about equal moments."""
+
+from itertools import permutations
+
+import mpmath
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from inertia.errors import UsageError
+from inertia.mass.principal import CLASS_TOLERANCE, Principal, equivalent_ellipsoid, principal, radii_of_gyration
+
+seeds = st.integers(0, 2**32 - 1)
+
+
+def rotation(seed: int) -> np.ndarray:
+    q: np.ndarray = np.linalg.qr(np.random.default_rng(seed).normal(size=(3, 3)))[0]
+    return q * np.linalg.det(q)
+
+
+def turned(moments: list[float], axes: np.ndarray) -> np.ndarray:
+    tensor: np.ndarray = axes @ np.diag(moments) @ axes.T
+    return (tensor + tensor.T) / 2
+
+
+def assert_frame(found: Principal) -> None:
+    """The axes are a right-handed rotation with the stated signs, the moments ascending."""
+    assert found.axes.T @ found.axes == pytest.approx(np.eye(3), abs=1e-14)
+    assert np.linalg.det(found.axes) == pytest.approx(1.0)
+    assert list(found.moments) == sorted(found.moments)
+    for k in (0, 2):
+        axis = found.axes[:, k]
+        assert axis[np.abs(axis) >= np.abs(axis).max() * (1 - 1e-9)][0] > 0
+
+
+@settings(deadline=None)
+@given(seeds, st.floats(0.05, 1), st.floats(0.05, 0.95), st.sampled_from([1e-280, 1.0, 1e280]))
+def test_any_tensor_is_the_product_of_its_axes_and_moments(seed: int, low: float, gap: float, scale: float) -> None:
+    moments = [low, low + gap, low + gap + low * gap]  # satisfies the triangle rule
+    axes = rotation(seed)
+    found = principal(scale * turned(moments, axes))
+    assert_frame(found)
+    assert found.moments / scale == pytest.approx(moments, rel=1e-13)
+    assert found.axes * np.sign((found.axes * axes).sum(axis=0)) == pytest.approx(axes, abs=1e-12)
+    assert (found.kind, found.equal, found.tolerance) == ("asymmetric", (), CLASS_TOLERANCE)
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_moments_agree_with_an_eigensolver_of_fifty_digits(seed: int) -> None:
+    tensor = turned([1.0, 1.5, 2.2], rotation(seed))
+    with mpmath.workdps(50):
+        exact = sorted(mpmath.eigsy(mpmath.matrix(tensor.tolist()), eigvals_only=True))
+    assert principal(tensor).moments == pytest.approx([float(k) for k in exact], rel=4e-16)
+
+
+@pytest.mark.parametrize("signs", [(1, 1), (1, -1), (-1, 1), (-1, -1)])
+@pytest.mark.parametrize("order", list(permutations(range(3))), ids=str)
+def test_signs_and_order_do_not_depend_on_how_the_tensor_is_written(
+    order: tuple[int, ...], signs: tuple[int, int]
+) -> None:
+    """Permuting x, y, z, or turning two of them round, permutes the axes' components and nothing else."""
+    change = np.zeros((3, 3))
+    change[range(3), order] = [*signs, 1]
+    change[2] *= np.linalg.det(change)
+    plain = turned([1.0, 2.0, 2.5], rotation(9))
+    found = principal(change @ plain @ change.T)
+    assert_frame(found)
+    expected = change @ principal(plain).axes
+    for k in range(3):
+        assert abs(found.axes[:, k] @ expected[:, k]) == pytest.approx(1.0)
+
+
+def test_axes_along_the_coordinates_are_exactly_these() -> None:
+    for order in permutations([1.0, 2.0, 2.5]):
+        found = principal(np.diag(order))
+        assert found.moments.tolist() == [1.0, 2.0, 2.5]
+        assert set(np.abs(found.axes).ravel().tolist()) == {0.0, 1.0}
+        assert_frame(found)
+        assert not np.signbit(found.axes[found.axes == 0]).any()
+
+
+def test_components_of_equal_size_take_the_sign_from_the_first() -> None:
+    axis = np.array([1.0, -1.0, 0.0]) / np.sqrt(2)
+    other = np.array([1.0, 1.0, 0.0]) / np.sqrt(2)
+    plain = turned([1.0, 2.0, 2.5], np.column_stack([axis, [0, 0, 1], other]))
+    assert not np.signbit(principal(plain).axes[principal(plain).axes == 0]).any()
+    for seed in range(10):
+        noise = np.random.default_rng(seed).normal(size=(3, 3)) * 1e-14
+        found = principal(plain + noise + noise.T)
+        assert found.axes[:, 0] == pytest.approx(axis)
+        assert found.axes[:, 2] == pytest.approx(other)
+
+
+CLASSES = [
+    ([2.0, 2.0, 2.0], "spherical", ((0, 1, 2),)),
+    ([1.0, 2.0, 2.0], "prolate", ((1, 2),)),
+    ([2.0, 2.0, 3.0], "oblate", ((0, 1),)),
+    ([1.0, 2.0, 2.5], "asymmetric", ()),
+    ([0.0, 2.0, 2.0], "rotor", ((1, 2),)),
+    ([0.0, 0.0, 0.0], "spherical", ((0, 1, 2),)),
+]
+
+
+@pytest.mark.parametrize("scale", [1e-300, 1.0, 1e300])
+@pytest.mark.parametrize("seed", [None, 1, 2])
+@pytest.mark.parametrize(("moments", "kind", "equal"), CLASSES, ids=[f"{k} {m}" for m, k, _ in CLASSES])
+def test_the_class_and_the_subspaces_of_equal_moments(
+    moments: list[float], kind: str, equal: tuple[tuple[int, ...], ...], seed: int | None, scale: float
+) -> None:
+    axes = np.eye(3) if seed is None else rotation(seed)
+    found = principal(scale * turned(moments, axes))
+    assert (found.kind, found.equal) == (kind, equal)
+    assert_frame(found)
+    for group in equal:
+        span = axes[:, list(group)]
+        assert span @ span.T == pytest.approx(found.axes[:, list(group)] @ found.axes[:, list(group)].T, abs=1e-14)
+
+
+@pytest.mark.parametrize("tolerance", [1e-3, CLASS_TOLERANCE, 1e-12])
+@pytest.mark.parametrize("scale", [1e-30, 1.0, 1e30])
+def test_moments_are_equal_just_within_the_tolerance_and_not_just_outside(tolerance: float, scale: float) -> None:
+    """The tolerance is a part of the largest moment."""
+
+    def kind(*moments: float) -> str:
+        return principal(scale * np.diag(moments), tolerance).kind
+
+    inside, outside = 0.999 * tolerance, 1.001 * tolerance
+    assert kind(1.0, 2.0 * (1 - inside), 2.0) == "prolate"
+    assert kind(1.0, 2.0 * (1 - outside), 2.0) == "asymmetric"
+    assert kind(1.0, 1.0 + 1.5 * inside, 1.5) == "oblate"
+    assert kind(1.0, 1.0 + 1.5 * outside, 1.5) == "asymmetric"
+    assert kind(2.0 * inside, 2.0, 2.0) == "rotor"
+    assert kind(2.0 * outside, 2.0, 2.0) == "prolate"
+    assert kind(1 - inside, 1.0, 1.0) == "spherical"
+    assert kind(1 - outside, 1.0, 1.0) == "prolate"
+
+
+def test_with_no_tolerance_only_equal_bits_are_equal() -> None:
+    assert principal(np.diag([1.0, 2.0, 2.0]), 0.0).kind == "prolate"
+    assert principal(np.diag([1.0, 2.0, np.nextafter(2.0, 3.0)]), 0.0).kind == "asymmetric"
+
+
+@pytest.mark.parametrize(("moments", "own"), [([2.0, 2.0, 3.0], 2), ([1.0, 2.0, 2.0], 0)], ids=["oblate", "prolate"])
+def test_axes_of_equal_moments_lie_nearest_to_the_coordinates(moments: list[float], own: int) -> None:
+    """About z the others are x and y themselves; about a tilted axis one of them is the nearest coordinate's shadow."""
+    found = principal(turned(moments, np.eye(3)[:, [1, 2, 0]] if own == 2 else np.eye(3)[:, [2, 0, 1]]))
+    assert set(np.abs(found.axes).ravel().tolist()) == {0.0, 1.0}
+    z = np.array([0.3, 0.0, 1.0]) / np.hypot(0.3, 1.0)
+    frame = np.column_stack([[0, 1, 0], np.cross(z, [0, 1, 0]), z])
+    tilted = principal(turned(moments, np.roll(frame, own - 2, axis=1)))
+    assert np.abs(tilted.axes[:, own]) == pytest.approx(np.abs(z), abs=1e-12)
+    assert np.abs(tilted.axes.T @ [0, 1, 0]).max() == pytest.approx(1.0)
+
+
+@pytest.mark.parametrize("seed", range(5))
+def test_axes_of_equal_moments_do_not_follow_the_rounding_of_the_tensor(seed: int) -> None:
+    noise = np.random.default_rng(seed).normal(size=(3, 3)) * 1e-13
+    for moments in ([2.0, 2.0, 3.0], [1.0, 2.0, 2.0], [2.0, 2.0, 2.0]):
+        plain = turned(moments, rotation(7))
+        found, other = principal(plain), principal(plain + noise + noise.T)
+        assert other.axes == pytest.approx(found.axes, abs=1e-11)
+
+
+def test_a_needle_keeps_the_small_moment_that_its_tensor_carries() -> None:
+    """A rod a billion times as long as wide: I1/I3 is 1e-18, below what its sum could tell, and stands alone."""
+    found = principal(np.diag([1.0, 1e18, 1e18]))
+    assert found.moments.tolist() == [1.0, 1e18, 1e18]
+    assert found.kind == "rotor"
+    assert found.axes.tolist() == np.eye(3).tolist()
+    wide = principal(np.diag([1.0, 1e9, 1e9]), 1e-12)
+    assert (wide.moments.tolist(), wide.kind) == ([1.0, 1e9, 1e9], "prolate")
+    askew = principal(turned([1.0, 1e9, 1e9], rotation(2)), 1e-12)
+    assert askew.moments[0] == pytest.approx(1.0, abs=1e9 * 1e-15)
+    assert abs(askew.axes[:, 0] @ rotation(2)[:, 0]) == pytest.approx(1.0, abs=1e-15)
+
+
+@pytest.mark.parametrize("scale", [2.0**-1070, 2.0**-1030, 2.0**1021])
+def test_tensors_at_the_ends_of_float64_are_diagonalised(scale: float) -> None:
+    found = principal(np.diag([4.0, 3.0, 5.0]) * scale)
+    assert found.moments.tolist() == [3.0 * scale, 4.0 * scale, 5.0 * scale]
+    assert found.axes.tolist() == [[0, -1, 0], [1, 0, 0], [0, 0, 1]]
+    assert_frame(found)
+
+
+@pytest.mark.parametrize("bad", [np.eye(2), np.full((3, 3), np.nan), [1, 2, 3], "x"], ids=str)
+def test_what_is_no_tensor_is_refused(bad: object) -> None:
+    with pytest.raises(UsageError, match=r"^inertia "):
+        principal(bad)
+
+
+def test_radii_of_gyration_of_a_rod_and_a_disc() -> None:
+    """l/√12 across a rod, and nothing along it; R/2, R/2 and R/√2 for a disc."""
+    assert radii_of_gyration([0.0, 36.0, 36.0], 3.0) == pytest.approx([0, np.sqrt(12), np.sqrt(12)], rel=1e-15)
+    assert radii_of_gyration([4.0, 4.0, 8.0], 4.0) == pytest.approx([1, 1, np.sqrt(2)], rel=1e-15)
+
+
+def test_a_moment_below_zero_by_rounding_has_no_radius() -> None:
+    assert radii_of_gyration([-1e-18, 1.0, 1.0], 1.0).tolist() == [0, 1, 1]
+    assert equivalent_ellipsoid([1.0, 1.0, 2.0 + 1e-15], 1.0)[2] == 0.0
+
+
+@settings(deadline=None)
+@given(st.tuples(*[st.floats(1e-3, 1e3)] * 3), st.floats(1e-6, 1e6))
+def test_an_ellipsoid_is_its_own_equivalent(axes: tuple[float, float, float], mass: float) -> None:
+    """I1 = M (b² + c²)/5, cyclic, for semi-axes a ≥ b ≥ c; digits go where one semi-axis is much the smallest."""
+    a, b, c = sorted(axes, reverse=True)
+    moments = [mass * (b * b + c * c) / 5, mass * (c * c + a * a) / 5, mass * (a * a + b * b) / 5]
+    found = equivalent_ellipsoid(moments, mass)
+    assert found**2 == pytest.approx([a * a, b * b, c * c], rel=1e-14, abs=1e-15 * a * a * 4)
+
+
+def test_the_equivalent_of_a_unit_cube_is_a_ball_of_the_same_moments() -> None:
+    assert equivalent_ellipsoid([1 / 6] * 3, 1.0) == pytest.approx([np.sqrt(5 / 12)] * 3, rel=1e-15)
+
+
+def test_the_equivalent_of_a_lamina_is_flat() -> None:
+    assert equivalent_ellipsoid([1.0, 2.0, 3.0], 2.5).tolist() == pytest.approx([2.0, np.sqrt(2), 0.0])

@@ -1,0 +1,169 @@
+"""The compiled kernel that sums the moments of triangles in double-double; `inertia.mass.double_double` says how.
+
+Imported only to be compiled (`inertia.native`).
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numba import carray, njit, types
+from numba.extending import intrinsic
+
+LANES = 32
+DEPTH = 32
+TERMS = 10
+
+
+@intrinsic
+def fma(context, a, b, c):
+    """Return a·b + c, rounded once."""
+
+    def generate(context, builder, signature, arguments):
+        return builder.fma(*arguments)
+
+    return types.float64(types.float64, types.float64, types.float64), generate
+
+
+@njit(error_model="numpy")
+def two_sum(a, b):
+    """Return a + b and what rounding took from it."""
+    s = a + b
+    t = s - a
+    return s, (a - (s - t)) + (b - t)
+
+
+@njit(error_model="numpy")
+def add(ah, al, bh, bl):
+    """Return the sum of two double-doubles."""
+    h, e = two_sum(ah, bh)
+    e += al + bl
+    s = h + e
+    return s, e - (s - h)
+
+
+@njit(error_model="numpy")
+def mul(ah, al, bh, bl):
+    """Return the product of two double-doubles."""
+    h = ah * bh
+    e = fma(ah, bh, -h) + (ah * bl + al * bh)
+    s = h + e
+    return s, e - (s - h)
+
+
+@njit(error_model="numpy")
+def dot(ah, al, bh, bl, ch, cl, dh, dl):
+    """Return a·b + c·d."""
+    ph, pl = mul(ah, al, bh, bl)
+    qh, ql = mul(ch, cl, dh, dl)
+    return add(ph, pl, qh, ql)
+
+
+@njit(error_model="numpy")
+def cross(ah, al, bh, bl, ch, cl, dh, dl):
+    """Return a·b − c·d."""
+    return dot(ah, al, bh, bl, -ch, -cl, dh, dl)
+
+
+@njit(error_model="numpy")
+def store(total, row, j, h, l):
+    """Add to a sum."""
+    total[row, j], total[row + 1, j] = add(total[row, j], total[row + 1, j], h, l)
+
+
+@njit(inline="always")
+def terms(corner, total, ox, oy, oz):
+    """Add one triangle to each lane."""
+    for j in range(LANES):
+        x0, y0, z0 = corner[0, j], corner[1, j], corner[2, j]
+        x1, y1, z1 = corner[3, j], corner[4, j], corner[5, j]
+        x2, y2, z2 = corner[6, j], corner[7, j], corner[8, j]
+        uxh, uxl = two_sum(x1, -x0)
+        uyh, uyl = two_sum(y1, -y0)
+        uzh, uzl = two_sum(z1, -z0)
+        vxh, vxl = two_sum(x2, -x0)
+        vyh, vyl = two_sum(y2, -y0)
+        vzh, vzl = two_sum(z2, -z0)
+        axh, axl = two_sum(x0, -ox)
+        ayh, ayl = two_sum(y0, -oy)
+        azh, azl = two_sum(z0, -oz)
+        bxh, bxl = two_sum(x1, -ox)
+        byh, byl = two_sum(y1, -oy)
+        bzh, bzl = two_sum(z1, -oz)
+        cxh, cxl = two_sum(x2, -ox)
+        cyh, cyl = two_sum(y2, -oy)
+        czh, czl = two_sum(z2, -oz)
+        nxh, nxl = cross(uyh, uyl, vzh, vzl, uzh, uzl, vyh, vyl)
+        nyh, nyl = cross(uzh, uzl, vxh, vxl, uxh, uxl, vzh, vzl)
+        nzh, nzl = cross(uxh, uxl, vyh, vyl, uyh, uyl, vxh, vxl)
+        dh, dl = dot(axh, axl, nxh, nxl, ayh, ayl, nyh, nyl)
+        eh, el = mul(azh, azl, nzh, nzl)
+        dh, dl = add(dh, dl, eh, el)
+        txh, txl = add(axh, axl, bxh, bxl)
+        tyh, tyl = add(ayh, ayl, byh, byl)
+        tzh, tzl = add(azh, azl, bzh, bzl)
+        sxh, sxl = add(txh, txl, cxh, cxl)
+        syh, syl = add(tyh, tyl, cyh, cyl)
+        szh, szl = add(tzh, tzl, czh, czl)
+        store(total, 0, j, dh, dl)
+        h, l = mul(dh, dl, sxh, sxl)
+        store(total, 2, j, h, l)
+        h, l = mul(dh, dl, syh, syl)
+        store(total, 4, j, h, l)
+        h, l = mul(dh, dl, szh, szl)
+        store(total, 6, j, h, l)
+        gh, gl = square(axh, axl, bxh, bxl, txh, txl, cxh, cxl, sxh, sxl)
+        h, l = mul(dh, dl, gh, gl)
+        store(total, 8, j, h, l)
+        gh, gl = square(ayh, ayl, byh, byl, tyh, tyl, cyh, cyl, syh, syl)
+        h, l = mul(dh, dl, gh, gl)
+        store(total, 10, j, h, l)
+        gh, gl = square(azh, azl, bzh, bzl, tzh, tzl, czh, czl, szh, szl)
+        h, l = mul(dh, dl, gh, gl)
+        store(total, 12, j, h, l)
+        gh, gl = mixed(syh, syl, szh, szl, ayh, ayl, azh, azl, byh, byl, bzh, bzl, cyh, cyl, czh, czl)
+        h, l = mul(dh, dl, gh, gl)
+        store(total, 14, j, h, l)
+        gh, gl = mixed(szh, szl, sxh, sxl, azh, azl, axh, axl, bzh, bzl, bxh, bxl, czh, czl, cxh, cxl)
+        h, l = mul(dh, dl, gh, gl)
+        store(total, 16, j, h, l)
+        gh, gl = mixed(sxh, sxl, syh, syl, axh, axl, ayh, ayl, bxh, bxl, byh, byl, cxh, cxl, cyh, cyl)
+        h, l = mul(dh, dl, gh, gl)
+        store(total, 18, j, h, l)
+
+
+@njit(error_model="numpy")
+def square(ah, al, bh, bl, th, tl, ch, cl, sh, sl):
+    """Return a² + b t + c s."""
+    gh, gl = dot(ah, al, ah, al, bh, bl, th, tl)
+    ph, pl = mul(ch, cl, sh, sl)
+    return add(gh, gl, ph, pl)
+
+
+@njit(error_model="numpy")
+def mixed(sh, sl, rh, rl, ah, al, ph, pl, bh, bl, qh, ql, ch, cl, wh, wl):
+    """Return s r + a p + b q + c w."""
+    gh, gl = dot(sh, sl, rh, rl, ah, al, ph, pl)
+    kh, kl = dot(bh, bl, qh, ql, ch, cl, wh, wl)
+    return add(gh, gl, kh, kl)
+
+
+def sum_corners(corners_at, rows, ox, oy, oz, scratch, out_at):
+    """Sum `rows` rows of triangles, (rows, 9, LANES), into one (20, LANES) table for each block of rows."""
+    corners = carray(corners_at, (rows, 9, LANES), np.float64)
+    room = carray(scratch, (9 + 2 * TERMS, LANES), np.float64)
+    corner, total = room[:9], room[9:]
+    blocks = (rows + DEPTH - 1) // DEPTH
+    out = carray(out_at, (blocks, 2 * TERMS, LANES), np.float64)
+    for block in range(blocks):
+        for row in range(2 * TERMS):
+            for lane in range(LANES):
+                total[row, lane] = 0.0
+        for row in range(block * DEPTH, min((block + 1) * DEPTH, rows)):
+            for k in range(9):
+                for lane in range(LANES):
+                    corner[k, lane] = corners[row, k, lane]
+            terms(corner, total, ox, oy, oz)
+        for row in range(2 * TERMS):
+            for lane in range(LANES):
+                out[block, row, lane] = total[row, lane]
+    return 0
