@@ -43,6 +43,7 @@ def analyse(options: argparse.Namespace) -> int:
             wire=options.wire,
             orientation=options.orientation,
             about=options.about,
+            chord=options.chord,
             progress=progress,
             **tolerance,
         )

@@ -94,6 +94,12 @@ def _add_analyse(parsers: argparse._SubParsersAction[_Parser]) -> None:
     result.add_argument(
         "--class-tolerance", type=float, metavar="REL", help="moments within this part of the largest are equal (1e-6)"
     )
+    result.add_argument(
+        "--chord",
+        type=float,
+        metavar="LENGTH",
+        help="tolerance of the tessellation, in --unit: bounds what it left out",
+    )
     result.add_argument("--json", action="store_true", help="print one JSON document (inertia/analysis/1)")
 
 

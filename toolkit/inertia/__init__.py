@@ -16,6 +16,7 @@ if TYPE_CHECKING:
     from inertia.mass.properties import ErrorBound, MassProperties
     from inertia.mass.repair import Repaired, repair, weld
     from inertia.mass.tensor import reexpress, steiner
+    from inertia.mass.tessellation import richardson
     from inertia.mesh.check import Finding, Report, check
     from inertia.mesh.part import Part
     from inertia.mesh.read import read
@@ -28,6 +29,7 @@ _HOMES = {
     "mass.properties": ("ErrorBound", "MassProperties"),
     "mass.repair": ("Repaired", "repair", "weld"),
     "mass.tensor": ("reexpress", "steiner"),
+    "mass.tessellation": ("richardson",),
     "mesh.check": ("Finding", "Report", "check"),
     "mesh.part": ("Part",),
     "mesh.read": ("read",),
@@ -57,6 +59,7 @@ __all__ = [
     "read",
     "reexpress",
     "repair",
+    "richardson",
     "steiner",
     "weld",
     "wire",

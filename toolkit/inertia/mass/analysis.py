@@ -19,11 +19,12 @@ from numpy.typing import ArrayLike
 from inertia.errors import GeometryError, UsageError
 from inertia.mass.bodies import Found, Group, cell_groups, naming, surface_groups, wire_group
 from inertia.mass.density import Densities, DensityFrom, densities
-from inertia.mass.moments import ZERO, total
+from inertia.mass.moments import ZERO, Moments, total
 from inertia.mass.principal import CLASS_TOLERANCE, Principal, principal
-from inertia.mass.properties import MassProperties
+from inertia.mass.properties import ErrorBound, MassProperties
 from inertia.mass.rungs import FINEST
 from inertia.mass.tensor import array_of
+from inertia.mass.tessellation import chord_error
 from inertia.mesh.part import Cells, Float, Part
 
 Orientation = Literal["stored", "absolute"]
@@ -58,6 +59,7 @@ class Analysis:
     area : surface area, m²
     extents : (2, 3) smallest and largest coordinates, m
     properties : `MassProperties`
+    tessellation : bounds on what the triangles left out or added, if a chord tolerance was given
     principal : `Principal`, at the tolerance asked for
     shares : one entry a body or region, where there are several densities
     about : (point in the part's unit, tensor about it), if asked for
@@ -75,6 +77,7 @@ class Analysis:
     area: float
     extents: Float
     properties: MassProperties
+    tessellation: ErrorBound | None
     principal: Principal
     shares: tuple[BodyShare, ...]
     about: tuple[tuple[float, ...], Float] | None
@@ -148,6 +151,7 @@ def analyse(
     orientation: Orientation = "stored",
     about: ArrayLike | None = None,
     class_tolerance: float = CLASS_TOLERANCE,
+    chord: float | None = None,
     progress: Progress | None = None,
 ) -> Analysis:
     """Integrate a part and gather what a report states; parameters as for `mass_properties`, and these.
@@ -156,6 +160,7 @@ def analyse(
     ----------
     about : (3,) a further point, in the part's unit, for the tensor
     class_tolerance : relative tolerance within which principal moments count as equal
+    chord : the tolerance that the mesh was made with, in the part's unit: how far the true surface may be from it
     progress : called with the fraction done
     """
     chosen = densities(density, material, mass)
@@ -169,6 +174,9 @@ def analyse(
         raise UsageError("both a shell and a wire are asked for: give one")
     if accuracy == "exact" and (wire is not None or isinstance(part.geometry, Cells)):
         raise UsageError("exact arithmetic is for triangle surfaces: give a relative accuracy for cells and wires")
+
+    if chord is not None and (shell is not None or wire is not None or isinstance(part.geometry, Cells)):
+        raise UsageError("a chord tolerance bounds the error of the surface of a solid only: leave it out")
 
     f = part.unit.metres
     model: Literal["solid", "shell", "wire"] = "solid"
@@ -192,6 +200,7 @@ def analyse(
         )
 
     weights = _weights(found.groups, chosen, factor)
+    moments, volume, _ = _moments(part, found, chosen, factor)
     properties = _properties(part, found, chosen, factor)
     if (reached := _reached(properties, found, f)) > _figure(accuracy):
         raise GeometryError(
@@ -210,6 +219,9 @@ def analyse(
         area=_area(found.area, f),
         extents=np.array([[float(Fraction(float(x)) * f) for x in row] for row in found.extents]),
         properties=properties,
+        tessellation=None
+        if chord is None
+        else chord_error(part, chord, moments, volume, max(weights), None if chosen.mass is None else moments.zeroth),
         principal=principal(properties.inertia, class_tolerance),
         shares=_shares(found.groups, weights, factor, f) if len(found.groups) > 1 else (),
         about=None if point is None else (tuple(point.tolist()), _about(properties, point, f)),
@@ -234,7 +246,8 @@ def _figure(accuracy: Accuracy) -> float:
     return math.inf if accuracy is None or isinstance(accuracy, str) else accuracy
 
 
-def _properties(part: Part, found: Found, chosen: Densities, factor: Fraction) -> MassProperties:
+def _moments(part: Part, found: Found, chosen: Densities, factor: Fraction) -> tuple[Moments, Fraction, Fraction]:
+    """Return the moments of mass (kg, m), the volume and its bound (m³)."""
     weights = _weights(found.groups, chosen, factor)
     moments = total(
         group.moments.in_unit(part.unit.metres).scaled(factor * weight)
@@ -244,8 +257,12 @@ def _properties(part: Part, found: Found, chosen: Densities, factor: Fraction) -
         moments = moments.weighed(Fraction(chosen.mass))
     volume = factor * sum((group.moments.zeroth for group in found.groups), ZERO)
     volume_bound = factor * sum((group.moments.zeroth_bound for group in found.groups), ZERO)
+    return moments, volume, volume_bound
+
+
+def _properties(part: Part, found: Found, chosen: Densities, factor: Fraction) -> MassProperties:
     with naming(part):
-        return MassProperties.from_moments(moments, volume, volume_bound, found.method)
+        return MassProperties.from_moments(*_moments(part, found, chosen, factor), found.method)
 
 
 def _reached(properties: MassProperties, found: Found, f: Fraction) -> float:

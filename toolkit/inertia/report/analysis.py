@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from dataclasses import asdict
 from fractions import Fraction
 from typing import Any
 
@@ -65,6 +66,8 @@ def analysis_document(analysis: Analysis, repaired: Repaired | None = None) -> d
             "inertia": properties.error.inertia,
         },
     }
+    if analysis.tessellation is not None:
+        document["error"]["tessellation"] = asdict(analysis.tessellation)
     if analysis.about is not None:
         point, tensor = analysis.about
         document["inertia_about"] = {"point": list(point), "inertia": tensor.tolist()}
@@ -251,6 +254,11 @@ def _closing(analysis: Analysis, repaired: Repaired | None) -> Iterator[str]:
     )
     yield row("", f"centre of mass {error.center_of_mass:.2g} m")
     yield row("", f"{error.method}; for the mesh as stored, its tessellation apart")
+    if (chord := analysis.tessellation) is not None:
+        yield row(
+            "Tessellation", f"volume {chord.volume:.2g}, mass {chord.mass:.2g}, tensor {chord.inertia:.2g} (relative),"
+        )
+        yield row("", f"centre of mass {chord.center_of_mass:.2g} m; bounds from the {chord.method}")
     told = {f"repaired: {change}" for change in repaired.changes} if repaired else set()
     for note in analysis.notes:
         if note not in told:
