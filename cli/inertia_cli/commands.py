@@ -6,34 +6,62 @@ import argparse
 import contextlib
 import json
 import threading
+from dataclasses import replace
 from typing import TYPE_CHECKING, Any, TypeVar
 
 from inertia.errors import InertiaError, UsageError
 from inertia_cli.progress import Progress
 
 if TYPE_CHECKING:
+    from inertia.mass.analysis import Analysis
+    from inertia.mass.repair import Repaired
     from inertia.mesh.part import Part
 
 T = TypeVar("T")
 
 UNFIT = 4
+_COARSER = 2.0
 
 
 def analyse(options: argparse.Namespace) -> int:
     """Run ``inertia analyse``."""
-    from inertia.mass.analysis import analyse as analyse_part
     from inertia.report.analysis import analysis_document, analysis_text
 
+    if options.richardson and options.chord is not None:
+        raise UsageError("--chord and --richardson are two answers to one question: give one")
     part, hashing = _read(options)
-    repaired = None
-    if options.repair or options.weld is not None:
-        from inertia.mass.repair import repair, weld
+    repaired = _repaired(part, options)
+    analysis = _analysed(part if repaired is None else repaired.part, options)
+    if options.richardson:
+        from inertia.mass.tessellation import richardson
 
-        repaired = repair(part, options.weld) if options.repair else weld(part, options.weld)
-        part = repaired.part
+        coarse, _ = _read(options, coarser=_COARSER)
+        mended = _repaired(coarse, options)
+        coarser = _analysed(coarse if mended is None else mended.part, options)
+        estimate = richardson(coarser.properties, analysis.properties, _COARSER)
+        analysis = replace(analysis, tessellation=estimate)
+    hashing.join()
+    if options.json:
+        _print_document(analysis_document(analysis, repaired))
+    else:
+        print(analysis_text(analysis, repaired))
+    return 0
+
+
+def _repaired(part: Part, options: argparse.Namespace) -> Repaired | None:
+    if not options.repair and options.weld is None:
+        return None
+    from inertia.mass.repair import repair, weld
+
+    return repair(part, options.weld) if options.repair else weld(part, options.weld)
+
+
+def _analysed(part: Part, options: argparse.Namespace) -> Analysis:
+    from inertia.mass.analysis import analyse as analyse_part
+
     tolerance = {} if options.class_tolerance is None else {"class_tolerance": options.class_tolerance}
     with Progress("integrating") as progress:
-        analysis = analyse_part(
+        return analyse_part(
             part,
             _by_name("density", options.density),
             material=_by_name("material", options.material),
@@ -47,12 +75,6 @@ def analyse(options: argparse.Namespace) -> int:
             progress=progress,
             **tolerance,
         )
-    hashing.join()
-    if options.json:
-        _print_document(analysis_document(analysis, repaired))
-    else:
-        print(analysis_text(analysis, repaired))
-    return 0
 
 
 def check(options: argparse.Namespace) -> int:
@@ -70,11 +92,11 @@ def check(options: argparse.Namespace) -> int:
     return UNFIT if report.faults(options.orientation) else 0
 
 
-def _read(options: argparse.Namespace) -> tuple[Part, threading.Thread]:
+def _read(options: argparse.Namespace, coarser: float = 1.0) -> tuple[Part, threading.Thread]:
     """Read the part, and begin to hash its file beside the work that follows."""
     from inertia.mesh.read import read
 
-    part = read(options.part, options.unit, format=options.format)
+    part = read(options.part, options.unit, format=options.format, coarser=coarser)
 
     def digest() -> None:
         with contextlib.suppress(InertiaError):  # it is raised again where the digest is needed

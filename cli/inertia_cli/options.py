@@ -100,6 +100,11 @@ def _add_analyse(parsers: argparse._SubParsersAction[_Parser]) -> None:
         metavar="LENGTH",
         help="tolerance of the tessellation, in --unit: bounds what it left out",
     )
+    result.add_argument(
+        "--richardson",
+        action="store_true",
+        help="mesh a STEP file twice, and estimate what that left out",
+    )
     result.add_argument("--json", action="store_true", help="print one JSON document (inertia/analysis/1)")
 
 

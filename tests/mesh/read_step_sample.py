@@ -1,4 +1,4 @@
-"""A STEP file (AP214) of a solid with plane faces, written from its corners and polygons."""
+"""STEP files (AP214): a solid with plane faces, written from its corners and polygons, and a ball."""
 
 from collections.abc import Sequence
 
@@ -59,6 +59,22 @@ def step_solid(points: np.ndarray, polygons: Sequence[Sequence[int]], name: str,
         plane = w.axes(a, normal / np.linalg.norm(normal), (b - a) / np.linalg.norm(b - a))
         surface = w.add(f"PLANE('',{plane})")
         faces.append(w.add(f"ADVANCED_FACE('',({bound}),{surface},.T.)"))
+    return _file(w, name, faces, shape, context)
+
+
+def step_sphere(radius: float) -> str:
+    """A ball about the origin, in millimetres."""
+    w = _Writer()
+    context = _context(w, inches=False)
+    shape = _product(w, "Ball")
+    pole = w.add(f"VERTEX_POINT('',{w.vector('CARTESIAN_POINT', (0, 0, -radius))})")
+    loop = w.add(f"VERTEX_LOOP('',{pole})")
+    bound = w.add(f"FACE_BOUND('',{loop},.T.)")
+    surface = w.add(f"SPHERICAL_SURFACE('',{w.axes((0, 0, 0), (0, 0, 1), (1, 0, 0))},{float(radius)!r})")
+    return _file(w, "Ball", [w.add(f"ADVANCED_FACE('',({bound}),{surface},.T.)")], shape, context)
+
+
+def _file(w: _Writer, name: str, faces: Sequence[str], shape: str, context: str) -> str:
     shell = w.add(f"CLOSED_SHELL('',({','.join(faces)}))")
     brep = w.add(f"MANIFOLD_SOLID_BREP('{name}',{shell})")
     origin = w.axes((0, 0, 0), (0, 0, 1), (1, 0, 0))

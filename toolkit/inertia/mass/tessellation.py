@@ -77,7 +77,7 @@ def chord_error(
     f = part.unit.metres
     origin = (moments.origin[0] / f, moments.origin[1] / f, moments.origin[2] / f)
     between = chord_bound(part.triangles, chord, origin).in_unit(f).scaled(f**3 * density)
-    said = f"chord tolerance {chord:g} {part.unit.name}"
+    said = f"bounds from the chord tolerance {chord:g} {part.unit.name}"
     bounded = replace(
         moments,
         zeroth_bound=between.zeroth_bound,
@@ -90,8 +90,8 @@ def chord_error(
         return MassProperties.from_moments(bounded, volume, between.zeroth_bound / density, said).error
     except GeometryError:
         raise GeometryError(
-            f"{part.name}: {said} leaves nothing certain of the volume, as that much may lie between the mesh and the "
-            "true surface: give the tolerance that the mesh was made with"
+            f"{part.name}: a chord tolerance of {chord:g} {part.unit.name} leaves nothing certain of the volume, as "
+            "that much may lie between the mesh and the true surface: give the tolerance that the mesh was made with"
         ) from None
 
 

@@ -9,6 +9,7 @@ assemblies and over sparse glTF positions; each of these gives another body.
 from __future__ import annotations
 
 import errno
+import math
 import os
 import stat
 from collections.abc import Callable
@@ -48,6 +49,7 @@ def read(
     unit: str | None = None,
     *,
     format: str | None = None,
+    coarser: float = 1.0,
     progress: Callable[[float], None] | None = None,
 ) -> Part:
     """Read a mesh from a file.
@@ -58,6 +60,8 @@ def read(
     unit : the unit of length of the coordinates, in place of the file's own; without either, millimetres are
         assumed
     format : the kind of file (`"stl"`, `"obj"`, ...), where it is not to be found out
+    coarser : by how much coarser than usual the triangles are that replace curved faces, where reading makes them
+        (STEP): for an estimate of what they leave out, see `inertia.richardson`
     progress : called with the fraction of the work that is done; a file is read in one step
 
     Raises
@@ -79,11 +83,13 @@ def read(
     (4, 'mm', 'off')
     """
     chosen = None if unit is None else length_unit(unit)
+    if not 0 < coarser < math.inf:
+        raise UsageError(f"coarser is {coarser!r}: it must be positive and finite")
     if format is not None and format not in EXTENSIONS:
         raise UsageError(f"unknown format {format!r}: use one of {', '.join(EXTENSIONS)}")
     name = os.fspath(path)
     try:
-        kind, contents = _contents(name, format)
+        kind, contents = _contents(name, format, coarser)
     except ReadError as error:
         raise ReadError(f"cannot read {name if name.isprintable() else ascii(name)}: {error}") from error
     notes = list(contents.notes)
@@ -104,7 +110,7 @@ def _unit(chosen: Unit | None, of_file: Unit | None) -> tuple[Unit, UnitFrom]:
     return (DEFAULT_UNIT, "assumed") if of_file is None else (of_file, "file")
 
 
-def _contents(name: str, format: str | None) -> tuple[str, Contents]:
+def _contents(name: str, format: str | None, coarser: float) -> tuple[str, Contents]:
     """Return the kind of a file and what is in it."""
     path = Path(name)
     if "\0" in name:
@@ -120,7 +126,9 @@ def _contents(name: str, format: str | None) -> tuple[str, Contents]:
         if not head:
             raise ReadError("it is empty: export the part again")
         kind = format or sniff(path, head, status.st_size)
-        return kind, _read_as(kind, path)
+        if coarser != 1.0 and kind != "step":
+            raise UsageError(f"{name} is {kind}, whose triangles are in the file: only STEP can be meshed coarser")
+        return kind, _read_as(kind, path, coarser)
     except OSError as error:
         reason = _REASONS.get(error.errno or 0, f"{error.strerror or error}: check the path and the disk")
         raise ReadError(reason) from error
@@ -130,7 +138,7 @@ def _contents(name: str, format: str | None) -> tuple[str, Contents]:
         raise ReadError("it needs more memory than there is: split the part or use a larger machine") from error
 
 
-def _read_as(kind: str, path: Path) -> Contents:
+def _read_as(kind: str, path: Path, coarser: float) -> Contents:
     """Read a file with the reader of its kind; the readers are imported when they are used."""
     if kind == "stl":
         return read_stl(path)
@@ -139,5 +147,6 @@ def _read_as(kind: str, path: Path) -> Contents:
         from inertia.mesh.via_meshio import read_with_meshio
 
         return read_with_meshio(path, kind)
-    contents: Contents = getattr(import_module(f"inertia.mesh.{name}"), name)(path)
+    options = (coarser,) if kind == "step" else ()
+    contents: Contents = getattr(import_module(f"inertia.mesh.{name}"), name)(path, *options)
     return contents

@@ -26,13 +26,13 @@ sys.exit(status != 0)
 """
 
 
-def read_step(path: Path) -> Contents:
-    """Read a STEP file as triangles, in metres; its solids are regions."""
+def read_step(path: Path, coarser: float = 1.0) -> Contents:
+    """Read a STEP file as triangles, in metres, by so much coarser than usual; its solids are regions."""
     if importlib.util.find_spec("cascadio") is None:
         raise ReadError("STEP needs the package cascadio: pip install 'inertia[step]'")
     with tempfile.TemporaryDirectory() as folder:
         target = Path(folder) / "part.glb"
-        arguments = [str(path.absolute()), str(target), str(_LINEAR), str(_ANGULAR)]
+        arguments = [str(path.absolute()), str(target), str(coarser**2 * _LINEAR), str(coarser * _ANGULAR)]
         try:
             done = subprocess.run(
                 [sys.executable, "-P", "-c", _CONVERT, *arguments],
@@ -47,7 +47,7 @@ def read_step(path: Path) -> Contents:
             raise ReadError(f"OpenCASCADE cannot convert it (status {done.returncode}): export the part again")
         contents = read_gltf(target)
     note = (
-        f"curved STEP faces were replaced by triangles that turn by up to {_ANGULAR:g} rad "
-        "(a cylinder loses 1e-4 of its volume), with float32 coordinates"
+        f"curved STEP faces were replaced by triangles that turn by up to {coarser * _ANGULAR:g} rad "
+        f"(a cylinder loses {coarser**2 * 1e-4:g} of its volume), with float32 coordinates"
     )
     return replace(contents, notes=(*contents.notes, note))

@@ -258,7 +258,7 @@ def _closing(analysis: Analysis, repaired: Repaired | None) -> Iterator[str]:
         yield row(
             "Tessellation", f"volume {chord.volume:.2g}, mass {chord.mass:.2g}, tensor {chord.inertia:.2g} (relative),"
         )
-        yield row("", f"centre of mass {chord.center_of_mass:.2g} m; bounds from the {chord.method}")
+        yield row("", f"centre of mass {chord.center_of_mass:.2g} m; {chord.method}")
     told = {f"repaired: {change}" for change in repaired.changes} if repaired else set()
     for note in analysis.notes:
         if note not in told:
