@@ -1,5 +1,6 @@
 """Principal moments and axes: right-handed, of definite signs, and honest about equal moments."""
 
+from fractions import Fraction
 from itertools import permutations
 
 import mpmath
@@ -7,11 +8,18 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from tests.mass.spectra import angle, eigenvalues, frame, plus
+from tests.mass.spectra import turned as exactly_turned
 
-from inertia.errors import UsageError
-from inertia.mass.principal import CLASS_TOLERANCE, Principal, equivalent_ellipsoid, principal, radii_of_gyration
+from inertia.errors import GeometryError, UsageError
+from inertia.mass.principal import CLASS_TOLERANCE, Principal, principal, radii_of_gyration
+from inertia.mass.properties import MassProperties
 
 seeds = st.integers(0, 2**32 - 1)
+
+
+def equivalent_ellipsoid(moments: list[float], mass: float) -> np.ndarray:
+    return MassProperties(mass, 0.0, [0, 0, 0], np.diag(moments)).equivalent_ellipsoid
 
 
 def rotation(seed: int) -> np.ndarray:
@@ -187,6 +195,89 @@ def test_tensors_at_the_ends_of_float64_are_diagonalised(scale: float) -> None:
 def test_what_is_no_tensor_is_refused(bad: object) -> None:
     with pytest.raises(UsageError, match=r"^inertia "):
         principal(bad)
+
+
+@settings(deadline=None, max_examples=100)
+@given(seeds, st.floats(0.05, 0.9), st.floats(-9, 0), st.floats(-16, -1), st.sampled_from([1e-30, 1.0, 1e30]))
+def test_moments_and_axes_are_within_their_bounds(
+    seed: int, low: float, gap: float, power: float, scale: float
+) -> None:
+    """The true tensor has rational axes and moments; the one given is off by all that its bound says."""
+    largest = low + 1 + (1 - low) * 0.5
+    moments = [Fraction(scale) * Fraction(k) for k in (low, largest * (1 - 0.4 * 10.0**gap), largest)]
+    axes = frame(seed)
+    true = exactly_turned(moments, axes)
+    off = np.random.default_rng(seed).normal(size=(3, 3))
+    off += off.T
+    off *= scale * 10.0**power / np.linalg.norm(off)
+    given_tensor = np.array([[float(k) for k in row] for row in plus(true, off)])
+    bound = scale * (10.0**power + 1e-15)
+    found = principal(given_tensor, 0.0, bound)
+    for value, limit, exact in zip(found.moments.tolist(), found.moment_bounds.tolist(), moments, strict=True):
+        assert abs(Fraction(value) - exact) <= Fraction(limit)
+        assert limit <= 1.01 * bound + 1e-15 * scale
+    for k in range(3):
+        if found.axis_bounds[k] < np.pi / 2:
+            assert angle(found.axes[:, k], [row[k] for row in axes]) <= found.axis_bounds[k]
+        else:
+            assert (
+                any(k in group for group in found.equal) or found.moment_bounds[k] > 0.1 * np.diff(found.moments).min()
+            )
+
+
+@settings(deadline=None, max_examples=60)
+@given(seeds)
+def test_a_tensor_that_is_exact_has_its_moments_rounded_once(seed: int) -> None:
+    tensor = turned([1.0, 1.5, 2.2], rotation(seed))
+    exact = eigenvalues([[Fraction(k) for k in row] for row in tensor.tolist()])
+    assert principal(tensor).moments.tolist() == [float(k) for k in exact]
+    assert principal(tensor).moment_bounds.max() <= 2.0**-52
+    assert principal(tensor).axis_bounds.max() < 1e-15
+
+
+@pytest.mark.parametrize("gap", [10.0**-k for k in range(3, 16)])
+@pytest.mark.parametrize("bound", [0.0, 1e-12, 1e-8])
+def test_nearly_equal_moments_have_axes_or_a_subspace(gap: float, bound: float) -> None:
+    """An axis where the gap is above the error on both sides, and what the error over the gap makes of it."""
+    moments = [Fraction(1), 2 - Fraction(gap), Fraction(2)]
+    axes = frame(11)
+    tensor = np.array([[float(k) for k in row] for row in exactly_turned(moments, axes)])
+    total = bound + 1e-15
+    found = principal(tensor, 0.0, total)
+    if gap > 5 * total:
+        assert (found.kind, found.equal) == ("asymmetric", ())
+        assert 0.5 * total / gap < found.axis_bounds[2] < 4 * total / gap
+        assert angle(found.axes[:, 2], [row[2] for row in axes]) <= found.axis_bounds[2]
+    elif gap < total:
+        assert (found.kind, found.equal) == ("prolate", ((1, 2),))
+        assert found.axis_bounds[1:].tolist() == [np.pi / 2] * 2
+    assert found.axis_bounds[0] < 3 * total
+    assert principal(tensor, 1e-6, total).kind == ("prolate" if gap < 2e-6 else "asymmetric")
+
+
+def test_the_class_is_decided_by_the_bound_too() -> None:
+    def kind(*moments: float, bound: float) -> str:
+        return principal(np.diag(moments), 0.0, bound).kind
+
+    assert kind(1.0, 1.9, 2.0, bound=0.049) == "asymmetric"
+    assert kind(1.0, 1.9, 2.0, bound=0.051) == "prolate"
+    assert kind(1.0, 1.1, 2.0, bound=0.051) == "oblate"
+    assert kind(1.0, 1.1, 1.2, bound=0.051) == "spherical"
+    assert kind(0.05, 2.0, 2.0, bound=0.049) == "prolate"
+    assert kind(0.05, 2.0, 2.0, bound=0.051) == "rotor"
+
+
+@pytest.mark.parametrize("bound", [-1.0, np.inf, np.nan])
+def test_a_bound_is_a_finite_number(bound: float) -> None:
+    with pytest.raises(UsageError, match=r"^bound is .* kg m2: it must be finite and not negative"):
+        principal(np.eye(3), bound=bound)
+
+
+def test_a_moment_beyond_float64_is_refused() -> None:
+    tensor = 1e308 * np.array([[1.5, 0.5, 0.0], [0.5, 1.5, 0.0], [0.0, 0.0, 1.5]])
+    with pytest.raises(GeometryError, match=r"a principal moment is above 1\.8e308") as e:
+        principal(tensor)
+    assert e.value.exit_code == 4
 
 
 def test_radii_of_gyration_of_a_rod_and_a_disc() -> None:

@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
+from tests.mass.spectra import eigenvalues
 from tests.mesh.solids import box, cube, joined, sphere
 
 from inertia.errors import GeometryError, UsageError
@@ -211,6 +212,58 @@ def test_the_arrays_are_copies_and_stay_as_they_are() -> None:
     for array in (found.center_of_mass, found.inertia):
         with pytest.raises(ValueError, match="read-only"):
             array[0] = 1
+
+
+# Principal moments and axes
+
+
+def test_an_ordinary_part_has_small_bounds() -> None:
+    found = of_box((0, 0, 0), (1, 2, 3)).principal
+    assert (found.moment_bounds < 1e-13 * found.moments).all()
+    assert (found.axis_bounds < 1e-12).all()
+
+
+@pytest.mark.parametrize("accuracy", [1e-15, 1e-6])
+def test_given_properties_lend_their_error_to_the_moments(accuracy: float) -> None:
+    body = MassProperties(1.0, 1.0, [0, 0, 0], np.diag([1.0, 2.0, 2.5]), ErrorBound("given", 0, 0, 0, accuracy))
+    bound = accuracy * np.sqrt(1 + 4 + 6.25)
+    assert body.principal.moment_bounds == pytest.approx([bound] * 3, rel=1e-9)
+    assert body.principal.axis_bounds == pytest.approx([bound, 2 * bound, 2 * bound], rel=1e-4, abs=1e-15)
+
+
+def test_the_tolerance_of_the_class_can_be_chosen() -> None:
+    body = of_box((0, 0, 0), (1, 1, 1.001))
+    assert body.principal.kind == "prolate"
+    assert body.principal_within(0.01).kind == "spherical"
+    assert body.principal_within(0.01).tolerance == 0.01
+
+
+@settings(deadline=None, max_examples=40)
+@given(seeds, st.floats(0, 4), st.floats(0, 4), st.sampled_from([0.0, 1.0, 1e5]))
+def test_moments_of_any_part_are_within_their_bounds(seed: int, a: float, b: float, offset: float) -> None:
+    """Ellipsoids from round to slender, at any place and in any attitude."""
+    vertices, faces = sphere(splits=1)
+    vertices = vertices * [1, 10.0**-a, 10.0**-b] @ rotation(seed).T + offset
+    triangles = Surface(vertices, faces)
+    true = rational.moments(triangles.corners())
+    for exact in (False, True):
+        try:
+            found = of_surface(triangles, exact=exact).principal
+        except GeometryError:
+            assume(exact)
+            raise
+        for value, bound, k in zip(found.moments, found.moment_bounds, eigenvalues(true.inertia), strict=True):
+            assert abs(F(value) - k) <= F(bound) * (1 + F(1, 10**20))
+
+
+def test_what_the_tensor_has_lost_is_kept_for_the_algebra() -> None:
+    """A needle askew, moved and put together with nothing but itself, still has its smallest moment."""
+    rod = Surface(sphere(splits=1)[0] * [1, 1e-9, 2e-9] @ rotation(3).T, sphere(splits=1)[1])
+    found = of_surface(rod, exact=True)
+    twice = found + found
+    assert twice.principal_moments == pytest.approx(2 * found.principal_moments, rel=1e-13)
+    given_tensor = MassProperties(found.mass, found.volume, found.center_of_mass, found.inertia, found.error)
+    assert given_tensor.principal.moment_bounds[0] > given_tensor.principal.moments[0]
 
 
 # The algebra

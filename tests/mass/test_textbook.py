@@ -12,7 +12,6 @@ from tests.mass.parts import cube, surface
 
 import inertia
 from inertia import MassProperties, lamina, mass_properties, point_masses, principal, reexpress, steiner, wire
-from inertia.mass.principal import equivalent_ellipsoid, radii_of_gyration
 from inertia_meshes import path
 from inertia_meshes.shapes import revolved, sphere
 
@@ -126,14 +125,14 @@ class TestEquivalence:
 
     def test_the_equivalent_ellipsoid_has_the_same_moments(self):
         body = mass_properties(inertia.read(path("t_handle.stl")))
-        a, b, c = equivalent_ellipsoid(body.principal_moments, body.mass)
+        a, b, c = body.equivalent_ellipsoid
         again = body.mass / 5 * np.array([b * b + c * c, c * c + a * a, a * a + b * b])
         np.testing.assert_allclose(again, body.principal_moments, rtol=1e-13)
         assert a > b > c
 
     def test_radii_of_gyration(self):
         body = mass_properties(surface(cube(size=2)))
-        np.testing.assert_allclose(radii_of_gyration(body.principal_moments, body.mass), 2 / math.sqrt(6), rtol=TINY)
+        np.testing.assert_allclose(body.radii_of_gyration, 2 / math.sqrt(6), rtol=TINY)
 
 
 class TestExercises:
@@ -203,7 +202,9 @@ class TestExercises:
         mass, _, tensor = refined(lambda n: sphere(1, n) * semi)
         squares = semi**2
         np.testing.assert_allclose(tensor, np.diag(mass * (squares.sum() - squares) / 5), atol=1e-5)
-        np.testing.assert_allclose(equivalent_ellipsoid(np.diag(tensor), mass), semi, rtol=1e-7)
+        np.testing.assert_allclose(
+            MassProperties(mass, 0.0, [0, 0, 0], np.diag(np.diag(tensor))).equivalent_ellipsoid, semi, rtol=1e-7
+        )
 
     def test_9_sphere_with_a_spherical_cavity(self):
         outer, inner, off, rho = 2.0, 0.5, 0.75, 3.0

@@ -20,7 +20,7 @@ from inertia.errors import GeometryError, UsageError
 from inertia.mass.bodies import Found, Group, cell_groups, naming, surface_groups, wire_group
 from inertia.mass.density import Densities, DensityFrom, densities
 from inertia.mass.moments import ZERO, Moments, total
-from inertia.mass.principal import CLASS_TOLERANCE, Principal, principal
+from inertia.mass.principal import CLASS_TOLERANCE, Principal
 from inertia.mass.properties import ErrorBound, MassProperties
 from inertia.mass.rungs import FINEST
 from inertia.mass.tensor import array_of
@@ -108,8 +108,9 @@ def mass_properties(
         order); "" is the rest; 1000 if neither it nor `material` nor `mass` is given
     material : name(s) in the table of materials, instead of density
     mass : kg, the total weighed; densities then count as proportions
-    accuracy : None for float64 with its bound; a relative figure that the bound must reach, by the cheapest method
-        that reaches it; or "exact"
+    accuracy : None for float64 with its bound, and more digits only where the volume or a slender solid's smallest
+        principal moment would drown; a relative figure that the bound must reach, by the cheapest method that reaches
+        it; or "exact"
     shell : thickness in the part's unit: the surface itself carries the mass (it may be open)
     wire : cross-section in the part's unit squared: the lines carry the mass
     orientation : "absolute" integrates an inward surface as if it faced outward
@@ -190,11 +191,16 @@ def analyse(
     elif isinstance(part.geometry, Cells):
         found = cell_groups(part, chosen.named, progress=progress)
     else:
+
+        def enough(found: Found) -> bool:
+            properties = _properties(part, found, chosen, factor)
+            return _reached(properties, found, f) <= _figure(accuracy) and not properties.loses_smallest_moment
+
         found = surface_groups(
             part,
             chosen.named,
             accuracy=accuracy,
-            reached=lambda found: _reached(_properties(part, found, chosen, factor), found, f) <= _figure(accuracy),
+            reached=enough,
             absolute=orientation == "absolute",
             progress=progress,
         )
@@ -222,7 +228,7 @@ def analyse(
         tessellation=None
         if chord is None
         else chord_error(part, chord, moments, volume, max(weights), None if chosen.mass is None else moments.zeroth),
-        principal=principal(properties.inertia, class_tolerance),
+        principal=properties.principal_within(class_tolerance),
         shares=_shares(found.groups, weights, factor, f) if len(found.groups) > 1 else (),
         about=None if point is None else (tuple(point.tolist()), _about(properties, point, f)),
         notes=(*part.notes, *found.notes),

@@ -75,7 +75,7 @@ def surface_groups(
     if shell and accuracy == "exact":
         raise UsageError("exact arithmetic cannot give a shell's area, which holds square roots: leave it out")
     trying = rungs(accuracy)
-    paired, summed = (0.6, 1.0) if shell or (len(trying) == 1 and trying[0] == "float64") else (0.1, 0.2)
+    paired, summed = (0.6, 1.0) if shell or accuracy is None else (0.1, 0.2)
     hangs = closure(triangles, _part_of(progress, 0.0, paired))
     with naming(part):
         sums = sum_triangles(triangles, surface=shell, progress=_part_of(progress, paired, summed))
@@ -144,8 +144,7 @@ def _turned(triangles: Triangles, which: NDArray[np.bool_]) -> Triangles:
 def _refuse_flat(part: Part, whole: Moments, box: Float) -> None:
     raise GeometryError(
         f"{part.name} has no volume: {float(whole.zeroth):.3g} {part.unit.name}3 {around(middle(box), box)}, with "
-        f"an error bound of {float(whole.zeroth_bound):.3g}: use --shell THICKNESS if it is a sheet, or --accuracy "
-        "exact if it is very thin"
+        f"an error bound of {float(whole.zeroth_bound):.3g}: use --shell THICKNESS if it is a sheet"
     )
 
 

@@ -12,7 +12,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from fractions import Fraction
-from math import isqrt
+from math import ceil, isqrt
 
 from inertia.mass.sums import ROUNDINGS, Sums
 from inertia.mesh.part import Float
@@ -188,11 +188,14 @@ def inertia_tensor(second: Six) -> list[list[Fraction]]:
     return [[yy + zz, -xy, -zx], [-xy, zz + xx, -yz], [-zx, -yz, xx + yy]]
 
 
+def inertia_bounds(bound: Six) -> list[list[Fraction]]:
+    """Return bounds on the elements of the tensor's error, from the bounds on the second moments."""
+    return [[_rounded_up(abs(k)) for k in row] for row in inertia_tensor(bound)]
+
+
 def inertia_bound(bound: Six) -> Fraction:
     """Return a bound on the Frobenius norm of the tensor's error, from the bounds on the second moments."""
-    xx, yy, zz, yz, zx, xy = bound
-    squares = (yy + zz) ** 2 + (zz + xx) ** 2 + (xx + yy) ** 2 + 2 * (xy * xy + zx * zx + yz * yz)
-    return root_above(squares)
+    return root_above(sum((k * k for row in inertia_bounds(bound) for k in row), ZERO))
 
 
 def root_above(square: Fraction) -> Fraction:
@@ -203,6 +206,14 @@ def root_above(square: Fraction) -> Fraction:
     shift = max(0, 64 - (n.bit_length() - d.bit_length()) // 2)
     scaled = (n << (2 * shift)) // d + 1
     return Fraction(isqrt(scaled) + 1, 1 << shift)
+
+
+def _rounded_up(bound: Fraction) -> Fraction:
+    """Return a short rational at least as large, by at most a part in 2⁶³: long ones make all that follows slow."""
+    if bound <= 0:
+        return ZERO
+    unit = Fraction(2) ** (bound.numerator.bit_length() - bound.denominator.bit_length() - 64)
+    return ceil(bound / unit) * unit
 
 
 def moments_of(sums: Sums, *, surface: bool = False) -> Moments:
@@ -249,9 +260,9 @@ def assembled(value: Sequence[Fraction], sums: Sums, rounding: Fraction, *, surf
         unit * value[0] / (2 if surface else 6),
         _vector(unit * shrink * k for k in first),
         _six(unit * shrink**2 * k for k in second),
-        unit * zeroth_bound,
-        _vector(unit * shrink * k for k in first_bound),
-        _six(unit * shrink**2 * k for k in second_bound),
+        _rounded_up(unit * zeroth_bound),
+        _vector(_rounded_up(unit * shrink * k) for k in first_bound),
+        _six(_rounded_up(unit * shrink**2 * k) for k in second_bound),
     )
 
 

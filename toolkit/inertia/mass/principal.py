@@ -1,13 +1,18 @@
-"""Principal moments, axes and what follows from them: class, radii of gyration, equivalent ellipsoid."""
+"""Principal moments, axes and what follows from them: class and radii of gyration."""
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
+from fractions import Fraction
 from typing import Literal
 
 import numpy as np
 from numpy.typing import ArrayLike
 
+from inertia.errors import GeometryError, UsageError
+from inertia.mass.eigen import Spectrum, spectrum
+from inertia.mass.moments import Six, inertia_bound, inertia_bounds, inertia_tensor
 from inertia.mass.tensor import array_of
 from inertia.mesh.part import Float
 
@@ -15,6 +20,8 @@ InertiaClass = Literal["spherical", "prolate", "oblate", "asymmetric", "rotor"]
 
 CLASS_TOLERANCE = 1e-6
 """Moments count as equal, and the smallest as zero, within this part of the largest: float32 storage reaches it."""
+
+_AXIS_ROUNDING = 2.0**-50  # of three components, and of the product that makes axis 2
 
 
 @dataclass(frozen=True, eq=False)
@@ -25,10 +32,14 @@ class Principal:
     ----------
     moments : (3,) kg m², ascending
     axes : (3, 3) a right-handed rotation; its columns are the axes of `moments` in part axes
-    equal : the groups of moments (numbered from 0) that are equal within the tolerance: their axes are any
-        orthonormal set in the subspace that the group spans
+    equal : the groups of moments (numbered from 0) that are equal within the tolerance and their bounds: their axes
+        are any orthonormal set in the subspace that the group spans
     kind : the class of the body
     tolerance : the relative tolerance that decided `equal` and `kind`
+    moment_bounds : (3,) kg m², how far each moment may be from the true one
+    axis_bounds : (3,) rad, the angle by which each axis may be off, either way round; π/2 for an axis of `equal`
+        moments, whose subspace is off by no more than the axis at right angles to it
+    second_moments : (3,) kg m², ∫x² dm along each axis: half the sum of the moments less the axis' own
     """
 
     moments: Float
@@ -36,25 +47,49 @@ class Principal:
     equal: tuple[tuple[int, ...], ...]
     kind: InertiaClass
     tolerance: float
+    moment_bounds: Float
+    axis_bounds: Float
+    second_moments: Float
 
 
-def principal(inertia: ArrayLike, tolerance: float = CLASS_TOLERANCE) -> Principal:
-    """Diagonalise an inertia tensor (3, 3) about the centre of mass.
+def principal(inertia: ArrayLike, tolerance: float = CLASS_TOLERANCE, bound: float | Fraction = 0) -> Principal:
+    """Diagonalise an inertia tensor (3, 3) kg m² about the centre of mass, known to within `bound` kg m².
 
-    The axes are right-handed and their signs deterministic: the largest component of axis 1 and of axis 3 is
-    positive, and axis 2 = axis 3 × axis 1. Where moments are equal within `tolerance` (of the largest), the axes of
-    their subspace are chosen nearest to the part's own x, y, z. The class is ``rotor`` (I1 = 0), ``spherical``
-    (I1 = I2 = I3), ``prolate`` (I2 = I3), ``oblate`` (I1 = I2) or ``asymmetric`` (textbook § 13.10).
+    `bound` is on the Frobenius norm of the tensor's error; what the moments and axes may be off by follows from it and
+    from the residual of the decomposition (see `inertia.mass.eigen`). The axes are right-handed and their signs
+    deterministic: the largest component of axis 1 and of axis 3 is positive, and axis 2 = axis 3 × axis 1. Where
+    moments are equal, to within `tolerance` of the largest and their bounds, the axes of their subspace are chosen
+    nearest to the part's own x, y, z. The class is ``rotor`` (I1 = 0), ``spherical`` (I1 = I2 = I3), ``prolate``
+    (I2 = I3), ``oblate`` (I1 = I2) or ``asymmetric`` (textbook § 13.10).
+
+    Raises `UsageError` where the tensor or the bound is not finite, `GeometryError` where a moment leaves float64.
 
     >>> principal(np.diag([2.0, 2.0, 1.0])).kind
     'prolate'
+    >>> principal(np.diag([1.0, 2.0, 3.0]), bound=0.01).axis_bounds.round(3).tolist()
+    [0.01, 0.01, 0.01]
     """
-    tensor = array_of(inertia, (3, 3), "inertia")
-    size = float(np.abs(tensor).max())
-    exponent = int(np.frexp(size)[1])
-    moments, axes = np.linalg.eigh(np.ldexp(tensor, -exponent))
-    limit = tolerance * float(moments[2])
-    low, high = bool(moments[1] - moments[0] <= limit), bool(moments[2] - moments[1] <= limit)
+    rows = [[Fraction(k) for k in row] for row in array_of(inertia, (3, 3), "inertia").tolist()]
+    if not 0 <= bound < math.inf:
+        raise UsageError(f"bound is {bound!r} kg m2: it must be finite and not negative")
+    tensor = [[(rows[i][j] + rows[j][i]) / 2 for j in range(3)] for i in range(3)]
+    return _classified(spectrum(tensor, [[Fraction(bound)] * 3] * 3, Fraction(bound)), tolerance)
+
+
+def principal_of_moments(second: Six, second_bound: Six, tolerance: float = CLASS_TOLERANCE) -> Principal:
+    """Return what `principal` does, from exact central second moments of mass: no element is rounded on the way.
+
+    Each second moment has a bound of its own, so that the errors across a needle count as small as they are.
+    """
+    return _classified(
+        spectrum(inertia_tensor(second), inertia_bounds(second_bound), inertia_bound(second_bound)), tolerance
+    )
+
+
+def _classified(found: Spectrum, tolerance: float) -> Principal:
+    limit = Fraction(tolerance) * found.values[2]
+    values, bounds = found.values, found.value_bounds
+    low, high = (values[k + 1] - values[k] <= limit + bounds[k + 1] + bounds[k] for k in range(2))
     equal: tuple[tuple[int, ...], ...] = ()
     kind: InertiaClass = "asymmetric"
     if low and high:
@@ -63,11 +98,38 @@ def principal(inertia: ArrayLike, tolerance: float = CLASS_TOLERANCE) -> Princip
         equal, kind = ((0, 1),), "oblate"
     elif high:
         equal, kind = ((1, 2),), "prolate"
-    if kind == "prolate" and moments[0] <= limit:
+    if kind == "prolate" and values[0] <= limit + bounds[0]:
         kind = "rotor"
+    axes = found.vectors.copy()
+    angles = np.array([math.asin(min(_above(sine), 1.0)) for sine in found.sines])
+    angles = np.minimum(angles + _AXIS_ROUNDING, 0.5 * math.pi)
     for group in equal:
-        axes[:, list(group)] = _nearest_axes(axes[:, list(group)])
-    return Principal(np.ldexp(moments, exponent), _signed(axes), equal, kind, tolerance)
+        axes[:, group] = _nearest_axes(axes[:, group])
+        angles[list(group)] = 0.5 * math.pi
+    moments = [_rounded(value) for value in values]
+    half = sum(values, Fraction(0)) / 2
+    second = np.array([_rounded(max(half - value, Fraction(0))) for value in values])
+    rounding = [abs(Fraction(k) - value) for k, value in zip(moments, values, strict=True)]
+    errors = np.array([_above(bound + k) for bound, k in zip(bounds, rounding, strict=True)])
+    return Principal(np.array(moments), _signed(axes), equal, kind, tolerance, errors, angles, second)
+
+
+def _rounded(moment: Fraction) -> float:
+    try:
+        return float(moment)
+    except OverflowError:
+        raise GeometryError(
+            "a principal moment is above 1.8e308 kg m2 and leaves float64: give the coordinates in a smaller unit "
+            "with --unit"
+        ) from None
+
+
+def _above(bound: Fraction) -> float:
+    """Return the bound rounded up."""
+    try:
+        return math.nextafter(float(bound), math.inf) if bound else 0.0
+    except OverflowError:
+        return math.inf
 
 
 def _nearest_axes(basis: Float) -> Float:
@@ -96,15 +158,3 @@ def _signed(axes: Float) -> Float:
 def radii_of_gyration(moments: ArrayLike, mass: float) -> Float:
     """Return √(I/M) for each principal moment, (3,) m."""
     return np.sqrt(np.maximum(array_of(moments, (3,), "moments"), 0.0) / mass)
-
-
-def equivalent_ellipsoid(moments: ArrayLike, mass: float) -> Float:
-    """Return the semi-axes (3,) m of the uniform solid ellipsoid of the same mass and moments.
-
-    a₁² = 5 (I2 + I3 − I1) / (2 M), cyclic (textbook exercise 8), along the principal axes in their order: the
-    first is the longest. A semi-axis is zero where the body is flat.
-    """
-    i1, i2, i3 = array_of(moments, (3,), "moments").tolist()
-    squares = np.array([(i3 - i1) + i2, (i3 - i2) + i1, (i1 - i3) + i2])
-    semi_axes: Float = np.sqrt(2.5 * np.maximum(squares, 0.0) / mass)
-    return semi_axes

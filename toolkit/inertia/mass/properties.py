@@ -5,7 +5,7 @@ Signs and frames are those of `inertia.mass.tensor`.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from fractions import Fraction
 from functools import cached_property
 
@@ -19,6 +19,7 @@ from inertia.mass.tensor import array_of, faults, rotation_of
 from inertia.mesh.part import Float
 
 _ROUNDOFF = Fraction(1, 2**53)
+_SLENDER, _CERTAIN = 1e-3, 1e-9
 _SPACING = Fraction(1, 2**1074)  # of the numbers below the normal range, where rounding is not relative
 
 
@@ -62,6 +63,7 @@ class MassProperties:
     center_of_mass: Float
     inertia: Float
     error: ErrorBound = ErrorBound("given", 0.0, 0.0, 0.0, 0.0)
+    _central: Moments | None = field(default=None, init=False, repr=False)  # before rounding, where at hand
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "center_of_mass", array_of(self.center_of_mass, (3,), "center_of_mass"))
@@ -113,12 +115,38 @@ class MassProperties:
             float(moments.centroid_bound + _norm(com) * _ROUNDOFF + 2 * _SPACING),
             _relative(bound + _SPACING, norm),
         )
-        return cls(mass, size, com, tensor, error)
+        found = cls(mass, size, com, tensor, error)
+        object.__setattr__(found, "_central", central)
+        return found
 
     @cached_property
     def principal(self) -> principals.Principal:
-        """Principal moments, axes, degenerate subspaces and class, at the default tolerance."""
-        return principals.principal(self.inertia)
+        """Principal moments, axes, their bounds, degenerate subspaces and class, at the default tolerance."""
+        return self.principal_within(principals.CLASS_TOLERANCE)
+
+    def principal_within(self, tolerance: float) -> principals.Principal:
+        """Return `principal` with another relative tolerance for equal moments.
+
+        Bodies that were integrated are diagonalised as they were before the tensor's elements were rounded.
+        """
+        if self._central is None:
+            return principals.principal(self.inertia, tolerance, Fraction(self.error.inertia) * _norm(self.inertia))
+        return principals.principal_of_moments(self._central.second, self._central.second_bound, tolerance)
+
+    @property
+    def loses_smallest_moment(self) -> bool:
+        """Whether the body is slender, and its smallest principal moment uncertain by more than a part in 10⁹.
+
+        The sums of a body are off in proportion to its largest moment, and, where it lies askew, to its slenderness
+        too: the smallest moment of a needle drowns in that though the coordinates carry it. Turning the mesh into the
+        principal frame in float64 does not bring it back, as a turned coordinate is off by 1e-16 of the length: for a
+        needle of aspect 1e9 a ten-millionth of its width. Sums with more digits do.
+        """
+        size = float(np.abs(self.inertia).max()) or 1.0
+        least, _, largest = np.linalg.eigvalsh(self.inertia / size).tolist()
+        if least > _SLENDER * largest:
+            return False
+        return bool(self.principal.moment_bounds[0] > _CERTAIN * self.principal.moments[0])
 
     @property
     def principal_moments(self) -> Float:
@@ -129,6 +157,20 @@ class MassProperties:
     def principal_axes(self) -> Float:
         """Principal axes (3, 3), columns of a right-handed rotation, in part axes."""
         return self.principal.axes
+
+    @property
+    def radii_of_gyration(self) -> Float:
+        """Return √(I/M) for each principal moment, (3,) m."""
+        return principals.radii_of_gyration(self.principal.moments, self.mass)
+
+    @property
+    def equivalent_ellipsoid(self) -> Float:
+        """Semi-axes (3,) m, along the principal axes, of the uniform solid ellipsoid of the same mass and moments.
+
+        a² = 5 ∫x² dm / M for each axis (textbook exercise 8); the first is the longest, and zero is flat.
+        """
+        semi_axes: Float = np.sqrt(5.0 * self.principal.second_moments / self.mass)
+        return semi_axes
 
     def about(self, point: ArrayLike) -> Float:
         """Return the tensor (3, 3) kg m² about `point` (3,) m, in part axes (Steiner's theorem)."""
@@ -196,6 +238,8 @@ class MassProperties:
     @cached_property
     def _moments(self) -> Moments:
         """The moments of mass about the centre of mass, with the bounds."""
+        if self._central is not None:
+            return self._central
         tensor = [[Fraction(k) for k in row] for row in self.inertia.tolist()]
         half = sum((tensor[i][i] for i in range(3)), ZERO) / 2
         mass, x, y, z = (Fraction(k) for k in (self.mass, *self.center_of_mass.tolist()))

@@ -23,9 +23,7 @@ FINEST = 1.2e-16
 
 
 def rungs(accuracy: float | str | None) -> tuple[Rung, ...]:
-    """Return the rungs to try, in their order, for an accuracy asked for."""
-    if accuracy is None:
-        return ("float64",)
+    """Return the rungs to try, in their order, for an accuracy asked for (None: what float64 gives, if it will do)."""
     return ("exact",) if accuracy == "exact" else ("float64", "double-double", "exact")
 
 

@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator
 from dataclasses import asdict
 from fractions import Fraction
 from typing import Any
 
+import numpy as np
+
 from inertia.mass.analysis import Analysis
-from inertia.mass.principal import equivalent_ellipsoid, radii_of_gyration
+from inertia.mass.principal import Principal, radii_of_gyration
 from inertia.mass.repair import Repaired
 from inertia.report.layout import cleared, columns, number, power, row
 
@@ -56,14 +59,16 @@ def analysis_document(analysis: Analysis, repaired: Repaired | None = None) -> d
         "equal_moments": [list(group) for group in principal.equal],
         "class": principal.kind,
         "class_tolerance": principal.tolerance,
-        "radii_of_gyration": radii_of_gyration(principal.moments, properties.mass).tolist(),
-        "equivalent_ellipsoid": equivalent_ellipsoid(principal.moments, properties.mass).tolist(),
+        "radii_of_gyration": properties.radii_of_gyration.tolist(),
+        "equivalent_ellipsoid": properties.equivalent_ellipsoid.tolist(),
         "error": {
             "method": properties.error.method,
             "volume": properties.error.volume,
             "mass": properties.error.mass,
             "center_of_mass": properties.error.center_of_mass,
             "inertia": properties.error.inertia,
+            "principal_moments": [k if math.isfinite(k) else None for k in _relative_bounds(principal)],
+            "principal_axes": principal.axis_bounds.tolist(),
         },
     }
     if analysis.tessellation is not None:
@@ -203,10 +208,12 @@ def _matrix(rows: list[list[float]], relative: float) -> list[str]:
 
 def _principal(analysis: Analysis) -> list[str]:
     principal, mass = analysis.principal, analysis.properties.mass
-    radii = radii_of_gyration(principal.moments, mass).tolist()
-    semi = ", ".join(number(value) for value in equivalent_ellipsoid(principal.moments, mass).tolist())
+    bounds = principal.moment_bounds.tolist()
+    moments = [cleared(value, bound) for value, bound in zip(principal.moments.tolist(), bounds, strict=True)]
+    radii = radii_of_gyration(moments, mass).tolist()
+    semi = ", ".join(number(value) for value in analysis.properties.equivalent_ellipsoid.tolist())
     lines = [f"{'Principal':<10}{'moment, kg m²':>18}{'gyration, m':>18}{'axis x':>14}{'y':>14}{'z':>14}"]
-    for k, (moment, radius) in enumerate(zip(principal.moments.tolist(), radii, strict=True)):
+    for k, (moment, radius) in enumerate(zip(moments, radii, strict=True)):
         axis = "".join(f"{round(value, 9) + 0.0:>14.9f}" for value in principal.axes[:, k].tolist())
         lines.append(f"{f'  {k + 1}':<10}{columns([moment, radius])}{axis}")
     return [
@@ -216,6 +223,17 @@ def _principal(analysis: Analysis) -> list[str]:
         row("", f"moments count as equal within {principal.tolerance:g} of the largest"),
         row("Equivalent", f"ellipsoid of semi-axes {semi} m along axes 1, 2, 3"),
     ]
+
+
+def _relative_bounds(principal: Principal) -> list[float]:
+    """Return the bounds on the moments relative to them; infinite for a moment of zero."""
+    pairs = zip(principal.moment_bounds.tolist(), np.abs(principal.moments).tolist(), strict=True)
+    return [bound / moment if moment else math.inf if bound else 0.0 for bound, moment in pairs]
+
+
+def _angle(bound: float) -> str:
+    """Return a bound in degrees, or that there is none."""
+    return f"{math.degrees(bound):.2g}°" if bound < 0.5 * math.pi else "any"
 
 
 def _about(analysis: Analysis) -> list[str]:
@@ -252,7 +270,11 @@ def _closing(analysis: Analysis, repaired: Repaired | None) -> Iterator[str]:
     yield row(
         "Error bound", f"volume {error.volume:.2g}, mass {error.mass:.2g}, tensor {error.inertia:.2g} (relative),"
     )
+    principal = analysis.principal
+    moments = ", ".join(f"{value:.2g}" for value in _relative_bounds(principal))
+    axes = ", ".join(_angle(value) for value in principal.axis_bounds.tolist())
     yield row("", f"centre of mass {error.center_of_mass:.2g} m")
+    yield row("", f"principal moments {moments} (relative), axes {axes}")
     yield row("", f"{error.method}; for the mesh as stored, its tessellation apart")
     if (chord := analysis.tessellation) is not None:
         yield row(
