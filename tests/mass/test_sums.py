@@ -146,7 +146,7 @@ def test_progress_rises_to_one(path: str, monkeypatch: pytest.MonkeyPatch) -> No
     if path == "numpy":
         monkeypatch.setenv("INERTIA_NATIVE", "0")
     seen: list[float] = []
-    sum_triangles(soup(128 * BLOCK + 1), progress=seen.append)
+    sum_triangles(facets(soup(128 * BLOCK + 1)), progress=seen.append)
     assert seen == sorted(set(seen))
     assert 0 < seen[0] < seen[-1] == 1.0
 

@@ -3,7 +3,7 @@
 Importing numba costs more CPU time than integrating ten million triangles, so it is imported only to compile.
 The machine code is kept in the user's cache folder (`INERTIA_CACHE`, else `XDG_CACHE_HOME`/inertia, else
 `~/.cache/inertia`), under a name that is a hash of the kernel's source, the versions and the processor; a file
-that does not carry the hash of its own contents is made again.
+that does not carry the checksum of its own contents is made again.
 
 A kernel is a Python function over pointers and numbers, in a module that imports nothing but numba and numpy. It may
 not allocate, raise or call Python, and it returns an int64. Set `INERTIA_NATIVE=0` to do without compiled kernels:
@@ -15,13 +15,11 @@ from __future__ import annotations
 import contextlib
 import ctypes
 import functools
-import hashlib
 import importlib
-import importlib.metadata
 import importlib.util
 import json
 import os
-import tempfile
+import zlib
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -67,13 +65,13 @@ class Kernel:
         spec = importlib.util.find_spec(self.module)
         if spec is None or spec.origin is None:
             raise ModuleNotFoundError(self.module)
+        import llvmlite
         import llvmlite.binding as llvm
 
-        key = hashlib.sha256(Path(spec.origin).read_bytes())
-        versions = [importlib.metadata.version(package) for package in ("numba", "llvmlite")]
-        features = llvm.get_host_cpu_features().flatten()
-        key.update(repr((self.name, self.abi, versions, llvm.get_host_cpu_name(), features)).encode())
-        return _cache_folder() / f"{self.name}-{key.hexdigest()[:24]}.o"
+        # Each llvmlite is made for one numba, so that its version stands for both.
+        made_for = self.abi, llvmlite.__version__, llvm.get_host_cpu_name(), llvm.get_host_cpu_features().flatten()
+        key = importlib.util.source_hash(Path(spec.origin).read_bytes() + repr(made_for).encode())
+        return _cache_folder() / f"{self.name}-{key.hex()}.o"
 
     def _compile(self) -> tuple[str, bytes]:
         import llvmlite.binding as llvm
@@ -99,7 +97,7 @@ def _read(file: Path) -> tuple[str, bytes] | None:
     try:
         head, code = file.read_bytes().split(b"\n", 1)
         record = json.loads(head)
-        if hashlib.sha256(code).hexdigest() == record["sha256"]:
+        if zlib.crc32(code) == record["crc32"]:
             return record["symbol"], code
     except (OSError, ValueError, KeyError, TypeError):
         pass
@@ -107,7 +105,9 @@ def _read(file: Path) -> tuple[str, bytes] | None:
 
 
 def _write(file: Path, symbol: str, code: bytes) -> None:
-    head = json.dumps({"symbol": symbol, "sha256": hashlib.sha256(code).hexdigest()}).encode()
+    import tempfile
+
+    head = json.dumps({"symbol": symbol, "crc32": zlib.crc32(code)}).encode()
     with contextlib.suppress(OSError):  # a cache that cannot be written costs time, not the answer
         file.parent.mkdir(parents=True, exist_ok=True)
         with tempfile.NamedTemporaryFile(dir=file.parent, delete=False) as beside:

@@ -1,20 +1,76 @@
 """The compiled kernels that sum the moments of triangles; `inertia.mass.sums` says what they sum and in what order.
 
-Imported only to be compiled (`inertia.native`). The gathering loops leave at a coordinate that is not a number: that
-stops the compiler from using the processor's gather instructions, which are slower here than nine plain loads.
+Imported only to be compiled (`inertia.native`). The corners of four triangles are brought into vectors together
+(`transpose`): stored one number at a time they cost as much as the arithmetic, and the processor's gather
+instructions cost twice that.
 """
 
 from __future__ import annotations
 
 import numpy as np
-from numba import carray, njit
+from llvmlite import ir
+from numba import carray, njit, types
+from numba.extending import intrinsic
 
 LANES = 32
 DEPTH = 32
 ROWS = 18
 
-_CORNERS = ("x0", "y0", "z0", "x1", "y1", "z1", "x2", "y2", "z2")
-FACET = np.dtype([("normal", "<f4", 3), *((name, "<f4") for name in _CORNERS), ("attribute", "<u2")])
+GROUP = 4
+"""Triangles brought into the lanes together."""
+
+RECORD, CORNER = 50, 12
+"""Bytes of a binary STL record, and of its normal and of each of the three corners that follow."""
+
+
+@intrinsic
+def address(context, base, offset):
+    """Return the address `offset` bytes after `base`."""
+
+    def code(context, builder, signature, arguments):
+        return builder.gep(arguments[0], [arguments[1]])
+
+    return types.voidptr(types.voidptr, types.int64), code
+
+
+def transposer(number, size, alignment):
+    """Make the function that transposes points (3,) of `number`, an LLVM type of `size` bytes."""
+    index = ir.IntType(32)
+    pair, four = ir.VectorType(number, 2), ir.VectorType(number, 4)
+    row = ir.VectorType(ir.DoubleType(), 4)
+
+    @intrinsic
+    def transpose(context, a, b, c, d, lane):
+        """Store the points at four addresses as rows x, y, z of float64, the first at `lane`."""
+
+        def code(context, builder, signature, arguments):
+            def at(base, offset, kind):
+                return builder.bitcast(builder.gep(base, [ir.IntType(64)(offset)]), kind.as_pointer())
+
+            def load(base, offset, kind):
+                return builder.load(at(base, offset, kind), align=alignment)
+
+            def mixed(one, other, places):
+                return builder.shuffle_vector(one, other, ir.Constant(ir.VectorType(index, 4), places))
+
+            *points, lane = arguments
+            xy = [load(point, 0, pair) for point in points]
+            even, odd = mixed(xy[0], xy[2], [0, 1, 2, 3]), mixed(xy[1], xy[3], [0, 1, 2, 3])
+            z = ir.Constant(four, ir.Undefined)
+            for k, point in enumerate(points):
+                z = builder.insert_element(z, load(point, 2 * size, number), index(k))
+            for axis, found in enumerate((mixed(even, odd, [0, 4, 2, 6]), mixed(even, odd, [1, 5, 3, 7]), z)):
+                widened = found if four == row else builder.fpext(found, row)
+                builder.store(widened, at(lane, axis * LANES * 8, row), align=8 * GROUP)
+            return context.get_dummy_value()
+
+        return types.void(*[types.voidptr] * 5), code
+
+    return transpose
+
+
+transpose_f4 = transposer(ir.FloatType(), 4, 2)
+transpose_f8 = transposer(ir.DoubleType(), 8, 8)
 
 
 @njit(inline="always")
@@ -99,9 +155,21 @@ def finish(total, out, block):
         out[block, row] = total[row, 0]
 
 
+@njit(inline="always")
+def facet(records, triangle, count, corner):
+    """Return the address of a corner; past the last triangle, of the last one's."""
+    return address(records, min(triangle, count - 1) * RECORD + (corner + 1) * CORNER)
+
+
+@njit(inline="always")
+def vertex(vertices, faces, triangle, count, corner):
+    """Return the address of a corner; past the last triangle, of the last one's."""
+    triangle = np.uint64(min(triangle, count - 1))  # spares the test for indices below 0
+    return address(vertices, faces[triangle, corner] * 24)
+
+
 def sum_facets(records, count, ox, oy, oz, surface, scratch, out_at):
-    """Sum `count` binary STL records; return the first triangle with a corner that is no number, or −1."""
-    facets = carray(records, (count,), FACET)
+    """Sum `count` binary STL records."""
     room = carray(scratch, (9 + ROWS, LANES), np.float64)
     corner, total = room[:9], room[9:]
     blocks = (count + LANES * DEPTH - 1) // (LANES * DEPTH)
@@ -113,23 +181,24 @@ def sum_facets(records, count, ox, oy, oz, surface, scratch, out_at):
             filled = min(LANES, count - start)
             if filled <= 0:
                 break
-            for j in range(filled):
-                facet = facets[start + j]
-                if facet.x0 != facet.x0:
-                    return start + j
-                corner[0, j], corner[1, j], corner[2, j] = facet.x0, facet.y0, facet.z0
-                corner[3, j], corner[4, j], corner[5, j] = facet.x1, facet.y1, facet.z1
-                corner[6, j], corner[7, j], corner[8, j] = facet.x2, facet.y2, facet.z2
+            for j in range(0, filled, GROUP):
+                for k in range(3):
+                    transpose_f4(
+                        facet(records, start + j, count, k),
+                        facet(records, start + j + 1, count, k),
+                        facet(records, start + j + 2, count, k),
+                        facet(records, start + j + 3, count, k),
+                        address(scratch, (3 * k * LANES + j) * 8),
+                    )
             pad(corner, filled)
             add(corner, total, ox, oy, oz, surface)
         finish(total, out, block)
-    return -1
+    return 0
 
 
-def sum_faces(vertices_at, vertices, faces_at, count, ox, oy, oz, surface, scratch, out_at):
-    """Sum `count` faces over shared vertices; return the first with a corner that is no number, or −1."""
-    points = carray(vertices_at, (vertices, 3), np.float64)
-    faces = carray(faces_at, (count, 3), np.uint64)  # spares the test for indices below 0
+def sum_faces(vertices, faces_at, count, ox, oy, oz, surface, scratch, out_at):
+    """Sum `count` faces over shared vertices."""
+    faces = carray(faces_at, (count, 3), np.int64)
     room = carray(scratch, (9 + ROWS, LANES), np.float64)
     corner, total = room[:9], room[9:]
     blocks = (count + LANES * DEPTH - 1) // (LANES * DEPTH)
@@ -141,15 +210,16 @@ def sum_faces(vertices_at, vertices, faces_at, count, ox, oy, oz, surface, scrat
             filled = min(LANES, count - start)
             if filled <= 0:
                 break
-            for j in range(filled):
-                a, b, c = faces[start + j, 0], faces[start + j, 1], faces[start + j, 2]
-                x = points[a, 0]
-                if x != x:
-                    return start + j
-                corner[0, j], corner[1, j], corner[2, j] = x, points[a, 1], points[a, 2]
-                corner[3, j], corner[4, j], corner[5, j] = points[b, 0], points[b, 1], points[b, 2]
-                corner[6, j], corner[7, j], corner[8, j] = points[c, 0], points[c, 1], points[c, 2]
+            for j in range(0, filled, GROUP):
+                for k in range(3):
+                    transpose_f8(
+                        vertex(vertices, faces, start + j, count, k),
+                        vertex(vertices, faces, start + j + 1, count, k),
+                        vertex(vertices, faces, start + j + 2, count, k),
+                        vertex(vertices, faces, start + j + 3, count, k),
+                        address(scratch, (3 * k * LANES + j) * 8),
+                    )
             pad(corner, filled)
             add(corner, total, ox, oy, oz, surface)
         finish(total, out, block)
-    return -1
+    return 0

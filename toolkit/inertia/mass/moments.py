@@ -248,21 +248,19 @@ def assembled(value: Sequence[Fraction], sums: Sums, rounding: Fraction, *, surf
     ]
     least = Fraction(1, 2**500) if surface else Fraction(100, 2**1022)
     tiny = sums.count * least * max([Fraction(1), *reach]) ** 4
-    first = _vector(k / (6 if surface else 24) for k in value[1:4])
-    second = _six(k / (24 if surface else 120) for k in (*(2 * k for k in value[4:7]), *value[7:10]))
-    power = 2 if surface else 3
-    zeroth_bound = (gamma * size + tiny) / (2 if surface else 6)
-    first_bound = [(gamma * size * 3 * r + tiny) / (6 if surface else 24) for r in reach]
-    second_bound = [(gamma * size * 12 * reach[i] * reach[j] + tiny) / (24 if surface else 120) for i, j in PAIRS]
-    unit = shrink**power
+    unit = shrink ** (2 if surface else 3)
+    zeroth_factor = unit / (2 if surface else 6)
+    first_factor = unit * shrink / (6 if surface else 24)
+    second_factor = unit * shrink**2 / (24 if surface else 120)
+    twice, error = 2 * second_factor, _rounded_up(gamma * size)
     return Moments(
         origin,
-        unit * value[0] / (2 if surface else 6),
-        _vector(unit * shrink * k for k in first),
-        _six(unit * shrink**2 * k for k in second),
-        _rounded_up(unit * zeroth_bound),
-        _vector(_rounded_up(unit * shrink * k) for k in first_bound),
-        _six(_rounded_up(unit * shrink**2 * k) for k in second_bound),
+        zeroth_factor * value[0],
+        _vector(first_factor * k for k in value[1:4]),
+        _six((*(twice * k for k in value[4:7]), *(second_factor * k for k in value[7:10]))),
+        _rounded_up(zeroth_factor * (error + tiny)),
+        _vector(_rounded_up(first_factor * (3 * error * r + tiny)) for r in reach),
+        _six(_rounded_up(second_factor * (12 * error * reach[i] * reach[j] + tiny)) for i, j in PAIRS),
     )
 
 

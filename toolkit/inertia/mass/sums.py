@@ -44,11 +44,12 @@ the lanes, four across blocks and one for the final sum. The other sums pass thr
 """
 
 _FACETS = Kernel("inertia.mass.moment_kernel", "sum_facets", "pi" + "ddd" + "ipp")
-_FACES = Kernel("inertia.mass.moment_kernel", "sum_faces", "pipi" + "ddd" + "ipp")
+_FACES = Kernel("inertia.mass.moment_kernel", "sum_faces", "ppi" + "ddd" + "ipp")
 _IN_RANGE = 100  # fifth powers of 2^±100 and their sums stay far from the ends of float64
 _LARGEST_EXPONENT = 1000
+_SAMPLED = 64
 _NUMPY_CHUNK = 16 * BLOCK
-_NATIVE_CHUNK = 128 * BLOCK
+_FACETS_CHUNK, _FACES_CHUNK = 32 * BLOCK, 256 * BLOCK  # records are released as they are read
 
 
 @dataclass(frozen=True, eq=False)
@@ -83,23 +84,22 @@ def sum_triangles(
             blocks.append(rows)
             if progress is not None:
                 progress(stop / triangles.count)
-        table = np.concatenate(blocks)
+        table = np.ascontiguousarray(np.concatenate(blocks).T)
     if not np.isfinite(table).all():
         _refuse_non_finite(triangles)
     return Sums(
         origin,
         exponent,
-        _add_blocks(table[:, :12]),
-        table[:, 12:15].min(axis=0),
-        table[:, 15:].max(axis=0),
+        _add_blocks(table[:12]),
+        table[12:15].min(axis=1),
+        table[15:].max(axis=1),
         triangles.count,
     )
 
 
 def _frame(triangles: Triangles) -> tuple[Float, int]:
     """Choose the local origin, from a sample of the triangles, and a power of two where the size asks for one."""
-    sample = triangles.select(np.arange(0, triangles.count, max(1, triangles.count // 256))).corners().reshape(-1, 3)
-    triangles.release(0, triangles.count)
+    sample = triangles.sample(_SAMPLED).reshape(-1, 3)
     if not np.isfinite(sample).all():
         _refuse_non_finite(triangles)
     low, high = sample.min(axis=0), sample.max(axis=0)
@@ -113,11 +113,11 @@ def _frame(triangles: Triangles) -> tuple[Float, int]:
 
 def _add_blocks(table: Float) -> Float:
     """Add the blocks: 16 at a time as a binary tree, then exactly, rounded once."""
-    rows = np.zeros((-(-len(table) // 16) * 16, table.shape[1]))
-    rows[: len(table)] = table
+    rows = np.zeros((len(table), -(-table.shape[1] // 16) * 16))
+    rows[:, : table.shape[1]] = table
     for _ in range(4):
-        rows = rows[0::2] + rows[1::2]
-    return np.array([math.fsum(column) for column in rows.T.tolist()])
+        rows = rows[:, 0::2] + rows[:, 1::2]
+    return np.array([math.fsum(row) for row in rows.tolist()])
 
 
 def _refuse_non_finite(triangles: Triangles) -> None:
@@ -136,18 +136,21 @@ def _native(triangles: Triangles, origin: Float, surface: bool) -> Iterator[tupl
     room = np.empty((9 + ROWS) * LANES + 8)
     scratch = room[-room.ctypes.data % 64 // 8 :]  # on a cache line, for the widest vectors
     frame = (*origin.tolist(), int(surface), scratch.ctypes.data)
-    for start in range(0, triangles.count, _NATIVE_CHUNK):
-        count = min(_NATIVE_CHUNK, triangles.count - start)
-        out = np.full((-(-count // BLOCK), ROWS), np.nan)
-        if isinstance(triangles, Facets):
-            at = triangles.records.ctypes.data + start * triangles.records.itemsize
-            _FACETS.function(at, count, *frame, out.ctypes.data)
-        else:
-            vertices, faces = triangles.vertices, triangles.faces
-            at = faces.ctypes.data + start * 3 * faces.itemsize
-            _FACES.function(vertices.ctypes.data, len(vertices), at, count, *frame, out.ctypes.data)
-        triangles.release(start, start + count)
-        yield start + count, out
+    count = triangles.count
+    table = np.empty((-(-count // BLOCK), ROWS))
+    out = table.ctypes.data
+    fixed: tuple[int, ...]
+    if isinstance(triangles, Facets):
+        kernel, rows, fixed, chunk = _FACETS, triangles.records, (), _FACETS_CHUNK
+    else:
+        kernel, rows, fixed, chunk = _FACES, triangles.faces, (triangles.vertices.ctypes.data,), _FACES_CHUNK
+    at, size = rows.ctypes.data, rows.strides[0]
+    for start in range(0, count, chunk):
+        stop = min(start + chunk, count)
+        first = start // BLOCK
+        kernel.function(*fixed, at + start * size, stop - start, *frame, out + first * table.strides[0])
+        triangles.release(start, stop)
+        yield stop, table[first : -(-stop // BLOCK)]
 
 
 def _vectorised(triangles: Triangles, origin: Float, exponent: int, surface: bool) -> Iterator[tuple[int, Float]]:

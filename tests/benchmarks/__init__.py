@@ -1,0 +1,1 @@
+"""Speed and memory of `inertia` beside its peers, in one run: ``python -m tests.benchmarks``."""

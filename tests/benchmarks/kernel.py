@@ -1,0 +1,73 @@
+"""Integrating arrays in memory on one core: nanoseconds of CPU time a triangle.
+
+A program: ``python -m tests.benchmarks.kernel COUNT`` prints the times of one mesh.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+import sys
+import time
+from collections.abc import Callable
+from typing import Any
+
+from inertia.native import COMPILE_ABOVE
+
+from . import peers
+from .meshes import Faces, Vertices, wavy_torus
+
+Prepare = Callable[[Vertices, Faces], peers.Integrate]
+
+METHODS: dict[str, tuple[Prepare, int | None]] = {
+    "inertia, vertices and faces": (peers.inertia_faces, None),
+    "inertia, STL records": (peers.inertia_facets, None),
+    "inertia, numpy only": (peers.inertia_numpy, None),
+    "libigl": (peers.libigl, None),
+    "VTK, `vtkMassProperties`": (peers.vtk, None),
+    "VTK, `vtkMultiObjectMassProperties`": (peers.vtk_objects, None),
+    "trimesh": (peers.trimesh, None),
+    "MuJoCo": (peers.mujoco, 2_000_000),
+}
+"""Each with the most triangles that it is asked for (MuJoCo takes 30 s and 6 GB at ten million)."""
+
+OURS = next(iter(METHODS))
+
+ROUNDS = 15
+ENOUGH = 3.0
+"""Seconds of CPU time after which a method that has run twice is not run again."""
+
+
+def measure(count: int) -> dict[str, Any]:
+    """Measure one size: {"triangles": n, "ns": {method: [each run]}}."""
+    if hasattr(os, "sched_setaffinity"):
+        os.sched_setaffinity(0, {max(os.sched_getaffinity(0))})
+    chosen = {name: prepare for name, (prepare, limit) in METHODS.items() if limit is None or count <= limit}
+    small = wavy_torus(COMPILE_ABOVE)
+    for prepare in chosen.values():  # imports, compiles, fills caches
+        prepare(*small)()
+    mesh = wavy_torus(count)
+    calls = {name: prepare(*mesh) for name, prepare in chosen.items()}
+    triangles = len(mesh[1])
+    seconds: dict[str, list[float]] = {name: [] for name in calls}
+    volumes: dict[str, float] = {}
+    names = list(calls)
+    for turn in range(ROUNDS):
+        first = turn % len(names)
+        for name in names[first:] + names[:first]:  # so that none always finds the caches as the same one left them
+            if len(seconds[name]) >= 2 and sum(seconds[name]) > ENOUGH:
+                continue
+            begin = time.process_time()
+            volumes[name] = calls[name]()
+            seconds[name].append(time.process_time() - begin)
+    for name, volume in volumes.items():
+        if abs(volume - volumes[OURS]) > 1e-6 * volumes[OURS]:
+            raise SystemExit(f"{name} gives the volume {volume!r}, {OURS} gives {volumes[OURS]!r}")
+    return {
+        "triangles": triangles,
+        "ns": {name: [round(1e9 * s / triangles, 2) for s in runs] for name, runs in seconds.items()},
+    }
+
+
+if __name__ == "__main__":
+    print(json.dumps(measure(int(sys.argv[1]))))

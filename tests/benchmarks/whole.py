@@ -1,0 +1,107 @@
+"""From a binary STL file to the answer, closedness included: one fresh process each."""
+
+from __future__ import annotations
+
+import json
+import sys
+import sysconfig
+import tempfile
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from .measure import Cost, cost, python_module
+
+HERE = Path(__file__).resolve().parent
+LIMIT = 180.0
+"""Seconds of wall time after which a process is stopped."""
+ROUNDS = 5
+ENOUGH = 15.0
+"""Seconds of wall time after which a program is not run again on the same file."""
+
+
+@dataclass(frozen=True)
+class Program:
+    """A command that prints the volume in the file's unit cubed, or JSON; `limit` is the most triangles it takes."""
+
+    name: str
+    command: tuple[str, ...]
+    limit: float = float("inf")
+    empty_cache: bool = False
+
+
+def _python(name: str, script: str, **options: Any) -> Program:
+    return Program(name, (sys.executable, str(HERE / "programs" / script)), **options)
+
+
+def programs() -> list[Program]:
+    """Return what is measured; the first is what the others are compared with."""
+    command = str(Path(sysconfig.get_path("scripts")) / "inertia")
+    return [
+        _python("inertia, Python", "with_inertia.py"),
+        _python("… with an empty cache of kernels", "with_inertia.py", empty_cache=True),
+        Program("`inertia analyse --json`, with SHA-256", (command, "analyse", "--json", "--unit", "m")),
+        _python("libigl", "with_libigl.py"),
+        _python("VTK", "with_vtk.py"),
+        _python("trimesh", "with_trimesh.py"),
+        _python("MuJoCo", "with_mujoco.py", limit=200_000),
+    ]
+
+
+def stl_file(folder: Path, count: int, *, shuffled: bool) -> Path:
+    """Return the file of a wavy torus, made if it is not there yet."""
+    path = folder / f"torus_{count}{'_shuffled' if shuffled else ''}.stl"
+    if not path.exists():
+        folder.mkdir(parents=True, exist_ok=True)
+        python_module("tests.benchmarks.meshes", path, count, *(["shuffled"] if shuffled else []), env={})
+    return path
+
+
+def warm_up(path: Path, environment: dict[str, str]) -> None:
+    """Fill the cache of compiled kernels, by analysing a file that is large enough."""
+    _run(programs()[0], path, environment)
+
+
+def whole(path: Path, count: int, environment: dict[str, str], say: Callable[[str], None]) -> dict[str, Any]:
+    """Measure every program on one file: its size in MB and {program: {"cpu", "wall", "peak"} or a reason}."""
+    runs: dict[str, list[Cost]] = {}
+    reasons: dict[str, str] = {}
+    for _ in range(ROUNDS):
+        for program in programs():
+            done = runs.setdefault(program.name, [])
+            if program.name in reasons or sum(run.wall for run in done) > ENOUGH:
+                continue
+            if count > program.limit:
+                reasons[program.name] = "refused"
+            elif (run := _run(program, path, environment)) is None:
+                reasons[program.name] = f"over {LIMIT:.0f} s"
+            else:
+                done.append(run)
+                say(f"{program.name}: {run.cpu:.2f} s")
+    rows: dict[str, Any] = {}
+    volumes = {name: _volume(done[0].printed) for name, done in runs.items() if done}
+    ours = next(iter(volumes.values()))
+    for name, done in runs.items():
+        if not done:
+            rows[name] = reasons[name]
+            continue
+        rows[name] = {
+            "cpu": [round(run.cpu, 3) for run in done],
+            "wall": [round(run.wall, 3) for run in done],
+            "peak": [round(run.peak, 1) for run in done],
+            "volume_differs": abs(volumes[name] / ours - 1.0),
+        }
+    return {"file_mb": round(path.stat().st_size / 1e6, 1), "programs": rows}
+
+
+def _run(program: Program, path: Path, environment: dict[str, str]) -> Cost | None:
+    command = [*program.command, str(path)]
+    if not program.empty_cache:
+        return cost(command, environment, LIMIT)
+    with tempfile.TemporaryDirectory(prefix="inertia-empty-") as empty:
+        return cost(command, environment | {"INERTIA_CACHE": empty}, LIMIT)
+
+
+def _volume(printed: str) -> float:
+    return float(json.loads(printed)["volume"] if printed.startswith("{") else printed)
