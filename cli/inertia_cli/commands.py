@@ -9,7 +9,7 @@ import threading
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any, TypeVar
 
-from inertia.errors import InertiaError, UsageError
+from inertia.errors import GeometryError, InertiaError, UsageError
 from inertia_cli.progress import Progress
 
 if TYPE_CHECKING:
@@ -90,6 +90,44 @@ def check(options: argparse.Namespace) -> int:
     else:
         print(check_text(part, report, options.orientation))
     return UNFIT if report.faults(options.orientation) else 0
+
+
+def trade(options: argparse.Namespace) -> int:
+    """Run ``inertia trade``."""
+    from inertia.trade.plot import plot, require_plottable
+    from inertia.trade.render import trade_document, trade_text
+    from inertia.trade.trade import trade as trade_part
+
+    if options.part.lower().endswith(".toml"):
+        raise UsageError(f"{options.part} is no part but describes a scene or rotor: name a mesh or STEP file instead")
+    if options.plot is not None:
+        require_plottable(options.plot, force=options.force)
+    part, hashing = _read(options)
+    hashing.join()  # beside the measuring it would disturb it
+    try:
+        with Progress("measuring") as progress:
+            found = trade_part(
+                part,
+                options.accuracy,
+                density=options.density,
+                material=options.material,
+                repeats=options.repeats,
+                budget=options.budget,
+                progress=progress,
+            )
+    except GeometryError as fault:
+        if any(option in str(fault) for option in ("--repair", "--shell", "--orientation")):
+            raise GeometryError(f"{fault} (with `inertia analyse`: a trade takes a sound solid only)") from None
+        raise
+    try:
+        if options.plot is not None:
+            plot(found, options.plot, force=options.force)
+    finally:  # what took so long to measure is told even where the plot cannot be written
+        if options.json:
+            _print_document(trade_document(found))
+        else:
+            print(trade_text(found))
+    return 0
 
 
 def _read(options: argparse.Namespace, coarser: float = 1.0) -> tuple[Part, threading.Thread]:

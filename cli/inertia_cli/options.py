@@ -24,6 +24,11 @@ _ANALYSE = """examples:
   inertia analyse sheet.obj --shell 1.5 --material steel
 """
 
+_TRADE = """examples:
+  inertia trade part.stl
+  inertia trade part.stl --accuracy 1e-3 --plot trade.svg
+"""
+
 
 class _Parser(argparse.ArgumentParser):
     def error(self, message: str) -> NoReturn:
@@ -43,6 +48,7 @@ def build_parser() -> argparse.ArgumentParser:
     parsers = parser.add_subparsers(title="commands", required=True, metavar="COMMAND")
     _add_analyse(parsers)
     _add_check(parsers)
+    _add_trade(parsers)
     return parser
 
 
@@ -121,6 +127,31 @@ def _add_check(parsers: argparse._SubParsersAction[_Parser]) -> None:
         "--intersections", action="store_true", help="look for triangles of one shell that cross each other (slow)"
     )
     parser.add_argument("--json", action="store_true", help="print one JSON document (inertia/check/1)")
+
+
+def _add_trade(parsers: argparse._SubParsersAction[_Parser]) -> None:
+    parser = parsers.add_parser(
+        "trade",
+        help="what accuracy costs on this part: time against error",
+        description="Measure, on this machine, time against error for every method and for simplified meshes.",
+        epilog=_TRADE,
+        formatter_class=argparse.RawDescriptionHelpFormatter,
+    )
+    parser.set_defaults(run=commands.trade)
+    _add_input(parser)
+    parser.add_argument("--density", type=float, metavar="KG/M3", help="of the part; 1000 is assumed without it")
+    parser.add_argument("--material", metavar="MATERIAL", help="take the density from the table of materials")
+    parser.add_argument(
+        "--accuracy", type=_accuracy, metavar="REL", help='recommend a row for this accuracy, as 1e-3, or "exact"'
+    )
+    parser.add_argument("--repeats", type=int, default=5, metavar="N", help="runs of each row (5); the median counts")
+    parser.add_argument(
+        "--budget", type=float, default=30.0, metavar="SECONDS", help="for all of it (30); what does not fit is skipped"
+    )
+    result = parser.add_argument_group("result")
+    result.add_argument("--json", action="store_true", help="print one JSON document (inertia/trade/1)")
+    result.add_argument("--plot", metavar="FILE", help="draw a diagram too, to FILE.svg or FILE.png")
+    result.add_argument("--force", action="store_true", help="write over FILE where it exists")
 
 
 def _add_input(parser: argparse.ArgumentParser) -> None:

@@ -5,7 +5,9 @@ The public names below are imported when they are first used, so that ``import i
 
 from __future__ import annotations
 
+import sys
 from importlib import import_module
+from types import ModuleType
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
@@ -20,6 +22,7 @@ if TYPE_CHECKING:
     from inertia.mesh.check import Finding, Report, check
     from inertia.mesh.part import Part
     from inertia.mesh.read import read
+    from inertia.trade.trade import Trade, trade
 
 _HOMES = {
     "errors": ("GeometryError", "InertiaError", "ReadError", "UsageError"),
@@ -33,6 +36,7 @@ _HOMES = {
     "mesh.check": ("Finding", "Report", "check"),
     "mesh.part": ("Part",),
     "mesh.read": ("read",),
+    "trade.trade": ("Trade", "trade"),
 }
 _HOME_OF = {name: home for home, names in _HOMES.items() for name in names}
 
@@ -49,6 +53,7 @@ __all__ = [
     "ReadError",
     "Repaired",
     "Report",
+    "Trade",
     "UsageError",
     "analyse",
     "check",
@@ -61,6 +66,7 @@ __all__ = [
     "repair",
     "richardson",
     "steiner",
+    "trade",
     "weld",
     "wire",
 ]
@@ -72,6 +78,17 @@ def __getattr__(name: str) -> Any:
     value = getattr(import_module(f"inertia.{_HOME_OF[name]}"), name)
     globals()[name] = value
     return value
+
+
+class _Package(ModuleType):
+    """A package whose public names stay, where importing a folder of the same name (`inertia.trade`) would take one."""
+
+    def __setattr__(self, name: str, value: object) -> None:
+        if not (name in _HOME_OF and isinstance(value, ModuleType)):
+            super().__setattr__(name, value)
+
+
+sys.modules[__name__].__class__ = _Package
 
 
 def __dir__() -> list[str]:

@@ -1,0 +1,109 @@
+"""``inertia trade`` as a user meets it."""
+
+import json
+from pathlib import Path
+
+import pytest
+from matplotlib.figure import Figure
+
+from inertia_cli.main import main
+from inertia_meshes import path
+
+TORUS = str(path("torus.stl"))
+
+
+def run(capsys: pytest.CaptureFixture[str], *arguments: str) -> tuple[int, str, str]:
+    try:
+        code = main(["trade", *arguments])
+    except SystemExit as leaving:
+        code = leaving.code
+    captured = capsys.readouterr()
+    return code, captured.out, captured.err
+
+
+def test_the_document_has_every_method_and_a_recommendation(capsys: pytest.CaptureFixture[str]) -> None:
+    options = ("--repeats", "1", "--unit", "m", "--material", "steel", "--accuracy", "0.03")
+    code, out, err = run(capsys, TORUS, *options, "--json")
+    assert (code, err) == (0, "")
+    found = json.loads(out)
+    assert (found["schema"], found["source"]["path"]) == ("inertia/trade/1", TORUS)
+    assert (found["unit"], found["unit_from"], found["density"]) == ("m", "option", 7850.0)
+    assert [row["method"] for row in found["rows"] if row["mesh"] == "whole"] == ["float64", "double-double", "exact"]
+    assert found["rows"][3]["triangles"] < found["mesh"]["triangles"]
+    assert found["accuracy"] == 0.03
+    assert len(found["recommendations"]) == 1
+    assert found["rows"][0]["error"]["volume"] <= found["rows"][0]["bound"]["volume"]
+
+
+def test_the_table_is_for_reading(capsys: pytest.CaptureFixture[str]) -> None:
+    code, out, err = run(capsys, TORUS, "--repeats", "1", "--density", "2")
+    assert (code, err) == (0, "")
+    assert "\ndouble-double " in out
+    assert "Recommended" in out
+    assert "2 kg/m³ (as given)" in out
+
+
+def test_a_plot_is_written_beside_the_table(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
+    file = tmp_path / "trade.svg"
+    code, out, _ = run(capsys, TORUS, "--repeats", "1", "--plot", str(file))
+    assert code == 0
+    assert out.startswith("Part")
+    assert "torus.stl" in file.read_text()
+    code, out, err = run(capsys, TORUS, "--repeats", "1", "--plot", str(file))
+    assert (code, out) == (2, "")
+    assert "--force" in err
+    assert run(capsys, TORUS, "--repeats", "1", "--plot", str(file), "--force")[0] == 0
+
+
+def test_what_was_measured_is_told_where_the_plot_fails(
+    capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    def full(self: Figure, *_: object, **__: object) -> None:
+        raise OSError(28, "No space left on device")
+
+    monkeypatch.setattr(Figure, "savefig", full)
+    code, out, err = run(capsys, TORUS, "--repeats", "1", "--plot", str(tmp_path / "trade.png"))
+    assert code == 1
+    assert "Recommended" in out
+    assert "No space left" in err
+
+
+def test_a_budget_that_is_used_up_is_said(capsys: pytest.CaptureFixture[str]) -> None:
+    code, out, _ = run(capsys, TORUS, "--budget", "1e-9")
+    assert code == 0
+    assert out.count("Skipped") == 3
+    assert "give a larger --budget" in " ".join(out.split())
+
+
+@pytest.mark.parametrize(
+    ("code", "arguments", "said"),
+    [
+        (2, ["cube.stl", "--accuracy", "0"], "accuracy is 0.0"),
+        (2, ["cube.stl", "--accuracy", "nan"], "accuracy is nan"),
+        (2, ["cube.stl", "--accuracy", "fine"], "'fine' is neither a number nor 'exact'"),
+        (2, ["cube.stl", "--accuracy", "1e-17"], "1.2e-16"),
+        (2, ["cube.stl", "--repeats", "0"], "repeats is 0"),
+        (2, ["cube.stl", "--repeats", "2.5"], "invalid int value"),
+        (2, ["cube.stl", "--budget", "nan"], "budget is nan"),
+        (2, ["cube.stl", "--unit", "parsec"], "unknown unit"),
+        (2, ["cube.stl", "--material", "unobtainium"], "unknown material"),
+        (2, ["cube.stl", "--density", "5", "--material", "steel"], "give one"),
+        (2, ["cube.stl", "--plot", "trade.pdf"], ".svg or .png"),
+        (1, ["cube.stl", "--plot", "nowhere/trade.svg"], "cannot write"),
+        (2, ["two_region_bar.vtk"], "mesh of cells"),
+        (3, ["nosuch.stl"], "no such file"),
+        (2, ["scene.toml"], "name a mesh or STEP file"),
+        (4, ["broken/missing_face.stl"], "boundary loop"),
+        (4, ["broken/missing_face.stl"], "or --repair (with `inertia analyse`"),
+        (4, ["broken/inside_out.stl"], "inward"),
+        (4, ["broken/zero_volume.stl"], "no volume"),
+    ],
+)
+def test_a_fault_is_one_sentence_and_a_code(
+    capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch, code: int, arguments: list[str], said: str
+) -> None:
+    monkeypatch.chdir(path("cube.stl").parent)
+    left, out, err = run(capsys, *arguments)
+    assert (left, out, err.count("\n")) == (code, "", 1)
+    assert err.startswith("inertia")
+    assert said in err
