@@ -149,7 +149,7 @@ class TestBrokenSamples:
 
     def test_what_float64_cannot_tell_from_zero_is_summed_with_more_digits(self):
         turn = np.linalg.qr(np.random.default_rng(5).normal(size=(3, 3)))[0]
-        needle = surface(moved(mapped(cube() * [3e-8, 3e-8, 1.0], turn), 0.1, 0.2, 0.3))
+        needle = surface(moved(mapped(cube() * [1e-8, 1e-8, 1.0], turn), 0.1, 0.2, 0.3))
         volume = moments(needle.triangles.corners()).volume
         assert moments_of(sum_triangles(needle.triangles)).zeroth_bound > volume
         for accuracy in (None, "exact"):

@@ -15,7 +15,8 @@ from tests.mesh.solids import cube, facets, joined, ring
 from inertia import native
 from inertia.errors import GeometryError
 from inertia.mass import sums as module
-from inertia.mass.sums import BLOCK, LANES, Sums, sum_triangles
+from inertia.mass.kernels import BLOCK, LANES, BlockKernel
+from inertia.mass.sums import Sums, sum_triangles
 from inertia.mesh.part import Facets, Surface, Triangles
 from inertia_meshes.rational import moments
 
@@ -41,7 +42,7 @@ def both_paths(triangles: Triangles, surface: bool) -> tuple[Numbers, Numbers]:
         compiled = bits(sum_triangles(triangles, surface=surface))
     with pytest.MonkeyPatch.context() as patch:
         patch.setenv("INERTIA_NATIVE", "0")
-        patch.setattr(module, "_native", lambda *_: pytest.fail("the compiled path ran"))
+        patch.setattr(BlockKernel, "rows", lambda *_: pytest.fail("the compiled path ran"))
         return compiled, bits(sum_triangles(triangles, surface=surface))
 
 
@@ -56,9 +57,9 @@ def test_a_kernel_runs_where_that_very_kernel_is_at_hand(
     stored: Callable[[Surface], Triangles], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     triangles = stored(soup(100))
-    own = "_FACETS" if isinstance(triangles, Facets) else "_FACES"
-    monkeypatch.setattr(getattr(module, own), "worthwhile", lambda count: False)
-    monkeypatch.setattr(module, "_native", lambda *_: pytest.fail("the compiled path ran"))
+    own = module._KERNEL.facets if isinstance(triangles, Facets) else module._KERNEL.faces
+    monkeypatch.setattr(own, "worthwhile", lambda count: False)
+    monkeypatch.setattr(BlockKernel, "rows", lambda *_: pytest.fail("the compiled path ran"))
     assert sum_triangles(triangles).count == 100
 
 

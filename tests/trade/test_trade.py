@@ -179,7 +179,7 @@ def test_without_the_exact_answer_the_next_best_is_the_reference() -> None:
 
 
 def test_a_part_too_thin_for_float64_still_has_the_other_rows() -> None:
-    thin = part(plate(1e-15), unit="m")
+    thin = part(plate(1e-17), unit="m")
     found = trade(thin, repeats=1)
     assert [row.method for row in found.rows] == ["double-double", "exact"]
     (item, *_) = found.skipped

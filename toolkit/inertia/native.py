@@ -70,7 +70,8 @@ class Kernel:
 
         # Each llvmlite is made for one numba, so that its version stands for both.
         made_for = self.abi, llvmlite.__version__, llvm.get_host_cpu_name(), llvm.get_host_cpu_features().flatten()
-        key = importlib.util.source_hash(Path(spec.origin).read_bytes() + repr(made_for).encode())
+        sources = sorted(Path(spec.origin).parent.glob("*_kernel.py"))  # kernels share functions
+        key = importlib.util.source_hash(b"".join(map(Path.read_bytes, sources)) + repr(made_for).encode())
         return _cache_folder() / f"{self.name}-{key.hex()}.o"
 
     def _compile(self) -> tuple[str, bytes]:

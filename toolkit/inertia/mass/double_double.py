@@ -20,27 +20,26 @@ from fractions import Fraction
 
 import numpy as np
 
+from inertia.mass.kernels import BLOCK, DEPTH, LANES, BlockKernel
+from inertia.mass.moments import Roundings
 from inertia.mass.sums import Sums
 from inertia.mesh.part import Float, Triangles
 from inertia.native import Kernel
 
 METHOD = "double-double, a-priori bound"
 
-ROUNDING = Fraction(1, 2**103)
-"""Relative error of one operation."""
-
-ROUNDINGS = 52
-"""Most operations that any term passes through.
-
-Five for d (a product and a difference for the normal, a product and two additions), seven for the bracket (two
-additions for each s, their product, two additions), one for the product of both, 32 + 5 down and across the lanes,
-two for the sum of the blocks.
+ROUNDINGS = Roundings(Fraction(1, 2**103), normal=5, corner=2, bracket=7, blocks=2)
+"""Five in d (a product and a difference for the normal, a product and two additions), two in s, seven in a bracket (two
+additions for each s, their product, two additions), two for the sum of the blocks.
 """
 
-_KERNEL = Kernel("inertia.mass.double_double_kernel", "sum_corners", "pi" + "ddd" + "pp")
-_LANES, _DEPTH, _TERMS = 32, 32, 10
-_BLOCK = _LANES * _DEPTH
-_CHUNK = 32 * _BLOCK
+_TERMS = 10
+_KERNEL = BlockKernel(
+    Kernel("inertia.mass.double_double_kernel", "sum_facets", "pi" + "ddd" + "pp"),
+    Kernel("inertia.mass.double_double_kernel", "sum_faces", "ppi" + "ddd" + "pp"),
+    columns=2 * _TERMS,
+)
+_CHUNK = 32 * BLOCK
 _SPLIT = 134217729.0  # 2²⁷ + 1
 
 _Pair = tuple[Float, Float]
@@ -50,20 +49,17 @@ def sum_in_double_double(
     triangles: Triangles, sums: Sums, progress: Callable[[float], None] | None = None
 ) -> tuple[Fraction, ...]:
     """Return the ten sums of a solid, in the frame of the float64 `sums` of the same triangles."""
-    origin = np.ldexp(sums.origin, sums.exponent)
-    add = _compiled if _KERNEL.worthwhile(triangles.count) else _vectorised
-    high, low = [], []
-    for stop, rows in _rows(triangles, sums.exponent):
-        total = add(rows, origin)
-        while total[0].shape[-1] > 1:
-            half = total[0].shape[-1] // 2
-            total = _add((total[0][..., :half], total[1][..., :half]), (total[0][..., half:], total[1][..., half:]))
-        high.append(total[0][..., 0])
-        low.append(total[1][..., 0])
+    if sums.exponent == 0 and _KERNEL.worthwhile(triangles):
+        runs = _KERNEL.rows(triangles, tuple(sums.origin.tolist()))
+    else:
+        runs = _vectorised(triangles, sums.origin, sums.exponent)
+    blocks = []
+    for stop, rows in runs:
+        blocks.append(rows)
         if progress is not None:
             progress(stop / triangles.count)
-    columns = np.concatenate([*high, *low]).T.tolist()
-    return tuple(_exact_sum(column) for column in columns)
+    table = np.concatenate(blocks).reshape(-1, _TERMS, 2)
+    return tuple(_exact_sum(pairs.ravel().tolist()) for pairs in table.transpose(1, 0, 2))
 
 
 def _exact_sum(values: list[float]) -> Fraction:
@@ -72,29 +68,24 @@ def _exact_sum(values: list[float]) -> Fraction:
     return Fraction(high) + Fraction(math.fsum([*values, -high]))
 
 
-def _rows(triangles: Triangles, exponent: int) -> Iterator[tuple[int, Float]]:
-    """Yield the corners as (rows, 9, LANES), filled up to whole blocks with points, and the number so far."""
+def _vectorised(triangles: Triangles, origin: Float, exponent: int) -> Iterator[tuple[int, Float]]:
     for start in range(0, triangles.count, _CHUNK):
         stop = min(start + _CHUNK, triangles.count)
         corners = triangles.corners(start, stop).reshape(-1, 9)
         triangles.release(start, stop)
-        padded = np.empty((-(-len(corners) // _BLOCK) * _BLOCK, 9))
+        padded = np.empty((-(-len(corners) // BLOCK) * BLOCK, 9))
         padded[: len(corners)] = corners
         padded[len(corners) :] = np.tile(corners[0, :3], 3)
-        if exponent:
-            padded = np.ldexp(padded, exponent)
-        yield stop, np.ascontiguousarray(padded.reshape(-1, _LANES, 9).transpose(0, 2, 1))
+        rows = np.ldexp(padded, exponent).reshape(-1, LANES, 9).transpose(0, 2, 1)
+        total = _blocks(rows, np.ldexp(origin, exponent))
+        while total[0].shape[-1] > 1:
+            half = total[0].shape[-1] // 2
+            total = _add((total[0][..., :half], total[1][..., :half]), (total[0][..., half:], total[1][..., half:]))
+        yield stop, np.concatenate(total, axis=-1).reshape(-1, 2 * _TERMS)
 
 
-def _compiled(rows: Float, origin: Float) -> _Pair:
-    scratch = np.empty((9 + 2 * _TERMS, _LANES))
-    out = np.empty((len(rows) // _DEPTH, 2 * _TERMS, _LANES))
-    _KERNEL.function(rows.ctypes.data, len(rows), *origin.tolist(), scratch.ctypes.data, out.ctypes.data)
-    return out[:, 0::2], out[:, 1::2]
-
-
-def _vectorised(rows: Float, origin: Float) -> _Pair:
-    corners = rows.reshape(-1, _DEPTH, 3, 3, _LANES)  # block, row, corner, axis, lane
+def _blocks(rows: Float, origin: Float) -> _Pair:
+    corners = rows.reshape(-1, DEPTH, 3, 3, LANES)  # block, row, corner, axis, lane
     x0, x1, x2 = (corners[:, :, k].transpose(2, 0, 1, 3) for k in range(3))
     o = -origin[:, None, None, None]
     u, v = _two_sum(x1, -x0), _two_sum(x2, -x0)
@@ -116,7 +107,7 @@ def _vectorised(rows: Float, origin: Float) -> _Pair:
     ]
     high, low = np.stack([term[0] for term in terms], axis=1), np.stack([term[1] for term in terms], axis=1)
     total = np.zeros_like(high[:, :, 0]), np.zeros_like(high[:, :, 0])
-    for row in range(_DEPTH):
+    for row in range(DEPTH):
         total = _add(total, (high[:, :, row], low[:, :, row]))
     return total
 

@@ -9,8 +9,8 @@ import numpy as np
 from numba import carray, njit, types
 from numba.extending import intrinsic
 
-LANES = 32
-DEPTH = 32
+from inertia.mass.fetch_kernel import DEPTH, LANES, fetch_faces, fetch_facets
+
 TERMS = 10
 
 
@@ -147,23 +147,53 @@ def mixed(sh, sl, rh, rl, ah, al, ph, pl, bh, bl, qh, ql, ch, cl, wh, wl):
     return add(gh, gl, kh, kl)
 
 
-def sum_corners(corners_at, rows, ox, oy, oz, scratch, out_at):
-    """Sum `rows` rows of triangles, (rows, 9, LANES), into one (20, LANES) table for each block of rows."""
-    corners = carray(corners_at, (rows, 9, LANES), np.float64)
+@njit(inline="always")
+def clear(total):
+    """Begin a block."""
+    for row in range(2 * TERMS):
+        for lane in range(LANES):
+            total[row, lane] = 0.0
+
+
+@njit(inline="always")
+def finish(total, out, block):
+    """Add up the lanes as a binary tree and store the block."""
+    half = LANES // 2
+    while half > 0:
+        for row in range(0, 2 * TERMS, 2):
+            for lane in range(half):
+                store(total, row, lane, total[row, lane + half], total[row + 1, lane + half])
+        half //= 2
+    for row in range(2 * TERMS):
+        out[block, row] = total[row, 0]
+
+
+def sum_facets(records, count, ox, oy, oz, scratch, out_at):
+    """Sum `count` binary STL records into a row (10 sums, high and low) for each block."""
     room = carray(scratch, (9 + 2 * TERMS, LANES), np.float64)
     corner, total = room[:9], room[9:]
-    blocks = (rows + DEPTH - 1) // DEPTH
-    out = carray(out_at, (blocks, 2 * TERMS, LANES), np.float64)
+    blocks = (count + LANES * DEPTH - 1) // (LANES * DEPTH)
+    out = carray(out_at, (blocks, 2 * TERMS), np.float64)
     for block in range(blocks):
-        for row in range(2 * TERMS):
-            for lane in range(LANES):
-                total[row, lane] = 0.0
-        for row in range(block * DEPTH, min((block + 1) * DEPTH, rows)):
-            for k in range(9):
-                for lane in range(LANES):
-                    corner[k, lane] = corners[row, k, lane]
+        clear(total)
+        for start in range(block * LANES * DEPTH, min((block + 1) * LANES * DEPTH, count), LANES):
+            fetch_facets(records, start, count, scratch, corner)
             terms(corner, total, ox, oy, oz)
-        for row in range(2 * TERMS):
-            for lane in range(LANES):
-                out[block, row, lane] = total[row, lane]
+        finish(total, out, block)
+    return 0
+
+
+def sum_faces(vertices, faces_at, count, ox, oy, oz, scratch, out_at):
+    """Sum `count` faces over shared vertices into a row (10 sums, high and low) for each block."""
+    faces = carray(faces_at, (count, 3), np.int64)
+    room = carray(scratch, (9 + 2 * TERMS, LANES), np.float64)
+    corner, total = room[:9], room[9:]
+    blocks = (count + LANES * DEPTH - 1) // (LANES * DEPTH)
+    out = carray(out_at, (blocks, 2 * TERMS), np.float64)
+    for block in range(blocks):
+        clear(total)
+        for start in range(block * LANES * DEPTH, min((block + 1) * LANES * DEPTH, count), LANES):
+            fetch_faces(vertices, faces, start, count, scratch, corner)
+            terms(corner, total, ox, oy, oz)
+        finish(total, out, block)
     return 0

@@ -47,4 +47,4 @@ def solid_moments(
     if rung == "float64":
         return moments_of(sums)
     values = double_double.sum_in_double_double(triangles, sums, progress)
-    return assembled(values, sums, double_double.ROUNDINGS * double_double.ROUNDING)
+    return assembled(values, sums, double_double.ROUNDINGS)

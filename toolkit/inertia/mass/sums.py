@@ -1,10 +1,10 @@
 """Sum the moments of triangles in float64, in one fixed order, with what an error bound needs.
 
 For the tetrahedra (o, a, b, c) that the triangles of a closed surface span with a local origin o, with
-d = a·((b − a) × (c − a)) and s = a + b + c (all relative to o), twelve sums are formed:
+d = a·((b − a) × (c − a)) and s = a + b + c (all relative to o), thirteen sums are formed:
 
     Σ d,   Σ d s,   Σ d (a² + b (a + b) + c s)  for xx, yy, zz,
-    Σ d (s s' + a a' + b b' + c c')  for yz, zx, xy,   Σ p,   Σ |n|
+    Σ d (s s' + a a' + b b' + c c')  for yz, zx, xy,   Σ p,   Σ |n|,   Σ |d|
 
 where n = (b − a) × (c − a) and p is d with every product and coordinate replaced by its magnitude, a bound on what
 rounding can do to d. (The first bracket is half of what the second becomes on the diagonal.) For a shell, |n| takes
@@ -28,35 +28,28 @@ from dataclasses import dataclass
 import numpy as np
 
 from inertia.errors import GeometryError
+from inertia.mass.kernels import BLOCK, DEPTH, LANES, BlockKernel
 from inertia.mesh.finite import first_non_finite
-from inertia.mesh.part import Facets, Float, Triangles
+from inertia.mesh.part import Float, Triangles
 from inertia.native import Kernel
 
-LANES, DEPTH, ROWS = 32, 32, 18
-BLOCK = LANES * DEPTH
-
-ROUNDINGS = 61
-"""Most roundings that any term of Σ d (s sᵀ + …) passes through.
-
-Eight for d (two edges and a product: 3, the difference: 1, the corner: 1, its product: 1, two additions: 2), ten for
-the bracket (three for each s, their product, three additions), one for the product of both, 32 + 5 down and across
-the lanes, four across blocks and one for the final sum. The other sums pass through fewer.
-"""
-
-_FACETS = Kernel("inertia.mass.moment_kernel", "sum_facets", "pi" + "ddd" + "ipp")
-_FACES = Kernel("inertia.mass.moment_kernel", "sum_faces", "ppi" + "ddd" + "ipp")
+SUMS = 13
+_KERNEL = BlockKernel(
+    Kernel("inertia.mass.moment_kernel", "sum_facets", "pi" + "ddd" + "ipp"),
+    Kernel("inertia.mass.moment_kernel", "sum_faces", "ppi" + "ddd" + "ipp"),
+    columns=SUMS + 6,
+)
 _IN_RANGE = 100  # fifth powers of 2^±100 and their sums stay far from the ends of float64
 _LARGEST_EXPONENT = 1000
 _SAMPLED = 64
 _NUMPY_CHUNK = 16 * BLOCK
-_FACETS_CHUNK, _FACES_CHUNK = 32 * BLOCK, 256 * BLOCK  # records are released as they are read
 
 
 @dataclass(frozen=True, eq=False)
 class Sums:
-    """The twelve sums in the scaled local frame, and the extents as stored.
+    """The thirteen sums in the scaled local frame, and the extents as stored.
 
-    A coordinate x enters as (x − origin)·2^exponent. `sums` is (12,); `origin`, `low` and `high` are (3,), as stored.
+    A coordinate x enters as (x − origin)·2^exponent. `sums` is (13,); `origin`, `low` and `high` are (3,), as stored.
     """
 
     origin: Float
@@ -75,9 +68,10 @@ def sum_triangles(
     Raises `GeometryError` where a coordinate is infinite or not a number.
     """
     origin, exponent = _frame(triangles)
-    kernel = _FACETS if isinstance(triangles, Facets) else _FACES
-    native = exponent == 0 and kernel.worthwhile(triangles.count)
-    runs = _native(triangles, origin, surface) if native else _vectorised(triangles, origin, exponent, surface)
+    if exponent == 0 and _KERNEL.worthwhile(triangles):
+        runs = _KERNEL.rows(triangles, (*origin.tolist(), int(surface)))
+    else:
+        runs = _vectorised(triangles, origin, exponent, surface)
     blocks = []
     with np.errstate(invalid="ignore", over="ignore"):
         for stop, rows in runs:
@@ -90,9 +84,9 @@ def sum_triangles(
     return Sums(
         origin,
         exponent,
-        _add_blocks(table[:12]),
-        table[12:15].min(axis=1),
-        table[15:].max(axis=1),
+        _add_blocks(table[:SUMS]),
+        table[SUMS : SUMS + 3].min(axis=1),
+        table[SUMS + 3 :].max(axis=1),
         triangles.count,
     )
 
@@ -132,34 +126,13 @@ def _refuse_non_finite(triangles: Triangles) -> None:
     )
 
 
-def _native(triangles: Triangles, origin: Float, surface: bool) -> Iterator[tuple[int, Float]]:
-    room = np.empty((9 + ROWS) * LANES + 8)
-    scratch = room[-room.ctypes.data % 64 // 8 :]  # on a cache line, for the widest vectors
-    frame = (*origin.tolist(), int(surface), scratch.ctypes.data)
-    count = triangles.count
-    table = np.empty((-(-count // BLOCK), ROWS))
-    out = table.ctypes.data
-    fixed: tuple[int, ...]
-    if isinstance(triangles, Facets):
-        kernel, rows, fixed, chunk = _FACETS, triangles.records, (), _FACETS_CHUNK
-    else:
-        kernel, rows, fixed, chunk = _FACES, triangles.faces, (triangles.vertices.ctypes.data,), _FACES_CHUNK
-    at, size = rows.ctypes.data, rows.strides[0]
-    for start in range(0, count, chunk):
-        stop = min(start + chunk, count)
-        first = start // BLOCK
-        kernel.function(*fixed, at + start * size, stop - start, *frame, out + first * table.strides[0])
-        triangles.release(start, stop)
-        yield stop, table[first : -(-stop // BLOCK)]
-
-
 def _vectorised(triangles: Triangles, origin: Float, exponent: int, surface: bool) -> Iterator[tuple[int, Float]]:
     for start in range(0, triangles.count, _NUMPY_CHUNK):
         stop = min(start + _NUMPY_CHUNK, triangles.count)
         corners = triangles.corners(start, stop)
         triangles.release(start, stop)
         rows = _blocks(np.ldexp(corners, exponent), np.ldexp(origin, exponent), surface)
-        rows[:, 12:] = np.ldexp(rows[:, 12:], -exponent)
+        rows[:, SUMS:] = np.ldexp(rows[:, SUMS:], -exponent)
         yield stop, rows
 
 
@@ -202,8 +175,9 @@ def _blocks(corners: Float, origin: Float, surface: bool) -> Float:
         weight * (((sx * sy + ax * ay) + bx * by) + cx * cy),
         size,
         area,
+        abs(weight),
     )
-    out = np.empty((len(padded) // BLOCK, ROWS))
+    out = np.empty((len(padded) // BLOCK, SUMS + 6))
     for row, term in enumerate(terms):
         lanes = term.reshape(-1, DEPTH, LANES)
         total = lanes[:, 0].copy()
@@ -214,6 +188,6 @@ def _blocks(corners: Float, origin: Float, surface: bool) -> Float:
             total = total[:, :half] + total[:, half:]
         out[:, row] = total[:, 0]
     for axis, coordinate in enumerate((x, y, z)):
-        out[:, 12 + axis] = coordinate.min(axis=0).reshape(-1, BLOCK).min(axis=1)
-        out[:, 15 + axis] = coordinate.max(axis=0).reshape(-1, BLOCK).max(axis=1)
+        out[:, SUMS + axis] = coordinate.min(axis=0).reshape(-1, BLOCK).min(axis=1)
+        out[:, SUMS + 3 + axis] = coordinate.max(axis=0).reshape(-1, BLOCK).max(axis=1)
     return out

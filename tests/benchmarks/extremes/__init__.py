@@ -1,0 +1,1 @@
+"""Accuracy at the extremes, beside other programs: ``python -m tests.benchmarks.extremes`` writes docs/extremes.md."""

@@ -1,0 +1,125 @@
+"""Bring the corners of triangles into the lanes of the kernels: from STL records, or from faces over shared vertices.
+
+Imported only to be compiled (`inertia.native`). The corners of four triangles are brought into vectors together
+(`transpose`): stored one number at a time they cost as much as the arithmetic, and the processor's gather
+instructions cost twice that.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from llvmlite import ir
+from numba import njit, types
+from numba.extending import intrinsic
+
+LANES = 32
+DEPTH = 32
+
+GROUP = 4
+"""Triangles brought into the lanes together."""
+
+RECORD, CORNER = 50, 12
+"""Bytes of a binary STL record, and of its normal and of each of the three corners that follow."""
+
+
+@intrinsic
+def address(context, base, offset):
+    """Return the address `offset` bytes after `base`."""
+
+    def code(context, builder, signature, arguments):
+        return builder.gep(arguments[0], [arguments[1]])
+
+    return types.voidptr(types.voidptr, types.int64), code
+
+
+def transposer(number, size, alignment):
+    """Make the function that transposes points (3,) of `number`, an LLVM type of `size` bytes."""
+    index = ir.IntType(32)
+    pair, four = ir.VectorType(number, 2), ir.VectorType(number, 4)
+    row = ir.VectorType(ir.DoubleType(), 4)
+
+    @intrinsic
+    def transpose(context, a, b, c, d, lane):
+        """Store the points at four addresses as rows x, y, z of float64, the first at `lane`."""
+
+        def code(context, builder, signature, arguments):
+            def at(base, offset, kind):
+                return builder.bitcast(builder.gep(base, [ir.IntType(64)(offset)]), kind.as_pointer())
+
+            def load(base, offset, kind):
+                return builder.load(at(base, offset, kind), align=alignment)
+
+            def mixed(one, other, places):
+                return builder.shuffle_vector(one, other, ir.Constant(ir.VectorType(index, 4), places))
+
+            *points, lane = arguments
+            xy = [load(point, 0, pair) for point in points]
+            even, odd = mixed(xy[0], xy[2], [0, 1, 2, 3]), mixed(xy[1], xy[3], [0, 1, 2, 3])
+            z = ir.Constant(four, ir.Undefined)
+            for k, point in enumerate(points):
+                z = builder.insert_element(z, load(point, 2 * size, number), index(k))
+            for axis, found in enumerate((mixed(even, odd, [0, 4, 2, 6]), mixed(even, odd, [1, 5, 3, 7]), z)):
+                widened = found if four == row else builder.fpext(found, row)
+                builder.store(widened, at(lane, axis * LANES * 8, row), align=8 * GROUP)
+            return context.get_dummy_value()
+
+        return types.void(*[types.voidptr] * 5), code
+
+    return transpose
+
+
+transpose_f4 = transposer(ir.FloatType(), 4, 2)
+transpose_f8 = transposer(ir.DoubleType(), 8, 8)
+
+
+@njit(inline="always")
+def facet(records, triangle, count, corner):
+    """Return the address of a corner; past the last triangle, of the last one's."""
+    return address(records, min(triangle, count - 1) * RECORD + (corner + 1) * CORNER)
+
+
+@njit(inline="always")
+def vertex(vertices, faces, triangle, count, corner):
+    """Return the address of a corner; past the last triangle, of the last one's."""
+    triangle = np.uint64(min(triangle, count - 1))  # spares the test for indices below 0
+    return address(vertices, faces[triangle, corner] * 24)
+
+
+@njit(inline="always")
+def pad(corner, filled):
+    """Fill the lanes from `filled` on with a point: no area, no volume, no new extent."""
+    for lane in range(filled, LANES):
+        for k in range(9):
+            corner[k, lane] = corner[k % 3, 0]
+
+
+@njit(inline="always")
+def fetch_facets(records, start, count, corner_at, corner):
+    """Fill the lanes, (9, LANES) at `corner_at`, from record `start` on; past the last, with a point of it."""
+    filled = max(0, min(LANES, count - start))
+    for j in range(0, max(1, filled), GROUP):
+        for k in range(3):
+            transpose_f4(
+                facet(records, start + j, count, k),
+                facet(records, start + j + 1, count, k),
+                facet(records, start + j + 2, count, k),
+                facet(records, start + j + 3, count, k),
+                address(corner_at, (3 * k * LANES + j) * 8),
+            )
+    pad(corner, filled)
+
+
+@njit(inline="always")
+def fetch_faces(vertices, faces, start, count, corner_at, corner):
+    """Fill the lanes, (9, LANES) at `corner_at`, from face `start` on; past the last, with a point of it."""
+    filled = max(0, min(LANES, count - start))
+    for j in range(0, max(1, filled), GROUP):
+        for k in range(3):
+            transpose_f8(
+                vertex(vertices, faces, start + j, count, k),
+                vertex(vertices, faces, start + j + 1, count, k),
+                vertex(vertices, faces, start + j + 2, count, k),
+                vertex(vertices, faces, start + j + 3, count, k),
+                address(corner_at, (3 * k * LANES + j) * 8),
+            )
+    pad(corner, filled)
