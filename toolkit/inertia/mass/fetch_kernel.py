@@ -73,16 +73,36 @@ transpose_f8 = transposer(ir.DoubleType(), 8, 8)
 
 
 @njit(inline="always")
-def facet(records, triangle, count, corner):
-    """Return the address of a corner; past the last triangle, of the last one's."""
-    return address(records, min(triangle, count - 1) * RECORD + (corner + 1) * CORNER)
+def facet(records, triangle, corner):
+    """Return the address of a corner."""
+    return address(records, triangle * RECORD + (corner + 1) * CORNER)
 
 
 @njit(inline="always")
-def vertex(vertices, faces, triangle, count, corner):
-    """Return the address of a corner; past the last triangle, of the last one's."""
-    triangle = np.uint64(min(triangle, count - 1))  # spares the test for indices below 0
-    return address(vertices, faces[triangle, corner] * 24)
+def vertex(vertices, faces, triangle, corner):
+    """Return the address of a corner."""
+    return address(vertices, faces[np.uint64(triangle), corner] * 24)  # unsigned spares the test for indices below 0
+
+
+@njit(inline="always")
+def four_facets(records, a, b, c, d, lane):
+    """Bring four records into the lanes from `lane` on."""
+    for k in range(3):
+        at = address(lane, 3 * k * LANES * 8)
+        transpose_f4(facet(records, a, k), facet(records, b, k), facet(records, c, k), facet(records, d, k), at)
+
+
+@njit(inline="always")
+def four_faces(vertices, faces, a, b, c, d, lane):
+    """Bring four faces into the lanes from `lane` on."""
+    for k in range(3):
+        transpose_f8(
+            vertex(vertices, faces, a, k),
+            vertex(vertices, faces, b, k),
+            vertex(vertices, faces, c, k),
+            vertex(vertices, faces, d, k),
+            address(lane, 3 * k * LANES * 8),
+        )
 
 
 @njit(inline="always")
@@ -95,31 +115,29 @@ def pad(corner, filled):
 
 @njit(inline="always")
 def fetch_facets(records, start, count, corner_at, corner):
-    """Fill the lanes, (9, LANES) at `corner_at`, from record `start` on; past the last, with a point of it."""
-    filled = max(0, min(LANES, count - start))
-    for j in range(0, max(1, filled), GROUP):
-        for k in range(3):
-            transpose_f4(
-                facet(records, start + j, count, k),
-                facet(records, start + j + 1, count, k),
-                facet(records, start + j + 2, count, k),
-                facet(records, start + j + 3, count, k),
-                address(corner_at, (3 * k * LANES + j) * 8),
-            )
-    pad(corner, filled)
+    """Fill the lanes, (9, LANES) at `corner_at`, from record `start` on."""
+    filled, last = min(LANES, count - start), count - 1
+    whole = filled // GROUP * GROUP
+    for j in range(0, whole, GROUP):
+        k = start + j
+        four_facets(records, k, k + 1, k + 2, k + 3, address(corner_at, j * 8))
+    if filled < LANES:
+        if whole < filled:
+            k = start + whole
+            four_facets(records, k, min(k + 1, last), min(k + 2, last), last, address(corner_at, whole * 8))
+        pad(corner, filled)
 
 
 @njit(inline="always")
 def fetch_faces(vertices, faces, start, count, corner_at, corner):
-    """Fill the lanes, (9, LANES) at `corner_at`, from face `start` on; past the last, with a point of it."""
-    filled = max(0, min(LANES, count - start))
-    for j in range(0, max(1, filled), GROUP):
-        for k in range(3):
-            transpose_f8(
-                vertex(vertices, faces, start + j, count, k),
-                vertex(vertices, faces, start + j + 1, count, k),
-                vertex(vertices, faces, start + j + 2, count, k),
-                vertex(vertices, faces, start + j + 3, count, k),
-                address(corner_at, (3 * k * LANES + j) * 8),
-            )
-    pad(corner, filled)
+    """Fill the lanes, (9, LANES) at `corner_at`, from face `start` on."""
+    filled, last = min(LANES, count - start), count - 1
+    whole = filled // GROUP * GROUP
+    for j in range(0, whole, GROUP):
+        k = start + j
+        four_faces(vertices, faces, k, k + 1, k + 2, k + 3, address(corner_at, j * 8))
+    if filled < LANES:
+        if whole < filled:
+            k = start + whole
+            four_faces(vertices, faces, k, min(k + 1, last), min(k + 2, last), last, address(corner_at, whole * 8))
+        pad(corner, filled)
