@@ -5,9 +5,10 @@ The machine code is kept in the user's cache folder (`INERTIA_CACHE`, else `XDG_
 `~/.cache/inertia`), under a name that is a hash of the kernel's source, the versions and the processor; a file
 that does not carry the checksum of its own contents is made again.
 
-A kernel is a Python function over pointers and numbers, in a module that imports nothing but numba and numpy. It may
-not allocate, raise or call Python, and it returns an int64. Set `INERTIA_NATIVE=0` to do without compiled kernels:
-the numpy paths give the same bits, more slowly.
+A kernel is a Python function over pointers and numbers, in a module that imports nothing but numba, numpy and other
+kernels. It may not allocate, raise or call Python, and it returns an int64. What it calls must become part of it
+(`inline="always"` or `forceinline=True`): a call that is left in the machine code leads nowhere when that is loaded.
+Set `INERTIA_NATIVE=0` to do without compiled kernels: the numpy paths give the same bits, more slowly.
 """
 
 from __future__ import annotations

@@ -24,7 +24,7 @@ def fma(context, a, b, c):
     return types.float64(types.float64, types.float64, types.float64), generate
 
 
-@njit(error_model="numpy")
+@njit(error_model="numpy", forceinline=True)
 def two_sum(a, b):
     """Return a + b and what rounding took from it."""
     s = a + b
@@ -32,7 +32,7 @@ def two_sum(a, b):
     return s, (a - (s - t)) + (b - t)
 
 
-@njit(error_model="numpy")
+@njit(error_model="numpy", forceinline=True)
 def add(ah, al, bh, bl):
     """Return the sum of two double-doubles."""
     h, e = two_sum(ah, bh)
@@ -41,7 +41,7 @@ def add(ah, al, bh, bl):
     return s, e - (s - h)
 
 
-@njit(error_model="numpy")
+@njit(error_model="numpy", forceinline=True)
 def mul(ah, al, bh, bl):
     """Return the product of two double-doubles."""
     h = ah * bh
@@ -50,7 +50,7 @@ def mul(ah, al, bh, bl):
     return s, e - (s - h)
 
 
-@njit(error_model="numpy")
+@njit(error_model="numpy", forceinline=True)
 def dot(ah, al, bh, bl, ch, cl, dh, dl):
     """Return a·b + c·d."""
     ph, pl = mul(ah, al, bh, bl)
@@ -58,13 +58,13 @@ def dot(ah, al, bh, bl, ch, cl, dh, dl):
     return add(ph, pl, qh, ql)
 
 
-@njit(error_model="numpy")
+@njit(error_model="numpy", forceinline=True)
 def cross(ah, al, bh, bl, ch, cl, dh, dl):
     """Return a·b − c·d."""
     return dot(ah, al, bh, bl, -ch, -cl, dh, dl)
 
 
-@njit(error_model="numpy")
+@njit(error_model="numpy", forceinline=True)
 def store(total, row, j, h, l):
     """Add to a sum."""
     total[row, j], total[row + 1, j] = add(total[row, j], total[row + 1, j], h, l)
@@ -131,7 +131,7 @@ def terms(corner, total, ox, oy, oz):
         store(total, 18, j, h, l)
 
 
-@njit(error_model="numpy")
+@njit(error_model="numpy", forceinline=True)
 def square(ah, al, bh, bl, th, tl, ch, cl, sh, sl):
     """Return a² + b t + c s."""
     gh, gl = dot(ah, al, ah, al, bh, bl, th, tl)
@@ -139,7 +139,7 @@ def square(ah, al, bh, bl, th, tl, ch, cl, sh, sl):
     return add(gh, gl, ph, pl)
 
 
-@njit(error_model="numpy")
+@njit(error_model="numpy", forceinline=True)
 def mixed(sh, sl, rh, rl, ah, al, ph, pl, bh, bl, qh, ql, ch, cl, wh, wl):
     """Return s r + a p + b q + c w."""
     gh, gl = dot(sh, sl, rh, rl, ah, al, ph, pl)
