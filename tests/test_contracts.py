@@ -13,7 +13,21 @@ import pytest
 ROOT = Path(__file__).resolve().parent.parent
 PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text())["project"]
 
-SLOW = {"numpy", "scipy", "trimesh", "meshio", "numba", "llvmlite", "manifold3d", "lxml", "networkx", "h5py"}
+SLOW = {
+    "numpy",
+    "scipy",
+    "trimesh",
+    "meshio",
+    "numba",
+    "llvmlite",
+    "manifold3d",
+    "lxml",
+    "networkx",
+    "h5py",
+    "rerun",
+    "pyarrow",
+    "jinja2",
+}
 
 
 def imported_by(code: str) -> set[str]:

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import argparse
 import contextlib
-import json
 import threading
 from dataclasses import replace
-from typing import TYPE_CHECKING, Any, TypeVar
+from typing import TYPE_CHECKING, TypeVar
 
 from inertia.errors import GeometryError, InertiaError, UsageError
+from inertia_cli.documents import print_document
 from inertia_cli.progress import Progress
 
 if TYPE_CHECKING:
@@ -42,7 +42,7 @@ def analyse(options: argparse.Namespace) -> int:
         analysis = replace(analysis, tessellation=estimate)
     hashing.join()
     if options.json:
-        _print_document(analysis_document(analysis, repaired))
+        print_document(analysis_document(analysis, repaired))
     else:
         print(analysis_text(analysis, repaired))
     return 0
@@ -63,8 +63,8 @@ def _analysed(part: Part, options: argparse.Namespace) -> Analysis:
     with Progress("integrating") as progress:
         return analyse_part(
             part,
-            _by_name("density", options.density),
-            material=_by_name("material", options.material),
+            by_name("density", options.density),
+            material=by_name("material", options.material),
             mass=options.mass,
             accuracy=options.accuracy,
             shell=options.shell,
@@ -86,7 +86,7 @@ def check(options: argparse.Namespace) -> int:
     report = check_part(part, intersections=options.intersections)
     hashing.join()
     if options.json:
-        _print_document(check_document(part, report, options.orientation))
+        print_document(check_document(part, report, options.orientation))
     else:
         print(check_text(part, report, options.orientation))
     return UNFIT if report.faults(options.orientation) else 0
@@ -99,7 +99,7 @@ def trade(options: argparse.Namespace) -> int:
     from inertia.trade.trade import trade as trade_part
 
     if options.part.lower().endswith(".toml"):
-        raise UsageError(f"{options.part} is no part but describes a scene or rotor: name a mesh or STEP file instead")
+        return _trade_scene(options)
     if options.plot is not None:
         require_plottable(options.plot, force=options.force)
     part, hashing = _read(options)
@@ -124,9 +124,40 @@ def trade(options: argparse.Namespace) -> int:
             plot(found, options.plot, force=options.force)
     finally:  # what took so long to measure is told even where the plot cannot be written
         if options.json:
-            _print_document(trade_document(found))
+            print_document(trade_document(found))
         else:
             print(trade_text(found))
+    return 0
+
+
+def _trade_scene(options: argparse.Namespace) -> int:
+    from inertia.dynamics.scene.scene import Scene
+    from inertia.trade.plot import require_plottable
+    from inertia.trade.scene_plot import plot_scene
+    from inertia.trade.scene_render import scene_trade_document, scene_trade_text
+    from inertia.trade.scenes import trade_scene
+
+    for name in ("unit", "format", "density", "material"):
+        if getattr(options, name) is not None:
+            raise UsageError(f"--{name} goes with a part: {options.part} says itself what its body is")
+    if options.plot is not None:
+        require_plottable(options.plot, force=options.force)
+    with Progress("measuring") as progress:
+        found = trade_scene(
+            Scene.load(options.part),
+            options.accuracy,
+            repeats=options.repeats,
+            budget=options.budget,
+            progress=progress,
+        )
+    try:
+        if options.plot is not None:
+            plot_scene(found, options.plot, force=options.force)
+    finally:
+        if options.json:
+            print_document(scene_trade_document(found))
+        else:
+            print(scene_trade_text(found))
     return 0
 
 
@@ -145,20 +176,11 @@ def _read(options: argparse.Namespace, coarser: float = 1.0) -> tuple[Part, thre
     return part, hashing
 
 
-def _by_name(option: str, values: list[tuple[str, T]]) -> dict[str, T] | None:
+def by_name(option: str, values: list[tuple[str, T]]) -> dict[str, T] | None:
+    """Return what an option that may be repeated said of each name; None where it was not given."""
     given: dict[str, T] = {}
     for name, value in values:
         if name in given:
             raise UsageError(f"--{option} is given twice for {repr(name) if name else 'the part'}: give it once")
         given[name] = value
     return given or None
-
-
-def _print_document(document: dict[str, Any]) -> None:
-    """Print one JSON document, a line for each of its fields."""
-    fields = (f" {json.dumps(key)}: {_as_json(value)}" for key, value in document.items())
-    print("{\n" + ",\n".join(fields) + "\n}")
-
-
-def _as_json(value: Any) -> str:
-    return json.dumps(value, ensure_ascii=False, allow_nan=False)

@@ -14,6 +14,7 @@ __all__ = ["build_parser", "main", "run"]
 
 FAULT = 1
 INTERRUPTED = 130
+_SIGNED = ("--about", "--spin", "--axis", "--through", "--zero-mark", "--bearings", "--planes")  # may be negative
 
 
 def run() -> None:
@@ -64,10 +65,10 @@ def _say(message: str, code: int) -> int:
 
 
 def _joined(arguments: Sequence[str]) -> list[str]:
-    """Join ``--about -1,2,3`` with an equals sign; argparse would take the value for an option."""
+    """Join ``--about -1,2,3`` and the like with an equals sign; argparse would take the value for an option."""
     joined: list[str] = []
     for argument in arguments:
-        if joined and joined[-1] == "--about" and argument[:1] == "-" and argument[1:2] in set("0123456789."):
+        if joined and joined[-1] in _SIGNED and argument[:1] == "-" and argument[1:2] in set("0123456789."):
             joined[-1] += f"={argument}"
         else:
             joined.append(argument)

@@ -3,18 +3,21 @@
 from __future__ import annotations
 
 import argparse
-import math
 from typing import NoReturn
 
 import inertia
 from inertia_cli import commands
+from inertia_cli.balance_options import add_balance_command
+from inertia_cli.run_options import add_run_commands
+from inertia_cli.shared_options import add_density, add_input, triple
 
 _CODES = """exit codes:
   0  done
   1  a fault of this program, or the result could not be written
   2  the command line is not usable
   3  the file cannot be read
-  4  the mesh or the data cannot give an honest answer
+  4  the mesh or the data cannot give an honest answer; of `balance`: undecided
+  5  judged, and out of tolerance
 """
 
 _ANALYSE = """examples:
@@ -27,6 +30,7 @@ _ANALYSE = """examples:
 _TRADE = """examples:
   inertia trade part.stl
   inertia trade part.stl --accuracy 1e-3 --plot trade.svg
+  inertia trade scene.toml --accuracy 1e-9
 """
 
 
@@ -49,6 +53,8 @@ def build_parser() -> argparse.ArgumentParser:
     _add_analyse(parsers)
     _add_check(parsers)
     _add_trade(parsers)
+    add_run_commands(parsers)
+    add_balance_command(parsers)
     return parser
 
 
@@ -62,27 +68,8 @@ def _add_analyse(parsers: argparse._SubParsersAction[_Parser]) -> None:
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )
     parser.set_defaults(run=commands.analyse)
-    _add_input(parser)
-    density = parser.add_argument_group("density")
-    density.add_argument(
-        "--density",
-        action="append",
-        default=[],
-        type=_named_number,
-        metavar="[NAME=]KG/M3",
-        help="of the part, or of the region or body NAME (repeat it); 1000 is assumed without it",
-    )
-    density.add_argument(
-        "--material",
-        action="append",
-        default=[],
-        type=_named,
-        metavar="[NAME=]MATERIAL",
-        help="take the density from the table of materials: steel, aluminium, abs, ...",
-    )
-    density.add_argument(
-        "--mass", type=float, metavar="KG", help="the total as weighed; densities are proportions then"
-    )
+    add_input(parser)
+    add_density(parser)
     model = parser.add_argument_group("what carries the mass")
     model.add_argument("--shell", type=float, metavar="THICKNESS", help="the surface, which may be open, in --unit")
     model.add_argument(
@@ -93,7 +80,7 @@ def _add_analyse(parsers: argparse._SubParsersAction[_Parser]) -> None:
     mend.add_argument("--weld", type=float, metavar="DISTANCE", help="merge vertices within DISTANCE, in --unit")
     mend.add_argument("--repair", action="store_true", help="close, turn and unite; every change is listed")
     result = parser.add_argument_group("result")
-    result.add_argument("--about", type=_point, metavar="X,Y,Z", help="give the tensor about this point too, in --unit")
+    result.add_argument("--about", type=triple, metavar="X,Y,Z", help="give the tensor about this point too, in --unit")
     result.add_argument(
         "--accuracy", type=_accuracy, metavar="REL", help='relative bound that must be reached, as 1e-12, or "exact"'
     )
@@ -121,7 +108,7 @@ def _add_check(parsers: argparse._SubParsersAction[_Parser]) -> None:
         description="Check whether a mesh bounds an honest volume; exit code 4 if it does not.",
     )
     parser.set_defaults(run=commands.check)
-    _add_input(parser)
+    add_input(parser)
     _add_orientation(parser)
     parser.add_argument(
         "--intersections", action="store_true", help="look for triangles of one shell that cross each other (slow)"
@@ -132,34 +119,34 @@ def _add_check(parsers: argparse._SubParsersAction[_Parser]) -> None:
 def _add_trade(parsers: argparse._SubParsersAction[_Parser]) -> None:
     parser = parsers.add_parser(
         "trade",
-        help="what accuracy costs on this part: time against error",
-        description="Measure, on this machine, time against error for every method and for simplified meshes.",
+        help="what accuracy costs on this part or scene: time against error",
+        description="Measure, on this machine, time against error: of a part for every method and for simplified "
+        "meshes, of a scene (.toml) for every method that can follow it.",
         epilog=_TRADE,
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )
     parser.set_defaults(run=commands.trade)
-    _add_input(parser)
+    add_input(parser)
     parser.add_argument("--density", type=float, metavar="KG/M3", help="of the part; 1000 is assumed without it")
     parser.add_argument("--material", metavar="MATERIAL", help="take the density from the table of materials")
     parser.add_argument(
-        "--accuracy", type=_accuracy, metavar="REL", help='recommend a row for this accuracy, as 1e-3, or "exact"'
+        "--accuracy",
+        type=_accuracy,
+        metavar="REL",
+        help='recommend a row for this accuracy, as 1e-3, or "exact"; of a scene in rad',
     )
     parser.add_argument("--repeats", type=int, default=5, metavar="N", help="runs of each row (5); the median counts")
     parser.add_argument(
         "--budget", type=float, default=30.0, metavar="SECONDS", help="for all of it (30); what does not fit is skipped"
     )
     result = parser.add_argument_group("result")
-    result.add_argument("--json", action="store_true", help="print one JSON document (inertia/trade/1)")
+    result.add_argument(
+        "--json",
+        action="store_true",
+        help="print one JSON document (inertia/trade/1, of a scene inertia/trade-scene/1)",
+    )
     result.add_argument("--plot", metavar="FILE", help="draw a diagram too, to FILE.svg or FILE.png")
     result.add_argument("--force", action="store_true", help="write over FILE where it exists")
-
-
-def _add_input(parser: argparse.ArgumentParser) -> None:
-    parser.add_argument(
-        "part", metavar="PART", help="STL, OBJ, PLY, OFF, glTF, 3MF, STEP, VTK, Gmsh, Nastran, Abaqus, ..."
-    )
-    parser.add_argument("--unit", metavar="UNIT", help="length unit of the coordinates: mm (assumed), m, in, ...")
-    parser.add_argument("--format", metavar="KIND", help="kind of file, where its contents should not decide")
 
 
 def _add_orientation(parser: argparse.ArgumentParser) -> None:
@@ -169,31 +156,6 @@ def _add_orientation(parser: argparse.ArgumentParser) -> None:
         default="stored",
         help="absolute: take every shell as facing the way its nesting asks, however it is wound",
     )
-
-
-def _named(text: str) -> tuple[str, str]:
-    name, _, value = text.rpartition("=")
-    if not value:
-        raise argparse.ArgumentTypeError(f"{text!r} has nothing after the equals sign")
-    return name, value
-
-
-def _named_number(text: str) -> tuple[str, float]:
-    name, value = _named(text)
-    try:
-        return name, float(value)
-    except ValueError:
-        raise argparse.ArgumentTypeError(f"{value!r} is no number of kg/m³") from None
-
-
-def _point(text: str) -> tuple[float, ...]:
-    try:
-        point = tuple(float(part) for part in text.split(","))
-    except ValueError:
-        point = ()
-    if len(point) != 3 or not all(map(math.isfinite, point)):
-        raise argparse.ArgumentTypeError(f"{text!r} is no point: give three numbers as X,Y,Z")
-    return point
 
 
 def _accuracy(text: str) -> float | str:

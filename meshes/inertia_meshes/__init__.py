@@ -1,4 +1,4 @@
-"""Sample parts with known exact answers.
+"""Sample parts with known exact answers, scenes to let them move in, and rotors to balance.
 
 `catalogue()` tells of each file what it is, the exact answer of the true solid and that of the stored mesh.
 The files are written by `python -m inertia_meshes.make`.
@@ -12,7 +12,7 @@ from importlib.resources import files
 from pathlib import Path
 from typing import Any
 
-__all__ = ["catalogue", "names", "path"]
+__all__ = ["catalogue", "names", "path", "rotors", "scenes"]
 
 _FOLDER = Path(str(files(__name__)))
 
@@ -43,13 +43,27 @@ def names() -> tuple[str, ...]:
     return tuple(catalogue())
 
 
+def scenes() -> tuple[str, ...]:
+    """Return the file names of the sample scenes, such as `"scenes/t_handle.toml"`."""
+    return _in_folder("scenes")
+
+
+def rotors() -> tuple[str, ...]:
+    """Return the file names of the sample rotors, such as `"rotors/two_disc_rotor.toml"`."""
+    return _in_folder("rotors")
+
+
+def _in_folder(folder: str) -> tuple[str, ...]:
+    return tuple(sorted(f"{folder}/{file.name}" for file in (_FOLDER / folder).glob("*.toml")))
+
+
 def path(name: str) -> Path:
-    """Return where the sample with this file name lies; raise `KeyError` for an unknown one.
+    """Return where the sample part, scene or rotor with this file name lies; raise `KeyError` for an unknown one.
 
     >>> path("t_handle.stl").name
     't_handle.stl'
     """
-    known = names()
+    known = (*names(), *scenes(), *rotors())
     if name not in known:
         close = get_close_matches(name, known, n=3, cutoff=0.5)
         hint = f"did you mean {' or '.join(close)}" if close else f"use one of {', '.join(known)}"

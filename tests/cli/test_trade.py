@@ -6,6 +6,7 @@ from pathlib import Path
 import pytest
 from matplotlib.figure import Figure
 
+from inertia.dynamics.stepping import stepping
 from inertia_cli.main import main
 from inertia_meshes import path
 
@@ -55,6 +56,25 @@ def test_a_plot_is_written_beside_the_table(capsys: pytest.CaptureFixture[str], 
     assert run(capsys, TORUS, "--repeats", "1", "--plot", str(file), "--force")[0] == 0
 
 
+def test_a_scene_is_measured_by_the_same_command(
+    capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    monkeypatch.setattr(stepping, "METHODS", {"Taylor": stepping.METHODS["Taylor"]})
+    scene, file = tmp_path / "scene.toml", tmp_path / "trade.svg"
+    scene.write_text(
+        "[body]\nprincipal_moments = [1, 2, 3]\n[start]\nangular_velocity = [1, 2, 3]\n[run]\nduration = 0.1\n"
+    )
+    code, out, err = run(capsys, str(scene), "--repeats", "1", "--accuracy", "1e-6", "--json", "--plot", str(file))
+    assert (code, err) == (0, "")
+    found = json.loads(out)
+    assert (found["schema"], found["scene"], found["accuracy"]) == ("inertia/trade-scene/1", str(scene), 1e-6)
+    assert {row["method"] for row in found["rows"]} == {"closed form: Jacobi elliptic functions", "Taylor"}
+    assert "scene.toml" in file.read_text()
+    code, out, err = run(capsys, str(scene), "--repeats", "1")
+    assert (code, err) == (0, "")
+    assert "\nTaylor " in out
+
+
 def test_what_was_measured_is_told_where_the_plot_fails(
     capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch, tmp_path: Path
 ) -> None:
@@ -92,7 +112,11 @@ def test_a_budget_that_is_used_up_is_said(capsys: pytest.CaptureFixture[str]) ->
         (1, ["cube.stl", "--plot", "nowhere/trade.svg"], "cannot write"),
         (2, ["two_region_bar.vtk"], "mesh of cells"),
         (3, ["nosuch.stl"], "no such file"),
-        (2, ["scene.toml"], "name a mesh or STEP file"),
+        (3, ["scene.toml"], "cannot read scene.toml"),
+        (2, ["scenes/cube.toml", "--density", "5"], "--density goes with a part"),
+        (2, ["scenes/cube.toml", "--accuracy", "exact"], "give an angle in rad"),
+        (2, ["scenes/cube.toml", "--budget", "nan"], "budget is nan"),
+        (2, ["scenes/cube.toml", "--plot", "trade.pdf"], ".svg or .png"),
         (4, ["broken/missing_face.stl"], "boundary loop"),
         (4, ["broken/missing_face.stl"], "or --repair (with `inertia analyse`"),
         (4, ["broken/inside_out.stl"], "inward"),

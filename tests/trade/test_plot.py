@@ -6,7 +6,6 @@ from pathlib import Path
 from xml.etree import ElementTree
 
 import pytest
-from matplotlib.figure import Figure
 from tests.trade.samples import ROWS, made_up
 
 from inertia.errors import InertiaError, UsageError
@@ -78,11 +77,11 @@ def test_a_file_that_exists_is_kept_unless_forced(tmp_path: Path) -> None:
 
 
 def test_a_failure_leaves_nothing_behind(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    def full(self: Figure, file: Path, **_: object) -> None:
-        file.write_text("<svg>half")
+    def full(self: Path, content: bytes) -> None:
+        self.write_text("<svg>half")
         raise OSError(28, "No space left on device")
 
-    monkeypatch.setattr(Figure, "savefig", full)
+    monkeypatch.setattr(Path, "write_bytes", full)
     with pytest.raises(InertiaError, match=r"trade\.svg: No space left"):
         plot(made_up(), tmp_path / "trade.svg")
     assert list(tmp_path.iterdir()) == []

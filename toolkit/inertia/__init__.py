@@ -11,6 +11,11 @@ from types import ModuleType
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
+    from inertia.balance.balance import Balance, balance
+    from inertia.balance.rotor import Rotor
+    from inertia.dynamics.run import Run
+    from inertia.dynamics.scene.scene import Scene
+    from inertia.dynamics.simulate import simulate
     from inertia.errors import GeometryError, InertiaError, ReadError, UsageError
     from inertia.mass.analysis import Analysis, analyse, mass_properties
     from inertia.mass.elements import lamina, point_masses, wire
@@ -22,9 +27,15 @@ if TYPE_CHECKING:
     from inertia.mesh.check import Finding, Report, check
     from inertia.mesh.part import Part
     from inertia.mesh.read import read
+    from inertia.record.record import record
     from inertia.trade.trade import Trade, trade
 
 _HOMES = {
+    "balance.balance": ("Balance", "balance"),
+    "balance.rotor": ("Rotor",),
+    "dynamics.run": ("Run",),
+    "dynamics.scene.scene": ("Scene",),
+    "dynamics.simulate": ("simulate",),
     "errors": ("GeometryError", "InertiaError", "ReadError", "UsageError"),
     "mass.analysis": ("Analysis", "analyse", "mass_properties"),
     "mass.elements": ("lamina", "point_masses", "wire"),
@@ -36,6 +47,7 @@ _HOMES = {
     "mesh.check": ("Finding", "Report", "check"),
     "mesh.part": ("Part",),
     "mesh.read": ("read",),
+    "record.record": ("record",),
     "trade.trade": ("Trade", "trade"),
 }
 _HOME_OF = {name: home for home, names in _HOMES.items() for name in names}
@@ -43,6 +55,7 @@ _HOME_OF = {name: home for home, names in _HOMES.items() for name in names}
 __version__ = "0.1.0"
 __all__ = [
     "Analysis",
+    "Balance",
     "ErrorBound",
     "Finding",
     "GeometryError",
@@ -53,18 +66,24 @@ __all__ = [
     "ReadError",
     "Repaired",
     "Report",
+    "Rotor",
+    "Run",
+    "Scene",
     "Trade",
     "UsageError",
     "analyse",
+    "balance",
     "check",
     "lamina",
     "mass_properties",
     "point_masses",
     "principal",
     "read",
+    "record",
     "reexpress",
     "repair",
     "richardson",
+    "simulate",
     "steiner",
     "trade",
     "weld",

@@ -51,9 +51,11 @@ class Kernel:
 
     def worthwhile(self, count: int) -> bool:
         """Say whether the work on `count` triangles repays compiling or loading the kernel."""
-        if os.environ.get("INERTIA_NATIVE") == "0" or count < LOAD_ABOVE:
+        if os.environ.get("INERTIA_NATIVE") == "0":
             return False
-        return count >= COMPILE_ABOVE or "function" in self.__dict__ or self._file.exists()
+        if "function" in self.__dict__:
+            return True
+        return count >= COMPILE_ABOVE or (count >= LOAD_ABOVE and self._file.exists())
 
     @functools.cached_property
     def function(self) -> Callable[..., int]:

@@ -81,12 +81,13 @@ def crossings(
     return Crossings(pairs, points, total, total > len(pairs))
 
 
-def overlap(a: Triangles, b: Triangles) -> tuple[float, float, float] | None:
+def overlap(a: Triangles, b: Triangles, contact: float = 0.0) -> tuple[float, float, float] | None:
     """Return a place inside both of two bodies, or None.
 
     The bodies are bounded by closed, outward surfaces (cavities inward) with finite coordinates. They only
     touch where they share no place deeper in both than 1e-6 of the smaller one's extent, or four times the
-    last digit of the largest coordinate, if that is more: rounding alone makes faces that touch cross.
+    last digit of the largest coordinate, if that is more: rounding alone makes faces that touch cross. Where that is
+    still less than `contact`, a length, `contact` counts: meshes of one curved surface cross as deep as their chords.
 
     >>> from inertia.mesh.part import Surface
     >>> faces = [[0, 2, 1], [0, 1, 3], [1, 2, 3], [0, 3, 2]]
@@ -104,7 +105,7 @@ def overlap(a: Triangles, b: Triangles) -> tuple[float, float, float] | None:
     if (high <= low).any():
         return None
     size = min(float((most - least).max()) for least, most in boxes)
-    depth = max(_CONTACT * size, _LAST_DIGITS * _last_digit(vertices))
+    depth = max(contact, _CONTACT * size, _LAST_DIGITS * _last_digit(vertices))
     # Only what is above or below a place counts in its winding number.
     faces_a, faces_b = (_above_and_below(vertices, faces, low, high) for faces in (faces_a, faces_b))
     centre, exponent = low / 2 + high / 2, int(np.frexp(size)[1])

@@ -2,15 +2,16 @@
 
 from __future__ import annotations
 
+import io
 import math
 import os
-import tempfile
 import warnings
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from inertia.errors import InertiaError, UsageError
+from inertia.errors import UsageError
+from inertia.output import require_writable, write_whole
 from inertia.trade.rows import Row
 from inertia.trade.trade import Trade
 
@@ -41,42 +42,29 @@ def require_plottable(file: str | os.PathLike[str], *, force: bool = False) -> P
         import matplotlib  # noqa: F401
     except ImportError:
         raise UsageError("plotting needs matplotlib: install it by pip install 'inertia[plot]'") from None
-    if path.is_dir():
-        raise UsageError(f"cannot plot to {path}: it is a directory")
-    if path.exists() and not force:
-        raise UsageError(f"{path} exists: give another name, or --force to write over it")
-    try:
-        with tempfile.TemporaryFile(dir=path.parent):
-            pass
-    except OSError as error:
-        raise InertiaError(
-            f"cannot write {path}: {error.strerror}: name a folder that is there and can be written to"
-        ) from error
-    return path
+    return require_writable(path, force=force)
 
 
 def plot(trade: Trade, file: str | os.PathLike[str], *, force: bool = False) -> None:
     """Write the diagram of a trade to a file, SVG or PNG by its name; raises as `require_plottable`."""
-    path = require_plottable(file, force=force)
+    draw(lambda: _figure(trade), require_plottable(file, force=force))
+
+
+def draw(make: Callable[[], Figure], path: Path) -> None:
+    """Make a figure in the style of these diagrams, and write it."""
     import matplotlib as mpl
 
     style = mpl.rc_context({"svg.fonttype": "none", "svg.hashsalt": "inertia", "font.size": 10.0})
     with style, warnings.catch_warnings():
         warnings.filterwarnings("ignore", "Glyph .* missing")  # a name in a script that the font lacks
-        _write(_figure(trade), path)
+        _write(make(), path)
 
 
 def _write(figure: Figure, path: Path) -> None:
-    """Write beside the file and rename, so that it is whole or not there."""
     kind = path.suffix.lower()[1:]
-    beside = path.with_name(f".{path.name}.{os.getpid()}")
-    try:
-        figure.savefig(beside, format=kind, metadata={"Date": None} if kind == "svg" else None)
-        beside.replace(path)
-    except OSError as error:
-        raise InertiaError(f"cannot write {path}: {error.strerror or error}") from error
-    finally:
-        beside.unlink(missing_ok=True)
+    drawn = io.BytesIO()
+    figure.savefig(drawn, format=kind, metadata={"Date": None} if kind == "svg" else None)
+    write_whole(path, drawn.getvalue())
 
 
 def _figure(trade: Trade) -> Figure:

@@ -92,12 +92,12 @@ def _head(trade: Trade) -> Iterator[str]:
     yield row("Unit", f"{part.unit.name} ({_SAID_BY[part.unit_from]})")
     density, mass = number(analysis.density), number(analysis.properties.mass)
     yield row("Density", f"{density} kg/m³ ({_SAID_BY[analysis.density_from]}), for a mass of {mass} kg")
-    yield from _paragraph("Machine", f"{trade.machine}; the times are of this machine")
-    yield from _paragraph(
+    yield from paragraph("Machine", f"{trade.machine}; the times are of this machine")
+    yield from paragraph(
         "Time", "wall time of the integration alone, median of the runs; first use (compiling, loading) is not counted"
     )
     steps = ", ".join(f"{_STEPS[name]} {duration(timing.median)}" for name, timing in trade.steps.items())
-    yield from _paragraph("Besides", steps)
+    yield from paragraph("Besides", steps)
 
 
 def _whole(trade: Trade) -> Iterator[str]:
@@ -126,43 +126,45 @@ def _heads(title: str, names: str, error: str, bound: str) -> Iterator[str]:
 
 def _line(names: str, line: Row) -> str:
     time = line.time
-    spread = f"{_ms(time.fastest)}–{_ms(time.slowest)}"
+    spread = f"{milliseconds(time.fastest)}–{milliseconds(time.slowest)}"
     errors = "".join(f"{_error(value):>9}" for value in _errors(line.error))
-    return f"{names:<36}{_ms(time.median):>9}{spread:>13}{time.runs:>5}{errors}{_error(line.bound.worst):>10}"
+    return f"{names:<36}{milliseconds(time.median):>9}{spread:>13}{time.runs:>5}{errors}{_error(line.bound.worst):>10}"
 
 
 def _closing(trade: Trade) -> Iterator[str]:
     for k, advice in enumerate(trade.recommendations):
-        yield from _paragraph("" if k else "Recommended", advice.sentence)
+        yield from paragraph("" if k else "Recommended", advice.sentence)
     for item in trade.skipped:
         estimate = "" if item.seconds is None else f" (about {duration(item.seconds)}): give a larger --budget"
-        yield from _paragraph("Skipped", f"{item.what}: {item.why}{estimate}")
+        yield from paragraph("Skipped", f"{item.what}: {item.why}{estimate}")
     whole = [line for line in trade.rows if line.simplification is None]
     if losing := [line.method for line in whole if line.properties.loses_smallest_moment]:
         verb = "leaves" if len(losing) == 1 else "leave"
-        yield from _paragraph(
+        yield from paragraph(
             "Slender",
             f"{' and '.join(losing)} {verb} the smallest principal moment uncertain by more than a part in 10⁹: such "
             "rows are recommended only where no other one reaches the accuracy",
         )
     for note in trade.analysis.notes:
-        yield from _paragraph("Note", note)
-    yield from _paragraph(
+        yield from paragraph("Note", note)
+    yield from paragraph(
         "Errors",
         "over the whole mesh they are those of the arithmetic, over a simplified one those of its geometry; how far "
         "the mesh lies from the shape that was meshed, its tessellation, is in neither",
     )
 
 
-def _paragraph(label: str, text: str) -> Iterator[str]:
+def paragraph(label: str, text: str) -> Iterator[str]:
+    """Yield the lines of a labelled text; a time stays together with its unit."""
     tied = re.sub(r"(\d) (ms|s)\b", "\\1\N{NO-BREAK SPACE}\\2", text)
     for k, line in enumerate(textwrap.wrap(tied, _WIDTH - LABEL, break_long_words=False, break_on_hyphens=False)):
         yield row("" if k else label, line.replace("\N{NO-BREAK SPACE}", " "))
 
 
-def _ms(seconds: float) -> str:
-    milliseconds = 1e3 * seconds
-    return f"{milliseconds:.0f}" if milliseconds >= 1000 else f"{milliseconds:.3g}"
+def milliseconds(seconds: float) -> str:
+    """Return a time in ms, to three digits."""
+    value = 1e3 * seconds
+    return f"{value:.0f}" if value >= 1000 else f"{value:.3g}"
 
 
 def _errors(error: Relative | None) -> tuple[float | None, ...]:

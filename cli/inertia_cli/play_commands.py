@@ -1,0 +1,47 @@
+"""The command `play`: open a recording in Rerun's viewer."""
+
+from __future__ import annotations
+
+import argparse
+import os
+import subprocess
+import sys
+from importlib.util import find_spec
+from pathlib import Path
+
+from inertia.errors import InertiaError
+
+_LOCAL = ["--bind", "127.0.0.1"]
+_WEB = ["--web-viewer", "--web-viewer-port", "0", "--port", "auto"]
+
+
+def play(options: argparse.Namespace) -> int:
+    """Run ``inertia play``."""
+    from inertia.record.read_back import properties
+
+    properties(options.part)
+    if not options.web and not _has_screen():
+        raise InertiaError(
+            "there is no screen to open the viewer on: play the recording in a browser of this machine by --web, or "
+            "copy it to a machine with a screen"
+        )
+    command = [_viewer(), options.part, *_LOCAL, *(_WEB if options.web else [])]
+    try:
+        code = subprocess.run(command, check=False).returncode
+    except KeyboardInterrupt:  # the way to end a server
+        return 0
+    if code:
+        remedy = "see what it printed above" if options.web else "see what it printed above, or try --web"
+        raise InertiaError(f"Rerun's viewer ended with code {code}: {remedy}")
+    return 0
+
+
+def _has_screen() -> bool:
+    return sys.platform in ("win32", "darwin") or any(os.environ.get(name) for name in ("DISPLAY", "WAYLAND_DISPLAY"))
+
+
+def _viewer() -> str:
+    package = find_spec("rerun_cli")  # comes with rerun-sdk
+    assert package is not None
+    assert package.origin is not None
+    return str(Path(package.origin).with_name("rerun.exe" if sys.platform == "win32" else "rerun"))

@@ -1,0 +1,130 @@
+"""The commands that move a body: `simulate` and `tumble`."""
+
+from __future__ import annotations
+
+import argparse
+from dataclasses import replace
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from inertia.errors import GeometryError, InertiaError, UsageError
+from inertia_cli.commands import by_name
+from inertia_cli.documents import print_document
+
+if TYPE_CHECKING:
+    from inertia.dynamics.scene.scene import Scene
+
+_OPTIONS = {
+    "duration": "--for",
+    "samples": "--samples",
+    "accuracy": "--accuracy",
+    "model": "--model",
+    "method": "--method",
+}
+_FIELDS = {f"run.{name}": option for name, option in _OPTIONS.items()} | {"start.angular_velocity": "--spin"}
+_PARTS = (".stl", ".obj", ".ply", ".off", ".step", ".stp", ".3mf", ".glb", ".gltf", ".vtk", ".msh")
+
+
+def simulate(options: argparse.Namespace) -> int:
+    """Run ``inertia simulate``."""
+    from inertia.dynamics.scene.scene import Scene
+
+    if Path(options.part).suffix.lower() in _PARTS:
+        raise UsageError(f"{options.part} is a part and no scene: name a scene file, or use `inertia tumble`")
+    if Path(options.part).suffix.lower() == ".rrd":
+        from inertia.record.read_back import scene_of
+
+        return _follow(scene_of(options.part), options)
+    return _follow(Scene.load(options.part), options)
+
+
+def tumble(options: argparse.Namespace) -> int:
+    """Run ``inertia tumble``."""
+    from inertia.dynamics.scene.scene import Scene, Settings, Start
+    from inertia.dynamics.scene.scene_body import SceneBody
+    from inertia.mass.analysis import analyse
+    from inertia.mesh.read import read
+
+    part = read(options.part, options.unit, format=options.format)
+    found = analyse(
+        part, by_name("density", options.density), material=by_name("material", options.material), mass=options.mass
+    )
+    try:
+        body, start, run = SceneBody.of_analysis(found), Start(options.spin), Settings(options.duration)
+        return _follow(Scene(body, start, run, text=_text(options), name=options.part), options)
+    except (UsageError, GeometryError) as error:
+        raise _with_options(error) from None
+
+
+def _follow(scene: Scene, options: argparse.Namespace) -> int:
+    from inertia.dynamics.planning.plan import plan
+    from inertia.dynamics.simulate import simulate as simulate_scene
+    from inertia.fields import FieldError
+    from inertia.report.run import plan_document, plan_text, run_document, run_text
+
+    _require_recordable(options)
+    changed: dict[str, Any] = {name: value for name in _OPTIONS if (value := getattr(options, name)) is not None}
+    try:
+        scene = replace(scene, run=replace(scene.run, **changed))
+    except FieldError as error:
+        raise _with_options(error) from None
+    if options.explain:
+        chosen = plan(scene)
+        if options.json:
+            print_document(plan_document(scene, chosen))
+        else:
+            print(plan_text(scene, chosen))
+        return 0
+    run = simulate_scene(scene)
+    try:
+        if options.output is not None or options.live:
+            from inertia.record.record import record
+
+            record(run, options.output, force=options.force, live=options.live)
+    finally:  # what was computed is told even where it cannot be recorded
+        if options.json:
+            print_document(run_document(run))
+        else:
+            print(run_text(run))
+    return 0
+
+
+def _require_recordable(options: argparse.Namespace) -> None:
+    """Ask what a recording needs before the run, which may take a while."""
+    if options.output is None and not options.live:
+        return
+    if options.explain:
+        raise UsageError("--explain runs nothing that could be recorded: leave out --output and --live")
+    from inertia.record.writer import require_rerun, require_viewer, require_writable
+
+    require_rerun()
+    if options.output is not None:
+        require_writable(options.output, force=options.force)
+    if options.live:
+        require_viewer()
+
+
+def _text(options: argparse.Namespace) -> str | None:
+    """Return the scene file that says the same as the options; None where no scene file can."""
+    from inertia.record.scene_text import toml
+
+    density, material = dict(options.density), dict(options.material)
+    if options.format is not None or any(name for name in (*density, *material)):
+        return None
+    body = {
+        "part": Path(options.part).name,
+        "unit": options.unit,
+        "density": density.get(""),
+        "material": material.get(""),
+        "mass": options.mass,
+    }
+    start = {"angular_velocity": options.spin, "frame": "principal"}
+    return toml({"schema": 1, "body": body, "start": start, "run": {"duration": options.duration}})
+
+
+def _with_options(error: UsageError | GeometryError) -> InertiaError:
+    """Return the error with the options of the command in place of the fields of a scene."""
+    message = str(error)
+    for path, option in _FIELDS.items():
+        message = message.replace(path, option)
+    return UsageError(message) if isinstance(error, UsageError) else GeometryError(message)

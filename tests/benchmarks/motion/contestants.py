@@ -1,0 +1,94 @@
+"""The methods that are measured: each takes a motion and a setting, and returns a call that gives the last attitude.
+
+What is made ready outside the call is what a user makes once: a problem, a compiled stepper, a model.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from inertia.dynamics.free.free import free_motion
+from inertia.dynamics.stepping.loads import Damping, Gravity, Torque
+from inertia.dynamics.stepping.rotation import RotationProblem
+from inertia.dynamics.stepping.stepping import METHODS
+
+from . import peers
+from .scenes import Motion
+
+Call = Callable[[], Any]
+Prepare = Callable[[Motion, float, float], Call]
+"""(motion, duration in s, setting) → call."""
+
+STEPS = tuple(float(x) for x in 0.8 * 0.5 ** np.arange(0.0, 9.0, 0.75))
+"""Steps in units of 1/|ω|."""
+
+MUJOCO_STEPS = STEPS[3:]
+"""Coarser ones make it unstable."""
+
+
+@dataclass(frozen=True)
+class Contestant:
+    """A method and its settings: tolerances, or steps in units of 1/|ω|, the coarsest first."""
+
+    name: str
+    prepare: Prepare
+    settings: tuple[float, ...]
+    fits: Callable[[Motion], bool] = lambda motion: True
+
+
+def closed_form(motion: Motion, duration: float, setting: float) -> Call:
+    """Return `inertia.dynamics.free.free.free_motion`."""
+    return lambda: free_motion(motion.moments, motion.spin, [duration])[0][0]
+
+
+def stepped(name: str) -> Prepare:
+    """Return one of the package's stepping methods, one run of it without the estimate of its error."""
+
+    def prepare(motion: Motion, duration: float, setting: float) -> Call:
+        problem = problem_of(motion)
+        method, time = METHODS[name], np.array([duration])
+        control = setting if hasattr(method, "tightest") else setting / float(np.linalg.norm(motion.spin))
+        return lambda: method.run(problem, time, control).attitude[0]
+
+    return prepare
+
+
+def problem_of(motion: Motion) -> RotationProblem:
+    """Return a motion as the package's own problem."""
+    loads: list[Any] = []
+    if motion.weight:
+        loads.append(Gravity(motion.weight.mass, motion.weight.offset, motion.weight.gravity))
+    if motion.drive:
+        drive = motion.drive
+        loads += [Torque(drive.body), Torque(drive.space, "space"), Damping(drive.damping)]
+    return RotationProblem(motion.moments, motion.spin, loads=tuple(loads))
+
+
+def _decades(first: int, last: int) -> tuple[float, ...]:
+    return tuple(10.0**-k for k in range(first, last + 1))
+
+
+CLOSED, TAYLOR = "inertia, closed form", "inertia, Taylor"
+
+CONTESTANTS = (
+    Contestant(CLOSED, closed_form, (0.0,), lambda motion: motion.free),
+    Contestant(TAYLOR, stepped("Taylor"), _decades(4, 17)),
+    *(Contestant(f"inertia, splitting {n}", stepped(f"splitting {n}"), STEPS) for n in (2, 4, 6, 8)),
+    Contestant("inertia, RK4", stepped("RK4"), STEPS),
+    Contestant("heyoka", peers.heyoka, (1e-3, 1e-5, 1e-7, 1e-9, 1e-11, 1e-13, 1e-15, 1e-16)),
+    Contestant("MuJoCo, RK4", peers.mujoco("RK4"), MUJOCO_STEPS, peers.mujoco_fits),
+    Contestant("MuJoCo, implicitfast", peers.mujoco("implicitfast"), MUJOCO_STEPS, peers.mujoco_fits),
+    *(
+        Contestant(f"SciPy {name}", peers.scipy(name), (1e-3, 1e-5, 1e-7, 1e-9, 1e-11, 1e-13, peers.SCIPY_TIGHTEST))
+        for name in ("DOP853", "LSODA", "RK45")
+    ),
+)
+
+
+def selected(motion: Motion) -> str:
+    """Return the method that the package selects for a motion."""
+    return CLOSED if motion.free else TAYLOR

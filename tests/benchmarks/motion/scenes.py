@@ -1,0 +1,105 @@
+"""The motions that are measured, and where they truly end, to 30 digits and more by mpmath and integers."""
+
+from __future__ import annotations
+
+import functools
+import math
+from dataclasses import dataclass
+from typing import Any
+
+import mpmath as mp
+import numpy as np
+from tests.dynamics import free_oracle, oracle
+
+DIGITS = 60
+
+
+@dataclass(frozen=True)
+class Weight:
+    """Gravity about a fixed point: kg, m (along the principal axes), m/s² in space."""
+
+    mass: float
+    offset: tuple[float, float, float]
+    gravity: tuple[float, float, float]
+
+
+@dataclass(frozen=True)
+class Drive:
+    """Constant torques in N m, of the body and of space, and damping in N m s about each axis."""
+
+    body: tuple[float, float, float]
+    space: tuple[float, float, float]
+    damping: tuple[float, float, float]
+
+
+@dataclass(frozen=True)
+class Motion:
+    """A body that starts from the identity attitude; `revolutions` of |ω| at the start are the durations."""
+
+    name: str
+    moments: tuple[float, float, float]
+    spin: tuple[float, float, float]
+    revolutions: tuple[int, ...]
+    weight: Weight | None = None
+    drive: Drive | None = None
+
+    @property
+    def free(self) -> bool:
+        """Whether nothing turns the body."""
+        return self.weight is None and self.drive is None
+
+    def duration(self, revolutions: int) -> float:
+        """Return how long so many revolutions take, s."""
+        return 2 * math.pi * revolutions / math.dist((0, 0, 0), self.spin)
+
+    def error(self, revolutions: int, attitude: Any) -> float:
+        """Return by what angle in rad an attitude (4,) at the end is off."""
+        truth = _truth(self, revolutions)
+        if isinstance(truth, oracle.Answer):
+            return float(truth.attitude_error(np.asarray(attitude)[None])[0])
+        with mp.workdps(DIGITS):
+            return free_oracle.angle(free_oracle.matrix(np.asarray(attitude).tolist()), truth)
+
+
+@functools.cache
+def _truth(motion: Motion, revolutions: int) -> Any:
+    end = [motion.duration(revolutions)]
+    if motion.free:
+        return free_oracle.free_top(motion.moments, motion.spin, end, DIGITS)[0][0]
+    loads: dict[str, Any] = {}
+    if motion.weight:
+        loads |= {"mass": motion.weight.mass, "offset": motion.weight.offset, "gravity": motion.weight.gravity}
+    if motion.drive:
+        drive = motion.drive
+        loads |= {"body_torque": drive.body, "space_torque": drive.space, "damping": drive.damping}
+    return oracle.rotate(motion.moments, motion.spin, end, digits=50 if revolutions <= 10 else 30, **loads)
+
+
+def _next_to_separatrix(distance: float) -> tuple[float, float, float]:
+    """Return a spin of the body (1, 2, 3) with L² = 2 T I₂ (1 + distance), but for rounding."""
+    w1, w2 = 1.0, 0.7
+    square = w1**2 + 4 * w2**2
+    return w1, w2, math.sqrt((w1**2 + distance * square) / (3 - 9 * distance))
+
+
+MOTIONS = (
+    Motion("free asymmetric top", (1.0, 2.0, 3.0), (1.0, 0.5, 0.3), (10, 1000, 100_000)),
+    Motion("T-handle that flips", (1.96e-6, 7.32e-6, 8.93e-6), (0.001, 10.0, 0.0), (10, 1000)),
+    Motion("1e-8 from the separatrix", (1.0, 2.0, 3.0), _next_to_separatrix(1e-8), (10, 1000)),
+    Motion("1e-12 from the separatrix", (1.0, 2.0, 3.0), _next_to_separatrix(1e-12), (10, 1000)),
+    Motion("needle", (1e-8, 1.0, 1.000000005), (1.0, 0.02, 0.01), (10, 1000)),
+    Motion(
+        "heavy asymmetric top",
+        (1.0, 2.0, 2.75),
+        (1.0, 0.5, 6.0),
+        (10, 100),
+        weight=Weight(0.5, (0.1, 0.2, 0.3), (0.0, 0.0, -9.8)),
+    ),
+    Motion(
+        "torque and damping",
+        (1.0, 2.0, 2.75),
+        (1.0, 0.5, 2.0),
+        (10, 100),
+        drive=Drive((0.1, -0.2, 0.05), (0.2, 0.1, 0.3), (0.1, 0.2, 0.15)),
+    ),
+)

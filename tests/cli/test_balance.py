@@ -1,0 +1,211 @@
+"""``inertia balance`` as a user meets it."""
+
+import csv
+import io
+import json
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from inertia_cli.main import main
+from inertia_meshes import path, rotors
+
+ROTOR = str(path("rotors/two_disc_rotor.toml"))
+MESH = str(path("two_disc_rotor.stl"))
+SHORT = (MESH, "--axis", "z", "--bearings", "20,280", "--planes", "90,215", "--rpm", "3000", "--grade", "6.3")
+
+
+def run(capsys: pytest.CaptureFixture[str], *arguments: str) -> tuple[int, str, str]:
+    try:
+        code = main(["balance", *arguments])
+    except SystemExit as leaving:
+        code = leaving.code
+    captured = capsys.readouterr()
+    return code, captured.out, captured.err
+
+
+def document(capsys: pytest.CaptureFixture[str], *arguments: str) -> dict:
+    _, out, err = run(capsys, *arguments, "--json")
+    assert err == ""
+    return json.loads(out)
+
+
+def test_the_document_holds_the_contract(capsys: pytest.CaptureFixture[str]) -> None:
+    found = document(capsys, ROTOR)
+    assert found["schema"] == "inertia/balance/1"
+    assert found["verdict"] in ("pass", "fail", "undecided")
+    assert found["mass"] == pytest.approx(11.014, abs=5e-4)
+    assert found["static_unbalance"] == {
+        "gmm": pytest.approx(762.82, abs=5e-3),
+        "deg": pytest.approx(8.67, abs=5e-3),
+    }
+    assert set(found["couple_unbalance"]) == {"gmm2", "deg"}
+    places = {"id", "z_mm", "unbalance", "permissible_gmm", "bearing_force_N"}
+    for planes in ("tolerance_planes", "correction_planes"):
+        assert all(places <= set(plane) for plane in found[planes])
+        assert all(places <= set(plane) for plane in found["residual"][planes])
+    a, b = found["tolerance_planes"]
+    assert (a["id"], a["z_mm"], b["id"], b["z_mm"]) == ("A", 20.0, "B", pytest.approx(280.0))
+    assert (a["unbalance"]["gmm"], a["bearing_force_N"]) == pytest.approx((247.2, 24.4), abs=0.05)
+    assert a["permissible_gmm"] + b["permissible_gmm"] == pytest.approx(220.87, abs=0.01)
+    assert [plane["unbalance"]["gmm"] for plane in found["correction_planes"]] == pytest.approx(
+        [863.07, 1597.9], abs=6e-3
+    )
+    assert [work["method"] for work in found["corrections"]] == ["remove", "remove"]
+    assert found["corrections"][0]["angle_deg"] == pytest.approx(210, abs=0.25)
+    assert found["residual"]["tolerance_planes"][0]["unbalance"]["gmm"] < 1
+    assert found["axis"]["confirmed"] is True
+
+
+def test_a_rotor_that_is_corrected_passes(capsys: pytest.CaptureFixture[str]) -> None:
+    code, out, err = run(capsys, ROTOR)
+    assert (code, err) == (0, "")
+    assert "Verdict           PASS\n" in out
+    assert "as modelled, before any correction: FAIL" in out
+    assert "counter-clockwise seen from B looking toward A" in out
+    assert "predicted from geometry, not measured" in out
+
+
+def test_the_short_form_fails_where_nothing_is_corrected(capsys: pytest.CaptureFixture[str]) -> None:
+    code, out, err = run(capsys, *SHORT)
+    assert (code, err) == (5, "")
+    assert "Verdict           FAIL\n" in out
+    assert "the density is assumed to be 1000 kg/m³" in out
+
+
+def test_the_short_form_drills_where_it_is_told(capsys: pytest.CaptureFixture[str]) -> None:
+    assert run(capsys, *SHORT, "--material", "steel", "--drill", "10,12,16")[0] == 0
+    found = document(capsys, *SHORT, "--material", "steel", "--drill", "10,12,16")
+    assert [work["kind"] for work in found["corrections"]] == ["drill_radial", "drill_radial"]
+    assert [work["radius_mm"] for work in found["corrections"]] == pytest.approx([100, 80], abs=1e-5)
+
+
+def test_short_form_and_file_say_the_same(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
+    _, text, _ = run(capsys, *SHORT, "--material", "steel", "--to-toml")
+    (tmp_path / "rotor.toml").write_text(text)
+    one, other = document(capsys, *SHORT, "--material", "steel"), document(capsys, str(tmp_path / "rotor.toml"))
+    for found in (one, other):
+        del found["rotor"]
+    assert one == other
+
+
+def test_an_axis_off_the_origin_is_given_by_a_point(capsys: pytest.CaptureFixture[str]) -> None:
+    axis = ("--through", "0.5,0,7", "--bearings", "20,280")
+    found = document(capsys, MESH, "--axis", "0,0,2", *axis, "--rpm", "3000", "--e-um", "10", "--density", "7850")
+    assert found["axis"]["bearing_a_mm"] == pytest.approx([0.5, 0, 20])
+    assert found["axis"]["bearing_b_mm"] == pytest.approx([0.5, 0, 280])
+
+
+def test_places_may_be_negative(capsys: pytest.CaptureFixture[str]) -> None:
+    found = document(
+        capsys, str(path("disc.stl")), "--axis", "z", "--bearings", "-20,20", "--rpm", "300", "--grade", "40"
+    )
+    assert [plane["z_mm"] for plane in found["tolerance_planes"]] == [-20, 20]
+
+
+def test_without_an_axis_candidates_are_listed_and_nothing_is_judged(capsys: pytest.CaptureFixture[str]) -> None:
+    code, out, err = run(capsys, MESH, "--rpm", "3000", "--grade", "6.3")
+    assert (code, err) == (4, "")
+    assert "bearing_a = [0.0, 0.0, 40.0]" in out
+    assert "Verdict           UNDECIDED\n" in out
+
+
+@pytest.mark.parametrize("name", rotors())
+def test_every_sample_gets_a_verdict_and_nothing_else_on_standard_output(name: str) -> None:
+    command = [sys.executable, "-c", "from inertia_cli.main import run; run()", "balance", str(path(name)), "--json"]
+    done = subprocess.run(command, capture_output=True, text=True, check=False)
+    found = json.loads(done.stdout)
+    assert done.stderr == ""
+    assert done.returncode == {"pass": 0, "fail": 5, "undecided": 4}[found["verdict"]]
+
+
+def test_the_csv_holds_planes_and_work(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
+    file = tmp_path / "out.csv"
+    assert run(capsys, ROTOR, "--csv", str(file))[0] == 0
+    planes, work = file.read_text().split("\n\n")
+    rows = list(csv.DictReader(io.StringIO(planes)))
+    assert [(row["state"], row["plane"]) for row in rows] == [
+        (state, plane) for state in ("initial", "residual") for plane in ("A", "B", "I", "II")
+    ]
+    assert float(rows[0]["unbalance_gmm"]) == pytest.approx(247.2, abs=0.05)
+    assert rows[2]["permissible_gmm"] == ""
+    assert [row["id"] for row in csv.DictReader(io.StringIO(work))] == ["I-1", "II-1"]
+
+
+def test_the_corrected_mesh_is_written_and_is_within_the_tolerance(
+    capsys: pytest.CaptureFixture[str], tmp_path: Path
+) -> None:
+    file = tmp_path / "cut.stl"
+    assert run(capsys, ROTOR, "--cut-part", str(file))[0] == 0
+    arguments = (str(file), *SHORT[1:], "--material", "steel", "--chord", "0")
+    found = document(capsys, *arguments)
+    assert found["verdict"] == "pass"
+    after = document(capsys, ROTOR)["residual"]
+    assert found["mass"] == pytest.approx(after["mass"], rel=1e-7)
+    for plane, cut in zip(after["tolerance_planes"], found["tolerance_planes"], strict=True):
+        assert cut["unbalance"]["gmm"] == pytest.approx(plane["unbalance"]["gmm"], abs=0.01)  # float32 in the file
+
+
+def test_the_report_is_written(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
+    file = tmp_path / "report.html"
+    assert run(capsys, ROTOR, "--report", str(file))[0] == 0
+    assert file.read_text(encoding="utf-8").lstrip().lower().startswith("<!doctype html>")
+
+
+def test_no_file_is_written_over_unasked(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
+    file = tmp_path / "cut.stl"
+    file.write_text("kept")
+    code, out, err = run(capsys, ROTOR, "--cut-part", str(file))
+    assert (code, out) == (2, "")
+    assert "exists: give another name, or --force" in err
+    assert file.read_text() == "kept"
+    assert run(capsys, ROTOR, "--cut-part", str(file), "--force")[0] == 0
+    assert file.stat().st_size > 84
+    assert [entry.name for entry in tmp_path.iterdir()] == ["cut.stl"]
+
+
+def test_the_schema_is_printed(capsys: pytest.CaptureFixture[str]) -> None:
+    code, out, _ = run(capsys, "--schema")
+    assert code == 0
+    assert json.loads(out)["properties"]["plane"]["type"] == "array"
+
+
+@pytest.mark.parametrize(
+    ("code", "arguments", "said"),
+    [
+        (2, [], "no rotor is named"),
+        (2, [ROTOR, "--rpm", "3000"], "--rpm goes with a part"),
+        (2, [MESH, "--rpm", "3000"], "nothing says what is permissible: give --grade, or --e-um"),
+        (2, [MESH, "--grade", "6.3"], "--rpm is missing"),
+        (2, [*SHORT[:-1], "5"], "--grade is 5, which ISO 21940-11 does not have"),
+        (2, [*SHORT, "--rpm", "0"], "--rpm is 0.0: it must be positive"),
+        (2, [*SHORT, "--bearings", "20,20"], "--bearings are 0 m apart"),
+        (2, [*SHORT, "--bearings", "20"], "--bearings names 1 places: give two"),
+        (2, [*SHORT, "--bearings", "a,b"], "is no list of numbers"),
+        (2, [*SHORT, "--axis", "0,0,0"], "--axis has no length"),
+        (2, [MESH, "--axis", "z", "--rpm", "1", "--grade", "1"], "--axis alone leaves the shaft open"),
+        (2, [*SHORT, "--planes", "90,90"], "z is 90, where plane[0] is too"),
+        (2, [*SHORT, "--max-depth", "5"], "--max-depth is that of holes"),
+        (2, [*SHORT, "--zero-mark", "0,0,1"], "--zero-mark [0.0, 0.0, 1.0] runs along the shaft"),
+        (2, [*SHORT, "--chord", "-1"], "--chord is -1.0: it must not be negative"),
+        (2, [*SHORT, "--material", "steal"], "unknown material 'steal' (did you mean steel?)"),
+        (2, [*SHORT, "--cut-part", "x.stl"], "--cut-part has nothing to write"),
+        (2, [ROTOR, "--cut-part", "x.obj"], "its name must end in .stl"),
+        (1, [ROTOR, "--cut-part", "/nosuch/x.stl"], "cannot write /nosuch/x.stl"),
+        (3, ["nosuch.toml"], "cannot read nosuch.toml"),
+        (3, ["nosuch.stl", *SHORT[1:]], "nosuch.stl: there is no such file"),
+        (4, [*SHORT, "--planes", "90,400"], "z is 400 mm, off the rotor, which goes from 0 mm to 300 mm"),
+        (4, [*SHORT, "--through", "500,0,0"], "does not go through the rotor"),
+        (4, [str(path("broken/missing_face.stl")), *SHORT[1:]], "boundary loop"),
+    ],
+)
+def test_a_fault_is_one_sentence_and_a_code(
+    capsys: pytest.CaptureFixture[str], code: int, arguments: list[str], said: str
+) -> None:
+    left, out, err = run(capsys, *arguments)
+    assert (left, out, err.count("\n")) == (code, "", 1)
+    assert err.startswith("inertia")
+    assert said in err
+    assert "Traceback" not in err

@@ -1,0 +1,156 @@
+"""`-o`, `--live`, `inertia play`, and running a recording again, as a user sees them."""
+
+import json
+import subprocess
+from pathlib import Path
+
+import pytest
+from tests.record.reading import verified
+
+from inertia.record import writer
+from inertia_cli.main import main
+from inertia_meshes import path
+
+HANDLE = str(path("t_handle.stl"))
+SCENE = str(path("scenes/t_handle.toml"))
+SPIN = ("--spin", "0.001,10,0", "--for", "2", "--samples", "101")
+
+
+def run(capsys: pytest.CaptureFixture[str], *arguments: str) -> tuple[int, str, str]:
+    code = main(list(arguments))
+    captured = capsys.readouterr()
+    return code, captured.out, captured.err
+
+
+def test_a_scene_is_recorded_and_run_again(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
+    file = str(tmp_path / "run.rrd")
+    code, out, err = run(capsys, "simulate", SCENE, "--for", "2", "--samples", "11", "-o", file, "--json")
+    assert (code, err) == (0, "")
+    assert verified(Path(file), tmp_path)
+    first = json.loads(out)
+    code, out, err = run(capsys, "simulate", file, "--json")
+    assert (code, err) == (0, "")
+    again = json.loads(out)
+    assert again["attitude"] == first["attitude"]
+    assert again["scene"] == file
+
+
+def test_a_tumbling_part_is_recorded_and_run_again(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
+    file = str(tmp_path / "run.rrd")
+    given = ("--material", "steel", "--unit", "mm")
+    code, out, err = run(capsys, "tumble", HANDLE, *SPIN, *given, "--output", file, "--json")
+    assert (code, err) == (0, "")
+    again = json.loads(run(capsys, "simulate", file, "--json")[1])
+    assert again["attitude"] == json.loads(out)["attitude"]
+    assert again["body"]["mass"] == json.loads(out)["body"]["mass"]
+    assert again["body"]["part"].endswith("t_handle.stl")
+
+
+def test_a_part_with_several_densities_comes_back_as_its_tensor(
+    capsys: pytest.CaptureFixture[str], tmp_path: Path
+) -> None:
+    file = str(tmp_path / "run.rrd")
+    bar = str(path("two_region_bar.vtk"))
+    regions = json.loads(run(capsys, "check", bar, "--json")[1])
+    assert regions["schema"] == "inertia/check/1"
+    given = ("--density", "1=1000", "--density", "2=3000", "--unit", "mm")
+    code, out, _ = run(capsys, "tumble", bar, *SPIN, *given, "-o", file, "--json")
+    assert code == 0
+    again = json.loads(run(capsys, "simulate", file, "--json")[1])
+    assert again["body"]["part"] is None
+    assert again["attitude"][-1] == pytest.approx(json.loads(out)["attitude"][-1], abs=1e-12)
+
+
+def test_overwriting_asks_for_force(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
+    file = tmp_path / "run.rrd"
+    file.write_bytes(b"old")
+    code, out, err = run(capsys, "simulate", SCENE, "--samples", "11", "--for", "1", "-o", str(file))
+    assert (code, out, err.count("\n")) == (2, "", 1)
+    assert "--force" in err
+    assert file.read_bytes() == b"old"
+    assert run(capsys, "simulate", SCENE, "--samples", "11", "--for", "1", "-o", str(file), "--force")[0] == 0
+    assert verified(file, tmp_path)
+
+
+@pytest.mark.parametrize(
+    ("code", "arguments", "said"),
+    [
+        (2, ["simulate", SCENE, "-o", "run.txt"], "its name must end in .rrd"),
+        (2, ["simulate", SCENE, "-o", "run.rrd", "--explain"], "--explain runs nothing that could be recorded"),
+        (1, ["simulate", SCENE, "-o", "none/run.rrd"], "name a folder that is there"),
+        (3, ["simulate", "none.rrd"], "cannot read none.rrd: there is no such file"),
+        (3, ["play", "none.rrd"], "cannot read none.rrd: there is no such file"),
+        (3, ["play", HANDLE], "it is no whole Rerun recording"),
+    ],
+)
+def test_a_fault_is_one_sentence_and_a_code(
+    capsys: pytest.CaptureFixture[str],
+    monkeypatch: pytest.MonkeyPatch,
+    tmp_path: Path,
+    code: int,
+    arguments: list[str],
+    said: str,
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    left, out, err = run(capsys, *arguments)
+    assert (left, out, err.count("\n")) == (code, "", 1)
+    assert said in err
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_live_needs_a_viewer(capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(writer, "VIEWER", ("127.0.0.1", 1))
+    code, out, err = run(capsys, "simulate", SCENE, "--live")
+    assert (code, out) == (1, "")
+    assert "no viewer listens on 127.0.0.1:1" in err
+
+
+@pytest.fixture
+def recording(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> str:
+    file = str(tmp_path / "run.rrd")
+    assert run(capsys, "tumble", HANDLE, *SPIN, "-o", file)[0] == 0
+    return file
+
+
+@pytest.mark.parametrize("web", [False, True])
+def test_the_viewer_listens_on_this_machine_only(
+    capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch, recording: str, web: bool
+) -> None:
+    commands = []
+
+    def fake(command: list[str], check: bool) -> "subprocess.CompletedProcess[str]":
+        commands.append(command)
+        return subprocess.CompletedProcess(command, 0)
+
+    monkeypatch.setattr("inertia_cli.play_commands.subprocess.run", fake)
+    monkeypatch.setenv("DISPLAY", ":0")
+    assert run(capsys, "play", recording, *(["--web"] if web else [])) == (0, "", "")
+    (command,) = commands
+    assert Path(command[0]).stem == "rerun"
+    assert command[1] == recording
+    assert command[command.index("--bind") + 1] == "127.0.0.1"
+    assert ("--web-viewer" in command) == web
+
+
+@pytest.mark.skipif("sys.platform != 'linux'", reason="how a screen is known")
+def test_without_a_screen_it_says_what_to_do(
+    capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch, recording: str
+) -> None:
+    monkeypatch.delenv("DISPLAY", raising=False)
+    monkeypatch.delenv("WAYLAND_DISPLAY", raising=False)
+    code, out, err = run(capsys, "play", recording)
+    assert (code, out, err.count("\n")) == (1, "", 1)
+    assert "there is no screen" in err
+    assert "--web" in err
+
+
+def test_a_viewer_that_fails_is_told(
+    capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch, recording: str
+) -> None:
+    monkeypatch.setattr(
+        "inertia_cli.play_commands.subprocess.run", lambda command, check: subprocess.CompletedProcess(command, 7)
+    )
+    monkeypatch.setenv("DISPLAY", ":0")
+    code, _, err = run(capsys, "play", recording)
+    assert (code, err.count("\n")) == (1, 1)
+    assert "ended with code 7" in err

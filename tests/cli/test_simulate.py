@@ -1,0 +1,242 @@
+"""``inertia simulate`` and ``inertia tumble`` as a user meets them."""
+
+import json
+import math
+import re
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from inertia_cli.main import main
+from inertia_meshes import path, scenes
+
+HANDLE = str(path("t_handle.stl"))
+SPIN = ("--spin", "0.001,10,0", "--for", "6")
+
+PLAIN = """
+[body]
+principal_moments = [1.0, 2.0, 3.0]
+[start]
+angular_velocity = [0.1, 2.0, 0.3]
+[run]
+duration = 5.0
+samples = 6
+"""
+
+
+def run(capsys: pytest.CaptureFixture[str], *arguments: str) -> tuple[int, str, str]:
+    try:
+        code = main(arguments)
+    except SystemExit as leaving:
+        code = leaving.code
+    captured = capsys.readouterr()
+    return code, captured.out, captured.err
+
+
+def scene(tmp_path: Path, text: str = PLAIN) -> str:
+    file = tmp_path / "scene.toml"
+    file.write_text(text)
+    return str(file)
+
+
+def test_the_document_holds_the_contract(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
+    code, out, err = run(capsys, "simulate", scene(tmp_path), "--json")
+    assert (code, err) == (0, "")
+    found = json.loads(out)
+    assert (found["schema"], found["model"]) == ("inertia/run/1", "asymmetric top")
+    assert all(sentence.endswith(".") for sentence in found["why"])
+    assert set(found["accuracy"]) == {"requested", "reached", "method"}
+    assert 0 < found["accuracy"]["reached"] <= found["accuracy"]["requested"] == 1e-10
+    assert found["time"] == [0, 1, 2, 3, 4, 5]
+    assert np.shape(found["attitude"]) == (6, 4)
+    assert np.shape(found["angular_velocity"]) == np.shape(found["angular_momentum"]) == (6, 3)
+    assert found["angular_velocity"][0] == pytest.approx([0.1, 2.0, 0.3], rel=1e-14)
+    assert found["attitude"][0] == [0, 0, 0, 1]
+    assert len(found["energy"]) == 6
+    assert found["invariants"]["energy"]["initial"] == found["energy"][0]
+    assert found["invariants"]["angular momentum"]["initial"] == found["angular_momentum"][0]
+    assert 0 <= found["invariants"]["energy"]["largest_relative_drift"] < 1e-14
+
+
+def test_numbers_read_back_as_they_were(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
+    from inertia.dynamics.scene.scene import Scene
+    from inertia.dynamics.simulate import simulate
+
+    file = scene(tmp_path)
+    found = json.loads(run(capsys, "simulate", file, "--json")[1])
+    again = simulate(Scene.load(file))
+    assert np.array_equal(found["attitude"], again.attitude)
+    assert np.array_equal(found["angular_momentum"], again.angular_momentum)
+
+
+def test_the_text_tells_what_ran_and_what_came_out(capsys: pytest.CaptureFixture[str]) -> None:
+    code, out, err = run(capsys, "simulate", str(path("scenes/t_handle.toml")))
+    assert (code, err) == (0, "")
+    lines = out.splitlines()
+    assert max(map(len, lines)) <= 120
+    labels = [line.split("  ")[0] for line in lines if line and not line.startswith(" ")]
+    for label in ("Scene", "Part", "Mass", "Moments", "Spin", "Model", "Why", "Method", "Accuracy", "Kept", "Events"):
+        assert label in labels
+    assert re.search(r"^Flip period +2\.996935953 s$", out, re.MULTILINE)
+    assert "flip: the spin about the intermediate axis changes sign" in out
+    assert "… and 14 more" in out
+
+
+@pytest.mark.parametrize("name", scenes())
+def test_every_sample_scene_runs_to_its_accuracy(capsys: pytest.CaptureFixture[str], name: str) -> None:
+    file = path(name)
+    code, out, err = run(capsys, "simulate", str(file), "--json", "--samples", "21")
+    assert (code, err) == (0, "")
+    found = json.loads(out)
+    assert found["accuracy"]["reached"] <= found["accuracy"]["requested"]
+    assert (
+        found["model"]
+        == {
+            "cat": "deforming body",
+            "cube": "spherical top",
+            "detumbling": "Euler equations",
+            "diver": "deforming body",
+            "explorer_1": "Euler equations",
+            "feynman_plate": "symmetric top",
+            "gravity_gradient": "Euler equations",
+            "heavy_top": "heavy symmetric top",
+            "kovalevskaya_top": "Euler equations",
+            "manoeuvre": "Euler equations",
+            "rolling_disc": "rolling body",
+            "skater": "deforming body",
+            "sleeping_top": "heavy symmetric top",
+            "spinning_top": "heavy symmetric top",
+            "t_handle": "asymmetric top",
+            "thrown_box": "asymmetric top",
+        }[file.stem]
+    )
+    assert main(["simulate", str(file), "--samples", "21"]) == 0
+    assert "nan" not in capsys.readouterr().out
+
+
+def test_the_plate_wobbles_twice_as_fast_as_it_spins(capsys: pytest.CaptureFixture[str]) -> None:
+    found = json.loads(run(capsys, "simulate", str(path("scenes/feynman_plate.toml")), "--json")[1])
+    assert found["quantities"]["precession of the body"] == pytest.approx(2 * math.hypot(20, 0.25))
+
+
+def test_explorer_ends_on_its_largest_axis(capsys: pytest.CaptureFixture[str]) -> None:
+    out = run(capsys, "simulate", str(path("scenes/explorer_1.toml")), "--json", "--samples", "2")[1]
+    momentum = math.hypot(0.0476 * 78.5, 4.79 * 0.8)
+    np.testing.assert_allclose(np.abs(json.loads(out)["angular_velocity"][-1]), [0, 0, momentum / 4.81], atol=0.02)
+
+
+def test_options_go_before_the_scene(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
+    changed = ("--for", "2", "--samples", "3", "--accuracy", "1e-8", "--method", "DOP853")
+    found = json.loads(run(capsys, "simulate", scene(tmp_path), "--json", *changed)[1])
+    assert found["time"] == [0, 1, 2]
+    assert found["accuracy"]["requested"] == 1e-8
+    assert (found["model"], found["accuracy"]["method"]) == ("Euler equations", "DOP853")
+    assert found["steps"] > 0
+    forced = json.loads(run(capsys, "simulate", scene(tmp_path), "--json", "--model", "Euler equations")[1])
+    assert forced["why"][-1] == "The scene asks for this model."
+
+
+def test_explaining_runs_nothing(
+    capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    monkeypatch.delattr("inertia.dynamics.simulate.solve")
+    code, out, _ = run(capsys, "simulate", scene(tmp_path), "--explain")
+    assert code == 0
+    assert "Model             asymmetric top\n" in out
+    assert "Jacobi's elliptic functions" in out
+    assert "Accuracy" not in out
+    found = json.loads(run(capsys, "simulate", scene(tmp_path), "--explain", "--json")[1])
+    assert (found["schema"], found["model"], found["method"]) == ("inertia/plan/1", "asymmetric top", None)
+
+
+def test_a_part_tumbles_about_its_principal_axes(capsys: pytest.CaptureFixture[str]) -> None:
+    code, out, err = run(capsys, "tumble", HANDLE, *SPIN, "--material", "steel", "--unit", "mm", "--json")
+    assert (code, err) == (0, "")
+    found = json.loads(out)
+    assert found["model"] == "asymmetric top"
+    axes = np.array(found["body"]["principal_axes"])
+    np.testing.assert_allclose(found["angular_velocity"][0], axes @ [0.001, 10, 0], atol=1e-15)
+    assert found["warnings"] == []
+    assert [event["name"] for event in found["events"]] == ["flip", "flip"]
+
+
+def test_a_negative_spin_is_no_option(capsys: pytest.CaptureFixture[str]) -> None:
+    code, out, _ = run(capsys, "tumble", HANDLE, "--spin", "-1,0,0", "--for", "1", "--explain")
+    assert code == 0
+    assert "Spin              -1, 0, 0 rad/s along the principal axes" in out
+
+
+def test_density_does_not_change_how_a_part_tumbles(capsys: pytest.CaptureFixture[str]) -> None:
+    light = json.loads(run(capsys, "tumble", HANDLE, *SPIN, "--density", "1", "--json")[1])
+    heavy = json.loads(run(capsys, "tumble", HANDLE, *SPIN, "--density", "8192", "--json")[1])
+    np.testing.assert_allclose(light["attitude"], heavy["attitude"], atol=1e-13)
+    assert heavy["energy"][0] == pytest.approx(8192 * light["energy"][0])
+
+
+@pytest.mark.parametrize(
+    ("code", "change", "said"),
+    [
+        (2, ("duration = 5.0", "duration = -5.0"), "run.duration is -5.0"),
+        (2, ("duration", "durations"), "run.durations is unknown: did you mean duration?"),
+        (
+            2,
+            ("angular_velocity = [0.1, 2.0, 0.3]", "angular_velocity = [0.0, nan, 0.0]"),
+            "start.angular_velocity[1] is nan",
+        ),
+        (2, ("angular_velocity = [0.1, 2.0, 0.3]", "angular_velocity = [0, 0, 0]"), "start.angular_velocity is zero"),
+        (2, ("samples = 6", "accuracy = 1e-18"), "run.accuracy is 1e-18 rad"),
+        (2, ("[run]", "[[load]]\nkind = 'gravity'\n[run]"), "body.mass is missing"),
+        (3, ("[body]", "[body"), "it is not TOML"),
+        (3, ("principal_moments = [1.0, 2.0, 3.0]", "part = 'nosuch.stl'"), "there is no such file"),
+        (4, ("[1.0, 2.0, 3.0]", "[1.0, 2.0, 30.0]"), "break the triangle rule"),
+        (4, ("samples = 6", "accuracy = 1e-15"), "run.accuracy asks for 1e-15 rad"),
+    ],
+)
+def test_a_fault_in_a_scene_is_one_sentence_with_the_file_and_a_code(
+    capsys: pytest.CaptureFixture[str], tmp_path: Path, code: int, change: tuple[str, str], said: str
+) -> None:
+    assert change[0] in PLAIN
+    file = scene(tmp_path, PLAIN.replace(*change))
+    left, out, err = run(capsys, "simulate", file)
+    assert (left, out, err.count("\n")) == (code, "", 1)
+    assert said in err
+    assert file in err
+    assert "Traceback" not in err
+
+
+@pytest.mark.parametrize(
+    ("code", "arguments", "said"),
+    [
+        (2, ["simulate", "cube.stl"], "is a part and no scene"),
+        (3, ["simulate", "nosuch.toml"], "cannot read nosuch.toml: No such file"),
+        (3, ["simulate", "."], "cannot read .: Is a directory"),
+        (2, ["simulate", "scenes/cube.toml", "--for", "-1"], "--for is -1.0: it must be positive"),
+        (2, ["simulate", "scenes/cube.toml", "--model", "round"], "cube.toml: run.model is 'round', which is unknown"),
+        (2, ["tumble", "cube.stl"], "required: --spin, --for"),
+        (2, ["tumble", "cube.stl", "--spin", "1,2", "--for", "1"], "give three numbers as X,Y,Z"),
+        (2, ["tumble", "cube.stl", "--spin", "0,0,0", "--for", "1"], "--spin is zero"),
+        (2, ["tumble", "cube.stl", "--spin", "1,2,nan", "--for", "1"], "give three numbers as X,Y,Z"),
+        (2, ["tumble", "cube.stl", "--spin", "1,2,3", "--for", "nan"], "--for is nan"),
+        (2, ["tumble", "cube.stl", "--spin", "1,2,3", "--for", "1", "--accuracy", "1e-20"], "--accuracy is 1e-20"),
+        (2, ["tumble", "cube.stl", "--spin", "1,2,3", "--for", "1", "--samples", "1"], "--samples is 1"),
+        (2, ["tumble", "cube.stl", "--spin", "1,2,3", "--for", "1", "--density", "-1"], "density is -1"),
+        (2, ["tumble", "cube.stl", "--spin", "1,2,3", "--for", "1", "--unit", "parsec"], "unknown unit"),
+        (
+            2,
+            ["tumble", "t_handle.stl", "--spin", "1,2,3", "--for", "9", "--model", "spherical top"],
+            "leave the model",
+        ),
+        (3, ["tumble", "nosuch.stl", "--spin", "1,2,3", "--for", "1"], "there is no such file"),
+        (4, ["tumble", "broken/missing_face.stl", "--spin", "1,2,3", "--for", "1"], "boundary loop"),
+        (4, ["tumble", "t_handle.stl", "--spin", "1,2,3", "--for", "9", "--accuracy", "1e-15"], "--accuracy asks for"),
+    ],
+)
+def test_a_fault_on_the_command_line_is_one_sentence_and_a_code(
+    capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch, code: int, arguments: list[str], said: str
+) -> None:
+    monkeypatch.chdir(path("cube.stl").parent)
+    left, out, err = run(capsys, *arguments)
+    assert (left, out, err.count("\n")) == (code, "", 1)
+    assert err.startswith("inertia")
+    assert said in err

@@ -1,0 +1,113 @@
+"""Cones, angles and constructions of free rotation, against the chapter's formulas and mpmath."""
+
+import mpmath as mp
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from inertia.dynamics.kinematics.geometry import binet, cones, momentum_angle, poinsot
+from inertia.errors import GeometryError
+
+moment = st.floats(0.5, 1)
+component = st.floats(0.01, 1)
+spin = st.tuples(component, component, component)
+
+
+@settings(deadline=None)
+@given(moment, moment, spin)
+def test_cones_by_the_formulas_of_the_chapter(i1: float, i3: float, omega: tuple[float, ...]) -> None:
+    """Textbook § 13.20, eq. 13.116, 13.129 and the one after 13.138, which is exercise 14 too."""
+    found = cones([i1, i1, i3], omega)
+    speed = np.linalg.norm(omega)
+    alpha = np.arccos(omega[2] / speed)
+    precession = speed * np.sqrt(np.sin(alpha) ** 2 + (i3 / i1) ** 2 * np.cos(alpha) ** 2)
+    assert found.alpha == pytest.approx(alpha, abs=1e-12)
+    assert np.tan(found.theta) == pytest.approx(i1 / i3 * np.tan(found.alpha), rel=1e-12)
+    assert found.precession == pytest.approx(precession, rel=1e-13)
+    assert found.precession == pytest.approx(speed * np.sqrt(1 + ((i3 / i1) ** 2 - 1) * np.cos(alpha) ** 2), rel=1e-12)
+    assert found.body_precession == pytest.approx((i3 - i1) * omega[2] / i1, rel=1e-14)
+
+
+@settings(deadline=None)
+@given(moment, moment, spin, st.sampled_from([1, -1]))
+def test_the_body_cone_rolls_without_slipping(i1: float, i3: float, omega: tuple[float, ...], side: int) -> None:
+    """The line of contact moves by as much on either cone: φ̇ sin(space) = |Ω| sin(body). ω, L and axis 3 are in one
+    plane, ω between the others outside (prolate), L between them inside (oblate)."""
+    found = cones([i1, i1, i3], [omega[0], omega[1], side * omega[2]])
+    on_space = found.precession * np.sin(found.space_half_angle)
+    on_body = abs(found.body_precession) * np.sin(found.body_half_angle)
+    assert on_space == pytest.approx(on_body, rel=1e-13)
+    theta = min(found.theta, np.pi - found.theta)
+    wider = {"outside": found.space_half_angle, "inside": -found.space_half_angle, "none": 0.0}[found.rolling]
+    assert theta == pytest.approx(found.body_half_angle + wider, abs=1e-15)
+    assert found.rolling == ("outside" if i3 < i1 else "inside" if i3 > i1 else "none")
+
+
+def test_feynmans_plate_wobbles_twice_while_it_spins_once() -> None:
+    """A plate has I3 = I1 + I2 = 2 I1: as α → 0 the axis goes round L at 2 ω."""
+    found = cones([1, 1, 2], [1e-9, 0, 3.0])
+    assert found.precession / 3.0 == pytest.approx(2.0, rel=1e-15)
+    assert found.rolling == "inside"
+    assert found.theta == pytest.approx(0.5e-9 / 3, rel=1e-15)
+
+
+def test_needle_and_plate_precess_slower_and_faster_than_they_spin() -> None:
+    omega = [0.3, 0.4, 1.0]
+    speed = np.linalg.norm(omega)
+    assert cones([2, 2, 0.1], omega).precession < speed < cones([1, 1, 2], omega).precession
+    assert cones([2, 2, 0.1], omega).body_precession < 0 < cones([1, 1, 2], omega).body_precession
+
+
+def test_cones_of_many_spins_and_of_nearly_equal_moments() -> None:
+    omega = np.random.default_rng(0).normal(size=(7, 3))
+    assert cones([1, 1, 2], omega).theta.shape == (7,)
+    assert cones([1 - 1e-7, 1 + 1e-7, 2], omega).theta == pytest.approx(cones([1, 1, 2], omega).theta, abs=1e-15)
+    with pytest.raises(GeometryError, match="cones belong to a symmetric top with its symmetry axis last"):
+        cones([1, 1.1, 2], omega)
+
+
+@settings(deadline=None)
+@given(moment, moment, moment, spin, st.floats(-12, 0))
+def test_small_angles_between_spin_and_momentum_keep_their_digits(
+    i1: float, i2: float, i3: float, omega: tuple[float, ...], exponent: float
+) -> None:
+    """Against acos(L·ω/(|L||ω|)) in 60 digits."""
+    small = [10**exponent * omega[0], 10**exponent * omega[1], omega[2]]
+    with mp.workdps(60):
+        w = mp.matrix(small)
+        l = mp.matrix([m * x for m, x in zip((i1, i2, i3), w, strict=True)])
+        dot = sum(a * b for a, b in zip(l, w, strict=True))
+        expected = mp.acos(min(mp.mpf(1), dot / (mp.norm(l) * mp.norm(w))))
+    assert momentum_angle([i1, i2, i3], small) == pytest.approx(float(expected), rel=3e-15, abs=1e-29)
+
+
+@settings(deadline=None)
+@given(moment, moment, moment, spin)
+def test_poinsots_ellipsoid_touches_the_invariable_plane_at_the_tip_of_the_spin(
+    i1: float, i2: float, i3: float, omega: tuple[float, ...]
+) -> None:
+    found = poinsot([i1, i2, i3], omega)
+    assert np.sum((found.contact / found.semi_axes) ** 2) == pytest.approx(1.0, rel=1e-14)
+    support = np.linalg.norm(found.semi_axes * found.normal)  # distance of the tangent plane with this normal
+    assert found.distance == pytest.approx(support, rel=1e-14)
+    assert found.contact @ found.normal == pytest.approx(found.distance, rel=1e-14)
+    assert np.linalg.norm(found.normal) == pytest.approx(1.0, rel=1e-15)
+
+
+@settings(deadline=None)
+@given(moment, moment, moment, spin)
+def test_binets_ellipsoid_meets_the_sphere_at_the_momentum(
+    i1: float, i2: float, i3: float, omega: tuple[float, ...]
+) -> None:
+    found = binet([i1, i2, i3], omega)
+    assert found.momentum == pytest.approx(np.array([i1, i2, i3]) * omega, rel=1e-15)
+    assert np.sum((found.momentum / found.semi_axes) ** 2) == pytest.approx(1.0, rel=1e-14)
+    assert np.linalg.norm(found.momentum) == pytest.approx(found.radius, rel=1e-15)
+    assert found.semi_axes.min() * (1 - 1e-14) <= found.radius <= found.semi_axes.max() * (1 + 1e-14)
+
+
+@pytest.mark.parametrize("construction", [poinsot, binet])
+def test_a_body_at_rest_has_no_construction(construction) -> None:  # type: ignore[no-untyped-def]
+    with pytest.raises(GeometryError, match="angular_velocity is zero"):
+        construction([1, 2, 3], [0, 0, 0])

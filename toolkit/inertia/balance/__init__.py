@@ -1,0 +1,1 @@
+"""Mass properties and a shaft in; unbalance, tolerance, correction and verdict out."""

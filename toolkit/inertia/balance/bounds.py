@@ -1,0 +1,129 @@
+"""What an unbalance is uncertain by, source by source, in a form from which the bound in any plane follows.
+
+A source moves the static unbalance U and the couple D about a fixed plane together: (δU, δD) = Σ ζₖ (gₖ, hₖ) with
+complex |ζₖ| ≤ 1. What a correction or tolerance plane sees is p U + q D with real p and q, so it is off by at most
+Σ |p gₖ + q hₖ|: nothing is lost by bounding U and D apart.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable
+from dataclasses import dataclass, replace
+from typing import Literal
+
+from inertia.errors import UsageError
+from inertia.mass.properties import ErrorBound, MassProperties
+
+Source = Literal["arithmetic", "tessellation", "axis", "density"]
+
+_ROUNDOFF = 2.0**-53
+
+
+@dataclass(frozen=True)
+class Uncertainty:
+    """One source of uncertainty of an unbalance.
+
+    Attributes
+    ----------
+    source : its name
+    modes : pairs (g, h): how far it can move the static unbalance, kg m, and the couple, kg m², each mode by itself
+    cause : the size of the input that the modes are in proportion to: m of chord or radius, or a relative density;
+        None where no input makes it smaller
+    bodies : of a rotor with several, those that it is of: for a density one for each mode
+    """
+
+    source: Source
+    modes: tuple[tuple[complex, complex], ...]
+    cause: float | None = None
+    bodies: tuple[str, ...] = ()
+
+    def bound(self, p: float, q: float) -> float:
+        """Return how far p U + q D may be off, with p a number and q in 1/m: kg m."""
+        return math.fsum(abs(p * g + q * h) for g, h in self.modes)
+
+    def about(self, shift: float) -> Uncertainty:
+        """Return the same source for the couple about a plane that lies `shift` metres further along the shaft."""
+        return replace(self, modes=tuple((g, h - g * shift) for g, h in self.modes))
+
+    def turned(self, factor: complex) -> Uncertainty:
+        """Return the same source with the rotor turned by the angle of `factor`, which has unit length."""
+        return replace(self, modes=tuple((factor * g, factor * h) for g, h in self.modes))
+
+
+def from_errors(source: Source, body: MassProperties, error: ErrorBound, cause: float | None = None) -> Uncertainty:
+    """Return what relative bounds on the mass properties leave uncertain of the unbalance.
+
+    |δU| ≤ m (δ_G + ε_m e (1 + …)) and, about the plane of the centre of mass found, |δD| ≤ ε_I |I| + |U| δ_G; with
+    δ_G the bound on the centre of mass and e its distance from the shaft.
+
+    Parameters
+    ----------
+    source : its name
+    body : in shaft axes, origin on the shaft
+    error : of arithmetic, or of tessellation
+    cause : see `Uncertainty`
+    """
+    heaviest = body.mass * (1.0 + error.mass)
+    eccentricity = math.hypot(*body.center_of_mass[:2])
+    off = error.center_of_mass
+    static = heaviest * off + body.mass * error.mass * eccentricity
+    couple = error.inertia * _norm(body) + heaviest * (eccentricity + off) * off
+    return Uncertainty(source, ((static, 0.0), (0.0, couple)), cause)
+
+
+def arithmetic(body: MassProperties) -> Uncertainty:
+    """Return what the sums over the mesh, and turning their results into shaft axes, may have lost.
+
+    The axes themselves are rounded to 8 units in the last place: that much of a tilt is added.
+    """
+    summed = from_errors("arithmetic", body, body.error)
+    tilt = 8.0 * _ROUNDOFF
+    rounded = (tilt * body.mass * math.hypot(*body.center_of_mass), 0.0), (0.0, tilt * _norm(body))
+    return Uncertainty("arithmetic", (*summed.modes, *rounded))
+
+
+def axis(body: MassProperties, span: float, radius: float) -> Uncertainty:
+    """Return what an axis leaves uncertain whose bearing centres are known to within a radius.
+
+    With bearing A off by a and B by b the axis is off by d = a (1 − t) + b t at the centre of mass, t = (z_G − z_A)/L,
+    and tilted by s = (b − a)/L: δU = −m d, δD = −s (I_t − I_p), to first order in both. On top of that may come |s|
+    times half the difference of the two transverse moments, and times m e² of a body whose centre of mass lies off the
+    axis by e, as the tilt shifts it along the shaft.
+
+    Parameters
+    ----------
+    body : in shaft axes, origin at bearing A
+    span : L, m
+    radius : m, at each bearing
+    """
+    if not 0 <= radius < math.inf:
+        raise UsageError(f"the radial uncertainty of the axis is {radius!r} m: it must be finite and not negative")
+    t = float(body.center_of_mass[2]) / span
+    i = body.inertia
+    stiff = 0.5 * float(i[0, 0] + i[1, 1]) - float(i[2, 2])
+    uneven = math.hypot(0.5 * float(i[0, 0] - i[1, 1]), float(i[0, 1]))
+    uneven += body.mass * (float(body.center_of_mass[0]) ** 2 + float(body.center_of_mass[1]) ** 2)
+    mass, tilt = body.mass * radius, radius / span
+    return Uncertainty(
+        "axis",
+        ((-mass * (1.0 - t), tilt * stiff), (-mass * t, -tilt * stiff), (0.0, 2.0 * tilt * uneven)),
+        radius,
+    )
+
+
+def density(bodies: Iterable[tuple[complex, complex]], relative: float) -> Uncertainty:
+    """Return what densities leave uncertain that are each known to a relative figure, apart from each other.
+
+    Parameters
+    ----------
+    bodies : (static kg m, couple kg m² about the common plane) of each body
+    relative : of each density
+    """
+    if not 0 <= relative < 1:
+        raise UsageError(f"the relative uncertainty of the density is {relative!r}: it must be at least 0 and below 1")
+    return Uncertainty("density", tuple((relative * u, relative * d) for u, d in bodies), relative)
+
+
+def _norm(body: MassProperties) -> float:
+    return math.sqrt(math.fsum(float(k) ** 2 for k in body.inertia.flat))

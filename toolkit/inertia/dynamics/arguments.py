@@ -1,0 +1,48 @@
+"""What array functions are handed: float64, of the right length, finite, and moments that a body can have."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from inertia.errors import GeometryError, UsageError
+from inertia.mesh.part import Float
+
+
+def vectors(value: ArrayLike, name: str, size: int = 3) -> Float:
+    """Return `value` as finite float64 of shape (…, size), or raise `UsageError` naming it and the sample.
+
+    >>> vectors([1, 2, 3], "omega").tolist()
+    [1.0, 2.0, 3.0]
+    """
+    try:
+        array = np.asarray(value, dtype=np.float64)
+    except (TypeError, ValueError):
+        raise UsageError(f"{name} must be numbers of shape (…, {size})") from None
+    if array.ndim == 0 or array.shape[-1] != size:
+        raise UsageError(f"{name} has shape {array.shape}: its last axis must hold {size} components")
+    if not np.isfinite(array).all():
+        place = first(~np.isfinite(array))[:-1]
+        raise UsageError(f"{name}{written(place)} holds a value that is not finite: {array[place].tolist()}")
+    return array
+
+
+def moments_of(value: ArrayLike) -> Float:
+    """Return principal moments (…, 3) kg m², or raise `GeometryError` naming the first that is not positive."""
+    moments = vectors(value, "moments")
+    if not (moments > 0).all():
+        place = first(~(moments > 0))[:-1]
+        raise GeometryError(f"moments{written(place)} are {moments[place].tolist()} kg m2: all three must be positive")
+    return moments
+
+
+def first(faulty: NDArray[np.bool_] | np.bool_) -> tuple[Any, ...]:
+    """Return the index of the first true element."""
+    return tuple(np.argwhere(faulty)[0].tolist())
+
+
+def written(place: tuple[int, ...]) -> str:
+    """Write an index as in ``[12]``, or as nothing where there is but one element."""
+    return f"[{', '.join(str(k) for k in place)}]" if place else ""

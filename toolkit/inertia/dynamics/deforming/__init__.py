@@ -1,0 +1,1 @@
+"""Bodies whose parts move on prescribed joints."""

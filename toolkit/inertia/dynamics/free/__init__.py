@@ -1,0 +1,1 @@
+"""Free rotation in closed form: one body or a million."""

@@ -1,0 +1,1 @@
+"""Attitudes, momenta and the geometry of free rotation; no motion is followed here."""

@@ -1,0 +1,178 @@
+"""Geometry of free rotation: cones of the symmetric top, and the constructions of Poinsot and Binet (§ 13.20–21).
+
+Angular velocities and moments are resolved along principal axes. The curves on the surfaces are in
+`inertia.dynamics.kinematics.polhode`.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from inertia.dynamics.arguments import moments_of, vectors
+from inertia.dynamics.kinematics.euler_angles import dot
+from inertia.errors import GeometryError
+from inertia.mass.principal import CLASS_TOLERANCE
+from inertia.mass.tensor import array_of
+from inertia.mesh.part import Float
+
+Rolling = Literal["outside", "inside", "none"]
+
+
+@dataclass(frozen=True, eq=False)
+class Cones:
+    """What ω sweeps out in a free symmetric top, symmetry axis 3 (textbook § 13.20).
+
+    The body cone, about axis 3, rolls without slipping on the space cone, about L; they touch along ω.
+
+    Attributes
+    ----------
+    alpha : (…) rad, between ω and axis 3
+    theta : (…) rad, between L and axis 3; tanθ = (I1/I3) tanα
+    body_half_angle, space_half_angle : (…) rad, 0 … π/2: of the cones about ±axis 3 and L
+    rolling : the body cone rolls on the outside of the space cone (prolate, I3 < I1), or with its inside around the
+        space cone (oblate, I3 > I1); none where ω stays along L (spherical)
+    precession : (…) rad/s, φ̇ = L/I1, at which axis 3 and ω go round L in space
+    body_precession : (…) rad/s, Ω = (I3 − I1) ω3/I1, at which ω goes round axis 3 in the body
+    """
+
+    alpha: Float
+    theta: Float
+    body_half_angle: Float
+    space_half_angle: Float
+    rolling: Rolling
+    precession: Float
+    body_precession: Float
+
+
+def cones(moments: ArrayLike, angular_velocity: ArrayLike) -> Cones:
+    """Return the cones and precessions of a free symmetric top.
+
+    φ̇ = L/I1 = ω √(1 + ((I3/I1)² − 1) cos²α), Ω = (I3 − I1) ω3/I1, tanθ = (I1/I3) tanα (textbook § 13.20).
+
+    Parameters
+    ----------
+    moments : (3,) kg m², symmetry axis last
+    angular_velocity : (…, 3) rad/s
+
+    Raises `GeometryError` where I1 and I2 differ by more than `inertia.mass.principal.CLASS_TOLERANCE` of the largest
+    moment; their mean is I1.
+
+    >>> plate = cones([1, 1, 2], [0.01, 0, 1])                     # Feynman's plate: it wobbles twice in a turn
+    >>> plate.rolling, plate.precession.round(3).item(), plate.body_precession.item()
+    ('inside', 2.0, 1.0)
+    """
+    i1, i2, i3 = moments_of(array_of(moments, (3,), "moments")).tolist()
+    if abs(i1 - i2) > CLASS_TOLERANCE * max(i1, i2, i3):
+        raise GeometryError(
+            f"moments are {[i1, i2, i3]} kg m2: cones belong to a symmetric top with its symmetry axis last, I1 and I2 "
+            f"may differ by {CLASS_TOLERANCE:g} of the largest moment"
+        )
+    i1 = 0.5 * (i1 + i2)
+    omega = vectors(angular_velocity, "angular_velocity")
+    across, along = np.hypot(omega[..., 0], omega[..., 1]), omega[..., 2]
+    alpha = np.arctan2(across, along)
+    theta = np.arctan2(i1 * across, i3 * along)
+    return Cones(
+        alpha=alpha,
+        theta=theta,
+        body_half_angle=np.arctan2(across, np.abs(along)),
+        space_half_angle=np.arctan2(abs(i3 - i1) * across * np.abs(along), i1 * across**2 + i3 * along**2),
+        rolling="outside" if i3 < i1 else "inside" if i3 > i1 else "none",
+        precession=np.hypot(i1 * across, i3 * along) / i1,
+        body_precession=(i3 - i1) * along / i1,
+    )
+
+
+def momentum_angle(moments: ArrayLike, angular_velocity: ArrayLike) -> Float:
+    """Return the angle (…) in rad between L and ω, 0 … π/2: that of |L × ω| and L·ω = 2T.
+
+    The components of L × ω are (I2 − I3) ω2 ω3, cyclic: small angles are as well known as large ones.
+
+    Parameters
+    ----------
+    moments : (…, 3) kg m²
+    angular_velocity : (…, 3) rad/s
+
+    >>> momentum_angle([1, 1, 1], [3, -4, 12]).item()
+    0.0
+    """
+    i, w = moments_of(moments), vectors(angular_velocity, "angular_velocity")
+    cross = [(i[..., j] - i[..., k]) * w[..., j] * w[..., k] for j, k in ((1, 2), (2, 0), (0, 1))]
+    angle: Float = np.arctan2(np.linalg.norm(cross, axis=0), dot(i * w, w))
+    return angle
+
+
+@dataclass(frozen=True, eq=False)
+class Poinsot:
+    """The ellipsoid Σ I ω² = 2T of angular velocities, which rolls without slipping on the invariable plane.
+
+    Attributes
+    ----------
+    semi_axes : (…, 3) rad/s, √(2T/I)
+    normal : (…, 3) the plane's unit normal L/L along the principal axes
+    distance : (…) rad/s, 2T/L, of the plane from the centre, which stays at rest
+    contact : (…, 3) rad/s, ω: where they touch
+    """
+
+    semi_axes: Float
+    normal: Float
+    distance: Float
+    contact: Float
+
+
+@dataclass(frozen=True, eq=False)
+class Binet:
+    """The ellipsoid Σ L²/I = 2T of angular momenta and the sphere of radius |L|; L moves along their intersection.
+
+    Attributes
+    ----------
+    semi_axes : (…, 3) kg m²/s, √(2T I)
+    radius : (…) kg m²/s, |L|
+    momentum : (…, 3) kg m²/s, L along the principal axes
+    """
+
+    semi_axes: Float
+    radius: Float
+    momentum: Float
+
+
+def poinsot(moments: ArrayLike, angular_velocity: ArrayLike) -> Poinsot:
+    """Return Poinsot's construction of a free body from moments (…, 3) kg m² and ω (…, 3) rad/s.
+
+    Raises `GeometryError` where a body does not rotate.
+
+    >>> poinsot([1, 2, 2], [0, 3, 0]).distance.item()
+    3.0
+    """
+    moments, omega, twice_energy = _rotating(moments, angular_velocity)
+    momentum = moments * omega
+    size = np.linalg.norm(momentum, axis=-1)
+    return Poinsot(
+        np.sqrt(twice_energy[..., None] / moments), momentum / size[..., None], np.asarray(twice_energy / size), omega
+    )
+
+
+def binet(moments: ArrayLike, angular_velocity: ArrayLike) -> Binet:
+    """Return Binet's construction of a free body from moments (…, 3) kg m² and ω (…, 3) rad/s.
+
+    Raises `GeometryError` where a body does not rotate.
+
+    >>> binet([1, 2, 2], [0, 3, 0]).semi_axes[1:].tolist()
+    [6.0, 6.0]
+    """
+    moments, omega, twice_energy = _rotating(moments, angular_velocity)
+    momentum = moments * omega
+    return Binet(np.sqrt(twice_energy[..., None] * moments), np.linalg.norm(momentum, axis=-1), momentum)
+
+
+def _rotating(moments: ArrayLike, angular_velocity: ArrayLike) -> tuple[Float, Float, Float]:
+    """Return moments, ω and 2T; refuse a body at rest."""
+    moments, omega = moments_of(moments), vectors(angular_velocity, "angular_velocity")
+    twice_energy = dot(moments * omega, omega)
+    if not (twice_energy > 0).all():
+        raise GeometryError("angular_velocity is zero: a body at rest has neither ellipsoid nor plane")
+    return moments, omega, twice_energy

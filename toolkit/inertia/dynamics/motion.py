@@ -1,0 +1,50 @@
+"""What a model hands back: the motion of a set of axes fixed in the body, and how well it is known."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+
+from inertia.mesh.part import Float
+
+
+@dataclass(frozen=True, eq=False)
+class Event:
+    """Something that happened at an instant: `name` as "flip" or "turning point", `time` in s, `what` a sentence."""
+
+    name: str
+    time: float
+    what: str
+
+
+@dataclass(frozen=True, eq=False)
+class Motion:
+    """A model's answer at n instants, resolved along the axes that the model works in (its docstring says which).
+
+    Attributes
+    ----------
+    attitude : (n, 4) scalar-last quaternions, those axes to space
+    angular_velocity : (n, 3) rad/s, along those axes
+    position : (n, 3) m, the reference point (centre of mass, or the point that the model follows) in space; None where
+        it stays where it is
+    method : the method that ran, with its order
+    reached : rad, estimate or bound of the largest attitude error over the samples
+    invariants : {name: (n,) or (n, 3)} what the equations keep, evaluated at every sample; SI units
+    scales : {name: a magnitude} that the drift of an invariant is relative to, where its own initial value may vanish
+    quantities : {name: (n, …)} further outputs of the model; SI units, radians
+    events : in the order of time
+    warnings : sentences
+    steps : how many steps were taken; 0 for a closed form
+    """
+
+    attitude: Float
+    angular_velocity: Float
+    method: str
+    reached: float
+    position: Float | None = None
+    invariants: Mapping[str, Float] = field(default_factory=dict)
+    scales: Mapping[str, float] = field(default_factory=dict)
+    quantities: Mapping[str, Float] = field(default_factory=dict)
+    events: tuple[Event, ...] = ()
+    warnings: tuple[str, ...] = ()
+    steps: int = 0

@@ -1,0 +1,1 @@
+"""The smallest model that a scene needs, and how it is called."""

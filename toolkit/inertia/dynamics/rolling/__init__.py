@@ -1,0 +1,1 @@
+"""Bodies of revolution that roll on their rim."""

@@ -1,0 +1,1 @@
+"""Euler's equations with any loads, step by step."""

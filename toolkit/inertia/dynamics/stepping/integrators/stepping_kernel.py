@@ -1,0 +1,229 @@
+"""The compiled steppers of equal steps: symmetric-top splitting and the classical Runge–Kutta method.
+
+Imported only to be compiled (`inertia.native`); `splitting` and `runge_kutta` say what they compute.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numba import carray, njit
+
+HEAD, VECTOR = 10, 17
+
+
+@njit(inline="always")
+def pull(terms, count, time, x, y, z, w):
+    """Return the torque at an attitude, without damping."""
+    t0 = terms[0] + time * terms[3]
+    t1 = terms[1] + time * terms[4]
+    t2 = terms[2] + time * terms[5]
+    for j in range(count):
+        at = HEAD + VECTOR * j
+        u0, u1, u2 = terms[at], terms[at + 1], terms[at + 2]
+        s0 = u1 * z - u2 * y + w * u0
+        s1 = u2 * x - u0 * z + w * u1
+        s2 = u0 * y - u1 * x + w * u2
+        v0 = u0 + 2.0 * (s1 * z - s2 * y)
+        v1 = u1 + 2.0 * (s2 * x - s0 * z)
+        v2 = u2 + 2.0 * (s0 * y - s1 * x)
+        b0, b1, b2 = terms[at + 12] * v0, terms[at + 13] * v1, terms[at + 14] * v2
+        weight = terms[at + 15] + terms[at + 16] * time
+        t0 += weight * (terms[at + 3] * v0 + terms[at + 4] * v1 + terms[at + 5] * v2 + (v1 * b2 - v2 * b1))
+        t1 += weight * (terms[at + 6] * v0 + terms[at + 7] * v1 + terms[at + 8] * v2 + (v2 * b0 - v0 * b2))
+        t2 += weight * (terms[at + 9] * v0 + terms[at + 10] * v1 + terms[at + 11] * v2 + (v0 * b1 - v1 * b0))
+    return t0, t1, t2
+
+
+@njit(inline="always")
+def turn(x, y, z, w, a, b, c, d):
+    """Return the product of two quaternions."""
+    return (
+        w * a + x * d + (y * c - z * b),
+        w * b + y * d + (z * a - x * c),
+        w * c + z * d + (x * b - y * a),
+        w * d - (x * a + y * b + z * c),
+    )
+
+
+@njit(inline="always")
+def slowed(speed, torque, drag, moment, step):
+    """Return the angular velocity after a constant torque and linear damping have acted on one axis."""
+    z = drag * step / moment
+    if z == 0.0:
+        return speed + torque * step / moment
+    lost = -np.expm1(-z)
+    return speed * (1.0 - lost) + torque / drag * lost
+
+
+@njit(inline="always")
+def double(half):
+    """Return sine and cosine of an angle and of its half."""
+    s, c = np.sin(half), np.cos(half)
+    return 2.0 * s * c, 1.0 - 2.0 * s * s, s, c
+
+
+def split(moments_at, terms_at, count, state_at, times_at, counts_at, samples, pairs_at, stages, out_at):
+    """Take the state (q, ω) from 0 through `times`, `counts` steps to each, by a composition of `stages` pairs.
+
+    Axis 3 is that of the symmetric top, axis 1 that of the rest.
+    """
+    moments = carray(moments_at, (3,), np.float64)
+    terms = carray(terms_at, (HEAD + VECTOR * count,), np.float64)
+    state = carray(state_at, (7,), np.float64)
+    times = carray(times_at, (samples,), np.float64)
+    counts = carray(counts_at, (samples,), np.int64)
+    pairs = carray(pairs_at, (stages, 2), np.float64)
+    out = carray(out_at, (samples, 7), np.float64)
+    a, b, c = moments[0], moments[1], moments[2]
+    ab, cb = a / b, c / b
+    bc, ba = b / c, b / a
+    rest, own = (b - a) / b, (b - c) / b
+    x, y, z, w = state[0], state[1], state[2], state[3]
+    p, q, r = state[4], state[5], state[6]
+    loaded = count > 0
+    for k in range(9):
+        loaded = loaded or terms[k] != 0.0
+    begin = 0.0
+    for sample in range(samples):
+        step = (times[sample] - begin) / counts[sample] if counts[sample] > 0 else 0.0
+        for number in range(counts[sample]):
+            time = begin + number * step
+            before = pairs[stages - 1, 1] if number > 0 else 0.0
+            for stage in range(stages + 1):
+                if stage == stages and number + 1 < counts[sample]:
+                    break  # the kick that ends a step is one with the kick that begins the next
+                if loaded:
+                    kick = (before + (pairs[stage, 0] if stage < stages else 0.0)) * step
+                    t0, t1, t2 = pull(terms, count, time, x, y, z, w)
+                    p = slowed(p, t0, terms[6], a, kick)
+                    q = slowed(q, t1, terms[7], b, kick)
+                    r = slowed(r, t2, terms[8], c, kick)
+                if stage == stages:
+                    break
+                first, second = pairs[stage, 0] * step, pairs[stage, 1] * step
+                before = pairs[stage, 1]
+                if a != b:
+                    s, co, sh, ch = double(0.5 * first * p * rest)
+                    q, r = co * q + s * cb * r, co * r - s * bc * q
+                    x, y, z, w = x * ch + w * sh, y * ch + z * sh, z * ch - y * sh, w * ch - x * sh
+                both = first + second
+                l0, l1, l2 = p * ab, q, r * cb
+                size = np.sqrt(l0 * l0 + l1 * l1 + l2 * l2)
+                half = 0.5 * both * size
+                part = np.sin(half) / size if size > 0.0 else 0.0
+                x, y, z, w = turn(x, y, z, w, part * l0, part * l1, part * l2, np.cos(half))
+                s, co, sh, ch = double(0.5 * both * r * own)
+                p, q = co * p + s * ba * q, co * q - s * ab * p
+                x, y, z, w = x * ch + y * sh, y * ch - x * sh, z * ch + w * sh, w * ch - z * sh
+                if a != b:
+                    s, co, sh, ch = double(0.5 * second * p * rest)
+                    q, r = co * q + s * cb * r, co * r - s * bc * q
+                    x, y, z, w = x * ch + w * sh, y * ch + z * sh, z * ch - y * sh, w * ch - x * sh
+                time += both
+            scale = 1.5 - 0.5 * (x * x + y * y + z * z + w * w)
+            x, y, z, w = x * scale, y * scale, z * scale, w * scale
+        begin = times[sample]
+        out[sample, 0], out[sample, 1], out[sample, 2], out[sample, 3] = x, y, z, w
+        out[sample, 4], out[sample, 5], out[sample, 6] = p, q, r
+    return 0
+
+
+@njit(inline="always")
+def rate(moments, terms, count, time, x, y, z, w, p, q, r):
+    """Return the rate of (q, ω)."""
+    a, b, c = moments[0], moments[1], moments[2]
+    e, f, g = (b - c) * q * r, (c - a) * r * p, (a - b) * p * q
+    o0, o1, o2 = p, q, r
+    if terms[9] != 0.0:
+        kappa = terms[9]
+        s0, s1, s2 = kappa * e / (a * a), kappa * f / (b * b), kappa * g / (c * c)
+        o0, o1, o2 = p + s0, q + s1, r + s2
+        e, f, g = e + (b * q * s2 - c * r * s1), f + (c * r * s0 - a * p * s2), g + (a * p * s1 - b * q * s0)
+    size = 1.0 / np.sqrt(x * x + y * y + z * z + w * w)
+    t0, t1, t2 = pull(terms, count, time, x * size, y * size, z * size, w * size)
+    return (
+        0.5 * (w * o0 + y * o2 - z * o1),
+        0.5 * (w * o1 + z * o0 - x * o2),
+        0.5 * (w * o2 + x * o1 - y * o0),
+        -0.5 * (x * o0 + y * o1 + z * o2),
+        (e + t0 - terms[6] * p) / a,
+        (f + t1 - terms[7] * q) / b,
+        (g + t2 - terms[8] * r) / c,
+    )
+
+
+@njit(inline="always")
+def step_once(moments, terms, count, time, step, state):
+    """Take one step of the classical method of order four."""
+    x, y, z, w, p, q, r = state
+    half = 0.5 * step
+    a = rate(moments, terms, count, time, x, y, z, w, p, q, r)
+    b = rate(
+        moments,
+        terms,
+        count,
+        time + half,
+        x + half * a[0],
+        y + half * a[1],
+        z + half * a[2],
+        w + half * a[3],
+        p + half * a[4],
+        q + half * a[5],
+        r + half * a[6],
+    )
+    c = rate(
+        moments,
+        terms,
+        count,
+        time + half,
+        x + half * b[0],
+        y + half * b[1],
+        z + half * b[2],
+        w + half * b[3],
+        p + half * b[4],
+        q + half * b[5],
+        r + half * b[6],
+    )
+    d = rate(
+        moments,
+        terms,
+        count,
+        time + step,
+        x + step * c[0],
+        y + step * c[1],
+        z + step * c[2],
+        w + step * c[3],
+        p + step * c[4],
+        q + step * c[5],
+        r + step * c[6],
+    )
+    sixth = step / 6.0
+    x += sixth * (a[0] + 2.0 * (b[0] + c[0]) + d[0])
+    y += sixth * (a[1] + 2.0 * (b[1] + c[1]) + d[1])
+    z += sixth * (a[2] + 2.0 * (b[2] + c[2]) + d[2])
+    w += sixth * (a[3] + 2.0 * (b[3] + c[3]) + d[3])
+    p += sixth * (a[4] + 2.0 * (b[4] + c[4]) + d[4])
+    q += sixth * (a[5] + 2.0 * (b[5] + c[5]) + d[5])
+    r += sixth * (a[6] + 2.0 * (b[6] + c[6]) + d[6])
+    scale = 1.0 / np.sqrt(x * x + y * y + z * z + w * w)
+    return x * scale, y * scale, z * scale, w * scale, p, q, r
+
+
+def runge_kutta_4(moments_at, terms_at, count, state_at, times_at, counts_at, samples, out_at):
+    """Take the state (q, ω) from 0 through `times`, `counts` steps to each."""
+    moments = carray(moments_at, (3,), np.float64)
+    terms = carray(terms_at, (HEAD + VECTOR * count,), np.float64)
+    begun = carray(state_at, (7,), np.float64)
+    times = carray(times_at, (samples,), np.float64)
+    counts = carray(counts_at, (samples,), np.int64)
+    out = carray(out_at, (samples, 7), np.float64)
+    state = begun[0], begun[1], begun[2], begun[3], begun[4], begun[5], begun[6]
+    begin = 0.0
+    for sample in range(samples):
+        step = (times[sample] - begin) / counts[sample] if counts[sample] > 0 else 0.0
+        for number in range(counts[sample]):
+            state = step_once(moments, terms, count, begin + number * step, step, state)
+        begin = times[sample]
+        out[sample, 0], out[sample, 1], out[sample, 2], out[sample, 3] = state[0], state[1], state[2], state[3]
+        out[sample, 4], out[sample, 5], out[sample, 6] = state[4], state[5], state[6]
+    return 0

@@ -1,0 +1,146 @@
+"""Taylor series of the whole motion, to an order that follows from the tolerance.
+
+Euler's equations, the attitude and the body components of a vector fixed in space have polynomial right-hand sides,
+so that every coefficient follows from sums of products of the ones before (Cauchy products). Order and step are those
+of Jorba & Zou, Experim. Math. 14 (2005) 99, § 3: order ⌈−½ ln tolerance⌉ + 1, the step from the last two coefficients.
+A step spans about a radian at full accuracy; samples inside it are values of its polynomial.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from inertia.dynamics import quaternion
+from inertia.dynamics.stepping.integrators.base import Adaptive, Scaled, States, begin, pieces
+from inertia.dynamics.stepping.rotation import RotationProblem
+from inertia.dynamics.stepping.terms import HEAD, VECTOR
+from inertia.errors import GeometryError
+from inertia.mesh.part import Float
+from inertia.native import Kernel
+
+_KERNEL = Kernel("inertia.dynamics.stepping.integrators.taylor_kernel", "advance", "ppippiidipp")
+
+STEP_COST = 6000
+"""A step of the numpy path in units of `native.Kernel.worthwhile`."""
+
+LIMIT = 200_000_000
+"""Steps that are still taken (minutes)."""
+
+
+class Taylor(Adaptive):
+    """The Taylor method; loads must be polynomial (`terms.Terms`), tables are taken row by row."""
+
+    name = "Taylor"
+    order = 20
+    tightest = 1e-17
+    coarsest = 3e-16
+    runs = 3
+    safety = 5.0
+
+    def run(self, problem: RotationProblem, time: Float, control: float, level: int = 0) -> States:
+        """Return the states at `time`."""
+        tolerance = self.tolerance(control, level)
+        order = int(np.ceil(-0.5 * np.log(tolerance))) + 1
+        state = begin(problem, level)
+        out = np.empty((len(time), 7))
+        out[time <= problem.start] = state
+        steps = 0
+        for piece in pieces(problem, time):
+            scaled = Scaled.of(problem, piece, time)
+            found = np.empty((len(scaled.targets), 7))
+            steps += _advance(scaled, state, order, tolerance, found)
+            out[piece.first : piece.last] = found[:-1]
+            state = found[-1]
+        return States(quaternion.normalise(out[:, :4]), out[:, 4:] * problem.rate, steps)
+
+
+def _advance(scaled: Scaled, state: Float, order: int, tolerance: float, out: Float) -> int:
+    if not _KERNEL.worthwhile(int(min(scaled.radians, 1e12)) * STEP_COST):
+        return _advance_numpy(scaled, state, order, tolerance, out)
+    count = scaled.vectors
+    work = np.empty((order + 1 + count) * (13 + 3 * count))
+    state = np.array(state)
+    arrays = scaled.moments, scaled.packed, state, scaled.targets, work, out
+    moments, packed, at, targets, scratch, to = (array.ctypes.data for array in arrays)
+    steps = _KERNEL.function(
+        moments, packed, count, at, targets, len(scaled.targets), order, tolerance, LIMIT, scratch, to
+    )
+    if steps < 0:
+        raise _stopped()
+    return steps
+
+
+def _stopped() -> GeometryError:
+    return GeometryError(
+        f"Taylor stopped after {LIMIT:.2g} steps, or where the motion leaves float64: "
+        "check the loads or ask for a shorter run"
+    )
+
+
+def _advance_numpy(scaled: Scaled, state: Float, order: int, tolerance: float, out: Float) -> int:
+    """Do what the kernel does, one matrix product a coefficient."""
+    now, slack, done, steps = 0.0, 0.0, 0, 0
+    powers = np.arange(order + 1)
+    while done < len(out):
+        series = _series(scaled, state, now, order)
+        steps += 1
+        step = _length(series, order, tolerance)
+        if not step > 0 or steps > LIMIT:
+            raise _stopped()
+        ahead = (scaled.targets[done:] - now) - slack
+        last = done + int(np.searchsorted(ahead, step, side="right"))
+        out[done:last] = ahead[: last - done, None] ** powers @ series[:, :7]
+        done = last
+        if done < len(out):
+            state = step**powers @ series[:, :7]
+            state[:4] /= np.linalg.norm(state[:4])
+            now, slack = now + (step + slack), (step + slack) - ((now + (step + slack)) - now)
+    return steps
+
+
+def _length(series: Float, order: int, tolerance: float) -> float:
+    sizes = np.abs(series[order - 1 :]) / np.maximum(1.0, np.abs(series[0]))
+    largest = np.delete(sizes, np.s_[7:13], axis=1).max(axis=1)
+    with np.errstate(divide="ignore"):
+        return float(((tolerance / largest) ** (1.0 / np.arange(order - 1, order + 1))).min())
+
+
+def _series(scaled: Scaled, state: Float, now: float, order: int) -> Float:
+    """Return the coefficients (order + 1, 13 + 3 k) of q, ω, Ω, Ω − ω and the k vectors in the body."""
+    moments, packed = scaled.moments, scaled.packed
+    rows = packed[HEAD:].reshape(-1, VECTOR)
+    series = np.zeros((order + 1, 13 + 3 * len(rows)))
+    q, w, turn, slip = series[:, :4], series[:, 4:7], series[:, 7:10], series[:, 10:13]
+    q[0], w[0] = state[:4], state[4:]
+    vectors = [series[:, at : at + 3] for at in range(13, series.shape[1], 3)]
+    for v, row in zip(vectors, rows, strict=True):
+        v[0] = quaternion.to_body(q[0], row[:3])
+    pulls = [np.zeros(3) for _ in rows]
+    apart = np.roll(moments, -1) - np.roll(moments, -2)
+    for n in range(order):
+        euler = apart * (w[: n + 1].T @ w[n::-1])[[1, 2, 0], [2, 0, 1]]
+        slip[n] = packed[9] * euler / moments**2
+        turn[n] = w[n] + slip[n]
+        if packed[9]:
+            euler = euler + _cross((w[: n + 1].T * moments[:, None]) @ slip[n::-1])
+        back = turn[n::-1]
+        product = q[: n + 1].T @ back
+        q[n + 1, :3] = 0.5 * (product[3] + _cross(product[:3])) / (n + 1)
+        q[n + 1, 3] = -0.5 * np.trace(product[:3]) / (n + 1)
+        torque = -packed[6:9] * w[n]
+        if n == 0:
+            torque = torque + packed[0:3] + now * packed[3:6]
+        elif n == 1:
+            torque = torque + packed[3:6]
+        for j, (v, row) in enumerate(zip(vectors, rows, strict=True)):
+            pull = row[3:12].reshape(3, 3) @ v[n] + _cross(v[: n + 1].T @ (v[n::-1] * row[12:15]))
+            torque = torque + (row[15] + now * row[16]) * pull + row[16] * pulls[j]
+            pulls[j] = pull
+            v[n + 1] = _cross(v[: n + 1].T @ back) / (n + 1)
+        w[n + 1] = (euler + torque) / moments / (n + 1)
+    return series
+
+
+def _cross(product: Float) -> Float:
+    """Return Σ a × b from the sums a_i b_j, (3, 3)."""
+    return np.array([product[1, 2] - product[2, 1], product[2, 0] - product[0, 2], product[0, 1] - product[1, 0]])

@@ -1,0 +1,307 @@
+"""The fields of a file that describes something: what each may hold, and the sentence that says where one is wrong.
+
+A section of a file is a frozen dataclass whose fields are annotated with a reader. The reader turns what the file,
+or the caller in Python, gave into what the models use, and names the field's path where it cannot.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import MISSING, dataclass, fields
+from difflib import get_close_matches
+from numbers import Integral, Real
+from typing import Any, ClassVar, TypeVar, get_type_hints
+
+import numpy as np
+from numpy.typing import NDArray
+
+from inertia.errors import UsageError
+
+Read = Callable[[Any, str], Any]
+
+_COUNTS = {2: "two numbers", 3: "three numbers", 4: "four numbers"}
+
+
+class FieldError(UsageError):
+    """A field is not usable: its `path`, as ``start.angular_velocity[1]``, and what is the matter with it."""
+
+    def __init__(self, path: str, says: str) -> None:
+        super().__init__(f"{path} {says}")
+        self.path = path
+        self.says = says
+
+    def moved(self, start: str, to: str) -> FieldError:
+        """Return the error with another beginning of its path, where it begins with `start`."""
+        if not self.path.startswith(start):
+            return self
+        return FieldError(to + self.path[len(start) :], self.says.replace(f"{start}.", f"{to}."))
+
+
+@dataclass(frozen=True)
+class Reader:
+    """How a field is read, and the JSON Schema of what it may hold."""
+
+    read: Read
+    schema: Mapping[str, Any]
+
+    def __call__(self, value: Any, path: str) -> Any:
+        """Return the value as the models use it; raise `FieldError`."""
+        return self.read(value, path)
+
+
+@dataclass(frozen=True, eq=False)
+class Section:
+    """A section of a file: every field is read by its reader when the section is made; None is left as it is."""
+
+    section: ClassVar[str]
+
+    def __post_init__(self) -> None:
+        for name, read in readers(type(self)).items():
+            value = getattr(self, name)
+            if value is not None:
+                object.__setattr__(self, name, read(value, joined(self.section, name)))
+
+
+S = TypeVar("S", bound=Section)
+
+
+def readers(kind: type[Section]) -> dict[str, Read]:
+    """Return the reader of each field of a section."""
+    hints = get_type_hints(kind, include_extras=True)
+    return {each.name: hints[each.name].__metadata__[0] for each in fields(kind)}
+
+
+def joined(path: str, name: str) -> str:
+    """Return the path of a field; that of the whole file is empty."""
+    return f"{path}.{name}" if path else name
+
+
+def section_of(kind: type[S], table: object, extra: Sequence[str] = (), path: str | None = None) -> S:
+    """Make a section from a table of the file.
+
+    Parameters
+    ----------
+    kind : the section's class
+    table : what the file has there
+    extra : keys that are known too, but are the caller's
+    path : what errors call the section, if not by its name
+    """
+    where = kind.section if path is None else path
+    known = {each.name: each.default is MISSING for each in fields(kind)}
+    entries = table_of(table, where)
+    require_known(entries, [*known, *extra], where)
+    for name, required in known.items():
+        if required and name not in entries:
+            raise FieldError(joined(where, name), "is missing: it has to be given")
+    try:
+        return kind(**{name: value for name, value in entries.items() if name in known})
+    except FieldError as error:
+        raise error.moved(kind.section, where) from None
+
+
+def table_of(value: object, path: str) -> Mapping[str, Any]:
+    """Return a table of the file as it is."""
+    if not isinstance(value, Mapping):
+        raise FieldError(path, f"is {shown(value)}: it must be a table, as in [{path}]")
+    return value
+
+
+def require_known(table: Mapping[str, Any], known: Sequence[str], path: str) -> None:
+    """Refuse a key that is none of `known`, naming the nearest of them."""
+    for key in table:
+        if key not in known:
+            close = get_close_matches(str(key), known, n=1, cutoff=0.5)
+            hint = f"did you mean {close[0]}?" if close else f"use {', '.join(known)}"
+            raise FieldError(joined(path, str(key)), f"is unknown: {hint}")
+
+
+def number(unit: str, *, positive: bool = False, negative: bool = True, below: float = math.inf) -> Reader:
+    """Read a finite number of some unit: any, none below zero, or positive only; and less than `below`."""
+    asked = f"a number of {unit}" if unit else "a number"
+
+    def read(value: Any, path: str) -> float:
+        if isinstance(value, bool) or not isinstance(value, Real):
+            raise FieldError(path, f"is {shown(value)}: it must be {asked}")
+        figure = _float(value)
+        if not math.isfinite(figure):
+            raise FieldError(path, f"is {shown(value)}: it must be finite")
+        if positive and figure <= 0:
+            raise FieldError(path, f"is {shown(value)}: it must be positive, {asked}")
+        if not negative and figure < 0:
+            raise FieldError(path, f"is {shown(value)}: it must not be negative, {asked}")
+        if figure >= below:
+            raise FieldError(path, f"is {shown(value)}: it must be below {below:g}, {asked}")
+        return figure
+
+    schema: dict[str, Any] = {"type": "number"}
+    if positive:
+        schema["exclusiveMinimum"] = 0
+    elif not negative:
+        schema["minimum"] = 0
+    if below < math.inf:
+        schema["exclusiveMaximum"] = below
+    return Reader(read, schema)
+
+
+def _float(value: Real) -> float:
+    try:
+        return float(value)
+    except OverflowError:
+        return math.inf
+
+
+def integer(least: int, most: int) -> Reader:
+    """Read a whole number within bounds."""
+
+    def read(value: Any, path: str) -> int:
+        if isinstance(value, bool) or not isinstance(value, Integral):
+            raise FieldError(path, f"is {shown(value)}: it must be a whole number")
+        whole = int(value)
+        if not least <= whole <= most:
+            raise FieldError(path, f"is {shown(whole)}: it must be between {least} and {most}")
+        return whole
+
+    return Reader(read, {"type": "integer", "minimum": least, "maximum": most})
+
+
+def numbers(shape: tuple[int, ...], unit: str) -> Reader:
+    """Read an array of finite numbers of this shape; an entry that is none is named by its index."""
+    single = number(unit)
+    asked = f"{_COUNTS[shape[-1]]}" if len(shape) == 1 else f"{shape[0]} rows of {_COUNTS[shape[1]]}"
+
+    def read(value: Any, path: str) -> NDArray[np.float64]:
+        nested = value.tolist() if isinstance(value, np.ndarray) else value
+
+        def entries(part: Any, lengths: tuple[int, ...], where: str) -> Any:
+            if not lengths:
+                return single(part, where)
+            if not isinstance(part, Sequence) or isinstance(part, str):
+                raise FieldError(where, f"is {shown(part)}: {path} must be {asked}, {unit}")
+            if len(part) != lengths[0]:
+                raise FieldError(where, f"has {len(part)} entries, not {lengths[0]}: {path} must be {asked}, {unit}")
+            return [entries(one, lengths[1:], f"{where}[{k}]") for k, one in enumerate(part)]
+
+        array = np.array(entries(nested, shape, path), dtype=np.float64)
+        array.setflags(write=False)
+        return array
+
+    schema: dict[str, Any] = {"type": "number"}
+    for length in reversed(shape):
+        schema = {"type": "array", "items": schema, "minItems": length, "maxItems": length}
+    return Reader(read, schema)
+
+
+def choice(*options: str) -> Reader:
+    """Read one of several words."""
+
+    def read(value: Any, path: str) -> str:
+        if isinstance(value, str) and value in options:
+            return value
+        close = get_close_matches(value, options, n=1, cutoff=0.5) if isinstance(value, str) else []
+        hint = f"; did you mean {close[0]!r}?" if close else ""
+        raise FieldError(path, f"is {shown(value)}: use one of {', '.join(map(repr, options))}{hint}")
+
+    return Reader(read, {"enum": list(options)})
+
+
+def _text(value: Any, path: str) -> str:
+    if not isinstance(value, str) or not value.strip():
+        raise FieldError(path, f"is {shown(value)}: it must be text")
+    return value
+
+
+text = Reader(_text, {"type": "string", "minLength": 1})
+"""Read some text."""
+
+
+def _flag(value: Any, path: str) -> bool:
+    if not isinstance(value, bool):
+        raise FieldError(path, f"is {shown(value)}: it must be true or false")
+    return value
+
+
+flag = Reader(_flag, {"type": "boolean"})
+"""Read true or false."""
+
+
+def several(single: Reader, *, least: int = 1) -> Reader:
+    """Read a list of at least so many entries; each is named by its index."""
+
+    def read(value: Any, path: str) -> tuple[Any, ...]:
+        if not isinstance(value, Sequence) or isinstance(value, str):
+            raise FieldError(path, f"is {shown(value)}: it must be a list")
+        if len(value) < least:
+            raise FieldError(path, f"has {len(value)} entries: give at least {least}")
+        return tuple(single(one, f"{path}[{k}]") for k, one in enumerate(value))
+
+    return Reader(read, {"type": "array", "items": single.schema, "minItems": least})
+
+
+def table(kind: type[S]) -> Reader:
+    """Read a section within the file, or take one that was made."""
+
+    def read(value: Any, path: str) -> S:
+        return value if isinstance(value, kind) else section_of(kind, value, path=path)
+
+    return Reader(read, schema_of(kind))
+
+
+def tables(kind: type[S], *, least: int = 0) -> Reader:
+    """Read the sections of a list of tables, ``[[name]]``."""
+    entries = several(table(kind), least=least)
+
+    def read(value: Any, path: str) -> tuple[S, ...]:
+        if isinstance(value, Mapping):
+            raise FieldError(path, f"must be a list of tables: write [[{path}]] in double brackets")
+        found: tuple[S, ...] = entries(value, path)
+        return found
+
+    return Reader(read, entries.schema)
+
+
+def schema_of(kind: type[Section]) -> dict[str, Any]:
+    """Return the JSON Schema of a section; what the fields are is told as the class's docstring has it."""
+    told = _descriptions(kind)
+    properties = {}
+    for name, read in readers(kind).items():
+        schema = dict(read.schema) if isinstance(read, Reader) else {}
+        properties[name] = schema | ({"description": told[name]} if name in told else {})
+    needed = [each.name for each in fields(kind) if each.default is MISSING]
+    return {"type": "object", "additionalProperties": False, "properties": properties, "required": needed}
+
+
+def _descriptions(kind: type[Section]) -> dict[str, str]:
+    """Return what the list of attributes in a docstring says of each."""
+    found: dict[str, str] = {}
+    names: list[str] = []
+    for line in (kind.__doc__ or "").partition("----------\n")[2].splitlines():
+        if not line.strip():
+            break
+        if line.startswith("     "):  # a line that goes on
+            found |= {name: f"{found[name]} {line.strip()}" for name in names}
+            continue
+        listed, _, said = line.strip().partition(" : ")
+        names = listed.split(", ")
+        found |= dict.fromkeys(names, said)
+    return found
+
+
+def plain(value: Any) -> Any:
+    """Return a section, or a field, as a file would hold it: fields that are at their default are left out."""
+    if isinstance(value, Section):
+        held = {each.name: (getattr(value, each.name), each.default) for each in fields(value)}
+        return {
+            name: plain(given)
+            for name, (given, default) in held.items()
+            if given is not None and (default is MISSING or plain(given) != plain(default))
+        }
+    if isinstance(value, np.ndarray):
+        return value.tolist()
+    return [plain(one) for one in value] if isinstance(value, tuple | list) else value
+
+
+def shown(value: object) -> str:
+    """Return a value as a message may quote it: short."""
+    quoted = repr(value)
+    return quoted if len(quoted) <= 40 else f"{quoted[:37]}..."

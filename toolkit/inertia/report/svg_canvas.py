@@ -1,0 +1,104 @@
+"""`Canvas`: an SVG picture in millimetres, built as a tree, so that it is well-formed and its text is escaped.
+
+Colours and line styles are classes of the report's style sheet; they differ in stroke, not in colour alone.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable
+from xml.etree.ElementTree import Element, SubElement, tostring
+
+from markupsafe import Markup
+
+Point = tuple[float, float]
+
+_TEXT = 0.56  # mean width of a character, of the text's height
+
+
+class Canvas:
+    """A picture of a width and a height in mm, with x to the right and y down."""
+
+    def __init__(self, width: float, height: float, title: str) -> None:
+        self._root = Element(
+            "svg",
+            {"viewBox": f"0 0 {_mm(width)} {_mm(height)}", "style": f"width:{_mm(width)}mm", "role": "img"},
+        )
+        SubElement(self._root, "title").text = title
+
+    def markup(self) -> Markup:
+        """Return the picture, to be put into a page as it is."""
+        return Markup(tostring(self._root, encoding="unicode"))
+
+    def line(self, start: Point, end: Point, style: str) -> None:
+        """Draw a line."""
+        ends = {"x1": _mm(start[0]), "y1": _mm(start[1]), "x2": _mm(end[0]), "y2": _mm(end[1])}
+        SubElement(self._root, "line", {**ends, "class": style})
+
+    def circle(self, center: Point, radius: float, style: str) -> None:
+        """Draw a circle."""
+        place = {"cx": _mm(center[0]), "cy": _mm(center[1]), "r": _mm(radius)}
+        SubElement(self._root, "circle", {**place, "class": style})
+
+    def rectangle(self, corner: Point, width: float, height: float, style: str) -> None:
+        """Draw a rectangle from its upper left corner."""
+        place = {"x": _mm(corner[0]), "y": _mm(corner[1]), "width": _mm(width), "height": _mm(height)}
+        SubElement(self._root, "rect", {**place, "class": style})
+
+    def polygon(self, points: Iterable[Point], style: str) -> None:
+        """Draw a closed polygon."""
+        SubElement(self._root, "polygon", {"points": _points(points), "class": style})
+
+    def polyline(self, points: Iterable[Point], style: str) -> None:
+        """Draw an open polyline."""
+        SubElement(self._root, "polyline", {"points": _points(points), "class": style})
+
+    def text(self, place: Point, text: str, *, size: float = 2.6, anchor: str = "middle", style: str = "") -> None:
+        """Write text; `place` is on its baseline, `anchor` is "start", "middle" or "end"."""
+        attributes = {"x": _mm(place[0]), "y": _mm(place[1]), "font-size": _mm(size), "text-anchor": anchor}
+        if style:
+            attributes["class"] = style
+        SubElement(self._root, "text", attributes).text = text
+
+    def arrow(self, start: Point, end: Point, style: str, head: float = 2.2) -> None:
+        """Draw an arrow; a short one keeps its head, which then is smaller."""
+        length = math.dist(start, end)
+        if length == 0:
+            return
+        size = min(head, 0.7 * length)
+        along = ((end[0] - start[0]) / length, (end[1] - start[1]) / length)
+        neck = (end[0] - size * along[0], end[1] - size * along[1])
+        wide = 0.35 * size
+        self.line(start, neck, style)
+        left = (neck[0] - wide * along[1], neck[1] + wide * along[0])
+        right = (neck[0] + wide * along[1], neck[1] - wide * along[0])
+        self.polygon([end, left, right], f"{style} head")
+
+
+def text_width(text: str, size: float) -> float:
+    """Return about how wide a text is, mm."""
+    return _TEXT * size * len(text)
+
+
+def levels(places: Iterable[float], widths: Iterable[float]) -> list[int]:
+    """Return the level of each label, centred at its place, so that none lies upon another; places ascend.
+
+    >>> levels([0.0, 3.0, 20.0], [5.0, 5.0, 5.0])
+    [0, 1, 0]
+    """
+    ends: list[float] = []
+    found = []
+    for place, width in zip(places, widths, strict=True):
+        start, end = place - 0.5 * width, place + 0.5 * width
+        level = next((k for k, taken in enumerate(ends) if start >= taken), len(ends))
+        ends[level : level + 1] = [end]
+        found.append(level)
+    return found
+
+
+def _points(points: Iterable[Point]) -> str:
+    return " ".join(f"{_mm(x)},{_mm(y)}" for x, y in points)
+
+
+def _mm(value: float) -> str:
+    return f"{value:.2f}".rstrip("0").rstrip(".")
