@@ -134,3 +134,50 @@ def test_a_recording_of_something_else_is_refused(tmp_path: Path) -> None:
         stream.log("a", rr.Points3D([[0, 0, 0]]), static=True)
     with pytest.raises(ReadError, match="it is no recording of a run"):
         scene_of(tmp_path / "run.rrd")
+
+
+def test_a_rotor_s_recording_says_how_it_was_judged_and_is_no_scene(tmp_path: Path) -> None:
+    rotor = inertia.Rotor.load(path("rotors/two_disc_rotor.toml"))
+    record(inertia.balance(rotor), tmp_path / "rotor.rrd")
+    held = properties(tmp_path / "rotor.rrd")
+    assert held["verdict"]["outcome"] == "pass"
+    assert inertia.Rotor.loads(held["rotor"]["text"], rotor.folder).fields.plane == rotor.fields.plane
+    assert len(held["source"]["sha256"]) == 64
+    with pytest.raises(ReadError, match=r"it is no recording of a run"):
+        scene_of(tmp_path / "rotor.rrd")
+
+
+def test_each_part_of_a_deforming_body_that_has_a_mesh_is_named(tmp_path: Path) -> None:
+    (tmp_path / "two.toml").write_text(
+        """
+        schema = 1
+        [[part]]
+        name = "a"
+        part = "cube.stl"
+        unit = "mm"
+        [[part]]
+        name = "b"
+        part = "box.stl"
+        unit = "mm"
+        parent = "a"
+        [[part.joint]]
+        axis = [0, 0, 1]
+        times = [0.0, 1.0]
+        angles = [0.0, 1.0]
+        [start]
+        angular_velocity = [0, 0, 0]
+        [run]
+        duration = 1.0
+        samples = 20
+        """
+    )
+    for name in ("cube.stl", "box.stl"):
+        shutil.copy(path(name), tmp_path)
+    run = simulate(Scene.load(tmp_path / "two.toml"))
+    record(run, tmp_path / "two.rrd")
+    held = properties(tmp_path / "two.rrd")
+    hashes = [mesh.source.sha256 for mesh in run.scene.body.meshes if mesh is not None]
+    assert [held["source"]["sha256"], held["source_2"]["sha256"]] == hashes
+    (tmp_path / "box.stl").write_bytes((tmp_path / "cube.stl").read_bytes())
+    with pytest.raises(ReadError, match=r"was made from another"):
+        scene_of(tmp_path / "two.rrd")
