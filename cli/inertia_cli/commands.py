@@ -5,6 +5,7 @@ from __future__ import annotations
 import argparse
 import contextlib
 import threading
+from collections.abc import Iterator
 from dataclasses import replace
 from typing import TYPE_CHECKING, TypeVar
 
@@ -92,6 +93,17 @@ def check(options: argparse.Namespace) -> int:
     return UNFIT if report.faults(options.orientation) else 0
 
 
+@contextlib.contextmanager
+def sound_solid_for(what: str) -> Iterator[None]:
+    """Say, of a remedy that is an option of `analyse`, that it belongs there."""
+    try:
+        yield
+    except GeometryError as fault:
+        if any(option in str(fault) for option in ("--repair", "--shell", "--orientation")):
+            raise GeometryError(f"{fault} (with `inertia analyse`: {what} takes a sound solid only)") from None
+        raise
+
+
 def trade(options: argparse.Namespace) -> int:
     """Run ``inertia trade``."""
     from inertia.trade.plot import plot, require_plottable
@@ -104,21 +116,16 @@ def trade(options: argparse.Namespace) -> int:
         require_plottable(options.plot, force=options.force)
     part, hashing = _read(options)
     hashing.join()  # beside the measuring it would disturb it
-    try:
-        with Progress("measuring") as progress:
-            found = trade_part(
-                part,
-                options.accuracy,
-                density=options.density,
-                material=options.material,
-                repeats=options.repeats,
-                budget=options.budget,
-                progress=progress,
-            )
-    except GeometryError as fault:
-        if any(option in str(fault) for option in ("--repair", "--shell", "--orientation")):
-            raise GeometryError(f"{fault} (with `inertia analyse`: a trade takes a sound solid only)") from None
-        raise
+    with sound_solid_for("a trade"), Progress("measuring") as progress:
+        found = trade_part(
+            part,
+            options.accuracy,
+            density=options.density,
+            material=options.material,
+            repeats=options.repeats,
+            budget=options.budget,
+            progress=progress,
+        )
     try:
         if options.plot is not None:
             plot(found, options.plot, force=options.force)

@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from inertia.errors import GeometryError, InertiaError, UsageError
-from inertia_cli.commands import by_name
+from inertia_cli.commands import by_name, sound_solid_for
 from inertia_cli.documents import print_document
 
 if TYPE_CHECKING:
@@ -46,9 +46,9 @@ def tumble(options: argparse.Namespace) -> int:
     from inertia.mesh.read import read
 
     part = read(options.part, options.unit, format=options.format)
-    found = analyse(
-        part, by_name("density", options.density), material=by_name("material", options.material), mass=options.mass
-    )
+    density, material = by_name("density", options.density), by_name("material", options.material)
+    with sound_solid_for("tumbling"):
+        found = analyse(part, density, material=material, mass=options.mass)
     try:
         body, start, run = SceneBody.of_analysis(found), Start(options.spin), Settings(options.duration)
         return _follow(Scene(body, start, run, text=_text(options), name=options.part), options)
