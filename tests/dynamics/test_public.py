@@ -7,12 +7,12 @@ from pathlib import Path
 import pytest
 
 PAGE = Path(__file__).resolve().parents[2] / "docs" / "dynamics.md"
-ROWS = re.findall(r"^\| (`[a-z_`, ]+`) \| (`.*?`) \|", PAGE.read_text(encoding="utf-8").split("## Functions")[1], re.M)
+ROWS = re.findall(r"^\| (`[a-z_.`, ]+`) \| (`.*?`) \|", PAGE.read_text(encoding="utf-8").split("## Functions")[1], re.M)
 
 
 @pytest.mark.parametrize(("modules", "names"), ROWS)
 def test_every_name_of_the_page_is_there_and_described(modules: str, names: str) -> None:
-    found = [import_module(f"inertia.dynamics.{module}") for module in re.findall(r"\w+", modules)]
+    found = [import_module(f"inertia.dynamics.{module}") for module in re.findall(r"[\w.]+", modules)]
     for module in found:
         assert module.__doc__
     for name in re.findall(r"\w+", names):
