@@ -6,6 +6,7 @@ or the caller in Python, gave into what the models use, and names the field's pa
 
 from __future__ import annotations
 
+import inspect
 import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import MISSING, dataclass, fields
@@ -275,10 +276,10 @@ def _descriptions(kind: type[Section]) -> dict[str, str]:
     """Return what the list of attributes in a docstring says of each."""
     found: dict[str, str] = {}
     names: list[str] = []
-    for line in (kind.__doc__ or "").partition("----------\n")[2].splitlines():
+    for line in (inspect.getdoc(kind) or "").partition("----------\n")[2].splitlines():
         if not line.strip():
             break
-        if line.startswith("     "):  # a line that goes on
+        if line.startswith(" "):  # a line that goes on
             found |= {name: f"{found[name]} {line.strip()}" for name in names}
             continue
         listed, _, said = line.strip().partition(" : ")
