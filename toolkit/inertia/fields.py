@@ -8,20 +8,42 @@ from __future__ import annotations
 
 import inspect
 import math
+import os
+import tomllib
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import MISSING, dataclass, fields
 from difflib import get_close_matches
 from numbers import Integral, Real
+from pathlib import Path
 from typing import Any, ClassVar, TypeVar, get_type_hints
 
 import numpy as np
 from numpy.typing import NDArray
 
-from inertia.errors import UsageError
+from inertia.errors import ReadError, UsageError
 
 Read = Callable[[Any, str], Any]
 
 _COUNTS = {2: "two numbers", 3: "three numbers", 4: "four numbers"}
+
+
+def text_of(path: str | os.PathLike[str], what: str) -> str:
+    """Return the text of a TOML file that holds `what`, as "a scene". Raises `ReadError` where there is none."""
+    name = os.fspath(path)
+    try:
+        return Path(path).read_bytes().decode("utf-8-sig")
+    except OSError as error:
+        raise ReadError(f"cannot read {name}: {error.strerror or error}: check the path") from None
+    except (UnicodeDecodeError, ValueError):
+        raise ReadError(f"cannot read {name}: it is no text in UTF-8: {what} is a TOML file") from None
+
+
+def toml_of(text: str, name: str) -> dict[str, Any]:
+    """Return what a TOML text says. Raises `ReadError`, calling the file `name`, where it is not TOML."""
+    try:
+        return tomllib.loads(text.replace("\r\n", "\n"))
+    except tomllib.TOMLDecodeError as error:
+        raise ReadError(f"cannot read {name}: it is not TOML: {str(error)[:1].lower()}{str(error)[1:]}") from None
 
 
 class FieldError(UsageError):

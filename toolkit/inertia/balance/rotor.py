@@ -9,7 +9,6 @@ from __future__ import annotations
 
 import math
 import os
-import tomllib
 from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
@@ -27,8 +26,8 @@ from inertia.balance.tolerance import GRADES, Planes, Tolerance
 from inertia.balance.toml_text import toml_text
 from inertia.balance.unbalance import PointMass, Unbalance
 from inertia.balance.uncertain_inputs import ShopTolerance
-from inertia.errors import ReadError, UsageError
-from inertia.fields import FieldError, plain, schema_of, section_of
+from inertia.errors import UsageError
+from inertia.fields import FieldError, plain, schema_of, section_of, text_of, toml_of
 from inertia.units import Unit, length_unit
 
 _SAME = 1e-9  # of the bearings' distance: planes no farther apart than this coincide
@@ -81,22 +80,12 @@ class Rotor:
     def load(cls, path: str | os.PathLike[str]) -> Rotor:
         """Read a rotor file; the bodies' files are looked for beside it."""
         name = os.fspath(path)
-        try:
-            content = Path(path).read_bytes().decode("utf-8-sig")
-        except OSError as error:
-            raise ReadError(f"cannot read {name}: {error.strerror or error}: check the path") from None
-        except (UnicodeDecodeError, ValueError):
-            raise ReadError(f"cannot read {name}: it is no text in UTF-8: a rotor is a TOML file") from None
-        return cls.loads(content, Path(path).parent, name)
+        return cls.loads(text_of(path, "a rotor"), Path(path).parent, name)
 
     @classmethod
     def loads(cls, text: str, folder: str | os.PathLike[str] = ".", name: str = "the rotor") -> Rotor:
         """Read the text of a rotor file; `folder` is where the bodies' files are, `name` what errors call it."""
-        try:
-            table = tomllib.loads(text.replace("\r\n", "\n"))
-        except tomllib.TOMLDecodeError as error:
-            raise ReadError(f"cannot read {name}: it is not TOML: {str(error)[:1].lower()}{str(error)[1:]}") from None
-        return cls.from_dict(table, folder, text=text, name=name)
+        return cls.from_dict(toml_of(text, name), folder, text=text, name=name)
 
     @classmethod
     def from_dict(

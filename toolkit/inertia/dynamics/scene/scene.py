@@ -7,7 +7,6 @@ Every field is checked, unknown ones are refused, and an error names the field b
 from __future__ import annotations
 
 import os
-import tomllib
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -21,8 +20,20 @@ from inertia.dynamics.scene.scene_checks import require_sense
 from inertia.dynamics.scene.scene_fields import attitude_of, direction
 from inertia.dynamics.scene.scene_loads import Gravity, Load, load_of
 from inertia.dynamics.scene.scene_parts import build_parts
-from inertia.errors import GeometryError, ReadError, UsageError
-from inertia.fields import FieldError, Section, choice, integer, number, numbers, require_known, section_of, text
+from inertia.errors import GeometryError, UsageError
+from inertia.fields import (
+    FieldError,
+    Section,
+    choice,
+    integer,
+    number,
+    numbers,
+    require_known,
+    section_of,
+    text,
+    text_of,
+    toml_of,
+)
 from inertia.mesh.part import Float
 
 Frame = Literal["principal", "part", "space"]
@@ -169,22 +180,12 @@ class Scene:
     def load(cls, path: str | os.PathLike[str]) -> Scene:
         """Read a scene file; parts and tables are looked for beside it."""
         name = os.fspath(path)
-        try:
-            content = Path(path).read_bytes().decode("utf-8-sig")
-        except OSError as error:
-            raise ReadError(f"cannot read {name}: {error.strerror or error}: check the path") from None
-        except (UnicodeDecodeError, ValueError):
-            raise ReadError(f"cannot read {name}: it is no text in UTF-8: a scene is a TOML file") from None
-        return cls.loads(content, Path(path).parent, name)
+        return cls.loads(text_of(path, "a scene"), Path(path).parent, name)
 
     @classmethod
     def loads(cls, text: str, folder: str | os.PathLike[str] = ".", name: str = "the scene") -> Scene:
         """Read the text of a scene file; `folder` is where its parts and tables are, `name` what errors call it."""
-        try:
-            table = tomllib.loads(text.replace("\r\n", "\n"))
-        except tomllib.TOMLDecodeError as error:
-            raise ReadError(f"cannot read {name}: it is not TOML: {str(error)[:1].lower()}{str(error)[1:]}") from None
-        return cls.from_dict(table, folder, text=text, name=name)
+        return cls.from_dict(toml_of(text, name), folder, text=text, name=name)
 
     @classmethod
     def from_dict(
