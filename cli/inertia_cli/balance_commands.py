@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 from inertia.errors import GeometryError, InertiaError, ReadError, UsageError
 from inertia_cli.documents import print_document
 from inertia_cli.progress import Progress
+from inertia_cli.run_commands import require_recordable
 
 if TYPE_CHECKING:
     from inertia.balance.balance import Balance
@@ -68,11 +69,7 @@ def _balanced(rotor: Rotor, options: argparse.Namespace) -> int:
     for file, suffix in ((options.csv, ".csv"), (options.report, ".html"), (options.cut_part, ".stl")):
         if file is not None:
             require_writable(file, suffix=suffix, force=options.force)
-    if options.output is not None:
-        from inertia.record import writer
-
-        writer.require_rerun()
-        writer.require_writable(options.output, force=options.force)
+    require_recordable(options)
     if options.cut_part is not None and not any(plane.method for plane in rotor.fields.plane):
         raise UsageError(f"{options.part}: --cut-part has nothing to write: no correction plane has a method")
     with Progress("balancing") as progress:
@@ -97,10 +94,10 @@ def _write(found: Balance, options: argparse.Namespace) -> None:
         write_whole(Path(options.csv), balance_csv(found).encode())
     if options.report is not None:
         save_balance_html(report_data(found), options.report, force=options.force)
-    if options.output is not None:
+    if options.output is not None or options.live:
         from inertia.record.record import record
 
-        record(found, options.output, force=options.force)
+        record(found, options.output, force=options.force, live=options.live)
     if options.cut_part is not None and found.correction is not None:
         write_stl(found.correction.parts, options.cut_part, found.rotor.unit, force=options.force)
 

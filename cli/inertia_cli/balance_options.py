@@ -38,6 +38,7 @@ def add_balance_command(parsers: Any) -> None:
     result.add_argument("--csv", metavar="FILE", help="write the planes and the work as CSV")
     result.add_argument("--report", metavar="FILE", help="write the report: one HTML file, which prints on A4")
     result.add_argument("-o", "--output", metavar="FILE", help="record to FILE.rrd, for `inertia play`")
+    result.add_argument("--live", action="store_true", help="stream to the Rerun viewer that is open on this machine")
     result.add_argument("--cut-part", metavar="FILE", help="write the corrected mesh, as STL in the rotor's unit")
     result.add_argument("--force", action="store_true", help="write over files that exist")
     result.add_argument("--to-toml", action="store_true", help="print the rotor file that says the same, and stop")

@@ -62,7 +62,9 @@ def _follow(scene: Scene, options: argparse.Namespace) -> int:
     from inertia.fields import FieldError
     from inertia.report.run import plan_document, plan_text, run_document, run_text
 
-    _require_recordable(options)
+    if options.explain and (options.output is not None or options.live):
+        raise UsageError("--explain runs nothing that could be recorded: leave out --output and --live")
+    require_recordable(options)
     changed: dict[str, Any] = {name: value for name in _OPTIONS if (value := getattr(options, name)) is not None}
     try:
         scene = replace(scene, run=replace(scene.run, **changed))
@@ -89,12 +91,10 @@ def _follow(scene: Scene, options: argparse.Namespace) -> int:
     return 0
 
 
-def _require_recordable(options: argparse.Namespace) -> None:
-    """Ask what a recording needs before the run, which may take a while."""
+def require_recordable(options: argparse.Namespace) -> None:
+    """Ask what a recording needs before the work, which may take a while."""
     if options.output is None and not options.live:
         return
-    if options.explain:
-        raise UsageError("--explain runs nothing that could be recorded: leave out --output and --live")
     from inertia.record.writer import require_rerun, require_viewer, require_writable
 
     require_rerun()

@@ -8,6 +8,7 @@ import pytest
 from tests.record.reading import verified
 
 from inertia.record import writer
+from inertia.record.read_back import properties
 from inertia_cli.main import main
 from inertia_meshes import path
 
@@ -154,3 +155,16 @@ def test_a_viewer_that_fails_is_told(
     code, _, err = run(capsys, "play", recording)
     assert (code, err.count("\n")) == (1, 1)
     assert "ended with code 7" in err
+
+
+def test_a_rotor_needs_a_viewer_too(capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(writer, "VIEWER", ("127.0.0.1", 1))
+    code, out, err = run(capsys, "balance", str(path("rotors/disc.toml")), "--live")
+    assert (code, out) == (1, "")
+    assert "no viewer listens on 127.0.0.1:1" in err
+
+
+def test_a_balanced_rotor_is_recorded(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
+    code, _, err = run(capsys, "balance", str(path("rotors/disc.toml")), "-o", str(tmp_path / "rotor.rrd"))
+    assert (code, err) == (0, "")
+    assert properties(tmp_path / "rotor.rrd")["verdict"] == {"outcome": "pass"}
