@@ -194,8 +194,8 @@ def test_a_reversed_spin_runs_the_motion_backwards(
     moments = sum(second) - np.array(second)
     backwards, omega = free_motion(moments, -np.array(spin), [time])
     attitude, before = free_motion(moments, spin, [-time])
-    assert quaternion.angle_between(backwards[0], attitude[0]) < 5e-15
-    assert omega[0] == pytest.approx(-before[0], abs=5e-15)
+    assert quaternion.angle_between(backwards[0], attitude[0]) < 1e-14  # two answers, each off by at most 5e-15
+    assert omega[0] == pytest.approx(-before[0], abs=1e-14)
 
 
 @settings(deadline=None, max_examples=40)
