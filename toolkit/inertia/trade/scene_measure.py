@@ -124,11 +124,11 @@ class Measurement:
         )
         try:
             self._watch.once(simulated)  # this one may compile something
-            seconds, _ = self._watch.once(simulated)
+            seconds, first = self._watch.once(simulated)
         except (GeometryError, UsageError) as fault:
             self.skipped.append(Skipped(_called(method), self._reason(fault)))
             return None
-        return _PROBE * seconds
+        return seconds * (_PROBE if first.steps else run.samples / short.samples)
 
     def _reason(self, fault: GeometryError | UsageError) -> str:
         """Return what an error says, without the remedy where that is another accuracy."""
