@@ -6,9 +6,11 @@ another level with the same control, which is how its error is estimated.
 
 from __future__ import annotations
 
+import functools
 from abc import ABC, abstractmethod
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 
@@ -24,8 +26,7 @@ MAX_STEPS = 200_000_000
 EPS = float(np.finfo(np.float64).eps)
 
 
-@dataclass(frozen=True, eq=False)
-class States:
+class States(NamedTuple):
     """The states at n times: attitudes (n, 4), angular velocities (n, 3) in rad/s, and the number of steps."""
 
     attitude: Float
@@ -38,8 +39,7 @@ class States:
         return float(angles.max()) if np.isfinite(angles).all() else np.inf
 
 
-@dataclass(frozen=True, eq=False)
-class Piece:
+class Piece(NamedTuple):
     """A span of time without kinks of the loads: samples `first` … `last` − 1 lie after `start` and up to `end`."""
 
     start: float
@@ -50,44 +50,84 @@ class Piece:
 
 def pieces(problem: RotationProblem, time: Float) -> Iterator[Piece]:
     """Cut the run from the start to the last of `time` (n,), ascending, at the kinks of the loads."""
-    start, breaks = problem.start, problem.breaks
-    inside = breaks[(breaks > start) & (breaks < time[-1])]
-    first = int(np.searchsorted(time, start, side="right"))
-    for end in (*inside.tolist(), float(time[-1])):
-        last = int(np.searchsorted(time, end, side="right"))
+    start, breaks, finish = problem.start, problem.breaks, float(time[-1])
+    inside = breaks[(breaks > start) & (breaks < finish)].tolist() if breaks.size else ()
+    first = int(time.searchsorted(start, side="right"))
+    for end in (*inside, finish):
+        last = int(time.searchsorted(end, side="right"))
         if end > start:
             yield Piece(start, end, first, last)
         start, first = end, last
 
 
 @dataclass(frozen=True, eq=False)
-class Scaled:
-    """A piece of a run in units of the problem's own time and moments, powers of two both."""
+class Units:
+    """A body and its loads in units of the problem's own time and moments, powers of two both."""
 
     moments: Float
     packed: Float
+
+    @classmethod
+    @functools.lru_cache(maxsize=16)
+    def of(cls, problem: RotationProblem, start: float, axes: tuple[int, ...] = (0, 1, 2)) -> Units:
+        """Take the terms from an instant on, along `axes` in this order; runs that follow take them again."""
+        inertia = power_of_two(float(problem.moments.max()))
+        terms = standard(problem, start).along(axes)
+        return cls(problem.moments[list(axes)] / inertia, terms.packed(inertia, problem.rate))
+
+    @functools.cached_property
+    def addresses(self) -> tuple[int, int]:
+        """Where the numbers lie, for a kernel."""
+        return self.moments.ctypes.data, self.packed.ctypes.data
+
+    @functools.cached_property
+    def decay(self) -> float:
+        """The fastest rate at which damping takes spin away."""
+        return float((self.packed[6:9] / self.moments).max())
+
+    @functools.cached_property
+    def vectors(self) -> int:
+        """How many vectors fixed in space the terms hold."""
+        return (len(self.packed) - HEAD) // VECTOR
+
+
+class Scaled(NamedTuple):
+    """A piece of a run in those units.
+
+    `targets` are the samples of the piece and its end, counted from its start.
+    """
+
+    units: Units
     targets: Float
 
     @classmethod
-    def of(cls, problem: RotationProblem, piece: Piece, time: Float, axes: Sequence[int] = (0, 1, 2)) -> Scaled:
-        """Take the terms from the start of the piece, along `axes` in this order.
-
-        `targets` are the samples of the piece and its end, counted from its start.
-        """
-        inertia = power_of_two(float(problem.moments.max()))
-        targets = np.append(time[piece.first : piece.last], piece.end) - piece.start
-        terms = standard(problem, piece.start).along(axes)
-        return cls(problem.moments[list(axes)] / inertia, terms.packed(inertia, problem.rate), targets * problem.rate)
+    def of(cls, problem: RotationProblem, piece: Piece, time: Float, axes: tuple[int, ...] = (0, 1, 2)) -> Scaled:
+        """Scale a piece of the run through `time`, with the body axes in the order `axes`."""
+        targets = np.empty(piece.last - piece.first + 1)
+        targets[:-1], targets[-1] = time[piece.first : piece.last], piece.end
+        targets -= piece.start
+        targets *= problem.rate
+        return cls(Units.of(problem, piece.start, axes), targets)
 
     @property
-    def radians(self) -> float:
-        """About how far the state moves, for an estimate of the work."""
-        return 1.0 + float(self.targets[-1] * (1.0 + (self.packed[6:9] / self.moments).max()))
+    def moments(self) -> Float:
+        """The principal moments (3,)."""
+        return self.units.moments
+
+    @property
+    def packed(self) -> Float:
+        """The terms, `terms.Terms.packed`."""
+        return self.units.packed
 
     @property
     def vectors(self) -> int:
         """How many vectors fixed in space the terms hold."""
-        return (len(self.packed) - HEAD) // VECTOR
+        return self.units.vectors
+
+    @property
+    def radians(self) -> float:
+        """About how far the state moves, for an estimate of the work."""
+        return 1.0 + float(self.targets[-1]) * (1.0 + self.units.decay)
 
 
 def standard(problem: RotationProblem, start: float) -> Terms:
@@ -202,7 +242,8 @@ def begin(problem: RotationProblem, level: int) -> Float:
     Other levels than the finest begin a few roundings aside, so that their distance also holds what the motion makes
     of rounding: near a separatrix that is much.
     """
-    state = np.concatenate([problem.attitude, problem.angular_velocity / problem.rate])
+    state = np.empty(7)
+    state[:4], state[4:] = problem.attitude, problem.angular_velocity / problem.rate
     if level:
         aside = EPS * np.array([(1.0, -1.0, 1.0), (1.0, 1.0, -1.0)][level - 1])
         state[:4] = quaternion.multiply(state[:4], (*(4.0 * aside), 1.0))

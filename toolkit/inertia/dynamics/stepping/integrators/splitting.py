@@ -53,7 +53,7 @@ class Splitting(FixedStep):
         out[time <= problem.start] = state
         total = 0
         for piece in pieces(problem, time):
-            scaled = Scaled.of(problem, piece, time, order)
+            scaled = Scaled.of(problem, piece, time, tuple(order))
             lengths = np.diff(scaled.targets, prepend=0.0) / problem.rate
             counts = self.counts(lengths, control, level)
             found = np.empty((len(scaled.targets), 7))

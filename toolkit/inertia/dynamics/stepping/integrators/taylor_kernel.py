@@ -1,6 +1,17 @@
 """The compiled Taylor method for a rigid body; `inertia.dynamics.stepping.integrators.taylor` says what it computes.
 
 Imported only to be compiled (`inertia.native`).
+
+Every sum of products Σ aₘ bₙ₋ₘ that the series need stands in one lane of a *block* of eight, so that eight of them
+grow by one vector instruction; this is why eight statements stand side by side. A block keeps a row of left and a row
+of right factors for each coefficient.
+
+    block 1   left (w, w, w, −x | y, z, x, −y)         right (Ω₁, Ω₂, Ω₃, Ω₁ | Ω₃, Ω₁, Ω₂, Ω₂)          q Ω, two thirds
+    block 2   left (−z, −x, −y, −z | ω₂, ω₃, ω₁, 0)    right (Ω₂, Ω₃, Ω₁, Ω₃ | ω₃, ω₁, ω₂, 0)            the rest; ω ω
+    block 3   left, right: the factors of I ω × (Ω − ω)
+    block 4   and every second from there: of v × Ω;   block 5 and every second: of v ∘ v, where it has a torque
+
+Block 0 holds the coefficients (x, y, z, w, ω₁, ω₂, ω₃, 0) themselves.
 """
 
 from __future__ import annotations
@@ -10,164 +21,242 @@ from numba import carray, njit
 
 HEAD, VECTOR = 10, 17
 
-
-@njit(inline="always")
-def horner(series, row, order, tau):
-    """Return the value of one row of the series at `tau`."""
-    total = series[order, row]
-    for n in range(order - 1, -1, -1):
-        total = total * tau + series[n, row]
-    return total
+ROWS = 33
+"""Coefficients that a block has room for. Odd, so that rows of two blocks do not fall on one line of the cache."""
 
 
-@njit(inline="always")
-def expand(moments, terms, count, now, order, series, pull):
-    """Fill `series` (order + 1, 13 + 3 count) with the coefficients of q, ω, Ω, Ω − ω and the vectors in the body.
+@njit(error_model="numpy", forceinline=True, fastmath={"contract"})
+def put(table, at, n, side, a, b, c, d, e, f, g, h):
+    """Write a row of eight."""
+    table[at, n, side, 0] = a
+    table[at, n, side, 1] = b
+    table[at, n, side, 2] = c
+    table[at, n, side, 3] = d
+    table[at, n, side, 4] = e
+    table[at, n, side, 5] = f
+    table[at, n, side, 6] = g
+    table[at, n, side, 7] = h
 
-    Moments are subtracted before anything else, so that slender bodies keep their digits.
+
+@njit(error_model="numpy", forceinline=True, fastmath={"contract"})
+def convolve(table, at, n, l0, l1, l2, l3, l4, l5, l6, l7, r0, r1, r2, r3, r4, r5, r6, r7):
+    """Add row n of the left and right factors to a block; return the eight sums over m of left[m] right[n − m].
+
+    The products with the youngest rows come last: the others need not wait for them.
     """
-    a, b, c = moments[0], moments[1], moments[2]
+    put(table, at, n, 0, l0, l1, l2, l3, l4, l5, l6, l7)
+    put(table, at, n, 1, r0, r1, r2, r3, r4, r5, r6, r7)
+    a = b = c = d = e = f = g = h = 0.0
+    if n > 3:
+        last = np.uint64(n)  # an index without a sign needs no test of it
+        for m in range(np.uint64(2), last - np.uint64(1)):
+            a += table[at, m, 0, 0] * table[at, last - m, 1, 0]
+            b += table[at, m, 0, 1] * table[at, last - m, 1, 1]
+            c += table[at, m, 0, 2] * table[at, last - m, 1, 2]
+            d += table[at, m, 0, 3] * table[at, last - m, 1, 3]
+            e += table[at, m, 0, 4] * table[at, last - m, 1, 4]
+            f += table[at, m, 0, 5] * table[at, last - m, 1, 5]
+            g += table[at, m, 0, 6] * table[at, last - m, 1, 6]
+            h += table[at, m, 0, 7] * table[at, last - m, 1, 7]
+    if n > 0:
+        if n > 1:
+            a += table[at, 1, 0, 0] * table[at, n - 1, 1, 0]
+            b += table[at, 1, 0, 1] * table[at, n - 1, 1, 1]
+            c += table[at, 1, 0, 2] * table[at, n - 1, 1, 2]
+            d += table[at, 1, 0, 3] * table[at, n - 1, 1, 3]
+            e += table[at, 1, 0, 4] * table[at, n - 1, 1, 4]
+            f += table[at, 1, 0, 5] * table[at, n - 1, 1, 5]
+            g += table[at, 1, 0, 6] * table[at, n - 1, 1, 6]
+            h += table[at, 1, 0, 7] * table[at, n - 1, 1, 7]
+            if n > 2:
+                a += table[at, n - 1, 0, 0] * table[at, 1, 1, 0]
+                b += table[at, n - 1, 0, 1] * table[at, 1, 1, 1]
+                c += table[at, n - 1, 0, 2] * table[at, 1, 1, 2]
+                d += table[at, n - 1, 0, 3] * table[at, 1, 1, 3]
+                e += table[at, n - 1, 0, 4] * table[at, 1, 1, 4]
+                f += table[at, n - 1, 0, 5] * table[at, 1, 1, 5]
+                g += table[at, n - 1, 0, 6] * table[at, 1, 1, 6]
+                h += table[at, n - 1, 0, 7] * table[at, 1, 1, 7]
+        a += table[at, 0, 0, 0] * r0
+        b += table[at, 0, 0, 1] * r1
+        c += table[at, 0, 0, 2] * r2
+        d += table[at, 0, 0, 3] * r3
+        e += table[at, 0, 0, 4] * r4
+        f += table[at, 0, 0, 5] * r5
+        g += table[at, 0, 0, 6] * r6
+        h += table[at, 0, 0, 7] * r7
+    a += l0 * table[at, 0, 1, 0]
+    b += l1 * table[at, 0, 1, 1]
+    c += l2 * table[at, 0, 1, 2]
+    d += l3 * table[at, 0, 1, 3]
+    e += l4 * table[at, 0, 1, 4]
+    f += l5 * table[at, 0, 1, 5]
+    g += l6 * table[at, 0, 1, 6]
+    h += l7 * table[at, 0, 1, 7]
+    return a, b, c, d, e, f, g, h
+
+
+@njit(error_model="numpy", forceinline=True, fastmath={"contract"})
+def value(table, order, tau):
+    """Return the state at `tau` by Horner's rule, its quaternion of unit length."""
+    a = table[0, order, 0, 0]
+    b = table[0, order, 0, 1]
+    c = table[0, order, 0, 2]
+    d = table[0, order, 0, 3]
+    e = table[0, order, 0, 4]
+    f = table[0, order, 0, 5]
+    g = table[0, order, 0, 6]
+    h = table[0, order, 0, 7]
+    for n in range(order - 1, -1, -1):
+        a = a * tau + table[0, n, 0, 0]
+        b = b * tau + table[0, n, 0, 1]
+        c = c * tau + table[0, n, 0, 2]
+        d = d * tau + table[0, n, 0, 3]
+        e = e * tau + table[0, n, 0, 4]
+        f = f * tau + table[0, n, 0, 5]
+        g = g * tau + table[0, n, 0, 6]
+        h = h * tau + table[0, n, 0, 7]
+    unit = 1.0 / np.sqrt(a * a + b * b + c * c + d * d)
+    return a * unit, b * unit, c * unit, d * unit, e, f, g
+
+
+@njit(error_model="numpy", forceinline=True, fastmath={"contract"})
+def to_body(x, y, z, w, a, b, c):
+    """Return the body components of a vector of space."""
+    d, e, f = b * z - c * y + w * a, c * x - a * z + w * b, a * y - b * x + w * c
+    return a + 2.0 * (e * z - f * y), b + 2.0 * (f * x - d * z), c + 2.0 * (d * y - e * x)
+
+
+@njit(error_model="numpy", forceinline=True, fastmath={"contract"})
+def expand(moments, terms, count, simple, now, order, table, scratch):
+    """Fill block 0 with the coefficients of the motion from its first row on.
+
+    Moments are subtracted before anything else, so that slender bodies keep their digits. Terms are `simple` where
+    there is no dissipation, and one vector with a torque that is linear in it and keeps its strength.
+    """
+    i0, i1, i2 = 1.0 / moments[0], 1.0 / moments[1], 1.0 / moments[2]
+    m0 = (moments[1] - moments[2]) * i0
+    m1 = (moments[2] - moments[0]) * i1
+    m2 = (moments[0] - moments[1]) * i2
     kappa = terms[9]
-    x, y, z, w = series[0, 0], series[0, 1], series[0, 2], series[0, 3]
-    for j in range(count):
-        at = HEAD + VECTOR * j
-        u0, u1, u2 = terms[at], terms[at + 1], terms[at + 2]
-        s0 = u1 * z - u2 * y + w * u0
-        s1 = u2 * x - u0 * z + w * u1
-        s2 = u0 * y - u1 * x + w * u2
-        series[0, 13 + 3 * j] = u0 + 2.0 * (s1 * z - s2 * y)
-        series[0, 14 + 3 * j] = u1 + 2.0 * (s2 * x - s0 * z)
-        series[0, 15 + 3 * j] = u2 + 2.0 * (s0 * y - s1 * x)
+    d0, d1, d2 = terms[6] * i0, terms[7] * i1, terms[8] * i2
+    c0, c1, c2 = terms[0] + now * terms[3], terms[1] + now * terms[4], terms[2] + now * terms[5]
+    x, y, z, w = table[0, 0, 0, 0], table[0, 0, 0, 1], table[0, 0, 0, 2], table[0, 0, 0, 3]
+    p, q, r = table[0, 0, 0, 4], table[0, 0, 0, 5], table[0, 0, 0, 6]
     for n in range(order):
-        e0 = e1 = e2 = 0.0
-        for m in range(n + 1):
-            p0, p1, p2 = series[m, 4], series[m, 5], series[m, 6]
-            k = n - m
-            e0 += p1 * series[k, 6]
-            e1 += p2 * series[k, 4]
-            e2 += p0 * series[k, 5]
-        e0, e1, e2 = e0 * (b - c) / a, e1 * (c - a) / b, e2 * (a - b) / c
-        series[n, 10], series[n, 11], series[n, 12] = kappa * e0 / a, kappa * e1 / b, kappa * e2 / c
-        series[n, 7] = series[n, 4] + series[n, 10]
-        series[n, 8] = series[n, 5] + series[n, 11]
-        series[n, 9] = series[n, 6] + series[n, 12]
-        if kappa != 0.0:
-            g0 = g1 = g2 = 0.0
-            for m in range(n + 1):
-                p0, p1, p2 = a * series[m, 4], b * series[m, 5], c * series[m, 6]
-                k = n - m
-                r0, r1, r2 = series[k, 10], series[k, 11], series[k, 12]
-                g0 += p1 * r2 - p2 * r1
-                g1 += p2 * r0 - p0 * r2
-                g2 += p0 * r1 - p1 * r0
-            e0, e1, e2 = e0 + g0 / a, e1 + g1 / b, e2 + g2 / c
-        g0 = g1 = g2 = g3 = 0.0
-        for m in range(n + 1):
-            k = n - m
-            r0, r1, r2 = series[k, 7], series[k, 8], series[k, 9]
-            x, y, z, w = series[m, 0], series[m, 1], series[m, 2], series[m, 3]
-            g0 += w * r0 + y * r2 - z * r1
-            g1 += w * r1 + z * r0 - x * r2
-            g2 += w * r2 + x * r1 - y * r0
-            g3 += x * r0 + y * r1 + z * r2
+        o0, o1, o2 = p, q, r
+        g0, g1, g2, g3, e0, e1, e2, idle = convolve(
+            table, 2, n, -z, -x, -y, -z, q, r, p, 0.0, o1, o2, o0, o2, r, p, q, 0.0
+        )
+        e0, e1, e2 = m0 * e0, m1 * e1, m2 * e2
+        if not simple and kappa != 0.0:
+            s0, s1, s2 = kappa * e0 * i0, kappa * e1 * i1, kappa * e2 * i2
+            o0, o1, o2 = p + s0, q + s1, r + s2
+            g0, g1 = g0 + table[2, 0, 0, 0] * s1, g1 + table[2, 0, 0, 1] * s2
+            g2, g3 = g2 + table[2, 0, 0, 2] * s0, g3 + table[2, 0, 0, 3] * s2
+            put(table, 2, n, 1, o1, o2, o0, o2, r, p, q, 0.0)
+            l0, l1, l2 = moments[0] * p, moments[1] * q, moments[2] * r
+            f0, f1, f2, _, f4, f5, f6, _ = convolve(
+                table, 3, n, l1, l2, l0, 0.0, l2, l0, l1, 0.0, s2, s0, s1, 0.0, s1, s2, s0, 0.0
+            )
+            e0, e1, e2 = e0 + (f0 - f4) * i0, e1 + (f1 - f5) * i1, e2 + (f2 - f6) * i2
+        f0, f1, f2, f3, f4, f5, f6, f7 = convolve(table, 1, n, w, w, w, -x, y, z, x, -y, o0, o1, o2, o0, o2, o0, o1, o1)
         scale = 1.0 / (n + 1)
-        series[n + 1, 0] = 0.5 * g0 * scale
-        series[n + 1, 1] = 0.5 * g1 * scale
-        series[n + 1, 2] = 0.5 * g2 * scale
-        series[n + 1, 3] = -0.5 * g3 * scale
-        t0, t1, t2 = -terms[6] * series[n, 4], -terms[7] * series[n, 5], -terms[8] * series[n, 6]
+        t0, t1, t2 = c0, c1, c2
         if n == 0:
-            t0 += terms[0] + now * terms[3]
-            t1 += terms[1] + now * terms[4]
-            t2 += terms[2] + now * terms[5]
-        elif n == 1:
-            t0 += terms[3]
-            t1 += terms[4]
-            t2 += terms[5]
-        for j in range(count):
-            at, to = HEAD + VECTOR * j, 13 + 3 * j
-            h0 = h1 = h2 = 0.0
-            f0 = f1 = f2 = 0.0
-            for m in range(n + 1):
-                k = n - m
-                r0, r1, r2 = series[k, 7], series[k, 8], series[k, 9]
-                v0, v1, v2 = series[m, to], series[m, to + 1], series[m, to + 2]
-                h0 += v1 * r2 - v2 * r1
-                h1 += v2 * r0 - v0 * r2
-                h2 += v0 * r1 - v1 * r0
-                f0 += v1 * series[k, to + 2]
-                f1 += v2 * series[k, to]
-                f2 += v0 * series[k, to + 1]
-            v0, v1, v2 = series[n, to], series[n, to + 1], series[n, to + 2]
+            c0, c1, c2 = terms[3], terms[4], terms[5]
+        else:
+            c0 = c1 = c2 = 0.0
+        for j in range(1 if simple else count):
+            at, to = HEAD + VECTOR * j, 4 + 2 * j
+            if n == 0:
+                u, v, s = to_body(x, y, z, w, terms[at], terms[at + 1], terms[at + 2])
+            else:
+                u, v, s = scratch[j, 0], scratch[j, 1], scratch[j, 2]
+            h0, h1, h2, h3, h4, h5, h6, h7 = convolve(
+                table, to, n, v, s, u, 0.0, s, u, v, 0.0, o2, o0, o1, 0.0, o1, o2, o0, 0.0
+            )
+            scratch[j, 0], scratch[j, 1], scratch[j, 2] = (h0 - h4) * scale, (h1 - h5) * scale, (h2 - h6) * scale
+            scratch[j, 3] = h3 - h7
+            h0 = terms[at + 3] * u + terms[at + 4] * v + terms[at + 5] * s
+            h1 = terms[at + 6] * u + terms[at + 7] * v + terms[at + 8] * s
+            h2 = terms[at + 9] * u + terms[at + 10] * v + terms[at + 11] * s
             q0, q1, q2 = terms[at + 12], terms[at + 13], terms[at + 14]
-            f0 = terms[at + 3] * v0 + terms[at + 4] * v1 + terms[at + 5] * v2 + (q2 - q1) * f0
-            f1 = terms[at + 6] * v0 + terms[at + 7] * v1 + terms[at + 8] * v2 + (q0 - q2) * f1
-            f2 = terms[at + 9] * v0 + terms[at + 10] * v1 + terms[at + 11] * v2 + (q1 - q0) * f2
+            if not simple and (q0 != 0.0 or q1 != 0.0 or q2 != 0.0):
+                s0, s1, s2, _, _, _, _, _ = convolve(
+                    table, to + 1, n, v, s, u, 0.0, 0.0, 0.0, 0.0, 0.0, s, u, v, 0.0, 0.0, 0.0, 0.0, 0.0
+                )
+                h0, h1, h2 = h0 + (q2 - q1) * s0, h1 + (q0 - q2) * s1, h2 + (q1 - q0) * s2
             constant, slope = terms[at + 15], terms[at + 16]
             weight = constant + slope * now
-            t0 += weight * f0
-            t1 += weight * f1
-            t2 += weight * f2
-            if slope != 0.0:
+            t0, t1, t2 = t0 + weight * h0, t1 + weight * h1, t2 + weight * h2
+            if not simple and slope != 0.0:
                 if n > 0:
-                    t0 += slope * pull[j, 0]
-                    t1 += slope * pull[j, 1]
-                    t2 += slope * pull[j, 2]
-                pull[j, 0], pull[j, 1], pull[j, 2] = f0, f1, f2
-            series[n + 1, to] = h0 * scale
-            series[n + 1, to + 1] = h1 * scale
-            series[n + 1, to + 2] = h2 * scale
-        series[n + 1, 4] = (e0 + t0 / a) * scale
-        series[n + 1, 5] = (e1 + t1 / b) * scale
-        series[n + 1, 6] = (e2 + t2 / c) * scale
+                    t0, t1, t2 = t0 + slope * scratch[j, 4], t1 + slope * scratch[j, 5], t2 + slope * scratch[j, 6]
+                scratch[j, 4], scratch[j, 5], scratch[j, 6] = h0, h1, h2
+        half = 0.5 * scale
+        x, y, z, w = (f0 + f4 + g0) * half, (f1 + f5 + g1) * half, (f2 + f6 + g2) * half, (f3 + f7 + g3) * half
+        p = (e0 + t0 * i0 - d0 * p) * scale
+        q = (e1 + t1 * i1 - d1 * q) * scale
+        r = (e2 + t2 * i2 - d2 * r) * scale
+        put(table, 0, n + 1, 0, x, y, z, w, p, q, r, idle)
 
 
-@njit(inline="always")
-def length(series, rows, order, tolerance):
+@njit(error_model="numpy", forceinline=True, fastmath={"contract"})
+def length(table, order, tolerance):
     """Return the step over which the last two coefficients stay below the tolerance; infinite if they vanish."""
     step = np.inf
     for n in range(order - 1, order + 1):
         largest = 0.0
-        for row in range(rows):
-            if row < 7 or row > 12:
-                largest = max(largest, abs(series[n, row]) / max(1.0, abs(series[0, row])))
+        for lane in range(7):
+            largest = max(largest, abs(table[0, n, 0, lane]) / max(1.0, abs(table[0, 0, 0, lane])))
         if largest > 0.0:
-            step = min(step, (tolerance / largest) ** (1.0 / n))
+            step = min(step, np.exp(np.log(tolerance / largest) / n))
     return step
 
 
-def advance(moments_at, terms_at, count, state_at, times_at, samples, order, tolerance, limit, work_at, out_at):
-    """Take the state (q, ω) from 0 to the last of `times`; write it at each of them. Return the steps, or −1."""
-    rows = 13 + 3 * count
+@njit(error_model="numpy", forceinline=True, fastmath={"contract"})
+def follow(simple, moments_at, terms_at, count, state_at, times_at, samples, order, tolerance, limit, work_at, out_at):
+    """Follow the state (q, ω) from time 0 to the last of `times`; write it at each of them. Return the steps, or −1."""
     moments = carray(moments_at, (3,), np.float64)
     terms = carray(terms_at, (HEAD + VECTOR * count,), np.float64)
     state = carray(state_at, (7,), np.float64)
     times = carray(times_at, (samples,), np.float64)
-    work = carray(work_at, (order + 1 + count, rows), np.float64)
+    table = carray(work_at, (5 + 2 * count, ROWS, 2, 8), np.float64)
+    scratch = table[4 + 2 * count, :, 0]
     out = carray(out_at, (samples, 7), np.float64)
-    series, pull = work[: order + 1], work[order + 1 :]
     now = slack = 0.0
     done = steps = 0
+    a, b, c, d, e, f, g = state[0], state[1], state[2], state[3], state[4], state[5], state[6]
     while done < samples:
-        for k in range(7):
-            series[0, k] = state[k]
-        expand(moments, terms, count, now, order, series, pull)
+        put(table, 0, 0, 0, a, b, c, d, e, f, g, 0.0)
+        expand(moments, terms, count, simple, now, order, table, scratch)
         steps += 1
-        step = length(series, rows, order, tolerance)
+        step = length(table, order, tolerance)
         if not step > 0.0 or steps > limit:
             return -1
         while done < samples and (times[done] - now) - slack <= step:
-            tau = (times[done] - now) - slack
-            for k in range(7):
-                out[done, k] = horner(series, k, order, tau)
+            a, b, c, d, e, f, g = value(table, order, (times[done] - now) - slack)
+            out[done, 0], out[done, 1], out[done, 2], out[done, 3] = a, b, c, d
+            out[done, 4], out[done, 5], out[done, 6] = e, f, g
             done += 1
-        for k in range(7):
-            state[k] = horner(series, k, order, step)
-        size = state[0] * state[0] + state[1] * state[1] + state[2] * state[2] + state[3] * state[3]
-        for k in range(4):
-            state[k] *= 1.5 - 0.5 * size
+        a, b, c, d, e, f, g = value(table, order, step)
         step += slack
         ahead = now + step
         slack = step - (ahead - now)
         now = ahead
     return steps
+
+
+def advance(moments_at, terms_at, count, state_at, times_at, samples, order, tolerance, limit, work_at, out_at):
+    """Follow a state under any terms."""
+    return follow(
+        False, moments_at, terms_at, count, state_at, times_at, samples, order, tolerance, limit, work_at, out_at
+    )
+
+
+def advance_simple(moments_at, terms_at, count, state_at, times_at, samples, order, tolerance, limit, work_at, out_at):
+    """Follow a state under simple terms, for which there is less to do: gravity on a top, a force of the space."""
+    return follow(
+        True, moments_at, terms_at, count, state_at, times_at, samples, order, tolerance, limit, work_at, out_at
+    )
