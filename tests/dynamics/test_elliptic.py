@@ -86,3 +86,25 @@ def test_complete_integrals_have_thirty_digits(mc: float, n: float) -> None:
         share = mp.mpf(mc) / (1 + mp.mpf(n))
         assert abs(quarter / mp.ellipk(1 - mp.mpf(mc)) - 1) < 1e-30
         assert abs(third / (share / 3 * mp.elliprj(0, mc, 1, share)) - 1) < 1e-30 if mc < 1 or n > 0 else True
+
+
+@pytest.mark.parametrize("n", [0.0, 0.3])
+def test_complete_integrals_of_many_are_those_of_each(n: float) -> None:
+    kc = extended.square_root((np.array([*PARAMETERS, 1e-100]), np.zeros(11)))
+    together = elliptic.complete(kc, (n, 0.0))
+    for k, (high, low) in enumerate(zip(*kc, strict=True)):
+        for found, alone in zip(together, elliptic.complete((float(high), float(low)), (n, 0.0)), strict=True):
+            assert found[0][k] == alone[0]
+            assert found[1][k] == pytest.approx(alone[1], abs=1e-30 * alone[0])
+
+
+@pytest.mark.parametrize("mc", [*PARAMETERS, 0.0])
+@pytest.mark.parametrize("u", [0.0, 0.4, -1.3])
+def test_floats_give_the_floats_that_arrays_hold(u: float, mc: float) -> None:
+    functions = elliptic.sncndn(u, mc)
+    values = *functions, elliptic.first_kind(*functions[:2], mc), elliptic.third_kind(*functions, mc, 0.3)
+    arrays = elliptic.sncndn(np.array([u]), np.array([mc]))
+    first, third = elliptic.first_kind(*arrays[:2], mc), elliptic.third_kind(*arrays, np.array([mc]), 0.3)
+    for value, array in zip(values, (*arrays, first, third), strict=True):
+        assert type(value) is float
+        assert array[0] == pytest.approx(value, abs=4e-16)

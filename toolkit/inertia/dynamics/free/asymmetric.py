@@ -29,20 +29,17 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
-from inertia.dynamics import quaternion
 from inertia.dynamics.special import elliptic
+from inertia.dynamics.special.elementary import Number, columns, cos, packed, select, sin, sqrt, where
 from inertia.dynamics.special.extended import (
     PI,
-    Number,
     Pair,
     add,
     divide,
     minus,
     multiply,
     reduce,
-    select,
     square_root,
     times,
     two_product,
@@ -55,7 +52,6 @@ _ENDLESS = 1e200
 
 _EPSILON = 2.0**-52
 _FOUR_PI = (4.0 * PI[0], 4.0 * PI[1])
-_QUARTER_COSINES = np.array([1.0, 0.0, -1.0, 0.0])
 
 
 @dataclass(frozen=True, eq=False)
@@ -64,8 +60,8 @@ class ClosedForm:
 
     Attributes
     ----------
-    axes, signs : (N, 1, 3) the body axis, and the direction along it, of each axis of the frame: (i, j, k) where
-        `about_k`, else (k, −j, i)
+    axes, signs : the body axis, and the direction along it, of each axis of the frame: (i, j, k) where `about_k`,
+        else (k, −j, i)
     about_k : whether the third angle is that of axis k
     reach : A, B, C over G
     spin : G over the moment about each axis of the frame
@@ -79,8 +75,8 @@ class ClosedForm:
     closeness : d over the sum of the two terms it is the difference of
     """
 
-    axes: NDArray[np.intp]
-    signs: Float
+    axes: tuple[Number, Number, Number]
+    signs: tuple[Number, Number, Number]
     about_k: Number
     reach: tuple[Number, Number, Number]
     spin: tuple[Number, Number, Number]
@@ -101,17 +97,21 @@ def closed_form(moments: Float, angular_velocity: Float) -> ClosedForm:
     Both are of the order of 1; two components of ω at least are not zero, and those are not tiny
     (`inertia.dynamics.free.starts` sees to it).
     """
-    ijk, signs, sense = _axes(moments, angular_velocity)
-    a, b, c = about = _columns(np.take_along_axis(moments, ijk, -1))
-    x, y, _ = w = _columns(signs * np.take_along_axis(angular_velocity, ijk, -1))
-    ba, cb, ca = (_difference(s, t, sense) for s, t in ((b, a), (c, b), (c, a)))
-    momentum = [two_product(s, t) for s, t in zip(about, w, strict=True)]
-    ti, tj, tk = (times(s, t) for s, t in zip(momentum, w, strict=True))
-    g = square_root(_sum(*(multiply(s, s) for s in momentum)))
-    p = add(multiply(ti, ca), multiply(tj, cb))
-    q = add(multiply(tj, ba), multiply(tk, ca))
-    one, other = multiply(tk, cb), multiply(ti, ba)
+    low, (b, y, j), high = _ascending(columns(moments[:, None]), columns(angular_velocity[:, None]))
+    momentum = [two_product(moment, w) for moment, w, _ in (low, (b, y, j), high)]
+    tl, tj, th = (times(m, w) for m, w in zip(momentum, (low[1], y, high[1]), strict=True))
+    lower, upper, ca = two_sum(b, -low[0]), two_sum(high[0], -b), two_sum(high[0], -low[0])
+    one, other = multiply(th, upper), multiply(tl, lower)
     d = add(one, minus(other))
+    p, q = add(multiply(tl, ca), multiply(tj, upper)), add(multiply(tj, lower), multiply(th, ca))
+    high_kept = d[0] >= 0
+    (a, x, i), (c, z, k) = select(high_kept, low, high), select(high_kept, high, low)
+    ba, cb = select(high_kept, lower, upper), select(high_kept, upper, lower)
+    p, q = select(high_kept, p, q), select(high_kept, q, p)
+    d = select(high_kept, d, minus(d))
+    g = square_root(_sum(*(multiply(m, m) for m in momentum)))
+    sign_i, sign_k = where(x < 0, -1.0, 1.0), where(z < 0, -1.0, 1.0)
+    sign_j = where((j - i) % 3 == 1, sign_i * sign_k, -sign_i * sign_k)
 
     cb_q, ab = multiply(cb, q), two_product(a, b)
     rate = square_root(divide(cb_q, times(ab, c)))
@@ -119,27 +119,26 @@ def closed_form(moments: Float, angular_velocity: Float) -> ClosedForm:
     ap, cq = times(p, a), times(q, c)
     about_k = ap[0] >= cq[0]
     n = divide(select(about_k, times(ba, c), ap), select(about_k, times(cb, a), cq))
-    precession = divide(select(about_k, g, _sum(ti, tj, tk)), select(about_k, (b, 0.0 * b), g))
+    precession = divide(select(about_k, g, _sum(tl, tj, th)), select(about_k, (b, 0.0), g))
     share = divide(select(about_k, multiply(g, ba), minus(p)), multiply(rate, select(about_k, ab, times(g, c))))
     endless = mc[0] == 0
     quarter, third = elliptic.complete(square_root(select(endless, (1.0, 0.0), mc)), n)
     half_period = select(endless, (_ENDLESS, 0.0), times(quarter, 2.0))
 
-    root_p = np.sqrt(p[0])
+    root_p = sqrt(p[0])
     wobbles = root_p > 0
-    divisor = np.where(wobbles, root_p, 1.0)
-    sn, cn = y * np.sqrt(b * cb[0]) / divisor, np.where(wobbles, x * np.sqrt(a * ca[0]) / divisor, 1.0)
-    dn = np.sqrt(cn * cn + mc[0] * sn * sn)
+    divisor = where(wobbles, root_p, 1.0)
+    sn, cn = sign_j * y * sqrt(b * cb[0]) / divisor, where(wobbles, abs(x) * sqrt(a * ca[0]) / divisor, 1.0)
+    dn = sqrt(cn * cn + mc[0] * sn * sn)
     start = elliptic.first_kind(sn, cn, mc[0]), sn, cn, dn, elliptic.third_kind(sn, cn, dn, mc[0], n[0])
-    ca_g = np.sqrt(ca[0]) * g[0]
-    ends_on_k = np.reshape(about_k, (-1, 1))
+    ca_g = sqrt(ca[0]) * g[0]
     return ClosedForm(
-        axes=np.where(ends_on_k, ijk, ijk[:, ::-1])[:, None],
-        signs=np.where(ends_on_k, signs, signs[:, ::-1] * (1.0, -1.0, 1.0))[:, None],
+        axes=select(about_k, (i, j, k), (k, j, i)),
+        signs=select(about_k, (sign_i, sign_j, sign_k), (sign_k, -sign_j, sign_i)),
         about_k=about_k,
-        reach=(np.sqrt(ap[0]) / ca_g, root_p * np.sqrt(b / cb[0]) / g[0], np.sqrt(cq[0]) / ca_g),
-        spin=(g[0] / np.where(about_k, a, c), g[0] / b, g[0] / np.where(about_k, c, a)),
-        rate=times(rate, sense),
+        reach=(sqrt(ap[0]) / ca_g, root_p * sqrt(b / cb[0]) / g[0], sqrt(cq[0]) / ca_g),
+        spin=(g[0] / where(about_k, a, c), g[0] / b, g[0] / where(about_k, c, a)),
+        rate=select(high_kept, rate, minus(rate)),
         half_period=half_period,
         start=start,
         mc=mc[0],
@@ -152,24 +151,27 @@ def closed_form(moments: Float, angular_velocity: Float) -> ClosedForm:
 
 
 def evaluate(motion: ClosedForm, time: Float) -> tuple[Float, Float]:
-    """Return attitude (N, n, 4), the identity at time 0, and ω (N, n, 3), at time (N, n) or (1, n)."""
+    """Return attitude (N, n, 4), the identity at time 0, and ω (N, n, 3), at time (N, n)."""
+    (t,) = columns(time[..., None])
     u0, *at_start, j0 = motion.start
-    count, u = reduce(add(times(motion.rate, time), (u0, 0.0)), motion.half_period)
+    count, u = reduce(add(times(motion.rate, t), (u0, 0.0)), motion.half_period)
     sn, cn, dn = elliptic.sncndn(u[0] + u[1], motion.mc)
-    _, phase = reduce(add(times(motion.precession, time), times(motion.turn, count)), _FOUR_PI)
+    _, phase = reduce(add(times(motion.precession, t), times(motion.turn, count)), _FOUR_PI)
     half = 0.5 * (phase[0] + motion.share * (elliptic.third_kind(sn, cn, dn, motion.mc, motion.n) - j0))
-    sign = 1.0 - 2.0 * (count % 2)  # of sn and cn, half a period on: about k, half a turn of the frame
-    x, y, z = _momentum(motion, (sn, cn, dn), np.where(motion.about_k, 1.0, sign))
-    quarters = np.where(motion.about_k, count % 4, 0.0).astype(np.intp)
-    attitude = quaternion.multiply(
-        quaternion.conjugate(_towards(*_momentum(motion, at_start, 1.0))),
-        _towards(x, y, z, (np.cos(half), np.sin(half)), (_QUARTER_COSINES[quarters], _QUARTER_COSINES[quarters - 1])),
-    )
-    sign = np.where(motion.about_k, sign, 1.0)
-    omega = np.stack([f * w for f, w in zip((sign * x, sign * y, z), motion.spin, strict=True)], -1)
-    back = np.argsort(motion.axes, axis=-1)
-    attitude[..., :3] = np.take_along_axis(motion.signs * attitude[..., :3], back, -1)
-    return attitude, np.take_along_axis(motion.signs * omega, back, -1)
+    turn = cos(half) + 1j * sin(half)
+    count = count % 4  # half periods, each of which turns sn and cn over: about k, half a turn of the frame
+    odd = count % 2
+    sign = 1.0 - 2.0 * odd
+    quarter = where(motion.about_k, (1.0 - odd) * (1.0 - count) + 1j * (odd * (2.0 - count)), 1.0)
+    x, y, z = _momentum(motion, (sn, cn, dn), where(motion.about_k, 1.0, sign))
+    a, b = _towards(x, y, z)
+    a, b = turn * quarter.conjugate() * a, turn * quarter * b
+    a0, b0 = _towards(*_momentum(motion, at_start, 1.0))
+    along, across = a0.conjugate() * a + b0 * b.conjugate(), a0.conjugate() * b - b0 * a.conjugate()
+    sign = where(motion.about_k, sign, 1.0)
+    omega = [f * w for f, w in zip((sign * x, sign * y, z), motion.spin, strict=True)]
+    attitude = *_along_body_axes(motion, across.real, across.imag, along.imag), along.real
+    return packed(attitude, time.shape), packed(_along_body_axes(motion, *omega), time.shape)
 
 
 def period(moments: Float, angular_velocity: Float) -> Float:
@@ -192,56 +194,44 @@ def rounding(motion: ClosedForm, time: Float) -> Float:
     return error
 
 
-def _axes(moments: Float, angular_velocity: Float) -> tuple[NDArray[np.intp], Float, Number]:
-    """Return the axes i, j, k (N, 3), the directions (N, 3) along which ω_i, ω_k ≥ 0, and the sign of c − a."""
-    order = np.argsort(moments, axis=-1)
-    a, b, c = _columns(np.take_along_axis(moments, order, -1))
-    x, _, z = _columns(np.take_along_axis(angular_velocity, order, -1))
-    one = multiply(times(two_product(c, z), z), _difference(c, b, 1.0))
-    other = multiply(times(two_product(a, x), x), _difference(b, a, 1.0))
-    largest_kept = np.reshape(add(one, minus(other))[0] >= 0, (-1, 1))
-    ijk = np.where(largest_kept, order, order[:, ::-1])
-    signs = np.where(np.take_along_axis(angular_velocity, ijk, -1) < 0, -1.0, 1.0)
-    right_handed = (ijk[:, 1] - ijk[:, 0]) % 3 == 1
-    signs[:, 1] = np.where(right_handed, 1.0, -1.0) * signs[:, 0] * signs[:, 2]
-    return ijk, signs, *_columns(np.where(largest_kept, 1.0, -1.0))
+def _ascending(moments: tuple[Number, ...], spin: tuple[Number, ...]) -> list[tuple[Number, ...]]:
+    """Return moment, ω and number of each axis, by ascending moment."""
+    axes = [(moment, w, axis) for axis, (moment, w) in enumerate(zip(moments, spin, strict=True))]
+    for k, n in ((0, 1), (1, 2), (0, 1)):
+        swap = axes[k][0] > axes[n][0]
+        axes[k], axes[n] = select(swap, axes[n], axes[k]), select(swap, axes[k], axes[n])
+    return axes
 
 
-def _momentum(motion: ClosedForm, functions: Sequence[Number], sign: Number) -> tuple[Float, Float, Float]:
+def _along_body_axes(motion: ClosedForm, x: Number, y: Number, z: Number) -> tuple[Number, ...]:
+    """Return the components along the body axes of a vector along the axes of the frame."""
+    (i, j, _), (u, v, w) = motion.axes, motion.signs
+    x, y, z = u * x, v * y, w * z
+    return tuple([where(i == axis, x, where(j == axis, y, z)) for axis in range(3)])
+
+
+def _momentum(motion: ClosedForm, functions: Sequence[Number], sign: Number) -> tuple[Number, Number, Number]:
     """Return M / G along the axes of the frame, from sn, cn, dn."""
     sn, cn, dn = functions
-    a, b, c = (f * g for f, g in zip(motion.reach, (cn, sn, dn), strict=True))
-    return np.where(motion.about_k, a, c), np.where(motion.about_k, b, -sign * b), np.where(motion.about_k, c, sign * a)
+    a, b, c = motion.reach
+    a, b, c = a * cn, b * sn, c * dn
+    return select(motion.about_k, (a, b, c), (c, -sign * b, sign * a))
 
 
-def _towards(
-    x: Float, y: Float, z: Float, half: tuple[Number, Number] = (1.0, 0.0), turn: tuple[Number, Number] = (1.0, 0.0)
-) -> Float:
-    """Return the attitude (…, 4) that takes the direction (x ≥ 0, y, z), turned about z, to the space axis 3.
+def _towards(x: Number, y: Number, z: Number) -> tuple[Number, Number]:
+    """Return the attitude that takes the direction (x ≥ 0, y, z) to the space axis 3, as w + iz and x + iy.
 
-    The direction is brought into the plane 1, 3 about axis 3 and to axis 3 about axis 2; `half` and `turn` are the
-    cosine and sine of half the turn φ about the space axis 3 that follows, and of half the turn that precedes.
+    The direction is brought into the plane 1, 3 about axis 3 and to axis 3 about axis 2. In these two numbers, the
+    Cayley–Klein parameters (A, B), an attitude that follows a turn e^(iφ/2) about axis 3 is (A e^(iφ/2), B e^(−iφ/2)),
+    and one that such a turn follows (A e^(iφ/2), B e^(iφ/2)).
     """
-    cosine = np.sqrt(0.5 * (1.0 + z))
-    across = np.hypot(x, y)
+    cosine = sqrt(0.5 * (1.0 + z))
+    across = sqrt(x * x + y * y)
     sine = 0.5 * across / cosine
-    real = np.sqrt(0.5 * (1.0 + x / across))
+    real = sqrt(0.5 * (1.0 + x / across))
     imaginary = 0.5 * (y / across) / real
-    p, q = turn[0] * real - turn[1] * imaginary, turn[0] * imaginary + turn[1] * real
-    c, s = half
-    parts = sine * (s * p + c * q), sine * (s * q - c * p), cosine * (s * p - c * q), cosine * (c * p + s * q)
-    return np.stack(np.broadcast_arrays(*parts), axis=-1)
-
-
-def _difference(x: Number, y: Number, sense: Number) -> Pair:
-    high, low = two_sum(x, -y)
-    return sense * high, sense * low
+    return cosine * real - 1j * (cosine * imaginary), sine * imaginary - 1j * (sine * real)
 
 
 def _sum(x: Pair, y: Pair, z: Pair) -> Pair:
     return add(add(x, y), z)
-
-
-def _columns(rows: Float) -> tuple[Number, ...]:
-    """Return the columns of (N, k) rows as (N, 1) arrays, or as floats where N = 1: arithmetic on those is faster."""
-    return tuple(rows[0].tolist()) if len(rows) == 1 else tuple(rows.T[..., None])

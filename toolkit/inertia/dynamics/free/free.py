@@ -63,7 +63,7 @@ def free_motion(moments: ArrayLike, angular_velocity: ArrayLike, time: ArrayLike
     scaled = start.scaled_time(time)
     attitude, omega = np.empty((*scaled.shape, 4)), np.empty((*scaled.shape, 3))
     for rows, motion in _motions(start):
-        width = max(1, _BLOCK // rows.size)
+        width = max(1, _BLOCK // len(start.moments[rows]))
         for first in range(0, scaled.shape[1], width):
             some = slice(first, first + width)
             attitude[rows, some], omega[rows, some] = motion(scaled[rows, some])
@@ -156,15 +156,23 @@ def solve_free(moments: ArrayLike, angular_velocity: ArrayLike, time: ArrayLike,
     )
 
 
-def _motions(start: Starts) -> Iterator[tuple[NDArray[np.intp], Callable[[Float], tuple[Float, Float]]]]:
-    """Yield the rows of the bodies that one closed form serves, and what takes their times to attitude and ω."""
-    if (rows := np.flatnonzero(start.steady)).size:
+def _motions(start: Starts) -> Iterator[tuple[NDArray[np.intp] | slice, Callable[[Float], tuple[Float, Float]]]]:
+    """Yield the bodies that one closed form serves, and what takes their times to attitude and ω."""
+    if (rows := _rows(start.steady)) is not None:
         yield rows, partial(symmetric.steady, start.angular_velocity[rows])
-    if (rows := np.flatnonzero(start.symmetric)).size:
+    if (rows := _rows(start.symmetric)) is not None:
         yield rows, partial(symmetric.symmetric, start.moments[rows], start.angular_velocity[rows])
-    if (rows := np.flatnonzero(start.asymmetric)).size:
+    if (rows := _rows(start.asymmetric)) is not None:
         constants = asymmetric.closed_form(start.moments[rows], start.angular_velocity[rows])
         yield rows, partial(asymmetric.evaluate, constants)
+
+
+def _rows(kind: NDArray[np.bool_]) -> NDArray[np.intp] | slice | None:
+    """Return where `kind` holds, which is simpler as a slice where it holds of all; None where it does not."""
+    (rows,) = kind.nonzero()
+    if rows.size == kind.size > 0:
+        return slice(None)
+    return rows if rows.size else None
 
 
 def _idealised(moments: Float, model: FreeModel) -> Float:

@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from inertia.dynamics.arguments import first, vectors, written
+from inertia.dynamics.special.elementary import Number, anywhere, columns, frexp, ldexp, maximum, packed, where
 from inertia.errors import GeometryError, UsageError
 from inertia.mass.tensor import VALIDITY_TOLERANCE
 from inertia.mesh.part import Float
@@ -48,10 +49,11 @@ class Starts:
             raise UsageError("time is a single number: give the instants as an array (n,)")
         if not np.isfinite(array).all():
             raise UsageError(f"time{written(first(~np.isfinite(array)))} is not finite")
-        try:
-            array = np.broadcast_to(array, (*self.shape, array.shape[-1]))
-        except ValueError:
-            raise UsageError(f"time has shape {array.shape}: it must be (n,) or {self.shape} and (n,)") from None
+        if array.shape[:-1] != self.shape:
+            try:
+                array = np.broadcast_to(array, (*self.shape, array.shape[-1]))
+            except ValueError:
+                raise UsageError(f"time has shape {array.shape}: it must be (n,) or {self.shape} and (n,)") from None
         scaled: Float = np.ldexp(array.reshape(len(self.moments), array.shape[-1]), self.exponent[:, None])
         if (beyond := np.abs(scaled) > FARTHEST).any():
             raise UsageError(
@@ -70,36 +72,40 @@ def starts(moments: ArrayLike, angular_velocity: ArrayLike) -> Starts:
     """
     i, omega = vectors(moments, "moments"), vectors(angular_velocity, "angular_velocity")
     try:
-        shape = np.broadcast_shapes(i.shape, omega.shape)
+        shape = np.broadcast(i, omega).shape[:-1]
     except ValueError:
         raise UsageError(f"moments {i.shape} and angular_velocity {omega.shape} do not broadcast") from None
-    _refuse_unphysical(i)
-    i, omega = np.broadcast_to(i, shape).reshape(-1, 3), np.broadcast_to(omega, shape).reshape(-1, 3)
-    largest = np.abs(omega).max(axis=-1, keepdims=True)
-    omega = np.where(np.abs(omega) < NEGLIGIBLE * largest, 0.0, omega)
-    exponent = np.frexp(largest)[1]
-    omega = np.ldexp(omega, -exponent)
-    i = np.ldexp(i, -np.frexp(i.max(axis=-1, keepdims=True))[1])
-    i = np.where((i > 0).all(axis=-1, keepdims=True), i, _rod(i))
-    a, b, c = i.T
-    spherical = (a == b) & (b == c)
-    steady = spherical | (np.count_nonzero(omega, axis=-1) <= 1)
-    symmetric = ~steady & ((a == b) | (b == c) | (c == a))
-    return Starts(i, omega, exponent[:, 0], shape[:-1], steady, symmetric, ~steady & ~symmetric)
+    a, b, c = columns(i)
+    largest = maximum(maximum(a, b), c)
+    _refuse_unphysical(i, (a, b, c), largest)
+    size = frexp(largest)[1]
+    a, b, c = (ldexp(moment, -size) for moment in (a, b, c))
+    rod, across = (a == 0) | (b == 0) | (c == 0), 0.5 * (a + b + c)
+    a, b, c = (where(rod, where(moment > 0, across, 0.0), moment) for moment in (a, b, c))
+    x, y, z = columns(omega)
+    largest = maximum(maximum(abs(x), abs(y)), abs(z))
+    exponent = frexp(largest)[1]
+    x, y, z = (ldexp(where(abs(w) < NEGLIGIBLE * largest, 0.0, w), -exponent) for w in (x, y, z))
+    alike = (a == b) | (b == c) | (c == a)
+    steady = (a == b) & (b == c) | (x == 0) & (y == 0) | (y == 0) & (z == 0) | (z == 0) & (x == 0)
+    kinds = packed((steady, where(steady, False, alike), where(steady | alike, False, True)), shape, bool)
+    return Starts(
+        packed((a, b, c), shape).reshape(-1, 3),
+        packed((x, y, z), shape).reshape(-1, 3),
+        packed((exponent,), shape, np.intc).reshape(-1),
+        shape,
+        *kinds.reshape(-1, 3).T,
+    )
 
 
-def _rod(moments: Float) -> Float:
-    across = 0.5 * moments.sum(axis=-1, keepdims=True)
-    return np.where(moments > 0, across, 0.0)
-
-
-def _refuse_unphysical(moments: Float) -> None:
-    slack = VALIDITY_TOLERANCE * np.abs(moments).sum(axis=-1)
-    largest = moments.max(axis=-1)
+def _refuse_unphysical(moments: Float, each: tuple[Number, ...], largest: Number) -> None:
+    a, b, c = each
+    others = a + b + c - largest
+    slack = VALIDITY_TOLERANCE * (abs(a) + abs(b) + abs(c))
     for faulty, rule in (
-        ((moments < 0).any(axis=-1) | (largest == 0), "none may be negative, nor all zero"),
-        (largest > moments.sum(axis=-1) - largest + slack, "no body has one moment above the sum of the other two"),
+        ((a < 0) | (b < 0) | (c < 0) | (largest == 0), "none may be negative, nor all zero"),
+        (largest > others + slack, "no body has one moment above the sum of the other two"),
     ):
-        if faulty.any():
-            place = first(faulty)
+        if anywhere(faulty):
+            place = first(np.reshape(faulty, moments.shape[:-1]))
             raise GeometryError(f"moments{written(place)} are {moments[place].tolist()} kg m2: {rule}")

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 
-from inertia.dynamics import quaternion
 from inertia.dynamics.special import extended
-from inertia.dynamics.special.extended import Number, Pair
+from inertia.dynamics.special.elementary import Number, columns, cos, packed, select, sin, where
+from inertia.dynamics.special.extended import Pair
 from inertia.mesh.part import Float
 
 _FOUR_PI = (4.0 * extended.PI[0], 4.0 * extended.PI[1])
@@ -17,8 +17,11 @@ def steady(angular_velocity: Float, time: Float) -> tuple[Float, Float]:
 
     R(t) = exp(ω t): a principal axis, a spherical top (textbook § 13.18), or rest.
     """
-    attitude = _turn(angular_velocity, _length([extended.of(w[:, None]) for w in angular_velocity.T]), time)
-    return attitude, np.broadcast_to(angular_velocity[:, None], (*time.shape, 3))
+    omega = columns(angular_velocity[:, None])
+    speed = _length([extended.of(w) for w in omega])
+    half = _half_turn(speed, time)
+    sine = sin(half) / where(speed[0] > 0, speed[0], 1.0)
+    return packed((*(sine * w for w in omega), cos(half)), time.shape), packed(omega, time.shape)
 
 
 def symmetric(moments: Float, angular_velocity: Float, time: Float) -> tuple[Float, Float]:
@@ -26,49 +29,62 @@ def symmetric(moments: Float, angular_velocity: Float, time: Float) -> tuple[Flo
 
     R(t) = exp(L t / I) exp(e β t), β = (1 − I_s/I) ω_s: about L, fixed in space, at |L|/I, and about the symmetry axis
     e at β, seen from which the rest of ω turns backwards (textbook § 13.20, Ω = −β). I_s may be zero, a rod, whose
-    spin about itself is then kept.
+    spin about itself is then kept. With e as axis 3 of a frame in the body, both are products of complex numbers: the
+    attitude is w + iz and x + iy.
     """
-    axis, lead, back = _rates(moments, angular_velocity)
-    own = _turn(axis, back, time)
-    attitude = quaternion.multiply(_turn(moments * angular_velocity, lead, time), own)
-    about = axis * angular_velocity
-    omega = quaternion.to_body(own, (angular_velocity - about)[:, None]) + about[:, None]
-    return attitude, omega
+    axis, (across, _, along), (x, y, z) = _frame(moments, angular_velocity)
+    momentum, lead, back = _rates(across, along, (x, y, z))
+    about_l, own = _half_turn(lead, time), _half_turn(back, time)
+    turn = cos(own) + 1j * sin(own)
+    sine = sin(about_l) / momentum
+    one = (cos(about_l) + 1j * (sine * (along * z))) * turn
+    other = (sine * (across * x) + 1j * (sine * (across * y))) * turn.conjugate()
+    rest = (x + 1j * y) * (turn * turn).conjugate()
+    vector = _rolled((other.real, other.imag, one.imag), 2 - axis)
+    return packed((*vector, one.real), time.shape), packed(_rolled((rest.real, rest.imag, z), 2 - axis), time.shape)
 
 
 def period(moments: Float, angular_velocity: Float) -> Float:
     """Return 2π/|β| (N,), after which ω recurs in a body with two equal moments; infinite where it is kept."""
-    _, _, (back, _) = _rates(moments, angular_velocity)
-    still = back[:, 0] == 0
-    return np.where(still, np.inf, 2.0 * np.pi / np.where(still, 1.0, np.abs(back[:, 0])))
+    _, (across, _, along), spin = _frame(moments, angular_velocity)
+    _, _, (back, _) = _rates(across, along, spin)
+    cycle = where(back == 0, np.inf, 2.0 * np.pi / where(back == 0, 1.0, abs(back)))
+    return np.reshape(cycle, -1)
 
 
-def _rates(moments: Float, angular_velocity: Float) -> tuple[Float, Pair, Pair]:
-    """Return the symmetry axis (N, 3), |L|/I and β (N, 1)."""
-    x, y, z = moments.T
-    which = np.argmax([y == z, z == x, x == y], axis=0)
-    rows = np.arange(len(moments))
-    along, across = moments[rows, which][:, None], moments[rows, which - 1][:, None]
-    spin = angular_velocity[rows, which][:, None]
-    components = zip(moments.T[..., None], angular_velocity.T[..., None], strict=True)
-    momentum = [extended.two_product(i, w) for i, w in components]
-    lead = extended.divide(_length(momentum), (across, 0.0))
-    back = extended.divide(extended.times(extended.two_sum(across, -along), spin), (across, 0.0))
-    return np.eye(3)[which], lead, back
+def _frame(moments: Float, angular_velocity: Float) -> tuple[Number, tuple[Number, ...], tuple[Number, ...]]:
+    """Return the number of the symmetry axis, and moments and ω of bodies (N, 3) in the order that puts it third."""
+    x, y, z = columns(moments[:, None])
+    axis = where(y == z, 0, where(z == x, 1, 2))
+    shift = (axis + 1) % 3
+    return axis, _rolled((x, y, z), shift), _rolled(columns(angular_velocity[:, None]), shift)
 
 
-def _turn(axis: Float, rate: Pair, time: Float) -> Float:
-    """Return the turn (N, n, 4) about axis (N, 3), of any length, at rate (N, 1) rad/s, reduced to 4π."""
-    _, phase = extended.reduce(extended.times(rate, time), _FOUR_PI)
-    half = 0.5 * phase[0]
-    length = np.linalg.norm(axis, axis=-1, keepdims=True)
-    unit = axis / np.where(length > 0, length, 1.0)
-    return np.concatenate([np.sin(half)[..., None] * unit[:, None], np.cos(half)[..., None]], axis=-1)
+def _rates(across: Number, along: Number, spin: tuple[Number, ...]) -> tuple[Number, Pair, Pair]:
+    """Return |L|, |L|/I and β, from the moments I and I_s and from ω with the symmetry axis third."""
+    x, y, z = spin
+    momentum = _length([extended.two_product(i, w) for i, w in ((across, x), (across, y), (along, z))])
+    lead = extended.divide(momentum, (across, 0.0))
+    back = extended.divide(extended.times(extended.two_sum(across, -along), z), (across, 0.0))
+    return momentum[0], lead, back
+
+
+def _half_turn(rate: Pair, time: Float) -> Number:
+    """Return half the angle turned at rate rad/s until time (N, n), within ±π."""
+    (t,) = columns(time[..., None])
+    _, phase = extended.reduce(extended.times(rate, t), _FOUR_PI)
+    return 0.5 * phase[0]
 
 
 def _length(vector: list[Pair]) -> Pair:
     x, y, z = (extended.multiply(component, component) for component in vector)
     square = extended.add(extended.add(x, y), z)
-    zero: Number = square[0] == 0
-    root = extended.square_root(extended.select(zero, (1.0, 0.0), square))
-    return extended.select(zero, extended.ZERO, root)
+    zero = square[0] == 0
+    root = extended.square_root(select(zero, (1.0, 0.0), square))
+    return select(zero, extended.ZERO, root)
+
+
+def _rolled(vector: tuple[Number, ...], shift: Number) -> tuple[Number, ...]:
+    """Return x, y, z (shift 0), y, z, x (1) or z, x, y (2)."""
+    x, y, z = vector
+    return select(shift == 0, (x, y, z), select(shift == 1, (y, z, x), (z, x, y)))

@@ -8,15 +8,7 @@ TOMS 44, 2017). Products are split after Dekker, which is exact for magnitudes f
 
 from __future__ import annotations
 
-import math
-from typing import Any
-
-import numpy as np
-
-from inertia.mesh.part import Float
-
-Number = Any
-"""A float or an array of them."""
+from inertia.dynamics.special.elementary import Number, rint, sqrt
 
 Pair = tuple[Number, Number]
 """High and low part of a double-double."""
@@ -53,10 +45,12 @@ def two_product(x: Number, y: Number) -> Pair:
 
 def add(x: Pair, y: Pair) -> Pair:
     """Return x + y; x − y where nothing but rounding is left costs digits, as it must."""
-    s, e = two_sum(x[0], y[0])
-    t, f = two_sum(x[1], y[1])
-    s, e = _quick(s, e + t)
-    return _quick(s, e + f)
+    (high, low), (other, rest) = x, y
+    s = high + other
+    t = s - high
+    e = ((high - (s - t)) + (other - t)) + (low + rest)
+    total = s + e
+    return total, e - (total - s)
 
 
 def minus(x: Pair) -> Pair:
@@ -67,42 +61,38 @@ def minus(x: Pair) -> Pair:
 def multiply(x: Pair, y: Pair) -> Pair:
     """Return x y."""
     product, e = two_product(x[0], y[0])
-    return _quick(product, e + (x[0] * y[1] + x[1] * y[0]))
+    e = e + (x[0] * y[1] + x[1] * y[0])
+    high = product + e
+    return high, e - (high - product)
 
 
 def times(x: Pair, y: Number) -> Pair:
     """Return x y for a plain number y."""
     product, e = two_product(x[0], y)
-    return _quick(product, e + x[1] * y)
+    e = e + x[1] * y
+    high = product + e
+    return high, e - (high - product)
 
 
 def divide(x: Pair, y: Pair) -> Pair:
     """Return x / y for y ≠ 0."""
     q = x[0] / y[0]
-    remainder = add(x, minus(times(y, q)))
-    return _quick(q, remainder[0] / y[0])
+    product, e = two_product(q, y[0])
+    rest = ((x[0] - product) + (x[1] - (e + q * y[1]))) / y[0]  # the first difference is exact
+    high = q + rest
+    return high, rest - (high - q)
 
 
 def square_root(x: Pair) -> Pair:
     """Return √x for x > 0."""
-    root = math.sqrt(x[0]) if isinstance(x[0], float) else np.sqrt(x[0])
-    remainder = add(x, minus(two_product(root, root)))
-    return _quick(root, remainder[0] / (2.0 * root))
+    root = sqrt(x[0])
+    product, e = two_product(root, root)
+    rest = ((x[0] - product) + (x[1] - e)) / (2.0 * root)  # the first difference is exact
+    high = root + rest
+    return high, rest - (high - root)
 
 
-def select(condition: Any, x: Pair, y: Pair) -> Pair:
-    """Return x where the condition holds, else y."""
-    if isinstance(condition, bool):
-        return x if condition else y
-    return np.where(condition, x[0], y[0]), np.where(condition, x[1], y[1])
-
-
-def reduce(x: Pair, period: Pair) -> tuple[Float, Pair]:
+def reduce(x: Pair, period: Pair) -> tuple[Number, Pair]:
     """Return the whole number of periods nearest to x / period, and what is left of x, within half a period."""
-    count = np.rint(x[0] / period[0])
+    count = rint(x[0] / period[0])
     return count, add(x, minus(times(period, count)))
-
-
-def _quick(high: Number, low: Number) -> Pair:
-    s = high + low
-    return s, low - (s - high)
