@@ -155,13 +155,13 @@ def test_axes_of_nearly_equal_moments_are_bounded_or_span_a_plane(power: int, ca
             assert truth.angle(found.axes[:, k].tolist(), k) <= found.axis_bounds[k] < 0.1
 
 
-def test_bounds_hold_over_a_sweep_and_those_of_the_dearer_rungs_are_near() -> None:
+def test_bounds_hold_over_a_sweep_and_are_typically_near() -> None:
     tally = sweep(1, 120)
     assert tally.exceeded() == 0
     for rung in RUNGS:
         assert tally.refused[rung] < 20
-        for quantity in ("volume", "mass", "centre of mass", "tensor"):
-            assert median(tally.ratios[rung][quantity]) < (5000 if rung == "float64" else 100)
+        for quantity in ("volume", "mass", "centre of mass", "tensor", "principal moments"):
+            assert median(tally.ratios[rung][quantity]) <= 100
 
 
 @settings(deadline=None, max_examples=30)

@@ -24,8 +24,9 @@ from ..measure import ROOT, python_module
 from ..meshes import wavy_torus
 from .answers import PROGRAMS, Answer, answered
 from .cases import Case, cases, nearly_equal, refused
+from .growth import growth
 from .rungs import RUNGS, answer, bounds, chosen, properties
-from .sweep import Tally, sweep
+from .sweep import sweep
 from .text import exceeded, text
 from .truth import Truth, errors, lost
 
@@ -66,7 +67,8 @@ def small(meshes: int) -> dict[str, Any]:
         "cases": [measured(case) for case in cases()],
         "nearly_equal": [measured_axes(power, case) for power, case in nearly_equal()],
         "refused": [measured_refusal(case) for case in refused()],
-        "sweep": {"meshes": meshes, "refused": tally.refused} | {rung: summary(tally, rung) for rung in RUNGS},
+        "sweep": {"meshes": meshes, "refused": tally.refused} | {rung: summaries(tally.ratios[rung]) for rung in RUNGS},
+        "growth": [row | {"ratios": summaries(row["ratios"])} for row in growth()],
     }
 
 
@@ -165,10 +167,10 @@ def large() -> dict[str, Any]:
     return row
 
 
-def summary(tally: Tally, rung: str) -> dict[str, Any]:
+def summaries(ratios: dict[str, list[float]]) -> dict[str, Any]:
     """Return for each quantity how many were compared, how many exceeded their bound, and the ratios bound/error."""
     rows: dict[str, Any] = {}
-    for quantity, values in tally.ratios[rung].items():
+    for quantity, values in ratios.items():
         finite = [ratio for ratio in values if math.isfinite(ratio)]
         rows[quantity] = {
             "compared": len(values),

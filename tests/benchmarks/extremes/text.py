@@ -5,8 +5,11 @@ from __future__ import annotations
 from statistics import median
 from typing import Any
 
+from inertia.mass.running import FEW
+
 from .answers import PROGRAMS
 from .costs import BARE
+from .growth import BODIES
 from .prose import LARGE, NOTES, TEXT
 from .rungs import RUNGS
 from .tables import as_number, as_table
@@ -43,6 +46,9 @@ def text(document: dict[str, Any]) -> str:
         large=_large(document.get("large")),
         sweep="\n\n".join(f"{rung}:\n\n{_sweep(counts[rung])}" for rung in RUNGS),
         typical=", ".join(f"{rung} {_typical(counts[rung])}" for rung in RUNGS),
+        few=FEW,
+        bodies=BODIES,
+        growth=_growth(document["growth"]),
         refused=", ".join(f"{rung} {counts['refused'][rung]}" for rung in RUNGS),
         machine=document["costs"]["machine"],
         triangles=document["costs"]["triangles"],
@@ -55,6 +61,7 @@ def exceeded(document: dict[str, Any]) -> int:
     rows = [*document["cases"], *([document["large"]] if "large" in document else [])]
     answers = [row[rung] for row in rows for rung in RUNGS if isinstance(row[rung], dict)]
     swept = [row for rung in RUNGS for row in document["sweep"][rung].values()]
+    swept += [row for size in document["growth"] for row in size["ratios"].values()]
     beyond = sum(found["error"][name] > found["bound"][name] for found in answers for name in found["error"])
     return beyond + sum(row["exceeded"] for row in swept)
 
@@ -186,6 +193,15 @@ def _sweep(counts: dict[str, Row]) -> str:
         numbers = [f"{found[key]:,}" for key in ("compared", "exceeded", "without_error")]
         lines.append([quantity, *numbers, *figures])
     return as_table(["", "compared", "exceeded", "no error", "median", "95 %", "largest"], lines)
+
+
+def _growth(sizes: list[Row]) -> str:
+    lines = []
+    for size in sizes:
+        bound = "running" if size["triangles"] <= FEW else "a-priori"
+        medians = (as_number(row["median"]) for row in size["ratios"].values())
+        lines.append([f"{size['triangles']:,}", bound, *medians])
+    return as_table(["triangles", "bound", *sizes[0]["ratios"]], lines)
 
 
 def _typical(counts: dict[str, Row]) -> str:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import functools
 from collections.abc import Callable
+from dataclasses import astuple
 from typing import Any
 
 import numpy as np
@@ -85,25 +86,30 @@ def heyoka(motion: Motion, duration: float, tolerance: float) -> Callable[[], An
 def _stepper(motion: Motion, tolerance: float) -> Any:
     import heyoka
 
+    return heyoka.taylor_adaptive(equations(motion, float), [0.0, 0.0, 0.0, 1.0, *motion.spin], tol=tolerance)
+
+
+def equations(motion: Motion, number: Callable[[float], Any]) -> list[tuple[Any, Any]]:
+    """Return a motion in heyoka's expressions, its constants made by `number`."""
+    import heyoka
+
     q, spin = heyoka.make_vars("x", "y", "z", "w"), heyoka.make_vars("p", "q", "r")
     x, y, z, w = q
-    moments = motion.moments
+    moments = [number(i) for i in motion.moments]
     momentum = [i * o for i, o in zip(moments, spin, strict=True)]
     torque = _cross(momentum, spin)
     if motion.weight:
-        pull = _to_body(x, y, z, w, *(motion.weight.mass * g for g in motion.weight.gravity))
-        torque = [n + f for n, f in zip(torque, _cross(motion.weight.offset, pull), strict=True)]
+        mass, offset = number(motion.weight.mass), [number(k) for k in motion.weight.offset]
+        pull = _to_body(x, y, z, w, *(mass * number(g) for g in motion.weight.gravity))
+        torque = [n + f for n, f in zip(torque, _cross(offset, pull), strict=True)]
     if motion.drive:
-        drive = motion.drive
-        pull = _to_body(x, y, z, w, *drive.space)
-        torque = [
-            n + m + f - d * o for n, m, f, d, o in zip(torque, drive.body, pull, drive.damping, spin, strict=True)
-        ]
+        body, space, damping = ([number(k) for k in row] for row in astuple(motion.drive))
+        pull = _to_body(x, y, z, w, *space)
+        torque = [n + m + f - d * o for n, m, f, d, o in zip(torque, body, pull, damping, spin, strict=True)]
     a, b, c = spin
     turn = [w * a + y * c - z * b, w * b + z * a - x * c, w * c + x * b - y * a, -(x * a + y * b + z * c)]
     rates = [*(0.5 * k for k in turn), *(n / i for n, i in zip(torque, moments, strict=True))]
-    system = list(zip([*q, *spin], rates, strict=True))
-    return heyoka.taylor_adaptive(system, [0.0, 0.0, 0.0, 1.0, *motion.spin], tol=tolerance)
+    return list(zip([*q, *spin], rates, strict=True))
 
 
 def mujoco_fits(motion: Motion) -> bool:

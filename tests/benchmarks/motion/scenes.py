@@ -1,10 +1,12 @@
-"""The motions that are measured, and where they truly end, to 30 digits and more by mpmath and integers."""
+"""The motions that are measured, and where they truly end, to 28 digits and more."""
 
 from __future__ import annotations
 
 import functools
+import json
 import math
 from dataclasses import dataclass
+from pathlib import Path
 from typing import Any
 
 import mpmath as mp
@@ -12,6 +14,12 @@ import numpy as np
 from tests.dynamics import free_oracle, oracle
 
 DIGITS = 60
+
+EXACT = 10
+"""Revolutions of a loaded motion that the oracle in integers follows, to 50 digits; more take it minutes."""
+
+TRUTHS = Path(__file__).with_name("truths.json")
+"""Ends of longer ones, to 28 digits and more: `tests.benchmarks.motion.truths` makes them."""
 
 
 @dataclass(frozen=True)
@@ -54,25 +62,32 @@ class Motion:
 
     def error(self, revolutions: int, attitude: Any) -> float:
         """Return by what angle in rad an attitude (4,) at the end is off."""
-        truth = _truth(self, revolutions)
-        if isinstance(truth, oracle.Answer):
-            return float(truth.attitude_error(np.asarray(attitude)[None])[0])
         with mp.workdps(DIGITS):
+            truth = _truth(self, revolutions)
             return free_oracle.angle(free_oracle.matrix(np.asarray(attitude).tolist()), truth)
 
 
-@functools.cache
-def _truth(motion: Motion, revolutions: int) -> Any:
-    end = [motion.duration(revolutions)]
-    if motion.free:
-        return free_oracle.free_top(motion.moments, motion.spin, end, DIGITS)[0][0]
+def end(motion: Motion, revolutions: int) -> Any:
+    """Return the quaternion at the end of a loaded motion: by the oracle in integers, or what it has told before."""
+    if revolutions > EXACT:
+        table = json.loads(TRUTHS.read_text(encoding="utf-8"))
+        return [mp.mpf(x) for x in table[motion.name][str(revolutions)]]
     loads: dict[str, Any] = {}
     if motion.weight:
         loads |= {"mass": motion.weight.mass, "offset": motion.weight.offset, "gravity": motion.weight.gravity}
     if motion.drive:
         drive = motion.drive
         loads |= {"body_torque": drive.body, "space_torque": drive.space, "damping": drive.damping}
-    return oracle.rotate(motion.moments, motion.spin, end, digits=50 if revolutions <= 10 else 30, **loads)
+    instant = [motion.duration(revolutions)]
+    return oracle.rotate(motion.moments, motion.spin, instant, digits=50, **loads).attitude[0]
+
+
+@functools.cache
+def _truth(motion: Motion, revolutions: int) -> Any:
+    if motion.free:
+        instant = [motion.duration(revolutions)]
+        return free_oracle.free_top(motion.moments, motion.spin, instant, DIGITS)[0][0]
+    return free_oracle.matrix(end(motion, revolutions))
 
 
 def _next_to_separatrix(distance: float) -> tuple[float, float, float]:
@@ -92,14 +107,14 @@ MOTIONS = (
         "heavy asymmetric top",
         (1.0, 2.0, 2.75),
         (1.0, 0.5, 6.0),
-        (10, 100),
+        (10, 1000, 100_000),
         weight=Weight(0.5, (0.1, 0.2, 0.3), (0.0, 0.0, -9.8)),
     ),
     Motion(
         "torque and damping",
         (1.0, 2.0, 2.75),
         (1.0, 0.5, 2.0),
-        (10, 100),
+        (10, 1000, 100_000),
         drive=Drive((0.1, -0.2, 0.05), (0.2, 0.1, 0.3), (0.1, 0.2, 0.15)),
     ),
 )

@@ -247,16 +247,29 @@ blocks and one for the final sum.
 """
 
 
-def moments_of(sums: Sums, *, surface: bool = False) -> Moments:
-    """Turn the sums over triangles into moments with a-priori bounds, in the file's unit.
+def moments_of(sums: Sums, *, surface: bool = False, watched: Float | None = None) -> Moments:
+    """Turn the sums over triangles into moments with bounds, in the file's unit.
 
     For a solid, V = Σd/6, ∫x = Σd s/24, ∫x xᵀ = Σd(…)/120 (twice that on the diagonal); for a shell, with |n| for d,
-    A = Σ|n|/2, ∫x = Σ|n|s/6, ∫x xᵀ = Σ|n|(…)/24. The bounds are those of `assembled`.
+    A = Σ|n|/2, ∫x = Σ|n|s/6, ∫x xᵀ = Σ|n|(…)/24. The bounds are the a-priori ones of `assembled`, or those of
+    `inertia.mass.running` where they are smaller.
+
+    Parameters
+    ----------
+    watched : (10,) bounds of `inertia.mass.running` for the same triangles, where they are at hand
     """
-    return assembled(tuple(map(Fraction, sums.sums[:10].tolist())), sums, FLOAT64, surface=surface)
+    values = tuple(map(Fraction, sums.sums[:10].tolist()))
+    return assembled(values, sums, FLOAT64, surface=surface, watched=watched)
 
 
-def assembled(value: Sequence[Fraction], sums: Sums, roundings: Roundings, *, surface: bool = False) -> Moments:
+def assembled(
+    value: Sequence[Fraction],
+    sums: Sums,
+    roundings: Roundings,
+    *,
+    surface: bool = False,
+    watched: Float | None = None,
+) -> Moments:
     """Turn ten sums in the frame of `sums` into moments; the magnitudes in their bounds are those of `sums`.
 
     A product of k numbers and sums each known to a relative error of u is off by at most γₖ = k u/(1 − k u) of its
@@ -282,7 +295,10 @@ def assembled(value: Sequence[Fraction], sums: Sums, roundings: Roundings, *, su
     farthest = np.maximum(np.abs(sums.high - sums.origin), np.abs(sums.low - sums.origin))
     reach = (np.ldexp(farthest, sums.exponent) * _INFLATED).tolist()
     tiny = sums.count * (2.0**-500 if surface else 100 * 2.0**-1022) * max(1.0, *reach) ** 4
-    zeroth, first, second = _bounds(value, sums, roundings, reach, tiny)
+    bounds = _bounds(value, sums, roundings, reach)
+    if watched is not None:
+        bounds = [min(pair) for pair in zip(bounds, watched.tolist(), strict=True)]  # of a NaN, the first
+    zeroth, *others = (Fraction((k + tiny) * _INFLATED) for k in bounds)
     unit = shrink ** (2 if surface else 3)
     zeroth_factor = unit / (2 if surface else 6)
     first_factor = unit * shrink / (6 if surface else 24)
@@ -294,8 +310,8 @@ def assembled(value: Sequence[Fraction], sums: Sums, roundings: Roundings, *, su
         _vector(first_factor * k for k in value[1:4]),
         _six((*(twice * k for k in value[4:7]), *(second_factor * k for k in value[7:10]))),
         zeroth_factor * zeroth,
-        _vector(first_factor * k for k in first),
-        _six(second_factor * k for k in second),
+        _vector(first_factor * k for k in others[:3]),
+        _six(second_factor * k for k in others[3:]),
     )
 
 
@@ -303,10 +319,8 @@ _INFLATED = 1.0 + 1e-9
 """More than the arithmetic of the bounds, the products of two γ and the roundings of P and D can take from them."""
 
 
-def _bounds(
-    value: Sequence[Fraction], sums: Sums, roundings: Roundings, reach: list[float], tiny: float
-) -> tuple[Fraction, list[Fraction], list[Fraction]]:
-    """Return bounds on the errors of Σd, Σd s and Σd(…), twice that on the diagonal; `tiny` is added to each."""
+def _bounds(value: Sequence[Fraction], sums: Sums, roundings: Roundings, reach: list[float]) -> list[float]:
+    """Return a-priori bounds on the errors of Σd, Σd s and Σd(…), twice that on the diagonal."""
     unit = float(roundings.unit) * _INFLATED
     additions = roundings.across(sums.count) * unit
     across = additions + unit  # and the product before them
@@ -334,11 +348,7 @@ def _bounds(
             + bracket * min(largest * total, 8 * both)
             + across * min(largest * total, 2 * both)
         )
-    return (
-        Fraction((normal * magnitude + additions * total + tiny) * _INFLATED),
-        [Fraction((k + tiny) * _INFLATED) for k in first],
-        [Fraction((k + tiny) * _INFLATED) for k in second],
-    )
+    return [normal * magnitude + additions * total, *first, *second]
 
 
 def _vector(values: Iterable[Fraction]) -> Vector:

@@ -7,13 +7,14 @@ from typing import Literal
 
 from inertia.mass import double_double, exact
 from inertia.mass.moments import Moments, assembled, moments_of
+from inertia.mass.running import FEW, running_bounds
 from inertia.mass.sums import Sums, sum_triangles
 from inertia.mesh.part import Triangles
 
 Rung = Literal["float64", "double-double", "exact"]
 
 METHODS: dict[Rung, str] = {
-    "float64": "float64, a-priori bound",
+    "float64": "float64, certified bound",
     "double-double": double_double.METHOD,
     "exact": exact.METHOD,
 }
@@ -45,6 +46,6 @@ def solid_moments(
     if sums is None:
         sums = sum_triangles(triangles)
     if rung == "float64":
-        return moments_of(sums)
+        return moments_of(sums, watched=running_bounds(triangles, sums) if triangles.count <= FEW else None)
     values = double_double.sum_in_double_double(triangles, sums, progress)
     return assembled(values, sums, double_double.ROUNDINGS)

@@ -16,7 +16,7 @@ import math
 import numpy as np
 
 from inertia.dynamics import quaternion
-from inertia.dynamics.stepping.integrators.base import Adaptive, Scaled, States, Units, begin, pieces
+from inertia.dynamics.stepping.integrators.base import Adaptive, Piece, Scaled, States, Units, begin, pieces
 from inertia.dynamics.stepping.rotation import RotationProblem
 from inertia.dynamics.stepping.terms import HEAD, VECTOR
 from inertia.errors import GeometryError
@@ -24,12 +24,12 @@ from inertia.mesh.part import Float
 from inertia.native import Kernel
 
 _KERNEL, _SIMPLE = (
-    Kernel("inertia.dynamics.stepping.integrators.taylor_kernel", name, "ppippiidipp", fused=True)
+    Kernel("inertia.dynamics.stepping.integrators.taylor_kernel", name, "ppippidddidip", fused=True)
     for name in ("advance", "advance_simple")
 )
 
-_ROWS = 33
-"""Coefficients that the kernel has room for; the tightest tolerance takes 29."""
+_ROWS, _ROW = 33, 16
+"""Rows in a block of the kernel, and numbers in a row. The last row is no coefficient; 30 are, at most."""
 
 STEP_COST = 500
 """A step of the numpy path in units of `native.Kernel.worthwhile`."""
@@ -51,39 +51,60 @@ class Taylor(Adaptive):
     def run(self, problem: RotationProblem, time: Float, control: float, level: int = 0) -> States:
         """Return the states at `time`."""
         tolerance = self.tolerance(control, level)
-        order = math.ceil(-0.7 * math.log(tolerance)) + 1
+        order = min(math.ceil(-0.7 * math.log(tolerance)) + 1, _ROWS - 3)
+        time = np.ascontiguousarray(time)
         state = begin(problem, level)
+        state[4:] *= problem.rate
         out = np.empty((len(time), 7))
         out[: time.searchsorted(problem.start, side="right")] = state
         steps = 0
         for piece in pieces(problem, time):
-            scaled = Scaled.of(problem, piece, time)
-            found = np.empty((len(scaled.targets), 7))
-            steps += _advance(scaled, state, order, tolerance, found)
-            out[piece.first : piece.last] = found[:-1]
-            state = found[-1]
-        out[:, 4:] *= problem.rate
+            taken, state = _advance(problem, piece, time, state, order, tolerance, out)
+            steps += taken
         return States(out[:, :4], out[:, 4:], steps)
 
 
-def _advance(scaled: Scaled, state: Float, order: int, tolerance: float, out: Float) -> int:
-    kernel = _SIMPLE if scaled.vectors == 1 and _simple(scaled.units) else _KERNEL
-    if not kernel.worthwhile(int(min(scaled.radians, 1e12)) * STEP_COST):
-        return _advance_numpy(scaled, state, order, tolerance, out)
-    count, targets = scaled.vectors, scaled.targets
-    work = np.empty((5 + 2 * count) * _ROWS * 16)
-    at, instants, scratch, to = (array.ctypes.data for array in (state, targets, work, out))
+def _advance(
+    problem: RotationProblem, piece: Piece, time: Float, state: Float, order: int, tolerance: float, out: Float
+) -> tuple[int, Float]:
+    """Write the samples of a piece; return the steps and the state at its end."""
+    units, (start, end, first, last) = Units.of(problem, piece.start), piece
+    radians = 1.0 + (end - start) * problem.rate * (1.0 + units.decay)
+    kernel = _SIMPLE if _simple(units) else _KERNEL
+    if not kernel.worthwhile(int(min(radians, 1e12)) * STEP_COST):
+        scaled = Scaled.of(problem, piece, time)
+        found = np.empty((len(scaled.targets), 7))
+        steps = _advance_numpy(scaled, state / ([1.0] * 4 + [problem.rate] * 3), order, tolerance, found)
+        found[:, 4:] *= problem.rate
+        out[first:last] = found[:-1]
+        return steps, found[-1]
+    scratch = np.empty((4 + 2 * units.vectors) * _ROWS * _ROW)
+    at_end = scratch[(_ROWS - 1) * _ROW :][:7]
+    at_end[:] = state
     steps = kernel.function(
-        *scaled.units.addresses, count, at, instants, len(targets), order, tolerance, LIMIT, scratch, to
+        *units.addresses,
+        units.vectors,
+        scratch.ctypes.data,
+        time.ctypes.data + time.itemsize * first,
+        last - first,
+        start,
+        end,
+        problem.rate,
+        order,
+        tolerance,
+        LIMIT,
+        out.ctypes.data + 7 * out.itemsize * first,
     )
     if steps < 0:
         raise _stopped()
-    return steps
+    return steps, at_end
 
 
 @functools.lru_cache(maxsize=16)
 def _simple(units: Units) -> bool:
     """Say whether the terms are what the simple kernel takes."""
+    if units.vectors != 1:
+        return False
     return not (units.packed[9] or units.packed[HEAD + 12 : HEAD + 15].any() or units.packed[HEAD + 16])
 
 

@@ -21,8 +21,9 @@ from numba import carray, njit
 
 HEAD, VECTOR = 10, 17
 
-ROWS = 33
-"""Coefficients that a block has room for. Odd, so that rows of two blocks do not fall on one line of the cache."""
+ROWS, KEPT = 33, 32
+"""Rows of a block: coefficients, and a last one for the state in block 0, and for what the block of a vector keeps for
+the next coefficient. Their number is odd, so that rows of two blocks do not fall on one line of the cache."""
 
 
 @njit(error_model="numpy", forceinline=True, fastmath={"contract"})
@@ -128,7 +129,7 @@ def to_body(x, y, z, w, a, b, c):
 
 
 @njit(error_model="numpy", forceinline=True, fastmath={"contract"})
-def expand(moments, terms, count, simple, now, order, table, scratch):
+def expand(moments, terms, count, simple, now, order, table):
     """Fill block 0 with the coefficients of the motion from its first row on.
 
     Moments are subtracted before anything else, so that slender bodies keep their digits. Terms are `simple` where
@@ -169,15 +170,16 @@ def expand(moments, terms, count, simple, now, order, table, scratch):
             c0 = c1 = c2 = 0.0
         for j in range(1 if simple else count):
             at, to = HEAD + VECTOR * j, 4 + 2 * j
+            kept = table[to, KEPT, 0]
             if n == 0:
                 u, v, s = to_body(x, y, z, w, terms[at], terms[at + 1], terms[at + 2])
             else:
-                u, v, s = scratch[j, 0], scratch[j, 1], scratch[j, 2]
+                u, v, s = kept[0], kept[1], kept[2]
             h0, h1, h2, h3, h4, h5, h6, h7 = convolve(
                 table, to, n, v, s, u, 0.0, s, u, v, 0.0, o2, o0, o1, 0.0, o1, o2, o0, 0.0
             )
-            scratch[j, 0], scratch[j, 1], scratch[j, 2] = (h0 - h4) * scale, (h1 - h5) * scale, (h2 - h6) * scale
-            scratch[j, 3] = h3 - h7
+            kept[0], kept[1], kept[2] = (h0 - h4) * scale, (h1 - h5) * scale, (h2 - h6) * scale
+            kept[3] = h3 - h7
             h0 = terms[at + 3] * u + terms[at + 4] * v + terms[at + 5] * s
             h1 = terms[at + 6] * u + terms[at + 7] * v + terms[at + 8] * s
             h2 = terms[at + 9] * u + terms[at + 10] * v + terms[at + 11] * s
@@ -192,8 +194,8 @@ def expand(moments, terms, count, simple, now, order, table, scratch):
             t0, t1, t2 = t0 + weight * h0, t1 + weight * h1, t2 + weight * h2
             if not simple and slope != 0.0:
                 if n > 0:
-                    t0, t1, t2 = t0 + slope * scratch[j, 4], t1 + slope * scratch[j, 5], t2 + slope * scratch[j, 6]
-                scratch[j, 4], scratch[j, 5], scratch[j, 6] = h0, h1, h2
+                    t0, t1, t2 = t0 + slope * kept[4], t1 + slope * kept[5], t2 + slope * kept[6]
+                kept[4], kept[5], kept[6] = h0, h1, h2
         half = 0.5 * scale
         x, y, z, w = (f0 + f4 + g0) * half, (f1 + f5 + g1) * half, (f2 + f6 + g2) * half, (f3 + f7 + g3) * half
         p = (e0 + t0 * i0 - d0 * p) * scale
@@ -216,47 +218,65 @@ def length(table, order, tolerance):
 
 
 @njit(error_model="numpy", forceinline=True, fastmath={"contract"})
-def follow(simple, moments_at, terms_at, count, state_at, times_at, samples, order, tolerance, limit, work_at, out_at):
-    """Follow the state (q, ω) from time 0 to the last of `times`; write it at each of them. Return the steps, or −1."""
+def write(row, a, b, c, d, e, f, g, rate):
+    """Write a state with ω in rad/s."""
+    row[0], row[1], row[2], row[3] = a, b, c, d
+    row[4], row[5], row[6] = e * rate, f * rate, g * rate
+
+
+@njit(error_model="numpy", forceinline=True, fastmath={"contract"})
+def follow(simple, moments_at, terms_at, count, scratch_at, times_at, samples, span, control, out_at):
+    """Follow the state (q, ω) through a piece of a run; see `advance`."""
+    start, end, rate = span
+    order, tolerance, limit = control
     moments = carray(moments_at, (3,), np.float64)
     terms = carray(terms_at, (HEAD + VECTOR * count,), np.float64)
-    state = carray(state_at, (7,), np.float64)
     times = carray(times_at, (samples,), np.float64)
-    table = carray(work_at, (5 + 2 * count, ROWS, 2, 8), np.float64)
-    scratch = table[4 + 2 * count, :, 0]
+    table = carray(scratch_at, (4 + 2 * count, ROWS, 2, 8), np.float64)
+    state = table[0, KEPT, 0]
     out = carray(out_at, (samples, 7), np.float64)
+    finish = (end - start) * rate
     now = slack = 0.0
     done = steps = 0
-    a, b, c, d, e, f, g = state[0], state[1], state[2], state[3], state[4], state[5], state[6]
-    while done < samples:
+    a, b, c, d = state[0], state[1], state[2], state[3]
+    e, f, g = state[4] / rate, state[5] / rate, state[6] / rate
+    while True:
         put(table, 0, 0, 0, a, b, c, d, e, f, g, 0.0)
-        expand(moments, terms, count, simple, now, order, table, scratch)
+        expand(moments, terms, count, simple, now, order, table)
         steps += 1
         step = length(table, order, tolerance)
         if not step > 0.0 or steps > limit:
             return -1
-        while done < samples and (times[done] - now) - slack <= step:
-            a, b, c, d, e, f, g = value(table, order, (times[done] - now) - slack)
-            out[done, 0], out[done, 1], out[done, 2], out[done, 3] = a, b, c, d
-            out[done, 4], out[done, 5], out[done, 6] = e, f, g
+        while done < samples and ((times[done] - start) * rate - now) - slack <= step:
+            a, b, c, d, e, f, g = value(table, order, ((times[done] - start) * rate - now) - slack)
+            write(out[done], a, b, c, d, e, f, g, rate)
             done += 1
-        a, b, c, d, e, f, g = value(table, order, step)
+        left = (finish - now) - slack
+        a, b, c, d, e, f, g = value(table, order, min(left, step))
+        if left <= step:
+            write(state, a, b, c, d, e, f, g, rate)
+            return steps
         step += slack
         ahead = now + step
         slack = step - (ahead - now)
         now = ahead
-    return steps
 
 
-def advance(moments_at, terms_at, count, state_at, times_at, samples, order, tolerance, limit, work_at, out_at):
-    """Follow a state under any terms."""
-    return follow(
-        False, moments_at, terms_at, count, state_at, times_at, samples, order, tolerance, limit, work_at, out_at
-    )
+def advance(
+    moments_at, terms_at, count, scratch_at, times_at, samples, start, end, rate, order, tolerance, limit, out_at
+):
+    """Take a state from `start` to `end`; write it at each of `times` between them. Return the steps, or −1.
+
+    The state, in the last row of block 0, and `out` (samples, 7) hold q and ω in rad/s, times are in s; the rest is in
+    units of time 1/`rate`.
+    """
+    span, control = (start, end, rate), (order, tolerance, limit)
+    return follow(False, moments_at, terms_at, count, scratch_at, times_at, samples, span, control, out_at)
 
 
-def advance_simple(moments_at, terms_at, count, state_at, times_at, samples, order, tolerance, limit, work_at, out_at):
-    """Follow a state under simple terms, for which there is less to do: gravity on a top, a force of the space."""
-    return follow(
-        True, moments_at, terms_at, count, state_at, times_at, samples, order, tolerance, limit, work_at, out_at
-    )
+def advance_simple(
+    moments_at, terms_at, count, scratch_at, times_at, samples, start, end, rate, order, tolerance, limit, out_at
+):
+    """Do the same under simple terms, for which there is less to do: gravity on a top, a force of the space."""
+    span, control = (start, end, rate), (order, tolerance, limit)
+    return follow(True, moments_at, terms_at, count, scratch_at, times_at, samples, span, control, out_at)
