@@ -10,6 +10,8 @@ from pathlib import Path
 
 import pytest
 
+import inertia
+
 ROOT = Path(__file__).resolve().parent.parent
 PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text())["project"]
 
@@ -69,3 +71,9 @@ def test_every_declared_dependency_is_pinned() -> None:
 
 def test_the_citation_names_this_version() -> None:
     assert f"\nversion: {PROJECT['version']}\n" in (ROOT / "CITATION.cff").read_text()
+
+
+@pytest.mark.parametrize("verb", ["analyse", "balance", "check", "mass_properties", "simulate", "trade"])
+def test_verbs_asked_about_a_path_say_how_to_read_it(verb: str) -> None:
+    with pytest.raises(inertia.UsageError, match=r"is a str, not a (Part|Rotor|Scene): give what inertia\.\S+\(path\)"):
+        getattr(inertia, verb)("bracket.stl")

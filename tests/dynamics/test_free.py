@@ -197,6 +197,16 @@ def test_two_legs_are_one_way(second: tuple[float, ...], spin: tuple[float, ...]
 
 
 @settings(deadline=None, max_examples=40)
+@given(moderate, spins)
+def test_a_motion_starts_from_what_was_given(second: tuple[float, ...], spin: tuple[float, ...]) -> None:
+    for times in ([0.0], [-1.0, 0.0, 2.0]):
+        attitude, omega = free_motion(sum(second) - np.array(second), spin, times)
+        begun = times.index(0.0)
+        assert attitude[begun].tolist() == [0.0, 0.0, 0.0, 1.0]
+        assert omega[begun] == pytest.approx(spin, rel=0, abs=1e-69)  # below this a component is none
+
+
+@settings(deadline=None, max_examples=40)
 @given(moderate, spins, st.floats(0, 1e3))
 def test_a_reversed_spin_runs_the_motion_backwards(
     second: tuple[float, ...], spin: tuple[float, ...], time: float

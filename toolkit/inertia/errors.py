@@ -28,3 +28,14 @@ class GeometryError(InertiaError, ValueError):
     """The mesh or the data cannot give an honest answer (exit code 4)."""
 
     exit_code = 4
+
+
+def require_kind(value: object, kind: type, name: str, source: str) -> None:
+    """Raise `UsageError` where an argument is of another kind than a verb takes: a path, most likely.
+
+    >>> require_kind("bracket.stl", dict, "part", "inertia.read(path)")
+    Traceback (most recent call last):
+    inertia.errors.UsageError: part is a str, not a dict: give what inertia.read(path) returns
+    """
+    if not isinstance(value, kind):
+        raise UsageError(f"{name} is a {type(value).__name__}, not a {kind.__name__}: give what {source} returns")

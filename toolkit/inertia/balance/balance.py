@@ -32,7 +32,7 @@ from inertia.balance.unbalance import Unbalance
 from inertia.balance.uncertain_inputs import operation_terms, rotor_terms
 from inertia.balance.uncertainty import Scatter, monte_carlo
 from inertia.balance.verdict import Verdict, judge
-from inertia.errors import GeometryError, UsageError
+from inertia.errors import GeometryError, UsageError, require_kind
 from inertia.mass.properties import MassProperties
 
 Progress = Callable[[float], None]
@@ -155,6 +155,7 @@ def balance(rotor: Rotor, *, progress: Progress | None = None) -> Balance:
     >>> found.verdict.outcome, [operation.id for operation in found.correction.operations]
     ('pass', ['I-1', 'II-1'])
     """
+    require_kind(rotor, Rotor, "rotor", "inertia.Rotor.load(path)")
     tell = progress or (lambda done: None)
     tell(0.0)
     bodies = read_bodies(rotor)

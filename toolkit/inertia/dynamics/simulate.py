@@ -12,7 +12,7 @@ from inertia.dynamics.planning.models import solve
 from inertia.dynamics.planning.plan import DEFORMING, Plan, plan
 from inertia.dynamics.run import Run, RunError, invariants_of
 from inertia.dynamics.scene.scene import Scene
-from inertia.errors import GeometryError
+from inertia.errors import GeometryError, require_kind
 from inertia.mesh.part import Float
 
 ROUNDING = 1e-14
@@ -33,6 +33,7 @@ def simulate(scene: Scene) -> Run:
     >>> run.model, run.angular_velocity[-1].tolist()
     ('spherical top', [0.0, 0.0, 3.0])
     """
+    require_kind(scene, Scene, "scene", "inertia.Scene.load(path)")
     chosen = plan(scene)
     time = np.linspace(0.0, scene.run.duration, scene.run.samples)
     motion, remarks = solve(scene, chosen, time)

@@ -16,7 +16,7 @@ from typing import Literal
 import numpy as np
 from numpy.typing import ArrayLike
 
-from inertia.errors import GeometryError, UsageError
+from inertia.errors import GeometryError, UsageError, require_kind
 from inertia.mass.bodies import Found, Group, cell_groups, naming, surface_groups, wire_group
 from inertia.mass.density import Densities, DensityFrom, densities
 from inertia.mass.moments import ZERO, Moments, total
@@ -164,6 +164,7 @@ def analyse(
     chord : the tolerance that the mesh was made with, in the part's unit: how far the true surface may be from it
     progress : called with the fraction done
     """
+    require_kind(part, Part, "part", "inertia.read(path)")
     chosen = densities(density, material, mass)
     _require_accuracy(accuracy)
     if not 0 <= class_tolerance < 1:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from inertia.errors import require_kind
 from inertia.mesh.check_cells import cell_bodies, check_cells
 from inertia.mesh.check_crossings import self_intersections
 from inertia.mesh.check_faces import face_findings, unusable
@@ -29,6 +30,7 @@ def check(part: Part, *, intersections: bool = False) -> Report:
     >>> report.fit, report.findings[0].code, report.loops[0].edges
     (False, 'open', 3)
     """
+    require_kind(part, Part, "part", "inertia.read(path)")
     if isinstance(part.geometry, Cells):
         return check_cells(part, part.geometry)
     triangles = part.geometry

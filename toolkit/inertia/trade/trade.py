@@ -12,7 +12,7 @@ from numbers import Real
 
 import numpy as np
 
-from inertia.errors import ReadError, UsageError
+from inertia.errors import ReadError, UsageError, require_kind
 from inertia.mass.analysis import Accuracy, Analysis, Progress, analyse
 from inertia.mass.rungs import FINEST
 from inertia.mesh.closure import closure
@@ -96,6 +96,7 @@ def trade(
     >>> found.rows[0].method, found.rows[0].error.worst < found.rows[0].bound.worst < 1e-12
     ('float64', True)
     """
+    require_kind(part, Part, "part", "inertia.read(path)")
     watch = Stopwatch(repeats, budget, clock)
     _require_usable(part, density, material)
     asked = _accuracy(accuracy)

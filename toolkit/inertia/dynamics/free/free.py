@@ -67,6 +67,8 @@ def free_motion(moments: ArrayLike, angular_velocity: ArrayLike, time: ArrayLike
         for first in range(0, scaled.shape[1], width):
             some = slice(first, first + width)
             attitude[rows, some], omega[rows, some] = motion(scaled[rows, some])
+    bodies, begun = (scaled == 0.0).nonzero()  # as it was given
+    attitude[bodies, begun], omega[bodies, begun] = quaternion.IDENTITY, start.angular_velocity[bodies]
     omega = np.ldexp(omega, start.exponent[:, None, None])
     shape = (*start.shape, scaled.shape[1])
     return attitude.reshape(*shape, 4), omega.reshape(*shape, 3)
