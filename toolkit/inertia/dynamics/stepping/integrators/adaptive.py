@@ -41,7 +41,7 @@ class SciPy(Adaptive):
         def rhs(tau: float, state: Float) -> Float:
             return problem.rhs(min(start + tau / rate, end), state * unit) / (unit * rate)
 
-        state = begin(problem, level)
+        state = begin(problem, level) / unit
         out = np.empty((len(time), 7))
         out[time <= problem.start] = state
         steps = 0

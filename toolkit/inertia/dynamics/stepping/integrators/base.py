@@ -51,9 +51,9 @@ class Piece(NamedTuple):
 def pieces(problem: RotationProblem, time: Float) -> Iterator[Piece]:
     """Cut the run from the start to the last of `time` (n,), ascending, at the kinks of the loads."""
     start, breaks, finish = problem.start, problem.breaks, float(time[-1])
-    inside = breaks[(breaks > start) & (breaks < finish)].tolist() if breaks.size else ()
+    inside = breaks[(breaks > start) & (breaks < finish)].tolist() if breaks.size else []
     first = int(time.searchsorted(start, side="right"))
-    for end in (*inside, finish):
+    for end in [*inside, finish]:
         last = int(time.searchsorted(end, side="right"))
         if end > start:
             yield Piece(start, end, first, last)
@@ -237,13 +237,13 @@ class Adaptive(Integrator):
 
 
 def begin(problem: RotationProblem, level: int) -> Float:
-    """Return the state (q, ω), (7,), that a run begins with, ω in units of the problem's rate.
+    """Return the state (q, ω), (7,), that a run begins with, ω in rad/s.
 
     Other levels than the finest begin a few roundings aside, so that their distance also holds what the motion makes
     of rounding: near a separatrix that is much.
     """
     state = np.empty(7)
-    state[:4], state[4:] = problem.attitude, problem.angular_velocity / problem.rate
+    state[:4], state[4:] = problem.attitude, problem.angular_velocity
     if level:
         aside = EPS * np.array([(1.0, -1.0, 1.0), (1.0, 1.0, -1.0)][level - 1])
         state[:4] = quaternion.multiply(state[:4], (*(4.0 * aside), 1.0))

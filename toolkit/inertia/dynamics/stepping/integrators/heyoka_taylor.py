@@ -30,6 +30,7 @@ class Heyoka(Adaptive):
         """Return the states at `time`; the tolerance is rounded, so that fewer steppers are compiled."""
         tolerance = float(10.0 ** np.round(np.log10(self.tolerance(control, level)), 1))
         state = begin(problem, level)
+        state[4:] /= problem.rate
         out = np.empty((len(time), 7))
         out[time <= problem.start] = state
         steps = 0

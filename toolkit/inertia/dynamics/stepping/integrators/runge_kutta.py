@@ -27,7 +27,7 @@ class RungeKutta4(FixedStep):
 
     def run(self, problem: RotationProblem, time: Float, control: float, level: int = 0) -> States:
         """Return the states at `time`."""
-        state = begin(problem, level) * ([1.0] * 4 + [problem.rate] * 3)
+        state = begin(problem, level)
         out = np.empty((len(time), 7))
         out[time <= problem.start] = state
         total = 0

@@ -48,7 +48,7 @@ class Splitting(FixedStep):
         columns = np.eye(3)[:, order]
         taken = quaternion.from_matrix(columns)
         state = begin(problem, level)
-        state = np.concatenate([quaternion.multiply(state[:4], taken), state[4:][order]])
+        state = np.concatenate([quaternion.multiply(state[:4], taken), state[4:][order] / problem.rate])
         out = np.empty((len(time), 7))
         out[time <= problem.start] = state
         total = 0

@@ -21,7 +21,7 @@ from inertia.dynamics.stepping.rotation import RotationProblem
 from inertia.dynamics.stepping.terms import HEAD, VECTOR
 from inertia.errors import GeometryError
 from inertia.mesh.part import Float
-from inertia.native import Kernel
+from inertia.native import Kernel, address
 
 _KERNEL, _SIMPLE = (
     Kernel("inertia.dynamics.stepping.integrators.taylor_kernel", name, "ppippidddidip", fused=True)
@@ -52,9 +52,8 @@ class Taylor(Adaptive):
         """Return the states at `time`."""
         tolerance = self.tolerance(control, level)
         order = min(math.ceil(-0.7 * math.log(tolerance)) + 1, _ROWS - 3)
-        time = np.ascontiguousarray(time)
+        time = np.array(time)  # in one piece
         state = begin(problem, level)
-        state[4:] *= problem.rate
         out = np.empty((len(time), 7))
         out[: time.searchsorted(problem.start, side="right")] = state
         steps = 0
@@ -84,8 +83,8 @@ def _advance(
     steps = kernel.function(
         *units.addresses,
         units.vectors,
-        scratch.ctypes.data,
-        time.ctypes.data + time.itemsize * first,
+        address(scratch),
+        address(time) + time.itemsize * first,
         last - first,
         start,
         end,
@@ -93,7 +92,7 @@ def _advance(
         order,
         tolerance,
         LIMIT,
-        out.ctypes.data + 7 * out.itemsize * first,
+        address(out) + 7 * out.itemsize * first,
     )
     if steps < 0:
         raise _stopped()
