@@ -79,18 +79,18 @@ def problem_of(motion: Motion) -> RotationProblem:
     return RotationProblem(motion.moments, motion.spin, loads=tuple(loads))
 
 
-def _decades(first: int, last: int) -> tuple[float, ...]:
-    return tuple(10.0**-k for k in range(first, last + 1))
+def _half_decades(first: int, last: int) -> tuple[float, ...]:
+    return tuple(float(f"{10.0 ** (-0.5 * k):.2g}") for k in range(2 * first, 2 * last + 1))
 
 
 CLOSED, TAYLOR = "inertia, closed form", "inertia, Taylor"
 
 CONTESTANTS = (
     Contestant(CLOSED, closed_form, (0.0,), lambda motion: motion.free),
-    Contestant(TAYLOR, stepped("Taylor"), _decades(2, 17)),
+    Contestant(TAYLOR, stepped("Taylor"), _half_decades(2, 17)),
     *(Contestant(f"inertia, splitting {n}", stepped(f"splitting {n}"), STEPS) for n in (2, 4, 6, 8)),
     Contestant("inertia, RK4", stepped("RK4"), STEPS),
-    Contestant("heyoka", peers.heyoka, _decades(2, 16)),
+    Contestant("heyoka", peers.heyoka, _half_decades(2, 16)),
     Contestant("MuJoCo, RK4", peers.mujoco("RK4"), MUJOCO_STEPS, peers.mujoco_fits),
     Contestant("MuJoCo, implicitfast", peers.mujoco("implicitfast"), MUJOCO_STEPS, peers.mujoco_fits),
     *(

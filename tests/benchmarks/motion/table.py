@@ -31,8 +31,8 @@ Attitude error against CPU time: the methods of `inertia` beside SciPy, heyoka a
   Taylor series in quadruple precision, checked against the integers (`tests/benchmarks/motion/truths.py`).
 * **Time** is CPU time for that one attitude, the best of several calls after a first one, which compiles and loads. It
   holds no estimate of the error: no peer makes one (`inertia.simulate` does, at the price of one or two more runs).
-* **Settings**: tolerances by the decade (SciPy's by two), steps by the factor 1.7; the best that reaches an accuracy
-  counts.
+* **Settings**: tolerances by half a decade (SciPy's by two), steps by the factor 1.7; the best that reaches an
+  accuracy counts.
 * heyoka and SciPy integrate the quaternion and ω, all seven components, from Python; MuJoCo steps a ball joint in C.
 
 ![Time against error for the free asymmetric top](motion-benchmarks.svg)

@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import functools
 from abc import ABC, abstractmethod
-from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import NamedTuple
 
@@ -48,16 +47,18 @@ class Piece(NamedTuple):
     last: int
 
 
-def pieces(problem: RotationProblem, time: Float) -> Iterator[Piece]:
+def pieces(problem: RotationProblem, time: Float) -> list[Piece]:
     """Cut the run from the start to the last of `time` (n,), ascending, at the kinks of the loads."""
     start, breaks, finish = problem.start, problem.breaks, float(time[-1])
     inside = breaks[(breaks > start) & (breaks < finish)].tolist() if breaks.size else []
-    first = int(time.searchsorted(start, side="right"))
-    for end in [*inside, finish]:
+    first, found = int(time.searchsorted(start, side="right")), []
+    for end in inside:
         last = int(time.searchsorted(end, side="right"))
-        if end > start:
-            yield Piece(start, end, first, last)
+        found.append(Piece(start, end, first, last))
         start, first = end, last
+    if finish > start:
+        found.append(Piece(start, finish, first, len(time)))
+    return found
 
 
 @dataclass(frozen=True, eq=False)

@@ -99,7 +99,7 @@ def convolve(table, at, n, l0, l1, l2, l3, l4, l5, l6, l7, r0, r1, r2, r3, r4, r
 
 @njit(error_model="numpy", forceinline=True, fastmath={"contract"})
 def value(table, order, tau):
-    """Return the state at `tau` by Horner's rule, its quaternion of unit length."""
+    """Return the state at `tau` by Horner's rule."""
     a = table[0, order, 0, 0]
     b = table[0, order, 0, 1]
     c = table[0, order, 0, 2]
@@ -117,8 +117,7 @@ def value(table, order, tau):
         f = f * tau + table[0, n, 0, 5]
         g = g * tau + table[0, n, 0, 6]
         h = h * tau + table[0, n, 0, 7]
-    unit = 1.0 / np.sqrt(a * a + b * b + c * c + d * d)
-    return a * unit, b * unit, c * unit, d * unit, e, f, g
+    return a, b, c, d, e, f, g
 
 
 @njit(error_model="numpy", forceinline=True, fastmath={"contract"})
@@ -207,20 +206,24 @@ def expand(moments, terms, count, simple, now, order, table):
 @njit(error_model="numpy", forceinline=True, fastmath={"contract"})
 def length(table, order, tolerance):
     """Return the step over which the last two coefficients stay below the tolerance; infinite if they vanish."""
-    step = np.inf
+    u = 1.0 / max(1.0, abs(table[0, 0, 0, 4]))
+    v = 1.0 / max(1.0, abs(table[0, 0, 0, 5]))
+    w = 1.0 / max(1.0, abs(table[0, 0, 0, 6]))
+    logarithm = np.inf
     for n in range(order - 1, order + 1):
-        largest = 0.0
-        for lane in range(7):
-            largest = max(largest, abs(table[0, n, 0, lane]) / max(1.0, abs(table[0, 0, 0, lane])))
+        turned = max(abs(table[0, n, 0, 0]), abs(table[0, n, 0, 1]), abs(table[0, n, 0, 2]), abs(table[0, n, 0, 3]))
+        spun = max(abs(table[0, n, 0, 4]) * u, abs(table[0, n, 0, 5]) * v, abs(table[0, n, 0, 6]) * w)
+        largest = max(turned, spun)
         if largest > 0.0:
-            step = min(step, np.exp(np.log(tolerance / largest) / n))
-    return step
+            logarithm = min(logarithm, np.log(tolerance / largest) / n)
+    return np.exp(logarithm)
 
 
 @njit(error_model="numpy", forceinline=True, fastmath={"contract"})
 def write(row, a, b, c, d, e, f, g, rate):
-    """Write a state with ω in rad/s."""
-    row[0], row[1], row[2], row[3] = a, b, c, d
+    """Write a state, its quaternion of unit length, with ω in rad/s."""
+    unit = 1.0 / np.sqrt(a * a + b * b + c * c + d * d)
+    row[0], row[1], row[2], row[3] = a * unit, b * unit, c * unit, d * unit
     row[4], row[5], row[6] = e * rate, f * rate, g * rate
 
 
@@ -253,9 +256,14 @@ def follow(simple, moments_at, terms_at, count, scratch_at, times_at, samples, s
             done += 1
         left = (finish - now) - slack
         a, b, c, d, e, f, g = value(table, order, min(left, step))
+        size = a * a + b * b + c * c + d * d
+        if not size + abs(e) + abs(f) + abs(g) < np.inf:
+            return -1
         if left <= step:
             write(state, a, b, c, d, e, f, g, rate)
             return steps
+        unit = 1.5 - 0.5 * size
+        a, b, c, d = a * unit, b * unit, c * unit, d * unit
         step += slack
         ahead = now + step
         slack = step - (ahead - now)
