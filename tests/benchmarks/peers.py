@@ -9,7 +9,7 @@ import os
 from collections.abc import Callable
 from typing import Any
 
-from inertia.mass.moments import moments_of
+from inertia.mass.assembling import moments_of
 from inertia.mass.sums import sum_triangles
 from inertia.mesh.part import Facets, Surface, Triangles
 

@@ -11,7 +11,7 @@ from tests.mass.parts import assert_within_bound, cells, cube, exact, facets, re
 
 import inertia
 from inertia.errors import GeometryError, ReadError, UsageError
-from inertia.mass.moments import moments_of
+from inertia.mass.assembling import moments_of
 from inertia.mass.sums import sum_triangles
 from inertia.units import length_unit
 from inertia_meshes import catalogue, path

@@ -12,8 +12,17 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from tests.mesh.solids import BOX_FACES, Mesh, box, cube, facets, inside_out, joined, ring, sphere
 
-from inertia.mass import moments as module
-from inertia.mass.moments import Moments, inertia_bound, inertia_tensor, root_above, simplex_moments, total
+from inertia.mass import assembling
+from inertia.mass.moments import (
+    PAIRS,
+    Moments,
+    Vector,
+    inertia_bound,
+    inertia_tensor,
+    root_above,
+    simplex_moments,
+    total,
+)
 from inertia.mass.sums import sum_triangles
 from inertia.mesh.part import Surface, Triangles
 from inertia_meshes import rational
@@ -24,10 +33,10 @@ OUTWARD = [[0, 2, 1], [0, 1, 3], [1, 2, 3], [0, 3, 2]]
 
 
 def moments_of(triangles: Triangles, surface: bool = False) -> Moments:
-    return module.moments_of(sum_triangles(triangles, surface=surface), surface=surface)
+    return assembling.moments_of(sum_triangles(triangles, surface=surface), surface=surface)
 
 
-def exact_of(triangles: Triangles, about: module.Vector) -> rational.Moments:
+def exact_of(triangles: Triangles, about: Vector) -> rational.Moments:
     """Return the oracle's moments, from exact arithmetic on the stored coordinates, about a point."""
     return rational.moments(triangles.corners()).moved(*(-k for k in about))
 
@@ -339,7 +348,7 @@ def test_the_central_moments_of_points_are_sums_over_offsets_from_their_mean() -
     found = total(point(m, *p) for m, p in places).central()
     mean = [F(sum(m * p[i] for m, p in places), 10) for i in range(3)]
     assert list(found.centroid) == mean == list(found.origin)
-    for value, (i, j) in zip(found.second, module.PAIRS, strict=True):
+    for value, (i, j) in zip(found.second, PAIRS, strict=True):
         assert value == sum(m * (p[i] - mean[i]) * (p[j] - mean[j]) for m, p in places)
     assert found.first == ORIGIN
 

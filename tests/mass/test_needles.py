@@ -8,7 +8,7 @@ from tests.mass.parts import assert_within_bound, exact, surface
 from tests.mass.spectra import eigenvalues
 
 import inertia
-from inertia.mass.moments import moments_of
+from inertia.mass.assembling import moments_of
 from inertia.mass.principal import principal
 from inertia.mass.properties import MassProperties
 from inertia.mass.sums import sum_triangles

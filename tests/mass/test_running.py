@@ -16,7 +16,8 @@ from tests.benchmarks.meshes import wavy_torus
 from tests.mesh.solids import facets
 
 from inertia.mass import running
-from inertia.mass.moments import Moments, moments_of
+from inertia.mass.assembling import moments_of
+from inertia.mass.moments import Moments
 from inertia.mass.rungs import solid_moments
 from inertia.mass.running import FEW, running_bounds
 from inertia.mass.sums import Sums, sum_triangles

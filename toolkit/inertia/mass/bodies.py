@@ -12,7 +12,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from inertia.errors import GeometryError, UsageError
-from inertia.mass.moments import Moments, moments_of
+from inertia.mass.assembling import moments_of
+from inertia.mass.moments import Moments
 from inertia.mass.rungs import METHODS, Rung, rungs, solid_moments
 from inertia.mass.sums import Sums, sum_triangles
 from inertia.mesh.check import cell_bodies, check

@@ -20,8 +20,8 @@ from fractions import Fraction
 
 import numpy as np
 
+from inertia.mass.assembling import Roundings
 from inertia.mass.kernels import BLOCK, DEPTH, LANES, BlockKernel
-from inertia.mass.moments import Roundings
 from inertia.mass.sums import Sums
 from inertia.mesh.part import Float, Triangles
 from inertia.native import Kernel

@@ -12,12 +12,8 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from fractions import Fraction
-from math import ceil, isqrt, sqrt
+from math import ceil, isqrt
 
-import numpy as np
-
-from inertia.mass.kernels import BLOCK, DEPTH, LANES
-from inertia.mass.sums import Sums
 from inertia.mesh.part import Float
 
 Vector = tuple[Fraction, Fraction, Fraction]
@@ -51,11 +47,11 @@ class Moments:
         return Moments(
             self.origin,
             factor * self.zeroth,
-            _vector(factor * k for k in self.first),
-            _six(factor * k for k in self.second),
+            vector(factor * k for k in self.first),
+            six(factor * k for k in self.second),
             size * self.zeroth_bound,
-            _vector(size * k for k in self.first_bound),
-            _six(size * k for k in self.second_bound),
+            vector(size * k for k in self.first_bound),
+            six(size * k for k in self.second_bound),
         )
 
     def weighed(self, mass: Fraction) -> Moments:
@@ -72,8 +68,8 @@ class Moments:
         return replace(
             exact,
             zeroth_bound=ZERO,
-            first_bound=_vector(wider(exact.first_bound, exact.first)),
-            second_bound=_six(wider(exact.second_bound, exact.second)),
+            first_bound=vector(wider(exact.first_bound, exact.first)),
+            second_bound=six(wider(exact.second_bound, exact.second)),
         )
 
     def in_unit(self, metres: Fraction) -> Moments:
@@ -82,13 +78,13 @@ class Moments:
         The zeroth moment's own unit is the caller's: it is a volume, an area, a length or a mass.
         """
         return Moments(
-            _vector(metres * k for k in self.origin),
+            vector(metres * k for k in self.origin),
             self.zeroth,
-            _vector(metres * k for k in self.first),
-            _six(metres**2 * k for k in self.second),
+            vector(metres * k for k in self.first),
+            six(metres**2 * k for k in self.second),
             self.zeroth_bound,
-            _vector(metres * k for k in self.first_bound),
-            _six(metres**2 * k for k in self.second_bound),
+            vector(metres * k for k in self.first_bound),
+            six(metres**2 * k for k in self.second_bound),
         )
 
     def about(self, point: Sequence[Fraction]) -> Moments:
@@ -100,13 +96,13 @@ class Moments:
         f, fb = self.first, self.first_bound
         v, vb = self.zeroth, self.zeroth_bound
         return Moments(
-            _vector(point),
+            vector(point),
             v,
-            _vector(f[i] + d[i] * v for i in range(3)),
-            _six(self.second[k] + d[i] * f[j] + d[j] * f[i] + d[i] * d[j] * v for k, (i, j) in enumerate(PAIRS)),
+            vector(f[i] + d[i] * v for i in range(3)),
+            six(self.second[k] + d[i] * f[j] + d[j] * f[i] + d[i] * d[j] * v for k, (i, j) in enumerate(PAIRS)),
             vb,
-            _vector(fb[i] + abs(d[i]) * vb for i in range(3)),
-            _six(
+            vector(fb[i] + abs(d[i]) * vb for i in range(3)),
+            six(
                 self.second_bound[k] + abs(d[i]) * fb[j] + abs(d[j]) * fb[i] + abs(d[i] * d[j]) * vb
                 for k, (i, j) in enumerate(PAIRS)
             ),
@@ -118,17 +114,17 @@ class Moments:
         return Moments(
             self.origin,
             self.zeroth + moved.zeroth,
-            _vector(a + b for a, b in zip(self.first, moved.first, strict=True)),
-            _six(a + b for a, b in zip(self.second, moved.second, strict=True)),
+            vector(a + b for a, b in zip(self.first, moved.first, strict=True)),
+            six(a + b for a, b in zip(self.second, moved.second, strict=True)),
             self.zeroth_bound + moved.zeroth_bound,
-            _vector(a + b for a, b in zip(self.first_bound, moved.first_bound, strict=True)),
-            _six(a + b for a, b in zip(self.second_bound, moved.second_bound, strict=True)),
+            vector(a + b for a, b in zip(self.first_bound, moved.first_bound, strict=True)),
+            six(a + b for a, b in zip(self.second_bound, moved.second_bound, strict=True)),
         )
 
     @property
     def centroid(self) -> Vector:
         """The centre of volume or mass, in file axes."""
-        return _vector(o + f / self.zeroth for o, f in zip(self.origin, self.first, strict=True))
+        return vector(o + f / self.zeroth for o, f in zip(self.origin, self.first, strict=True))
 
     @property
     def centroid_bound(self) -> Fraction:
@@ -162,10 +158,10 @@ class Moments:
             self.centroid,
             v,
             (ZERO, ZERO, ZERO),
-            _six(self.second[k] - self.first[i] * c[j] for k, (i, j) in enumerate(PAIRS)),
+            six(self.second[k] - self.first[i] * c[j] for k, (i, j) in enumerate(PAIRS)),
             vb,
             (ZERO, ZERO, ZERO),
-            _six(
+            six(
                 self.second_bound[k]
                 + abs(c[i]) * fb[j]
                 + abs(c[j]) * fb[i]
@@ -218,145 +214,14 @@ def _rounded_up(bound: Fraction) -> Fraction:
     return ceil(bound / unit) * unit
 
 
-@dataclass(frozen=True)
-class Roundings:
-    """How many errors of `unit`, relative to the magnitudes that enter, a term of the sums passes through.
-
-    `normal`: in d; `corner`: in s; `bracket`: in the brackets; `blocks`: where the rows of the blocks are added. To
-    these come one for the product of d with s or a bracket, and those of the additions within a block.
-    """
-
-    unit: Fraction
-    normal: int
-    corner: int
-    bracket: int
-    blocks: int
-
-    def across(self, count: int) -> int:
-        """Return the most additions that the term of one of `count` triangles passes through."""
-        within = min(DEPTH, -(-count // LANES)) + LANES.bit_length() - 1
-        return within + min(self.blocks, (-(-count // BLOCK)).bit_length() + 1)
-
-
-FLOAT64 = Roundings(Fraction(1, 2**53), normal=8, corner=3, bracket=10, blocks=5)
-"""The roundings of `inertia.mass.sums`.
-
-Eight in d (two edges and a product: 3, the difference: 1, the corner: 1, its product: 1, two additions: 2), three in
-s (a corner, two additions), ten in a bracket (three for each s, their product, three additions), four additions across
-blocks and one for the final sum.
-"""
-
-
-def moments_of(sums: Sums, *, surface: bool = False, watched: Float | None = None) -> Moments:
-    """Turn the sums over triangles into moments with bounds, in the file's unit.
-
-    For a solid, V = Σd/6, ∫x = Σd s/24, ∫x xᵀ = Σd(…)/120 (twice that on the diagonal); for a shell, with |n| for d,
-    A = Σ|n|/2, ∫x = Σ|n|s/6, ∫x xᵀ = Σ|n|(…)/24. The bounds are the a-priori ones of `assembled`, or those of
-    `inertia.mass.running` where they are smaller.
-
-    Parameters
-    ----------
-    watched : (10,) bounds of `inertia.mass.running` for the same triangles, where they are at hand
-    """
-    values = tuple(map(Fraction, sums.sums[:10].tolist()))
-    return assembled(values, sums, FLOAT64, surface=surface, watched=watched)
-
-
-def assembled(
-    value: Sequence[Fraction],
-    sums: Sums,
-    roundings: Roundings,
-    *,
-    surface: bool = False,
-    watched: Float | None = None,
-) -> Moments:
-    """Turn ten sums in the frame of `sums` into moments; the magnitudes in their bounds are those of `sums`.
-
-    A product of k numbers and sums each known to a relative error of u is off by at most γₖ = k u/(1 − k u) of its
-    magnitude (Higham, *Accuracy and Stability of Numerical Algorithms*, 2nd ed., lemma 3.1). So a term d B, with a
-    bracket B (or an s), is off by at most
-
-        γ p |B|  (roundings in d)  +  γ |d| M  (those in B, M: with the magnitudes of all that enters)
-        +  γ |d B|  (those of the product and of the additions),
-
-    each with the γ of its own count. With X, Y the largest distances from the origin along two axes, P = Σp, D = Σ|d|:
-
-    - |B| ≤ 6 X² on the diagonal and M ≤ 4 B, since B = ½ (s² + a² + b² + c²) and M ≤ 2 (a² + b² + c²);
-    - E = Σ |d| B ≤ Σ d B + 6 X² (D − Σ d), the last factor being twice the sum of the |d| with d < 0;
-    - off the diagonal (where brackets are taken twice) Σ |d B| ≤ 2 √(E_xx E_yy) and Σ |d| M ≤ 8 √(E_xx E_yy), by
-      Cauchy's inequality;
-    - Σ |d s| ≤ √(2 D E), Σ |d| M ≤ √(6 D E) in the first moments.
-
-    What underflow can add, at most 100 smallest normal numbers a triangle (in a shell 2⁻⁵⁰⁰, as a square root is
-    taken of the squares of n) times the four lengths that may multiply them, is added.
-    """
-    shrink = Fraction(2) ** -sums.exponent
-    origin = _vector(Fraction(float(k)) for k in sums.origin)
-    farthest = np.maximum(np.abs(sums.high - sums.origin), np.abs(sums.low - sums.origin))
-    reach = (np.ldexp(farthest, sums.exponent) * _INFLATED).tolist()
-    tiny = sums.count * (2.0**-500 if surface else 100 * 2.0**-1022) * max(1.0, *reach) ** 4
-    bounds = _bounds(value, sums, roundings, reach)
-    if watched is not None:
-        bounds = [min(pair) for pair in zip(bounds, watched.tolist(), strict=True)]  # of a NaN, the first
-    zeroth, *others = (Fraction((k + tiny) * _INFLATED) for k in bounds)
-    unit = shrink ** (2 if surface else 3)
-    zeroth_factor = unit / (2 if surface else 6)
-    first_factor = unit * shrink / (6 if surface else 24)
-    second_factor = unit * shrink**2 / (24 if surface else 120)
-    twice = 2 * second_factor
-    return Moments(
-        origin,
-        zeroth_factor * value[0],
-        _vector(first_factor * k for k in value[1:4]),
-        _six((*(twice * k for k in value[4:7]), *(second_factor * k for k in value[7:10]))),
-        zeroth_factor * zeroth,
-        _vector(first_factor * k for k in others[:3]),
-        _six(second_factor * k for k in others[3:]),
-    )
-
-
-_INFLATED = 1.0 + 1e-9
-"""More than the arithmetic of the bounds, the products of two γ and the roundings of P and D can take from them."""
-
-
-def _bounds(value: Sequence[Fraction], sums: Sums, roundings: Roundings, reach: list[float]) -> list[float]:
-    """Return a-priori bounds on the errors of Σd, Σd s and Σd(…), twice that on the diagonal."""
-    unit = float(roundings.unit) * _INFLATED
-    additions = roundings.across(sums.count) * unit
-    across = additions + unit  # and the product before them
-    normal, corner, bracket = (k * unit for k in (roundings.normal, roundings.corner, roundings.bracket))
-    magnitude, total = float(sums.sums[10]) * _INFLATED, float(sums.sums[12]) * _INFLATED
-    slack = 1e-12 * (magnitude + total)  # far more than the errors of the sums that take part here
-    negative = max(total - float(value[0]) + slack, 0.0)
-    weighted = [
-        min(6 * x * x * total, max(float(value[4 + i]), 0.0) + 6 * x * x * negative) for i, x in enumerate(reach)
-    ]
-    first = [
-        3 * x * normal * magnitude
-        + corner * min(3 * x * total, sqrt(6 * total) * sqrt(e))
-        + across * min(3 * x * total, sqrt(2 * total) * sqrt(e))
-        for x, e in zip(reach, weighted, strict=True)
-    ]
-    second = [
-        12 * x * x * normal * magnitude + 2 * (bracket * min(6 * x * x * total, 4 * e) + across * e)
-        for x, e in zip(reach, weighted, strict=True)
-    ]
-    for i, j in PAIRS[3:]:
-        largest, both = 12 * reach[i] * reach[j], sqrt(weighted[i]) * sqrt(weighted[j])
-        second.append(
-            largest * normal * magnitude
-            + bracket * min(largest * total, 8 * both)
-            + across * min(largest * total, 2 * both)
-        )
-    return [normal * magnitude + additions * total, *first, *second]
-
-
-def _vector(values: Iterable[Fraction]) -> Vector:
+def vector(values: Iterable[Fraction]) -> Vector:
+    """Return three values as a tuple."""
     x, y, z = values
     return x, y, z
 
 
-def _six(values: Iterable[Fraction]) -> Six:
+def six(values: Iterable[Fraction]) -> Six:
+    """Return six values as a tuple."""
     xx, yy, zz, yz, zx, xy = values
     return xx, yy, zz, yz, zx, xy
 
@@ -394,9 +259,9 @@ def simplex_moments(corners: Float, measures: Iterable[Fraction | float], relati
     return Moments(
         (ZERO, ZERO, ZERO),
         zeroth,
-        _vector(first),
-        _six(second),
+        vector(first),
+        six(second),
         relative * zeroth_size,
-        _vector(relative * k for k in first_size),
-        _six(relative * k for k in second_size),
+        vector(relative * k for k in first_size),
+        six(relative * k for k in second_size),
     )

@@ -7,7 +7,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from inertia.mass.moments import inertia_tensor, moments_of
+from inertia.mass.assembling import moments_of
+from inertia.mass.moments import inertia_tensor
 from inertia.mass.sums import sum_triangles
 from inertia.mesh.part import Part
 from inertia.mesh.repair import Change, Repair, welded

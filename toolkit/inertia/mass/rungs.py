@@ -6,7 +6,8 @@ from collections.abc import Callable
 from typing import Literal
 
 from inertia.mass import double_double, exact
-from inertia.mass.moments import Moments, assembled, moments_of
+from inertia.mass.assembling import assembled, moments_of
+from inertia.mass.moments import Moments
 from inertia.mass.running import FEW, running_bounds
 from inertia.mass.sums import Sums, sum_triangles
 from inertia.mesh.part import Triangles

@@ -1,6 +1,6 @@
 """Bounds on the errors of the float64 sums over few triangles, from a second evaluation that watches its roundings.
 
-The bound of `inertia.mass.moments` is formed from a few totals, so it takes every rounding at its worst and every
+The bound of `inertia.mass.assembling` is formed from a few totals, so it takes every rounding at its worst and every
 triangle to lie farthest out. Here each triangle counts with its own numbers. With every coordinate w of a corner (or
 of s = a + b + c) in homogeneous form, w = (x, y, z, 0) for a, b, c and (x, y, z, 1) for s, all ten sums are the
 elements of one product of matrices:

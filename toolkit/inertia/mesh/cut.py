@@ -47,7 +47,7 @@ def drill(shoulder: ArrayLike, back: ArrayLike, diameter: float, point_length: f
     diameter : d
     point_length : height of the cone; 0 for a flat end
 
-    >>> from inertia.mass.moments import moments_of
+    >>> from inertia.mass.assembling import moments_of
     >>> from inertia.mass.sums import sum_triangles
     >>> float(moments_of(sum_triangles(drill([0, 0, 0], [0, 0, 5], 2.0, 0.6))).zeroth) / np.pi
     5.2
