@@ -61,7 +61,9 @@ class Motion:
         return 2 * math.pi * revolutions / math.dist((0, 0, 0), self.spin)
 
     def error(self, revolutions: int, attitude: Any) -> float:
-        """Return by what angle in rad an attitude (4,) at the end is off."""
+        """Return by what angle in rad an attitude (4,) at the end is off: π where a method has lost it altogether."""
+        if not 0.0 < np.linalg.norm(attitude) < np.inf:
+            return math.pi
         with mp.workdps(DIGITS):
             truth = _truth(self, revolutions)
             return free_oracle.angle(free_oracle.matrix(np.asarray(attitude).tolist()), truth)
