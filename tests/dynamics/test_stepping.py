@@ -9,6 +9,7 @@ from tests.dynamics.loaded import ATTITUDE, LOADS, MOMENTS, SPIN, TIMES, case
 
 from inertia.dynamics import quaternion
 from inertia.dynamics.stepping.events import find_events
+from inertia.dynamics.stepping.integrators.base import Adaptive, States
 from inertia.dynamics.stepping.loads import CallableTorque, Damping, Gravity, Torque
 from inertia.dynamics.stepping.rotation import RotationProblem
 from inertia.dynamics.stepping.stepping import METHODS, solve_stepped, state_between
@@ -249,3 +250,32 @@ def test_body_starts_from_rest_under_a_torque() -> None:
     truth = oracle.rotate(MOMENTS, (0.0, 0.0, 0.0), [1e5], body_torque=(1e-9, 2e-10, 0.0))
     motion = solve_stepped(problem, [1e5], 1e-11)
     assert truth.attitude_error(motion.attitude)[0] < motion.reached
+
+
+class Told(Adaptive):
+    """A method whose runs end turned about one axis by what the test says."""
+
+    name, order, tightest, coarsest, runs, safety = "told", 4, 1e-17, 1e-17, 3, 5.0
+
+    def __init__(self, *turned: float) -> None:
+        self.turned = turned
+
+    def run(self, problem: RotationProblem, time: np.ndarray, control: float, level: int = 0) -> States:
+        half = 0.5 * self.turned[level]
+        return States(np.array([[np.sin(half), 0.0, 0.0, np.cos(half)]]), np.zeros((1, 3)), 1)
+
+
+@pytest.mark.parametrize(
+    ("near", "far", "counted"),
+    [
+        (1.0, 10.0, 3.0),  # the tolerance rules
+        (1.0, 100.0, 30.0),
+        (1.0, 2.5, 2.5),  # rounding rules: the second distance says as much as the first
+        (1.0, 0.5, 1.0),
+        (0.1, 2.0, 0.6),  # two runs happen to agree
+    ],
+)
+def test_what_the_distances_of_three_runs_say_of_the_error(near: float, far: float, counted: float) -> None:
+    unit = 1e-6
+    _, estimate = Told(0.0, near * unit, (near + far) * unit).solve(case("free").problem, np.array([1.0]), 1e-9)
+    assert estimate == pytest.approx(5.0 * counted * unit, rel=1e-6)

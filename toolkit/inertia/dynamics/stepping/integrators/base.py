@@ -207,8 +207,9 @@ class Adaptive(Integrator):
 
     The tolerance grows tenfold from level to level, but not below what rounding would hide (`coarsest`). The estimate
     comes from the distance d₁ of the first two runs and, where three are made, d₂ of the second and the third: it is
-    `safety` max(d₁, 0.3 d₂). No share of d₁ is taken, because near a separatrix rounding is amplified until it rules
-    at every tolerance; a third run makes it unlikely that two happen to agree there.
+    `safety` max(d₁, min(d₂, 3 d₁), 0.3 d₂). No share of d₁ is taken, because near a separatrix rounding is amplified
+    until it rules at every tolerance; a third run makes it unlikely that two happen to agree there. Where the
+    tolerance rules, d₂ is some 10 d₁; where it is less, rounding does, and d₂ says as much about it as d₁.
     """
 
     tightest: float
@@ -229,7 +230,8 @@ class Adaptive(Integrator):
     def solve(self, problem: RotationProblem, time: Float, control: float) -> tuple[States, float]:
         """Return the run at `control` and its estimate."""
         fine, middle, *rest = (self.run(problem, time, control, level) for level in range(self.runs))
-        apart = max([fine.apart(middle), *(0.3 * middle.apart(coarse) for coarse in rest)])
+        near = fine.apart(middle)
+        apart = max([near, *(max(min(far, 3.0 * near), 0.3 * far) for far in map(middle.apart, rest))])
         return fine, self.safety * apart + rounding(fine.angular_velocity, time[-1] - problem.start)
 
     def tolerance(self, control: float, level: int) -> float:
