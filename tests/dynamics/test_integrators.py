@@ -91,7 +91,7 @@ TABLES = (
 
 
 DISSIPATING = Dissipation(0.1), Torque([0.0, 0.0, 1.0])
-MANY = tuple(Torque([0.1 * np.sin(k), 0.1 * np.cos(k), 0.01 * k], "space") for k in range(40))
+MANY = tuple(Torque([0.02 * np.sin(k), 0.02 * np.cos(k), 0.001 * k], "space") for k in range(40))
 TWICE = [
     (method, control, loads)
     for method, control in ((Taylor(), 1e-12), (Taylor(), 1e-40), (Splitting(4), 0.1), (RungeKutta4(), 0.1))
@@ -110,7 +110,7 @@ def test_compiled_and_uncompiled_paths_agree(
         monkeypatch.setattr(Kernel, "worthwhile", lambda self, count, native=native: native)
         runs.append(method.run(problem, np.linspace(0.0, 4.0, 7), control))
     assert runs[0].apart(runs[1]) < 1e-13
-    assert runs[0].angular_velocity == pytest.approx(runs[1].angular_velocity, rel=1e-13, abs=1e-13)
+    assert runs[0].angular_velocity == pytest.approx(runs[1].angular_velocity, abs=1e-13)
     assert runs[0].steps == runs[1].steps
 
 

@@ -125,11 +125,6 @@ class Scaled(NamedTuple):
         """How many vectors fixed in space the terms hold."""
         return self.units.vectors
 
-    @property
-    def radians(self) -> float:
-        """About how far the state moves, for an estimate of the work."""
-        return 1.0 + float(self.targets[-1]) * (1.0 + self.units.decay)
-
 
 def standard(problem: RotationProblem, start: float) -> Terms:
     """Return the loads as `Terms`, or raise `UsageError` where one of them is not of that form."""
