@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from inertia.mesh import closure
+from inertia.mesh.geometry import closure
 from inertia.mesh.part import Surface
 from inertia.native import COMPILE_ABOVE, LOAD_ABOVE, Kernel
 

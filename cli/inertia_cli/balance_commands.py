@@ -13,8 +13,8 @@ from inertia_cli.progress import Progress
 from inertia_cli.run_commands import require_recordable
 
 if TYPE_CHECKING:
-    from inertia.balance.balance import Balance
-    from inertia.balance.rotor import Rotor
+    from inertia.balancing.balance import Balance
+    from inertia.balancing.rotor import Rotor
 
 _CODES = {"pass": 0, "fail": 5, "undecided": 4}
 _ROMAN = ("I", "II", "III", "IV", "V", "VI", "VII", "VIII", "IX", "X")
@@ -43,7 +43,7 @@ _SHORT = (
 def balance(options: argparse.Namespace) -> int:
     """Run ``inertia balance``."""
     if options.schema:
-        from inertia.balance.rotor import json_schema
+        from inertia.balancing.rotor import json_schema
 
         print_document(json_schema())
         return 0
@@ -58,10 +58,10 @@ def balance(options: argparse.Namespace) -> int:
 
 
 def _balanced(rotor: Rotor, options: argparse.Namespace) -> int:
-    from inertia.balance.balance import balance as balance_rotor
+    from inertia.balancing.balance import balance as balance_rotor
     from inertia.output import require_writable
-    from inertia.report.balance import balance_document
-    from inertia.report.balance_text import balance_text
+    from inertia.report.balance.document import balance_document
+    from inertia.report.balance.text import balance_text
 
     if options.to_toml:
         print(rotor.to_toml(), end="")
@@ -84,18 +84,18 @@ def _balanced(rotor: Rotor, options: argparse.Namespace) -> int:
 
 def _write(found: Balance, options: argparse.Namespace) -> None:
     """Write the files that were asked for."""
-    from inertia.mesh.write_stl import write_stl
+    from inertia.mesh.write import write_stl
     from inertia.output import write_whole
-    from inertia.report.balance_csv import balance_csv
-    from inertia.report.balance_data import report_data
-    from inertia.report.balance_html import save_balance_html
+    from inertia.report.balance.csv import balance_csv
+    from inertia.report.balance.data import report_data
+    from inertia.report.balance.html import save_balance_html
 
     if options.csv is not None:
         write_whole(Path(options.csv), balance_csv(found).encode())
     if options.report is not None:
         save_balance_html(report_data(found), options.report, force=options.force)
     if options.output is not None or options.live:
-        from inertia.record.record import record
+        from inertia.recording.record import record
 
         record(found, options.output, force=options.force, live=options.live)
     if options.cut_part is not None and found.correction is not None:
@@ -103,7 +103,7 @@ def _write(found: Balance, options: argparse.Namespace) -> None:
 
 
 def _rotor(options: argparse.Namespace) -> Rotor:
-    from inertia.balance.rotor import Rotor
+    from inertia.balancing.rotor import Rotor
 
     for name in _SHORT:
         if getattr(options, name) is not None:
@@ -114,7 +114,7 @@ def _rotor(options: argparse.Namespace) -> Rotor:
 
 def _rotor_of_part(options: argparse.Namespace) -> Rotor:
     """Return the rotor that the options describe."""
-    from inertia.balance.rotor import Rotor
+    from inertia.balancing.rotor import Rotor
 
     body = {
         "file": options.part,

@@ -106,9 +106,9 @@ def sound_solid_for(what: str) -> Iterator[None]:
 
 def trade(options: argparse.Namespace) -> int:
     """Run ``inertia trade``."""
-    from inertia.trade.plot import plot, require_plottable
-    from inertia.trade.render import trade_document, trade_text
-    from inertia.trade.trade import trade as trade_part
+    from inertia.work_precision.plot import plot, require_plottable
+    from inertia.work_precision.render import trade_document, trade_text
+    from inertia.work_precision.trade import trade as trade_part
 
     if options.part.lower().endswith(".toml"):
         return _trade_scene(options)
@@ -138,11 +138,11 @@ def trade(options: argparse.Namespace) -> int:
 
 
 def _trade_scene(options: argparse.Namespace) -> int:
-    from inertia.dynamics.scene.scene import Scene
-    from inertia.trade.plot import require_plottable
-    from inertia.trade.scene_plot import plot_scene
-    from inertia.trade.scene_render import scene_trade_document, scene_trade_text
-    from inertia.trade.scenes import trade_scene
+    from inertia.dynamics.scene.document import Scene
+    from inertia.work_precision.plot import require_plottable
+    from inertia.work_precision.scene_plot import plot_scene
+    from inertia.work_precision.scene_render import scene_trade_document, scene_trade_text
+    from inertia.work_precision.scenes import trade_scene
 
     for name in ("unit", "format", "density", "material"):
         if getattr(options, name) is not None:

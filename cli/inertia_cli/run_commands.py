@@ -12,7 +12,7 @@ from inertia_cli.commands import by_name, sound_solid_for
 from inertia_cli.documents import print_document
 
 if TYPE_CHECKING:
-    from inertia.dynamics.scene.scene import Scene
+    from inertia.dynamics.scene.document import Scene
 
 _OPTIONS = {
     "duration": "--for",
@@ -27,12 +27,12 @@ _PARTS = (".stl", ".obj", ".ply", ".off", ".step", ".stp", ".3mf", ".glb", ".glt
 
 def simulate(options: argparse.Namespace) -> int:
     """Run ``inertia simulate``."""
-    from inertia.dynamics.scene.scene import Scene
+    from inertia.dynamics.scene.document import Scene
 
     if Path(options.part).suffix.lower() in _PARTS:
         raise UsageError(f"{options.part} is a part and no scene: name a scene file, or use `inertia tumble`")
     if Path(options.part).suffix.lower() == ".rrd":
-        from inertia.record.read_back import scene_of
+        from inertia.recording.read_back import scene_of
 
         return _follow(scene_of(options.part), options)
     return _follow(Scene.load(options.part), options)
@@ -40,8 +40,8 @@ def simulate(options: argparse.Namespace) -> int:
 
 def tumble(options: argparse.Namespace) -> int:
     """Run ``inertia tumble``."""
-    from inertia.dynamics.scene.scene import Scene, Settings, Start
-    from inertia.dynamics.scene.scene_body import SceneBody
+    from inertia.dynamics.scene.body import SceneBody
+    from inertia.dynamics.scene.document import Scene, Settings, Start
     from inertia.mass.analysis import analyse
     from inertia.mesh.read import read
 
@@ -57,9 +57,9 @@ def tumble(options: argparse.Namespace) -> int:
 
 
 def _follow(scene: Scene, options: argparse.Namespace) -> int:
-    from inertia.dynamics.planning.plan import plan
+    from inertia.documents import FieldError
+    from inertia.dynamics.plan import plan
     from inertia.dynamics.simulate import simulate as simulate_scene
-    from inertia.fields import FieldError
     from inertia.report.run import plan_document, plan_text, run_document, run_text
 
     if options.explain and (options.output is not None or options.live):
@@ -80,7 +80,7 @@ def _follow(scene: Scene, options: argparse.Namespace) -> int:
     run = simulate_scene(scene)
     try:
         if options.output is not None or options.live:
-            from inertia.record.record import record
+            from inertia.recording.record import record
 
             record(run, options.output, force=options.force, live=options.live)
     finally:  # what was computed is told even where it cannot be recorded
@@ -95,7 +95,7 @@ def require_recordable(options: argparse.Namespace) -> None:
     """Ask what a recording needs before the work, which may take a while."""
     if options.output is None and not options.live:
         return
-    from inertia.record.writer import require_rerun, require_viewer, require_writable
+    from inertia.recording.writer import require_rerun, require_viewer, require_writable
 
     require_rerun()
     if options.output is not None:
@@ -106,7 +106,7 @@ def require_recordable(options: argparse.Namespace) -> None:
 
 def _text(options: argparse.Namespace) -> str | None:
     """Return the scene file that says the same as the options; None where no scene file can."""
-    from inertia.record.scene_text import toml
+    from inertia.recording.scene_text import toml
 
     density, material = dict(options.density), dict(options.material)
     if options.format is not None or any(name for name in (*density, *material)):

@@ -83,11 +83,11 @@ def analysis(count: int) -> dict[str, Any]:
 
 def cut(count: int) -> dict[str, Any]:
     """Return the times of cutting one hole out of a rotor of about `count` triangles and integrating it."""
-    from inertia.balance.corrections.drilling import RadialDrill
-    from inertia.balance.corrections.limits import CorrectionPlane
-    from inertia.balance.corrections.workpiece import Workpiece
-    from inertia.balance.shaft import Shaft
-    from inertia.balance.unbalance import Unbalance
+    from inertia.balancing.axis.shaft import Shaft
+    from inertia.balancing.corrections.correction_plane import CorrectionPlane
+    from inertia.balancing.corrections.drilling import RadialDrill
+    from inertia.balancing.corrections.workpiece import Workpiece
+    from inertia.balancing.unbalance import Unbalance
     from inertia.mass.analysis import mass_properties
     from inertia.mesh.read import read
 
@@ -106,8 +106,8 @@ def draws(count: int) -> dict[str, Any]:
     from dataclasses import replace
 
     from inertia import Rotor, balance
-    from inertia.balance.uncertain_inputs import operation_terms, rotor_terms
-    from inertia.balance.uncertainty import monte_carlo
+    from inertia.balancing.uncertain_inputs import operation_terms, rotor_terms
+    from inertia.balancing.uncertainty import monte_carlo
     from inertia_meshes import path
 
     rotor = Rotor.load(path("rotors/two_disc_rotor.toml"))

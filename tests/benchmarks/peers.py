@@ -9,8 +9,8 @@ import os
 from collections.abc import Callable
 from typing import Any
 
-from inertia.mass.assembling import moments_of
-from inertia.mass.sums import sum_triangles
+from inertia.mass.triangles.moments_from_sums import moments_of
+from inertia.mass.triangles.sums import sum_triangles
 from inertia.mesh.part import Facets, Surface, Triangles
 
 from .meshes import Faces, Vertices, facets

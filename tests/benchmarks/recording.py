@@ -97,9 +97,9 @@ def frames(count: int, *, full: bool) -> Callable[[Path], None]:
     import rerun as rr
     import rerun.blueprint as rrb
 
-    from inertia.dynamics import quaternion
-    from inertia.dynamics.free.free import free_motion
-    from inertia.record.writer import to_file
+    from inertia.dynamics.kinematics import quaternion
+    from inertia.dynamics.models.free.motion import free_motion
+    from inertia.recording.writer import to_file
 
     moments, omega = np.array([1.95835e-06, 7.32153e-06, 8.92934e-06]), np.array([0.001, 10.0, 0.0])
     period = 65_536

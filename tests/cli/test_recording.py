@@ -5,10 +5,10 @@ import subprocess
 from pathlib import Path
 
 import pytest
-from tests.record.reading import verified
+from tests.recording.reading import verified
 
-from inertia.record import writer
-from inertia.record.read_back import properties
+from inertia.recording import writer
+from inertia.recording.read_back import properties
 from inertia_cli.main import main
 from inertia_meshes import path
 

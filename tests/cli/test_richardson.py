@@ -5,7 +5,7 @@ import math
 from pathlib import Path
 
 import pytest
-from tests.mesh.read_step_sample import step_sphere
+from tests.mesh.readers.step_sample import step_sphere
 
 from inertia_cli.main import main
 from inertia_meshes import path

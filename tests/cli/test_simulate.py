@@ -60,7 +60,7 @@ def test_the_document_holds_the_contract(capsys: pytest.CaptureFixture[str], tmp
 
 
 def test_numbers_read_back_as_they_were(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
-    from inertia.dynamics.scene.scene import Scene
+    from inertia.dynamics.scene.document import Scene
     from inertia.dynamics.simulate import simulate
 
     file = scene(tmp_path)

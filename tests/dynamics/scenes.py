@@ -3,7 +3,7 @@
 from copy import deepcopy
 from typing import Any
 
-from inertia.dynamics.scene.scene import Scene
+from inertia.dynamics.scene.document import Scene
 
 PLAIN: dict[str, Any] = {
     "schema": 1,

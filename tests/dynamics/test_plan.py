@@ -6,7 +6,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from tests.dynamics.scenes import DISC, PLAIN, TOP, scene
 
-from inertia.dynamics.planning.plan import SHARE, plan
+from inertia.dynamics.plan import SHARE, plan
 from inertia.errors import UsageError
 
 

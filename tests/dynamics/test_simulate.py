@@ -10,12 +10,12 @@ from tests.dynamics.oracle import rotate
 from tests.dynamics.scenes import DISC, PLAIN, TOP, scene
 
 import inertia
-from inertia.dynamics import quaternion
 from inertia.dynamics import simulate as module
+from inertia.dynamics.kinematics import quaternion
 from inertia.dynamics.run import Run
-from inertia.dynamics.scene.scene import Scene, Settings, Start
-from inertia.dynamics.scene.scene_body import SceneBody
-from inertia.dynamics.scene.scene_loads import Torque
+from inertia.dynamics.scene.body import SceneBody
+from inertia.dynamics.scene.document import Scene, Settings, Start
+from inertia.dynamics.scene.loads import Torque
 from inertia.dynamics.simulate import simulate
 from inertia.errors import GeometryError
 from inertia_meshes import path

@@ -11,8 +11,8 @@ from tests.mass.parts import assert_within_bound, cells, cube, exact, facets, re
 
 import inertia
 from inertia.errors import GeometryError, ReadError, UsageError
-from inertia.mass.assembling import moments_of
-from inertia.mass.sums import sum_triangles
+from inertia.mass.triangles.moments_from_sums import moments_of
+from inertia.mass.triangles.sums import sum_triangles
 from inertia.units import length_unit
 from inertia_meshes import catalogue, path
 from inertia_meshes.rational import moments

@@ -16,7 +16,7 @@ from tests.benchmarks.extremes.truth import Truth, errors
 
 import inertia
 from inertia.errors import GeometryError
-from inertia.mass.rungs import METHODS, Rung, solid_moments
+from inertia.mass.triangles.arithmetic import METHODS, Rung, solid_moments
 from inertia.mesh.part import Facets, Part, Surface
 from inertia.units import length_unit
 

@@ -12,7 +12,6 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from tests.mesh.solids import BOX_FACES, Mesh, box, cube, facets, inside_out, joined, ring, sphere
 
-from inertia.mass import assembling
 from inertia.mass.moments import (
     PAIRS,
     Moments,
@@ -23,7 +22,8 @@ from inertia.mass.moments import (
     simplex_moments,
     total,
 )
-from inertia.mass.sums import sum_triangles
+from inertia.mass.triangles import moments_from_sums
+from inertia.mass.triangles.sums import sum_triangles
 from inertia.mesh.part import Surface, Triangles
 from inertia_meshes import rational
 
@@ -33,7 +33,7 @@ OUTWARD = [[0, 2, 1], [0, 1, 3], [1, 2, 3], [0, 3, 2]]
 
 
 def moments_of(triangles: Triangles, surface: bool = False) -> Moments:
-    return assembling.moments_of(sum_triangles(triangles, surface=surface), surface=surface)
+    return moments_from_sums.moments_of(sum_triangles(triangles, surface=surface), surface=surface)
 
 
 def exact_of(triangles: Triangles, about: Vector) -> rational.Moments:

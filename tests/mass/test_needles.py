@@ -8,10 +8,10 @@ from tests.mass.parts import assert_within_bound, exact, surface
 from tests.mass.spectra import eigenvalues
 
 import inertia
-from inertia.mass.assembling import moments_of
 from inertia.mass.principal import principal
 from inertia.mass.properties import MassProperties
-from inertia.mass.sums import sum_triangles
+from inertia.mass.triangles.moments_from_sums import moments_of
+from inertia.mass.triangles.sums import sum_triangles
 from inertia.mesh.part import Part
 from inertia_meshes.rational import moments
 from inertia_meshes.shapes import box, mapped, moved

@@ -11,11 +11,11 @@ from tests.mass.spectra import eigenvalues
 from tests.mesh.solids import box, cube, joined, sphere
 
 from inertia.errors import GeometryError, UsageError
-from inertia.mass.assembling import moments_of
-from inertia.mass.exact import exact_moments
 from inertia.mass.moments import Moments
 from inertia.mass.properties import ErrorBound, MassProperties
-from inertia.mass.sums import sum_triangles
+from inertia.mass.triangles.exact import exact_moments
+from inertia.mass.triangles.moments_from_sums import moments_of
+from inertia.mass.triangles.sums import sum_triangles
 from inertia.mesh.part import Surface
 from inertia_meshes import rational
 

@@ -11,10 +11,10 @@ import pytest
 from hypothesis import strategies as st
 
 from inertia.errors import GeometryError, UsageError
-from inertia.mesh.halfedges import half_edges
-from inertia.mesh.orientation import nest
+from inertia.mesh.geometry.halfedges import half_edges
 from inertia.mesh.part import FACET, CellBlock, Cells, Facets, Part, Regions, Surface
 from inertia.mesh.repair import Change, repair
+from inertia.mesh.repairs.orientation import nest
 from inertia_meshes.rational import moments
 from inertia_meshes.shapes import Corners, band, box, circle, flipped, moved, revolved, sphere, torus
 

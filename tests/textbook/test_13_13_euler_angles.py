@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 
-from inertia.dynamics import quaternion
+from inertia.dynamics.kinematics import quaternion
 from inertia.dynamics.kinematics.euler_angles import direction_cosines, from_angles, to_angles
 
 

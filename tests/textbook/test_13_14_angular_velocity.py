@@ -7,7 +7,7 @@ import pytest
 from tests.textbook.worked import free
 
 import inertia
-from inertia.dynamics import quaternion
+from inertia.dynamics.kinematics import quaternion
 from inertia.dynamics.kinematics.euler_angles import angular_velocity, from_angles, is_singular, rates
 
 ROOT = math.sqrt(3)

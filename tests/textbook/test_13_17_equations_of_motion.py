@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 from tests.textbook.worked import follow
 
-from inertia.dynamics import quaternion
+from inertia.dynamics.kinematics import quaternion
 
 
 def torque(vector, frame):

@@ -11,9 +11,9 @@ import numpy as np
 import pytest
 from tests.textbook.worked import free
 
-from inertia.dynamics.free.flips import flip_period
 from inertia.dynamics.kinematics.polhode import polhode
 from inertia.dynamics.kinematics.stability import energy_bounds, separatrix_distance
+from inertia.dynamics.models.free.flips import flip_period
 
 ROOT = math.sqrt(3)
 

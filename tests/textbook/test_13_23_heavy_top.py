@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 from tests.textbook.worked import G, follow, tilted
 
-from inertia.dynamics.heavy.heavy_top import HeavyTop
+from inertia.dynamics.models.heavy.top import HeavyTop
 
 BODY = {"principal_moments": [2e-4, 2e-4, 1.25e-4], "mass": 0.1, "center_of_mass": [0, 0, 0.04]}
 I1, I3, MGH = 3.6e-4, 1.25e-4, 0.1 * G * 0.04

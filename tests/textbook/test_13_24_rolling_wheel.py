@@ -9,9 +9,9 @@ import numpy as np
 import pytest
 from tests.textbook.worked import G, follow, tilted
 
-from inertia.dynamics import quaternion
-from inertia.dynamics.rolling.rolling_equations import RollingBody
-from inertia.dynamics.rolling.rolling_steady import steady_rolling, straight_rolling_threshold
+from inertia.dynamics.kinematics import quaternion
+from inertia.dynamics.models.rolling.equations import RollingBody
+from inertia.dynamics.models.rolling.steady import steady_rolling, straight_rolling_threshold
 
 M, R, I1, I3 = 2.0, 0.5, 0.125, 0.25
 BODY = {"principal_moments": [I1, I1, I3], "mass": M}

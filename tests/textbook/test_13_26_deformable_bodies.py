@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import inertia
-from inertia.dynamics import quaternion
+from inertia.dynamics.kinematics import quaternion
 from inertia.dynamics.kinematics.euler_angles import to_angles, unwrap
 from inertia_meshes import path
 

@@ -9,10 +9,10 @@ from tests.textbook.worked import G, free, refined, tilted
 
 import inertia
 from inertia import MassProperties, lamina, mass_properties, point_masses, principal, reexpress, steiner
-from inertia.dynamics import quaternion
-from inertia.dynamics.heavy.heavy_top import HeavyTop
+from inertia.dynamics.kinematics import quaternion
 from inertia.dynamics.kinematics.euler_angles import direction_cosines, from_angles, to_angles
 from inertia.dynamics.kinematics.geometry import cones
+from inertia.dynamics.models.heavy.top import HeavyTop
 from inertia_meshes import path
 from inertia_meshes.shapes import revolved, sphere
 

@@ -11,10 +11,10 @@ from types import ModuleType
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from inertia.balance.balance import Balance, balance
-    from inertia.balance.rotor import Rotor
+    from inertia.balancing.balance import Balance, balance
+    from inertia.balancing.rotor import Rotor
     from inertia.dynamics.run import Run
-    from inertia.dynamics.scene.scene import Scene
+    from inertia.dynamics.scene.document import Scene
     from inertia.dynamics.simulate import simulate
     from inertia.errors import GeometryError, InertiaError, ReadError, UsageError
     from inertia.mass.analysis import Analysis, analyse, mass_properties
@@ -27,14 +27,14 @@ if TYPE_CHECKING:
     from inertia.mesh.check import Finding, Report, check
     from inertia.mesh.part import Part
     from inertia.mesh.read import read
-    from inertia.record.record import record
-    from inertia.trade.trade import Trade, trade
+    from inertia.recording.record import record
+    from inertia.work_precision.trade import Trade, trade
 
 _HOMES = {
-    "balance.balance": ("Balance", "balance"),
-    "balance.rotor": ("Rotor",),
+    "balancing.balance": ("Balance", "balance"),
+    "balancing.rotor": ("Rotor",),
     "dynamics.run": ("Run",),
-    "dynamics.scene.scene": ("Scene",),
+    "dynamics.scene.document": ("Scene",),
     "dynamics.simulate": ("simulate",),
     "errors": ("GeometryError", "InertiaError", "ReadError", "UsageError"),
     "mass.analysis": ("Analysis", "analyse", "mass_properties"),
@@ -47,8 +47,8 @@ _HOMES = {
     "mesh.check": ("Finding", "Report", "check"),
     "mesh.part": ("Part",),
     "mesh.read": ("read",),
-    "record.record": ("record",),
-    "trade.trade": ("Trade", "trade"),
+    "recording.record": ("record",),
+    "work_precision.trade": ("Trade", "trade"),
 }
 _HOME_OF = {name: home for home, names in _HOMES.items() for name in names}
 

@@ -16,9 +16,9 @@ from typing import Any
 import numpy as np
 
 from inertia.errors import GeometryError
-from inertia.mass.rungs import solid_moments
+from inertia.mass.triangles.arithmetic import solid_moments
 from inertia.mesh.part import Surface
-from inertia.trade.machine import this_machine
+from inertia.work_precision.machine import this_machine
 
 from ..measure import ROOT, python_module
 from ..meshes import wavy_torus

@@ -1,6 +1,6 @@
 """The moment kernel without what only a bound, the area and the extents need: what is left to compare its cost with.
 
-The triangles come into the lanes as in `inertia.mass.fetch_kernel`, and the terms are formed in the same way.
+The triangles come into the lanes as in `inertia.mass.triangles.fetch_kernel`, and the terms are formed in the same way.
 """
 
 from __future__ import annotations
@@ -8,7 +8,7 @@ from __future__ import annotations
 import numpy as np
 from numba import carray
 
-from inertia.mass.fetch_kernel import DEPTH, LANES, fetch_faces
+from inertia.mass.triangles.fetch_kernel import DEPTH, LANES, fetch_faces
 
 SUMS = 10
 

@@ -14,8 +14,8 @@ from typing import Any
 
 import numpy as np
 
-from inertia.mass.kernels import BLOCK, LANES
-from inertia.mass.rungs import solid_moments
+from inertia.mass.triangles.arithmetic import solid_moments
+from inertia.mass.triangles.kernels import BLOCK, LANES
 from inertia.mesh.part import Surface
 from inertia.native import COMPILE_ABOVE, Kernel
 

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from inertia.mass.rungs import solid_moments
+from inertia.mass.triangles.arithmetic import solid_moments
 from inertia.mesh.part import Surface, Triangles
 from inertia_meshes import rational
 

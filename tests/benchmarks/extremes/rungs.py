@@ -9,7 +9,7 @@ import inertia
 from inertia.errors import InertiaError
 from inertia.mass.moments import Moments, inertia_bound, inertia_tensor
 from inertia.mass.properties import MassProperties
-from inertia.mass.rungs import METHODS, Rung
+from inertia.mass.triangles.arithmetic import METHODS, Rung
 from inertia.mesh.part import Part, Source, Triangles
 from inertia.units import length_unit
 

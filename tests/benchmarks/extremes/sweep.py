@@ -9,7 +9,7 @@ from fractions import Fraction
 import numpy as np
 
 from inertia.errors import GeometryError
-from inertia.mass.rungs import solid_moments
+from inertia.mass.triangles.arithmetic import solid_moments
 from inertia.mesh.part import FACET, Facets, Surface, Triangles
 
 from ..meshes import Faces, Vertices

@@ -5,7 +5,7 @@ from __future__ import annotations
 from statistics import median
 from typing import Any
 
-from inertia.mass.running import FEW
+from inertia.mass.triangles.running_error import FEW
 
 from .answers import PROGRAMS
 from .costs import BARE

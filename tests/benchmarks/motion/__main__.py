@@ -11,7 +11,7 @@ from importlib.metadata import version
 from pathlib import Path
 from typing import Any
 
-from inertia.trade.machine import this_machine
+from inertia.work_precision.machine import this_machine
 
 from ..measure import ROOT
 from .ensembles import ensembles

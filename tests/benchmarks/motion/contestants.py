@@ -11,11 +11,11 @@ from typing import Any
 
 import numpy as np
 
-from inertia.dynamics.free.free import free_motion
-from inertia.dynamics.stepping.integrators import runge_kutta, splitting, taylor
-from inertia.dynamics.stepping.loads import Damping, Gravity, Torque
-from inertia.dynamics.stepping.rotation import RotationProblem
-from inertia.dynamics.stepping.stepping import METHODS
+from inertia.dynamics.integrators import runge_kutta, splitting, taylor
+from inertia.dynamics.integrators.loads import Damping, Gravity, Torque
+from inertia.dynamics.integrators.rotation import RotationProblem
+from inertia.dynamics.models.free.motion import free_motion
+from inertia.dynamics.models.stepped.solve import METHODS
 from inertia.native import Kernel
 
 from . import peers
@@ -50,7 +50,7 @@ class Contestant:
 
 
 def closed_form(motion: Motion, duration: float, setting: float) -> Call:
-    """Return `inertia.dynamics.free.free.free_motion`."""
+    """Return `inertia.dynamics.models.free.motion.free_motion`."""
     return lambda: free_motion(motion.moments, motion.spin, [duration])[0][0]
 
 

@@ -8,8 +8,8 @@ from typing import Any
 
 import numpy as np
 
-from inertia.dynamics.free.ensemble import free_ensemble
-from inertia.dynamics.stepping.ensemble_stepping import step_ensemble
+from inertia.dynamics.integrators.ensemble import step_ensemble
+from inertia.dynamics.models.free.ensemble import free_ensemble
 
 MOMENTS = (1.0, 2.0, 3.0)
 ROUNDS = 5

@@ -11,7 +11,8 @@ from typing import Any
 
 import mpmath as mp
 import numpy as np
-from tests.dynamics import free_oracle, oracle
+from tests.dynamics import oracle
+from tests.dynamics.models.free import free_oracle
 
 DIGITS = 60
 

@@ -7,8 +7,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from inertia.arrays import Float
 from inertia.errors import GeometryError, UsageError
-from inertia.mesh.part import Float
 
 
 def vectors(value: ArrayLike, name: str, size: int = 3) -> Float:

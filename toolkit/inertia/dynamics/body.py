@@ -7,12 +7,12 @@ from functools import cached_property
 
 import numpy as np
 
-from inertia.dynamics import quaternion
+from inertia.arrays import Float
+from inertia.dynamics.kinematics import quaternion
 from inertia.errors import GeometryError
 from inertia.mass.principal import Principal, principal
 from inertia.mass.properties import MassProperties
 from inertia.mass.tensor import array_of, faults, steiner
-from inertia.mesh.part import Float
 
 
 @dataclass(frozen=True, eq=False)

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 
-from inertia.mesh.part import Float
+from inertia.arrays import Float
 
 
 @dataclass(frozen=True, eq=False)

@@ -7,13 +7,13 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from inertia.dynamics import quaternion
+from inertia.arrays import Float
+from inertia.dynamics.kinematics import quaternion
 from inertia.dynamics.kinematics.andoyer import Andoyer, to_andoyer
 from inertia.dynamics.kinematics.canonical import momenta
 from inertia.dynamics.kinematics.euler_angles import Convention, to_angles, unwrap
 from inertia.dynamics.motion import Event, Motion
-from inertia.dynamics.scene.scene import Scene
-from inertia.mesh.part import Float
+from inertia.dynamics.scene.document import Scene
 
 
 @dataclass(frozen=True)

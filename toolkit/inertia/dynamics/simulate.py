@@ -6,14 +6,14 @@ from dataclasses import replace
 
 import numpy as np
 
-from inertia.dynamics import quaternion
+from inertia.arrays import Float
+from inertia.dynamics.kinematics import quaternion
+from inertia.dynamics.models.dispatch import solve
 from inertia.dynamics.motion import Motion
-from inertia.dynamics.planning.models import solve
-from inertia.dynamics.planning.plan import DEFORMING, Plan, plan
+from inertia.dynamics.plan import DEFORMING, Plan, plan
 from inertia.dynamics.run import Run, RunError, invariants_of
-from inertia.dynamics.scene.scene import Scene
+from inertia.dynamics.scene.document import Scene
 from inertia.errors import GeometryError, require_kind
-from inertia.mesh.part import Float
 
 ROUNDING = 1e-14
 """Relative drift that evaluating an invariant alone may show."""

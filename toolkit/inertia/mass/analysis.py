@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import math
 import sys
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from numbers import Real
@@ -16,20 +16,19 @@ from typing import Literal
 import numpy as np
 from numpy.typing import ArrayLike
 
+from inertia.arrays import Float, Orientation, Progress
 from inertia.errors import GeometryError, UsageError, require_kind
-from inertia.mass.bodies import Found, Group, cell_groups, naming, surface_groups, wire_group
 from inertia.mass.density import Densities, DensityFrom, densities
+from inertia.mass.integration import Found, Group, cell_groups, naming, surface_groups, wire_group
 from inertia.mass.moments import ZERO, Moments, total
 from inertia.mass.principal import CLASS_TOLERANCE, Principal
 from inertia.mass.properties import ErrorBound, MassProperties
-from inertia.mass.rungs import FINEST
 from inertia.mass.tensor import array_of
 from inertia.mass.tessellation import chord_error
-from inertia.mesh.part import Cells, Float, Part
+from inertia.mass.triangles.arithmetic import FINEST
+from inertia.mesh.part import Cells, Part
 
-Orientation = Literal["stored", "absolute"]
 Accuracy = float | Literal["exact"] | None
-Progress = Callable[[float], None]
 
 
 @dataclass(frozen=True)
@@ -98,8 +97,8 @@ def mass_properties(
     """Integrate a part to its mass, centre of mass and inertia tensor.
 
     A closed surface is a solid: V = ∮ x·n dA/3 and its moments, by the divergence theorem over the triangles about
-    a local origin (see `inertia.mass.sums`). A volume mesh is integrated cell by cell by the exact quadrature of
-    each cell's map.
+    a local origin (see `inertia.mass.triangles.sums`). A volume mesh is integrated cell by cell by the exact quadrature
+    of each cell's map.
 
     Parameters
     ----------

@@ -28,7 +28,7 @@ from math import isqrt
 
 import numpy as np
 
-from inertia.mesh.part import Float
+from inertia.arrays import Float
 
 _BITS = 400
 """Bits kept below the smallest element: a part in 10⁶⁰ of the smallest moment of a needle of aspect 10³⁰."""

@@ -7,10 +7,10 @@ from fractions import Fraction
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from inertia.arrays import Float
 from inertia.errors import GeometryError, UsageError
 from inertia.mass.moments import ZERO, root_above, simplex_moments
 from inertia.mass.properties import MassProperties
-from inertia.mesh.part import Float
 
 _FLAT = 1e-9
 """A polygon counts as flat when its corners lie within this part of its size from its plane."""

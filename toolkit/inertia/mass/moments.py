@@ -14,7 +14,7 @@ from dataclasses import dataclass, replace
 from fractions import Fraction
 from math import ceil, isqrt
 
-from inertia.mesh.part import Float
+from inertia.arrays import Float
 
 Vector = tuple[Fraction, Fraction, Fraction]
 Six = tuple[Fraction, Fraction, Fraction, Fraction, Fraction, Fraction]

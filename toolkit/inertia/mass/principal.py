@@ -10,11 +10,11 @@ from typing import Literal
 import numpy as np
 from numpy.typing import ArrayLike
 
+from inertia.arrays import Float
 from inertia.errors import GeometryError, UsageError
 from inertia.mass.eigen import Spectrum, spectrum
 from inertia.mass.moments import Six, inertia_bound, inertia_bounds, inertia_tensor
 from inertia.mass.tensor import array_of
-from inertia.mesh.part import Float
 
 InertiaClass = Literal["spherical", "prolate", "oblate", "asymmetric", "rotor"]
 

@@ -12,11 +12,11 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import ArrayLike
 
+from inertia.arrays import Float
 from inertia.errors import GeometryError, UsageError
 from inertia.mass import principal as principals
 from inertia.mass.moments import ZERO, Moments, Six, inertia_bound, inertia_tensor
 from inertia.mass.tensor import array_of, faults, rotation_of
-from inertia.mesh.part import Float
 
 _ROUNDOFF = Fraction(1, 2**53)
 _SLENDER, _CERTAIN = 1e-3, 1e-9

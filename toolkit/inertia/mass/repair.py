@@ -7,9 +7,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from inertia.mass.assembling import moments_of
 from inertia.mass.moments import inertia_tensor
-from inertia.mass.sums import sum_triangles
+from inertia.mass.triangles.moments_from_sums import moments_of
+from inertia.mass.triangles.sums import sum_triangles
 from inertia.mesh.part import Part
 from inertia.mesh.repair import Change, Repair, welded
 from inertia.mesh.repair import repair as repair_mesh

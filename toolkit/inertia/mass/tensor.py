@@ -10,8 +10,8 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike
 
+from inertia.arrays import Float
 from inertia.errors import UsageError
-from inertia.mesh.part import Float
 
 VALIDITY_TOLERANCE = 1e-9
 """Relative slack, of the trace, within which a tensor still counts as physical."""

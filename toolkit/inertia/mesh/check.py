@@ -3,15 +3,15 @@
 from __future__ import annotations
 
 from inertia.errors import require_kind
-from inertia.mesh.check_cells import cell_bodies, check_cells
-from inertia.mesh.check_crossings import self_intersections
-from inertia.mesh.check_faces import face_findings, unusable
-from inertia.mesh.check_shells import outward, shell_findings
-from inertia.mesh.edges import pieces
-from inertia.mesh.findings import Finding, Report, by_severity
-from inertia.mesh.measured import measure
+from inertia.mesh.checks.cells import cell_bodies, check_cells
+from inertia.mesh.checks.crossings import self_intersections
+from inertia.mesh.checks.faces import face_findings, unusable
+from inertia.mesh.checks.findings import Finding, Report, by_severity
+from inertia.mesh.checks.shells import outward, shell_findings
+from inertia.mesh.checks.surface_topology import measure
+from inertia.mesh.geometry.edges import pieces
+from inertia.mesh.geometry.shells import bodies
 from inertia.mesh.part import Cells, Part
-from inertia.mesh.shells import bodies
 
 __all__ = ["Finding", "Report", "cell_bodies", "check"]
 

@@ -17,13 +17,14 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
+from inertia.arrays import Float, Int
 from inertia.errors import GeometryError, UsageError
 from inertia.mesh.check import check
-from inertia.mesh.closure import Closure, closure, weld
-from inertia.mesh.holes import around
-from inertia.mesh.part import Float, Int, Part, Regions, Surface
-from inertia.mesh.shells import bodies, members, shells
-from inertia.mesh.weld import compact, repeats_a_corner
+from inertia.mesh.geometry.closure import Closure, closure, weld
+from inertia.mesh.geometry.shells import bodies, members, shells
+from inertia.mesh.part import Part, Regions, Surface
+from inertia.mesh.repairs.holes import around
+from inertia.mesh.repairs.weld import compact, repeats_a_corner
 
 SEGMENTS = 64
 """Sides of a round tool: its vertices are 0.08 % of the radius outside the circle."""
@@ -47,8 +48,8 @@ def drill(shoulder: ArrayLike, back: ArrayLike, diameter: float, point_length: f
     diameter : d
     point_length : height of the cone; 0 for a flat end
 
-    >>> from inertia.mass.assembling import moments_of
-    >>> from inertia.mass.sums import sum_triangles
+    >>> from inertia.mass.triangles.moments_from_sums import moments_of
+    >>> from inertia.mass.triangles.sums import sum_triangles
     >>> float(moments_of(sum_triangles(drill([0, 0, 0], [0, 0, 5], 2.0, 0.6))).zeroth) / np.pi
     5.2
     """

@@ -23,11 +23,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from inertia.arrays import Float, Int
 from inertia.errors import GeometryError, ReadError, UsageError
 from inertia.units import DEFAULT_UNIT, Unit, UnitFrom, length_unit
-
-Float = NDArray[np.float64]
-Int = NDArray[np.int64]
 
 FACET = np.dtype(
     [

@@ -18,22 +18,22 @@ from pathlib import Path
 
 from inertia.errors import ReadError, UsageError
 from inertia.mesh.part import Part, Source
-from inertia.mesh.read_contents import Contents
-from inertia.mesh.sniff import EXTENSIONS, HEAD, sniff
-from inertia.mesh.stl import read_stl
+from inertia.mesh.readers.contents import Contents
+from inertia.mesh.readers.sniff import EXTENSIONS, HEAD, sniff
+from inertia.mesh.readers.stl import read_stl
 from inertia.units import DEFAULT_UNIT, Unit, UnitFrom, length_unit
 
 _READERS = {
-    "obj": "read_obj",
-    "ply": "read_ply",
-    "off": "read_off",
-    "glb": "read_gltf",
-    "gltf": "read_gltf",
-    "3mf": "read_3mf",
-    "step": "read_step",
-    "gmsh": "read_gmsh",
+    "obj": ("obj", "read_obj"),
+    "ply": ("ply", "read_ply"),
+    "off": ("off", "read_off"),
+    "glb": ("gltf", "read_gltf"),
+    "gltf": ("gltf", "read_gltf"),
+    "3mf": ("three_mf", "read_3mf"),
+    "step": ("step", "read_step"),
+    "gmsh": ("gmsh", "read_gmsh"),
 }
-"""Formats that have a module with a function of the same name; the others go through meshio."""
+"""The module and the function for each format that has its own; the others go through meshio."""
 
 _REASONS = {
     errno.ENOENT: "there is no such file: check the path",
@@ -142,11 +142,11 @@ def _read_as(kind: str, path: Path, coarser: float) -> Contents:
     """Read a file with the reader of its kind; the readers are imported when they are used."""
     if kind == "stl":
         return read_stl(path)
-    name = _READERS.get(kind)
-    if name is None:
-        from inertia.mesh.via_meshio import read_with_meshio
+    if kind not in _READERS:
+        from inertia.mesh.readers.meshio import read_with_meshio
 
         return read_with_meshio(path, kind)
     options = (coarser,) if kind == "step" else ()
-    contents: Contents = getattr(import_module(f"inertia.mesh.{name}"), name)(path, *options)
+    module, function = _READERS[kind]
+    contents: Contents = getattr(import_module(f"inertia.mesh.readers.{module}"), function)(path, *options)
     return contents

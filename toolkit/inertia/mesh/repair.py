@@ -7,7 +7,7 @@ What is right is left alone: a sound part comes back as it went in, bit for bit.
    apart than 1e-6 of the diagonal of the part's box (cracks);
 3. triangles with a repeated corner, copies of triangles, and fins without thickness are removed;
 4. triangles are turned until neighbours agree, the fewer ones in each piece;
-5. holes are filled (see `inertia.mesh.holes`);
+5. holes are filled (see `inertia.mesh.repairs.holes`);
 6. shells that are inside out are turned;
 7. bodies that overlap are united.
 
@@ -21,16 +21,17 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from inertia.arrays import Float, Int
 from inertia.errors import GeometryError
-from inertia.mesh.closure import weld
-from inertia.mesh.copies import copies, facing
-from inertia.mesh.findings import counted
-from inertia.mesh.halfedges import half_edges
-from inertia.mesh.holes import around, filled, rims
-from inertia.mesh.orientation import inconsistent, nest
-from inertia.mesh.part import Float, Int, Part, Regions, Surface, Triangles
-from inertia.mesh.unite import overlapping_groups, united
-from inertia.mesh.weld import (
+from inertia.mesh.checks.findings import counted
+from inertia.mesh.geometry.closure import weld
+from inertia.mesh.geometry.halfedges import half_edges
+from inertia.mesh.part import Part, Regions, Surface, Triangles
+from inertia.mesh.repairs.copies import copies, facing
+from inertia.mesh.repairs.holes import around, filled, rims
+from inertia.mesh.repairs.orientation import inconsistent, nest
+from inertia.mesh.repairs.unite import overlapping_groups, united
+from inertia.mesh.repairs.weld import (
     chained,
     close_vertices,
     compact,
@@ -133,7 +134,7 @@ def repair(part: Part, *, tolerance: float | None = None) -> Repair:
 def welded(part: Part, tolerance: float) -> Repair:
     """Make one of the vertices of a part's surface that lie within `tolerance` (file units), and nothing else.
 
-    Raises as `inertia.mesh.weld.weld_within`.
+    Raises as `inertia.mesh.repairs.weld.weld_within`.
     """
     result = weld_within(part.triangles, tolerance)
     if result.merged == 0:

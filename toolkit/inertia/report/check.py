@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from typing import Any
 
-from inertia.mesh.findings import Orientation, Report, counted
+from inertia.arrays import Orientation
+from inertia.mesh.checks.findings import Report, counted
 from inertia.mesh.part import Part
 from inertia.report.layout import row
 

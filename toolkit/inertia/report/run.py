@@ -9,12 +9,12 @@ from typing import Any
 
 import numpy as np
 
-from inertia.dynamics.planning.plan import Plan
+from inertia.arrays import Float
+from inertia.dynamics.plan import Plan
 from inertia.dynamics.run import Invariant, Run
-from inertia.dynamics.scene.scene import Scene
-from inertia.dynamics.scene.scene_body import SceneBody
-from inertia.dynamics.scene.scene_loads import Damping, Dissipation, Gravity, GravityGradient, Load, Torque
-from inertia.mesh.part import Float
+from inertia.dynamics.scene.body import SceneBody
+from inertia.dynamics.scene.document import Scene
+from inertia.dynamics.scene.loads import Damping, Dissipation, Gravity, GravityGradient, Load, Torque
 from inertia.report.layout import LABEL, cleared, number, row
 
 _WIDTH = 120

@@ -21,11 +21,11 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
-from inertia.dynamics import quaternion
+from inertia.arrays import Float
 from inertia.dynamics.arguments import first, moments_of, vectors, written
+from inertia.dynamics.kinematics import quaternion
 from inertia.dynamics.kinematics.euler_angles import SINGULAR_SINE, turn_about
 from inertia.errors import GeometryError
-from inertia.mesh.part import Float
 
 
 @dataclass(frozen=True, eq=False)

@@ -11,11 +11,11 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
+from inertia.arrays import Float
 from inertia.dynamics.arguments import moments_of, vectors
 from inertia.dynamics.kinematics import euler_angles
 from inertia.dynamics.kinematics.euler_angles import Convention, Frame, dot, raise_if_singular, rate_axes
 from inertia.errors import UsageError
-from inertia.mesh.part import Float
 
 
 @dataclass(frozen=True, eq=False)

@@ -24,10 +24,10 @@ from typing import Literal
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from inertia.dynamics import quaternion
+from inertia.arrays import Float
 from inertia.dynamics.arguments import first, vectors, written
+from inertia.dynamics.kinematics import quaternion
 from inertia.errors import GeometryError, UsageError
-from inertia.mesh.part import Float
 
 Convention = Literal["z-x-z", "z-y-z", "x-y-z"]
 Frame = Literal["body", "space"]

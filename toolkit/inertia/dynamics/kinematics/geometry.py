@@ -12,12 +12,12 @@ from typing import Literal
 import numpy as np
 from numpy.typing import ArrayLike
 
+from inertia.arrays import Float
 from inertia.dynamics.arguments import moments_of, vectors
 from inertia.dynamics.kinematics.euler_angles import dot
 from inertia.errors import GeometryError
 from inertia.mass.principal import CLASS_TOLERANCE
 from inertia.mass.tensor import array_of
-from inertia.mesh.part import Float
 
 Rolling = Literal["outside", "inside", "none"]
 

@@ -17,12 +17,12 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
+from inertia.arrays import Float
 from inertia.dynamics.arguments import moments_of
 from inertia.dynamics.kinematics.stability import separatrix_distance
 from inertia.dynamics.special.elliptic import first_kind
 from inertia.errors import GeometryError
 from inertia.mass.tensor import array_of
-from inertia.mesh.part import Float
 
 
 @dataclass(frozen=True, eq=False)

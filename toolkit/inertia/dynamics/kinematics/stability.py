@@ -8,11 +8,11 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from inertia.arrays import Float
 from inertia.dynamics.arguments import first, moments_of, vectors, written
-from inertia.dynamics.special import extended
+from inertia.dynamics.special import double_double
 from inertia.errors import GeometryError, UsageError
 from inertia.mass.principal import CLASS_TOLERANCE
-from inertia.mesh.part import Float
 
 
 def wobble_frequencies(moments: ArrayLike, speed: ArrayLike = 1.0) -> Float:
@@ -104,9 +104,13 @@ def separatrix_distance(moments: ArrayLike, angular_velocity: ArrayLike) -> Floa
     order = np.argsort(moments, axis=-1, kind="stable")
     i1, i2, i3 = np.moveaxis(np.take_along_axis(moments, order, axis=-1), -1, 0)
     w1, _, w3 = np.moveaxis(np.take_along_axis(omega, order, axis=-1), -1, 0)
-    about_1 = extended.multiply(extended.times(extended.two_sum(i2, -i1), i1), extended.two_product(w1, w1))
-    about_3 = extended.multiply(extended.times(extended.two_sum(i3, -i2), i3), extended.two_product(w3, w3))
-    excess = extended.add(about_1, extended.minus(about_3))
+    about_1 = double_double.multiply(
+        double_double.times(double_double.two_sum(i2, -i1), i1), double_double.two_product(w1, w1)
+    )
+    about_3 = double_double.multiply(
+        double_double.times(double_double.two_sum(i3, -i2), i3), double_double.two_product(w3, w3)
+    )
+    excess = double_double.add(about_1, double_double.minus(about_3))
     distance: Float = excess[0] / np.sum((moments * omega) ** 2, axis=-1)
     return distance
 

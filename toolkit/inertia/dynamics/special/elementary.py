@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from inertia.mesh.part import Float
+from inertia.arrays import Float
 
 Number = Any
 """A float or an array of them."""

@@ -11,10 +11,10 @@ from typing import TypeVar
 
 from numpy.typing import ArrayLike
 
-from inertia.dynamics.special import extended as ea
+from inertia.arrays import Float
+from inertia.dynamics.special import double_double as ea
+from inertia.dynamics.special.double_double import Pair
 from inertia.dynamics.special.elementary import Number, anywhere, arctan, cos, exp, number, sin, sqrt, tanh, where
-from inertia.dynamics.special.extended import Pair
-from inertia.mesh.part import Float
 
 Value = TypeVar("Value", float, Float)
 

@@ -1,0 +1,163 @@
+"""PASS, FAIL and UNDECIDED, and whether what is said to settle a verdict does settle it."""
+
+import math
+from dataclasses import replace
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from inertia.balancing.bounds import Uncertainty
+from inertia.balancing.forces import rigid_limit
+from inertia.balancing.tolerance import Tolerance
+from inertia.balancing.unbalance import Unbalance
+from inertia.balancing.verdict import judge
+
+PLANES = (0.0, 1.0)
+
+
+def tolerance(limit=100e-6):
+    return Tolerance("given", "U = given", (limit, limit))
+
+
+def residual(a, b, **sources):
+    """Return vectors a and b (g·mm) in the planes, uncertain by (g·mm, cause) in each of them."""
+    vectors = [(0.0, a * 1e-6), (1.0, b * 1e-6)]
+    found = Unbalance(10.0, 0.5, 0.0, 0.0).with_vectors(vectors)
+    # A source that moves plane A by r and plane B by r, apart from each other: (U, D) = (1, ∓½) r.
+    return found.with_uncertainties(
+        *(
+            Uncertainty(name, ((r * 1e-6, -0.5e-6 * r), (r * 1e-6, 0.5e-6 * r)), cause)
+            for name, (r, cause) in sources.items()
+        )
+    )
+
+
+def scaled(unbalance, needs):
+    """Return the unbalance with the sources made as small as was asked for."""
+    return replace(
+        unbalance,
+        uncertainties=tuple(
+            Uncertainty(k.source, tuple((g * r, h * r) for g, h in k.modes), k.cause * r)
+            for k in unbalance.uncertainties
+            for r in [needs[k.source] / k.cause if k.source in needs else 1.0]
+        ),
+    )
+
+
+class TestOutcome:
+    @pytest.mark.parametrize(
+        ("a", "b", "outcome"),
+        [
+            (50, 50j, "pass"),
+            (89, 0, "pass"),
+            (0, 95, "undecided"),
+            (105, 0, "undecided"),
+            (111, 0, "fail"),
+            (0, -200j, "fail"),
+            (95, 200, "fail"),
+        ],
+    )
+    def test_is_that_of_the_worst_plane_with_its_bounds(self, a, b, outcome):
+        assert judge(residual(a, b, axis=(10, 2e-5)), tolerance(), PLANES).outcome == outcome
+
+    def test_without_uncertainty_a_value_on_the_limit_passes(self):
+        assert judge(Unbalance(10.0, 0.0, 100e-6, 0.0), tolerance(), PLANES).outcome == "pass"
+
+    def test_each_plane_has_a_verdict_of_its_own(self):
+        found = judge(residual(50, 200, axis=(10, 2e-5)), tolerance(), PLANES)
+        assert [(k.name, k.outcome) for k in found.planes] == [("A", "pass"), ("B", "fail")]
+        assert found.planes[1].residual == pytest.approx(200e-6)
+        assert found.planes[1].bounds == {"axis": pytest.approx(10e-6)}
+        assert found.why[1] == "plane B: 200 ± 10 g·mm against 100 g·mm: FAIL"
+
+    def test_what_cannot_be_seen_beside_the_limit_is_left_out(self):
+        found = judge(residual(50, 1e-13, arithmetic=(1e-9, None)), tolerance(), PLANES)
+        assert found.why[0] == "plane A: 50 g·mm against 100 g·mm: PASS"
+        assert found.why[1] == "plane B: 0 g·mm against 100 g·mm: PASS"
+
+    @given(st.floats(0, 300), st.floats(0, 300), st.floats(0, 6.2))
+    def test_a_pass_or_a_fail_holds_for_whatever_is_within_the_bounds(self, size, off, angle):
+        found = judge(residual(size, 0, axis=(off, 1e-5)), tolerance(), PLANES).planes[0].outcome
+        true = abs(size + off * complex(math.cos(angle), math.sin(angle)))
+        if found == "pass":
+            assert true <= 100 * (1 + 1e-12)
+        if found == "fail":
+            assert true > 100 * (1 - 1e-12)
+
+    def test_near_the_critical_speed_a_rigid_verdict_is_withheld(self):
+        rotor = residual(1, 1)
+        assert judge(rotor, tolerance(), PLANES, rigid_limit(69, 100)).outcome == "pass"
+        found = judge(rotor, tolerance(), PLANES, rigid_limit(70, 100))
+        assert found.outcome == "undecided"
+        assert "bends too much" in found.why[-1]
+
+
+class TestUndecided:
+    def test_names_the_sources_that_cover_the_limit(self):
+        found = judge(residual(80, 0, axis=(25, 2e-5), density=(5, 0.01)), tolerance(), PLANES).planes[0]
+        assert found.covers == ("axis",)
+        assert "axis 25, density 5" in found.why
+
+    def test_leaves_out_sources_below_a_hundredth_of_the_limit(self):
+        rotor = residual(80, 0, axis=(25, 2e-5), density=(0.99, 0.01), arithmetic=(5.6e-8, None))
+        found = judge(rotor, tolerance(), PLANES).planes[0]
+        assert "(g·mm: axis 25)" in found.why
+        alone = judge(residual(100, 0, arithmetic=(5.6e-8, None)), tolerance(), PLANES).planes[0]
+        assert alone.outcome == "undecided"
+        assert "(g·mm: arithmetic 5.6e-08)" in alone.why
+
+    def test_names_all_where_only_their_sum_covers_it(self):
+        found = judge(residual(80, 0, axis=(12, 2e-5), tessellation=(12, 1e-5)), tolerance(), PLANES).planes[0]
+        assert set(found.covers) == {"axis", "tessellation"}
+
+    def test_says_in_numbers_what_would_settle_it(self):
+        found = judge(residual(80, 0, axis=(12, 2e-5), tessellation=(12, 1e-5)), tolerance(), PLANES).planes[0]
+        needs = {source: size for k in found.settlements for source, size in k.needs.items()}
+        assert needs["axis"] == pytest.approx(2e-5 * 8 / 12)
+        assert needs["tessellation"] == pytest.approx(1e-5 * 8 / 12)
+        assert "bearing centres known to 0.013 mm or better" in found.why
+        assert "a chord tolerance of 0.0066 mm or less" in found.why
+
+    def test_asks_for_all_at_once_where_none_is_enough_alone(self):
+        found = judge(residual(95, 0, axis=(10, 2e-5), density=(10, 0.02)), tolerance(), PLANES).planes[0]
+        (only,) = found.settlements
+        assert only.needs == {"axis": pytest.approx(0.5e-5), "density": pytest.approx(0.005)}
+        assert only.text == "bearing centres known to 0.005 mm or better with densities known to 0.5 % or better"
+
+    def test_leaves_out_what_hardly_counts_and_what_is_out_of_reach(self):
+        together = judge(
+            residual(95, 0, axis=(10, 2e-5), density=(10, 0.02), arithmetic=(1e-3, None)), tolerance(), PLANES
+        )
+        (only,) = together.planes[0].settlements
+        assert set(only.needs) == {"axis", "density"}
+        apart = judge(residual(80, 0, axis=(20.5, 2e-5), tessellation=(19.99, 1e-5)), tolerance(), PLANES).planes[0]
+        assert [set(k.needs) for k in apart.settlements] == [{"axis", "tessellation"}]
+        mild = judge(residual(80, 0, axis=(19.5, 2e-5), tessellation=(17, 1e-5)), tolerance(), PLANES).planes[0]
+        assert [set(k.needs) for k in mild.settlements] == [{"axis"}]
+
+    def test_asks_for_exact_arithmetic_where_that_is_what_lacks(self):
+        found = judge(residual(99, 0, arithmetic=(3, None)), tolerance(), PLANES).planes[0]
+        assert [k.needs for k in found.settlements] == [{"arithmetic": None}]
+        assert "--accuracy exact" in found.why
+
+    def test_a_value_on_the_limit_cannot_be_settled(self):
+        found = judge(residual(0, 0, axis=(3, 1e-5)), tolerance(0.0), PLANES).planes[0]
+        assert found.settlements == ()
+        assert "on the limit" in found.why
+
+    @given(
+        st.floats(1, 300),
+        st.tuples(st.floats(0.1, 80), st.floats(1e-6, 1e-3)),
+        st.tuples(st.floats(0.1, 80), st.floats(1e-3, 0.1)),
+    )
+    def test_what_is_asked_for_settles_it(self, size, axis, density):
+        rotor = residual(size, 0, axis=axis, density=density)
+        found = judge(rotor, tolerance(), PLANES).planes[0]
+        if found.outcome != "undecided" or abs(size - 100) < 1e-6:
+            return
+        assert found.settlements
+        for settlement in found.settlements:
+            needs = {source: value * (1 - 1e-9) for source, value in settlement.needs.items()}
+            settled = judge(scaled(rotor, needs), tolerance(), PLANES).planes[0].outcome
+            assert settled == ("pass" if size < 100 else "fail")

@@ -1,0 +1,281 @@
+"""Stepping to an accuracy: what is reached, what is said about it, and integrals of tops that are no energy."""
+
+import itertools
+
+import numpy as np
+import pytest
+from tests.dynamics import oracle
+from tests.dynamics.integrators.loaded import ATTITUDE, LOADS, MOMENTS, SPIN, TIMES, case
+
+from inertia.dynamics.integrators.base import Adaptive, States
+from inertia.dynamics.integrators.events import find_events
+from inertia.dynamics.integrators.loads import CallableTorque, Damping, Gravity, Torque
+from inertia.dynamics.integrators.rotation import RotationProblem
+from inertia.dynamics.kinematics import quaternion
+from inertia.dynamics.models.stepped.solve import METHODS, solve_stepped, state_between
+from inertia.errors import GeometryError, UsageError
+from inertia.native import Kernel
+
+OWN = "Taylor", "splitting 2", "splitting 4", "splitting 6", "splitting 8", "RK4"
+
+
+def test_estimates_are_honest_for_the_methods_of_our_own(monkeypatch: pytest.MonkeyPatch) -> None:
+    """At least 95 % of the estimates bound the true error, and none is ten times too small."""
+    monkeypatch.setattr(Kernel, "worthwhile", lambda self, count: True)
+    ratios = []
+    for method, name, accuracy in itertools.product(OWN, LOADS, (1e-3, 1e-5, 1e-8, 1e-11)):
+        if method == "splitting 2" and accuracy < 1e-5:
+            continue
+        known = case(name)
+        motion = solve_stepped(known.problem, TIMES, accuracy, method)
+        error = known.truth.attitude_error(motion.attitude).max()
+        assert motion.reached <= accuracy
+        assert error < 1.5 * accuracy
+        ratios.append(motion.reached / error)
+    assert np.mean(np.array(ratios) >= 1.0) >= 0.95
+    assert min(ratios) > 0.1
+
+
+@pytest.mark.parametrize(("method", "accuracy"), [("DOP853", 1e-9), ("LSODA", 1e-6), ("Radau", 1e-5)])
+@pytest.mark.parametrize("name", LOADS)
+def test_estimates_of_scipy_methods_are_honest(method: str, accuracy: float, name: str) -> None:
+    known = case(name)
+    motion = solve_stepped(known.problem, TIMES, accuracy, method)
+    assert motion.reached <= accuracy
+    assert known.truth.attitude_error(motion.attitude).max() < 2 * motion.reached
+
+
+@pytest.mark.parametrize("accuracy", [1e-3, 1e-6, 1e-9, 1e-12])
+def test_heavy_asymmetric_top_reaches_every_accuracy(accuracy: float) -> None:
+    known = case("heavy")
+    motion = solve_stepped(known.problem, TIMES, accuracy)
+    assert motion.method == "Taylor"
+    assert known.truth.attitude_error(motion.attitude).max() < motion.reached <= accuracy
+
+
+def test_heavy_top_shows_its_invariants() -> None:
+    motion = solve_stepped(case("heavy").problem, np.linspace(0.0, 20.0, 50), 1e-10)
+    assert set(motion.invariants) == {"energy", "angular momentum along (0, 0, 1) in space"}
+    for name, values in motion.invariants.items():
+        assert np.abs(values - values[0]).max() < 1e-12 * motion.scales[name]
+
+
+def test_free_symmetric_body_keeps_all_of_its_momentum() -> None:
+    motion = solve_stepped(RotationProblem([2.0, 2.0, 3.0], SPIN), np.linspace(0.0, 9.0, 5), 1e-10)
+    assert set(motion.invariants) == {"energy", "angular momentum", "angular momentum about body axis 3"}
+    for name, values in motion.invariants.items():
+        assert np.abs(values - values[0]).max() < 1e-13 * motion.scales[name]
+
+
+def test_torque_in_space_keeps_the_momentum_across_it() -> None:
+    motion = solve_stepped(RotationProblem(MOMENTS, SPIN, loads=(Torque([0.0, 2.0, 0.0], "space"),)), [0.0, 3.0], 1e-12)
+    assert set(motion.invariants) == {
+        "angular momentum along (1, 0, 0) in space",
+        "angular momentum along (0, 0, 1) in space",
+    }
+    for values in motion.invariants.values():
+        assert values[1] == pytest.approx(values[0], abs=1e-13)
+
+
+def upright(motion_attitude: np.ndarray) -> np.ndarray:
+    return quaternion.to_body(motion_attitude, [0.0, 0.0, 1.0])
+
+
+@pytest.mark.parametrize("method", ["Taylor", "splitting 8", "RK4", "DOP853"])
+def test_kovalevskaya_integral_is_kept(method: str) -> None:
+    """A = B = 2 C, V = μ γ₁: (p² − q² − (μ/C) γ₁)² + (2 p q − (μ/C) γ₂)², S. Kowalevski, Acta Math. 12 (1889) 177."""
+    c, mu = 1.0, 1.5
+    problem = RotationProblem(
+        [2 * c, 2 * c, c], [1.0, -0.4, 0.7], ATTITUDE, (Gravity(1.0, [mu / 10.0, 0.0, 0.0], [0.0, 0.0, -10.0]),)
+    )
+    motion = solve_stepped(problem, np.linspace(0.0, 15.0, 31), 1e-8, method)
+    p, q, _ = motion.angular_velocity.T
+    gamma = upright(motion.attitude).T
+    found = (p * p - q * q - mu / c * gamma[0]) ** 2 + (2 * p * q - mu / c * gamma[1]) ** 2
+    assert np.abs(found / found[0] - 1).max() < 1e-7
+    assert np.ptp(p) > 1.0
+
+
+@pytest.mark.parametrize("method", ["Taylor", "splitting 6"])
+def test_goryachev_chaplygin_integral_is_kept(method: str) -> None:
+    """A = B = 4 C, V = μ γ₁, L·γ = 0: L₃ (L₁² + L₂²) − A μ L₁ γ₃; with L·γ ≠ 0 it is not kept."""
+    moments, mu = np.array([4.0, 4.0, 1.0]), 2.0
+    weight = Gravity(1.0, [mu / 10.0, 0.0, 0.0], [0.0, 0.0, -10.0])
+    gamma = upright(quaternion.normalise(ATTITUDE))
+    momentum = np.cross(gamma, [2.0, -1.0, 3.0])
+    changes = []
+    for extra in (0.0, 0.5):
+        problem = RotationProblem(moments, (momentum + extra * gamma) / moments, ATTITUDE, (weight,))
+        motion = solve_stepped(problem, np.linspace(0.0, 15.0, 31), 1e-9, method)
+        body = moments * motion.angular_velocity
+        vertical = upright(motion.attitude)
+        integral = body[:, 2] * (body[:, 0] ** 2 + body[:, 1] ** 2) - 4.0 * mu * body[:, 0] * vertical[:, 2]
+        changes.append(np.abs(integral - integral[0]).max() / np.abs(integral).max())
+    assert changes[0] < 1e-8
+    assert changes[1] > 1e-2
+
+
+def test_motion_is_the_same_by_every_method() -> None:
+    """A callable of the weight, a polynomial weight, and every method: one motion."""
+    known = case("heavy")
+
+    def weight(time: float, attitude: np.ndarray, spin: np.ndarray) -> np.ndarray:
+        return np.cross([0.1, 0.2, 0.3], 0.5 * quaternion.to_body(attitude, [0.0, 0.0, -9.8]))
+
+    by_hand = RotationProblem(MOMENTS, SPIN, ATTITUDE, (CallableTorque(weight),))
+    motion = solve_stepped(by_hand, TIMES, 1e-8)
+    assert motion.method == "DOP853"
+    assert known.truth.attitude_error(motion.attitude).max() < motion.reached
+    assert not motion.invariants
+    for method in ("RK4", "LSODA", "Radau"):
+        again = solve_stepped(by_hand, TIMES, 1e-4, method)
+        assert known.truth.attitude_error(again.attitude).max() < 1e-4
+
+
+def test_stiff_damping_is_left_to_an_implicit_method() -> None:
+    """ω decays in 1e-3 s, and the body stands after a turn of ω₀ I/d."""
+    problem = RotationProblem([1.0, 1.0, 1.0], [0.0, 0.0, 1.0], loads=(Damping(1000.0),))
+    motion = solve_stepped(problem, [0.0, 100.0], 1e-6)
+    assert motion.method == "LSODA"
+    assert quaternion.angle_between(motion.attitude[1], quaternion.IDENTITY) == pytest.approx(1e-3, abs=1e-6)
+
+
+def test_accuracy_beyond_float64_is_refused_before_stepping() -> None:
+    with pytest.raises(GeometryError, match=r"1e-13 rad is beyond float64: rounding alone costs .* over 1e\+06 s"):
+        solve_stepped(case("free").problem, [0.0, 1e6], 1e-13)
+
+
+def test_accuracy_that_the_method_does_not_reach_is_refused() -> None:
+    with pytest.raises(GeometryError, match=r"DOP853 reached .* rad over 5 s, not the 8e-15 rad asked"):
+        solve_stepped(case("heavy").problem, TIMES, 8e-15, "DOP853")
+
+
+def test_steps_beyond_reason_are_refused() -> None:
+    with pytest.raises(GeometryError, match=r"splitting 2 needs .* steps"):
+        solve_stepped(case("free").problem, [0.0, 1000.0], 1e-11, "splitting 2")
+
+
+def test_estimate_near_the_separatrix_knows_that_rounding_grows() -> None:
+    """ω₁ = 1e-6 ω₂: an error of 1e-16 made while the body flips is 1e-4 rad at the next flip."""
+    time = np.linspace(0.0, 65.0, 14)
+    truth = oracle.rotate((1.0, 2.0, 3.0), (1e-6, 1.0, 0.0), time)
+    problem = RotationProblem([1.0, 2.0, 3.0], [1e-6, 1.0, 0.0])
+    for method in ("Taylor", "splitting 8"):
+        motion = solve_stepped(problem, time, 1e-2, method)
+        assert truth.attitude_error(motion.attitude).max() < 2.0 * motion.reached
+    with pytest.raises(GeometryError, match="beyond float64 or beyond the method"):
+        solve_stepped(problem, time, 1e-9, "Taylor")
+
+
+def near_separatrix(pull: float) -> RotationProblem:
+    return RotationProblem([1.0, 2.0, 3.0], [1e-5, 1.0, 0.0], loads=(Torque([0.0, 0.0, pull]),))
+
+
+def test_nearly_free_body_near_its_separatrix_is_warned_of() -> None:
+    """|2 T I₂ − L²|/L² = ω₁² I₁ (I₂ − I₁)/L² = 2.5e-11; λ = ω₂ √((I₂−I₁)(I₃−I₂)/(I₁I₃)) = 0.577/s."""
+    motion = solve_stepped(near_separatrix(1e-9), [0.0, 5.0], 1e-6)
+    (said,) = motion.warnings
+    assert "2.5e-11 from its separatrix" in said
+    assert "growth rate 0.577 1/s" in said
+    assert "every 1.73 s" in said
+
+
+@pytest.mark.parametrize("problem", [near_separatrix(1.0), case("free").problem, RotationProblem([1, 1, 2], [0, 1, 1])])
+def test_other_bodies_are_not(problem: RotationProblem) -> None:
+    assert solve_stepped(problem, [0.0, 1.0], 1e-6).warnings == ()
+
+
+def test_run_may_start_late_and_repeat_samples() -> None:
+    known = case("driven")
+    whole = solve_stepped(known.problem, [1.0, 1.0, 3.0], 1e-10)
+    late = RotationProblem(MOMENTS, whole.angular_velocity[0], whole.attitude[0], known.problem.loads, start=1.0)
+    rest = solve_stepped(late, [1.0, 3.0], 1e-10)
+    assert (whole.attitude[0] == whole.attitude[1]).all()
+    assert quaternion.angle_between(rest.attitude[1], whole.attitude[2]) < 1e-10
+    assert (rest.attitude[0] == late.attitude).all()
+
+
+def test_state_between_samples_is_true() -> None:
+    known = case("heavy")
+    coarse = np.array([0.0, 2.0, 4.0, 6.0])
+    motion = solve_stepped(known.problem, coarse, 1e-12)
+    attitude, _ = state_between(known.problem, coarse, motion)(2.5)
+    assert known.truth.attitude_error(np.array([known.problem.attitude, attitude, attitude]))[1] < 1e-12
+
+
+def test_crossing_of_a_plane_is_found_between_samples() -> None:
+    """Axis 1 of a body that spins at 2 rad/s about axis 3 rises through the plane y = 0.5 at π/12, falls at 5π/12."""
+    problem = RotationProblem([1.0, 1.0, 1.0], [0.0, 0.0, 2.0])
+    time = np.linspace(0.0, 3.0, 7)
+    motion = solve_stepped(problem, time, 1e-12)
+
+    def above(state: tuple[np.ndarray, np.ndarray]) -> float:
+        return float(quaternion.to_space(state[0], [1.0, 0.0, 0.0])[1] - 0.5)
+
+    values = [above(state) for state in zip(motion.attitude, motion.angular_velocity, strict=True)]
+    found = find_events(above, time, values, state_between(problem, time, motion))
+    assert found == pytest.approx([np.pi / 12, 5 * np.pi / 12], abs=1e-14)
+
+
+@pytest.mark.parametrize(
+    ("time", "accuracy", "method", "says"),
+    [
+        ([[0.0, 1.0]], 1e-6, None, "one row of finite numbers"),
+        ([], 1e-6, None, "one row of finite numbers"),
+        ([0.0, np.nan], 1e-6, None, "one row of finite numbers"),
+        ([-1.0, 1.0], 1e-6, None, "ascend from 0 s"),
+        ([0.0, 2.0, 1.0], 1e-6, None, "ascend from 0 s"),
+        ([0.0, 1.0], 0.0, None, "accuracy is 0.0"),
+        ([0.0, 1.0], np.nan, None, "accuracy is nan"),
+        ([0.0, 1.0], 1e-6, "DOP835", "unknown method 'DOP835': use one of Taylor, .*did you mean 'DOP853'"),
+    ],
+)
+def test_arguments_that_cannot_be_used(time: list[float], accuracy: float, method: str | None, says: str) -> None:
+    with pytest.raises(UsageError, match=says):
+        solve_stepped(case("free").problem, time, accuracy, method)
+
+
+def test_methods_are_known_by_their_names() -> None:
+    assert set(METHODS) == {*OWN, "DOP853", "LSODA", "Radau", "heyoka"}
+
+
+def test_body_at_rest_without_loads_stays() -> None:
+    motion = solve_stepped(RotationProblem(MOMENTS, [0.0, 0.0, 0.0], ATTITUDE), [0.0, 1e3], 1e-12)
+    assert (motion.attitude[1] == motion.attitude[0]).all()
+
+
+def test_body_starts_from_rest_under_a_torque() -> None:
+    """The unit of time comes from √(N/I); 1e-9 N m on 1 kg m² for 1e5 s turns by 5 rad."""
+    problem = RotationProblem(MOMENTS, [0.0, 0.0, 0.0], loads=(Torque([1e-9, 2e-10, 0.0]),))
+    truth = oracle.rotate(MOMENTS, (0.0, 0.0, 0.0), [1e5], body_torque=(1e-9, 2e-10, 0.0))
+    motion = solve_stepped(problem, [1e5], 1e-11)
+    assert truth.attitude_error(motion.attitude)[0] < motion.reached
+
+
+class Told(Adaptive):
+    """A method whose runs end turned about one axis by what the test says."""
+
+    name, order, tightest, coarsest, runs, safety = "told", 4, 1e-17, 1e-17, 3, 5.0
+
+    def __init__(self, *turned: float) -> None:
+        self.turned = turned
+
+    def run(self, problem: RotationProblem, time: np.ndarray, control: float, level: int = 0) -> States:
+        half = 0.5 * self.turned[level]
+        return States(np.array([[np.sin(half), 0.0, 0.0, np.cos(half)]]), np.zeros((1, 3)), 1)
+
+
+@pytest.mark.parametrize(
+    ("near", "far", "counted"),
+    [
+        (1.0, 10.0, 3.0),  # the tolerance rules
+        (1.0, 100.0, 30.0),
+        (1.0, 2.5, 2.5),  # rounding rules: the second distance says as much as the first
+        (1.0, 0.5, 1.0),
+        (0.1, 2.0, 0.6),  # two runs happen to agree
+    ],
+)
+def test_what_the_distances_of_three_runs_say_of_the_error(near: float, far: float, counted: float) -> None:
+    unit = 1e-6
+    _, estimate = Told(0.0, near * unit, (near + far) * unit).solve(case("free").problem, np.array([1.0]), 1e-9)
+    assert estimate == pytest.approx(5.0 * counted * unit, rel=1e-6)

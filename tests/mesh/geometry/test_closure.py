@@ -1,0 +1,165 @@
+"""Pairing the edges: both paths against a dictionary of queues, on soups of every kind of defect."""
+
+from collections import deque
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from tests.mesh.solids import cube, facets, joined, ring, sphere
+
+from inertia.mesh.geometry import closure as module
+from inertia.mesh.geometry.closure import Closure, closure, components, weld
+from inertia.mesh.part import Facets, Surface, Triangles
+from inertia.native import LOAD_ABOVE
+
+PATHS = {"compiled": lambda triangles: module._compiled(triangles, None), "vectorised": module._vectorised}
+
+
+def paired_by_queues(corners: list) -> tuple[int, list[int], int]:
+    """Return (open edges, labels, repeated): each directed edge meets the first opposite that waits."""
+    waiting: dict[tuple, deque[int]] = {}
+    label, repeated = list(range(len(corners))), 0
+
+    def root(face: int) -> int:
+        while label[face] != face:
+            face = label[face]
+        return face
+
+    for face, triangle in enumerate(corners):
+        a, b, c = (tuple(corner) for corner in triangle)
+        if len({a, b, c}) < 3:
+            label[face] = -1
+            repeated += 1
+            continue
+        for start, end in ((a, b), (b, c), (c, a)):
+            opposite = waiting.get((end, start))
+            if opposite:
+                one, other = sorted((root(face), root(opposite.popleft())))
+                label[other] = one
+            else:
+                waiting.setdefault((start, end), deque()).append(face)
+    roots = [-1 if label[face] < 0 else root(face) for face in range(len(corners))]
+    order = {first: number for number, first in enumerate(sorted(set(roots) - {-1}))}
+    return sum(map(len, waiting.values())), [order.get(first, -1) for first in roots], repeated
+
+
+def assert_is(found: Closure, expected: tuple[int, list[int], int]) -> None:
+    open_edges, labels, repeated = expected
+    assert found.open_edges == open_edges
+    assert found.labels.tolist() == labels
+    assert found.components == max(labels, default=-1) + 1
+    assert found.repeated == repeated
+
+
+@st.composite
+def soups(draw: st.DrawFn) -> Surface:
+    """Triangles over few points: open, inconsistent, non-manifold, repeated, with copies of points and −0."""
+    coordinate = st.sampled_from([-1.0, -0.0, 0.0, 1.0])
+    points = draw(st.lists(st.tuples(coordinate, coordinate, coordinate), min_size=1, max_size=7))
+    corner = st.integers(0, len(points) - 1)
+    return Surface(
+        points,
+        np.array(draw(st.lists(st.tuples(corner, corner, corner), min_size=1, max_size=60))).reshape(-1, 3),
+    )
+
+
+@pytest.mark.parametrize("path", PATHS)
+@settings(deadline=None, max_examples=200)
+@given(soup=soups())
+def test_soups_are_paired_first_come_first_served(path: str, soup: Surface) -> None:
+    expected = paired_by_queues(soup.corners().tolist())
+    assert_is(PATHS[path](soup), expected)
+    assert_is(PATHS[path](facets(soup)), expected)
+
+
+@pytest.mark.parametrize("path", PATHS)
+@pytest.mark.parametrize("kind", [Surface, Facets])
+def test_a_shuffled_surface_with_a_defect_of_each_kind(path: str, kind: type[Triangles]) -> None:
+    surface = joined(sphere(splits=4), sphere((3, 0, 0), splits=3), cube((0, 0, 3)), cube((1, 1, 3)))
+    faces = surface.faces
+    faces = np.vstack([np.delete(faces, [7, 100], axis=0), faces[:3], faces[50:52, ::-1], [[5, 5, 9]]])
+    faces[300] = faces[300, ::-1]
+    faces = np.random.default_rng(1).permutation(faces)
+    broken = Surface(surface.vertices, faces)
+    triangles = broken if kind is Surface else facets(broken)
+    assert_is(PATHS[path](triangles), paired_by_queues(triangles.corners().tolist()))
+
+
+@pytest.mark.parametrize("path", PATHS)
+@pytest.mark.parametrize("kind", [Surface, Facets])
+def test_a_large_shuffled_surface_grows_the_table_and_stays_closed(path: str, kind: type[Triangles]) -> None:
+    rings = joined(ring(300, 200), ring(150, 100, radius=20, tube=2))
+    number = np.repeat([0, 1], [300 * 200 * 2, 150 * 100 * 2])
+    order = np.random.default_rng(2).permutation(rings.count)
+    shuffled = rings.select(order)
+    found = PATHS[path](shuffled if kind is Surface else facets(shuffled))
+    assert (found.open_edges, found.components, found.repeated) == (0, 2, 0)
+    first = number[order[0]]
+    assert np.array_equal(found.labels, np.where(number[order] == first, 0, 1))
+
+
+@pytest.mark.parametrize("path", PATHS)
+def test_minus_zero_is_zero_and_the_next_float_is_not(path: str) -> None:
+    low = joined(cube((0.5, 0.5, 0.5)))
+    vertices = np.vstack([low.vertices, np.where(low.vertices == 0, -0.0, low.vertices)])
+    faces = np.where(np.arange(12)[:, None] % 2, low.faces, low.faces + 8)
+    signed = Surface(vertices, faces)
+    assert np.signbit(signed.corners()).any()
+    assert (PATHS[path](signed).open_edges, PATHS[path](facets(signed)).open_edges) == (0, 0)
+    vertices[vertices == 0] = np.where(np.signbit(vertices[vertices == 0]), 5e-324, 0.0)
+    assert PATHS[path](Surface(vertices, faces)).open_edges > 0
+
+
+@pytest.mark.parametrize("path", PATHS)
+def test_nothing_is_closed_and_has_no_component(path: str) -> None:
+    for faces in (np.empty((0, 3), int), [[0, 0, 1]]):
+        found = PATHS[path](Surface(np.eye(3), faces))
+        assert (found.open_edges, found.components) == (0, 0)
+        assert (found.labels == -1).all()
+
+
+def test_both_paths_give_the_same_through_the_front_door(monkeypatch: pytest.MonkeyPatch) -> None:
+    surface = joined(ring(200, 120), sphere((9, 0, 0)))
+    assert surface.count > LOAD_ABOVE
+    module._compiled(surface, None)  # machine code at hand is used from here on
+    compiled = closure(surface)
+    monkeypatch.setenv("INERTIA_NATIVE", "0")
+    vectorised = closure(surface)
+    assert (compiled.open_edges, compiled.components) == (vectorised.open_edges, vectorised.components) == (0, 2)
+    assert np.array_equal(compiled.labels, vectorised.labels)
+
+
+def test_progress_rises_to_the_end() -> None:
+    told: list[float] = []
+    module._compiled(joined(ring(400, 200)), told.append)
+    assert told == sorted(told)
+    assert 0 < told[0] < told[-1] <= 1
+
+
+@settings(deadline=None)
+@given(soup=soups())
+def test_weld_numbers_equal_points_in_the_order_of_their_use(soup: Surface) -> None:
+    number: dict[tuple, int] = {}
+    faces = [[number.setdefault(tuple(corner), len(number)) for corner in face] for face in soup.corners().tolist()]
+    vertices, welded = weld(soup)
+    assert welded.tolist() == faces
+    assert [tuple(vertex) for vertex in vertices.tolist()] == list(number)
+
+
+@settings(deadline=None)
+@given(st.integers(1, 40), st.data())
+def test_components_are_named_by_their_smallest_node(count: int, data: st.DataObject) -> None:
+    node = st.integers(0, count - 1)
+    pairs = data.draw(st.lists(st.tuples(node, node), max_size=60))
+    names = list(range(count))
+    for _ in range(count):
+        for a, b in pairs:
+            names[a] = names[b] = min(names[a], names[b])
+    assert components(np.array(pairs, int).reshape(-1, 2), count).tolist() == names
+
+
+def test_components_of_a_long_chain_in_random_order() -> None:
+    count = 100_000
+    chain = np.random.default_rng(3).permutation(count)
+    assert not components(np.column_stack([chain[1:], chain[:-1]]), count).any()

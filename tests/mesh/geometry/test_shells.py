@@ -1,0 +1,255 @@
+"""Shells, what contains what, and bodies: against solid angles, exact volumes and nested solids."""
+
+import math
+from fractions import Fraction
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from tests.mesh.solids import box, cube, facets, inside_out, joined, ring, sphere
+
+from inertia.mesh.geometry.closure import closure
+from inertia.mesh.geometry.shells import Shell, absolute_orientation, bodies, members, shells
+from inertia.mesh.geometry.winding import windings
+from inertia.mesh.part import Surface
+
+
+def shells_of(surface: Surface) -> tuple[Shell, ...]:
+    return shells(surface, closure(surface))
+
+
+def nesting(surface: Surface) -> list[tuple[str, int, int, int | None]]:
+    return [(s.kind, s.winding_outside, s.depth, s.parent) for s in shells_of(surface)]
+
+
+def grouped(surface: Surface) -> list[tuple[int, ...]]:
+    return [body.shells for body in bodies(shells_of(surface))]
+
+
+def solid_angles(points: np.ndarray, corners: np.ndarray) -> np.ndarray:
+    """Return the winding number as the solid angle over 4π (van Oosterom and Strackee, 1983, eq. 8)."""
+    a, b, c = (corners[None, :, k] - points[:, None] for k in range(3))
+    x, y, z = (np.linalg.norm(v, axis=2) for v in (a, b, c))
+    triple = (a * np.cross(b, c)).sum(axis=2)
+    rest = x * y * z + (a * b).sum(axis=2) * z + (b * c).sum(axis=2) * x + (c * a).sum(axis=2) * y
+    return np.arctan2(triple, rest).sum(axis=1) / (2 * np.pi)
+
+
+def exact_volume(surface: Surface) -> Fraction:
+    total = Fraction(0)
+    for a, b, c in surface.corners().tolist():
+        (ax, ay, az), (bx, by, bz), (cx, cy, cz) = ([Fraction(x) for x in corner] for corner in (a, b, c))
+        total += ax * (by * cz - bz * cy) + ay * (bz * cx - bx * cz) + az * (bx * cy - by * cx)
+    return total / 6
+
+
+@pytest.mark.parametrize("solid", [cube(size=2), sphere(), ring(24, 12, radius=1), inside_out(sphere(splits=2))])
+def test_winding_numbers_are_those_of_the_solid_angle(solid: tuple) -> None:
+    corners = joined(solid).corners()
+    points = np.random.default_rng(0).uniform(-1.5, 1.5, (400, 3))
+    winding, _ = windings(points, corners, 0.0)
+    expected = solid_angles(points, corners)
+    assert np.abs(expected - winding).max() < 1e-9
+    assert set(np.abs(winding).tolist()) == {0, 1}
+
+
+def test_a_ray_through_vertices_along_edges_and_in_faces_counts_once() -> None:
+    corners = joined(cube(size=4), cube((0, 0, 0), 2)).corners()
+    across, along = [-3, -2, -1, -0.5, 0, 0.5, 1, 2, 3], [-2.5, -1.5, -0.5, 0, 0.5, 1.5, 2.5]
+    points = np.stack(np.meshgrid(across, across, along), axis=-1).reshape(-1, 3).astype(float)
+    distance = np.abs(points).max(axis=1)
+    points = points[(distance != 1) & (distance != 2)]
+    expected = (np.abs(points) < 2).all(axis=1).astype(int) + (np.abs(points) < 1).all(axis=1)
+    winding, _ = windings(points, corners, 0.0)
+    assert np.array_equal(winding, expected)
+
+
+def test_winding_adds_up_over_pieces_and_many_points() -> None:
+    corners = joined(ring(200, 60)).corners()
+    points = np.random.default_rng(1).uniform((-4, -4, -1), (4, 4, 1), (3000, 3))
+    whole, clearance = windings(points, corners, 0.1)
+    pieces = [windings(points, corners[k::3], 0.1) for k in range(3)]
+    assert np.array_equal(whole, sum(winding for winding, _ in pieces))
+    assert np.array_equal(clearance, np.min([distance for _, distance in pieces], axis=0))
+    inside = np.hypot(np.hypot(points[:, 0], points[:, 1]) - 3, points[:, 2])
+    assert (whole[inside < 0.99] == 1).all()
+    assert (whole[inside > 1] == 0).all()
+
+
+def test_clearance_is_the_distance_to_the_face_beside() -> None:
+    points = np.array([[0.0, 0.2, 0.499], [0.45, 0.1, 0.2], [0, 0, 0]])
+    _, clearance = windings(points, joined(cube()).corners(), 0.06)
+    assert clearance == pytest.approx([0.001, 0.05, np.inf], rel=1e-12)
+
+
+def test_a_triangle_without_area_is_in_nobodys_way() -> None:
+    line = np.array([[[-1, -1, -1], [1, 1, 1], [0, 0, 0]]], float)
+    winding, clearance = windings(np.array([[0.5, 0.5, 0.5], [0.2, 0.3, 0.1]]), line, 0.1)
+    assert (winding.tolist(), clearance.tolist()) == ([0, 0], [np.inf, np.inf])
+
+
+def test_a_shell_is_measured() -> None:
+    surface = joined(cube((7, 0, 0)), inside_out(sphere((1, 2, 3), 2)))
+    first, second = shells_of(surface)
+    assert (first.number, first.kind, first.triangles, first.first) == (0, "outward", 12, 0)
+    assert (second.number, second.kind, second.triangles, second.first) == (1, "inward", 512, 12)
+    assert first.signed_volume == 1
+    assert second.signed_volume == pytest.approx(float(exact_volume(joined(inside_out(sphere((1, 2, 3), 2))))))
+    assert first.box.tolist() == [[6.5, -0.5, -0.5], [7.5, 0.5, 0.5]]
+    assert second.box.tolist() == [[-1, 0, 1], [3, 4, 5]]
+
+
+@pytest.mark.parametrize("offset", [0.0, 1e6, -(2.0**40)])
+@pytest.mark.parametrize("scale", [2.0**-200, 1.0, 2.0**200])
+def test_volume_and_nesting_keep_their_digits_at_any_offset_and_scale(offset: float, scale: float) -> None:
+    surface = joined(sphere(splits=2), inside_out(sphere((0.25, 0, 0), 0.5, splits=1)))
+    moved = Surface((np.round(surface.vertices * 2**10) / 2**10 + offset) * scale, surface.faces)
+    outer, inner = shells_of(moved)
+    assert (outer.depth, inner.depth, inner.parent) == (0, 1, 0)
+    pieces = [moved.select(index) for index in members(closure(moved))]
+    for shell, piece in zip((outer, inner), pieces, strict=True):
+        assert shell.signed_volume == pytest.approx(float(exact_volume(piece)), rel=1e-14)
+
+
+def test_a_shell_over_many_chunks_has_its_volume_and_box() -> None:
+    rings = joined(ring(500, 100), ring(300, 100, radius=20, tube=2))
+    mixed = rings.select(np.random.default_rng(4).permutation(rings.count))
+    stored = facets(mixed)
+    for found in (shells_of(mixed), shells(stored, closure(stored))):
+        assert len(found) == 2
+        for shell in found:
+            piece = rings.select(slice(100_000) if shell.triangles == 100_000 else slice(100_000, None))
+            assert shell.triangles == piece.count
+            assert shell.signed_volume == pytest.approx(math.fsum(np.linalg.det(piece.corners())) / 6, rel=1e-6)
+            corners = piece.corners().reshape(-1, 3)
+            assert shell.box == pytest.approx(np.array([corners.min(axis=0), corners.max(axis=0)]), rel=1e-6)
+
+
+def test_a_doll_in_a_doll_has_its_depth() -> None:
+    dolls = [sphere(radius=r, splits=2) for r in (5, 4, 3, 2, 1)]
+    surface = joined(*(inside_out(doll) if k % 2 else doll for k, doll in enumerate(dolls)))
+    assert nesting(surface) == [
+        ("outward", 0, 0, None),
+        ("inward", 1, 1, 0),
+        ("outward", 0, 2, 1),
+        ("inward", 1, 3, 2),
+        ("outward", 0, 4, 3),
+    ]
+    assert grouped(surface) == [(0, 1), (2, 3), (4,)]
+
+
+@pytest.mark.parametrize("order", [(0, 1, 2), (2, 1, 0), (1, 2, 0)])
+def test_an_insert_that_fills_a_cavity_is_a_body_inside_it(order: tuple[int, ...]) -> None:
+    solids = [cube(size=4), inside_out(sphere()), sphere()]
+    surface = joined(*(solids[k] for k in order))
+    housing, cavity, insert = (order.index(k) for k in range(3))
+    found = nesting(surface)
+    assert found[housing] == ("outward", 0, 0, None)
+    assert found[cavity] == ("inward", 1, 1, housing)
+    assert found[insert] == ("outward", 0, 2, cavity)
+    assert sorted(grouped(surface)) == sorted([(housing, cavity), (insert,)])
+
+
+def test_boxes_that_nest_do_not_make_a_container() -> None:
+    surface = joined(ring(), sphere(radius=1), sphere((3, 0, 0), 0.5))
+    assert nesting(surface) == [("outward", 0, 0, None), ("outward", 0, 0, None), ("outward", 1, 1, 0)]
+
+
+@pytest.mark.parametrize("side", [0, 1, 2])
+@pytest.mark.parametrize("sign", [-1, 1])
+def test_a_shell_that_touches_the_wall_around_it_is_inside(side: int, sign: int) -> None:
+    middle = [0.0, 0.0, 0.0]
+    middle[side] = sign * 1.5
+    assert nesting(joined(cube(size=4), cube(tuple(middle))))[1] == ("outward", 1, 1, 0)
+    assert nesting(joined(cube(size=4), inside_out(cube(tuple(middle)))))[1] == ("inward", 1, 1, 0)
+
+
+def test_a_wall_of_a_billionth_is_a_wall() -> None:
+    hollow = joined(sphere(), inside_out(sphere(radius=1 - 1e-9)))
+    assert nesting(hollow) == [("outward", 0, 0, None), ("inward", 1, 1, 0)]
+
+
+def test_of_two_copies_one_is_inside_the_other() -> None:
+    assert nesting(joined(cube(), cube())) == [("outward", 0, 0, None), ("outward", 1, 1, 0)]
+
+
+def test_an_inverted_shell_and_what_is_in_it() -> None:
+    surface = joined(inside_out(cube(size=4)), cube(), cube((9, 0, 0)))
+    assert nesting(surface) == [("inward", 0, 0, None), ("outward", -1, 1, 0), ("outward", 0, 0, None)]
+    assert grouped(surface) == [(0, 1), (2,)]
+
+
+def test_faces_that_cancel_are_a_sheet_and_no_body() -> None:
+    plate = np.array([[0, 0, 0], [3, 0, 0], [3, 2, 1], [0, 2, 1]]) / 7
+    sheet = (plate, np.array([[0, 1, 2], [0, 2, 3], [0, 3, 2], [0, 2, 1]]))
+    fold = (plate, np.array([[0, 1, 2], [0, 2, 3], [0, 3, 1], [1, 3, 2]]))  # the other diagonal, same plane
+    surface = joined(cube(size=4), sheet, fold)
+    found = shells_of(surface)
+    assert len(found) > 2
+    assert {shell.kind for shell in found[1:]} == {"sheet"}
+    assert [shell.depth for shell in found] == [0, *(1 for _ in found[1:])]
+    assert grouped(surface) == [(0,)]
+    assert absolute_orientation(found).tolist() == []
+
+
+def test_two_ways_to_fill_the_same_flat_rim_are_a_sheet_however_it_is_rounded() -> None:
+    turn = 2 * np.pi * np.arange(30) / 30
+    rim = np.outer(np.cos(turn), [0.6, 0.0, 0.8]) + np.outer(np.sin(turn), [0.48, 0.8, -0.36]) + 1 / 3
+    fans = [[[start, (start + k) % 30, (start + k + 1) % 30] for k in range(1, 29)] for start in (0, 11)]
+    (shell,) = shells_of(Surface(rim, np.vstack([fans[0], np.array(fans[1])[:, ::-1]])))
+    assert exact_volume(Surface(rim, np.vstack([fans[0], np.array(fans[1])[:, ::-1]]))) != 0
+    assert shell.kind == "sheet"
+
+
+def test_a_thin_plate_is_no_sheet() -> None:
+    thin = joined(cube())
+    thin = Surface(thin.vertices * [1, 1, 1e-9], thin.faces)
+    (shell,) = shells_of(thin)
+    assert (shell.kind, shell.signed_volume) == ("outward", pytest.approx(1e-9, rel=1e-14))
+
+
+@settings(deadline=None, max_examples=40)
+@given(st.lists(st.booleans(), min_size=4, max_size=4))
+def test_absolute_orientation_mends_any_set_of_turned_shells(turned: list[bool]) -> None:
+    solids = [
+        sphere(radius=4, splits=1),
+        inside_out(sphere(radius=3, splits=1)),
+        sphere(splits=1),
+        cube((9, 0, 0)),
+    ]
+    surface = joined(*(inside_out(s) if turn else s for s, turn in zip(solids, turned, strict=True)))
+    found = absolute_orientation(shells_of(surface))
+    assert found.tolist() == [number for number, turn in enumerate(turned) if turn]
+
+
+SIDE = st.tuples(st.integers(0, 6), st.integers(1, 6)).map(lambda side: (side[0], side[0] + side[1]))
+
+
+@settings(deadline=None, max_examples=100)
+@given(st.lists(st.tuples(SIDE, SIDE, SIDE, st.booleans()), min_size=1, max_size=8))
+def test_every_shell_is_in_one_body_however_boxes_overlap_and_touch(boxes: list) -> None:
+    solids = [box(*zip(*sides, strict=True)) for *sides, _ in boxes]
+    turned = [inside_out(s) if turn else s for s, (*_, turn) in zip(solids, boxes, strict=True)]
+    found = shells_of(joined(*turned))
+    assert sorted(number for body in bodies(found) for number in body.shells) == list(range(len(found)))
+    for shell in found:
+        assert (shell.parent is None) == (shell.depth == 0)
+
+
+def test_a_thousand_pores_are_found_in_one_body() -> None:
+    places = np.stack(np.meshgrid(*[np.arange(10.0)] * 3), axis=-1).reshape(-1, 3)
+    pores = [inside_out(cube(tuple(place), 0.5)) for place in places]
+    found = shells_of(joined(cube((4.5, 4.5, 4.5), 12), *pores))
+    assert {(shell.kind, shell.depth, shell.parent) for shell in found[1:]} == {("inward", 1, 0)}
+    assert [len(body.shells) for body in bodies(found)] == [1001]
+
+
+def test_members_leave_out_triangles_with_a_repeated_corner() -> None:
+    surface = joined(cube(), cube((3, 0, 0)))
+    faces = np.insert(surface.faces, 3, [[2, 2, 5]], axis=0)
+    broken = Surface(surface.vertices, faces)
+    one, other = members(closure(broken))
+    assert one.tolist() == [0, 1, 2, *range(4, 13)]
+    assert other.tolist() == list(range(13, 25))
+    assert [shell.triangles for shell in shells_of(broken)] == [12, 12]

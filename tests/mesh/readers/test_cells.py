@@ -1,0 +1,391 @@
+"""Finite-element meshes: points, kinds, node order and regions."""
+
+import contextlib
+import importlib
+import io
+import struct
+from pathlib import Path
+
+import meshio
+import numpy as np
+import pytest
+from tests.mesh.readers.samples import (
+    ABAQUS,
+    CORNERS,
+    GMSH_22,
+    GMSH_41,
+    NASTRAN,
+    QUADS,
+    TETRA,
+    TETRA_POINTS,
+    TRIANGLES,
+    VTK_TEXT,
+    volumes,
+)
+
+from inertia.errors import ReadError
+from inertia.mesh.part import Cells, Part
+from inertia.mesh.read import read
+
+UNNAMED = ["default", "default"]
+STEEL = ["steel", "default"]
+REGIONS = {
+    "gmsh 2.2": STEEL,
+    "gmsh 4.1": STEEL,
+    "gmsh 2.2 binary": None,
+    "gmsh 4.1 binary": None,
+    "nastran": ["7", "8"],
+    "abaqus": ["all", "steel"],
+    "vtk text": ["7", "8"],
+    "vtk binary": ["7", "8"],
+    "vtk 5.1": ["7", "8"],
+    "vtu": ["7", "8"],
+    "vtu text": ["7", "8"],
+    "med": None,
+    "xdmf": ["7", "8"],
+    "medit": ["1", "1"],
+    "netgen": ["1", "1"],
+    "su2": None,
+    "avsucd": None,
+}
+MIDDLES = {
+    "tetra10": [(0, 1), (1, 2), (0, 2), (0, 3), (1, 3), (2, 3)],
+    "hexahedron20": [
+        *((0, 1), (1, 2), (2, 3), (3, 0), (4, 5), (5, 6), (6, 7), (7, 4), (0, 4), (1, 5), (2, 6), (3, 7)),
+    ],
+    "wedge15": [(0, 1), (1, 2), (2, 0), (3, 4), (4, 5), (5, 3), (0, 3), (1, 4), (2, 5)],
+    "pyramid13": [(0, 1), (1, 2), (2, 3), (3, 0), (0, 4), (1, 4), (2, 4), (3, 4)],
+}
+MIDDLES["hexahedron27"] = [
+    *MIDDLES["hexahedron20"],
+    *((0, 4, 7, 3), (1, 2, 6, 5), (0, 1, 5, 4), (3, 7, 6, 2), (0, 3, 2, 1), (4, 5, 6, 7), tuple(range(8))),
+]
+MIDDLES["wedge18"] = [*MIDDLES["wedge15"], (0, 1, 4, 3), (1, 2, 5, 4), (2, 0, 3, 5)]
+MIDDLES["pyramid14"] = [*MIDDLES["pyramid13"], (0, 1, 2, 3)]
+"""VTK's order: the corners that each further node is in the middle of."""
+
+GMSH_NODES = {
+    "tetra10": (11, [(0, 1), (1, 2), (2, 0), (3, 0), (3, 2), (3, 1)]),
+    "hexahedron20": (
+        17,
+        [(0, 1), (0, 3), (0, 4), (1, 2), (1, 5), (2, 3), (2, 6), (3, 7), (4, 5), (4, 7), (5, 6), (6, 7)],
+    ),
+    "wedge15": (18, [(0, 1), (0, 2), (0, 3), (1, 2), (1, 4), (2, 5), (3, 4), (3, 5), (4, 5)]),
+    "pyramid13": (19, [(0, 1), (0, 3), (0, 4), (1, 2), (1, 4), (2, 3), (2, 4), (3, 4)]),
+}
+GMSH_NODES["hexahedron27"] = (
+    12,
+    [
+        *GMSH_NODES["hexahedron20"][1],
+        *(
+            (0, 3, 2, 1),
+            (0, 1, 5, 4),
+            (0, 4, 7, 3),
+            (1, 2, 6, 5),
+            (2, 3, 7, 6),
+            (4, 5, 6, 7),
+            tuple(range(8)),
+        ),
+    ],
+)
+GMSH_NODES["wedge18"] = (13, [*GMSH_NODES["wedge15"][1], (0, 1, 4, 3), (0, 3, 5, 2), (1, 2, 5, 4)])
+GMSH_NODES["pyramid14"] = (14, [*GMSH_NODES["pyramid13"][1], (0, 3, 2, 1)])
+"""Gmsh's order, from the figures of its manual: number of the type, and as above."""
+
+CORNERS_OF = {"tetra": 4, "hexahedron": 8, "wedge": 6, "pyramid": 5}
+
+
+def read_text(folder: Path, name: str, text: str | bytes, **options: str) -> Part:
+    path = folder / name
+    path.write_bytes(text.encode() if isinstance(text, str) else text)
+    return read(path, **options)
+
+
+def written(folder: Path, name: str, mesh: meshio.Mesh, **options: str) -> Part:
+    with contextlib.redirect_stdout(io.StringIO()), contextlib.redirect_stderr(io.StringIO()):
+        mesh.write(folder / name, **options)
+    return read(folder / name)
+
+
+def names_of(part: Part) -> list[str] | None:
+    return part.regions and [part.regions.names[i] for i in part.regions.index]
+
+
+@pytest.mark.parametrize("sample", REGIONS)
+def test_points_cells_and_regions_are_those_of_the_file(sample: str, tmp_path: Path) -> None:
+    name, data = volumes(tmp_path)[sample]
+    part = read_text(tmp_path, name, data)
+    cells = part.geometry
+    assert isinstance(cells, Cells)
+    assert np.array_equal(cells.points, TETRA_POINTS)
+    assert [block.kind for block in cells.blocks] == ["tetra"] * len(cells.blocks)
+    assert np.array_equal(np.concatenate([block.nodes for block in cells.blocks]), TETRA)
+    assert names_of(part) == REGIONS[sample]
+    assert part.source.format == sample.split()[0]
+    assert (part.unit.name, part.unit_from) == ("mm", "assumed")
+
+
+def test_every_volume_sample_is_tried(tmp_path: Path) -> None:
+    assert set(volumes(tmp_path)) == set(REGIONS)
+
+
+@pytest.mark.parametrize("kind", GMSH_NODES)
+@pytest.mark.parametrize("version", ["2.2", "4.1"])
+def test_second_order_nodes_of_gmsh_are_put_in_the_order_of_vtk(kind: str, version: str, tmp_path: Path) -> None:
+    number, middles = GMSH_NODES[kind]
+    corners = np.random.default_rng(3).normal(size=(CORNERS_OF[kind.rstrip("0123456789")], 3))
+    points = [*corners, *(corners[list(around)].mean(axis=0) for around in middles)]
+    tags = " ".join(str(i + 1) for i in range(len(points)))
+    places = "\n".join(" ".join(map(repr, p.tolist())) for p in points)
+    numbered = "\n".join(f"{i + 1} {' '.join(map(repr, p.tolist()))}" for i, p in enumerate(points))
+    text = f"$MeshFormat\n{version} 0 8\n$EndMeshFormat\n"
+    if version == "2.2":
+        text += f"$Nodes\n{len(points)}\n{numbered}\n$EndNodes\n$Elements\n1\n1 {number} 0 {tags}\n$EndElements\n"
+    else:
+        text += (
+            f"$Nodes\n1 {len(points)} 1 {len(points)}\n3 1 0 {len(points)}\n{tags}\n{places}\n$EndNodes\n"
+            f"$Elements\n1 1 1 1\n3 1 {number} 1\n1 {tags}\n$EndElements\n"
+        )
+    (block,) = read_text(tmp_path, "one.msh", text).geometry.blocks
+    assert block.kind == kind
+    found = np.array(points)[block.nodes[0]]
+    assert np.array_equal(found[: len(corners)], corners)
+    expected = [corners[list(around)].mean(axis=0) for around in MIDDLES[kind]]
+    assert np.allclose(found[len(corners) :], expected, rtol=1e-12)
+
+
+@pytest.mark.parametrize("kind", ["hexahedron20", "wedge15", "tetra10"])
+@pytest.mark.parametrize("name", ["one.bdf", "one.vtu", "one.inp"])
+def test_second_order_nodes_through_meshio_are_in_the_order_of_vtk(kind: str, name: str, tmp_path: Path) -> None:
+    corners = np.round(np.random.default_rng(4).normal(size=(CORNERS_OF[kind.rstrip("0123456789")], 3)), 2)
+    points = np.array([*corners, *(corners[list(around)].mean(axis=0) for around in MIDDLES[kind])])
+    if name == "one.bdf":  # the quick reference guide puts the edges between the two ends before those of the top
+        orders = {
+            "hexahedron20": [*range(12), 16, 17, 18, 19, 12, 13, 14, 15],
+            "wedge15": [*range(9), 12, 13, 14, 9, 10, 11],
+            "tetra10": [*range(10)],
+        }
+        grid = "".join(f"GRID,{i + 1},,{','.join(map(repr, p.tolist()))}\n" for i, p in enumerate(points))
+        card = {"hexahedron20": "CHEXA", "wedge15": "CPENTA", "tetra10": "CTETRA"}[kind]
+        nodes = [str(i + 1) for i in orders[kind]]
+        lines = [nodes[:6], *(nodes[i : i + 8] for i in range(6, len(nodes), 8))]
+        text = f"{card},1,1," + "\n+,".join(",".join(line) for line in lines)
+        part = read_text(tmp_path, name, f"BEGIN BULK\n{grid}{text}\nENDDATA\n")
+    elif name == "one.inp":
+        grid = "".join(f"{i + 1}, {', '.join(map(repr, p.tolist()))}\n" for i, p in enumerate(points))
+        element = {"hexahedron20": "C3D20", "wedge15": "C3D15", "tetra10": "C3D10"}[kind]
+        nodes = ", ".join(str(i) for i in range(1, len(points) + 1))
+        part = read_text(tmp_path, name, f"*NODE\n{grid}*ELEMENT, TYPE={element}\n1, {nodes}\n")
+    else:
+        part = written(tmp_path, name, meshio.Mesh(points, [(kind, np.arange(len(points))[None])]))
+    (block,) = part.geometry.blocks
+    assert block.kind == kind
+    assert np.array_equal(part.geometry.points[block.nodes[0]], points)
+
+
+def test_binary_gmsh_of_the_other_byte_order(tmp_path: Path) -> None:
+    nodes = b"".join(struct.pack(">i3d", i + 1, *p) for i, p in enumerate(TETRA_POINTS))
+    elements = struct.pack(">3i", 4, 2, 2) + b"".join(
+        struct.pack(">7i", i + 1, 7, 1, *(cell + 1)) for i, cell in enumerate(TETRA)
+    )
+    data = b"$MeshFormat\n2.2 1 8\n\0\0\0\1\n$EndMeshFormat\n"
+    data += b"$Nodes\n5\n%b\n$EndNodes\n$Elements\n2\n%b\n$EndElements\n"
+    part = read_text(tmp_path, "two.msh", data % (nodes, elements))
+    assert np.array_equal(part.geometry.points, TETRA_POINTS)
+    assert names_of(part) == ["7", "7"]
+
+
+def test_boundary_cells_beside_volume_cells_are_left_out(tmp_path: Path) -> None:
+    part = read_text(tmp_path, "two.msh", GMSH_22)
+    assert [block.kind for block in part.geometry.blocks] == ["tetra"]
+    assert part.notes == ("1 cell of lower dimension beside the volume cells was left out",)
+
+
+def test_shells_are_a_surface(tmp_path: Path) -> None:
+    mesh = meshio.Mesh(
+        CORNERS,
+        [("triangle", TRIANGLES[:8]), ("quad", QUADS[4:]), ("line", [[0, 1]])],
+        cell_data={"region": [np.arange(8), np.array([8, 9]), np.array([10])]},
+    )
+    part = written(tmp_path, "box.vtu", mesh)
+    quads = QUADS[4:, [[0, 1, 2], [0, 2, 3]]].reshape(-1, 3)
+    assert np.array_equal(part.triangles.corners(), CORNERS[np.concatenate([TRIANGLES[:8], quads])])
+    assert names_of(part) == ["default", *map(str, [*range(1, 8), 8, 8, 9, 9])]
+    assert part.notes == (
+        "1 cell of lower dimension beside the surface cells was left out",
+        "2 faces with more than three corners were split from the first corner",
+    )
+
+
+@pytest.mark.parametrize(
+    ("kind", "around"),
+    [
+        ("triangle6", [(0,), (1,), (2,), (0, 1), (1, 2), (2, 0)]),
+        ("quad8", [(0,), (1,), (2,), (3,), (0, 1), (1, 2), (2, 3), (3, 0)]),
+        ("quad9", [(0,), (1,), (2,), (3,), (0, 1), (1, 2), (2, 3), (3, 0), (0, 1, 2, 3)]),
+    ],
+)
+def test_second_order_shells_become_flat_triangles(kind: str, around: list, tmp_path: Path) -> None:
+    corners = np.array([[0, 0, 0], [4, 0, 0], [4, 2, 0], [0, 2, 0]], float)[: 3 if kind == "triangle6" else 4]
+    points = np.array([corners[list(nodes)].mean(axis=0) for nodes in around])
+    part = written(tmp_path, "one.vtu", meshio.Mesh(points, [(kind, np.arange(len(points))[None])]))
+    a, b, c = np.moveaxis(part.triangles.corners(), 1, 0)
+    normals = np.cross(b - a, c - a)
+    assert (normals[:, 2] > 0).all()
+    assert normals[:, 2].sum() / 2 == (4.0 if kind == "triangle6" else 8.0)
+    assert set(part.triangles.faces.ravel()) == set(range(len(points)))
+    assert "1 second-order cell was split" in part.notes[0]
+
+
+def test_polygons_are_split_into_fans(tmp_path: Path) -> None:
+    text = VTK_TEXT.partition("CELLS")[0] + "CELLS 2 10\n5 0 1 2 3 4\n3 0 1 2\nCELL_TYPES 2\n7 5\n"
+    part = read_text(tmp_path, "five.vtk", text)
+    assert part.triangles.faces.tolist() == [[0, 1, 2], [0, 2, 3], [0, 3, 4], [0, 1, 2]]
+
+
+def test_wires_and_points_stay_cells(tmp_path: Path) -> None:
+    mesh = meshio.Mesh(TETRA_POINTS, [("line", [[0, 1]]), ("line3", [[0, 2, 1]]), ("vertex", [[3]])])
+    part = written(tmp_path, "wire.vtu", mesh)
+    assert [(block.kind, block.nodes.tolist()) for block in part.geometry.blocks] == [
+        ("line", [[0, 1]]),
+        ("line3", [[0, 2, 1]]),
+        ("vertex", [[3]]),
+    ]
+
+
+def test_points_in_a_plane_have_z_zero(tmp_path: Path) -> None:
+    part = written(
+        tmp_path,
+        "flat.xdmf",
+        meshio.Mesh(TETRA_POINTS[:3, :2], [("triangle", [[0, 1, 2]])]),
+        data_format="XML",
+    )
+    assert part.triangles.vertices[:, 2].tolist() == [0, 0, 0]
+    assert np.array_equal(part.triangles.vertices[:, :2], TETRA_POINTS[:3, :2])
+
+
+@pytest.mark.parametrize(
+    ("number", "nodes", "kind"),
+    [(42, 4, "polyhedron"), (71, 20, "VTK_LAGRANGE_TETRAHEDRON"), (15, 10, "penta_prism"), (8, 4, "pixel")],
+)
+def test_cells_that_are_not_understood_are_refused_by_name(number: int, nodes: int, kind: str, tmp_path: Path) -> None:
+    points = " ".join(["0 0 0"] * nodes)
+    text = (
+        "# vtk DataFile Version 5.1\nx\nASCII\nDATASET UNSTRUCTURED_GRID\n"
+        f"POINTS {nodes} double\n{points}\nCELLS 2 {nodes}\nOFFSETS vtktypeint64\n0 {nodes}\n"
+        f"CONNECTIVITY vtktypeint64\n{' '.join(map(str, range(nodes)))}\nCELL_TYPES 1\n{number}\n"
+    )
+    with pytest.raises(ReadError, match=f"{kind}.* not read|'{kind}'"):
+        read_text(tmp_path, "odd.vtk", text)
+
+
+def test_cells_that_meshio_passes_over_are_missed(tmp_path: Path) -> None:
+    text = volumes(tmp_path)["vtu text"][1].decode()
+    assert text.count("10\n10\n") == 1
+    with pytest.raises(ReadError, match="lists 2 cells, but meshio could read 1"):
+        read_text(tmp_path, "odd.vtu", text.replace("10\n10\n", "10\n37\n"))
+
+
+def test_third_order_elements_of_gmsh_are_refused_by_number(tmp_path: Path) -> None:
+    with pytest.raises(ReadError, match="Gmsh's type 29"):
+        read_text(tmp_path, "two.msh", GMSH_22.replace("2 4 2 7", "2 29 2 7"))
+
+
+# Regions
+
+
+def test_gmsh_physical_groups_are_regions_where_only_some_are_named(tmp_path: Path) -> None:
+    text = GMSH_41.replace("1 1 1 0 0\n$EndEntities", "1 1 1 2 9 7 0\n$EndEntities")
+    assert names_of(read_text(tmp_path, "two.msh", text)) == ["steel", "9"]
+
+
+def test_families_of_med_are_regions(tmp_path: Path) -> None:
+    pytest.importorskip("h5py")
+    mesh = meshio.Mesh(TETRA_POINTS, [("tetra", TETRA)], cell_data={"cell_tags": [np.array([-6, -7])]})
+    mesh.point_tags = {}
+    mesh.cell_tags = {-6: ["steel"], -7: ["brass", "outer"]}
+    assert names_of(written(tmp_path, "two.med", mesh)) == ["steel", "brass+outer"]
+    mesh.cell_tags = {-6: ["steel"], -7: ["steel"]}
+    part = written(tmp_path, "two.med", mesh)
+    assert part.regions is not None
+    assert part.regions.names == ("steel",)
+    assert names_of(part) == ["steel", "steel"]
+
+
+@pytest.mark.parametrize(
+    ("name", "values", "expected"),
+    [
+        ("MaterialIds", [3, 0], ["3", "default"]),
+        ("medit:ref", [2.0, 5.0], ["2", "5"]),
+        ("material", [2.5, 1.0], None),
+        ("temperature", [1, 2], None),
+    ],
+)
+def test_whole_numbers_of_a_known_name_are_regions(name: str, values: list, expected, tmp_path: Path) -> None:
+    mesh = meshio.Mesh(TETRA_POINTS, [("tetra", TETRA)], cell_data={name: [np.array(values)]})
+    assert names_of(written(tmp_path, "two.vtu", mesh)) == expected
+
+
+def test_the_smallest_abaqus_set_that_holds_a_cell_names_it(tmp_path: Path) -> None:
+    part = read_text(tmp_path, "two.inp", ABAQUS)
+    assert part.notes == ("1 cell in more than one set was counted to the smallest",)
+    assert names_of(part) == ["all", "steel"]
+
+
+# What meshio would misread
+
+
+@pytest.mark.parametrize(
+    ("name", "text", "reason"),
+    [
+        ("a.inp", ABAQUS + "*NODE\n9, 0, 0, 0\n", r"2 \*NODE blocks"),
+        ("a.inp", ABAQUS + "*INCLUDE, INPUT=a.inp\n", "INCLUDE"),
+        ("a.inp", ABAQUS + "*Instance, name=a, part=b\n1., 0., 0.\n*End Instance\n", "moves the part"),
+        ("a.inp", ABAQUS + "*ELSET, ELSET=x, GENERATE\n1, 2000000000, 1\n", "2000000000"),
+        ("a.inp", ABAQUS.replace("*NODE\n", "*NODE, INPUT=nodes.txt\n"), "INPUT"),
+        ("a.inp", ABAQUS.replace("C3D4", "C3D9"), "C3D9"),
+        ("a.bdf", NASTRAN.replace("CTETRA  1 ", "CTETRA* 1 "), r"CTETRA\*"),
+        ("a.bdf", NASTRAN.replace("CTETRA,2", "ctetra,2"), "ctetra"),
+        ("a.bdf", NASTRAN.replace("GRID,4,,", "GRID,4,3,"), "coordinate system"),
+        ("a.bdf", NASTRAN.replace("ENDDATA\n", ""), "no ENDDATA"),
+        ("a.bdf", NASTRAN.replace("PSOLID,7,1", "INCLUDE 'b.bdf'"), "INCLUDE"),
+        ("a.vtk", VTK_TEXT.replace("UNSTRUCTURED_GRID", "STRUCTURED_POINTS"), "STRUCTURED_POINTS"),
+        ("a.vtk", VTK_TEXT.replace("10 10", "10 37"), "cannot read|not read"),
+    ],
+)
+def test_what_would_be_misread_is_refused(name: str, text: str, reason: str, tmp_path: Path) -> None:
+    with pytest.raises(ReadError, match=reason):
+        read_text(tmp_path, name, text)
+
+
+def test_a_vtu_file_of_two_pieces_is_refused(tmp_path: Path) -> None:
+    _, data = volumes(tmp_path)["vtu text"]
+    start, stop = data.index(b"<Piece"), data.index(b"</Piece>") + 8
+    with pytest.raises(ReadError, match="2 pieces"):
+        read_text(tmp_path, "a.vtu", data[:stop] + data[start:stop] + data[stop:])
+
+
+def test_a_vtu_file_of_a_surface_kind_is_refused(tmp_path: Path) -> None:
+    _, data = volumes(tmp_path)["vtu text"]
+    with pytest.raises(ReadError, match="'PolyData'"):
+        read_text(tmp_path, "a.vtu", data.replace(b"UnstructuredGrid", b"PolyData"))
+
+
+@pytest.mark.parametrize("name", ["two.med", "two.xdmf"])
+def test_without_h5py_the_remedy_is_named(name: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    (tmp_path / name).write_bytes(volumes(tmp_path)[name[4:]][1])
+    monkeypatch.setattr(importlib.util, "find_spec", lambda name: None)
+    with pytest.raises(ReadError, match=r"pip install 'inertia\[med\]'"):
+        read(tmp_path / name)
+
+
+def test_xdmf_does_not_follow_references_to_raw_files(tmp_path: Path) -> None:
+    text = volumes(tmp_path)["xdmf"][1].decode()
+    with pytest.raises(ReadError, match="raw binary"):
+        read_text(tmp_path, "a.xdmf", text.replace('Format="XML"', 'Format="Binary"'))
+    with pytest.raises(ReadError, match=r"needs the file 'gone\.h5'"):
+        read_text(
+            tmp_path,
+            "a.xdmf",
+            text.replace('Format="XML" Precision="8">', 'Format="HDF" Precision="8">gone.h5:/a', 1),
+        )

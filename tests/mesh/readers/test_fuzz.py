@@ -1,0 +1,95 @@
+"""Damaged files of every format are read or refused: no other exception, no output, no hang.
+
+`INERTIA_FUZZ` sets the number of mutations (2000 unless told). OpenCASCADE reads STEP in a process of its
+own, which takes half a second, so that a few mutations of a STEP file stand for many.
+"""
+
+import os
+from pathlib import Path
+
+import numpy as np
+import pytest
+from tests.mesh.readers.samples import CORNERS, QUADS, surfaces, volumes
+from tests.mesh.readers.step_sample import step_solid
+
+from inertia.errors import ReadError
+from inertia.mesh.part import Part
+from inertia.mesh.read import read
+
+MUTATIONS = int(os.environ.get("INERTIA_FUZZ", "2000"))
+SURFACES = tuple(surfaces())
+VOLUMES = (
+    *(
+        "gmsh 2.2",
+        "gmsh 4.1",
+        "gmsh 2.2 binary",
+        "gmsh 4.1 binary",
+        "nastran",
+        "abaqus",
+        "vtk text",
+        "vtk binary",
+    ),
+    *("vtk 5.1", "vtu", "vtu text", "med", "xdmf", "medit", "netgen", "su2", "avsucd"),
+)
+SAMPLES = (*SURFACES, *VOLUMES)
+WORDS = (b"99999999", b"-1", b"1e999", b"nan", b" ", b"\n", b"0", b"1", b"\0", b"-", b"\xff\xff\xff\x7f")
+
+
+def mutate(data: bytes, rng: np.random.Generator, other: bytes) -> bytes:
+    """Return `data` after one or two random changes."""
+    changed = bytearray(data)
+    for _ in range(rng.integers(1, 3)):
+        at = int(rng.integers(0, len(changed) + 1))
+        stop = at + int(rng.integers(1, 41))
+        match rng.integers(0, 8):
+            case 0:
+                changed[at : at + 1] = bytes(byte ^ 1 << int(rng.integers(0, 8)) for byte in changed[at : at + 1])
+            case 1:
+                changed[at : at + 1] = rng.bytes(1)
+            case 2:
+                del changed[at:]
+            case 3:
+                changed[at:at] = rng.bytes(int(rng.integers(1, 9)))
+            case 4:
+                del changed[at:stop]
+            case 5:
+                changed[at:at] = changed[at:stop]
+            case 6:
+                changed[at:at] = WORDS[rng.integers(0, len(WORDS))]
+            case 7:
+                begin = int(rng.integers(0, len(other)))
+                changed[at : at + 16] = other[begin : begin + 16]
+    return bytes(changed)
+
+
+def read_or_refuse(path: Path, data: bytes) -> None:
+    path.write_bytes(data)
+    message = f"cannot read {path}: "
+    try:
+        assert isinstance(read(path), Part)
+    except ReadError as error:
+        message = str(error)
+    assert message.startswith(f"cannot read {path}: ")
+    assert message.isprintable()
+
+
+@pytest.mark.parametrize("sample", SAMPLES)
+def test_mutated_files_are_read_or_refused(sample: str, tmp_path: Path, capfd: pytest.CaptureFixture[str]) -> None:
+    samples = {**surfaces(), **volumes(tmp_path)}
+    assert tuple(samples) == SAMPLES
+    name, data = samples[sample]
+    rng = np.random.default_rng(SAMPLES.index(sample))
+    capfd.readouterr()
+    for _ in range(-(-MUTATIONS // len(SAMPLES))):
+        other = samples[SAMPLES[rng.integers(0, len(SAMPLES))]][1]
+        read_or_refuse(tmp_path / name, mutate(data, rng, other))
+    assert capfd.readouterr() == ("", "")
+
+
+def test_mutated_step_files_are_read_or_refused(tmp_path: Path, capfd: pytest.CaptureFixture[str]) -> None:
+    pytest.importorskip("cascadio")
+    data = step_solid(CORNERS, QUADS.tolist(), "Block").encode()
+    rng = np.random.default_rng(0)
+    for _ in range(max(4, MUTATIONS // 500)):
+        read_or_refuse(tmp_path / "box.step", mutate(data, rng, b"#1 = #1;\n#99999"))
+    assert capfd.readouterr() == ("", "")

@@ -1,0 +1,120 @@
+"""Simplified meshes: closed, with the triangles that they say, of the vertices that there were."""
+
+import itertools
+import sys
+
+import numpy as np
+import pytest
+from tests.mesh.solids import cube, facets, inside_out, joined, ring, sphere
+
+from inertia.errors import GeometryError, UsageError
+from inertia.mesh.geometry.closure import closure
+from inertia.mesh.part import Surface
+from inertia.mesh.repairs.simplify import Simplified, halvings
+from inertia_meshes import rational
+
+
+def volume(surface: Surface) -> float:
+    return float(rational.moments(surface.corners()).volume)
+
+
+@pytest.fixture(scope="module")
+def balls() -> list[Simplified]:
+    return list(halvings(joined(sphere(splits=4))))
+
+
+def test_every_mesh_is_closed_and_wound_alike(balls: list[Simplified]) -> None:
+    assert len(balls) >= 6
+    assert [closure(ball.surface).open_edges for ball in balls] == [0] * len(balls)
+    assert [closure(ball.surface).components for ball in balls] == [1] * len(balls)
+
+
+def test_the_share_is_the_nearest_power_of_two(balls: list[Simplified]) -> None:
+    for ball in balls:
+        assert ball.surface.count * ball.share == pytest.approx(8 * 4**4, rel=0.42)
+    shares = [ball.share for ball in balls]
+    assert shares[:3] == [2, 4, 8]
+    assert shares == sorted(set(shares))
+
+
+def test_the_vertices_are_some_of_the_given_ones_to_the_last_bit(balls: list[Simplified]) -> None:
+    given = set(map(tuple, sphere(splits=4)[0].tolist()))
+    for ball in balls:
+        assert set(map(tuple, ball.surface.vertices.tolist())) <= given
+
+
+def test_a_convex_solid_loses_volume_with_every_halving(balls: list[Simplified]) -> None:
+    volumes = [volume(joined(sphere(splits=4))), *(volume(ball.surface) for ball in balls)]
+    assert volumes == sorted(volumes, reverse=True)
+    assert volumes[-1] > 0
+
+
+def test_the_tolerance_is_that_of_all_halvings_together(balls: list[Simplified]) -> None:
+    tolerances = [ball.tolerance for ball in balls]
+    assert tolerances == sorted(set(tolerances))
+    for ball in balls[:3]:  # still small beside the ball: its vertices are on the sphere, its faces within
+        corners = ball.surface.corners()
+        depth = 1.0 - np.linalg.norm(corners.mean(axis=1), axis=1).min()
+        assert 0 < depth < 2 * ball.tolerance
+
+
+@pytest.mark.parametrize("scale", [1e-30, 1e60])
+def test_size_changes_nothing_but_the_size(scale: float) -> None:
+    vertices, faces = sphere(splits=3)
+    power = 2.0 ** round(np.log2(scale))
+    here, there = (list(itertools.islice(halvings(Surface(k * vertices, faces)), 3)) for k in (1.0, power))
+    assert [mesh.surface.count for mesh in here] == [mesh.surface.count for mesh in there]
+    for one, other in zip(here, there, strict=True):
+        np.testing.assert_array_equal(one.surface.vertices * power, other.surface.vertices)
+        assert one.tolerance * power == other.tolerance
+
+
+def test_a_flat_subdivision_is_undone_without_loss() -> None:
+    steps = np.linspace(0.0, 1.0, 9)
+    square = np.stack(np.meshgrid(steps, steps, indexing="ij"), axis=-1).reshape(-1, 2)
+    i = (9 * np.arange(8)[:, None] + np.arange(8)).ravel()
+    faces = np.concatenate([np.stack([i, i + 9, i + 10], axis=1), np.stack([i, i + 10, i + 1], axis=1)])
+    sides = []
+    for axis in range(3):
+        for level in (0.0, 1.0):
+            outward = (level == 1.0) != (axis == 1)
+            sides.append((np.insert(square, axis, level, axis=1), faces if outward else faces[:, ::-1]))
+    box = joined(*sides)
+    assert (box.count, closure(box).open_edges, volume(box)) == (768, 0, 1.0)
+    first = next(halvings(box))
+    assert (first.surface.count, first.share, volume(first.surface)) == (12, 64, 1.0)
+
+
+def test_cavities_stay_cavities() -> None:
+    hollow = joined(sphere(radius=3.0), inside_out(sphere(radius=2.0)))
+    first = next(halvings(hollow))
+    assert closure(first.surface).components == 2
+    assert volume(first.surface) == pytest.approx(volume(hollow), rel=0.05)
+
+
+def test_records_of_an_stl_file_do_as_well() -> None:
+    surface = joined(ring())
+    assert next(halvings(facets(surface))).surface.count == pytest.approx(surface.count / 2, rel=0.42)
+
+
+def test_a_cube_has_nothing_to_spare() -> None:
+    assert list(halvings(joined(cube()))) == []
+
+
+def test_an_edge_of_four_triangles_is_no_hindrance() -> None:
+    beside = joined(sphere(), cube((1, 1, 0)), cube((2, 2, 0)))
+    first = next(halvings(beside))
+    assert closure(first.surface).open_edges == 0
+    assert volume(first.surface) == pytest.approx(volume(beside), rel=0.05)
+
+
+def test_an_open_surface_is_refused() -> None:
+    vertices, faces = sphere()
+    with pytest.raises(GeometryError, match="cannot simplify"):
+        next(halvings(Surface(vertices, faces[1:])))
+
+
+def test_a_missing_manifold3d_is_named_with_its_extra(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setitem(sys.modules, "manifold3d", None)
+    with pytest.raises(UsageError, match=r"pip install 'inertia\[repair\]'"):
+        next(halvings(joined(sphere())))

@@ -1,0 +1,183 @@
+"""A recording holds what is needed to run it again."""
+
+import shutil
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+from tests.recording.scenes import FREE, scene_table
+
+import inertia
+from inertia import Scene, record, simulate
+from inertia.dynamics.body import Body
+from inertia.dynamics.scene.body import SceneBody
+from inertia.dynamics.scene.document import Settings, Start
+from inertia.dynamics.scene.loads import Gravity, Torque
+from inertia.errors import ReadError
+from inertia.recording.read_back import properties, scene_of
+from inertia.recording.scene_text import toml
+from inertia_meshes import path
+
+
+@pytest.fixture
+def folder(tmp_path: Path) -> Path:
+    (tmp_path / "scenes").mkdir()
+    shutil.copy(path("t_handle.stl"), tmp_path)
+    shutil.copy(path("scenes/t_handle.toml"), tmp_path / "scenes")
+    (tmp_path / "runs").mkdir()
+    return tmp_path
+
+
+def recorded(folder: Path) -> tuple[inertia.Run, Path]:
+    scene = Scene.load(folder / "scenes/t_handle.toml")
+    run = simulate(replace(scene, run=replace(scene.run, duration=2.0, samples=50)))
+    record(run, folder / "runs/run.rrd")
+    return run, folder / "runs/run.rrd"
+
+
+def test_properties_say_what_made_it_and_of_what(folder: Path) -> None:
+    run, file = recorded(folder)
+    held = properties(file)
+    assert held["tool"] == {"name": "inertia", "version": inertia.__version__}
+    assert held["scene"]["text"] == (folder / "scenes/t_handle.toml").read_text()
+    assert held["scene"]["folder"] == "../scenes"
+    assert held["source"]["sha256"] == run.scene.body.part.source.sha256
+    assert held["accuracy"]["reached_rad"] == run.error.reached
+    assert held["accuracy"]["requested_rad"] == 1e-10
+    assert held["settings"]["samples"] == 50
+
+
+def test_a_recording_runs_again_bit_for_bit(folder: Path) -> None:
+    run, file = recorded(folder)
+    again = simulate(scene_of(file))
+    assert np.array_equal(again.time, run.time)
+    assert np.array_equal(again.attitude, run.attitude)
+
+
+def test_folder_and_recording_may_move_together(folder: Path) -> None:
+    recorded(folder)
+    folder.rename(folder.parent / "elsewhere")
+    assert scene_of(folder.parent / "elsewhere/runs/run.rrd").body.part is not None
+
+
+def test_another_part_is_refused(folder: Path) -> None:
+    _, file = recorded(folder)
+    shutil.copy(path("cube.stl"), folder / "t_handle.stl")
+    with pytest.raises(ReadError, match=r"run.rrd was made from another .*t_handle.stl: its SHA-256 was"):
+        scene_of(file)
+
+
+def test_a_recording_without_its_part_says_so(folder: Path) -> None:
+    _, file = recorded(folder)
+    (folder / "t_handle.stl").unlink()
+    with pytest.raises(ReadError, match="there is no such file"):
+        scene_of(file)
+
+
+@pytest.mark.parametrize("look", FREE)
+def test_a_scene_made_in_python_runs_again(look: str, tmp_path: Path) -> None:
+    run = simulate(Scene.from_dict(scene_table(look)))
+    record(run, tmp_path / "run.rrd")
+    again = simulate(scene_of(tmp_path / "run.rrd"))
+    np.testing.assert_allclose(again.attitude, run.attitude, atol=1e-8)
+    assert again.model == run.model
+
+
+def test_a_torque_along_principal_axes_comes_back(tmp_path: Path) -> None:
+    body = SceneBody.of(Body(np.array([[2.0, 0.3, 0.0], [0.3, 2.5, 0.1], [0.0, 0.1, 3.0]]), 1.0))
+    loads = (Torque([0.1, 0.0, 0.2], frame="principal"),)
+    run = simulate(Scene(body, Start([1.0, 2.0, 3.0]), Settings(2.0, 11, 1e-8), applied_loads=loads))
+    record(run, tmp_path / "run.rrd")
+    np.testing.assert_allclose(simulate(scene_of(tmp_path / "run.rrd")).attitude, run.attitude, atol=1e-7)
+
+
+def test_a_torque_by_a_function_cannot_be_run_again(tmp_path: Path) -> None:
+    body = SceneBody.of(Body(np.diag([1.0, 2.0, 3.0]), 1.0))
+    loads = (Gravity(), Torque(lambda t, q, w: -0.1 * w))
+    run = simulate(Scene(body, Start([1.0, 2.0, 3.0]), Settings(1.0, 11, 1e-6), applied_loads=loads))
+    record(run, tmp_path / "run.rrd")
+    with pytest.raises(ReadError, match="a torque that was given in Python"):
+        scene_of(tmp_path / "run.rrd")
+
+
+def test_strings_survive_toml() -> None:
+    import tomllib
+
+    name = 'a "b"\\c\n\t\x7fé😀.stl'
+    assert tomllib.loads(toml({"body": {"part": name, "x": 1e-300, "n": 3, "v": np.array([1.0, 1e22])}})) == {
+        "body": {"part": name, "x": 1e-300, "n": 3, "v": [1.0, 1e22]}
+    }
+
+
+@pytest.mark.parametrize("content", [b"", b"no recording", None])
+def test_what_is_no_recording_is_refused(tmp_path: Path, content: bytes | None) -> None:
+    file = tmp_path / "run.rrd"
+    if content is not None:
+        file.write_bytes(content)
+    with pytest.raises(ReadError, match=r"cannot read .*run.rrd: "):
+        scene_of(file)
+
+
+def test_half_a_recording_is_refused(folder: Path) -> None:
+    _, file = recorded(folder)
+    file.write_bytes(file.read_bytes()[: file.stat().st_size // 2])
+    with pytest.raises(ReadError, match="it is no whole Rerun recording"):
+        scene_of(file)
+
+
+def test_a_recording_of_something_else_is_refused(tmp_path: Path) -> None:
+    import rerun as rr
+
+    with rr.RecordingStream("other") as stream:
+        stream.save(tmp_path / "run.rrd")
+        stream.log("a", rr.Points3D([[0, 0, 0]]), static=True)
+    with pytest.raises(ReadError, match="it is no recording of a run"):
+        scene_of(tmp_path / "run.rrd")
+
+
+def test_a_rotor_s_recording_says_how_it_was_judged_and_is_no_scene(tmp_path: Path) -> None:
+    rotor = inertia.Rotor.load(path("rotors/two_disc_rotor.toml"))
+    record(inertia.balance(rotor), tmp_path / "rotor.rrd")
+    held = properties(tmp_path / "rotor.rrd")
+    assert held["verdict"]["outcome"] == "pass"
+    assert inertia.Rotor.loads(held["rotor"]["text"], rotor.folder).to_dict() == rotor.to_dict()
+    assert len(held["source"]["sha256"]) == 64
+    with pytest.raises(ReadError, match=r"it is no recording of a run"):
+        scene_of(tmp_path / "rotor.rrd")
+
+
+def test_each_part_of_a_deforming_body_that_has_a_mesh_is_named(tmp_path: Path) -> None:
+    (tmp_path / "two.toml").write_text(
+        """
+        schema = 1
+        [[part]]
+        name = "a"
+        part = "cube.stl"
+        unit = "mm"
+        [[part]]
+        name = "b"
+        part = "box.stl"
+        unit = "mm"
+        parent = "a"
+        [[part.joint]]
+        axis = [0, 0, 1]
+        times = [0.0, 1.0]
+        angles = [0.0, 1.0]
+        [start]
+        angular_velocity = [0, 0, 0]
+        [run]
+        duration = 1.0
+        samples = 20
+        """
+    )
+    for name in ("cube.stl", "box.stl"):
+        shutil.copy(path(name), tmp_path)
+    run = simulate(Scene.load(tmp_path / "two.toml"))
+    record(run, tmp_path / "two.rrd")
+    held = properties(tmp_path / "two.rrd")
+    hashes = [mesh.source.sha256 for mesh in run.scene.body.meshes if mesh is not None]
+    assert [held["source"]["sha256"], held["source_2"]["sha256"]] == hashes
+    (tmp_path / "box.stl").write_bytes((tmp_path / "cube.stl").read_bytes())
+    with pytest.raises(ReadError, match=r"was made from another"):
+        scene_of(tmp_path / "two.rrd")

@@ -1,0 +1,137 @@
+"""A recording of a rotor holds it as modelled and as corrected, turning slowly, with its forces and limits."""
+
+import math
+from pathlib import Path
+
+import numpy as np
+import pytest
+from tests.recording.kinds import errors_seen, seen, series, turn, written
+from tests.recording.reading import Recorded
+
+from inertia.balancing.balance import Balance, balance
+from inertia.balancing.rotor import Rotor
+from inertia.recording import paths, places
+from inertia.recording.target import FARTHEST
+from inertia.recording.views.rotor import TURNS, rotor
+from inertia_meshes import path
+
+FILE = path("rotors/two_disc_rotor.toml")
+SPEED = 3000.0 * math.pi / 30.0
+
+
+def changed(*changes: tuple[str, str]) -> Balance:
+    text = FILE.read_text(encoding="utf-8")
+    for old, new in changes:
+        assert old in text
+        text = text.replace(old, new)
+    return balance(Rotor.loads(text, FILE.parent))
+
+
+@pytest.fixture(scope="module")
+def balanced() -> Balance:
+    return balance(Rotor.load(FILE))
+
+
+@pytest.fixture(scope="module")
+def found(balanced: Balance, tmp_path_factory: pytest.TempPathFactory) -> Recorded:
+    return written(rotor(balanced), tmp_path_factory.mktemp("rotor") / "rotor.rrd")
+
+
+def vectors(found: Recorded, room: str, name: str) -> np.ndarray:
+    """Return the arrows across the shaft, as complex numbers."""
+    x, y, z = found.values(f"/{room}/rotor/{name}", "Arrows3D:vectors")[0].astype(float).T
+    np.testing.assert_array_equal(z, 0.0)
+    return x + 1j * y
+
+
+def test_the_screen_has_its_views(found: Recorded) -> None:
+    assert sorted(found.views) == ["2D", "2D", "3D", "3D", "TextDocument", "TimeSeries", "TimeSeries"]
+
+
+@pytest.mark.parametrize("room", [places.AS_MODELLED, places.CORRECTED])
+def test_the_shaft_makes_whole_turns(room: str, found: Recorded) -> None:
+    t = found.time(f"/{room}/rotor")
+    assert t[-1] == pytest.approx(TURNS / 50.0)
+    angle = turn(found, f"/{room}/rotor").as_rotvec()
+    np.testing.assert_allclose(angle[:, :2], 0.0, atol=1e-6)
+    np.testing.assert_allclose(np.exp(1j * angle[:, 2]), np.exp(1j * SPEED * t), atol=1e-5)
+
+
+def test_a_shaft_that_turns_clockwise_does_so(tmp_path: Path) -> None:
+    other = written(rotor(changed(('"ccw"', '"cw"'))), tmp_path / "rotor.rrd")
+    angle = turn(other, f"/{places.AS_MODELLED}/rotor").as_rotvec()[:, 2]
+    assert angle[1] < 0
+
+
+def test_vectors_have_the_angles_and_ratios_of_the_unbalance(balanced: Balance, found: Recorded) -> None:
+    for room, name in ((places.AS_MODELLED, "initial"), (places.CORRECTED, "residual")):
+        truth = np.array([getattr(plane, name) for plane in balanced.planes])
+        drawn = vectors(found, room, "unbalance")
+        np.testing.assert_allclose(np.angle(drawn / truth), 0.0, atol=1e-6)
+        np.testing.assert_allclose(np.abs(drawn[0] / drawn[1]), np.abs(truth[0] / truth[1]), rtol=1e-6)
+    z = found.values(f"/{places.AS_MODELLED}/rotor/unbalance", "Arrows3D:origins")[0][:, 2]
+    np.testing.assert_allclose(z, [-0.6, 0.65], atol=1e-6)  # 90 and 215 mm, from 150 mm, one unit being 100 mm
+    labels = found.texts(f"/{places.AS_MODELLED}/rotor/unbalance", "Arrows3D:labels")
+    assert labels == ["I 863.1 g·mm", "II 1598 g·mm"]
+
+
+def test_circles_and_bearing_vectors_have_one_scale(balanced: Balance, found: Recorded) -> None:
+    for room, state in ((places.AS_MODELLED, balanced.initial), (places.CORRECTED, balanced.residual)):
+        rings = found.values(f"/{room}/permissible", "LineStrips3D:strips")[0].reshape(2, -1, 3)
+        radii = np.hypot(rings[..., 0], rings[..., 1]).mean(axis=1)
+        drawn = vectors(found, room, "bearing_force")
+        truth = np.array(state.in_planes(0.02, 0.28))
+        scale = radii[0] / balanced.tolerance.permissible[0]
+        np.testing.assert_allclose(radii, scale * np.array(balanced.tolerance.permissible), rtol=1e-5)
+        np.testing.assert_allclose(drawn, scale * truth, atol=1e-6)
+
+
+def test_forces_at_rest_swing_once_a_turn(balanced: Balance, found: Recorded) -> None:
+    for path_, number in ((places.PLOT_BEARING_A, 0), (places.PLOT_BEARING_B, 1)):
+        t = found.time(f"/{path_}")
+        for column, state in zip(series(found, f"/{path_}").T, (balanced.initial, balanced.residual), strict=True):
+            force = SPEED**2 * state.in_planes(0.02, 0.28)[number]
+            np.testing.assert_allclose(column, abs(force) * np.cos(SPEED * t + np.angle(force)), atol=1e-6)
+
+
+def test_targets_show_what_is_left_in_units_of_what_is_permissible(balanced: Balance, found: Recorded) -> None:
+    for path_, number in ((places.POLAR_A, 0), (places.POLAR_B, 1)):
+        x, y = found.values(f"/{path_}/after/tip", "Points2D:positions")[0, 0]
+        left = balanced.residual.in_planes(0.02, 0.28)[number] / balanced.tolerance.permissible[number]
+        assert complex(x, -y) == pytest.approx(left, abs=1e-6)
+        before = found.values(f"/{path_}/before/tip", "Points2D:positions")[0, 0]
+        assert np.hypot(*before) == pytest.approx(FARTHEST)  # cut off, and says so
+        (label,) = found.texts(f"/{path_}/before/tip", "Points2D:labels")
+        assert label.endswith("×")
+
+
+def test_the_holes_are_in_the_mesh_that_is_corrected(found: Recorded) -> None:
+    before, after = (
+        len(found.values(f"/{room}/rotor/body_0", "Mesh3D:vertex_positions")[0])
+        for room in (places.AS_MODELLED, places.CORRECTED)
+    )
+    assert after > before
+    labels = found.texts(f"/{places.CORRECTED}/rotor/operations", "Points3D:labels")
+    assert labels == ["I-1: Ø 10, 14.2 mm deep", "II-1: Ø 16, 12.4 mm deep"]
+
+
+def test_a_fast_rotor_is_slowed_and_says_so(tmp_path: Path) -> None:
+    fast = changed(("rpm = 3000", "rpm = 12000"), ("critical_rpm = 12000", "critical_rpm = 60000"))
+    found = written(rotor(fast), tmp_path / "rotor.rrd")
+    (text,) = found.texts(f"/{paths.SUMMARY}", "TextDocument:text")
+    assert "The shaft turns at 12000 r/min, on the screen at 60 r/min, 200 times slower." in text
+    assert text.startswith("**the rotor: UNDECIDED**")
+
+
+def test_a_rotor_that_is_left_alone_has_one_state(tmp_path: Path) -> None:
+    coarse = changed(("grade = 6.3", "grade = 250"))
+    assert coarse.correction.operations == ()
+    found = written(rotor(coarse), tmp_path / "rotor.rrd")
+    assert found.views.count("3D") == 1
+    assert not any(name.startswith(f"/{places.CORRECTED}") for name in found.columns)
+    assert series(found, f"/{places.PLOT_BEARING_A}").shape[1] == 1
+
+
+@seen
+def test_the_viewer_shows_it_without_an_error(balanced: Balance, tmp_path: Path) -> None:
+    assert errors_seen(rotor(balanced), tmp_path, 0.1) == []

@@ -1,0 +1,242 @@
+"""A recording of a body that tumbles holds what was computed, named and arranged."""
+
+import time
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+from scipy.spatial.transform import Rotation
+from tests.recording.reading import Recorded, verified
+from tests.recording.scenes import FREE, scene_table
+from tests.recording.screenshot import has_driver, open_viewer, screenshot
+
+from inertia import Run, Scene, record, simulate
+from inertia.errors import GeometryError, UsageError
+from inertia.recording import paths, writer
+from inertia_meshes import path
+
+FLOAT32 = 2.0**-23
+
+
+@pytest.fixture(scope="module")
+def handle() -> Run:
+    scene = Scene.load(path("scenes/t_handle.toml"))
+    return simulate(replace(scene, run=replace(scene.run, duration=6.0, samples=601)))
+
+
+@pytest.fixture(scope="module")
+def file(handle: Run, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    made = tmp_path_factory.mktemp("record") / "handle.rrd"
+    record(handle, made)
+    return made
+
+
+@pytest.fixture(scope="module")
+def found(file: Path) -> Recorded:
+    return Recorded(file)
+
+
+def turned(q: np.ndarray) -> Rotation:
+    return Rotation.from_quat(q.astype(float))
+
+
+def test_the_file_is_whole(file: Path, tmp_path: Path) -> None:
+    assert verified(file, tmp_path)
+
+
+def test_everything_has_its_place(found: Recorded) -> None:
+    drawn = {f"/{name}" for name in vars(paths).values() if isinstance(name, str)}
+    expected = {
+        "/world", "/world/center_of_mass/body", "/world/center_of_mass/body/mesh",
+        "/world/center_of_mass/body/principal_axes", "/world/center_of_mass/angular_velocity",
+        "/world/center_of_mass/angular_momentum", "/world/center_of_mass/herpolhode",
+        "/body/principal_axes", "/body/momentum_sphere", "/body/energy_ellipsoid", "/body/polhode",
+        "/body/separatrix", "/body/angular_momentum", "/plots/angular_velocity", "/plots/euler_angles",
+        "/plots/drift", "/states/flips", "/text/summary",
+    }  # fmt: skip
+    held = {name for name in found.columns if not name.startswith("/__")}
+    assert held == expected
+    assert held <= drawn
+
+
+def test_the_screen_has_its_views(found: Recorded) -> None:
+    assert found.recording.application_id == found.blueprint.application_id == "inertia-tumble"
+    assert sorted(found.views) == ["3D", "3D", "StateTimeline", "TextDocument", *3 * ["TimeSeries"]]
+
+
+def test_poses_are_those_of_the_run(handle: Run, found: Recorded) -> None:
+    instants = found.time(f"/{paths.BODY}")
+    np.testing.assert_allclose(np.diff(instants), 1 / 120, atol=1e-9)
+    assert (instants[0], instants[-1]) == (0, 6)
+    poses = found.values(f"/{paths.BODY}", "Transform3D:quaternion")[:, 0]
+    assert poses.dtype == np.float32
+    shared = np.isclose(instants * 100, np.round(instants * 100), atol=1e-6)
+    assert shared.sum() == 121
+    at = np.round(instants[shared] * 100).astype(int)
+    np.testing.assert_allclose(poses[shared], handle.attitude[at], atol=FLOAT32)
+    again = simulate(replace(handle.scene, run=replace(handle.scene.run, samples=len(instants))))
+    assert (turned(poses) * turned(again.attitude).inv()).magnitude().max() < 5e-3  # a turn at an even rate between
+
+
+def test_the_mesh_is_the_part(handle: Run, found: Recorded) -> None:
+    part = handle.scene.body.part
+    stored = part.triangles.corners().reshape(-1, 3) * 1e-3 - handle.scene.body.body.center_of_mass
+    drawn = found.values(f"/{paths.MESH}", "Mesh3D:vertex_positions")[0]
+    np.testing.assert_allclose(drawn * 0.01, stored, atol=0.05 * FLOAT32)
+
+
+def test_arrows_point_along_omega_and_momentum(handle: Run, found: Recorded) -> None:
+    momentum = found.values(f"/{paths.ANGULAR_MOMENTUM}", "Arrows3D:vectors")[:, 0].astype(float)
+    direction = handle.angular_momentum[0] / np.linalg.norm(handle.angular_momentum[0])
+    np.testing.assert_allclose(
+        momentum / np.linalg.norm(momentum, axis=1)[:, None], direction[None].repeat(721, 0), atol=1e-6
+    )
+    omega = found.values(f"/{paths.ANGULAR_VELOCITY}", "Arrows3D:vectors")[::6, 0].astype(float)
+    truth = turned(handle.attitude[::5]).apply(handle.angular_velocity[::5])
+    scale = np.linalg.norm(omega, axis=1).max() / np.linalg.norm(handle.angular_velocity, axis=1).max()
+    np.testing.assert_allclose(omega, scale * truth, atol=2e-5 * scale * 12)
+    along = omega @ direction  # on the invariable plane
+    assert np.ptp(along) < 1e-5 * along[0]
+
+
+def test_the_trail_is_the_path_of_the_tip(found: Recorded) -> None:
+    trail = found.values(f"/{paths.HERPOLHODE}", "LineStrips3D:strips")[:, 0]
+    tips = found.values(f"/{paths.ANGULAR_VELOCITY}", "Arrows3D:vectors")[:, 0]
+    assert np.array_equal(trail[:, 1], tips)
+    assert np.array_equal(trail[1:, 0], tips[:-1])
+
+
+def test_momentum_is_on_the_sphere_and_the_ellipsoid(found: Recorded) -> None:
+    semi_axes = found.values(f"/{paths.ENERGY_ELLIPSOID}", "Ellipsoids3D:half_sizes")[0, 0].astype(float)
+    assert found.values(f"/{paths.MOMENTUM_SPHERE}", "Ellipsoids3D:half_sizes")[0, 0] == pytest.approx([1, 1, 1])
+    for name in (paths.POLHODE, paths.SEPARATRIX):
+        curves = found.values(f"/{name}", "LineStrips3D:strips")[0].reshape(-1, 3).astype(float)
+        np.testing.assert_allclose(np.linalg.norm(curves, axis=1), 1, atol=1e-6)
+    polhode = found.values(f"/{paths.POLHODE}", "LineStrips3D:strips")[0].reshape(-1, 3).astype(float)
+    np.testing.assert_allclose(((polhode / semi_axes) ** 2).sum(axis=1), 1, atol=1e-6)
+    current = found.values(f"/{paths.CURRENT}", "Arrows3D:vectors")[:, 0].astype(float)
+    np.testing.assert_allclose(((current[::6] / semi_axes) ** 2).sum(axis=1), 1, atol=1e-5)
+    distance = np.linalg.norm(current[::6, None] - polhode[None], axis=2).min(axis=1)
+    assert distance.max() < 0.01
+
+
+def test_plots_hold_every_sample_and_name_their_units(handle: Run, found: Recorded) -> None:
+    for name in (paths.PLOT_ANGULAR_VELOCITY, paths.PLOT_EULER_ANGLES, paths.PLOT_DRIFT):
+        np.testing.assert_allclose(found.time(f"/{name}"), handle.time, atol=1e-9)
+    omega = found.values(f"/{paths.PLOT_ANGULAR_VELOCITY}", "Scalars:scalars")
+    np.testing.assert_allclose(omega, handle.angular_velocity @ handle.scene.body.axes, atol=1e-12)
+    assert found.texts(f"/{paths.PLOT_ANGULAR_VELOCITY}", "SeriesLines:names") == [
+        "ω1, rad/s",
+        "ω2, rad/s",
+        "ω3, rad/s",
+    ]
+    angles = found.values(f"/{paths.PLOT_EULER_ANGLES}", "Scalars:scalars")
+    q = Rotation.from_euler("ZXZ", angles)
+    assert (q * turned(handle.attitude).inv()).magnitude().max() < 1e-12
+    assert found.texts(f"/{paths.PLOT_EULER_ANGLES}", "SeriesPoints:names") == ["φ, rad", "θ, rad", "ψ, rad"]
+    drift = found.values(f"/{paths.PLOT_DRIFT}", "Scalars:scalars")
+    names = found.texts(f"/{paths.PLOT_DRIFT}", "SeriesLines:names")
+    assert [name.split(",")[0] for name in names] == ["energy", "angular momentum"]
+    unit = float(names[0].split(",")[1])
+    energy = handle.invariants["energy"]
+    np.testing.assert_allclose(drift[:, 0] * unit, energy.values / energy.values[0] - 1, atol=3e-16)
+    largest = max(each.largest_relative_drift for each in handle.invariants.values())
+    assert np.abs(drift).max() * unit == pytest.approx(largest)
+    assert 1 <= np.abs(drift).max() < 10
+
+
+def test_flips_are_told_apart(handle: Run, found: Recorded) -> None:
+    flips = [event.time for event in handle.events]
+    assert len(flips) == 2
+    np.testing.assert_allclose(found.time(f"/{paths.FLIPS}"), [0, *flips], atol=1e-9)
+    assert found.texts(f"/{paths.FLIPS}", "StateChange:state") == ["+2", "−2", "+2"]
+
+
+def test_the_text_tells_model_accuracy_and_what_is_shown(handle: Run, found: Recorded) -> None:
+    (text,) = found.texts(f"/{paths.SUMMARY}", "TextDocument:text")
+    assert "t_handle.stl, in mm" in text
+    assert f"Model: asymmetric top.** {handle.why[0]}" in text
+    assert "1e-10 rad asked for" in text
+    assert "Played 2 times slower than it is. In the inertial view 1 unit is 0.01 m." in text
+
+
+@pytest.mark.parametrize("look", FREE)
+def test_every_look_is_written_whole(look: str, tmp_path: Path) -> None:
+    run = simulate(Scene.from_dict(scene_table(look)))
+    record(run, tmp_path / "run.rrd")
+    found = Recorded(tmp_path / "run.rrd")
+    held = set(found.columns)
+    assert verified(tmp_path / "run.rrd", tmp_path)
+    assert (f"/{paths.BODY_CONE}" in held) == (look in ("prolate", "oblate"))
+    assert (f"/{paths.SEPARATRIX}" in held) == (look in ("asymmetric", "steady", "thrown", "slow", "coarse"))
+    assert (f"/{paths.PATH}" in held) == (look == "thrown")
+    assert (f"/{paths.HERPOLHODE}" in held) == (look != "coarse")
+    assert f"/{paths.ENERGY_ELLIPSOID}" in held - set(found.rows)
+
+
+@pytest.mark.parametrize("look", ["prolate", "oblate"])
+def test_cones_touch_along_omega(look: str, tmp_path: Path) -> None:
+    run = simulate(Scene.from_dict(scene_table(look)))
+    record(run, tmp_path / "run.rrd")
+    found = Recorded(tmp_path / "run.rrd")
+    omega = found.values(f"/{paths.ANGULAR_VELOCITY}", "Arrows3D:vectors")[:, 0].astype(float)
+    poses = turned(found.values(f"/{paths.BODY}", "Transform3D:quaternion")[:, 0])
+    in_space = found.values(f"/{paths.SPACE_CONE}", "Mesh3D:vertex_positions")[0].astype(float)
+    in_body = found.values(f"/{paths.BODY_CONE}", "Mesh3D:vertex_positions")[0].astype(float)
+    for k in range(0, len(omega), 60):
+        for rim in (in_space, poses[k].apply(in_body)):
+            distance = np.linalg.norm(rim - omega[k], axis=1).min()
+            assert distance < 0.05 * np.linalg.norm(omega[k])
+
+
+def test_a_thrown_body_is_where_it_is(tmp_path: Path) -> None:
+    run = simulate(Scene.from_dict(scene_table("thrown")))
+    record(run, tmp_path / "run.rrd")
+    found = Recorded(tmp_path / "run.rrd")
+    t = found.time(f"/{paths.CENTER}")
+    place = found.values(f"/{paths.CENTER}", "Transform3D:translation")[:, 0].astype(float)
+    truth = np.stack([3 * t, 0 * t, 4 * t - 0.5 * 9.80665 * t**2], axis=1)
+    unit = np.ptp(truth[:, 0]) / np.ptp(place[:, 0])
+    assert np.log10(unit) == pytest.approx(np.round(np.log10(unit)), abs=1e-6)
+    np.testing.assert_allclose(place * unit, truth - truth.min(axis=0), atol=5e-4)
+
+
+def test_a_run_with_a_hole_is_refused(handle: Run, tmp_path: Path) -> None:
+    attitude = handle.attitude.copy()
+    attitude[17, 2] = np.nan
+    with pytest.raises(GeometryError, match=r"attitude is not finite at sample 17 of the run, t = 0.17 s"):
+        record(replace(handle, attitude=attitude), tmp_path / "run.rrd")
+    with pytest.raises(GeometryError, match="the run has 0 samples: a recording needs 2"):
+        record(replace(handle, time=handle.time[:0]), tmp_path / "run.rrd")
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_there_must_be_somewhere_to_record_to(handle: Run) -> None:
+    with pytest.raises(UsageError, match="there is nowhere to record to"):
+        record(handle)
+
+
+@pytest.mark.skipif(not has_driver(), reason="no Vulkan driver is installed")
+@pytest.mark.parametrize("look", ["handle", "oblate", "thrown"])
+def test_the_viewer_shows_it_without_an_error(look: str, file: Path, tmp_path: Path) -> None:
+    if look != "handle":
+        file = tmp_path / "run.rrd"
+        record(simulate(Scene.from_dict(scene_table(look))), file)
+    views, errors = screenshot(file, tmp_path / "seen.png", 1.0)
+    assert errors == []
+    assert {"Inertial view", "Body view: L / |L|", "What is shown"} <= set(views)
+    assert (tmp_path / "seen.png").stat().st_size > 50_000
+
+
+@pytest.mark.skipif(not has_driver(), reason="no Vulkan driver is installed")
+def test_it_streams_to_an_open_viewer(handle: Run, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    with open_viewer(tmp_path) as (client, port):
+        monkeypatch.setattr(writer, "VIEWER", ("127.0.0.1", port))
+        record(handle, live=True)
+        end = time.monotonic() + 20
+        while len(client.get_state().views) < 7 and time.monotonic() < end:
+            time.sleep(0.1)
+        state = client.get_state()
+        assert {"Inertial view", "What is shown"} <= {view.name for view in state.views}
+        assert [each.name for each in state.recordings[0].timelines] == ["sim_time"]

@@ -1,0 +1,325 @@
+"""The balancing report: what stands on its three sheets, that it needs nothing else, and that hostile names stay text.
+
+Figures are those of worked case 14, whose closed forms give 247.2 and 970.4 g·mm at the bearings.
+"""
+
+import math
+import re
+import tomllib
+from dataclasses import replace
+from functools import cache
+from importlib.resources import files
+from pathlib import Path
+from xml.etree import ElementTree
+
+import lxml.html
+import pytest
+
+from inertia.balancing.balance import balance
+from inertia.balancing.rotor import Rotor
+from inertia.errors import InertiaError, UsageError
+from inertia.report.balance.data import report_data
+from inertia.report.balance.html import balance_html, save_balance_html
+from inertia.report.balance.sheet import PlaneRow
+
+ROTOR = files("inertia_meshes") / "rotors" / "two_disc_rotor.toml"
+HOSTILE = """<script>alert(1)</script> & "><img src=x onerror='y'> ]]> {{ data }}"""
+
+
+@cache
+def case_14():
+    return report_data(balance(Rotor.load(str(ROTOR))), date="2024-02-29")
+
+
+@cache
+def edited(**changes):
+    """Return the report of case 14 with sections of its rotor file replaced, each by the text of a section."""
+    table = tomllib.loads(ROTOR.read_text())
+    for name, text in changes.items():
+        table[name] = tomllib.loads(text).get(name, [])
+    table["body"][0].setdefault("chord_tolerance", 0.0)
+    return report_data(balance(Rotor.from_dict(table, Path(str(ROTOR)).parent)))
+
+
+def page(data):
+    return lxml.html.document_fromstring(balance_html(data))
+
+
+def text(element):
+    return " ".join(" ".join(element.itertext()).split())
+
+
+def table(document, caption):
+    return next(k for k in document.iter("table") if caption in text(k.find("caption")))
+
+
+def rows(found):
+    """Return the cells of the body of a table."""
+    return [[text(cell) for cell in row] for row in found.find("tbody")]
+
+
+def columns(found):
+    """Return how many columns each row of a table covers, cells that reach down from rows above included."""
+    counts, hanging = [], []
+    for row in found.iter("tr"):
+        hanging = [(wide, deep - 1) for wide, deep in hanging if deep > 1]
+        cells = [(int(cell.get("colspan", 1)), int(cell.get("rowspan", 1))) for cell in row]
+        counts.append(sum(wide for wide, _ in hanging + cells))
+        hanging += cells
+    return counts
+
+
+def test_there_are_three_sheets_with_their_headings():
+    document = page(case_14())
+    sheets = document.findall(".//section")
+    assert [sheet.get("id") for sheet in sheets] == ["identity", "figures", "shop"]
+    assert [text(k) for k in document.iter("h1")] == ["1 Balancing report", "2 Unbalance", "3 Shop sheet"]
+    captions = [text(k) for k in document.iter("caption")]
+    assert [re.split("[:.,]", k)[0] for k in captions] == [
+        "Rotor",
+        "Axis and service",
+        "Files",
+        "Criterion",
+        "Magnitude in g·mm",
+        "Operations",
+        "What to hold tightest",
+        "Measured on the balancing machine",
+    ]
+
+
+def test_every_sheet_says_how_angles_are_seen_and_that_nothing_was_measured():
+    for sheet in page(case_14()).findall(".//section"):
+        head = text(sheet.find(".//header"))
+        for said in (
+            "predicted from geometry – not a measurement",
+            "View from bearing B looking toward bearing A",
+            "0° toward (1, 0, 0) of the part's axes",
+            "Angles counter-clockwise in this view",
+            "Rotation counter-clockwise in this view",
+            "two-disc rotor · serial 0001 · revision A 2024-02-29 · inertia",
+        ):
+            assert said in head
+        assert sheet.find(".//header//svg") is not None
+
+
+def test_every_row_of_every_table_covers_the_same_columns():
+    for data in (case_14(), edited(tolerance="[tolerance]\ne_um = 200.0"), edited(plane="")):
+        for found in page(data).iter("table"):
+            assert len(set(columns(found))) == 1, text(found)
+
+
+def test_case_14_stands_in_the_table_of_states():
+    initial, correction, residual = rows(table(page(case_14()), "Magnitude"))
+    assert initial[1:9] == [
+        "863.1 ∠ 210.0° 1.199",
+        "1598 ∠ 20.0° 2.219",
+        "247.2 ∠ 226.3° 0.3433",
+        "970.4 ∠ 17.6° 1.348",
+        "762.8 ∠ 8.7° 1.059",
+        "154674 ∠ 23.4° 8.457",
+        "69.26",
+        "55.10",
+    ]
+    assert initial[9:] == ["24.40", "95.78"]
+    assert (initial[0], correction[0], residual[0]) == ("initial", "correction", "residual")
+    assert correction[7:9] == ["–", "–"]
+    assert all(float(cell.split("∠")[0]) < 2.0 for cell in residual[1:5])
+
+
+def test_initial_and_correction_make_up_the_residual():
+    initial, correction, residual = case_14().states
+    for name in ("static", "couple"):
+        total = getattr(initial, name) + getattr(correction, name)
+        assert abs(total - getattr(residual, name)) <= 1e-9 * abs(getattr(initial, name))
+    for name in ("planes", "bearings"):
+        for parts in zip(*(getattr(state, name) for state in case_14().states), strict=True):
+            assert abs(parts[0] + parts[1] - parts[2]) <= 1e-9 * abs(parts[0])
+
+
+def test_identity_and_criterion_are_stated():
+    document = page(case_14())
+    first = text(document.find(".//section"))
+    for said in (
+        "Mass 11.014 kg",
+        "Centre of mass z = 150.607 mm",
+        "Principal axis 0.299° from the shaft",
+        "ISO 21940-11:2016, G6.3; U_per = G m/ω; U_per = 220.9 g·mm (0.3067 oz·in)",
+        "3000 r/min",
+        "the speed is 0.25 of the critical one",
+        "no keys",
+    ):
+        assert said in first
+    hashes = [row[1] for row in rows(table(document, "Files"))]
+    assert len(hashes) == 2
+    assert all(re.fullmatch("[0-9a-f]{64}", k) for k in hashes)
+    a, b = rows(table(document, "Criterion"))
+    assert a[:5] == ["A", "20", "0.498, 0.3–0.7 allowed", "109.9", "0.1526"]
+    assert (a[-1], b[-1]) == ("PASS", "PASS")
+
+
+def test_clamped_shares_are_shown():
+    heavy_end = edited(axis="[axis]\nbearing_a = [0, 0, 20]\nbearing_b = [0, 0, 160]")
+    shares = [row[2] for row in rows(table(page(heavy_end), "Criterion"))]
+    assert shares == ["0.067 → 0.300, clamped to 0.3–0.7", "0.933 → 0.700, clamped to 0.3–0.7"]
+
+
+def test_the_shop_sheet_says_where_what_and_how_deep():
+    document = page(case_14())
+    first, second = rows(table(document, "Operations"))
+    assert first[:10] == [
+        "I-1", "90.00", "outside", "REMOVE", "radial hole", "210.0°", "100.00", "10.00", "118°", "14.20 ± 0.10",
+    ]  # fmt: skip
+    assert second[0] == "II-1"
+    assert second[5] == "20.0°"
+    assert first[-2:] == second[-2:] == ["", ""]
+    degree = math.radians(1.0) * float(first[11]) * (280.0 - 90.0) / 260.0  # a degree moves U sideways; the lever to A
+    assert float(first[15]) == pytest.approx(degree, rel=1e-3)
+
+
+def test_sensitivities_are_those_that_matter_most():
+    data = case_14()
+    assert [row[0] for row in rows(table(page(data), "What to hold tightest"))] == [k.name for k in data.sensitivities]
+    many = replace(data, sensitivities=data.sensitivities[:2] * 10)
+    found = table(page(many), "What to hold tightest")
+    assert len(rows(found)) == 8
+    assert text(found.find("tfoot")) == "and 12 that matter less"
+
+
+@pytest.mark.parametrize("outcome", ["pass", "fail", "undecided"])
+def test_the_verdict_is_a_word_and_a_frame_of_its_own(outcome):
+    data = replace(case_14(), outcome=outcome, why=("because & so",))
+    box = page(data).find(".//section//div[@class='verdict " + outcome + "']")
+    assert text(box) == f"{outcome.upper()} because & so"
+    assert f".verdict.{outcome}" in balance_html(data) or outcome == "pass"
+
+
+def test_a_rotor_that_nothing_is_done_to_fails_and_says_why():
+    data = edited(plane="")
+    document = page(data)
+    assert data.outcome == "fail"
+    assert "No operation: no plane has a method of correction." in text(document)
+    assert "correction planes" not in text(table(document, "Magnitude"))
+    assert columns(table(document, "Magnitude")) == [9] * 5
+
+
+def test_a_rotor_within_its_tolerance_is_left_alone():
+    data = edited(tolerance="[tolerance]\ne_um = 200.0")
+    document = page(data)
+    assert (data.outcome, data.operations) == ("pass", ())
+    assert "No operation: already within the tolerance." in text(document)
+    assert rows(table(document, "Magnitude"))[1][1:] == ["0 0"] * 6 + ["–", "–", "0", "0"]
+
+
+def test_an_uncertain_axis_is_undecided_with_what_would_settle_it():
+    data = edited(
+        axis="[axis]\nbearing_a = [0, 0, 20]\nbearing_b = [0, 0, 280]\nradial_uncertainty = 0.02\nrotation = 'cw'"
+    )
+    document = page(data)
+    assert text(document.find(".//p[@class='outcome']")) == "UNDECIDED"
+    assert "bearing centres known to" in text(document.find(".//div[@class='verdict undecided']"))
+    assert "Rotation clockwise in this view" in text(document)
+    assert "0.02 mm about each bearing centre" in text(document)
+
+
+def test_candidates_for_the_axis_are_shown_and_leave_it_undecided():
+    data = edited(axis="[axis]\njournals = 'detect'")
+    assert data.outcome == "undecided"
+    assert any(note.startswith("candidate for the axis, to be confirmed: A (0, 0,") for note in data.notes)
+
+
+def test_the_file_needs_nothing_else():
+    document = page(case_14())
+    content = balance_html(case_14())
+    assert not re.search(r"https?:|url\(|@import|//[a-z]", content)
+    for element in document.iter():
+        assert element.tag not in {"script", "link", "img", "iframe", "object", "embed", "base", "use", "image"}
+        assert not {"src", "href", "action", "background"} & set(element.attrib)
+        assert not [name for name in element.attrib if name.startswith("on")]
+    policy = document.find(".//meta[@http-equiv='Content-Security-Policy']").get("content")
+    assert policy.startswith("default-src 'none'")
+
+
+def hostile():
+    data = case_14()
+    planes = tuple(replace(plane, id=HOSTILE + plane.id, what=HOSTILE) for plane in data.planes)
+    works = tuple(replace(work, id=HOSTILE, plane=HOSTILE + work.plane, tool=HOSTILE) for work in data.operations)
+    return replace(
+        data,
+        part=HOSTILE,
+        serial=HOSTILE,
+        revision=HOSTILE,
+        rotor_facts=(("Part", HOSTILE),),
+        zero_mark=HOSTILE,
+        bodies=(replace(data.bodies[0], name=HOSTILE),),
+        file=(HOSTILE, "0" * 64),
+        why=(HOSTILE,),
+        notes=(HOSTILE,),
+        planes=planes,
+        operations=works,
+    )
+
+
+def test_hostile_names_stay_text():
+    document = page(hostile())
+    assert not list(document.iter("script", "img"))
+    assert text(document.find(".//title")) == f"Balancing report: {HOSTILE}"
+    assert rows(table(document, "Operations"))[0][0] == HOSTILE
+    assert rows(table(document, "Files"))[0][0] == HOSTILE
+
+
+@pytest.mark.parametrize("make", [case_14, hostile, lambda: edited(plane="")], ids=["case 14", "hostile", "no planes"])
+def test_every_picture_is_well_formed_and_has_a_title(make):
+    pictures = re.findall(r"<svg.*?</svg>", balance_html(make()), re.DOTALL)
+    assert len(pictures) >= 3 + 1 + 4  # a pictogram a sheet, the sketch, two plots for each tolerance plane
+    for picture in pictures:
+        root = ElementTree.fromstring(picture)
+        assert root.find("title").text
+        assert "nan" not in picture.replace(HOSTILE, "").lower().split("</title>")[1]
+
+
+def test_a_long_list_of_operations_is_one_table_whose_head_comes_again_on_every_sheet():
+    data = case_14()
+    works = tuple(replace(data.operations[0], id=f"I-{k}", angle=6.0 * k) for k in range(60))
+    content = balance_html(replace(data, operations=works))
+    found = table(lxml.html.document_fromstring(content), "Operations")
+    assert [row[0] for row in rows(found)] == [f"I-{k}" for k in range(60)]
+    assert len(found.findall("thead")) == 1
+    assert re.search(r"\bthead \{ display: table-header-group;", content)
+    assert re.search(r"\btr \{ break-inside: avoid;", content)
+    assert re.search(r"header \{ display: table-header-group; break-inside: avoid;", content)
+
+
+def test_many_correction_planes_have_a_table_of_their_own():
+    data = case_14()
+    planes = tuple(PlaneRow(f"P{k}", 30.0 * k + 30.0, 50.0, "radial holes") for k in range(5))
+    states = tuple(replace(state, planes=(100.0 + 0j,) * 5) for state in data.states)
+    document = page(replace(data, planes=planes, states=states, operations=()))
+    found = rows(table(document, "In the correction planes"))
+    assert [row[0] for row in found] == [f"plane P{k}" for k in range(5)]
+    assert found[0][1] == "100.0 ∠ 0.0° 0.1389"
+    assert set(columns(table(document, "Magnitude"))) == {9}
+
+
+def test_it_prints_to_a4():
+    content = balance_html(case_14())
+    assert re.search(r"@page \{ size: A4;", content)
+    assert re.search(r"@page wide \{ size: A4 landscape; \}", content)
+    assert "break-before: page" in content
+
+
+def test_the_file_is_written_whole_and_never_over_another_unasked(tmp_path):
+    file = tmp_path / "report.html"
+    save_balance_html(case_14(), file)
+    assert file.read_text(encoding="utf-8") == balance_html(case_14())
+    with pytest.raises(UsageError, match="--force"):
+        save_balance_html(case_14(), file)
+    save_balance_html(replace(case_14(), part="another"), file, force=True)
+    assert "another" in file.read_text(encoding="utf-8")
+    with pytest.raises(InertiaError, match="cannot write"):
+        save_balance_html(case_14(), tmp_path / "nowhere" / "report.html")
+    assert [k.name for k in tmp_path.iterdir()] == ["report.html"]
+
+
+def test_a_name_that_is_no_unicode_can_be_written(tmp_path):
+    save_balance_html(replace(case_14(), part="fan\udcff"), tmp_path / "report.html")
+    assert "fan?" in (tmp_path / "report.html").read_text(encoding="utf-8")

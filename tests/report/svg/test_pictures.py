@@ -1,0 +1,198 @@
+"""The report's pictures: vectors point where they should, the strip reads as the surface does, the outline is true."""
+
+import re
+from xml.etree import ElementTree
+
+import numpy as np
+import pytest
+
+import inertia
+from inertia.balancing.axis.shaft import Shaft
+from inertia.report.balance.sheet import BearingRow, OperationRow, PlaneRow
+from inertia.report.svg import silhouette as outlines
+from inertia.report.svg.canvas import Canvas, levels
+from inertia.report.svg.convention import convention
+from inertia.report.svg.polar import Arrow, Mark, polar
+from inertia.report.svg.silhouette import silhouette
+from inertia.report.svg.sketch import sketch
+from inertia.report.svg.strip import strip
+from inertia_meshes import path
+
+PLANES = (PlaneRow("I", 90.0, 100.0, "holes"), PlaneRow("II", 215.0, 80.0, "holes", ((350.0, 10.0),)))
+
+
+def tree(picture):
+    return ElementTree.fromstring(str(picture))
+
+
+def styled(picture, tag, style):
+    return [k for k in tree(picture).iter(tag) if style in k.get("class", "").split()]
+
+
+def number(element, *names):
+    return tuple(float(element.get(name)) for name in names)
+
+
+def points(element):
+    return np.array([list(map(float, pair.split(","))) for pair in element.get("points").split()])
+
+
+def place(picture, said):
+    """Return where a text of a picture is."""
+    return number(next(k for k in tree(picture).iter("text") if k.text == said), "x", "y")
+
+
+def operation(name, angle, method="REMOVE", plane="I"):
+    return OperationRow(
+        name,
+        plane,
+        90.0,
+        "outside",
+        method,
+        "radial hole",
+        angle,
+        100.0,
+        10.0,
+        118.0,
+        5.0,
+        0.1,
+        1.0,
+        100.0,
+        9.0,
+        1.0,
+        1.0,
+    )
+
+
+@pytest.mark.parametrize(("vector", "x", "y"), [(10, 1, 0), (10j, 0, -1), (-10, -1, 0), (-10j, 0, 1)])
+def test_a_vector_is_drawn_with_0_to_the_right_and_90_on_top(vector, x, y):
+    picture = polar("plane", [Arrow(complex(vector), "before")])
+    (shaft,) = styled(picture, "line", "before")
+    (head,) = styled(picture, "polygon", "before")
+    tip = points(head)[0] - number(shaft, "x1", "y1")
+    assert tip / np.hypot(*tip) == pytest.approx([x, y], abs=1e-3)
+
+
+def test_vectors_circles_and_discs_share_one_scale():
+    picture = polar("plane", [Arrow(50.0, "after", 20.0)], tolerance=100.0, scatter=80.0)
+    (tolerance,), (scatter,) = styled(picture, "circle", "tolerance"), styled(picture, "circle", "scatter")
+    (disc,) = styled(picture, "circle", "disc")
+    (head,) = styled(picture, "polygon", "after")
+    scale = number(tolerance, "r")[0] / 100.0
+    assert number(scatter, "r")[0] == pytest.approx(80.0 * scale, abs=0.01)
+    assert number(disc, "r")[0] == pytest.approx(20.0 * scale, abs=0.01)
+    assert points(head)[0][0] - number(tolerance, "cx")[0] == pytest.approx(50.0 * scale, abs=0.02)
+
+
+def test_what_is_too_short_for_an_arrow_is_a_dot():
+    assert len(styled(polar("plane", [Arrow(0.01, "after")], tolerance=100.0), "circle", "dot")) == 1
+
+
+def test_a_plot_of_nothing_at_all_can_be_drawn():
+    assert not styled(polar("plane", [Arrow(0j, "before")]), "polygon", "before")
+
+
+def test_marks_on_the_rim_tell_adding_from_removing():
+    picture = polar("plane", [], marks=[Mark(90.0, True), Mark(180.0, False)])
+    (added,), (removed,) = styled(picture, "circle", "added"), styled(picture, "circle", "removed")
+    (rim,) = styled(picture, "circle", "rim")
+    x, y = number(rim, "cx", "cy")
+    assert number(added, "cx")[0] == pytest.approx(x)
+    assert number(added, "cy")[0] < y
+    assert number(removed, "cx")[0] < x
+    assert number(removed, "cy")[0] == pytest.approx(y)
+
+
+@pytest.mark.parametrize(("rotation", "down"), [("ccw", True), ("cw", False)])
+def test_the_pictogram_turns_as_the_rotor_does(rotation, down):
+    """On the left of the shaft a rotor that turns counter-clockwise goes down."""
+    picture = convention(rotation)
+    (head,) = styled(picture, "polygon", "rotation")
+    (rim,) = styled(picture, "circle", "rim")
+    tip = points(head)[0]
+    assert tip[0] < number(rim, "cx")[0]
+    assert (tip[1] > number(rim, "cy")[0]) == down
+    (angle,) = styled(picture, "polygon", "angle")
+    assert points(angle)[0][1] < number(rim, "cy")[0]
+
+
+def test_on_the_strip_angles_grow_to_the_right_with_b_on_top():
+    """From outside, with B up, the near side moves to the right while the angle grows."""
+    works = [operation("I-1", 30.0), operation("I-2", 200.0, "ADD"), operation("II-1", 30.0, plane="II")]
+    picture = strip(PLANES, works)
+    (added,) = styled(picture, "circle", "added")
+    first, other = sorted((number(k, "cx", "cy") for k in styled(picture, "circle", "removed")), key=lambda k: k[1])
+    assert first[0] == other[0] < number(added, "cx")[0]
+    assert first[1] < other[1], "plane II lies nearer B"
+    width = number(added, "cx")[0] - other[0]
+    assert width / 170.0 == pytest.approx((place(picture, "360°")[0] - place(picture, "0°")[0]) / 360.0, rel=1e-3)
+
+
+def test_a_forbidden_sector_through_0_is_drawn_at_both_ends():
+    assert len(styled(strip(PLANES, []), "rect", "forbidden")) == 2
+
+
+def test_crowded_labels_leave_out_their_angles_and_none_lies_on_another():
+    works = [operation(f"I-{k}", 3.0 * k) for k in range(40)]
+    said = [k for k in tree(strip(PLANES, works)).iter("text") if re.fullmatch(r"I-\d+", k.text)]
+    assert len(said) == 40
+    places = [number(k, "x", "y") for k in said]
+    assert len(set(places)) == 40
+    lonely = [k.text for k in tree(strip(PLANES, works[:1])).iter("text")]
+    assert "I-0: 0.0°" in lonely
+
+
+def test_labels_that_would_overlap_go_to_levels_of_their_own():
+    found = levels([0.0, 1.0, 2.0, 30.0], [4.0, 4.0, 4.0, 4.0])
+    assert found == [0, 1, 2, 0]
+
+
+def bearing(name, z):
+    return BearingRow(name, z, 100.0, "", 0.0, None, "pass")
+
+
+def test_the_sketch_shows_distances_between_neighbouring_planes():
+    outline = np.array([[0.0, 15.0], [300.0, 15.0]])
+    picture = sketch(outline, 150.0, (bearing("A", 20.0), bearing("B", 280.0)), PLANES)
+    said = [k.text for k in tree(picture).iter("text")]
+    for expected in ("A: z 20", "I: z 90", "II: z 215", "B: z 280", "70", "125", "65", "A to B 260 mm", "G"):
+        assert expected in said
+    assert place(picture, "A: z 20")[0] < place(picture, "I: z 90")[0] < place(picture, "B: z 280")[0]
+
+
+def test_an_overhung_plane_is_on_the_sketch():
+    outline = np.array([[0.0, 15.0], [100.0, 15.0]])
+    planes = [PlaneRow("I", -40.0, 50.0, "holes")]
+    picture = sketch(outline, 10.0, (bearing("A", 20.0), bearing("B", 80.0)), planes)
+    assert 0 < place(picture, "I: z -40")[0] < place(picture, "A: z 20")[0]
+
+
+def test_the_outline_of_the_two_disc_rotor_has_its_radii():
+    part = inertia.read(path("two_disc_rotor.stl"), unit="mm")
+    outline = silhouette([part], Shaft([0, 0, 0.02], [0, 0, 0.28], [1, 0, 0]))
+    assert outline[[0, -1], 0] == pytest.approx([0.0, 0.3])
+    for z, radius in ((0.05, 0.015), (0.09, 0.1), (0.15, 0.015), (0.215, 0.08), (0.29, 0.015)):
+        assert np.interp(z, *outline.T) == pytest.approx(radius, rel=1e-3)
+    assert len(outline) < 50
+
+
+def test_the_outline_runs_along_the_shaft_whichever_way_it_points():
+    part = inertia.read(path("two_disc_rotor.stl"), unit="mm")
+    outline = silhouette([part], Shaft([0, 0, 0.28], [0, 0, 0.02], [1, 0, 0]))
+    assert outline[[0, -1], 0] == pytest.approx([-0.3, 0.0])
+    assert np.interp(-0.215, *outline.T) == pytest.approx(0.08, rel=1e-3)
+
+
+def test_the_outline_does_not_depend_on_how_many_triangles_are_taken_at_once(monkeypatch):
+    part, shaft = inertia.read(path("cone.stl"), unit="mm"), Shaft([0, 0, 0], [0, 0, 1], [1, 0, 0])
+    whole = silhouette([part], shaft)
+    monkeypatch.setattr(outlines, "_AT_ONCE", 7)
+    monkeypatch.setattr(outlines, "_MOST_SAMPLES", 100)
+    assert np.array_equal(silhouette([part], shaft), whole)
+
+
+def test_text_in_a_picture_is_escaped():
+    canvas = Canvas(10.0, 10.0, "<title>")
+    canvas.text((1.0, 1.0), "</text><script>")
+    assert "<script>" not in canvas.markup()
+    assert tree(canvas.markup()).find("text").text == "</text><script>"

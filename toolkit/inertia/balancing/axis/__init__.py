@@ -1,0 +1,1 @@
+"""Where the shaft of a rotor runs."""

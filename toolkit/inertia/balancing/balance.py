@@ -1,0 +1,300 @@
+"""`balance`: from a rotor's bodies to its unbalance, its tolerance, the corrections cut into it, and a verdict.
+
+Angles, signs and frames are those of `inertia.balancing.unbalance`.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from functools import reduce
+from operator import add
+
+from inertia.arrays import Progress
+from inertia.balancing.axis.choice import Axis, axis_of
+from inertia.balancing.axis.shaft import Shaft
+from inertia.balancing.axis.tilt import Tilt, principal_tilt
+from inertia.balancing.correction_loop import Correction, correct
+from inertia.balancing.corrections.correction_plane import CorrectionPlane
+from inertia.balancing.forces import RigidLimit, axle_torque, bearing_forces, rigid_limit
+from inertia.balancing.rotor import Rotor
+from inertia.balancing.rotor_bodies import (
+    RotorBody,
+    in_unit,
+    outer_radius,
+    outline,
+    placed,
+    read_bodies,
+    unbalance_of,
+)
+from inertia.balancing.tolerance import Planes, Tolerance, achieved_grade, allocate
+from inertia.balancing.unbalance import Unbalance
+from inertia.balancing.uncertain_inputs import operation_terms, rotor_terms
+from inertia.balancing.uncertainty import Scatter, monte_carlo
+from inertia.balancing.verdict import Verdict, judge
+from inertia.errors import GeometryError, UsageError, require_kind
+from inertia.mass.properties import MassProperties
+
+
+@dataclass(frozen=True)
+class PlaneUnbalance:
+    """What a correction plane has of the unbalance.
+
+    Attributes
+    ----------
+    id : its name
+    z : m
+    initial, residual : kg m, before and after correction
+    """
+
+    id: str
+    z: float
+    initial: complex
+    residual: complex
+
+
+@dataclass(frozen=True, eq=False)
+class Balance:
+    """All that a report on a rotor's balance states; SI units.
+
+    Attributes
+    ----------
+    rotor : as described
+    bodies : as read
+    axis : the shaft, and how it was obtained
+    properties : of all bodies together, in part axes, without keys
+    initial : the unbalance as modelled, keys included, with its uncertainties
+    residual : the same after the corrections; `initial` where there are none
+    tolerance : what is permissible in the tolerance planes, the bearings
+    correction_planes : as planned, those with a method
+    planes : what each correction plane has of the unbalance
+    correction : what was done, and the parts after it; None where no plane has a method
+    verdict, initial_verdict : on the residual, and on the rotor as modelled
+    rigid : how near the critical speed is; None where it is not given
+    tilt : of the principal axis from the shaft
+    scatter : how the residual may turn out, inputs and shop taken at their tolerances
+    notes : what was decided or has to be known, in sentences
+    """
+
+    rotor: Rotor
+    bodies: tuple[RotorBody, ...]
+    axis: Axis
+    properties: MassProperties
+    initial: Unbalance
+    residual: Unbalance
+    tolerance: Tolerance
+    correction_planes: tuple[CorrectionPlane, ...]
+    planes: tuple[PlaneUnbalance, ...]
+    correction: Correction | None
+    verdict: Verdict
+    initial_verdict: Verdict
+    rigid: RigidLimit | None
+    tilt: Tilt
+    scatter: Scatter
+    notes: tuple[str, ...]
+
+    @property
+    def shaft(self) -> Shaft:
+        """The shaft."""
+        return self.axis.shaft
+
+    @property
+    def tolerance_planes(self) -> Planes:
+        """Where the bearings are along the shaft, m."""
+        return self.shaft.z_a, self.shaft.z_b
+
+    def forces(self, unbalance: Unbalance) -> tuple[complex, complex]:
+        """Return the forces on bearings A and B, N, at the highest speed in service; they turn with the rotor."""
+        a, b = bearing_forces(unbalance, *self.tolerance_planes, self.rotor.speed).tolist()
+        return a, b
+
+    def forces_running_up(self, unbalance: Unbalance) -> tuple[complex, complex]:
+        """Return the same while the rotor still runs up as it reaches that speed."""
+        turning = self.shaft.turn * self.rotor.acceleration
+        a, b = bearing_forces(unbalance, *self.tolerance_planes, self.rotor.speed, turning).tolist()
+        return a, b
+
+    def torque(self, unbalance: Unbalance) -> complex:
+        """Return the torque across the shaft that the axle must give the rotor at that speed, N m."""
+        return complex(axle_torque(unbalance.couple, self.rotor.speed))
+
+    def achieved_grade(self, unbalance: Unbalance) -> float:
+        """Return the balance quality grade G, mm/s, that an unbalance of this rotor just keeps.
+
+        See `inertia.balancing.tolerance.achieved_grade`; mass and shares are those of the rotor as modelled, as they
+        are for the tolerance.
+        """
+        at, overhung = self.tolerance_planes, self.rotor.fields.tolerance.overhung
+        shares = self.tolerance.shares or allocate(self.initial, at, overhung)
+        return achieved_grade(unbalance.in_planes(*at), shares, self.initial.mass, self.rotor.speed)
+
+
+def balance(rotor: Rotor, *, progress: Progress | None = None) -> Balance:
+    """Balance a rotor.
+
+    Its bodies are read and integrated about the shaft; the unbalance is judged in the tolerance planes, which are the
+    bearings. Where it is too large, or may be, corrections are cut into the mesh in the correction planes, and what is
+    left is integrated again and judged.
+
+    Parameters
+    ----------
+    rotor : what `Rotor.load` returned
+    progress : called with the fraction done
+
+    Raises
+    ------
+    ReadError : a file cannot be read
+    UsageError : a field is not usable
+    GeometryError : a body is open, bodies overlap, the axis does not go through them, a plane lies off them, or a
+        tool is too deep for the wall
+
+    >>> from importlib.resources import files
+    >>> found = balance(Rotor.load(files("inertia_meshes") / "rotors" / "two_disc_rotor.toml"))
+    >>> found.verdict.outcome, [operation.id for operation in found.correction.operations]
+    ('pass', ['I-1', 'II-1'])
+    """
+    require_kind(rotor, Rotor, "rotor", "inertia.Rotor.load(path)")
+    tell = progress or (lambda done: None)
+    tell(0.0)
+    bodies = read_bodies(rotor)
+    tell(0.3)
+    axis = axis_of(rotor, bodies)
+    shaft = axis.shaft
+    at = (shaft.z_a, shaft.z_b)
+    _require_places(rotor, bodies, shaft)
+    properties: MassProperties = reduce(add, (body.analysis.properties for body in bodies))
+    initial = unbalance_of(rotor, bodies, shaft, properties)
+    tell(0.5)
+    tolerance = rotor.tolerance(initial, at)
+    critical = rotor.fields.service.critical_rpm
+    rigid = None if critical is None else rigid_limit(rotor.fields.service.rpm, critical)
+    planes = _correction_planes(rotor, bodies, shaft)
+    correction = _corrected(rotor, bodies, shaft, initial, planes, tolerance)
+    tell(0.9)
+    residual = initial if correction is None else correction.residual
+    terms = rotor_terms(residual, at)
+    if correction is not None:
+        terms += operation_terms(correction.operations, residual, at, rotor.shop)
+    drawn = rotor.fields.uncertainty
+    return Balance(
+        rotor=rotor,
+        bodies=bodies,
+        axis=axis,
+        properties=properties,
+        initial=initial,
+        residual=residual,
+        tolerance=tolerance,
+        correction_planes=planes,
+        planes=_in_planes(rotor, initial, residual),
+        correction=correction,
+        verdict=_judged(residual, tolerance, axis, rigid),
+        initial_verdict=_judged(initial, tolerance, axis, rigid),
+        rigid=rigid,
+        tilt=principal_tilt(properties, shaft),
+        scatter=monte_carlo(
+            residual.in_planes(*at), terms, permissible=tolerance.permissible, draws=drawn.draws, seed=drawn.seed
+        ),
+        notes=tuple(_notes(rotor, bodies)),
+    )
+
+
+def _correction_planes(rotor: Rotor, bodies: Sequence[RotorBody], shaft: Shaft) -> tuple[CorrectionPlane, ...]:
+    """Return the planes in which something is done; a radius that the file leaves out is the bodies' own."""
+    metres = float(rotor.unit.metres)
+    planes = []
+    for number, fields in enumerate(rotor.fields.plane):
+        if fields.method is not None:
+            radius = outer_radius(bodies, shaft, metres * fields.z) if fields.radius is None else 0.0
+            try:
+                planes.append(rotor.correction_plane(number, radius))
+            except UsageError as error:
+                raise placed(error, f"{rotor.name}: ") from None
+    return tuple(planes)
+
+
+def _corrected(
+    rotor: Rotor,
+    bodies: Sequence[RotorBody],
+    shaft: Shaft,
+    initial: Unbalance,
+    planes: Sequence[CorrectionPlane],
+    tolerance: Tolerance,
+) -> Correction | None:
+    if not planes:
+        return None
+    parts, densities = [body.part for body in bodies], [body.density for body in bodies]
+    try:
+        return correct(parts, densities, shaft, initial, planes, _aim(initial, tolerance, (shaft.z_a, shaft.z_b)))
+    except (UsageError, GeometryError) as error:
+        raise placed(error, f"{rotor.name}: ") from None
+
+
+def _aim(initial: Unbalance, tolerance: Tolerance, at: Planes) -> Tolerance:
+    """Return what a correction aims at so that it passes: the tolerance less what is uncertain, if that leaves any."""
+    bounds = (math.fsum(k.values()) for k in initial.bounds_in_planes(at))
+    a, b = (limit - bound for limit, bound in zip(tolerance.permissible, bounds, strict=True))
+    return replace(tolerance, permissible=(a, b)) if min(a, b) > 0 else tolerance
+
+
+def _in_planes(rotor: Rotor, initial: Unbalance, residual: Unbalance) -> tuple[PlaneUnbalance, ...]:
+    """Resolve the unbalance in the correction planes; a single one takes the static unbalance alone."""
+    planes, metres = rotor.fields.plane, float(rotor.unit.metres)
+    zs = [metres * plane.z for plane in planes]
+    if len(zs) < 2:
+        before, after = ([unbalance.static] * len(zs) for unbalance in (initial, residual))
+    else:
+        before, after = (unbalance.in_many_planes(zs).tolist() for unbalance in (initial, residual))
+    return tuple(
+        PlaneUnbalance(plane.id, z, first, last)
+        for plane, z, first, last in zip(planes, zs, before, after, strict=True)
+    )
+
+
+def _judged(unbalance: Unbalance, tolerance: Tolerance, axis: Axis, rigid: RigidLimit | None) -> Verdict:
+    """Judge an unbalance; about an axis that nobody confirmed there is no verdict."""
+    verdict = judge(unbalance, tolerance, (axis.shaft.z_a, axis.shaft.z_b), rigid)
+    if axis.confirmed:
+        return verdict
+    why = f"the axis was {axis.obtained}; write bearing_a and bearing_b into the rotor file to have a verdict"
+    return replace(verdict, outcome="undecided", why=(*verdict.why, why))
+
+
+def _require_places(rotor: Rotor, bodies: Sequence[RotorBody], shaft: Shaft) -> None:
+    """Raise `GeometryError` where the axis does not go through the bodies, or a plane lies off them."""
+    found = outline(bodies, shaft)
+    if not found.goes_around:
+        raise GeometryError(
+            f"{rotor.name}: axis: the line through bearing_a and bearing_b does not go through the rotor, all of which "
+            "lies on one side of it: give the bearing centres in the part's own axes and in the file's unit"
+        )
+    metres = float(rotor.unit.metres)
+    for number, plane in enumerate(rotor.fields.plane):
+        if not found.low <= metres * plane.z <= found.high:
+            raise GeometryError(
+                f"{rotor.name}: plane[{number}].z is {plane.z:g} {rotor.unit.name}, off the rotor, which goes from "
+                f"{in_unit(rotor, found.low)} to {in_unit(rotor, found.high)} along the shaft: move it"
+            )
+
+
+def _notes(rotor: Rotor, bodies: Sequence[RotorBody]) -> list[str]:
+    """Return what was decided on the way."""
+    notes = ["predicted from geometry, not measured"]
+    notes += [
+        f"{body.name}: the density is assumed to be {body.density:g} kg/m³: masses and forces are in proportion to it, "
+        "the verdict is not"
+        for body in bodies
+        if body.analysis.density_from == "assumed"
+    ]
+    notes += [f"{body.name}: {note}" for body in bodies for note in body.analysis.notes]
+    notes += [
+        f"{body.name}: no chord_tolerance is given, so the sag of its facets is estimated from the mesh, "
+        f"{in_unit(rotor, body.chord)}; the verdict counts with it"
+        for body in bodies
+        if body.chord_from == "estimated" and body.chord
+    ]
+    if not rotor.radial_uncertainty:
+        notes.append("the axis counts as exact, as no radial_uncertainty is given")
+    if rotor.fields.service.critical_rpm is None:
+        notes.append("the rotor counts as rigid, as no critical_rpm is given")
+    return notes

@@ -1,0 +1,227 @@
+"""`CorrectionPlane`: where on the shaft a rotor may be corrected, how, and what forbids it.
+
+Angles, signs and the shaft's frame are those of `inertia.balancing.unbalance`; lengths are in m, angles in rad.
+"""
+
+from __future__ import annotations
+
+import cmath
+import math
+from dataclasses import dataclass
+from typing import Literal
+
+from inertia.errors import UsageError
+
+Process = Literal["add", "remove", "drill_radial", "drill_axial", "mill", "kit"]
+PROCESSES: tuple[Process, ...] = ("add", "remove", "drill_radial", "drill_axial", "mill", "kit")
+
+FULL_TURN = 2 * math.pi
+_DRILL = math.radians(118)
+_ANGLE_STEP = math.radians(0.5)
+_DEPTH_STEP = 1e-4
+_NEARLY = 1e-9  # rad
+
+
+@dataclass(frozen=True)
+class Sector:
+    """Angles from `start` counter-clockwise to `stop`, rad; it may run through 0."""
+
+    start: float
+    stop: float
+
+    @property
+    def width(self) -> float:
+        """Its angle, rad."""
+        return (self.stop - self.start) % FULL_TURN
+
+    def meets(self, angle: float, margin: float = 0.0) -> bool:
+        """Say whether a tool that reaches `margin` to both sides of `angle` (rad) comes into the sector.
+
+        >>> Sector(6.0, 0.5).meets(0.1), Sector(6.0, 0.5).meets(1.0), Sector(6.0, 0.5).meets(1.0, 0.6)
+        (True, False, True)
+        """
+        from_start = (angle - self.start + margin) % FULL_TURN
+        return _NEARLY < from_start < self.width + 2 * margin - _NEARLY
+
+
+@dataclass(frozen=True)
+class KitWeight:
+    """A weight of a kit: its name, its mass (kg), and how many there are (None: plenty)."""
+
+    name: str
+    mass: float
+    stock: int | None = None
+
+    @property
+    def most(self) -> float:
+        """How many there are."""
+        return math.inf if self.stock is None else self.stock
+
+
+@dataclass(frozen=True)
+class CorrectionPlane:
+    """A place along the shaft where the rotor is corrected.
+
+    Attributes
+    ----------
+    id : its name
+    z : m along the shaft: the tools' axes, the middle of a flat, the weights; for axial holes the face they enter
+    method : "add" or "remove" (point masses), "drill_radial", "drill_axial", "mill" (flats) or "kit" (weights)
+    radius : m, of the surface that radial drills and flats start from; of the axes of axial holes; of added masses
+    diameters : m, of the drills at hand
+    point_angle : rad, of the drills; π is flat
+    max_depth : m, to the shoulder of a drill, or of a flat; None for what the wall allows, but towards the shaft half
+        of the radius at most
+    depth_step, angle_step : m and rad, what the shop can hold; 0 for no rounding
+    angles : "free", or the angles (rad) at which corrections may sit
+    forbidden : sectors that no tool may come into
+    web : m, least material between two holes side by side
+    min_wall : m, least material left under a hole
+    face : of axial holes: "a" if the face looks to bearing A (the drill goes towards B), else "b"
+    through : axial holes go through: `max_depth` is the thickness
+    width : m along the shaft, of a flat
+    max_mass : kg at one place, of added or removed masses
+    mass_step : kg, what the shop can weigh
+    kit : the weights at hand
+    most_per_position : weights at one position
+
+    Raises `UsageError` where something is missing or cannot be.
+    """
+
+    id: str
+    z: float
+    method: Process
+    radius: float
+    diameters: tuple[float, ...] = ()
+    point_angle: float = _DRILL
+    max_depth: float | None = None
+    depth_step: float = _DEPTH_STEP
+    angle_step: float = _ANGLE_STEP
+    angles: Literal["free"] | tuple[float, ...] = "free"
+    forbidden: tuple[Sector, ...] = ()
+    web: float = 0.001
+    min_wall: float = 0.0
+    face: Literal["a", "b"] | None = None
+    through: bool = False
+    width: float | None = None
+    max_mass: float | None = None
+    mass_step: float = 0.0
+    kit: tuple[KitWeight, ...] = ()
+    most_per_position: int = 1
+
+    def __post_init__(self) -> None:
+        if self.method not in PROCESSES:
+            raise self._fault(f"method is {self.method!r}", f"use one of {', '.join(PROCESSES)}")
+        if not math.isfinite(self.z):
+            raise self._fault(f"z is {self.z!r} m", "give a finite place along the shaft")
+        for name in ("radius", "max_depth", "width", "max_mass"):
+            value = getattr(self, name)
+            if value is not None and not 0 < value < math.inf:
+                raise self._fault(f"{name} is {value!r}", "it must be positive and finite")
+        for name in ("depth_step", "angle_step", "mass_step", "web", "min_wall"):
+            if not 0 <= getattr(self, name) < math.inf:
+                raise self._fault(f"{name} is {getattr(self, name)!r}", "it must be finite and not negative")
+        if self.method.startswith("drill"):
+            self._check_drills()
+        if self.method == "mill" and self.width is None:
+            raise self._fault("a milled flat has no width", "give its width along the shaft")
+        if self.method == "mill" and self.max_depth is not None and self.max_depth >= self.radius:
+            raise self._fault(f"max_depth {self.max_depth:g} m reaches the shaft's axis", "give less than the radius")
+        if self.method == "kit":
+            self._check_kit()
+        if self.angles != "free" and not self.angles:
+            raise self._fault("angles is empty", "give angles, or 'free'")
+        if self.angles != "free" and all(self.forbids(angle) for angle in self.angles):
+            raise self._fault("every one of its angles lies in a forbidden sector", "allow one of them")
+
+    def _check_drills(self) -> None:
+        if not self.diameters:
+            raise self._fault("no drill is given", "give their diameters")
+        if not 0 < self.point_angle <= math.pi:
+            raise self._fault(f"point_angle is {self.point_angle!r} rad", "it must be above 0 and at most pi")
+        for diameter in self.diameters:
+            if not 0 < diameter < math.inf:
+                raise self._fault(f"diameters names {diameter!r} m", "a diameter must be positive and finite")
+            if diameter > 2 * self.radius:
+                raise self._fault(
+                    f"a drill of {1e3 * diameter:g} mm is wider than the part of radius {1e3 * self.radius:g} mm",
+                    "take it out of diameters",
+                )
+            reach = (self.max_depth or 0.0) + point_length(diameter, self.point_angle)
+            if self.method == "drill_radial" and reach >= self.radius:
+                raise self._fault(
+                    f"a drill of {1e3 * diameter:g} mm reaches {1e3 * reach:.4g} mm deep with its point, past the "
+                    f"shaft's axis at {1e3 * self.radius:g} mm",
+                    "give a smaller max_depth or drill",
+                )
+        if self.method == "drill_axial" and self.face not in ("a", "b"):
+            raise self._fault(f"face is {self.face!r}", "say whether axial holes enter the face to bearing 'a' or 'b'")
+        if self.through and self.method != "drill_axial":
+            raise self._fault("through holes are asked for", "only axial holes can go through")
+        if self.through and self.max_depth is None:
+            raise self._fault("through holes have no depth", "give the thickness as max_depth")
+
+    def _check_kit(self) -> None:
+        if not self.kit:
+            raise self._fault("its kit is empty", "give the masses of the weights at hand")
+        if self.angles == "free":
+            raise self._fault("a kit is used at free angles", "give the positions as angles")
+        for weight in self.kit:
+            if not 0 < weight.mass < math.inf:
+                raise self._fault(f"kit weight {weight.name!r} is {weight.mass!r} kg", "it must be positive")
+        if self.most_per_position < 1:
+            raise self._fault(f"most_per_position is {self.most_per_position}", "it must be at least 1")
+
+    def _fault(self, measured: str, remedy: str) -> UsageError:
+        return UsageError(f"plane {self.id!r}: {measured}: {remedy}")
+
+    @property
+    def sign(self) -> int:
+        """+1 where mass is added, −1 where it is removed."""
+        return 1 if self.method in ("add", "kit") else -1
+
+    @property
+    def cuts(self) -> bool:
+        """Whether it is the mesh that is cut."""
+        return self.method in ("drill_radial", "drill_axial", "mill")
+
+    def forbids(self, angle: float, margin: float = 0.0) -> bool:
+        """Say whether a tool at `angle` that reaches `margin` to both sides (rad) comes into a forbidden sector."""
+        return any(sector.meets(angle, margin) for sector in self.forbidden)
+
+    @property
+    def positions(self) -> tuple[float, ...]:
+        """The listed angles, rad, that no sector forbids; none where angles are free."""
+        if self.angles == "free":
+            return ()
+        return tuple(angle for angle in self.angles if not self.forbids(angle))
+
+
+def evenly(count: int, offset: float = 0.0) -> tuple[float, ...]:
+    """Return `count` angles evenly around the shaft, the first at `offset`, rad.
+
+    >>> [round(angle, 3) for angle in evenly(4, 0.5)]
+    [0.5, 2.071, 3.642, 5.212]
+    """
+    if count < 1:
+        raise UsageError(f"the number of angles around the shaft is {count}: it must be at least 1")
+    return tuple((offset + FULL_TURN * k / count) % FULL_TURN for k in range(count))
+
+
+def angle_of(vector: complex) -> float:
+    """Return the angle of a vector across the shaft, 0 to 2π.
+
+    >>> angle_of(-1j) / math.pi
+    1.5
+    """
+    angle = cmath.phase(vector) % FULL_TURN
+    return angle if angle < FULL_TURN else 0.0
+
+
+def point_length(diameter: float, point_angle: float) -> float:
+    """Return the height of a drill's point, (d/2)/tan(angle/2), in the diameter's unit.
+
+    >>> round(point_length(16.0, math.radians(118)), 4)
+    4.8069
+    """
+    return 0.5 * diameter / math.tan(0.5 * point_angle)

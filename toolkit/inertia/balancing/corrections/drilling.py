@@ -1,0 +1,292 @@
+"""Holes drilled towards the shaft or along it, with the point that a drill has.
+
+The depth h of a hole is measured to its shoulder, where the full diameter d ends; the point, a cone of height
+h_c = (d/2)/tan(angle/2), goes deeper. A = π d²/4.
+
+Radial, from the surface of radius R. With s the distance from the shaft along the hole, the cylinder from s = R − h
+to R moves ∫ s A ds = A (R h − h²/2), and the cone of volume A h_c/3, whose centroid is a quarter of its height
+from its base, A (h_c/3)(R − h − h_c/4):
+
+    U(h) = ρ A [R h − h²/2 + (h_c/3)(R − h − h_c/4)].
+
+That is for a flat face. On a round part the hole begins at s = √(R² − y²) at a distance y beside its axis, so that
+∬ ∫ s ds dA with s from √(R² − y²) to R, that is ∬ y²/2 dA = π d⁴/128, is missing, exactly.
+
+Axial, at radius r: U(h) = ρ A r (h + h_c/3).
+"""
+
+from __future__ import annotations
+
+import cmath
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from inertia.arrays import Float
+from inertia.balancing.corrections.correction_plane import angle_of, point_length
+from inertia.balancing.corrections.operation import Operation
+from inertia.balancing.corrections.tool import Tool
+from inertia.mesh.cut import drill
+from inertia.mesh.part import Surface
+
+_AROUND = 8  # rays along the wall of a hole
+_WITHIN = 0.999  # of the radius, where they run
+_DEEPEST = 0.5  # of the radius, where no limit is given for a radial hole
+_SMALL = 1e-18
+
+
+def radial_unbalance(
+    density: float, radius: float, diameter: float, depth: float, point_angle: float, *, curved: bool = True
+) -> float:
+    """Return the unbalance that a radial hole takes away, kg m.
+
+    Parameters
+    ----------
+    density : kg/m³
+    radius : R, m
+    diameter : d, m
+    depth : h, m, to the shoulder
+    point_angle : rad; π is flat
+    curved : whether the hole begins in a cylinder about the shaft rather than in a flat face
+
+    >>> 1e6 * radial_unbalance(7850, 0.1, 0.012, 0.01, math.radians(118), curved=False)
+    938.4832414...
+    """
+    tip = point_length(diameter, point_angle)
+    lever = radius * depth - 0.5 * depth**2 + tip / 3 * (radius - depth - tip / 4)
+    return density * (_area(diameter) * lever - (math.pi * diameter**4 / 128 if curved else 0.0))
+
+
+def radial_depth(
+    density: float, radius: float, diameter: float, unbalance: float, point_angle: float, *, curved: bool = True
+) -> float:
+    """Return the depth h (m) of a radial hole that takes away an unbalance (kg m), the inverse of `radial_unbalance`.
+
+    Negative where the point alone takes more; not a number where no hole up to the shaft's axis takes so much.
+    """
+    tip = point_length(diameter, point_angle)
+    middle = radius - tip / 3
+    rest = tip / 3 * (radius - tip / 4) - (diameter**2 / 32 if curved else 0.0)
+    square = middle**2 - 2 * (unbalance / (density * _area(diameter)) - rest)
+    return middle - math.sqrt(square) if square >= 0 else math.nan
+
+
+def radial_volume(radius: float, diameter: float, depth: float, point_angle: float, *, curved: bool = True) -> float:
+    """Return the volume of a radial hole, m³: A (h + h_c/3), less what a round face leaves out.
+
+    That is ∬ R − √(R² − y²) dA = R Σ cₖ ∬ (y/R)²ᵏ dA with c₁ = 1/2, cₖ₊₁ = cₖ (2k − 1)/(2k + 2), and
+    ∬ y²ᵏ dA = π a²ᵏ⁺²/(k + 1) · (2k)!/(4ᵏ k!²), a = d/2.
+
+    >>> 1e9 * radial_volume(0.1, 0.012, 0.01, math.pi)  # mm3
+    1125.881...
+    """
+    full = _area(diameter) * (depth + point_length(diameter, point_angle) / 3)
+    if not curved:
+        return full
+    ratio = (0.5 * diameter / radius) ** 2
+    missing, power, share, k = 0.0, ratio, 0.25, 1  # share = c_k (2k)!/(4^k k!^2)
+    while (term := power * share / (k + 1)) > _SMALL * ratio:
+        missing += term
+        share *= (2 * k - 1) / (2 * k + 2) * (2 * k + 1) / (2 * k + 2)
+        power *= ratio
+        k += 1
+    return full - radius * _area(diameter) * missing
+
+
+def axial_volume(diameter: float, depth: float, point_angle: float) -> float:
+    """Return the volume of an axial hole, A (h + h_c/3), m³."""
+    return _area(diameter) * (depth + point_length(diameter, point_angle) / 3)
+
+
+def axial_middle(diameter: float, depth: float, point_angle: float) -> float:
+    """Return how far the centroid of an axial hole lies under the face, m."""
+    tip = point_length(diameter, point_angle)
+    return (0.5 * depth**2 + tip / 3 * (depth + tip / 4)) / (depth + tip / 3)
+
+
+def _area(diameter: float) -> float:
+    return 0.25 * math.pi * diameter**2
+
+
+@dataclass(frozen=True, kw_only=True)
+class _Drill(Tool):
+    diameter: float
+
+    @property
+    def tip(self) -> float:
+        """Height of the point, m."""
+        return point_length(self.diameter, self.plane.point_angle)
+
+    def _deepest(self, unless: float) -> float:
+        given = [depth for depth in (self.plane.max_depth, self.limit) if depth is not None]
+        return max(min(given, default=unless), 0.0)
+
+    def _wall(self, start: Float, direction: Float, aside: Float) -> tuple[Float, Float, Float]:
+        """Return the rays along the axis and along the wall of a hole."""
+        angles = 2 * np.pi * np.arange(_AROUND)[:, None] / _AROUND
+        ring = np.cos(angles) * aside + np.sin(angles) * np.cross(direction, aside)
+        origins = start + 0.5 * _WITHIN * self.diameter * np.concatenate([np.zeros((1, 3)), ring])
+        return origins, direction, np.array([self.tip] + [0.0] * _AROUND)
+
+
+@dataclass(frozen=True, kw_only=True)
+class RadialDrill(_Drill):
+    """A drill that runs towards the shaft, set in m of depth."""
+
+    @property
+    def greatest(self) -> float:
+        """The largest depth, m."""
+        return self._deepest(_DEEPEST * self.plane.radius)
+
+    @property
+    def half_angle(self) -> float:
+        """Half the angle that the hole takes at the surface."""
+        return math.asin(0.5 * self.diameter / self.plane.radius)
+
+    @property
+    def apart(self) -> float:
+        """The angle at which two holes of the largest depth keep their web at the shoulder."""
+        bottom = self.plane.radius - self.greatest
+        need = 0.5 * (self.diameter + self.plane.web)
+        return 2 * math.asin(need / bottom) if need < bottom else math.pi
+
+    def unbalance(self, setting: float) -> float:
+        """Return the unbalance taken, from a round face, kg m."""
+        plane = self.plane
+        return radial_unbalance(self.density, plane.radius, self.diameter, setting, plane.point_angle)
+
+    def setting(self, unbalance: float) -> float:
+        """Return the depth, m."""
+        plane = self.plane
+        return radial_depth(self.density, plane.radius, self.diameter, unbalance, plane.point_angle)
+
+    def operation(self, name: str, angle: float, setting: float) -> Operation:
+        """Return the hole."""
+        plane = self.plane
+        return Operation(
+            id=name,
+            plane=plane.id,
+            z=plane.z,
+            method="remove",
+            kind="drill_radial",
+            angle=angle_of(cmath.rect(1.0, angle)),
+            radius=plane.radius,
+            mass=self.density * radial_volume(plane.radius, self.diameter, setting, plane.point_angle),
+            unbalance=-cmath.rect(self.unbalance(setting), angle),
+            unbalance_z=plane.z,
+            tool_diameter=self.diameter,
+            point_angle=plane.point_angle,
+            depth=setting,
+        )
+
+    @property
+    def clearance(self) -> float:
+        """Half of the radius."""
+        return 0.5 * self.plane.radius
+
+    def solid(self, angle: float, setting: float) -> Surface:
+        """Return the drill."""
+        outward, base, radius = self._outward(angle), np.array([0, 0, self.plane.z]), self.plane.radius
+        shoulder, back = base + (radius - setting) * outward, base + (radius + self.clearance) * outward
+        return drill(shoulder, back, self.diameter, self.tip)
+
+    def probes(self, angle: float) -> tuple[Float, Float, Float]:
+        """Return rays from the surface inwards."""
+        outward = self._outward(angle)
+        start = np.array([0, 0, self.plane.z]) + self.plane.radius * outward
+        return self._wall(start, -outward, np.array([0.0, 0.0, 1.0]))
+
+    def _outward(self, angle: float) -> Float:
+        return np.array([math.cos(angle), math.sin(angle), 0.0])
+
+
+@dataclass(frozen=True, kw_only=True)
+class AxialDrill(_Drill):
+    """A drill that runs along the shaft, set in m of depth; through holes have one setting only."""
+
+    @property
+    def least(self) -> float:
+        """The smallest depth, m."""
+        return self.greatest if self.plane.through else 0.0
+
+    @property
+    def greatest(self) -> float:
+        """The largest depth, m."""
+        return self._deepest(math.inf)
+
+    @property
+    def step(self) -> float:
+        """What the shop can set the depth to; a hole through has no depth to set."""
+        return 0.0 if self.plane.through else self.plane.depth_step
+
+    @property
+    def half_angle(self) -> float:
+        """Half the angle that the hole takes."""
+        return math.asin(0.5 * self.diameter / self.plane.radius)
+
+    @property
+    def apart(self) -> float:
+        """The angle at which two holes keep their web."""
+        need = 0.5 * (self.diameter + self.plane.web)
+        return 2 * math.asin(need / self.plane.radius) if need < self.plane.radius else math.pi
+
+    @property
+    def _point(self) -> float:
+        """The point angle of what is taken away: that of a hole through has come out at the other side."""
+        return math.pi if self.plane.through else self.plane.point_angle
+
+    @property
+    def _ahead(self) -> Float:
+        return np.array([0.0, 0.0, 1.0 if self.plane.face == "a" else -1.0])
+
+    def unbalance(self, setting: float) -> float:
+        """Return ρ A r (h + h_c/3), kg m."""
+        return self.density * self.plane.radius * axial_volume(self.diameter, setting, self._point)
+
+    def setting(self, unbalance: float) -> float:
+        """Return the depth, m; that of a hole through is the thickness."""
+        if self.plane.through:
+            return self.greatest
+        depth = unbalance / (self.density * self.plane.radius * _area(self.diameter))
+        return depth - point_length(self.diameter, self._point) / 3
+
+    def operation(self, name: str, angle: float, setting: float) -> Operation:
+        """Return the hole."""
+        plane = self.plane
+        middle = axial_middle(self.diameter, setting, self._point)
+        return Operation(
+            id=name,
+            plane=plane.id,
+            z=plane.z,
+            method="remove",
+            kind="drill_axial",
+            angle=angle_of(cmath.rect(1.0, angle)),
+            radius=plane.radius,
+            mass=self.density * axial_volume(self.diameter, setting, self._point),
+            unbalance=-cmath.rect(self.unbalance(setting), angle),
+            unbalance_z=plane.z + float(self._ahead[2]) * middle,
+            tool_diameter=self.diameter,
+            point_angle=plane.point_angle,
+            depth=setting,
+        )
+
+    @property
+    def clearance(self) -> float:
+        """One diameter: farther out there may be another disc."""
+        return self.diameter
+
+    def solid(self, angle: float, setting: float) -> Surface:
+        """Return the drill, which comes as far out of the other side where it goes through."""
+        start = self._start(angle)
+        past = self.clearance if self.plane.through else 0.0
+        shoulder, back = start + (setting + past) * self._ahead, start - self.clearance * self._ahead
+        return drill(shoulder, back, self.diameter, self.tip)
+
+    def probes(self, angle: float) -> tuple[Float, Float, Float]:
+        """Return rays from the face into the part."""
+        return self._wall(self._start(angle), self._ahead, np.array([1.0, 0.0, 0.0]))
+
+    def _start(self, angle: float) -> Float:
+        radius = self.plane.radius
+        return np.array([radius * math.cos(angle), radius * math.sin(angle), self.plane.z])

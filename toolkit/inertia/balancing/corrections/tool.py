@@ -1,0 +1,90 @@
+"""`Tool`: what every way of correcting by degrees has in common; each has a module of its own.
+
+A tool is set to a depth (drills, flats; m) or a mass (added and removed masses; kg), and takes or adds the more
+unbalance the larger its setting is.
+"""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from dataclasses import dataclass
+
+from inertia.arrays import Float
+from inertia.balancing.corrections.correction_plane import CorrectionPlane
+from inertia.balancing.corrections.operation import Operation
+from inertia.mesh.part import Surface
+
+
+@dataclass(frozen=True)
+class Tool(ABC):
+    """A tool at work in a plane.
+
+    Attributes
+    ----------
+    plane : where it works
+    density : kg/m³, of what it cuts
+    limit : the largest setting, if there is one besides the plane's own
+    """
+
+    plane: CorrectionPlane
+    density: float
+    limit: float | None = None
+
+    @property
+    def sign(self) -> int:
+        """+1 where mass is added, −1 where it is removed."""
+        return self.plane.sign
+
+    @property
+    def step(self) -> float:
+        """What the shop can set it to multiples of; 0 for any setting."""
+        return self.plane.depth_step
+
+    @property
+    def least(self) -> float:
+        """The smallest setting."""
+        return 0.0
+
+    @property
+    @abstractmethod
+    def greatest(self) -> float:
+        """The largest setting."""
+
+    @property
+    @abstractmethod
+    def half_angle(self) -> float:
+        """How far it reaches to both sides of its angle, rad."""
+
+    @property
+    @abstractmethod
+    def apart(self) -> float:
+        """The angle that two of its places are apart at least, rad."""
+
+    @abstractmethod
+    def unbalance(self, setting: float) -> float:
+        """Return the magnitude of the unbalance that it takes or adds, kg m."""
+
+    @abstractmethod
+    def setting(self, unbalance: float) -> float:
+        """Return the setting for an unbalance of this magnitude, kg m; the inverse of `unbalance`."""
+
+    @abstractmethod
+    def operation(self, name: str, angle: float, setting: float) -> Operation:
+        """Return what it does at an angle (rad)."""
+
+    def solid(self, angle: float, setting: float) -> Surface | None:
+        """Return the solid that it cuts away, in shaft axes and m; None where it cuts nothing."""
+        return None
+
+    @property
+    def clearance(self) -> float:
+        """How far the tool, which is long, reaches out of the surface that depths are measured from, m."""
+        return 0.0
+
+    def probes(self, angle: float) -> tuple[Float, Float, Float] | None:
+        """Return the rays along which its wall is measured, in shaft axes and m; None where it cuts nothing.
+
+        They are the origins (k, 3), their common direction (3,), and how far the tool runs ahead of its setting along
+        each of them (k,); the first is the tool's axis. All start at the surface that depths are measured from.
+        """
+        return None

@@ -1,0 +1,1 @@
+"""Balancing from readings of a machine: influence coefficients, trial weights, indexing."""

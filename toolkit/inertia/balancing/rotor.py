@@ -1,0 +1,275 @@
+"""`Rotor`: bodies on a shaft, how fast it runs, what is permissible, and where and how it may be corrected.
+
+A rotor comes from a TOML file, from its text, or from a dictionary of the same layout, which `rotor_fields` describes.
+Every field is checked, unknown ones are refused, and an error names the field by its path. Angles and signs are those
+of `inertia.balancing.unbalance`.
+"""
+
+from __future__ import annotations
+
+import math
+import os
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import cached_property
+from pathlib import Path
+from typing import Any
+
+from inertia.balancing import tolerance as tolerances
+from inertia.balancing.axis.shaft import Shaft
+from inertia.balancing.correction_fields import EvenAngles, PlaneFields
+from inertia.balancing.corrections.correction_plane import CorrectionPlane, KitWeight, Sector, evenly
+from inertia.balancing.keys import Key
+from inertia.balancing.quantities import angular_speed
+from inertia.balancing.rotor_fields import RotorFields
+from inertia.balancing.tolerance import GRADES, Planes, Tolerance
+from inertia.balancing.toml_text import toml_text
+from inertia.balancing.unbalance import PointMass, Unbalance
+from inertia.balancing.uncertain_inputs import ShopTolerance
+from inertia.documents import FieldError, plain, schema_of, section_of, text_of, toml_of
+from inertia.errors import UsageError
+from inertia.units import Unit, length_unit
+
+_SAME = 1e-9  # of the bearings' distance: planes no farther apart than this coincide
+_MIL = {"1974": "MIL-STD-167-1", "A": "MIL-STD-167-1A"}
+_PLAIN_NUMBERS = {  # fields of a plane, what `CorrectionPlane` calls them, and whether they are lengths
+    "max_depth": ("max_depth", True),
+    "depth_step": ("depth_step", True),
+    "web": ("web", True),
+    "wall": ("min_wall", True),
+    "width": ("width", True),
+    "face": ("face", False),
+}
+
+
+@dataclass(frozen=True, eq=False)
+class Rotor:
+    """A rotor as its file describes it.
+
+    Attributes
+    ----------
+    fields : what the file says, in its own unit
+    folder : where the bodies' files are
+    text : the file as it was read; None without one
+    name : the file's path, or "the rotor"
+
+    Raises `UsageError` naming the field.
+
+    >>> rotor = Rotor.from_dict({
+    ...     "body": [{"file": "fan.stl", "material": "steel"}],
+    ...     "axis": {"bearing_a": [0, 0, 20], "bearing_b": [0, 0, 280]},
+    ...     "service": {"rpm": 3000},
+    ...     "tolerance": {"grade": 6.3},
+    ... })
+    >>> rotor.shaft.span, round(rotor.speed, 6)
+    (0.26, 314.159265)
+    """
+
+    fields: RotorFields
+    folder: Path = Path()
+    text: str | None = None
+    name: str = "the rotor"
+
+    def __post_init__(self) -> None:
+        try:
+            self._require_sense()
+        except UsageError as error:
+            raise UsageError(f"{self.name}: {error}") from None
+
+    @classmethod
+    def load(cls, path: str | os.PathLike[str]) -> Rotor:
+        """Read a rotor file; the bodies' files are looked for beside it."""
+        name = os.fspath(path)
+        return cls.loads(text_of(path, "a rotor"), Path(path).parent, name)
+
+    @classmethod
+    def loads(cls, text: str, folder: str | os.PathLike[str] = ".", name: str = "the rotor") -> Rotor:
+        """Read the text of a rotor file; `folder` is where the bodies' files are, `name` what errors call it."""
+        return cls.from_dict(toml_of(text, name), folder, text=text, name=name)
+
+    @classmethod
+    def from_dict(
+        cls,
+        table: Mapping[str, Any],
+        folder: str | os.PathLike[str] = ".",
+        *,
+        text: str | None = None,
+        name: str = "the rotor",
+    ) -> Rotor:
+        """Make a rotor from a dictionary laid out as the file is."""
+        try:
+            fields = section_of(RotorFields, table)
+        except UsageError as error:
+            raise UsageError(f"{name}: {error}") from None
+        return cls(fields, Path(folder), text, name)
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return the rotor as a dictionary laid out as the file is; what is at its default is left out."""
+        held: dict[str, Any] = plain(self.fields)
+        return {"schema": self.fields.schema, "unit": self.fields.unit, **held}
+
+    def to_toml(self) -> str:
+        """Return the text of a rotor file that says the same."""
+        return toml_text(self.to_dict()) + "\n"
+
+    @property
+    def unit(self) -> Unit:
+        """The unit of all lengths in the file."""
+        return length_unit(self.fields.unit)
+
+    @cached_property
+    def shaft(self) -> Shaft | None:
+        """The shaft; None where the file asks for candidates."""
+        axis = self.fields.axis
+        if axis.bearing_a is None or axis.bearing_b is None:
+            return None
+        return self.shaft_between(self._metres * axis.bearing_a, self._metres * axis.bearing_b)
+
+    def shaft_between(self, bearing_a: Any, bearing_b: Any) -> Shaft:
+        """Return the shaft between two bearing centres (3,) m, with the zero mark and rotation of the file."""
+        axis = self.fields.axis
+        try:
+            return Shaft(bearing_a, bearing_b, axis.zero_mark, axis.rotation)
+        except UsageError as error:
+            raise UsageError(f"axis.{error}") from None
+
+    @property
+    def speed(self) -> float:
+        """Highest speed in service, rad/s."""
+        return angular_speed(self.fields.service.rpm)
+
+    @property
+    def acceleration(self) -> float:
+        """Angular acceleration while running up, rad/s², in the sense of rotation."""
+        return angular_speed(self.fields.service.run_up or 0.0)
+
+    @property
+    def radial_uncertainty(self) -> float:
+        """How far each bearing centre may be off, m."""
+        return self._metres * self.fields.axis.radial_uncertainty
+
+    @property
+    def key_masses(self) -> tuple[PointMass, ...]:
+        """What stands for the keys."""
+        found: list[PointMass] = []
+        for key in self.fields.key:
+            width, height, length, floor, z = (
+                self._metres * x for x in (key.width, key.height, key.length, key.floor, key.z)
+            )
+            solid = Key(width, height, length, floor, math.radians(key.angle), z, key.density)
+            found += solid.point_masses(key.convention)
+        return tuple(found)
+
+    @property
+    def shop(self) -> ShopTolerance:
+        """What the shop holds."""
+        given, scales = self.fields.uncertainty, {"angle": math.radians(1.0), "mass": 1.0}
+        names = ("depth", "diameter", "radius", "z", "angle", "mass")
+        stated = {name: value for name in names if (value := getattr(given, name)) is not None}
+        return ShopTolerance(**{name: scales.get(name, self._metres) * value for name, value in stated.items()})
+
+    def tolerance(self, rotor: Unbalance, planes: Planes) -> Tolerance:
+        """Return what is permissible in the tolerance planes (A, B) m, for a rotor of this mass and centre of mass."""
+        given, rpm = self.fields.tolerance, self.fields.service.rpm
+        if given.bearing_force is not None:
+            a, b = given.bearing_force.tolist()
+            return tolerances.bearing_force_limits((a, b), self.speed)
+        if given.e_um is not None:
+            return tolerances.specific_unbalance(1e-6 * given.e_um, rotor, planes, given.overhung)
+        if given.standard in ("API 610", "API 617"):
+            return tolerances.api(given.standard, rotor, planes, rpm)
+        if given.revision is not None:
+            return tolerances.mil_std_167_1(_MIL[given.revision], rotor, planes, rpm, given.grade)
+        assert given.grade is not None, "the section asks for one"
+        return tolerances.iso_21940_11(given.grade, rotor, planes, self.speed, given.overhung)
+
+    def correction_plane(self, number: int, radius: float) -> CorrectionPlane:
+        """Return correction plane `number`, which has a method.
+
+        Parameters
+        ----------
+        number : its place in the file, from 0
+        radius : m, where the file gives none
+        """
+        plane, metres = self.fields.plane[number], self._metres
+        assert plane.method is not None, "only planes with a method are worked in"
+        given: dict[str, Any] = {}
+        for name, (called, is_length) in _PLAIN_NUMBERS.items():
+            if (value := getattr(plane, name)) is not None:
+                given[called] = metres * value if is_length else value
+        if plane.point_angle is not None:
+            given["point_angle"] = math.radians(plane.point_angle)
+        if plane.angle_step is not None:
+            given["angle_step"] = math.radians(plane.angle_step)
+        if plane.mass_step_g is not None:
+            given["mass_step"] = 1e-3 * plane.mass_step_g
+        if plane.max_mass_g is not None:
+            given["max_mass"] = 1e-3 * plane.max_mass_g
+        kit = (KitWeight(k.name or f"{k.mass_g:g} g", 1e-3 * k.mass_g, k.stock) for k in plane.kit)
+        try:
+            return CorrectionPlane(
+                id=plane.id,
+                z=metres * plane.z,
+                method=plane.method,
+                radius=radius if plane.radius is None else metres * plane.radius,
+                diameters=tuple(metres * k for k in plane.diameters or ()),
+                angles=_angles(plane),
+                forbidden=tuple(Sector(*map(math.radians, k.tolist())) for k in plane.forbidden or ()),
+                through=plane.through,
+                kit=tuple(kit),
+                most_per_position=plane.most_per_position,
+                **given,
+            )
+        except UsageError as error:
+            raise UsageError(str(error).replace(f"plane {plane.id!r}", f"plane[{number}]", 1)) from None
+
+    @property
+    def _metres(self) -> float:
+        return float(self.unit.metres)
+
+    def _require_sense(self) -> None:
+        """Raise `UsageError` where fields contradict each other, as far as the bodies need not be read for it."""
+        given = self.fields
+        for k, body in enumerate(given.body):
+            if not body.weights and (len(given.body) > 1 or given.tolerance.bearing_force is not None):
+                raise FieldError(f"body[{k}]", "says nothing of how heavy it is: give its density, material or mass")
+        grade = given.tolerance.grade
+        if grade is not None and grade not in GRADES:
+            known = ", ".join(f"{k:g}" for k in sorted(GRADES))
+            raise FieldError("tolerance.grade", f"is {grade:g}, which ISO 21940-11 does not have: use one of {known}")
+        if (shaft := self.shaft) is not None:
+            self._require_planes_apart(shaft)
+        for k, plane in enumerate(given.plane):
+            if plane.radius is not None and plane.method is not None:
+                self.correction_plane(k, math.nan)
+            if plane.radius is None and plane.method == "drill_axial":
+                raise FieldError(f"plane[{k}].radius", "is missing: say how far from the shaft axial holes are drilled")
+
+    def _require_planes_apart(self, shaft: Shaft) -> None:
+        planes = self.fields.plane
+        for k, plane in enumerate(planes):
+            for j, other in enumerate(planes[:k]):
+                if plane.id == other.id:
+                    raise FieldError(f"plane[{k}].id", f"is {plane.id!r}, as that of plane[{j}]: give it its own")
+                if self._metres * abs(plane.z - other.z) <= _SAME * shaft.span:
+                    raise FieldError(
+                        f"plane[{k}].z",
+                        f"is {plane.z:g}, where plane[{j}] is too: a couple takes planes that lie apart, move one",
+                    )
+
+
+def json_schema() -> dict[str, Any]:
+    """Return the JSON Schema of a rotor file."""
+    return {
+        "$schema": "https://json-schema.org/draft/2020-12/schema",
+        "title": "Rotor file of inertia balance",
+        **schema_of(RotorFields),
+    }
+
+
+def _angles(plane: PlaneFields) -> Any:
+    if isinstance(plane.angles, EvenAngles):
+        return evenly(plane.angles.count, math.radians(plane.angles.offset))
+    if isinstance(plane.angles, tuple):
+        return tuple(math.radians(angle) % (2.0 * math.pi) for angle in plane.angles)
+    return plane.angles

@@ -1,0 +1,227 @@
+"""The bodies of a rotor, read and integrated, and what they have to be together."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
+from itertools import combinations
+from pathlib import Path
+from typing import Literal
+
+import numpy as np
+
+from inertia.arrays import Bool, Float
+from inertia.balancing import bounds
+from inertia.balancing.axis.shaft import Shaft
+from inertia.balancing.bounds import Uncertainty
+from inertia.balancing.rotor import Rotor
+from inertia.balancing.rotor_fields import BodyFields
+from inertia.balancing.sag import estimated_sag
+from inertia.balancing.tessellation_bound import chord_uncertainty
+from inertia.balancing.unbalance import Unbalance
+from inertia.errors import GeometryError, InertiaError, ReadError, UsageError
+from inertia.mass.analysis import Analysis, analyse
+from inertia.mass.properties import MassProperties
+from inertia.mesh.geometry.intersect import overlap
+from inertia.mesh.part import Cells, Part, Surface
+from inertia.mesh.read import read
+
+ChordFrom = Literal["given", "estimated", "exact"]
+
+_SECTORS = 720
+_CHUNK = 1 << 16
+
+
+@dataclass(frozen=True, eq=False)
+class RotorBody:
+    """One body: its mesh, its mass properties, and how well the mesh is known.
+
+    Attributes
+    ----------
+    name : what the report calls it
+    whole : the part as read, with all its regions
+    part : what of it is the body
+    analysis : of the body
+    chord : m, how far the true surface may be from the mesh
+    chord_from : who said so: the file; the mesh itself, whose sag is estimated; or "exact" where the file says 0
+    """
+
+    name: str
+    whole: Part
+    part: Part
+    analysis: Analysis
+    chord: float
+    chord_from: ChordFrom
+
+    @property
+    def density(self) -> float:
+        """kg/m³; of a body that was weighed, what follows from its volume."""
+        return self.analysis.density
+
+    def tessellation(self, shaft: Shaft, z: float) -> Uncertainty | None:
+        """Return what triangles leave uncertain of the unbalance, the couple about the plane z (m)."""
+        if not self.chord:
+            return None
+        return chord_uncertainty(self.part, self.chord, self.density, shaft, z)
+
+
+def read_bodies(rotor: Rotor) -> tuple[RotorBody, ...]:
+    """Read and integrate the bodies of a rotor.
+
+    Raises
+    ------
+    ReadError : a file cannot be read
+    GeometryError : a body is open, inside out, ..., or two of them overlap
+    UsageError : a region or material is not known
+
+    All name the body by its place in the file.
+    """
+    bodies = []
+    for number, fields in enumerate(rotor.fields.body):
+        try:
+            bodies.append(_read(rotor, fields))
+        except (UsageError, ReadError, GeometryError) as error:
+            raise _advised(placed(error, f"{rotor.name}: body[{number}]: ")) from None
+    _require_apart(rotor, bodies)
+    return tuple(bodies)
+
+
+def placed(error: InertiaError, place: str) -> InertiaError:
+    """Return an error of the same kind that begins with a place."""
+    kind = next(k for k in (UsageError, ReadError, GeometryError, InertiaError) if isinstance(error, k))
+    return kind(f"{place}{error}")
+
+
+def _advised(error: InertiaError) -> InertiaError:
+    """Return the error with a word on the options that it recommends, which other commands have."""
+    if any(option in str(error) for option in ("--repair", "--shell", "--orientation")):
+        return type(error)(f"{error} (with `inertia analyse`: a rotor takes sound solids only)")
+    return error
+
+
+def _read(rotor: Rotor, fields: BodyFields) -> RotorBody:
+    whole = read(rotor.folder / fields.file, fields.unit)
+    if whole.unit_from == "assumed":
+        whole = replace(whole, unit=rotor.unit, unit_from="option")
+    if isinstance(whole.geometry, Cells):
+        raise GeometryError(f"{whole.name} is a mesh of cells: give the surface of the body, as STL or STEP")
+    part = whole if fields.region is None else _region(whole, fields.region)
+    found = analyse(part, fields.density, material=fields.material, mass=fields.mass)
+    name = fields.name or fields.region or Path(fields.file).name
+    if fields.chord_tolerance is None:
+        return RotorBody(name, whole, part, found, estimated_sag(part) * float(part.unit.metres), "estimated")
+    chord = fields.chord_tolerance * float(rotor.unit.metres)
+    return RotorBody(name, whole, part, found, chord, "given" if chord else "exact")
+
+
+def _region(part: Part, name: str) -> Part:
+    names = () if part.regions is None else part.regions.names
+    if part.regions is None or name not in names:
+        there = f"it has {', '.join(map(repr, names))}" if names else "it names none: leave region out"
+        raise UsageError(f"{part.name} has no region {name!r}: {there}")
+    chosen = np.flatnonzero(part.regions.index == names.index(name))
+    return replace(part, geometry=part.triangles.select(chosen), regions=None)
+
+
+def _require_apart(rotor: Rotor, bodies: Sequence[RotorBody]) -> None:
+    surfaces = [_in_metres(body.part) for body in bodies] if len(bodies) > 1 else []
+    for one, other in combinations(range(len(bodies)), 2):
+        place = overlap(surfaces[one], surfaces[other], contact=bodies[one].chord + bodies[other].chord)
+        if place is not None:
+            where = ", ".join(f"{x / float(rotor.unit.metres):.6g}" for x in place)
+            raise GeometryError(
+                f"{rotor.name}: body[{one}] ({bodies[one].name}) and body[{other}] ({bodies[other].name}) overlap at "
+                f"({where}) {rotor.unit.name}, where their mass would be counted twice: cut one out of the other, or "
+                "leave it out"
+            )
+
+
+def _in_metres(part: Part) -> Surface:
+    corners = part.triangles.corners().reshape(-1, 3)
+    return Surface(corners * float(part.unit.metres), np.arange(len(corners)).reshape(-1, 3))
+
+
+def unbalance_of(rotor: Rotor, bodies: Sequence[RotorBody], shaft: Shaft, properties: MassProperties) -> Unbalance:
+    """Return the unbalance of all bodies and keys, with what tessellation, axis and densities leave uncertain."""
+    found = Unbalance.of(properties, shaft, radial_uncertainty=rotor.radial_uncertainty)
+    found = found.with_masses(rotor.key_masses)
+    several = len(bodies) > 1
+    more = [
+        replace(layer, bodies=(body.name,) if several else ())
+        for body in bodies
+        if (layer := body.tessellation(shaft, found.z)) is not None
+    ]
+    relative = rotor.fields.uncertainty.density
+    unweighed = [body for body in bodies if body.analysis.density_from != "mass"]
+    if relative and unweighed:
+        alone = [Unbalance.of(body.analysis.properties, shaft) for body in unweighed]
+        spread = bounds.density([(k.static, k.couple_about(found.z)) for k in alone], relative)
+        more.append(replace(spread, bodies=tuple(body.name for body in unweighed) if several else ()))
+    return found.with_uncertainties(*more)
+
+
+def _corners(bodies: Sequence[RotorBody], shaft: Shaft) -> Iterator[Float]:
+    """Yield the corners (k, 3, 3) of the bodies' triangles in shaft axes, m."""
+    for body in bodies:
+        triangles, metres = body.part.triangles, float(body.part.unit.metres)
+        for start in range(0, triangles.count, _CHUNK):
+            yield shaft.to_shaft(triangles.corners(start, start + _CHUNK) * metres)
+            triangles.release(start, start + _CHUNK)
+
+
+@dataclass(frozen=True, eq=False)
+class Outline:
+    """How a rotor lies about its shaft.
+
+    Attributes
+    ----------
+    low, high : m, where it begins and ends along the shaft
+    sectors : (n,) whether it has corners there, equal sectors of the full turn
+    """
+
+    low: float
+    high: float
+    sectors: Bool
+
+    @property
+    def goes_around(self) -> bool:
+        """Whether the shaft goes through: the rotor does not lie within half a turn about it."""
+        return self._gap <= 0.5 * len(self.sectors)
+
+    @property
+    def _gap(self) -> int:
+        """The longest run of empty sectors."""
+        filled = np.flatnonzero(self.sectors)
+        return int(np.diff(np.append(filled, filled[0] + len(self.sectors))).max()) - 1
+
+
+def outline(bodies: Sequence[RotorBody], shaft: Shaft) -> Outline:
+    """Return how the bodies lie about the shaft."""
+    low, high, sectors = math.inf, -math.inf, np.zeros(_SECTORS, bool)
+    for corners in _corners(bodies, shaft):
+        low, high = min(low, float(corners[..., 2].min())), max(high, float(corners[..., 2].max()))
+        angles = np.arctan2(corners[..., 1], corners[..., 0]).ravel()
+        sectors[np.unique(np.floor(angles / (2.0 * math.pi) * _SECTORS).astype(np.int64) % _SECTORS)] = True
+    return Outline(low, high, sectors)
+
+
+def outer_radius(bodies: Sequence[RotorBody], shaft: Shaft, z: float) -> float:
+    """Return how far from the shaft the bodies reach at a place z (m) along it; 0 where they are not."""
+    reach = 0.0
+    for corners in _corners(bodies, shaft):
+        height = corners[..., 2] - z
+        met = corners[(height.min(axis=1) <= 0) & (height.max(axis=1) >= 0)]
+        for start, end in ((0, 1), (1, 2), (2, 0)):
+            a, b = met[:, start], met[:, end]
+            low, high = a[:, 2] - z, b[:, 2] - z
+            crosses = (low * high <= 0) & (low != high)
+            share = low[crosses] / (low[crosses] - high[crosses])
+            points = a[crosses] + share[:, np.newaxis] * (b[crosses] - a[crosses])
+            reach = max(reach, float(np.hypot(points[:, 0], points[:, 1]).max(initial=0.0)))
+    return reach
+
+
+def in_unit(rotor: Rotor, length: float) -> str:
+    """Return a length (m) as the rotor's file would have it."""
+    return f"{length / float(rotor.unit.metres):.6g} {rotor.unit.name}"

@@ -1,0 +1,297 @@
+"""The sections of a rotor file: what each field may hold, as the file has it.
+
+Lengths are in the file's `unit`, angles in degrees, masses as their names say. `inertia.balancing.rotor` turns them
+into SI units and radians; angles and signs are those of `inertia.balancing.unbalance`.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Annotated, Any, ClassVar, Literal, get_args
+
+from inertia.arrays import Float
+from inertia.balancing.correction_fields import KeyFields, PlaneFields
+from inertia.documents import (
+    FieldError,
+    Reader,
+    Section,
+    choice,
+    flag,
+    integer,
+    number,
+    numbers,
+    several,
+    table,
+    tables,
+    text,
+)
+from inertia.errors import UsageError
+from inertia.mass.materials import density_of
+from inertia.units import length_unit
+
+SCHEMA = 1
+UNIT = "mm"
+
+Standard = Literal["ISO 21940-11", "API 610", "API 617", "MIL-STD-167-1"]
+
+_LENGTH = "the file's unit"
+_MOST_DRAWS = 1_000_000
+
+
+def _unit(value: Any, path: str) -> str:
+    name: str = text(value, path)
+    try:
+        return length_unit(name).name
+    except UsageError as error:
+        raise FieldError(path, f"is an {error}") from None
+
+
+def _material(value: Any, path: str) -> str:
+    name: str = text(value, path)
+    try:
+        density_of(name)
+    except UsageError as error:
+        raise FieldError(path, f"is an {error}") from None
+    return name
+
+
+unit = Reader(_unit, text.schema)
+"""Read a unit of length."""
+
+material = Reader(_material, text.schema)
+"""Read the name of a material that is in the table."""
+
+
+@dataclass(frozen=True, eq=False)
+class BodyFields(Section):
+    """One of ``[[body]]``: a closed mesh and how heavy it is.
+
+    Attributes
+    ----------
+    file : path of a mesh or STEP file, relative to the rotor file
+    region : the region of the file that is the body, where it is not all of it
+    name : what the report calls it; the file's name without it
+    unit : of the mesh's coordinates; without it the one that the file states, else that of the rotor file
+    density : kg/m³; a single body may leave it out, as 1000 is then assumed
+    material : a name in the table of materials, in place of a density
+    mass : kg as weighed, in place of a density
+    chord_tolerance : how far the true surface may be from the mesh; 0 where the mesh is the true shape; estimated from
+        the mesh without it
+    """
+
+    section: ClassVar[str] = "body"
+
+    file: Annotated[str, text]
+    region: Annotated[str | None, text] = None
+    name: Annotated[str | None, text] = None
+    unit: Annotated[str | None, unit] = None
+    density: Annotated[float | None, number("kg/m³", positive=True)] = None
+    material: Annotated[str | None, material] = None
+    mass: Annotated[float | None, number("kg", positive=True)] = None
+    chord_tolerance: Annotated[float | None, number(_LENGTH, negative=False)] = None
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        if len(given := self.weights) > 1:
+            raise FieldError("body", f"has both {' and '.join(given)}: give one of density, material and mass")
+
+    @property
+    def weights(self) -> list[str]:
+        """Which of its fields say how heavy it is."""
+        return [name for name in ("density", "material", "mass") if getattr(self, name) is not None]
+
+
+def _journals(value: Any, path: str) -> str | tuple[str, ...]:
+    if value == "detect":
+        return "detect"
+    if isinstance(value, str):
+        raise FieldError(path, f"is {value!r}: use 'detect', or name two regions of the mesh in a list")
+    names: tuple[str, ...] = several(text)(value, path)
+    if len(names) != 2:
+        raise FieldError(path, f"names {len(names)} regions: name two, that of bearing A first")
+    return names
+
+
+@dataclass(frozen=True, eq=False)
+class AxisFields(Section):
+    """The section ``[axis]``: where the shaft runs, where 0° is, and which way it turns.
+
+    Attributes
+    ----------
+    bearing_a, bearing_b : centres of the bearings; z′ runs from A to B
+    journals : in place of bearings: "detect", or two regions of the mesh, whose cylinders are then offered as
+        candidates that need confirming
+    zero_mark : vector from the shaft to the 0° mark, in part axes
+    rotation : sense of rotation, seen from B looking to A
+    radial_uncertainty : how far each bearing centre may be from where it is given
+    """
+
+    section: ClassVar[str] = "axis"
+
+    bearing_a: Annotated[Float | None, numbers((3,), _LENGTH)] = None
+    bearing_b: Annotated[Float | None, numbers((3,), _LENGTH)] = None
+    journals: Annotated[
+        Literal["detect"] | tuple[str, ...] | None,
+        Reader(
+            _journals,
+            {"oneOf": [{"const": "detect"}, {"type": "array", "items": text.schema, "minItems": 2, "maxItems": 2}]},
+        ),
+    ] = None
+    zero_mark: Annotated[Float, numbers((3,), "a direction")] = (1.0, 0.0, 0.0)  # type: ignore[assignment]
+    rotation: Annotated[Literal["ccw", "cw"], choice("ccw", "cw")] = "ccw"
+    radial_uncertainty: Annotated[float, number(_LENGTH, negative=False)] = 0.0
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        ends = [name for name in ("bearing_a", "bearing_b") if getattr(self, name) is not None]
+        if self.journals is not None and ends:
+            raise FieldError(
+                "axis.journals", f"goes with no {ends[0]}: leave it out, the bearings say where the axis is"
+            )
+        if self.journals is None and len(ends) < 2:
+            missing = "bearing_b" if ends == ["bearing_a"] else "bearing_a"
+            raise FieldError(
+                f"axis.{missing}",
+                'is missing: give the centres of both bearings, or journals = "detect" to see candidates',
+            )
+
+
+@dataclass(frozen=True, eq=False)
+class ServiceFields(Section):
+    """The section ``[service]``: how fast the rotor runs.
+
+    Attributes
+    ----------
+    rpm : highest speed in service, r/min
+    critical_rpm : first critical speed, r/min; a mesh cannot give it
+    run_up : acceleration while running up, (r/min)/s
+    """
+
+    section: ClassVar[str] = "service"
+
+    rpm: Annotated[float, number("r/min", positive=True)]
+    critical_rpm: Annotated[float | None, number("r/min", positive=True)] = None
+    run_up: Annotated[float | None, number("(r/min)/s", positive=True)] = None
+
+
+@dataclass(frozen=True, eq=False)
+class ToleranceFields(Section):
+    """The section ``[tolerance]``: how much residual unbalance is permissible.
+
+    Attributes
+    ----------
+    standard : ISO 21940-11 unless another criterion is given
+    grade : balance quality grade G, mm/s, of ISO 21940-11
+    revision : of MIL-STD-167-1, whose limits differ: "1974", or "A" of 2005, which takes a grade
+    e_um : permissible specific unbalance in µm, in place of a standard
+    bearing_force : permissible forces on bearings A and B, N, in place of a standard
+    overhung : whether the clamps for overhung rotors apply; found from the centre of mass without it
+    """
+
+    section: ClassVar[str] = "tolerance"
+
+    standard: Annotated[Standard | None, choice(*get_args(Standard))] = None
+    grade: Annotated[float | None, number("mm/s", positive=True)] = None
+    revision: Annotated[Literal["1974", "A"] | None, choice("1974", "A")] = None
+    e_um: Annotated[float | None, number("µm", positive=True)] = None
+    bearing_force: Annotated[Float | None, numbers((2,), "N")] = None
+    overhung: Annotated[bool | None, flag] = None
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        others = [name for name in ("e_um", "bearing_force") if getattr(self, name) is not None]
+        told = [*others, *(name for name in ("standard", "grade") if getattr(self, name) is not None)]
+        if not told:
+            raise FieldError("tolerance", "says nothing: give a grade, a standard, e_um or bearing_force")
+        if others and len(told) > 1:
+            raise FieldError(f"tolerance.{told[0]}", f"goes with no {told[1]}: give the one that counts")
+        mil = self.standard == "MIL-STD-167-1"
+        if self.revision is not None and not mil:
+            raise FieldError("tolerance.revision", "goes with MIL-STD-167-1 only: leave it out")
+        if mil and self.revision is None:
+            raise FieldError(
+                "tolerance.revision", 'is missing: the revisions of MIL-STD-167-1 differ, give "1974" or "A" (2005)'
+            )
+        graded = self.standard in (None, "ISO 21940-11") or self.revision == "A"
+        if self.grade is None and graded and not others:
+            raise FieldError("tolerance.grade", f"is missing: {self.standard} goes by a grade, as 6.3")
+        if self.grade is not None and not graded:
+            raise FieldError(
+                "tolerance.grade", f"goes with no {self.standard}, which has limits of its own: leave it out"
+            )
+
+
+@dataclass(frozen=True, eq=False)
+class UncertaintyFields(Section):
+    """The section ``[uncertainty]``: how well the inputs are known and what the shop holds, as half-widths.
+
+    Attributes
+    ----------
+    density : of each body's density, as a part of it; not of bodies that were weighed
+    depth, diameter, radius, z : of the shop's holes, flats and weights
+    angle : degrees
+    mass : of a weight, as a part of it
+    draws : of the Monte Carlo
+    seed : of its random numbers
+    """
+
+    section: ClassVar[str] = "uncertainty"
+
+    density: Annotated[float, number("", negative=False, below=1.0)] = 0.0
+    depth: Annotated[float | None, number(_LENGTH, negative=False)] = None
+    diameter: Annotated[float | None, number(_LENGTH, negative=False)] = None
+    radius: Annotated[float | None, number(_LENGTH, negative=False)] = None
+    z: Annotated[float | None, number(_LENGTH, negative=False)] = None
+    angle: Annotated[float | None, number("degrees", negative=False)] = None
+    mass: Annotated[float | None, number("", negative=False, below=1.0)] = None
+    draws: Annotated[int, integer(100, _MOST_DRAWS)] = 10_000
+    seed: Annotated[int, integer(0, 2**31)] = 0
+
+
+@dataclass(frozen=True, eq=False)
+class ReportFields(Section):
+    """The section ``[report]``: what the report's head says.
+
+    Attributes
+    ----------
+    part, serial, revision, customer, remark : as the shop writes them
+    """
+
+    section: ClassVar[str] = "report"
+
+    part: Annotated[str | None, text] = None
+    serial: Annotated[str | None, text] = None
+    revision: Annotated[str | None, text] = None
+    customer: Annotated[str | None, text] = None
+    remark: Annotated[str | None, text] = None
+
+
+def _schema(value: Any, path: str) -> int:
+    if value != SCHEMA or isinstance(value, bool):
+        raise FieldError(path, f"is {value!r}: this version reads schema = {SCHEMA}")
+    return SCHEMA
+
+
+@dataclass(frozen=True, eq=False)
+class RotorFields(Section):
+    """A rotor file.
+
+    Attributes
+    ----------
+    schema : the version of the layout
+    body : the bodies that turn together
+    unit : of all lengths in the file
+    """
+
+    section: ClassVar[str] = ""
+
+    body: Annotated[tuple[BodyFields, ...], tables(BodyFields, least=1)]
+    axis: Annotated[AxisFields, table(AxisFields)]
+    service: Annotated[ServiceFields, table(ServiceFields)]
+    tolerance: Annotated[ToleranceFields, table(ToleranceFields)]
+    schema: Annotated[int, Reader(_schema, {"const": SCHEMA})] = SCHEMA
+    unit: Annotated[str, unit] = UNIT
+    key: Annotated[tuple[KeyFields, ...], tables(KeyFields)] = ()
+    plane: Annotated[tuple[PlaneFields, ...], tables(PlaneFields)] = ()
+    uncertainty: Annotated[UncertaintyFields, table(UncertaintyFields)] = UncertaintyFields()
+    report: Annotated[ReportFields, table(ReportFields)] = ReportFields()

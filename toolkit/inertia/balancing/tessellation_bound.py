@@ -1,0 +1,134 @@
+"""What triangles in place of curved surfaces leave uncertain of an unbalance, from the chord tolerance of the mesh.
+
+Between the mesh and the true surface lies, over a triangle of area A, at most the volume h A of a layer, h being the
+chord tolerance, and at its rim what `inertia.mass.tessellation` counts. Layers on opposite sides of the shaft cancel
+only if they are alike, so the bound takes the worst direction n: |δU| ≤ ρ h max_n ∮ |r · n| dA, slab by slab along
+the shaft, so that a plane feels each slab by its own lever. Faces that can only be true planes have no such layer.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from inertia.arrays import Bool, Float, Int
+from inertia.balancing.axis.shaft import Shaft
+from inertia.balancing.bounds import Uncertainty
+from inertia.errors import UsageError
+from inertia.mesh.geometry.closure import components, weld
+from inertia.mesh.geometry.edges import pair_edges
+from inertia.mesh.part import Part, Surface
+
+_SLABS = 24
+_SECTORS = 256
+_CHUNK = 1 << 14
+_SHARP = math.cos(math.radians(60.0))
+_STORED = 2.0**-21  # of the coordinates: four roundings to float32
+
+
+def chord_uncertainty(part: Part, chord: float, density: float, shaft: Shaft, z: float) -> Uncertainty:
+    """Return what a chord tolerance leaves uncertain of the unbalance of a solid of triangles.
+
+    Parameters
+    ----------
+    part : a closed surface
+    chord : h, m: no point of the true surface is farther from the mesh, and it projects on it one to one
+    density : kg/m³, the largest of any body
+    shaft : in part axes
+    z : m, the plane that the couple is about
+
+    Raises `UsageError` where a figure is not positive and finite.
+    """
+    for name, value, unit in (("chord tolerance", chord, "m"), ("density", density, "kg/m3")):
+        if not 0 < value < math.inf:
+            raise UsageError(f"the {name} is {value!r} {unit}: it must be positive and finite")
+    surface = Surface(*weld(part.triangles))
+    faces = surface.faces[curved_faces(surface)]
+    if not len(faces):
+        return Uncertainty("tessellation", (), chord)
+    points = shaft.to_shaft(surface.vertices * float(part.unit.metres)) - [0.0, 0.0, z]
+    return Uncertainty("tessellation", _modes(points, faces, chord, density), chord)
+
+
+def curved_faces(surface: Surface) -> Bool:
+    """Return which triangles (m,) may stand for a curved surface.
+
+    A plane face is a patch of coplanar triangles that turns by 60° or more at each of its edges: circles of seven
+    segments and more count as curved, at whatever size.
+
+    Parameters
+    ----------
+    surface : welded
+    """
+    vertices, faces = surface.vertices, surface.faces
+    edges = pair_edges(faces)
+    start = (np.cumsum(edges.uses) - edges.uses)[edges.uses == 2]
+    first, second = edges.users[start], edges.users[start + 1]
+    corners = vertices[faces]
+    normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    sizes = np.linalg.norm(normals, axis=1)
+    normals /= np.maximum(sizes, np.finfo(float).tiny)[:, np.newaxis]
+    turning = np.einsum("ki,ki->k", normals[first], normals[second])
+    # The larger triangle tells its plane best; a sliver's own normal is noise.
+    larger = sizes[first] >= sizes[second]
+    plane, other = np.where(larger, first, second), np.where(larger, second, first)
+    height = np.abs(np.einsum("kij,kj->ki", corners[other] - corners[plane, :1], normals[plane])).max(axis=1)
+    flat = height <= _STORED * np.abs(vertices).max()
+    patch = components(np.column_stack([first, second])[flat], len(faces))
+    smooth = ~flat & (turning > _SHARP)
+    bent = np.zeros(len(faces), bool)
+    bent[patch[first[smooth]]] = True
+    bent[patch[second[smooth]]] = True
+    curved: Bool = bent[patch]
+    return curved
+
+
+def _modes(points: Float, faces: Int, chord: float, density: float) -> tuple[tuple[complex, complex], ...]:
+    """Return, for each slab, what its layer can do at the slab's middle, and for all of them what their depth adds."""
+    low, high = float(points[faces, 2].min()), float(points[faces, 2].max())
+    width = max((high - low) / _SLABS, chord)
+    middles = low + width * (np.arange(_SLABS) + 0.5)
+    sectors = np.zeros((_SLABS, _SECTORS))
+    nearby, reach = np.zeros(_SLABS), np.zeros(_SLABS)
+    for begin in range(0, len(faces), _CHUNK):
+        corners = points[faces[begin : begin + _CHUNK]]
+        sides = np.linalg.norm(np.roll(corners, -1, axis=1) - corners, axis=2).sum(axis=1)
+        area = 0.5 * np.linalg.norm(np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]), axis=1)
+        layer = chord * area + 0.5 * math.pi * chord**2 * sides + 4.0 / 3.0 * math.pi * chord**3
+        corners, layer = _cut_short(corners, layer, width)
+        slab = np.minimum(((corners[:, :, 2].mean(axis=1) - low) / width).astype(np.int64), _SLABS - 1)
+        np.maximum.at(reach, slab, np.abs(corners[:, :, 2] - middles[slab, np.newaxis]).max(axis=1))
+        across = corners[:, :, 0] + 1j * corners[:, :, 1]
+        sector = np.rint(np.angle(across) * (_SECTORS / math.pi)).astype(np.int64) % _SECTORS
+        # The mean over the corners of a convex function is at least its mean over the triangle.
+        arm = layer[:, np.newaxis] * np.abs(across) / 3.0
+        place = (slab[:, np.newaxis] * _SECTORS + sector).ravel()
+        sectors += np.bincount(place, arm.ravel(), sectors.size).reshape(sectors.shape)
+        nearby += np.bincount(slab, chord * layer, _SLABS)
+    step = math.pi / _SECTORS
+    turned = np.abs(np.cos(step * (np.arange(_SECTORS)[:, np.newaxis] - np.arange(_SECTORS))))
+    # Angles are rounded to half a step, and the worst direction lies within half a step of one of these.
+    worst = (sectors @ turned).max(axis=1) + step * sectors.sum(axis=1)
+    most = density * (worst + nearby)
+    levers = tuple((complex(g), complex(g * middle)) for g, middle in zip(most, middles, strict=True) if g)
+    return (*levers, (0j, complex(float(most @ (reach + chord)))))
+
+
+def _cut_short(corners: Float, layer: Float, depth: float) -> tuple[Float, Float]:
+    """Cut up triangles (k, 3, 3) until none climbs over `depth`, and share out what lies over each, (k,).
+
+    A triangle is halved at the middle of the edge that climbs most.
+    """
+    done = []
+    while len(corners):
+        climbs = np.abs(np.roll(corners, -1, axis=1)[:, :, 2] - corners[:, :, 2])
+        steep = climbs.max(axis=1) > depth
+        done.append((corners[~steep], layer[~steep]))
+        edge = climbs[steep].argmax(axis=1)
+        a, b, c = (corners[steep][np.arange(len(edge)), (edge + k) % 3] for k in range(3))
+        middle = 0.5 * (a + b)
+        corners = np.concatenate([np.stack([a, middle, c], axis=1), np.stack([middle, b, c], axis=1)])
+        layer = np.tile(0.5 * layer[steep], 2)
+    short, over = zip(*done, strict=True)
+    return np.concatenate(short), np.concatenate(over)

@@ -1,0 +1,257 @@
+"""How much residual unbalance a rotor may have, in its tolerance planes: the planes of its bearings."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+from inertia.balancing.forces import carried_masses
+from inertia.balancing.unbalance import Unbalance
+from inertia.errors import UsageError
+
+GRADES: dict[float, tuple[str, ...]] = {
+    4000.0: ("crank drives of large slow marine diesel engines, inherently unbalanced",),
+    1600.0: ("crank drives of large slow marine diesel engines, inherently balanced",),
+    630.0: ("crank drives, inherently unbalanced, on elastic mounts",),
+    250.0: ("crank drives, inherently unbalanced, on rigid mounts",),
+    100.0: ("complete reciprocating engines of cars, trucks and locomotives",),
+    40.0: ("car wheels and rims", "drive shafts of cars", "crank drives, inherently balanced, on elastic mounts"),
+    16.0: (
+        "agricultural machinery",
+        "crushing machines",
+        "cardan and propeller shafts",
+        "crank drives, inherently balanced, on rigid mounts",
+    ),
+    6.3: (
+        "fans",
+        "pumps",
+        "gears",
+        "general machinery",
+        "machine tools",
+        "paper and process plant machines",
+        "centrifuges",
+        "water turbines",
+        "turbochargers",
+        "aircraft gas turbines",
+        "electric motors and generators up to 950 r/min, or with shaft heights below 80 mm",
+    ),
+    2.5: (
+        "compressors",
+        "gas turbines and steam turbines",
+        "electric motors and generators above 950 r/min, with shaft heights from 80 mm",
+        "machine-tool drives",
+        "textile machines",
+        "computer drives",
+    ),
+    1.0: ("grinding machine drives", "audio and video drives"),
+    0.4: ("gyroscopes", "spindles and drives of high-precision systems"),
+}
+"""The balance quality grades G, mm/s, of ISO 21940-11, table 1, and the machines that they are meant for."""
+
+MIL_REVISIONS = ("MIL-STD-167-1", "MIL-STD-167-1A")
+"""Of 1974, with limits of its own, and of 2005, which takes a balance quality grade from the contract."""
+
+_INBOARD, _OVERHUNG = (0.3, 0.7), (0.3, 1.3)
+_FOUR_W_OVER_N = 6.35e-3  # m r/min: 4 oz·in per lb, which are 6350 g·mm per kg, over N
+_MIL_SLOW = 0.177 * 1.5875e-3  # m: 0.177 oz·in per lb
+
+
+@dataclass(frozen=True)
+class Share:
+    """The part of the total that a tolerance plane is allowed.
+
+    Attributes
+    ----------
+    allocated : by the lever rule, of the total
+    used : the same, kept within the limits
+    limits : (least, most)
+    """
+
+    allocated: float
+    used: float
+    limits: tuple[float, float]
+
+    @property
+    def clamped(self) -> bool:
+        """Whether the limits changed it."""
+        return self.allocated != self.used
+
+
+@dataclass(frozen=True)
+class Tolerance:
+    """Permissible residual unbalance in tolerance planes A and B.
+
+    Attributes
+    ----------
+    standard : with its edition or grade
+    rule : how the figures come about, in words
+    permissible : (A, B) kg m; the magnitude counts, whatever the angle
+    total : kg m, where the standard has one
+    shares : (A, B) of the total, where there is one
+    """
+
+    standard: str
+    rule: str
+    permissible: tuple[float, float]
+    total: float | None = None
+    shares: tuple[Share, Share] | None = None
+
+
+Planes = tuple[float, float]
+
+
+def iso_21940_11(
+    grade: float, rotor: Unbalance, planes: Planes, speed: float, overhung: bool | None = None
+) -> Tolerance:
+    """Return the tolerance of a balance quality grade: U_per = G m/ω.
+
+    Parameters
+    ----------
+    grade : G, mm/s, one of `GRADES`
+    rotor : its mass and its centre of mass count
+    planes : (A, B) m, the bearings
+    speed : rad/s, highest in service
+    overhung : see `allocate`
+
+    Raises `UsageError` for an unknown grade or a speed of zero.
+
+    >>> rotor = Unbalance(3600.0, 1.5, 0.0, 0.0)
+    >>> [round(1e6 * u) for u in iso_21940_11(2.5, rotor, (0.0, 2.4), 100 * math.pi).permissible]
+    [10743, 17905]
+    """
+    if grade not in GRADES:
+        known = ", ".join(f"{k:g}" for k in GRADES)
+        raise UsageError(f"the grade G{grade:g} is not in ISO 21940-11, table 1: use one of {known}")
+    total = 1e-3 * grade * rotor.mass / _positive(speed, "the speed", "rad/s")
+    return _allocated(f"ISO 21940-11:2016, G{grade:g}", "U_per = G m/ω", total, rotor, planes, overhung)
+
+
+def specific_unbalance(
+    eccentricity: float, rotor: Unbalance, planes: Planes, overhung: bool | None = None
+) -> Tolerance:
+    """Return the tolerance of a permissible specific unbalance e_per (m): U_per = e_per m.
+
+    Parameters as for `iso_21940_11`; 1 µm is 1 g·mm/kg.
+    """
+    total = _positive(eccentricity, "the specific unbalance", "m") * rotor.mass
+    said = f"specific unbalance {1e6 * eccentricity:g} µm"
+    return _allocated(said, "U_per = e_per m", total, rotor, planes, overhung)
+
+
+def api(standard: str, rotor: Unbalance, planes: Planes, rpm: float) -> Tolerance:
+    """Return the tolerance 6350 W/N g·mm per plane (4 W/N oz·in), W the mass in kg that the journal carries.
+
+    Parameters
+    ----------
+    standard : "API 610" or "API 617"
+    rotor, planes : as for `iso_21940_11`
+    rpm : N, highest continuous r/min
+    """
+    if standard not in ("API 610", "API 617"):
+        raise UsageError(f"the standard is {standard!r}: use 'API 610' or 'API 617'")
+    limit = _FOUR_W_OVER_N / _positive(rpm, "the speed", "r/min")
+    a, b = carried_masses(rotor.mass, rotor.z, *planes)
+    return Tolerance(standard, "6350 W/N g·mm per plane, W the journal's load in kg", (limit * abs(a), limit * abs(b)))
+
+
+def mil_std_167_1(revision: str, rotor: Unbalance, planes: Planes, rpm: float, grade: float | None = None) -> Tolerance:
+    """Return the tolerance of MIL-STD-167-1, whose revisions differ.
+
+    That of 1974 allows each plane 0.177 W oz·in below 150 r/min, 4000 W/N² up to 1000 r/min and 4 W/N above, with W the
+    weight in lb of the whole rotor. Revision A of 2005 leaves the balance quality grade to the contract (§ 6.2 g).
+
+    Parameters
+    ----------
+    revision : one of `MIL_REVISIONS`
+    rotor, planes : as for `iso_21940_11`
+    rpm : N, r/min
+    grade : for revision A only
+    """
+    if revision not in MIL_REVISIONS:
+        raise UsageError(
+            f"the revision {revision!r} of MIL-STD-167-1 is not known, and their limits differ: use one of "
+            f"{', '.join(MIL_REVISIONS)}"
+        )
+    n = _positive(rpm, "the speed", "r/min")
+    if revision == "MIL-STD-167-1A":
+        if grade is None:
+            raise UsageError("MIL-STD-167-1A takes its grade from the contract: give the grade")
+        found = iso_21940_11(grade, rotor, planes, n * math.pi / 30.0)
+        return Tolerance(f"MIL-STD-167-1A, G{grade:g}", found.rule, found.permissible, found.total, found.shares)
+    if grade is not None:
+        raise UsageError(f"{revision} has limits of its own: leave the grade out, or ask for MIL-STD-167-1A")
+    if n > 1000.0:
+        rule, specific = "4 W/N oz·in", _FOUR_W_OVER_N / n
+    elif n >= 150.0:
+        rule, specific = "4000 W/N² oz·in", 1000.0 * _FOUR_W_OVER_N / n**2
+    else:
+        rule, specific = "0.177 W oz·in", _MIL_SLOW
+    each = specific * rotor.mass
+    return Tolerance(
+        f"{revision} (1974)", f"{rule} per plane, W the weight in lb of the whole rotor, N in r/min", (each, each)
+    )
+
+
+def bearing_force_limits(limits: tuple[float, float], speed: float) -> Tolerance:
+    """Return the tolerance of permissible forces on bearings A and B, N: U = F/ω².
+
+    Parameters
+    ----------
+    limits : (A, B) N
+    speed : rad/s, highest in service
+    """
+    omega = _positive(speed, "the speed", "rad/s")
+    a, b = (_positive(limit, "the bearing force limit", "N") / omega**2 for limit in limits)
+    return Tolerance(f"bearing forces {limits[0]:g} N and {limits[1]:g} N", "U = F/ω²", (a, b))
+
+
+def allocate(rotor: Unbalance, planes: Planes, overhung: bool | None = None) -> tuple[Share, Share]:
+    """Share a total among tolerance planes A and B by the lever rule: L_B/L to A, L_A/L to B.
+
+    Each is kept between 0.3 and 0.7, and for overhung rotors between 0.3 and 1.3.
+
+    Parameters
+    ----------
+    rotor : its centre of mass counts
+    planes : (A, B) m
+    overhung : whether the rotor counts as overhung; by itself, where its centre of mass lies outside the planes
+    """
+    a, b = carried_masses(1.0, rotor.z, *planes)
+    if overhung is None:
+        overhung = min(a, b) < 0
+    limits = _OVERHUNG if overhung else _INBOARD
+    first, second = (Share(abs(k), min(max(abs(k), limits[0]), limits[1]), limits) for k in (a, b))
+    return first, second
+
+
+def achieved_grade(vectors: tuple[complex, complex], shares: tuple[Share, Share], mass: float, speed: float) -> float:
+    """Return the grade G, mm/s, whose tolerance an unbalance just keeps in both planes: ω max(|U_k|/s_k)/m.
+
+    Of a static unbalance in the plane of the centre of mass it is e ω; a couple counts as well.
+
+    Parameters
+    ----------
+    vectors : (A, B) kg m, in the tolerance planes
+    shares : s_k, what part of the total each plane is allowed
+    mass : kg
+    speed : rad/s
+
+    >>> half = Share(0.5, 0.5, (0.3, 0.7))
+    >>> round(achieved_grade((1e-3, -1e-3), (half, half), 2.0, 100.0), 9)
+    100.0
+    """
+    worst = max(abs(vector) / share.used for vector, share in zip(vectors, shares, strict=True))
+    return 1e3 * speed * worst / mass
+
+
+def _allocated(
+    standard: str, rule: str, total: float, rotor: Unbalance, planes: Planes, overhung: bool | None
+) -> Tolerance:
+    shares = allocate(rotor, planes, overhung)
+    return Tolerance(standard, rule, (total * shares[0].used, total * shares[1].used), total, shares)
+
+
+def _positive(value: float, name: str, unit: str) -> float:
+    if not 0 < value < math.inf:
+        raise UsageError(f"{name} is {value!r} {unit}: it must be positive and finite")
+    return value

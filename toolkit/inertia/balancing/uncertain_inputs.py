@@ -1,0 +1,143 @@
+"""What is uncertain of a rotor and of the shop's work on it, as terms of `inertia.balancing.uncertainty`."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from inertia.arrays import Float
+from inertia.balancing.bounds import Uncertainty
+from inertia.balancing.corrections.drilling import axial_volume, radial_unbalance
+from inertia.balancing.corrections.milling import flat_unbalance
+from inertia.balancing.corrections.operation import Operation
+from inertia.balancing.unbalance import Complex, Unbalance, plane_weights
+from inertia.balancing.uncertainty import Term
+
+_AXIS = ("axis at bearing A", "axis at bearing B", "axis tilt, uneven transverse moments")
+
+
+@dataclass(frozen=True)
+class ShopTolerance:
+    """What the shop holds, as half-widths; 0 for what is exact.
+
+    Attributes
+    ----------
+    depth, diameter, radius, z : m
+    angle : rad
+    mass : relative, of a weight
+    """
+
+    depth: float = 1e-4
+    diameter: float = 5e-5
+    radius: float = 1e-4
+    z: float = 1e-4
+    angle: float = math.radians(0.5)
+    mass: float = 0.005
+
+
+_STEPS = {
+    "depth": (1e-4, "0.1 mm"),
+    "diameter": (1e-5, "0.01 mm"),
+    "radius": (1e-4, "0.1 mm"),
+    "z": (1e-4, "0.1 mm"),
+    "angle": (math.radians(1.0), "1°"),
+    "mass": (0.01, "1 %"),
+}
+
+
+def rotor_terms(rotor: Unbalance, zs: Sequence[float]) -> tuple[Term, ...]:
+    """Return the terms of a rotor's own uncertainties: densities, axis, tessellation and arithmetic.
+
+    A density is uniform over its tolerance, a bearing centre over its disc. A bound (tessellation, arithmetic) is taken
+    as a disc of that radius in each plane, all at once in one direction, as nothing is known of how its parts combine.
+
+    Parameters
+    ----------
+    rotor : with its uncertainties
+    zs : (k,) m, the tolerance planes
+    """
+    p, q = plane_weights(rotor.z, zs)
+    return tuple(term for uncertainty in rotor.uncertainties for term in _of_source(uncertainty, p, q))
+
+
+def operation_terms(
+    operations: Sequence[Operation], rotor: Unbalance, zs: Sequence[float], shop: ShopTolerance
+) -> tuple[Term, ...]:
+    """Return the terms of the shop's work: depth, diameter, radius, place and angle of every operation.
+
+    The unbalance taken is f(depth, diameter, radius), whose derivatives are central differences over the tolerance.
+
+    Parameters
+    ----------
+    operations : as planned
+    rotor : the rotor that they are done on; only its centre of mass counts
+    zs : (k,) m, the tolerance planes
+    shop : what is held
+    """
+    p, q = plane_weights(rotor.z, zs)
+    terms = []
+    for work in operations:
+        arm = work.unbalance_z - rotor.z
+        moved = {"angle": 1j * work.unbalance}
+        moved |= {name: work.unbalance * rate for name, rate in _relative_rates(work, shop).items()}
+        modes = {name: (vector, vector * arm) for name, vector in moved.items()} | {"z": (0j, work.unbalance)}
+        for name, vectors in zip(modes, _in_planes(tuple(modes.values()), p, q), strict=True):
+            half_width = getattr(shop, name)
+            if half_width > 0:
+                terms.append(Term(f"{work.id}: {name}", "uniform", half_width, vectors, *_STEPS[name]))
+    return tuple(terms)
+
+
+def _of_source(uncertainty: Uncertainty, p: Float, q: Float) -> list[Term]:
+    cause = uncertainty.cause
+    named = [f"{uncertainty.source} of {body}" for body in uncertainty.bodies]
+    names = named or [uncertainty.source] * max(1, len(uncertainty.modes))
+    if cause and uncertainty.source == "density":
+        return [
+            Term(name, "uniform", cause, vectors, 0.01, "1 %")
+            for name, vectors in zip(names, _in_planes(uncertainty.modes, p / cause, q / cause), strict=True)
+        ]
+    if cause and uncertainty.source == "axis":
+        return [
+            Term(name, "disc", cause, vectors, 1e-5, "0.01 mm")
+            for name, vectors in zip(_AXIS, _in_planes(uncertainty.modes, p / cause, q / cause), strict=True)
+        ]
+    bound: Complex = np.abs(_in_planes(uncertainty.modes, p, q)).sum(axis=0).astype(np.complex128)
+    return [Term(names[0], "disc", 1.0, bound, 1.0, "its bound")]
+
+
+def _in_planes(modes: Sequence[tuple[complex, complex]], p: Float, q: Float) -> Complex:
+    """Return what each mode (a change of U and of D) does in each plane, (modes, planes)."""
+    vectors: Complex = np.array(modes, dtype=np.complex128).reshape(-1, 2) @ np.stack([p, q])
+    return vectors
+
+
+def _relative_rates(work: Operation, shop: ShopTolerance) -> dict[str, float]:
+    """Return (∂U/∂x)/U for each input x of an operation."""
+    radius, depth = work.radius, work.depth or 0.0
+    diameter, point, width = work.tool_diameter or 0.0, work.point_angle or math.pi, work.width or 0.0
+    match work.kind:
+        case "drill_radial":
+            return {
+                "depth": _rate(lambda x: radial_unbalance(1.0, radius, diameter, x, point), depth, shop.depth),
+                "diameter": _rate(lambda x: radial_unbalance(1.0, radius, x, depth, point), diameter, shop.diameter),
+            }
+        case "drill_axial":
+            return {
+                "depth": _rate(lambda x: axial_volume(diameter, x, point), depth, shop.depth),
+                "diameter": _rate(lambda x: axial_volume(x, depth, point), diameter, shop.diameter),
+                "radius": 1.0 / radius,
+            }
+        case "mill_flat":
+            return {"depth": _rate(lambda x: flat_unbalance(1.0, radius, width, x), depth, shop.depth)}
+        case _:
+            return {"mass": 1.0, "radius": 1.0 / radius}
+
+
+def _rate(function: Callable[[float], float], at: float, half_width: float) -> float:
+    """Return the logarithmic derivative of a function by a central difference over its tolerance."""
+    step = min(half_width, 0.5 * at) or 1e-6 * at
+    return (function(at + step) - function(at - step)) / (2.0 * step * function(at))

@@ -1,0 +1,175 @@
+"""A rigid body that turns about its reference point under loads: Euler's equations and the attitude."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+from inertia.arrays import Float
+from inertia.dynamics.integrators.loads import Dissipation, Load
+from inertia.dynamics.integrators.terms import Terms
+from inertia.dynamics.kinematics import quaternion
+from inertia.errors import GeometryError, UsageError
+from inertia.mass.tensor import array_of
+
+
+@dataclass(frozen=True, eq=False)
+class RotationProblem:
+    """Where a body starts and what acts on it.
+
+        I ω̇ = I ω × Ω + N(t, q, ω),    q̇ = ½ q (Ω, 0),    Ω = ω but for internal dissipation (`loads.Dissipation`).
+
+    Attributes
+    ----------
+    moments : (3,) kg m², principal, about the reference point (centre of mass or fixed point), in any order
+    angular_velocity : (3,) rad/s, along the principal axes
+    attitude : (4,) scalar-last, principal axes to space
+    loads : what acts
+    start : s, the instant at which the body is so
+    """
+
+    moments: Float
+    angular_velocity: Float
+    attitude: Float = quaternion.IDENTITY  # type: ignore[assignment]
+    loads: tuple[Load, ...] = ()
+    start: float = 0.0
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "moments", array_of(self.moments, (3,), "moments"))
+        object.__setattr__(self, "angular_velocity", array_of(self.angular_velocity, (3,), "angular_velocity"))
+        attitude = array_of(self.attitude, (4,), "attitude")
+        if (self.moments <= 0).any():
+            raise GeometryError(
+                f"moments are {self.moments.tolist()} kg m²: a body that is stepped needs all three > 0"
+            )
+        if not attitude.any():
+            raise UsageError("attitude is the zero quaternion: give one of unit length")
+        object.__setattr__(self, "attitude", quaternion.normalise(attitude))
+        object.__setattr__(self, "loads", tuple(self.loads))
+
+    def torque(self, time: float, attitude: Float, angular_velocity: Float) -> Float:
+        """Return the torque (3,) of all loads along the principal axes, N m."""
+        total = np.zeros(3)
+        for load in self.loads:
+            total = total + load.torque(time, attitude, angular_velocity, self.moments)
+        return total
+
+    def rhs(self, time: float, state: Float) -> Float:
+        """Return the rate (7,) of the state (q, ω), (7,), for solvers that know nothing of rotations."""
+        x, y, z, w, p, q, r = state.tolist()
+        a, b, c = self.moments.tolist()
+        u, v, s = (b - c) * q * r / a, (c - a) * r * p / b, (a - b) * p * q / c
+        if self._dissipation:
+            d, e, f = self._dissipation * u / a, self._dissipation * v / b, self._dissipation * s / c
+            u, v, s = u + (b * q * f - c * r * e) / a, v + (c * r * d - a * p * f) / b, s + (a * p * e - b * q * d) / c
+            p, q, r = p + d, q + e, r + f
+        rate = np.array(
+            [
+                0.5 * (w * p + y * r - z * q),
+                0.5 * (w * q + z * p - x * r),
+                0.5 * (w * r + x * q - y * p),
+                -0.5 * (x * p + y * q + z * r),
+                u,
+                v,
+                s,
+            ]
+        )
+        if self.loads:
+            rate[4:] += self.torque(time, quaternion.normalise(state[:4]), state[4:]) / self.moments
+        return rate
+
+    @cached_property
+    def _dissipation(self) -> float:
+        return sum(load.rate for load in self.loads if isinstance(load, Dissipation))
+
+    def terms(self, start: float) -> Terms | None:
+        """Return all loads from the instant `start` to the next break as one; None where one has no such form."""
+        total = Terms()
+        for load in self.loads:
+            terms = load.terms(self.moments, start)
+            if terms is None:
+                return None
+            total = total + terms
+        return total
+
+    @cached_property
+    def breaks(self) -> Float:
+        """Instants (k,) s at which a load has a kink or a jump, ascending."""
+        return np.unique(np.concatenate([np.empty(0), *(load.breaks for load in self.loads)]))
+
+    @cached_property
+    def rate(self) -> float:
+        """The unit of 1/time in 1/s: |ω|, or √(|N|/I) where the loads are faster, at the start.
+
+        It is the next power of two, so that the change of units rounds nothing.
+        """
+        spin = float(np.linalg.norm(self.angular_velocity))
+        pull = self.torque(self.start, self.attitude, self.angular_velocity) / self.moments
+        swing = float(np.sqrt(np.abs(pull).max()))
+        return power_of_two(max(spin, swing) or 1.0)
+
+    def energy(self, attitude: Float, angular_velocity: Float) -> Float:
+        """Return kinetic plus potential energy (…) in J."""
+        total = 0.5 * np.asarray((self.moments * angular_velocity**2).sum(axis=-1))
+        for load in self.loads:
+            total = total + load.potential(attitude, self.moments)
+        return total
+
+    def angular_momentum(self, attitude: Float, angular_velocity: Float) -> Float:
+        """Return L (…, 3) in space, kg m²/s."""
+        return quaternion.to_space(attitude, self.moments * angular_velocity)
+
+    def invariants(self, attitude: Float, angular_velocity: Float) -> dict[str, Float]:
+        """Return what the loads keep, over the samples: the energy, L or its components, one along a body axis."""
+        kept: dict[str, Float] = {}
+        if all(load.conservative for load in self.loads):
+            kept["energy"] = self.energy(attitude, angular_velocity)
+        momentum = self.angular_momentum(attitude, angular_velocity)
+        directions = self._kept_directions
+        if len(directions) == 3:
+            kept["angular momentum"] = momentum
+        else:
+            for row in directions:
+                name = ", ".join(f"{x:.4g}" for x in row)
+                kept[f"angular momentum along ({name}) in space"] = momentum @ row
+        for axis in self._symmetry_axes:
+            kept[f"angular momentum about body axis {axis + 1}"] = self.moments[axis] * angular_velocity[..., axis]
+        return kept
+
+    @cached_property
+    def _kept_directions(self) -> Float:
+        """Directions (k, 3) in space across all torques."""
+        spanned = np.concatenate([np.empty((0, 3)), *(load.directions() for load in self.loads)])
+        sizes = np.linalg.norm(spanned, axis=1)
+        spanned = spanned[sizes > 0] / sizes[sizes > 0, None]
+        if not len(spanned):
+            return np.eye(3)
+        _, values, rows = np.linalg.svd(spanned)
+        found: Float = rows[int((values > 1e-9).sum()) :]
+        largest = np.take_along_axis(found, np.abs(found).argmax(axis=1)[:, None], axis=1)
+        return found * np.sign(largest) + 0.0
+
+    @cached_property
+    def _symmetry_axes(self) -> list[int]:
+        """Axes of revolution about which no load has a torque."""
+        parts = [None if load.breaks.size else load.terms(self.moments, self.start) for load in self.loads]
+        symmetric = [k for k in range(3) if self.moments[(k + 1) % 3] == self.moments[(k + 2) % 3]]
+        return [k for k in symmetric if all(terms and self._turns_freely(k, terms) for terms in parts)]
+
+    def _turns_freely(self, axis: int, terms: Terms) -> bool:
+        b, c = (axis + 1) % 3, (axis + 2) % 3
+        return not (
+            terms.torque[axis]
+            or terms.damping[axis]
+            or terms.dissipation
+            or terms.matrices[:, axis].any()
+            or (terms.squares[:, b] != terms.squares[:, c]).any()
+        )
+
+
+def power_of_two(value: float) -> float:
+    """Return the least power of two above a positive value."""
+    return math.ldexp(1.0, math.frexp(value)[1])

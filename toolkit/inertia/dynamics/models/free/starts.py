@@ -1,0 +1,111 @@
+"""How free bodies start: checked, brought to one scale, and sorted by the closed form that serves them."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from inertia.arrays import Float
+from inertia.dynamics.arguments import first, vectors, written
+from inertia.dynamics.special.elementary import Number, anywhere, columns, frexp, ldexp, maximum, packed, where
+from inertia.errors import GeometryError, UsageError
+from inertia.mass.tensor import VALIDITY_TOLERANCE
+
+NEGLIGIBLE = 1e-70
+"""A component of ω counts as zero below this part of the largest: no body is steadier."""
+
+FARTHEST = 1e20
+"""Radians of rotation, to within a factor of four, that are reduced to one turn without loss."""
+
+
+@dataclass(frozen=True, eq=False)
+class Starts:
+    """N bodies and how they start to turn.
+
+    Attributes
+    ----------
+    moments : (N, 3) over a power of two, so that the largest is ½ … 1
+    angular_velocity : (N, 3) over 2**exponent, so that its largest component is ½ … 1
+    exponent : (N,)
+    shape : of the bodies as they were given
+    steady, symmetric, asymmetric : (N,) which closed form serves: ω is kept (a principal axis, a spherical top, rest),
+        two moments are equal, or neither
+    """
+
+    moments: Float
+    angular_velocity: Float
+    exponent: NDArray[np.intc]
+    shape: tuple[int, ...]
+    steady: NDArray[np.bool_]
+    symmetric: NDArray[np.bool_]
+    asymmetric: NDArray[np.bool_]
+
+    def scaled_time(self, time: ArrayLike) -> Float:
+        """Return time (n,) or (…, n) in s as (N, n), in units of 2**−exponent s, or raise `UsageError`."""
+        array = np.asarray(time, dtype=np.float64)
+        if array.ndim == 0:
+            raise UsageError("time is a single number: give the instants as an array (n,)")
+        if not np.isfinite(array).all():
+            raise UsageError(f"time{written(first(~np.isfinite(array)))} is not finite")
+        if array.shape[:-1] != self.shape:
+            try:
+                array = np.broadcast_to(array, (*self.shape, array.shape[-1]))
+            except ValueError:
+                raise UsageError(f"time has shape {array.shape}: it must be (n,) or {self.shape} and (n,)") from None
+        scaled: Float = np.ldexp(array.reshape(len(self.moments), array.shape[-1]), self.exponent[:, None])
+        if (beyond := np.abs(scaled) > FARTHEST).any():
+            raise UsageError(
+                f"time reaches {array.reshape(scaled.shape)[first(beyond)]:.3g} s, more than {FARTHEST:.0e} rad of "
+                "rotation, and the phase loses its digits: ask for a shorter time"
+            )
+        return scaled
+
+
+def starts(moments: ArrayLike, angular_velocity: ArrayLike) -> Starts:
+    """Return bodies with principal moments (…, 3) kg m², in any order, that start at angular_velocity (…, 3) rad/s.
+
+    Scales are powers of two, so that no digit changes. A zero moment is that of a rod (textbook § 13.10: rotor), whose
+    other two then count as equal: they are replaced by their mean. Raises `UsageError` where a number is not finite or
+    the shapes differ, `GeometryError` where no body has these moments.
+    """
+    i, omega = vectors(moments, "moments"), vectors(angular_velocity, "angular_velocity")
+    try:
+        shape = np.broadcast(i, omega).shape[:-1]
+    except ValueError:
+        raise UsageError(f"moments {i.shape} and angular_velocity {omega.shape} do not broadcast") from None
+    a, b, c = columns(i)
+    largest = maximum(maximum(a, b), c)
+    _refuse_unphysical(i, (a, b, c), largest)
+    size = frexp(largest)[1]
+    a, b, c = (ldexp(moment, -size) for moment in (a, b, c))
+    rod, across = (a == 0) | (b == 0) | (c == 0), 0.5 * (a + b + c)
+    a, b, c = (where(rod, where(moment > 0, across, 0.0), moment) for moment in (a, b, c))
+    x, y, z = columns(omega)
+    largest = maximum(maximum(abs(x), abs(y)), abs(z))
+    exponent = frexp(largest)[1]
+    x, y, z = (ldexp(where(abs(w) < NEGLIGIBLE * largest, 0.0, w), -exponent) for w in (x, y, z))
+    alike = (a == b) | (b == c) | (c == a)
+    steady = (a == b) & (b == c) | (x == 0) & (y == 0) | (y == 0) & (z == 0) | (z == 0) & (x == 0)
+    kinds = packed((steady, where(steady, False, alike), where(steady | alike, False, True)), shape, bool)
+    return Starts(
+        packed((a, b, c), shape).reshape(-1, 3),
+        packed((x, y, z), shape).reshape(-1, 3),
+        packed((exponent,), shape, np.intc).reshape(-1),
+        shape,
+        *kinds.reshape(-1, 3).T,
+    )
+
+
+def _refuse_unphysical(moments: Float, each: tuple[Number, ...], largest: Number) -> None:
+    a, b, c = each
+    others = a + b + c - largest
+    slack = VALIDITY_TOLERANCE * (abs(a) + abs(b) + abs(c))
+    for faulty, rule in (
+        ((a < 0) | (b < 0) | (c < 0) | (largest == 0), "none may be negative, nor all zero"),
+        (largest > others + slack, "no body has one moment above the sum of the other two"),
+    ):
+        if anywhere(faulty):
+            place = first(np.reshape(faulty, moments.shape[:-1]))
+            raise GeometryError(f"moments{written(place)} are {moments[place].tolist()} kg m2: {rule}")

@@ -1,0 +1,175 @@
+"""Motions that have no closed form: a stepping method and its control, from the accuracy asked."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import replace
+from difflib import get_close_matches
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from inertia.arrays import Float
+from inertia.dynamics.integrators.adaptive import ORDERS, SciPy
+from inertia.dynamics.integrators.base import Integrator, States, rounding
+from inertia.dynamics.integrators.compositions import BY_ORDER
+from inertia.dynamics.integrators.heyoka_taylor import Heyoka
+from inertia.dynamics.integrators.rotation import RotationProblem
+from inertia.dynamics.integrators.runge_kutta import RungeKutta4
+from inertia.dynamics.integrators.splitting import Splitting
+from inertia.dynamics.integrators.taylor import Taylor
+from inertia.dynamics.motion import Motion
+from inertia.errors import GeometryError, UsageError
+
+METHODS: dict[str, Integrator] = {
+    method.name: method
+    for method in (
+        Taylor(),
+        *(Splitting(order) for order in BY_ORDER),
+        RungeKutta4(),
+        *(SciPy(name) for name in ORDERS),
+        Heyoka(),
+    )
+}
+"""The methods by name."""
+
+ATTEMPTS = 8
+"""Controls that are tried for one accuracy."""
+
+STIFF = 1e4
+"""Decay times of the damping in a run above which an implicit method is taken, if nothing else is as fast."""
+
+
+def solve_stepped(problem: RotationProblem, time: ArrayLike, accuracy: float, method: str | None = None) -> Motion:
+    """Step a body through `time` to an attitude error of at most `accuracy`.
+
+    The control of the method (step or tolerance) is first guessed from its order, then the run is repeated at a coarser
+    level to estimate its error, and the control is refined until the estimate is within the accuracy.
+
+    Parameters
+    ----------
+    problem : the body, its start and its loads
+    time : (n,) s, ascending from the start on
+    accuracy : rad, at every sample
+    method : one of `METHODS`; None picks Taylor for polynomial loads, LSODA where damping is stiff, else DOP853
+
+    Returns
+    -------
+    Motion along the principal axes of the problem, with the invariants of its loads.
+
+    Raises `UsageError` for times, an accuracy or a method that cannot be used, `GeometryError` where float64 or the
+    method does not reach the accuracy.
+
+    >>> from inertia.dynamics.integrators.loads import Torque
+    >>> spun = RotationProblem([1.0, 1.0, 2.0], [0.0, 0.0, 0.0], loads=(Torque([0.0, 0.0, 4.0]),))
+    >>> motion = solve_stepped(spun, [0.0, 1.0], 1e-9)
+    >>> motion.method, motion.reached < 1e-9
+    ('Taylor', True)
+    >>> motion.angular_velocity[-1].round(9).tolist()
+    [0.0, 0.0, 2.0]
+    """
+    instants = _instants(problem, time)
+    if not accuracy > 0:
+        raise UsageError(f"accuracy is {accuracy}: give an angle in rad above zero")
+    least = rounding(problem.angular_velocity, instants[-1] - problem.start)
+    if accuracy < least:
+        raise GeometryError(
+            f"accuracy {accuracy:.2g} rad is beyond float64: rounding alone costs {least:.2g} rad over "
+            f"{instants[-1]:.6g} s; ask for less, or for a shorter run"
+        )
+    integrator = _select(problem, method, float(instants[-1]))
+    states, reached = _refine(integrator, problem, instants, accuracy)
+    invariants = problem.invariants(states.attitude, states.angular_velocity)
+    start = problem.moments * problem.angular_velocity
+    momentum = float(np.linalg.norm(start))
+    scales = {name: momentum for name in invariants if name != "energy" and momentum}
+    if "energy" in invariants:
+        pulls = [np.abs(load.potential(states.attitude, problem.moments)).max() for load in problem.loads]
+        scales["energy"] = float(0.5 * (start * problem.angular_velocity).sum() + sum(pulls)) or 1.0
+    return Motion(
+        attitude=states.attitude,
+        angular_velocity=states.angular_velocity,
+        method=integrator.name,
+        reached=reached,
+        invariants=invariants,
+        scales=scales,
+        warnings=_warnings(problem),
+        steps=states.steps,
+    )
+
+
+def state_between(problem: RotationProblem, time: Float, motion: Motion) -> Callable[[float], tuple[Float, Float]]:
+    """Return a function that steps from the sample before an instant to it: t → attitude (4,), ω (3,).
+
+    It is what `events.find_events` takes as `refine`.
+    """
+    integrator = METHODS["DOP853" if problem.terms(problem.start) is None else "Taylor"]
+
+    def refine(at: float) -> tuple[Float, Float]:
+        k = max(int(np.searchsorted(time, at, side="right")) - 1, 0)
+        there = replace(
+            problem, attitude=motion.attitude[k], angular_velocity=motion.angular_velocity[k], start=float(time[k])
+        )
+        states = integrator.run(there, np.array([at]), 1e-14)
+        return states.attitude[0], states.angular_velocity[0]
+
+    return refine
+
+
+def _instants(problem: RotationProblem, time: ArrayLike) -> Float:
+    instants = np.asarray(time, dtype=np.float64)
+    if instants.ndim != 1 or not instants.size or not np.isfinite(instants).all():
+        raise UsageError(f"time must be one row of finite numbers, not of shape {instants.shape}")
+    if instants[0] < problem.start or (np.diff(instants) < 0).any():
+        raise UsageError(f"time must ascend from {problem.start:.6g} s, where the motion starts")
+    return instants
+
+
+def _select(problem: RotationProblem, method: str | None, end: float) -> Integrator:
+    if method is not None:
+        if method not in METHODS:
+            close = get_close_matches(method, METHODS, n=1, cutoff=0.4)
+            hint = f"; did you mean {close[0]!r}?" if close else ""
+            raise UsageError(f"unknown method {method!r}: use one of {', '.join(METHODS)}{hint}")
+        return METHODS[method]
+    terms = problem.terms(problem.start)
+    if terms is None:
+        return METHODS["DOP853"]
+    decay = float((terms.damping / problem.moments).max())
+    stiff = decay > 10.0 * problem.rate and decay * (end - problem.start) > STIFF
+    return METHODS["LSODA" if stiff else "Taylor"]
+
+
+def _refine(integrator: Integrator, problem: RotationProblem, time: Float, accuracy: float) -> tuple[States, float]:
+    control = integrator.first(problem, time, accuracy)
+    best = np.inf
+    for _ in range(ATTEMPTS):
+        states, estimate = integrator.solve(problem, time, control)
+        if estimate <= accuracy:
+            return states, estimate
+        finer = integrator.finer(control, estimate, accuracy)
+        if finer >= control or 0.9 * best < estimate < 0.1:
+            break
+        best, control = min(best, estimate), finer
+    raise GeometryError(
+        f"{integrator.name} reached {min(best, estimate):.2g} rad over {time[-1]:.6g} s, not the {accuracy:.2g} rad "
+        "asked: this is beyond float64 or beyond the method; ask for less, a shorter run or another method"
+    )
+
+
+def _warnings(problem: RotationProblem) -> tuple[str, ...]:
+    """Say so where the body is nearly free and close to the separatrix 2 T I₂ = L²: errors grow exponentially there."""
+    low, middle, high = np.sort(problem.moments)
+    momentum = problem.moments * problem.angular_velocity
+    square = float((momentum**2).sum())
+    if not square or low == middle or middle == high:
+        return ()
+    pull = np.abs(problem.torque(problem.start, problem.attitude, problem.angular_velocity)).max()
+    distance = abs(float((momentum**2 * (middle / problem.moments - 1.0)).sum())) / square
+    if pull * middle > 1e-3 * square or distance > 1e-6:
+        return ()
+    growth = np.sqrt(square * (middle - low) * (high - middle) / (low * high)) / middle
+    return (
+        f"the body is nearly free and {distance:.2g} from its separatrix: an error grows e-fold every "
+        f"{1.0 / growth:.3g} s (growth rate {growth:.3g} 1/s) while it spins about the intermediate axis",
+    )

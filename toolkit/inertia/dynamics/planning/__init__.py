@@ -1,1 +1,0 @@
-"""The smallest model that a scene needs, and how it is called."""

@@ -1,0 +1,96 @@
+"""The parts of a body that changes its shape, ``[[part]]``, and the joints that they hang on, ``[[part.joint]]``."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import MISSING, dataclass, fields
+from pathlib import Path
+from typing import Annotated, Any, ClassVar
+
+import numpy as np
+
+from inertia.documents import FieldError, require_known, section_of, table_of, text
+from inertia.dynamics.models.deforming.assembly import Assembly
+from inertia.dynamics.models.deforming.joints import Joint, JointedPart
+from inertia.dynamics.scene.body import BodySource, SceneBody, integrated
+from inertia.mesh.part import Part
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class PartSource(BodySource):
+    """One of the tables ``[[part]]``: what ``[body]`` may hold, in assembly axes, and where the part hangs.
+
+    Attributes
+    ----------
+    name : by which other parts call it their parent
+    parent : the part that it hangs on; none for the root, whose axes are those of the whole body
+    """
+
+    section: ClassVar[str] = "part"
+
+    name: Annotated[str, text]
+    parent: Annotated[str | None, text] = None
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        if self.part is None and self.mass is None:
+            raise FieldError("part.mass", "is missing: every part needs one, or a file to integrate")
+
+
+def build_parts(tables: object, folder: Path) -> SceneBody:
+    """Make a body of its parts; their files are looked for in `folder`.
+
+    Raises `FieldError` naming the field, as ``part[1].joint[0].times[2]``; `ReadError` and `GeometryError` as `build`.
+    """
+    parts: list[JointedPart] = []
+    meshes: list[Part | None] = []
+    notes: list[str] = []
+    for k, table in enumerate(_tables(tables, "part", "[[part]]")):
+        try:
+            part, mesh, said = _part(table, folder, f"part[{k}]")
+        except FieldError as error:
+            raise FieldError(error.path.replace("part", f"part[{k}]", 1), error.says) from None
+        parts.append(part)
+        meshes.append(mesh)
+        notes.extend(f"{part.name}: {note}" for note in said)
+    return SceneBody.of_assembly(Assembly(tuple(parts)), tuple(meshes), tuple(notes))
+
+
+def _part(table: object, folder: Path, path: str) -> tuple[JointedPart, Part | None, tuple[str, ...]]:
+    entries = table_of(table, "part")
+    source = section_of(PartSource, entries, extra=("joint",))
+    tables = _tables(entries.get("joint", []), "part.joint", "[[part.joint]]")
+    joints = tuple(_joint(each, k) for k, each in enumerate(tables))
+    if joints and source.parent is None:
+        raise FieldError("part.parent", "is missing: joints hang a part on another one, which must be named")
+    if source.part is not None:
+        body = integrated(source, folder, path)
+        assert body.body.mass is not None  # it was integrated
+        made = JointedPart(
+            source.name, body.body.mass, body.body.inertia, body.body.center_of_mass, source.parent, joints
+        )
+        return made, body.part, body.notes
+    tensor = np.diag(source.principal_moments) if source.inertia is None else source.inertia  # type: ignore[arg-type]
+    center = np.zeros(3) if source.center_of_mass is None else source.center_of_mass
+    assert source.mass is not None  # the source saw to it
+    return JointedPart(source.name, source.mass, tensor, center, source.parent, joints), None, ()
+
+
+def _joint(table: object, index: int) -> Joint:
+    path = f"part.joint[{index}]"
+    entries = table_of(table, path)
+    names = [each.name for each in fields(Joint)]
+    require_known(entries, names, path)
+    for each in fields(Joint):
+        if each.default is MISSING and each.name not in entries:
+            raise FieldError(f"{path}.{each.name}", "is missing: the joint needs it")
+    try:
+        return Joint(**entries)
+    except FieldError as error:
+        raise FieldError(error.path.replace("joint", path, 1), error.says) from None
+
+
+def _tables(value: Any, path: str, written: str) -> Sequence[Any]:
+    if not isinstance(value, Sequence) or isinstance(value, str | Mapping):
+        raise FieldError(path, f"must be a list of tables: write {written} in double brackets")
+    return value

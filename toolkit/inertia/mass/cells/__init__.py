@@ -1,0 +1,1 @@
+"""Moments of volume meshes by quadrature, with bounds."""

@@ -1,0 +1,185 @@
+"""Exact moments of the cells of a volume mesh, and of wires and points.
+
+Each cell is what its own map makes of its reference shape (`shapes`), curved edges and warped faces included.
+The integrals ∫ det J, ∫ det J x, ∫ det J x xᵀ have polynomial integrands, so Gauss rules with enough points
+are exact but for rounding, and rounding has a bound (`cell_sums`).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from inertia.arrays import Float
+from inertia.errors import GeometryError, UsageError
+from inertia.mass.cells.outside_area import boundary_area
+from inertia.mass.cells.quadrature import UNIT_ROUNDOFF, Chunk, integrate, moment_rows
+from inertia.mass.cells.shape_functions import Table, table
+from inertia.mass.cells.shapes import numbered_blocks, volume_blocks
+from inertia.mass.moments import Moments, simplex_moments
+from inertia.mesh.part import Cells
+
+__all__ = ["CellIntegral", "boundary_area", "cell_moments", "point_moments", "wire_moments"]
+
+_COARSE = (12,)
+"""Gauss points of the rule that a curved wire's rule is compared with."""
+
+
+@dataclass(frozen=True)
+class CellIntegral:
+    """The moments of each group of cells, weighted by volume, and how many cells are reversed."""
+
+    moments: tuple[Moments, ...]
+    reversed: int
+
+
+def cell_moments(
+    cells: Cells,
+    groups: NDArray[np.int32] | None = None,
+    count: int = 1,
+    progress: Callable[[float], None] | None = None,
+) -> CellIntegral:
+    """Integrate 1, x and x xᵀ over the volume cells of a mesh, group by group.
+
+    A cell with a negative Jacobian everywhere has its nodes numbered the other way round, which is a matter
+    of convention (programs differ for wedges): its volume counts positive, and `reversed` counts it. Lines
+    and points in the mesh are passed over.
+
+    Parameters
+    ----------
+    cells : the mesh, in any one unit, which is the result's too
+    groups : (number of cells,) the group, 0 to count − 1, of each cell, numbered through all blocks in order
+    count : number of groups
+    progress : called with the fraction that is done
+
+    Raises
+    ------
+    GeometryError
+        for a kind of cell that has no map here; for a node that does not exist or is not finite; for the
+        first cell that is tangled (its Jacobian has both signs at quadrature points and corners) or has no
+        volume, each time by more than rounding can do.
+
+    >>> from inertia.mesh.part import CellBlock
+    >>> points = np.array([[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]], float)
+    >>> result = cell_moments(Cells(points, (CellBlock("tetra", np.array([[0, 1, 2, 3]])),)))
+    >>> float(6 * result.moments[0].zeroth), result.reversed
+    (1.0, 0)
+    """
+    if groups is not None:
+        if len(groups) != cells.count:
+            raise UsageError(f"groups must have one entry for each of the {cells.count} cells, not {len(groups)}")
+        if len(groups) and not 0 <= groups.min() <= groups.max() < count:
+            raise UsageError(f"groups must be 0 to {count - 1}, not {groups.min()} to {groups.max()}")
+    turned = 0
+
+    def rows(chunk: Chunk) -> Float:
+        nonlocal turned
+        shape = table(chunk.kind)
+        determinant, error = _determinants(shape, chunk)
+        low, high = determinant.min(axis=0), determinant.max(axis=0)
+        tangled = (low < -error) & (high > error)
+        flat = np.maximum(-low, high) <= error
+        if (tangled | flat).any():
+            cell = int(np.argmax(tangled | flat))
+            share = min(-low[cell], high[cell]) / max(-low[cell], high[cell]) if tangled[cell] else 0.0
+            raise _refusal(chunk, cell, share)
+        negative = -low > high
+        turned += int(np.count_nonzero(negative))
+        positive = np.where(negative, -1.0, 1.0) * determinant[: len(shape.weights)]
+        return moment_rows(shape, chunk, positive, error)
+
+    moments = integrate(cells, volume_blocks(cells), rows, groups=groups, count=count, power=3, progress=progress)
+    return CellIntegral(moments, turned)
+
+
+def wire_moments(cells: Cells) -> Moments:
+    """Integrate 1, x and x xᵀ over the length of the `line` and `line3` cells of a mesh.
+
+    Straight lines are exact but for rounding. The length of a curved one is no polynomial: it is taken by
+    Gauss's rule with 20 points, and the difference from the rule with 12 is added to the bounds, as an
+    estimate.
+
+    >>> from inertia.mesh.part import CellBlock
+    >>> points = np.array([[0, 0, 0], [3, 4, 0]], float)
+    >>> float(wire_moments(Cells(points, (CellBlock("line", np.array([[0, 1]])),))).zeroth)
+    5.0
+    """
+
+    def rows(chunk: Chunk) -> Float:
+        found = _wire_rows(table(chunk.kind), chunk)
+        if chunk.kind == "line3":
+            coarse = _wire_rows(table(chunk.kind, _COARSE), chunk)
+            found[:, 10:] += np.abs(found[:, :10] - coarse[:, :10])
+        return found
+
+    blocks = [(number, block) for number, block in numbered_blocks(cells) if block.kind.startswith("line")]
+    for number, block in blocks:
+        if block.kind not in ("line", "line3"):
+            raise GeometryError(f"cell {number} is of the kind {block.kind!r}: wires are of the kinds line and line3")
+    return integrate(cells, blocks, rows, groups=None, count=1, power=1)[0]
+
+
+def point_moments(cells: Cells) -> Moments:
+    """Return the moments of the `vertex` cells of a mesh as unit points; their number is the zeroth. Exact.
+
+    >>> from inertia.mesh.part import CellBlock
+    >>> points = np.array([[1, 0, 0], [3, 0, 0]], float)
+    >>> moments = point_moments(Cells(points, (CellBlock("vertex", np.array([[0], [1]])),)))
+    >>> float(moments.centroid[0]), float(moments.central().second[0])
+    (2.0, 2.0)
+    """
+    nodes = [block.nodes.ravel() for block in cells.blocks if block.kind == "vertex"]
+    points = cells.points[np.concatenate(nodes)] if nodes else np.empty((0, 3))
+    return simplex_moments(points[:, None, :], np.ones(len(points)))
+
+
+def _determinants(shape: Table, chunk: Chunk) -> tuple[Float, Float]:
+    """Return det ∂x/∂ξ at the points and corners, (r, k), and a bound on the error of each cell's, (k,).
+
+    The slopes J = Σ (∂N/∂ξ) x pass through n + 2 roundings, so that they are within G = (n + 6) u L hᵀ of the
+    true ones, L being the largest Σ|∂N/∂ξ| and h the largest distances from the cell's middle (four to spare
+    for what has been rounded in L and h, and for the terms of higher order). With A = max |J| + G over the
+    points, the determinant moves by at most Σ G m(A), m(A) being the minors of A with all their signs
+    positive, and six products of at most five roundings add at most (5/3) u Σ A m(A).
+    """
+    n, _, k = chunk.edges.shape
+    jacobian = (shape.slopes.reshape(-1, n) @ chunk.edges.reshape(n, 3 * k)).reshape(3, -1, 3, k)
+    a, b, c = (jacobian[:, :, axis] for axis in range(3))
+    determinant = (
+        a[0] * (b[1] * c[2] - b[2] * c[1]) + b[0] * (c[1] * a[2] - c[2] * a[1]) + c[0] * (a[1] * b[2] - a[2] * b[1])
+    )
+    slack = (n + 6) * UNIT_ROUNDOFF * shape.steep[:, None, None] * chunk.half
+    largest = np.abs(jacobian).max(axis=1) + slack
+    error = np.zeros(k)
+    for i in range(3):
+        for j in range(3):
+            (p, q), (r, s) = (largest[[i - 2, i - 1]][:, column] for column in (j - 2, j - 1))
+            error += (slack[i, j] + 2 * UNIT_ROUNDOFF * largest[i, j]) * (p * s + q * r)
+    return determinant, error
+
+
+def _wire_rows(shape: Table, chunk: Chunk) -> Float:
+    """Return the moments of each wire and their bounds; |dx/dξ| takes the place of the determinant."""
+    n, _, k = chunk.edges.shape
+    tangent = (shape.slopes[0] @ chunk.edges.reshape(n, 3 * k)).reshape(-1, 3, k)
+    speed = np.sqrt((tangent**2).sum(axis=1))
+    span = np.sqrt((chunk.half**2).sum(axis=0))
+    error = UNIT_ROUNDOFF * ((n + 6) * shape.steep[0] * span + 4 * speed.max(axis=0))
+    return moment_rows(shape, chunk, speed[: len(shape.weights)], error)
+
+
+def _refusal(chunk: Chunk, cell: int, share: float) -> GeometryError:
+    """Say what is wrong with a cell; `share` is its Jacobian's lesser extreme over the other, 0 if flat."""
+    nodes = " ".join(str(node) for node in chunk.nodes[cell])
+    name = f"cell {chunk.first + cell} ({chunk.kind}, nodes {nodes})"
+    if share:
+        return GeometryError(
+            f"{name} is tangled: its Jacobian determinant has both signs, one reaching {share:.2g} of "
+            "the other; give its nodes in VTK's order, or mesh it again"
+        )
+    return GeometryError(
+        f"{name} has no volume: its Jacobian determinant is 0 within rounding; remove it, or mesh it again"
+    )

@@ -1,0 +1,302 @@
+"""Part → groups of equal density, each with its moments, after checking that the question has an answer."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Collection, Iterable, Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass, replace
+from difflib import get_close_matches
+from fractions import Fraction
+
+import numpy as np
+from numpy.typing import NDArray
+
+from inertia.arrays import Float, Int, Progress
+from inertia.errors import GeometryError, UsageError
+from inertia.mass.moments import Moments
+from inertia.mass.triangles.arithmetic import METHODS, Rung, rungs, solid_moments
+from inertia.mass.triangles.moments_from_sums import moments_of
+from inertia.mass.triangles.sums import Sums, sum_triangles
+from inertia.mesh.check import cell_bodies, check
+from inertia.mesh.checks.findings import around, middle, usable
+from inertia.mesh.geometry.closure import Closure, closure
+from inertia.mesh.geometry.shells import Shell, absolute_orientation, shells
+from inertia.mesh.geometry.shells import bodies as bodies_of
+from inertia.mesh.part import Cells, Facets, Part, Regions, Surface, Triangles
+
+
+@dataclass(frozen=True)
+class Group:
+    """A body or region of one density: its name and its moments in the file's unit."""
+
+    name: str
+    moments: Moments
+
+
+@dataclass(frozen=True, eq=False)
+class Found:
+    """What integrating a part found; lengths in the file's unit.
+
+    `area` is the surface area, `extents` (2, 3) the smallest and largest coordinates, `method` the arithmetic.
+    """
+
+    groups: tuple[Group, ...]
+    method: str
+    triangles: int
+    cells: int
+    closed: bool
+    bodies: int
+    area: float
+    extents: Float
+    notes: tuple[str, ...] = ()
+
+
+def surface_groups(
+    part: Part,
+    named: Collection[str],
+    *,
+    shell: bool = False,
+    accuracy: float | str | None = None,
+    reached: Callable[[Found], bool] = lambda found: True,
+    absolute: bool = False,
+    progress: Progress | None = None,
+) -> Found:
+    """Integrate a triangle surface as a solid, or as a `shell` (whose "volume" is its area).
+
+    The rungs that `accuracy` names are tried in their order until `reached` says that one is good enough; the last
+    one's result is returned in any case.
+
+    Raises `GeometryError` where the surface does not bound a solid that faces outward; with `absolute` an inward
+    one, or one with inverted bodies, is integrated by its absolute orientation.
+    """
+    triangles = part.triangles
+    if triangles.count == 0:
+        check(part).require_fit()
+    if shell and accuracy == "exact":
+        raise UsageError("exact arithmetic cannot give a shell's area, which holds square roots: leave it out")
+    trying = rungs(accuracy)
+    paired, summed = (0.6, 1.0) if shell or accuracy is None else (0.1, 0.2)
+    hangs = closure(triangles, _part_of(progress, 0.0, paired))
+    with naming(part):
+        sums = sum_triangles(triangles, surface=shell, progress=_part_of(progress, paired, summed))
+    extents = np.array([sums.low, sums.high])
+    if not usable(extents).all() or (hangs.open_edges and not shell):
+        check(part).require_fit()
+    pieces = shells(triangles, hangs) if not shell and hangs.components != 1 else ()
+    if absolute and not shell and len(wrong := _wrong(pieces, moments_of(sums))):
+        turned = replace(part, geometry=_turned(triangles, np.isin(hangs.labels, wrong)))
+        note = f"{len(wrong)} of {hangs.components} shells turned, as absolute orientation was asked for"
+        return replace(surface_groups(turned, named, accuracy=accuracy, reached=reached), notes=(note,))
+    found = Found(
+        groups=_shell_groups(part, named, moments_of(sums, surface=True)) if shell else (),
+        method=METHODS["float64"],
+        triangles=triangles.count,
+        cells=0,
+        closed=hangs.open_edges == 0,
+        bodies=len(bodies_of(pieces)) if pieces else hangs.components,
+        area=_area(sums),
+        extents=extents,
+    )
+    if shell:
+        return found
+    for k, rung in enumerate(trying):
+        start, stop = (summed + (1.0 - summed) * step / len(trying) for step in (k, k + 1))
+        whole = solid_moments(triangles, rung, sums, _part_of(progress, start, stop))
+        if pieces or whole.zeroth < -whole.zeroth_bound:
+            check(part).require_fit()
+        flat = not pieces and whole.zeroth <= whole.zeroth_bound
+        if not flat:
+            found = replace(found, groups=_solid_groups(part, named, hangs, pieces, whole, rung), method=METHODS[rung])
+            if reached(found):
+                break
+        elif rung == trying[-1]:
+            _refuse_flat(part, whole, extents)
+    return found
+
+
+@contextmanager
+def naming(part: Part) -> Iterator[None]:
+    """Name the part in the errors of what knows its numbers only."""
+    try:
+        yield
+    except GeometryError as fault:
+        raise GeometryError(f"{part.name}: {fault}") from None
+
+
+def _wrong(pieces: tuple[Shell, ...], whole: Moments) -> Int:
+    """Return the numbers of the shells that absolute orientation turns."""
+    if pieces:
+        return absolute_orientation(pieces)
+    return np.arange(1 if whole.zeroth < -whole.zeroth_bound else 0)
+
+
+def _turned(triangles: Triangles, which: NDArray[np.bool_]) -> Triangles:
+    if isinstance(triangles, Facets):
+        result = Facets(triangles.records.copy())
+        corners = result.corners_f4()
+        corners[which] = corners[which, ::-1]
+        return result
+    faces = triangles.faces.copy()
+    faces[which] = faces[which, ::-1]
+    return Surface(triangles.vertices, faces)
+
+
+def _refuse_flat(part: Part, whole: Moments, box: Float) -> None:
+    raise GeometryError(
+        f"{part.name} has no volume: {float(whole.zeroth):.3g} {part.unit.name}3 {around(middle(box), box)}, with "
+        f"an error bound of {float(whole.zeroth_bound):.3g}: use --shell THICKNESS if it is a sheet"
+    )
+
+
+def _solid_groups(
+    part: Part, named: Collection[str], hangs: Closure, pieces: tuple[Shell, ...], whole: Moments, rung: Rung
+) -> tuple[Group, ...]:
+    """Integrate a sound surface: as one group, or its regions or bodies apart where densities name them."""
+    if not named:
+        return (Group("1", whole),)
+
+    def integrate(chosen: Triangles) -> Moments:
+        return solid_moments(chosen, rung)
+
+    bodies = {str(body.number + 1): body.shells for body in bodies_of(pieces)} or {"1": ()}
+    _refuse_unknown(named, bodies, part.regions)
+    if part.regions is not None and set(named) <= set(part.regions.names):
+        return _region_groups(part, part.regions, integrate)
+    if regions := sorted(set(named) - set(bodies)):
+        raise UsageError(
+            f"densities are given for regions ({regions[0]!r}) and for bodies by number, which may share volume: "
+            "name regions only, or bodies only"
+        )
+    if not pieces:
+        return (Group("1", whole),)
+    chosen = [part.triangles.select(np.flatnonzero(np.isin(hangs.labels, members))) for members in bodies.values()]
+    return tuple(Group(name, integrate(triangles)) for name, triangles in zip(bodies, chosen, strict=True))
+
+
+def _region_groups(part: Part, regions: Regions, integrate: Callable[[Triangles], Moments]) -> tuple[Group, ...]:
+    found = []
+    names, index = _named_regions(regions)
+    for number, name in enumerate(names):
+        chosen = part.triangles.select(np.flatnonzero(index == number))
+        if chosen.count == 0:
+            continue
+        if (edges := closure(chosen).open_edges) != 0:
+            raise GeometryError(
+                f"region {name!r} of {part.name} is not closed by itself: {edges} of its edges have no partner, "
+                "so it has no volume of its own to give a density; close it, or give one density for the part"
+            )
+        moments = integrate(chosen)
+        if moments.zeroth < -moments.zeroth_bound:
+            raise GeometryError(
+                f"region {name!r} of {part.name} faces inward and has a volume of {float(moments.zeroth):.3g} "
+                f"{part.unit.name}3 by itself, as the wall of a cavity has: give one density for the part, or number "
+                "its bodies"
+            )
+        found.append(Group(name, moments))
+    return tuple(found)
+
+
+def _shell_groups(part: Part, named: Collection[str], whole: Moments) -> tuple[Group, ...]:
+    if not named:
+        return (Group("1", whole),)
+    regions = part.regions
+    _refuse_unknown(named, [], regions)
+    assert regions is not None
+    names, index = _named_regions(regions)
+    chosen = [part.triangles.select(np.flatnonzero(index == number)) for number in range(len(names))]
+    return tuple(
+        Group(name, moments_of(sum_triangles(triangles, surface=True), surface=True))
+        for name, triangles in zip(names, chosen, strict=True)
+        if triangles.count
+    )
+
+
+def cell_groups(part: Part, named: Collection[str], *, progress: Progress | None = None) -> Found:
+    """Integrate a volume mesh, region by region where densities are given by name."""
+    from inertia.mass.cells.moments import boundary_area, cell_moments
+
+    cells = part.geometry
+    assert isinstance(cells, Cells)
+    if all(block.kind in ("line", "line3", "vertex") for block in cells.blocks):
+        raise GeometryError(f"{part.name} holds lines or points only, which have no volume: use --wire AREA for lines")
+    check(part).require_fit()
+    regions = part.regions
+    if named:
+        _refuse_unknown(named, [], regions)
+    names, index = _named_regions(regions) if named and regions is not None else (("1",), None)
+    with naming(part):
+        result = cell_moments(cells, index, len(names), progress)
+    groups = tuple(
+        Group(name, moments) for name, moments in zip(names, result.moments, strict=True) if moments.zeroth != 0
+    )
+    notes = []
+    if result.reversed:
+        notes.append(f"{result.reversed} cells number their nodes the other way round: their volume counts positive")
+    return Found(
+        groups=groups,
+        method="float64 quadrature exact for each cell's map, a-priori bound",
+        triangles=0,
+        cells=cells.count,
+        closed=True,
+        bodies=int(cell_bodies(cells).max()) + 1,
+        area=boundary_area(cells),
+        extents=_extents(cells),
+        notes=tuple(notes),
+    )
+
+
+def wire_group(part: Part, named: Collection[str], progress: Progress | None = None) -> Found:
+    """Integrate the lines of a mesh as wires; the "volume" of the group is its length."""
+    from inertia.mass.cells.moments import wire_moments
+
+    cells = part.geometry
+    if not isinstance(cells, Cells) or not any(block.kind.startswith("line") for block in cells.blocks):
+        raise GeometryError(f"{part.name} holds no lines for a wire: leave --wire out, or use --shell THICKNESS")
+    _refuse_unknown(named, ["1"], None)
+    with naming(part):
+        moments = wire_moments(cells)
+    if progress is not None:
+        progress(1.0)
+    return Found(
+        groups=(Group("1", moments),),
+        method="float64 quadrature, a-priori bound (an estimate for curved lines)",
+        triangles=0,
+        cells=cells.count,
+        closed=False,
+        bodies=1,
+        area=0.0,
+        extents=_extents(cells),
+    )
+
+
+def _named_regions(regions: Regions) -> tuple[tuple[str, ...], NDArray[np.int32]]:
+    """Return the regions' names and each element's number, with the elements of no region as region ""."""
+    if (regions.index >= 0).all():
+        return regions.names, regions.index
+    rest = np.int32(len(regions.names))
+    return (*regions.names, ""), np.where(regions.index < 0, rest, regions.index)
+
+
+def _area(sums: Sums) -> float:
+    """Return the surface area Σ|n|/2 in the file's unit."""
+    return float(Fraction(float(sums.sums[11])) / 2 * Fraction(4) ** -sums.exponent)
+
+
+def _extents(cells: Cells) -> Float:
+    used = np.unique(np.concatenate([block.nodes.ravel() for block in cells.blocks]))
+    points = cells.points[used]
+    return np.array([points.min(axis=0), points.max(axis=0)])
+
+
+def _refuse_unknown(named: Iterable[str], known: Iterable[str], regions: Regions | None) -> None:
+    names = [*known, *(regions.names if regions is not None else ())]
+    for key in named:
+        if key not in names:
+            close = get_close_matches(key, names, n=1)
+            hint = f" (did you mean {close[0]!r}?)" if close else ""
+            there = f"it has {', '.join(map(repr, names[:12]))}" if names else "it names none"
+            raise UsageError(f"the part has no region or body called {key!r}{hint}: {there}")
+
+
+def _part_of(progress: Progress | None, start: float, stop: float) -> Progress | None:
+    return None if progress is None else lambda done: progress(start + done * (stop - start))

@@ -1,0 +1,1 @@
+"""Moments of the volume inside triangles, in four arithmetics, with bounds."""

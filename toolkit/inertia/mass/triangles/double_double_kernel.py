@@ -1,0 +1,199 @@
+"""The compiled kernel of double-double sums over triangles; `inertia.mass.triangles.double_double` says how.
+
+Imported only to be compiled (`inertia.native`).
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numba import carray, njit, types
+from numba.extending import intrinsic
+
+from inertia.mass.triangles.fetch_kernel import DEPTH, LANES, fetch_faces, fetch_facets
+
+TERMS = 10
+
+
+@intrinsic
+def fma(context, a, b, c):
+    """Return a·b + c, rounded once."""
+
+    def generate(context, builder, signature, arguments):
+        return builder.fma(*arguments)
+
+    return types.float64(types.float64, types.float64, types.float64), generate
+
+
+@njit(error_model="numpy", forceinline=True)
+def two_sum(a, b):
+    """Return a + b and what rounding took from it."""
+    s = a + b
+    t = s - a
+    return s, (a - (s - t)) + (b - t)
+
+
+@njit(error_model="numpy", forceinline=True)
+def add(ah, al, bh, bl):
+    """Return the sum of two double-doubles."""
+    h, e = two_sum(ah, bh)
+    e += al + bl
+    s = h + e
+    return s, e - (s - h)
+
+
+@njit(error_model="numpy", forceinline=True)
+def mul(ah, al, bh, bl):
+    """Return the product of two double-doubles."""
+    h = ah * bh
+    e = fma(ah, bh, -h) + (ah * bl + al * bh)
+    s = h + e
+    return s, e - (s - h)
+
+
+@njit(error_model="numpy", forceinline=True)
+def dot(ah, al, bh, bl, ch, cl, dh, dl):
+    """Return a·b + c·d."""
+    ph, pl = mul(ah, al, bh, bl)
+    qh, ql = mul(ch, cl, dh, dl)
+    return add(ph, pl, qh, ql)
+
+
+@njit(error_model="numpy", forceinline=True)
+def cross(ah, al, bh, bl, ch, cl, dh, dl):
+    """Return a·b − c·d."""
+    return dot(ah, al, bh, bl, -ch, -cl, dh, dl)
+
+
+@njit(error_model="numpy", forceinline=True)
+def store(total, row, j, h, l):
+    """Add to a sum."""
+    total[row, j], total[row + 1, j] = add(total[row, j], total[row + 1, j], h, l)
+
+
+@njit(inline="always")
+def terms(corner, total, ox, oy, oz):
+    """Add one triangle to each lane."""
+    for j in range(LANES):
+        x0, y0, z0 = corner[0, j], corner[1, j], corner[2, j]
+        x1, y1, z1 = corner[3, j], corner[4, j], corner[5, j]
+        x2, y2, z2 = corner[6, j], corner[7, j], corner[8, j]
+        uxh, uxl = two_sum(x1, -x0)
+        uyh, uyl = two_sum(y1, -y0)
+        uzh, uzl = two_sum(z1, -z0)
+        vxh, vxl = two_sum(x2, -x0)
+        vyh, vyl = two_sum(y2, -y0)
+        vzh, vzl = two_sum(z2, -z0)
+        axh, axl = two_sum(x0, -ox)
+        ayh, ayl = two_sum(y0, -oy)
+        azh, azl = two_sum(z0, -oz)
+        bxh, bxl = two_sum(x1, -ox)
+        byh, byl = two_sum(y1, -oy)
+        bzh, bzl = two_sum(z1, -oz)
+        cxh, cxl = two_sum(x2, -ox)
+        cyh, cyl = two_sum(y2, -oy)
+        czh, czl = two_sum(z2, -oz)
+        nxh, nxl = cross(uyh, uyl, vzh, vzl, uzh, uzl, vyh, vyl)
+        nyh, nyl = cross(uzh, uzl, vxh, vxl, uxh, uxl, vzh, vzl)
+        nzh, nzl = cross(uxh, uxl, vyh, vyl, uyh, uyl, vxh, vxl)
+        dh, dl = dot(axh, axl, nxh, nxl, ayh, ayl, nyh, nyl)
+        eh, el = mul(azh, azl, nzh, nzl)
+        dh, dl = add(dh, dl, eh, el)
+        txh, txl = add(axh, axl, bxh, bxl)
+        tyh, tyl = add(ayh, ayl, byh, byl)
+        tzh, tzl = add(azh, azl, bzh, bzl)
+        sxh, sxl = add(txh, txl, cxh, cxl)
+        syh, syl = add(tyh, tyl, cyh, cyl)
+        szh, szl = add(tzh, tzl, czh, czl)
+        store(total, 0, j, dh, dl)
+        h, l = mul(dh, dl, sxh, sxl)
+        store(total, 2, j, h, l)
+        h, l = mul(dh, dl, syh, syl)
+        store(total, 4, j, h, l)
+        h, l = mul(dh, dl, szh, szl)
+        store(total, 6, j, h, l)
+        gh, gl = square(axh, axl, bxh, bxl, txh, txl, cxh, cxl, sxh, sxl)
+        h, l = mul(dh, dl, gh, gl)
+        store(total, 8, j, h, l)
+        gh, gl = square(ayh, ayl, byh, byl, tyh, tyl, cyh, cyl, syh, syl)
+        h, l = mul(dh, dl, gh, gl)
+        store(total, 10, j, h, l)
+        gh, gl = square(azh, azl, bzh, bzl, tzh, tzl, czh, czl, szh, szl)
+        h, l = mul(dh, dl, gh, gl)
+        store(total, 12, j, h, l)
+        gh, gl = mixed(syh, syl, szh, szl, ayh, ayl, azh, azl, byh, byl, bzh, bzl, cyh, cyl, czh, czl)
+        h, l = mul(dh, dl, gh, gl)
+        store(total, 14, j, h, l)
+        gh, gl = mixed(szh, szl, sxh, sxl, azh, azl, axh, axl, bzh, bzl, bxh, bxl, czh, czl, cxh, cxl)
+        h, l = mul(dh, dl, gh, gl)
+        store(total, 16, j, h, l)
+        gh, gl = mixed(sxh, sxl, syh, syl, axh, axl, ayh, ayl, bxh, bxl, byh, byl, cxh, cxl, cyh, cyl)
+        h, l = mul(dh, dl, gh, gl)
+        store(total, 18, j, h, l)
+
+
+@njit(error_model="numpy", forceinline=True)
+def square(ah, al, bh, bl, th, tl, ch, cl, sh, sl):
+    """Return a² + b t + c s."""
+    gh, gl = dot(ah, al, ah, al, bh, bl, th, tl)
+    ph, pl = mul(ch, cl, sh, sl)
+    return add(gh, gl, ph, pl)
+
+
+@njit(error_model="numpy", forceinline=True)
+def mixed(sh, sl, rh, rl, ah, al, ph, pl, bh, bl, qh, ql, ch, cl, wh, wl):
+    """Return s r + a p + b q + c w."""
+    gh, gl = dot(sh, sl, rh, rl, ah, al, ph, pl)
+    kh, kl = dot(bh, bl, qh, ql, ch, cl, wh, wl)
+    return add(gh, gl, kh, kl)
+
+
+@njit(inline="always")
+def clear(total):
+    """Begin a block."""
+    for row in range(2 * TERMS):
+        for lane in range(LANES):
+            total[row, lane] = 0.0
+
+
+@njit(inline="always")
+def finish(total, out, block):
+    """Add up the lanes as a binary tree and store the block."""
+    half = LANES // 2
+    while half > 0:
+        for row in range(0, 2 * TERMS, 2):
+            for lane in range(half):
+                store(total, row, lane, total[row, lane + half], total[row + 1, lane + half])
+        half //= 2
+    for row in range(2 * TERMS):
+        out[block, row] = total[row, 0]
+
+
+def sum_facets(records, count, ox, oy, oz, scratch, out_at):
+    """Sum `count` binary STL records into a row (10 sums, high and low) for each block."""
+    room = carray(scratch, (9 + 2 * TERMS, LANES), np.float64)
+    corner, total = room[:9], room[9:]
+    blocks = (count + LANES * DEPTH - 1) // (LANES * DEPTH)
+    out = carray(out_at, (blocks, 2 * TERMS), np.float64)
+    for block in range(blocks):
+        clear(total)
+        for start in range(block * LANES * DEPTH, min((block + 1) * LANES * DEPTH, count), LANES):
+            fetch_facets(records, start, count, scratch, corner)
+            terms(corner, total, ox, oy, oz)
+        finish(total, out, block)
+    return 0
+
+
+def sum_faces(vertices, faces_at, count, ox, oy, oz, scratch, out_at):
+    """Sum `count` faces over shared vertices into a row (10 sums, high and low) for each block."""
+    faces = carray(faces_at, (count, 3), np.int64)
+    room = carray(scratch, (9 + 2 * TERMS, LANES), np.float64)
+    corner, total = room[:9], room[9:]
+    blocks = (count + LANES * DEPTH - 1) // (LANES * DEPTH)
+    out = carray(out_at, (blocks, 2 * TERMS), np.float64)
+    for block in range(blocks):
+        clear(total)
+        for start in range(block * LANES * DEPTH, min((block + 1) * LANES * DEPTH, count), LANES):
+            fetch_faces(vertices, faces, start, count, scratch, corner)
+            terms(corner, total, ox, oy, oz)
+        finish(total, out, block)
+    return 0

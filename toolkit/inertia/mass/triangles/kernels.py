@@ -1,0 +1,54 @@
+"""Run a compiled kernel over the triangles of a mesh, block by block."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+
+from inertia.arrays import Float
+from inertia.mesh.part import Facets, Triangles
+from inertia.native import Kernel
+
+LANES, DEPTH = 32, 32
+BLOCK = LANES * DEPTH
+"""Triangles whose sums become one row."""
+
+_FACETS_CHUNK, _FACES_CHUNK = 32 * BLOCK, 256 * BLOCK  # records are released as they are read
+
+
+@dataclass(frozen=True)
+class BlockKernel:
+    """The two forms of a kernel, for binary STL records and for faces over vertices, and the columns of its rows."""
+
+    facets: Kernel
+    faces: Kernel
+    columns: int
+
+    def worthwhile(self, triangles: Triangles) -> bool:
+        """Say whether the work repays compiling or loading the form that these triangles need."""
+        kernel = self.facets if isinstance(triangles, Facets) else self.faces
+        return kernel.worthwhile(triangles.count)
+
+    def rows(self, triangles: Triangles, frame: tuple[float, ...]) -> Iterator[tuple[int, Float]]:
+        """Yield the number of triangles done so far and the rows of the blocks that it took, (blocks, columns)."""
+        room = np.empty((9 + self.columns) * LANES + 8)
+        scratch = room[-room.ctypes.data % 64 // 8 :]  # on a cache line, for the widest vectors
+        count = triangles.count
+        table = np.empty((-(-count // BLOCK), self.columns))
+        out = table.ctypes.data
+        fixed: tuple[int, ...]
+        if isinstance(triangles, Facets):
+            kernel, rows, fixed, chunk = self.facets, triangles.records, (), _FACETS_CHUNK
+        else:
+            kernel, rows, fixed, chunk = self.faces, triangles.faces, (triangles.vertices.ctypes.data,), _FACES_CHUNK
+        at, size = rows.ctypes.data, rows.strides[0]
+        for start in range(0, count, chunk):
+            stop = min(start + chunk, count)
+            first = start // BLOCK
+            kernel.function(
+                *fixed, at + start * size, stop - start, *frame, scratch.ctypes.data, out + first * table.strides[0]
+            )
+            triangles.release(start, stop)
+            yield stop, table[first : -(-stop // BLOCK)]

@@ -1,0 +1,194 @@
+"""Sum the moments of triangles in float64, in one fixed order, with what an error bound needs.
+
+For the tetrahedra (o, a, b, c) that the triangles of a closed surface span with a local origin o, with
+d = a·((b − a) × (c − a)) and s = a + b + c (all relative to o), thirteen sums are formed:
+
+    Σ d,   Σ d s,   Σ d (a² + b (a + b) + c s)  for xx, yy, zz,
+    Σ d (s s' + a a' + b b' + c c')  for yz, zx, xy,   Σ p,   Σ |n|,   Σ |d|
+
+where n = (b − a) × (c − a) and p is d with every product and coordinate replaced by its magnitude, a bound on what
+rounding can do to d. (The first bracket is half of what the second becomes on the diagonal.) For a shell, |n| takes
+the place of d and the magnitudes of n's products that of p. Beside them stand the smallest and largest coordinates.
+
+The edges are differences of *stored* coordinates and the corners are taken relative to a local origin inside the
+part: each is rounded at most once, so nothing is lost to the distance of the part from the file's origin. A part
+whose size is beyond 2^±100 is multiplied by a power of two first, which is exact and keeps the products in range.
+
+Order: 32 lanes × 32 triangles are a block; lane sums run down the block, the lanes and then 16 blocks are added as
+binary trees, and these sums are added exactly and rounded once (`math.fsum`). The compiled kernel and the numpy one
+follow the same order with the same roundings, so their answers have the same bits.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+
+import numpy as np
+
+from inertia.arrays import Float
+from inertia.errors import GeometryError
+from inertia.mass.triangles.kernels import BLOCK, DEPTH, LANES, BlockKernel
+from inertia.mesh.checks.finite import first_non_finite
+from inertia.mesh.part import Triangles
+from inertia.native import Kernel
+
+SUMS = 13
+_KERNEL = BlockKernel(
+    Kernel("inertia.mass.triangles.moment_kernel", "sum_facets", "pi" + "ddd" + "ipp"),
+    Kernel("inertia.mass.triangles.moment_kernel", "sum_faces", "ppi" + "ddd" + "ipp"),
+    columns=SUMS + 6,
+)
+_IN_RANGE = 100  # fifth powers of 2^±100 and their sums stay far from the ends of float64
+_LARGEST_EXPONENT = 1000
+_SAMPLED = 64
+_NUMPY_CHUNK = 16 * BLOCK
+
+
+@dataclass(frozen=True, eq=False)
+class Sums:
+    """The thirteen sums in the scaled local frame, and the extents as stored.
+
+    A coordinate x enters as (x − origin)·2^exponent. `sums` is (13,); `origin`, `low` and `high` are (3,), as stored.
+    """
+
+    origin: Float
+    exponent: int
+    sums: Float
+    low: Float
+    high: Float
+    count: int
+
+
+def sum_triangles(
+    triangles: Triangles, *, surface: bool = False, progress: Callable[[float], None] | None = None
+) -> Sums:
+    """Sum over all triangles: as the boundary of a solid, or (`surface`) as a shell.
+
+    Raises `GeometryError` where a coordinate is infinite or not a number.
+    """
+    origin, exponent = _frame(triangles)
+    if exponent == 0 and _KERNEL.worthwhile(triangles):
+        runs = _KERNEL.rows(triangles, (*origin.tolist(), int(surface)))
+    else:
+        runs = _vectorised(triangles, origin, exponent, surface)
+    blocks = []
+    with np.errstate(invalid="ignore", over="ignore"):
+        for stop, rows in runs:
+            blocks.append(rows)
+            if progress is not None:
+                progress(stop / triangles.count)
+        table = np.ascontiguousarray(np.concatenate(blocks).T)
+    if not np.isfinite(table).all():
+        _refuse_non_finite(triangles)
+    return Sums(
+        origin,
+        exponent,
+        _add_blocks(table[:SUMS]),
+        table[SUMS : SUMS + 3].min(axis=1),
+        table[SUMS + 3 :].max(axis=1),
+        triangles.count,
+    )
+
+
+def _frame(triangles: Triangles) -> tuple[Float, int]:
+    """Choose the local origin, from a sample of the triangles, and a power of two where the size asks for one."""
+    sample = triangles.sample(_SAMPLED).reshape(-1, 3)
+    if not np.isfinite(sample).all():
+        _refuse_non_finite(triangles)
+    low, high = sample.min(axis=0), sample.max(axis=0)
+    with np.errstate(over="ignore"):
+        origin = low + 0.5 * (high - low) if np.isfinite(high - low).all() else 0.5 * low + 0.5 * high
+        exponent = math.frexp(float(np.maximum(high - origin, origin - low).max()))[1]
+    if abs(exponent) <= _IN_RANGE:
+        return origin, 0
+    return origin, -max(-_LARGEST_EXPONENT, min(_LARGEST_EXPONENT, exponent))
+
+
+def _add_blocks(table: Float) -> Float:
+    """Add the blocks: 16 at a time as a binary tree, then exactly, rounded once."""
+    rows = np.zeros((len(table), -(-table.shape[1] // 16) * 16))
+    rows[:, : table.shape[1]] = table
+    for _ in range(4):
+        rows = rows[:, 0::2] + rows[:, 1::2]
+    return np.array([math.fsum(row) for row in rows.tolist()])
+
+
+def _refuse_non_finite(triangles: Triangles) -> None:
+    where = first_non_finite(triangles)
+    if where is None:
+        raise GeometryError("the mesh is larger than float64 can hold: give its coordinates in a larger unit")
+    face, corner = where
+    value = triangles.corners(face, face + 1)[0, corner]
+    raise GeometryError(
+        f"triangle {face}, corner {corner} has the coordinates {tuple(value.tolist())}, "
+        "which are not all finite: export the mesh again"
+    )
+
+
+def _vectorised(triangles: Triangles, origin: Float, exponent: int, surface: bool) -> Iterator[tuple[int, Float]]:
+    for start in range(0, triangles.count, _NUMPY_CHUNK):
+        stop = min(start + _NUMPY_CHUNK, triangles.count)
+        corners = triangles.corners(start, stop)
+        triangles.release(start, stop)
+        rows = _blocks(np.ldexp(corners, exponent), np.ldexp(origin, exponent), surface)
+        rows[:, SUMS:] = np.ldexp(rows[:, SUMS:], -exponent)
+        yield stop, rows
+
+
+def _blocks(corners: Float, origin: Float, surface: bool) -> Float:
+    count = len(corners)
+    rows = -(-count // LANES)
+    padded = np.empty((-(-count // BLOCK) * BLOCK, 3, 3))
+    padded[:count] = corners
+    # A lane without a triangle gets a point: the first corner of its row, or of the last row.
+    for row in range(rows - 1, len(padded) // LANES):
+        first = max(count, row * LANES)
+        padded[first : (row + 1) * LANES] = corners[min(row, rows - 1) * LANES, 0]
+    x, y, z = np.ascontiguousarray(padded.transpose(2, 1, 0))
+    ux, uy, uz = (k[1] - k[0] for k in (x, y, z))
+    vx, vy, vz = (k[2] - k[0] for k in (x, y, z))
+    (ax, bx, cx), (ay, by, cy), (az, bz, cz) = (k - o for k, o in zip((x, y, z), origin.tolist(), strict=True))
+    px, qx = uy * vz, uz * vy
+    py, qy = uz * vx, ux * vz
+    pz, qz = ux * vy, uy * vx
+    nx, ny, nz = px - qx, py - qy, pz - qz
+    mx, my, mz = abs(px) + abs(qx), abs(py) + abs(qy), abs(pz) + abs(qz)
+    area = np.sqrt((nx * nx + ny * ny) + nz * nz)
+    if surface:
+        weight, size = area, (mx + my) + mz
+    else:
+        weight = (ax * nx + ay * ny) + az * nz
+        size = (abs(ax) * mx + abs(ay) * my) + abs(az) * mz
+    tx, ty, tz = ax + bx, ay + by, az + bz
+    sx, sy, sz = tx + cx, ty + cy, tz + cz
+    terms = (
+        weight,
+        weight * sx,
+        weight * sy,
+        weight * sz,
+        weight * ((ax * ax + bx * tx) + cx * sx),
+        weight * ((ay * ay + by * ty) + cy * sy),
+        weight * ((az * az + bz * tz) + cz * sz),
+        weight * (((sy * sz + ay * az) + by * bz) + cy * cz),
+        weight * (((sz * sx + az * ax) + bz * bx) + cz * cx),
+        weight * (((sx * sy + ax * ay) + bx * by) + cx * cy),
+        size,
+        area,
+        abs(weight),
+    )
+    out = np.empty((len(padded) // BLOCK, SUMS + 6))
+    for row, term in enumerate(terms):
+        lanes = term.reshape(-1, DEPTH, LANES)
+        total = lanes[:, 0].copy()
+        for step in range(1, DEPTH):
+            total += lanes[:, step]
+        while total.shape[1] > 1:
+            half = total.shape[1] // 2
+            total = total[:, :half] + total[:, half:]
+        out[:, row] = total[:, 0]
+    for axis, coordinate in enumerate((x, y, z)):
+        out[:, SUMS + axis] = coordinate.min(axis=0).reshape(-1, BLOCK).min(axis=1)
+        out[:, SUMS + 3 + axis] = coordinate.max(axis=0).reshape(-1, BLOCK).max(axis=1)
+    return out

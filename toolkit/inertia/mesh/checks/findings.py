@@ -1,0 +1,143 @@
+"""What a check of a part has found: single findings, and the report that holds them."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+from typing import Literal, NamedTuple
+
+import numpy as np
+
+from inertia.arrays import Bool, Float, Int, Orientation
+from inertia.errors import GeometryError
+from inertia.mesh.geometry.edges import Loop, Place
+from inertia.mesh.geometry.shells import Shell
+from inertia.mesh.part import Source
+
+Severity = Literal["error", "warning", "note"]
+
+_ORDER: tuple[Severity, ...] = ("error", "warning", "note")
+_LARGEST = 1e75  # the inertia of anything larger leaves float64, whatever the unit
+_LISTED = 10
+
+
+@dataclass(frozen=True)
+class Finding:
+    """One thing found in a part.
+
+    Attributes
+    ----------
+    code : what kind of finding it is
+    severity : "error" (no honest volume can be had), "warning" (look at it) or "note"
+    message : one sentence: what, how much, where, and the remedy
+    count : how many there are
+    faces : numbers of the first ten triangles (or cells) concerned
+    place : where the first or largest is, in file units
+    turnable : True where turning shells to their absolute orientation removes it
+    """
+
+    code: str
+    severity: Severity
+    message: str
+    count: int
+    faces: tuple[int, ...] = ()
+    place: Place | None = None
+    turnable: bool = False
+
+
+@dataclass(frozen=True)
+class Report:
+    """The state of a part.
+
+    Attributes
+    ----------
+    source : where the part came from
+    triangles : number of triangles (cells, for a mesh of cells)
+    vertices : number of different vertices that they use
+    closed : every edge is used an even number of times
+    consistent : every edge is used both ways equally often, as far as that number allows
+    outward : True where every shell is wound as its depth asks, False where every one is wound against it,
+        None where the surface does not bound a volume, or some are and some are not
+    bodies : number of bodies; of separate pieces, where the surface does not bound a volume
+    shells : of a surface that bounds a volume
+    loops : rims of the holes, the longest first
+    findings : errors first, the most important first
+    """
+
+    source: Source
+    triangles: int
+    vertices: int
+    closed: bool
+    consistent: bool
+    outward: bool | None
+    bodies: int
+    shells: tuple[Shell, ...]
+    loops: tuple[Loop, ...]
+    findings: tuple[Finding, ...]
+
+    @property
+    def fit(self) -> bool:
+        """Whether the volume as stored is an honest one: there is no error."""
+        return not self.faults()
+
+    def faults(self, orientation: Orientation = "stored") -> tuple[Finding, ...]:
+        """Return the errors; `"absolute"` leaves out those that turning the shells removes."""
+        forgiven = orientation == "absolute"
+        return tuple(f for f in self.findings if f.severity == "error" and not (forgiven and f.turnable))
+
+    def require_fit(self, orientation: Orientation = "stored") -> None:
+        """Raise `GeometryError` with the most important fault, if there is one."""
+        faults = self.faults(orientation)
+        if faults:
+            others = len(faults) - 1
+            more = f" (`inertia check` lists {counted(others, 'more fault')})" if others else ""
+            raise GeometryError(f"{self.source.path or 'the part'}: {faults[0].message}{more}")
+
+
+class Where(NamedTuple):
+    """The last fields of a `Finding`: how many, the first of their triangles, and the place of the first."""
+
+    number: int
+    faces: tuple[int, ...]
+    place: Place
+
+
+def by_severity(findings: Iterable[Finding | None]) -> tuple[Finding, ...]:
+    """Return what was found, errors first, otherwise in the order given."""
+    return tuple(sorted((f for f in findings if f), key=lambda finding: _ORDER.index(finding.severity)))
+
+
+def usable(coordinates: Float) -> Bool:
+    """Say which coordinates are numbers that a volume can be computed from."""
+    return np.abs(coordinates) <= _LARGEST
+
+
+def listed(which: Int) -> tuple[int, ...]:
+    """Return the first ten numbers."""
+    return tuple(which[:_LISTED].tolist())
+
+
+def middle(points: Float) -> Place:
+    """Return the mean of points (k, 3)."""
+    x, y, z = points.mean(axis=0).tolist()
+    return x, y, z
+
+
+def counted(count: int, noun: str, plural: str | None = None) -> str:
+    """Return a count in words.
+
+    >>> counted(1, "body", "bodies"), counted(2, "edge")
+    ('1 body', '2 edges')
+    """
+    return f"{count} {noun if count == 1 else plural or noun + 's'}"
+
+
+def around(place: Place, box: Float) -> str:
+    """Return a place in words, to a ten-thousandth of the size of the part's box (2, 3).
+
+    >>> around((31.00000001, -1e-9, 5.5), np.array([[0, 0, 0], [40, 1, 10]]))
+    'around (31.0, 0.0, 5.5)'
+    """
+    size = float(np.max(box[1] - box[0]))
+    digits = 4 - int(np.floor(np.log10(size))) if size > 0 else 16
+    return f"around ({', '.join(repr(round(value, digits) + 0.0) for value in place)})"

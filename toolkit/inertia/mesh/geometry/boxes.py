@@ -1,0 +1,112 @@
+"""Which of many boxes overlap: a tree of boxes over a space-filling curve, descended pair by pair.
+
+The boxes are put in Morton order and enclosed two by two, four by four, and so on. Pairs of enclosing boxes
+that overlap are opened until single boxes remain. A large box burdens only those that enclose it, so sizes
+may be as uneven as they like; pairs are opened a chunk at a time, so memory is bounded however many there
+are.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import numpy as np
+from numpy.typing import NDArray
+
+from inertia.arrays import Float, Int
+
+_CHUNK = 1 << 16  # pairs of boxes opened at a time
+_BITS = 21  # of a Morton code, for each axis
+
+
+class BoxTree:
+    """Boxes, and those that enclose 2, 4, 8, ... of them.
+
+    Parameters
+    ----------
+    low, high : (n, 3), least and greatest coordinates, finite; n ≥ 1
+    """
+
+    def __init__(self, low: Float, high: Float) -> None:
+        self.order: Int = np.argsort(_morton(low / 2 + high / 2), kind="stable")
+        self.low = [np.ascontiguousarray(low[self.order].T)]
+        self.high = [np.ascontiguousarray(high[self.order].T)]
+        while self.low[-1].shape[1] > 1:
+            pairs = np.arange(0, self.low[-1].shape[1], 2)
+            self.low.append(np.minimum.reduceat(self.low[-1], pairs, axis=1))
+            self.high.append(np.maximum.reduceat(self.high[-1], pairs, axis=1))
+
+    def level(self, height: int) -> tuple[Float, Float]:
+        """Return the boxes (3, k) that enclose 2**height of those given; above the root there is the root."""
+        height = min(height, len(self.low) - 1)
+        return self.low[height], self.high[height]
+
+
+def overlapping(a: BoxTree, b: BoxTree | None = None, *, touching: bool = False) -> Iterator[tuple[Int, Int, float]]:
+    """Yield the pairs of boxes of `a` and `b` that overlap, chunk by chunk.
+
+    Parameters
+    ----------
+    b : None pairs the boxes of `a` among themselves, each pair once, the lower number first
+    touching : count boxes that only touch; without it, a flat box overlaps one that it cuts, and no flat box
+        in its own plane
+
+    Yields
+    ------
+    i, j : (k,) numbers of boxes in `a` and in `b`; k may be 0
+    done : fraction of the search that is done
+    """
+    other = a if b is None else b
+    below = np.less_equal if touching else np.less
+    root = np.zeros(1, np.int64)
+    todo = [(max(len(a.low), len(other.low)) - 1, root, root, 1.0)]
+    done = 0.0
+    while todo:
+        height, i, j, share = todo.pop()
+        if len(i) > _CHUNK:
+            half = len(i) // 2
+            todo += [(height, i[half:], j[half:], share / 2), (height, i[:half], j[:half], share / 2)]
+            continue
+        (low_a, high_a), (low_b, high_b) = a.level(height), other.level(height)
+        for axis in range(3):
+            kept = below(low_a[axis, i], high_b[axis, j]) & below(low_b[axis, j], high_a[axis, i])
+            i, j = i[kept], j[kept]
+        if height > 0 and len(i):
+            todo.append((height - 1, *_children(i, j, a, other, height - 1, b is None), share))
+            continue
+        done += share
+        i, j = a.order[i], other.order[j]
+        if b is None:
+            i, j = np.minimum(i, j), np.maximum(i, j)
+            i, j = i[i < j], j[i < j]
+        yield i, j, done
+
+
+def _children(i: Int, j: Int, a: BoxTree, b: BoxTree, height: int, among: bool) -> tuple[Int, Int]:
+    """Return the pairs of boxes one level below pairs of boxes; `among` one tree, each pair once."""
+    i = (2 * i[:, None] + (0, 0, 1, 1)).ravel()
+    j = (2 * j[:, None] + (0, 1, 0, 1)).ravel()
+    kept = (i < a.level(height)[0].shape[1]) & (j < b.level(height)[0].shape[1])
+    if among:
+        kept &= i <= j
+    return i[kept], j[kept]
+
+
+def _morton(points: Float) -> NDArray[np.uint64]:
+    """Return for points (n, 3) their place along a Z-order curve through their common box."""
+    low = points.min(axis=0)
+    extent = float((points.max(axis=0) - low).max())
+    cells = (points - low) * ((2**_BITS - 1) / extent if extent > 0 else 0.0)
+    code = np.zeros(len(points), np.uint64)
+    for axis, cell in enumerate(cells.T.astype(np.uint64)):
+        # Spread the bits, two free places after each.
+        for shift, mask in (
+            (32, 0x1F00000000FFFF),
+            (16, 0x1F0000FF0000FF),
+            (8, 0x100F00F00F00F00F),
+            (4, 0x10C30C30C30C30C3),
+            (2, 0x1249249249249249),
+        ):
+            cell = (cell | cell << np.uint64(shift)) & np.uint64(mask)
+        code |= cell << np.uint64(axis)
+    return code

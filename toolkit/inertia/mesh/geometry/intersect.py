@@ -1,0 +1,226 @@
+"""Where triangles cross, and whether two bodies overlap.
+
+Bodies can overlap without a crossing, one inside the other or with faces in common planes. Whatever is common
+to two bodies is bounded by parts of their surfaces, and where no triangles cross, a triangle is cut into
+parts only by edges that lie in its plane. So a place is tried just inside each triangle, beside each such
+edge and inside each crossing: if the bodies overlap, one of these places is inside both.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+
+from inertia.arrays import Float, Int, Progress
+from inertia.mesh.geometry.boxes import BoxTree, overlapping
+from inertia.mesh.geometry.closure import closure, weld
+from inertia.mesh.geometry.triangle_pairs import crossing, unit, unit_normals
+from inertia.mesh.geometry.winding import windings
+from inertia.mesh.part import Surface, Triangles
+
+_CONTACT = 1e-6  # depth below which bodies only touch, over the largest extent of the smaller one
+_LAST_DIGITS = 4  # the same, over the spacing of the stored numbers at the largest coordinate
+_AT_ONCE = 1 << 17  # places tried at a time
+_FACING = 0.02  # |sum of two unit normals| below which two faces face each other
+
+
+@dataclass(frozen=True, eq=False)
+class Crossings:
+    """Pairs of triangles that cross.
+
+    Attributes
+    ----------
+    pairs : (k, 2), triangle numbers in a and in b; the first k in ascending order
+    points : (k, 3), the middle of the segment that the two share, in file units
+    total : number of pairs that cross, those not listed included
+    truncated : whether `total` exceeds k
+    """
+
+    pairs: Int
+    points: Float
+    total: int
+    truncated: bool
+
+
+def crossings(
+    a: Triangles, b: Triangles | None = None, limit: int = 100, progress: Progress | None = None
+) -> Crossings:
+    """Find the triangles of `a` that cross triangles of `b`, or one another where `b` is None.
+
+    What a crossing is, `inertia.mesh.geometry.triangle_pairs` says; triangles that overlap in one plane are not among
+    them, and triangles without area cross nothing. Coordinates must be finite.
+
+    Parameters
+    ----------
+    limit : pairs listed at most; all are counted
+
+    >>> from inertia.mesh.part import Surface
+    >>> flat = Surface([[0, 0, 0], [4, 0, 0], [0, 4, 0]], [[0, 1, 2]])
+    >>> upright = Surface([[1, 1, -1], [1, 1, 1], [9, 9, 1]], [[0, 1, 2]])
+    >>> crossings(flat, upright).points
+    array([[1.5, 1.5, 0. ]])
+    """
+    if b is None:
+        vertices, faces = weld(a)
+        numbers_a = numbers_b = np.arange(len(faces))
+        faces_a = faces_b = faces
+    else:
+        numbers_a, numbers_b = _in_common_box(a, b)
+        vertices, faces_a, faces_b = _welded_together(a.select(numbers_a), b.select(numbers_b))
+    pairs, points, total = np.empty((0, 2), np.int64), np.empty((0, 3)), 0
+    for i, j, done in _candidates(vertices, faces_a, None if b is None else faces_b):
+        found, places = crossing(vertices, faces_a[i], faces_b[j])
+        total += len(found)
+        pairs = np.vstack([pairs, np.column_stack([numbers_a[i[found]], numbers_b[j[found]]])])
+        points = np.vstack([points, places])
+        first = np.lexsort(pairs.T[::-1])[:limit]
+        pairs, points = pairs[first], points[first]
+        if progress is not None:
+            progress(done)
+    return Crossings(pairs, points, total, total > len(pairs))
+
+
+def overlap(a: Triangles, b: Triangles, contact: float = 0.0) -> tuple[float, float, float] | None:
+    """Return a place inside both of two bodies, or None.
+
+    The bodies are bounded by closed, outward surfaces (cavities inward) with finite coordinates. They only
+    touch where they share no place deeper in both than 1e-6 of the smaller one's extent, or four times the
+    last digit of the largest coordinate, if that is more: rounding alone makes faces that touch cross. Where that is
+    still less than `contact`, a length, `contact` counts: meshes of one curved surface cross as deep as their chords.
+
+    >>> from inertia.mesh.part import Surface
+    >>> faces = [[0, 2, 1], [0, 1, 3], [1, 2, 3], [0, 3, 2]]
+    >>> one = Surface([[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]], faces)
+    >>> overlap(one, Surface(one.vertices + 0.1, faces)) is None
+    False
+    >>> overlap(one, Surface(one.vertices + [1, 0, 0], faces)) is None
+    True
+    """
+    if a.count == 0 or b.count == 0:
+        return None
+    vertices, faces_a, faces_b = _welded_together(a, b)
+    boxes = [(vertices[faces].min(axis=(0, 1)), vertices[faces].max(axis=(0, 1))) for faces in (faces_a, faces_b)]
+    low, high = np.maximum(boxes[0][0], boxes[1][0]), np.minimum(boxes[0][1], boxes[1][1])
+    if (high <= low).any():
+        return None
+    size = min(float((most - least).max()) for least, most in boxes)
+    depth = max(contact, _CONTACT * size, _LAST_DIGITS * _last_digit(vertices))
+    # Only what is above or below a place counts in its winding number.
+    faces_a, faces_b = (_above_and_below(vertices, faces, low, high) for faces in (faces_a, faces_b))
+    centre, exponent = low / 2 + high / 2, int(np.frexp(size)[1])
+    vertices, depth = np.ldexp(vertices - centre, -exponent), float(np.ldexp(depth, -exponent))
+    for places, least in _places(vertices, faces_a, faces_b, depth):
+        inside = places
+        for faces in (faces_a, faces_b):
+            winding, clearance = windings(inside, vertices[faces], depth)
+            inside = inside[(winding > 0) & (clearance >= least)]
+        if len(inside):
+            x, y, z = (np.ldexp(inside[0], exponent) + centre).tolist()
+            return x, y, z
+    return None
+
+
+def _above_and_below(vertices: Float, faces: Int, low: Float, high: Float) -> Int:
+    """Return the faces that meet lines along z through a box."""
+    corners = vertices[faces][:, :, :2]
+    meets = ((corners.min(axis=1) <= high[:2]) & (low[:2] <= corners.max(axis=1))).all(axis=1)
+    return faces[np.flatnonzero(meets)]
+
+
+def _last_digit(vertices: Float) -> float:
+    """Return the spacing at the largest coordinate: of float32 if all are such numbers, else of float64."""
+    largest = np.abs(vertices).max()
+    with np.errstate(over="ignore", under="ignore"):
+        single = vertices.astype(np.float32)
+    return float(np.spacing(np.float32(largest) if (single == vertices).all() else largest))
+
+
+def _in_common_box(a: Triangles, b: Triangles) -> tuple[Int, Int]:
+    """Return the triangles of each surface that reach into the box of the other."""
+    boxes = [(corners.min(axis=1), corners.max(axis=1)) for corners in (a.corners(), b.corners())]
+    in_a, in_b = (
+        np.flatnonzero(
+            ((low <= highs.max(axis=0, initial=-np.inf)) & (lows.min(axis=0, initial=np.inf) <= high)).all(axis=1)
+        )
+        for (low, high), (lows, highs) in zip(boxes, reversed(boxes), strict=True)
+    )
+    return in_a, in_b
+
+
+def _welded_together(a: Triangles, b: Triangles) -> tuple[Float, Int, Int]:
+    """Return common vertices, and the faces of both surfaces over them."""
+    corners = np.concatenate([a.corners(), b.corners()]).reshape(-1, 3)
+    vertices, faces = weld(Surface(corners, np.arange(len(corners)).reshape(-1, 3)))
+    return vertices, faces[: a.count], faces[a.count :]
+
+
+def _candidates(
+    vertices: Float, faces_a: Int, faces_b: Int | None, *, touching: bool = False
+) -> Iterator[tuple[Int, Int, float]]:
+    """Yield pairs of faces whose boxes overlap, and the fraction done; see `overlapping`."""
+    if len(faces_a) == 0 or (faces_b is not None and len(faces_b) == 0):
+        return
+    trees = []
+    for faces in (faces_a,) if faces_b is None else (faces_a, faces_b):
+        corners = vertices[faces]
+        trees.append(BoxTree(corners.min(axis=1), corners.max(axis=1)))
+    yield from overlapping(*trees, touching=touching)
+
+
+def _places(vertices: Float, faces_a: Int, faces_b: Int, depth: float) -> Iterator[tuple[Float, float]]:
+    """Yield places (k, 3), and how clear of the surfaces one must be to show that the bodies overlap.
+
+    Of all the places one is inside both bodies, if anything is and lies deeper than `depth`.
+    """
+    normals_a, normals_b = unit_normals(vertices[faces_a]), unit_normals(vertices[faces_b])
+    near_a, near_b = np.zeros(len(faces_a), bool), np.zeros(len(faces_b), bool)
+    waiting = [np.empty((0, 3))]
+    for i, j, _ in _candidates(vertices, faces_a, faces_b, touching=True):
+        near_a[i] = near_b[j] = True
+        found, middles = crossing(vertices, faces_a[i], faces_b[j])
+        inwards = -(normals_a[i[found]] + normals_b[j[found]])
+        size = np.linalg.norm(inwards, axis=1, keepdims=True)
+        apart = size[:, 0] > _FACING
+        waiting += [
+            middles[apart] + 2 * depth * inwards[apart] / size[apart] ** 2,
+            _beside_edges(vertices, faces_a[i], normals_a[i], faces_b[j], depth),
+            _beside_edges(vertices, faces_b[j], normals_b[j], faces_a[i], depth),
+        ]
+        if sum(map(len, waiting)) > _AT_ONCE:
+            yield np.concatenate(waiting), depth / 2
+            waiting = [np.empty((0, 3))]
+    yield np.concatenate(waiting), depth / 2
+    for faces, normals, near in ((faces_a, normals_a, near_a), (faces_b, normals_b, near_b)):
+        clear = np.flatnonzero(~near & normals.any(axis=1))
+        # What hangs together without coming near the other body is inside it all or not at all.
+        _, first = np.unique(closure(Surface(vertices, faces[clear])).labels, return_index=True)
+        tried = np.concatenate([np.flatnonzero(near), clear[first]])
+        yield vertices[faces[tried]].mean(axis=1) - depth * normals[tried], 0.0
+
+
+def _beside_edges(vertices: Float, faces: Int, normals: Float, others: Int, depth: float) -> Float:
+    """Return places under `faces`, on both sides of those edges of `others` that lie in and cut them."""
+    corners = vertices[faces]
+    places = []
+    for tail, head in ((0, 1), (1, 2), (2, 0)):
+        u, v = (vertices[others[:, end]] for end in (tail, head))
+        heights = [np.einsum("kj,kj->k", end - corners[:, 0], normals) for end in (u, v)]
+        # A closed surface has every edge both ways: one of them is enough.
+        lies = (np.maximum(*np.abs(heights)) < depth / 2) & (others[:, tail] < others[:, head])
+        u, v, inside, normal = u[lies], v[lies], corners[lies], normals[lies]
+        start, stop = np.zeros(len(u)), np.ones(len(u))
+        for k in range(3):
+            inwards = unit(np.cross(normal, inside[:, (k + 1) % 3] - inside[:, k]))
+            at_u, at_v = (np.einsum("kj,kj->k", end - inside[:, k], inwards) - depth for end in (u, v))
+            rise = at_v - at_u
+            root = np.divide(-at_u, rise, out=np.where(at_u < 0, np.inf, -np.inf), where=rise != 0)
+            start = np.where(rise >= 0, np.maximum(start, root), start)
+            stop = np.where(rise < 0, np.minimum(stop, root), stop)
+        cuts = start < stop
+        u, v, normal = u[cuts], v[cuts], normal[cuts]
+        middle = u + ((start + stop)[cuts] / 2)[:, None] * (v - u) - depth * normal
+        aside = 8 * depth * unit(np.cross(normal, v - u))
+        places += [middle + aside, middle - aside]
+    return np.concatenate(places)

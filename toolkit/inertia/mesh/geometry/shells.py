@@ -1,0 +1,224 @@
+"""The shells of a closed surface, which of them contain which, and the bodies that they bound.
+
+The components of a closed surface are its shells. Let w be the sum, over the shells that contain a shell, of
+the sign of their volumes. In a sound solid w = 0 around every outward shell (positive volume) and w = 1
+around every inward one (the wall of a cavity). An outward shell at w ≥ 1 counts its inside twice; an inward
+one at w = 0 is inside out.
+
+Where one shell lies on another, what counts is the material just under it: an insert is inside the cavity
+that it fills, and the cavity is not inside the insert.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from inertia.arrays import Float, Int
+from inertia.mesh.geometry.boxes import BoxTree, overlapping
+from inertia.mesh.geometry.closure import Closure
+from inertia.mesh.geometry.winding import windings
+from inertia.mesh.part import Triangles
+
+_CHUNK = 1 << 16
+_SAMPLES = 8  # places on a shell that are tried, for the one that is clearest of the other shell
+_UNDER = 1e-10  # how far under the surface those places are, over the size of the part
+_NOISE = 1e-13  # rounding of a volume, over the sum of its terms' largest magnitudes
+
+
+@dataclass(frozen=True, eq=False)
+class Shell:
+    """One component of a closed surface.
+
+    Attributes
+    ----------
+    number : the component's number
+    kind : "outward" (positive volume), "inward" (negative) or "sheet" (none: its faces cancel)
+    triangles : how many it has
+    first : number of its first triangle
+    signed_volume : in file units cubed
+    box : (2, 3), least and greatest coordinates, in file units
+    winding_outside : w, the sum of the signs of the shells around it
+    depth : how many shells are around it (sheets bound nothing and are not counted)
+    parent : the number of the innermost shell around it
+    """
+
+    number: int
+    kind: Literal["outward", "inward", "sheet"]
+    triangles: int
+    first: int
+    signed_volume: float
+    box: Float
+    winding_outside: int
+    depth: int
+    parent: int | None
+
+
+@dataclass(frozen=True)
+class Body:
+    """A body: the numbers of its outer shell and then of its cavities."""
+
+    number: int
+    shells: tuple[int, ...]
+
+
+def shells(triangles: Triangles, closure: Closure) -> tuple[Shell, ...]:
+    """Measure the components of a closed surface with finite coordinates, and find what contains what.
+
+    >>> from inertia.mesh.geometry.closure import closure
+    >>> from inertia.mesh.part import Surface
+    >>> corners = np.array([[0, 0, 0], [6, 0, 0], [0, 6, 0], [0, 0, 6]])
+    >>> faces = np.array([[0, 2, 1], [0, 1, 3], [1, 2, 3], [0, 3, 2]])
+    >>> hollow = Surface(np.vstack([corners, corners / 3 + 1]), np.vstack([faces, faces[:, ::-1] + 4]))
+    >>> [(shell.kind, shell.depth) for shell in shells(hollow, closure(hollow))]
+    [('outward', 0), ('inward', 1)]
+    """
+    count = closure.components
+    if count == 0:
+        return ()
+    boxes = _boxes(triangles, closure.labels, count)
+    low, high = boxes[:, 0].min(axis=0), boxes[:, 1].max(axis=0)
+    centre = low / 2 + high / 2
+    exponent = int(np.frexp((high / 2 - low / 2).max())[1])
+
+    def local(corners: Float) -> Float:
+        """Shift to the middle and scale by a power of two, so that no digit and no exponent is lost."""
+        scaled: Float = np.ldexp(corners - centre, -exponent)
+        return scaled
+
+    order = members(closure)
+    volumes, signs = _volumes(triangles, closure.labels, local, local(boxes).mean(axis=1))
+    around = _containers(triangles, order, local, boxes, signs)
+    with np.errstate(over="ignore", under="ignore"):
+        stored = np.ldexp(volumes, 3 * exponent)
+    return tuple(
+        Shell(
+            number=number,
+            kind=("sheet", "outward", "inward")[signs[number]],
+            triangles=len(order[number]),
+            first=int(order[number][0]),
+            signed_volume=float(stored[number]),
+            box=boxes[number],
+            winding_outside=int(signs[around[number]].sum()),
+            depth=len(around[number]),
+            parent=max(around[number], key=lambda outer: len(around[outer]), default=None),
+        )
+        for number in range(count)
+    )
+
+
+def bodies(shells: Sequence[Shell]) -> tuple[Body, ...]:
+    """Group shells into bodies: an outer shell with the cavities directly inside it.
+
+    A cavity is a shell at an odd depth, wound against the shell around it, which is at an even one. Sheets
+    belong to no body. Bodies are numbered in the order of their outer shells.
+    """
+    groups: dict[int, list[int]] = {}
+    for shell in sorted(shells, key=lambda shell: shell.depth % 2):  # outer shells first
+        outer = None if shell.parent is None else shells[shell.parent]
+        if shell.kind == "sheet":
+            continue
+        if outer is not None and shell.depth % 2 > outer.depth % 2 and shell.kind != outer.kind:
+            groups[outer.number].append(shell.number)
+        else:
+            groups[shell.number] = [shell.number]
+    return tuple(Body(number, tuple(group)) for number, group in enumerate(sorted(groups.values())))
+
+
+def absolute_orientation(shells: Sequence[Shell]) -> Int:
+    """Return the numbers of the shells to turn so that even depths are outward and odd depths inward."""
+    wrong = ("inward", "outward")  # by depth modulo 2
+    return np.array([s.number for s in shells if s.kind == wrong[s.depth % 2]], np.int64)
+
+
+def members(closure: Closure) -> list[Int]:
+    """Return the numbers of the triangles of each component, ascending."""
+    order = np.argsort(closure.labels, kind="stable")
+    starts = np.searchsorted(closure.labels[order], np.arange(closure.components))
+    return np.split(order, starts)[1:]
+
+
+def _boxes(triangles: Triangles, labels: NDArray[np.int32], count: int) -> Float:
+    boxes = np.empty((count, 2, 3))
+    boxes[:, 0], boxes[:, 1] = np.inf, -np.inf
+    for start in range(0, triangles.count, _CHUNK):
+        label = labels[start : start + _CHUNK]
+        order = np.argsort(label, kind="stable")
+        order = order[label[order] >= 0]
+        if len(order) == 0:
+            continue
+        corners = triangles.corners(start, start + _CHUNK)[order]
+        there, begin = np.unique(label[order], return_index=True)
+        least, greatest = corners.min(axis=1), corners.max(axis=1)
+        boxes[there, 0] = np.minimum(boxes[there, 0], np.minimum.reduceat(least, begin))
+        boxes[there, 1] = np.maximum(boxes[there, 1], np.maximum.reduceat(greatest, begin))
+    return boxes
+
+
+def _volumes(
+    triangles: Triangles, labels: NDArray[np.int32], local: Callable[[Float], Float], origins: Float
+) -> tuple[Float, Int]:
+    """Return each shell's signed volume, ∑ a·(b−a)×(c−a) / 6 about its own origin, and the sign of it."""
+    volume, magnitude = np.zeros(len(origins)), np.zeros(len(origins))
+    for start in range(0, triangles.count, _CHUNK):
+        label = labels[start : start + _CHUNK]
+        kept = label >= 0
+        label = label[kept]
+        corners = local(triangles.corners(start, start + _CHUNK)[kept]) - origins[label, None]
+        a, b, c = corners.transpose(1, 0, 2)
+        terms = (a * np.cross(b - a, c - a)).sum(axis=1)
+        largest = np.sqrt((a * a).sum(axis=1) * ((b - a) ** 2).sum(axis=1) * ((c - a) ** 2).sum(axis=1))
+        volume += np.bincount(label, terms, len(origins))
+        magnitude += np.bincount(label, largest, len(origins))
+    return volume / 6, np.where(np.abs(volume) > _NOISE * magnitude, np.sign(volume), 0).astype(np.int64)
+
+
+def _containers(
+    triangles: Triangles, order: list[Int], local: Callable[[Float], Float], boxes: Float, signs: Int
+) -> list[list[int]]:
+    """Return for each shell the numbers of the shells around it."""
+    pairs = _nested(boxes)
+    pairs = pairs[signs[pairs[:, 0]] != 0]
+    found: set[tuple[int, int]] = set()
+    outers, starts = np.unique(pairs[:, 0], return_index=True)
+    for outer, inners in zip(outers, np.split(pairs[:, 1], starts)[1:], strict=True):
+        points = _under(triangles, [order[inner] for inner in inners], local)
+        winding, clearance = np.zeros(len(points), np.int64), np.full(len(points), np.inf)
+        for start in range(0, len(order[outer]), _CHUNK):
+            corners = local(triangles.select(order[outer][start : start + _CHUNK]).corners())
+            more, distance = windings(points, corners, 4 * _UNDER)
+            winding += more
+            np.minimum(clearance, distance, out=clearance)
+        clearest = clearance.reshape(-1, _SAMPLES).argmax(axis=1)
+        inside = winding.reshape(-1, _SAMPLES)[np.arange(len(inners)), clearest] != 0
+        found.update((int(outer), int(inner)) for inner in inners[inside])
+    around: list[list[int]] = [[] for _ in order]
+    for outer, inner in sorted(found):
+        if outer < inner or (inner, outer) not in found:  # of two that coincide, the first contains the other
+            around[inner].append(outer)
+    return around
+
+
+def _nested(boxes: Float) -> Int:
+    """Return the pairs (k, 2), ascending, of a box and another that it contains (equal ones do)."""
+    tree = BoxTree(boxes[:, 0], boxes[:, 1])
+    met = np.concatenate([np.column_stack([i, j]) for i, j, _ in overlapping(tree, touching=True)])
+    pairs = np.concatenate([met, met[:, ::-1]])
+    outer, inner = boxes[pairs.T]
+    contains = ((outer[:, 0] <= inner[:, 0]) & (inner[:, 1] <= outer[:, 1])).all(axis=1)
+    return np.unique(pairs[contains], axis=0)
+
+
+def _under(triangles: Triangles, shells: list[Int], local: Callable[[Float], Float]) -> Float:
+    """Return `_SAMPLES` places for each shell, just under its surface on the side of the material."""
+    spread = np.linspace(0, 1, _SAMPLES)
+    sample = np.concatenate([members[(spread * (len(members) - 1)).astype(np.int64)] for members in shells])
+    corners = local(triangles.select(sample).corners())
+    normal = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    length = np.linalg.norm(normal, axis=1, keepdims=True)
+    places: Float = corners.mean(axis=1) - _UNDER * normal / np.where(length > 0, length, 1)
+    return places

@@ -1,0 +1,209 @@
+"""What a reader hands back, and the few things that all readers do alike.
+
+A reader is a function from a path to `Contents`. It raises `ReadError` with what is wrong and the remedy; the
+path is put in front by `inertia.mesh.read`.
+"""
+
+from __future__ import annotations
+
+import re
+import warnings
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from inertia.arrays import Float, Int
+from inertia.errors import ReadError
+from inertia.mesh.part import Cells, Facets, Regions, Surface
+from inertia.units import Unit
+
+UNNAMED = "default"
+"""The region of elements that the file puts in none, in a file that names some."""
+
+LINE_LIMIT = 16 * 2**20
+"""Bytes in a line of a text file."""
+
+EXPANDED_LIMIT = 100_000_000
+"""Triangles that the instances in a scene may make."""
+
+_LONE_SIGN = re.compile(rb"[-+](?!\d)")
+
+
+@dataclass(frozen=True, eq=False)
+class Contents:
+    """The geometry of a file, the file's own unit (None: it has none), its regions, and notes."""
+
+    geometry: Facets | Surface | Cells
+    unit: Unit | None = None
+    regions: Regions | None = None
+    notes: tuple[str, ...] = ()
+
+
+@dataclass(frozen=True, eq=False)
+class Piece:
+    """One instance in a scene: a mesh, placed, and its name (None: it has none)."""
+
+    name: str | None
+    vertices: Float
+    faces: Int
+
+
+def text_of(path: Path) -> bytes:
+    """Return the bytes of a text file, once its lines are known to be of a sensible length."""
+    data = path.read_bytes()
+    at = 0
+    while len(data) - at > LINE_LIMIT:
+        end = max(data.rfind(b"\n", at, at + LINE_LIMIT), data.rfind(b"\r", at, at + LINE_LIMIT))
+        if end < 0:
+            raise ReadError(
+                f"the line that begins at byte {at} is longer than {LINE_LIMIT >> 20} MiB, "
+                "which no mesh needs: the file is damaged or is not text"
+            )
+        at = end + 1
+    return data
+
+
+def numbers(text: bytes, dtype: type[np.float64] | type[np.int64], what: str) -> NDArray[Any]:
+    """Return the numbers in `text`, separated by white space; `what` names them in the error."""
+    if not text.strip():
+        return np.empty(0, dtype)
+    try:
+        if dtype is np.int64 and _LONE_SIGN.search(text):  # numpy takes it for a zero
+            raise ValueError
+        with warnings.catch_warnings():
+            # numpy < 2.3 warns, and returns what it could read
+            warnings.simplefilter("error", DeprecationWarning)
+            return np.fromstring(text, dtype, sep=" ")
+    except (ValueError, DeprecationWarning):
+        culprit = next((word for word in text.split() if not _is_number(word, dtype)), b"")
+        kind = "a number" if dtype is np.float64 else "a whole number"
+        raise ReadError(f"{what} hold {shown(culprit)}, which is not {kind}: export the file again") from None
+
+
+def _is_number(word: bytes, dtype: type[np.float64] | type[np.int64]) -> bool:
+    try:
+        (float if dtype is np.float64 else int)(word)
+    except ValueError:
+        return False
+    return b"_" not in word
+
+
+def shown(value: bytes | str, length: int = 40) -> str:
+    """Return text from a file as it may stand in a message: quoted, escaped and cut to `length`."""
+    text = value.decode("utf-8", "backslashreplace") if isinstance(value, bytes) else value
+    return repr(text if len(text) <= length else text[:length] + "…")
+
+
+def plural(count: int, what: str) -> str:
+    """Return `count` and the noun in the right number: "1 face", "2 faces"."""
+    return f"{count} {what}" + ("" if count == 1 else "s")
+
+
+def was(count: int) -> str:
+    """Return the verb for `count` things."""
+    return "was" if count == 1 else "were"
+
+
+def fan(counts: Int, corners: Int) -> tuple[Int, Int]:
+    """Split polygons into fans of triangles from their first corner.
+
+    Parameters
+    ----------
+    counts : (n,) corners of each polygon
+    corners : (sum of counts,) vertex indices, polygon after polygon
+
+    Returns
+    -------
+    (m, 3) faces and (m,) the polygon that each came from
+    """
+    if (counts < 3).any():
+        face = int(np.argmax(counts < 3))
+        raise ReadError(f"face {face} has {plural(int(counts[face]), 'corner')}, but a face has at least 3")
+    owner = np.repeat(np.arange(len(counts)), counts - 2)
+    if len(owner) == len(counts):
+        return corners.reshape(-1, 3), owner
+    first = (np.cumsum(counts) - counts)[owner]
+    step = np.arange(len(owner)) - (np.cumsum(counts - 2) - (counts - 2))[owner]
+    return corners[np.stack([first, first + step + 1, first + step + 2], axis=1)], owner
+
+
+def fan_note(split: int) -> tuple[str, ...]:
+    """Return the sentence that says how many polygons were split, if any were."""
+    if not split:
+        return ()
+    return (f"{plural(split, 'face')} with more than three corners {was(split)} split from the first corner",)
+
+
+def surface(vertices: Float, faces: Int) -> Surface:
+    """Return a surface whose indices and coordinates have been checked."""
+    if not len(faces):
+        raise ReadError("it holds no faces, so there is nothing to weigh: export the part as a surface mesh")
+    check_indices(faces, len(vertices), "face")
+    bad = first_bad_point(vertices)
+    if bad is not None:
+        uses = np.argwhere(faces == bad)
+        where = f" (a corner of face {uses[0][0]})" if len(uses) else ""
+        raise ReadError(f"vertex {bad}{where} is {list(map(float, vertices[bad]))}, not finite: export the mesh again")
+    return Surface(vertices, faces)
+
+
+def check_indices(nodes: Int, count: int, what: str) -> None:
+    """Raise `ReadError` where an element names a vertex that the file does not hold."""
+    out = (nodes < 0) | (nodes >= count)
+    if out.any():
+        row, corner = (int(i) for i in np.argwhere(out)[0])
+        held = f"the vertices are 0 to {count - 1} (counted from 0)" if count else "it has no vertices"
+        raise ReadError(f"{what} {row} names vertex {nodes[row, corner]}, but {held}: export the mesh again")
+
+
+def first_bad_point(points: Float) -> int | None:
+    """Return the first point with a NaN or infinite coordinate, or None."""
+    finite = np.isfinite(points).all(axis=1)
+    return None if finite.all() else int(np.argmin(finite))
+
+
+def label(runs: Iterable[tuple[str | None, int]]) -> Regions | None:
+    """Return the regions of elements that come in runs of (name, how many); None where no run has a name."""
+    places: dict[str, int] = {}
+    index, lengths = [], []
+    named = False
+    for name, length in runs:
+        if length:
+            named |= name is not None
+            index.append(places.setdefault(UNNAMED if name is None else name, len(places)))
+            lengths.append(length)
+    if not named:
+        return None
+    return Regions(tuple(places), np.repeat(np.array(index, np.int32), lengths))
+
+
+def placed(vertices: Float, faces: Int, matrix: Float) -> tuple[Float, Int]:
+    """Return a mesh moved by a (4, 4) matrix that acts on columns; the identity keeps the bits.
+
+    A mirror image has its faces turned round, so that they still face outwards.
+    """
+    if np.array_equal(matrix, np.eye(4)):
+        return vertices, faces
+    with np.errstate(all="ignore"):  # an overflow is reported as a coordinate that is not finite
+        along = [vertices[:, i : i + 1] * matrix[:3, i] for i in range(3)]
+        moved = along[0] + along[1] + along[2] + matrix[:3, 3]
+        mirrored = np.linalg.det(matrix[:3, :3]) < 0
+    return moved, faces[:, ::-1] if mirrored else faces
+
+
+def assemble(pieces: Sequence[Piece]) -> tuple[Surface, Regions | None]:
+    """Return the pieces of a scene as one surface, and their names as regions."""
+    if not pieces:
+        raise ReadError("it holds no triangle mesh that is part of the scene: export the part as a mesh")
+    for piece in pieces:
+        check_indices(piece.faces, len(piece.vertices), f"{shown(piece.name or 'mesh')}, face")
+    first = np.cumsum([0, *(len(piece.vertices) for piece in pieces[:-1])])
+    whole = surface(
+        np.concatenate([piece.vertices for piece in pieces]),
+        np.concatenate([piece.faces + start for piece, start in zip(pieces, first, strict=True)]),
+    )
+    return whole, label((piece.name, len(piece.faces)) for piece in pieces)

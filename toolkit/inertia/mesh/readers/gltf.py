@@ -1,0 +1,244 @@
+"""glTF 2.0, as one binary file (GLB) or as JSON with its buffers: the triangles of the scene, node by node.
+
+Only positions, indices and the transforms of nodes matter here. Whatever would change the shape and is not
+understood (compression, sparse or quantised positions) is refused, because leaving it out would give another
+body. Source: Khronos, "glTF 2.0 Specification", 2021.
+"""
+
+from __future__ import annotations
+
+import base64
+import binascii
+import json
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+from urllib.parse import unquote, urlsplit
+
+import numpy as np
+from numpy.typing import NDArray
+
+from inertia.arrays import Float, Int
+from inertia.errors import ReadError
+from inertia.mesh.readers.contents import (
+    EXPANDED_LIMIT,
+    Contents,
+    Piece,
+    assemble,
+    check_indices,
+    placed,
+    plural,
+    shown,
+    was,
+)
+from inertia.units import METRE
+
+_MAGIC = b"glTF"
+_JSON, _BINARY = b"JSON", b"BIN\0"
+_COMPONENTS = {5120: "<i1", 5121: "<u1", 5122: "<i2", 5123: "<u2", 5125: "<u4", 5126: "<f4"}
+_TRIANGLES, _STRIP, _FAN = 4, 5, 6
+_HARMLESS = ("KHR_materials_", "KHR_texture_", "KHR_lights_", "KHR_xmp", "EXT_texture_", "MSFT_texture_")
+"""Extensions, by how their names begin, that leave the shape alone even where a file requires them."""
+
+
+def read_gltf(path: Path) -> Contents:
+    """Read a glTF file of either kind; the unit is the metre, as the format has it."""
+    data = path.read_bytes()
+    text, binary = _chunks(data) if data.startswith(_MAGIC) else (data, None)
+    try:
+        scene = _Scene(json.loads(text), binary, path.parent)
+        pieces = list(scene.pieces())
+    except ReadError:
+        raise
+    except (KeyError, TypeError, ValueError, AttributeError, OverflowError, RecursionError) as error:
+        fault = shown(f"{type(error).__name__}: {error}", 80)
+        raise ReadError(f"its JSON is not that of a glTF 2.0 file ({fault}): export it again") from None
+    whole, regions = assemble(pieces)
+    left_out = scene.left_out
+    notes = (f"{plural(left_out, 'set')} of lines or points {was(left_out)} left out",) if left_out else ()
+    return Contents(whole, METRE, regions, notes)
+
+
+def _chunks(data: bytes) -> tuple[bytes, bytes | None]:
+    """Return the JSON and the binary chunk of a GLB file."""
+    stated = int.from_bytes(data[8:12], "little")
+    if stated != len(data):
+        raise ReadError(f"its header says {stated} bytes, but it holds {len(data)}: it was cut short or damaged")
+    chunks: dict[bytes, bytes] = {}
+    at = 12
+    while at < len(data):
+        length = int.from_bytes(data[at : at + 4], "little")
+        if at + 8 + length > len(data):
+            raise ReadError(f"its chunk at byte {at} runs past the end of the file: it is damaged, export it again")
+        chunks.setdefault(data[at + 4 : at + 8], data[at + 8 : at + 8 + length])
+        at += 8 + length
+    if _JSON not in chunks:
+        raise ReadError("it has no JSON chunk: it is damaged, export it again")
+    return chunks[_JSON], chunks.get(_BINARY)
+
+
+class _Scene:
+    """The default scene of a glTF document."""
+
+    def __init__(self, tree: dict[str, Any], binary: bytes | None, folder: Path) -> None:
+        self.tree = tree
+        self.binary = binary
+        self.folder = folder
+        self.buffers: dict[int, bytes] = {}
+        self.left_out = 0
+        version = str(tree["asset"]["version"])
+        if not version.startswith("2."):
+            raise ReadError(f"it is glTF {shown(version)}, but only version 2 is read: export it as glTF 2.0")
+        unknown = [name for name in tree.get("extensionsRequired", []) if not str(name).startswith(_HARMLESS)]
+        if unknown:
+            raise ReadError(f"it requires the extension {shown(str(unknown[0]))}: export it without compression")
+
+    def pieces(self) -> Iterator[Piece]:
+        """Yield every mesh of the scene, where its node puts it."""
+        total = 0
+        seen: set[int] = set()
+        waiting = [(root, np.eye(4)) for root in reversed(self._roots())]
+        while waiting:
+            index, above = waiting.pop()
+            node = self._item("nodes", index)
+            if index in seen:
+                raise ReadError(f"node {index} hangs in two places: export it again")
+            seen.add(index)
+            if "EXT_mesh_gpu_instancing" in node.get("extensions", {}):
+                raise ReadError(f"node {index} uses EXT_mesh_gpu_instancing: export it without instancing")
+            matrix = above @ _transform(node)
+            waiting += [(child, matrix) for child in reversed(node.get("children", []))]
+            if "mesh" not in node:
+                continue
+            mesh = self._item("meshes", node["mesh"])
+            name = node.get("name") or mesh.get("name") or f"mesh {node['mesh']}"
+            for primitive in mesh["primitives"]:
+                if primitive.get("mode", _TRIANGLES) < _TRIANGLES:
+                    self.left_out += 1
+                    continue
+                vertices, faces = self._mesh(primitive)
+                total += len(faces)
+                if total > EXPANDED_LIMIT:
+                    raise ReadError(f"its instances make more than {EXPANDED_LIMIT} triangles: split the scene")
+                yield Piece(str(name), *placed(vertices, faces, matrix))
+
+    def _roots(self) -> list[int]:
+        if "scenes" in self.tree:
+            return list(self._item("scenes", self.tree.get("scene", 0)).get("nodes", []))
+        nodes = self.tree.get("nodes", [])
+        children = {child for node in nodes for child in node.get("children", [])}
+        return [index for index in range(len(nodes)) if index not in children]
+
+    def _mesh(self, primitive: dict[str, Any]) -> tuple[Float, Int]:
+        positions = self._accessor(primitive["attributes"]["POSITION"])
+        if positions.dtype != np.float32 or positions.shape[1] != 3:
+            raise ReadError("its positions are not three float32 numbers each: export it without quantisation")
+        if "indices" in primitive:
+            corners = self._accessor(primitive["indices"])
+            if corners.dtype.kind != "u" or corners.shape[1] != 1:
+                raise ReadError("its indices are not whole numbers: export it again")
+            corners = corners.reshape(-1).astype(np.int64)
+        else:
+            corners = np.arange(len(positions))
+        faces = _triangles(corners, primitive.get("mode", _TRIANGLES))
+        check_indices(faces, len(positions), "face")
+        if len(positions) > 3 * len(faces):  # many primitives may share one array of positions
+            used, corners = np.unique(faces, return_inverse=True)
+            positions, faces = positions[used], corners.reshape(-1, 3)
+        return positions.astype(np.float64), faces
+
+    def _accessor(self, index: int) -> NDArray[Any]:
+        """Return the rows of an accessor, (count, components), as a view of its buffer."""
+        accessor = self._item("accessors", index)
+        if "sparse" in accessor or "bufferView" not in accessor:
+            raise ReadError(f"accessor {index} is sparse or compressed, which is not read: export it uncompressed")
+        view = self._item("bufferViews", accessor["bufferView"])
+        buffer = self._buffer(view["buffer"])
+        dtype = np.dtype(_COMPONENTS[accessor["componentType"]])
+        width = {"SCALAR": 1, "VEC2": 2, "VEC3": 3, "VEC4": 4}[accessor["type"]]
+        row = width * dtype.itemsize
+        count, start = _whole(accessor["count"]), _whole(view.get("byteOffset", 0))
+        end = start + _whole(view["byteLength"])
+        start += _whole(accessor.get("byteOffset", 0))
+        stride = _whole(view.get("byteStride", 0)) or row
+        if count == 0 or stride < row or start + (count - 1) * stride + row > min(end, len(buffer)):
+            raise ReadError(
+                f"accessor {index} does not fit in its buffer: it was cut short or damaged, export it again"
+            )
+        return np.ndarray((count, width), dtype, buffer, start, (stride, dtype.itemsize))
+
+    def _buffer(self, index: int) -> bytes:
+        if index not in self.buffers:
+            buffer = self._item("buffers", index)
+            content = self.binary if index == 0 and "uri" not in buffer else self._fetch(buffer["uri"])
+            if content is None or len(content) < _whole(buffer["byteLength"]):
+                raise ReadError(f"buffer {index} is shorter than it says: it was cut short, export it again")
+            self.buffers[index] = content
+        return self.buffers[index]
+
+    def _fetch(self, uri: str) -> bytes:
+        if uri.startswith("data:"):
+            header, _, payload = uri.partition(",")
+            try:
+                return base64.b64decode(payload, validate=True) if header.endswith(";base64") else b""
+            except binascii.Error:
+                raise ReadError("a buffer in it is not valid base64: it is damaged, export it again") from None
+        beside = self.folder / unquote(uri)
+        try:
+            if urlsplit(uri).scheme or not beside.is_file():
+                raise OSError
+            return beside.read_bytes()
+        except OSError:
+            raise ReadError(
+                f"it needs the file {shown(uri)} beside it, which is not there: keep them together"
+            ) from None
+
+    def _item(self, kind: str, index: int) -> dict[str, Any]:
+        items = self.tree.get(kind, [])
+        if _whole(index) >= len(items):
+            raise ReadError(f"it refers to {kind} {index}, but holds {len(items)}: it is damaged, export it again")
+        item: dict[str, Any] = items[index]
+        return item
+
+
+def _whole(value: Any) -> int:
+    if type(value) is not int or value < 0:
+        raise ReadError(f"its JSON has {shown(str(value))} where a whole number should stand: export it again")
+    return value
+
+
+def _triangles(corners: Int, mode: int) -> Int:
+    if mode == _TRIANGLES:
+        if len(corners) % 3:
+            raise ReadError(f"a mesh has {len(corners)} corners, not a multiple of three: export it again")
+        return corners.reshape(-1, 3)
+    if mode == _STRIP:
+        faces = np.stack([corners[:-2], corners[1:-1], corners[2:]], axis=1)
+        faces[1::2] = faces[1::2, [0, 2, 1]]
+        return faces
+    if mode == _FAN:
+        return np.stack([corners[1:-1], corners[2:], np.broadcast_to(corners[:1], len(corners[2:]))], axis=1)
+    raise ReadError(f"a mesh has the mode {shown(str(mode))}, which glTF does not know: export it again")
+
+
+def _transform(node: dict[str, Any]) -> Float:
+    """Return the (4, 4) matrix of a node, which acts on columns: given, or translation · rotation · scale."""
+    if "matrix" in node:
+        matrix = np.array(node["matrix"], np.float64).reshape(4, 4).T
+        if not np.array_equal(matrix[3], [0, 0, 0, 1]):
+            raise ReadError("a node has a matrix whose last row is not 0, 0, 0, 1: export it again")
+        return matrix
+    matrix = np.eye(4)
+    with np.errstate(all="ignore"):
+        x, y, z, w = np.array(node.get("rotation", [0, 0, 0, 1]), np.float64)
+        size = x * x + y * y + z * z + w * w
+        matrix[:3, :3] = np.eye(3) + 2 / size * np.array(
+            [
+                [-y * y - z * z, x * y - z * w, x * z + y * w],
+                [x * y + z * w, -x * x - z * z, y * z - x * w],
+                [x * z - y * w, y * z + x * w, -x * x - y * y],
+            ]
+        )
+        matrix[:3, :3] *= np.array(node.get("scale", [1, 1, 1]), np.float64).reshape(3)
+        matrix[:3, 3] = np.array(node.get("translation", [0, 0, 0]), np.float64).reshape(3)
+    return matrix

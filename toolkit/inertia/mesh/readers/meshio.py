@@ -1,0 +1,142 @@
+"""VTK, VTU, Nastran, Abaqus, MED, XDMF and a few more, through meshio: nothing else in the package knows it.
+
+meshio prints, calls `sys.exit` on files that it cannot read, raises whatever comes, and passes over what it
+does not understand. What it would misread is refused before (`inertia.mesh.readers.meshio_guards`); the rest is dealt
+with here.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import importlib
+import io
+import warnings
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from inertia.arrays import Int
+from inertia.errors import ReadError
+from inertia.mesh.readers.cells import Block, cell_contents
+from inertia.mesh.readers.contents import UNNAMED, Contents, plural, shown, was
+from inertia.mesh.readers.meshio_guards import cells_expected
+
+_TAGS = (
+    "nastran:ref", "medit:ref", "netgen:index", "su2:tag", "avsucd:material", "gmsh:physical",
+    "material", "materialid", "materialids", "mat", "matid", "region", "regionid", "regions", "tag", "tags",
+    "part", "partid", "group", "groupid", "body", "bodyid", "domain", "subdomain", "block", "blockid",
+    "zone", "zoneid", "cellentityids",
+)  # fmt: skip
+"""Cell data that say which region a cell is in, by preference; their names in lower case and without `_`."""
+
+_FORGOTTEN = ("wedge15", "pyramid13", "hexahedron24")
+"""Kinds that meshio 5.3.5 knows, but raises `KeyError` for want of their dimension."""
+
+
+def read_with_meshio(path: Path, kind: str) -> Contents:
+    """Read a file of the format that meshio calls `kind`."""
+    expected = cells_expected(path, kind)
+    mesh = _mesh(path, kind)
+    if np.any(mesh.point_data.get("nastran:ref", 0)):
+        raise ReadError("its grid points have a coordinate system of their own: write them in the basic one")
+    nodes = [_nodes(block) for block in mesh.cells]
+    found = sum(map(len, nodes))
+    if expected is not None and found != expected:
+        raise ReadError(
+            f"it lists {plural(expected, 'cell')}, but meshio could read {found}: "
+            "use cells of first or second order, and export the mesh again"
+        )
+    names, regions, notes = _regions(mesh, [len(block) for block in nodes])
+    blocks: list[Block] = [
+        (block.type, corners, region) for block, corners, region in zip(mesh.cells, nodes, regions, strict=True)
+    ]
+    contents = cell_contents(np.asarray(mesh.points), blocks, names)
+    return Contents(contents.geometry, None, contents.regions, (*contents.notes, *notes))
+
+
+def _mesh(path: Path, kind: str) -> Any:
+    """Return meshio's mesh."""
+    said = io.StringIO()
+    try:
+        with (
+            warnings.catch_warnings(),
+            np.errstate(all="ignore"),
+            contextlib.redirect_stdout(said),
+            contextlib.redirect_stderr(said),
+        ):
+            warnings.simplefilter("ignore")
+            meshio = importlib.import_module("meshio")
+            for name in _FORGOTTEN:
+                meshio._mesh.topological_dimension.setdefault(name, 3)
+            return meshio.read(path, file_format=kind)
+    except MemoryError:
+        raise
+    except (Exception, SystemExit) as error:  # any exception at all may come out of a damaged file
+        lines = [line.strip() for line in (*said.getvalue().splitlines(), str(error)) if line.strip()]
+        reason = next((line for line in lines if not line.startswith("Error:") and line != "1"), type(error).__name__)
+        raise ReadError(
+            f"meshio cannot read it as {kind} ({shown(reason, 80)}): it is damaged, export the mesh again"
+        ) from None
+
+
+def _nodes(block: Any) -> Int:
+    """Return the nodes of a block of cells, (m, k)."""
+    if str(block.type).startswith("polyhedron"):
+        raise ReadError("its cells of the kind polyhedron are not read: use cells of first or second order")
+    nodes = np.asarray(block.data)
+    if nodes.ndim != 2 or nodes.dtype.kind not in "iu":
+        raise ReadError(f"its cells of the kind {shown(str(block.type))} have no table of nodes: export the mesh again")
+    return nodes.astype(np.int64)
+
+
+def _regions(mesh: Any, sizes: list[int]) -> tuple[tuple[str, ...], list[NDArray[np.int32] | None], list[str]]:
+    """Return names, the region of each cell by block, and notes, from sets of cells or else cell data."""
+    if mesh.cell_sets and sizes:
+        return _from_sets(mesh.cell_sets, sizes)
+    known = {name.lower().replace("_", "").replace(" ", ""): values for name, values in mesh.cell_data.items()}
+    families: dict[int, list[str]] = getattr(mesh, "cell_tags", {})
+    for key in ("celltags", *_TAGS):
+        tags = [np.asarray(values) for values in known.get(key, ())]
+        if tags and len(tags) == len(sizes) and all(_whole(tag, size) for tag, size in zip(tags, sizes, strict=True)):
+            tag = np.concatenate([tag.reshape(-1) for tag in tags])
+            found, index = np.unique(tag, return_inverse=True)
+            names = tuple("+".join(families.get(int(t), [])) or (str(int(t)) if t else UNNAMED) for t in found)
+            ends = np.cumsum(sizes)[:-1]
+            return names, list(np.split(index.astype(np.int32), ends)), []
+    return (), [None] * len(sizes), []
+
+
+def _whole(tags: NDArray[Any], size: int) -> bool:
+    return (
+        tags.size == size and tags.dtype.kind in "iuf" and bool((np.abs(tags) < 2**53).all() and (tags % 1 == 0).all())
+    )
+
+
+def _from_sets(
+    sets: dict[str, Any], sizes: list[int]
+) -> tuple[tuple[str, ...], list[NDArray[np.int32] | None], list[str]]:
+    """Return regions from sets of cells; a cell in several sets belongs to the smallest."""
+    names = [UNNAMED]
+    regions = [np.zeros(size, np.int32) for size in sizes]
+    members: dict[str, list[NDArray[Any]]] = {}
+    notes = []
+    for name, lists in sets.items():
+        parts = [np.empty(0, np.int64) if part is None else np.asarray(part) for part in lists]
+        if len(parts) == len(sizes) and all(
+            part.ndim == 1 and part.dtype.kind in "iu" and (part >= 0).all() and (part < size).all()
+            for part, size in zip(parts, sizes, strict=True)
+        ):
+            members[name] = parts
+        else:
+            notes.append(f"the set of sets {shown(str(name))} was not taken for a region")
+    several = 0
+    for name in sorted(members, key=lambda name: -sum(map(len, members[name]))):
+        for region, part in zip(regions, members[name], strict=True):
+            several += int((region[part] > 0).sum())
+            region[part] = len(names)
+        names.append(str(name))
+    if several:
+        notes.append(f"{plural(several, 'cell')} in more than one set {was(several)} counted to the smallest")
+    return tuple(names), list(regions), notes

@@ -1,0 +1,171 @@
+"""What meshio would misread in silence, or would never finish reading, refused before it sees the file.
+
+Each check reads the keywords of a format and returns how many cells the file lists, where the format says so.
+"""
+
+from __future__ import annotations
+
+import importlib
+import importlib.util
+import re
+from pathlib import Path
+
+from inertia.errors import ReadError
+from inertia.mesh.readers.contents import shown, text_of
+
+_LINES = re.IGNORECASE | re.MULTILINE
+
+_COUNTS = {
+    "vtk": re.compile(rb"^(?:POINTS|CELLS|CELL_TYPES|POINT_DATA|CELL_DATA)[ \t]+(\d+)(?:[ \t]+(\d+))?", _LINES),
+    "medit": re.compile(rb"^[A-Z][A-Za-z]+\s+(\d+)()", re.MULTILINE),
+    "su2": re.compile(rb"^N\w+\s*=\s*(\d+)()", re.MULTILINE),
+}
+_VTK_KIND = re.compile(rb"^[ \t]*DATASET[ \t]+(\w+)", _LINES)
+_VTK_CELLS = re.compile(rb"^[ \t]*CELL_TYPES[ \t]+(\d{1,18})\b", _LINES)
+_VTU_KIND = re.compile(rb"<VTKFile[^>]*\btype\s*=\s*[\"'](\w+)")
+_VTU_CELLS = re.compile(rb"\bNumberOfCells\s*=\s*[\"']\s*(\d{1,18})\s*[\"']")
+
+_NASTRAN_CARD = re.compile(
+    rb"^(?:CTET|CPYR|CPEN|CHEX|CTRI|CTRA|CQUA|CSHE|CELAS1|CBEAM|CBUSH|CROD|CGAP|CBAR)\w*\*?", _LINES
+)
+_NASTRAN_READ = frozenset(
+    b"CELAS1 CBEAM CBUSH CBUSH1D CROD CGAP CBAR CTRIAR CTRIA3 CTRAX6 CTRIAX6 CTRIA6 CQUADR CSHEAR CQUAD4 "
+    b"CQUAD8 CQUAD9 CTETRA CPYRAM CPYRA CPENTA CHEXA".split()
+)
+_NASTRAN_REFUSED = re.compile(rb"^(?:INCLUDE|GRDSET)\b", _LINES)
+
+_ABAQUS_NODES = re.compile(rb"^\*NODE[ \t]*(?:,[^\r\n]*)?\r?$", _LINES)
+_ABAQUS_INSTANCE = re.compile(rb"^\*INSTANCE\b[^\n]*\n[ \t]*([^*\s]?)", _LINES)
+_ABAQUS_REFUSED = re.compile(
+    rb"^\*(?:INCLUDE|NGEN|NFILL|NCOPY|NMAP|ELGEN|ELCOPY|SYSTEM)\b"
+    rb"|^\*(?:NODE|ELEMENT)[ \t]*,[^\n]*\b(?:INPUT|SYSTEM)[ \t]*=",
+    _LINES,
+)
+_ABAQUS_RANGE = re.compile(
+    rb"^\*(?:EL|N)SET\b[^\n]*\bGENERATE\b[^\n]*\n[ \t]*(\d{1,18})[ \t]*,[ \t]*(\d{1,18})", _LINES
+)
+
+_XDMF_BINARY = re.compile(rb"\bFormat\s*=\s*[\"']Binary", re.IGNORECASE)
+_XDMF_FILE = re.compile(rb"\bFormat\s*=\s*[\"']HDF[\"'][^>]*>\s*([^<:]*):", re.IGNORECASE)
+
+_SPARSE_FREE, _SPARSE_RATIO = 64 * 2**20, 200
+
+
+def cells_expected(path: Path, kind: str) -> int | None:
+    """Check a file of meshio's format `kind`; return the number of cells that it lists, if it says."""
+    if kind in _COUNTS:
+        data = path.read_bytes()
+        for count in (count for counts in _COUNTS[kind].findall(data) for count in counts):
+            if len(count) > 18 or int(count or 0) > len(data):
+                raise ReadError(
+                    f"it says that it has {count.decode()} items, but it has {len(data)} bytes: it is damaged"
+                )
+    match kind:
+        case "vtk":
+            return _vtk(data)
+        case "vtu":
+            return _vtu(path.read_bytes())
+        case "nastran":
+            return _nastran(text_of(path))
+        case "abaqus":
+            _abaqus(text_of(path))
+        case "med":
+            _hdf5(path)
+        case "xdmf":
+            _xdmf(path)
+        case "su2":
+            return sum(int(count) for count in re.findall(rb"^(?:NELEM|MARKER_ELEMS)\s*=\s*(\d+)", data, re.MULTILINE))
+        case "netgen":
+            if b"endmesh" not in path.read_bytes()[-64:]:
+                raise ReadError("it does not end with endmesh: it was cut short, export it again")
+    return None
+
+
+def _vtk(data: bytes) -> int | None:
+    for kind in _VTK_KIND.findall(data):
+        if kind.upper() != b"UNSTRUCTURED_GRID":
+            raise ReadError(f"it is a VTK dataset of the kind {shown(kind)}: save it as an unstructured grid")
+    counts = _VTK_CELLS.findall(data)
+    return int(counts[0]) if len(counts) == 1 else None
+
+
+def _vtu(data: bytes) -> int:
+    kind = _VTU_KIND.search(data[:65_536])
+    if kind and kind[1] != b"UnstructuredGrid":
+        raise ReadError(f"it is a VTK dataset of the kind {shown(kind[1])}: save it as an unstructured grid")
+    pieces = re.findall(rb"<Piece\b[^>]*", data)
+    if len(pieces) != 1:
+        raise ReadError(f"it has {len(pieces)} pieces, but one is read: merge them into one unstructured grid")
+    count = _VTU_CELLS.search(pieces[0])
+    if count is None:
+        raise ReadError("its piece has no NumberOfCells: export it again")
+    return int(count[1])
+
+
+def _nastran(data: bytes) -> int:
+    begin = re.search(rb"^[ \t]*BEGIN BULK", data, re.MULTILINE)
+    end = re.compile(rb"^ENDDATA", re.MULTILINE).search(data, begin.end()) if begin else None
+    if begin is None or end is None:
+        missing = "ENDDATA" if begin else "BEGIN BULK"
+        raise ReadError(f"it has no {missing} line: it was cut short, or is bulk data that needs the line added")
+    bulk = data[begin.end() : end.start()]
+    refused = _NASTRAN_REFUSED.search(bulk)
+    if refused:
+        raise ReadError(f"its card {shown(refused[0])} is not read: write the bulk data out in full")
+    cards = _NASTRAN_CARD.findall(bulk)
+    for card in cards:
+        if card not in _NASTRAN_READ:
+            raise ReadError(f"its card {shown(card)} is not read: write elements in small or free field format")
+    return len(cards)
+
+
+def _abaqus(data: bytes) -> None:
+    refused = _ABAQUS_REFUSED.search(data)
+    if refused:
+        raise ReadError(f"its keyword {shown(refused[0])} is not read: write nodes and elements out in full")
+    instances = _ABAQUS_INSTANCE.findall(data)
+    blocks = len(_ABAQUS_NODES.findall(data))
+    if blocks > 1 or len(instances) > 1:
+        raise ReadError(
+            f"it has {blocks} *NODE blocks and {len(instances)} instances, but one of each is read: "
+            "export one part, with its nodes in one block"
+        )
+    if any(instances):
+        raise ReadError("its *INSTANCE moves the part, which is not read: export the part by itself")
+    for first, last in _ABAQUS_RANGE.findall(data):
+        if int(last) - int(first) > len(data):
+            raise ReadError(f"a set in it runs from {int(first)} to {int(last)}, beyond its elements: export it again")
+
+
+def _hdf5(path: Path) -> None:
+    """Refuse a file whose data sets are out of all proportion to its size."""
+    if importlib.util.find_spec("h5py") is None:
+        raise ReadError("MED and XDMF need the package h5py: pip install 'inertia[med]'")
+    sizes: list[int] = []
+
+    def add(_: str, item: object) -> None:
+        shape, dtype = getattr(item, "shape", None), getattr(item, "dtype", None)
+        if shape is not None and dtype is not None:
+            sizes.append(int(getattr(item, "size", 0) or 0) * int(dtype.itemsize))
+
+    try:
+        with importlib.import_module("h5py").File(path, "r") as file:
+            file.visititems(add)
+    except Exception as error:  # h5py passes on whatever a damaged file leads to
+        raise ReadError(f"it is a damaged HDF5 file ({shown(str(error), 80)}): export it again") from None
+    limit = max(_SPARSE_FREE, _SPARSE_RATIO * path.stat().st_size)
+    if sum(sizes) > limit:
+        raise ReadError(f"its data sets unpack to {sum(sizes)} bytes, beyond the {limit} allowed: it is damaged")
+
+
+def _xdmf(path: Path) -> None:
+    if importlib.util.find_spec("h5py") is None:
+        raise ReadError("MED and XDMF need the package h5py: pip install 'inertia[med]'")
+    data = path.read_bytes()
+    if _XDMF_BINARY.search(data):
+        raise ReadError("it keeps its data in raw binary files, which are not read: use HDF5 or XML")
+    for name in _XDMF_FILE.findall(data):
+        beside = path.parent / name.decode("utf-8", "replace").strip()
+        if not beside.is_file():
+            raise ReadError(f"it needs the file {shown(name)} beside it, which is not there: keep them together")
+        _hdf5(beside)

@@ -1,0 +1,112 @@
+"""Wavefront OBJ: polygons over shared vertices, in named objects or groups.
+
+A negative index counts back from the line that it stands on. A keyword that OBJ does not know is an error,
+because it may be a damaged face.
+"""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+
+import numpy as np
+
+from inertia.arrays import Float, Int
+from inertia.errors import ReadError
+from inertia.mesh.part import Regions
+from inertia.mesh.readers.contents import (
+    UNNAMED,
+    Contents,
+    fan,
+    fan_note,
+    label,
+    numbers,
+    plural,
+    shown,
+    surface,
+    text_of,
+    was,
+)
+
+_KEYWORDS = frozenset(
+    b"v vt vn vp f fo l p o g s mg mtllib usemtl usemap maplib bevel c_interp d_interp lod shadow_obj "
+    b"trace_obj ctech stech cstype deg bmat step curv curv2 surf parm trim hole scrv sp end con".split()
+)
+
+_AFTER_SLASH = re.compile(rb"/\S*")
+
+
+def read_obj(path: Path) -> Contents:
+    """Read an OBJ file: its faces, and the object of each (or, in a file without objects, the group)."""
+    data = text_of(path)
+    if b"\\" in data:
+        data = data.replace(b"\\\r\n", b" ").replace(b"\\\n", b" ")
+    points: list[bytes] = []
+    polygons: list[bytes] = []
+    before: list[int] = []  # vertices read before each face, from which its negative indices count
+    names: dict[bytes, list[tuple[int, bytes]]] = {b"o": [], b"g": []}
+    strays = 0
+    for number, line in enumerate(data.splitlines(), 1):
+        word, *rest = line.split(None, 1) or [b"#"]
+        if word == b"v":
+            points.append(rest[0] if rest else b"")
+        elif word in (b"f", b"fo"):
+            polygons.append(rest[0] if rest else b"")
+            before.append(len(points))
+        elif word in names:
+            names[word].append((len(polygons), b"".join(rest).strip()))
+        elif word in (b"l", b"p"):
+            strays += 1
+        elif word == b"surf":
+            raise ReadError(f"line {number} begins a free-form surface: export the part as a polygon mesh")
+        elif word not in _KEYWORDS and not word.startswith(b"#"):
+            raise ReadError(f"line {number} begins with {shown(word)}, which OBJ does not know: export it again")
+    if not polygons:
+        raise ReadError("it holds no faces, only points or lines: export the part as a surface mesh")
+    counts, corners = _corners(polygons, np.array(before, np.int64))
+    faces, owner = fan(counts, corners)
+    notes = fan_note(int((counts > 3).sum()))
+    if strays:
+        notes += (f"{plural(strays, 'line or point element')} beside the faces {was(strays)} left out",)
+    regions = _regions(names[b"o"] or names[b"g"], len(polygons), owner)
+    return Contents(surface(_points(points), faces), regions=regions, notes=notes)
+
+
+def _points(lines: list[bytes]) -> Float:
+    """Return the first three numbers of each line; weights and colours may follow them."""
+    widths = {len(line.split()) for line in lines}
+    if len(widths) == 1 and min(widths) >= 3:
+        return numbers(b" ".join(lines), np.float64, "its vertices").reshape(len(lines), -1)[:, :3]
+    rows = [line.split()[:3] for line in lines]
+    short = next((i for i, row in enumerate(rows) if len(row) < 3), None)
+    if short is not None:
+        raise ReadError(f"vertex {short} has fewer than three coordinates: export it again")
+    return numbers(b" ".join(word for row in rows for word in row), np.float64, "its vertices").reshape(-1, 3)
+
+
+def _corners(lines: list[bytes], before: Int) -> tuple[Int, Int]:
+    """Return how many corners each face has, and the vertex of each corner, counted from zero."""
+    counts = np.array([len(line.split()) for line in lines], np.int64)
+    text = b"\n".join(lines)
+    if b"/" in text:
+        text = _AFTER_SLASH.sub(b"", text)
+    corners: Int = numbers(text, np.int64, "its faces")
+    if len(corners) != counts.sum():
+        raise ReadError("a corner of a face names no vertex before its slash: export it again")
+    face = np.repeat(np.arange(len(counts)), counts)
+    if (corners == 0).any():
+        at = face[np.argmax(corners == 0)]
+        raise ReadError(f"face {at} names vertex 0, but OBJ counts from 1: export it again")
+    return counts, np.where(corners > 0, corners - 1, corners + before[face])
+
+
+def _regions(names: list[tuple[int, bytes]], count: int, owner: Int) -> Regions | None:
+    """Return the region of each triangle, from (first face, name) and the face that it came from."""
+    if not names:
+        return None
+    starts = [first for first, _ in names]
+    runs: list[tuple[str | None, int]] = [(None, starts[0])]
+    for (start, name), stop in zip(names, [*starts[1:], count], strict=True):
+        runs.append((name.decode("utf-8", "replace") or UNNAMED, stop - start))
+    of_face = label(runs)
+    return None if of_face is None else Regions(of_face.names, of_face.index[owner])

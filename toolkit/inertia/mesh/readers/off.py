@@ -1,0 +1,49 @@
+"""OFF: a header, the counts, one line a vertex, one line a face."""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+
+import numpy as np
+
+from inertia.errors import ReadError
+from inertia.mesh.readers.contents import Contents, fan, fan_note, numbers, shown, surface, text_of
+
+OFF_HEADER = re.compile(rb"\s*(?:#[^\n]*\n\s*)*((?:ST)?C?N?)(4?n?)OFF(?![A-Za-z])\s*(BINARY)?")
+"""Texture, colour and normal may follow the coordinates of a vertex; `4` and `n` change the coordinates."""
+
+
+def read_off(path: Path) -> Contents:
+    """Read a text OFF file of points in space; colours and normals are left aside."""
+    data = text_of(path)
+    header = OFF_HEADER.match(data)
+    if header is None:
+        raise ReadError("it does not begin with the word OFF: give its format, or export it again")
+    if header[2] or header[3]:
+        raise ReadError(f"{shown(header[0].strip())} files are not read: export it as a plain text OFF file")
+    lines = [line for line in re.sub(rb"#[^\r\n]*", b"", data[header.end() :]).splitlines() if line.strip()]
+    counts = numbers(lines[0] if lines else b"", np.int64, "its counts of vertices and faces")
+    if len(counts) < 2 or counts[:2].min() < 0:
+        raise ReadError("it has no line with the counts of vertices and faces: export it again")
+    points, polygons = int(counts[0]), int(counts[1])
+    if len(lines) - 1 != points + polygons:
+        raise ReadError(
+            f"its header says {points} vertices and {polygons} faces, but {len(lines) - 1} lines follow: "
+            "it was cut short or its counts are wrong, export it again"
+        )
+    rows = [line.split()[:3] for line in lines[1 : points + 1]]
+    short = next((i for i, row in enumerate(rows) if len(row) < 3), None)
+    if short is not None:
+        raise ReadError(f"vertex {short} has fewer than three coordinates: export it again")
+    vertices = numbers(b" ".join(word for row in rows for word in row), np.float64, "its vertices")
+    sizes, corners = [], []
+    for face, line in enumerate(lines[points + 1 :]):
+        size, *rest = line.split()
+        if not size.isdigit() or len(size) > 9 or len(rest) < int(size):
+            raise ReadError(f"face {face} says {shown(size)} corners and names {len(rest)}: export it again")
+        sizes.append(int(size))
+        corners += rest[: int(size)]
+    of_face = np.array(sizes, np.int64)
+    faces, _ = fan(of_face, numbers(b" ".join(corners), np.int64, "its faces"))
+    return Contents(surface(vertices.reshape(-1, 3), faces), notes=fan_note(int((of_face > 3).sum())))

@@ -1,0 +1,194 @@
+"""PLY, text or binary: whatever elements the header declares, of which vertices and faces are kept.
+
+Text is turned into float64 first, so that both kinds are rows of numbers of known size. Rows of one length
+(the usual case: triangles throughout) are viewed as one array, others are walked row by row. Source: G. Turk,
+"The PLY Polygon File Format", 1994.
+"""
+
+from __future__ import annotations
+
+import struct
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from inertia.arrays import Float, Int
+from inertia.errors import ReadError
+from inertia.mesh.readers.contents import Contents, fan, fan_note, numbers, shown, surface, text_of
+
+_TYPES = {
+    "char": "b", "int8": "b", "uchar": "B", "uint8": "B",
+    "short": "h", "int16": "h", "ushort": "H", "uint16": "H",
+    "int": "i", "int32": "i", "uint": "I", "uint32": "I", "int64": "q", "uint64": "Q",
+    "float": "f", "float32": "f", "double": "d", "float64": "d",
+}  # fmt: skip
+"""PLY's names of types as those of `struct`, which numpy shares."""
+
+_ORDERS = {"ascii": "", "binary_little_endian": "<", "binary_big_endian": ">"}
+_CORNERS = ("vertex_indices", "vertex_index")
+_HEADER_LIMIT = 2**20
+
+
+@dataclass
+class _Property:
+    """A column: its name, the type of its numbers and, for a list, the type of the count before them."""
+
+    name: str
+    type: str
+    count: str | None = None
+
+
+@dataclass
+class _Element:
+    """A table: its name, its number of rows and its columns."""
+
+    name: str
+    rows: int
+    properties: list[_Property] = field(default_factory=list)
+
+
+_Table = dict[str, tuple[NDArray[Any], Int]]
+"""Name of a column → its numbers, row after row, and how many each row has."""
+
+
+def read_ply(path: Path) -> Contents:
+    """Read a PLY file; colours, normals and other elements are left aside."""
+    with path.open("rb") as file:
+        head = file.read(_HEADER_LIMIT)
+    end = head.find(b"end_header")
+    line_end = min((at for at in (head.find(b"\n", end), head.find(b"\r", end)) if at >= 0), default=-1)
+    if end < 0 or line_end < 0:
+        raise ReadError("its header has no end_header line: it was cut short, export it again")
+    body = line_end + (2 if head[line_end : line_end + 2] == b"\r\n" else 1)
+    encoding, elements = _header(head[:end].decode("utf-8", "replace").splitlines())
+    order = _ORDERS[encoding] or "="
+    if encoding == "ascii":
+        data = numbers(text_of(path)[body:], np.float64, "its rows").view(np.uint8)
+        for column in (column for element in elements for column in element.properties):
+            column.type, column.count = "d", column.count and "d"
+    else:
+        data = np.fromfile(path, np.uint8, offset=body)
+    tables: dict[str, _Table] = {}
+    for element in elements:
+        if element.rows and element.properties:
+            tables[element.name], used = _table(data, element, order)
+            data = data[used:]
+    if data.tobytes().strip(b"\r\n"):
+        left = f"{len(data)} bytes" if _ORDERS[encoding] else f"{len(data) // 8} numbers"
+        raise ReadError(f"{left} follow the rows that its header counts: its counts are wrong, export it again")
+    if "face" not in tables:
+        strips = " but triangle strips" if "tristrips" in tables else ""
+        raise ReadError(f"it holds no faces{strips}: export the part as a surface mesh")
+    counts, corners = _faces(tables["face"])
+    faces, _ = fan(counts, corners)
+    return Contents(surface(_vertices(tables.get("vertex", {})), faces), notes=fan_note(int((counts > 3).sum())))
+
+
+def _header(lines: list[str]) -> tuple[str, list[_Element]]:
+    encoding = ""
+    elements: list[_Element] = []
+    for line in lines[1:]:
+        match line.split():
+            case ["format", name, _] if name in _ORDERS:
+                encoding = name
+            case ["element", name, rows] if name.isprintable() and rows.isdecimal() and len(rows) < 19:
+                elements.append(_Element(name, int(rows)))
+            case ["property", "list", count, kind, name] if elements and count in _TYPES and kind in _TYPES:
+                elements[-1].properties.append(_Property(name, _TYPES[kind], _TYPES[count]))
+            case ["property", kind, name] if elements and kind in _TYPES:
+                elements[-1].properties.append(_Property(name, _TYPES[kind]))
+            case [] | ["comment" | "obj_info", *_]:
+                pass
+            case _:
+                raise ReadError(f"its header has the line {shown(line)}, which PLY does not know: export it again")
+    if lines[0].strip() != "ply" or not encoding:
+        raise ReadError("its header does not begin with ply and a format: export it again")
+    return encoding, elements
+
+
+def _table(data: NDArray[np.uint8], element: _Element, order: str) -> tuple[_Table, int]:
+    """Return the columns of an element that begins `data`, and the bytes that it takes."""
+    raw = data.data
+    fields: list[Any] = []
+    at = 0
+    for i, column in enumerate(element.properties):
+        length = 1
+        if column.count:
+            length, at = _length(raw, at, order + column.count, element.name, 0)
+            fields.append((f"count{i}", order + column.count))
+        fields.append((f"{i}", order + column.type, (length,)))
+        at += length * struct.calcsize(order + column.type)
+    if element.rows * at <= len(data):
+        rows = data[: element.rows * at].view(np.dtype(fields))
+        lengths = {i: rows[f"{i}"].shape[1] for i in range(len(element.properties))}
+        if all((rows[f"count{i}"] == lengths[i]).all() for i, c in enumerate(element.properties) if c.count):
+            table = {
+                column.name: (rows[f"{i}"].reshape(-1), np.full(element.rows, lengths[i]))
+                for i, column in enumerate(element.properties)
+            }
+            return table, element.rows * at
+    return _walk(data, element, order)
+
+
+def _walk(data: NDArray[np.uint8], element: _Element, order: str) -> tuple[_Table, int]:
+    raw = data.data
+    sizes = [struct.calcsize(order + column.type) for column in element.properties]
+    starts: list[list[int]] = [[] for _ in sizes]
+    lengths: list[list[int]] = [[] for _ in sizes]
+    at = 0
+    for row in range(element.rows):
+        for column, size, start, length in zip(element.properties, sizes, starts, lengths, strict=True):
+            count = 1
+            if column.count:
+                count, at = _length(raw, at, order + column.count, element.name, row)
+            start.append(at)
+            length.append(count)
+            at += count * size
+        if at > len(data):
+            raise _cut_short(element.name, row)
+    table: _Table = {}
+    for i, (column, size) in enumerate(zip(element.properties, sizes, strict=True)):
+        counts = np.array(lengths[i], np.int64)
+        base = np.array(starts[i], np.int64) - (np.cumsum(counts) - counts) * size
+        places = np.repeat(base, counts) + np.arange(counts.sum()) * size
+        picked = data[places[:, None] + np.arange(size)].reshape(-1)
+        table[column.name] = picked.view(order + column.type), counts
+    return table, at
+
+
+def _length(raw: memoryview, at: int, code: str, name: str, row: int) -> tuple[int, int]:
+    """Return the count of a list at byte `at`, and the byte at which its numbers begin."""
+    size = struct.calcsize(code)
+    if at + size > len(raw):
+        raise _cut_short(name, row)
+    count = struct.unpack_from(code, raw, at)[0]
+    if not 0 <= count <= len(raw) or count != int(count):
+        raise ReadError(f"{name} {row} says that it has {count:g} items: it was cut short or damaged, export it again")
+    return int(count), at + size
+
+
+def _cut_short(name: str, row: int) -> ReadError:
+    return ReadError(f"it ends within {name} {row}, before its header's count: it was cut short, export it again")
+
+
+def _vertices(table: _Table) -> Float:
+    if not all(axis in table and (table[axis][1] == 1).all() for axis in "xyz"):
+        raise ReadError("its vertices have no x, y and z: export it again")
+    return np.stack([table[axis][0].astype(np.float64) for axis in "xyz"], axis=1)
+
+
+def _faces(table: _Table) -> tuple[Int, Int]:
+    """Return how many corners each face has, and the vertex of each corner."""
+    name = next((name for name in _CORNERS if name in table), None)
+    if name is None:
+        raise ReadError("its faces have no list named vertex_indices: export it again")
+    corners, counts = table[name]
+    if corners.dtype.kind == "f":
+        whole = (np.abs(corners) < 2**53) & (np.floor(corners) == corners)
+        if not whole.all():
+            wrong = corners[np.argmin(whole)]
+            raise ReadError(f"its faces hold {wrong:g}, which is no index of a vertex: export it again")
+    return counts, corners.astype(np.int64)

@@ -1,0 +1,223 @@
+"""3MF: build items place objects, which are meshes or assemblies of objects, of this model or of another.
+
+Supports and other helpers of the printer are no part of the product and are left out.
+Source: 3MF Consortium, "Core Specification" 1.3, sections 3 and 4, and "Production Extension" 1.1, section 4.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, field
+from functools import cached_property
+from pathlib import Path
+from xml.parsers import expat
+
+import numpy as np
+
+from inertia.arrays import Float, Int
+from inertia.errors import ReadError
+from inertia.mesh.readers.contents import (
+    EXPANDED_LIMIT,
+    Contents,
+    Piece,
+    assemble,
+    check_indices,
+    placed,
+    plural,
+    shown,
+    was,
+)
+from inertia.mesh.readers.zip import inflate
+from inertia.units import Unit, length_unit
+
+_UNITS = ("micron", "millimeter", "centimeter", "inch", "foot", "meter")
+_HELPERS = ("support", "solidsupport", "other")
+_ROOT_NAME = "3d/3dmodel.model"
+_DEPTH_LIMIT = 100
+
+_Key = tuple[str, str]
+"""The part of the archive and the id that an object has there."""
+
+
+@dataclass
+class _Object:
+    """A mesh, as the words of the file, or an assembly of (object, where it is put)."""
+
+    name: str | None
+    type: str
+    coordinates: list[str] = field(default_factory=list)
+    corners: list[str] = field(default_factory=list)
+    components: list[tuple[_Key, Float]] = field(default_factory=list)
+
+    @cached_property
+    def mesh(self) -> tuple[Float, Int]:
+        """Vertices and faces; every instance shares them."""
+        what = f"object {shown(self.name)}" if self.name else "an object"
+        try:
+            vertices = np.array(list(map(float, self.coordinates)), np.float64).reshape(-1, 3)
+            faces = np.array(list(map(int, self.corners)), np.int64).reshape(-1, 3)
+        except (ValueError, OverflowError) as error:
+            raise ReadError(f"{what} has a faulty number ({error}): export it again") from None
+        check_indices(faces, len(vertices), f"{what}, triangle")
+        return vertices, faces
+
+
+@dataclass
+class _Model:
+    """One model part: its unit, its objects and what it builds."""
+
+    unit: Unit
+    objects: dict[str, _Object] = field(default_factory=dict)
+    items: list[tuple[_Key, Float]] = field(default_factory=list)
+
+
+def read_3mf(path: Path) -> Contents:
+    """Read the build of a 3MF file, in the unit that it states (millimetres where it states none)."""
+    package = _Package(inflate(path, lambda name: name.endswith((".model", ".rels"))))
+    model = package.model(package.root)
+    items = [(key, matrix) for key, matrix in model.items if package.object(key).type not in _HELPERS]
+    if sum(package.count(key) for key, _ in items) > EXPANDED_LIMIT:
+        raise ReadError(f"its components make more than {EXPANDED_LIMIT} triangles: split the build")
+    whole, regions = assemble([piece for key, matrix in items for piece in package.pieces(key, matrix)])
+    left_out = len(model.items) - len(items)
+    notes = (f"{plural(left_out, 'support')} {was(left_out)} left out",) if left_out else ()
+    return Contents(whole, model.unit, regions, notes)
+
+
+class _Package:
+    """The model parts of an archive, parsed when they are asked for."""
+
+    def __init__(self, members: dict[str, bytes]) -> None:
+        self._members = members
+        self._models: dict[str, _Model] = {}
+        self._counts: dict[_Key, int] = {}
+        self._open: list[_Key] = []
+
+    @property
+    def root(self) -> str:
+        """Name of the part that holds the build."""
+        relations = self._members.get("_rels/.rels")
+        targets = [] if relations is None else _start_parts(relations)
+        models = [name for name in self._members if name.endswith(".model")]
+        named = [name for name in (*targets, _ROOT_NAME, *models[:1]) if name in models]
+        if not named:
+            raise ReadError("it is a zip archive without a 3D model: it is no 3MF file")
+        return named[0]
+
+    def model(self, part: str) -> _Model:
+        """Return the model that `part` holds."""
+        if part not in self._models:
+            if part not in self._members:
+                raise ReadError(f"it refers to the part {shown(part)}, which it does not hold: export it again")
+            self._models[part] = _parse_model(part, self._members[part])
+        return self._models[part]
+
+    def object(self, key: _Key) -> _Object:
+        """Return an object."""
+        part, name = key
+        found = self.model(part).objects.get(name)
+        if found is None:
+            raise ReadError(f"it places object {shown(name)}, which it does not hold: export it again")
+        return found
+
+    def count(self, key: _Key) -> int:
+        """Return the triangles that an object expands to (at least one each), without expanding it."""
+        if key in self._open or len(self._open) > _DEPTH_LIMIT:
+            raise ReadError(f"object {shown(key[1])} is a component of itself or nested too deep: export it again")
+        if key not in self._counts:
+            item = self.object(key)
+            self._open.append(key)
+            inside = sum(self.count(component) for component, _ in item.components)
+            self._open.pop()
+            if not item.corners and not item.components:
+                raise ReadError(f"object {shown(item.name or key[1])} has neither triangles nor components")
+            self._counts[key] = max(1, inside + len(item.corners) // 3)
+        return self._counts[key]
+
+    def pieces(self, key: _Key, matrix: Float, inherited: str | None = None) -> Iterator[Piece]:
+        """Yield every mesh in an object, put where `matrix` says."""
+        item = self.object(key)
+        name = item.name or inherited
+        if item.corners:
+            yield Piece(name or f"object {key[1]}", *placed(*item.mesh, matrix))
+        for component, inside in item.components:
+            yield from self.pieces(component, matrix @ inside, name)
+
+
+def _start_parts(relations: bytes) -> list[str]:
+    """Return the targets of the relations that name a 3D model."""
+    targets = []
+
+    def start(tag: str, attributes: dict[str, str]) -> None:
+        if attributes.get("Type", "").endswith("/3dmodel"):
+            targets.append(_part_name(attributes["Target"]))
+
+    _parse(relations, start)
+    return targets
+
+
+def _parse_model(part: str, data: bytes) -> _Model:
+    model = _Model(length_unit("mm"))
+    inside: list[_Object] = []  # the object that is being read
+    core = ""
+
+    def reference(attributes: dict[str, str]) -> tuple[_Key, Float]:
+        other = next((value for name, value in attributes.items() if name.endswith(" path")), None)
+        key = part if other is None else _part_name(other), attributes["objectid"]
+        return key, _matrix(attributes.get("transform"))
+
+    def start(tag: str, attributes: dict[str, str]) -> None:
+        nonlocal core
+        space, _, name = tag.rpartition(" ")
+        if name == "vertex" and inside and space == core:
+            inside[0].coordinates += attributes["x"], attributes["y"], attributes["z"]
+        elif name == "triangle" and inside and space == core:
+            inside[0].corners += attributes["v1"], attributes["v2"], attributes["v3"]
+        elif name == "object" and space == core:
+            inside[:] = [_Object(attributes.get("name") or None, attributes.get("type", "model"))]
+            model.objects[attributes["id"]] = inside[0]
+        elif name == "component" and inside and space == core:
+            inside[0].components.append(reference(attributes))
+        elif name == "item" and space == core:
+            model.items.append(reference(attributes))
+        elif name == "model":
+            core = space
+            unit = attributes.get("unit", "millimeter")
+            if unit not in _UNITS:
+                raise ReadError(f"its unit is {shown(unit)}, but 3MF knows {', '.join(_UNITS)}: export it again")
+            model.unit = length_unit(unit)
+        elif name == "beamlattice":
+            raise ReadError("it holds a beam lattice, which is not read: export the lattice as a mesh")
+
+    _parse(data, start)
+    return model
+
+
+def _parse(data: bytes, start: Callable[[str, dict[str, str]], None]) -> None:
+    def no_document_type(*_: object) -> None:
+        raise ReadError("it declares a document type, which 3MF forbids: export it again")
+
+    parser = expat.ParserCreate(namespace_separator=" ")
+    parser.StartElementHandler = start
+    parser.StartDoctypeDeclHandler = no_document_type
+    try:
+        parser.Parse(data, True)
+    except expat.ExpatError as error:
+        raise ReadError(f"its XML is damaged ({error}): export it again") from None
+    except KeyError as missing:
+        raise ReadError(f"its XML lacks the attribute {missing} at line {parser.CurrentLineNumber}") from None
+
+
+def _part_name(target: str) -> str:
+    return target.lstrip("/").lower()
+
+
+def _matrix(text: str | None) -> Float:
+    """Return the (4, 4) matrix that acts on columns, from the twelve numbers of one that acts on rows."""
+    matrix = np.eye(4)
+    if text is not None:
+        try:
+            matrix[:3] = np.array(list(map(float, text.split()))).reshape(4, 3).T
+        except ValueError:
+            raise ReadError(f"the transform {shown(text)} is not twelve numbers: export it again") from None
+    return matrix

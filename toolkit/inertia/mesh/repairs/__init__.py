@@ -1,0 +1,1 @@
+"""Mending surfaces: each step, on plain arrays."""

@@ -1,0 +1,113 @@
+"""How fast a run is played, and its attitude at the evenly spaced instants that are shown."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from inertia.arrays import Float
+from inertia.dynamics.kinematics import quaternion
+from inertia.recording.writer import blocks
+
+RATE = 60.0
+"""Poses a second of playback: the viewer does not interpolate."""
+LONGEST = 3600.0
+"""Seconds that a playback lasts at most."""
+
+_FOLLOWED = 2.0 * math.pi, 0.2  # rad/s on the screen: the fastest turn that can be followed, the slowest that is seen
+_COARSE = 1.0  # rad between two samples, beyond which the shortest turn between them need not be the true one
+
+
+@dataclass(frozen=True, eq=False)
+class Playback:
+    """How a run is played.
+
+    Attributes
+    ----------
+    speed : seconds of the run in a second of playback
+    frames : (m,) s, the instants shown
+    smooth : whether they show the motion, or only instants of it that are far from each other
+    said : sentences
+    """
+
+    speed: float
+    frames: Float
+    smooth: bool
+    said: tuple[str, ...]
+
+
+def playback(time: Float, fastest: float) -> Playback:
+    """Choose the speed at which a body can be followed that turns at `fastest` rad/s, sampled at `time` (n,) s.
+
+    Real time where that will do, else the nearest of 1, 2 and 5 times a power of ten on the safe side.
+    """
+    duration = float(time[-1] - time[0])
+    spacing = duration / (len(time) - 1)
+    if fastest * spacing > _COARSE:
+        speed = _round_down(RATE * spacing)
+        note = (
+            f"the body turns by up to {fastest * spacing:.2g} rad between samples: its motion between them is not "
+            "shown, ask for more of them"
+        )
+        return Playback(speed, time, False, (_said(speed), note))
+    speed = 1.0
+    if fastest > _FOLLOWED[0]:
+        speed = _round_down(_FOLLOWED[0] / fastest)
+    elif 0 < fastest < _FOLLOWED[1]:
+        speed = max(1.0, min(_round_down(math.sqrt(_FOLLOWED[0] * _FOLLOWED[1]) / fastest), _round_down(duration)))
+    if duration > LONGEST * speed:
+        speed = 1.0 / _round_down(LONGEST / duration)
+    count = max(2, math.ceil(RATE * duration / speed) + 1)
+    return Playback(speed, np.linspace(time[0], time[-1], count), True, (_said(speed),))
+
+
+def attitudes_at(time: Float, attitude: Float, instants: Float) -> Float:
+    """Return the attitudes (m, 4) at instants, along the shortest turn at an even rate between samples (n, 4)."""
+    if np.array_equal(time, instants):
+        return attitude
+    before, share = _bracket(time, instants)
+    p, q = attitude[before], attitude[before + 1]
+    cosine = np.einsum("ij,ij->i", p, q)
+    q = np.where(cosine[:, None] < 0, -q, q)
+    half = 0.5 * quaternion.angle_between(p, q)
+    near = half < 1e-6  # where the sines below cancel, and a straight line will do
+    sine = np.where(near, 1.0, np.sin(half))
+    weights = [np.where(near, w, np.sin(w * half) / sine)[:, None] for w in (1.0 - share, share)]
+    return quaternion.normalise(weights[0] * p + weights[1] * q)
+
+
+def values_at(time: Float, values: Float, instants: Float) -> Float:
+    """Return values (m, k) at instants, on a straight line between samples (n, k)."""
+    if np.array_equal(time, instants):
+        return values
+    before, share = _bracket(time, instants)
+    between: Float = values[before] + share[:, None] * (values[before + 1] - values[before])
+    return between
+
+
+def largest(vectors: Float) -> float:
+    """Return the largest length among vectors (n, k)."""
+    return max(float(np.linalg.norm(vectors[block], axis=1).max()) for block in blocks(len(vectors)))
+
+
+def _bracket(time: Float, instants: Float) -> tuple[np.ndarray, Float]:
+    """Return for each instant the sample before it, and the share of the way to the next."""
+    before = np.clip(np.searchsorted(time, instants, side="right") - 1, 0, len(time) - 2)
+    share = (instants - time[before]) / (time[before + 1] - time[before])
+    return before, share
+
+
+def _round_down(value: float) -> float:
+    """Return the largest of 1, 2 and 5 times a power of ten that is no larger."""
+    power = 10.0 ** math.floor(math.log10(value))
+    return max(step * power for step in (1.0, 2.0, 5.0) if step * power <= value * (1 + 1e-9))
+
+
+def _said(speed: float) -> str:
+    if speed == 1:
+        return "played in real time"
+    if speed < 1:
+        return f"played {1 / speed:.6g} times slower than it is"
+    return f"played {speed:.6g} times faster than it is"

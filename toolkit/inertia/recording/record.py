@@ -1,0 +1,114 @@
+"""`record`: a run or a balanced rotor becomes a Rerun recording, in a file or on an open viewer."""
+
+from __future__ import annotations
+
+import os
+from typing import Any
+
+import numpy as np
+
+from inertia.arrays import Float
+from inertia.balancing.balance import Balance
+from inertia.dynamics.run import Run
+from inertia.errors import GeometryError, UsageError
+from inertia.recording.provenance import properties_of
+from inertia.recording.screen import Screen
+from inertia.recording.views import deforming, disc, driven, top
+from inertia.recording.views.rotor import rotor
+from inertia.recording.views.tumbling import tumbling
+from inertia.recording.writer import (
+    Recording,
+    blocks,
+    require_rerun,
+    require_viewer,
+    require_writable,
+    to_file,
+    to_viewer,
+)
+
+
+def record(
+    found: Run | Balance, path: str | os.PathLike[str] | None = None, *, force: bool = False, live: bool = False
+) -> None:
+    """Write a run, or a rotor, to a Rerun recording, to an open viewer, or to both.
+
+    The file holds the screen too, and what is needed to run it again: ``inertia simulate run.rrd``. It appears under
+    its name when it is whole, and not at all where writing fails.
+
+    Parameters
+    ----------
+    found : what `inertia.simulate` or `inertia.balance` returned
+    path : of the file, ending in .rrd; None for none
+    force : write over a file that is there
+    live : stream to the viewer that listens on port 9876 of this machine
+
+    Raises
+    ------
+    UsageError : neither a path nor `live`, a path that is not usable, a file that is there; no rerun-sdk
+    GeometryError : the run has no samples, or some that are not finite
+    InertiaError : the place cannot be written to, the disk is full, or no viewer listens
+    """
+    if path is None and not live:
+        raise UsageError("there is nowhere to record to: give a path, or live=True with an open viewer")
+    require_rerun()
+    if isinstance(found, Run):
+        _require_finite(found)
+    file = None if path is None else require_writable(path, force=force)
+    if live:
+        require_viewer()
+    screen = _screen(found)
+
+    def write(recording: Recording) -> None:
+        recording.name(screen.name)
+        for name, values in properties_of(found, file).items():
+            recording.properties(name, values)
+        screen.write(recording)
+
+    if file is not None:
+        with to_file(file, screen.application, screen.blueprint) as recording:
+            write(recording)
+    if live:
+        with to_viewer(screen.application, screen.blueprint) as recording:
+            write(recording)
+
+
+def _screen(found: Run | Balance) -> Screen:
+    if isinstance(found, Balance):
+        return rotor(found)
+    if deforming.applies(found):
+        return deforming.deforming(found)
+    if disc.applies(found):
+        return disc.disc(found)
+    if driven.applies(found):
+        return driven.driven(found)
+    if top.applies(found):
+        return top.top(found)
+    return tumbling(found)
+
+
+def _require_finite(run: Run) -> None:
+    if len(run.time) < 2:
+        raise GeometryError(f"{run.scene.name}: the run has {len(run.time)} samples: a recording needs 2 or more")
+    held: dict[str, Any] = {
+        "time": run.time,
+        "attitude": run.attitude,
+        "angular_velocity": run.angular_velocity,
+        "angular_momentum": run.angular_momentum,
+        "energy": run.energy,
+    }
+    if run.position is not None:
+        held["position"] = run.position
+    for name, values in held.items():
+        if (sample := _first_not_finite(values)) is not None:
+            raise GeometryError(
+                f"{run.scene.name}: {name} is not finite at sample {sample} of the run, t = {run.time[sample]:.6g} s: "
+                "nothing is recorded, ask for a shorter run or a finer accuracy"
+            )
+
+
+def _first_not_finite(values: Float) -> int | None:
+    for rows in blocks(len(values)):
+        wrong = ~np.isfinite(values[rows]).reshape(rows.stop - rows.start, -1).all(axis=1)
+        if wrong.any():
+            return int(rows.start + np.argmax(wrong))
+    return None

@@ -1,0 +1,67 @@
+"""The text beside the views: what moves, by which model and why, how well it is known, and how it is shown."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator
+from itertools import zip_longest
+from pathlib import Path
+
+from inertia.arrays import Float
+from inertia.dynamics.run import Run
+
+
+def summary(run: Run, shown: Iterable[str]) -> str:
+    """Return Markdown; `shown` says what was chosen for display only."""
+    return "\n".join([*_body(run), "", *_model(run), "", *_accuracy(run), "", *_notes(run, shown)])
+
+
+def title(run: Run) -> str:
+    """Return what a viewer calls the recording: the scene's name, without its folder."""
+    return Path(run.scene.name).name
+
+
+def listed(values: Float) -> str:
+    """Return a vector with six digits, what rounding left of a zero as 0."""
+    least = 1e-12 * max(map(abs, values.tolist()), default=0.0)
+    return ", ".join(f"{0.0 if abs(value) <= least else value:.6g}" for value in values.tolist())
+
+
+def _body(run: Run) -> Iterator[str]:
+    scene, body = run.scene, run.scene.body
+    cells = [("Scene", title(run)), ("Duration", f"{scene.run.duration:g} s, {len(run.time)} samples")]
+    if body.part is not None:
+        cells.append(("Part", f"{Path(body.part.name).name}, in {body.part.unit.name}"))
+    cells.append(("Class", body.body.principal.kind))
+    if body.body.mass is not None:
+        cells.append(("Mass", f"{body.body.mass:.6g} kg"))
+        cells.append(("Centre of mass", f"{listed(body.body.center_of_mass)} m"))
+    cells.append(("Moments", f"{listed(body.body.principal.moments)} kg m²"))
+    cells.append(("Spin", f"{listed(scene.start.angular_velocity)} rad/s, {scene.start.frame} axes"))
+    yield "| | | | |"
+    yield "|-|-|-|-|"
+    for left, right in zip_longest(cells[::2], cells[1::2], fillvalue=("", "")):
+        yield f"| {' | '.join((*left, *right))} |"
+
+
+def _model(run: Run) -> Iterator[str]:
+    yield f"**Model: {run.model}.** {' '.join([*run.why, *map(_sentence, run.remarks)])}"
+
+
+def _accuracy(run: Run) -> Iterator[str]:
+    error = run.error
+    kept = ", ".join(f"{name} to {each.largest_relative_drift:.1e} of itself" for name, each in run.invariants.items())
+    yield (
+        f"**Accuracy: {error.reached:.1e} rad** of attitude, {error.requested:g} rad asked for. "
+        f"{_sentence(error.method)}{f' Kept: {kept}.' if kept else ''}"
+    )
+
+
+def _notes(run: Run, shown: Iterable[str]) -> Iterator[str]:
+    yield f"**On the screen.** {' '.join(map(_sentence, shown))}"
+    for warning in run.warnings:
+        yield ""
+        yield f"**Note.** {_sentence(warning)}"
+
+
+def _sentence(text: str) -> str:
+    return f"{text[:1].upper()}{text[1:]}{'' if text.endswith('.') else '.'}"

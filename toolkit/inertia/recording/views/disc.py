@@ -1,0 +1,215 @@
+"""A body that rolls on a plane: its path, the point of contact, and the forces that the plane answers with."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+
+from inertia.arrays import Float
+from inertia.dynamics.plan import ROLLING, plan
+from inertia.dynamics.run import Run
+from inertia.recording import paths, places
+from inertia.recording.display import STEEL, Display, display_of
+from inertia.recording.frames import Frames, frames_of, thinned, write_arrow, write_trail
+from inertia.recording.panels import circle, longest_as, write_lines, write_place, write_text
+from inertia.recording.playback import values_at
+from inertia.recording.screen import Screen
+from inertia.recording.series import COLORS, drift_unit, write_drift
+from inertia.recording.summary import summary, title
+from inertia.recording.views.blueprint_disc import Layout, blueprint
+from inertia.recording.views.tumbling import MOMENTUM, OMEGA, TRAIL
+from inertia.recording.writer import Recording
+
+APPLICATION = "inertia-roll"
+
+FORCE, WEIGHT, PATH, RIM = (240, 90, 80), (150, 200, 120), (255, 235, 120), (235, 235, 240)
+DISC, GRID = (*STEEL, 150), (75, 78, 86)
+STATES = ("rolls", "held down by a plane that pulls")
+
+_THICK = 0.015
+_WEIGHT = 1.2  # radii, of the arrow of the weight
+_ARROW = 1.4  # radii, of ω and L
+_TRAIL = 6.0  # seconds of playback
+_SPOKES = 8
+_LINES = 60  # of the plane's grid, either way
+
+
+@dataclass(frozen=True, eq=False)
+class Rim:
+    """The rim that rolls, in display units about the centre of mass, part axes.
+
+    Attributes
+    ----------
+    radius, offset : of the circle, and how far along the axis it is
+    axes : (3, 3), the last column along the axis
+    """
+
+    radius: float
+    offset: float
+    axes: Float
+
+    @property
+    def points(self) -> Float:
+        """The circle, (k, 3)."""
+        return circle(self.radius, self.offset, self.axes)
+
+    @property
+    def spokes(self) -> list[Float]:
+        """Lines (2, 3) from the middle of the rim out, so that its turning shows."""
+        points = self.points[:-1]
+        middle = self.offset * self.axes[:, 2]
+        return [np.stack([middle, point]) for point in points[:: len(points) // _SPOKES]]
+
+
+def applies(run: Run) -> bool:
+    """Say whether the body rolls."""
+    return run.model == ROLLING
+
+
+def disc(run: Run) -> Screen:
+    """Return the recording of a body that rolls."""
+    chosen = plan(run.scene)
+    body, frames = display_of(run.scene.body), frames_of(run)
+    constraint = run.scene.constraint
+    assert constraint.radius is not None  # the scene saw to it
+    rim = Rim(constraint.radius / body.unit, (constraint.offset or 0.0) / body.unit, chosen.axes)
+    contact = _origin(run) + run.quantities["contact"]
+    middle = np.append(0.5 * (contact[:, :2].min(axis=0) + contact[:, :2].max(axis=0)), contact[0, 2])
+    reach = 0.5 * float(np.ptp(contact[:, :2], axis=0).max()) / body.unit
+    layout = Layout(
+        duration=float(run.time[-1]),
+        radius=rim.radius,
+        reach=reach,
+        trail=min(_TRAIL * frames.play.speed, float(run.time[-1])),
+        speed=frames.play.speed,
+        drift_unit=drift_unit(run),
+        lifts_off=bool(_lift_off(run)),
+    )
+
+    def write(recording: Recording) -> None:
+        said = [*frames.play.said]
+        said += _write_body(recording, body, rim)
+        said += _write_world(recording, run, body, rim, frames, middle)
+        _write_plots(recording, run)
+        write_drift(recording, run)
+        _write_lift_off(recording, run)
+        write_text(recording, summary(run, said))
+
+    return Screen(APPLICATION, title(run), blueprint(layout), write)
+
+
+def _origin(run: Run) -> Float:
+    return np.zeros(3) if run.scene.start.position is None else run.scene.start.position
+
+
+def _write_body(recording: Recording, body: Display, rim: Rim) -> Iterator[str]:
+    """Write the part, or a disc within the rim where there is none, and the rim that rolls."""
+    import rerun as rr
+
+    if body.triangles is not None:
+        recording.static(paths.MESH, *body.archetypes())
+        yield from body.said
+    else:
+        points = rim.points
+        middle = np.broadcast_to(rim.offset * rim.axes[:, 2], points[1:].shape)
+        corners = np.stack([middle, points[:-1], points[1:]], axis=1).reshape(-1, 3)
+        recording.static(paths.MESH, rr.Mesh3D(vertex_positions=np.float32(corners), albedo_factor=DISC))
+        yield "shown as a thin disc, as the scene has no part file"
+    thick = _THICK * rim.radius
+    write_lines(recording, places.RIM, [rim.points], RIM, 1.5 * thick)
+    write_lines(recording, places.SPOKES, rim.spokes, RIM, 0.7 * thick)
+
+
+def _write_world(
+    recording: Recording, run: Run, body: Display, rim: Rim, frames: Frames, middle: Float
+) -> Iterator[str]:
+    import rerun as rr
+
+    assert frames.position is not None  # a rolling body has one
+    recording.static(paths.WORLD, rr.ViewCoordinates.RIGHT_HAND_Z_UP)
+    contact = (_origin(run) + values_at(run.time, run.quantities["contact"], frames.time) - middle) / body.unit
+    write_place(recording, paths.CENTER, frames.time, (frames.position - middle) / body.unit)
+    frames.write_attitude(recording)
+    write_place(recording, places.CONTACT, frames.time, contact)
+    thick = _THICK * rim.radius
+    write_lines(recording, places.CONTACT_PATH, [thinned(contact)], PATH, -1.0)
+    write_trail(recording, places.CONTACT_TRAIL, frames.time, contact, TRAIL, -2.0)
+    recording.static(places.CONTACT_POINT, rr.Points3D([np.zeros(3)], colors=[FORCE], radii=[2.5 * thick]))
+    write_lines(recording, places.GRID, _grid(contact, rim.radius), GRID, -0.3)
+    weight = _weight(run)
+    scale = _WEIGHT * rim.radius / float(np.linalg.norm(weight))
+    force = scale * values_at(run.time, run.quantities["contact force"], frames.time)
+    write_arrow(recording, places.CONTACT_FORCE, frames.time, force, "F", FORCE, 1.5 * thick)
+    weights = np.broadcast_to(scale * weight, force.shape)
+    write_arrow(recording, places.WEIGHT, frames.time, weights, "mg", WEIGHT, 1.5 * thick)
+    for path, vectors, label, color in (
+        (paths.ANGULAR_VELOCITY, frames.angular_velocity, "ω", OMEGA),
+        (paths.ANGULAR_MOMENTUM, frames.angular_momentum, "L", MOMENTUM),
+    ):
+        arrow = longest_as(_ARROW * rim.radius, vectors)
+        write_arrow(recording, path, frames.time, arrow, label, color, thick)
+    yield f"1 unit is {body.unit:g} m, from ({', '.join(f'{x:.4g}' for x in middle)}) m of space"
+    yield (
+        "the point of contact leaves the yellow path on the plane; the contact force F (red) and the weight mg "
+        f"(green, {np.linalg.norm(weight):.4g} N) are drawn to one scale"
+    )
+
+
+def _grid(contact: Float, radius: float) -> list[Float]:
+    """Return lines on the plane, a diameter apart or more, from under the path to three radii beyond it."""
+    low, high = contact[:, :2].min(axis=0) - 3.0 * radius, contact[:, :2].max(axis=0) + 3.0 * radius
+    step = 2.0 * radius * max(1.0, np.ceil((high - low).max() / (2.0 * _LINES * radius)))
+    lines = []
+    for across in (0, 1):
+        for place in step * np.arange(np.ceil(low[across] / step), high[across] / step):
+            ends = np.zeros((2, 3))
+            ends[:, across], ends[:, 1 - across] = place, (low[1 - across], high[1 - across])
+            lines.append(ends)
+    return lines
+
+
+def _weight(run: Run) -> Float:
+    mass = run.scene.body.body.mass
+    assert mass is not None  # a rolling body has one
+    return mass * run.scene.gravity
+
+
+def _write_plots(recording: Recording, run: Run) -> None:
+    force, weight = run.quantities["contact force"], np.linalg.norm(_weight(run))
+    recording.scalars(
+        places.PLOT_FORCE,
+        run.time,
+        lambda rows: np.stack(
+            [force[rows, 2], np.hypot(force[rows, 0], force[rows, 1]), np.full(len(force[rows]), weight)], axis=1
+        ),
+        ["normal, N", "friction, N", "weight, N"],
+        [FORCE, COLORS[3], WEIGHT],
+    )
+    rates = [run.quantities[f"{name} rate"] for name in ("phi", "theta", "psi")]
+    recording.scalars(
+        places.PLOT_RATES,
+        run.time,
+        lambda rows: np.stack([rate[rows] for rate in rates], axis=1),
+        ["φ rate, rad/s", "θ rate, rad/s", "ψ rate, rad/s"],
+        COLORS[:3],
+    )
+    tilt = run.quantities["theta"]
+    recording.scalars(places.PLOT_TILT, run.time, lambda rows: tilt[rows, None], ["θ, rad"], COLORS[1:2])
+
+
+def _lift_off(run: Run) -> list[float]:
+    return [event.time for event in run.events if event.name == "lift-off"]
+
+
+def _write_lift_off(recording: Recording, run: Run) -> None:
+    """Write up to when the plane only pushes."""
+    import rerun as rr
+
+    if not (instants := _lift_off(run)):
+        return
+    recording.static(places.CONTACT_STATE, rr.StateConfiguration(values=STATES, colors=[0x5ABE5AFF, 0xE65046FF]))
+    states = list(STATES) if instants[0] > run.time[0] else [STATES[1]]
+    time = np.array([run.time[0], instants[0]][-len(states) :])
+    recording.columns(places.CONTACT_STATE, time, lambda rows: rr.StateChange.columns(state=states[rows]))

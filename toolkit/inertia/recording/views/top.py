@@ -1,0 +1,216 @@
+"""A heavy body on a fixed point: how its axis moves, the sphere that it points at, and the effective potential."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+
+from inertia.arrays import Float
+from inertia.dynamics.kinematics import quaternion
+from inertia.dynamics.kinematics.euler_angles import to_angles
+from inertia.dynamics.plan import Plan, plan
+from inertia.dynamics.run import Run
+from inertia.recording import paths, places
+from inertia.recording.display import Display, display_of
+from inertia.recording.frames import Frames, thinned, write_arrow, write_trail
+from inertia.recording.pace import frames_followed
+from inertia.recording.panels import (
+    GROUND,
+    basis,
+    circle,
+    longest_as,
+    write_lines,
+    write_place,
+    write_point,
+    write_text,
+)
+from inertia.recording.playback import largest
+from inertia.recording.screen import Screen
+from inertia.recording.series import COLORS, drift_unit, write_drift
+from inertia.recording.summary import summary, title
+from inertia.recording.views.blueprint_top import Layout, blueprint
+from inertia.recording.views.effective_potential import effective_potential
+from inertia.recording.views.tumbling import MOMENTUM, OMEGA, TRAIL
+from inertia.recording.writer import Recording
+
+APPLICATION = "inertia-top"
+
+LOCUS, TURNING, AXIS = (255, 235, 120), (90, 190, 90), (235, 235, 240)
+
+_SPHERE = 1.1  # over the reach of the body, of the sphere that its axis points at
+_OMEGA, _MOMENTUM = 1.15, 1.3  # lengths of arrows, over that sphere
+_THICK = 0.008
+_TRAIL = 12.0  # seconds of playback
+_LEAST_CAP = 0.15
+
+
+@dataclass(frozen=True, eq=False)
+class Axis:
+    """The line from the fixed point to the centre of mass, seen along the vertical.
+
+    Attributes
+    ----------
+    vertical : (3, 3), columns in space, the last one up
+    axes : (3, 3), columns in part axes, the last one from the fixed point to the centre of mass
+    arm : m, between the two
+    """
+
+    vertical: Float
+    axes: Float
+    arm: float
+
+    def direction(self, attitude: Float) -> Float:
+        """Return where it points, (m, 3), in space."""
+        return quaternion.to_space(attitude, self.axes[:, 2])
+
+    def angles(self, attitude: Float) -> Float:
+        """Return φ, θ and ψ (m, 3) in rad, θ being the tilt from the vertical."""
+        about = quaternion.conjugate(quaternion.from_matrix(self.vertical))
+        return to_angles(quaternion.multiply(about, quaternion.multiply(attitude, quaternion.from_matrix(self.axes))))
+
+
+def applies(run: Run) -> bool:
+    """Say whether gravity turns the body about a fixed point."""
+    return run.scene.constraint.kind == "fixed_point" and plan(run.scene).setting.weight > 0
+
+
+def top(run: Run) -> Screen:
+    """Return the recording of a heavy top."""
+    chosen = plan(run.scene)
+    body, axis = display_of(run.scene.body), _axis(chosen, run)
+    frames = _frames(run, axis)
+    tilts = axis.angles(run.attitude)[:, 1]
+    potential = effective_potential(run, chosen, float(tilts[0])) if chosen.model == "heavy symmetric top" else None
+    layout = Layout(
+        radius=_sphere(body, axis),
+        up=axis.vertical[:, 2],
+        tilts=(float(tilts.min()), float(tilts.max())),
+        cap=_cap(tilts),
+        duration=float(run.time[-1]),
+        trail=min(_TRAIL * frames.play.speed, float(run.time[-1])),
+        speed=frames.play.speed,
+        drift_unit=drift_unit(run),
+        potential=None if potential is None else potential.chart,
+    )
+
+    def write(recording: Recording) -> None:
+        said = [*frames.play.said, *body.said, f"in space 1 unit is {body.unit:g} m, and the fixed point is the origin"]
+        said += _write_world(recording, run, body, frames, axis)
+        said += _write_sphere(recording, run, frames, axis, _cap(tilts))
+        _write_angles(recording, run, axis)
+        write_drift(recording, run)
+        if potential is not None:
+            said.append(potential.write(recording, frames.time, np.interp(frames.time, run.time, tilts)))
+        write_text(recording, summary(run, said))
+
+    return Screen(APPLICATION, title(run), blueprint(layout), write)
+
+
+def _axis(chosen: Plan, run: Run) -> Axis:
+    setting = chosen.setting
+    arm = setting.axes @ setting.arm
+    length = float(np.linalg.norm(arm))
+    up = -run.scene.gravity / np.linalg.norm(run.scene.gravity)
+    axes = chosen.axes if chosen.model == "heavy symmetric top" else basis(arm / length)
+    return Axis(basis(up), axes, length)
+
+
+def _frames(run: Run, axis: Axis) -> Frames:
+    """Resample a run at the speed at which its axis can be followed, which may be much slower than its spin."""
+    along = axis.axes[:, 2]
+    omega = run.angular_velocity - np.outer(run.angular_velocity @ along, along)
+    period = float(run.quantities.get("nutation period", np.inf))
+    return frames_followed(run, max(largest(omega), 2.0 * np.pi / period))
+
+
+def _sphere(body: Display, axis: Axis) -> float:
+    return _SPHERE * (axis.arm / body.unit + body.radius)
+
+
+def _write_world(recording: Recording, run: Run, body: Display, frames: Frames, axis: Axis) -> Iterator[str]:
+    import rerun as rr
+
+    size = _sphere(body, axis)
+    thick = _THICK * size
+    along, up = axis.axes[:, 2], axis.vertical[:, 2]
+    foot = -axis.arm / body.unit * along
+    recording.static(paths.MESH, *body.archetypes())
+    write_lines(recording, paths.BODY_AXES, [np.stack([foot, foot + size * along])], AXIS, thick)
+    write_place(recording, paths.CENTER, frames.time, axis.arm / body.unit * axis.direction(frames.attitude))
+    frames.write_attitude(recording)
+    recording.static(
+        places.VERTICAL,
+        rr.Arrows3D(vectors=[1.2 * size * up], labels=["up"], colors=[GROUND], radii=[0.5 * thick]),
+    )
+    recording.static(places.FIXED_POINT, rr.Points3D([np.zeros(3)], colors=[AXIS], radii=[3.0 * thick]))
+    omega = longest_as(_OMEGA * size, frames.angular_velocity)
+    momentum = longest_as(_MOMENTUM * size, frames.angular_momentum)
+    write_arrow(recording, places.OMEGA_OF_TOP, frames.time, omega, "ω", OMEGA, thick)
+    write_arrow(recording, places.MOMENTUM_OF_TOP, frames.time, momentum, "L", MOMENTUM, thick)
+    write_trail(recording, places.LOCUS, frames.time, size * axis.direction(frames.attitude), LOCUS, thick)
+    _write_turning(recording, paths.WORLD, run, axis, size, 0.5 * thick)
+    yield (
+        f"the arrow of ω (yellow) is {largest(frames.angular_velocity):.4g} rad/s where it is longest, that of L "
+        f"(blue) {largest(frames.angular_momentum):.4g} kg m²/s"
+    )
+
+
+def _cap(tilts: Float) -> float:
+    """Return the radius of the cap of the unit sphere that holds the path, or 1 for all of the sphere."""
+    return 1.0 if tilts.max() > 0.5 * np.pi else max(float(np.sin(tilts.max())), _LEAST_CAP)
+
+
+def _write_sphere(recording: Recording, run: Run, frames: Frames, axis: Axis, cap: float) -> Iterator[str]:
+    """Write the unit sphere: the whole path of the axis on it, and where the axis is."""
+    import rerun as rr
+
+    room, up = places.UNIT_SPHERE, axis.vertical[:, 2]
+    recording.static(
+        f"{room}/sphere",
+        rr.Ellipsoids3D(
+            half_sizes=[np.ones(3)],
+            colors=[(120, 150, 200, 40)],
+            line_radii=[0.0015 * cap],
+            fill_mode=rr.components.FillMode.TransparentFillMajorWireframe,
+        ),
+    )
+    recording.static(
+        f"{room}/vertical", rr.Arrows3D(vectors=[1.25 * up], labels=["up"], colors=[GROUND], radii=[0.005 * cap])
+    )
+    direction = axis.direction(frames.attitude)
+    write_lines(recording, f"{room}/locus", [thinned(direction)], TRAIL, 0.004 * cap)
+    write_arrow(recording, f"{room}/axis", frames.time, direction, "axis", AXIS, 0.007 * cap)
+    write_trail(recording, f"{room}/trail", frames.time, direction, LOCUS, 0.008 * cap)
+    write_point(recording, f"{room}/tip", frames.time, direction, AXIS, 0.02 * cap)
+    circles = _write_turning(recording, room, run, axis, 1.0, 0.0025 * cap)
+    between = f", between the circles at which it turns (green), θ = {circles} rad" if circles else ""
+    yield f"the axis runs along the yellow path on the unit sphere{between}"
+
+
+def _write_turning(recording: Recording, room: str, run: Run, axis: Axis, size: float, radius: float) -> str:
+    """Write the circles at the turning angles, if the model knows them; return these."""
+    angles = run.quantities.get("turning theta")
+    if angles is None:
+        return ""
+    circles = [circle(size * np.sin(angle), size * np.cos(angle), axis.vertical) for angle in angles]
+    write_lines(recording, f"{room}/turning_circles", circles, TURNING, radius)
+    return " and ".join(f"{angle:.6g}" for angle in angles)
+
+
+def _write_angles(recording: Recording, run: Run, axis: Axis) -> None:
+    """Write θ as a line, φ and ψ as points: they jump where they have gone round."""
+    import rerun as rr
+
+    angles = axis.angles(run.attitude)
+    recording.scalars(places.PLOT_TILT, run.time, lambda rows: angles[rows, 1:2], ["θ, rad"], COLORS[1:2])
+    recording.static(
+        paths.PLOT_EULER_ANGLES,
+        rr.SeriesPoints(names=["φ, rad", "ψ, rad"], colors=[COLORS[0], COLORS[2]], marker_sizes=[1.5] * 2),
+    )
+    recording.columns(
+        paths.PLOT_EULER_ANGLES,
+        run.time,
+        lambda rows: rr.Scalars.columns(scalars=angles[rows, ::2].ravel()).partition(np.full(len(angles[rows]), 2)),
+    )

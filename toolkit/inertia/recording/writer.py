@@ -1,0 +1,241 @@
+"""Writing recordings: columns in blocks to a private stream, into a file that is whole or not there, or to a viewer."""
+
+from __future__ import annotations
+
+import contextlib
+import errno
+import os
+import socket
+import threading
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from inertia.arrays import Float
+from inertia.errors import InertiaError, UsageError
+from inertia.recording.paths import TIMELINE
+
+if TYPE_CHECKING:
+    import rerun as rr
+    import rerun.blueprint as rrb
+
+BLOCK = 65_536
+"""Rows of a chunk: as many as are turned into columns at once, so that memory does not grow with the run."""
+VIEWER = "127.0.0.1", 9876
+"""Where an open viewer of this machine listens."""
+
+_PATIENCE = 600.0  # seconds for one block to reach the disk or the viewer
+_PIPES = Path("/dev/fd")
+_READ = 1 << 20
+_NANO = 1e9
+_REMEDIES = {
+    errno.ENOSPC: "make room on the disk, or name a place on another one",
+    errno.EDQUOT: "make room within the quota, or name a place on another disk",
+    errno.EFBIG: "raise the limit on the size of files, or record fewer samples",
+    errno.ENOENT: "name a folder that is there",
+    errno.ENOTDIR: "name a folder that is there",
+}
+
+Columns = Callable[[slice], Any]
+"""What makes the columns of a block of rows."""
+
+
+class Recording:
+    """A stream that is open for writing; all that moves goes in by columns, on the timeline of the run."""
+
+    def __init__(self, stream: rr.RecordingStream) -> None:
+        self._stream = stream
+
+    def static(self, path: str, *archetypes: Any) -> None:
+        """Write what does not change."""
+        self._stream.log(path, *archetypes, static=True)
+
+    def columns(self, path: str, time: Float, *columns: Columns) -> None:
+        """Write a row for each time (n,) in s, block by block; each of `columns` makes some of a block's columns."""
+        import rerun as rr
+
+        for block in blocks(len(time)):
+            nanoseconds = np.round(_NANO * time[block]).astype("timedelta64[ns]")
+            index = [rr.TimeColumn(TIMELINE, duration=nanoseconds)]
+            made = [column for make in columns for column in make(block)]
+            self._stream.send_columns(path, index, made)
+            self.flush()
+
+    def scalars(
+        self,
+        path: str,
+        time: Float,
+        values: Callable[[slice], Float],
+        names: Sequence[str],
+        colors: Sequence[Sequence[int]],
+    ) -> None:
+        """Write series of numbers: `values` returns (k, len(names)) for a block; each name ends in its unit."""
+        import rerun as rr
+
+        def columns(block: slice) -> Any:
+            rows = values(block)
+            return rr.Scalars.columns(scalars=rows.ravel()).partition(np.full(len(rows), len(names)))
+
+        self.static(path, rr.SeriesLines(names=list(names), colors=list(colors), widths=[1.5] * len(names)))
+        self.columns(path, time, columns)
+
+    def properties(self, name: str, values: Mapping[str, Any]) -> None:
+        """Write properties of the whole recording, those that are None left out."""
+        import rerun as rr
+
+        known = {key: value for key, value in values.items() if value is not None}
+        if known:
+            self._stream.send_property(name, rr.AnyValues(**known))
+
+    def name(self, name: str) -> None:
+        """Call the recording `name`."""
+        self._stream.send_recording_name(name)
+
+    def flush(self) -> None:
+        """Wait until everything is out of memory."""
+        try:
+            self._stream.flush(timeout_sec=_PATIENCE)
+        except RuntimeError as error:
+            raise InertiaError(f"the recording cannot be written: {error}") from error
+
+
+def blocks(count: int) -> Iterator[slice]:
+    """Yield slices of at most `BLOCK` rows that cover `count` of them.
+
+    >>> list(blocks(70_000))
+    [slice(0, 65536, None), slice(65536, 70000, None)]
+    """
+    for start in range(0, count, BLOCK):
+        yield slice(start, min(start + BLOCK, count))
+
+
+def require_rerun() -> None:
+    """Raise `UsageError` where rerun-sdk is not installed."""
+    try:
+        import rerun  # noqa: F401
+    except ImportError:
+        raise UsageError("recording needs rerun-sdk: install it by pip install 'inertia[record]'") from None
+
+
+def require_writable(file: str | os.PathLike[str], *, force: bool = False) -> Path:
+    """Return the path of a recording that can be written: to be asked before the work that leads to it.
+
+    Raises
+    ------
+    UsageError : the name does not end in .rrd, is a folder's, or exists and `force` is not set; no rerun-sdk
+    InertiaError : the folder cannot be written to
+    """
+    path = Path(file)
+    if path.suffix.lower() != ".rrd":
+        raise UsageError(f"cannot record to {path}: its name must end in .rrd")
+    require_rerun()
+    if path.is_dir():
+        raise UsageError(f"cannot record to {path}: it is a directory")
+    if path.exists() and not force:
+        raise UsageError(f"{path} exists: give another name, or --force (force=True) to write over it")
+    beside = _beside(path)
+    try:
+        beside.touch()
+        beside.unlink()
+    except OSError as error:
+        raise _unwritable(path, error) from error
+    return path
+
+
+def require_viewer() -> None:
+    """Raise `InertiaError` where no viewer of this machine listens."""
+    host, port = VIEWER
+    try:
+        socket.create_connection(VIEWER, timeout=5.0).close()
+    except OSError:
+        raise InertiaError(
+            f"no viewer listens on {host}:{port}: open one first by `rerun --bind {host}`, or record to a file"
+        ) from None
+
+
+@contextlib.contextmanager
+def to_file(path: Path, application: str, blueprint: rrb.Blueprint) -> Iterator[Recording]:
+    """Open a recording that appears under `path` when the context is left, and not at all where an error leaves it."""
+    import rerun as rr
+
+    beside = _beside(path)
+    try:
+        with beside.open("wb") as file:
+            with _into(file) as sink, _stream(rr.RecordingStream(application)) as stream:
+                stream.save(sink, default_blueprint=blueprint)
+                yield Recording(stream)
+            file.flush()
+            os.fsync(file.fileno())
+        beside.replace(path.resolve())
+    except OSError as error:
+        raise _unwritable(path, error) from error
+    finally:
+        beside.unlink(missing_ok=True)
+
+
+@contextlib.contextmanager
+def to_viewer(application: str, blueprint: rrb.Blueprint) -> Iterator[Recording]:
+    """Open a recording that an open viewer of this machine shows as it is written."""
+    import rerun as rr
+
+    require_viewer()
+    host, port = VIEWER
+    with _stream(rr.RecordingStream(application)) as stream:
+        stream.connect_grpc(f"rerun+http://{host}:{port}/proxy", default_blueprint=blueprint)
+        recording = Recording(stream)
+        yield recording
+        recording.flush()
+
+
+@contextlib.contextmanager
+def _stream(stream: rr.RecordingStream) -> Iterator[rr.RecordingStream]:
+    stream.set_log_time_enabled(False)
+    stream.set_log_tick_enabled(False)
+    try:
+        yield stream
+    finally:
+        stream.disconnect()  # writes the footer
+
+
+@contextlib.contextmanager
+def _into(file: Any) -> Iterator[str]:
+    """Yield a path that leads into an open file, by way of a pipe: Rerun's own sink keeps write errors to itself.
+
+    Raises the first `OSError` of writing. Without /dev/fd (Windows) it is the file's own path.
+    """
+    if not _PIPES.is_dir():
+        yield file.name
+        return
+    reading, writing = os.pipe()
+    faults: list[OSError] = []
+
+    def pump() -> None:
+        while data := os.read(reading, _READ):
+            if not faults:  # else the rest is only drained, so that the writer does not wait for ever
+                try:
+                    file.write(data)
+                except OSError as error:
+                    faults.append(error)
+
+    pumping = threading.Thread(target=pump, daemon=True)
+    pumping.start()
+    try:
+        yield f"{_PIPES}/{writing}"
+    finally:
+        os.close(writing)
+        pumping.join()
+        os.close(reading)
+    if faults:
+        raise faults[0]
+
+
+def _beside(path: Path) -> Path:
+    path = path.resolve()
+    return path.with_name(f".{path.name}.{os.getpid()}")
+
+
+def _unwritable(path: Path, error: OSError) -> InertiaError:
+    remedy = _REMEDIES.get(error.errno or 0, "name a place that can be written to")
+    return InertiaError(f"cannot write {path}: {error.strerror or error}: {remedy}")

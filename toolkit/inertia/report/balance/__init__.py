@@ -1,0 +1,1 @@
+"""A balance as text, JSON, CSV and HTML."""

@@ -1,0 +1,1 @@
+"""Pictures of a rotor, drawn as SVG."""

@@ -1,0 +1,140 @@
+"""Running a scene by every method that can follow it, each over a ladder of accuracies."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from functools import partial
+
+import numpy as np
+
+from inertia.dynamics.models.rolling import motion
+from inertia.dynamics.models.stepped import solve
+from inertia.dynamics.plan import DEFORMING, ROLLING, plan
+from inertia.dynamics.run import Run
+from inertia.dynamics.scene.document import Scene
+from inertia.dynamics.simulate import simulate
+from inertia.errors import GeometryError, UsageError
+from inertia.work_precision.rows import Skipped
+from inertia.work_precision.stopwatch import Stopwatch, Timing
+
+LADDER = (1e-3, 1e-5, 1e-7, 1e-9, 1e-11, 1e-13)
+"""The accuracies in rad that are gone through."""
+
+_PROBE = 32
+"""The first run of a method is of this part of the duration, and tells what all of it may take."""
+
+_PART = 4
+"""No run may take more than this part of what is left of the budget."""
+
+_REPEATS = 0.2
+"""Of the budget: a tenth of this may go into the repeats of one row."""
+
+_ORDER = {name: method.order for name, method in solve.METHODS.items()}
+_ORDER_ELSE = 8
+
+
+@dataclass(frozen=True, eq=False)
+class Measured:
+    """A run, its time, the accuracies in rad that give this very run, and whether the planner selects it for them."""
+
+    run: Run
+    time: Timing
+    asked: tuple[float, ...]
+    planned: bool
+
+
+class Measurement:
+    """Measures one scene within a budget.
+
+    Parameters
+    ----------
+    ladder : rad, the accuracies, the coarsest first
+    repeats, budget, clock : as for `Stopwatch`
+    """
+
+    def __init__(
+        self, scene: Scene, ladder: tuple[float, ...], repeats: int, budget: float, clock: Callable[[], float]
+    ) -> None:
+        self._scene, self._ladder = scene, ladder
+        self._watch, self._repeater = Stopwatch(repeats, budget, clock), Stopwatch(repeats, _REPEATS * budget, clock)
+        self.found: list[Measured] = []
+        self.skipped: list[Skipped] = []
+
+    def run(self, progress: Callable[[float], None]) -> None:
+        """Run what the planner selects for each accuracy, then each method, those that are fast first."""
+        self._climb(None, self._ladder, self._foreseen(None))
+        planned = list(self.found)
+        reached = sum(len(item.asked) for item in planned)
+        foreseen = {name: seconds for name in self._methods() if (seconds := self._foreseen(name)) is not None}
+        for k, name in enumerate(sorted(foreseen, key=foreseen.__getitem__)):
+            progress((k + 1) / (len(foreseen) + 1))
+            own = [item.asked for item in planned if item.run.error.method == name]
+            had = {rung for asked in own for rung in asked}
+            if own and own[-1] == planned[-1].asked:
+                had.update(self._ladder[reached:])  # it has failed there
+            self._climb(name, tuple(rung for rung in self._ladder if rung not in had), foreseen[name])
+        progress(1.0)
+
+    def _methods(self) -> tuple[str, ...]:
+        """Return the methods that a scene of this kind may ask for, beside what the planner selects."""
+        model = plan(self._asking(self._ladder[0], None)).model
+        if model == DEFORMING:
+            return ()
+        return motion.METHODS[1:] if model == ROLLING else tuple(solve.METHODS)
+
+    def _asking(self, accuracy: float, method: str | None) -> Scene:
+        """Return the scene with an accuracy and a method in place of its own; without one the planner selects."""
+        return replace(self._scene, run=replace(self._scene.run, accuracy=accuracy, model=None, method=method))
+
+    def _climb(self, method: str | None, ladder: tuple[float, ...], seconds: float | None) -> None:
+        """Run a method for finer and finer accuracies, until it fails or the next run would not fit."""
+        if seconds is None:
+            return
+        for k, rung in enumerate(ladder):
+            what = f"{_called(method)} at {rung:g} rad" + ("" if rung == ladder[-1] else " and finer")
+            if k:
+                seconds *= (ladder[k - 1] / rung) ** (1.0 / _ORDER.get(method or "", _ORDER_ELSE))
+            if not self._watch.affords(_PART * seconds):
+                self.skipped.append(Skipped(what, "it does not fit into the budget", seconds))
+                return
+            simulated = partial(simulate, self._asking(rung, method))
+            try:
+                seconds, run = self._watch.once(simulated)  # this one may compile something
+            except (GeometryError, UsageError) as fault:
+                self.skipped.append(Skipped(what, self._reason(fault)))
+                return
+            time = Timing(seconds, seconds, seconds, 1)
+            last = self.found[-1] if k else None
+            if last is not None and np.array_equal(last.run.attitude, run.attitude):
+                self.found[-1] = replace(last, asked=(*last.asked, rung))
+                continue
+            if self._watch.affords(2 * seconds):
+                time, _ = self._repeater.timed(simulated)
+            seconds = time.median
+            self.found.append(Measured(run, time, (rung,), method is None))
+
+    def _foreseen(self, method: str | None) -> float | None:
+        """Return the seconds that the coarsest run may take, from the first part of it; None where it fails."""
+        run = self._scene.run
+        short = replace(run, duration=run.duration / _PROBE, samples=max(2, run.samples // _PROBE))
+        asked = self._asking(self._ladder[0], method)
+        simulated = partial(
+            simulate, replace(asked, run=replace(asked.run, duration=short.duration, samples=short.samples))
+        )
+        try:
+            self._watch.once(simulated)  # this one may compile something
+            seconds, first = self._watch.once(simulated)
+        except (GeometryError, UsageError) as fault:
+            self.skipped.append(Skipped(_called(method), self._reason(fault)))
+            return None
+        return seconds * (_PROBE if first.steps else run.samples / short.samples)
+
+    def _reason(self, fault: GeometryError | UsageError) -> str:
+        """Return what an error says, without the remedy where that is another accuracy."""
+        said = str(fault).removeprefix(f"{self._scene.name}: ")
+        return said.partition(": ")[0] if isinstance(fault, GeometryError) else said.removeprefix("run: ")
+
+
+def _called(method: str | None) -> str:
+    return method or "what the planner selects"
