@@ -78,7 +78,6 @@ class TestBrokenSamples:
         assert repaired.inertia_change == pytest.approx(2.0, rel=1e-14)  # from −I to I
 
     def test_overlapping_cubes_are_united(self):
-        pytest.importorskip("manifold3d")
         repaired = inertia.repair(sample("overlapping_cubes"))
         assert changes(repaired) == [("overlapping bodies united", 2)]
         assert repaired.volume_before == pytest.approx(2e-9, rel=1e-14)

@@ -1,13 +1,11 @@
-import builtins
 import math
-import sys
 from dataclasses import replace
 
 import numpy as np
 import pytest
 from tests.mesh.solids import box, cube, joined, ring
 
-from inertia.errors import GeometryError, UsageError
+from inertia.errors import GeometryError
 from inertia.mass.analysis import mass_properties
 from inertia.mesh.check import check
 from inertia.mesh.cut import SEGMENTS, block, cut, drill, stock
@@ -146,19 +144,3 @@ def test_bodies_that_share_an_edge_are_cut_one_by_one():
     touching = Part.from_arrays(welded[0], welded[1].reshape(-1)[part.triangles.faces])
     left = cut(touching, [block([-1, -1, 0.5], np.diag([4.0, 4.0, 1.0]))])
     assert volume(left) == pytest.approx(1.0, rel=1e-14)
-
-
-def test_says_how_to_install_manifold3d(monkeypatch):
-    real = builtins.__import__
-
-    def missing(name, *args, **kwargs):
-        if name == "manifold3d":
-            raise ImportError(name)
-        return real(name, *args, **kwargs)
-
-    monkeypatch.delitem(sys.modules, "manifold3d", raising=False)
-    monkeypatch.setattr(builtins, "__import__", missing)
-    with pytest.raises(
-        UsageError, match=r"cutting a mesh needs manifold3d: install it by pip install 'inertia\[repair\]'"
-    ):
-        cut(boxed((0, 0, 0), (1, 1, 1)), [])

@@ -1,6 +1,5 @@
 """Repairs with known answers: volumes by rational arithmetic, and every change that was to be made."""
 
-import builtins
 import itertools
 import math
 from dataclasses import replace
@@ -368,19 +367,6 @@ class TestUnion:
         given = part(cube(5), cube(), cube(0.5, 0.5, 0.5))
         repaired = repair(replace(given, regions=Regions(("iron", "brass"), np.repeat(np.int32([0, 1]), [12, 24]))))
         assert repaired.part.regions.index.tolist() == [0] * 12 + [1] * (repaired.part.triangles.count - 12)
-
-    def test_without_manifold3d_the_remedy_is_named(self, monkeypatch):
-        find = builtins.__import__
-
-        def missing(name, *rest):
-            if name == "manifold3d":
-                raise ImportError(name)
-            return find(name, *rest)
-
-        monkeypatch.setattr(builtins, "__import__", missing)
-        with pytest.raises(UsageError, match=r"inertia\[repair\]"):
-            repair(part(cube(), cube(0.5)))
-        assert repair(part(cube(), cube(2))).changes == ()
 
 
 class TestReport:

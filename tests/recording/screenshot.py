@@ -1,6 +1,6 @@
 """What a user sees of a recording, without a screen: the viewer runs headless, on loopback only.
 
-    python tests/record/screenshot.py FILE.rrd OUT.png [SECONDS]
+    python tests/recording/screenshot.py FILE.rrd OUT.png [SECONDS]
 
 Leaves with an error where a view or the viewer reports one. Needs a Vulkan driver; one in software will do (Debian:
 mesa-vulkan-drivers).

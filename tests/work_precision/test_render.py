@@ -11,7 +11,7 @@ from inertia.work_precision.rows import Skipped
 
 SKIPPED = (
     Skipped("exact over the whole mesh", "it does not fit into the budget", 123.4),
-    Skipped("meshes of about 1/32 of the triangles and fewer", "simplifying a mesh needs manifold3d"),
+    Skipped("meshes of about 1/32 of the triangles and fewer", "manifold3d cannot simplify the surface"),
 )
 
 
@@ -58,7 +58,7 @@ def test_what_was_skipped_is_said_with_its_estimate() -> None:
     assert (
         "exact over the whole mesh: it does not fit into the budget (about 123 s): give a larger --budget Skipped"
     ) in text
-    assert "needs manifold3d Errors" in text
+    assert "manifold3d cannot simplify the surface Errors" in text
 
 
 def flat(text: str) -> str:

@@ -210,14 +210,6 @@ def plate(height: float) -> tuple[np.ndarray, np.ndarray]:
     return (vertices * np.array([1.0, 1.0, height])) @ turn.T, faces
 
 
-def test_without_manifold3d_the_methods_are_measured_all_the_same(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setitem(sys.modules, "manifold3d", None)
-    found = trade(lumpy(), repeats=1)
-    assert [row.method for row in found.rows] == RUNGS
-    (item,) = found.skipped
-    assert "inertia[repair]" in item.why
-
-
 def test_a_mesh_with_nothing_to_spare_says_so() -> None:
     found = trade(part(cube()), repeats=1)
     assert [row.method for row in found.rows] == RUNGS

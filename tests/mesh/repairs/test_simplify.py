@@ -1,13 +1,12 @@
 """Simplified meshes: closed, with the triangles that they say, of the vertices that there were."""
 
 import itertools
-import sys
 
 import numpy as np
 import pytest
 from tests.mesh.solids import cube, facets, inside_out, joined, ring, sphere
 
-from inertia.errors import GeometryError, UsageError
+from inertia.errors import GeometryError
 from inertia.mesh.geometry.closure import closure
 from inertia.mesh.part import Surface
 from inertia.mesh.repairs.simplify import Simplified, halvings
@@ -112,9 +111,3 @@ def test_an_open_surface_is_refused() -> None:
     vertices, faces = sphere()
     with pytest.raises(GeometryError, match="cannot simplify"):
         next(halvings(Surface(vertices, faces[1:])))
-
-
-def test_a_missing_manifold3d_is_named_with_its_extra(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setitem(sys.modules, "manifold3d", None)
-    with pytest.raises(UsageError, match=r"pip install 'inertia\[repair\]'"):
-        next(halvings(joined(sphere())))

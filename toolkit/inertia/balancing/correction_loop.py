@@ -93,7 +93,7 @@ def correct(
 
     Raises
     ------
-    UsageError : no planes, ids twice, densities missing, nothing permissible, or manifold3d is not installed
+    UsageError : no planes, ids twice, densities missing, or nothing permissible
     GeometryError : a plane lies off the part, a tool is too deep for the wall, or the mesh cannot be cut
     """
     _require(parts, densities, planes, tolerance)

@@ -51,7 +51,7 @@ def repair(part: Part, tolerance: float | None = None) -> Repaired:
     Raises
     ------
     GeometryError : the surface cannot be closed
-    UsageError : the tolerance is not usable, or manifold3d is needed and not installed
+    UsageError : the tolerance is not usable
 
     >>> part = Part.from_arrays([[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]], [[0, 2, 1], [0, 1, 3], [1, 2, 3]])
     >>> [str(change) for change in repair(part).changes]

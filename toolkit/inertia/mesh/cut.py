@@ -18,7 +18,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from inertia.arrays import Float, Int
-from inertia.errors import GeometryError, UsageError
+from inertia.errors import GeometryError
 from inertia.mesh.check import check
 from inertia.mesh.geometry.closure import Closure, closure, weld
 from inertia.mesh.geometry.shells import bodies, members, shells
@@ -163,7 +163,6 @@ def stock(part: Part) -> Stock:
 
     Raises
     ------
-    UsageError : manifold3d is not installed
     GeometryError : the part is not a closed surface, or manifold3d does not take a body
     """
     triangles = part.triangles
@@ -214,10 +213,8 @@ def _solid(vertices: Float, faces: Int) -> Any:
 
 def _runs(vertices: Float, faces: Int, lengths: Int) -> tuple[Any, int]:
     """Return a solid of runs of triangles, `lengths` triangles each, and the id of the first run."""
-    try:
-        from manifold3d import Error, Manifold, Mesh64
-    except ImportError:
-        raise UsageError("cutting a mesh needs manifold3d: install it by pip install 'inertia[repair]'") from None
+    from manifold3d import Error, Manifold, Mesh64
+
     first = int(Manifold.reserve_ids(len(lengths)))
     mesh = Mesh64(
         vertices,

@@ -115,7 +115,7 @@ def repair(part: Part, *, tolerance: float | None = None) -> Repair:
     ------
     GeometryError : the surface cannot be closed (an open sheet, a one-sided surface, a hole too large),
         overlapping bodies are of different regions, or a coordinate is not finite
-    UsageError : the tolerance is not usable, or bodies overlap and manifold3d is not installed
+    UsageError : the tolerance is not usable
 
     >>> part = Part.from_arrays([[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]],
     ...                         [[0, 2, 1], [0, 1, 3], [1, 2, 3]])

@@ -14,7 +14,7 @@ from typing import Any
 
 import numpy as np
 
-from inertia.errors import GeometryError, UsageError
+from inertia.errors import GeometryError
 from inertia.mesh.geometry.closure import weld
 from inertia.mesh.part import Surface, Triangles
 from inertia.mesh.repairs.weld import compact, diagonal, repeats_a_corner
@@ -49,7 +49,6 @@ def halvings(triangles: Triangles) -> Iterator[Simplified]:
 
     Raises
     ------
-    UsageError : manifold3d is not installed
     GeometryError : manifold3d does not take the surface, because it is open, for instance
 
     >>> octahedron = Surface([[1, 0, 0], [-1, 0, 0], [0, 1, 0], [0, -1, 0], [0, 0, 1], [0, 0, -1]],
@@ -77,10 +76,8 @@ def halvings(triangles: Triangles) -> Iterator[Simplified]:
 
 
 def _solid(vertices: Any, faces: Any) -> Any:
-    try:
-        from manifold3d import Error, Manifold, Mesh64
-    except ImportError:
-        raise UsageError("simplifying a mesh needs manifold3d: install it by pip install 'inertia[repair]'") from None
+    from manifold3d import Error, Manifold, Mesh64
+
     solid = Manifold(Mesh64(vertices, faces.astype(np.uint64)))
     if solid.status() != Error.NoError:
         raise GeometryError(

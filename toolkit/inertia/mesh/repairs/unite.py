@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from inertia.arrays import Float, Int
-from inertia.errors import GeometryError, UsageError
+from inertia.errors import GeometryError
 from inertia.mesh.geometry.boxes import BoxTree, overlapping
 from inertia.mesh.geometry.closure import components
 from inertia.mesh.geometry.intersect import overlap
@@ -40,15 +40,10 @@ def united(vertices: Float, faces: Int, bodies: list[Int]) -> tuple[Float, Int]:
 
     Raises
     ------
-    UsageError : manifold3d is not installed
     GeometryError : it does not take a body, because an edge of it has more than two triangles, for instance
     """
-    try:
-        from manifold3d import Error, Manifold, Mesh64, OpType
-    except ImportError:
-        raise UsageError(
-            "bodies overlap, and uniting them needs manifold3d: install it by pip install 'inertia[repair]'"
-        ) from None
+    from manifold3d import Error, Manifold, Mesh64, OpType
+
     # Products of six coordinates must not overflow; a power of two brings them near 1 and changes no digit.
     exponent = int(np.frexp(np.abs(vertices).max())[1])
     solids = []
