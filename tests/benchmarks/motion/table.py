@@ -26,9 +26,9 @@ Attitude error against CPU time: the methods of `inertia` beside SciPy, heyoka a
 {machine} The times are of this machine, of one core of it; read their ratios.
 
 * **Error** is the angle in rad by which the attitude at the end is off. The truth has 50 digits: free tops by mpmath
-  from the textbook's closed form (`tests/dynamics/models/free/free_oracle.py`), loaded ones by Taylor series in integers
-  (`tests/dynamics/oracle.py`), each checked against the other. Beyond ten revolutions of loaded ones it has some 28:
-  Taylor series in quadruple precision, checked against the integers (`tests/benchmarks/motion/truths.py`).
+  from the textbook's closed form (`tests/dynamics/models/free/free_oracle.py`), loaded ones by Taylor series in
+  integers (`tests/dynamics/oracle.py`), each checked against the other. Beyond ten revolutions of loaded ones it has
+  some 28: Taylor series in quadruple precision, checked against the integers (`tests/benchmarks/motion/truths.py`).
 * **Time** is CPU time for that one attitude, the best of several calls after a first one, which compiles and loads. It
   holds no estimate of the error: no peer makes one (`inertia.simulate` does, at the price of one or two more runs).
 * **Settings**: tolerances by half a decade (SciPy's by two), steps by the factor 1.7; the best that reaches an
