@@ -10,7 +10,7 @@ import numpy as np
 
 from inertia.arrays import Float
 from inertia.dynamics.kinematics import quaternion
-from inertia.dynamics.models.deforming.assembly import Assembly
+from inertia.dynamics.models.deforming.assembly import JointedBody
 from inertia.dynamics.models.deforming.joints import JointedPart
 from inertia.mass.principal import principal
 from inertia.mesh.part import Part
@@ -68,7 +68,7 @@ class Solid:
         ]
 
 
-def solids_of(assembly: Assembly, meshes: Sequence[Part | None]) -> list[Solid]:
+def solids_of(assembly: JointedBody, meshes: Sequence[Part | None]) -> list[Solid]:
     """Return the parts as shown: their meshes, or the solid ellipsoids of the same moments; a point is a sphere."""
     files = meshes or [None] * len(assembly.parts)
     found = [_solid(part, mesh) for part, mesh in zip(assembly.parts, files, strict=True)]

@@ -4,7 +4,7 @@ from math import pi
 
 import numpy as np
 
-from inertia.dynamics.models.deforming.assembly import Assembly
+from inertia.dynamics.models.deforming.assembly import JointedBody
 from inertia.dynamics.models.deforming.joints import Joint, JointedPart
 
 
@@ -33,7 +33,7 @@ def overturning_bend() -> float:
     return 2 * float(np.arccos((along - np.sqrt(along**2 - gap * across)) / gap))
 
 
-def cat(bend: float | None = None) -> Assembly:
+def cat(bend: float | None = None) -> JointedBody:
     """Return two equal halves along z that meet at the origin: bend, turn about their own axes, and straighten.
 
     The halves turn alike as seen from the plane of the bend, so that the spine is not twisted. Root: the rear.
@@ -44,7 +44,7 @@ def cat(bend: float | None = None) -> Assembly:
     bent = Joint(axis=[0, 1, 0], times=times, angles=[0.0, bend, bend, 0.0])
     forth = Joint(axis=[0, 0, 1], times=times[1:3], angles=[0.0, 2 * pi])
     half = cylinder(CAT_HALF, CAT_RADIUS, CAT_LENGTH)
-    return Assembly(
+    return JointedBody(
         (
             JointedPart("rear", CAT_HALF, half, [0, 0, -CAT_LENGTH / 2]),
             JointedPart("front", CAT_HALF, half, [0, 0, CAT_LENGTH / 2], "rear", (back, bent, forth)),
@@ -52,7 +52,7 @@ def cat(bend: float | None = None) -> Assembly:
     )
 
 
-def diver(start: float = 0.3, stop: float = 1.24162) -> Assembly:
+def diver(start: float = 0.3, stop: float = 1.24162) -> JointedBody:
     """Return a diver along z, facing x, the arms overhead: one arm comes down the side at `start`, and up at `stop`.
 
     To be thrown with 6 rad/s about y, the axis of the somersault: the arm tilts the body, and the body twists. Going up
@@ -62,7 +62,7 @@ def diver(start: float = 0.3, stop: float = 1.24162) -> Assembly:
     left = Joint(axis=[1, 0, 0], point=[0, 0.2, 0.45], times=times, angles=[0, -pi, -pi, 0])
     right = Joint(axis=[1, 0, 0], point=[0, -0.2, 0.45], times=[0.0], angles=[0.0])
     arm = ellipsoid(3.6, 0.04, 0.04, 0.36)
-    return Assembly(
+    return JointedBody(
         (
             JointedPart("trunk", 35.0, ellipsoid(35.0, 0.12, 0.17, 0.35), [0, 0, 0.2]),
             JointedPart("head", 5.0, ellipsoid(5.0, 0.1, 0.08, 0.13), [0, 0, 0.68], "trunk"),
@@ -77,7 +77,7 @@ SKATER_TRUNK, SKATER_ARM = 52.0, 4.0  # kg
 SKATER_OUT, SKATER_IN = 0.7, 0.2  # m, of the arms from the axis
 
 
-def skater() -> Assembly:
+def skater() -> JointedBody:
     """Return a skater along z with two point masses for arms, pulled in between 1 s and 2 s and let out from 3 s on."""
     times, pulled = [1.0, 2.0, 3.0, 5.0], SKATER_IN - SKATER_OUT
     arms = [
@@ -91,4 +91,4 @@ def skater() -> Assembly:
         )
         for name, side in (("left arm", 1), ("right arm", -1))
     ]
-    return Assembly((JointedPart("trunk", SKATER_TRUNK, cylinder(SKATER_TRUNK, 0.15, 1.7), [0, 0, 0.85]), *arms))
+    return JointedBody((JointedPart("trunk", SKATER_TRUNK, cylinder(SKATER_TRUNK, 0.15, 1.7), [0, 0, 0.85]), *arms))

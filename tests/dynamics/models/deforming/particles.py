@@ -11,7 +11,7 @@ import mpmath
 import numpy as np
 from mpmath import mpf
 
-from inertia.dynamics.models.deforming.assembly import Assembly
+from inertia.dynamics.models.deforming.assembly import JointedBody
 from inertia.dynamics.models.deforming.joints import Joint, JointedPart
 
 DIGITS = 40
@@ -56,7 +56,7 @@ def value(joint: Joint, time: mpf) -> mpf:
 class Swarm:
     """The particles of an assembly."""
 
-    def __init__(self, assembly: Assembly) -> None:
+    def __init__(self, assembly: JointedBody) -> None:
         self.named = {part.name: part for part in assembly.parts}
         self.particles = [(part, m, x) for part in assembly.parts for m, x in self.split(part)]
         self.masses = [m for _, m, _ in self.particles]

@@ -8,12 +8,12 @@ from tests.dynamics.models.deforming.assemblies import cat, diver, skater
 from tests.dynamics.models.deforming.particles import DIGITS, Swarm
 
 from inertia.dynamics.kinematics import quaternion
-from inertia.dynamics.models.deforming.assembly import Assembly
+from inertia.dynamics.models.deforming.assembly import JointedBody
 from inertia.dynamics.models.deforming.joints import Joint, JointedPart
 from inertia.errors import UsageError
 
 
-def askew(seed: int) -> Assembly:
+def askew(seed: int) -> JointedBody:
     """Return four parts, one of them listed before its parent, on joints in any direction."""
     rng = np.random.default_rng(seed)
 
@@ -28,7 +28,7 @@ def askew(seed: int) -> Assembly:
         keyframes = {"times": [0.0, 0.7, 1.0], kind: rng.normal(size=3), "rates": rng.normal(size=3)}
         return Joint(axis=rng.normal(size=3), point=rng.normal(size=3), **keyframes)
 
-    return Assembly(
+    return JointedBody(
         (
             part("hand", "arm", (joint("angles"),)),
             part("trunk", None),
@@ -39,7 +39,7 @@ def askew(seed: int) -> Assembly:
 
 
 @pytest.mark.parametrize("assembly", [askew(1), askew(2), cat(), diver(), skater()])
-def test_the_shape_is_what_particles_sum_to(assembly: Assembly) -> None:
+def test_the_shape_is_what_particles_sum_to(assembly: JointedBody) -> None:
     times = [-0.2, 0.15, 0.4, 0.7, 1.3]
     shape, swarm = assembly.shape(times), Swarm(assembly)
     with mpmath.workdps(DIGITS):
@@ -93,4 +93,4 @@ BALL = {"mass": 1.0, "inertia": np.eye(3)}
 )
 def test_parts_that_make_no_tree_are_refused(parts: list[tuple[str, str | None]], says: str) -> None:
     with pytest.raises(UsageError, match=says):
-        Assembly([JointedPart(name=name, parent=parent, **BALL) for name, parent in parts])
+        JointedBody([JointedPart(name=name, parent=parent, **BALL) for name, parent in parts])

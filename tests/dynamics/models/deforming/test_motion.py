@@ -10,7 +10,7 @@ from tests.dynamics.models.deforming.assemblies import cat, diver, overturning_b
 from tests.dynamics.models.deforming.particles import Swarm, apart, value
 
 from inertia.dynamics.kinematics import quaternion
-from inertia.dynamics.models.deforming.assembly import Assembly
+from inertia.dynamics.models.deforming.assembly import JointedBody
 from inertia.dynamics.models.deforming.collocation import collocate
 from inertia.dynamics.models.deforming.joints import Joint, JointedPart
 from inertia.dynamics.models.deforming.motion import solve_deforming
@@ -29,12 +29,12 @@ def worst(attitude: np.ndarray, true: np.ndarray) -> float:
     return float(quaternion.angle_between(attitude, true).max())
 
 
-def two_hinged() -> Assembly:
+def two_hinged() -> JointedBody:
     """Return two asymmetric parts joined askew, by a hinge that never rests and a slide."""
     hinge = Joint([1, 2, 3], [0.0, 0.4, 1.0], angles=[0.1, 1.2, -0.5], point=[0.5, 0.1, 0.2], rates=[1, 0.5, -1])
     slide = Joint([0, 1, 1], [0.2, 0.6], displacements=[0.0, 0.3])
     tensor = [[1, 0.1, -0.2], [0.1, 1.5, 0.05], [-0.2, 0.05, 2]]
-    return Assembly(
+    return JointedBody(
         (
             JointedPart("a", 2.0, tensor, [0.1, 0.2, 0.3]),
             JointedPart("b", 1.0, np.diag([0.3, 0.4, 0.5]), [0.9, 0.1, 0], "a", (hinge, slide)),
@@ -42,10 +42,10 @@ def two_hinged() -> Assembly:
     )
 
 
-def wheel_in(moments: list[float], spin: float) -> Assembly:
+def wheel_in(moments: list[float], spin: float) -> JointedBody:
     """Return a gyrostat: a body with a wheel on axis 3 that turns steadily against it."""
     wheel = Joint(axis=Z, times=[0.0], angles=[0.3], rates=[spin])
-    return Assembly(
+    return JointedBody(
         (
             JointedPart("carrier", 1.0, np.diag(moments)),
             JointedPart("wheel", 1.0, np.diag([0.1, 0.1, 0.2]), parent="carrier", joints=(wheel,)),
@@ -60,7 +60,7 @@ def test_two_coaxial_bodies_share_the_turn_as_their_moments() -> None:
         JointedPart("wheel", 2.0, np.diag([1, 1, 0.5]), [0, 0, 1], "stool", (spun,)),
     )
     time = np.linspace(0, 3, 40)
-    motion = solve_deforming(Assembly(parts), time, 1e-12, angular_velocity=[0, 0, 2.0])
+    motion = solve_deforming(JointedBody(parts), time, 1e-12, angular_velocity=[0, 0, 2.0])
     angle = np.array([(3.5 * 2.0 * t - 0.5 * float(value(spun, mpmath.mpf(t)))) / 3.5 for t in time])
     assert worst(motion.attitude, turned(Z, angle)) < 1e-14
 
@@ -152,7 +152,7 @@ def test_an_askew_assembly_follows_its_particles_integrated_in_mpmath() -> None:
     assert motion.reached < 1e-13
 
 
-def particle_motion(assembly: Assembly, motion: Motion) -> tuple[np.ndarray, np.ndarray]:
+def particle_motion(assembly: JointedBody, motion: Motion) -> tuple[np.ndarray, np.ndarray]:
     """Return masses (p,) and places (n, p, 3) in space, from positions, attitudes and poses alone."""
     swarm = Swarm(assembly)
     poses, places = motion.quantities["part poses"], []
@@ -166,7 +166,7 @@ def particle_motion(assembly: Assembly, motion: Motion) -> tuple[np.ndarray, np.
 @pytest.mark.parametrize(
     ("assembly", "omega"), [(two_hinged(), [1.0, 2.0, -3.0]), (diver(), [0.0, 6.0, 0.0]), (cat(), [0.0, 0.0, 0.0])]
 )
-def test_particles_keep_their_angular_momentum_and_fall_freely(assembly: Assembly, omega: list[float]) -> None:
+def test_particles_keep_their_angular_momentum_and_fall_freely(assembly: JointedBody, omega: list[float]) -> None:
     tick, velocity, gravity = 1e-4, np.array([1.0, 0, 4.0]), np.array([0, 0, -9.81])
     middle = np.array([0.05, 0.21, 0.35, 0.47, 0.8, 1.3])
     time = (middle[:, None] + tick * np.array([-2, -1, 0, 1, 2])).ravel()
@@ -243,7 +243,7 @@ def test_the_order_is_13_within_steps_and_24_at_their_ends() -> None:
 
 
 def test_the_motion_runs_back_when_the_joints_do() -> None:
-    def played(sign: int) -> Assembly:
+    def played(sign: int) -> JointedBody:
         a, b = two_hinged().parts
         joints = []
         for joint in b.joints:
@@ -253,7 +253,7 @@ def test_the_motion_runs_back_when_the_joints_do() -> None:
                 joint.angles if joint.revolute else joint.displacements
             )[::sign]
             joints.append(Joint(joint.axis, times, point=joint.point, **columns))
-        return Assembly((a, JointedPart(b.name, b.mass, b.inertia, b.center_of_mass, b.parent, tuple(joints))))
+        return JointedBody((a, JointedPart(b.name, b.mass, b.inertia, b.center_of_mass, b.parent, tuple(joints))))
 
     there = solve_deforming(played(1), [0.0, 1.0], 1e-12, angular_velocity=[1.0, 2.0, -3.0])
     back = solve_deforming(
@@ -277,7 +277,7 @@ def test_the_axes_that_an_assembly_is_drawn_in_do_not_matter() -> None:
 
     time, omega = np.linspace(0, 1.2, 13), np.array([1.0, 2.0, -3.0])
     plain = solve_deforming(two_hinged(), time, 1e-12, angular_velocity=omega)
-    assembly = Assembly([redrawn(part) for part in two_hinged().parts])
+    assembly = JointedBody([redrawn(part) for part in two_hinged().parts])
     other = solve_deforming(assembly, time, 1e-12, angular_velocity=matrix @ omega, attitude=quaternion.conjugate(turn))
     assert worst(quaternion.multiply(other.attitude, turn), plain.attitude) < 2e-14
     np.testing.assert_allclose(other.angular_velocity, plain.angular_velocity @ matrix.T, atol=1e-13)
@@ -304,7 +304,7 @@ def test_units_do_not_matter(mass: float, length: float, pace: float) -> None:
     time, omega = np.linspace(0, 1.2, 13), np.array([1.0, 2.0, -3.0])
     plain = solve_deforming(two_hinged(), time, 1e-12, angular_velocity=omega)
     other = solve_deforming(
-        Assembly([scaled(part) for part in two_hinged().parts]), time / pace, 1e-12, angular_velocity=omega * pace
+        JointedBody([scaled(part) for part in two_hinged().parts]), time / pace, 1e-12, angular_velocity=omega * pace
     )
     assert worst(other.attitude, plain.attitude) < 2e-14
     assert other.reached < 1e-12
@@ -344,7 +344,7 @@ def test_points_that_come_to_lie_on_a_line_are_refused_with_the_instant() -> Non
     points.append(JointedPart("b", 1.0, np.zeros((3, 3)), [0, 0, 0], "a"))
     points.append(JointedPart("c", 1.0, np.zeros((3, 3)), [0, 0, -1], "a", (knee,)))
     with pytest.raises(GeometryError, match="at t = 1 s all parts lie on one line"):
-        solve_deforming(Assembly(points), [0.0, 1.0], 1e-9, angular_velocity=[0, 0, 1])
+        solve_deforming(JointedBody(points), [0.0, 1.0], 1e-9, angular_velocity=[0, 0, 1])
 
 
 def test_a_run_of_too_many_turns_is_refused_before_it_starts() -> None:

@@ -11,7 +11,7 @@ import numpy as np
 from inertia.arrays import Float
 from inertia.documents import FieldError, Section, number, numbers, text
 from inertia.dynamics.body import Body
-from inertia.dynamics.models.deforming.assembly import Assembly
+from inertia.dynamics.models.deforming.assembly import JointedBody
 from inertia.errors import GeometryError, UsageError
 from inertia.mass.analysis import Analysis, analyse
 from inertia.mass.principal import Principal, principal
@@ -83,7 +83,7 @@ class SceneBody:
     properties: MassProperties | None = None
     part: Part | None = None
     notes: tuple[str, ...] = ()
-    assembly: Assembly | None = None
+    assembly: JointedBody | None = None
     meshes: tuple[Part | None, ...] = ()
 
     @classmethod
@@ -105,7 +105,7 @@ class SceneBody:
 
     @classmethod
     def of_assembly(
-        cls, assembly: Assembly, meshes: tuple[Part | None, ...] = (), notes: tuple[str, ...] = ()
+        cls, assembly: JointedBody, meshes: tuple[Part | None, ...] = (), notes: tuple[str, ...] = ()
     ) -> SceneBody:
         """Take parts on joints, as they stand at t = 0."""
         shape = assembly.shape([0.0])

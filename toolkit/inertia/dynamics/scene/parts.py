@@ -10,7 +10,7 @@ from typing import Annotated, Any, ClassVar
 import numpy as np
 
 from inertia.documents import FieldError, require_known, section_of, table_of, text
-from inertia.dynamics.models.deforming.assembly import Assembly
+from inertia.dynamics.models.deforming.assembly import JointedBody
 from inertia.dynamics.models.deforming.joints import Joint, JointedPart
 from inertia.dynamics.scene.body import BodySource, SceneBody, integrated
 from inertia.mesh.part import Part
@@ -53,7 +53,7 @@ def build_parts(tables: object, folder: Path) -> SceneBody:
         parts.append(part)
         meshes.append(mesh)
         notes.extend(f"{part.name}: {note}" for note in said)
-    return SceneBody.of_assembly(Assembly(tuple(parts)), tuple(meshes), tuple(notes))
+    return SceneBody.of_assembly(JointedBody(tuple(parts)), tuple(meshes), tuple(notes))
 
 
 def _part(table: object, folder: Path, path: str) -> tuple[JointedPart, Part | None, tuple[str, ...]]:

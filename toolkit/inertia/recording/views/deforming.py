@@ -11,7 +11,7 @@ import numpy as np
 
 from inertia.arrays import Float
 from inertia.dynamics.kinematics import quaternion
-from inertia.dynamics.models.deforming.assembly import Assembly, Shape
+from inertia.dynamics.models.deforming.assembly import JointedBody, Shape
 from inertia.dynamics.plan import DEFORMING
 from inertia.dynamics.run import Run
 from inertia.recording import paths, places
@@ -94,7 +94,7 @@ def deforming(run: Run) -> Screen:
     return Screen(APPLICATION, title(run), blueprint(layout), write)
 
 
-def _built(run: Run, assembly: Assembly, frames: Frames) -> tuple[list[Solid], Motion]:
+def _built(run: Run, assembly: JointedBody, frames: Frames) -> tuple[list[Solid], Motion]:
     """Return the parts as shown, and how they move."""
     shape = assembly.shape(frames.time)
     solids = solids_of(assembly, run.scene.body.meshes)
@@ -113,7 +113,7 @@ def _path_box(frames: Frames, unit: float) -> tuple[Float, Float]:
     return path.min(axis=0), path.max(axis=0)
 
 
-def _write_parts(recording: Recording, assembly: Assembly, solids: list[Solid], motion: Motion) -> Iterator[str]:
+def _write_parts(recording: Recording, assembly: JointedBody, solids: list[Solid], motion: Motion) -> Iterator[str]:
     import rerun as rr
 
     frames, shape, unit = motion.frames, motion.shape, motion.unit
@@ -186,7 +186,7 @@ def _write_tensor(recording: Recording, motion: Motion) -> Iterator[str]:
     yield "the ellipsoid on the right is solid and uniform, of the body's own mass and moments at every instant"
 
 
-def _write_plots(recording: Recording, run: Run, assembly: Assembly) -> None:
+def _write_plots(recording: Recording, run: Run, assembly: JointedBody) -> None:
     named = [
         (f"{part.name} {number}" if len(part.joints) > 1 else part.name, joint.revolute)
         for part in assembly.parts

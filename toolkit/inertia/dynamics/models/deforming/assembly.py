@@ -69,7 +69,7 @@ class _Moving:
 
 
 @dataclass(frozen=True, eq=False)
-class Assembly:
+class JointedBody:
     """Parts that hang on one another: a tree with one root.
 
     Raises `FieldError` where names repeat, a parent is unknown, or the parts make no tree.
@@ -77,7 +77,7 @@ class Assembly:
     >>> bar = JointedPart("bar", 1.0, np.diag([1.0, 1.0, 0.1]))
     >>> wheel = JointedPart("wheel", 1.0, np.diag([0.1, 0.1, 0.2]), parent="bar",
     ...                     joints=[Joint(axis=[0, 0, 1], times=[0], angles=[0], rates=[5])])
-    >>> Assembly([bar, wheel]).shape([0.0]).internal_angular_momentum.tolist()
+    >>> JointedBody([bar, wheel]).shape([0.0]).internal_angular_momentum.tolist()
     [[0.0, 0.0, 1.0]]
     """
 

@@ -16,7 +16,7 @@ from numpy.typing import ArrayLike
 
 from inertia.arrays import Float, Int
 from inertia.dynamics.kinematics import quaternion
-from inertia.dynamics.models.deforming.assembly import Assembly, Shape
+from inertia.dynamics.models.deforming.assembly import JointedBody, Shape
 from inertia.dynamics.models.deforming.collocation import NODES, Trajectory, collocate
 from inertia.dynamics.motion import Motion
 from inertia.errors import GeometryError, UsageError
@@ -31,7 +31,7 @@ _SINGULAR = 1e-13
 
 
 def solve_deforming(
-    assembly: Assembly,
+    assembly: JointedBody,
     time: ArrayLike,
     accuracy: float,
     *,
@@ -49,7 +49,7 @@ def solve_deforming(
 
     Parameters
     ----------
-    assembly : `Assembly`
+    assembly : `JointedBody`
     time : (n,) s, ascending, from 0 on
     accuracy : rad, of the attitude at every sample
     angular_velocity : (3,) rad/s of the root at t = 0, root axes; or
@@ -77,7 +77,7 @@ def solve_deforming(
     >>> man = JointedPart("man", 80.0, np.diag([9.0, 9.0, 3.0]))
     >>> spun = Joint(axis=[0, 0, 1], times=[0.0, 1.0], angles=[0.0, 2 * np.pi])
     >>> wheel = JointedPart("wheel", 1.0, np.diag([0.5, 0.5, 1.0]), parent="man", joints=[spun])
-    >>> motion = solve_deforming(Assembly([man, wheel]), [0.0, 1.0], 1e-12, angular_velocity=[0, 0, 0])
+    >>> motion = solve_deforming(JointedBody([man, wheel]), [0.0, 1.0], 1e-12, angular_velocity=[0, 0, 0])
     >>> motion.attitude[-1].round(12).tolist()  # a quarter of a turn back
     [0.0, 0.0, -0.707106781187, 0.707106781187]
     """
@@ -174,7 +174,7 @@ def _energy(shape: Shape, omega: Float) -> Float:
 class _Flow:
     """What the attitude follows, and how fast things go."""
 
-    assembly: Assembly
+    assembly: JointedBody
     momentum: Float
 
     def coefficients(self, time: Float) -> tuple[Float, Float]:
