@@ -7,9 +7,10 @@ from __future__ import annotations
 
 import math
 import sys
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from fractions import Fraction
+from functools import cached_property
 from numbers import Real
 from typing import Literal
 
@@ -19,7 +20,7 @@ from numpy.typing import ArrayLike
 from inertia.arrays import Float, Orientation, Progress
 from inertia.errors import GeometryError, UsageError, require_kind
 from inertia.mass.density import Densities, DensityFrom, densities
-from inertia.mass.integration import Found, Group, cell_groups, naming, surface_groups, wire_group
+from inertia.mass.integration import Integral, cell_integral, naming, surface_integrals, wire_integral
 from inertia.mass.moments import ZERO, Moments, total
 from inertia.mass.principal import CLASS_TOLERANCE, Principal
 from inertia.mass.properties import ErrorBound, MassProperties
@@ -59,7 +60,8 @@ class Analysis:
     extents : (2, 3) smallest and largest coordinates, m
     properties : `MassProperties`
     tessellation : bounds on what the triangles left out or added, if a chord tolerance was given
-    principal : `Principal`, at the tolerance asked for
+    class_tolerance : relative tolerance within which principal moments count as equal
+    principal : `Principal`, at that tolerance
     shares : one entry a body or region, where there are several densities
     about : (point in the part's unit, tensor about it), if asked for
     notes : what was decided on the way, in sentences
@@ -77,10 +79,15 @@ class Analysis:
     extents: Float
     properties: MassProperties
     tessellation: ErrorBound | None
-    principal: Principal
+    class_tolerance: float
     shares: tuple[BodyShare, ...]
     about: tuple[tuple[float, ...], Float] | None
     notes: tuple[str, ...]
+
+    @cached_property
+    def principal(self) -> Principal:
+        """Principal moments and axes, those within `class_tolerance` of each other counting as equal."""
+        return self.properties.principal_within(self.class_tolerance)
 
 
 def mass_properties(
@@ -164,7 +171,7 @@ def analyse(
     progress : called with the fraction done
     """
     require_kind(part, Part, "part", "inertia.read(path)")
-    chosen = densities(density, material, mass)
+    stated = densities(density, material, mass)
     _require_accuracy(accuracy)
     if not 0 <= class_tolerance < 1:
         raise UsageError(f"the class tolerance is {class_tolerance!r}: it must be at least 0 and below 1")
@@ -184,55 +191,127 @@ def analyse(
     factor = f**3
     if shell is not None:
         model, factor = "shell", f**3 * _length(shell, "shell thickness", part.unit.name)
-        found = surface_groups(part, chosen.named, shell=True, accuracy=accuracy, progress=progress)
+        integrals = surface_integrals(part, stated.named, shell=True, accuracy=accuracy, progress=progress)
     elif wire is not None:
         model, factor = "wire", f**3 * _length(wire, "wire cross-section", f"{part.unit.name}2")
-        found = wire_group(part, chosen.named, progress)
+        integrals = iter([wire_integral(part, stated.named, progress)])
     elif isinstance(part.geometry, Cells):
-        found = cell_groups(part, chosen.named, progress=progress)
+        integrals = iter([cell_integral(part, stated.named, progress=progress)])
     else:
+        absolute = orientation == "absolute"
+        integrals = surface_integrals(part, stated.named, accuracy=accuracy, absolute=absolute, progress=progress)
 
-        def enough(found: Found) -> bool:
-            properties = _properties(part, found, chosen, factor)
-            return _reached(properties, found, f) <= _figure(accuracy) and not properties.loses_smallest_moment
-
-        found = surface_groups(
-            part,
-            chosen.named,
-            accuracy=accuracy,
-            reached=enough,
-            absolute=orientation == "absolute",
-            progress=progress,
-        )
-
-    weights = _weights(found.groups, chosen, factor)
-    moments, volume, _ = _moments(part, found, chosen, factor)
-    properties = _properties(part, found, chosen, factor)
-    if (reached := _reached(properties, found, f)) > _figure(accuracy):
+    limit = math.inf if accuracy is None or isinstance(accuracy, str) else accuracy
+    answer = _good_enough((_Weighed(part, integral, stated, factor) for integral in integrals), limit)
+    integral, properties = answer.integral, answer.properties
+    if answer.bound > limit:
         raise GeometryError(
-            f"{part.name}: the bound reached by {found.method} is {reached:.2g}, above the accuracy asked for, "
+            f"{part.name}: the bound reached by {integral.method} is {answer.bound:.2g}, above the accuracy asked for, "
             f"{accuracy:g}: ask for a larger figure"
         )
     return Analysis(
         part=part,
         model=model,
-        density=float(_mean(weights, found.groups)),
-        density_from=chosen.source,
-        triangles=found.triangles,
-        cells=found.cells,
-        closed=found.closed,
-        bodies=found.bodies,
-        area=_area(found.area, f),
-        extents=np.array([[float(Fraction(float(x)) * f) for x in row] for row in found.extents]),
+        density=float(answer.mean_density),
+        density_from=stated.source,
+        triangles=integral.triangles,
+        cells=integral.cells,
+        closed=integral.closed,
+        bodies=integral.bodies,
+        area=float(Fraction(integral.area) * f**2),
+        extents=np.array([[float(Fraction(float(x)) * f) for x in row] for row in integral.extents]),
         properties=properties,
-        tessellation=None
-        if chord is None
-        else chord_error(part, chord, moments, volume, max(weights), None if chosen.mass is None else moments.zeroth),
-        principal=properties.principal_within(class_tolerance),
-        shares=_shares(found.groups, weights, factor, f) if len(found.groups) > 1 else (),
+        tessellation=None if chord is None else answer.tessellation(chord),
+        class_tolerance=class_tolerance,
+        shares=answer.shares() if len(integral.groups) > 1 else (),
         about=None if point is None else (tuple(point.tolist()), _about(properties, point, f)),
-        notes=(*part.notes, *found.notes),
+        notes=(*part.notes, *integral.notes),
     )
+
+
+@dataclass(frozen=True, eq=False)
+class _Weighed:
+    """The integral of a part with its densities; `factor` is the volume, m³, of a unit of the integral's."""
+
+    part: Part
+    integral: Integral
+    densities: Densities
+    factor: Fraction
+
+    @cached_property
+    def weights(self) -> list[Fraction]:
+        """The density of each group, kg/m³; a weighed mass scales them all."""
+        groups, total_mass = self.integral.groups, self.densities.mass
+        weights = [Fraction(self.densities.of(group.name)) for group in groups]
+        if total_mass is not None:
+            mass = self.factor * sum((w * g.moments.zeroth for w, g in zip(weights, groups, strict=True)), ZERO)
+            if mass <= 0:
+                raise GeometryError("the solid has no volume to spread the mass over: check the mesh")
+            weights = [w * Fraction(total_mass) / mass for w in weights]
+            if max(weights) > sys.float_info.max:
+                raise UsageError(
+                    f"a mass of {total_mass:g} kg makes a density above 1.8e308 kg/m3: check mass and unit"
+                )
+        return weights
+
+    @cached_property
+    def moments(self) -> Moments:
+        """The moments of mass, kg and m."""
+        moments = total(
+            group.moments.in_unit(self.part.unit.metres).scaled(self.factor * weight)
+            for group, weight in zip(self.integral.groups, self.weights, strict=True)
+        )
+        if self.densities.mass is not None and moments.zeroth > moments.zeroth_bound:
+            return moments.weighed(Fraction(self.densities.mass))
+        return moments
+
+    @cached_property
+    def volume(self) -> Fraction:
+        """The volume, m³."""
+        return self.factor * sum((group.moments.zeroth for group in self.integral.groups), ZERO)
+
+    @cached_property
+    def properties(self) -> MassProperties:
+        """The mass properties."""
+        volume_bound = self.factor * sum((group.moments.zeroth_bound for group in self.integral.groups), ZERO)
+        with naming(self.part):
+            return MassProperties.from_moments(self.moments, self.volume, volume_bound, self.integral.method)
+
+    @property
+    def bound(self) -> float:
+        """The largest relative bound; the centre of mass counts relative to the size of the part."""
+        error = self.properties.error
+        size = float(Fraction(float(np.ptp(self.integral.extents, axis=0).max())) * self.part.unit.metres)
+        return max(error.volume, error.mass, error.inertia, error.center_of_mass / size)
+
+    @property
+    def mean_density(self) -> Fraction:
+        """The mean density by volume, kg/m³."""
+        groups = self.integral.groups
+        volume = sum((group.moments.zeroth for group in groups), ZERO)
+        return sum((w * g.moments.zeroth for w, g in zip(self.weights, groups, strict=True)), ZERO) / volume
+
+    def tessellation(self, chord: float) -> ErrorBound:
+        """Return the bounds that follow from a chord tolerance, in the part's unit."""
+        mass = None if self.densities.mass is None else self.moments.zeroth
+        return chord_error(self.part, chord, self.moments, self.volume, max(self.weights), mass)
+
+    def shares(self) -> tuple[BodyShare, ...]:
+        """Return what each group contributes."""
+        shares = []
+        for group, weight in zip(self.integral.groups, self.weights, strict=True):
+            volume = self.factor * group.moments.zeroth
+            x, y, z = (float(self.part.unit.metres * k) for k in group.moments.centroid)
+            shares.append(BodyShare(group.name, float(weight), float(volume), float(weight * volume), (x, y, z)))
+        return tuple(shares)
+
+
+def _good_enough(answers: Iterable[_Weighed], limit: float) -> _Weighed:
+    """Return the first answer that is within the limit and knows the smallest moment, or the last there is."""
+    for answer in answers:
+        if answer.bound <= limit and not answer.properties.loses_smallest_moment:
+            break
+    return answer
 
 
 def _require_accuracy(accuracy: Accuracy) -> None:
@@ -247,74 +326,10 @@ def _require_accuracy(accuracy: Accuracy) -> None:
         )
 
 
-def _figure(accuracy: Accuracy) -> float:
-    """Return the relative accuracy asked for, as a number."""
-    return math.inf if accuracy is None or isinstance(accuracy, str) else accuracy
-
-
-def _moments(part: Part, found: Found, chosen: Densities, factor: Fraction) -> tuple[Moments, Fraction, Fraction]:
-    """Return the moments of mass (kg, m), the volume and its bound (m³)."""
-    weights = _weights(found.groups, chosen, factor)
-    moments = total(
-        group.moments.in_unit(part.unit.metres).scaled(factor * weight)
-        for group, weight in zip(found.groups, weights, strict=True)
-    )
-    if chosen.mass is not None and moments.zeroth > moments.zeroth_bound:
-        moments = moments.weighed(Fraction(chosen.mass))
-    volume = factor * sum((group.moments.zeroth for group in found.groups), ZERO)
-    volume_bound = factor * sum((group.moments.zeroth_bound for group in found.groups), ZERO)
-    return moments, volume, volume_bound
-
-
-def _properties(part: Part, found: Found, chosen: Densities, factor: Fraction) -> MassProperties:
-    with naming(part):
-        return MassProperties.from_moments(*_moments(part, found, chosen, factor), found.method)
-
-
-def _reached(properties: MassProperties, found: Found, f: Fraction) -> float:
-    """Return the largest relative bound; the centre of mass counts relative to the size of the part."""
-    error = properties.error
-    size = float(Fraction(float(np.ptp(found.extents, axis=0).max())) * f)
-    return max(error.volume, error.mass, error.inertia, error.center_of_mass / size)
-
-
-def _mean(weights: Sequence[Fraction], groups: Sequence[Group]) -> Fraction:
-    volume = sum((group.moments.zeroth for group in groups), ZERO)
-    return sum((w * g.moments.zeroth for w, g in zip(weights, groups, strict=True)), ZERO) / volume
-
-
 def _length(value: float, name: str, unit: str) -> Fraction:
     if not (isinstance(value, Real) and 0 < value < math.inf):
         raise UsageError(f"the {name} is {value!r} {unit}: it must be positive and finite")
     return Fraction(float(value))
-
-
-def _weights(groups: Sequence[Group], chosen: Densities, factor: Fraction) -> list[Fraction]:
-    """Return the density of each group, kg/m³; a weighed mass scales them all."""
-    weights = [Fraction(chosen.of(group.name)) for group in groups]
-    if chosen.mass is not None:
-        mass = factor * sum((w * g.moments.zeroth for w, g in zip(weights, groups, strict=True)), ZERO)
-        if mass <= 0:
-            raise GeometryError("the solid has no volume to spread the mass over: check the mesh")
-        weights = [w * Fraction(chosen.mass) / mass for w in weights]
-        if max(weights) > sys.float_info.max:
-            raise UsageError(f"a mass of {chosen.mass:g} kg makes a density above 1.8e308 kg/m3: check mass and unit")
-    return weights
-
-
-def _shares(
-    groups: Sequence[Group], weights: Sequence[Fraction], factor: Fraction, f: Fraction
-) -> tuple[BodyShare, ...]:
-    shares = []
-    for group, weight in zip(groups, weights, strict=True):
-        volume = factor * group.moments.zeroth
-        x, y, z = (float(f * k) for k in group.moments.centroid)
-        shares.append(BodyShare(group.name, float(weight), float(volume), float(weight * volume), (x, y, z)))
-    return tuple(shares)
-
-
-def _area(area: float, f: Fraction) -> float:
-    return float(Fraction(area) * f**2)
 
 
 def _about(properties: MassProperties, point: Float, f: Fraction) -> Float:

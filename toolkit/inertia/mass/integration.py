@@ -34,8 +34,8 @@ class Group:
 
 
 @dataclass(frozen=True, eq=False)
-class Found:
-    """What integrating a part found; lengths in the file's unit.
+class Integral:
+    """The moments of a part, group by group, and what was counted on the way; lengths in the file's unit.
 
     `area` is the surface area, `extents` (2, 3) the smallest and largest coordinates, `method` the arithmetic.
     """
@@ -51,20 +51,19 @@ class Found:
     notes: tuple[str, ...] = ()
 
 
-def surface_groups(
+def surface_integrals(
     part: Part,
     named: Collection[str],
     *,
     shell: bool = False,
     accuracy: float | str | None = None,
-    reached: Callable[[Found], bool] = lambda found: True,
     absolute: bool = False,
     progress: Progress | None = None,
-) -> Found:
+) -> Iterator[Integral]:
     """Integrate a triangle surface as a solid, or as a `shell` (whose "volume" is its area).
 
-    The rungs that `accuracy` names are tried in their order until `reached` says that one is good enough; the last
-    one's result is returned in any case.
+    Yields an integral for each of the rungs that `accuracy` names, from the cheapest to the dearest: whoever has
+    one that is good enough asks for no further.
 
     Raises `GeometryError` where the surface does not bound a solid that faces outward; with `absolute` an inward
     one, or one with inverted bodies, is integrated by its absolute orientation.
@@ -76,29 +75,32 @@ def surface_groups(
         raise UsageError("exact arithmetic cannot give a shell's area, which holds square roots: leave it out")
     trying = rungs(accuracy)
     paired, summed = (0.6, 1.0) if shell or accuracy is None else (0.1, 0.2)
-    hangs = closure(triangles, _part_of(progress, 0.0, paired))
+    topology = closure(triangles, _part_of(progress, 0.0, paired))
     with naming(part):
         sums = sum_triangles(triangles, surface=shell, progress=_part_of(progress, paired, summed))
     extents = np.array([sums.low, sums.high])
-    if not usable(extents).all() or (hangs.open_edges and not shell):
+    if not usable(extents).all() or (topology.open_edges and not shell):
         check(part).require_fit()
-    pieces = shells(triangles, hangs) if not shell and hangs.components != 1 else ()
+    pieces = shells(triangles, topology) if not shell and topology.components != 1 else ()
     if absolute and not shell and len(wrong := _wrong(pieces, moments_of(sums))):
-        turned = replace(part, geometry=_turned(triangles, np.isin(hangs.labels, wrong)))
-        note = f"{len(wrong)} of {hangs.components} shells turned, as absolute orientation was asked for"
-        return replace(surface_groups(turned, named, accuracy=accuracy, reached=reached), notes=(note,))
-    found = Found(
+        turned = replace(part, geometry=_turned(triangles, np.isin(topology.labels, wrong)))
+        note = f"{len(wrong)} of {topology.components} shells turned, as absolute orientation was asked for"
+        for integral in surface_integrals(turned, named, accuracy=accuracy):
+            yield replace(integral, notes=(note,))
+        return
+    integral = Integral(
         groups=_shell_groups(part, named, moments_of(sums, surface=True)) if shell else (),
         method=METHODS["float64"],
         triangles=triangles.count,
         cells=0,
-        closed=hangs.open_edges == 0,
-        bodies=len(bodies_of(pieces)) if pieces else hangs.components,
+        closed=topology.open_edges == 0,
+        bodies=len(bodies_of(pieces)) if pieces else topology.components,
         area=_area(sums),
         extents=extents,
     )
     if shell:
-        return found
+        yield integral
+        return
     for k, rung in enumerate(trying):
         start, stop = (summed + (1.0 - summed) * step / len(trying) for step in (k, k + 1))
         whole = solid_moments(triangles, rung, sums, _part_of(progress, start, stop))
@@ -106,12 +108,10 @@ def surface_groups(
             check(part).require_fit()
         flat = not pieces and whole.zeroth <= whole.zeroth_bound
         if not flat:
-            found = replace(found, groups=_solid_groups(part, named, hangs, pieces, whole, rung), method=METHODS[rung])
-            if reached(found):
-                break
+            groups = _solid_groups(part, named, topology, pieces, whole, rung)
+            yield replace(integral, groups=groups, method=METHODS[rung])
         elif rung == trying[-1]:
             _refuse_flat(part, whole, extents)
-    return found
 
 
 @contextmanager
@@ -149,14 +149,14 @@ def _refuse_flat(part: Part, whole: Moments, box: Float) -> None:
 
 
 def _solid_groups(
-    part: Part, named: Collection[str], hangs: Closure, pieces: tuple[Shell, ...], whole: Moments, rung: Rung
+    part: Part, named: Collection[str], topology: Closure, pieces: tuple[Shell, ...], whole: Moments, rung: Rung
 ) -> tuple[Group, ...]:
     """Integrate a sound surface: as one group, or its regions or bodies apart where densities name them."""
     if not named:
         return (Group("1", whole),)
 
-    def integrate(chosen: Triangles) -> Moments:
-        return solid_moments(chosen, rung)
+    def integrate(triangles: Triangles) -> Moments:
+        return solid_moments(triangles, rung)
 
     bodies = {str(body.number + 1): body.shells for body in bodies_of(pieces)} or {"1": ()}
     _refuse_unknown(named, bodies, part.regions)
@@ -169,31 +169,31 @@ def _solid_groups(
         )
     if not pieces:
         return (Group("1", whole),)
-    chosen = [part.triangles.select(np.flatnonzero(np.isin(hangs.labels, members))) for members in bodies.values()]
-    return tuple(Group(name, integrate(triangles)) for name, triangles in zip(bodies, chosen, strict=True))
+    surfaces = [part.triangles.select(np.flatnonzero(np.isin(topology.labels, body))) for body in bodies.values()]
+    return tuple(Group(name, integrate(surface)) for name, surface in zip(bodies, surfaces, strict=True))
 
 
 def _region_groups(part: Part, regions: Regions, integrate: Callable[[Triangles], Moments]) -> tuple[Group, ...]:
-    found = []
+    groups = []
     names, index = _named_regions(regions)
     for number, name in enumerate(names):
-        chosen = part.triangles.select(np.flatnonzero(index == number))
-        if chosen.count == 0:
+        surface = part.triangles.select(np.flatnonzero(index == number))
+        if surface.count == 0:
             continue
-        if (edges := closure(chosen).open_edges) != 0:
+        if (edges := closure(surface).open_edges) != 0:
             raise GeometryError(
                 f"region {name!r} of {part.name} is not closed by itself: {edges} of its edges have no partner, "
                 "so it has no volume of its own to give a density; close it, or give one density for the part"
             )
-        moments = integrate(chosen)
+        moments = integrate(surface)
         if moments.zeroth < -moments.zeroth_bound:
             raise GeometryError(
                 f"region {name!r} of {part.name} faces inward and has a volume of {float(moments.zeroth):.3g} "
                 f"{part.unit.name}3 by itself, as the wall of a cavity has: give one density for the part, or number "
                 "its bodies"
             )
-        found.append(Group(name, moments))
-    return tuple(found)
+        groups.append(Group(name, moments))
+    return tuple(groups)
 
 
 def _shell_groups(part: Part, named: Collection[str], whole: Moments) -> tuple[Group, ...]:
@@ -203,15 +203,15 @@ def _shell_groups(part: Part, named: Collection[str], whole: Moments) -> tuple[G
     _refuse_unknown(named, [], regions)
     assert regions is not None
     names, index = _named_regions(regions)
-    chosen = [part.triangles.select(np.flatnonzero(index == number)) for number in range(len(names))]
+    surfaces = [part.triangles.select(np.flatnonzero(index == number)) for number in range(len(names))]
     return tuple(
         Group(name, moments_of(sum_triangles(triangles, surface=True), surface=True))
-        for name, triangles in zip(names, chosen, strict=True)
+        for name, triangles in zip(names, surfaces, strict=True)
         if triangles.count
     )
 
 
-def cell_groups(part: Part, named: Collection[str], *, progress: Progress | None = None) -> Found:
+def cell_integral(part: Part, named: Collection[str], *, progress: Progress | None = None) -> Integral:
     """Integrate a volume mesh, region by region where densities are given by name."""
     from inertia.mass.cells.moments import boundary_area, cell_moments
 
@@ -232,7 +232,7 @@ def cell_groups(part: Part, named: Collection[str], *, progress: Progress | None
     notes = []
     if result.reversed:
         notes.append(f"{result.reversed} cells number their nodes the other way round: their volume counts positive")
-    return Found(
+    return Integral(
         groups=groups,
         method="float64 quadrature exact for each cell's map, a-priori bound",
         triangles=0,
@@ -245,7 +245,7 @@ def cell_groups(part: Part, named: Collection[str], *, progress: Progress | None
     )
 
 
-def wire_group(part: Part, named: Collection[str], progress: Progress | None = None) -> Found:
+def wire_integral(part: Part, named: Collection[str], progress: Progress | None = None) -> Integral:
     """Integrate the lines of a mesh as wires; the "volume" of the group is its length."""
     from inertia.mass.cells.moments import wire_moments
 
@@ -257,7 +257,7 @@ def wire_group(part: Part, named: Collection[str], progress: Progress | None = N
         moments = wire_moments(cells)
     if progress is not None:
         progress(1.0)
-    return Found(
+    return Integral(
         groups=(Group("1", moments),),
         method="float64 quadrature, a-priori bound (an estimate for curved lines)",
         triangles=0,

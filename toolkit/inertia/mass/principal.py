@@ -69,26 +69,30 @@ def principal(inertia: ArrayLike, tolerance: float = CLASS_TOLERANCE, bound: flo
     >>> principal(np.diag([1.0, 2.0, 3.0]), bound=0.01).axis_bounds.round(3).tolist()
     [0.01, 0.01, 0.01]
     """
+    return principal_of(spectrum_of_tensor(inertia, bound), tolerance)
+
+
+def spectrum_of_tensor(inertia: ArrayLike, bound: float | Fraction) -> Spectrum:
+    """Return the eigenvalues and eigenvectors of a tensor (3, 3) kg m², known to within `bound`; see `principal`."""
     rows = [[Fraction(k) for k in row] for row in array_of(inertia, (3, 3), "inertia").tolist()]
     if not 0 <= bound < math.inf:
         raise UsageError(f"bound is {bound!r} kg m2: it must be finite and not negative")
     tensor = [[(rows[i][j] + rows[j][i]) / 2 for j in range(3)] for i in range(3)]
-    return _classified(spectrum(tensor, [[Fraction(bound)] * 3] * 3, Fraction(bound)), tolerance)
+    return spectrum(tensor, [[Fraction(bound)] * 3] * 3, Fraction(bound))
 
 
-def principal_of_moments(second: Six, second_bound: Six, tolerance: float = CLASS_TOLERANCE) -> Principal:
-    """Return what `principal` does, from exact central second moments of mass: no element is rounded on the way.
+def spectrum_of_moments(second: Six, second_bound: Six) -> Spectrum:
+    """Return the spectrum of the tensor of exact central second moments of mass: no element is rounded on the way.
 
     Each second moment has a bound of its own, so that the errors across a needle count as small as they are.
     """
-    return _classified(
-        spectrum(inertia_tensor(second), inertia_bounds(second_bound), inertia_bound(second_bound)), tolerance
-    )
+    return spectrum(inertia_tensor(second), inertia_bounds(second_bound), inertia_bound(second_bound))
 
 
-def _classified(found: Spectrum, tolerance: float) -> Principal:
-    limit = Fraction(tolerance) * found.values[2]
-    values, bounds = found.values, found.value_bounds
+def principal_of(eigen: Spectrum, tolerance: float = CLASS_TOLERANCE) -> Principal:
+    """Return what `principal` does, from the spectrum of a tensor."""
+    limit = Fraction(tolerance) * eigen.values[2]
+    values, bounds = eigen.values, eigen.value_bounds
     low, high = (values[k + 1] - values[k] <= limit + bounds[k + 1] + bounds[k] for k in range(2))
     equal: tuple[tuple[int, ...], ...] = ()
     kind: InertiaClass = "asymmetric"
@@ -100,8 +104,8 @@ def _classified(found: Spectrum, tolerance: float) -> Principal:
         equal, kind = ((1, 2),), "prolate"
     if kind == "prolate" and values[0] <= limit + bounds[0]:
         kind = "rotor"
-    axes = found.vectors.copy()
-    angles = np.array([math.asin(min(_above(sine), 1.0)) for sine in found.sines])
+    axes = eigen.vectors.copy()
+    angles = np.array([math.asin(min(_above(sine), 1.0)) for sine in eigen.sines])
     angles = np.minimum(angles + _AXIS_ROUNDING, 0.5 * math.pi)
     for group in equal:
         axes[:, group] = _nearest_axes(axes[:, group])

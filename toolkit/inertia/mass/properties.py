@@ -15,6 +15,7 @@ from numpy.typing import ArrayLike
 from inertia.arrays import Float
 from inertia.errors import GeometryError, UsageError
 from inertia.mass import principal as principals
+from inertia.mass.eigen import Spectrum
 from inertia.mass.moments import ZERO, Moments, Six, inertia_bound, inertia_tensor
 from inertia.mass.tensor import array_of, faults, rotation_of
 
@@ -72,8 +73,8 @@ class MassProperties:
             raise GeometryError(f"the mass is {self.mass:.6g} kg: it must be positive and finite")
         if not 0 <= self.volume < np.inf:
             raise GeometryError(f"the volume is {self.volume:.6g} m3: it must be finite and not negative")
-        if found := faults(self.inertia, max(principals.CLASS_TOLERANCE, 4 * self.error.inertia)):
-            raise GeometryError(f"the inertia tensor is not physical: {found[0]}")
+        if broken := faults(self.inertia, max(principals.CLASS_TOLERANCE, 4 * self.error.inertia)):
+            raise GeometryError(f"the inertia tensor is not physical: {broken[0]}")
         self.center_of_mass.setflags(write=False)
         self.inertia.setflags(write=False)
 
@@ -115,23 +116,30 @@ class MassProperties:
             float(moments.centroid_bound + _norm(com) * _ROUNDOFF + 2 * _SPACING),
             _relative(bound + _SPACING, norm),
         )
-        found = cls(mass, size, com, tensor, error)
-        object.__setattr__(found, "_central", central)
-        return found
+        properties = cls(mass, size, com, tensor, error)
+        object.__setattr__(properties, "_central", central)
+        return properties
 
     @cached_property
     def principal(self) -> principals.Principal:
         """Principal moments, axes, their bounds, degenerate subspaces and class, at the default tolerance."""
-        return self.principal_within(principals.CLASS_TOLERANCE)
+        return principals.principal_of(self._spectrum)
 
     def principal_within(self, tolerance: float) -> principals.Principal:
         """Return `principal` with another relative tolerance for equal moments.
 
-        Bodies that were integrated are diagonalised as they were before the tensor's elements were rounded.
+        Bodies that were integrated are diagonalised as they were before the tensor's elements were rounded. The
+        tensor is diagonalised once, however many tolerances are asked about.
         """
+        if tolerance == principals.CLASS_TOLERANCE:
+            return self.principal
+        return principals.principal_of(self._spectrum, tolerance)
+
+    @cached_property
+    def _spectrum(self) -> Spectrum:
         if self._central is None:
-            return principals.principal(self.inertia, tolerance, Fraction(self.error.inertia) * _norm(self.inertia))
-        return principals.principal_of_moments(self._central.second, self._central.second_bound, tolerance)
+            return principals.spectrum_of_tensor(self.inertia, Fraction(self.error.inertia) * _norm(self.inertia))
+        return principals.spectrum_of_moments(self._central.second, self._central.second_bound)
 
     @property
     def loses_smallest_moment(self) -> bool:
