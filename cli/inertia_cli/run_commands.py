@@ -106,7 +106,7 @@ def require_recordable(options: argparse.Namespace) -> None:
 
 def _text(options: argparse.Namespace) -> str | None:
     """Return the scene file that says the same as the options; None where no scene file can."""
-    from inertia.recording.scene_text import toml
+    from inertia.documents import toml_text
 
     density, material = dict(options.density), dict(options.material)
     if options.format is not None or any(name for name in (*density, *material)):
@@ -119,7 +119,7 @@ def _text(options: argparse.Namespace) -> str | None:
         "mass": options.mass,
     }
     start = {"angular_velocity": options.spin, "frame": "principal"}
-    return toml({"schema": 1, "body": body, "start": start, "run": {"duration": options.duration}})
+    return toml_text({"schema": 1, "body": body, "start": start, "run": {"duration": options.duration}})
 
 
 def _with_options(error: UsageError | GeometryError) -> InertiaError:

@@ -11,7 +11,6 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from inertia.balancing.rotor import Rotor, json_schema
-from inertia.balancing.toml_text import toml_text
 from inertia.balancing.unbalance import Unbalance
 from inertia.errors import ReadError, UsageError
 from inertia_meshes import path, rotors
@@ -150,12 +149,6 @@ def test_any_rotor_survives_a_round_trip(name: str, z: list, radius: float, angl
     planes = [plane | {"angles": chosen} for plane, chosen in zip(places, choices, strict=False)]
     first = rotor(plane=planes, report={"part": name}, service__critical_rpm=radius)
     assert Rotor.loads(first.to_toml()).to_dict() == first.to_dict()
-
-
-def test_toml_text_quotes_what_needs_it() -> None:
-    assert toml_text({"a b": 'say "x"\n\x7f', "flags": [True, False]}) == (
-        '"a b" = "say \\"x\\"\\n\\u007f"\nflags = [true, false]'
-    )
 
 
 @pytest.mark.parametrize(

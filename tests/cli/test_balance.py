@@ -121,6 +121,28 @@ def test_every_sample_gets_a_verdict_and_nothing_else_on_standard_output(name: s
     assert done.returncode == {"pass": 0, "fail": 5, "undecided": 4}[found["verdict"]]
 
 
+UNINSTALLED = """
+import importlib.metadata, sys
+distribution = importlib.metadata.Distribution.from_name.__func__
+def absent(kind, name):
+    if name == "inertia":
+        raise importlib.metadata.PackageNotFoundError(name)
+    return distribution(kind, name)
+importlib.metadata.Distribution.from_name = classmethod(absent)
+from inertia_cli.main import main
+sys.exit(main(sys.argv[1:]))
+"""
+
+
+@pytest.mark.parametrize("option", ["--report", "-o"])
+def test_a_source_tree_that_is_not_installed_knows_its_version(option: str, tmp_path: Path) -> None:
+    output = str(tmp_path / ("report.html" if option == "--report" else "run.rrd"))
+    command = [sys.executable, "-c", UNINSTALLED, "balance", ROTOR, option, output]
+    done = subprocess.run(command, capture_output=True, text=True, check=False)
+    assert (done.stderr, done.returncode) == ("", 0)
+    assert Path(output).stat().st_size
+
+
 def test_the_csv_holds_planes_and_work(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
     file = tmp_path / "out.csv"
     assert run(capsys, ROTOR, "--csv", str(file))[0] == 0

@@ -16,7 +16,6 @@ from inertia.dynamics.scene.document import Settings, Start
 from inertia.dynamics.scene.loads import Gravity, Torque
 from inertia.errors import ReadError
 from inertia.recording.read_back import properties, scene_of
-from inertia.recording.scene_text import toml
 from inertia_meshes import path
 
 
@@ -99,15 +98,6 @@ def test_a_torque_by_a_function_cannot_be_run_again(tmp_path: Path) -> None:
     record(run, tmp_path / "run.rrd")
     with pytest.raises(ReadError, match="a torque that was given in Python"):
         scene_of(tmp_path / "run.rrd")
-
-
-def test_strings_survive_toml() -> None:
-    import tomllib
-
-    name = 'a "b"\\c\n\t\x7fé😀.stl'
-    assert tomllib.loads(toml({"body": {"part": name, "x": 1e-300, "n": 3, "v": np.array([1.0, 1e22])}})) == {
-        "body": {"part": name, "x": 1e-300, "n": 3, "v": [1.0, 1e22]}
-    }
 
 
 @pytest.mark.parametrize("content", [b"", b"no recording", None])

@@ -1,7 +1,8 @@
-"""The fields of a file that describes something: what each may hold, and the sentence that says where one is wrong.
+"""Documents in TOML: how a scene or a rotor is loaded and written, and the fields of its sections.
 
-A section of a file is a frozen dataclass whose fields are annotated with a reader. The reader turns what the file,
-or the caller in Python, gave into what the models use, and names the field's path where it cannot.
+A `Document` comes from a file, from its text or from a dictionary of the same layout. A `Section` of it is a frozen
+dataclass whose fields are annotated with a reader, which turns what the file, or the caller in Python, gave into what
+the models use, and names the field's path where it cannot.
 """
 
 from __future__ import annotations
@@ -10,40 +11,22 @@ import inspect
 import math
 import os
 import tomllib
+from abc import ABC, abstractmethod
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import MISSING, dataclass, fields
 from difflib import get_close_matches
 from numbers import Integral, Real
 from pathlib import Path
-from typing import Any, ClassVar, TypeVar, get_type_hints
+from typing import Any, ClassVar, Self, TypeVar, get_type_hints
 
 import numpy as np
 from numpy.typing import NDArray
 
-from inertia.errors import ReadError, UsageError
+from inertia.errors import GeometryError, ReadError, UsageError, placed
 
 Read = Callable[[Any, str], Any]
 
 _COUNTS = {2: "two numbers", 3: "three numbers", 4: "four numbers"}
-
-
-def text_of(path: str | os.PathLike[str], what: str) -> str:
-    """Return the text of a TOML file that holds `what`, as "a scene". Raises `ReadError` where there is none."""
-    name = os.fspath(path)
-    try:
-        return Path(path).read_bytes().decode("utf-8-sig")
-    except OSError as error:
-        raise ReadError(f"cannot read {name}: {error.strerror or error}: check the path") from None
-    except (UnicodeDecodeError, ValueError):
-        raise ReadError(f"cannot read {name}: it is no text in UTF-8: {what} is a TOML file") from None
-
-
-def toml_of(text: str, name: str) -> dict[str, Any]:
-    """Return what a TOML text says. Raises `ReadError`, calling the file `name`, where it is not TOML."""
-    try:
-        return tomllib.loads(text.replace("\r\n", "\n"))
-    except tomllib.TOMLDecodeError as error:
-        raise ReadError(f"cannot read {name}: it is not TOML: {str(error)[:1].lower()}{str(error)[1:]}") from None
 
 
 class FieldError(UsageError):
@@ -139,6 +122,89 @@ def require_known(table: Mapping[str, Any], known: Sequence[str], path: str) -> 
             raise FieldError(joined(path, str(key)), f"is unknown: {hint}")
 
 
+class Document(ABC):
+    """What a TOML file describes; `noun` is what its files and its errors call it, `version` that of its layout."""
+
+    noun: ClassVar[str]
+    version: ClassVar[int] = 1
+
+    @classmethod
+    def load(cls, path: str | os.PathLike[str]) -> Self:
+        """Read a file; the files that it names are looked for beside it. Raises `ReadError`, `UsageError`."""
+        name = os.fspath(path)
+        try:
+            text = Path(path).read_bytes().decode("utf-8-sig")
+        except OSError as error:
+            raise ReadError(f"cannot read {name}: {error.strerror or error}: check the path") from None
+        except (UnicodeDecodeError, ValueError):
+            raise ReadError(f"cannot read {name}: it is no text in UTF-8: a {cls.noun} is a TOML file") from None
+        return cls.loads(text, Path(path).parent, name)
+
+    @classmethod
+    def loads(cls, text: str, folder: str | os.PathLike[str] = ".", name: str | None = None) -> Self:
+        """Read the text of a file; the files that it names are in `folder`, and errors call it `name`."""
+        called = name or f"the {cls.noun}"
+        try:
+            table = tomllib.loads(text.replace("\r\n", "\n"))
+        except tomllib.TOMLDecodeError as error:
+            says = str(error)
+            raise ReadError(f"cannot read {called}: it is not TOML: {says[:1].lower()}{says[1:]}") from None
+        return cls.from_dict(table, folder, text=text, name=called)
+
+    @classmethod
+    def from_dict(
+        cls,
+        table: Mapping[str, Any],
+        folder: str | os.PathLike[str] = ".",
+        *,
+        text: str | None = None,
+        name: str | None = None,
+    ) -> Self:
+        """Make it from a dictionary laid out as the file is.
+
+        Parameters
+        ----------
+        table : the dictionary
+        folder : where the files are that it names
+        text : the file as it was read
+        name : what errors call it; "the scene", "the rotor" without one
+        """
+        called = name or f"the {cls.noun}"
+        try:
+            layout_version(cls.version)(table_of(table, "").get("schema", cls.version), "schema")
+            return cls._from_table(table, Path(folder), text, called)
+        except (UsageError, GeometryError) as error:
+            raise placed(error, f"{called}: ") from None
+
+    @abstractmethod
+    def to_dict(self) -> dict[str, Any]:
+        """Return a dictionary laid out as the file is; what is at its default may be left out."""
+
+    def to_toml(self) -> str:
+        """Return the text of a file that says the same."""
+        return toml_text(self.to_dict())
+
+    @classmethod
+    @abstractmethod
+    def _from_table(cls, table: Mapping[str, Any], folder: Path, text: str | None, name: str) -> Self:
+        """Make it from a dictionary whose version is right; errors need not name the document."""
+
+
+def toml_text(table: Mapping[str, Any]) -> str:
+    """Return a dictionary of sections, fields and lists of sections as TOML; what is None or empty is left out.
+
+    >>> print(toml_text({"schema": 1, "body": {"part": "a.stl", "mass": None}, "load": []}))
+    schema = 1
+    <BLANKLINE>
+    [body]
+    part = "a.stl"
+    <BLANKLINE>
+    """
+    import tomli_w
+
+    return tomli_w.dumps({key: value for key, value in plain(table).items() if value not in ({}, [])})
+
+
 def number(unit: str, *, positive: bool = False, negative: bool = True, below: float = math.inf) -> Reader:
     """Read a finite number of some unit: any, none below zero, or positive only; and less than `below`."""
     asked = f"a number of {unit}" if unit else "a number"
@@ -172,6 +238,17 @@ def _float(value: Real) -> float:
         return float(value)
     except OverflowError:
         return math.inf
+
+
+def layout_version(version: int) -> Reader:
+    """Read the version of a file's layout, which has to be this one."""
+
+    def read(value: Any, path: str) -> int:
+        if value != version or isinstance(value, bool):
+            raise FieldError(path, f"is {value!r}: this version reads schema = {version}")
+        return version
+
+    return Reader(read, {"const": version})
 
 
 def integer(least: int, most: int) -> Reader:
@@ -283,6 +360,11 @@ def tables(kind: type[S], *, least: int = 0) -> Reader:
     return Reader(read, entries.schema)
 
 
+def document_schema(kind: type[Section], title: str) -> dict[str, Any]:
+    """Return the JSON Schema of a file whose sections are the fields of `kind`."""
+    return {"$schema": "https://json-schema.org/draft/2020-12/schema", "title": title, **schema_of(kind)}
+
+
 def schema_of(kind: type[Section]) -> dict[str, Any]:
     """Return the JSON Schema of a section; what the fields are is told as the class's docstring has it."""
     told = _descriptions(kind)
@@ -319,7 +401,9 @@ def plain(value: Any) -> Any:
             for name, (given, default) in held.items()
             if given is not None and (default is MISSING or plain(given) != plain(default))
         }
-    if isinstance(value, np.ndarray):
+    if isinstance(value, Mapping):
+        return {key: plain(one) for key, one in value.items() if one is not None}
+    if isinstance(value, np.ndarray | np.generic):
         return value.tolist()
     return [plain(one) for one in value] if isinstance(value, tuple | list) else value
 

@@ -30,6 +30,16 @@ class GeometryError(InertiaError, ValueError):
     exit_code = 4
 
 
+def placed(error: InertiaError, place: str) -> InertiaError:
+    """Return an error of the same kind whose sentence begins with a place: a file, a field.
+
+    >>> placed(ReadError("no such file"), "rotor.toml: body[0]: ")
+    ReadError('rotor.toml: body[0]: no such file')
+    """
+    kind = next(k for k in (UsageError, ReadError, GeometryError, InertiaError) if isinstance(error, k))
+    return kind(f"{place}{error}")
+
+
 def require_kind(value: object, kind: type, name: str, source: str) -> None:
     """Raise `UsageError` where an argument is of another kind than a verb takes: a path, most likely.
 

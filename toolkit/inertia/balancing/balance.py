@@ -24,7 +24,6 @@ from inertia.balancing.rotor_bodies import (
     in_unit,
     outer_radius,
     outline,
-    placed,
     read_bodies,
     unbalance_of,
 )
@@ -33,7 +32,7 @@ from inertia.balancing.unbalance import Unbalance
 from inertia.balancing.uncertain_inputs import operation_terms, rotor_terms
 from inertia.balancing.uncertainty import Scatter, monte_carlo
 from inertia.balancing.verdict import Verdict, judge
-from inertia.errors import GeometryError, UsageError, require_kind
+from inertia.errors import GeometryError, UsageError, placed, require_kind
 from inertia.mass.properties import MassProperties
 
 

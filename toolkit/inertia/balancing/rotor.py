@@ -8,12 +8,11 @@ of `inertia.balancing.unbalance`.
 from __future__ import annotations
 
 import math
-import os
 from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
-from typing import Any
+from typing import Any, ClassVar
 
 from inertia.balancing import tolerance as tolerances
 from inertia.balancing.axis.shaft import Shaft
@@ -23,10 +22,9 @@ from inertia.balancing.keys import Key
 from inertia.balancing.quantities import angular_speed
 from inertia.balancing.rotor_fields import RotorFields
 from inertia.balancing.tolerance import GRADES, Planes, Tolerance
-from inertia.balancing.toml_text import toml_text
 from inertia.balancing.unbalance import PointMass, Unbalance
 from inertia.balancing.uncertain_inputs import ShopTolerance
-from inertia.documents import FieldError, plain, schema_of, section_of, text_of, toml_of
+from inertia.documents import Document, FieldError, document_schema, plain, section_of
 from inertia.errors import UsageError
 from inertia.units import Unit, length_unit
 
@@ -43,7 +41,7 @@ _PLAIN_NUMBERS = {  # fields of a plane, what `CorrectionPlane` calls them, and 
 
 
 @dataclass(frozen=True, eq=False)
-class Rotor:
+class Rotor(Document):
     """A rotor as its file describes it.
 
     Attributes
@@ -65,52 +63,23 @@ class Rotor:
     (0.26, 314.159265)
     """
 
+    noun: ClassVar[str] = "rotor"
+
     fields: RotorFields
     folder: Path = Path()
     text: str | None = None
     name: str = "the rotor"
 
     def __post_init__(self) -> None:
-        try:
-            self._require_sense()
-        except UsageError as error:
-            raise UsageError(f"{self.name}: {error}") from None
+        self._require_sense()
 
     @classmethod
-    def load(cls, path: str | os.PathLike[str]) -> Rotor:
-        """Read a rotor file; the bodies' files are looked for beside it."""
-        name = os.fspath(path)
-        return cls.loads(text_of(path, "a rotor"), Path(path).parent, name)
-
-    @classmethod
-    def loads(cls, text: str, folder: str | os.PathLike[str] = ".", name: str = "the rotor") -> Rotor:
-        """Read the text of a rotor file; `folder` is where the bodies' files are, `name` what errors call it."""
-        return cls.from_dict(toml_of(text, name), folder, text=text, name=name)
-
-    @classmethod
-    def from_dict(
-        cls,
-        table: Mapping[str, Any],
-        folder: str | os.PathLike[str] = ".",
-        *,
-        text: str | None = None,
-        name: str = "the rotor",
-    ) -> Rotor:
-        """Make a rotor from a dictionary laid out as the file is."""
-        try:
-            fields = section_of(RotorFields, table)
-        except UsageError as error:
-            raise UsageError(f"{name}: {error}") from None
-        return cls(fields, Path(folder), text, name)
+    def _from_table(cls, table: Mapping[str, Any], folder: Path, text: str | None, name: str) -> Rotor:
+        return cls(section_of(RotorFields, table), folder, text, name)
 
     def to_dict(self) -> dict[str, Any]:
         """Return the rotor as a dictionary laid out as the file is; what is at its default is left out."""
-        held: dict[str, Any] = plain(self.fields)
-        return {"schema": self.fields.schema, "unit": self.fields.unit, **held}
-
-    def to_toml(self) -> str:
-        """Return the text of a rotor file that says the same."""
-        return toml_text(self.to_dict()) + "\n"
+        return {"schema": self.fields.schema, "unit": self.fields.unit, **plain(self.fields)}
 
     @property
     def unit(self) -> Unit:
@@ -260,11 +229,7 @@ class Rotor:
 
 def json_schema() -> dict[str, Any]:
     """Return the JSON Schema of a rotor file."""
-    return {
-        "$schema": "https://json-schema.org/draft/2020-12/schema",
-        "title": "Rotor file of inertia balance",
-        **schema_of(RotorFields),
-    }
+    return document_schema(RotorFields, "Rotor file of inertia balance")
 
 
 def _angles(plane: PlaneFields) -> Any:

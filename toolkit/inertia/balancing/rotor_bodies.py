@@ -20,7 +20,7 @@ from inertia.balancing.rotor_fields import BodyFields
 from inertia.balancing.sag import estimated_sag
 from inertia.balancing.tessellation_bound import chord_uncertainty
 from inertia.balancing.unbalance import Unbalance
-from inertia.errors import GeometryError, InertiaError, ReadError, UsageError
+from inertia.errors import GeometryError, InertiaError, ReadError, UsageError, placed
 from inertia.mass.analysis import Analysis, analyse
 from inertia.mass.properties import MassProperties
 from inertia.mesh.geometry.intersect import overlap
@@ -85,12 +85,6 @@ def read_bodies(rotor: Rotor) -> tuple[RotorBody, ...]:
             raise _advised(placed(error, f"{rotor.name}: body[{number}]: ")) from None
     _require_apart(rotor, bodies)
     return tuple(bodies)
-
-
-def placed(error: InertiaError, place: str) -> InertiaError:
-    """Return an error of the same kind that begins with a place."""
-    kind = next(k for k in (UsageError, ReadError, GeometryError, InertiaError) if isinstance(error, k))
-    return kind(f"{place}{error}")
 
 
 def _advised(error: InertiaError) -> InertiaError:

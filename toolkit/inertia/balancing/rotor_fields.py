@@ -18,6 +18,7 @@ from inertia.documents import (
     choice,
     flag,
     integer,
+    layout_version,
     number,
     numbers,
     several,
@@ -28,9 +29,6 @@ from inertia.documents import (
 from inertia.errors import UsageError
 from inertia.mass.materials import density_of
 from inertia.units import length_unit
-
-SCHEMA = 1
-UNIT = "mm"
 
 Standard = Literal["ISO 21940-11", "API 610", "API 617", "MIL-STD-167-1"]
 
@@ -266,12 +264,6 @@ class ReportFields(Section):
     remark: Annotated[str | None, text] = None
 
 
-def _schema(value: Any, path: str) -> int:
-    if value != SCHEMA or isinstance(value, bool):
-        raise FieldError(path, f"is {value!r}: this version reads schema = {SCHEMA}")
-    return SCHEMA
-
-
 @dataclass(frozen=True, eq=False)
 class RotorFields(Section):
     """A rotor file.
@@ -289,8 +281,8 @@ class RotorFields(Section):
     axis: Annotated[AxisFields, table(AxisFields)]
     service: Annotated[ServiceFields, table(ServiceFields)]
     tolerance: Annotated[ToleranceFields, table(ToleranceFields)]
-    schema: Annotated[int, Reader(_schema, {"const": SCHEMA})] = SCHEMA
-    unit: Annotated[str, unit] = UNIT
+    schema: Annotated[int, layout_version(1)] = 1
+    unit: Annotated[str, unit] = "mm"
     key: Annotated[tuple[KeyFields, ...], tables(KeyFields)] = ()
     plane: Annotated[tuple[PlaneFields, ...], tables(PlaneFields)] = ()
     uncertainty: Annotated[UncertaintyFields, table(UncertaintyFields)] = UncertaintyFields()

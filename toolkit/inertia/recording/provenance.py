@@ -3,22 +3,23 @@
 from __future__ import annotations
 
 import os
-from importlib.metadata import version
 from pathlib import Path
 from typing import Any
 
+from inertia import __version__
 from inertia.balancing.balance import Balance
 from inertia.dynamics.run import Run
 from inertia.dynamics.scene.body import SceneBody
+from inertia.dynamics.scene.document import Scene
+from inertia.errors import UsageError
 from inertia.mesh.part import Part
-from inertia.recording.scene_text import scene_text
 
 SETTINGS = ("duration", "samples", "accuracy", "model", "method")
 
 
 def properties_of(found: Run | Balance, file: Path | None) -> dict[str, dict[str, Any]]:
     """Return the properties by section; paths are relative to the folder of `file`."""
-    tool = {"tool": {"name": "inertia", "version": version("inertia")}}
+    tool = {"tool": {"name": "inertia", "version": __version__}}
     return tool | (_of_balance(found, file) if isinstance(found, Balance) else _of_run(found, file))
 
 
@@ -30,7 +31,7 @@ def source_sections(body: SceneBody) -> dict[str, Part]:
 def _of_run(run: Run, file: Path | None) -> dict[str, dict[str, Any]]:
     scene = run.scene
     return {
-        "scene": {"name": scene.name, "text": scene_text(scene), "folder": _folder(scene.name, file)},
+        "scene": {"name": scene.name, "text": _text(scene), "folder": _folder(scene.name, file)},
         "settings": {name: getattr(scene.run, name) for name in SETTINGS},
         **{name: _source(part) for name, part in source_sections(scene.body).items()},
         "accuracy": {
@@ -50,6 +51,14 @@ def _of_balance(found: Balance, file: Path | None) -> dict[str, dict[str, Any]]:
         "accuracy": {"method": error.method, "mass": error.mass, "inertia": error.inertia},
         "verdict": {"outcome": found.verdict.outcome},
     }
+
+
+def _text(scene: Scene) -> str | None:
+    """Return the text of a scene file that gives the same motion; None where no file can."""
+    try:
+        return scene.to_toml() if scene.text is None else scene.text
+    except UsageError:
+        return None
 
 
 def _numbered(parts: list[Part]) -> dict[str, Part]:

@@ -6,9 +6,8 @@ Every field is checked, unknown ones are refused, and an error names the field b
 
 from __future__ import annotations
 
-import os
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from pathlib import Path
 from typing import Annotated, Any, ClassVar, Literal
 
@@ -16,6 +15,7 @@ import numpy as np
 
 from inertia.arrays import Float
 from inertia.documents import (
+    Document,
     FieldError,
     Section,
     choice,
@@ -25,16 +25,14 @@ from inertia.documents import (
     require_known,
     section_of,
     text,
-    text_of,
-    toml_of,
 )
 from inertia.dynamics.kinematics import quaternion
 from inertia.dynamics.scene.body import BodySource, SceneBody, build
 from inertia.dynamics.scene.consistency import require_sense
 from inertia.dynamics.scene.fields import attitude_of, direction
-from inertia.dynamics.scene.loads import Gravity, Load, load_of
+from inertia.dynamics.scene.loads import Gravity, Load, Torque, load_of
 from inertia.dynamics.scene.parts import build_parts
-from inertia.errors import GeometryError, UsageError
+from inertia.errors import UsageError
 
 Frame = Literal["principal", "part", "space"]
 Kind = Literal["free", "fixed_point", "rolling"]
@@ -42,7 +40,6 @@ Kind = Literal["free", "fixed_point", "rolling"]
 FINEST = 1e-15
 """rad: no attitude in float64 is known better than the rounding of its four components."""
 
-_SCHEMA = 1
 _SECTIONS = ("schema", "body", "part", "start", "constraint", "load", "run")
 _MOST_SAMPLES = 10_000_000
 
@@ -141,7 +138,7 @@ class Settings(Section):
 
 
 @dataclass(frozen=True, eq=False)
-class Scene:
+class Scene(Document):
     """Everything that a run needs.
 
     Parameters
@@ -164,6 +161,8 @@ class Scene:
     ([0.0, 0.0, 1.0], 'free')
     """
 
+    noun: ClassVar[str] = "scene"
+
     body: SceneBody
     start: Start
     run: Settings
@@ -177,59 +176,55 @@ class Scene:
         require_sense(self)
 
     @classmethod
-    def load(cls, path: str | os.PathLike[str]) -> Scene:
-        """Read a scene file; parts and tables are looked for beside it."""
-        name = os.fspath(path)
-        return cls.loads(text_of(path, "a scene"), Path(path).parent, name)
+    def _from_table(cls, table: Mapping[str, Any], folder: Path, text: str | None, name: str) -> Scene:
+        require_known(table, _SECTIONS, "")
+        if "body" in table and "part" in table:
+            raise FieldError("part", "is given beside [body]: a body is either one part or several")
+        for section in ("part" if "part" in table else "body", "start", "run"):
+            if section not in table:
+                raise FieldError(section, f"is missing: the scene needs a section [{section}]")
+        loads = table.get("load", [])
+        if not isinstance(loads, Sequence) or isinstance(loads, str):
+            raise FieldError("load", "must be a list of tables: write [[load]] in double brackets")
+        return cls(
+            start=section_of(Start, table["start"]),
+            run=section_of(Settings, table["run"]),
+            constraint=section_of(Constraint, table.get("constraint", {})),
+            applied_loads=tuple(load_of(load, f"load[{k}]", folder) for k, load in enumerate(loads)),
+            body=build_parts(table["part"], folder)
+            if "part" in table
+            else build(section_of(BodySource, table["body"]), folder),
+            text=text,
+            name=name,
+        )
 
-    @classmethod
-    def loads(cls, text: str, folder: str | os.PathLike[str] = ".", name: str = "the scene") -> Scene:
-        """Read the text of a scene file; `folder` is where its parts and tables are, `name` what errors call it."""
-        return cls.from_dict(toml_of(text, name), folder, text=text, name=name)
+    def to_dict(self) -> dict[str, Any]:
+        """Return a dictionary laid out as a scene file is that gives the same motion; a part comes as its tensor.
 
-    @classmethod
-    def from_dict(
-        cls,
-        table: Mapping[str, Any],
-        folder: str | os.PathLike[str] = ".",
-        *,
-        text: str | None = None,
-        name: str = "the scene",
-    ) -> Scene:
-        """Make a scene from a dictionary laid out as the file is.
+        Raises `UsageError` where a torque is a function or a table.
 
         >>> scene = Scene.from_dict({"body": {"principal_moments": [1, 2, 3]},
         ...                          "start": {"angular_velocity": [0, 10, 0.001]}, "run": {"duration": 60}})
-        >>> scene.run.samples
-        1001
+        >>> Scene.loads(scene.to_toml()).angular_velocity.tolist()
+        [0.0, 10.0, 0.001]
         """
-        try:
-            require_known(table, _SECTIONS, "")
-            if table.get("schema", _SCHEMA) != _SCHEMA:
-                raise FieldError("schema", f"is {table['schema']!r}: this version reads schema = {_SCHEMA}")
-            if "body" in table and "part" in table:
-                raise FieldError("part", "is given beside [body]: a body is either one part or several")
-            for section in ("part" if "part" in table else "body", "start", "run"):
-                if section not in table:
-                    raise FieldError(section, f"is missing: the scene needs a section [{section}]")
-            loads = table.get("load", [])
-            if not isinstance(loads, Sequence) or isinstance(loads, str):
-                raise FieldError("load", "must be a list of tables: write [[load]] in double brackets")
-            where = Path(folder)
-            return cls(
-                start=section_of(Start, table["start"]),
-                run=section_of(Settings, table["run"]),
-                constraint=section_of(Constraint, table.get("constraint", {})),
-                applied_loads=tuple(load_of(load, f"load[{k}]", where) for k, load in enumerate(loads)),
-                body=build_parts(table["part"], where)
-                if "part" in table
-                else build(section_of(BodySource, table["body"]), where),
-                text=text,
-                name=name,
-            )
-        except (UsageError, GeometryError) as error:
-            kind = UsageError if isinstance(error, UsageError) else GeometryError
-            raise kind(f"{name}: {error}") from None
+        return {
+            "schema": self.version,
+            "body": _fields(self.body.body),
+            "start": {**_fields(self.start), "angular_velocity": self.angular_velocity, "frame": "part"},
+            "constraint": _fields(self.constraint),
+            "run": _fields(self.run),
+            "load": [self._load_fields(load) for load in self.applied_loads],
+        }
+
+    def _load_fields(self, load: Load) -> dict[str, Any]:
+        entries = {"kind": load.kind, **_fields(load)}
+        if isinstance(load, Torque):
+            if not isinstance(load.torque, np.ndarray):
+                raise UsageError("a torque that is a function or a table has no place in a scene file: give a vector")
+            if load.frame == "principal":
+                entries |= {"frame": "part", "torque": self.body.axes @ load.torque}
+        return entries
 
     @property
     def angular_velocity(self) -> Float:
@@ -250,3 +245,7 @@ class Scene:
             return quaternion.to_body(self.start.attitude, vector)
         resolved: Float = self.body.axes @ vector
         return resolved
+
+
+def _fields(section: Any) -> dict[str, Any]:
+    return {each.name: getattr(section, each.name) for each in fields(section)}

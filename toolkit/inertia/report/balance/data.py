@@ -5,9 +5,9 @@ from __future__ import annotations
 import datetime
 import math
 from collections.abc import Iterator
-from importlib import metadata
 from pathlib import Path
 
+from inertia import __version__
 from inertia.arrays import Float
 from inertia.balancing.balance import Balance
 from inertia.balancing.corrections.correction_plane import CorrectionPlane
@@ -58,7 +58,7 @@ def report_data(balance: Balance, date: str | None = None) -> ReportData:
         serial=said.serial,
         revision=said.revision,
         date=date or datetime.date.today().isoformat(),
-        version=metadata.version("inertia"),
+        version=__version__,
         rotor_facts=tuple(_rotor_facts(balance)),
         service_facts=tuple(_service_facts(balance)),
         zero_mark=f"toward ({_listed(rotor.fields.axis.zero_mark)}) of the part's axes",
