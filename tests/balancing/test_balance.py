@@ -11,7 +11,7 @@ import pytest
 import inertia
 from inertia.balancing.balance import Balance, balance
 from inertia.balancing.rotor import Rotor
-from inertia.balancing.sag import estimated_sag
+from inertia.balancing.tessellation_bound import estimated_sag
 from inertia.errors import GeometryError, ReadError, UsageError
 from inertia.mesh.geometry.intersect import overlap
 from inertia.mesh.part import Part, Surface

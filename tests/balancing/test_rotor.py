@@ -9,11 +9,14 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from tests.mass.parts import surface
 
-from inertia.balancing.rotor import Rotor, json_schema
+import inertia
+from inertia.balancing.rotor import Key, Rotor, json_schema
 from inertia.balancing.unbalance import Unbalance
 from inertia.errors import ReadError, UsageError
 from inertia_meshes import path, rotors
+from inertia_meshes.shapes import box, moved
 
 DOCS = Path(__file__).resolve().parents[2] / "docs"
 
@@ -287,3 +290,33 @@ def passes(value: object, schema: dict) -> bool:
 
 def test_descriptions_hold_no_stray_line_breaks() -> None:
     assert not re.search(r'"description": "[^"]*  ', json.dumps(json_schema()))
+
+
+KEY = Key(width=8e-3, height=7e-3, length=40e-3, floor=11e-3, angle=math.radians(90), z=0.1, density=7850.0)
+
+
+@pytest.mark.parametrize(("convention", "height"), [("H", 3.5), ("F", 7.0)])
+def test_a_key_has_the_unbalance_of_the_box_that_it_is(convention: str, height: float) -> None:
+    bar = moved(box(8, height, 40), 0, 11 + height / 2, 100)
+    solid = inertia.mass_properties(surface(bar, unit="mm"), 7850.0)
+    (mass,) = KEY.point_masses(convention)
+    x, y, z = solid.center_of_mass
+    assert (mass.mass, mass.z) == pytest.approx((solid.mass, z), rel=1e-12)
+    assert mass.unbalance == pytest.approx(solid.mass * complex(x, y), rel=1e-12)
+
+
+def test_without_a_key_there_is_no_mass() -> None:
+    assert KEY.point_masses("N") == ()
+
+
+def test_the_two_halves_are_the_key() -> None:
+    (half,), (full,) = KEY.point_masses("H"), KEY.point_masses("F")
+    upper = half.mass * (11e-3 + 0.75 * 7e-3) * 1j
+    assert half.unbalance + upper == pytest.approx(full.unbalance, rel=1e-12)
+
+
+def test_what_is_no_key_or_convention_is_refused() -> None:
+    with pytest.raises(UsageError, match=r"'H' \(half key\), 'F' \(full key\) or 'N'"):
+        KEY.point_masses("half")
+    with pytest.raises(UsageError, match=r"the length of the key is 0\.0"):
+        Key(8e-3, 7e-3, 0.0, 11e-3, 0.0, 0.1, 7850.0)

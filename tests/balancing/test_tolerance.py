@@ -7,7 +7,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from inertia import UsageError
-from inertia.balancing.quantities import GRAM_MILLIMETRE, OUNCE_INCH, POUND, angular_speed
+from inertia.balancing.shop_units import GRAM_MILLIMETRE, OUNCE_INCH, POUND, angular_speed
 from inertia.balancing.tolerance import (
     GRADES,
     achieved_grade,

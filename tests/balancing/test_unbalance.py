@@ -13,7 +13,7 @@ from tests.mass.parts import exact, surface
 import inertia
 from inertia import UsageError
 from inertia.balancing.axis.shaft import Shaft
-from inertia.balancing.quantities import GRAM_MILLIMETRE, OUNCE_INCH, angular_speed, in_degrees, in_gmm
+from inertia.balancing.shop_units import GRAM_MILLIMETRE, OUNCE_INCH, angular_speed, in_degrees, in_gmm
 from inertia.balancing.unbalance import PointMass, Unbalance
 from inertia_meshes import path
 from inertia_meshes.shapes import box, mapped, moved, revolved

@@ -11,7 +11,7 @@ from tests.balancing.rotors import MM, STEEL, at, on_z, two_disc_part, two_disc_
 import inertia
 from inertia.balancing.axis.tilt import principal_tilt, swash_couple
 from inertia.balancing.forces import axle_torque, bearing_forces
-from inertia.balancing.quantities import (
+from inertia.balancing.shop_units import (
     GRAM_MILLIMETRE,
     GRAM_SQUARE_MILLIMETRE,
     OUNCE_INCH,

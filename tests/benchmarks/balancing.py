@@ -106,8 +106,8 @@ def draws(count: int) -> dict[str, Any]:
     from dataclasses import replace
 
     from inertia import Rotor, balance
-    from inertia.balancing.uncertain_inputs import operation_terms, rotor_terms
-    from inertia.balancing.uncertainty import monte_carlo
+    from inertia.balancing.monte_carlo import monte_carlo
+    from inertia.balancing.monte_carlo_terms import operation_terms, rotor_terms
     from inertia_meshes import path
 
     rotor = Rotor.load(path("rotors/two_disc_rotor.toml"))

@@ -1,4 +1,4 @@
-"""`balance`: from a rotor's bodies to its unbalance, its tolerance, the corrections cut into it, and a verdict.
+"""`balance`: unbalance, tolerance, corrections and verdict of a rotor, from the meshes of its bodies.
 
 Angles, signs and frames are those of `inertia.balancing.unbalance`.
 """
@@ -12,12 +12,14 @@ from functools import reduce
 from operator import add
 
 from inertia.arrays import Progress
-from inertia.balancing.axis.choice import Axis, axis_of
+from inertia.balancing.axis.rotor_axis import Axis, rotor_axis
 from inertia.balancing.axis.shaft import Shaft
 from inertia.balancing.axis.tilt import Tilt, principal_tilt
 from inertia.balancing.correction_loop import Correction, correct
 from inertia.balancing.corrections.correction_plane import CorrectionPlane
 from inertia.balancing.forces import RigidLimit, axle_torque, bearing_forces, rigid_limit
+from inertia.balancing.monte_carlo import Scatter, monte_carlo
+from inertia.balancing.monte_carlo_terms import operation_terms, rotor_terms
 from inertia.balancing.rotor import Rotor
 from inertia.balancing.rotor_bodies import (
     RotorBody,
@@ -29,8 +31,6 @@ from inertia.balancing.rotor_bodies import (
 )
 from inertia.balancing.tolerance import Planes, Tolerance, achieved_grade, allocate
 from inertia.balancing.unbalance import Unbalance
-from inertia.balancing.uncertain_inputs import operation_terms, rotor_terms
-from inertia.balancing.uncertainty import Scatter, monte_carlo
 from inertia.balancing.verdict import Verdict, judge
 from inertia.errors import GeometryError, UsageError, placed, require_kind
 from inertia.mass.properties import MassProperties
@@ -158,7 +158,7 @@ def balance(rotor: Rotor, *, progress: Progress | None = None) -> Balance:
     tell(0.0)
     bodies = read_bodies(rotor)
     tell(0.3)
-    axis = axis_of(rotor, bodies)
+    axis = rotor_axis(rotor, bodies)
     shaft = axis.shaft
     at = (shaft.z_a, shaft.z_b)
     _require_places(rotor, bodies, shaft)

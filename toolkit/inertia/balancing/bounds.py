@@ -1,4 +1,4 @@
-"""What an unbalance is uncertain by, source by source, in a form from which the bound in any plane follows.
+"""Error bounds of an unbalance, source by source, in a form from which the bound in any plane follows.
 
 A source moves the static unbalance U and the couple D about a fixed plane together: (δU, δD) = Σ ζₖ (gₖ, hₖ) with
 complex |ζₖ| ≤ 1. What a correction or tolerance plane sees is p U + q D with real p and q, so it is off by at most

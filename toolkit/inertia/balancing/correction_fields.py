@@ -1,4 +1,4 @@
-"""The sections of a rotor file about correction planes and keys, as the file has them; see `rotor_fields`."""
+"""Sections of a rotor file about correction planes and keys, as the file has them; see `rotor_fields`."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""`correct`: holes, flats and weights that bring a rotor into its tolerance, cut into the mesh and integrated again.
+"""`correct`: holes, flats and weights for a rotor, cut into its mesh and integrated again until it is in tolerance.
 
 Where to cut, and how deep, comes from closed forms first. Then the tools are really cut out of the mesh, the parts are
 integrated again, and what is left in the tolerance planes corrects what is asked of each plane: Broyden's secant
@@ -28,9 +28,8 @@ from inertia.balancing.corrections.planning import Plan, plan, share, tools_of
 from inertia.balancing.corrections.rounding import Place, rounded
 from inertia.balancing.corrections.standard_weights import choose, kit_operation
 from inertia.balancing.corrections.tool import Tool
-from inertia.balancing.corrections.walls import Body, wall
-from inertia.balancing.corrections.workpiece import Workpiece
-from inertia.balancing.quantities import GRAM_MILLIMETRE
+from inertia.balancing.corrections.workpiece import Body, Workpiece, wall
+from inertia.balancing.shop_units import GRAM_MILLIMETRE
 from inertia.balancing.tolerance import Tolerance
 from inertia.balancing.unbalance import Unbalance, plane_weights
 from inertia.errors import UsageError

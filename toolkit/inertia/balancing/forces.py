@@ -1,4 +1,4 @@
-"""What an unbalance does to its bearings while the rotor turns, as long as the rotor is rigid.
+"""Bearing forces and axle torque of an unbalance while the rotor turns, as long as the rotor is rigid.
 
 Frames and signs are those of `inertia.balancing.unbalance`; every vector here turns with the rotor.
 """

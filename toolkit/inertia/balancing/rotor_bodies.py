@@ -1,4 +1,4 @@
-"""The bodies of a rotor, read and integrated, and what they have to be together."""
+"""Bodies of a rotor: read, integrated, and together their unbalance, their outline and their radius about the shaft."""
 
 from __future__ import annotations
 
@@ -17,8 +17,7 @@ from inertia.balancing.axis.shaft import Shaft
 from inertia.balancing.bounds import Uncertainty
 from inertia.balancing.rotor import Rotor
 from inertia.balancing.rotor_fields import BodyFields
-from inertia.balancing.sag import estimated_sag
-from inertia.balancing.tessellation_bound import chord_uncertainty
+from inertia.balancing.tessellation_bound import chord_uncertainty, estimated_sag
 from inertia.balancing.unbalance import Unbalance
 from inertia.errors import GeometryError, InertiaError, ReadError, UsageError, placed
 from inertia.mass.analysis import Analysis, analyse

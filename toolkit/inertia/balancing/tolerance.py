@@ -1,4 +1,4 @@
-"""How much residual unbalance a rotor may have, in its tolerance planes: the planes of its bearings."""
+"""Permissible residual unbalance of a rotor in its bearing planes, by ISO 21940-11, API, MIL-STD-167-1 or forces."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""PASS, FAIL or UNDECIDED: a residual unbalance against its tolerance, with all that is uncertain of it."""
+"""Verdict on a residual unbalance against its tolerance, PASS, FAIL or UNDECIDED, with all that is uncertain of it."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from typing import Literal
 
 from inertia.balancing.bounds import Source
 from inertia.balancing.forces import RigidLimit
-from inertia.balancing.quantities import GRAM_MILLIMETRE
+from inertia.balancing.shop_units import GRAM_MILLIMETRE
 from inertia.balancing.tolerance import Planes, Tolerance
 from inertia.balancing.unbalance import Unbalance
 

@@ -9,7 +9,7 @@ import numpy as np
 
 from inertia.arrays import Float
 from inertia.balancing.balance import Balance
-from inertia.balancing.quantities import in_gmm
+from inertia.balancing.shop_units import in_gmm
 from inertia.recording.writer import Recording
 
 FARTHEST = 1.6

@@ -5,7 +5,7 @@ from __future__ import annotations
 import cmath
 import math
 
-from inertia.balancing.quantities import GRAM_MILLIMETRE, OUNCE_INCH, in_degrees
+from inertia.balancing.shop_units import GRAM_MILLIMETRE, OUNCE_INCH, in_degrees
 
 _OUNCE_INCH_GMM = OUNCE_INCH / GRAM_MILLIMETRE
 _INCH_MM = 25.4

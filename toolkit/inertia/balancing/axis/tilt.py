@@ -1,4 +1,4 @@
-"""How the principal axis nearest the shaft is tilted from it, and the couple of a disc that is tilted on purpose.
+"""Tilt of the principal axis nearest the shaft, and the couple of a disc that is tilted on purpose.
 
 Frames and signs are those of `inertia.balancing.unbalance`. The principal axis is never taken for the shaft: it is
 where the shaft would have to run for the couple to vanish.

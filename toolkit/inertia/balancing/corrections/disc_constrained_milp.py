@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from inertia.arrays import Float
-from inertia.balancing.corrections.quiet_stdout import silence
+from inertia.balancing.corrections.quiet_stdout import quiet_stdout
 from inertia.errors import GeometryError
 
 Complex = NDArray[np.complex128]
@@ -66,7 +66,7 @@ class Program:
                 matrix.append((turn * self.effects[disc]).real - self.reach[disc])
                 low.append(-np.inf)
                 high.append(float(self.radii[disc] - (turn * self.start[disc]).real))
-            with silence():
+            with quiet_stdout():
                 found = milp(
                     cost,
                     integrality=self.integral,

@@ -1,4 +1,4 @@
-"""Where a plane's holes, flats or masses go, and how deep each is: fewest first, smallest tool first.
+"""Angles and depths of a plane's holes, flats or masses: fewest first, smallest tool first.
 
 At free angles, n places side by side, an angle ψ apart and all alike, make up f = sin(nψ/2)/sin(ψ/2) times what one
 makes up, in the direction of their middle. Where even the least setting is too much they move apart until they cancel

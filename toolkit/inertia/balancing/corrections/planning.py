@@ -1,4 +1,4 @@
-"""Sharing a correction among planes, each with its tools and limits."""
+"""Distribution of a correction among planes, each with its tools and limits."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from inertia.balancing.corrections.layout import Arrangement, arrange
 from inertia.balancing.corrections.masses import MassTool
 from inertia.balancing.corrections.milling import FlatCutter
 from inertia.balancing.corrections.tool import Tool
-from inertia.balancing.corrections.walls import Body, under, wall
+from inertia.balancing.corrections.workpiece import Body, under, wall
 from inertia.errors import GeometryError
 
 _REACHED = 1e-6  # of a vector: planes that leave no more of it have no limit

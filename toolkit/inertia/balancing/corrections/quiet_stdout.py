@@ -1,4 +1,4 @@
-"""Keep a compiled library from printing."""
+"""The process's standard output switched off while a compiled library runs."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ _ONE_AT_A_TIME = threading.Lock()
 
 
 @contextlib.contextmanager
-def silence() -> Iterator[None]:
+def quiet_stdout() -> Iterator[None]:
     """Drop what is written to the process's standard output below Python.
 
     The solver HiGHS in scipy prints a line of its own where it mends a solution, whatever its options are

@@ -1,4 +1,4 @@
-"""Settings and angles as the shop can hold them, chosen together so that they leave the least."""
+"""Rounding of settings and angles to the shop's steps, together, so that they leave the least."""
 
 from __future__ import annotations
 

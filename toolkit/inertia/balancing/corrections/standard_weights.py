@@ -1,4 +1,4 @@
-"""Weights from a kit, at positions such as blades, bolts or threaded holes: which, where, and how many.
+"""Standard weights at positions such as blades, bolts or threaded holes: which, where, and how many.
 
 Whole numbers nⱼ of weights, each with a known effect eⱼ on the vectors in the tolerance planes, are added to the
 vectors r that are there. Either the *fewest* weights with |r + Σ eⱼ nⱼ| within the tolerance in every plane, and of

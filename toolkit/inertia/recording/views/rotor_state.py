@@ -14,7 +14,7 @@ import numpy as np
 from inertia.arrays import Float
 from inertia.balancing.balance import Balance
 from inertia.balancing.corrections.operation import Operation
-from inertia.balancing.quantities import in_gmm
+from inertia.balancing.shop_units import in_gmm
 from inertia.balancing.unbalance import Unbalance
 from inertia.mesh.part import Part
 from inertia.recording import places

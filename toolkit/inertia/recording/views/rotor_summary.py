@@ -6,7 +6,7 @@ from collections.abc import Iterable, Iterator
 from pathlib import Path
 
 from inertia.balancing.balance import Balance
-from inertia.balancing.quantities import in_degrees, in_gmm
+from inertia.balancing.shop_units import in_degrees, in_gmm
 from inertia.balancing.unbalance import Unbalance
 
 

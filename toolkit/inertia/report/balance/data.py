@@ -12,9 +12,9 @@ from inertia.arrays import Float
 from inertia.balancing.balance import Balance
 from inertia.balancing.corrections.correction_plane import CorrectionPlane
 from inertia.balancing.corrections.operation import Operation
-from inertia.balancing.quantities import GRAM_MILLIMETRE, GRAM_SQUARE_MILLIMETRE, in_gmm
 from inertia.balancing.rotor import Rotor
 from inertia.balancing.rotor_bodies import RotorBody
+from inertia.balancing.shop_units import GRAM_MILLIMETRE, GRAM_SQUARE_MILLIMETRE, in_gmm
 from inertia.balancing.unbalance import Unbalance
 from inertia.mesh.part import Source
 from inertia.report.balance.sheet import (

@@ -9,11 +9,11 @@ from __future__ import annotations
 import math
 from typing import Any
 
-from inertia.balancing.axis.choice import Candidate
+from inertia.balancing.axis.rotor_axis import Candidate
 from inertia.balancing.balance import Balance
 from inertia.balancing.corrections.operation import Operation
-from inertia.balancing.quantities import GRAM_MILLIMETRE, GRAM_SQUARE_MILLIMETRE, in_degrees, in_gmm
 from inertia.balancing.rotor_bodies import RotorBody
+from inertia.balancing.shop_units import GRAM_MILLIMETRE, GRAM_SQUARE_MILLIMETRE, in_degrees, in_gmm
 from inertia.balancing.unbalance import Unbalance
 from inertia.documents import plain
 

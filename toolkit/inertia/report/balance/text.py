@@ -10,8 +10,8 @@ from pathlib import Path
 from inertia.arrays import Float
 from inertia.balancing.balance import Balance
 from inertia.balancing.corrections.operation import Operation
-from inertia.balancing.quantities import GRAM_MILLIMETRE, GRAM_SQUARE_MILLIMETRE, in_degrees
 from inertia.balancing.rotor_bodies import RotorBody
+from inertia.balancing.shop_units import GRAM_MILLIMETRE, GRAM_SQUARE_MILLIMETRE, in_degrees
 from inertia.balancing.unbalance import Unbalance
 from inertia.report.balance.words import KINDS, TURNS
 from inertia.report.layout import LABEL, number, row

@@ -1,4 +1,4 @@
-"""What the residual unbalance will be when every input is only known to a tolerance: Monte Carlo, and a table.
+"""Monte Carlo of the residual unbalance when every input is only known to a tolerance, and a table of sensitivities.
 
 The unbalance in a plane is affine in the densities and, to first order, in the axis, the depths, the angles and the
 diameters: Uₖ = U⁰ₖ + Σ sₖⱼ ξⱼ. A draw is then a sum of products, and the sensitivities say what to hold tightest.

@@ -12,9 +12,9 @@ from inertia import MassProperties, UsageError
 from inertia.balancing import bounds
 from inertia.balancing.axis.shaft import Shaft
 from inertia.balancing.corrections.operation import Operation
+from inertia.balancing.monte_carlo import Term, monte_carlo
+from inertia.balancing.monte_carlo_terms import ShopTolerance, operation_terms, rotor_terms
 from inertia.balancing.unbalance import Unbalance
-from inertia.balancing.uncertain_inputs import ShopTolerance, operation_terms, rotor_terms
-from inertia.balancing.uncertainty import Term, monte_carlo
 
 PLANES = (0.02, 0.28)
 

@@ -1,4 +1,4 @@
-"""What is uncertain of a rotor and of the shop's work on it, as terms of `inertia.balancing.uncertainty`."""
+"""Tolerances of a rotor and of the shop's work on it, as terms of `inertia.balancing.monte_carlo`."""
 
 from __future__ import annotations
 
@@ -13,8 +13,8 @@ from inertia.balancing.bounds import Uncertainty
 from inertia.balancing.corrections.drilling import axial_volume, radial_unbalance
 from inertia.balancing.corrections.milling import flat_unbalance
 from inertia.balancing.corrections.operation import Operation
+from inertia.balancing.monte_carlo import Term
 from inertia.balancing.unbalance import Complex, Unbalance, plane_weights
-from inertia.balancing.uncertainty import Term
 
 _AXIS = ("axis at bearing A", "axis at bearing B", "axis tilt, uneven transverse moments")
 

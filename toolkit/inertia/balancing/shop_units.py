@@ -1,4 +1,4 @@
-"""The shop's units, and the polar form of an unbalance; inside the room everything is SI and complex."""
+"""Units of the shop, and an unbalance in them: g·mm and degrees, where everything else here is SI and complex."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The shaft of a rotor: as its file gives it, or as a candidate that the mesh's own cylinders offer."""
+"""Axis of a rotor: through the bearing centres of its file, or through cylinders of the mesh that may be journals."""
 
 from __future__ import annotations
 
@@ -61,7 +61,7 @@ class Axis:
         return not self.candidates
 
 
-def axis_of(rotor: Rotor, bodies: Sequence[RotorBody]) -> Axis:
+def rotor_axis(rotor: Rotor, bodies: Sequence[RotorBody]) -> Axis:
     """Return the shaft through the bearings, or, where the file asks for journals, through the likeliest candidate.
 
     Raises `GeometryError` where no journals are found, `UsageError` for an unknown region.
