@@ -10,10 +10,11 @@ from __future__ import annotations
 import inspect
 import math
 import os
+import re
 import tomllib
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import MISSING, dataclass, fields
+from dataclasses import MISSING, InitVar, dataclass, field, fields
 from difflib import get_close_matches
 from numbers import Integral, Real
 from pathlib import Path
@@ -22,7 +23,7 @@ from typing import Any, ClassVar, Self, TypeVar, get_type_hints
 import numpy as np
 from numpy.typing import NDArray
 
-from inertia.errors import GeometryError, ReadError, UsageError, placed
+from inertia.errors import FieldPath, GeometryError, ReadError, UsageError, Word, placed
 
 Read = Callable[[Any, str], Any]
 
@@ -32,16 +33,12 @@ _COUNTS = {2: "two numbers", 3: "three numbers", 4: "four numbers"}
 class FieldError(UsageError):
     """A field is not usable: its `path`, as ``start.angular_velocity[1]``, and what is the matter with it."""
 
-    def __init__(self, path: str, says: str) -> None:
-        super().__init__(f"{path} {says}")
+    def __init__(self, path: str, *says: Word) -> None:
+        super().__init__(FieldPath(path), " ", *says)
         self.path = path
-        self.says = says
 
-    def moved(self, start: str, to: str) -> FieldError:
-        """Return the error with another beginning of its path, where it begins with `start`."""
-        if not self.path.startswith(start):
-            return self
-        return FieldError(to + self.path[len(start) :], self.says.replace(f"{start}.", f"{to}."))
+    def __reduce__(self) -> tuple[Any, ...]:
+        return type(self), (self.path, *self.words[2:])
 
 
 @dataclass(frozen=True)
@@ -58,15 +55,24 @@ class Reader:
 
 @dataclass(frozen=True, eq=False)
 class Section:
-    """A section of a file: every field is read by its reader when the section is made; None is left as it is."""
+    """A section of a file: every field is read by its reader when the section is made; None is left as it is.
+
+    `path` is what errors call the section: its name in the file, if nothing else is given.
+    """
 
     section: ClassVar[str]
+    path: InitVar[str | None] = field(default=None, kw_only=True)
 
-    def __post_init__(self) -> None:
+    def __post_init__(self, path: str | None) -> None:
+        where = self.section if path is None else path
         for name, read in readers(type(self)).items():
             value = getattr(self, name)
             if value is not None:
-                object.__setattr__(self, name, read(value, joined(self.section, name)))
+                object.__setattr__(self, name, read(value, joined(where, name)))
+        self.require_sense(where)
+
+    def require_sense(self, path: str) -> None:
+        """Raise `FieldError` where fields contradict each other; `path` is that of the section."""
 
 
 S = TypeVar("S", bound=Section)
@@ -100,16 +106,15 @@ def section_of(kind: type[S], table: object, extra: Sequence[str] = (), path: st
     for name, required in known.items():
         if required and name not in entries:
             raise FieldError(joined(where, name), "is missing: it has to be given")
-    try:
-        return kind(**{name: value for name, value in entries.items() if name in known})
-    except FieldError as error:
-        raise error.moved(kind.section, where) from None
+    return kind(**{name: value for name, value in entries.items() if name in known}, path=where)
 
 
 def table_of(value: object, path: str) -> Mapping[str, Any]:
     """Return a table of the file as it is."""
     if not isinstance(value, Mapping):
-        raise FieldError(path, f"is {shown(value)}: it must be a table, as in [{path}]")
+        name = re.sub(r"\[\d+\]", "", path)
+        header = f"[[{name}]]" if path.endswith("]") else f"[{name}]"
+        raise FieldError(path, f"is {shown(value)}: it must be a table, as in {header}")
     return value
 
 
@@ -174,7 +179,7 @@ class Document(ABC):
             layout_version(cls.version)(table_of(table, "").get("schema", cls.version), "schema")
             return cls._from_table(table, Path(folder), text, called)
         except (UsageError, GeometryError) as error:
-            raise placed(error, f"{called}: ") from None
+            raise placed(error, called) from None
 
     @abstractmethod
     def to_dict(self) -> dict[str, Any]:

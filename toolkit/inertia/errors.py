@@ -1,15 +1,120 @@
-"""What can go wrong, and the exit code that says so.
+"""What can go wrong, the exit code that says so, and what to ask for instead.
 
-Every message is one sentence that names what was measured, the limit, the place and the remedy.
+Every message is one sentence that names what was measured, the limit, the place and the remedy. A remedy is data: the
+library words it as an argument (``shell=THICKNESS``), and whoever has options in place of arguments words it as one.
 """
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from itertools import chain
+from typing import NamedTuple, Self
+
+
+class Remedy(NamedTuple):
+    """What to ask for instead: an argument of a verb of `inertia`, or a verb.
+
+    Attributes
+    ----------
+    verb : as "analyse"; "" for the one that was called
+    argument : its name; "" where the verb itself is the remedy
+    value : what to give: True, a word, or what stands for a figure in capitals; ... where any value may do, and None
+        where the argument is only named
+
+    >>> print(SHELL, ABSOLUTE, UNIT, REPAIR, Remedy("trade", "budget"), sep=", ")
+    shell=THICKNESS, orientation='absolute', unit=..., inertia.repair(part), budget
+    """
+
+    verb: str
+    argument: str = ""
+    value: object = None
+
+    def __str__(self) -> str:
+        if not self.argument:
+            return f"inertia.{self.verb}(part)"
+        if self.value is None:
+            return self.argument
+        if self.value is ...:
+            return f"{self.argument}=..."
+        stands_for_a_figure = isinstance(self.value, str) and self.value.isupper()
+        return f"{self.argument}={self.value if stands_for_a_figure else repr(self.value)}"
+
+
+REPAIR = Remedy("repair")
+SHELL = Remedy("analyse", "shell", "THICKNESS")
+ABSOLUTE = Remedy("analyse", "orientation", "absolute")
+UNIT = Remedy("read", "unit", ...)
+FORCE = Remedy("", "force", True)
+
+
+class FieldPath(NamedTuple):
+    """A field of a file, by its path, as ``start.angular_velocity[1]``."""
+
+    path: str
+
+    def __str__(self) -> str:
+        return self.path
+
+
+Word = str | Remedy | FieldPath
+Wording = Callable[[Remedy | FieldPath], str]
+"""What a remedy or the name of a field is called; `str` is the library's."""
+
+
+class Sentence(str):
+    """Text in the library's wording that knows the remedies and fields in it, so that it can be worded otherwise.
+
+    >>> sentence = Sentence("close the mesh, or use ", SHELL)
+    >>> sentence
+    'close the mesh, or use shell=THICKNESS'
+    >>> sentence.worded(lambda remedy: f"a {remedy.argument}")
+    'close the mesh, or use a shell'
+    """
+
+    words: tuple[Word, ...]
+
+    def __new__(cls, *words: Word) -> Self:
+        """Join the words; sentences among them come with their own."""
+        flat = tuple(chain.from_iterable(word.words if isinstance(word, Sentence) else (word,) for word in words))
+        sentence = super().__new__(cls, "".join(map(str, flat)))
+        sentence.words = flat
+        return sentence
+
+    @property
+    def remedies(self) -> tuple[Remedy, ...]:
+        """The remedies in it, in their order."""
+        return tuple(word for word in self.words if isinstance(word, Remedy))
+
+    def worded(self, wording: Wording) -> str:
+        """Return the text with every remedy and field worded by `wording`."""
+        return "".join(word if isinstance(word, str) else wording(word) for word in self.words)
+
 
 class InertiaError(Exception):
-    """Base of every error this package raises on purpose."""
+    """Base of every error this package raises on purpose.
+
+    Attributes
+    ----------
+    words : the sentence, in pieces: text, remedies, and the names of fields
+    places : where it was met, the outermost first: a file, a field
+
+    >>> error = GeometryError("open: close the mesh, or use ", REPAIR)
+    >>> placed(error, "cube.stl")
+    GeometryError('cube.stl: open: close the mesh, or use inertia.repair(part)')
+    >>> placed(error, "cube.stl").sentence.remedies
+    (Remedy(verb='repair', argument='', value=None),)
+    """
 
     exit_code = 1
+
+    def __init__(self, *words: Word, places: tuple[str | FieldPath, ...] = ()) -> None:
+        self.words, self.places = words, places
+        super().__init__(self.sentence)
+
+    @property
+    def sentence(self) -> Sentence:
+        """Where, and what is the matter."""
+        return Sentence(*chain.from_iterable((place, ": ") for place in self.places), *self.words)
 
 
 class UsageError(InertiaError, ValueError):
@@ -30,14 +135,10 @@ class GeometryError(InertiaError, ValueError):
     exit_code = 4
 
 
-def placed(error: InertiaError, place: str) -> InertiaError:
-    """Return an error of the same kind whose sentence begins with a place: a file, a field.
-
-    >>> placed(ReadError("no such file"), "rotor.toml: body[0]: ")
-    ReadError('rotor.toml: body[0]: no such file')
-    """
+def placed(error: InertiaError, *places: str | FieldPath) -> InertiaError:
+    """Return an error of the same kind that was met at a place: in a file, at a field; the outermost first."""
     kind = next(k for k in (UsageError, ReadError, GeometryError, InertiaError) if isinstance(error, k))
-    return kind(f"{place}{error}")
+    return kind(*error.words, places=(*places, *error.places))
 
 
 def require_kind(value: object, kind: type, name: str, source: str) -> None:

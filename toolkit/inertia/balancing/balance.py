@@ -208,7 +208,7 @@ def _correction_planes(rotor: Rotor, bodies: Sequence[RotorBody], shaft: Shaft) 
             try:
                 planes.append(rotor.correction_plane(number, radius))
             except UsageError as error:
-                raise placed(error, f"{rotor.name}: ") from None
+                raise placed(error, rotor.name) from None
     return tuple(planes)
 
 
@@ -226,7 +226,7 @@ def _corrected(
     try:
         return correct(parts, densities, shaft, initial, planes, _aim(initial, tolerance, (shaft.z_a, shaft.z_b)))
     except (UsageError, GeometryError) as error:
-        raise placed(error, f"{rotor.name}: ") from None
+        raise placed(error, rotor.name) from None
 
 
 def _aim(initial: Unbalance, tolerance: Tolerance, at: Planes) -> Tolerance:

@@ -156,13 +156,13 @@ class PlaneFields(Section):
     kit: Annotated[tuple[WeightFields, ...], tables(WeightFields)] = ()
     most_per_position: Annotated[int, integer(1, _MANY)] = 1
 
-    def __post_init__(self) -> None:
-        super().__post_init__()
+    def require_sense(self, path: str) -> None:
+        """Raise `FieldError` where an angle or a sector is none."""
         if self.point_angle is not None and self.point_angle > _FLAT:
-            raise FieldError("plane.point_angle", f"is {self.point_angle:g}: it must be {_FLAT:g}, flat, or less")
+            raise FieldError(f"{path}.point_angle", f"is {self.point_angle:g}: it must be {_FLAT:g}, flat, or less")
         for k, (start, stop) in enumerate(self.forbidden or ()):
             if (stop - start) % 360.0 == 0:
                 raise FieldError(
-                    f"plane.forbidden[{k}]",
+                    f"{path}.forbidden[{k}]",
                     f"ends where it begins, at {start:g}: give another angle as its end",
                 )

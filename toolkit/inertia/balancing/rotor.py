@@ -24,7 +24,7 @@ from inertia.balancing.shop_units import angular_speed
 from inertia.balancing.tolerance import GRADES, Planes, Tolerance
 from inertia.balancing.unbalance import PointMass, Unbalance
 from inertia.documents import Document, FieldError, document_schema, plain, section_of
-from inertia.errors import UsageError
+from inertia.errors import FieldPath, UsageError
 from inertia.units import Unit, length_unit
 
 KeyConvention = Literal["H", "F", "N"]
@@ -98,10 +98,7 @@ class Rotor(Document):
     def shaft_between(self, bearing_a: Any, bearing_b: Any) -> Shaft:
         """Return the shaft between two bearing centres (3,) m, with the zero mark and rotation of the file."""
         axis = self.fields.axis
-        try:
-            return Shaft(bearing_a, bearing_b, axis.zero_mark, axis.rotation)
-        except UsageError as error:
-            raise UsageError(f"axis.{error}") from None
+        return Shaft(bearing_a, bearing_b, axis.zero_mark, axis.rotation, path="axis")
 
     @property
     def speed(self) -> float:
@@ -191,7 +188,7 @@ class Rotor(Document):
                 **given,
             )
         except UsageError as error:
-            raise UsageError(str(error).replace(f"plane {plane.id!r}", f"plane[{number}]", 1)) from None
+            raise UsageError(*error.words, places=(FieldPath(f"plane[{number}]"),)) from None
 
     @property
     def _metres(self) -> float:

@@ -19,7 +19,7 @@ from inertia.balancing.rotor import Rotor
 from inertia.balancing.rotor_fields import BodyFields
 from inertia.balancing.tessellation_bound import chord_uncertainty, estimated_sag
 from inertia.balancing.unbalance import Unbalance
-from inertia.errors import GeometryError, InertiaError, ReadError, UsageError, placed
+from inertia.errors import FieldPath, GeometryError, InertiaError, ReadError, UsageError, placed
 from inertia.mass.analysis import Analysis, analyse
 from inertia.mass.properties import MassProperties
 from inertia.mesh.geometry.intersect import overlap
@@ -81,7 +81,7 @@ def read_bodies(rotor: Rotor) -> tuple[RotorBody, ...]:
         try:
             bodies.append(_read(rotor, fields))
         except (UsageError, ReadError, GeometryError) as error:
-            raise _advised(placed(error, f"{rotor.name}: body[{number}]: ")) from None
+            raise _advised(placed(error, rotor.name, FieldPath(f"body[{number}]"))) from None
     _require_apart(rotor, bodies)
     return tuple(bodies)
 

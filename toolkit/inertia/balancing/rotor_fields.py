@@ -88,10 +88,10 @@ class BodyFields(Section):
     mass: Annotated[float | None, number("kg", positive=True)] = None
     chord_tolerance: Annotated[float | None, number(_LENGTH, negative=False)] = None
 
-    def __post_init__(self) -> None:
-        super().__post_init__()
+    def require_sense(self, path: str) -> None:
+        """Raise `FieldError` where it is said twice how heavy the body is."""
         if len(given := self.weights) > 1:
-            raise FieldError("body", f"has both {' and '.join(given)}: give one of density, material and mass")
+            raise FieldError(path, f"has both {' and '.join(given)}: give one of density, material and mass")
 
     @property
     def weights(self) -> list[str]:
@@ -139,17 +139,17 @@ class AxisFields(Section):
     rotation: Annotated[Literal["ccw", "cw"], choice("ccw", "cw")] = "ccw"
     radial_uncertainty: Annotated[float, number(_LENGTH, negative=False)] = 0.0
 
-    def __post_init__(self) -> None:
-        super().__post_init__()
+    def require_sense(self, path: str) -> None:
+        """Raise `FieldError` where the axis is given twice, or not at all."""
         ends = [name for name in ("bearing_a", "bearing_b") if getattr(self, name) is not None]
         if self.journals is not None and ends:
             raise FieldError(
-                "axis.journals", f"goes with no {ends[0]}: leave it out, the bearings say where the axis is"
+                f"{path}.journals", f"goes with no {ends[0]}: leave it out, the bearings say where the axis is"
             )
         if self.journals is None and len(ends) < 2:
             missing = "bearing_b" if ends == ["bearing_a"] else "bearing_a"
             raise FieldError(
-                f"axis.{missing}",
+                f"{path}.{missing}",
                 'is missing: give the centres of both bearings, or journals = "detect" to see candidates',
             )
 
@@ -195,27 +195,27 @@ class ToleranceFields(Section):
     bearing_force: Annotated[Float | None, numbers((2,), "N")] = None
     overhung: Annotated[bool | None, flag] = None
 
-    def __post_init__(self) -> None:
-        super().__post_init__()
+    def require_sense(self, path: str) -> None:
+        """Raise `FieldError` where the criteria contradict each other, or are none."""
         others = [name for name in ("e_um", "bearing_force") if getattr(self, name) is not None]
         told = [*others, *(name for name in ("standard", "grade") if getattr(self, name) is not None)]
         if not told:
-            raise FieldError("tolerance", "says nothing: give a grade, a standard, e_um or bearing_force")
+            raise FieldError(path, "says nothing: give a grade, a standard, e_um or bearing_force")
         if others and len(told) > 1:
-            raise FieldError(f"tolerance.{told[0]}", f"goes with no {told[1]}: give the one that counts")
+            raise FieldError(f"{path}.{told[0]}", f"goes with no {told[1]}: give the one that counts")
         mil = self.standard == "MIL-STD-167-1"
         if self.revision is not None and not mil:
-            raise FieldError("tolerance.revision", "goes with MIL-STD-167-1 only: leave it out")
+            raise FieldError(f"{path}.revision", "goes with MIL-STD-167-1 only: leave it out")
         if mil and self.revision is None:
             raise FieldError(
-                "tolerance.revision", 'is missing: the revisions of MIL-STD-167-1 differ, give "1974" or "A" (2005)'
+                f"{path}.revision", 'is missing: the revisions of MIL-STD-167-1 differ, give "1974" or "A" (2005)'
             )
         graded = self.standard in (None, "ISO 21940-11") or self.revision == "A"
         if self.grade is None and graded and not others:
-            raise FieldError("tolerance.grade", f"is missing: {self.standard} goes by a grade, as 6.3")
+            raise FieldError(f"{path}.grade", f"is missing: {self.standard} goes by a grade, as 6.3")
         if self.grade is not None and not graded:
             raise FieldError(
-                "tolerance.grade", f"goes with no {self.standard}, which has limits of its own: leave it out"
+                f"{path}.grade", f"goes with no {self.standard}, which has limits of its own: leave it out"
             )
 
 

@@ -19,6 +19,7 @@ from inertia.dynamics.models.candidates import (
 from inertia.dynamics.scene.document import Scene
 from inertia.dynamics.scene.loads import Gravity
 from inertia.dynamics.setting import Setting, setting_of
+from inertia.errors import FieldPath, placed
 
 SHARE = 0.1
 """Part of the accuracy asked for that a smaller model may cost."""
@@ -97,7 +98,7 @@ def plan(scene: Scene) -> Plan:
         candidates = _candidates(scene, setting)
         chosen = _forced(scene, candidates) or _smallest(candidates, scene.run.accuracy, why)
     except FieldError as error:
-        raise FieldError(f"{scene.name}: {error.path}", error.says) from None
+        raise placed(error, scene.name) from None
     why.append(chosen.why)
     if chosen.cost > 0:
         why.append(f"What this leaves out costs about {chosen.cost:.1g} rad in {scene.run.duration:g} s.")
@@ -137,7 +138,9 @@ def _smallest(candidates: list[Candidate], accuracy: float, why: list[str]) -> C
     raise FieldError(
         "constraint.kind",
         f'is "rolling", but the body is off a body of revolution by some {_angle(candidates[-1].cost)} after the run: '
-        f"ask for no finer run.accuracy than ten times that",
+        "ask for no finer ",
+        FieldPath("run.accuracy"),
+        " than ten times that",
     )
 
 
@@ -161,8 +164,9 @@ def _forced(scene: Scene, candidates: list[Candidate]) -> Candidate | None:
     if candidate.cost > run.accuracy:
         raise FieldError(
             "run.model",
-            f"is {model!r}, which would be off by about {_angle(candidate.cost)} after {run.duration:g} s where "
-            f"run.accuracy asks for {run.accuracy:g} rad: leave the model out",
+            f"is {model!r}, which would be off by about {_angle(candidate.cost)} after {run.duration:g} s where ",
+            FieldPath("run.accuracy"),
+            f" asks for {run.accuracy:g} rad: leave the model out",
         )
     if run.method is not None and model not in (STEPPED, ROLLING):
         raise FieldError("run.method", f"is {run.method!r}, but {model!r} is a closed form: leave one of them out")

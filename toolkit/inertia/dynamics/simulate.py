@@ -13,7 +13,7 @@ from inertia.dynamics.motion import Motion
 from inertia.dynamics.plan import DEFORMING, Plan, plan
 from inertia.dynamics.run import Run, RunError, invariants_of
 from inertia.dynamics.scene.document import Scene
-from inertia.errors import GeometryError, require_kind
+from inertia.errors import FieldPath, GeometryError, require_kind
 
 ROUNDING = 1e-14
 """Relative drift that evaluating an invariant alone may show."""
@@ -110,13 +110,19 @@ def _require_accuracy(run: Run) -> None:
     scene, error = run.scene, run.error
     if not error.reached <= error.requested:
         raise GeometryError(
-            f"{scene.name}: run.accuracy asks for {error.requested:g} rad, but the model ({error.method}) reaches "
-            f"{error.reached:.2g} rad over {scene.run.duration:g} s: ask for that, or for a shorter run.duration"
+            FieldPath("run.accuracy"),
+            f" asks for {error.requested:g} rad, but the model ({error.method}) reaches {error.reached:.2g} rad over "
+            f"{scene.run.duration:g} s: ask for that, or for a shorter ",
+            FieldPath("run.duration"),
+            places=(scene.name,),
         )
     limit = max(error.requested, ROUNDING)
     for name, kept in run.invariants.items():
         if not kept.largest_relative_drift <= limit:
             raise GeometryError(
-                f"{scene.name}: {name} must be kept, but drifts by {kept.largest_relative_drift:.2g} of itself where "
-                f"run.accuracy allows {limit:g}: the run is not to be trusted, ask for a finer run.accuracy"
+                f"{name} must be kept, but drifts by {kept.largest_relative_drift:.2g} of itself where ",
+                FieldPath("run.accuracy"),
+                f" allows {limit:g}: the run is not to be trusted, ask for a finer ",
+                FieldPath("run.accuracy"),
+                places=(scene.name,),
             )

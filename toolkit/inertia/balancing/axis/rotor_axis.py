@@ -12,8 +12,9 @@ from inertia.balancing.axis.journals import Journal, axis_candidates
 from inertia.balancing.axis.shaft import Shaft
 from inertia.balancing.rotor import Rotor
 from inertia.balancing.rotor_bodies import RotorBody
-from inertia.errors import GeometryError, UsageError
+from inertia.errors import FieldPath, GeometryError, UsageError
 
+_JOURNALS = FieldPath("axis.journals")
 _OFFERED = 5
 
 
@@ -78,8 +79,8 @@ def rotor_axis(rotor: Rotor, bodies: Sequence[RotorBody]) -> Axis:
         obtained = f"cylinders fitted to the regions {journals[0]!r} and {journals[1]!r}: needs confirming"
     if not candidates:
         raise GeometryError(
-            f"{rotor.name}: axis.journals: the mesh has no axis with two separate cylinders that could be journals: "
-            "give bearing_a and bearing_b"
+            "the mesh has no axis with two separate cylinders that could be journals: give bearing_a and bearing_b",
+            places=(rotor.name, _JOURNALS),
         )
     best = candidates[0]
     return Axis(rotor.shaft_between(best.bearing_a, best.bearing_b), obtained, candidates)
@@ -119,14 +120,15 @@ def _journal(bodies: Sequence[RotorBody], name: str) -> tuple[Journal, float]:
         axes = axis_candidates(body.whole.triangles.select(chosen))
         if not axes:
             raise GeometryError(
-                f"axis.journals: the region {name!r} of {body.whole.name} is no cylinder: name the regions of the "
-                "journals, or give bearing_a and bearing_b"
+                f"the region {name!r} of {body.whole.name} is no cylinder: name the regions of the journals, or give "
+                "bearing_a and bearing_b",
+                places=(_JOURNALS,),
             )
         metres = float(body.whole.unit.metres)
         largest = max(axes[0].journals, key=lambda journal: journal.area)
         return _in_metres(largest, metres), metres * axes[0].uncertainty
     there = f"they have {', '.join(map(repr, dict.fromkeys(known)))}" if known else "they name none"
-    raise UsageError(f"axis.journals: no body has a region {name!r}: {there}")
+    raise UsageError(f"no body has a region {name!r}: {there}", places=(_JOURNALS,))
 
 
 def _in_metres(journal: Journal, metres: float) -> Journal:

@@ -5,7 +5,7 @@ Frames and signs are those of `inertia.balancing.unbalance`.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import InitVar, dataclass, field
 from functools import cached_property
 from typing import Literal
 
@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from inertia.arrays import Float
-from inertia.errors import UsageError
+from inertia.documents import FieldError, joined
 from inertia.mass.properties import MassProperties
 from inertia.mass.tensor import array_of
 
@@ -33,8 +33,9 @@ class Shaft:
     bearing_a, bearing_b : (3,) m, centres of the bearings in part axes
     zero_mark : (3,) a vector in part axes, of any length, that points from the shaft to the 0° mark
     rotation : "ccw" or "cw", seen from the B end looking toward A
+    path : what errors call the section of a file that says so
 
-    Raises `UsageError` where the bearings coincide or the zero mark runs along the shaft.
+    Raises `FieldError` where the bearings coincide or the zero mark runs along the shaft.
 
     >>> shaft = Shaft([0, 0, 0.02], [0, 0, 0.28], zero_mark=[1, 0, 0])
     >>> shaft.z_a, shaft.z_b, shaft.span
@@ -45,27 +46,32 @@ class Shaft:
     bearing_b: Float
     zero_mark: Float
     rotation: Literal["ccw", "cw"] = "ccw"
+    path: InitVar[str] = field(default="", kw_only=True)
 
-    def __post_init__(self) -> None:
+    def __post_init__(self, path: str) -> None:
         for name in ("bearing_a", "bearing_b", "zero_mark"):
-            value = array_of(getattr(self, name), (3,), name)
+            value = array_of(getattr(self, name), (3,), joined(path, name))
             value.setflags(write=False)
             object.__setattr__(self, name, value)
         if self.rotation not in ("ccw", "cw"):
-            raise UsageError(f"rotation is {self.rotation!r}: use 'ccw' or 'cw', seen from B looking toward A")
+            raise FieldError(
+                joined(path, "rotation"), f"is {self.rotation!r}: use 'ccw' or 'cw', seen from B looking toward A"
+            )
         size = float(max(np.abs(self.bearing_a).max(), np.abs(self.bearing_b).max()))
         if self.span <= _COINCIDENT * size:
-            raise UsageError(
-                f"bearing_a and bearing_b are {self.span:.3g} m apart at {self.bearing_a.tolist()} m: a shaft needs "
-                "two separate bearings, correct one of them"
+            raise FieldError(
+                joined(path, "bearing_a and bearing_b"),
+                f"are {self.span:.3g} m apart at {self.bearing_a.tolist()} m: a shaft needs "
+                "two separate bearings, correct one of them",
             )
         length = float(np.linalg.norm(self.zero_mark))
         if length == 0:
-            raise UsageError("zero_mark has no length: give a vector from the shaft to the 0° mark")
+            raise FieldError(joined(path, "zero_mark"), "has no length: give a vector from the shaft to the 0° mark")
         if np.linalg.norm(np.cross(self._along, self.zero_mark / length)) < _PARALLEL:
-            raise UsageError(
-                f"zero_mark {self.zero_mark.tolist()} runs along the shaft to within {_PARALLEL:g} rad: give a vector "
-                "across the shaft"
+            raise FieldError(
+                joined(path, "zero_mark"),
+                f"{self.zero_mark.tolist()} runs along the shaft to within {_PARALLEL:g} rad: give a vector "
+                "across the shaft",
             )
 
     @property

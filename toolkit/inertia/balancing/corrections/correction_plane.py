@@ -173,7 +173,7 @@ class CorrectionPlane:
             raise self._fault(f"most_per_position is {self.most_per_position}", "it must be at least 1")
 
     def _fault(self, measured: str, remedy: str) -> UsageError:
-        return UsageError(f"plane {self.id!r}: {measured}: {remedy}")
+        return UsageError(f"{measured}: {remedy}", places=(f"plane {self.id!r}",))
 
     @property
     def sign(self) -> int:

@@ -16,7 +16,7 @@ from inertia.dynamics.motion import Motion
 from inertia.dynamics.plan import DEFORMING, ROLLING, STEPPED, Plan
 from inertia.dynamics.scene.document import Scene
 from inertia.dynamics.scene.loads import Damping, Dissipation, Gravity, GravityGradient, Load, Torque
-from inertia.errors import GeometryError, UsageError
+from inertia.errors import FieldPath, GeometryError, UsageError, placed
 
 _UP = (0.0, 0.0, 1.0)
 _HALF_TURN = (1.0, 0.0, 0.0, 0.0)
@@ -111,7 +111,7 @@ def _deforming(scene: Scene, plan: Plan, attitude: Float, omega: Float, time: Fl
             attitude=scene.start.attitude,
         )
     except GeometryError as error:
-        raise GeometryError(f"{scene.name}: {error}") from None
+        raise placed(error, scene.name) from None
     figures, remarks = of_deforming_body(motion)
     turn = quaternion.from_matrix(plan.axes)
     turned = replace(
@@ -133,7 +133,7 @@ def _stepped(scene: Scene, plan: Plan, attitude: Float, omega: Float, time: Floa
     try:
         return solve_stepped(problem, time, scene.run.accuracy, plan.method), ()
     except UsageError as error:
-        raise UsageError(f"{scene.name}: run: {error}") from None
+        raise placed(error, scene.name, FieldPath("run")) from None
 
 
 def _law(scene: Scene, plan: Plan, load: Load) -> loads.Load | None:

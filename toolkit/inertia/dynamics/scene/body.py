@@ -12,7 +12,7 @@ from inertia.arrays import Float
 from inertia.documents import FieldError, Section, number, numbers, text
 from inertia.dynamics.body import Body
 from inertia.dynamics.models.deforming.assembly import JointedBody
-from inertia.errors import GeometryError, UsageError
+from inertia.errors import FieldPath, GeometryError, UsageError, placed
 from inertia.mass.analysis import Analysis, analyse
 from inertia.mass.principal import Principal, principal
 from inertia.mass.properties import MassProperties
@@ -49,17 +49,17 @@ class BodySource(Section):
     principal_moments: Annotated[Float | None, numbers((3,), "kg m²")] = None
     center_of_mass: Annotated[Float | None, numbers((3,), "m")] = None
 
-    def __post_init__(self) -> None:
-        super().__post_init__()
+    def require_sense(self, path: str) -> None:
+        """Raise `FieldError` where the body is given twice, or not at all."""
         told = [name for name in _SOURCES if getattr(self, name) is not None]
         if len(told) != 1:
             found = f"has both {' and '.join(told)}" if told else "has no tensor"
-            raise FieldError(self.section, f"{found}: give one of {', '.join(_SOURCES)}")
+            raise FieldError(path, f"{found}: give one of {', '.join(_SOURCES)}")
         stray = ("center_of_mass",) if self.part else _FOR_PART
         for name in stray:
             if getattr(self, name) is not None:
                 why = "the part has its own" if self.part else "only a part file has one"
-                raise FieldError(f"{self.section}.{name}", f"goes with no {told[0]}: leave it out, {why}")
+                raise FieldError(f"{path}.{name}", f"goes with no {told[0]}: leave it out, {why}")
 
 
 @dataclass(frozen=True, eq=False)
@@ -148,7 +148,7 @@ def build(source: BodySource, folder: Path) -> SceneBody:
         body = Body(source.inertia, source.mass, _or_origin(source.center_of_mass))  # type: ignore[arg-type]
     except GeometryError as error:
         field = "inertia" if source.principal_moments is None else "principal_moments"
-        raise GeometryError(f"body.{field}: {error}") from None
+        raise placed(error, FieldPath(f"body.{field}")) from None
     return SceneBody.of(body)
 
 
@@ -162,5 +162,5 @@ def integrated(source: BodySource, folder: Path, path: str) -> SceneBody:
         part = read(folder / str(source.part), source.unit)
         found = analyse(part, source.density, material=source.material, mass=source.mass)
     except UsageError as error:
-        raise UsageError(f"{path}: {error}") from None
+        raise placed(error, FieldPath(path)) from None
     return SceneBody.of_analysis(found)

@@ -88,16 +88,16 @@ class Constraint(Section):
     offset: Annotated[float | None, number("m")] = None
     axis: Annotated[Float | None, direction] = None
 
-    def __post_init__(self) -> None:
-        super().__post_init__()
+    def require_sense(self, path: str) -> None:
+        """Raise `FieldError` where a field goes with another constraint, or is missing."""
         owners = {"point": "fixed_point", "radius": "rolling", "offset": "rolling", "axis": "rolling"}
         for name, kind in owners.items():
             if getattr(self, name) is not None and self.kind != kind:
-                raise FieldError(f"constraint.{name}", f'goes with kind = "{kind}" only, not with "{self.kind}"')
+                raise FieldError(f"{path}.{name}", f'goes with kind = "{kind}" only, not with "{self.kind}"')
         if self.kind == "rolling" and self.radius is None:
-            raise FieldError("constraint.radius", "is missing: a rolling body needs the radius of its rim, in m")
+            raise FieldError(f"{path}.radius", "is missing: a rolling body needs the radius of its rim, in m")
         if self.offset and self.axis is None:
-            raise FieldError("constraint.axis", "is missing: constraint.offset says how far along it the rim is")
+            raise FieldError(f"{path}.axis", f"is missing: {path}.offset says how far along it the rim is")
 
     @property
     def fixed_point(self) -> Float:
@@ -126,15 +126,15 @@ class Settings(Section):
     model: Annotated[str | None, text] = None
     method: Annotated[str | None, text] = None
 
-    def __post_init__(self) -> None:
-        super().__post_init__()
+    def require_sense(self, path: str) -> None:
+        """Raise `FieldError` where the accuracy is none that can be reached."""
         if self.accuracy < FINEST:
             raise FieldError(
-                "run.accuracy",
+                f"{path}.accuracy",
                 f"is {self.accuracy:g} rad, finer than an attitude in float64 can be: ask for {FINEST:g} or more",
             )
         if self.accuracy > 1:
-            raise FieldError("run.accuracy", f"is {self.accuracy:g} rad: that is no accuracy, ask for 1 or less")
+            raise FieldError(f"{path}.accuracy", f"is {self.accuracy:g} rad: that is no accuracy, ask for 1 or less")
 
 
 @dataclass(frozen=True, eq=False)

@@ -81,10 +81,10 @@ class Torque(Load):
     table: Annotated[TableTorque | None, _table] = None
     frame: Annotated[TorqueFrame, choice("part", "principal", "space")] = "part"
 
-    def __post_init__(self) -> None:
-        super().__post_init__()
+    def require_sense(self, path: str) -> None:
+        """Raise `FieldError` where it is said twice, or not at all, what the torque is."""
         if (self.torque is None) == (self.table is None):
-            raise FieldError("load", "is a torque: give either torque or table")
+            raise FieldError(path, "is a torque: give either torque or table")
 
 
 @dataclass(frozen=True, eq=False)
@@ -126,13 +126,10 @@ _KINDS: dict[str, type[Load]] = {kind.kind: kind for kind in (Gravity, Torque, D
 
 def load_of(table: object, path: str, folder: Path) -> Load:
     """Make one load from its table in the file, which `path` names; CSV files are looked for in `folder`."""
-    try:
-        entries = dict(table_of(table, "load"))
-        if "kind" not in entries:
-            raise FieldError("load.kind", f"is missing: use one of {', '.join(map(repr, _KINDS))}")
-        kind = _KINDS[choice(*_KINDS)(entries["kind"], "load.kind")]
-        if kind is Torque and isinstance(entries.get("table"), str):
-            entries["table"] = read_table(folder / entries["table"])
-        return section_of(kind, entries, extra=("kind",))
-    except FieldError as error:
-        raise FieldError(error.path.replace("load", path, 1), error.says) from None
+    entries = dict(table_of(table, path))
+    if "kind" not in entries:
+        raise FieldError(f"{path}.kind", f"is missing: use one of {', '.join(map(repr, _KINDS))}")
+    kind = _KINDS[choice(*_KINDS)(entries["kind"], f"{path}.kind")]
+    if kind is Torque and isinstance(entries.get("table"), str):
+        entries["table"] = read_table(folder / entries["table"])
+    return section_of(kind, entries, extra=("kind",), path=path)

@@ -31,10 +31,11 @@ class PartSource(BodySource):
     name: Annotated[str, text]
     parent: Annotated[str | None, text] = None
 
-    def __post_init__(self) -> None:
-        super().__post_init__()
+    def require_sense(self, path: str) -> None:
+        """Raise `FieldError` where the body is not given once, or has no mass."""
+        super().require_sense(path)
         if self.part is None and self.mass is None:
-            raise FieldError("part.mass", "is missing: every part needs one, or a file to integrate")
+            raise FieldError(f"{path}.mass", "is missing: every part needs one, or a file to integrate")
 
 
 def build_parts(tables: object, folder: Path) -> SceneBody:
@@ -46,10 +47,7 @@ def build_parts(tables: object, folder: Path) -> SceneBody:
     meshes: list[Part | None] = []
     notes: list[str] = []
     for k, table in enumerate(_tables(tables, "part", "[[part]]")):
-        try:
-            part, mesh, said = _part(table, folder, f"part[{k}]")
-        except FieldError as error:
-            raise FieldError(error.path.replace("part", f"part[{k}]", 1), error.says) from None
+        part, mesh, said = _part(table, folder, f"part[{k}]")
         parts.append(part)
         meshes.append(mesh)
         notes.extend(f"{part.name}: {note}" for note in said)
@@ -57,12 +55,12 @@ def build_parts(tables: object, folder: Path) -> SceneBody:
 
 
 def _part(table: object, folder: Path, path: str) -> tuple[JointedPart, Part | None, tuple[str, ...]]:
-    entries = table_of(table, "part")
-    source = section_of(PartSource, entries, extra=("joint",))
-    tables = _tables(entries.get("joint", []), "part.joint", "[[part.joint]]")
-    joints = tuple(_joint(each, k) for k, each in enumerate(tables))
+    entries = table_of(table, path)
+    source = section_of(PartSource, entries, extra=("joint",), path=path)
+    tables = _tables(entries.get("joint", []), f"{path}.joint", "[[part.joint]]")
+    joints = tuple(_joint(each, f"{path}.joint[{k}]") for k, each in enumerate(tables))
     if joints and source.parent is None:
-        raise FieldError("part.parent", "is missing: joints hang a part on another one, which must be named")
+        raise FieldError(f"{path}.parent", "is missing: joints hang a part on another one, which must be named")
     if source.part is not None:
         body = integrated(source, folder, path)
         assert body.body.mass is not None  # it was integrated
@@ -76,18 +74,14 @@ def _part(table: object, folder: Path, path: str) -> tuple[JointedPart, Part | N
     return JointedPart(source.name, source.mass, tensor, center, source.parent, joints), None, ()
 
 
-def _joint(table: object, index: int) -> Joint:
-    path = f"part.joint[{index}]"
+def _joint(table: object, path: str) -> Joint:
     entries = table_of(table, path)
     names = [each.name for each in fields(Joint)]
     require_known(entries, names, path)
     for each in fields(Joint):
         if each.default is MISSING and each.name not in entries:
             raise FieldError(f"{path}.{each.name}", "is missing: the joint needs it")
-    try:
-        return Joint(**entries)
-    except FieldError as error:
-        raise FieldError(error.path.replace("joint", path, 1), error.says) from None
+    return Joint(**entries, path=path)
 
 
 def _tables(value: Any, path: str, written: str) -> Sequence[Any]:

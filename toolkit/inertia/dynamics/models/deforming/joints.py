@@ -8,7 +8,7 @@ with a common point make a ball joint.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import InitVar, dataclass, field
 from functools import cached_property
 
 import numpy as np
@@ -37,6 +37,7 @@ class Joint:
     displacements : (k,) m, of a slide
     point : (3,) m, assembly axes, on the hinge's axis; of no meaning for a slide
     rates : (k,) rad/s or m/s at the keyframes; zero without
+    path : what errors call the joint
 
     Raises `FieldError`, which names the entry, where a field is not usable.
 
@@ -51,31 +52,32 @@ class Joint:
     displacements: Float | None = None
     point: Float = (0.0, 0.0, 0.0)  # type: ignore[assignment]
     rates: Float | None = None
+    path: InitVar[str] = field(default="joint", kw_only=True)
 
-    def __post_init__(self) -> None:
+    def __post_init__(self, path: str) -> None:
         if (self.angles is None) == (self.displacements is None):
             says = "has neither angles nor displacements" if self.angles is None else "has both"
-            raise FieldError("joint", f"{says}: give angles for a hinge, displacements for a slide")
-        axis: Float = numbers((3,), "any unit")(self.axis, "joint.axis")
+            raise FieldError(path, f"{says}: give angles for a hinge, displacements for a slide")
+        axis: Float = numbers((3,), "any unit")(self.axis, f"{path}.axis")
         length = float(np.linalg.norm(axis))
         if not 0 < length < np.inf:
-            raise FieldError("joint.axis", f"is {axis.tolist()}: it must have a direction")
-        times = _column(self.times, "joint.times", "s")
+            raise FieldError(f"{path}.axis", f"is {axis.tolist()}: it must have a direction")
+        times = _column(self.times, f"{path}.times", "s")
         if not times.size:
-            raise FieldError("joint.times", "is empty: give one keyframe or more")
+            raise FieldError(f"{path}.times", "is empty: give one keyframe or more")
         for k in range(1, len(times)):
             if times[k] <= times[k - 1]:
                 says = f"is {times[k]:.6g} s, not after the {times[k - 1]:.6g} s before it: put them in order"
-                raise FieldError(f"joint.times[{k}]", says)
+                raise FieldError(f"{path}.times[{k}]", says)
         name, unit = ("angles", "rad") if self.revolute else ("displacements", "m")
-        values = _column(getattr(self, name), f"joint.{name}", unit)
-        rates = np.zeros(len(times)) if self.rates is None else _column(self.rates, "joint.rates", f"{unit}/s")
+        values = _column(getattr(self, name), f"{path}.{name}", unit)
+        rates = np.zeros(len(times)) if self.rates is None else _column(self.rates, f"{path}.rates", f"{unit}/s")
         for what, column in ((name, values), ("rates", rates)):
             if len(column) != len(times):
-                raise FieldError(f"joint.{what}", f"has {len(column)} entries for {len(times)} times: give one each")
+                raise FieldError(f"{path}.{what}", f"has {len(column)} entries for {len(times)} times: give one each")
         for what, value in (("axis", axis / length), ("times", times), (name, values), ("rates", rates)):
             object.__setattr__(self, what, value)
-        object.__setattr__(self, "point", numbers((3,), "m")(self.point, "joint.point"))
+        object.__setattr__(self, "point", numbers((3,), "m")(self.point, f"{path}.point"))
 
     @property
     def revolute(self) -> bool:
