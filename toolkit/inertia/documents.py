@@ -152,8 +152,8 @@ class Document(ABC):
         try:
             table = tomllib.loads(text.replace("\r\n", "\n"))
         except tomllib.TOMLDecodeError as error:
-            says = str(error)
-            raise ReadError(f"cannot read {called}: it is not TOML: {says[:1].lower()}{says[1:]}") from None
+            sentence = str(error)
+            raise ReadError(f"cannot read {called}: it is not TOML: {sentence[:1].lower()}{sentence[1:]}") from None
         return cls.from_dict(table, folder, text=text, name=called)
 
     @classmethod
@@ -212,20 +212,20 @@ def toml_text(table: Mapping[str, Any]) -> str:
 
 def number(unit: str, *, positive: bool = False, negative: bool = True, below: float = math.inf) -> Reader:
     """Read a finite number of some unit: any, none below zero, or positive only; and less than `below`."""
-    asked = f"a number of {unit}" if unit else "a number"
+    expected = f"a number of {unit}" if unit else "a number"
 
     def read(value: Any, path: str) -> float:
         if isinstance(value, bool) or not isinstance(value, Real):
-            raise FieldError(path, f"is {shown(value)}: it must be {asked}")
+            raise FieldError(path, f"is {shown(value)}: it must be {expected}")
         figure = _float(value)
         if not math.isfinite(figure):
             raise FieldError(path, f"is {shown(value)}: it must be finite")
         if positive and figure <= 0:
-            raise FieldError(path, f"is {shown(value)}: it must be positive, {asked}")
+            raise FieldError(path, f"is {shown(value)}: it must be positive, {expected}")
         if not negative and figure < 0:
-            raise FieldError(path, f"is {shown(value)}: it must not be negative, {asked}")
+            raise FieldError(path, f"is {shown(value)}: it must not be negative, {expected}")
         if figure >= below:
-            raise FieldError(path, f"is {shown(value)}: it must be below {below:g}, {asked}")
+            raise FieldError(path, f"is {shown(value)}: it must be below {below:g}, {expected}")
         return figure
 
     schema: dict[str, Any] = {"type": "number"}
@@ -273,7 +273,7 @@ def integer(least: int, most: int) -> Reader:
 def numbers(shape: tuple[int, ...], unit: str) -> Reader:
     """Read an array of finite numbers of this shape; an entry that is none is named by its index."""
     single = number(unit)
-    asked = f"{_COUNTS[shape[-1]]}" if len(shape) == 1 else f"{shape[0]} rows of {_COUNTS[shape[1]]}"
+    expected = f"{_COUNTS[shape[-1]]}" if len(shape) == 1 else f"{shape[0]} rows of {_COUNTS[shape[1]]}"
 
     def read(value: Any, path: str) -> NDArray[np.float64]:
         nested = value.tolist() if isinstance(value, np.ndarray) else value
@@ -282,9 +282,9 @@ def numbers(shape: tuple[int, ...], unit: str) -> Reader:
             if not lengths:
                 return single(part, where)
             if not isinstance(part, Sequence) or isinstance(part, str):
-                raise FieldError(where, f"is {shown(part)}: {path} must be {asked}, {unit}")
+                raise FieldError(where, f"is {shown(part)}: {path} must be {expected}, {unit}")
             if len(part) != lengths[0]:
-                raise FieldError(where, f"has {len(part)} entries, not {lengths[0]}: {path} must be {asked}, {unit}")
+                raise FieldError(where, f"has {len(part)} entries, not {lengths[0]}: {path} must be {expected}, {unit}")
             return [entries(one, lengths[1:], f"{where}[{k}]") for k, one in enumerate(part)]
 
         array = np.array(entries(nested, shape, path), dtype=np.float64)
@@ -359,8 +359,8 @@ def tables(kind: type[S], *, least: int = 0) -> Reader:
     def read(value: Any, path: str) -> tuple[S, ...]:
         if isinstance(value, Mapping):
             raise FieldError(path, f"must be a list of tables: write [[{path}]] in double brackets")
-        found: tuple[S, ...] = entries(value, path)
-        return found
+        sections: tuple[S, ...] = entries(value, path)
+        return sections
 
     return Reader(read, entries.schema)
 
@@ -372,39 +372,39 @@ def document_schema(kind: type[Section], title: str) -> dict[str, Any]:
 
 def schema_of(kind: type[Section]) -> dict[str, Any]:
     """Return the JSON Schema of a section; what the fields are is told as the class's docstring has it."""
-    told = _descriptions(kind)
+    descriptions = _descriptions(kind)
     properties = {}
     for name, read in readers(kind).items():
         schema = dict(read.schema) if isinstance(read, Reader) else {}
-        properties[name] = schema | ({"description": told[name]} if name in told else {})
-    needed = [each.name for each in fields(kind) if each.default is MISSING]
-    return {"type": "object", "additionalProperties": False, "properties": properties, "required": needed}
+        properties[name] = schema | ({"description": descriptions[name]} if name in descriptions else {})
+    required = [each.name for each in fields(kind) if each.default is MISSING]
+    return {"type": "object", "additionalProperties": False, "properties": properties, "required": required}
 
 
 def _descriptions(kind: type[Section]) -> dict[str, str]:
     """Return what the list of attributes in a docstring says of each."""
-    found: dict[str, str] = {}
+    descriptions: dict[str, str] = {}
     names: list[str] = []
     for line in (inspect.getdoc(kind) or "").partition("----------\n")[2].splitlines():
         if not line.strip():
             break
         if line.startswith(" "):  # a line that goes on
-            found |= {name: f"{found[name]} {line.strip()}" for name in names}
+            descriptions |= {name: f"{descriptions[name]} {line.strip()}" for name in names}
             continue
-        listed, _, said = line.strip().partition(" : ")
-        names = listed.split(", ")
-        found |= dict.fromkeys(names, said)
-    return found
+        listing, _, description = line.strip().partition(" : ")
+        names = listing.split(", ")
+        descriptions |= dict.fromkeys(names, description)
+    return descriptions
 
 
 def plain(value: Any) -> Any:
     """Return a section, or a field, as a file would hold it: fields that are at their default are left out."""
     if isinstance(value, Section):
-        held = {each.name: (getattr(value, each.name), each.default) for each in fields(value)}
+        entries = {each.name: (getattr(value, each.name), each.default) for each in fields(value)}
         return {
-            name: plain(given)
-            for name, (given, default) in held.items()
-            if given is not None and (default is MISSING or plain(given) != plain(default))
+            name: plain(entry)
+            for name, (entry, default) in entries.items()
+            if entry is not None and (default is MISSING or plain(entry) != plain(default))
         }
     if isinstance(value, Mapping):
         return {key: plain(one) for key, one in value.items() if one is not None}

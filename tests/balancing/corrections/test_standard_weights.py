@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from inertia.balancing.corrections.correction_plane import CorrectionPlane, KitWeight
-from inertia.balancing.corrections.standard_weights import choose, kit_operation
+from inertia.balancing.corrections.standard_weights import choose_weights, weight_operation
 
 
 def combinations(effects, start, limits, most):
@@ -21,7 +21,7 @@ def test_case_9_the_smallest_error_over_sixteen_holes():
     wanted = 178.484 + 614.491j
     counts = np.array(list(itertools.product((0, 1), repeat=16)))
     smallest = np.abs(142 * counts @ turns - wanted).min()
-    found = choose([142 * turns], [-wanted], [1.0], [1] * 16, aim="smallest")
+    found = choose_weights([142 * turns], [-wanted], [1.0], [1] * 16, aim="smallest")
     assert abs(found.residual[0]) == pytest.approx(smallest, rel=1e-12)
     assert smallest == pytest.approx(2.10035, abs=5e-4)  # the note's, from a vector with more digits
     assert not found.within
@@ -34,7 +34,7 @@ def test_fewest_within_the_tolerance_and_of_those_the_smallest_residual(seed):
     effects, start = (draw.normal(size=k) + 1j * draw.normal(size=k) for k in ((planes, places), (planes,)))
     limits, most = draw.uniform(0.5, 1.5, planes), np.array([2, 1, 2, 3, 1])
     counts, worst = combinations(effects, start, limits, most)
-    found = choose(effects, start, limits, most)
+    found = choose_weights(effects, start, limits, most)
     reached = (np.abs(found.residual) / limits).max()
     assert found.residual == pytest.approx(start + effects @ found.counts)
     if (worst <= 1).any():
@@ -51,21 +51,21 @@ def test_caps_on_positions_and_stocks_hold():
     turns = np.exp(1j * np.radians([0, 0, 90, 90]))
     effects = [np.array([1, 2, 1, 2]) * turns]
     groups = [((0, 1), 1), ((2, 3), 1), ((1, 3), 1)]  # one weight at each position, one large one in all
-    found = choose(effects, [-2 - 2j], [10.0], [5] * 4, groups, aim="smallest")
+    found = choose_weights(effects, [-2 - 2j], [10.0], [5] * 4, groups, aim="smallest")
     assert abs(found.residual[0]) == pytest.approx(1.0)
     assert found.counts.sum() == 2
     assert found.counts[[1, 3]].sum() == 1
 
 
 def test_no_weight_is_used_where_there_is_no_need():
-    found = choose([[1.0, 1j]], [0.3 + 0.2j], [0.5], [3, 3])
+    found = choose_weights([[1.0, 1j]], [0.3 + 0.2j], [0.5], [3, 3])
     assert found.counts.tolist() == [0, 0]
     assert found.within
 
 
 def test_planes_without_steps_make_up_for_what_weights_leave():
     effects, free = np.array([[1.0, 1j], [0.5, 0.5j]]), np.array([[0.0], [1.0]])
-    found = choose(effects, [-2.4 - 1j, -9.0], [0.5, 0.5], [5, 5], free=free)
+    found = choose_weights(effects, [-2.4 - 1j, -9.0], [0.5, 0.5], [5, 5], free=free)
     assert found.counts.tolist() == [2, 1]
     assert found.residual[0] == pytest.approx(-0.4)
     assert abs(-9 + effects[1] @ found.counts + found.free[0]) <= 0.4 + 1e-5
@@ -73,7 +73,7 @@ def test_planes_without_steps_make_up_for_what_weights_leave():
 
 def test_a_kit_operation_states_pieces_and_total_mass():
     plane = CorrectionPlane("II", 0.2, "kit", 0.05, angles=(1.0,), kit=(KitWeight("M6", 0.004),))
-    operation = kit_operation(plane, "II-1", 1.0, plane.kit[0], 3)
+    operation = weight_operation(plane, "II-1", 1.0, plane.kit[0], 3)
     assert (operation.item, operation.pieces, operation.method, operation.kind) == ("M6", 3, "add", "weight")
     assert operation.mass == pytest.approx(0.012)
     assert abs(operation.unbalance) == pytest.approx(0.0006)

@@ -149,8 +149,8 @@ def balance(rotor: Rotor, *, progress: Progress | None = None) -> Balance:
         tool is too deep for the wall
 
     >>> from importlib.resources import files
-    >>> found = balance(Rotor.load(files("inertia_meshes") / "rotors" / "two_disc_rotor.toml"))
-    >>> found.verdict.outcome, [operation.id for operation in found.correction.operations]
+    >>> done = balance(Rotor.load(files("inertia_meshes") / "rotors" / "two_disc_rotor.toml"))
+    >>> done.verdict.outcome, [operation.id for operation in done.correction.operations]
     ('pass', ['I-1', 'II-1'])
     """
     require_kind(rotor, Rotor, "rotor", "inertia.Rotor.load(path)")
@@ -175,7 +175,7 @@ def balance(rotor: Rotor, *, progress: Progress | None = None) -> Balance:
     terms = rotor_terms(residual, at)
     if correction is not None:
         terms += operation_terms(correction.operations, residual, at, rotor.shop)
-    drawn = rotor.fields.uncertainty
+    settings = rotor.fields.uncertainty
     return Balance(
         rotor=rotor,
         bodies=bodies,
@@ -192,7 +192,7 @@ def balance(rotor: Rotor, *, progress: Progress | None = None) -> Balance:
         rigid=rigid,
         tilt=principal_tilt(properties, shaft),
         scatter=monte_carlo(
-            residual.in_planes(*at), terms, permissible=tolerance.permissible, draws=drawn.draws, seed=drawn.seed
+            residual.in_planes(*at), terms, permissible=tolerance.permissible, draws=settings.draws, seed=settings.seed
         ),
         notes=tuple(_notes(rotor, bodies)),
     )
@@ -261,18 +261,18 @@ def _judged(unbalance: Unbalance, tolerance: Tolerance, axis: Axis, rigid: Rigid
 
 def _require_places(rotor: Rotor, bodies: Sequence[RotorBody], shaft: Shaft) -> None:
     """Raise `GeometryError` where the axis does not go through the bodies, or a plane lies off them."""
-    found = outline(bodies, shaft)
-    if not found.goes_around:
+    extent = outline(bodies, shaft)
+    if not extent.goes_around:
         raise GeometryError(
             f"{rotor.name}: axis: the line through bearing_a and bearing_b does not go through the rotor, all of which "
             "lies on one side of it: give the bearing centres in the part's own axes and in the file's unit"
         )
     metres = float(rotor.unit.metres)
     for number, plane in enumerate(rotor.fields.plane):
-        if not found.low <= metres * plane.z <= found.high:
+        if not extent.low <= metres * plane.z <= extent.high:
             raise GeometryError(
                 f"{rotor.name}: plane[{number}].z is {plane.z:g} {rotor.unit.name}, off the rotor, which goes from "
-                f"{in_unit(rotor, found.low)} to {in_unit(rotor, found.high)} along the shaft: move it"
+                f"{in_unit(rotor, extent.low)} to {in_unit(rotor, extent.high)} along the shaft: move it"
             )
 
 

@@ -26,7 +26,7 @@ from inertia.balancing.corrections.layout import Arrangement
 from inertia.balancing.corrections.operation import Operation
 from inertia.balancing.corrections.planning import Plan, plan, share, tools_of
 from inertia.balancing.corrections.rounding import Place, rounded
-from inertia.balancing.corrections.standard_weights import choose, kit_operation
+from inertia.balancing.corrections.standard_weights import choose_weights, weight_operation
 from inertia.balancing.corrections.tool import Tool
 from inertia.balancing.corrections.workpiece import Body, Workpiece, wall
 from inertia.balancing.shop_units import GRAM_MILLIMETRE
@@ -115,7 +115,7 @@ class _Step:
 
     places: tuple[Place, ...]
     parts: tuple[Part, ...]
-    left: Unbalance
+    unbalance: Unbalance
 
 
 @dataclass(frozen=True, eq=False)
@@ -130,44 +130,44 @@ class _Loop:
     def run(self) -> tuple[_Step, tuple[str, ...], tuple[float, ...]]:
         """Cut until nothing more is gained; return the best cut, what bound it, and how it went."""
         best = self._cut(())
-        residual = self._seen(best)
+        residual = self._residual(best)
         tools = self._tools(residual)
         effects: Complex = self.levers.astype(complex)
         done = np.zeros(len(self.planes), complex)
-        kept: Mapping[int, Arrangement] = {}
+        arrangements: Mapping[int, Arrangement] = {}
         history: list[float] = []
         hit: tuple[str, ...] = ()
         least, before = _worst(residual, self.limits), math.inf
         while tools and len(history) < _CUTS:
-            found = plan(tools, effects, residual - effects @ done, self.limits, self._found, kept)
-            step = self._cut(_places(found))
-            seen, moved = self._seen(step), found.vectors - done
-            history.append(_worst(seen, self.limits))
+            work = plan(tools, effects, residual - effects @ done, self.limits, self._bodies, arrangements)
+            step = self._cut(_places(work))
+            after, moved = self._residual(step), work.vectors - done
+            history.append(_worst(after, self.limits))
             if history[-1] < least:
-                best, hit, least = step, found.limits_hit, history[-1]
+                best, hit, least = step, work.limits_hit, history[-1]
             if history[-1] <= _ENOUGH or history[-1] > _SLOW * before or not moved.any():
                 break
-            missed = seen - residual - effects @ moved
+            missed = after - residual - effects @ moved
             effects = effects + np.outer(missed, moved.conj()) / np.vdot(moved, moved).real
-            residual, done, kept, before = seen, found.vectors, found.arrangements, history[-1]
+            residual, done, arrangements, before = after, work.vectors, work.arrangements, history[-1]
         return best, hit, tuple(history)
 
     def finished(self, best: _Step, hit: tuple[str, ...], history: tuple[float, ...]) -> Correction:
         """Round the best cut to the shop's steps, cut once more, and say how it ended."""
         walled = [replace(k, limit=self._wall(k) - self.planes[k.plane].min_wall) for k in best.places]
-        places = rounded(walled, self.levers, self._seen(best), self.limits)
+        places = rounded(walled, self.levers, self._residual(best), self.limits)
         last = self._cut(places)
-        worst, exact = _worst(self._seen(last), self.limits), _worst(self._seen(best), self.limits)
+        worst, exact = _worst(self._residual(last), self.limits), _worst(self._residual(best), self.limits)
         if worst > 1 >= exact:
             hit = (*hit, "the steps of depth and angle")
-        largest = " and ".join(f"{abs(k) / GRAM_MILLIMETRE:.4g}" for k in self._seen(last).tolist())
+        largest = " and ".join(f"{abs(k) / GRAM_MILLIMETRE:.4g}" for k in self._residual(last).tolist())
         why = f"{largest} g·mm left in the tolerance planes, with depths and angles at the shop's steps"
         if worst > 1:
             why += f": the best that can be done within {', '.join(hit) or 'these planes'}"
         return Correction(
             operations=(*self.weights, *map(self._with_wall, self._operations(places), places)),
-            residual=last.left,
-            unrounded=best.left,
+            residual=last.unbalance,
+            unrounded=best.unbalance,
             parts=last.parts,
             iterations=len(history),
             history=history,
@@ -176,8 +176,8 @@ class _Loop:
             why=why,
         )
 
-    def _seen(self, step: _Step) -> Complex:
-        return step.left.in_many_planes(self.at)
+    def _residual(self, step: _Step) -> Complex:
+        return step.unbalance.in_many_planes(self.at)
 
     def _cut(self, places: tuple[Place, ...]) -> _Step:
         solids = [solid for k in places if (solid := k.tool.solid(k.angle, k.setting)) is not None]
@@ -185,41 +185,41 @@ class _Loop:
         return _Step(places, *self.piece.cut(solids, [*self.weights, *masses]))
 
     @property
-    def _found(self) -> tuple[Body, ...]:
+    def _bodies(self) -> tuple[Body, ...]:
         return self.piece.bodies if any(plane.cuts for plane in self.planes) else ()
 
     def _tools(self, residual: Complex) -> dict[int, tuple[Tool, ...]]:
         """Return the tools of the planes that have something to do; those of kits have done it."""
         free = [k for k, plane in enumerate(self.planes) if plane.method != "kit"]
-        asked = share(self.levers[:, free].astype(complex), residual, self.limits)
+        vectors = share(self.levers[:, free].astype(complex), residual, self.limits)
         return {
-            k: tools_of(self.planes[k], cmath.phase(self.planes[k].sign * vector), self._found)
-            for k, vector in zip(free, asked.tolist(), strict=True)
+            k: tools_of(self.planes[k], cmath.phase(self.planes[k].sign * vector), self._bodies)
+            for k, vector in zip(free, vectors.tolist(), strict=True)
             if _worst(self.levers[:, k] * vector, self.limits) > _IDLE
         }
 
     def _operations(self, places: Sequence[Place]) -> list[Operation]:
         count: Counter[int] = Counter()
-        made = []
+        operations = []
         for place in places:
             count[place.plane] += 1
             name = f"{self.planes[place.plane].id}-{count[place.plane]}"
-            made.append(place.tool.operation(name, place.angle, place.setting))
-        return made
+            operations.append(place.tool.operation(name, place.angle, place.setting))
+        return operations
 
     def _wall(self, place: Place) -> float:
-        return wall(self._found, place.tool, place.angle)
+        return wall(self._bodies, place.tool, place.angle)
 
     def _with_wall(self, operation: Operation, place: Place) -> Operation:
-        left = self._wall(place) - place.setting
-        return replace(operation, remaining_wall=left) if math.isfinite(left) else operation
+        thickness = self._wall(place) - place.setting
+        return replace(operation, remaining_wall=thickness) if math.isfinite(thickness) else operation
 
 
-def _places(found: Plan) -> tuple[Place, ...]:
+def _places(work: Plan) -> tuple[Place, ...]:
     return tuple(
-        Place(number, made.tool, angle, setting)
-        for number, made in sorted(found.arrangements.items())
-        for angle, setting in made.places
+        Place(number, arrangement.tool, angle, setting)
+        for number, arrangement in sorted(work.arrangements.items())
+        for angle, setting in arrangement.places
     )
 
 
@@ -243,14 +243,16 @@ def _kit_weights(
         if weight.stock is not None:
             groups.setdefault((k, weight), ([], weight.stock))[0].append(number)
     most = [min(planes[k].most_per_position, weight.most) for k, _, weight in slots]
-    found = choose(np.column_stack(effects), start, limits, most, list(groups.values()), free=levers[:, others])
+    choice = choose_weights(
+        np.column_stack(effects), start, limits, most, list(groups.values()), free=levers[:, others]
+    )
     count: Counter[int] = Counter()
-    made = []
-    for (k, angle, weight), pieces in zip(slots, found.counts.tolist(), strict=True):
+    operations = []
+    for (k, angle, weight), pieces in zip(slots, choice.counts.tolist(), strict=True):
         if pieces:
             count[k] += 1
-            made.append(kit_operation(planes[k], f"{planes[k].id}-{count[k]}", angle, weight, pieces))
-    return tuple(made)
+            operations.append(weight_operation(planes[k], f"{planes[k].id}-{count[k]}", angle, weight, pieces))
+    return tuple(operations)
 
 
 def _require(

@@ -72,8 +72,8 @@ class Term:
         if self.distribution == "uniform":
             return random.uniform(-self.spread, self.spread, count)
         angle = random.uniform(0.0, 2.0 * math.pi, count)
-        found: Complex = self.spread * np.sqrt(random.uniform(0.0, 1.0, count)) * np.exp(1j * angle)
-        return found
+        points: Complex = self.spread * np.sqrt(random.uniform(0.0, 1.0, count)) * np.exp(1j * angle)
+        return points
 
 
 @dataclass(frozen=True, eq=False)
@@ -139,8 +139,8 @@ def monte_carlo(
     seed : of the generator (PCG64); the same seed gives the same draws
 
     >>> depth = Term("depth", "uniform", 1e-4, [2.0, 0.5], 1e-4, "0.1 mm")
-    >>> found = monte_carlo([0.0, 0.0], [depth])
-    >>> found.residual_95.round(6).tolist(), found.sensitivities[0].share.tolist()
+    >>> scatter = monte_carlo([0.0, 0.0], [depth])
+    >>> scatter.residual_95.round(6).tolist(), scatter.sensitivities[0].share.tolist()
     ([0.00019, 4.7e-05], [1.0, 1.0])
     """
     start = complex_of(nominal, "nominal")
@@ -155,14 +155,14 @@ def monte_carlo(
                 "one for each plane"
             )
     random = np.random.default_rng(seed)
-    found = np.repeat(start[:, None], draws, axis=1)
+    vectors = np.repeat(start[:, None], draws, axis=1)
     for term in terms:
-        found += term.sensitivities[:, None] * term.draw(random, draws)
-    size = np.sort(np.abs(found), axis=1)
+        vectors += term.sensitivities[:, None] * term.draw(random, draws)
+    size = np.sort(np.abs(vectors), axis=1)
     middle, reach = LEVEL * draws, _NORMAL_95 * math.sqrt(LEVEL * (1.0 - LEVEL) * draws)
     ranks = [max(0, math.floor(middle - reach)), math.ceil(middle) - 1, min(draws - 1, math.ceil(middle + reach))]
     limits = None if permissible is None else array_of(permissible, start.shape, "permissible")
-    within = None if limits is None else float((np.abs(found) <= limits[:, None]).all(axis=0).mean())
+    within = None if limits is None else float((np.abs(vectors) <= limits[:, None]).all(axis=0).mean())
     table = _table(terms, np.ones(len(start)) if limits is None else limits)
     return Scatter(draws, start, size[:, ranks[1]], size[:, [ranks[0], ranks[2]]], within, table)
 

@@ -93,8 +93,8 @@ def operation_terms(
 
 def _of_source(uncertainty: Uncertainty, p: Float, q: Float) -> list[Term]:
     cause = uncertainty.cause
-    named = [f"{uncertainty.source} of {body}" for body in uncertainty.bodies]
-    names = named or [uncertainty.source] * max(1, len(uncertainty.modes))
+    of_bodies = [f"{uncertainty.source} of {body}" for body in uncertainty.bodies]
+    names = of_bodies or [uncertainty.source] * max(1, len(uncertainty.modes))
     if cause and uncertainty.source == "density":
         return [
             Term(name, "uniform", cause, vectors, 0.01, "1 %")

@@ -118,37 +118,37 @@ class Rotor(Document):
     @property
     def key_masses(self) -> tuple[PointMass, ...]:
         """What stands for the keys."""
-        found: list[PointMass] = []
+        masses: list[PointMass] = []
         for key in self.fields.key:
             width, height, length, floor, z = (
                 self._metres * x for x in (key.width, key.height, key.length, key.floor, key.z)
             )
             solid = Key(width, height, length, floor, math.radians(key.angle), z, key.density)
-            found += solid.point_masses(key.convention)
-        return tuple(found)
+            masses += solid.point_masses(key.convention)
+        return tuple(masses)
 
     @property
     def shop(self) -> ShopTolerance:
         """What the shop holds."""
-        given, scales = self.fields.uncertainty, {"angle": math.radians(1.0), "mass": 1.0}
+        fields, scales = self.fields.uncertainty, {"angle": math.radians(1.0), "mass": 1.0}
         names = ("depth", "diameter", "radius", "z", "angle", "mass")
-        stated = {name: value for name in names if (value := getattr(given, name)) is not None}
-        return ShopTolerance(**{name: scales.get(name, self._metres) * value for name, value in stated.items()})
+        values = {name: value for name in names if (value := getattr(fields, name)) is not None}
+        return ShopTolerance(**{name: scales.get(name, self._metres) * value for name, value in values.items()})
 
     def tolerance(self, rotor: Unbalance, planes: Planes) -> Tolerance:
         """Return what is permissible in the tolerance planes (A, B) m, for a rotor of this mass and centre of mass."""
-        given, rpm = self.fields.tolerance, self.fields.service.rpm
-        if given.bearing_force is not None:
-            a, b = given.bearing_force.tolist()
+        fields, rpm = self.fields.tolerance, self.fields.service.rpm
+        if fields.bearing_force is not None:
+            a, b = fields.bearing_force.tolist()
             return tolerances.bearing_force_limits((a, b), self.speed)
-        if given.e_um is not None:
-            return tolerances.specific_unbalance(1e-6 * given.e_um, rotor, planes, given.overhung)
-        if given.standard in ("API 610", "API 617"):
-            return tolerances.api(given.standard, rotor, planes, rpm)
-        if given.revision is not None:
-            return tolerances.mil_std_167_1(_MIL[given.revision], rotor, planes, rpm, given.grade)
-        assert given.grade is not None, "the section asks for one"
-        return tolerances.iso_21940_11(given.grade, rotor, planes, self.speed, given.overhung)
+        if fields.e_um is not None:
+            return tolerances.specific_unbalance(1e-6 * fields.e_um, rotor, planes, fields.overhung)
+        if fields.standard in ("API 610", "API 617"):
+            return tolerances.api(fields.standard, rotor, planes, rpm)
+        if fields.revision is not None:
+            return tolerances.mil_std_167_1(_MIL[fields.revision], rotor, planes, rpm, fields.grade)
+        assert fields.grade is not None, "the section asks for one"
+        return tolerances.iso_21940_11(fields.grade, rotor, planes, self.speed, fields.overhung)
 
     def correction_plane(self, number: int, radius: float) -> CorrectionPlane:
         """Return correction plane `number`, which has a method.
@@ -160,18 +160,18 @@ class Rotor(Document):
         """
         plane, metres = self.fields.plane[number], self._metres
         assert plane.method is not None, "only planes with a method are worked in"
-        given: dict[str, Any] = {}
-        for name, (called, is_length) in _PLAIN_NUMBERS.items():
+        options: dict[str, Any] = {}
+        for name, (argument, is_length) in _PLAIN_NUMBERS.items():
             if (value := getattr(plane, name)) is not None:
-                given[called] = metres * value if is_length else value
+                options[argument] = metres * value if is_length else value
         if plane.point_angle is not None:
-            given["point_angle"] = math.radians(plane.point_angle)
+            options["point_angle"] = math.radians(plane.point_angle)
         if plane.angle_step is not None:
-            given["angle_step"] = math.radians(plane.angle_step)
+            options["angle_step"] = math.radians(plane.angle_step)
         if plane.mass_step_g is not None:
-            given["mass_step"] = 1e-3 * plane.mass_step_g
+            options["mass_step"] = 1e-3 * plane.mass_step_g
         if plane.max_mass_g is not None:
-            given["max_mass"] = 1e-3 * plane.max_mass_g
+            options["max_mass"] = 1e-3 * plane.max_mass_g
         kit = (KitWeight(k.name or f"{k.mass_g:g} g", 1e-3 * k.mass_g, k.stock) for k in plane.kit)
         try:
             return CorrectionPlane(
@@ -185,7 +185,7 @@ class Rotor(Document):
                 through=plane.through,
                 kit=tuple(kit),
                 most_per_position=plane.most_per_position,
-                **given,
+                **options,
             )
         except UsageError as error:
             raise UsageError(*error.words, places=(FieldPath(f"plane[{number}]"),)) from None
@@ -196,17 +196,17 @@ class Rotor(Document):
 
     def _require_sense(self) -> None:
         """Raise `UsageError` where fields contradict each other, as far as the bodies need not be read for it."""
-        given = self.fields
-        for k, body in enumerate(given.body):
-            if not body.weights and (len(given.body) > 1 or given.tolerance.bearing_force is not None):
+        fields = self.fields
+        for k, body in enumerate(fields.body):
+            if not body.weights and (len(fields.body) > 1 or fields.tolerance.bearing_force is not None):
                 raise FieldError(f"body[{k}]", "says nothing of how heavy it is: give its density, material or mass")
-        grade = given.tolerance.grade
+        grade = fields.tolerance.grade
         if grade is not None and grade not in GRADES:
-            known = ", ".join(f"{k:g}" for k in sorted(GRADES))
-            raise FieldError("tolerance.grade", f"is {grade:g}, which ISO 21940-11 does not have: use one of {known}")
+            grades = ", ".join(f"{k:g}" for k in sorted(GRADES))
+            raise FieldError("tolerance.grade", f"is {grade:g}, which ISO 21940-11 does not have: use one of {grades}")
         if (shaft := self.shaft) is not None:
             self._require_planes_apart(shaft)
-        for k, plane in enumerate(given.plane):
+        for k, plane in enumerate(fields.plane):
             if plane.radius is not None and plane.method is not None:
                 self.correction_plane(k, math.nan)
             if plane.radius is None and plane.method == "drill_axial":

@@ -100,12 +100,12 @@ def _read(rotor: Rotor, fields: BodyFields) -> RotorBody:
     if isinstance(whole.geometry, Cells):
         raise GeometryError(f"{whole.name} is a mesh of cells: give the surface of the body, as STL or STEP")
     part = whole if fields.region is None else _region(whole, fields.region)
-    found = analyse(part, fields.density, material=fields.material, mass=fields.mass)
+    analysis = analyse(part, fields.density, material=fields.material, mass=fields.mass)
     name = fields.name or fields.region or Path(fields.file).name
     if fields.chord_tolerance is None:
-        return RotorBody(name, whole, part, found, estimated_sag(part) * float(part.unit.metres), "estimated")
+        return RotorBody(name, whole, part, analysis, estimated_sag(part) * float(part.unit.metres), "estimated")
     chord = fields.chord_tolerance * float(rotor.unit.metres)
-    return RotorBody(name, whole, part, found, chord, "given" if chord else "exact")
+    return RotorBody(name, whole, part, analysis, chord, "given" if chord else "exact")
 
 
 def _region(part: Part, name: str) -> Part:
@@ -113,8 +113,8 @@ def _region(part: Part, name: str) -> Part:
     if part.regions is None or name not in names:
         there = f"it has {', '.join(map(repr, names))}" if names else "it names none: leave region out"
         raise UsageError(f"{part.name} has no region {name!r}: {there}")
-    chosen = np.flatnonzero(part.regions.index == names.index(name))
-    return replace(part, geometry=part.triangles.select(chosen), regions=None)
+    triangles = np.flatnonzero(part.regions.index == names.index(name))
+    return replace(part, geometry=part.triangles.select(triangles), regions=None)
 
 
 def _require_apart(rotor: Rotor, bodies: Sequence[RotorBody]) -> None:
@@ -137,21 +137,21 @@ def _in_metres(part: Part) -> Surface:
 
 def unbalance_of(rotor: Rotor, bodies: Sequence[RotorBody], shaft: Shaft, properties: MassProperties) -> Unbalance:
     """Return the unbalance of all bodies and keys, with what tessellation, axis and densities leave uncertain."""
-    found = Unbalance.of(properties, shaft, radial_uncertainty=rotor.radial_uncertainty)
-    found = found.with_masses(rotor.key_masses)
+    unbalance = Unbalance.of(properties, shaft, radial_uncertainty=rotor.radial_uncertainty)
+    unbalance = unbalance.with_masses(rotor.key_masses)
     several = len(bodies) > 1
     more = [
         replace(layer, bodies=(body.name,) if several else ())
         for body in bodies
-        if (layer := body.tessellation(shaft, found.z)) is not None
+        if (layer := body.tessellation(shaft, unbalance.z)) is not None
     ]
     relative = rotor.fields.uncertainty.density
     unweighed = [body for body in bodies if body.analysis.density_from != "mass"]
     if relative and unweighed:
         alone = [Unbalance.of(body.analysis.properties, shaft) for body in unweighed]
-        spread = bounds.density([(k.static, k.couple_about(found.z)) for k in alone], relative)
+        spread = bounds.density([(k.static, k.couple_about(unbalance.z)) for k in alone], relative)
         more.append(replace(spread, bodies=tuple(body.name for body in unweighed) if several else ()))
-    return found.with_uncertainties(*more)
+    return unbalance.with_uncertainties(*more)
 
 
 def _corners(bodies: Sequence[RotorBody], shaft: Shaft) -> Iterator[Float]:
@@ -204,9 +204,9 @@ def outer_radius(bodies: Sequence[RotorBody], shaft: Shaft, z: float) -> float:
     reach = 0.0
     for corners in _corners(bodies, shaft):
         height = corners[..., 2] - z
-        met = corners[(height.min(axis=1) <= 0) & (height.max(axis=1) >= 0)]
+        crossing = corners[(height.min(axis=1) <= 0) & (height.max(axis=1) >= 0)]
         for start, end in ((0, 1), (1, 2), (2, 0)):
-            a, b = met[:, start], met[:, end]
+            a, b = crossing[:, start], crossing[:, end]
             low, high = a[:, 2] - z, b[:, 2] - z
             crosses = (low * high <= 0) & (low != high)
             share = low[crosses] / (low[crosses] - high[crosses])

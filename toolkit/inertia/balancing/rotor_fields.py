@@ -90,8 +90,8 @@ class BodyFields(Section):
 
     def require_sense(self, path: str) -> None:
         """Raise `FieldError` where it is said twice how heavy the body is."""
-        if len(given := self.weights) > 1:
-            raise FieldError(path, f"has both {' and '.join(given)}: give one of density, material and mass")
+        if len(weights := self.weights) > 1:
+            raise FieldError(path, f"has both {' and '.join(weights)}: give one of density, material and mass")
 
     @property
     def weights(self) -> list[str]:
@@ -198,11 +198,11 @@ class ToleranceFields(Section):
     def require_sense(self, path: str) -> None:
         """Raise `FieldError` where the criteria contradict each other, or are none."""
         others = [name for name in ("e_um", "bearing_force") if getattr(self, name) is not None]
-        told = [*others, *(name for name in ("standard", "grade") if getattr(self, name) is not None)]
-        if not told:
+        criteria = [*others, *(name for name in ("standard", "grade") if getattr(self, name) is not None)]
+        if not criteria:
             raise FieldError(path, "says nothing: give a grade, a standard, e_um or bearing_force")
-        if others and len(told) > 1:
-            raise FieldError(f"{path}.{told[0]}", f"goes with no {told[1]}: give the one that counts")
+        if others and len(criteria) > 1:
+            raise FieldError(f"{path}.{criteria[0]}", f"goes with no {criteria[1]}: give the one that counts")
         mil = self.standard == "MIL-STD-167-1"
         if self.revision is not None and not mil:
             raise FieldError(f"{path}.revision", "goes with MIL-STD-167-1 only: leave it out")

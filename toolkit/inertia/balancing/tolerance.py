@@ -120,8 +120,8 @@ def iso_21940_11(
     [10743, 17905]
     """
     if grade not in GRADES:
-        known = ", ".join(f"{k:g}" for k in GRADES)
-        raise UsageError(f"the grade G{grade:g} is not in ISO 21940-11, table 1: use one of {known}")
+        grades = ", ".join(f"{k:g}" for k in GRADES)
+        raise UsageError(f"the grade G{grade:g} is not in ISO 21940-11, table 1: use one of {grades}")
     total = 1e-3 * grade * rotor.mass / _positive(speed, "the speed", "rad/s")
     return _allocated(f"ISO 21940-11:2016, G{grade:g}", "U_per = G m/ω", total, rotor, planes, overhung)
 
@@ -134,8 +134,8 @@ def specific_unbalance(
     Parameters as for `iso_21940_11`; 1 µm is 1 g·mm/kg.
     """
     total = _positive(eccentricity, "the specific unbalance", "m") * rotor.mass
-    said = f"specific unbalance {1e6 * eccentricity:g} µm"
-    return _allocated(said, "U_per = e_per m", total, rotor, planes, overhung)
+    criterion = f"specific unbalance {1e6 * eccentricity:g} µm"
+    return _allocated(criterion, "U_per = e_per m", total, rotor, planes, overhung)
 
 
 def api(standard: str, rotor: Unbalance, planes: Planes, rpm: float) -> Tolerance:
@@ -176,8 +176,8 @@ def mil_std_167_1(revision: str, rotor: Unbalance, planes: Planes, rpm: float, g
     if revision == "MIL-STD-167-1A":
         if grade is None:
             raise UsageError("MIL-STD-167-1A takes its grade from the contract: give the grade")
-        found = iso_21940_11(grade, rotor, planes, n * math.pi / 30.0)
-        return Tolerance(f"MIL-STD-167-1A, G{grade:g}", found.rule, found.permissible, found.total, found.shares)
+        iso = iso_21940_11(grade, rotor, planes, n * math.pi / 30.0)
+        return Tolerance(f"MIL-STD-167-1A, G{grade:g}", iso.rule, iso.permissible, iso.total, iso.shares)
     if grade is not None:
         raise UsageError(f"{revision} has limits of its own: leave the grade out, or ask for MIL-STD-167-1A")
     if n > 1000.0:

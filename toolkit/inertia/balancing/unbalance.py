@@ -97,17 +97,17 @@ class Unbalance:
         """
         body = shaft.resolve(properties)
         x, y, z = body.center_of_mass.tolist()
-        found = [bounds.arithmetic(body)]
+        sources = [bounds.arithmetic(body)]
         if tessellation is not None:
-            found.append(bounds.from_errors("tessellation", body, tessellation, chord))
+            sources.append(bounds.from_errors("tessellation", body, tessellation, chord))
         if radial_uncertainty:
-            found.append(bounds.axis(body, shaft.span, radial_uncertainty))
+            sources.append(bounds.axis(body, shaft.span, radial_uncertainty))
         return cls(
             mass=body.mass,
             z=z + shaft.z_a,
             static=body.mass * complex(x, y),
             couple=-complex(body.inertia[0, 2], body.inertia[1, 2]),
-            uncertainties=tuple(found),
+            uncertainties=tuple(sources),
         )
 
     @property
@@ -169,10 +169,10 @@ class Unbalance:
 
     def bounds_of(self, p: float, q: float) -> dict[Source, float]:
         """Return how far p U + q D may be off, kg m, by source; p is a number, q in 1/m."""
-        found: dict[Source, float] = {}
+        totals: dict[Source, float] = {}
         for uncertainty in self.uncertainties:
-            found[uncertainty.source] = found.get(uncertainty.source, 0.0) + uncertainty.bound(p, q)
-        return found
+            totals[uncertainty.source] = totals.get(uncertainty.source, 0.0) + uncertainty.bound(p, q)
+        return totals
 
     def with_uncertainties(self, *more: Uncertainty) -> Unbalance:
         """Return the same unbalance with further sources; their couples are about the plane z."""

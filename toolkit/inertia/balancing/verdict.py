@@ -129,18 +129,18 @@ def _plane(
         outcome = "pass"
     elif size - uncertain > permissible:
         outcome = "fail"
-    found = _gmm(size, permissible)
+    figure = _gmm(size, permissible)
     if uncertain > _SEEN * permissible:
-        found += f" ± {_gmm(uncertain, permissible)}"
-    why = f"plane {name}: {found} g·mm against {_gmm(permissible, permissible)} g·mm: {outcome.upper()}"
+        figure += f" ± {_gmm(uncertain, permissible)}"
+    why = f"plane {name}: {figure} g·mm against {_gmm(permissible, permissible)} g·mm: {outcome.upper()}"
     covers: tuple[Source, ...] = ()
     settlements: tuple[Settlement, ...] = ()
     if outcome == "undecided":
         present = {source: bound for source, bound in bounds.items() if bound > 0}
         covers = tuple(k for k, bound in present.items() if bound >= room) or tuple(present)
         settlements = _settlements(room, present, causes)
-        told = {k: bound for k, bound in present.items() if bound >= _SMALL * permissible} or present
-        parts = ", ".join(f"{k} {told[k] / GRAM_MILLIMETRE:.4g}" for k in sorted(told, key=lambda k: -told[k]))
+        sizes = {k: bound for k, bound in present.items() if bound >= _SMALL * permissible} or present
+        parts = ", ".join(f"{k} {sizes[k] / GRAM_MILLIMETRE:.4g}" for k in sorted(sizes, key=lambda k: -sizes[k]))
         settled = " or ".join(k.text for k in settlements) or "nothing: the value lies on the limit"
         why += f", as uncertainty covers the limit (g·mm: {parts}); what would settle it: {settled}"
     return PlaneVerdict(name, outcome, vector, permissible, bounds, covers, settlements, why)

@@ -95,13 +95,13 @@ def directions(mesh: Facets) -> list[Float]:
     middles = middles - np.average(middles, axis=0, weights=mesh.areas)
     wide = [*np.linalg.eigh(_scatter(mesh.normals, mesh.areas))[1].T]
     wide += [*np.linalg.eigh(_scatter(middles, mesh.areas))[1].T]
-    found: list[Float] = []
+    distinct: list[Float] = []
     for starts, within in ((wide, 40.0), (_turning_axes(mesh), 1.0)):
         for start in starts:
             direction = along_walls(mesh, start, within)
-            if all(abs(direction @ other) < _SAME for other in found):
-                found.append(direction)
-    return found
+            if all(abs(direction @ other) < _SAME for other in distinct):
+                distinct.append(direction)
+    return distinct
 
 
 def along_walls(mesh: Facets, direction: Float, within: float) -> Float:
@@ -143,8 +143,8 @@ def patches(mesh: Facets, direction: Float, tolerance: float) -> list[Patch]:
     walls = np.flatnonzero(wall)
     walls = walls[np.argsort(label[walls], kind="stable")]
     starts = np.flatnonzero(np.diff(label[walls])) + 1
-    found = (_patch(mesh, faces, direction, tolerance) for faces in np.split(walls, starts))
-    return [patch for patch in found if patch is not None]
+    candidates = (_patch(mesh, faces, direction, tolerance) for faces in np.split(walls, starts))
+    return [patch for patch in candidates if patch is not None]
 
 
 def _patch(mesh: Facets, faces: Int, direction: Float, tolerance: float) -> Patch | None:
@@ -154,18 +154,18 @@ def _patch(mesh: Facets, faces: Int, direction: Float, tolerance: float) -> Patc
         if len(vertices) < 6:
             return None
         flat = mesh.vertices[vertices] @ frame
-        found = circle(flat)
-        if found is None:
+        fit = circle(flat)
+        if fit is None:
             return None
-        center, radius = found
+        center, radius = fit
         off = np.abs(np.linalg.norm(flat - center, axis=1) - radius) > tolerance
         if not off.any():
             break
         # The foot of a fillet leaves the circle; the wall itself does not.
-        kept = ~np.isin(mesh.faces[faces], vertices[off]).any(axis=1)
-        if 2 * kept.sum() < len(faces):
+        on_circle = ~np.isin(mesh.faces[faces], vertices[off]).any(axis=1)
+        if 2 * on_circle.sum() < len(faces):
             return None
-        faces = faces[kept]
+        faces = faces[on_circle]
     else:
         return None
     height = mesh.vertices[vertices] @ direction

@@ -92,8 +92,8 @@ def axis_candidates(
 
     >>> from importlib.resources import files
     >>> from inertia.mesh.read import read
-    >>> found = axis_candidates(read(files("inertia_meshes") / "two_disc_rotor.stl").triangles)
-    >>> [(round(k.radius, 3), round(k.length, 3)) for k in found[0].journals]
+    >>> axes = axis_candidates(read(files("inertia_meshes") / "two_disc_rotor.stl").triangles)
+    >>> [(round(k.radius, 3), round(k.length, 3)) for k in axes[0].journals]
     [(15.0, 80.0), (100.0, 20.0), (15.0, 100.0), (80.0, 30.0), (15.0, 70.0)]
     """
     require_finite(triangles)
@@ -106,13 +106,13 @@ def axis_candidates(
     if along is None:
         tried = directions(mesh)
     else:
-        given = array_of(along, (3,), "along")
-        if not given.any():
+        vector = array_of(along, (3,), "along")
+        if not vector.any():
             raise UsageError("along has no length: give a direction")
-        tried = [along_walls(mesh, given / np.linalg.norm(given), _ROUGHLY)]
-    found = [axis for direction in tried for axis in _axes_along(mesh, direction, allowed)]
+        tried = [along_walls(mesh, vector / np.linalg.norm(vector), _ROUGHLY)]
+    axes = [axis for direction in tried for axis in _axes_along(mesh, direction, allowed)]
     distinct: list[AxisCandidate] = []
-    for axis in sorted(found, key=lambda axis: -axis.score):
+    for axis in sorted(axes, key=lambda axis: -axis.score):
         if not any(_same_axis(axis, other, allowed) for other in distinct):
             distinct.append(axis)
     return tuple(distinct)
@@ -126,34 +126,34 @@ def _same_axis(axis: AxisCandidate, other: AxisCandidate, tolerance: float) -> b
 
 def _axes_along(mesh: Facets, direction: Float, tolerance: float) -> list[AxisCandidate]:
     """Return the axes along a direction, once as it is given and then along the best of those found."""
-    found = _axes(mesh, direction, tolerance)
-    best = max(found, key=lambda axis: axis.score, default=None)
+    axes = _axes(mesh, direction, tolerance)
+    best = max(axes, key=lambda axis: axis.score, default=None)
     if best is None or abs(float(best.direction @ direction)) < _PARALLEL:
-        return found
+        return axes
     return _axes(mesh, best.direction, tolerance)
 
 
 def _axes(mesh: Facets, direction: Float, tolerance: float) -> list[AxisCandidate]:
     """Return the axes along a direction: again and again the best patch that is left, with all that share its axis."""
-    left = sorted(patches(mesh, direction, tolerance), key=lambda patch: -patch.area * patch.coverage)
-    found = []
-    while left:
-        group = left[:1]
+    remaining = sorted(patches(mesh, direction, tolerance), key=lambda patch: -patch.area * patch.coverage)
+    axes = []
+    while remaining:
+        group = remaining[:1]
         fit = _fit(mesh, group, direction)
         for _ in range(2):  # the axis of one patch, and then that of all, say which patches belong to it
             if fit is None:
                 break
-            group = [patch for patch in left if _shares(fit, patch, tolerance)] or left[:1]
+            group = [patch for patch in remaining if _shares(fit, patch, tolerance)] or remaining[:1]
             fit = _fit(mesh, group, fit.direction)
         if fit is None:
-            left = left[1:]
+            remaining = remaining[1:]
             continue
-        taken = {id(patch) for patch in group} | {id(left[0])}
-        left = [patch for patch in left if id(patch) not in taken]
+        used = {id(patch) for patch in group} | {id(remaining[0])}
+        remaining = [patch for patch in remaining if id(patch) not in used]
         axis = _candidate(mesh, group, fit, tolerance)
         if axis is not None:
-            found.append(axis)
-    return found
+            axes.append(axis)
+    return axes
 
 
 def _shares(fit: AxisFit, patch: Patch, tolerance: float) -> bool:
@@ -176,18 +176,18 @@ def _candidate(mesh: Facets, group: Sequence[Patch], fit: AxisFit, tolerance: fl
         _journal(mesh, [group[k] for k in together], fit, float(squares[together].sum()))
         for together in _merged(mesh, group, fit, tolerance)
     ]
-    kept = [journal for journal in journals if journal.coverage >= LEAST_COVERAGE]
-    if not kept:
+    covering = [journal for journal in journals if journal.coverage >= LEAST_COVERAGE]
+    if not covering:
         return None
     sign = float(np.sign(fit.direction[np.argmax(np.abs(fit.direction))]))
     direction = sign * fit.direction
-    kept.sort(key=lambda journal: float(journal.center @ direction))
-    ends = [k.center + 0.5 * k.length * side * direction for k in kept for side in (-1.0, 1.0)]
+    covering.sort(key=lambda journal: float(journal.center @ direction))
+    ends = [k.center + 0.5 * k.length * side * direction for k in covering for side in (-1.0, 1.0)]
     return AxisCandidate(
         fit.point,
         direction,
-        tuple(kept),
-        sum(k.area * k.coverage for k in kept),
+        tuple(covering),
+        sum(k.area * k.coverage for k in covering),
         fit.rms,
         max(fit.uncertainty(end) for end in ends),
     )
@@ -197,17 +197,17 @@ def _merged(mesh: Facets, group: Sequence[Patch], fit: AxisFit, tolerance: float
     """Return which patches are one cylinder: of the same radius and side, and beside each other."""
     heights = [mesh.vertices[patch.vertices] @ fit.direction for patch in group]
     spans = [(float(height.min()), float(height.max())) for height in heights]
-    found: list[list[int]] = []
+    groups: list[list[int]] = []
     for k in sorted(range(len(group)), key=lambda k: spans[k]):
-        for together in found:
+        for together in groups:
             last = together[-1]
             same = group[k].bore == group[last].bore and abs(fit.radii[k] - fit.radii[last]) <= tolerance
             if same and spans[k][0] < max(spans[j][1] for j in together) - tolerance:
                 together.append(k)
                 break
         else:
-            found.append([k])
-    return found
+            groups.append([k])
+    return groups
 
 
 def _journal(mesh: Facets, together: Sequence[Patch], fit: AxisFit, squares: float) -> Journal:

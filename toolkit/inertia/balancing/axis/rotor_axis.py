@@ -88,7 +88,7 @@ def rotor_axis(rotor: Rotor, bodies: Sequence[RotorBody]) -> Axis:
 
 def _detected(bodies: Sequence[RotorBody]) -> tuple[Candidate, ...]:
     """Return an axis for each set of coaxial cylinders of the bodies, between the two that are farthest apart."""
-    found: list[tuple[float, Candidate]] = []
+    scored: list[tuple[float, Candidate]] = []
     for body in bodies:
         metres = float(body.part.unit.metres)
         for axis in axis_candidates(body.part.triangles):
@@ -96,8 +96,8 @@ def _detected(bodies: Sequence[RotorBody]) -> tuple[Candidate, ...]:
             if len(outer) > 1:
                 where = f"the first and last of {len(outer)} coaxial cylinders of {body.name}"
                 ends = _in_metres(outer[0], metres), _in_metres(outer[-1], metres)
-                found.append((axis.score * metres**2, _candidate(*ends, metres * axis.uncertainty, where)))
-    ranked = sorted(found, key=lambda entry: -entry[0])
+                scored.append((axis.score * metres**2, _candidate(*ends, metres * axis.uncertainty, where)))
+    ranked = sorted(scored, key=lambda entry: -entry[0])
     return tuple(candidate for _, candidate in ranked[:_OFFERED])
 
 
@@ -108,16 +108,16 @@ def _named(bodies: Sequence[RotorBody], first: str, second: str) -> Candidate:
 
 def _journal(bodies: Sequence[RotorBody], name: str) -> tuple[Journal, float]:
     """Return the cylinder of a region, in m, and the standard deviation of its axis, m."""
-    known: list[str] = []
+    names: list[str] = []
     for body in bodies:
         regions = body.whole.regions
         if regions is None:
             continue
-        known += regions.names
+        names += regions.names
         if name not in regions.names:
             continue
-        chosen = np.flatnonzero(regions.index == regions.names.index(name))
-        axes = axis_candidates(body.whole.triangles.select(chosen))
+        triangles = np.flatnonzero(regions.index == regions.names.index(name))
+        axes = axis_candidates(body.whole.triangles.select(triangles))
         if not axes:
             raise GeometryError(
                 f"the region {name!r} of {body.whole.name} is no cylinder: name the regions of the journals, or give "
@@ -127,7 +127,7 @@ def _journal(bodies: Sequence[RotorBody], name: str) -> tuple[Journal, float]:
         metres = float(body.whole.unit.metres)
         largest = max(axes[0].journals, key=lambda journal: journal.area)
         return _in_metres(largest, metres), metres * axes[0].uncertainty
-    there = f"they have {', '.join(map(repr, dict.fromkeys(known)))}" if known else "they name none"
+    there = f"they have {', '.join(map(repr, dict.fromkeys(names)))}" if names else "they name none"
     raise UsageError(f"no body has a region {name!r}: {there}", places=(_JOURNALS,))
 
 

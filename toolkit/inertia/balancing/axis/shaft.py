@@ -116,16 +116,16 @@ class Shaft:
 
     def to_shaft(self, points: ArrayLike) -> Float:
         """Return points (..., 3) m of part axes in shaft axes: x′, y′ from the axis, z along it."""
-        found: Float = (np.asarray(points, dtype=np.float64) - self.bearing_a) @ self.axes
-        found[..., 2] += self.z_a
-        return found
+        local: Float = (np.asarray(points, dtype=np.float64) - self.bearing_a) @ self.axes
+        local[..., 2] += self.z_a
+        return local
 
     def to_part(self, points: ArrayLike) -> Float:
         """Return points (..., 3) m of shaft axes in part axes."""
         local = np.array(points, dtype=np.float64)
         local[..., 2] -= self.z_a
-        found: Float = local @ self.axes.T + self.bearing_a
-        return found
+        placed: Float = local @ self.axes.T + self.bearing_a
+        return placed
 
     def place(self, z: float, radius: float, angle: float) -> Float:
         """Return the point (3,) m, part axes, at z (m) and radius (m) and at an angle (rad) from the zero mark."""

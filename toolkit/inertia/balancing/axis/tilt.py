@@ -54,16 +54,16 @@ def principal_tilt(properties: MassProperties, shaft: Shaft) -> Tilt:
     >>> round(tilt.angle, 12) == round(0.5 * math.atan2(0.02, 0.9), 12), abs(round(tilt.direction, 6))
     (True, 3.141593)
     """
-    found = properties.principal
-    axes = shaft.axes.T @ found.axes
+    principal = properties.principal
+    axes = shaft.axes.T @ principal.axes
     nearest = int(np.argmax(np.abs(axes[2])))
     x, y, z = (axes[:, nearest] * np.sign(axes[2, nearest])).tolist()
-    others = np.delete(found.moments, nearest)
-    gap = abs(float(found.moments[nearest]) - float(others.mean()))
+    others = np.delete(principal.moments, nearest)
+    gap = abs(float(principal.moments[nearest]) - float(others.mean()))
     return Tilt(
         math.atan2(math.hypot(x, y), z),
         math.atan2(y, x),
-        float(found.axis_bounds[nearest]),
+        float(principal.axis_bounds[nearest]),
         1.0 / gap if gap else math.inf,
     )
 

@@ -67,16 +67,16 @@ class Program:
                 low.append(-np.inf)
                 high.append(float(self.radii[disc] - (turn * self.start[disc]).real))
             with quiet_stdout():
-                found = milp(
+                solution = milp(
                     cost,
                     integrality=self.integral,
                     bounds=bounds,
                     constraints=LinearConstraint(np.array(matrix), low, high),
                     options={"mip_rel_gap": 0.0},
                 )
-            if found.x is None:
+            if solution.x is None:
                 return None
-            x: Float = np.where(self.integral > 0, np.round(found.x), found.x)
+            x: Float = np.where(self.integral > 0, np.round(solution.x), solution.x)
             vectors = self.start + self.effects @ x
             outside = np.flatnonzero(np.abs(vectors) > self.radii + self.reach @ x + _INSIDE)
             if len(outside) == 0:

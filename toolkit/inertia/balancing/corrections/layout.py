@@ -40,40 +40,40 @@ class Arrangement:
         return sum((cmath.rect(self.tool.unbalance(setting), angle) for angle, setting in self.places), 0j)
 
 
-def arrange(tools: Sequence[Tool], vector: complex, kept: Arrangement | None = None) -> Arrangement:
+def arrange(tools: Sequence[Tool], vector: complex, previous: Arrangement | None = None) -> Arrangement:
     """Arrange places of one of the tools so that they make up a vector (kg m), or as much of it as they can.
 
     Parameters
     ----------
     tools : those at hand in the plane, the smallest first
     vector : towards where they work
-    kept : an arrangement whose tool and number of places stay, if it still reaches
+    previous : an arrangement whose tool and number of places stay, if it still reaches
     """
-    if kept is not None:
-        again = _again(kept, vector)
+    if previous is not None:
+        again = _again(previous, vector)
         if again is not None:
             return again
-    found = [_with_tool(tool, vector) for tool in tools]
-    reaching = [k for k in found if abs(k.short) <= _LEEWAY * abs(vector)]
+    arrangements = [_with_tool(tool, vector) for tool in tools]
+    reaching = [k for k in arrangements if abs(k.short) <= _LEEWAY * abs(vector)]
     if reaching:
         return min(reaching, key=lambda k: len(k.places))
-    return min(found, key=lambda k: abs(k.short))
+    return min(arrangements, key=lambda k: abs(k.short))
 
 
-def _again(kept: Arrangement, vector: complex) -> Arrangement | None:
-    if kept.tool.plane.angles == "free":
-        spread = _spread(kept.tool, vector, len(kept.places))
+def _again(previous: Arrangement, vector: complex) -> Arrangement | None:
+    if previous.tool.plane.angles == "free":
+        spread = _spread(previous.tool, vector, len(previous.places))
         if spread is not None and abs(spread.short) <= _EXACT * abs(vector):
             return spread
-    held = _held(kept.tool, vector, [angle for angle, _ in kept.places])
-    return held if abs(held.short) <= _EXACT * abs(vector) else None
+    adjusted = _held(previous.tool, vector, [angle for angle, _ in previous.places])
+    return adjusted if abs(adjusted.short) <= _EXACT * abs(vector) else None
 
 
 def _with_tool(tool: Tool, vector: complex) -> Arrangement:
     if tool.plane.angles == "free":
-        found = _spread(tool, vector)
-        if found is not None:
-            return found
+        spread = _spread(tool, vector)
+        if spread is not None:
+            return spread
         candidates = _beside(tool, vector)
     else:
         candidates = [k for k in tool.plane.angles if not tool.plane.forbids(k, tool.half_angle)]
@@ -119,10 +119,10 @@ def _beside(tool: Tool, vector: complex) -> list[float]:
     """Return angles about the vector and at the edges of forbidden sectors, those that are allowed."""
     gap, half = tool.apart + tool.plane.angle_step, tool.half_angle
     steps = [k * gap for k in range(_BESIDE)]
-    found = [cmath.phase(vector) + sign * step for step in steps for sign in (1, -1)]
+    tried = [cmath.phase(vector) + sign * step for step in steps for sign in (1, -1)]
     for sector in tool.plane.forbidden:
-        found += [sector.start - half - step for step in steps] + [sector.stop + half + step for step in steps]
-    angles = {round(angle_of(cmath.rect(1.0, angle)), 12) for angle in found}
+        tried += [sector.start - half - step for step in steps] + [sector.stop + half + step for step in steps]
+    angles = {round(angle_of(cmath.rect(1.0, angle)), 12) for angle in tried}
     return sorted(angle for angle in angles if not tool.plane.forbids(angle, half))
 
 
@@ -135,7 +135,7 @@ def _picked(tool: Tool, vector: complex, candidates: Sequence[float]) -> Arrange
     most = min(most, max(_MUCH, least))
     count = len(candidates)
     turns = np.exp(1j * np.array(candidates))
-    chosen, amount, rest = slice(count), slice(count, 2 * count), 2 * count
+    used, amount, rest = slice(count), slice(count, 2 * count), 2 * count
     rows: list[tuple[Float, float, float]] = []
     for k in range(count):
         for bound, low, high in ((least, 0.0, math.inf), (most, -math.inf, 0.0)):
@@ -151,7 +151,7 @@ def _picked(tool: Tool, vector: complex, candidates: Sequence[float]) -> Arrange
     effects = np.zeros((1, rest + 1), complex)
     effects[0, amount] = -turns
     number, remainder = np.zeros(rest + 1), np.zeros(rest + 1)
-    number[chosen], remainder[rest] = 1.0, 1.0
+    number[used], remainder[rest] = 1.0, 1.0
     program = Program(
         effects=effects,
         start=np.array([vector / size]),
@@ -165,7 +165,7 @@ def _picked(tool: Tool, vector: complex, candidates: Sequence[float]) -> Arrange
     assert best is not None, "no places at all are always a choice"
     within = np.array([float(best[rest]) + _LEEWAY])
     fewer = replace(program, radii=within, reach=np.zeros_like(remainder)[None]).least(number)
-    picked = np.flatnonzero((best if fewer is None else fewer)[chosen]).tolist()
+    picked = np.flatnonzero((best if fewer is None else fewer)[used]).tolist()
     return _held(tool, vector, [candidates[k] for k in picked])
 
 
@@ -179,8 +179,8 @@ def _held(tool: Tool, vector: complex, angles: Sequence[float]) -> Arrangement:
     least, most = (tool.unbalance(k) / size for k in (tool.least, tool.greatest))
     if least < most:
         turns = np.exp(1j * np.array(angles))
-        matrix, wanted = np.vstack([turns.real, turns.imag]), np.array([vector.real, vector.imag]) / size
-        shares = lsq_linear(matrix, wanted, (least, most), tol=1e-15).x.tolist()
+        matrix, target = np.vstack([turns.real, turns.imag]), np.array([vector.real, vector.imag]) / size
+        shares = lsq_linear(matrix, target, (least, most), tol=1e-15).x.tolist()
     else:
         shares = [most] * len(angles)
     settings = [min(max(tool.setting(share * size), tool.least), tool.greatest) for share in shares]
@@ -188,5 +188,5 @@ def _held(tool: Tool, vector: complex, angles: Sequence[float]) -> Arrangement:
 
 
 def _made(tool: Tool, vector: complex, places: list[tuple[float, float]]) -> Arrangement:
-    made = Arrangement(tool, tuple(places), 0j)
-    return replace(made, short=vector - made.vector)
+    arrangement = Arrangement(tool, tuple(places), 0j)
+    return replace(arrangement, short=vector - arrangement.vector)

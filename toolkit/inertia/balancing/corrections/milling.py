@@ -66,8 +66,8 @@ class FlatCutter(Tool):
     @property
     def greatest(self) -> float:
         """The largest depth, m."""
-        given = [depth for depth in (self.plane.max_depth, self.limit) if depth is not None]
-        return max(min(given, default=_DEEPEST * self.plane.radius), 0.0)
+        depths = [depth for depth in (self.plane.max_depth, self.limit) if depth is not None]
+        return max(min(depths, default=_DEEPEST * self.plane.radius), 0.0)
 
     @property
     def half_angle(self) -> float:

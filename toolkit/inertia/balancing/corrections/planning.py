@@ -33,13 +33,13 @@ class Plan:
     limits_hit: tuple[str, ...]
 
 
-def tools_of(plane: CorrectionPlane, angle: float, found: Sequence[Body]) -> tuple[Tool, ...]:
+def tools_of(plane: CorrectionPlane, angle: float, bodies: Sequence[Body]) -> tuple[Tool, ...]:
     """Return the tools of a plane, the smallest first, for the material at an angle (rad).
 
     Raises `GeometryError` where there is no material.
     """
     tools = _tools(plane, 0.0)
-    density = under(found, tools[0], angle) if found else None
+    density = under(bodies, tools[0], angle) if bodies else None
     return tools if density is None else _tools(plane, density)
 
 
@@ -68,20 +68,20 @@ def share(effects: Complex, start: Complex, limits: Float) -> Complex:
     >>> bool(np.abs(w + 3j).max() < 1e-9)
     True
     """
-    matrix, wanted = effects / limits[:, None], -start / limits
-    vectors: Complex = np.linalg.pinv(matrix) @ wanted
-    best, worst = vectors, np.abs(wanted - matrix @ vectors).max(initial=0.0)
+    matrix, target = effects / limits[:, None], -start / limits
+    vectors: Complex = np.linalg.pinv(matrix) @ target
+    best, worst = vectors, np.abs(target - matrix @ vectors).max(initial=0.0)
     weights = np.ones(len(limits))
     for _ in range(_ROUNDS):
-        left = np.abs(wanted - matrix @ vectors)
-        if left.max(initial=0.0) < worst:
-            best, worst = vectors, left.max()
-        if worst <= _SETTLED * np.abs(wanted).max(initial=0.0):
+        rest = np.abs(target - matrix @ vectors)
+        if rest.max(initial=0.0) < worst:
+            best, worst = vectors, rest.max()
+        if worst <= _SETTLED * np.abs(target).max(initial=0.0):
             break
-        weights *= left
+        weights *= rest
         weights /= weights.max()
         root = np.sqrt(weights)
-        vectors = np.linalg.pinv(matrix * root[:, None]) @ (wanted * root)
+        vectors = np.linalg.pinv(matrix * root[:, None]) @ (target * root)
     return best
 
 
@@ -90,8 +90,8 @@ def plan(
     effects: Complex,
     start: Complex,
     limits: Float,
-    found: Sequence[Body],
-    kept: Mapping[int, Arrangement],
+    bodies: Sequence[Body],
+    previous: Mapping[int, Arrangement],
 ) -> Plan:
     """Share a correction among planes; a plane that cannot do its share does what it can, and others the rest.
 
@@ -101,20 +101,20 @@ def plan(
     effects : (t, n) what a unit vector in each plane adds in each tolerance plane
     start : (t,) kg m, what is there when no plane does anything
     limits : (t,) kg m
-    found : the bodies that are cut
-    kept : arrangements that stay as they are, but for angle and settings, where they reach
+    bodies : the bodies that are cut
+    previous : arrangements that stay as they are, but for angle and settings, where they reach
     """
     arrangements: dict[int, Arrangement] = {}
     vectors = np.zeros(effects.shape[1], complex)
     hit: list[str] = []
     open_planes = sorted(tools)
     while open_planes:
-        asked = share(effects[:, open_planes], start + effects @ vectors, limits)
+        shares = share(effects[:, open_planes], start + effects @ vectors, limits)
         short = []
-        for number, vector in zip(open_planes, asked.tolist(), strict=True):
-            made, why = _walled(tools[number], vector, found, kept.get(number))
-            arrangements[number] = made
-            if abs(made.short) > _REACHED * abs(vector):
+        for number, vector in zip(open_planes, shares.tolist(), strict=True):
+            arrangement, why = _walled(tools[number], vector, bodies, previous.get(number))
+            arrangements[number] = arrangement
+            if abs(arrangement.short) > _REACHED * abs(vector):
                 short.append(number)
                 hit.append(why)
         stay = short or open_planes
@@ -125,23 +125,26 @@ def plan(
 
 
 def _walled(
-    tools: tuple[Tool, ...], vector: complex, found: Sequence[Body], kept: Arrangement | None
+    tools: tuple[Tool, ...], vector: complex, bodies: Sequence[Body], previous: Arrangement | None
 ) -> tuple[Arrangement, str]:
     """Arrange a plane's places no deeper than the wall allows; say what bounds it."""
     plane = tools[0].plane
     why = _bound(plane)
     while True:
-        made = arrange(tools, plane.sign * vector, kept)
-        rooms = [(wall(found, made.tool, angle) - plane.min_wall, angle, setting) for angle, setting in made.places]
+        arrangement = arrange(tools, plane.sign * vector, previous)
+        rooms = [
+            (wall(bodies, arrangement.tool, angle) - plane.min_wall, angle, setting)
+            for angle, setting in arrangement.places
+        ]
         deep = [place for place in rooms if place[2] > place[0]]
         if not deep:
-            return made, why
+            return arrangement, why
         room, angle, setting = min(deep)
-        smaller = tuple(k for k in tools if k.half_angle < made.tool.half_angle)
+        smaller = tuple(k for k in tools if k.half_angle < arrangement.tool.half_angle)
         if plane.max_depth is not None or (room <= 0 and not smaller):
-            raise _too_deep(made.tool, room, angle, setting)
+            raise _too_deep(arrangement.tool, room, angle, setting)
         why = f"plane {plane.id!r}: the wall at {math.degrees(angle):.4g} degrees"
-        kept = None
+        previous = None
         others = [] if room <= 0 else [replace(k, limit=room) for k in tools if k not in smaller]
         tools = (*smaller, *others)
 

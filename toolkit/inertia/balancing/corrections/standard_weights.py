@@ -25,7 +25,7 @@ _SAFE = 1e-5  # of a tolerance, kept from its limit for what rounding may do
 _LEEWAY = 4e-6  # of the unit that residuals are measured in
 
 
-def kit_operation(plane: CorrectionPlane, name: str, angle: float, weight: KitWeight, pieces: int) -> Operation:
+def weight_operation(plane: CorrectionPlane, name: str, angle: float, weight: KitWeight, pieces: int) -> Operation:
     """Return the putting of some weights of one kind at a position (rad)."""
     mass = pieces * weight.mass
     return Operation(
@@ -45,7 +45,7 @@ def kit_operation(plane: CorrectionPlane, name: str, angle: float, weight: KitWe
 
 
 @dataclass(frozen=True, eq=False)
-class Choice:
+class WeightChoice:
     """Numbers of weights (n,), what the free planes do besides (f,), and the vectors (t,) that are left."""
 
     counts: Int
@@ -54,7 +54,7 @@ class Choice:
     within: bool
 
 
-def choose(
+def choose_weights(
     effects: ArrayLike,
     start: ArrayLike,
     limits: ArrayLike,
@@ -63,7 +63,7 @@ def choose(
     *,
     free: ArrayLike | None = None,
     aim: Literal["fewest", "smallest"] = "fewest",
-) -> Choice:
+) -> WeightChoice:
     """Choose weights.
 
     Parameters
@@ -77,8 +77,8 @@ def choose(
     aim : "fewest" weights within the limits, or "smallest" residual; the latter also where no choice is within
 
     >>> turns = np.exp(1j * np.radians([0, 90, 180, 270]))
-    >>> found = choose([10 * turns], [-20 - 9j], [2.0], [3] * 4)
-    >>> found.counts.tolist(), found.within
+    >>> choice = choose_weights([10 * turns], [-20 - 9j], [2.0], [3] * 4)
+    >>> choice.counts.tolist(), choice.within
     ([2, 1, 0, 0], True)
     """
     weights = np.atleast_2d(np.asarray(effects, complex))
@@ -89,21 +89,21 @@ def choose(
     unit = _unit(weights / tolerances[:, None])
     # In units of a typical weight's effect, so that the solver's own tolerances mean something.
     scale = unit * tolerances
-    frame = _Frame(
+    program = _WeightProgram(
         np.divide(columns, scale[:, None]), np.divide(vectors, scale), np.asarray(most, float), tuple(groups)
     )
-    found = frame.fewest((1 - _SAFE) / unit) if aim == "fewest" else None
-    if found is None:
-        found = frame.smallest()
-    counts = np.round(found[:count]).astype(np.int64)
-    real, imaginary = np.split(found[count : columns.shape[1]], 2)
+    solution = program.fewest((1 - _SAFE) / unit) if aim == "fewest" else None
+    if solution is None:
+        solution = program.smallest()
+    counts = np.round(solution[:count]).astype(np.int64)
+    real, imaginary = np.split(solution[count : columns.shape[1]], 2)
     makes_up = real + 1j * imaginary
     residual = vectors + weights @ counts + others @ makes_up
-    return Choice(counts, makes_up, residual, bool((np.abs(residual) <= tolerances).all()))
+    return WeightChoice(counts, makes_up, residual, bool((np.abs(residual) <= tolerances).all()))
 
 
 @dataclass(frozen=True, eq=False)
-class _Frame:
+class _WeightProgram:
     """The choice in the solver's terms: counts, then real and imaginary parts of free planes, then the residual."""
 
     effects: Complex
@@ -114,21 +114,21 @@ class _Frame:
     def fewest(self, tolerance: float) -> Float | None:
         """Return the fewest weights within the tolerance, and of those the smallest residual."""
         slack = np.zeros(self._width)
-        found = self._program(tolerance).least(self._number)
-        if found is None:
+        solution = self._program(tolerance).least(self._number)
+        if solution is None:
             return None
         slack[-1] = 1.0
-        number = float(np.round(self._number @ found))
+        number = float(np.round(self._number @ solution))
         return self._program(0.0, (self._number, number, number)).least(slack)
 
     def smallest(self) -> Float:
         """Return the smallest residual, and of those the fewest weights."""
         slack = np.zeros(self._width)
         slack[-1] = 1.0
-        found = self._program(0.0).least(slack)
-        assert found is not None, "no weights at all are always a choice"
-        fewer = self._program(float(found[-1]) + _LEEWAY).least(self._number)
-        return found if fewer is None else fewer
+        solution = self._program(0.0).least(slack)
+        assert solution is not None, "no weights at all are always a choice"
+        fewer = self._program(float(solution[-1]) + _LEEWAY).least(self._number)
+        return solution if fewer is None else fewer
 
     @property
     def _width(self) -> int:

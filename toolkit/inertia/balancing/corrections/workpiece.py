@@ -53,12 +53,14 @@ class Workpiece:
         What changes is the difference between the parts integrated before and after, and the point masses of the
         other operations; the rest of the initial unbalance stays.
         """
-        parts, left = self.parts, self.initial
+        parts, unbalance = self.parts, self.initial
         if solids:
             parts = tuple(ready.cut([self._in_part(solid, ready.part) for solid in solids]) for ready in self._stocks)
-            left = changed(left, self._before, self._measured(parts))
+            unbalance = changed(unbalance, self._before, self._measured(parts))
         signs = {"add": 1, "remove": -1}
-        return parts, left.with_masses([PointMass(signs[k.method] * k.mass, k.radius, k.angle, k.z) for k in others])
+        return parts, unbalance.with_masses(
+            [PointMass(signs[k.method] * k.mass, k.radius, k.angle, k.z) for k in others]
+        )
 
     def _in_part(self, solid: Surface, part: Part) -> Surface:
         return Surface(self.shaft.to_part(solid.vertices) / float(part.unit.metres), solid.faces)
@@ -94,26 +96,26 @@ class Body:
 
 def bodies(parts: Sequence[Part], densities: Sequence[float], shaft: Shaft) -> tuple[Body, ...]:
     """Bring parts into shaft axes."""
-    found = []
+    placed = []
     for part, density in zip(parts, densities, strict=True):
         corners = shaft.to_shaft(part.triangles.corners() * float(part.unit.metres))
         low, high = corners.min(axis=1), corners.max(axis=1)
-        found.append(Body(corners, low, high, np.stack([low.min(axis=0), high.max(axis=0)]), density))
-    return tuple(found)
+        placed.append(Body(corners, low, high, np.stack([low.min(axis=0), high.max(axis=0)]), density))
+    return tuple(placed)
 
 
-def run(found: Sequence[Body], origin: Float, direction: Float) -> tuple[float, float, float] | None:
+def run(rotor_bodies: Sequence[Body], origin: Float, direction: Float) -> tuple[float, float, float] | None:
     """Return where a ray enters material and where it leaves it, m along it, and the density, kg/m³.
 
     Bodies that touch are one wall. None where the ray meets nothing.
 
     Parameters
     ----------
-    found : `bodies`
+    rotor_bodies : `bodies`
     origin, direction : (3,) in shaft axes, m; direction a unit vector
     """
     stretches = []
-    for body in found:
+    for body in rotor_bodies:
         past = np.linalg.norm(np.abs(body.box - origin).max(axis=0))
         ends = np.stack([origin, origin + past * direction])
         low, high = ends.min(axis=0) - _TOUCHING, ends.max(axis=0) + _TOUCHING
@@ -130,7 +132,7 @@ def run(found: Sequence[Body], origin: Float, direction: Float) -> tuple[float, 
     return enters, leaves, density
 
 
-def under(found: Sequence[Body], tool: Tool, angle: float) -> float | None:
+def under(rotor_bodies: Sequence[Body], tool: Tool, angle: float) -> float | None:
     """Return the density (kg/m³) of what a cutting tool at an angle (rad) meets; None where it cuts nothing.
 
     Raises `GeometryError` where there is no material within its reach, or more than its radius says.
@@ -139,23 +141,23 @@ def under(found: Sequence[Body], tool: Tool, angle: float) -> float | None:
     if probes is None:
         return None
     plane, (origins, direction, _) = tool.plane, probes
-    met = run(found, origins[0] - tool.clearance * direction, direction)
+    stretch = run(rotor_bodies, origins[0] - tool.clearance * direction, direction)
     where = f"plane {plane.id!r} at z = {1e3 * plane.z:.6g} mm, {math.degrees(angle) % 360:.4g} degrees"
-    if met is None or met[0] - tool.clearance > min(tool.greatest, plane.radius):
+    if stretch is None or stretch[0] - tool.clearance > min(tool.greatest, plane.radius):
         raise GeometryError(
             f"{where}: there is no material for the tool under the radius of {1e3 * plane.radius:.6g} mm: move the "
             "plane onto the part, or correct its radius"
         )
-    above = tool.clearance - met[0]
+    above = tool.clearance - stretch[0]
     if above > _PROUD * plane.radius:
         raise GeometryError(
             f"{where}: the part begins {1e3 * above:.4g} mm before the surface that depths are measured from: give "
             f"the {'face' if plane.method == 'drill_axial' else 'radius'} where the tool enters"
         )
-    return met[2]
+    return stretch[2]
 
 
-def wall(found: Sequence[Body], tool: Tool, angle: float) -> float:
+def wall(rotor_bodies: Sequence[Body], tool: Tool, angle: float) -> float:
     """Return the largest setting (m) of a tool at an angle (rad) before it breaks through.
 
     Infinite where it cuts nothing, or goes through by intent. Rays beside the part do not count.
@@ -166,7 +168,7 @@ def wall(found: Sequence[Body], tool: Tool, angle: float) -> float:
     origins, direction, ahead = probes
     limits = [math.inf]
     for origin, tip in zip(origins, ahead.tolist(), strict=True):
-        met = run(found, origin - tool.clearance * direction, direction)
-        if met is not None:
-            limits.append(met[1] - tool.clearance - tip)
+        stretch = run(rotor_bodies, origin - tool.clearance * direction, direction)
+        if stretch is not None:
+            limits.append(stretch[1] - tool.clearance - tip)
     return min(limits)

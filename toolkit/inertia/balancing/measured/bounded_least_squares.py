@@ -33,12 +33,12 @@ def least_squares_in_discs(matrix: Complex, target: Complex, limits: Float) -> C
     best = complex_of(-np.linalg.lstsq(matrix, target, rcond=None)[0], "weights")
     if (np.abs(best) <= limits).all():
         return best
-    found = np.zeros_like(best)
+    solution = np.zeros_like(best)
     free = limits > 0
     size = float(np.linalg.norm(target))
     scale = np.linalg.norm(matrix[:, free], axis=0) / size
-    found[free] = _interior_point(matrix[:, free] / (size * scale), target / size, limits[free] * scale) / scale
-    return found
+    solution[free] = _interior_point(matrix[:, free] / (size * scale), target / size, limits[free] * scale) / scale
+    return solution
 
 
 def _interior_point(matrix: Complex, target: Complex, limits: Float) -> Complex:

@@ -48,8 +48,8 @@ def index_balancing(measured: ArrayLike, positions: ArrayLike) -> IndexBalance:
 
     Raises `UsageError` where the positions are fewer than two or too close.
 
-    >>> found = index_balancing([4.0, -2.0], [0.0, np.pi])
-    >>> round(found.rotor.real.item(), 12), round(found.tooling.real.item(), 12)
+    >>> split = index_balancing([4.0, -2.0], [0.0, np.pi])
+    >>> round(split.rotor.real.item(), 12), round(split.tooling.real.item(), 12)
     (3.0, 1.0)
     """
     shown = complex_of(measured, "measured")
@@ -66,9 +66,9 @@ def index_balancing(measured: ArrayLike, positions: ArrayLike) -> IndexBalance:
             "turn the rotor by more, best by a half turn"
         )
     flat = shown.reshape(len(shown), -1)
-    found = np.linalg.lstsq(matrix, flat, rcond=None)[0]
-    rotor, tooling = (k.reshape(shown.shape[1:]) for k in found)
+    solution = np.linalg.lstsq(matrix, flat, rcond=None)[0]
+    rotor, tooling = (k.reshape(shown.shape[1:]) for k in solution)
     if len(shown) == 2:
         return IndexBalance(rotor, tooling, None)
-    left = np.sum(np.abs(flat - matrix @ found) ** 2, axis=0) / (len(shown) - 2)
-    return IndexBalance(rotor, tooling, np.sqrt(left).reshape(shown.shape[1:]))
+    squares = np.sum(np.abs(flat - matrix @ solution) ** 2, axis=0) / (len(shown) - 2)
+    return IndexBalance(rotor, tooling, np.sqrt(squares).reshape(shown.shape[1:]))

@@ -84,8 +84,8 @@ def influence_coefficients(initial: ArrayLike, trials: ArrayLike, weights: Array
             "in runs that are not multiples of each other"
         )
     change = (after - before).reshape(len(mounted), -1)
-    found = np.linalg.lstsq(mounted, change, rcond=None)[0].T
-    return complex_of(found.reshape(*before.shape, mounted.shape[1]), "coefficients")
+    coefficients = np.linalg.lstsq(mounted, change, rcond=None)[0].T
+    return complex_of(coefficients.reshape(*before.shape, mounted.shape[1]), "coefficients")
 
 
 def influence_correction(
@@ -107,8 +107,8 @@ def influence_correction(
     Raises `UsageError` where there are fewer readings than planes, `GeometryError` where the readings do not tell the
     planes apart.
 
-    >>> found = influence_correction([1.0, 3.0], [[2.0, 0.0], [0.0, 4.0]], limits=0.6)
-    >>> found.unbalance.real.round(9).tolist(), found.residual.real.round(9).tolist(), found.limited
+    >>> correction = influence_correction([1.0, 3.0], [[2.0, 0.0], [0.0, 4.0]], limits=0.6)
+    >>> correction.unbalance.real.round(9).tolist(), correction.residual.real.round(9).tolist(), correction.limited
     ([-0.5, -0.6], [0.0, 0.6], (1,))
     """
     before = complex_of(initial, "initial")

@@ -51,9 +51,9 @@ def readings(
 def complex_of(value: ArrayLike, name: str) -> Complex:
     """Return `value` as a finite complex array, or raise `UsageError` naming it."""
     try:
-        found: Complex = np.array(value, dtype=np.complex128)
+        array: Complex = np.array(value, dtype=np.complex128)
     except (TypeError, ValueError):
         raise UsageError(f"{name} must be an array of complex numbers without gaps") from None
-    if not np.isfinite(found).all():
-        raise UsageError(f"{name} holds a value that is not finite: {found.tolist()}")
-    return found
+    if not np.isfinite(array).all():
+        raise UsageError(f"{name} holds a value that is not finite: {array.tolist()}")
+    return array
