@@ -12,7 +12,7 @@ from inertia import UsageError
 from inertia.balancing.axis.shaft import Shaft
 from inertia.balancing.tessellation_bound import chord_uncertainty, curved_faces
 from inertia.balancing.unbalance import Unbalance
-from inertia.mesh.geometry.closure import weld
+from inertia.mesh.geometry.closure import merge_equal_vertices
 from inertia.mesh.part import Surface
 from inertia_meshes.shapes import box, mapped, moved, revolved, sphere
 
@@ -20,7 +20,7 @@ PLANES = (0.02, 0.28)
 
 
 def curved(*pieces):
-    return curved_faces(Surface(*weld(surface(*pieces).triangles)))
+    return curved_faces(Surface(*merge_equal_vertices(surface(*pieces).triangles)))
 
 
 class TestCurvedFaces:

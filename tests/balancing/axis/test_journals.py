@@ -12,7 +12,7 @@ from scipy.spatial.transform import Rotation
 from inertia import GeometryError, UsageError
 from inertia.balancing.axis.cylinder_fit import fit_axis
 from inertia.balancing.axis.journals import axis_candidates
-from inertia.mesh.geometry.closure import weld
+from inertia.mesh.geometry.closure import merge_equal_vertices
 from inertia.mesh.part import Surface
 from inertia.mesh.read import read
 from inertia_meshes import path
@@ -22,7 +22,7 @@ TWO_DISCS = [(15, 80), (100, 20), (15, 100), (80, 30), (15, 70)]
 
 @pytest.fixture(scope="module")
 def rotor():
-    return weld(read(path("two_disc_rotor.stl")).triangles)
+    return merge_equal_vertices(read(path("two_disc_rotor.stl")).triangles)
 
 
 def wall(radius, low, high, *, center=(0.0, 0.0), angles=(0.0, 2 * math.pi), count=96, rings=2, inward=False):
@@ -67,7 +67,7 @@ def test_the_sample_rotors_shaft_leads_and_its_holes_follow(rotor):
 @settings(deadline=None, max_examples=8)
 @given(st.integers(0, 10**6))
 def test_turning_and_moving_the_part_moves_the_axis_and_nothing_else(seed):
-    vertices, faces = weld(read(path("two_disc_rotor.stl")).triangles)
+    vertices, faces = merge_equal_vertices(read(path("two_disc_rotor.stl")).triangles)
     random = np.random.default_rng(seed)
     turned, moved = Rotation.random(random_state=seed).as_matrix(), random.uniform(-500, 500, 3)
     found = axis_candidates(Surface(vertices @ turned.T + moved, faces))

@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 from tests.mesh.solids import cube, facets, joined, ring, sphere
 
 from inertia.mesh.geometry import closure as module
-from inertia.mesh.geometry.closure import Closure, closure, components, weld
+from inertia.mesh.geometry.closure import Closure, closure, components, merge_equal_vertices
 from inertia.mesh.part import Facets, Surface, Triangles
 from inertia.native import LOAD_ABOVE
 
@@ -142,7 +142,7 @@ def test_progress_rises_to_the_end() -> None:
 def test_weld_numbers_equal_points_in_the_order_of_their_use(soup: Surface) -> None:
     number: dict[tuple, int] = {}
     faces = [[number.setdefault(tuple(corner), len(number)) for corner in face] for face in soup.corners().tolist()]
-    vertices, welded = weld(soup)
+    vertices, welded = merge_equal_vertices(soup)
     assert welded.tolist() == faces
     assert [tuple(vertex) for vertex in vertices.tolist()] == list(number)
 

@@ -10,7 +10,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from tests.mesh.solids import Mesh, cube, joined, moebius, ring
 
-from inertia.mesh.geometry.closure import weld
+from inertia.mesh.geometry.closure import merge_equal_vertices, repeated_corners
 from inertia.mesh.geometry.edges import (
     Edges,
     Loop,
@@ -20,7 +20,6 @@ from inertia.mesh.geometry.edges import (
     flat,
     pair_edges,
     pieces,
-    repeated_corners,
 )
 
 CUBE = cube((5, 5, 5), size=10)
@@ -29,7 +28,7 @@ SOUPS = st.lists(st.tuples(NODE, NODE, NODE), max_size=40).map(lambda faces: np.
 
 
 def loops_of(mesh: Mesh) -> tuple[Loop, ...]:
-    vertices, faces = weld(joined(mesh))
+    vertices, faces = merge_equal_vertices(joined(mesh))
     return boundary_loops(vertices, pair_edges(faces))
 
 

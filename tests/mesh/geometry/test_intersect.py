@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 
 from inertia.mesh.geometry.boxes import BoxTree, overlapping
 from inertia.mesh.geometry.intersect import crossings, overlap
-from inertia.mesh.geometry.predicates import UNSURE, orient3d, orient3d_filter
+from inertia.mesh.geometry.triangle_pairs import UNSURE, orient3d, orient3d_filter
 from inertia.mesh.part import FACET, Facets, Surface
 from inertia_meshes.shapes import Corners, band, box, flipped, moved, revolved, sphere
 

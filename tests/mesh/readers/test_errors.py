@@ -39,8 +39,7 @@ from tests.mesh.readers.samples import (
 from tests.mesh.readers.step_sample import step_solid
 
 from inertia.errors import ReadError, UsageError
-from inertia.mesh.checks.finite import first_non_finite
-from inertia.mesh.part import Surface
+from inertia.mesh.part import Surface, first_non_finite
 from inertia.mesh.read import read
 from inertia.mesh.readers.sniff import EXTENSIONS
 

@@ -18,7 +18,7 @@ from inertia.arrays import Bool, Float, Int
 from inertia.balancing.axis.shaft import Shaft
 from inertia.balancing.bounds import Uncertainty
 from inertia.errors import UsageError
-from inertia.mesh.geometry.closure import components, weld
+from inertia.mesh.geometry.closure import components, merge_equal_vertices
 from inertia.mesh.geometry.edges import pair_edges
 from inertia.mesh.part import Part, Surface
 
@@ -45,7 +45,7 @@ def chord_uncertainty(part: Part, chord: float, density: float, shaft: Shaft, z:
     for name, value, unit in (("chord tolerance", chord, "m"), ("density", density, "kg/m3")):
         if not 0 < value < math.inf:
             raise UsageError(f"the {name} is {value!r} {unit}: it must be positive and finite")
-    surface = Surface(*weld(part.triangles))
+    surface = Surface(*merge_equal_vertices(part.triangles))
     faces = surface.faces[curved_faces(surface)]
     if not len(faces):
         return Uncertainty("tessellation", (), chord)
@@ -155,7 +155,7 @@ def estimated_sag(part: Part) -> float:
     >>> round(sag, 4) == round(100 * (1 - math.cos(math.pi / 256)), 4)
     True
     """
-    vertices, faces = weld(part.triangles)
+    vertices, faces = merge_equal_vertices(part.triangles)
     ends, first, second, normals = _hinges(vertices, faces)
     doubled = np.linalg.norm(normals, axis=1)  # areas
     length = np.linalg.norm(np.diff(vertices[ends], axis=1)[:, 0], axis=1)

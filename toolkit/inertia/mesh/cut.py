@@ -20,11 +20,11 @@ from numpy.typing import ArrayLike
 from inertia.arrays import Float, Int
 from inertia.errors import GeometryError
 from inertia.mesh.check import check
-from inertia.mesh.geometry.closure import Closure, closure, weld
+from inertia.mesh.geometry.closure import Closure, closure, merge_equal_vertices, repeated_corners
 from inertia.mesh.geometry.shells import bodies, members, shells
 from inertia.mesh.part import Part, Regions, Surface
 from inertia.mesh.repairs.holes import around
-from inertia.mesh.repairs.weld import compact, repeats_a_corner
+from inertia.mesh.repairs.weld import compact
 
 SEGMENTS = 64
 """Sides of a round tool: its vertices are 0.08 % of the radius outside the circle."""
@@ -169,12 +169,12 @@ def stock(part: Part) -> Stock:
     hangs = closure(triangles)
     if triangles.count == 0 or hangs.open_edges:
         check(part).require_fit()
-    vertices, faces = weld(triangles)
+    vertices, faces = merge_equal_vertices(triangles)
     # Products of coordinates must not overflow; a power of two brings them near 1 and changes no digit.
     exponent = int(np.frexp(np.abs(vertices).max())[1])
     made = []
     for group in _groups(part, hangs):
-        own = group[~repeats_a_corner(faces[group])]
+        own = group[~repeated_corners(faces[group])]
         index = np.zeros(len(own), np.int64) if part.regions is None else part.regions.index[own].astype(np.int64)
         own = own[np.argsort(index, kind="stable")]
         regions, lengths = np.unique(index, return_counts=True)

@@ -37,6 +37,7 @@ FACET = np.dtype(
 """One record of a binary STL file: a normal (ignored), nine coordinates, an attribute; 50 bytes, packed."""
 
 _CORNERS_OFFSET = 12
+_SCANNED = 65_536  # triangles looked at together
 
 
 class Facets:
@@ -146,6 +147,25 @@ class Surface:
 
 
 Triangles = Facets | Surface
+
+
+def first_non_finite(triangles: Triangles) -> tuple[int, int] | None:
+    """Return (triangle, corner 0 to 2) of the first NaN or infinite coordinate, or None.
+
+    Reading does not scan a binary STL file; whoever integrates one sees a sum that is not finite and asks here.
+
+    >>> first_non_finite(Surface([[0, 0, 0], [1, 0, 0], [0, float("nan"), 0]], [[0, 1, 2]]))
+    (0, 2)
+    """
+    corners = triangles.corners_f4 if isinstance(triangles, Facets) else triangles.corners
+    for start in range(0, triangles.count, _SCANNED):
+        stop = min(start + _SCANNED, triangles.count)
+        finite = np.isfinite(corners(start, stop)).all(axis=2)
+        triangles.release(start, stop)
+        if not finite.all():
+            face, corner = np.argwhere(~finite)[0]
+            return start + int(face), int(corner)
+    return None
 
 
 @dataclass(frozen=True, eq=False)

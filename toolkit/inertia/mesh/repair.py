@@ -24,7 +24,7 @@ import numpy as np
 from inertia.arrays import Float, Int
 from inertia.errors import GeometryError
 from inertia.mesh.checks.findings import counted
-from inertia.mesh.geometry.closure import weld
+from inertia.mesh.geometry.closure import merge_equal_vertices, repeated_corners
 from inertia.mesh.geometry.halfedges import half_edges
 from inertia.mesh.part import Part, Regions, Surface, Triangles
 from inertia.mesh.repairs.copies import copies, facing
@@ -36,7 +36,6 @@ from inertia.mesh.repairs.weld import (
     close_vertices,
     compact,
     diagonal,
-    repeats_a_corner,
     require_finite,
     weld_within,
 )
@@ -183,7 +182,7 @@ def _repaired(triangles: Triangles, regions: Regions | None, tolerance: float | 
 
 def _joined(triangles: Triangles) -> _Step:
     """Give equal vertices one number; that is no change where the format numbers no vertices."""
-    vertices, faces = weld(triangles)
+    vertices, faces = merge_equal_vertices(triangles)
     mesh = _Mesh(vertices, faces, np.arange(len(faces)))
     if not isinstance(triangles, Surface):
         return mesh, []
@@ -203,7 +202,7 @@ def _without(mesh: _Mesh, which: Int, what: str) -> _Step:
 
 
 def _repeating(faces: Int) -> Int:
-    return np.flatnonzero(repeats_a_corner(faces))
+    return np.flatnonzero(repeated_corners(faces))
 
 
 def _without_cracks(mesh: _Mesh) -> _Step:

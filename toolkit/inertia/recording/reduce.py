@@ -13,9 +13,9 @@ import numpy as np
 
 from inertia.arrays import Float
 from inertia.mass.cells.shapes import KINDS, volume_blocks
+from inertia.mesh.geometry.closure import repeated_corners
 from inertia.mesh.geometry.edges import first_equal
 from inertia.mesh.part import Cells, Part, Surface, Triangles
-from inertia.mesh.repairs.weld import repeats_a_corner
 
 MOST = 50_000
 """Triangles that are shown; merging aims at this number."""
@@ -89,7 +89,7 @@ def _merged(blocks: Iterator[Float], low: Float, size: float) -> Float:
         found.append(keys)
         sums.append(np.stack([*added, count], axis=1))
         triples = keys[place.reshape(-1, 3)]
-        faces.append(triples[~repeats_a_corner(triples)])
+        faces.append(triples[~repeated_corners(triples)])
     keys, place = np.unique(np.concatenate(found), return_inverse=True)
     total = np.stack([np.bincount(place, column) for column in np.concatenate(sums).T], axis=1)
     triples = np.searchsorted(keys, np.concatenate(faces))

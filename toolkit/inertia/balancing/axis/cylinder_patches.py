@@ -14,7 +14,7 @@ import numpy as np
 
 from inertia.arrays import Float, Int
 from inertia.balancing.axis.cylinder_fit import across, circle
-from inertia.mesh.geometry.closure import components, weld
+from inertia.mesh.geometry.closure import components, merge_equal_vertices
 from inertia.mesh.geometry.edges import pair_edges
 from inertia.mesh.part import Triangles
 
@@ -49,7 +49,7 @@ class Facets:
     @classmethod
     def of(cls, triangles: Triangles) -> Facets:
         """Weld a surface and pair its triangles."""
-        vertices, faces = weld(triangles)
+        vertices, faces = merge_equal_vertices(triangles)
         corners = vertices[faces]
         normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
         length = np.linalg.norm(normals, axis=1)

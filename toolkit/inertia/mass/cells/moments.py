@@ -1,4 +1,4 @@
-"""Exact moments of the cells of a volume mesh, and of wires and points.
+"""Exact moments of the cells of a volume mesh, of wires and of points, and the area of the outside of the mesh.
 
 Each cell is what its own map makes of its reference shape (`shapes`), curved edges and warped faces included.
 The integrals ∫ det J, ∫ det J x, ∫ det J x xᵀ have polynomial integrands, so Gauss rules with enough points
@@ -7,25 +7,26 @@ are exact but for rounding, and rounding has a bound (`cell_sums`).
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
-from inertia.arrays import Float
+from inertia.arrays import Float, Int
 from inertia.errors import GeometryError, UsageError
-from inertia.mass.cells.outside_area import boundary_area
 from inertia.mass.cells.quadrature import UNIT_ROUNDOFF, Chunk, integrate, moment_rows
 from inertia.mass.cells.shape_functions import Table, table
-from inertia.mass.cells.shapes import numbered_blocks, volume_blocks
+from inertia.mass.cells.shapes import KINDS, numbered_blocks, volume_blocks
 from inertia.mass.moments import Moments, simplex_moments
+from inertia.mesh.geometry.edges import first_equal
 from inertia.mesh.part import Cells
-
-__all__ = ["CellIntegral", "boundary_area", "cell_moments", "point_moments", "wire_moments"]
 
 _COARSE = (12,)
 """Gauss points of the rule that a curved wire's rule is compared with."""
+
+_FACES = 4096  # of the outside, integrated at a time
 
 
 @dataclass(frozen=True)
@@ -136,6 +137,35 @@ def point_moments(cells: Cells) -> Moments:
     return simplex_moments(points[:, None, :], np.ones(len(points)))
 
 
+def boundary_area(cells: Cells) -> float:
+    """Return the area of the faces that only one volume cell uses, in the file's unit².
+
+    Faces are the same where their corners are, nodes with equal coordinates counting as one. Flat triangles
+    have their closed form; other faces are integrated by Gauss's rule with 6 × 6 points over their own map,
+    which is exact but for rounding for flat quadrilaterals, and for curved faces limited by how smooth they
+    are.
+
+    >>> from inertia.mesh.part import CellBlock
+    >>> points = np.array([[x, y, z] for z in (0, 1) for y in (0, 1) for x in (0, 1)], float)
+    >>> cube = CellBlock("hexahedron", np.array([[0, 1, 3, 2, 4, 5, 7, 6]]))
+    >>> round(boundary_area(Cells(points, (cube,))), 12)
+    6.0
+    """
+    blocks = volume_blocks(cells)
+    if not blocks:
+        return 0.0
+    welded = first_equal((cells.points + 0.0).view(np.int64))
+    faces = [(kind, block.nodes[:, nodes]) for _, block in blocks for kind, nodes in KINDS[block.kind].faces]
+    first = first_equal(np.concatenate([_ascending(welded[nodes[:, : KINDS[kind].corners]]) for kind, nodes in faces]))
+    single = np.bincount(first, minlength=len(first))[first] == 1
+    parts, start = [], 0
+    for kind, nodes in faces:
+        outside = nodes[single[start : start + len(nodes)]]
+        start += len(nodes)
+        parts += [_area(cells.points, kind, outside[i : i + _FACES]) for i in range(0, len(outside), _FACES)]
+    return math.fsum(parts)
+
+
 def _determinants(shape: Table, chunk: Chunk) -> tuple[Float, Float]:
     """Return det ∂x/∂ξ at the points and corners, (r, k), and a bound on the error of each cell's, (k,).
 
@@ -183,3 +213,20 @@ def _refusal(chunk: Chunk, cell: int, share: float) -> GeometryError:
     return GeometryError(
         f"{name} has no volume: its Jacobian determinant is 0 within rounding; remove it, or mesh it again"
     )
+
+
+def _ascending(corners: Int) -> Int:
+    """Return the corners of each face in ascending order, (m, 4), the last repeated until there are four.
+
+    So a quadrilateral with two corners in one place is the same as the triangle on its other side.
+    """
+    key = np.sort(np.pad(corners, ((0, 0), (0, 4 - corners.shape[1])), mode="edge"), axis=1)
+    key[:, 1:] = np.where(key[:, 1:] == key[:, :-1], key[:, -1:], key[:, 1:])
+    return np.sort(key, axis=1)
+
+
+def _area(points: Float, kind: str, nodes: Int) -> float:
+    shape = table(kind)
+    edges = points[nodes] - points[nodes[:, :1]]
+    u, v = np.einsum("aqn,fnx->afqx", shape.slopes[:, : len(shape.weights)], edges)
+    return float((np.linalg.norm(np.cross(u, v), axis=2) @ shape.weights).sum())

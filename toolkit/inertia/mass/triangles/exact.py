@@ -26,8 +26,7 @@ from numpy.typing import NDArray
 from inertia.arrays import Float, Int
 from inertia.errors import GeometryError
 from inertia.mass.moments import Moments
-from inertia.mesh.checks.finite import first_non_finite
-from inertia.mesh.part import Triangles
+from inertia.mesh.part import Triangles, first_non_finite
 from inertia.native import Kernel
 
 METHOD = "exact (integer arithmetic)"

@@ -30,8 +30,7 @@ import numpy as np
 from inertia.arrays import Float
 from inertia.errors import GeometryError
 from inertia.mass.triangles.kernels import BLOCK, DEPTH, LANES, BlockKernel
-from inertia.mesh.checks.finite import first_non_finite
-from inertia.mesh.part import Triangles
+from inertia.mesh.part import Triangles, first_non_finite
 from inertia.native import Kernel
 
 SUMS = 13

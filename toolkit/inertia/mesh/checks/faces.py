@@ -7,7 +7,8 @@ import numpy as np
 from inertia.arrays import Int
 from inertia.mesh.checks.findings import Finding, by_severity, counted, listed, usable
 from inertia.mesh.checks.surface_topology import Measured
-from inertia.mesh.geometry.edges import duplicates, flat, repeated_corners
+from inertia.mesh.geometry.closure import repeated_corners
+from inertia.mesh.geometry.edges import duplicates, flat
 from inertia.mesh.part import Surface, Triangles
 
 _CHUNK = 1 << 16

@@ -10,7 +10,7 @@ import numpy as np
 
 from inertia.arrays import Bool, Float, Int
 from inertia.mesh.checks.findings import Where, around, listed, middle
-from inertia.mesh.geometry.closure import Closure, closure, weld
+from inertia.mesh.geometry.closure import Closure, closure, merge_equal_vertices
 from inertia.mesh.geometry.edges import Edges, Loop, Place, boundary_loops, pair_edges
 from inertia.mesh.geometry.shells import Shell, shells
 from inertia.mesh.part import Triangles
@@ -69,7 +69,7 @@ class Measured:
 
 def measure(triangles: Triangles, unit: str) -> Measured:
     """Weld a surface with usable coordinates, pair its edges, and nest its shells."""
-    vertices, faces = weld(triangles)
+    vertices, faces = merge_equal_vertices(triangles)
     edges = pair_edges(faces)
     found = closure(triangles)
     return Measured(

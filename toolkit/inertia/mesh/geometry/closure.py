@@ -1,4 +1,4 @@
-"""Is a surface closed, and of how many pieces is it made: one pass over the triangles.
+"""Closure and connected components of a triangle surface, in one pass over its triangles.
 
 A surface bounds a solid when its boundary chain is zero: every directed edge u→v is matched by an edge v→u.
 Edges are paired as the triangles stream by; only those that still wait for their partner are kept, so a file
@@ -19,7 +19,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from inertia.arrays import Int, Progress
+from inertia.arrays import Bool, Int, Progress
 from inertia.mesh.part import Facets, Surface, Triangles
 from inertia.native import Kernel
 
@@ -33,7 +33,7 @@ _RELEASE = 16 * _CHUNK
 
 @dataclass(frozen=True, eq=False)
 class Closure:
-    """What one pass over the edges of a surface finds.
+    """How the triangles of a surface hang together by their edges.
 
     Attributes
     ----------
@@ -56,8 +56,8 @@ def closure(triangles: Triangles, progress: Progress | None = None) -> Closure:
     >>> from inertia.mesh.part import Part
     >>> part = Part.from_arrays([[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]],
     ...                         [[0, 2, 1], [0, 1, 3], [1, 2, 3], [0, 3, 2]])
-    >>> found = closure(part.triangles)
-    >>> found.open_edges, found.components
+    >>> tetrahedron = closure(part.triangles)
+    >>> tetrahedron.open_edges, tetrahedron.components
     (0, 1)
     """
     kernel = _FACETS if isinstance(triangles, Facets) else _FACES
@@ -102,12 +102,11 @@ def _compiled(triangles: Triangles, progress: Progress | None) -> Closure:
             _FACES.function(_address(faces), _address(vertex_keys), len(vertex_keys), start, stop, *tables)
         if progress is not None and start % _RELEASE == 0:
             progress(stop / count)
-    given = parent[: state[1]]
-    roots = _roots(given)
+    roots = _roots(parent[: state[1]])
     components, number = np.unique(roots, return_inverse=True)
     if len(components) > 1:
-        kept = labels >= 0
-        labels[kept] = number.astype(np.int32)[labels[kept]]
+        labelled = labels >= 0
+        labels[labelled] = number.astype(np.int32)[labels[labelled]]
     else:
         np.minimum(labels, 0, out=labels)
     return Closure(int(state[0]), len(components), labels, int(state[2]))
@@ -136,7 +135,7 @@ def _vertex_keys(vertices: NDArray[np.float64]) -> NDArray[np.uint64]:
     return key
 
 
-def weld(triangles: Triangles) -> tuple[NDArray[np.float64], Int]:
+def merge_equal_vertices(triangles: Triangles) -> tuple[NDArray[np.float64], Int]:
     """Return the distinct vertices (n, 3) and the faces (m, 3) over them; equal means the same coordinates.
 
     Vertices are numbered in the order in which the triangles first use them. Nothing is moved or left out.
@@ -154,6 +153,13 @@ def weld(triangles: Triangles) -> tuple[NDArray[np.float64], Int]:
     number = np.empty_like(by_use)
     number[by_use] = np.arange(len(by_use))
     return points[earliest[by_use]], number[inverse].reshape(-1, 3)
+
+
+def repeated_corners(faces: Int) -> Bool:
+    """Say which faces (m, 3) name a vertex twice."""
+    a, b, c = faces.T
+    repeated: Bool = (a == b) | (b == c) | (c == a)
+    return repeated
 
 
 def components(pairs: Int, count: int) -> Int:
@@ -177,12 +183,11 @@ def components(pairs: Int, count: int) -> Int:
 
 
 def _vectorised(triangles: Triangles) -> Closure:
-    _, faces = weld(triangles)
+    _, faces = merge_equal_vertices(triangles)
     count = len(faces)
-    repeated = (faces[:, 0] == faces[:, 1]) | (faces[:, 1] == faces[:, 2]) | (faces[:, 2] == faces[:, 0])
+    repeated = repeated_corners(faces)
     owner = np.flatnonzero(~repeated)
-    kept = faces[owner]
-    tail, head = kept.ravel(), np.roll(kept, -1, axis=1).ravel()
+    tail, head = faces[owner].ravel(), np.roll(faces[owner], -1, axis=1).ravel()
     forward = tail < head
     low, high = np.minimum(tail, head), np.maximum(tail, head)
     order = np.lexsort((forward, high, low))

@@ -1,7 +1,8 @@
-"""The exact account of a surface's edges and faces: which are unmatched, doubled or flat, and where.
+"""Edges of a triangle surface by their number of triangles, boundary loops, duplicate and flat triangles.
 
-It works by sorting, on welded faces (`inertia.mesh.geometry.closure.weld`), and is for the details; whether a surface
-is closed at all, `inertia.mesh.geometry.closure` says sooner. Triangles with a repeated corner have no edges here.
+It works by sorting, on the faces that `inertia.mesh.geometry.closure.merge_equal_vertices` returns, and is for the
+details; whether a surface is closed at all, `inertia.mesh.geometry.closure` says sooner. Triangles with a repeated
+corner have no edges here.
 """
 
 from __future__ import annotations
@@ -13,7 +14,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from inertia.arrays import Bool, Float, Int
-from inertia.mesh.geometry.closure import components
+from inertia.mesh.geometry.closure import components, repeated_corners
 
 Place = tuple[float, float, float]
 
@@ -99,13 +100,6 @@ class Loop:
     start: Place
     triangle: int
     closed: bool
-
-
-def repeated_corners(faces: Int) -> Bool:
-    """Say which faces (m, 3) name a vertex twice."""
-    a, b, c = faces.T
-    repeated: Bool = (a == b) | (b == c) | (c == a)
-    return repeated
 
 
 def flat(vertices: Float, faces: Int) -> Bool:

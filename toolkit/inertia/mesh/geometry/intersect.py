@@ -15,7 +15,7 @@ import numpy as np
 
 from inertia.arrays import Float, Int, Progress
 from inertia.mesh.geometry.boxes import BoxTree, overlapping
-from inertia.mesh.geometry.closure import closure, weld
+from inertia.mesh.geometry.closure import closure, merge_equal_vertices
 from inertia.mesh.geometry.triangle_pairs import crossing, unit, unit_normals
 from inertia.mesh.geometry.winding import windings
 from inertia.mesh.part import Surface, Triangles
@@ -63,7 +63,7 @@ def crossings(
     array([[1.5, 1.5, 0. ]])
     """
     if b is None:
-        vertices, faces = weld(a)
+        vertices, faces = merge_equal_vertices(a)
         numbers_a = numbers_b = np.arange(len(faces))
         faces_a = faces_b = faces
     else:
@@ -152,7 +152,7 @@ def _in_common_box(a: Triangles, b: Triangles) -> tuple[Int, Int]:
 def _welded_together(a: Triangles, b: Triangles) -> tuple[Float, Int, Int]:
     """Return common vertices, and the faces of both surfaces over them."""
     corners = np.concatenate([a.corners(), b.corners()]).reshape(-1, 3)
-    vertices, faces = weld(Surface(corners, np.arange(len(corners)).reshape(-1, 3)))
+    vertices, faces = merge_equal_vertices(Surface(corners, np.arange(len(corners)).reshape(-1, 3)))
     return vertices, faces[: a.count], faces[a.count :]
 
 

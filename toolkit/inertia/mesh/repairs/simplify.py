@@ -15,9 +15,9 @@ from typing import Any
 import numpy as np
 
 from inertia.errors import GeometryError
-from inertia.mesh.geometry.closure import weld
+from inertia.mesh.geometry.closure import merge_equal_vertices, repeated_corners
 from inertia.mesh.part import Surface, Triangles
-from inertia.mesh.repairs.weld import compact, diagonal, repeats_a_corner
+from inertia.mesh.repairs.weld import compact, diagonal
 
 FEWEST = 4
 """Triangles that bound a volume."""
@@ -56,8 +56,8 @@ def halvings(triangles: Triangles) -> Iterator[Simplified]:
     >>> [half.surface.count for half in halvings(octahedron)]
     []
     """
-    vertices, faces = weld(triangles)
-    vertices, faces = compact(vertices, faces[~repeats_a_corner(faces)])
+    vertices, faces = merge_equal_vertices(triangles)
+    vertices, faces = compact(vertices, faces[~repeated_corners(faces)])
     if not len(faces):
         return
     # Products of coordinates must not overflow; a power of two brings them near 1 and changes no digit.

@@ -9,13 +9,11 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from inertia.arrays import Float, Int
 from inertia.errors import GeometryError, UsageError
-from inertia.mesh.checks.finite import first_non_finite
-from inertia.mesh.geometry.closure import components, weld
-from inertia.mesh.part import Surface, Triangles
+from inertia.mesh.geometry.closure import components, merge_equal_vertices, repeated_corners
+from inertia.mesh.part import Surface, Triangles, first_non_finite
 
 _LARGEST = 0.1  # tolerance, over the diagonal of the part's box
 _PAIRS = 50_000_000  # close vertices found at most: one gigabyte
@@ -56,11 +54,11 @@ def weld_within(surface: Triangles, tolerance: float) -> WeldResult:
     (1, 1e-09, [[0, 1, 2], [1, 3, 2]])
     """
     require_finite(surface)
-    vertices, faces = weld(surface)
+    vertices, faces = merge_equal_vertices(surface)
     into = close_vertices(vertices, tolerance)
     moves = np.linalg.norm(vertices - vertices[into], axis=1)
     faces = into[faces]
-    kept = np.flatnonzero(~repeats_a_corner(faces))
+    kept = np.flatnonzero(~repeated_corners(faces))
     return WeldResult(
         surface=Surface(*compact(vertices, faces[kept])),
         merged=int((into != np.arange(len(into))).sum()),
@@ -107,13 +105,6 @@ def require_finite(triangles: Triangles) -> None:
 def diagonal(vertices: Float) -> float:
     """Return the diagonal of the box around vertices (n, 3); 0 where there are none."""
     return float(np.linalg.norm(np.ptp(vertices, axis=0))) if len(vertices) else 0.0
-
-
-def repeats_a_corner(faces: Int) -> NDArray[np.bool_]:
-    """Say which faces (m, 3) name a vertex twice."""
-    a, b, c = faces.T
-    repeats: NDArray[np.bool_] = (a == b) | (b == c) | (c == a)
-    return repeats
 
 
 def compact(vertices: Float, faces: Int) -> tuple[Float, Int]:
