@@ -16,7 +16,7 @@ from tests.benchmarks.extremes.truth import Truth, errors
 
 import inertia
 from inertia.errors import GeometryError
-from inertia.mass.triangles.arithmetic import METHODS, Rung, solid_moments
+from inertia.mass.triangles.arithmetic import METHODS, Arithmetic, solid_moments
 from inertia.mesh.part import Facets, Part, Surface
 from inertia.units import length_unit
 
@@ -59,7 +59,7 @@ def test_the_exact_rung_is_off_by_no_more_than_rounding_its_results(case: Case) 
         assert found["smallest moment"] <= 2.0**-53
 
 
-REACHED: list[tuple[Rung, Case]] = [
+REACHED: list[tuple[Arithmetic, Case]] = [
     *(("float64", case) for case in having("at the origin")),
     *(("float64", case) for case in having("1e3 diameters")),
     *(("float64", case) for case in having("e30 m") + having("e60 m") + having("1e-30 m") + having("1e-60 m")),
@@ -72,7 +72,7 @@ REACHED: list[tuple[Rung, Case]] = [
 
 
 @pytest.mark.parametrize(("rung", "case"), REACHED, ids=lambda k: k if isinstance(k, str) else named(k))
-def test_an_accuracy_that_the_coordinates_allow_is_reached_by_the_cheapest_method(rung: Rung, case: Case) -> None:
+def test_an_accuracy_that_the_coordinates_allow_is_reached_by_the_cheapest_method(rung: Arithmetic, case: Case) -> None:
     found = inertia.mass_properties(part(case), 1.0, accuracy=1e-12)
     assert found.error.method == METHODS[rung]
     truth = Truth.of(case.triangles.corners())
@@ -135,7 +135,7 @@ def test_sums_lose_nothing_where_coordinates_are_subnormal_or_near_the_largest(p
 
 @pytest.mark.parametrize("case", having("float32"), ids=named)
 @pytest.mark.parametrize("rung", RUNGS)
-def test_float32_records_give_what_the_same_numbers_in_float64_do(case: Case, rung: Rung) -> None:
+def test_float32_records_give_what_the_same_numbers_in_float64_do(case: Case, rung: Arithmetic) -> None:
     assert isinstance(case.triangles, Facets)
     stored = properties(solid_moments(case.triangles, rung), rung)
     widened = properties(solid_moments(Surface(case.vertices, case.faces), rung), rung)

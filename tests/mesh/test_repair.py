@@ -417,6 +417,6 @@ class TestRefusals:
             repair(Part(cells))
 
     def test_a_union_that_is_open_is_not_passed_on(self, monkeypatch):
-        monkeypatch.setattr("inertia.mesh.repair.united", lambda *_: (np.eye(3), np.array([[0, 1, 2]])))
+        monkeypatch.setattr("inertia.mesh.repair.union", lambda *_: (np.eye(3), np.array([[0, 1, 2]])))
         with pytest.raises(GeometryError, match=r"3 edges, the first around .* are open"):
             repair(part(cube(), cube(0.5)))

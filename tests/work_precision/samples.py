@@ -1,7 +1,7 @@
 """Rows made up for the tests of what is done with rows."""
 
 import inertia
-from inertia.mass.triangles.arithmetic import Rung
+from inertia.mass.triangles.arithmetic import Arithmetic
 from inertia.work_precision.compare import Relative
 from inertia.work_precision.machine import Machine
 from inertia.work_precision.recommend import recommendations
@@ -18,7 +18,7 @@ def same(value: float) -> Relative:
     return Relative(value, value, value)
 
 
-def whole(method: Rung, seconds: float, bound: float) -> Row:
+def whole(method: Arithmetic, seconds: float, bound: float) -> Row:
     time = Timing(seconds, 0.9 * seconds, 1.2 * seconds, 5)
     return Row(method, 8000, None, time, BALL, same(bound / 100), same(bound), bound)
 

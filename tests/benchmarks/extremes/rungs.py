@@ -9,18 +9,18 @@ import inertia
 from inertia.errors import InertiaError
 from inertia.mass.moments import Moments, inertia_bound, inertia_tensor
 from inertia.mass.properties import MassProperties
-from inertia.mass.triangles.arithmetic import METHODS, Rung
+from inertia.mass.triangles.arithmetic import METHODS, Arithmetic
 from inertia.mesh.part import Part, Source, Triangles
 from inertia.units import length_unit
 
 from .answers import Answer
 from .truth import Truth
 
-RUNGS: tuple[Rung, ...] = ("float64", "double-double", "exact")
+RUNGS: tuple[Arithmetic, ...] = ("float64", "double-double", "exact")
 
 
 def properties(
-    moments: Moments, rung: Rung, metres: Fraction = Fraction(1), density: Fraction = Fraction(1)
+    moments: Moments, rung: Arithmetic, metres: Fraction = Fraction(1), density: Fraction = Fraction(1)
 ) -> MassProperties:
     """Return the mass properties for coordinates in a unit of `metres` and a density in kg/m³."""
     body = moments.in_unit(metres).scaled(metres**3 * density)

@@ -277,7 +277,7 @@ def test_moments_are_within_their_bounds_on_either_side_of_the_limit(
 @pytest.mark.parametrize("overflown", [np.inf, np.nan], ids=str)
 def test_where_the_analysis_leaves_float64_the_other_bound_counts(overflown: float) -> None:
     sums = sum_triangles(Surface(*BELOW))
-    assert moments_of(sums, watched=np.full(10, overflown)) == moments_of(sums)
+    assert moments_of(sums, running=np.full(10, overflown)) == moments_of(sums)
 
 
 @pytest.mark.parametrize("far", [1e30, 1e70])

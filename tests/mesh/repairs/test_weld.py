@@ -20,7 +20,7 @@ def test_vertices_that_are_apart_keep_their_bits():
     welded = weld_within(soup(corners), 1e-9)
     assert (welded.merged, welded.largest_move, welded.collapsed) == (0, 0.0, 0)
     assert welded.surface.corners().tobytes() == (corners + 0.0).tobytes()  # −0 is read as 0
-    assert welded.kept.tolist() == list(range(len(corners)))
+    assert welded.remaining.tolist() == list(range(len(corners)))
 
 
 def test_the_first_vertex_of_a_group_keeps_its_bits():
@@ -57,7 +57,7 @@ def test_triangles_that_collapse_are_dropped_and_counted():
     surface = Surface([[0, 0, 0], [1, 0, 0], [0, 1, 0], [1, 1e-4, 0], [1, 1, 0]], [[0, 1, 2], [1, 3, 0], [3, 4, 2]])
     welded = weld_within(surface, 1e-3)
     assert welded.collapsed == 1
-    assert welded.kept.tolist() == [0, 2]
+    assert welded.remaining.tolist() == [0, 2]
     assert welded.surface.faces.tolist() == [[0, 1, 2], [1, 3, 2]]
 
 

@@ -1,4 +1,4 @@
-"""Which density each part of a body has, and who said so."""
+"""Densities of the regions or bodies of a part: from numbers, materials or a weighed mass, and who said so."""
 
 from __future__ import annotations
 

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from inertia.arrays import Float, Int, Progress
 from inertia.errors import GeometryError, UsageError
 from inertia.mass.moments import Moments
-from inertia.mass.triangles.arithmetic import METHODS, Rung, rungs, solid_moments
+from inertia.mass.triangles.arithmetic import METHODS, Arithmetic, arithmetics, solid_moments
 from inertia.mass.triangles.moments_from_sums import moments_of
 from inertia.mass.triangles.sums import Sums, sum_triangles
 from inertia.mesh.check import cell_bodies, check
@@ -62,7 +62,7 @@ def surface_integrals(
 ) -> Iterator[Integral]:
     """Integrate a triangle surface as a solid, or as a `shell` (whose "volume" is its area).
 
-    Yields an integral for each of the rungs that `accuracy` names, from the cheapest to the dearest: whoever has
+    Yields an integral for each arithmetic that `accuracy` names, from the cheapest to the dearest: whoever has
     one that is good enough asks for no further.
 
     Raises `GeometryError` where the surface does not bound a solid that faces outward; with `absolute` an inward
@@ -73,7 +73,7 @@ def surface_integrals(
         check(part).require_fit()
     if shell and accuracy == "exact":
         raise UsageError("exact arithmetic cannot give a shell's area, which holds square roots: leave it out")
-    trying = rungs(accuracy)
+    tries = arithmetics(accuracy)
     paired, summed = (0.6, 1.0) if shell or accuracy is None else (0.1, 0.2)
     topology = closure(triangles, _part_of(progress, 0.0, paired))
     with naming(part):
@@ -101,16 +101,16 @@ def surface_integrals(
     if shell:
         yield integral
         return
-    for k, rung in enumerate(trying):
-        start, stop = (summed + (1.0 - summed) * step / len(trying) for step in (k, k + 1))
-        whole = solid_moments(triangles, rung, sums, _part_of(progress, start, stop))
+    for k, arithmetic in enumerate(tries):
+        start, stop = (summed + (1.0 - summed) * step / len(tries) for step in (k, k + 1))
+        whole = solid_moments(triangles, arithmetic, sums, _part_of(progress, start, stop))
         if pieces or whole.zeroth < -whole.zeroth_bound:
             check(part).require_fit()
         flat = not pieces and whole.zeroth <= whole.zeroth_bound
         if not flat:
-            groups = _solid_groups(part, named, topology, pieces, whole, rung)
-            yield replace(integral, groups=groups, method=METHODS[rung])
-        elif rung == trying[-1]:
+            groups = _solid_groups(part, named, topology, pieces, whole, arithmetic)
+            yield replace(integral, groups=groups, method=METHODS[arithmetic])
+        elif arithmetic == tries[-1]:
             _refuse_flat(part, whole, extents)
 
 
@@ -149,14 +149,19 @@ def _refuse_flat(part: Part, whole: Moments, box: Float) -> None:
 
 
 def _solid_groups(
-    part: Part, named: Collection[str], topology: Closure, pieces: tuple[Shell, ...], whole: Moments, rung: Rung
+    part: Part,
+    named: Collection[str],
+    topology: Closure,
+    pieces: tuple[Shell, ...],
+    whole: Moments,
+    arithmetic: Arithmetic,
 ) -> tuple[Group, ...]:
     """Integrate a sound surface: as one group, or its regions or bodies apart where densities name them."""
     if not named:
         return (Group("1", whole),)
 
     def integrate(triangles: Triangles) -> Moments:
-        return solid_moments(triangles, rung)
+        return solid_moments(triangles, arithmetic)
 
     bodies = {str(body.number + 1): body.shells for body in bodies_of(pieces)} or {"1": ()}
     _refuse_unknown(named, bodies, part.regions)

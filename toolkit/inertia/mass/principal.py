@@ -139,14 +139,14 @@ def _above(bound: Fraction) -> float:
 def _nearest_axes(basis: Float) -> Float:
     """Return an orthonormal basis of the subspace of `basis` (3, k), built from x, y, z in that order of nearness."""
     projector = basis @ basis.T
-    chosen: list[Float] = []
+    axes: list[Float] = []
     for _ in range(basis.shape[1]):
-        rest = projector - sum((np.outer(c, c) for c in chosen), np.zeros((3, 3)))
+        rest = projector - sum((np.outer(c, c) for c in axes), np.zeros((3, 3)))
         # The tolerance keeps rounding from deciding between axes that are equally near.
         lengths = np.linalg.norm(rest, axis=0)
         pick = int(np.argmax(lengths >= lengths.max() * (1 - 1e-9)))
-        chosen.append(rest[:, pick] / lengths[pick])
-    return np.column_stack(chosen)
+        axes.append(rest[:, pick] / lengths[pick])
+    return np.column_stack(axes)
 
 
 def _signed(axes: Float) -> Float:

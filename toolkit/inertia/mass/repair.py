@@ -10,9 +10,9 @@ import numpy as np
 from inertia.mass.moments import inertia_tensor
 from inertia.mass.triangles.moments_from_sums import moments_of
 from inertia.mass.triangles.sums import sum_triangles
+from inertia.mesh import repair as mesh_repair
 from inertia.mesh.part import Part
-from inertia.mesh.repair import Change, Repair, welded
-from inertia.mesh.repair import repair as repair_mesh
+from inertia.mesh.repair import Change, Repair
 
 
 @dataclass(frozen=True)
@@ -57,7 +57,7 @@ def repair(part: Part, tolerance: float | None = None) -> Repaired:
     >>> [str(change) for change in repair(part).changes]
     ['holes filled: 1 (of 3 edges around (0, 0.333333333, 0.333333333))']
     """
-    return _measured(part, repair_mesh(part, tolerance=tolerance))
+    return _with_effect(part, mesh_repair.repair(part, tolerance=tolerance))
 
 
 def weld(part: Part, tolerance: float) -> Repaired:
@@ -75,17 +75,17 @@ def weld(part: Part, tolerance: float) -> Repaired:
     >>> [str(change) for change in weld(part, 1e-6).changes]
     ['vertices within the tolerance merged: 1 (0 triangles collapsed and left out), moved by at most 1e-09']
     """
-    return _measured(part, welded(part, tolerance))
+    return _with_effect(part, mesh_repair.weld(part, tolerance))
 
 
-def _measured(part: Part, done: Repair) -> Repaired:
+def _with_effect(part: Part, repair: Repair) -> Repaired:
     before = moments_of(sum_triangles(part.triangles))
-    after = moments_of(sum_triangles(done.part.triangles)) if done.changes else before
+    after = moments_of(sum_triangles(repair.part.triangles)) if repair.changes else before
     unit = part.unit.metres
     volumes = [float(unit**3 * moments.zeroth) for moments in (before, after)]
     if abs(before.zeroth) <= before.zeroth_bound or abs(after.zeroth) <= after.zeroth_bound:
-        return Repaired(done.part, done.changes, volumes[0], volumes[1], None, None)
+        return Repaired(repair.part, repair.changes, volumes[0], volumes[1], None, None)
     shift = [float((b - a) * unit) for a, b in zip(before.centroid, after.centroid, strict=True)]
     old, new = (np.array(inertia_tensor(moments.central().second)) for moments in (before, after))
     change = math.sqrt(((new - old) ** 2).sum() / (new**2).sum())
-    return Repaired(done.part, done.changes, volumes[0], volumes[1], math.hypot(*shift), change)
+    return Repaired(repair.part, repair.changes, volumes[0], volumes[1], math.hypot(*shift), change)

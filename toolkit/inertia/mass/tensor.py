@@ -101,9 +101,9 @@ def faults(inertia: ArrayLike, tolerance: float = VALIDITY_TOLERANCE) -> list[st
     if skew > tolerance * trace:
         return [f"the tensor is not symmetric: mirrored elements differ by {largest * skew:.3g}"]
     i1, i2, i3 = np.linalg.eigvalsh(tensor / trace).tolist()
-    named = "the principal moments " + ", ".join(f"{largest * (trace * i):.6g}" for i in (i1, i2, i3))
+    moments = "the principal moments " + ", ".join(f"{largest * (trace * i):.6g}" for i in (i1, i2, i3))
     if i1 < -tolerance:
-        return [f"{named} are not all positive"]
+        return [f"{moments} are not all positive"]
     if i1 + i2 < i3 - tolerance:
-        return [f"{named} break the triangle rule: no body has I1 + I2 < I3"]
+        return [f"{moments} break the triangle rule: no body has I1 + I2 < I3"]
     return []

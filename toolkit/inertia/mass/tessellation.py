@@ -78,7 +78,7 @@ def chord_error(
     f = part.unit.metres
     origin = (moments.origin[0] / f, moments.origin[1] / f, moments.origin[2] / f)
     between = chord_bound(part.triangles, chord, origin).in_unit(f).scaled(f**3 * density)
-    said = f"bounds from the chord tolerance {chord:g} {part.unit.name}"
+    method = f"bounds from the chord tolerance {chord:g} {part.unit.name}"
     bounded = replace(
         moments,
         zeroth_bound=between.zeroth_bound,
@@ -88,7 +88,7 @@ def chord_error(
     try:
         if mass is not None and bounded.zeroth > bounded.zeroth_bound:
             bounded = bounded.weighed(mass)
-        return MassProperties.from_moments(bounded, volume, between.zeroth_bound / density, said).error
+        return MassProperties.from_moments(bounded, volume, between.zeroth_bound / density, method).error
     except GeometryError:
         raise GeometryError(
             f"{part.name}: a chord tolerance of {chord:g} {part.unit.name} leaves nothing certain of the volume, as "

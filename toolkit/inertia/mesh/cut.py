@@ -134,10 +134,10 @@ class Stock:
             vertices.append(points)
             regions.append(region)
         surface = Surface(np.concatenate(vertices), np.concatenate(faces))
-        named = self.part.regions
-        if named is not None:
-            named = Regions(named.names, np.concatenate(regions).astype(np.int32))
-        return replace(self.part, geometry=surface, regions=named)
+        regions_after = self.part.regions
+        if regions_after is not None:
+            regions_after = Regions(regions_after.names, np.concatenate(regions).astype(np.int32))
+        return replace(self.part, geometry=surface, regions=regions_after)
 
     def _cut_body(self, body: _Body, tools: list[Any]) -> tuple[Float, Int, Int]:
         """Return a body's vertices, faces and their regions, after cutting."""
@@ -172,7 +172,7 @@ def stock(part: Part) -> Stock:
     vertices, faces = merge_equal_vertices(triangles)
     # Products of coordinates must not overflow; a power of two brings them near 1 and changes no digit.
     exponent = int(np.frexp(np.abs(vertices).max())[1])
-    made = []
+    ready = []
     for group in _groups(part, hangs):
         own = group[~repeated_corners(faces[group])]
         index = np.zeros(len(own), np.int64) if part.regions is None else part.regions.index[own].astype(np.int64)
@@ -184,8 +184,8 @@ def stock(part: Part) -> Stock:
             solid, first = _runs(np.ldexp(points, -exponent), corners, lengths)
         except GeometryError as fault:
             raise GeometryError(f"{part.name}: the body {around(box)} cannot be cut: {fault}") from None
-        made.append(_Body(own, box, solid, regions, lengths, first))
-    return Stock(part, vertices, faces, exponent, tuple(made))
+        ready.append(_Body(own, box, solid, regions, lengths, first))
+    return Stock(part, vertices, faces, exponent, tuple(ready))
 
 
 def cut(part: Part, tools: Sequence[Surface]) -> Part:

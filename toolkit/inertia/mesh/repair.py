@@ -24,16 +24,17 @@ import numpy as np
 from inertia.arrays import Float, Int
 from inertia.errors import GeometryError
 from inertia.mesh.checks.findings import counted
-from inertia.mesh.geometry.closure import merge_equal_vertices, repeated_corners
+from inertia.mesh.geometry.boxes import BoxTree, overlapping
+from inertia.mesh.geometry.closure import components, merge_equal_vertices, repeated_corners
 from inertia.mesh.geometry.halfedges import half_edges
+from inertia.mesh.geometry.intersect import overlap
 from inertia.mesh.part import Part, Regions, Surface, Triangles
 from inertia.mesh.repairs.copies import copies, facing
-from inertia.mesh.repairs.holes import around, filled, rims
+from inertia.mesh.repairs.holes import around, fill, rims
 from inertia.mesh.repairs.orientation import inconsistent, nest
-from inertia.mesh.repairs.unite import overlapping_groups, united
 from inertia.mesh.repairs.weld import (
-    chained,
     close_vertices,
+    clusters,
     compact,
     diagonal,
     require_finite,
@@ -83,9 +84,9 @@ class _Mesh:
     origin: Int
 
     def without(self, which: Int) -> _Mesh:
-        kept = np.ones(len(self.faces), bool)
-        kept[which] = False
-        return replace(self, faces=self.faces[kept], origin=self.origin[kept])
+        remaining = np.ones(len(self.faces), bool)
+        remaining[which] = False
+        return replace(self, faces=self.faces[remaining], origin=self.origin[remaining])
 
     def turned(self, which: Int) -> _Mesh:
         faces = self.faces.copy()
@@ -130,7 +131,7 @@ def repair(part: Part, *, tolerance: float | None = None) -> Repair:
     return _rebuilt(part, Surface(*compact(mesh.vertices, mesh.faces)), mesh.origin, changes)
 
 
-def welded(part: Part, tolerance: float) -> Repair:
+def weld(part: Part, tolerance: float) -> Repair:
     """Make one of the vertices of a part's surface that lie within `tolerance` (file units), and nothing else.
 
     Raises as `inertia.mesh.repairs.weld.weld_within`.
@@ -140,7 +141,7 @@ def welded(part: Part, tolerance: float) -> Repair:
         return Repair(part, ())
     where = f"{counted(result.collapsed, 'triangle')} collapsed and left out"
     change = Change("vertices within the tolerance merged", result.merged, where, result.largest_move)
-    return _rebuilt(part, result.surface, result.kept, [change])
+    return _rebuilt(part, result.surface, result.remaining, [change])
 
 
 def _rebuilt(part: Part, surface: Surface, origin: Int, changes: list[Change]) -> Repair:
@@ -168,8 +169,8 @@ def _repaired(triangles: Triangles, regions: Regions | None, tolerance: float | 
         lambda mesh: _united(mesh, regions),
     ]
     for step in steps:
-        mesh, found = step(mesh)
-        changes += found
+        mesh, made = step(mesh)
+        changes += made
         if len(mesh.faces) == 0:
             raise GeometryError("no triangle bounds anything: export the part as a solid")
     edges = half_edges(mesh.faces)
@@ -212,7 +213,7 @@ def _without_cracks(mesh: _Mesh) -> _Step:
         return mesh, []
     points = np.unique([edges.tail[rim], edges.head[rim]])
     into = np.arange(len(mesh.vertices))
-    into[points] = points[chained(mesh.vertices[points], _CRACK * diagonal(mesh.vertices))]
+    into[points] = points[clusters(mesh.vertices[points], _CRACK * diagonal(mesh.vertices))]
     return _merged(mesh, into, "vertices at cracks merged")
 
 
@@ -252,11 +253,11 @@ def _without_holes(mesh: _Mesh) -> _Step:
     loops = rims(edges)
     if not loops:
         return mesh, []
-    vertices, added = filled(mesh.vertices, mesh.faces, edges, loops)
-    beside = [np.full(len(new), mesh.origin[loop[0] // 3]) for loop, new in zip(loops, added, strict=True)]
+    vertices, fillings = fill(mesh.vertices, mesh.faces, edges, loops)
+    beside = [np.full(len(new), mesh.origin[loop[0] // 3]) for loop, new in zip(loops, fillings, strict=True)]
     largest = max(loops, key=len)
     where = f"of {len(largest)} edges {around(vertices[edges.head[largest]])}"
-    mesh = _Mesh(vertices, np.concatenate([mesh.faces, *added]), np.concatenate([mesh.origin, *beside]))
+    mesh = _Mesh(vertices, np.concatenate([mesh.faces, *fillings]), np.concatenate([mesh.origin, *beside]))
     return mesh, [Change("holes filled", len(loops), where if len(loops) == 1 else f"the largest {where}")]
 
 
@@ -271,22 +272,68 @@ def _turned_outward(mesh: _Mesh) -> _Step:
 
 def _united(mesh: _Mesh, regions: Regions | None) -> _Step:
     bodies = nest(mesh.vertices, mesh.faces, half_edges(mesh.faces)).bodies()
-    groups, where = overlapping_groups(mesh.vertices, mesh.faces, bodies)
+    groups, where = _overlapping_groups(mesh.vertices, mesh.faces, bodies)
     vertices, faces, origin = [mesh.vertices], [], []
     for group in groups:
-        given = mesh.origin[np.concatenate(group)]
-        if regions is not None and len(named := np.unique(regions.index[given])) > 1:
-            names = " and ".join(repr(regions.names[k]) for k in named)
+        sources = mesh.origin[np.concatenate(group)]
+        if regions is not None and len(several := np.unique(regions.index[sources])) > 1:
+            names = " and ".join(repr(regions.names[k]) for k in several)
             raise GeometryError(
                 f"bodies of the regions {names} overlap {where}, and which of them is to have that place is "
                 "not known: cut one out of the other"
             )
-        points, corners = united(mesh.vertices, mesh.faces, group)
+        points, corners = union(mesh.vertices, mesh.faces, group)
         faces.append(corners + sum(map(len, vertices)))
         vertices.append(points)
-        origin.append(np.full(len(corners), given.min()))
+        origin.append(np.full(len(corners), sources.min()))
     if not groups:
         return mesh, []
     rest = mesh.without(np.concatenate([body for group in groups for body in group]))
     mesh = _Mesh(np.concatenate(vertices), np.concatenate([rest.faces, *faces]), np.concatenate([rest.origin, *origin]))
     return mesh, [Change("overlapping bodies united", sum(map(len, groups)), where)]
+
+
+def _overlapping_groups(vertices: Float, faces: Int, bodies: list[Int]) -> tuple[list[list[Int]], str]:
+    """Group the bodies (their faces) that overlap; say in words where the first two do."""
+    if len(bodies) < 2:
+        return [], ""
+    corners = [vertices[faces[body]] for body in bodies]
+    low = np.array([body.min(axis=(0, 1)) for body in corners])
+    high = np.array([body.max(axis=(0, 1)) for body in corners])
+    meeting = [np.column_stack([i, j]) for i, j, _ in overlapping(BoxTree(low, high))]
+    pairs, places = [], []
+    for one, other in sorted(np.concatenate(meeting).tolist()):
+        place = overlap(Surface(vertices, faces[bodies[one]]), Surface(vertices, faces[bodies[other]]))
+        if place is not None:
+            pairs.append((one, other))
+            places.append(place)
+    if not pairs:
+        return [], ""
+    first = components(np.array(pairs), len(bodies))
+    groups = [np.flatnonzero(first == body) for body in np.unique(first[np.array(pairs)])]
+    return [[bodies[body] for body in group] for group in groups], around(np.array(places[:1]))
+
+
+def union(vertices: Float, faces: Int, bodies: list[Int]) -> tuple[Float, Int]:
+    """Return the vertices and faces of the union of bodies (their faces).
+
+    Raises
+    ------
+    GeometryError : it does not take a body, because an edge of it has more than two triangles, for instance
+    """
+    from manifold3d import Error, Manifold, Mesh64, OpType
+
+    # Products of six coordinates must not overflow; a power of two brings them near 1 and changes no digit.
+    exponent = int(np.frexp(np.abs(vertices).max())[1])
+    solids = []
+    for body in bodies:
+        own, corners = compact(vertices, faces[body])
+        solid = Manifold(Mesh64(np.ldexp(own, -exponent), corners.astype(np.uint64)))
+        if solid.status() != Error.NoError:
+            raise GeometryError(
+                f"the body {around(own)} overlaps another and cannot be united with it "
+                f"({solid.status().name}): unite them where the part was made"
+            )
+        solids.append(solid)
+    mesh = Manifold.batch_boolean(solids, OpType.Add).to_mesh64()
+    return np.ldexp(mesh.vert_properties[:, :3], exponent), mesh.tri_verts.astype(np.int64)

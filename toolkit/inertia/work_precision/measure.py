@@ -12,7 +12,7 @@ from inertia.arrays import Progress
 from inertia.errors import GeometryError, UsageError
 from inertia.mass.moments import Moments
 from inertia.mass.properties import MassProperties
-from inertia.mass.triangles.arithmetic import METHODS, Rung, solid_moments
+from inertia.mass.triangles.arithmetic import METHODS, Arithmetic, solid_moments
 from inertia.mass.triangles.sums import sum_triangles
 from inertia.mesh.geometry.closure import closure
 from inertia.mesh.part import Triangles
@@ -31,7 +31,7 @@ _USELESS = 0.1  # relative error beyond which no simpler mesh is of interest
 class Answer:
     """What one method gives for the whole mesh: the moments in the file's unit, rounded, and its time."""
 
-    method: Rung
+    method: Arithmetic
     moments: Moments
     properties: MassProperties
     time: Timing
@@ -130,12 +130,12 @@ def _simpler_row(mesh: Simplified, spent: float, reference: Answer, scale: Scale
     )
 
 
-def _integrated(triangles: Triangles, method: Rung) -> Moments:
+def _integrated(triangles: Triangles, method: Arithmetic) -> Moments:
     """Integrate as an analysis does, which begins with the float64 sums whatever method is asked for."""
     return solid_moments(triangles, method, sum_triangles(triangles))
 
 
-def _estimate(triangles: Triangles, method: Rung, watch: Stopwatch) -> float:
+def _estimate(triangles: Triangles, method: Arithmetic, watch: Stopwatch) -> float:
     """Return the seconds that a method needs for all triangles, as measured on a sample after a first use."""
     first = COMPILE_ABOVE if triangles.count >= COMPILE_ABOVE else _SAMPLE
     _integrated(_sample(triangles, first), method)

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from inertia.mass.properties import MassProperties
-from inertia.mass.triangles.arithmetic import Rung
+from inertia.mass.triangles.arithmetic import Arithmetic
 from inertia.work_precision.compare import Relative
 from inertia.work_precision.stopwatch import Timing
 
@@ -42,7 +42,7 @@ class Row:
     reached : what the row can be relied on for: the worst bound over the whole mesh, the worst error over a simpler one
     """
 
-    method: Rung
+    method: Arithmetic
     triangles: int
     simplification: Simplification | None
     time: Timing

@@ -110,11 +110,11 @@ def wire_moments(cells: Cells) -> Moments:
     """
 
     def rows(chunk: Chunk) -> Float:
-        found = _wire_rows(table(chunk.kind), chunk)
+        fine = _wire_rows(table(chunk.kind), chunk)
         if chunk.kind == "line3":
             coarse = _wire_rows(table(chunk.kind, _COARSE), chunk)
-            found[:, 10:] += np.abs(found[:, :10] - coarse[:, :10])
-        return found
+            fine[:, 10:] += np.abs(fine[:, :10] - coarse[:, :10])
+        return fine
 
     blocks = [(number, block) for number, block in numbered_blocks(cells) if block.kind.startswith("line")]
     for number, block in blocks:

@@ -96,11 +96,11 @@ def integrate(
         for start in range(0, len(block.nodes), size):
             nodes = block.nodes[start : start + size]
             number = first + start
-            found = rows(_chunk(cells.points, block.kind, number, nodes, origin, scale))
+            block_rows = rows(_chunk(cells.points, block.kind, number, nodes, origin, scale))
             member = np.zeros(len(nodes), np.int32) if groups is None else groups[number : number + len(nodes)]
             order = np.argsort(member, kind="stable")
             for part in np.split(order, np.flatnonzero(np.diff(member[order])) + 1):
-                sums[member[part[0]]].append(fold(found[part]))
+                sums[member[part[0]]].append(fold(block_rows[part]))
                 sizes[member[part[0]]] += len(part)
             done += len(nodes)
             if progress is not None:

@@ -112,9 +112,9 @@ def _rule(kind: Kind, counts: tuple[int, ...]) -> tuple[list[list[Decimal]], lis
     }[kind.reference, len(counts)]
     rules = [zip(*gauss(n, power), strict=True) for n, power in zip(counts, powers, strict=True)]
     places, weights = [], []
-    for chosen in product(*rules):
-        places.append(_place(kind.reference, [t for t, _ in chosen]))
-        weights.append(math.prod((w for _, w in chosen), start=Decimal(factor)))
+    for nodes in product(*rules):
+        places.append(_place(kind.reference, [t for t, _ in nodes]))
+        weights.append(math.prod((w for _, w in nodes), start=Decimal(factor)))
     return places, weights
 
 

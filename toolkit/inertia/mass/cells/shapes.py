@@ -118,8 +118,8 @@ def _kind(
     if len(corners[0]) == 3:
         for face in family.faces:
             ends = zip(face, (*face[1:], face[0]), strict=True)
-            wanted = [*((i,) for i in face), *ends, face]
-            on_face = tuple(place[frozenset(group)] for group in wanted if frozenset(group) in place)
+            order = [*((i,) for i in face), *ends, face]
+            on_face = tuple(place[frozenset(group)] for group in order if frozenset(group) in place)
             boundary.append((_FACE_KINDS[len(on_face)], on_face))
     return Kind(name, family.reference, len(corners), tuple(nodes), tuple(space), points, tuple(boundary))
 
@@ -218,17 +218,17 @@ def volume_blocks(cells: Cells) -> list[tuple[int, CellBlock]]:
 
     Lines and points are passed over; raises `GeometryError` for cells of any other kind.
     """
-    found = []
+    numbered = []
     for first, block in numbered_blocks(cells):
         kind = KINDS.get(block.kind)
         if kind is not None and kind.faces:
-            found.append((first, block))
+            numbered.append((first, block))
         elif not block.kind.startswith(("line", "vertex")):
             known = ", ".join(name for name, kind in KINDS.items() if kind.faces)
             raise GeometryError(
                 f"cell {first} is of the kind {block.kind!r}, which has no volume or no map here: use {known}"
             )
-    return found
+    return numbered
 
 
 def numbered_blocks(cells: Cells) -> list[tuple[int, CellBlock]]:

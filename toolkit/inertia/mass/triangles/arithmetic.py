@@ -1,4 +1,4 @@
-"""The rungs of accuracy for the volume inside a surface, from the cheapest to the dearest."""
+"""Moments of a solid in float64, double-double or exact arithmetic, and which of them an accuracy asks for."""
 
 from __future__ import annotations
 
@@ -7,14 +7,14 @@ from typing import Literal
 
 from inertia.mass.moments import Moments
 from inertia.mass.triangles import double_double, exact
-from inertia.mass.triangles.moments_from_sums import assembled, moments_of
+from inertia.mass.triangles.moments_from_sums import moments_of, moments_with_bounds
 from inertia.mass.triangles.running_error import FEW, running_bounds
 from inertia.mass.triangles.sums import Sums, sum_triangles
 from inertia.mesh.part import Triangles
 
-Rung = Literal["float64", "double-double", "exact"]
+Arithmetic = Literal["float64", "double-double", "exact"]
 
-METHODS: dict[Rung, str] = {
+METHODS: dict[Arithmetic, str] = {
     "float64": "float64, certified bound",
     "double-double": double_double.METHOD,
     "exact": exact.METHOD,
@@ -24,14 +24,14 @@ FINEST = 1.2e-16
 """Smallest relative accuracy that results in float64 can have: their rounding is up to 1.1e-16."""
 
 
-def rungs(accuracy: float | str | None) -> tuple[Rung, ...]:
-    """Return the rungs to try, in their order, for an accuracy asked for (None: what float64 gives, if it will do)."""
+def arithmetics(accuracy: float | str | None) -> tuple[Arithmetic, ...]:
+    """Return what to try for an accuracy, the cheapest first (None: what float64 gives, if it will do)."""
     return ("exact",) if accuracy == "exact" else ("float64", "double-double", "exact")
 
 
 def solid_moments(
     triangles: Triangles,
-    rung: Rung,
+    arithmetic: Arithmetic,
     sums: Sums | None = None,
     progress: Callable[[float], None] | None = None,
 ) -> Moments:
@@ -42,11 +42,11 @@ def solid_moments(
     sums : the float64 sums of the same triangles, where they are at hand
     progress : called with the fraction done
     """
-    if rung == "exact":
+    if arithmetic == "exact":
         return exact.exact_moments(triangles, progress)
     if sums is None:
         sums = sum_triangles(triangles)
-    if rung == "float64":
-        return moments_of(sums, watched=running_bounds(triangles, sums) if triangles.count <= FEW else None)
+    if arithmetic == "float64":
+        return moments_of(sums, running=running_bounds(triangles, sums) if triangles.count <= FEW else None)
     values = double_double.sum_in_double_double(triangles, sums, progress)
-    return assembled(values, sums, double_double.ROUNDINGS)
+    return moments_with_bounds(values, sums, double_double.ROUNDINGS)

@@ -132,14 +132,14 @@ def _refuse_non_finite(triangles: Triangles) -> None:
 
 def _primes(product: int) -> list[int]:
     """Return primes below 2³⁰, largest first, whose product is above `product`."""
-    found: list[int] = []
-    have = 1
+    primes: list[int] = []
+    reached = 1
     candidates: Iterator[int] = iter(range(_LARGEST_PRIME - 1, 3, -2))
-    while have <= product:
+    while reached <= product:
         candidate = next(candidate for candidate in candidates if _is_prime(candidate))
-        found.append(candidate)
-        have *= candidate
-    return found
+        primes.append(candidate)
+        reached *= candidate
+    return primes
 
 
 def _is_prime(number: int) -> bool:

@@ -1,4 +1,4 @@
-"""From the sums over the triangles of a mesh to its moments, and how far rounding may have moved them."""
+"""Moments of a mesh from the sums over its triangles, with a-priori bounds on what rounding did to them."""
 
 from __future__ import annotations
 
@@ -44,28 +44,28 @@ blocks and one for the final sum.
 """
 
 
-def moments_of(sums: Sums, *, surface: bool = False, watched: Float | None = None) -> Moments:
+def moments_of(sums: Sums, *, surface: bool = False, running: Float | None = None) -> Moments:
     """Turn the sums over triangles into moments with bounds, in the file's unit.
 
     For a solid, V = Σd/6, ∫x = Σd s/24, ∫x xᵀ = Σd(…)/120 (twice that on the diagonal); for a shell, with |n| for d,
-    A = Σ|n|/2, ∫x = Σ|n|s/6, ∫x xᵀ = Σ|n|(…)/24. The bounds are the a-priori ones of `assembled`, or those of
+    A = Σ|n|/2, ∫x = Σ|n|s/6, ∫x xᵀ = Σ|n|(…)/24. The bounds are the a-priori ones of `moments_with_bounds`, or those of
     `inertia.mass.triangles.running_error` where they are smaller.
 
     Parameters
     ----------
-    watched : (10,) bounds of `inertia.mass.triangles.running_error` for the same triangles, where they are at hand
+    running : (10,) bounds of `inertia.mass.triangles.running_error` for the same triangles, where they are at hand
     """
     values = tuple(map(Fraction, sums.sums[:10].tolist()))
-    return assembled(values, sums, FLOAT64, surface=surface, watched=watched)
+    return moments_with_bounds(values, sums, FLOAT64, surface=surface, running=running)
 
 
-def assembled(
+def moments_with_bounds(
     value: Sequence[Fraction],
     sums: Sums,
     roundings: Roundings,
     *,
     surface: bool = False,
-    watched: Float | None = None,
+    running: Float | None = None,
 ) -> Moments:
     """Turn ten sums in the frame of `sums` into moments; the magnitudes in their bounds are those of `sums`.
 
@@ -93,8 +93,8 @@ def assembled(
     reach = (np.ldexp(farthest, sums.exponent) * _INFLATED).tolist()
     tiny = sums.count * (2.0**-500 if surface else 100 * 2.0**-1022) * max(1.0, *reach) ** 4
     bounds = _bounds(value, sums, roundings, reach)
-    if watched is not None:
-        bounds = [min(pair) for pair in zip(bounds, watched.tolist(), strict=True)]  # of a NaN, the first
+    if running is not None:
+        bounds = [min(pair) for pair in zip(bounds, running.tolist(), strict=True)]  # of a NaN, the first
     zeroth, *others = (Fraction((k + tiny) * _INFLATED) for k in bounds)
     unit = shrink ** (2 if surface else 3)
     zeroth_factor = unit / (2 if surface else 6)

@@ -1,4 +1,4 @@
-"""Bounds on the errors of the float64 sums over few triangles, from a second evaluation that watches its roundings.
+"""Running error bounds of the float64 sums over few triangles, from a second evaluation that watches its roundings.
 
 The bound of `inertia.mass.triangles.moments_from_sums` is formed from a few totals, so it takes every rounding at its
 worst and every triangle to lie farthest out. Here each triangle counts with its own numbers. With every coordinate w of

@@ -1,4 +1,4 @@
-"""Which of many boxes overlap: a tree of boxes over a space-filling curve, descended pair by pair.
+"""Overlapping pairs of boxes: a tree of bounding boxes over a space-filling curve, descended pair by pair.
 
 The boxes are put in Morton order and enclosed two by two, four by four, and so on. Pairs of enclosing boxes
 that overlap are opened until single boxes remain. A large box burdens only those that enclose it, so sizes
@@ -69,8 +69,8 @@ def overlapping(a: BoxTree, b: BoxTree | None = None, *, touching: bool = False)
             continue
         (low_a, high_a), (low_b, high_b) = a.level(height), other.level(height)
         for axis in range(3):
-            kept = below(low_a[axis, i], high_b[axis, j]) & below(low_b[axis, j], high_a[axis, i])
-            i, j = i[kept], j[kept]
+            overlaps = below(low_a[axis, i], high_b[axis, j]) & below(low_b[axis, j], high_a[axis, i])
+            i, j = i[overlaps], j[overlaps]
         if height > 0 and len(i):
             todo.append((height - 1, *_children(i, j, a, other, height - 1, b is None), share))
             continue
@@ -86,10 +86,10 @@ def _children(i: Int, j: Int, a: BoxTree, b: BoxTree, height: int, among: bool) 
     """Return the pairs of boxes one level below pairs of boxes; `among` one tree, each pair once."""
     i = (2 * i[:, None] + (0, 0, 1, 1)).ravel()
     j = (2 * j[:, None] + (0, 1, 0, 1)).ravel()
-    kept = (i < a.level(height)[0].shape[1]) & (j < b.level(height)[0].shape[1])
+    exists = (i < a.level(height)[0].shape[1]) & (j < b.level(height)[0].shape[1])
     if among:
-        kept &= i <= j
-    return i[kept], j[kept]
+        exists &= i <= j
+    return i[exists], j[exists]
 
 
 def _morton(points: Float) -> NDArray[np.uint64]:

@@ -72,12 +72,12 @@ class Edges:
         """Return the first `limit` different triangles at the numbered edges, in that order."""
         uses = self.uses
         start = np.cumsum(uses) - uses
-        found: dict[int, None] = {}
+        users: dict[int, None] = {}
         for edge in edges:
-            found.update(dict.fromkeys(self.users[start[edge] : start[edge] + uses[edge]].tolist()))
-            if len(found) >= limit:
+            users.update(dict.fromkeys(self.users[start[edge] : start[edge] + uses[edge]].tolist()))
+            if len(users) >= limit:
                 break
-        return tuple(found)[:limit]
+        return tuple(users)[:limit]
 
 
 @dataclass(frozen=True)
@@ -139,13 +139,13 @@ def duplicates(faces: Int) -> tuple[Int, Int]:
 def pair_edges(faces: Int) -> Edges:
     """Count the uses of every edge of welded faces (m, 3).
 
-    >>> found = pair_edges(np.array([[0, 1, 2], [0, 2, 3]]))
-    >>> found.ends.tolist(), found.uses.tolist()
+    >>> edges = pair_edges(np.array([[0, 1, 2], [0, 2, 3]]))
+    >>> edges.ends.tolist(), edges.uses.tolist()
     ([[0, 1], [0, 2], [0, 3], [1, 2], [2, 3]], [1, 2, 1, 1, 1])
     """
-    kept = np.flatnonzero(~repeated_corners(faces))
-    tail = faces[kept].ravel()
-    head = np.roll(faces[kept], -1, axis=1).ravel()
+    distinct = np.flatnonzero(~repeated_corners(faces))
+    tail = faces[distinct].ravel()
+    head = np.roll(faces[distinct], -1, axis=1).ravel()
     low, high = np.minimum(tail, head), np.maximum(tail, head)
     order = np.lexsort((high, low))
     ends = np.column_stack([low, high])[order]
@@ -155,7 +155,7 @@ def pair_edges(faces: Int) -> Edges:
     uses = np.diff(np.append(start, len(ends)))
     number = np.cumsum(leads) - 1
     forward = np.bincount(number[(tail < head)[order]], minlength=len(start))
-    return Edges(ends[start], forward, uses - forward, np.repeat(kept, 3)[order])
+    return Edges(ends[start], forward, uses - forward, np.repeat(distinct, 3)[order])
 
 
 def pieces(edges: Edges) -> int:
@@ -209,21 +209,21 @@ def _chains(ends: Int) -> Iterator[tuple[list[int], int, bool]]:
     edges to another, so walks begin at those.
     """
     tail, head = ends.T.tolist()
-    waiting: dict[int, list[int]] = defaultdict(list)
+    unused: dict[int, list[int]] = defaultdict(list)
     for number in reversed(range(len(ends))):  # a walk takes the last first
-        waiting[tail[number]].append(number)
-        waiting[head[number]].append(number)
+        unused[tail[number]].append(number)
+        unused[head[number]].append(number)
     used = [False] * len(ends)
 
     def leave(vertex: int) -> int | None:
-        while waiting[vertex]:
-            edge = waiting[vertex].pop()
+        while unused[vertex]:
+            edge = unused[vertex].pop()
             if not used[edge]:
                 used[edge] = True
                 return edge
         return None
 
-    odd = [vertex for vertex, at in waiting.items() if len(at) % 2]
+    odd = [vertex for vertex, at in unused.items() if len(at) % 2]
     for origin in sorted(odd) + tail:
         path: list[int] = []
         visited = [origin]

@@ -1,4 +1,4 @@
-"""The directed edges of welded triangles, three a triangle, and the edges that they run along."""
+"""Half-edges of a triangle mesh: three directed edges a triangle, and the undirected edges that they run along."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Where triangles cross, and whether two bodies overlap.
+"""Intersections of triangle surfaces, and whether two bodies overlap.
 
 Bodies can overlap without a crossing, one inside the other or with faces in common planes. Whatever is common
 to two bodies is bounded by parts of their surfaces, and where no triangles cross, a triangle is cut into
@@ -71,9 +71,9 @@ def crossings(
         vertices, faces_a, faces_b = _welded_together(a.select(numbers_a), b.select(numbers_b))
     pairs, points, total = np.empty((0, 2), np.int64), np.empty((0, 3)), 0
     for i, j, done in _candidates(vertices, faces_a, None if b is None else faces_b):
-        found, places = crossing(vertices, faces_a[i], faces_b[j])
-        total += len(found)
-        pairs = np.vstack([pairs, np.column_stack([numbers_a[i[found]], numbers_b[j[found]]])])
+        crossed, places = crossing(vertices, faces_a[i], faces_b[j])
+        total += len(crossed)
+        pairs = np.vstack([pairs, np.column_stack([numbers_a[i[crossed]], numbers_b[j[crossed]]])])
         points = np.vstack([points, places])
         first = np.lexsort(pairs.T[::-1])[:limit]
         pairs, points = pairs[first], points[first]
@@ -176,22 +176,22 @@ def _places(vertices: Float, faces_a: Int, faces_b: Int, depth: float) -> Iterat
     """
     normals_a, normals_b = unit_normals(vertices[faces_a]), unit_normals(vertices[faces_b])
     near_a, near_b = np.zeros(len(faces_a), bool), np.zeros(len(faces_b), bool)
-    waiting = [np.empty((0, 3))]
+    untried = [np.empty((0, 3))]
     for i, j, _ in _candidates(vertices, faces_a, faces_b, touching=True):
         near_a[i] = near_b[j] = True
-        found, middles = crossing(vertices, faces_a[i], faces_b[j])
-        inwards = -(normals_a[i[found]] + normals_b[j[found]])
+        crossed, middles = crossing(vertices, faces_a[i], faces_b[j])
+        inwards = -(normals_a[i[crossed]] + normals_b[j[crossed]])
         size = np.linalg.norm(inwards, axis=1, keepdims=True)
         apart = size[:, 0] > _FACING
-        waiting += [
+        untried += [
             middles[apart] + 2 * depth * inwards[apart] / size[apart] ** 2,
             _beside_edges(vertices, faces_a[i], normals_a[i], faces_b[j], depth),
             _beside_edges(vertices, faces_b[j], normals_b[j], faces_a[i], depth),
         ]
-        if sum(map(len, waiting)) > _AT_ONCE:
-            yield np.concatenate(waiting), depth / 2
-            waiting = [np.empty((0, 3))]
-    yield np.concatenate(waiting), depth / 2
+        if sum(map(len, untried)) > _AT_ONCE:
+            yield np.concatenate(untried), depth / 2
+            untried = [np.empty((0, 3))]
+    yield np.concatenate(untried), depth / 2
     for faces, normals, near in ((faces_a, normals_a, near_a), (faces_b, normals_b, near_b)):
         clear = np.flatnonzero(~near & normals.any(axis=1))
         # What hangs together without coming near the other body is inside it all or not at all.

@@ -1,4 +1,4 @@
-"""Where a ray runs through the inside of a closed surface."""
+"""Ray casting: the stretches of a ray that lie inside a closed surface."""
 
 from __future__ import annotations
 

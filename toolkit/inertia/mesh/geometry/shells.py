@@ -152,10 +152,10 @@ def _boxes(triangles: Triangles, labels: NDArray[np.int32], count: int) -> Float
         if len(order) == 0:
             continue
         corners = triangles.corners(start, start + _CHUNK)[order]
-        there, begin = np.unique(label[order], return_index=True)
+        present, begin = np.unique(label[order], return_index=True)
         least, greatest = corners.min(axis=1), corners.max(axis=1)
-        boxes[there, 0] = np.minimum(boxes[there, 0], np.minimum.reduceat(least, begin))
-        boxes[there, 1] = np.maximum(boxes[there, 1], np.maximum.reduceat(greatest, begin))
+        boxes[present, 0] = np.minimum(boxes[present, 0], np.minimum.reduceat(least, begin))
+        boxes[present, 1] = np.maximum(boxes[present, 1], np.maximum.reduceat(greatest, begin))
     return boxes
 
 
@@ -166,9 +166,9 @@ def _volumes(
     volume, magnitude = np.zeros(len(origins)), np.zeros(len(origins))
     for start in range(0, triangles.count, _CHUNK):
         label = labels[start : start + _CHUNK]
-        kept = label >= 0
-        label = label[kept]
-        corners = local(triangles.corners(start, start + _CHUNK)[kept]) - origins[label, None]
+        labelled = label >= 0
+        label = label[labelled]
+        corners = local(triangles.corners(start, start + _CHUNK)[labelled]) - origins[label, None]
         a, b, c = corners.transpose(1, 0, 2)
         terms = (a * np.cross(b - a, c - a)).sum(axis=1)
         largest = np.sqrt((a * a).sum(axis=1) * ((b - a) ** 2).sum(axis=1) * ((c - a) ** 2).sum(axis=1))
@@ -183,7 +183,7 @@ def _containers(
     """Return for each shell the numbers of the shells around it."""
     pairs = _nested(boxes)
     pairs = pairs[signs[pairs[:, 0]] != 0]
-    found: set[tuple[int, int]] = set()
+    nestings: set[tuple[int, int]] = set()
     outers, starts = np.unique(pairs[:, 0], return_index=True)
     for outer, inners in zip(outers, np.split(pairs[:, 1], starts)[1:], strict=True):
         points = _under(triangles, [order[inner] for inner in inners], local)
@@ -195,10 +195,10 @@ def _containers(
             np.minimum(clearance, distance, out=clearance)
         clearest = clearance.reshape(-1, _SAMPLES).argmax(axis=1)
         inside = winding.reshape(-1, _SAMPLES)[np.arange(len(inners)), clearest] != 0
-        found.update((int(outer), int(inner)) for inner in inners[inside])
+        nestings.update((int(outer), int(inner)) for inner in inners[inside])
     around: list[list[int]] = [[] for _ in order]
-    for outer, inner in sorted(found):
-        if outer < inner or (inner, outer) not in found:  # of two that coincide, the first contains the other
+    for outer, inner in sorted(nestings):
+        if outer < inner or (inner, outer) not in nestings:  # of two that coincide, the first contains the other
             around[inner].append(outer)
     return around
 

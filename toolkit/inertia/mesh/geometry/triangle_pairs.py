@@ -93,8 +93,8 @@ def crossing(vertices: Float, faces_a: Int, faces_b: Int) -> tuple[Int, Float]:
     for points, plane, axis in ((faces_a, faces_b, 2), (faces_b, faces_a, 1)):
         side = _sides(orient3d_filter, vertices[points[pair]], vertices[plane[pair]])
         side[shared[pair].any(axis=axis)] = 0
-        kept = ((side > 0) | (side == UNSURE)).any(axis=1) & ((side < 0) | (side == UNSURE)).any(axis=1)
-        pair, sides = pair[kept], [*(earlier[kept] for earlier in sides), side[kept]]
+        straddles = ((side > 0) | (side == UNSURE)).any(axis=1) & ((side < 0) | (side == UNSURE)).any(axis=1)
+        pair, sides = pair[straddles], [*(earlier[straddles] for earlier in sides), side[straddles]]
     side_a, side_b = sides
     a, b = vertices[faces_a[pair]], vertices[faces_b[pair]]
     for side, corners, others in ((side_a, a, b), (side_b, b, a)):

@@ -1,4 +1,4 @@
-"""How often a closed surface winds around a point: crossings along a ray.
+"""Winding numbers of a closed surface around points, by its crossings of a ray.
 
 The ray goes from the point p along +z. Each triangle is projected on the xy plane, where its winding number
 about p is −1, 0 or 1; it counts when the triangle passes above p. Whether an edge passes left or right of p
@@ -67,8 +67,8 @@ def _candidates(points: Float, low: Float, high: Float) -> Iterator[tuple[Int, I
         place = np.arange(count.sum()) + np.repeat(begin[start:stop] - (total[start:stop] - count - done), count)
         point = order[place]
         y = points[point, 1]
-        kept = (low[triangle, 1] <= y) & (y <= high[triangle, 1])
-        yield triangle[kept], point[kept]
+        meets = (low[triangle, 1] <= y) & (y <= high[triangle, 1])
+        yield triangle[meets], point[meets]
         start = stop
 
 

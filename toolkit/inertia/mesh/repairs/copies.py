@@ -1,4 +1,4 @@
-"""Triangles that are there twice, with the same winding or the opposite one.
+"""Duplicate triangles, wound the same way or the opposite way, and fins without thickness.
 
 Two triangles with the same corners make a pair; pairs that share an edge with one another only form a
 region. What else has the edges around a region tells what it is. One triangle: the region is a part of one

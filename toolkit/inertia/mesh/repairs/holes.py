@@ -1,4 +1,4 @@
-"""Filling the holes of a consistently wound surface.
+"""Hole filling: triangles of least area over the boundary loops of a consistently wound surface.
 
 The rims are followed against the direction of the triangles around them and cut into simple loops. A loop of
 up to 300 edges is filled with the triangles of least area that its own vertices can form (dynamic programming
@@ -30,17 +30,17 @@ def rims(edges: HalfEdges) -> list[list[int]]:
 
     >>> from inertia.mesh.geometry.halfedges import half_edges
     >>> faces = np.array([[0, 2, 1], [0, 1, 3], [1, 2, 3]])
-    >>> found = half_edges(faces)
-    >>> [[int(found.head[edge]) for edge in loop] for loop in rims(found)]
+    >>> edges = half_edges(faces)
+    >>> [[int(edges.head[edge]) for edge in loop] for loop in rims(edges)]
     [[3, 2, 0]]
     """
-    waiting: dict[int, list[int]] = defaultdict(list)
+    unused: dict[int, list[int]] = defaultdict(list)
     for edge in reversed(_unmatched(edges).tolist()):
-        waiting[int(edges.head[edge])].append(edge)
-    return [loop for start in list(waiting) for loop in _loops(start, waiting, edges)]
+        unused[int(edges.head[edge])].append(edge)
+    return [loop for start in list(unused) for loop in _loops(start, unused, edges)]
 
 
-def filled(vertices: Float, faces: Int, edges: HalfEdges, loops: list[list[int]]) -> tuple[Float, list[Int]]:
+def fill(vertices: Float, faces: Int, edges: HalfEdges, loops: list[list[int]]) -> tuple[Float, list[Int]]:
     """Return the vertices with those that were added, and the new faces of each loop.
 
     Raises
@@ -48,11 +48,11 @@ def filled(vertices: Float, faces: Int, edges: HalfEdges, loops: list[list[int]]
     GeometryError : a loop is longer than 300 edges and not flat or not star-shaped, or the filling would be
         as large as what is there
     """
-    added: list[Int] = []
+    fillings: list[Int] = []
     for loop in loops:
         rim = edges.head[loop]
         if len(loop) <= _EDGES:
-            added.append(rim[_least_area(vertices[rim])])
+            fillings.append(rim[_least_area(vertices[rim])])
             continue
         centre = vertices[rim].mean(axis=0)
         fan = np.column_stack([np.full(len(rim), len(vertices)), rim, np.roll(rim, -1)])
@@ -62,9 +62,9 @@ def filled(vertices: Float, faces: Int, edges: HalfEdges, loops: list[list[int]]
                 f"the hole {around(vertices[rim])} has {len(rim)} edges and is not flat and star-shaped, as "
                 f"one of more than {_EDGES} edges must be: close it where the part was made"
             )
-        added.append(fan)
-    _refuse_sheets(vertices, faces, edges, loops, added)
-    return vertices, added
+        fillings.append(fan)
+    _refuse_sheets(vertices, faces, edges, loops, fillings)
+    return vertices, fillings
 
 
 def around(points: Float) -> str:
@@ -80,7 +80,7 @@ def _unmatched(edges: HalfEdges) -> Int:
     return spare[turn < np.abs(edges.surplus[edge])]
 
 
-def _loops(start: int, waiting: dict[int, list[int]], edges: HalfEdges) -> Iterator[list[int]]:
+def _loops(start: int, unused: dict[int, list[int]], edges: HalfEdges) -> Iterator[list[int]]:
     """Walk from a vertex until nothing waits there, cutting a loop off whenever the walk meets itself.
 
     At every vertex as many directed edges end as begin, so that a walk ends where it began.
@@ -88,8 +88,8 @@ def _loops(start: int, waiting: dict[int, list[int]], edges: HalfEdges) -> Itera
     path: list[int] = []
     place = {start: 0}
     vertex = start
-    while waiting[vertex]:
-        path.append(waiting[vertex].pop())
+    while unused[vertex]:
+        path.append(unused[vertex].pop())
         vertex = int(edges.tail[path[-1]])
         if vertex not in place:
             place[vertex] = len(path)
@@ -135,11 +135,11 @@ def _lies_flat(fan: Float) -> bool:
     return bool((normals @ normal > 0).all() and height <= _FLAT * length)
 
 
-def _refuse_sheets(vertices: Float, faces: Int, edges: HalfEdges, loops: list[list[int]], added: list[Int]) -> None:
+def _refuse_sheets(vertices: Float, faces: Int, edges: HalfEdges, loops: list[list[int]], fillings: list[Int]) -> None:
     piece = components(edges.neighbours() // 3, len(faces))
-    there = np.bincount(piece, _areas(vertices[faces]), len(faces))
-    for loop, new in zip(loops, added, strict=True):
-        share = _areas(vertices[new]).sum() / there[piece[loop[0] // 3]]
+    area = np.bincount(piece, _areas(vertices[faces]), len(faces))
+    for loop, new in zip(loops, fillings, strict=True):
+        share = _areas(vertices[new]).sum() / area[piece[loop[0] // 3]]
         if share > _SHEET:
             raise GeometryError(
                 f"the hole of {len(loop)} edges {around(vertices[edges.head[loop]])} is {share:.0%} as large "

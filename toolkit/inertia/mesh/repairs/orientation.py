@@ -1,4 +1,4 @@
-"""Which triangles of a surface to turn so that it is wound consistently, and outward.
+"""Consistent, outward winding of a surface: which triangles and shells to turn.
 
 Neighbours at an edge of two triangles must run along it in opposite directions. With a node for either side
 of every triangle and links between the sides that belong together, the pieces of the graph are the sides of
@@ -119,7 +119,7 @@ def _containers(corners: Float, members: list[Int], volumes: Float) -> list[list
     """
     low = np.array([corners[member].min(axis=(0, 1)) for member in members])
     high = np.array([corners[member].max(axis=(0, 1)) for member in members])
-    found: set[tuple[int, int]] = set()
+    nestings: set[tuple[int, int]] = set()
     for inner, member in enumerate(members):
         nests = (low <= low[inner]).all(axis=1) & (high[inner] <= high).all(axis=1) & (volumes != 0)
         nests[inner] = False
@@ -128,9 +128,9 @@ def _containers(corners: Float, members: list[Int], volumes: Float) -> list[list
         place = largest.mean(axis=1) - _UNDER * (high[inner] - low[inner]).max() * unit_normals(largest)
         for outer in np.flatnonzero(nests).tolist():
             if windings(place, corners[members[outer]], 0.0)[0][0] != 0:
-                found.add((outer, inner))
+                nestings.add((outer, inner))
     containers: list[list[int]] = [[] for _ in members]
-    for outer, inner in sorted(found):
-        if (inner, outer) not in found:  # two that coincide do not contain each other
+    for outer, inner in sorted(nestings):
+        if (inner, outer) not in nestings:  # two that coincide do not contain each other
             containers[inner].append(outer)
     return containers

@@ -66,8 +66,8 @@ def halvings(triangles: Triangles) -> Iterator[Simplified]:
     size = diagonal(np.ldexp(vertices, -exponent))
     # Over n triangles of a smooth surface the edges are about 1/√n and the arcs about 1/n of its size high.
     halved, power, tolerance = 0, 3.0 - math.log2(len(faces)), 0.0
-    while found := _search(solid, size, power + 1.0, len(faces) / 2 ** (halved + 1)):
-        solid, power = found
+    while simplified := _search(solid, size, power + 1.0, len(faces) / 2 ** (halved + 1)):
+        solid, power = simplified
         mesh = solid.to_mesh64()
         halved = round(math.log2(len(faces) / len(mesh.tri_verts)))
         tolerance += math.ldexp(size * 2.0**power, exponent)
@@ -92,7 +92,7 @@ def _search(solid: Any, size: float, guess: float, target: float) -> tuple[Any, 
     From `guess` the logarithm goes by doubled steps until one leaves more triangles than `target` and one fewer; what
     lies between is bisected. None where every solid met is nearer to twice the triangles, or bounds nothing.
     """
-    found, nearest = None, math.inf
+    best, nearest = None, math.inf
     low, high, step = _LEAST, _MOST, 1.0
     power = min(max(guess, low), high)
     for _ in range(_TRIES):
@@ -100,7 +100,7 @@ def _search(solid: Any, size: float, guess: float, target: float) -> tuple[Any, 
         count = int(simpler.num_tri())
         distance = abs(math.log(max(count, 1) / target))
         if FEWEST <= count < math.sqrt(2) * target and distance < nearest:
-            found, nearest = (simpler, power), distance
+            best, nearest = (simpler, power), distance
         if count > target:
             low = power
         else:
@@ -114,4 +114,4 @@ def _search(solid: Any, size: float, guess: float, target: float) -> tuple[Any, 
         else:
             power = 0.5 * (low + high)
         step *= 2
-    return found
+    return best

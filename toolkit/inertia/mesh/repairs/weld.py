@@ -29,14 +29,14 @@ class WeldResult:
     merged : vertices that became another one
     largest_move : the longest way that one of them went, in file units
     collapsed : triangles dropped because two of their corners became one
-    kept : (m,), numbers of the triangles that remain
+    remaining : (m,), numbers of the triangles that remain
     """
 
     surface: Surface
     merged: int
     largest_move: float
     collapsed: int
-    kept: Int
+    remaining: Int
 
 
 def weld_within(surface: Triangles, tolerance: float) -> WeldResult:
@@ -58,13 +58,13 @@ def weld_within(surface: Triangles, tolerance: float) -> WeldResult:
     into = close_vertices(vertices, tolerance)
     moves = np.linalg.norm(vertices - vertices[into], axis=1)
     faces = into[faces]
-    kept = np.flatnonzero(~repeated_corners(faces))
+    remaining = np.flatnonzero(~repeated_corners(faces))
     return WeldResult(
-        surface=Surface(*compact(vertices, faces[kept])),
+        surface=Surface(*compact(vertices, faces[remaining])),
         merged=int((into != np.arange(len(into))).sum()),
         largest_move=float(moves.max(initial=0.0)),
-        collapsed=len(faces) - len(kept),
-        kept=kept,
+        collapsed=len(faces) - len(remaining),
+        remaining=remaining,
     )
 
 
@@ -76,10 +76,10 @@ def close_vertices(vertices: Float, tolerance: float) -> Int:
             f"the weld tolerance {tolerance:g} must be above 0 and at most a tenth of the diagonal of the "
             f"part's box, {limit:.4g} in file units: give another one"
         )
-    return chained(vertices, tolerance)
+    return clusters(vertices, tolerance)
 
 
-def chained(points: Float, tolerance: float) -> Int:
+def clusters(points: Float, tolerance: float) -> Int:
     """Return for each point (n, 3) the first of those that steps of at most `tolerance` connect it with."""
     from scipy.spatial import cKDTree
 
