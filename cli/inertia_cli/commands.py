@@ -108,63 +108,36 @@ def trade(options: argparse.Namespace) -> int:
     """Run ``inertia trade``."""
     from inertia.work_precision.plot import plot, require_plottable
     from inertia.work_precision.render import trade_document, trade_text
-    from inertia.work_precision.trade import trade as trade_part
+    from inertia.work_precision.trade import PartTrade, SceneTrade
+    from inertia.work_precision.trade import trade as measure
 
-    if options.part.lower().endswith(".toml"):
-        return _trade_scene(options)
-    if options.plot is not None:
-        require_plottable(options.plot, force=options.force)
-    part, hashing = _read(options)
-    hashing.join()  # beside the measuring it would disturb it
-    with sound_solid_for("a trade"), Progress("measuring") as progress:
-        found = trade_part(
-            part,
-            options.accuracy,
-            density=options.density,
-            material=options.material,
-            repeats=options.repeats,
-            budget=options.budget,
-            progress=progress,
-        )
-    try:
-        if options.plot is not None:
-            plot(found, options.plot, force=options.force)
-    finally:  # what took so long to measure is told even where the plot cannot be written
-        if options.json:
-            print_document(trade_document(found))
-        else:
-            print(trade_text(found))
-    return 0
-
-
-def _trade_scene(options: argparse.Namespace) -> int:
-    from inertia.dynamics.scene.document import Scene
-    from inertia.work_precision.plot import require_plottable
-    from inertia.work_precision.scene_plot import plot_scene
-    from inertia.work_precision.scene_render import scene_trade_document, scene_trade_text
-    from inertia.work_precision.scenes import trade_scene
-
+    scene = options.part.lower().endswith(".toml")
     for name in ("unit", "format", "density", "material"):
-        if getattr(options, name) is not None:
+        if scene and getattr(options, name) is not None:
             raise UsageError(f"--{name} goes with a part: {options.part} says itself what its body is")
     if options.plot is not None:
         require_plottable(options.plot, force=options.force)
-    with Progress("measuring") as progress:
-        found = trade_scene(
-            Scene.load(options.part),
-            options.accuracy,
-            repeats=options.repeats,
-            budget=options.budget,
-            progress=progress,
-        )
+    how = {"repeats": options.repeats, "budget": options.budget}
+    cost: PartTrade | SceneTrade
+    if scene:
+        from inertia.dynamics.scene.document import Scene
+
+        with Progress("measuring") as progress:
+            cost = measure(Scene.load(options.part), options.accuracy, progress=progress, **how)
+    else:
+        part, hashing = _read(options)
+        hashing.join()  # beside the measuring it would disturb it
+        weight = {"density": options.density, "material": options.material}
+        with sound_solid_for("a trade"), Progress("measuring") as progress:
+            cost = measure(part, options.accuracy, progress=progress, **weight, **how)
     try:
         if options.plot is not None:
-            plot_scene(found, options.plot, force=options.force)
-    finally:
+            plot(cost, options.plot, force=options.force)
+    finally:  # what took so long to measure is told even where the plot cannot be written
         if options.json:
-            print_document(scene_trade_document(found))
+            print_document(trade_document(cost))
         else:
-            print(scene_trade_text(found))
+            print(trade_text(cost, budget="--budget"))
     return 0
 
 

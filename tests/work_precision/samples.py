@@ -1,13 +1,12 @@
-"""Rows made up for the tests of what is done with rows."""
+"""Rows of a part made up for the tests of what is done with rows."""
 
 import inertia
 from inertia.mass.triangles.arithmetic import Arithmetic
-from inertia.work_precision.compare import Relative
 from inertia.work_precision.machine import Machine
-from inertia.work_precision.recommend import recommendations
-from inertia.work_precision.rows import Row, Simplification, Skipped
+from inertia.work_precision.recommend import part_recommendations
+from inertia.work_precision.rows import PartRow, Relative, Simplification, Skipped
 from inertia.work_precision.stopwatch import Timing
-from inertia.work_precision.trade import Trade
+from inertia.work_precision.trade import PartTrade
 from inertia_meshes import path
 
 BALL = inertia.MassProperties(2.0, 1.0, [0, 0, 0], [[0.8, 0, 0], [0, 0.8, 0], [0, 0, 0.8]])
@@ -18,15 +17,15 @@ def same(value: float) -> Relative:
     return Relative(value, value, value)
 
 
-def whole(method: Arithmetic, seconds: float, bound: float) -> Row:
+def whole(method: Arithmetic, seconds: float, bound: float) -> PartRow:
     time = Timing(seconds, 0.9 * seconds, 1.2 * seconds, 5)
-    return Row(method, 8000, None, time, BALL, same(bound / 100), same(bound), bound)
+    return PartRow(method, time, bound, 8000, None, BALL, same(bound / 100), same(bound))
 
 
-def simpler(share: int, seconds: float, error: float, made: float = 1.0) -> Row:
+def simpler(share: int, seconds: float, error: float, made: float = 1.0) -> PartRow:
     time = Timing(seconds, 0.9 * seconds, 1.2 * seconds, 5)
     simplification = Simplification(share, 1e-4 * share, made)
-    return Row("float64", 8000 // share, simplification, time, BALL, same(error), same(1e-14), error)
+    return PartRow("float64", time, error, 8000 // share, simplification, BALL, same(error), same(1e-14))
 
 
 ROWS = (
@@ -40,9 +39,11 @@ ROWS = (
 )
 
 
-def made_up(accuracy: float | None = None, rows: tuple[Row, ...] = ROWS, skipped: tuple[Skipped, ...] = ()) -> Trade:
+def made_up(
+    accuracy: float | None = None, rows: tuple[PartRow, ...] = ROWS, skipped: tuple[Skipped, ...] = ()
+) -> PartTrade:
     """Return a trade of made-up rows, times and machine."""
-    return Trade(
+    return PartTrade(
         analysis=inertia.analyse(inertia.read(path("cube.stl")), 7850.0),
         accuracy=accuracy,
         machine=Machine("Difference Engine", 1, "3.11.0", "2.0.0", "Brass"),
@@ -50,7 +51,7 @@ def made_up(accuracy: float | None = None, rows: tuple[Row, ...] = ROWS, skipped
         budget=30.0,
         steps={"closedness": Timing(0.0123, 0.012, 0.013, 5), "results": Timing(0.002, 0.002, 0.002, 5)},
         rows=rows,
-        reference="exact",
+        reference=ROWS[2],
         skipped=skipped,
-        recommendations=recommendations(rows, skipped, accuracy),
+        recommendations=part_recommendations(rows, skipped, accuracy),
     )

@@ -3,11 +3,10 @@
 from tests.dynamics.scenes import scene
 
 from inertia.work_precision.machine import Machine
-from inertia.work_precision.rows import Skipped
-from inertia.work_precision.scene_recommend import scene_recommendations
-from inertia.work_precision.scene_rows import SceneRow
-from inertia.work_precision.scenes import SceneTrade
+from inertia.work_precision.recommend import scene_recommendations
+from inertia.work_precision.rows import SceneRow, Skipped
 from inertia.work_precision.stopwatch import Timing
+from inertia.work_precision.trade import SceneTrade
 
 LADDER = (1e-3, 1e-5, 1e-7, 1e-9)
 CLOSED = "closed form: Jacobi elliptic functions"
@@ -15,12 +14,12 @@ CLOSED = "closed form: Jacobi elliptic functions"
 
 def stepped(method: str, asked: float, seconds: float, error: float, *, planned: bool = False) -> SceneRow:
     time = Timing(seconds, 0.9 * seconds, 1.2 * seconds, 5)
-    return SceneRow("Euler equations", method, (asked,), planned, time, 800, 2 * error, error, error)
+    return SceneRow(method, time, error, "Euler equations", (asked,), planned, 800, 2 * error, error)
 
 
 def closed(seconds: float = 0.015, asked: tuple[float, ...] = LADDER) -> SceneRow:
     time = Timing(seconds, seconds, seconds, 5)
-    return SceneRow("asymmetric top", CLOSED, asked, True, time, 0, 4e-15, None, 4e-15)
+    return SceneRow(CLOSED, time, 4e-15, "asymmetric top", asked, True, 0, 4e-15, None)
 
 
 ROWS = (

@@ -7,6 +7,8 @@ from xml.etree import ElementTree
 
 import pytest
 from tests.work_precision.samples import ROWS, made_up
+from tests.work_precision.scene_samples import CLOSED
+from tests.work_precision.scene_samples import made_up as scene_made_up
 
 from inertia.errors import InertiaError, UsageError
 from inertia.work_precision.plot import plot, require_plottable
@@ -108,3 +110,14 @@ def test_a_missing_matplotlib_is_named_with_its_extra(tmp_path: Path, monkeypatc
     monkeypatch.setitem(sys.modules, "matplotlib", None)
     with pytest.raises(UsageError, match=r"pip install 'inertia\[plot\]'"):
         require_plottable(tmp_path / "trade.svg")
+
+
+def test_the_diagram_of_a_scene_names_every_method(tmp_path: Path) -> None:
+    for name in ("one.svg", "two.svg"):
+        plot(scene_made_up(1e-7), tmp_path / name)
+    assert (tmp_path / "one.svg").read_bytes() == (tmp_path / "two.svg").read_bytes()
+    said = words(tmp_path / "one.svg")
+    for word in (CLOSED, "Taylor", "RK4", "front", "what the planner selects", "accuracy asked for", "attitude error"):
+        assert word in said
+    with pytest.raises(UsageError, match="--force"):
+        plot(scene_made_up(), tmp_path / "one.svg")

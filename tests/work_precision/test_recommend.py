@@ -1,12 +1,15 @@
-"""Which row is recommended, on made-up rows."""
+"""Which row is recommended, of a part and of a scene, on made-up rows."""
 
 from dataclasses import replace
 
 import pytest
 from tests.work_precision.samples import NEEDLE, ROWS, simpler, whole
+from tests.work_precision.scene_samples import CLOSED, LADDER, stepped
+from tests.work_precision.scene_samples import ROWS as SCENE_ROWS
+from tests.work_precision.scene_samples import made_up as scene_made_up
 
 from inertia.mass.properties import ErrorBound
-from inertia.work_precision.recommend import cheapest, recommendations
+from inertia.work_precision.recommend import advised, cheapest, part_recommendations, planned, scene_recommendations
 from inertia.work_precision.rows import Skipped
 
 
@@ -45,7 +48,7 @@ def test_a_simpler_mesh_must_be_worth_its_while(seconds: float, taken: str) -> N
 
 
 def test_one_recommendation_for_the_accuracy_asked_for() -> None:
-    (found,) = recommendations(ROWS, (), 1e-2)
+    (found,) = part_recommendations(ROWS, (), 1e-2)
     assert (found.coarsest, found.finest, found.row) == (1e-2, 1e-2, ROWS[5])
     assert found.sentence == (
         "For 0.01: float64 over the mesh at 1/8 (1000 triangles), 1 ms instead of 8 ms for float64 over the whole one, "
@@ -54,12 +57,12 @@ def test_one_recommendation_for_the_accuracy_asked_for() -> None:
 
 
 def test_the_sentence_of_a_method_states_its_bound() -> None:
-    (found,) = recommendations(ROWS, (), 1e-12)
+    (found,) = part_recommendations(ROWS, (), 1e-12)
     assert found.sentence == "For 1e-12: float64 over the whole mesh, 8 ms, within 3e-14 by its bound."
 
 
 def test_without_an_accuracy_the_decades_are_gone_through() -> None:
-    found = recommendations(ROWS, (), None)
+    found = part_recommendations(ROWS, (), None)
     assert [(advice.coarsest, advice.finest, advice.row) for advice in found] == [
         (0.1, 0.01, ROWS[5]),
         (1e-3, 1e-3, ROWS[3]),
@@ -71,7 +74,7 @@ def test_without_an_accuracy_the_decades_are_gone_through() -> None:
 
 def test_a_simpler_mesh_without_loss_is_compared_with_what_each_accuracy_needs() -> None:
     rows = (*ROWS[:3], simpler(2, 0.004, 1e-16))
-    coarse, fine = recommendations(rows, (), None)
+    coarse, fine = part_recommendations(rows, (), None)
     assert (coarse.finest, fine.coarsest) == (1e-13, 1e-14)
     assert "instead of 8 ms for float64 over the whole one" in coarse.sentence
     assert "instead of 40 ms for double-double over the whole one" in fine.sentence
@@ -86,17 +89,50 @@ def test_a_row_that_loses_the_smallest_moment_is_taken_only_where_no_other_reach
 
 
 def test_what_no_row_reaches_is_said_with_the_nearest() -> None:
-    (found,) = recommendations(ROWS[:1], (), 1e-15)
+    (found,) = part_recommendations(ROWS[:1], (), 1e-15)
     assert found.row is None
     assert found.sentence == "For 1e-15: no row reaches it, the nearest being float64 over the whole mesh with 3e-14."
 
 
 def test_what_was_skipped_for_time_might_have_reached_it() -> None:
-    (found,) = recommendations(ROWS[:1], (Skipped("exact over the whole mesh", "no time", 99.0),), "exact")
+    (found,) = part_recommendations(ROWS[:1], (Skipped("exact over the whole mesh", "no time", 99.0),), "exact")
     assert found.row is None
     assert found.sentence.endswith("but some were skipped: give a larger budget.")
 
 
 def test_a_simpler_mesh_alone_is_compared_with_nothing() -> None:
-    (found,) = recommendations((simpler(2, 0.004, 1e-16),), (), 1e-15)
+    (found,) = part_recommendations((simpler(2, 0.004, 1e-16),), (), 1e-15)
     assert found.sentence.endswith("4 ms, off by 1e-16; making it took 1 s.")
+
+
+def test_the_fastest_row_that_reaches_it_is_advised_where_it_pays() -> None:
+    assert [advised(SCENE_ROWS, rung) for rung in LADDER] == [
+        SCENE_ROWS[1],
+        SCENE_ROWS[2],
+        SCENE_ROWS[2],
+        SCENE_ROWS[0],
+    ]
+    assert planned(SCENE_ROWS, 1e-5) is SCENE_ROWS[0]
+    assert planned(SCENE_ROWS, 1e-6) is None
+
+
+def test_what_the_planner_selects_is_advised_only_where_it_holds_what_it_says() -> None:
+    off = stepped("Taylor", 1e-9, 0.001, 5e-9, planned=True)
+    sound = stepped("RK4", 1e-9, 0.1, 1e-11)
+    assert advised([off, sound], 1e-9) is sound
+
+
+def test_one_sentence_for_each_range_with_one_answer() -> None:
+    first, last = scene_made_up().recommendations
+    assert (first.coarsest, first.finest, last.coarsest, last.finest) == (1e-3, 1e-7, 1e-9, 1e-9)
+    assert first.sentence == (
+        "For 0.001 to 1e-07 rad: Taylor asked for 1e-05 rad, 3 ms to 4 ms, off by 3e-08 rad, instead of 15 ms for "
+        f"{CLOSED}, which the planner selects."
+    )
+    assert last.sentence == f"For 1e-09 rad: {CLOSED}, which the planner selects, 15 ms, off by 4e-15 rad at most."
+
+
+def test_an_accuracy_beyond_all_rows_names_the_nearest() -> None:
+    (advice,) = scene_recommendations(SCENE_ROWS[1:], LADDER, 1e-14)
+    assert advice.row is None
+    assert advice.sentence == "For 1e-14 rad: no row reaches it, the nearest being Taylor with 1e-12 rad."

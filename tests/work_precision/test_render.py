@@ -1,10 +1,12 @@
-"""The table and the document of a trade, from made-up rows."""
+"""The table and the document of a trade with a part and with a scene, from made-up rows."""
 
 import json
 from dataclasses import replace
 
 import pytest
 from tests.work_precision.samples import NEEDLE, ROWS, made_up
+from tests.work_precision.scene_samples import CLOSED, LADDER
+from tests.work_precision.scene_samples import made_up as scene_made_up
 
 from inertia.work_precision.render import trade_document, trade_text
 from inertia.work_precision.rows import Skipped
@@ -54,7 +56,7 @@ def test_the_machine_and_what_was_assumed_are_said() -> None:
 
 
 def test_what_was_skipped_is_said_with_its_estimate() -> None:
-    text = flat(trade_text(made_up(skipped=SKIPPED)))
+    text = flat(trade_text(made_up(skipped=SKIPPED), "--budget"))
     assert (
         "exact over the whole mesh: it does not fit into the budget (about 123 s): give a larger --budget Skipped"
     ) in text
@@ -110,3 +112,27 @@ def test_the_document_holds_every_row_in_si() -> None:
 
 def test_a_recommendation_of_nothing_names_no_row() -> None:
     assert trade_document(made_up(1e-16))["recommendations"][0]["row"] is None
+
+
+def test_the_table_of_a_scene_has_a_line_for_each_row_and_fits_the_page() -> None:
+    lines = trade_text(scene_made_up(), "--budget").splitlines()
+    assert max(map(len, lines)) <= 100
+    (line,) = [line for line in lines if line.startswith(CLOSED)]
+    assert line.split()[-2:] == ["front", "plan"]
+    assert "–" in line
+    assert sum(line.startswith("Taylor") for line in lines) == 1  # named once, for three lines
+    said = " ".join(" ".join(lines).split())
+    assert "give a larger --budget for Radau at 1e-05 rad and finer (12 s)" in said
+    assert "splitting 2 at 1e-09 rad; splitting 4 at 1e-09 rad: splitting 2 reached 2e-9 rad" in said
+    assert "asymmetric top, closed form: Jacobi elliptic functions, which its bound puts within 4e-15 rad" in said
+    assert "the times are of this machine" in said
+
+
+def test_the_document_of_a_scene_can_be_read_back() -> None:
+    document = json.loads(json.dumps(trade_document(scene_made_up(1e-9)), allow_nan=False))
+    assert (document["schema"], document["reference"], document["accuracy"]) == ("inertia/trade-scene/1", 0, 1e-9)
+    assert document["rows"][0]["asked"] == list(LADDER)
+    assert (document["rows"][0]["error"], document["rows"][0]["planned"]) == (None, True)
+    assert [row["on_front"] for row in document["rows"]] == [True, True, True, True, False]
+    (advice,) = document["recommendations"]
+    assert (advice["row"], advice["coarsest"]) == (0, 1e-9)

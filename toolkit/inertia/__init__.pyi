@@ -33,7 +33,6 @@ from inertia.mass.properties import ErrorBound as ErrorBound
 from inertia.mass.tessellation import richardson as richardson
 from inertia.work_precision.trade import trade as trade
 from inertia.work_precision.trade import Trade as Trade
-from inertia.work_precision.scenes import trade_scene as trade_scene
 
 # Bodies without a mesh, and the algebra of tensors.
 from inertia.mass.elements import point_masses as point_masses

@@ -1,1 +1,1 @@
-"""Measures on one part what accuracy costs: time against error, for every method and for simpler meshes."""
+"""Measures what accuracy costs on one part or scene: time against error for every method, and a recommendation."""

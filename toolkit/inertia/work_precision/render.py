@@ -1,21 +1,22 @@
-"""`Trade` → a table of text, and the document ``inertia/trade/1``."""
+"""`Trade` → a table of text, and the document ``inertia/trade/1`` of a part or ``inertia/trade-scene/1`` of a scene."""
 
 from __future__ import annotations
 
 import re
 import textwrap
-from collections.abc import Iterator
-from dataclasses import asdict
-from typing import Any
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from dataclasses import asdict, dataclass
+from typing import Any, Generic
+
+import numpy as np
 
 from inertia.report.layout import LABEL, number, row
-from inertia.work_precision.compare import Relative
 from inertia.work_precision.recommend import duration
-from inertia.work_precision.rows import Row
-from inertia.work_precision.trade import Trade
+from inertia.work_precision.rows import PartRow, R, Relative, SceneRow, front
+from inertia.work_precision.trade import PartTrade, SceneTrade, Trade
 
 _WIDTH = 100
-_SAID_BY = {
+_ORIGINS = {
     "option": "as given",
     "file": "from the file",
     "material": "of the material given",
@@ -24,24 +25,48 @@ _SAID_BY = {
 _STEPS = {"read": "reading the file", "closedness": "pairing its edges", "results": "results with bounds"}
 
 
-def trade_document(trade: Trade) -> dict[str, Any]:
-    """Return the trade as ``inertia/trade/1``; numbers are SI, errors and bounds relative."""
-    analysis, part = trade.analysis, trade.analysis.part
+def trade_document(trade: PartTrade | SceneTrade) -> dict[str, Any]:
+    """Return the trade as ``inertia/trade/1``, its errors and bounds relative, or ``inertia/trade-scene/1``; all SI."""
+    if isinstance(trade, PartTrade):
+        analysis, part = trade.analysis, trade.analysis.part
+        return {
+            "schema": "inertia/trade/1",
+            "source": {"path": part.source.path, "sha256": part.source.sha256, "format": part.source.format},
+            "unit": part.unit.name,
+            "unit_from": part.unit_from,
+            "density": analysis.density,
+            "density_from": analysis.density_from,
+            "mesh": {"triangles": analysis.triangles, "closed": analysis.closed, "bodies": analysis.bodies},
+            **_head_document(trade),
+            "steps": {name: asdict(timing) for name, timing in trade.steps.items()},
+            "reference": trade.reference.method,
+            **_rows_document(trade, [_part_row_document(line) for line in trade.rows]),
+            "notes": list(analysis.notes),
+        }
+    best = front(trade.rows)
     return {
-        "schema": "inertia/trade/1",
-        "source": {"path": part.source.path, "sha256": part.source.sha256, "format": part.source.format},
-        "unit": part.unit.name,
-        "unit_from": part.unit_from,
-        "density": analysis.density,
-        "density_from": analysis.density_from,
-        "mesh": {"triangles": analysis.triangles, "closed": analysis.closed, "bodies": analysis.bodies},
+        "schema": "inertia/trade-scene/1",
+        "scene": trade.scene.name,
+        "duration": trade.scene.run.duration,
+        "samples": trade.scene.run.samples,
+        **_head_document(trade),
+        "reference": trade.rows.index(trade.reference),
+        **_rows_document(trade, [_scene_row_document(line, on_front=line in best) for line in trade.rows]),
+    }
+
+
+def _head_document(trade: Trade[R]) -> dict[str, Any]:
+    return {
         "accuracy": trade.accuracy,
         "machine": asdict(trade.machine),
         "repeats": trade.repeats,
         "budget": trade.budget,
-        "steps": {name: asdict(timing) for name, timing in trade.steps.items()},
-        "reference": trade.reference,
-        "rows": [_row_document(row) for row in trade.rows],
+    }
+
+
+def _rows_document(trade: Trade[R], rows: list[dict[str, Any]]) -> dict[str, Any]:
+    return {
+        "rows": rows,
         "skipped": [asdict(item) for item in trade.skipped],
         "recommendations": [
             {
@@ -52,21 +77,20 @@ def trade_document(trade: Trade) -> dict[str, Any]:
             }
             for advice in trade.recommendations
         ],
-        "notes": list(analysis.notes),
     }
 
 
-def _row_document(row: Row) -> dict[str, Any]:
-    properties = row.properties
+def _part_row_document(line: PartRow) -> dict[str, Any]:
+    properties = line.properties
     return {
-        "method": row.method,
-        "mesh": row.mesh,
-        "triangles": row.triangles,
-        "simplification": None if row.simplification is None else asdict(row.simplification),
-        "time": asdict(row.time),
-        "error": None if row.error is None else _relative(row.error),
-        "bound": _relative(row.bound),
-        "reached": row.reached,
+        "method": line.method,
+        "mesh": line.mesh,
+        "triangles": line.triangles,
+        "simplification": None if line.simplification is None else asdict(line.simplification),
+        "time": asdict(line.time),
+        "error": None if line.error is None else _relative(line.error),
+        "bound": _relative(line.bound),
+        "reached": line.reached,
         "loses_smallest_moment": properties.loses_smallest_moment,
         "volume": properties.volume,
         "mass": properties.mass,
@@ -79,96 +103,202 @@ def _relative(error: Relative) -> dict[str, float]:
     return {"volume": error.volume, "center_of_mass_over_size": error.center_of_mass, "inertia": error.inertia}
 
 
-def trade_text(trade: Trade) -> str:
-    """Return the trade as lines of text, at most 100 columns wide but for long paths."""
-    blocks = [list(_head(trade)), list(_whole(trade)), list(_simplified(trade)), list(_closing(trade))]
-    return "\n\n".join("\n".join(block) for block in blocks if block)
+def _scene_row_document(line: SceneRow, *, on_front: bool) -> dict[str, Any]:
+    return {
+        "model": line.model,
+        "method": line.method,
+        "asked": list(line.asked),
+        "planned": line.planned,
+        "on_front": on_front,
+        "time": asdict(line.time),
+        "steps": line.steps,
+        "error": line.error,
+        "estimate": line.estimate,
+        "reached": line.reached,
+    }
 
 
-def _head(trade: Trade) -> Iterator[str]:
+def trade_text(trade: PartTrade | SceneTrade, budget: str = "budget") -> str:
+    """Return the trade as lines of text, at most 100 columns wide but for long paths.
+
+    `budget` is what the reader calls the argument that allows more time.
+    """
+    blocks: list[Iterable[str]]
+    if isinstance(trade, PartTrade):
+        blocks = [_part_head(trade), _whole_table(trade), _simplified_table(trade), _part_closing(trade, budget)]
+    else:
+        blocks = [_scene_head(trade), _scene_table(trade), _scene_closing(trade, budget)]
+    return "\n\n".join(text for block in blocks if (text := "\n".join(block)))
+
+
+@dataclass(frozen=True)
+class _Column(Generic[R]):
+    """A column of a table: its head, its width, and what it says of a row."""
+
+    head: str
+    width: int
+    cell: Callable[[R], str]
+
+
+def _table(over: str, columns: Sequence[_Column[R]], rows: Iterable[R]) -> Iterator[str]:
+    """Yield a line that stands over the heads, the heads, and a line for each row.
+
+    The first column goes to the left, the others to the right. Where the first says again what it said in the line
+    above, it is left empty.
+    """
+    yield over
+    yield _line(columns, [column.head for column in columns])
+    above = ""
+    for each in rows:
+        name, *figures = (column.cell(each) for column in columns)
+        yield _line(columns, ["" if name == above else name, *figures])
+        above = name
+
+
+def _line(columns: Sequence[_Column[R]], cells: Sequence[str]) -> str:
+    width = columns[0].width
+    name = cells[0] if len(cells[0]) < width else f"{cells[0][: width - 2]}…"
+    figures = (f"{cell:>{column.width}}" for column, cell in zip(columns[1:], cells[1:], strict=True))
+    return f"{name:<{width}}{''.join(figures)}".rstrip()
+
+
+def _part_head(trade: PartTrade) -> Iterator[str]:
     analysis, part = trade.analysis, trade.analysis.part
     bodies = f"{analysis.bodies} {'body' if analysis.bodies == 1 else 'bodies'}"
     yield row("Part", f"{part.name} ({part.source.format}), {analysis.triangles} triangles, {bodies}")
-    yield row("Unit", f"{part.unit.name} ({_SAID_BY[part.unit_from]})")
+    yield row("Unit", f"{part.unit.name} ({_ORIGINS[part.unit_from]})")
     density, mass = number(analysis.density), number(analysis.properties.mass)
-    yield row("Density", f"{density} kg/m³ ({_SAID_BY[analysis.density_from]}), for a mass of {mass} kg")
-    yield from paragraph("Machine", f"{trade.machine}; the times are of this machine")
-    yield from paragraph(
+    yield row("Density", f"{density} kg/m³ ({_ORIGINS[analysis.density_from]}), for a mass of {mass} kg")
+    yield from _machine(trade)
+    yield from _paragraph(
         "Time", "wall time of the integration alone, median of the runs; first use (compiling, loading) is not counted"
     )
     steps = ", ".join(f"{_STEPS[name]} {duration(timing.median)}" for name, timing in trade.steps.items())
-    yield from paragraph("Besides", steps)
+    yield from _paragraph("Besides", steps)
 
 
-def _whole(trade: Trade) -> Iterator[str]:
-    yield from _heads("Whole mesh", "Method", f"error against {trade.reference}", "certified")
-    for line in trade.rows:
-        if line.simplification is None:
-            yield _line(line.method, line)
+def _scene_head(trade: SceneTrade) -> Iterator[str]:
+    run = trade.scene.run
+    turned = float(np.linalg.norm(trade.scene.angular_velocity)) * run.duration
+    yield row("Scene", f"{trade.scene.name}, {run.duration:g} s, {run.samples} samples")
+    yield from _paragraph("Start", f"the spin at the start would turn the body by {turned:.4g} rad in this time")
+    yield from _machine(trade)
+    yield from _paragraph("Time", "CPU time of the whole simulation with the estimate of its error, median of the runs")
+    best = trade.reference
+    whose = f" for {best.asked[0]:g} rad, which its own estimate" if best.steps else ", which its bound"
+    yield from _paragraph("Reference", f"{best.model}, {best.method}{whose} puts within {best.estimate:.2g} rad")
 
 
-def _simplified(trade: Trade) -> Iterator[str]:
+def _machine(trade: Trade[R]) -> Iterator[str]:
+    return _paragraph("Machine", f"{trade.machine}; the times are of this machine")
+
+
+def _part_table(title: str, names: Sequence[_Column[PartRow]], rows: list[PartRow], over: str) -> Iterator[str]:
+    """Yield the lines of a table with some columns that name a row, 36 wide, and those of its time and errors."""
+    columns = [
+        *names,
+        _Column("median", 9, lambda line: _milliseconds(line.time.median)),
+        _Column("range", 13, lambda line: "–".join(map(_milliseconds, (line.time.fastest, line.time.slowest)))),
+        _Column("runs", 5, lambda line: f"{line.time.runs}"),
+        _Column("volume", 9, lambda line: _error(None if line.error is None else line.error.volume)),
+        _Column("COM/size", 9, lambda line: _error(None if line.error is None else line.error.center_of_mass)),
+        _Column("tensor", 9, lambda line: _error(None if line.error is None else line.error.inertia)),
+        _Column("bound", 10, lambda line: _error(line.bound.worst)),
+    ]
+    return _table(f"{title:<36}{'time, ms':>15}{'':>12}{over}", columns, rows)
+
+
+def _whole_table(trade: PartTrade) -> Iterator[str]:
+    over = f"{f'error against {trade.reference.method}':^27}{'certified':>10}"
+    rows = [line for line in trade.rows if line.simplification is None]
+    return _part_table("Whole mesh", [_Column("Method", 36, lambda line: line.method)], rows, over)
+
+
+def _simplified_table(trade: PartTrade) -> Iterator[str]:
     unit = trade.analysis.part.unit
-    simpler = [(line, line.simplification) for line in trade.rows if line.simplification]
-    if not simpler:
-        return
-    names = f"{'Mesh':<9}{'Triangles':>9}{f'Tol., {unit.name}':>9}{'Made in':>9}"
-    yield from _heads("Simplified meshes, float64", names, "error by simplifying", "arithmetic")
-    for line, made in simpler:
-        tolerance = f"{made.tolerance / float(unit.metres):.2g}"
-        yield _line(f"{line.mesh:<9}{line.triangles:>9}{tolerance:>9}{duration(made.seconds):>9}", line)
+    made = {line: line.simplification for line in trade.rows if line.simplification}
+    names: list[_Column[PartRow]] = [
+        _Column("Mesh", 9, lambda line: line.mesh),
+        _Column("Triangles", 9, lambda line: f"{line.triangles}"),
+        _Column(f"Tol., {unit.name}", 9, lambda line: f"{made[line].tolerance / float(unit.metres):.2g}"),
+        _Column("Made in", 9, lambda line: duration(made[line].seconds)),
+    ]
+    over = f"{'error by simplifying':^27}{'arithmetic':>10}"
+    return _part_table("Simplified meshes, float64", names, list(made), over) if made else iter(())
 
 
-def _heads(title: str, names: str, error: str, bound: str) -> Iterator[str]:
-    yield f"{title:<36}{'time, ms':>15}{'':>12}{error:^27}{bound:>10}"
-    yield f"{names:<36}{'median':>9}{'range':>13}{'runs':>5}{'volume':>9}{'COM/size':>9}{'tensor':>9}{'bound':>10}"
+def _scene_table(trade: SceneTrade) -> Iterator[str]:
+    best = front(trade.rows)
+
+    def accuracy(line: SceneRow) -> str:
+        return "" if len(line.asked) > 1 and not line.steps else f"{line.asked[-1]:g}"
+
+    columns: list[_Column[SceneRow]] = [
+        _Column("Method", 39, lambda line: line.method),
+        _Column("rad", 7, accuracy),
+        _Column("ms", 9, lambda line: _milliseconds(line.time.median)),
+        _Column("runs", 5, lambda line: f"{line.time.runs}"),
+        _Column("steps", 9, lambda line: f"{line.steps}"),
+        _Column("rad", 9, lambda line: "–" if line.error is None else f"{line.error:.1e}"),
+        _Column("estimate", 9, lambda line: f"{line.estimate:.1e}"),
+        _Column("", 7, lambda line: "front" if line in best else ""),
+        _Column("", 6, lambda line: "plan" if line.planned else ""),
+    ]
+    return _table(f"{'asked,':>46}{'CPU,':>9}{'error,':>23}{'own':>9}", columns, trade.rows)
 
 
-def _line(names: str, line: Row) -> str:
-    time = line.time
-    spread = f"{milliseconds(time.fastest)}–{milliseconds(time.slowest)}"
-    errors = "".join(f"{_error(value):>9}" for value in _errors(line.error))
-    return f"{names:<36}{milliseconds(time.median):>9}{spread:>13}{time.runs:>5}{errors}{_error(line.bound.worst):>10}"
-
-
-def _closing(trade: Trade) -> Iterator[str]:
+def _recommended(trade: Trade[R]) -> Iterator[str]:
     for k, advice in enumerate(trade.recommendations):
-        yield from paragraph("" if k else "Recommended", advice.sentence)
+        yield from _paragraph("" if k else "Recommended", advice.sentence)
+
+
+def _part_closing(trade: PartTrade, budget: str) -> Iterator[str]:
+    yield from _recommended(trade)
     for item in trade.skipped:
-        estimate = "" if item.seconds is None else f" (about {duration(item.seconds)}): give a larger --budget"
-        yield from paragraph("Skipped", f"{item.what}: {item.why}{estimate}")
+        estimate = "" if item.seconds is None else f" (about {duration(item.seconds)}): give a larger {budget}"
+        yield from _paragraph("Skipped", f"{item.what}: {item.why}{estimate}")
     whole = [line for line in trade.rows if line.simplification is None]
     if losing := [line.method for line in whole if line.properties.loses_smallest_moment]:
         verb = "leaves" if len(losing) == 1 else "leave"
-        yield from paragraph(
+        yield from _paragraph(
             "Slender",
             f"{' and '.join(losing)} {verb} the smallest principal moment uncertain by more than a part in 10⁹: such "
             "rows are recommended only where no other one reaches the accuracy",
         )
     for note in trade.analysis.notes:
-        yield from paragraph("Note", note)
-    yield from paragraph(
+        yield from _paragraph("Note", note)
+    yield from _paragraph(
         "Errors",
         "over the whole mesh they are those of the arithmetic, over a simplified one those of its geometry; how far "
         "the mesh lies from the shape that was meshed, its tessellation, is in neither",
     )
 
 
-def paragraph(label: str, text: str) -> Iterator[str]:
+def _scene_closing(trade: SceneTrade, budget: str) -> Iterator[str]:
+    yield from _paragraph(
+        "Marks", "front: no other row is as fast and as accurate; plan: what the planner selects for this accuracy"
+    )
+    yield from _recommended(trade)
+    late = [f"{item.what} ({duration(item.seconds)})" for item in trade.skipped if item.seconds is not None]
+    if late:
+        yield from _paragraph("Skipped", f"give a larger {budget} for {', '.join(late)}")
+    reasons = dict.fromkeys(item.why for item in trade.skipped if item.seconds is None)
+    for why in reasons:
+        what = "; ".join(item.what for item in trade.skipped if item.why == why)
+        yield from _paragraph("Left out", f"{what}: {why}")
+
+
+def _paragraph(label: str, text: str) -> Iterator[str]:
     """Yield the lines of a labelled text; a time stays together with its unit."""
     tied = re.sub(r"(\d) (ms|s)\b", "\\1\N{NO-BREAK SPACE}\\2", text)
     for k, line in enumerate(textwrap.wrap(tied, _WIDTH - LABEL, break_long_words=False, break_on_hyphens=False)):
         yield row("" if k else label, line.replace("\N{NO-BREAK SPACE}", " "))
 
 
-def milliseconds(seconds: float) -> str:
+def _milliseconds(seconds: float) -> str:
     """Return a time in ms, to three digits."""
     value = 1e3 * seconds
     return f"{value:.0f}" if value >= 1000 else f"{value:.3g}"
-
-
-def _errors(error: Relative | None) -> tuple[float | None, ...]:
-    return (None, None, None) if error is None else (error.volume, error.center_of_mass, error.inertia)
 
 
 def _error(value: float | None) -> str:

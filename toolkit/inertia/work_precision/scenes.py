@@ -1,149 +1,171 @@
-"""`trade_scene`: what accuracy costs on one scene, measured."""
+"""Measuring a scene: every method that can follow it, each over a ladder of accuracies."""
 
 from __future__ import annotations
 
-import time
-from collections.abc import Callable
-from dataclasses import dataclass
-from numbers import Real
+from dataclasses import dataclass, replace
+from functools import partial
 
 import numpy as np
 
+from inertia.arrays import Progress
 from inertia.dynamics.kinematics import quaternion
+from inertia.dynamics.models.rolling import motion
+from inertia.dynamics.models.stepped import solve
+from inertia.dynamics.plan import DEFORMING, ROLLING, plan
 from inertia.dynamics.run import Run
-from inertia.dynamics.scene.document import FINEST, Scene
+from inertia.dynamics.scene.document import Scene
+from inertia.dynamics.simulate import simulate
 from inertia.errors import GeometryError, UsageError
-from inertia.work_precision.machine import Machine, this_machine
-from inertia.work_precision.rows import Skipped
-from inertia.work_precision.scene_measure import LADDER, Measured, Measurement
-from inertia.work_precision.scene_recommend import SceneRecommendation, scene_recommendations
-from inertia.work_precision.scene_rows import SceneRow
+from inertia.work_precision.rows import Measurement, SceneRow, Skipped
+from inertia.work_precision.stopwatch import Stopwatch, Timing
 
-_COARSEST = 1.0
+LADDER = (1e-3, 1e-5, 1e-7, 1e-9, 1e-11, 1e-13)
+"""The accuracies in rad that are gone through."""
+
+_PROBE = 32
+"""The first run of a method is of this part of the duration, and tells what all of it may take."""
+
+_PART = 4
+"""No run may take more than this part of what is left of the budget."""
+
+_REPEATS = 0.02
+"""Of the budget: what may go into the repeats of one row."""
+
+_ORDER = {name: method.order for name, method in solve.METHODS.items()}
+_ORDER_ELSE = 8
 
 
 @dataclass(frozen=True, eq=False)
-class SceneTrade:
-    """What accuracy costs on one scene.
+class _Measured:
+    """A run, its time, the accuracies in rad that give this very run, and whether the planner selects it for them."""
 
-    Attributes
-    ----------
-    scene : as given
-    accuracy : rad, as asked for, or None
-    machine : where the times were measured
-    repeats, budget : runs of each row, and s of CPU time for all
-    rows : what the planner selects for each accuracy, then every method over the ladder of accuracies
-    reference : the row that the errors are measured against
-    skipped : what was not measured, or did not reach what it was asked for
-    recommendations : one for the accuracy asked for; without one, for every accuracy of the ladder
-    """
+    run: Run
+    time: Timing
+    asked: tuple[float, ...]
+    planned: bool
 
-    scene: Scene
-    accuracy: float | None
-    machine: Machine
-    repeats: int
-    budget: float
-    rows: tuple[SceneRow, ...]
-    reference: SceneRow
-    skipped: tuple[Skipped, ...]
-    recommendations: tuple[SceneRecommendation, ...]
-
-
-def trade_scene(
-    scene: Scene,
-    accuracy: float | None = None,
-    *,
-    repeats: int = 5,
-    budget: float = 30.0,
-    progress: Callable[[float], None] | None = None,
-    clock: Callable[[], float] = time.process_time,
-) -> SceneTrade:
-    """Measure CPU time against attitude error for every method that can follow a scene, and recommend one.
-
-    Every row is a whole `inertia.simulate` for a stated accuracy: planning, the motion, and the estimate of its error.
-    A first run, which may compile or load code, counts only where there is no time for a second one. The error is the
-    largest angle over the samples to the closed form, where the scene has one that serves every accuracy, else to the
-    run with the least estimate of its own error.
-
-    Parameters
-    ----------
-    scene : what `inertia.Scene.load` returned; a model or method that it asks for is one of the rows
-    accuracy : rad, to recommend a row for; without it, each of 1e-3, 1e-5, … 1e-13 is gone through
-    repeats : runs of each row; fewer where they would take more than a tenth of the method's share of the budget
-    budget : s of CPU time, for all of it
-    progress : called with the fraction done
-    clock : tells the time in s
-
-    Raises
-    ------
-    UsageError : an argument is not usable
-    GeometryError : no method follows the scene
-
-    >>> scene = Scene.from_dict({"body": {"principal_moments": [1, 2, 3]},
-    ...                          "start": {"angular_velocity": [1, 2, 3]}, "run": {"duration": 0.1, "samples": 2}})
-    >>> found = trade_scene(scene, 1e-6, repeats=1, budget=1.0)
-    >>> found.reference.model, all(row.reached < 1e-3 for row in found.rows)
-    ('asymmetric top', True)
-    """
-    asked = _accuracy(accuracy)
-    ladder = tuple(sorted({*LADDER, scene.run.accuracy if asked is None else asked}, reverse=True))
-    measurement = Measurement(scene, ladder, repeats, budget, clock)
-    measurement.run(progress or _nothing)
-    found, skipped = measurement.found, measurement.skipped
-    if not found and skipped[0].seconds is None:
-        raise GeometryError(f"{scene.name}: {skipped[0].why}")
-    if not found:
-        raise UsageError(f"{scene.name}: no run fits into the budget of {budget:g} s: give a larger budget")
-    standard = _reference(found, ladder[-1])
-    rows = tuple(_row(item, standard) for item in found)
-    return SceneTrade(
-        scene=scene,
-        accuracy=asked,
-        machine=this_machine(),
-        repeats=repeats,
-        budget=budget,
-        rows=rows,
-        reference=rows[found.index(standard)],
-        skipped=tuple(skipped),
-        recommendations=scene_recommendations(rows, ladder, asked),
-    )
-
-
-def _nothing(done: float) -> None:
-    """Take a fraction done and show it nowhere."""
-
-
-def _accuracy(accuracy: float | None) -> float | None:
-    if accuracy is None:
-        return None
-    if not (isinstance(accuracy, Real) and FINEST <= accuracy <= _COARSEST):
-        raise UsageError(
-            f"accuracy is {accuracy!r}: for a scene give an angle in rad from {FINEST:g} to {_COARSEST:g}, such as 1e-9"
+    def row(self, standard: _Measured) -> SceneRow:
+        """Return the row of a run, whose error is the largest angle over the samples to a run that is the standard."""
+        run, error = self.run, None
+        if self is not standard:
+            error = float(np.max(quaternion.angle_between(run.attitude, standard.run.attitude)))
+        return SceneRow(
+            method=run.error.method,
+            time=self.time,
+            reached=(error or 0.0) + standard.run.error.reached,
+            model=run.model,
+            asked=self.asked,
+            planned=self.planned,
+            steps=run.steps,
+            estimate=run.error.reached,
+            error=error,
         )
-    return float(accuracy)
 
 
-def _reference(found: list[Measured], finest: float) -> Measured:
-    """Return the closed form that serves the finest accuracy, else the run with the least estimate of its error."""
-    closed = [item for item in found if item.run.steps == 0 and finest in item.asked]
-    return min(closed or found, key=lambda item: item.run.error.reached)
+def measure_scene(
+    scene: Scene, ladder: tuple[float, ...], watch: Stopwatch, progress: Progress
+) -> Measurement[SceneRow]:
+    """Run a scene by every method for every accuracy in rad, the coarsest first, within the budget of a watch.
+
+    What the planner selects comes before the others. The reference is the closed form where one serves the finest
+    accuracy, else the run with the least estimate of its error. Raises `GeometryError` where no method follows the
+    scene, `UsageError` where no run fits into the budget.
+    """
+    ascent = _Ascent(scene, ladder, watch)
+    ascent.run(progress)
+    runs, skipped = ascent.runs, ascent.skipped
+    if not runs and skipped[0].seconds is None:
+        raise GeometryError(f"{scene.name}: {skipped[0].why}")
+    if not runs:
+        raise UsageError(f"{scene.name}: no run fits into the budget of {watch.budget:g} s: give a larger budget")
+    closed = [item for item in runs if item.run.steps == 0 and ladder[-1] in item.asked]
+    standard = min(closed or runs, key=lambda item: item.run.error.reached)
+    rows = tuple(item.row(standard) for item in runs)
+    return Measurement(rows, rows[runs.index(standard)], tuple(skipped))
 
 
-def _row(item: Measured, standard: Measured) -> SceneRow:
-    error = None if item is standard else _apart(item.run, standard.run)
-    run = item.run
-    return SceneRow(
-        model=run.model,
-        method=run.error.method,
-        asked=item.asked,
-        planned=item.planned,
-        time=item.time,
-        steps=run.steps,
-        estimate=run.error.reached,
-        error=error,
-        reached=(error or 0.0) + standard.run.error.reached,
-    )
+class _Ascent:
+    """Runs one scene by each method for finer and finer accuracies, within the budget of a watch."""
+
+    def __init__(self, scene: Scene, ladder: tuple[float, ...], watch: Stopwatch) -> None:
+        self._scene, self._ladder, self._watch = scene, ladder, watch
+        self.runs: list[_Measured] = []
+        self.skipped: list[Skipped] = []
+
+    def run(self, progress: Progress) -> None:
+        """Run what the planner selects for each accuracy, then each method, those that are fast first."""
+        self._climb(None, self._ladder, self._foreseen(None))
+        planned = list(self.runs)
+        reached = sum(len(item.asked) for item in planned)
+        foreseen = {name: seconds for name in self._methods() if (seconds := self._foreseen(name)) is not None}
+        for k, name in enumerate(sorted(foreseen, key=foreseen.__getitem__)):
+            progress((k + 1) / (len(foreseen) + 1))
+            own = [item.asked for item in planned if item.run.error.method == name]
+            had = {rung for asked in own for rung in asked}
+            if own and own[-1] == planned[-1].asked:
+                had.update(self._ladder[reached:])  # it has failed there
+            self._climb(name, tuple(rung for rung in self._ladder if rung not in had), foreseen[name])
+        progress(1.0)
+
+    def _methods(self) -> tuple[str, ...]:
+        """Return the methods that a scene of this kind may ask for, beside what the planner selects."""
+        model = plan(self._asking(self._ladder[0], None)).model
+        if model == DEFORMING:
+            return ()
+        return motion.METHODS[1:] if model == ROLLING else tuple(solve.METHODS)
+
+    def _asking(self, accuracy: float, method: str | None) -> Scene:
+        """Return the scene with an accuracy and a method in place of its own; without one the planner selects."""
+        return replace(self._scene, run=replace(self._scene.run, accuracy=accuracy, model=None, method=method))
+
+    def _climb(self, method: str | None, ladder: tuple[float, ...], seconds: float | None) -> None:
+        """Run a method for finer and finer accuracies, until it fails or the next run would not fit."""
+        if seconds is None:
+            return
+        for k, rung in enumerate(ladder):
+            what = f"{_called(method)} at {rung:g} rad" + ("" if rung == ladder[-1] else " and finer")
+            if k:
+                seconds *= (ladder[k - 1] / rung) ** (1.0 / _ORDER.get(method or "", _ORDER_ELSE))
+            if not self._watch.affords(_PART * seconds):
+                self.skipped.append(Skipped(what, "it does not fit into the budget", seconds))
+                return
+            simulated = partial(simulate, self._asking(rung, method))
+            try:
+                seconds, run = self._watch.once(simulated)  # this one may compile something
+            except (GeometryError, UsageError) as fault:
+                self.skipped.append(Skipped(what, self._reason(fault)))
+                return
+            time = Timing(seconds, seconds, seconds, 1)
+            last = self.runs[-1] if k else None
+            if last is not None and np.array_equal(last.run.attitude, run.attitude):
+                self.runs[-1] = replace(last, asked=(*last.asked, rung))
+                continue
+            if self._watch.affords(2 * seconds):
+                time, _ = self._watch.timed(simulated, _REPEATS)
+            seconds = time.median
+            self.runs.append(_Measured(run, time, (rung,), method is None))
+
+    def _foreseen(self, method: str | None) -> float | None:
+        """Return the seconds that the coarsest run may take, from the first part of it; None where it fails."""
+        run = self._scene.run
+        short = replace(run, duration=run.duration / _PROBE, samples=max(2, run.samples // _PROBE))
+        asked = self._asking(self._ladder[0], method)
+        simulated = partial(
+            simulate, replace(asked, run=replace(asked.run, duration=short.duration, samples=short.samples))
+        )
+        try:
+            self._watch.once(simulated)  # this one may compile something
+            seconds, first = self._watch.once(simulated)
+        except (GeometryError, UsageError) as fault:
+            self.skipped.append(Skipped(_called(method), self._reason(fault)))
+            return None
+        return seconds * (_PROBE if first.steps else run.samples / short.samples)
+
+    def _reason(self, fault: GeometryError | UsageError) -> str:
+        """Return what an error says, without the remedy where that is another accuracy."""
+        said = str(fault).removeprefix(f"{self._scene.name}: ")
+        return said.partition(": ")[0] if isinstance(fault, GeometryError) else said.removeprefix("run: ")
 
 
-def _apart(one: Run, other: Run) -> float:
-    return float(np.max(quaternion.angle_between(one.attitude, other.attitude)))
+def _called(method: str | None) -> str:
+    return method or "what the planner selects"

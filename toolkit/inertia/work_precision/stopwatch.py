@@ -13,12 +13,12 @@ from inertia.errors import UsageError
 
 T = TypeVar("T")
 
-_SHARE = 0.1  # part of the budget that the repeats of one thing may take
+_SHARE = 0.1  # of the budget, that the repeats of one thing may take
 
 
 @dataclass(frozen=True)
 class Timing:
-    """Wall time in s: the median, the fastest and the slowest of so many runs."""
+    """A time in s: the median, the fastest and the slowest of so many runs."""
 
     median: float
     fastest: float
@@ -43,12 +43,12 @@ class Stopwatch:
             raise UsageError(f"the number of repeats is {repeats!r}: it must be a whole number, at least 1")
         if not 0 < budget < math.inf:
             raise UsageError(f"the budget is {budget!r} s: it must be positive and finite")
-        self._repeats, self._budget, self._clock = repeats, budget, clock
+        self.repeats, self.budget, self._clock = repeats, budget, clock
         self._start = clock()
 
     def affords(self, seconds: float) -> bool:
         """Say whether something that takes this long fits into what is left of the budget."""
-        return self._clock() - self._start + seconds <= self._budget
+        return self._clock() - self._start + seconds <= self.budget
 
     def once(self, run: Callable[[], T]) -> tuple[float, T]:
         """Run once; return the time and the result."""
@@ -56,10 +56,10 @@ class Stopwatch:
         result = run()
         return self._clock() - begin, result
 
-    def timed(self, run: Callable[[], T]) -> tuple[Timing, T]:
-        """Run `repeats` times, or as often as a tenth of the budget allows, but once at least."""
+    def timed(self, run: Callable[[], T], share: float = _SHARE) -> tuple[Timing, T]:
+        """Run `repeats` times, or as often as a share of the budget allows, but once at least."""
         first, result = self.once(run)
-        room = _SHARE * self._budget / first if first > 0 else math.inf
-        runs = max(1, math.floor(min(self._repeats, room)))
+        room = share * self.budget / first if first > 0 else math.inf
+        runs = max(1, math.floor(min(self.repeats, room)))
         times = [first, *(self.once(run)[0] for _ in range(runs - 1))]
         return Timing(median(times), min(times), max(times), runs), result

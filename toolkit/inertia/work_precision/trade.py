@@ -1,65 +1,80 @@
-"""`trade`: what accuracy costs on one part, measured."""
+"""`trade`: what accuracy costs on one part or scene, time against error for every method, with a recommendation."""
 
 from __future__ import annotations
 
-import contextlib
 import math
 import time
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from fractions import Fraction
 from numbers import Real
-
-import numpy as np
+from typing import TYPE_CHECKING, Generic, overload
 
 from inertia.arrays import Progress
-from inertia.errors import ReadError, UsageError, require_kind
+from inertia.errors import UsageError, require_kind
 from inertia.mass.analysis import Accuracy, Analysis, analyse
-from inertia.mass.triangles.arithmetic import FINEST
-from inertia.mesh.geometry.closure import closure
 from inertia.mesh.part import Cells, Part
-from inertia.mesh.read import read
-from inertia.work_precision.compare import Scale
 from inertia.work_precision.machine import Machine, this_machine
-from inertia.work_precision.measure import answers, simpler_rows, whole_rows
-from inertia.work_precision.recommend import Recommendation, recommendations
-from inertia.work_precision.rows import Row, Skipped
+from inertia.work_precision.recommend import Recommendation, part_recommendations, scene_recommendations
+from inertia.work_precision.rows import PartRow, R, SceneRow, Skipped
 from inertia.work_precision.stopwatch import Stopwatch, Timing
 
-_CHECKED, _ANSWERED = 0.2, 0.6  # of the progress
+if TYPE_CHECKING:
+    from inertia.dynamics.scene.document import Scene
+
+_CHECKED = 0.2  # of the progress with a part
+_COARSEST = 1.0  # rad
 
 
-@dataclass(frozen=True, eq=False)
-class Trade:
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Trade(Generic[R]):
+    """What accuracy costs on one part or scene.
+
+    Attributes
+    ----------
+    accuracy : as asked for: relative or "exact" for a part, rad for a scene, or None
+    machine : where the times were measured
+    repeats, budget : runs of each row, and s for all: wall time for a part, CPU time for a scene
+    rows : of a part every method over the whole mesh, then float64 over simpler and simpler meshes; of a scene what
+        the planner selects for each accuracy, then every method over the ladder of accuracies
+    reference : the row that the errors are measured against: of a part "exact", where the budget allowed it
+    skipped : what was not measured, or did not reach what it was asked for
+    recommendations : one for the accuracy asked for; without one, for every decade or rung of the ladder
+    """
+
+    accuracy: Accuracy
+    machine: Machine
+    repeats: int
+    budget: float
+    rows: tuple[R, ...]
+    reference: R
+    skipped: tuple[Skipped, ...]
+    recommendations: tuple[Recommendation[R], ...]
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class PartTrade(Trade[PartRow]):
     """What accuracy costs on one part.
 
     Attributes
     ----------
     analysis : of the part, as `accuracy=None` gives it
-    accuracy : the relative accuracy asked for, "exact" or None
-    machine : where the times were measured
-    repeats, budget : runs of each row, and s for all
     steps : times of what comes beside the integration: "read", "closedness", "results" (to results with bounds)
-    rows : every method over the whole mesh, then float64 over simpler and simpler meshes
-    reference : the method that the errors are measured against: "exact", where the budget allowed it
-    skipped : what was not measured
-    recommendations : one for the accuracy asked for; without one, for every decade of accuracies
     """
 
     analysis: Analysis
-    accuracy: Accuracy
-    machine: Machine
-    repeats: int
-    budget: float
     steps: Mapping[str, Timing]
-    rows: tuple[Row, ...]
-    reference: str
-    skipped: tuple[Skipped, ...]
-    recommendations: tuple[Recommendation, ...]
 
 
+@dataclass(frozen=True, eq=False, kw_only=True)
+class SceneTrade(Trade[SceneRow]):
+    """What accuracy costs on one scene, which is `scene`."""
+
+    scene: Scene
+
+
+@overload
 def trade(
-    part: Part,
+    subject: Part,
     accuracy: Accuracy = None,
     *,
     density: float | None = None,
@@ -67,99 +82,151 @@ def trade(
     repeats: int = 5,
     budget: float = 30.0,
     progress: Progress | None = None,
-    clock: Callable[[], float] = time.perf_counter,
-) -> Trade:
-    """Measure time against error for every method and for simplified meshes, and recommend one.
+    clock: Callable[[], float] | None = None,
+) -> PartTrade: ...
 
-    The time of a row is that of the integration alone, by this one method (and the float64 sums that every analysis
-    begins with); a first run, which may compile or load code, does not count. Its error is the distance of the result
-    from the exact answer for the whole mesh: of the arithmetic over the whole mesh, of the geometry over a simplified
-    one. What does not fit into the budget is skipped, and listed.
+
+@overload
+def trade(
+    subject: Scene,
+    accuracy: float | None = None,
+    *,
+    repeats: int = 5,
+    budget: float = 30.0,
+    progress: Progress | None = None,
+    clock: Callable[[], float] | None = None,
+) -> SceneTrade: ...
+
+
+def trade(
+    subject: Part | Scene,
+    accuracy: Accuracy = None,
+    *,
+    density: float | None = None,
+    material: str | None = None,
+    repeats: int = 5,
+    budget: float = 30.0,
+    progress: Progress | None = None,
+    clock: Callable[[], float] | None = None,
+) -> PartTrade | SceneTrade:
+    """Measure time against error for every method, of a part or a scene, and recommend one.
+
+    Of a part, the time of a row is the wall time of the integration alone, by this one method (and the float64 sums
+    that every analysis begins with); a first run, which may compile or load code, does not count. Its error is the
+    distance of the result from the exact answer for the whole mesh: of the arithmetic over the whole mesh, of the
+    geometry over a simplified one.
+
+    Of a scene, every row is a whole `inertia.simulate` for a stated accuracy: planning, the motion, and the estimate of
+    its error, in CPU time. A first run counts only where there is no time for a second one. The error is the largest
+    angle over the samples to the closed form, where the scene has one that serves every accuracy, else to the run with
+    the least estimate of its own error.
+
+    What does not fit into the budget is skipped, and listed.
 
     Parameters
     ----------
-    part : what `inertia.read` returned: a surface that bounds a solid
-    accuracy : a relative figure to recommend a row for, or "exact"; without it all decades are gone through
+    subject : what `inertia.read` returned, a surface that bounds a solid; or what `inertia.Scene.load` returned, of
+        which a model or method that it asks for is one of the rows
+    accuracy : to recommend a row for. Of a part a relative figure or "exact"; without it all decades are gone through.
+        Of a scene an angle in rad; without it each of 1e-3, 1e-5, … 1e-13
     density, material : of the whole part, as for `inertia.mass_properties`
-    repeats : runs of each row; fewer where they would take more than a tenth of the budget
+    repeats : runs of each row; fewer where they would take more than a tenth of the budget, of a scene a fiftieth
     budget : s, for all of it
     progress : called with the fraction done
     clock : tells the time in s
 
     Raises
     ------
-    GeometryError : the surface bounds no solid
+    GeometryError : the surface bounds no solid, or no method follows the scene
     UsageError : an argument is not usable, or the part is a mesh of cells
 
     >>> import inertia
     >>> from inertia_meshes import path
-    >>> found = inertia.trade(inertia.read(path("sphere.stl")), accuracy=1e-9, repeats=1)
-    >>> found.rows[0].method, found.rows[0].error.worst < found.rows[0].bound.worst < 1e-12
+    >>> cost = inertia.trade(inertia.read(path("sphere.stl")), accuracy=1e-9, repeats=1)
+    >>> cost.rows[0].method, cost.rows[0].error.worst < cost.rows[0].bound.worst < 1e-12
     ('float64', True)
+    >>> scene = inertia.Scene.from_dict({"body": {"principal_moments": [1, 2, 3]},
+    ...                                  "start": {"angular_velocity": [1, 2, 3]},
+    ...                                  "run": {"duration": 0.1, "samples": 2}})
+    >>> cost = inertia.trade(scene, 1e-6, repeats=1, budget=1.0)
+    >>> cost.reference.model, all(row.reached < 1e-3 for row in cost.rows)
+    ('asymmetric top', True)
     """
-    require_kind(part, Part, "part", "inertia.read(path)")
-    watch = Stopwatch(repeats, budget, clock)
-    _require_usable(part, density, material)
-    asked = _accuracy(accuracy)
-    say = progress or _nothing
-    analysis = analyse(part, density, material=material, progress=lambda done: say(_CHECKED * done))
-    size = Fraction(float(np.ptp(analysis.extents, axis=0).max()))
-    scale = Scale(part.unit.metres, Fraction(analysis.density), size)
-    triangles = part.triangles
-    steps = _beside(part, watch)
-    found, skipped = answers(triangles, scale, watch, lambda done: say(_CHECKED + (_ANSWERED - _CHECKED) * done))
-    if not found:
-        raise UsageError(
-            f"no method that can tell the volume of {part.name} from zero fits into the budget of {budget:g} s: "
-            "give a larger budget"
-        )
-    steps["results"], _ = watch.timed(lambda: scale.properties(found[0].moments, found[0].method))
-    simpler, left = simpler_rows(
-        triangles, found[-1], scale, watch, lambda done: say(_ANSWERED + (1.0 - _ANSWERED) * done)
-    )
-    say(1.0)
-    rows = (*whole_rows(triangles, found, scale), *simpler)
-    return Trade(
-        analysis=analysis,
-        accuracy=asked,
+    show = progress or _nothing
+    if isinstance(subject, Part):
+        watch = Stopwatch(repeats, budget, clock or time.perf_counter)
+        return _trade_part(subject, accuracy, density, material, watch, show)
+    from inertia.dynamics.scene.document import Scene
+
+    if not isinstance(subject, Scene):
+        require_kind(subject, Part, "part", "inertia.read(path)")
+    if density is not None or material is not None:
+        raise UsageError("a scene says itself what its body is: give a density or material with a part only")
+    return _trade_scene(subject, accuracy, Stopwatch(repeats, budget, clock or time.process_time), show)
+
+
+def _trade_part(
+    part: Part,
+    accuracy: Accuracy,
+    density: float | None,
+    material: str | None,
+    watch: Stopwatch,
+    progress: Progress,
+) -> PartTrade:
+    from inertia.mass.triangles.arithmetic import FINEST
+    from inertia.work_precision.parts import measure_part
+
+    if isinstance(density, Mapping) or isinstance(material, Mapping):
+        raise UsageError("a trade takes one density or material for the whole part: give it without a name")
+    if isinstance(part.geometry, Cells):
+        raise UsageError(f"a trade measures triangle surfaces, and {part.name} is a mesh of cells: analyse it instead")
+    if not (accuracy is None or accuracy == "exact"):
+        if not (isinstance(accuracy, Real) and FINEST <= accuracy < math.inf):
+            raise UsageError(
+                f"accuracy is {accuracy!r}: give a relative figure from {FINEST:g} upwards, such as 1e-9, or 'exact'"
+            )
+        accuracy = float(accuracy)
+    analysis = analyse(part, density, material=material, progress=lambda done: progress(_CHECKED * done))
+    measurement = measure_part(analysis, watch, lambda done: progress(_CHECKED + (1.0 - _CHECKED) * done))
+    return PartTrade(
+        accuracy=accuracy,
         machine=this_machine(),
-        repeats=repeats,
-        budget=budget,
-        steps=steps,
-        rows=rows,
-        reference=found[-1].method,
-        skipped=(*skipped, *left),
-        recommendations=recommendations(rows, (*skipped, *left), asked),
+        repeats=watch.repeats,
+        budget=watch.budget,
+        rows=measurement.rows,
+        reference=measurement.reference,
+        skipped=measurement.skipped,
+        recommendations=part_recommendations(measurement.rows, measurement.skipped, accuracy),
+        analysis=analysis,
+        steps=measurement.steps,
+    )
+
+
+def _trade_scene(scene: Scene, accuracy: Accuracy, watch: Stopwatch, progress: Progress) -> SceneTrade:
+    from inertia.dynamics.scene.document import FINEST
+    from inertia.work_precision.scenes import LADDER, measure_scene
+
+    if accuracy is not None:
+        if not (isinstance(accuracy, Real) and FINEST <= accuracy <= _COARSEST):
+            raise UsageError(
+                f"accuracy is {accuracy!r}: for a scene give an angle in rad from {FINEST:g} to {_COARSEST:g}, such as "
+                "1e-9"
+            )
+        accuracy = float(accuracy)
+    ladder = tuple(sorted({*LADDER, scene.run.accuracy if accuracy is None else accuracy}, reverse=True))
+    measurement = measure_scene(scene, ladder, watch, progress)
+    return SceneTrade(
+        accuracy=accuracy,
+        machine=this_machine(),
+        repeats=watch.repeats,
+        budget=watch.budget,
+        rows=measurement.rows,
+        reference=measurement.reference,
+        skipped=measurement.skipped,
+        recommendations=scene_recommendations(measurement.rows, ladder, accuracy),
+        scene=scene,
     )
 
 
 def _nothing(done: float) -> None:
     """Take a fraction done and show it nowhere."""
-
-
-def _accuracy(accuracy: Accuracy) -> Accuracy:
-    if accuracy is None or accuracy == "exact":
-        return accuracy
-    if not (isinstance(accuracy, Real) and FINEST <= accuracy < math.inf):
-        raise UsageError(
-            f"accuracy is {accuracy!r}: give a relative figure from {FINEST:g} upwards, such as 1e-9, or 'exact'"
-        )
-    return float(accuracy)
-
-
-def _require_usable(part: Part, density: float | None, material: str | None) -> None:
-    if isinstance(density, Mapping) or isinstance(material, Mapping):
-        raise UsageError("a trade takes one density or material for the whole part: give it without a name")
-    if isinstance(part.geometry, Cells):
-        raise UsageError(f"a trade measures triangle surfaces, and {part.name} is a mesh of cells: analyse it instead")
-
-
-def _beside(part: Part, watch: Stopwatch) -> dict[str, Timing]:
-    """Time what a file needs before it is integrated."""
-    steps = {}
-    path = part.source.path
-    if path is not None:
-        with contextlib.suppress(ReadError):  # the file may have gone since it was read
-            steps["read"], _ = watch.timed(lambda: read(path, part.unit.name, format=part.source.format))
-    steps["closedness"], _ = watch.timed(lambda: closure(part.triangles))
-    return steps

@@ -1,0 +1,230 @@
+"""Measuring a part: every method of integration over the whole mesh, then float64 over simpler and simpler meshes."""
+
+from __future__ import annotations
+
+import contextlib
+import math
+from dataclasses import dataclass
+from fractions import Fraction
+from functools import partial
+
+import numpy as np
+
+from inertia.arrays import Progress
+from inertia.errors import GeometryError, ReadError, UsageError
+from inertia.mass.analysis import Analysis
+from inertia.mass.moments import ZERO, Moments, inertia_tensor, root_above
+from inertia.mass.properties import MassProperties
+from inertia.mass.triangles.arithmetic import METHODS, Arithmetic, solid_moments
+from inertia.mass.triangles.sums import sum_triangles
+from inertia.mesh.geometry.closure import closure
+from inertia.mesh.part import Part, Triangles
+from inertia.mesh.read import read
+from inertia.mesh.repairs.simplify import FEWEST, Simplified, halvings
+from inertia.native import COMPILE_ABOVE
+from inertia.work_precision.rows import Measurement, PartRow, Relative, Simplification, Skipped
+from inertia.work_precision.stopwatch import Stopwatch, Timing
+
+_SAMPLE = 32_768  # triangles that a time is estimated from
+_HALVING = 1e-5  # s a triangle that the first halving is taken to cost, until one was measured
+_USELESS = 0.1  # relative error beyond which no simpler mesh is of interest
+_WHOLE_MESH = 0.5  # of the progress
+
+
+def measure_part(analysis: Analysis, watch: Stopwatch, progress: Progress) -> Measurement[PartRow]:
+    """Measure every method over the whole mesh of an analysed part, and float64 over simplified ones.
+
+    Raises `UsageError` where the budget of the watch allows no method that can tell the volume from zero.
+    """
+    part, triangles = analysis.part, analysis.part.triangles
+    size = Fraction(float(np.ptp(analysis.extents, axis=0).max()))
+    scale = _Scale(part.unit.metres, Fraction(analysis.density), size)
+    steps = _steps_beside(part, watch)
+    answers, skipped = _answers(triangles, scale, watch, lambda done: progress(_WHOLE_MESH * done))
+    if not answers:
+        raise UsageError(
+            f"no method that can tell the volume of {part.name} from zero fits into the budget of {watch.budget:g} s: "
+            "give a larger budget"
+        )
+    steps["results"], _ = watch.timed(lambda: scale.properties(answers[0].moments, answers[0].method))
+    whole = _whole_rows(triangles, answers, scale)
+    simpler, left_out = _simpler_rows(
+        triangles, answers[-1], scale, watch, lambda done: progress(_WHOLE_MESH + (1.0 - _WHOLE_MESH) * done)
+    )
+    progress(1.0)
+    return Measurement((*whole, *simpler), whole[-1], (*skipped, *left_out), steps)
+
+
+def _steps_beside(part: Part, watch: Stopwatch) -> dict[str, Timing]:
+    """Time what a file needs before it is integrated."""
+    steps = {}
+    path = part.source.path
+    if path is not None:
+        with contextlib.suppress(ReadError):  # the file may have gone since it was read
+            steps["read"], _ = watch.timed(lambda: read(path, part.unit.name, format=part.source.format))
+    steps["closedness"], _ = watch.timed(lambda: closure(part.triangles))
+    return steps
+
+
+@dataclass(frozen=True)
+class _Scale:
+    """What turns moments of volume in a file's unit into mass properties: `metres` in the unit, `density` in kg/m³.
+
+    `size` is the largest extent of the part in metres.
+    """
+
+    metres: Fraction
+    density: Fraction
+    size: Fraction
+
+    def weighed(self, moments: Moments) -> Moments:
+        """Return the moments of mass, kg and metres."""
+        return moments.in_unit(self.metres).scaled(self.metres**3 * self.density)
+
+    def properties(self, moments: Moments, method: str) -> MassProperties:
+        """Round to mass properties; raises `GeometryError` as `MassProperties.from_moments`."""
+        cube = self.metres**3
+        return MassProperties.from_moments(
+            self.weighed(moments), cube * moments.zeroth, cube * moments.zeroth_bound, method
+        )
+
+    def bound(self, properties: MassProperties) -> Relative:
+        """Return the certified bounds on the arithmetic error."""
+        error = properties.error
+        return Relative(error.volume, float(Fraction(error.center_of_mass) / self.size), error.inertia)
+
+    def error(self, properties: MassProperties, truth: Moments) -> Relative:
+        """Return the distance of mass properties from `truth`, the moments of volume in the file's unit."""
+        exact = self.weighed(truth).central()
+        volume = self.metres**3 * truth.zeroth
+        tensor = [value for row in inertia_tensor(exact.second) for value in row]
+        stored = properties.inertia.ravel().tolist()
+        return Relative(
+            float(abs(Fraction(properties.volume) / volume - 1)),
+            float(_distance(properties.center_of_mass.tolist(), exact.origin) / self.size),
+            float(_distance(stored, tensor) / _distance([0.0] * 9, tensor)),
+        )
+
+
+def _distance(stored: list[float], exact: list[Fraction] | tuple[Fraction, ...]) -> Fraction:
+    return root_above(sum(((Fraction(a) - b) ** 2 for a, b in zip(stored, exact, strict=True)), ZERO))
+
+
+@dataclass(frozen=True, eq=False)
+class _Answer:
+    """What one method gives for the whole mesh: the moments in the file's unit, rounded, and its time."""
+
+    method: Arithmetic
+    moments: Moments
+    properties: MassProperties
+    time: Timing
+
+
+def _answers(
+    triangles: Triangles, scale: _Scale, watch: Stopwatch, progress: Progress
+) -> tuple[list[_Answer], list[Skipped]]:
+    """Integrate the whole mesh by every method that the budget allows; by float64 in any case."""
+    answers, skipped = [], []
+    for k, method in enumerate(METHODS):
+        seconds = _estimate(triangles, method, watch)
+        if method != "float64" and not watch.affords(seconds):
+            skipped.append(Skipped(f"{method} over the whole mesh", "it does not fit into the budget", seconds))
+            continue
+        time, moments = watch.timed(partial(_integrated, triangles, method))
+        try:
+            answers.append(_Answer(method, moments, scale.properties(moments, METHODS[method]), time))
+        except GeometryError as fault:
+            skipped.append(Skipped(f"{method} over the whole mesh", str(fault)))
+        progress((k + 1) / len(METHODS))
+    return answers, skipped
+
+
+def _whole_rows(triangles: Triangles, answers: list[_Answer], scale: _Scale) -> list[PartRow]:
+    """Compare the answers for the whole mesh with the last of them, which is the most accurate one."""
+    rows = []
+    for answer in answers:
+        bound = scale.bound(answer.properties)
+        known = answer is not answers[-1] or answer.method == "exact"
+        rows.append(
+            PartRow(
+                method=answer.method,
+                time=answer.time,
+                reached=bound.worst,
+                triangles=triangles.count,
+                simplification=None,
+                properties=answer.properties,
+                error=scale.error(answer.properties, answers[-1].moments) if known else None,
+                bound=bound,
+            )
+        )
+    return rows
+
+
+def _simpler_rows(
+    triangles: Triangles, reference: _Answer, scale: _Scale, watch: Stopwatch, progress: Progress
+) -> tuple[list[PartRow], list[Skipped]]:
+    """Halve the mesh again and again, and integrate each by float64.
+
+    It ends where the mesh cannot be halved, where the error makes it useless, or where the budget is used up.
+    """
+    rows: list[PartRow] = []
+    levels = max(1.0, math.log2(triangles.count / FEWEST))
+    meshes, share = halvings(triangles), 1
+    next_one, spent = _HALVING * triangles.count, 0.0
+    while watch.affords(next_one):
+        try:
+            next_one, mesh = watch.once(partial(next, meshes, None))
+            if mesh is None:
+                return rows, [Skipped(_coarser(share), "no tolerance leaves a solid of so few triangles")]
+            spent += next_one
+            rows.append(_simpler_row(mesh, spent, reference, scale, watch))
+        except (UsageError, GeometryError) as fault:
+            return rows, [Skipped(_coarser(share), str(fault))]
+        share = mesh.share
+        progress(min(1.0, math.log2(share) / levels))
+        if rows[-1].reached > _USELESS:
+            return rows, []
+    return rows, [Skipped(_coarser(share), "they do not fit into the budget", next_one)]
+
+
+def _coarser(share: int) -> str:
+    return f"meshes of about 1/{2 * share} of the triangles and fewer"
+
+
+def _simpler_row(mesh: Simplified, spent: float, reference: _Answer, scale: _Scale, watch: Stopwatch) -> PartRow:
+    if closure(mesh.surface).open_edges:
+        raise GeometryError(f"simplifying to {mesh.surface.count} triangles left the mesh open")
+    run = partial(_integrated, mesh.surface, "float64")
+    run()
+    time, moments = watch.timed(run)
+    properties = scale.properties(moments, METHODS["float64"])
+    error = scale.error(properties, reference.moments)
+    doubt = 0.0 if reference.method == "exact" else scale.bound(reference.properties).worst
+    return PartRow(
+        method="float64",
+        time=time,
+        reached=error.worst + doubt,
+        triangles=mesh.surface.count,
+        simplification=Simplification(mesh.share, float(mesh.tolerance * scale.metres), spent),
+        properties=properties,
+        error=error,
+        bound=scale.bound(properties),
+    )
+
+
+def _integrated(triangles: Triangles, method: Arithmetic) -> Moments:
+    """Integrate as an analysis does, which begins with the float64 sums whatever method is asked for."""
+    return solid_moments(triangles, method, sum_triangles(triangles))
+
+
+def _estimate(triangles: Triangles, method: Arithmetic, watch: Stopwatch) -> float:
+    """Return the seconds that a method needs for all triangles, as measured on a sample after a first use."""
+    first = COMPILE_ABOVE if triangles.count >= COMPILE_ABOVE else _SAMPLE
+    _integrated(_sample(triangles, first), method)
+    sample = _sample(triangles, _SAMPLE)
+    seconds, _ = watch.once(partial(_integrated, sample, method))
+    return seconds * triangles.count / sample.count
+
+
+def _sample(triangles: Triangles, count: int) -> Triangles:
+    return triangles if triangles.count <= count else triangles.select(np.arange(count))
