@@ -140,7 +140,7 @@ def test_options_go_before_the_scene(capsys: pytest.CaptureFixture[str], tmp_pat
 def test_explaining_runs_nothing(
     capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch, tmp_path: Path
 ) -> None:
-    monkeypatch.delattr("inertia.dynamics.simulate.solve")
+    monkeypatch.delattr("inertia.dynamics.models.free.motion.solve_free")
     code, out, _ = run(capsys, "simulate", scene(tmp_path), "--explain")
     assert code == 0
     assert "Model             asymmetric top\n" in out

@@ -9,8 +9,9 @@ from tests.recording.kinds import FLOAT32, errors_seen, place, seen, series, tip
 from tests.recording.reading import Recorded
 
 from inertia import Run, Scene, simulate
+from inertia.dynamics.scene.document import Constraint
 from inertia.recording import paths, places
-from inertia.recording.views.disc import STATES, applies, disc
+from inertia.recording.views.disc import STATES, disc
 from inertia_meshes import path
 
 G, MASS, RADIUS = 9.80665, 0.01, 0.025
@@ -28,8 +29,9 @@ def found(run: Run, tmp_path_factory: pytest.TempPathFactory) -> Recorded:
 
 
 def test_it_applies_to_bodies_that_roll(run: Run) -> None:
-    assert applies(run)
-    assert not applies(replace(run, model="asymmetric top"))
+    assert run.plan.view == "disc"
+    held = replace(run.scene, constraint=Constraint(), applied_loads=())
+    assert simulate(held).plan.view == "tumbling"
 
 
 def test_the_screen_has_its_views(found: Recorded) -> None:

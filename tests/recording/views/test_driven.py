@@ -9,7 +9,7 @@ from tests.recording.kinds import errors_seen, seen, series, tips, written
 
 from inertia import Run, Scene, simulate
 from inertia.recording import paths, places
-from inertia.recording.views.driven import applies, driven
+from inertia.recording.views.driven import driven
 from inertia_meshes import path
 
 
@@ -19,8 +19,8 @@ def made(moments: list[float], spin: list[float], load: list[dict[str, Any]], **
 
 
 def test_it_applies_where_something_acts() -> None:
-    assert applies(made([1, 2, 3], [0, 0, 1], [{"kind": "damping", "coefficient": 0.1}]))
-    assert not applies(made([1, 2, 3], [0, 0, 1], []))
+    assert made([1, 2, 3], [0, 0, 1], [{"kind": "damping", "coefficient": 0.1}]).plan.view == "driven"
+    assert made([1, 2, 3], [0, 0, 1], []).plan.view == "tumbling"
 
 
 def test_a_damped_sphere_loses_its_momentum_exponentially(tmp_path: Path) -> None:

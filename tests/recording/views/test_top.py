@@ -13,7 +13,7 @@ from tests.recording.reading import Recorded
 from inertia import Run, Scene, simulate
 from inertia.recording import paths, places
 from inertia.recording.chart import Chart, ticks
-from inertia.recording.views.top import APPLICATION, applies, top
+from inertia.recording.views.top import APPLICATION, top
 from inertia_meshes import path
 
 I1, I3, MGH, SPIN, TILT = 3.6e-4, 1.25e-4, 0.1 * 9.80665 * 0.04, 150.0, math.pi / 6
@@ -37,9 +37,9 @@ def found(run: Run, tmp_path_factory: pytest.TempPathFactory) -> Recorded:
 def test_it_applies_where_gravity_has_an_arm(run: Run) -> None:
     table = {"body": {"principal_moments": [1.0, 2.0, 3.0]}, "start": {"angular_velocity": [0, 0, 1]}}
     table["run"] = {"duration": 1.0, "samples": 11}
-    assert applies(run)
-    assert not applies(simulate(Scene.from_dict(table)))
-    assert not applies(simulate(Scene.from_dict(table | {"constraint": {"kind": "fixed_point"}})))
+    assert run.plan.view == "top"
+    assert simulate(Scene.from_dict(table)).plan.view == "tumbling"
+    assert simulate(Scene.from_dict(table | {"constraint": {"kind": "fixed_point"}})).plan.view == "tumbling"
 
 
 def test_the_screen_has_its_views(found: Recorded) -> None:

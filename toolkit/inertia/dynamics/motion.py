@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 from inertia.arrays import Float
+from inertia.dynamics.kinematics import quaternion
 
 
 @dataclass(frozen=True, eq=False)
@@ -34,6 +35,7 @@ class Motion:
     quantities : {name: (n, …)} further outputs of the model; SI units, radians
     events : in the order of time
     warnings : sentences
+    remarks : what kind of motion it is, in sentences
     steps : how many steps were taken; 0 for a closed form
     """
 
@@ -47,4 +49,13 @@ class Motion:
     quantities: Mapping[str, Float] = field(default_factory=dict)
     events: tuple[Event, ...] = ()
     warnings: tuple[str, ...] = ()
+    remarks: tuple[str, ...] = ()
     steps: int = 0
+
+    def turned(self, turn: Float) -> Motion:
+        """Return the motion as seen from space axes that the attitude `turn` (4,) takes its own space axes to."""
+        invariants = {
+            name: quaternion.to_space(turn, values) if values.ndim == 2 else values
+            for name, values in self.invariants.items()
+        }
+        return replace(self, attitude=quaternion.multiply(turn, self.attitude), invariants=invariants)

@@ -1,48 +1,20 @@
-"""`plan`: the smallest model that a scene needs, and why."""
+"""`plan`: the smallest model that follows a scene to the accuracy asked for, and why."""
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass
 from difflib import get_close_matches
 
-import numpy as np
-
 from inertia.arrays import Float
 from inertia.documents import FieldError
-from inertia.dynamics.models.candidates import (
-    Candidate,
-    deforming_candidates,
-    free_candidates,
-    heavy_candidates,
-    rolling_candidates,
-)
+from inertia.dynamics.models.catalogue import MODELS
+from inertia.dynamics.models.model import Candidate, Model, Problem, angle_text
 from inertia.dynamics.scene.document import Scene
-from inertia.dynamics.scene.loads import Gravity
-from inertia.dynamics.setting import Setting, setting_of
 from inertia.errors import FieldPath, placed
 
 SHARE = 0.1
 """Part of the accuracy asked for that a smaller model may cost."""
-
-STEPPED = "Euler equations"
-ROLLING = "rolling body"
-DEFORMING = "deforming body"
-_NOUNS = {
-    "torque": "an applied torque",
-    "damping": "damping",
-    "gravity_gradient": "the gravity gradient",
-    "dissipation": "energy lost inside the body",
-}
-MODELS = (
-    "spherical top",
-    "steady axis",
-    "symmetric top",
-    "asymmetric top",
-    "heavy symmetric top",
-    STEPPED,
-    ROLLING,
-    DEFORMING,
-)
 
 
 @dataclass(frozen=True, eq=False)
@@ -52,20 +24,25 @@ class Plan:
     Attributes
     ----------
     candidate : the model, its axes and moments, and what it costs
+    candidates : all that could follow the scene, the smallest first; the last one is the most general
     method : the integrator that the scene asks for; None where the model chooses
     why : the reasons, in sentences
-    setting : the point that the body turns about, the moments there, and what turns it
     """
 
     candidate: Candidate
+    candidates: tuple[Candidate, ...]
     method: str | None
     why: tuple[str, ...]
-    setting: Setting
 
     @property
     def model(self) -> str:
-        """One of `MODELS`."""
-        return self.candidate.model
+        """The name of the model."""
+        return self.candidate.model.name
+
+    @property
+    def problem(self) -> Problem:
+        """The point that the body turns about, the moments there, and what turns it."""
+        return self.candidate.problem
 
     @property
     def axes(self) -> Float:
@@ -76,6 +53,11 @@ class Plan:
     def moments(self) -> Float:
         """The moments (3,) kg m² about them."""
         return self.candidate.moments
+
+    @property
+    def view(self) -> str:
+        """The name of the view that records the motion."""
+        return self.candidate.model.view(self.problem)
 
 
 def plan(scene: Scene) -> Plan:
@@ -92,38 +74,19 @@ def plan(scene: Scene) -> Plan:
     >>> plan(scene).model
     'symmetric top'
     """
-    setting = setting_of(scene)
-    why = list(setting.why)
+    problem = Problem.of(scene)
+    why = problem.why
     try:
-        candidates = _candidates(scene, setting)
-        chosen = _forced(scene, candidates) or _smallest(candidates, scene.run.accuracy, why)
+        candidates = [each for model in MODELS if (each := model.candidate(problem)) is not None]
+        candidate = _requested(scene, candidates) or _smallest(candidates, scene.run.accuracy, why)
     except FieldError as error:
         raise placed(error, scene.name) from None
-    why.append(chosen.why)
-    if chosen.cost > 0:
-        why.append(f"What this leaves out costs about {chosen.cost:.1g} rad in {scene.run.duration:g} s.")
+    why.append(candidate.why)
+    if candidate.cost > 0:
+        why.append(f"What this leaves out costs about {candidate.cost:.1g} rad in {scene.run.duration:g} s.")
     if scene.run.model is not None or scene.run.method is not None:
         why.append(f"The scene asks for this {'model' if scene.run.model else 'method'}.")
-    return Plan(chosen, scene.run.method, tuple(why), setting)
-
-
-def _candidates(scene: Scene, setting: Setting) -> list[Candidate]:
-    """Return the models that can follow the scene, the smallest first."""
-    if scene.constraint.kind == "rolling":
-        return rolling_candidates(setting)
-    if scene.body.deforms:
-        return deforming_candidates(setting)
-    acting = dict.fromkeys(_NOUNS[load.kind] for load in scene.applied_loads if not isinstance(load, Gravity))
-    integrated = "attitude and angular velocity are integrated."
-    if acting:
-        why = f"There is no closed form for {' and '.join(acting)}: {integrated}"
-    elif setting.weight:
-        why = f"There is no closed form for a heavy body that is not symmetric about its centre of mass: {integrated}"
-    else:
-        why = f"Euler's equations serve any body: {integrated}"
-    general = Candidate(STEPPED, setting.axes, setting.moments, 0.0, why)
-    closed = [] if acting else [*free_candidates(setting), *heavy_candidates(setting)]
-    return [*closed, general]
+    return Plan(candidate, tuple(candidates), scene.run.method, tuple(why))
 
 
 def _smallest(candidates: list[Candidate], accuracy: float, why: list[str]) -> Candidate:
@@ -135,56 +98,43 @@ def _smallest(candidates: list[Candidate], accuracy: float, why: list[str]) -> C
                 f"{candidate.near_miss}, but that would cost about {candidate.cost:.1g} rad where "
                 f"{accuracy:g} rad are asked for."
             )
-    raise FieldError(
-        "constraint.kind",
-        f'is "rolling", but the body is off a body of revolution by some {_angle(candidates[-1].cost)} after the run: '
-        "ask for no finer ",
-        FieldPath("run.accuracy"),
-        " than ten times that",
-    )
+    raise candidates[-1].model.too_costly(candidates[-1])
 
 
-def _forced(scene: Scene, candidates: list[Candidate]) -> Candidate | None:
+def _requested(scene: Scene, candidates: list[Candidate]) -> Candidate | None:
     """Return the candidate that the scene asks for; None where it leaves the choice."""
     run = scene.run
     if run.method is not None:
-        _require_method(scene, run.method)
-    model = run.model or (None if run.method is None else candidates[-1].model)
-    if model is None:
+        _require_method(run.method, candidates[-1].model)
+    name = run.model or (None if run.method is None else candidates[-1].model.name)
+    if name is None:
         return None
-    if model not in MODELS:
-        close = get_close_matches(model, MODELS, n=1, cutoff=0.4)
-        hint = f"did you mean {close[0]!r}?" if close else f"use one of {', '.join(map(repr, MODELS))}"
-        raise FieldError("run.model", f"is {model!r}, which is unknown: {hint}")
-    named = [candidate for candidate in candidates if candidate.model == model]
-    if not named:
-        fitting = ", ".join(repr(candidate.model) for candidate in candidates)
-        raise FieldError("run.model", f"is {model!r}, which does not describe this scene: use one of {fitting}")
-    (candidate,) = named
+    names = [model.name for model in MODELS]
+    if name not in names:
+        raise FieldError("run.model", f"is {name!r}, which is unknown: {_hint(name, names)}")
+    candidate = next((each for each in candidates if each.model.name == name), None)
+    if candidate is None:
+        fitting = ", ".join(repr(each.model.name) for each in candidates)
+        raise FieldError("run.model", f"is {name!r}, which does not describe this scene: use one of {fitting}")
     if candidate.cost > run.accuracy:
         raise FieldError(
             "run.model",
-            f"is {model!r}, which would be off by about {_angle(candidate.cost)} after {run.duration:g} s where ",
+            f"is {name!r}, which would be off by about {angle_text(candidate.cost)} after {run.duration:g} s where ",
             FieldPath("run.accuracy"),
             f" asks for {run.accuracy:g} rad: leave the model out",
         )
-    if run.method is not None and model not in (STEPPED, ROLLING):
-        raise FieldError("run.method", f"is {run.method!r}, but {model!r} is a closed form: leave one of them out")
+    if run.method is not None and not candidate.model.methods:
+        raise FieldError("run.method", f"is {run.method!r}, but {name!r} is a closed form: leave one of them out")
     return candidate
 
 
-def _require_method(scene: Scene, method: str) -> None:
-    if scene.body.deforms:
-        raise FieldError("run.method", f"is {method!r}, but a deforming body has one method of its own: leave it out")
-    if scene.constraint.kind == "rolling":
-        from inertia.dynamics.models.rolling.motion import METHODS as known
-    else:
-        from inertia.dynamics.models.stepped.solve import METHODS as known  # type: ignore[assignment]
-    if method not in known:
-        close = get_close_matches(method, known, n=1, cutoff=0.4)
-        hint = f"did you mean {close[0]!r}?" if close else f"use one of {', '.join(map(repr, known))}"
-        raise FieldError("run.method", f"is {method!r}, which is unknown: {hint}")
+def _require_method(method: str, model: Model) -> None:
+    if not model.methods:
+        raise FieldError("run.method", f"is {method!r}, but a {model.name} has one method of its own: leave it out")
+    if method not in model.methods:
+        raise FieldError("run.method", f"is {method!r}, which is unknown: {_hint(method, model.methods)}")
 
 
-def _angle(cost: float) -> str:
-    return f"{cost:.1g} rad" if cost < np.pi else "a whole turn"
+def _hint(name: str, names: Iterable[str]) -> str:
+    close = get_close_matches(name, names, n=1, cutoff=0.4)
+    return f"did you mean {close[0]!r}?" if close else f"use one of {', '.join(map(repr, names))}"

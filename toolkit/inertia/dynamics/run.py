@@ -13,6 +13,7 @@ from inertia.dynamics.kinematics.andoyer import Andoyer, to_andoyer
 from inertia.dynamics.kinematics.canonical import momenta
 from inertia.dynamics.kinematics.euler_angles import Convention, to_angles, unwrap
 from inertia.dynamics.motion import Event, Motion
+from inertia.dynamics.plan import Plan
 from inertia.dynamics.scene.document import Scene
 
 
@@ -48,8 +49,7 @@ class Run:
 
     Attributes
     ----------
-    scene : `Scene`
-    model, why : the model that ran, and the reasons for it in sentences
+    plan : `Plan`: the model that ran, in which axes, and why
     time : (n,) s
     attitude : (n, 4) unit quaternions, scalar last, part axes to space
     angular_velocity : (n, 3) rad/s, part axes
@@ -66,9 +66,7 @@ class Run:
     steps : how many steps were taken; 0 for a closed form
     """
 
-    scene: Scene
-    model: str
-    why: tuple[str, ...]
+    plan: Plan
     time: Float
     attitude: Float
     angular_velocity: Float
@@ -82,6 +80,21 @@ class Run:
     warnings: tuple[str, ...] = ()
     quantities: Mapping[str, Float] = field(default_factory=dict)
     steps: int = 0
+
+    @property
+    def scene(self) -> Scene:
+        """The scene that was followed."""
+        return self.plan.problem.scene
+
+    @property
+    def model(self) -> str:
+        """The name of the model that ran."""
+        return self.plan.model
+
+    @property
+    def why(self) -> tuple[str, ...]:
+        """The reasons for it, in sentences."""
+        return self.plan.why
 
     def euler_angles(self, convention: Convention = "z-x-z") -> Float:
         """Return Euler angles (n, 3) of the part axes, rad, without jumps (`kinematics.euler_angles`)."""
@@ -100,13 +113,13 @@ def invariants_of(motion: Motion, angular_momentum: Float) -> dict[str, Invarian
     """Return what a motion keeps, with its drift; L (n, 3) and its components are measured by the largest |L|,
     or by the model's scale where that is larger."""
     largest = float(np.linalg.norm(angular_momentum, axis=1).max())
-    found = {}
+    invariants = {}
     for name, values in motion.invariants.items():
         scale = motion.scales.get(name)
         if name.startswith("angular momentum"):
             scale = max(largest, scale or 0.0)
-        found[name] = _invariant(values, scale)
-    return found
+        invariants[name] = _invariant(values, scale)
+    return invariants
 
 
 def _invariant(values: Float, scale: float | None) -> Invariant:

@@ -2,15 +2,13 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
-
 import numpy as np
 
 from inertia.arrays import Float
 from inertia.dynamics.kinematics import quaternion
-from inertia.dynamics.models.dispatch import solve
+from inertia.dynamics.models.model import Problem
 from inertia.dynamics.motion import Motion
-from inertia.dynamics.plan import DEFORMING, Plan, plan
+from inertia.dynamics.plan import Plan, plan
 from inertia.dynamics.run import Run, RunError, invariants_of
 from inertia.dynamics.scene.document import Scene
 from inertia.errors import FieldPath, GeometryError, require_kind
@@ -36,35 +34,31 @@ def simulate(scene: Scene) -> Run:
     require_kind(scene, Scene, "scene", "inertia.Scene.load(path)")
     chosen = plan(scene)
     time = np.linspace(0.0, scene.run.duration, scene.run.samples)
-    motion, remarks = solve(scene, chosen, time)
-    run = replace(_in_part_axes(scene, chosen, time, motion), remarks=remarks)
+    motion = chosen.candidate.model.solve(chosen.candidate, time, chosen.method)
+    run = _in_part_axes(chosen, time, motion)
     _require_accuracy(run)
     return run
 
 
-def _in_part_axes(scene: Scene, chosen: Plan, time: Float, motion: Motion) -> Run:
-    turned = quaternion.conjugate(quaternion.from_matrix(chosen.axes))
+def _in_part_axes(plan: Plan, time: Float, motion: Motion) -> Run:
+    candidate, scene = plan.candidate, plan.problem.scene
+    turned = quaternion.conjugate(quaternion.from_matrix(candidate.axes))
     attitude = _continuous(quaternion.multiply(motion.attitude, turned))
-    if chosen.model == DEFORMING:
-        momentum, energy = motion.invariants["angular momentum"], motion.quantities["kinetic energy"]
-    else:
-        momentum = quaternion.to_space(motion.attitude, chosen.moments * motion.angular_velocity)
-        energy = 0.5 * (chosen.moments * motion.angular_velocity**2).sum(axis=1)
-    warnings = [*_uncertainty(scene, chosen), *scene.body.notes, *motion.warnings]
+    momentum = candidate.model.angular_momentum(candidate, motion)
+    energy = motion.invariants.get("energy")
     return Run(
-        scene=scene,
-        model=chosen.model,
-        why=chosen.why,
+        plan=plan,
         time=time,
         attitude=attitude,
-        angular_velocity=motion.angular_velocity @ chosen.axes.T,
+        angular_velocity=motion.angular_velocity @ candidate.axes.T,
         angular_momentum=momentum,
-        energy=np.asarray(motion.invariants.get("energy", energy)),
-        position=_position(scene, chosen, time, attitude, motion),
-        error=RunError(scene.run.accuracy, motion.reached + chosen.candidate.unseen, motion.method),
+        energy=np.asarray(candidate.model.kinetic_energy(candidate, motion) if energy is None else energy),
+        position=_position(plan.problem, time, attitude, motion),
+        error=RunError(scene.run.accuracy, motion.reached + candidate.unseen, motion.method),
         invariants=invariants_of(motion, momentum),
+        remarks=motion.remarks,
         events=motion.events,
-        warnings=tuple(warnings),
+        warnings=(*_uncertainty(plan.problem), *scene.body.notes, *motion.warnings),
         quantities=dict(motion.quantities),
         steps=motion.steps,
     )
@@ -78,14 +72,15 @@ def _continuous(attitude: Float) -> Float:
     return continuous
 
 
-def _position(scene: Scene, chosen: Plan, time: Float, attitude: Float, motion: Motion) -> Float | None:
+def _position(problem: Problem, time: Float, attitude: Float, motion: Motion) -> Float | None:
     """Return where the centre of mass is, (n, 3) m; None where it stays at the origin."""
+    scene = problem.scene
     start = scene.start.position
     origin = np.zeros(3) if start is None else start
     if motion.position is not None:
         return motion.position + origin
     if scene.constraint.kind == "fixed_point":
-        arm = scene.body.body.center_of_mass - chosen.setting.reference
+        arm = scene.body.body.center_of_mass - problem.reference
         return origin + quaternion.to_space(attitude, arm) if arm.any() or start is not None else None
     velocity = scene.start.velocity
     if start is None and velocity is None and not scene.gravity.any():
@@ -94,14 +89,13 @@ def _position(scene: Scene, chosen: Plan, time: Float, attitude: Float, motion: 
     return origin + t * (0.0 if velocity is None else velocity) + 0.5 * t * t * scene.gravity
 
 
-def _uncertainty(scene: Scene, chosen: Plan) -> list[str]:
+def _uncertainty(problem: Problem) -> list[str]:
     """Say so where the mass properties are not known well enough for the accuracy that is asked for."""
-    setting = chosen.setting
-    unsure = setting.uncertainty * float(np.linalg.norm(setting.angular_velocity)) * setting.duration
-    if unsure <= scene.run.accuracy:
+    unsure = problem.uncertainty * float(np.linalg.norm(problem.angular_velocity)) * problem.duration
+    if unsure <= problem.scene.run.accuracy:
         return []
     return [
-        f"the moments are known to {setting.uncertainty:.1g} of themselves, which leaves the attitude uncertain by "
+        f"the moments are known to {problem.uncertainty:.1g} of themselves, which leaves the attitude uncertain by "
         f"about {min(unsure, np.pi):.1g} rad at the end: the accuracy below is for the moments as they are printed"
     ]
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
@@ -13,8 +14,11 @@ from inertia.dynamics.run import Run
 from inertia.errors import GeometryError, UsageError
 from inertia.recording.provenance import properties_of
 from inertia.recording.screen import Screen
-from inertia.recording.views import deforming, disc, driven, top
+from inertia.recording.views.deforming import deforming
+from inertia.recording.views.disc import disc
+from inertia.recording.views.driven import driven
 from inertia.recording.views.rotor import rotor
+from inertia.recording.views.top import top
 from inertia.recording.views.tumbling import tumbling
 from inertia.recording.writer import (
     Recording,
@@ -25,6 +29,15 @@ from inertia.recording.writer import (
     to_file,
     to_viewer,
 )
+
+VIEWS: dict[str, Callable[[Run], Screen]] = {
+    "tumbling": tumbling,
+    "top": top,
+    "driven": driven,
+    "disc": disc,
+    "deforming": deforming,
+}
+"""The views of a run, by the names that its model gives."""
 
 
 def record(
@@ -75,15 +88,7 @@ def record(
 def _screen(found: Run | Balance) -> Screen:
     if isinstance(found, Balance):
         return rotor(found)
-    if deforming.applies(found):
-        return deforming.deforming(found)
-    if disc.applies(found):
-        return disc.disc(found)
-    if driven.applies(found):
-        return driven.driven(found)
-    if top.applies(found):
-        return top.top(found)
-    return tumbling(found)
+    return VIEWS[found.plan.view](found)
 
 
 def _require_finite(run: Run) -> None:

@@ -3,15 +3,14 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from functools import partial
+from functools import cached_property, partial
 
 import numpy as np
 
 from inertia.arrays import Progress
 from inertia.dynamics.kinematics import quaternion
-from inertia.dynamics.models.rolling import motion
-from inertia.dynamics.models.stepped import solve
-from inertia.dynamics.plan import DEFORMING, ROLLING, plan
+from inertia.dynamics.models.model import Model
+from inertia.dynamics.plan import plan
 from inertia.dynamics.run import Run
 from inertia.dynamics.scene.document import Scene
 from inertia.dynamics.simulate import simulate
@@ -31,8 +30,8 @@ _PART = 4
 _REPEATS = 0.02
 """Of the budget: what may go into the repeats of one row."""
 
-_ORDER = {name: method.order for name, method in solve.METHODS.items()}
 _ORDER_ELSE = 8
+"""The order that what the planner selects counts as."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -109,10 +108,13 @@ class _Ascent:
 
     def _methods(self) -> tuple[str, ...]:
         """Return the methods that a scene of this kind may ask for, beside what the planner selects."""
-        model = plan(self._asking(self._ladder[0], None)).model
-        if model == DEFORMING:
-            return ()
-        return motion.METHODS[1:] if model == ROLLING else tuple(solve.METHODS)
+        return tuple(name for name in self._model.methods if name != self._model.default_method)
+
+    @cached_property
+    def _model(self) -> Model:
+        """The most general model of the scene, which takes a method."""
+        made = self.runs[0].run.plan if self.runs else plan(self._asking(self._ladder[0], None))
+        return made.candidates[-1].model
 
     def _asking(self, accuracy: float, method: str | None) -> Scene:
         """Return the scene with an accuracy and a method in place of its own; without one the planner selects."""
@@ -125,7 +127,7 @@ class _Ascent:
         for k, rung in enumerate(ladder):
             what = f"{_called(method)} at {rung:g} rad" + ("" if rung == ladder[-1] else " and finer")
             if k:
-                seconds *= (ladder[k - 1] / rung) ** (1.0 / _ORDER.get(method or "", _ORDER_ELSE))
+                seconds *= (ladder[k - 1] / rung) ** (1.0 / self._model.methods.get(method or "", _ORDER_ELSE))
             if not self._watch.affords(_PART * seconds):
                 self.skipped.append(Skipped(what, "it does not fit into the budget", seconds))
                 return

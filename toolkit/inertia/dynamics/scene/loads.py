@@ -22,10 +22,11 @@ STANDARD_GRAVITY = (0.0, 0.0, -9.80665)
 
 @dataclass(frozen=True, eq=False)
 class Load(Section):
-    """A load; `kind` is its name in a scene file."""
+    """A load; `kind` is its name in a scene file, `noun` that in a sentence."""
 
     section: ClassVar[str] = "load"
     kind: ClassVar[str]
+    noun: ClassVar[str]
     acts_on_mass: ClassVar[bool] = False
 
 
@@ -34,6 +35,7 @@ class Gravity(Load):
     """Uniform gravity: `acceleration` (3,) m/s², in space."""
 
     kind: ClassVar[str] = "gravity"
+    noun: ClassVar[str] = "gravity"
     acts_on_mass: ClassVar[bool] = True
 
     acceleration: Annotated[Float, numbers((3,), "m/s²")] = STANDARD_GRAVITY  # type: ignore[assignment]
@@ -76,6 +78,7 @@ class Torque(Load):
     """
 
     kind: ClassVar[str] = "torque"
+    noun: ClassVar[str] = "an applied torque"
 
     torque: Annotated[Float | TorqueFunction | None, _torque] = None
     table: Annotated[TableTorque | None, _table] = None
@@ -92,6 +95,7 @@ class Damping(Load):
     """Linear damping by the surroundings: −`coefficient` ω, in N m s."""
 
     kind: ClassVar[str] = "damping"
+    noun: ClassVar[str] = "damping"
 
     coefficient: Annotated[float, number("N m s", negative=False)]
 
@@ -107,6 +111,7 @@ class GravityGradient(Load):
     """
 
     kind: ClassVar[str] = "gravity_gradient"
+    noun: ClassVar[str] = "the gravity gradient"
 
     mu: Annotated[float, number("m³/s²", positive=True)]
     position: Annotated[Float, numbers((3,), "m")]
@@ -117,6 +122,7 @@ class Dissipation(Load):
     """Energy lost inside a free body, whose angular momentum stays: at `rate` |dω/dt|² W, the rate in kg m² s."""
 
     kind: ClassVar[str] = "dissipation"
+    noun: ClassVar[str] = "energy lost inside the body"
 
     rate: Annotated[float, number("kg m² s", negative=False)]
 

@@ -21,7 +21,7 @@ def write_cones(recording: Recording, run: Run, plan: Plan, slant: float) -> str
     """Write both cones, as long as the arrow of ω; return what they show, None where there are none to see."""
     import rerun as rr
 
-    if plan.model != "symmetric top":
+    if "body cone" not in run.quantities:
         return None
     order = _symmetry_axis_last(plan.moments)
     omega = (run.angular_velocity[0] @ plan.axes)[order]

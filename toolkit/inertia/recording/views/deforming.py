@@ -12,7 +12,6 @@ import numpy as np
 from inertia.arrays import Float
 from inertia.dynamics.kinematics import quaternion
 from inertia.dynamics.models.deforming.assembly import JointedBody, Shape
-from inertia.dynamics.plan import DEFORMING
 from inertia.dynamics.run import Run
 from inertia.recording import paths, places
 from inertia.recording.display import equivalent_ellipsoid
@@ -57,11 +56,6 @@ class Motion:
         """Return places (m, 3) m of root axes, in `unit` from the centre of mass, root axes."""
         placed: Float = (points - self.shape.center_of_mass) / self.unit
         return placed
-
-
-def applies(run: Run) -> bool:
-    """Say whether the body changes its shape."""
-    return run.model == DEFORMING
 
 
 def deforming(run: Run) -> Screen:

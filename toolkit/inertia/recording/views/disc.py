@@ -8,7 +8,6 @@ from dataclasses import dataclass
 import numpy as np
 
 from inertia.arrays import Float
-from inertia.dynamics.plan import ROLLING, plan
 from inertia.dynamics.run import Run
 from inertia.recording import paths, places
 from inertia.recording.display import STEEL, Display, display_of
@@ -63,14 +62,9 @@ class Rim:
         return [np.stack([middle, point]) for point in points[:: len(points) // _SPOKES]]
 
 
-def applies(run: Run) -> bool:
-    """Say whether the body rolls."""
-    return run.model == ROLLING
-
-
 def disc(run: Run) -> Screen:
     """Return the recording of a body that rolls."""
-    chosen = plan(run.scene)
+    chosen = run.plan
     body, frames = display_of(run.scene.body), frames_of(run)
     constraint = run.scene.constraint
     assert constraint.radius is not None  # the scene saw to it

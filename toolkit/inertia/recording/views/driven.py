@@ -9,9 +9,8 @@ import numpy as np
 
 from inertia.arrays import Float
 from inertia.dynamics.kinematics import quaternion
-from inertia.dynamics.plan import Plan, plan
+from inertia.dynamics.plan import Plan
 from inertia.dynamics.run import Run
-from inertia.dynamics.scene.loads import Gravity
 from inertia.recording import paths, places
 from inertia.recording.display import Display, display_of
 from inertia.recording.frames import Frames, frames_of, thinned, write_arrow, write_trail
@@ -42,16 +41,9 @@ _THICK, _LINE = 0.012, 0.006
 _TRAIL = 8.0  # seconds of playback
 
 
-def applies(run: Run) -> bool:
-    """Say whether anything but gravity acts on a free body, or on one that is held."""
-    return run.scene.constraint.kind != "rolling" and any(
-        not isinstance(load, Gravity) for load in run.scene.applied_loads
-    )
-
-
 def driven(run: Run) -> Screen:
     """Return the recording of a body that is driven."""
-    chosen = plan(run.scene)
+    chosen = run.plan
     body, frames = display_of(run.scene.body), frames_of(run)
     layout = Layout(
         radius=body.radius * _MOMENTUM,

@@ -43,7 +43,7 @@ class EffectivePotential:
 def effective_potential(run: Run, plan: Plan, tilt: float) -> EffectivePotential:
     """Return the chart of a heavy symmetric top that starts at `tilt` (rad)."""
     i1, _, i3 = plan.moments.tolist()
-    mgh = plan.setting.weight * float(np.linalg.norm(plan.setting.arm))
+    mgh = plan.problem.weight * float(np.linalg.norm(plan.problem.arm))
     start = from_angles([float(run.quantities[name][0]) for name in ("phi", "theta", "psi")])
     top = HeavyTop.of_state((i1, i3), mgh, start, run.angular_velocity[0] @ plan.axes)
     first, last = top.turning_angles

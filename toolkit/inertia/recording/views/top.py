@@ -10,7 +10,7 @@ import numpy as np
 from inertia.arrays import Float
 from inertia.dynamics.kinematics import quaternion
 from inertia.dynamics.kinematics.euler_angles import to_angles
-from inertia.dynamics.plan import Plan, plan
+from inertia.dynamics.plan import Plan
 from inertia.dynamics.run import Run
 from inertia.recording import paths, places
 from inertia.recording.display import Display, display_of
@@ -71,18 +71,13 @@ class Axis:
         return to_angles(quaternion.multiply(about, quaternion.multiply(attitude, quaternion.from_matrix(self.axes))))
 
 
-def applies(run: Run) -> bool:
-    """Say whether gravity turns the body about a fixed point."""
-    return run.scene.constraint.kind == "fixed_point" and plan(run.scene).setting.weight > 0
-
-
 def top(run: Run) -> Screen:
     """Return the recording of a heavy top."""
-    chosen = plan(run.scene)
+    chosen = run.plan
     body, axis = display_of(run.scene.body), _axis(chosen, run)
     frames = _frames(run, axis)
     tilts = axis.angles(run.attitude)[:, 1]
-    potential = effective_potential(run, chosen, float(tilts[0])) if chosen.model == "heavy symmetric top" else None
+    potential = effective_potential(run, chosen, float(tilts[0])) if _is_symmetric(run) else None
     layout = Layout(
         radius=_sphere(body, axis),
         up=axis.vertical[:, 2],
@@ -108,12 +103,17 @@ def top(run: Run) -> Screen:
     return Screen(APPLICATION, title(run), blueprint(layout), write)
 
 
+def _is_symmetric(run: Run) -> bool:
+    """Whether the model took the body as a heavy symmetric top, the only one that has an effective potential."""
+    return "effective potential energy" in run.quantities
+
+
 def _axis(chosen: Plan, run: Run) -> Axis:
-    setting = chosen.setting
-    arm = setting.axes @ setting.arm
+    problem = chosen.problem
+    arm = problem.axes @ problem.arm
     length = float(np.linalg.norm(arm))
     up = -run.scene.gravity / np.linalg.norm(run.scene.gravity)
-    axes = chosen.axes if chosen.model == "heavy symmetric top" else basis(arm / length)
+    axes = chosen.axes if _is_symmetric(run) else basis(arm / length)
     return Axis(basis(up), axes, length)
 
 

@@ -8,7 +8,7 @@ import numpy as np
 
 from inertia.arrays import Float
 from inertia.dynamics.models.free.flips import polhode_period
-from inertia.dynamics.plan import Plan, plan
+from inertia.dynamics.plan import Plan
 from inertia.dynamics.run import Run
 from inertia.recording import paths
 from inertia.recording.display import Display, display_of
@@ -44,7 +44,7 @@ _TRAIL = 10.0  # seconds of playback that a trail lasts, where no polhode closes
 
 def tumbling(run: Run) -> Screen:
     """Return the recording of a body that tumbles."""
-    chosen = plan(run.scene)
+    chosen = run.plan
     body = display_of(run.scene.body)
     frames = frames_of(run)
     origin = _origin(body, frames)

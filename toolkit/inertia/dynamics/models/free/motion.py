@@ -8,7 +8,6 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 from functools import partial
-from typing import Literal, get_args
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -24,16 +23,13 @@ from inertia.dynamics.motion import Event, Motion
 from inertia.errors import UsageError
 from inertia.mass.tensor import array_of
 
-FreeModel = Literal["steady axis", "spherical top", "symmetric top", "asymmetric top"]
-
 MOST_EVENTS = 1000
 """How many flips `solve_free` lists as events."""
 
 _METHODS = {
-    "steady axis": "closed form: steady rotation",
-    "spherical top": "closed form: steady rotation",
-    "symmetric top": "closed form: two uniform turns",
-    "asymmetric top": "closed form: Jacobi elliptic functions",
+    3: "closed form: steady rotation",
+    2: "closed form: two uniform turns",
+    1: "closed form: Jacobi elliptic functions",
 }
 _ULP = 2.0**-52
 _BLOCK = 16384
@@ -112,34 +108,34 @@ def input_rounding(moments: ArrayLike, angular_velocity: ArrayLike, time: ArrayL
     return np.asarray(np.linalg.norm(quaternion.angle_between(moved, reference), axis=0))
 
 
-def solve_free(moments: ArrayLike, angular_velocity: ArrayLike, time: ArrayLike, model: FreeModel) -> Motion:
-    """Return the motion of one body's principal axes by a model of free rotation, from the identity at time 0.
+def solve_free(moments: ArrayLike, angular_velocity: ArrayLike, time: ArrayLike, equal: int = 1) -> Motion:
+    """Return the motion of one body's principal axes, from the identity at time 0.
 
-    A model that is simpler than the body takes moments as equal: all three (steady axis, spherical top), or the two
-    that are closest (symmetric top). `reached` is the rounding of the closed form plus the largest angle to the motion
-    of the body as it is. Energy and L are the body's own, so that they drift where the model does not fit. The
-    events are the flips of a body that tumbles, unless they are more than a thousand.
+    A model that is simpler than the body takes some of its moments as equal. `reached` is the rounding of the closed
+    form plus the largest angle to the motion of the body as it is. Energy and L are the body's own, so that they drift
+    where the model does not fit. The events are the flips of a body that tumbles, unless they are more than a thousand.
 
     Parameters
     ----------
     moments : (3,) kg m², in any order
     angular_velocity : (3,) rad/s at time 0, along the principal axes
     time : (n,) s
-    model : "steady axis", "spherical top", "symmetric top" or "asymmetric top"
+    equal : how many moments are taken as equal: 3 for a spherical top and for rotation about a steady axis, the nearest
+        2 for a symmetric top, 1 for the body as it is
 
-    Raises `UsageError` for an unknown model, and what `free_motion` raises.
+    Raises `UsageError` for another `equal`, and what `free_motion` raises.
 
-    >>> motion = solve_free([1, 2, 3], [0.001, 10, 0], np.linspace(0, 1000, 5), "asymmetric top")
+    >>> motion = solve_free([1, 2, 3], [0.001, 10, 0], np.linspace(0, 1000, 5))
     >>> motion.reached < 1e-14, [round(event.time, 3) for event in motion.events][:2]
     (True, [1.835, 5.506])
     """
-    if model not in _METHODS:
-        raise UsageError(f"model is {model!r}: use one of {', '.join(map(repr, get_args(FreeModel)))}")
+    if equal not in _METHODS:
+        raise UsageError(f"equal is {equal!r}: take 1, 2 or 3 moments as equal")
     i, w = array_of(moments, (3,), "moments"), array_of(angular_velocity, (3,), "angular_velocity")
     t = np.asarray(time, dtype=np.float64)
     attitude, omega = free_motion(i, w, t)
     reached = float(np.max(rounding(i, w, t), initial=0.0))
-    idealised = _idealised(i, model)
+    idealised = _idealised(i, equal)
     if (idealised != i).any():
         true = attitude
         attitude, omega = free_motion(idealised, w, t)
@@ -147,7 +143,7 @@ def solve_free(moments: ArrayLike, angular_velocity: ArrayLike, time: ArrayLike,
     return Motion(
         attitude=attitude,
         angular_velocity=omega,
-        method=_METHODS[model],
+        method=_METHODS[equal],
         reached=reached,
         invariants={
             "energy": 0.5 * np.sum(i * omega * omega, axis=-1),
@@ -177,16 +173,14 @@ def _rows(kind: NDArray[np.bool_]) -> NDArray[np.intp] | slice | None:
     return rows if rows.size else None
 
 
-def _idealised(moments: Float, model: FreeModel) -> Float:
-    if model == "asymmetric top":
-        return moments
-    equal = moments.copy()
-    if model == "symmetric top":
+def _idealised(moments: Float, equal: int) -> Float:
+    idealised = moments.copy()
+    if equal == 2:
         closest = min(([0, 1], [1, 2], [2, 0]), key=lambda pair: float(np.ptp(moments[pair])))
-        equal[closest] = np.mean(moments[closest])
-    elif np.ptp(moments):
-        equal[:] = np.mean(moments)
-    return equal
+        idealised[closest] = np.mean(moments[closest])
+    elif equal == 3 and np.ptp(moments):
+        idealised[:] = np.mean(moments)
+    return idealised
 
 
 def _flips(moments: Float, angular_velocity: Float, time: Float) -> tuple[Event, ...]:

@@ -18,7 +18,8 @@ from inertia.dynamics.motion import Event, Motion
 from inertia.errors import GeometryError, UsageError
 from inertia.mass.tensor import array_of
 
-METHODS = ("nutation", "DOP853")
+METHODS = {"nutation": 8, "DOP853": 8}
+"""The methods by name, with their orders; the first is the default."""
 
 _LOOSEST = 1e-8
 """A loose integrator can step over the instant at which a nearly flat disc turns back."""

@@ -1,0 +1,240 @@
+"""`Model`: what every model of a motion offers; `Problem`: a scene as models see it; `Candidate`: how well one fits.
+
+The cost of a model is an estimate in rad of the attitude error after the duration T that taking the scene for so simple
+makes. Moments that differ by a relative δ (of the smallest) turn the body apart at about δ |ω|, whence δ |ω| T.
+"""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import cached_property
+from typing import ClassVar
+
+import numpy as np
+
+from inertia.arrays import Float
+from inertia.documents import FieldError
+from inertia.dynamics.kinematics import quaternion
+from inertia.dynamics.motion import Motion
+from inertia.dynamics.scene.document import Scene
+from inertia.dynamics.scene.loads import Gravity, Load
+from inertia.mass.principal import Principal, principal
+
+NEARLY_EQUAL = 1e-3
+"""Relative difference up to which it is worth saying that moments are nearly equal."""
+
+AXIS_PAIRS = ((1, 2), (2, 0), (0, 1))
+"""The axes across each axis."""
+
+
+@dataclass(frozen=True, eq=False)
+class Problem:
+    """The rotation that a scene asks for: about which point, with which moments, spin and weight.
+
+    Attributes
+    ----------
+    scene : `Scene`
+    reference : (3,) m, part axes: the centre of mass, or the fixed point
+    axes : (3, 3), columns in part axes: the principal axes about the reference point
+    moments : (3,) kg m², about them, ascending
+    uncertainty : relative, the largest bound on a moment: what the mass properties are known to
+    angular_velocity : (3,) rad/s at t = 0, along those axes
+    arm : (3,) m, along them, from the reference point to the centre of mass
+    weight : N, mass times gravity; 0 where it has no arm to turn the body with
+    """
+
+    scene: Scene
+    reference: Float
+    axes: Float
+    moments: Float
+    uncertainty: float
+    angular_velocity: Float
+    arm: Float
+    weight: float
+
+    @classmethod
+    def of(cls, scene: Scene) -> Problem:
+        """Take the moments about the point that the scene turns about, and the spin along the principal axes there."""
+        body = scene.body.body
+        reference = scene.constraint.fixed_point if scene.constraint.kind == "fixed_point" else body.center_of_mass
+        arm = body.center_of_mass - reference
+        about = _principal_about(scene, reference if arm.any() else None)
+        return cls(
+            scene=scene,
+            reference=reference,
+            axes=about.axes,
+            moments=about.moments,
+            uncertainty=float((about.moment_bounds / about.moments).max()),
+            angular_velocity=about.axes.T @ scene.angular_velocity,
+            arm=about.axes.T @ arm,
+            weight=float(np.linalg.norm(scene.gravity)) * (body.mass or 0.0) if arm.any() else 0.0,
+        )
+
+    @property
+    def duration(self) -> float:
+        """How long the motion is followed, s."""
+        return self.scene.run.duration
+
+    @cached_property
+    def angle_turned(self) -> float:
+        """|ω| T in rad."""
+        return float(np.linalg.norm(self.angular_velocity)) * self.duration
+
+    @cached_property
+    def angle_by_weight(self) -> float:
+        """The angle in rad that gravity could turn the body by: ½ M g h T²/I1."""
+        pull = self.weight * float(np.linalg.norm(self.arm)) / float(self.moments[0])
+        return 0.5 * pull * self.duration**2
+
+    @property
+    def rolls(self) -> bool:
+        """Whether the body rolls on a plane."""
+        return self.scene.constraint.kind == "rolling"
+
+    @property
+    def rigid(self) -> bool:
+        """Whether a rigid body turns about its centre of mass or a fixed point."""
+        return not self.rolls and not self.scene.body.deforms
+
+    @cached_property
+    def torques(self) -> tuple[Load, ...]:
+        """The loads other than gravity."""
+        return tuple(load for load in self.scene.applied_loads if not isinstance(load, Gravity))
+
+    @property
+    def why(self) -> list[str]:
+        """What the reference point and the loads need saying, in sentences."""
+        body, kind = self.scene.body, self.scene.constraint.kind
+        stiff = body.assembly is not None and not body.deforms
+        rigid = ["No joint moves: the parts make one rigid body."] if stiff else []
+        if kind == "rolling":
+            said = "The body rolls without slipping: its velocity follows from its rotation, and the plane pushes back."
+        elif kind == "fixed_point" and not self.arm.any():
+            said = "The body is held at its centre of mass, where gravity has no arm: it turns as a free body does."
+        elif kind == "fixed_point":
+            where = ", ".join(f"{x + 0.0:.6g}" for x in self.reference)
+            said = f"The body is held at ({where}) m of the part axes, and its moments are taken there (Steiner)."
+        elif len(self.torques) < len(self.scene.applied_loads):
+            said = "Gravity pulls at the centre of mass: it makes the path a parabola and leaves the rotation free."
+        elif not self.scene.applied_loads:
+            said = "The body is free and no torque acts: it turns about its centre of mass, whose path is straight."
+        else:
+            return rigid
+        return [*rigid, said]
+
+    def symmetric_about(self, direction: Float) -> tuple[Float, Float, float]:
+        """Return right-handed axes with `direction` (3,) third, the moments about them, and how far from symmetric.
+
+        The last is what the tensor there lacks of diag(I, I, I3), relative to the smallest moment.
+        """
+        columns = np.column_stack([*_across(direction), direction])
+        tensor = columns.T @ (self.moments[:, None] * columns)
+        transverse = 0.5 * (tensor[0, 0] + tensor[1, 1])
+        symmetric = np.array([transverse, transverse, tensor[2, 2]])
+        defect = float(np.linalg.norm(tensor - np.diag(symmetric)) / self.moments[0])
+        return self.axes @ columns, symmetric, defect
+
+
+@dataclass(frozen=True, eq=False)
+class Candidate:
+    """A model that could follow a scene, and what that would cost.
+
+    Attributes
+    ----------
+    model : `Model`
+    problem : `Problem`
+    axes : (3, 3), columns in part axes, as the model wants them; moments (3,) kg m² about them
+    cost : rad
+    unseen : rad, the part of the cost that the model's own estimate of its error leaves out
+    why : the reason for it, a sentence
+    near_miss : what nearly holds where the cost is too high, the beginning of a sentence; empty where nothing does
+    """
+
+    model: Model
+    problem: Problem
+    axes: Float
+    moments: Float
+    cost: float
+    why: str
+    near_miss: str = ""
+    unseen: float = 0.0
+
+    @property
+    def attitude(self) -> Float:
+        """The attitude (4,) of the axes at t = 0, to space."""
+        return quaternion.multiply(self.problem.scene.start.attitude, quaternion.from_matrix(self.axes))
+
+    @property
+    def angular_velocity(self) -> Float:
+        """The angular velocity (3,) rad/s at t = 0, along the axes."""
+        return self.axes.T @ self.problem.scene.angular_velocity
+
+
+class Model(ABC):
+    """A model of a motion. Its module and the list in `inertia.dynamics.models.catalogue` are all that knows it."""
+
+    name: ClassVar[str]
+    """What ``run.model`` calls it."""
+
+    default_method: ClassVar[str | None] = None
+    """The one of `methods` that always runs where none is asked for; None where that depends on the problem."""
+
+    @property
+    def methods(self) -> Mapping[str, int]:
+        """What ``run.method`` may ask for, with the orders; nothing where the model has one way of its own."""
+        return {}
+
+    @abstractmethod
+    def candidate(self, problem: Problem) -> Candidate | None:
+        """Return what following the problem by this model would cost, and why it can; None where it cannot."""
+
+    @abstractmethod
+    def solve(self, candidate: Candidate, time: Float, method: str | None = None) -> Motion:
+        """Return the motion of the candidate's axes, in space, at the instants (n,), with what is known of it."""
+
+    def view(self, problem: Problem) -> str:
+        """Return the name of the view that records the motion, one of `inertia.recording.record.VIEWS`."""
+        return "top" if problem.weight else "tumbling"
+
+    def angular_momentum(self, candidate: Candidate, motion: Motion) -> Float:
+        """Return the angular momentum (n, 3) in space about the reference point, kg m²/s."""
+        return quaternion.to_space(motion.attitude, candidate.moments * motion.angular_velocity)
+
+    def kinetic_energy(self, candidate: Candidate, motion: Motion) -> Float:
+        """Return the kinetic energy (n,) about the reference point, J."""
+        energy: Float = 0.5 * (candidate.moments * motion.angular_velocity**2).sum(axis=1)
+        return energy
+
+    def too_costly(self, candidate: Candidate) -> FieldError:
+        """Return what is wrong with a scene that no other model can follow, and this one at too high a cost only."""
+        return FieldError(
+            "run.accuracy",
+            f"is {candidate.problem.scene.run.accuracy:g} rad, but taking the scene for a {self.name} costs some "
+            f"{angle_text(candidate.cost)}: ask for no finer than ten times that",
+        )
+
+
+def angle_text(cost: float) -> str:
+    """Return an angle in rad as a sentence may give it.
+
+    >>> angle_text(0.0123), angle_text(40.0)
+    ('0.01 rad', 'a whole turn')
+    """
+    return f"{cost:.1g} rad" if cost < np.pi else "a whole turn"
+
+
+def _principal_about(scene: Scene, point: Float | None) -> Principal:
+    """Diagonalise the tensor with no tolerance: nearly equal moments keep the axes that they have."""
+    if point is None:
+        return scene.body.principal_within(0.0)
+    return principal(scene.body.about(point), 0.0)
+
+
+def _across(direction: Float) -> tuple[Float, Float]:
+    """Return two unit vectors that make a right-handed set with `direction` (3,)."""
+    helper = np.eye(3)[int(np.argmin(np.abs(direction)))]
+    first = np.cross(helper, direction)
+    first /= np.linalg.norm(first)
+    return first, np.cross(direction, first)

@@ -1,0 +1,83 @@
+"""The model of a body of revolution that rolls without slipping on its rim."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+import numpy as np
+
+from inertia.arrays import Float
+from inertia.documents import FieldError
+from inertia.dynamics.models.model import AXIS_PAIRS, NEARLY_EQUAL, Candidate, Model, Problem, angle_text
+from inertia.dynamics.motion import Motion
+from inertia.errors import FieldPath
+
+
+class Rolling(Model):
+    """A body of revolution on its rim."""
+
+    name = "rolling body"
+    default_method = "nutation"
+
+    @property
+    def methods(self) -> Mapping[str, int]:
+        """Integration over one nutation, which then repeats, or over the whole time."""
+        from inertia.dynamics.models.rolling.motion import METHODS
+
+        return METHODS
+
+    def candidate(self, problem: Problem) -> Candidate | None:
+        """Return what taking the body as one of revolution costs, about the axis named or that of the nearest moments.
+
+        Raises `FieldError` where no axis is named and any would do.
+        """
+        if not problem.rolls:
+            return None
+        moments, axis = problem.moments, problem.scene.constraint.axis
+        if axis is not None:
+            axis = problem.axes.T @ axis
+        else:
+            unequal = [abs(float(moments[i] - moments[j])) for i, j in AXIS_PAIRS]
+            if max(unequal) < NEARLY_EQUAL * moments[0]:
+                raise FieldError(
+                    "constraint.axis", "is missing: the moments are all equal, so say which axis the rim is on"
+                )
+            axis = np.eye(3)[int(np.argmin(unequal))]
+        axes, moments, defect = problem.symmetric_about(axis)
+        why = "A body of revolution on its rim: the nonholonomic equations are integrated, contact forces included."
+        cost = defect * problem.angle_turned
+        return Candidate(self, problem, axes, moments, cost, why, unseen=cost)
+
+    def solve(self, candidate: Candidate, time: Float, method: str | None = None) -> Motion:
+        """Return what integrating the nonholonomic equations gives."""
+        from inertia.dynamics.models.rolling.motion import solve_rolling
+
+        scene = candidate.problem.scene
+        mass, radius = scene.body.body.mass, scene.constraint.radius
+        assert mass is not None and radius is not None  # noqa: PT018  # the scene saw to it
+        return solve_rolling(
+            mass,
+            (float(candidate.moments[0]), float(candidate.moments[2])),
+            radius,
+            scene.constraint.offset or 0.0,
+            float(np.linalg.norm(scene.gravity)),
+            candidate.attitude,
+            candidate.angular_velocity,
+            time,
+            scene.run.accuracy,
+            method,
+        )
+
+    def view(self, problem: Problem) -> str:
+        """Show the path and the forces of contact."""
+        return "disc"
+
+    def too_costly(self, candidate: Candidate) -> FieldError:
+        """Return how far the body is from one of revolution."""
+        return FieldError(
+            "constraint.kind",
+            f'is "rolling", but the body is off a body of revolution by some {angle_text(candidate.cost)} after the '
+            "run: ask for no finer ",
+            FieldPath("run.accuracy"),
+            " than ten times that",
+        )
