@@ -147,6 +147,105 @@ def plain_3mf(unit: str | None = "inch") -> bytes:
     return archive_3mf(model_3mf(resources, '<item objectid="1"/>', unit))
 
 
+POSITIONS = """<source id="{name}-positions">
+<float_array id="{name}-array" count="{numbers}">{values}</float_array><technique_common>
+<accessor source="#{name}-array" count="{points}" stride="3"><param name="X" type="float"/>
+<param name="Y" type="float"/><param name="Z" type="float"/></accessor></technique_common></source>
+<vertices id="{name}-vertices"><input semantic="POSITION" source="#{name}-positions"/></vertices>"""
+
+
+def geometry_dae(name="box", corners=CORNERS, faces=TRIANGLES, tag="triangles") -> str:
+    """A geometry: triangles, or polygons, strips or fans, with a second index (that of a normal) at each corner."""
+    source = POSITIONS.format(name=name, numbers=3 * len(corners), points=len(corners), values=words(np.ravel(corners)))
+    lists = [" ".join(f"{corner} 0" for corner in face) for face in faces]
+    if tag in ("triangles", "polylist"):
+        lists = [" ".join(lists)]
+    sizes = f"<vcount>{words([len(face) for face in faces])}</vcount>" if tag == "polylist" else ""
+    inputs = f'<input semantic="VERTEX" source="#{name}-vertices" offset="0"/>'
+    inputs += f'<input semantic="NORMAL" source="#{name}-positions" offset="1"/>'
+    body = sizes + "".join(f"<p>{each}</p>" for each in lists)
+    return f'<geometry id="{name}"><mesh>{source}<{tag} count="{len(faces)}">{inputs}{body}</{tag}></mesh></geometry>'
+
+
+def dae(geometries: str | None = None, nodes: str | None = None, unit: str = "", library: str = "") -> str:
+    """A Collada document of geometries and the nodes of its scene."""
+    if nodes is None:
+        nodes = '<node><instance_geometry url="#box"/></node>'
+    return (
+        '<?xml version="1.0" encoding="utf-8"?>\n'
+        '<COLLADA xmlns="http://www.collada.org/2005/11/COLLADASchema" version="1.4.1">'
+        f"<asset>{unit}<up_axis>Z_UP</up_axis></asset>"
+        f"<library_geometries>{geometry_dae() if geometries is None else geometries}</library_geometries>{library}"
+        f'<library_visual_scenes><visual_scene id="scene">{nodes}</visual_scene></library_visual_scenes>'
+        '<scene><instance_visual_scene url="#scene"/></scene></COLLADA>'
+    )
+
+
+def archive(**members: str | bytes) -> bytes:
+    """A zip archive; `__` in the names stands for a dot."""
+    file = io.BytesIO()
+    with zipfile.ZipFile(file, "w", zipfile.ZIP_DEFLATED) as target:
+        for name, data in members.items():
+            target.writestr(name.replace("__", "."), data)
+    return file.getvalue()
+
+
+def representation_3dxml(corners=CORNERS, face="", level="") -> str:
+    """A tessellated part: the box, unless the attributes of its face say otherwise; `level` are coarser faces."""
+    face = face or f'triangles="{words(TRIANGLES.ravel())}"'
+    points = ",".join(words(corner) for corner in corners)
+    return (
+        '<XMLRepresentation xmlns="http://www.3ds.com/xsd/3DXML" xmlns:xsi="http://www.w3.org/2001/XMLSchema-instance">'
+        f'<Root xsi:type="BagRepType"><Rep xsi:type="PolygonalRepType">{level}<Faces><Face {face}/></Faces>'
+        f"<VertexBuffer><Positions>{points}</Positions><Normals>{points}</Normals></VertexBuffer></Rep></Root>"
+        "</XMLRepresentation>"
+    )
+
+
+INSTANCE_3DXML = """<Instance3D id="{id}" name="same"><IsAggregatedBy>{owner}</IsAggregatedBy>
+<IsInstanceOf>{target}</IsInstanceOf><RelativeMatrix>{matrix}</RelativeMatrix></Instance3D>"""
+IN_PLACE = "1 0 0 0 1 0 0 0 1 0 0 0"
+PART_3DXML = """<Reference3D id="2" name="box"/>
+<InstanceRep id="3" name="same"><IsAggregatedBy>2</IsAggregatedBy><IsInstanceOf>4</IsInstanceOf></InstanceRep>
+<ReferenceRep id="4" name="same" format="TESSELLATED" associatedFile="urn:3DXML:Box.3DRep"/>"""
+
+
+def three_dxml(parts: str | None = None, representation: str | None = None, **others: str) -> bytes:
+    """A 3DXML archive: what its product is made of, and its representations."""
+    if parts is None:
+        parts = PART_3DXML + INSTANCE_3DXML.format(id=5, owner=1, target=2, matrix=IN_PLACE)
+    product = (
+        '<Model_3dxml xmlns="http://www.3ds.com/xsd/3DXML"><ProductStructure root="1">'
+        f'<Reference3D id="1" name="product"/>{parts}</ProductStructure></Model_3dxml>'
+    )
+    return archive(
+        Manifest__xml="<Manifest><Root>Product.3dxml</Root></Manifest>",
+        Product__3dxml=product,
+        Box__3DRep=representation_3dxml() if representation is None else representation,
+        **others,
+    )
+
+
+def visual_xaml(corners=CORNERS, faces=TRIANGLES, matrix: str | None = None) -> str:
+    points, indices = (
+        " ".join(",".join(map(repr, each)) for each in np.asarray(corners).tolist()),
+        words(np.ravel(faces)),
+    )
+    placed = matrix and f'<ModelVisual3D.Transform><MatrixTransform3D Matrix="{matrix}"/></ModelVisual3D.Transform>'
+    return (
+        f"<ModelVisual3D>{placed or ''}<ModelVisual3D.Content><GeometryModel3D><GeometryModel3D.Geometry>"
+        f'<MeshGeometry3D Positions="{points}" Normals="" TriangleIndices="{indices}"/></GeometryModel3D.Geometry>'
+        "</GeometryModel3D></ModelVisual3D.Content></ModelVisual3D>"
+    )
+
+
+def xaml(visuals: str | None = None) -> str:
+    return (
+        '<Viewport3D xmlns="http://schemas.microsoft.com/winfx/2006/xaml/presentation">'
+        f"{visual_xaml() if visuals is None else visuals}</Viewport3D>"
+    )
+
+
 GMSH_22 = """$MeshFormat
 2.2 0 8
 $EndMeshFormat
@@ -298,6 +397,11 @@ def surfaces() -> dict[str, tuple[str, bytes]]:
                 zipfile.ZIP_STORED,
             ),
         ),
+        "dae": ("box.dae", dae(unit='<unit name="inch" meter="0.0254"/>').encode()),
+        "dae quads": ("box.dae", dae(geometry_dae(faces=QUADS, tag="polylist")).encode()),
+        "zae": ("box.zae", archive(box__dae=dae())),
+        "3dxml": ("box.3dxml", three_dxml()),
+        "xaml": ("box.xaml", xaml().encode()),
     }
 
 

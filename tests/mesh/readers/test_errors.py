@@ -41,7 +41,7 @@ from tests.mesh.readers.step_sample import step_solid
 from inertia.errors import ReadError, UsageError
 from inertia.mesh.part import Surface, first_non_finite
 from inertia.mesh.read import read
-from inertia.mesh.readers.sniff import EXTENSIONS
+from inertia.mesh.readers.formats import EXTENSIONS
 
 NAN = CORNERS.copy()
 NAN[5, 1] = np.nan

@@ -51,6 +51,11 @@ EXPECTED = {
     "gltf": (SINGLE, "gltf", "m", "file"),
     "3mf": (BOX, "3mf", "in", "file"),
     "3mf stored": ((CORNERS + 9)[TRIANGLES], "3mf", "in", "file"),
+    "dae": (BOX, "dae", "in", "file"),
+    "dae quads": (FANS, "dae", "m", "file"),
+    "zae": (BOX, "zae", "m", "file"),
+    "3dxml": (BOX, "3dxml", "mm", "assumed"),
+    "xaml": (BOX, "xaml", "mm", "assumed"),
 }
 
 
@@ -75,7 +80,8 @@ def test_the_corners_are_those_of_the_file(sample: str, tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize(
-    ("sample", "count"), [("obj quads", "6 faces"), ("off quads", "6 faces"), ("ply big, mixed", "1 face")]
+    ("sample", "count"),
+    [("obj quads", "6 faces"), ("off quads", "6 faces"), ("ply big, mixed", "1 face"), ("dae quads", "6 faces")],
 )
 def test_a_note_says_how_many_polygons_were_split(sample: str, count: str, tmp_path: Path) -> None:
     (note,) = read_bytes(tmp_path, *surfaces()[sample]).notes
@@ -132,7 +138,7 @@ def test_text_stl_with_two_solids_has_two_regions(tmp_path: Path) -> None:
 
 
 def test_a_long_text_stl_is_read_in_blocks(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("inertia.mesh.readers.stl_text._BLOCK", 200)
+    monkeypatch.setattr("inertia.mesh.readers.stl.TEXT_BLOCK", 200)
     assert np.array_equal(read_bytes(tmp_path, "box.stl", text_stl()).triangles.corners(), BOX)
 
 

@@ -19,21 +19,8 @@ from pathlib import Path
 from inertia.errors import ReadError, UsageError
 from inertia.mesh.part import Part, Source
 from inertia.mesh.readers.contents import Contents
-from inertia.mesh.readers.sniff import EXTENSIONS, HEAD, sniff
-from inertia.mesh.readers.stl import read_stl
+from inertia.mesh.readers.formats import FORMATS, HEAD, format_of_name, sniff
 from inertia.units import DEFAULT_UNIT, Unit, UnitFrom, length_unit
-
-_READERS = {
-    "obj": ("obj", "read_obj"),
-    "ply": ("ply", "read_ply"),
-    "off": ("off", "read_off"),
-    "glb": ("gltf", "read_gltf"),
-    "gltf": ("gltf", "read_gltf"),
-    "3mf": ("three_mf", "read_3mf"),
-    "step": ("step", "read_step"),
-    "gmsh": ("gmsh", "read_gmsh"),
-}
-"""The module and the function for each format that has its own; the others go through meshio."""
 
 _REASONS = {
     errno.ENOENT: "there is no such file: check the path",
@@ -85,17 +72,16 @@ def read(
     chosen = None if unit is None else length_unit(unit)
     if not 0 < coarser < math.inf:
         raise UsageError(f"coarser is {coarser!r}: it must be positive and finite")
-    if format is not None and format not in EXTENSIONS:
-        raise UsageError(f"unknown format {format!r}: use one of {', '.join(EXTENSIONS)}")
+    if format is not None and format not in FORMATS:
+        raise UsageError(f"unknown format {format!r}: use one of {', '.join(FORMATS)}")
     name = os.fspath(path)
     try:
         kind, contents = _contents(name, format, coarser)
     except ReadError as error:
         raise ReadError(f"cannot read {name if name.isprintable() else ascii(name)}: {error}") from error
     notes = list(contents.notes)
-    suffix = Path(name).suffix.lower()
-    named = next((other for other, suffixes in EXTENSIONS.items() if suffix in suffixes), kind)
-    if named != kind and format is None:
+    named = format_of_name(Path(name))
+    if named not in (None, kind) and format is None:
         notes.append(f"the name says {named}, but the contents are {kind} and were read as such")
     if chosen and contents.unit and chosen != contents.unit:
         notes.append(f"the file says that its unit is {contents.unit.name}, but it was read in {chosen.name} as asked")
@@ -140,13 +126,7 @@ def _contents(name: str, format: str | None, coarser: float) -> tuple[str, Conte
 
 def _read_as(kind: str, path: Path, coarser: float) -> Contents:
     """Read a file with the reader of its kind; the readers are imported when they are used."""
-    if kind == "stl":
-        return read_stl(path)
-    if kind not in _READERS:
-        from inertia.mesh.readers.meshio import read_with_meshio
-
-        return read_with_meshio(path, kind)
-    options = (coarser,) if kind == "step" else ()
-    module, function = _READERS[kind]
+    _, _, module, function = FORMATS[kind]
+    options = (kind,) if module == "meshio" else (coarser,) if kind == "step" else ()
     contents: Contents = getattr(import_module(f"inertia.mesh.readers.{module}"), function)(path, *options)
     return contents

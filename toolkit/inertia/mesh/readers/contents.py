@@ -6,9 +6,11 @@ path is put in front by `inertia.mesh.read`.
 
 from __future__ import annotations
 
+import contextlib
+import io
 import re
 import warnings
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -50,6 +52,29 @@ class Piece:
     name: str | None
     vertices: Float
     faces: Int
+
+
+@contextlib.contextmanager
+def quietly(library: str, kind: str) -> Iterator[None]:
+    """Keep what a library prints while it reads, and turn whatever it raises (or exits with) into a `ReadError`."""
+    printed = io.StringIO()
+    try:
+        with (
+            warnings.catch_warnings(),
+            np.errstate(all="ignore"),
+            contextlib.redirect_stdout(printed),
+            contextlib.redirect_stderr(printed),
+        ):
+            warnings.simplefilter("ignore")
+            yield
+    except (ReadError, MemoryError):
+        raise
+    except (Exception, SystemExit) as error:  # any exception at all may come out of a damaged file
+        lines = [line.strip() for line in (*printed.getvalue().splitlines(), str(error)) if line.strip()]
+        reason = next((line for line in lines if not line.startswith("Error:") and line != "1"), type(error).__name__)
+        raise ReadError(
+            f"{library} cannot read it as {kind} ({shown(reason, 80)}): it is damaged, export the mesh again"
+        ) from None
 
 
 def text_of(path: Path) -> bytes:

@@ -12,15 +12,13 @@ from pathlib import Path
 
 import numpy as np
 
-from inertia.arrays import Int
+from inertia.arrays import Float, Int
 from inertia.errors import ReadError
-from inertia.mesh.readers import msh2, msh4
 from inertia.mesh.readers.cells import Block, cell_contents, dimension_of
 from inertia.mesh.readers.contents import UNNAMED, Contents, shown
-from inertia.mesh.readers.msh_numbers import FORMAT, MshFile
-from inertia.mesh.readers.msh_types import TYPES
+from inertia.mesh.readers.gmsh_sections import FORMAT, TYPES, Group, MshFile, Section, nodes_of
 
-_VERSIONS = {"2": msh2, "2.1": msh2, "2.2": msh2, "4": msh4, "4.1": msh4}
+_OLD, _NEW = ("2", "2.1", "2.2"), ("4", "4.1")
 _NAME = re.compile(rb'(\d)\s+(\d{1,9})\s+"([^"\r\n]*)"')
 
 
@@ -31,10 +29,11 @@ def read_gmsh(path: Path) -> Contents:
     if header is None:
         raise ReadError("its $MeshFormat section is damaged: export it again")
     version = header[1].decode("ascii", "replace")
-    if version not in _VERSIONS:
+    if version not in (*_OLD, *_NEW):
         raise ReadError(f"it is MSH {shown(version)}, but 2.2 and 4.1 are read: save it as one of these")
     file = MshFile(data, header)
-    tags, points = _VERSIONS[version].nodes(file)
+    old = version in _OLD
+    tags, points = _nodes_2(file) if old else _nodes_4(file)
     if not len(tags):
         raise ReadError("it holds no nodes: export the mesh again")
     order = np.argsort(tags, kind="stable")
@@ -44,10 +43,10 @@ def read_gmsh(path: Path) -> Contents:
     titles = _physical_names(file)
     places: dict[str, int] = {}
     blocks: list[Block] = []
-    for number, physical, corners in _VERSIONS[version].elements(file):
+    for number, physical, corners in _elements_2(file) if old else _elements_4(file):
         kind, arrangement = TYPES[number]
-        found, which = np.unique(physical, return_inverse=True)
-        names = [titles.get((dimension_of(kind), tag), str(tag)) if tag else UNNAMED for tag in found.tolist()]
+        groups, which = np.unique(physical, return_inverse=True)
+        names = [titles.get((dimension_of(kind), tag), str(tag)) if tag else UNNAMED for tag in groups.tolist()]
         region = np.array([places.setdefault(name, len(places)) for name in names], np.int32)
         blocks.append((kind, _points(tags, order, corners[:, arrangement]), region[which]))
     return cell_contents(points, blocks, tuple(places))
@@ -55,8 +54,8 @@ def read_gmsh(path: Path) -> Contents:
 
 def _physical_names(file: MshFile) -> dict[tuple[int, int], str]:
     """Return (dimension, tag) of each physical group → its name."""
-    found = _NAME.finditer(file.section("PhysicalNames") or b"")
-    return {(int(match[1]), int(match[2])): match[3].decode("utf-8", "replace") for match in found}
+    matches = _NAME.finditer(file.section("PhysicalNames") or b"")
+    return {(int(match[1]), int(match[2])): match[3].decode("utf-8", "replace") for match in matches}
 
 
 def _points(tags: Int, order: Int, wanted: Int) -> Int:
@@ -67,3 +66,137 @@ def _points(tags: Int, order: Int, wanted: Int) -> Int:
     if missing.any():
         raise ReadError(f"its elements name node {wanted[missing][0]}, which it does not define: export it again")
     return place
+
+
+def _nodes_2(file: MshFile) -> tuple[Int, Float]:
+    """Return the tags (n,) and the coordinates (n, 3) of the nodes of MSH 2."""
+    body = file.numbers("Nodes")
+    count = body.line()
+    if file.binary:
+        rows = body.take([("tag", "i4"), ("x", "f8", 3)], count)
+        tags, points = rows["tag"].astype(np.int64), rows["x"].astype(np.float64)
+    else:
+        table = body.floats(4 * count).reshape(-1, 4)
+        tags, points = body.whole(table[:, 0]), table[:, 1:]
+    body.finish("nodes", count, len(tags))
+    return tags, points
+
+
+def _elements_2(file: MshFile) -> list[Group]:
+    """Return the elements of MSH 2; the first of an element's own tags is its physical group."""
+    body = file.numbers("Elements")
+    total = body.line()
+    groups = _binary_elements(body, total) if file.binary else _text_elements(body, total)
+    body.finish("elements", total, sum(len(corners) for _, _, corners in groups))
+    return groups
+
+
+def _binary_elements(body: Section, total: int) -> list[Group]:
+    groups = []
+    done = 0
+    while done < total:
+        number, count, tags = (int(value) for value in body.ints(3))
+        width = _width(1, number, tags)
+        rows = body.ints(count * width).reshape(-1, width)
+        groups.append((number, *_split(rows, number, 1, tags)))
+        done += count
+    return groups
+
+
+def _text_elements(body: Section, total: int) -> list[Group]:
+    values = body.rest()
+    groups = []
+    done = at = 0
+    while done < total:
+        if at + 3 > len(values):
+            raise ReadError(f"its section $Elements ends after {done} of {total} elements: it was cut short")
+        _, number, tags = (int(value) for value in values[at : at + 3])
+        width = _width(3, number, tags)
+        rows = _alike(values[at:], width, total - done)
+        groups.append((number, *_split(rows, number, 3, tags)))
+        done += len(rows)
+        at += rows.size
+    body.at = at + 1
+    return groups
+
+
+def _alike(values: Int, width: int, limit: int) -> Int:
+    """Return the rows (m, width) at the front of `values` that are of the type of the first."""
+    most = min(len(values) // width, limit)
+    count, step = 0, 64
+    while count < most:
+        rows = values[count * width : min(count + step, most) * width].reshape(-1, width)
+        alike = (rows[:, 1:3] == values[1:3]).all(axis=1)
+        if not alike.all():
+            count += int(np.argmin(alike))
+            break
+        count += len(rows)
+        step *= 2
+    if not count:
+        raise ReadError("its section $Elements ends within an element: it was cut short, export it again")
+    return values[: count * width].reshape(-1, width)
+
+
+def _width(first: int, number: int, tags: int) -> int:
+    """Return the numbers in the row of an element whose tags begin at column `first`."""
+    if tags < 0:
+        raise ReadError(f"its section $Elements has an element with {tags} tags: it is damaged, export it again")
+    return first + tags + nodes_of(number)
+
+
+def _split(rows: Int, number: int, first: int, tags: int) -> tuple[Int, Int]:
+    """Return the physical tags and the node tags of rows whose tags begin at column `first`."""
+    physical = rows[:, first] if tags else np.zeros(len(rows), np.int64)
+    return physical, rows[:, -nodes_of(number) :]
+
+
+def _nodes_4(file: MshFile) -> tuple[Int, Float]:
+    """Return the tags (n,) and the coordinates (n, 3) of the nodes of MSH 4."""
+    body = file.numbers("Nodes")
+    blocks, total, _, _ = body.sizes(4).tolist()
+    tags: list[Int] = [np.empty(0, np.int64)]
+    points: list[Float] = [np.empty((0, 3))]
+    for _ in range(blocks):
+        dimension, _, parametric = body.ints(3).tolist()
+        if not 0 <= dimension <= 3:
+            raise ReadError(f"its section $Nodes has an entity of dimension {dimension}: export it again")
+        count = body.size()
+        width = 3 + (dimension if parametric else 0)
+        tags.append(body.sizes(count))
+        points.append(body.floats(count * width).reshape(count, width)[:, :3])
+    body.finish("nodes", total, sum(map(len, tags)))
+    return np.concatenate(tags), np.concatenate(points)
+
+
+def _elements_4(file: MshFile) -> list[Group]:
+    """Return the elements of MSH 4; their entity says which physical group they belong to."""
+    physical = _entities(file)
+    body = file.numbers("Elements")
+    blocks, total, _, _ = body.sizes(4).tolist()
+    groups: list[Group] = []
+    for _ in range(blocks):
+        dimension, entity, number = body.ints(3).tolist()
+        count = body.size()
+        width = 1 + nodes_of(number)
+        rows = body.sizes(count * width).reshape(count, width)
+        groups.append((number, np.full(count, physical.get((dimension, entity), 0)), rows[:, 1:]))
+    body.finish("elements", total, sum(len(corners) for _, _, corners in groups))
+    return groups
+
+
+def _entities(file: MshFile) -> dict[tuple[int, int], int]:
+    """Return (dimension, tag) of each entity in a physical group → the tag of (the first) group."""
+    physical: dict[tuple[int, int], int] = {}
+    if file.section("Entities") is None:
+        return physical
+    body = file.numbers("Entities")
+    for dimension, count in enumerate(body.sizes(4).tolist()):
+        for _ in range(count):
+            tag = int(body.ints(1)[0])
+            body.floats(6 if dimension else 3)
+            groups = body.ints(body.size())
+            if dimension:
+                body.ints(body.size())
+            if len(groups):
+                physical[dimension, tag] = abs(int(groups[0]))
+    return physical

@@ -7,10 +7,7 @@ with here.
 
 from __future__ import annotations
 
-import contextlib
 import importlib
-import io
-import warnings
 from pathlib import Path
 from typing import Any
 
@@ -20,7 +17,7 @@ from numpy.typing import NDArray
 from inertia.arrays import Int
 from inertia.errors import ReadError
 from inertia.mesh.readers.cells import Block, cell_contents
-from inertia.mesh.readers.contents import UNNAMED, Contents, plural, shown, was
+from inertia.mesh.readers.contents import UNNAMED, Contents, plural, quietly, shown, was
 from inertia.mesh.readers.meshio_guards import cells_expected
 
 _TAGS = (
@@ -58,27 +55,11 @@ def read_with_meshio(path: Path, kind: str) -> Contents:
 
 def _mesh(path: Path, kind: str) -> Any:
     """Return meshio's mesh."""
-    said = io.StringIO()
-    try:
-        with (
-            warnings.catch_warnings(),
-            np.errstate(all="ignore"),
-            contextlib.redirect_stdout(said),
-            contextlib.redirect_stderr(said),
-        ):
-            warnings.simplefilter("ignore")
-            meshio = importlib.import_module("meshio")
-            for name in _FORGOTTEN:
-                meshio._mesh.topological_dimension.setdefault(name, 3)
-            return meshio.read(path, file_format=kind)
-    except MemoryError:
-        raise
-    except (Exception, SystemExit) as error:  # any exception at all may come out of a damaged file
-        lines = [line.strip() for line in (*said.getvalue().splitlines(), str(error)) if line.strip()]
-        reason = next((line for line in lines if not line.startswith("Error:") and line != "1"), type(error).__name__)
-        raise ReadError(
-            f"meshio cannot read it as {kind} ({shown(reason, 80)}): it is damaged, export the mesh again"
-        ) from None
+    with quietly("meshio", kind):
+        meshio = importlib.import_module("meshio")
+        for name in _FORGOTTEN:
+            meshio._mesh.topological_dimension.setdefault(name, 3)
+        return meshio.read(path, file_format=kind)
 
 
 def _nodes(block: Any) -> Int:

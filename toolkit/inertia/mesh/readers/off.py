@@ -10,14 +10,14 @@ import numpy as np
 from inertia.errors import ReadError
 from inertia.mesh.readers.contents import Contents, fan, fan_note, numbers, shown, surface, text_of
 
-OFF_HEADER = re.compile(rb"\s*(?:#[^\n]*\n\s*)*((?:ST)?C?N?)(4?n?)OFF(?![A-Za-z])\s*(BINARY)?")
+_HEADER = re.compile(rb"\s*(?:#[^\n]*\n\s*)*((?:ST)?C?N?)(4?n?)OFF(?![A-Za-z])\s*(BINARY)?")
 """Texture, colour and normal may follow the coordinates of a vertex; `4` and `n` change the coordinates."""
 
 
 def read_off(path: Path) -> Contents:
     """Read a text OFF file of points in space; colours and normals are left aside."""
     data = text_of(path)
-    header = OFF_HEADER.match(data)
+    header = _HEADER.match(data)
     if header is None:
         raise ReadError("it does not begin with the word OFF: give its format, or export it again")
     if header[2] or header[3]:

@@ -1,4 +1,8 @@
-"""The sections of a Gmsh MSH file as numbers, whether it is text or binary."""
+"""The sections of a Gmsh MSH file as numbers, whether it is text or binary, and the types of its elements.
+
+Source: C. Geuzaine and J.-F. Remacle, "Gmsh Reference Manual" 4.13, sections 10.1 and 10.2; the order of the nodes
+in meshio is that of VTK's cells.
+"""
 
 from __future__ import annotations
 
@@ -12,11 +16,44 @@ from inertia.arrays import Float, Int
 from inertia.errors import ReadError
 from inertia.mesh.readers.contents import numbers
 
+_PRISM = [0, 1, 2, 3, 4, 5, 6, 9, 7, 12, 14, 13, 8, 10, 11]
+_PYRAMID = [0, 1, 2, 3, 4, 5, 8, 10, 6, 7, 9, 11, 12]
+_BRICK = [0, 1, 2, 3, 4, 5, 6, 7, 8, 11, 13, 9, 16, 18, 19, 17, 10, 12, 14, 15]
+TYPES: dict[int, tuple[str, list[int]]] = {
+    1: ("line", [*range(2)]),
+    2: ("triangle", [*range(3)]),
+    3: ("quad", [*range(4)]),
+    4: ("tetra", [*range(4)]),
+    5: ("hexahedron", [*range(8)]),
+    6: ("wedge", [*range(6)]),
+    7: ("pyramid", [*range(5)]),
+    8: ("line3", [*range(3)]),
+    9: ("triangle6", [*range(6)]),
+    10: ("quad9", [*range(9)]),
+    11: ("tetra10", [*range(8), 9, 8]),
+    12: ("hexahedron27", [*_BRICK, 22, 23, 21, 24, 20, 25, 26]),
+    13: ("wedge18", [*_PRISM, 15, 17, 16]),
+    14: ("pyramid14", [*_PYRAMID, 13]),
+    15: ("vertex", [0]),
+    16: ("quad8", [*range(8)]),
+    17: ("hexahedron20", _BRICK),
+    18: ("wedge15", _PRISM),
+    19: ("pyramid13", _PYRAMID),
+}
+"""Gmsh's number of a type → meshio's name, and which of Gmsh's nodes stands at each of meshio's places."""
+
 FORMAT = re.compile(rb"\$MeshFormat\s+(\S+)\s+([01])\s+([48])[ \t]*\r?\n")
 """The version, whether the file is binary, and the size of its size type."""
 
 Group = tuple[int, Int, Int]
 """Elements of one type: Gmsh's number of it, the physical tag of each (0: none), and its node tags (m, k)."""
+
+
+def nodes_of(number: int) -> int:
+    """Return how many nodes an element of a type has."""
+    if number not in TYPES:
+        raise ReadError(f"it has elements of Gmsh's type {number}, which are not read: use first or second order")
+    return len(TYPES[number][1])
 
 
 class MshFile:
@@ -39,15 +76,15 @@ class MshFile:
             raise ReadError(f"its section ${name} has no $End{name}: it was cut short, export it again")
         return self.data[start.end() : end]
 
-    def numbers(self, name: str) -> MshNumbers:
+    def numbers(self, name: str) -> Section:
         """Return the numbers of a section that the file must have."""
         body = self.section(name)
         if body is None:
             raise ReadError(f"it has no section ${name}: it was cut short, export it again")
-        return MshNumbers(body, name, self)
+        return Section(body, name, self)
 
 
-class MshNumbers:
+class Section:
     """The numbers of a section, taken from the front; those of a text file are all float64 at first."""
 
     def __init__(self, body: bytes, name: str, file: MshFile) -> None:
@@ -62,9 +99,9 @@ class MshNumbers:
         step = stored.itemsize if self.file.binary else 1
         if not 0 <= count <= (len(self.data) - self.at) // step:
             raise ReadError(f"its section ${self.name} ends too early: it was cut short or damaged, export it again")
-        taken = self.data[self.at : self.at + count * step]
+        values = self.data[self.at : self.at + count * step]
         self.at += count * step
-        return taken.view(stored) if self.file.binary else taken
+        return values.view(stored) if self.file.binary else values
 
     def floats(self, count: int) -> Float:
         """Take `count` doubles."""
@@ -102,12 +139,12 @@ class MshNumbers:
             raise ReadError(f"its section ${self.name} has a number that is no tag or count: export it again")
         return values.astype(np.int64)
 
-    def finish(self, what: str, stated: int, found: int) -> None:
+    def finish(self, what: str, stated: int, listed: int) -> None:
         """Raise `ReadError` where the section holds more, or other counts, than it says."""
         left = self.data[self.at :]
         over = len(left.tobytes().strip(b"\r\n")) if self.file.binary else len(left)
-        if stated != found or over:
+        if stated != listed or over:
             raise ReadError(
-                f"its section ${self.name} says {stated} {what} but holds {found}, with {over} "
+                f"its section ${self.name} says {stated} {what} but holds {listed}, with {over} "
                 f"{'bytes' if self.file.binary else 'numbers'} left over: it is damaged, export it again"
             )

@@ -1,0 +1,181 @@
+"""Scenes in XML that trimesh reads, and what their readers do alike; no other module of this folder knows trimesh.
+
+What trimesh would misread in silence is refused, or put right, before it sees the file. A reader checks the numbers,
+counts the triangles that the scene shows, and hands on a file with nothing in it but the shape: trimesh needs neither
+materials nor animations, whose faults are no faults of the body. The loaders are called by themselves, since
+`trimesh.load` merges vertices and hangs what it loads in a graph where names may collide.
+"""
+
+from __future__ import annotations
+
+import importlib
+import io
+from collections.abc import Callable, Hashable, Iterable, Iterator, Mapping
+from dataclasses import dataclass, field
+from typing import Any
+from xml.etree import ElementTree
+from xml.etree.ElementTree import Element
+
+import numpy as np
+
+from inertia.arrays import Float, Int
+from inertia.errors import ReadError
+from inertia.mesh.readers.contents import (
+    EXPANDED_LIMIT,
+    Contents,
+    Piece,
+    assemble,
+    numbers,
+    placed,
+    plural,
+    quietly,
+    shown,
+)
+from inertia.units import Unit
+
+_DEPTH_LIMIT = 200
+
+
+@dataclass(frozen=True)
+class Checked:
+    """A file that trimesh may see: its loader and bytes, and what has to come out of it.
+
+    `triangles` is their number; `names` tells the names of parts from those that trimesh is given.
+    """
+
+    loader: str
+    data: bytes
+    triangles: int
+    unit: Unit | None = None
+    notes: tuple[str, ...] = ()
+    names: Mapping[str | None, str] = field(default_factory=dict)
+    options: Mapping[str, Any] = field(default_factory=dict)
+
+
+def load(file: Checked) -> Contents:
+    """Read a file with a loader of trimesh."""
+    pieces: list[Piece] = []
+    if file.triangles:
+        with quietly("trimesh", file.loader):
+            loaders = importlib.import_module("trimesh.exchange.load").mesh_loaders
+            scene = loaders[file.loader](io.BytesIO(file.data), file_type=file.loader, resolver=None, **file.options)
+            pieces += [Piece(file.names.get(name, name), *mesh) for name, mesh in _placed(scene)]
+    count = sum(len(piece.faces) for piece in pieces)
+    if count != file.triangles:
+        raise ReadError(f"it lists {plural(file.triangles, 'triangle')}, but trimesh read {count}: export it again")
+    whole, regions = assemble([piece for piece in pieces if len(piece.faces)])
+    return Contents(whole, file.unit, regions, file.notes)
+
+
+def _placed(scene: dict[str, Any]) -> Iterator[tuple[str | None, tuple[Float, Int]]]:
+    """Yield the meshes that a loader of trimesh returned, each where the scene puts it."""
+    if "graph" not in scene:
+        yield None, _arrays(scene)
+    for entry in scene.get("graph", ()):
+        if "geometry" in entry:
+            vertices, faces = _arrays(scene["geometry"][entry["geometry"]])
+            yield entry["geometry"], placed(vertices, faces, np.asarray(entry["matrix"], np.float64))
+
+
+def _arrays(mesh: dict[str, Any]) -> tuple[Float, Int]:
+    if mesh["vertices"].dtype != np.float64:
+        raise ReadError("trimesh rounds its coordinates to float32: export it as STL or 3MF")
+    return mesh["vertices"], np.asarray(mesh["faces"], np.int64)
+
+
+class _Builder(ElementTree.TreeBuilder):
+    """XML without document types, and so without entities: whatever else a file asks for is not fetched."""
+
+    depth = 0
+
+    def doctype(self, name: str, public: str | None, system: str | None) -> None:
+        raise ReadError("it declares a document type, which no mesh needs: export it again")
+
+    def start(self, tag: str, attributes: dict[str, str]) -> Element:
+        self.depth += 1
+        if self.depth > _DEPTH_LIMIT:
+            raise ReadError(f"its elements are nested deeper than {_DEPTH_LIMIT}: export it again")
+        return super().start(tag, attributes)
+
+    def end(self, tag: str) -> Element:
+        self.depth -= 1
+        return super().end(tag)
+
+
+def parse_xml(data: bytes) -> ElementTree.Element:
+    """Return the root of an XML text, all tags without their namespaces, and that of the root as its `xmlns`."""
+    parser = ElementTree.XMLParser(target=_Builder())
+    try:
+        parser.feed(data)
+        root: ElementTree.Element = parser.close()
+    except ElementTree.ParseError as error:
+        raise ReadError(f"its XML is damaged ({error}): export it again") from None
+    except (LookupError, ValueError) as error:  # an encoding that Python does not know
+        raise ReadError(f"its XML cannot be decoded ({error}): export it as UTF-8") from None
+    namespace = root.tag.rpartition("}")[0][1:]
+    for element in root.iter():
+        element.tag = element.tag.rpartition("}")[2]
+    if namespace:
+        root.set("xmlns", namespace)
+    return root
+
+
+def xml_text(root: ElementTree.Element) -> bytes:
+    """Return an element as the text of a file."""
+    text: bytes = ElementTree.tostring(root, encoding="utf-8", xml_declaration=True)
+    return text
+
+
+def finite_numbers(element: Element, what: str) -> Float:
+    """Return the numbers in an element, once they are known to be finite."""
+    values: Float = numbers((element.text or "").encode(), np.float64, what)
+    if not np.isfinite(values).all():
+        raise ReadError(f"{what} hold a number that is not finite: export it again")
+    return values
+
+
+def by_id(elements: Iterable[Element]) -> dict[str, Element]:
+    """Return id → element; raise `ReadError` where two have the same."""
+    table: dict[str, Element] = {}
+    for element in elements:
+        name = element.get("id")
+        if name is not None and table.setdefault(name, element) is not element:
+            raise ReadError(f"two of its elements have the id {shown(name)}: export it again")
+    return table
+
+
+def remove(root: Element, tags: Iterable[str]) -> int:
+    """Remove the elements with one of `tags`, and return how many there were."""
+    unwanted = frozenset(tags)
+    before = 0
+    for parent in list(root.iter()):
+        rest = [child for child in parent if child.tag not in unwanted]
+        before += len(parent) - len(rest)
+        if len(rest) < len(parent):
+            parent[:] = rest
+    return before
+
+
+class Expansion:
+    """The triangles that a thing expands to, from those that the things in it do; each is counted once.
+
+    `inside` returns the triangles of a thing itself, and the keys of the things in it.
+    """
+
+    def __init__(self, inside: Callable[[Hashable], tuple[int, Iterable[Hashable]]]) -> None:
+        self.inside = inside
+        self.counts: dict[Hashable, int] = {}
+        self.open: set[Hashable] = set()
+
+    def __call__(self, key: Hashable) -> int:
+        """Return the triangles that a thing expands to."""
+        if key in self.open or len(self.open) > _DEPTH_LIMIT:
+            raise ReadError("a part of it is a part of itself, or is nested too deep: export it again")
+        if key not in self.counts:
+            self.open.add(key)
+            own, parts = self.inside(key)
+            self.counts[key] = own + sum(map(self, parts))
+            self.open.remove(key)
+            if self.counts[key] > EXPANDED_LIMIT:
+                raise ReadError(f"its instances make more than {EXPANDED_LIMIT} triangles: split the scene")
+        return self.counts[key]

@@ -1,0 +1,68 @@
+"""XAML of WPF, as SolidWorks exports it: the triangles of a page's visuals, through trimesh.
+
+Pages state no unit. Source: Microsoft, "MeshGeometry3D" and "MatrixTransform3D" in the reference of WPF.
+"""
+
+from __future__ import annotations
+
+from pathlib import Path
+from xml.etree.ElementTree import Element
+
+import numpy as np
+
+from inertia.errors import ReadError
+from inertia.mesh.readers.contents import Contents, check_indices, numbers, shown
+from inertia.mesh.readers.trimesh import Checked, load, parse_xml, remove, xml_text
+
+
+def read_xaml(path: Path) -> Contents:
+    """Read a page of XAML."""
+    file = _checked(parse_xml(path.read_bytes()))
+    return load(file)
+
+
+def _checked(root: Element) -> Checked:
+    """Check a page of XAML; trimesh applies the matrices of its visuals, and knows no other transform."""
+    parents = {child: parent for parent in root.iter() for child in parent}
+    triangles = 0
+    for model in root.iter("GeometryModel3D"):
+        if len(list(model.iter("MeshGeometry3D"))) != 1:
+            raise ReadError("a GeometryModel3D in it has no mesh of its own, or several: write the mesh in its place")
+    for mesh in root.iter("MeshGeometry3D"):
+        above = [mesh]
+        while above[-1] in parents:
+            above.append(parents[above[-1]])
+        if not any(each.tag == "GeometryModel3D" for each in above):
+            raise ReadError("it has a mesh that no GeometryModel3D shows: write the mesh in its place")
+        for each in above:
+            _check_transforms(each)
+        mesh.attrib.setdefault("Normals", "")
+        points = numbers(mesh.get("Positions", "").replace(",", " ").encode(), np.float64, "its Positions")
+        if len(points) % 3:
+            raise ReadError(f"its Positions are {len(points)} numbers, not a multiple of 3: it was cut short")
+        corners = numbers(mesh.get("TriangleIndices", "").replace(",", " ").encode(), np.int64, "its TriangleIndices")
+        if len(corners) % 3 or not len(corners):
+            raise ReadError(f"its TriangleIndices are {len(corners)} numbers: it was cut short, export it again")
+        check_indices(corners.reshape(-1, 3), len(points) // 3, "triangle")
+        triangles += len(corners) // 3
+    remove(root, ["GeometryModel3D.Material", "GeometryModel3D.BackMaterial"])
+    return Checked("xaml", xml_text(root), triangles)
+
+
+def _check_transforms(element: Element) -> None:
+    """Refuse a transform that trimesh would leave out, and one that would turn the mesh inside out there."""
+    if "Transform" in element.attrib:
+        raise ReadError(f"the Transform of its {element.tag} is not read: export it with a MatrixTransform3D")
+    for child in element:
+        if not child.tag.endswith(".Transform"):
+            continue
+        matrices = child.findall("MatrixTransform3D")
+        if child.tag != "ModelVisual3D.Transform" or len(matrices) != 1 or len(list(child.iter())) != 2:
+            raise ReadError(f"its {child.tag} is not read: export it with one MatrixTransform3D in each ModelVisual3D")
+        text = matrices[0].get("Matrix", "").replace(",", " ")
+        values = numbers(text.encode(), np.float64, "the numbers of a Matrix")
+        if len(values) != 16 or not np.array_equal(values[3::4], [0, 0, 0, 1]):
+            raise ReadError(f"the Matrix {shown(text)} is not sixteen numbers of a place in space: export it again")
+        if np.linalg.det(values.reshape(4, 4)) < 0:
+            raise ReadError("a Matrix in it mirrors, which trimesh leaves inside out: export it without a mirror")
+        matrices[0].set("Matrix", text)
