@@ -101,11 +101,13 @@ class TestVertices:
     def test_a_crack_closes_without_being_asked(self, shift):
         corners = cube()
         corners[5, 1, 2] += shift
-        repaired = repair(facets(corners) if shift == 1e-6 else soup(corners))
+        given = facets(corners) if shift == 1e-6 else soup(corners)
+        repaired = repair(given)
         crack = repaired.changes[-1]
         assert (crack.what, crack.count) == ("vertices at cracks merged", 1)
-        assert crack.largest_move == pytest.approx(abs(shift), rel=0.1)
-        assert volume(repaired.part) == pytest.approx(1, abs=2e-6)
+        stored = given.triangles.corners()[5, 1, 2]  # next to 1, in float64 or in the float32 of STL records
+        assert crack.largest_move == abs(stored - 1)
+        assert volume(repaired.part) == 1
         assert len(repaired.part.triangles.vertices) == 8
 
     def test_the_vertex_stored_first_stays(self):
@@ -262,7 +264,7 @@ class TestHoles:
     def test_a_cube_gets_its_volume_back(self, missing):
         given = part(np.delete(cube(), missing, axis=0))
         assert set(changes(given)) == {"holes filled"}
-        assert volume(repair(given).part) == pytest.approx(1, abs=0.2 if missing == [0, 5, 8] else 0)
+        assert volume(repair(given).part) == 1
 
     def test_a_concave_hole_in_a_plane_is_filled_in_that_plane(self):
         outline = np.array([[0.0, 0], [4, 0], [4, 3], [3, 3], [3, 1], [2, 1], [2, 2], [1, 2], [1, 1], [0, 1]])

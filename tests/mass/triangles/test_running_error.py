@@ -140,7 +140,7 @@ def triangles_of_all_kinds() -> np.ndarray:
 
 def test_each_factor_is_within_its_bound_and_some_come_near_it() -> None:
     corners, origin = triangles_of_all_kinds(), np.array([0.1, -0.7, 0.3])
-    d, d_error, w, w_error = running_error._factors(corners, origin)
+    d, d_error, w, w_error = running_error.factors(corners, origin)
     nearest = {"d": 0.0, "corner": 0.0, "s": 0.0}
     for k, triangle in enumerate(corners.tolist()):
         exact = [[F(x) - F(o) for x, o in zip(point, origin.tolist(), strict=True)] for point in triangle]
@@ -170,9 +170,9 @@ def test_what_the_differences_are_off_by_is_in_the_bound_of_d(monkeypatch: pytes
         sign = np.where(difference.view(np.int64) >> 20 & 1, 1.0, -1.0)
         return difference * (1 + 1e-6 * sign), 1e-6 * abs(difference)
 
-    monkeypatch.setattr(running_error, "_difference", off)
+    monkeypatch.setattr(running_error, "two_difference", off)
     corners = np.random.default_rng(24).uniform(-1, 1, (3000, 3, 3))
-    d, d_error, _, _ = running_error._factors(corners, np.zeros(3))
+    d, d_error, _, _ = running_error.factors(corners, np.zeros(3))
     used = abs(d - np.linalg.det(corners)) / d_error
     assert 0.9 < used.max() <= 1
 
@@ -188,7 +188,7 @@ def bounds_from(factors: Factors, product: np.ndarray, monkeypatch: pytest.Monke
     triangles = Surface(*ball(0))
     halves = np.array([1, 1, 1, 1, 2, 2, 2, 1, 1, 1])
     sums = np.concatenate([product[ROWS, COLUMNS] / halves, np.ones(3)])
-    monkeypatch.setattr(running_error, "_factors", lambda *_: [factor.copy() for factor in factors])
+    monkeypatch.setattr(running_error, "factors", lambda *_: [factor.copy() for factor in factors])
     return running_bounds(triangles, replace(sum_triangles(triangles), sums=sums))
 
 
@@ -224,7 +224,7 @@ def test_a_product_of_matrices_is_known_beyond_float64(columns: int) -> None:
     y[1] *= 10.0 ** rng.uniform(-20, 20, columns)
     y[2] *= 1e-3 * rng.choice([-1, 1], columns)
     w[1], w[2] = -1e30 * w[1], 0.0
-    high, low, bound = running_error._product(y, w, abs(y).max(axis=1), abs(w).max(axis=1))
+    high, low, bound = running_error.split_product(y, w, abs(y).max(axis=1), abs(w).max(axis=1))
     for i in range(4):
         for j in range(4):
             true = sum((F(a) * F(b) for a, b in zip(y[i].tolist(), w[j].tolist(), strict=True)), F(0))

@@ -102,7 +102,7 @@ def test_both_paths_give_the_same_bits_in_several_native_runs() -> None:
 )
 def test_both_paths_give_the_same_bits_on_any_triangles(rows: list[list[float]], shell: bool, scale: float) -> None:
     corners = np.array(rows).reshape(-1, 3) * scale
-    _, exponent = module._frame(triangles := Surface(corners, np.arange(len(corners)).reshape(-1, 3)))
+    _, exponent = module.local_frame(triangles := Surface(corners, np.arange(len(corners)).reshape(-1, 3)))
     if exponent == 0:
         compiled, plain = both_paths(triangles, shell)
         assert compiled == plain

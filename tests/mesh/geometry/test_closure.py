@@ -8,12 +8,18 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from tests.mesh.solids import cube, facets, joined, ring, sphere
 
-from inertia.mesh.geometry import closure as module
-from inertia.mesh.geometry.closure import Closure, closure, components, merge_equal_vertices
+from inertia.mesh.geometry.closure import (
+    Closure,
+    closure,
+    compiled_closure,
+    components,
+    merge_equal_vertices,
+    vectorised_closure,
+)
 from inertia.mesh.part import Facets, Surface, Triangles
 from inertia.native import LOAD_ABOVE
 
-PATHS = {"compiled": lambda triangles: module._compiled(triangles, None), "vectorised": module._vectorised}
+PATHS = {"compiled": compiled_closure, "vectorised": vectorised_closure}
 
 
 def paired_by_queues(corners: list) -> tuple[int, list[int], int]:
@@ -44,12 +50,12 @@ def paired_by_queues(corners: list) -> tuple[int, list[int], int]:
     return sum(map(len, waiting.values())), [order.get(first, -1) for first in roots], repeated
 
 
-def assert_is(found: Closure, expected: tuple[int, list[int], int]) -> None:
+def assert_is(pairing: Closure, expected: tuple[int, list[int], int]) -> None:
     open_edges, labels, repeated = expected
-    assert found.open_edges == open_edges
-    assert found.labels.tolist() == labels
-    assert found.components == max(labels, default=-1) + 1
-    assert found.repeated == repeated
+    assert pairing.open_edges == open_edges
+    assert pairing.labels.tolist() == labels
+    assert pairing.components == max(labels, default=-1) + 1
+    assert pairing.repeated == repeated
 
 
 @st.composite
@@ -93,10 +99,10 @@ def test_a_large_shuffled_surface_grows_the_table_and_stays_closed(path: str, ki
     number = np.repeat([0, 1], [300 * 200 * 2, 150 * 100 * 2])
     order = np.random.default_rng(2).permutation(rings.count)
     shuffled = rings.select(order)
-    found = PATHS[path](shuffled if kind is Surface else facets(shuffled))
-    assert (found.open_edges, found.components, found.repeated) == (0, 2, 0)
+    pairing = PATHS[path](shuffled if kind is Surface else facets(shuffled))
+    assert (pairing.open_edges, pairing.components, pairing.repeated) == (0, 2, 0)
     first = number[order[0]]
-    assert np.array_equal(found.labels, np.where(number[order] == first, 0, 1))
+    assert np.array_equal(pairing.labels, np.where(number[order] == first, 0, 1))
 
 
 @pytest.mark.parametrize("path", PATHS)
@@ -114,15 +120,15 @@ def test_minus_zero_is_zero_and_the_next_float_is_not(path: str) -> None:
 @pytest.mark.parametrize("path", PATHS)
 def test_nothing_is_closed_and_has_no_component(path: str) -> None:
     for faces in (np.empty((0, 3), int), [[0, 0, 1]]):
-        found = PATHS[path](Surface(np.eye(3), faces))
-        assert (found.open_edges, found.components) == (0, 0)
-        assert (found.labels == -1).all()
+        pairing = PATHS[path](Surface(np.eye(3), faces))
+        assert (pairing.open_edges, pairing.components) == (0, 0)
+        assert (pairing.labels == -1).all()
 
 
 def test_both_paths_give_the_same_through_the_front_door(monkeypatch: pytest.MonkeyPatch) -> None:
     surface = joined(ring(200, 120), sphere((9, 0, 0)))
     assert surface.count > LOAD_ABOVE
-    module._compiled(surface, None)  # machine code at hand is used from here on
+    compiled_closure(surface)  # machine code at hand is used from here on
     compiled = closure(surface)
     monkeypatch.setenv("INERTIA_NATIVE", "0")
     vectorised = closure(surface)
@@ -131,19 +137,19 @@ def test_both_paths_give_the_same_through_the_front_door(monkeypatch: pytest.Mon
 
 
 def test_progress_rises_to_the_end() -> None:
-    told: list[float] = []
-    module._compiled(joined(ring(400, 200)), told.append)
-    assert told == sorted(told)
-    assert 0 < told[0] < told[-1] <= 1
+    fractions: list[float] = []
+    compiled_closure(joined(ring(400, 200)), fractions.append)
+    assert fractions == sorted(fractions)
+    assert 0 < fractions[0] < fractions[-1] <= 1
 
 
 @settings(deadline=None)
 @given(soup=soups())
-def test_weld_numbers_equal_points_in_the_order_of_their_use(soup: Surface) -> None:
+def test_merging_numbers_equal_points_in_the_order_of_their_use(soup: Surface) -> None:
     number: dict[tuple, int] = {}
     faces = [[number.setdefault(tuple(corner), len(number)) for corner in face] for face in soup.corners().tolist()]
-    vertices, welded = merge_equal_vertices(soup)
-    assert welded.tolist() == faces
+    vertices, merged = merge_equal_vertices(soup)
+    assert merged.tolist() == faces
     assert [tuple(vertex) for vertex in vertices.tolist()] == list(number)
 
 

@@ -49,10 +49,10 @@ def running_bounds(triangles: Triangles, sums: Sums) -> Float:
     """
     scale = 2.0**sums.exponent
     with np.errstate(over="ignore", invalid="ignore"):
-        d, d_error, w, w_error = _factors(scale * triangles.corners(), scale * sums.origin)
+        d, d_error, w, w_error = factors(scale * triangles.corners(), scale * sums.origin)
         size, reach = abs(d), abs(w)
         reach += w_error
-        high, low, bound = _product(d * w, w, size.max() * reach.max(axis=(1, 2)), reach.max(axis=(1, 2)))
+        high, low, bound = split_product(d * w, w, size.max() * reach.max(axis=(1, 2)), reach.max(axis=(1, 2)))
         w_error *= size
         within = _flat(reach) @ _flat(w_error).T
         bound += within + within.T
@@ -62,12 +62,12 @@ def running_bounds(triangles: Triangles, sums: Sums) -> Float:
     return bounds
 
 
-def _factors(corners: Float, origin: Float) -> tuple[Float, Float, Float, Float]:
+def factors(corners: Float, origin: Float) -> tuple[Float, Float, Float, Float]:
     """Return d (n,) and its bound, and w (4, 4, n: coordinate, of a, b, c or s, triangle) and its bound."""
     points = np.ascontiguousarray(corners.transpose(1, 2, 0)[:, _CYCLE])
-    (u, v), (u_error, v_error) = _difference(points[1:], points[0])
+    (u, v), (u_error, v_error) = two_difference(points[1:], points[0])
     w, w_error = np.zeros((2, 4, 4, len(corners)))
-    w[:3, :3], w_error[:3, :3] = _difference(points[:, :3].transpose(1, 0, 2), origin[:, None, None])
+    w[:3, :3], w_error[:3, :3] = two_difference(points[:, :3].transpose(1, 0, 2), origin[:, None, None])
     t = w[:3, 0] + w[:3, 1]
     w[:3, 3] = t + w[:3, 2]
     w[3, 3] = 1.0
@@ -87,7 +87,7 @@ def _factors(corners: Float, origin: Float) -> tuple[Float, Float, Float, Float]
     return d, d_error + _U * (_power(x + y) + _power(d)), w, w_error
 
 
-def _product(y: Float, w: Float, y_most: Float, w_most: Float) -> tuple[Float, Float, Float]:
+def split_product(y: Float, w: Float, y_most: Float, w_most: Float) -> tuple[Float, Float, Float]:
     """Return y wᵀ, (4, 4), as the sum of an exact high part and a low part, and a bound on the error of the latter.
 
     The high parts of y and w are multiples of P 2^−β, with P a power of two beyond the largest of the row (`y_most`,
@@ -109,7 +109,7 @@ def _product(y: Float, w: Float, y_most: Float, w_most: Float) -> tuple[Float, F
     return y_high @ w_high.T, low, bound
 
 
-def _difference(x: Float, y: Float) -> tuple[Float, Float]:
+def two_difference(x: Float, y: Float) -> tuple[Float, Float]:
     """Return x − y and what rounding took from it (D. E. Knuth, *The Art of Computer Programming 2*, § 4.2.2)."""
     difference = x - y
     t = difference - x

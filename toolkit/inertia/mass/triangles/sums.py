@@ -67,7 +67,7 @@ def sum_triangles(
 
     Raises `GeometryError` where a coordinate is infinite or not a number.
     """
-    origin, exponent = _frame(triangles)
+    origin, exponent = local_frame(triangles)
     if exponent == 0 and _KERNEL.worthwhile(triangles):
         runs = _KERNEL.rows(triangles, (*origin.tolist(), int(surface)))
     else:
@@ -91,7 +91,7 @@ def sum_triangles(
     )
 
 
-def _frame(triangles: Triangles) -> tuple[Float, int]:
+def local_frame(triangles: Triangles) -> tuple[Float, int]:
     """Choose the local origin, from a sample of the triangles, and a power of two where the size asks for one."""
     sample = triangles.sample(_SAMPLED).reshape(-1, 3)
     if not np.isfinite(sample).all():

@@ -62,15 +62,16 @@ def closure(triangles: Triangles, progress: Progress | None = None) -> Closure:
     """
     kernel = _FACETS if isinstance(triangles, Facets) else _FACES
     if kernel.worthwhile(triangles.count):
-        return _compiled(triangles, progress)
-    return _vectorised(triangles)
+        return compiled_closure(triangles, progress)
+    return vectorised_closure(triangles)
 
 
 def _address(array: NDArray[Any]) -> int:
     return int(array.ctypes.data)
 
 
-def _compiled(triangles: Triangles, progress: Progress | None) -> Closure:
+def compiled_closure(triangles: Triangles, progress: Progress | None = None) -> Closure:
+    """Return what `closure` does, by the compiled kernel."""
     count = triangles.count
     labels = np.empty(count, np.int32)
     state = np.zeros(3, np.int64)
@@ -182,7 +183,8 @@ def components(pairs: Int, count: int) -> Int:
         label = moved
 
 
-def _vectorised(triangles: Triangles) -> Closure:
+def vectorised_closure(triangles: Triangles) -> Closure:
+    """Return what `closure` does, by sorting all edges."""
     _, faces = merge_equal_vertices(triangles)
     count = len(faces)
     repeated = repeated_corners(faces)
