@@ -119,7 +119,7 @@ class TestRepair:
         assert ("vertices at cracks merged", 1) in changes(repaired)
         crack = next(change for change in repaired.changes if "cracks" in change.what)
         assert crack.largest_move == pytest.approx(math.sqrt(3) * 1e-9, rel=1e-6)
-        # The corner is stored first where it belongs. Before, triangle 5 had it elsewhere by δ = 1e-9 (1, 1, 1), and its
+        # The corner is stored first where it belongs. Before, triangle 5 had it off by δ = 1e-9 (1, 1, 1), and its
         # cone a·(b × c)/6 from the middle was larger by δ·(c × a)/6, with a and c = (−1, 1, ∓1)/2.
         assert repaired.volume_after == 1.0
         assert repaired.volume_before - 1.0 == pytest.approx(-1e-9 / 6, rel=1e-6)
