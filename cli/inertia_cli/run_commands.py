@@ -22,15 +22,15 @@ _OPTIONS = {
     "method": "--method",
 }
 _FIELDS = {f"run.{name}": option for name, option in _OPTIONS.items()} | {"start.angular_velocity": "--spin"}
-_PARTS = (".stl", ".obj", ".ply", ".off", ".step", ".stp", ".3mf", ".glb", ".gltf", ".vtk", ".msh")
 
 
 def simulate(options: argparse.Namespace) -> int:
     """Run ``inertia simulate``."""
     from inertia.dynamics.scene.document import Scene
+    from inertia.mesh.readers.formats import format_of_name
 
-    if Path(options.part).suffix.lower() in _PARTS:
-        raise UsageError(f"{options.part} is a part and no scene: name a scene file, or use `inertia tumble`")
+    if format_of_name(Path(options.part)) is not None:
+        raise UsageError(f"{options.part} is a mesh and no scene: name a scene file, or use `inertia tumble`")
     if Path(options.part).suffix.lower() == ".rrd":
         from inertia.recording.read_back import scene_of
 

@@ -8,6 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from inertia.mesh.readers.formats import EXTENSIONS
 from inertia_cli.main import main
 from inertia_meshes import path, scenes
 
@@ -208,7 +209,7 @@ def test_a_fault_in_a_scene_is_one_sentence_with_the_file_and_a_code(
 @pytest.mark.parametrize(
     ("code", "arguments", "said"),
     [
-        (2, ["simulate", "cube.stl"], "is a part and no scene"),
+        (2, ["simulate", "cube.stl"], "is a mesh and no scene"),
         (3, ["simulate", "nosuch.toml"], "cannot read nosuch.toml: No such file"),
         (3, ["simulate", "."], "cannot read .: Is a directory"),
         (2, ["simulate", "scenes/cube.toml", "--for", "-1"], "--for is -1.0: it must be positive"),
@@ -240,3 +241,10 @@ def test_a_fault_on_the_command_line_is_one_sentence_and_a_code(
     assert (left, out, err.count("\n")) == (code, "", 1)
     assert err.startswith("inertia")
     assert said in err
+
+
+@pytest.mark.parametrize("extension", [each for extensions in EXTENSIONS.values() for each in extensions])
+def test_a_mesh_is_no_scene_whatever_its_format(capsys: pytest.CaptureFixture[str], extension: str) -> None:
+    left, out, err = run(capsys, "simulate", f"part{extension.upper()}")
+    assert (left, out) == (2, "")
+    assert f"part{extension.upper()} is a mesh and no scene" in err

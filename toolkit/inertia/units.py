@@ -68,6 +68,8 @@ _ALIASES = {
 
 DEFAULT_UNIT = _UNITS["mm"]
 METRE = _UNITS["m"]
+_NUMBER_LENGTH = 40
+"""Characters in the number of a unit; a longer one states more digits than any unit has, or an endless exponent."""
 
 
 def length_unit(name: str) -> Unit:
@@ -84,3 +86,22 @@ def length_unit(name: str) -> Unit:
     close = get_close_matches(key.lower(), [*_UNITS, *_ALIASES], n=1)
     hint = f"; did you mean {close[0]!r}?" if close else ""
     raise UsageError(f"unknown unit {name!r}: use one of {', '.join(_UNITS)}{hint}")
+
+
+def multiple_of(number: str, unit: Unit) -> Unit:
+    """Return the unit that is exactly `number` times another, under its own name where it has one.
+
+    Raises `UsageError` where the number is none, or none that a unit may have.
+
+    >>> multiple_of("2.54e-2", METRE).name, multiple_of("0.3", METRE).name
+    ('in', '0.3 m')
+    """
+    text = number.strip()
+    try:
+        if len(text) > _NUMBER_LENGTH or not 1e-15 < float(text) < 1e15:
+            raise ValueError
+        metres = Fraction(text) * unit.metres
+    except ValueError:
+        raise UsageError(f"a unit of {text[:_NUMBER_LENGTH]!r} {unit.name} is no length") from None
+    known = (each for each in _UNITS.values() if each.metres == metres)
+    return next(known, Unit(f"{text} {unit.name}", metres))

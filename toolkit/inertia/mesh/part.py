@@ -25,7 +25,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from inertia.arrays import Float, Int
 from inertia.errors import GeometryError, ReadError, UsageError
-from inertia.units import DEFAULT_UNIT, Unit, UnitFrom, length_unit
+from inertia.units import DEFAULT_UNIT, Unit, UnitFrom, length_unit, multiple_of
 
 FACET = np.dtype(
     [
@@ -37,6 +37,16 @@ FACET = np.dtype(
 """One record of a binary STL file: a normal (ignored), nine coordinates, an attribute; 50 bytes, packed."""
 
 _CORNERS_OFFSET = 12
+
+_NAMES_IN_TRIMESH = {
+    "dm": "decimeters",
+    "um": "microns",
+    "nm": "nanometers",
+    "km": "kilometers",
+    "ft": "feet",
+    "yd": "yards",
+}
+"""What trimesh calls the units that it knows under another name than `inertia.units`."""
 _SCANNED = 65_536  # triangles looked at together
 
 
@@ -249,6 +259,67 @@ class Part:
         4
         """
         return cls(Surface(vertices, faces), length_unit(unit), "option")
+
+    @classmethod
+    def from_trimesh(cls, mesh: Any, unit: str | None = None) -> Part:
+        """Make a part from a `trimesh.Trimesh`: the same coordinates and faces, and the regions, where it has them.
+
+        Parameters
+        ----------
+        mesh : the mesh; of a scene, pass `scene.to_mesh()`
+        unit : the unit of its coordinates, in place of its own `units`; without either, millimetres are assumed
+
+        Examples
+        --------
+        >>> import trimesh
+        >>> box = trimesh.creation.box((1, 2, 3))
+        >>> box.units = "inches"
+        >>> part = Part.from_trimesh(box)
+        >>> part.triangles.count, part.unit.name
+        (12, 'in')
+        """
+        if not hasattr(mesh, "vertices") or not hasattr(mesh, "faces"):
+            raise UsageError(f"a {type(mesh).__name__} is no trimesh.Trimesh: of a scene, give scene.to_mesh()")
+        own = getattr(mesh, "units", None)
+        stated = own if unit is None else unit
+        number, times, name = (stated or DEFAULT_UNIT.name).rpartition("*")  # trimesh states "0.3 * meters"
+        size = multiple_of(number, length_unit(name)) if times else length_unit(name)
+        unit_from: UnitFrom = "assumed" if stated is None else "option" if unit is not None else "file"
+        regions = None
+        names = mesh.face_attributes.get("region") if hasattr(mesh, "face_attributes") else None
+        if names is not None and len(names) == len(mesh.faces):
+            titles, index = np.unique(np.asarray(names, str), return_inverse=True)
+            regions = Regions(tuple(titles.tolist()), index.astype(np.int32))
+        surface = Surface(np.array(mesh.vertices, np.float64), np.array(mesh.faces, np.int64))
+        return cls(surface, size, unit_from, Source(None, "trimesh"), regions)
+
+    def to_trimesh(self) -> Any:
+        """Return the surface as a `trimesh.Trimesh`: every coordinate as stored, in the part's unit, nothing merged.
+
+        A unit that was assumed is not stated; the name of each triangle's region is in `face_attributes["region"]`.
+        Raises `GeometryError` where the part is a mesh of cells.
+
+        >>> part = Part.from_arrays([[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]],
+        ...                         [[0, 2, 1], [0, 1, 3], [1, 2, 3], [0, 3, 2]], unit="cm")
+        >>> mesh = part.to_trimesh()
+        >>> mesh.units, round(float(mesh.volume), 6)
+        ('cm', 0.166667)
+        """
+        import trimesh
+
+        surface = self.triangles
+        if isinstance(surface, Surface):
+            vertices, faces = surface.vertices, surface.faces
+        else:
+            vertices, faces = surface.corners().reshape(-1, 3), np.arange(3 * surface.count).reshape(-1, 3)
+        mesh = trimesh.Trimesh(vertices.copy(), faces.copy(), process=False, validate=False)
+        if self.unit_from != "assumed":
+            number, _, base = self.unit.name.rpartition(" ")
+            base = _NAMES_IN_TRIMESH.get(base, base)
+            mesh.units = f"{number} * {base}" if number else base
+        if self.regions is not None:
+            mesh.face_attributes["region"] = np.array(self.regions.names)[self.regions.index]
+        return mesh
 
     @property
     def triangles(self) -> Triangles:

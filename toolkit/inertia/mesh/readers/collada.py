@@ -13,7 +13,6 @@ import contextlib
 import importlib
 import threading
 from collections.abc import Hashable, Iterable, Iterator
-from fractions import Fraction
 from pathlib import Path
 from typing import Any, TypeVar
 from xml.etree.ElementTree import Element
@@ -21,11 +20,11 @@ from xml.etree.ElementTree import Element
 import numpy as np
 
 from inertia.arrays import Int
-from inertia.errors import ReadError
+from inertia.errors import ReadError, UsageError
 from inertia.mesh.readers.contents import Contents, check_indices, fan_note, numbers, plural, shown, was
 from inertia.mesh.readers.trimesh import Checked, Expansion, by_id, finite_numbers, load, parse_xml, remove, xml_text
 from inertia.mesh.readers.zip import inflate
-from inertia.units import METRE, Unit, length_unit
+from inertia.units import METRE, Unit, multiple_of
 
 T = TypeVar("T")
 
@@ -37,7 +36,6 @@ _APPEARANCE = (
 _LINES = ("lines", "linestrips", "points")
 _POLYGONS = ("triangles", "tristrips", "trifans", "polylist", "polygons")
 _TRANSFORMS = {"translate": 3, "scale": 3, "rotate": 4, "matrix": 16}
-_LENGTHS = ("m", "dm", "cm", "mm", "um", "nm", "km", "in", "mil", "ft", "yd")
 _LOCK = threading.Lock()
 
 
@@ -113,13 +111,9 @@ def _unit(root: Element) -> Unit:
         return METRE
     text = unit.get("meter", "")
     try:
-        if len(text) > 40 or not 1e-12 < float(text) < 1e12:
-            raise ValueError
-        metres = Fraction(text)
-    except ValueError:
+        return multiple_of(text, METRE)
+    except UsageError:
         raise ReadError(f"its unit is {shown(text)} metres, which is no length: export it again") from None
-    known = (length_unit(name) for name in _LENGTHS)
-    return next((each for each in known if each.metres == metres), Unit(f"{text.strip()} m", metres))
 
 
 def _check_transforms(node: Element) -> None:

@@ -1,0 +1,79 @@
+"""Parts to and from trimesh: the same numbers, unit and regions both ways."""
+
+from fractions import Fraction
+from pathlib import Path
+
+import numpy as np
+import pytest
+import trimesh
+from tests.mesh.readers.samples import CORNERS, TRIANGLES, binary_stl, dae, text_stl
+
+from inertia.errors import GeometryError, UsageError
+from inertia.mesh.part import Part
+from inertia.mesh.read import read
+from inertia_meshes import path
+
+OFFSET = CORNERS / 3 + 10_000
+
+
+@pytest.mark.parametrize(
+    "unit",
+    ["m", "dm", "cm", "mm", "um", "nm", "km", "in", "mil", "ft", "yd"],
+)
+def test_a_part_survives_the_way_through_trimesh(unit: str) -> None:
+    part = Part.from_arrays(OFFSET, TRIANGLES, unit)
+    mesh = part.to_trimesh()
+    assert trimesh.units.to_inch(mesh.units) == pytest.approx(float(part.unit.metres) / 0.0254, rel=1e-15)
+    back = Part.from_trimesh(mesh)
+    assert np.array_equal(back.geometry.vertices, OFFSET)
+    assert np.array_equal(back.geometry.faces, TRIANGLES)
+    assert (back.unit, back.unit_from, back.source.format) == (part.unit, "file", "trimesh")
+
+
+def test_the_unit_that_is_given_counts_before_the_meshs_own() -> None:
+    mesh = trimesh.Trimesh(CORNERS, TRIANGLES, process=False)
+    assert (Part.from_trimesh(mesh).unit.name, Part.from_trimesh(mesh).unit_from) == ("mm", "assumed")
+    mesh.units = "inches"
+    assert (Part.from_trimesh(mesh).unit.name, Part.from_trimesh(mesh).unit_from) == ("in", "file")
+    assert (Part.from_trimesh(mesh, "m").unit.name, Part.from_trimesh(mesh, "m").unit_from) == ("m", "option")
+    mesh.units = "0.3 * meters"
+    assert Part.from_trimesh(mesh).unit.metres == Fraction(3, 10)
+    mesh.units = "parsecs"
+    with pytest.raises(UsageError, match="unknown unit 'parsecs'"):
+        Part.from_trimesh(mesh)
+
+
+def test_an_assumed_unit_is_not_stated_and_one_without_a_name_is(tmp_path: Path) -> None:
+    (tmp_path / "box.stl").write_bytes(binary_stl())
+    mesh = read(tmp_path / "box.stl").to_trimesh()
+    assert mesh.units is None
+    assert np.array_equal(mesh.triangles, CORNERS.astype(np.float32)[TRIANGLES])
+    (tmp_path / "box.dae").write_text(dae(unit='<unit meter="0.3"/>'))
+    part = read(tmp_path / "box.dae")
+    assert part.to_trimesh().units == "0.3 * m"
+    assert Part.from_trimesh(part.to_trimesh()).unit.metres == Fraction(3, 10)
+
+
+def test_regions_are_attributes_of_the_faces(tmp_path: Path) -> None:
+    (tmp_path / "two.stl").write_text(text_stl("right") + text_stl("left"))
+    mesh = read(tmp_path / "two.stl").to_trimesh()
+    assert mesh.face_attributes["region"].tolist() == ["right"] * 12 + ["left"] * 12
+    back = Part.from_trimesh(mesh).regions
+    assert back is not None
+    assert [back.names[i] for i in back.index] == ["right"] * 12 + ["left"] * 12
+
+
+def test_neither_side_sees_what_the_other_changes_later() -> None:
+    part = Part.from_arrays(CORNERS, TRIANGLES)
+    mesh = part.to_trimesh()
+    back = Part.from_trimesh(mesh)
+    mesh.apply_scale(2.0)
+    assert np.array_equal(part.geometry.vertices, CORNERS)
+    assert np.array_equal(back.geometry.vertices, CORNERS)
+
+
+def test_what_has_no_surface_is_refused() -> None:
+    with pytest.raises(UsageError, match=r"a Scene is no trimesh\.Trimesh: of a scene, give scene\.to_mesh\(\)"):
+        Part.from_trimesh(trimesh.Scene())
+    with pytest.raises(GeometryError, match="is a mesh of cells"):
+        read(path("two_region_bar.vtk")).to_trimesh()
