@@ -7,10 +7,11 @@ import math
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from inertia.errors import GeometryError, InertiaError, ReadError, UsageError
+from inertia.errors import GeometryError, ReadError, UsageError
 from inertia_cli.documents import print_document
 from inertia_cli.progress import Progress
 from inertia_cli.run_commands import require_recordable
+from inertia_cli.wording import with_options
 
 if TYPE_CHECKING:
     from inertia.balancing.balance import Balance
@@ -32,7 +33,7 @@ _OPTIONS = {  # fields of a rotor file, by their path without numbers, and what 
     "body[0].density": "--density",
     "body[0].mass": "--mass",
     "body[0].unit": "--unit",
-    "body[0]: ": "",
+    "body[0]": "",
 }
 _SHORT = (
     "unit", "density", "material", "mass", "chord", "axis", "through", "bearings", "axis_uncertainty", "zero_mark",
@@ -54,7 +55,7 @@ def balance(options: argparse.Namespace) -> int:
     try:
         return _balanced(_rotor_of_part(options), options)
     except (UsageError, GeometryError, ReadError) as error:
-        raise _with_options(error, options.part) from None
+        raise with_options(error, _OPTIONS, part=options.part) from None
 
 
 def _balanced(rotor: Rotor, options: argparse.Namespace) -> int:
@@ -170,11 +171,3 @@ def _axis(options: argparse.Namespace) -> dict[str, Any]:
 
 def _stated(entries: dict[str, Any]) -> dict[str, Any]:
     return {name: value for name, value in entries.items() if value is not None}
-
-
-def _with_options(error: InertiaError, part: str) -> InertiaError:
-    """Return the error with the options of the command in place of the fields of a rotor file."""
-    message = str(error).removeprefix(f"{part}: ")
-    for path, option in _OPTIONS.items():
-        message = message.replace(path, option)
-    return type(error)(message)

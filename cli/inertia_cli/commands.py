@@ -5,13 +5,13 @@ from __future__ import annotations
 import argparse
 import contextlib
 import threading
-from collections.abc import Iterator
 from dataclasses import replace
 from typing import TYPE_CHECKING, TypeVar
 
-from inertia.errors import GeometryError, InertiaError, UsageError
+from inertia.errors import InertiaError, UsageError
 from inertia_cli.documents import print_document
 from inertia_cli.progress import Progress
+from inertia_cli.wording import as_option
 
 if TYPE_CHECKING:
     from inertia.mass.analysis import Analysis
@@ -45,7 +45,7 @@ def analyse(options: argparse.Namespace) -> int:
     if options.json:
         print_document(analysis_document(analysis, repaired))
     else:
-        print(analysis_text(analysis, repaired))
+        print(analysis_text(analysis, repaired, wording=as_option))
     return 0
 
 
@@ -87,25 +87,15 @@ def check(options: argparse.Namespace) -> int:
     report = check_part(part, intersections=options.intersections)
     hashing.join()
     if options.json:
-        print_document(check_document(part, report, options.orientation))
+        print_document(check_document(part, report, options.orientation, wording=as_option))
     else:
-        print(check_text(part, report, options.orientation))
+        print(check_text(part, report, options.orientation, wording=as_option))
     return UNFIT if report.faults(options.orientation) else 0
-
-
-@contextlib.contextmanager
-def sound_solid_for(what: str) -> Iterator[None]:
-    """Say, of a remedy that is an option of `analyse`, that it belongs there."""
-    try:
-        yield
-    except GeometryError as fault:
-        if any(option in str(fault) for option in ("--repair", "--shell", "--orientation")):
-            raise GeometryError(f"{fault} (with `inertia analyse`: {what} takes a sound solid only)") from None
-        raise
 
 
 def trade(options: argparse.Namespace) -> int:
     """Run ``inertia trade``."""
+    from inertia.mass.analysis import sound_solids_only
     from inertia.work_precision.plot import plot, require_plottable
     from inertia.work_precision.render import trade_document, trade_text
     from inertia.work_precision.trade import PartTrade, SceneTrade
@@ -128,7 +118,7 @@ def trade(options: argparse.Namespace) -> int:
         part, hashing = _read(options)
         hashing.join()  # beside the measuring it would disturb it
         weight = {"density": options.density, "material": options.material}
-        with sound_solid_for("a trade"), Progress("measuring") as progress:
+        with sound_solids_only("a trade takes a sound solid only"), Progress("measuring") as progress:
             cost = measure(part, options.accuracy, progress=progress, **weight, **how)
     try:
         if options.plot is not None:
@@ -137,7 +127,7 @@ def trade(options: argparse.Namespace) -> int:
         if options.json:
             print_document(trade_document(cost))
         else:
-            print(trade_text(cost, budget="--budget"))
+            print(trade_text(cost, wording=as_option))
     return 0
 
 

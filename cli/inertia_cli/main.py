@@ -9,6 +9,7 @@ from collections.abc import Sequence
 
 from inertia.errors import InertiaError, UsageError
 from inertia_cli.options import build_parser
+from inertia_cli.wording import as_option
 
 __all__ = ["build_parser", "main", "run"]
 
@@ -35,7 +36,7 @@ def main(arguments: Sequence[str]) -> int:
         sys.stdout.flush()
         return code
     except InertiaError as error:
-        message = str(error)
+        message = error.sentence.worded(as_option)
         placed = isinstance(error, UsageError) or options.part in message
         return _say(message if placed else f"{options.part}: {message}", error.exit_code)
     except KeyboardInterrupt:

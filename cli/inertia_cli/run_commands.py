@@ -7,9 +7,10 @@ from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from inertia.errors import GeometryError, InertiaError, UsageError
-from inertia_cli.commands import by_name, sound_solid_for
+from inertia.errors import GeometryError, UsageError
+from inertia_cli.commands import by_name
 from inertia_cli.documents import print_document
+from inertia_cli.wording import with_options
 
 if TYPE_CHECKING:
     from inertia.dynamics.scene.document import Scene
@@ -42,18 +43,18 @@ def tumble(options: argparse.Namespace) -> int:
     """Run ``inertia tumble``."""
     from inertia.dynamics.scene.body import SceneBody
     from inertia.dynamics.scene.document import Scene, Settings, Start
-    from inertia.mass.analysis import analyse
+    from inertia.mass.analysis import analyse, sound_solids_only
     from inertia.mesh.read import read
 
     part = read(options.part, options.unit, format=options.format)
     density, material = by_name("density", options.density), by_name("material", options.material)
-    with sound_solid_for("tumbling"):
+    with sound_solids_only("tumbling takes a sound solid only"):
         found = analyse(part, density, material=material, mass=options.mass)
     try:
         body, start, run = SceneBody.of_analysis(found), Start(options.spin), Settings(options.duration)
         return _follow(Scene(body, start, run, text=_text(options), name=options.part), options)
     except (UsageError, GeometryError) as error:
-        raise _with_options(error) from None
+        raise with_options(error, _FIELDS) from None
 
 
 def _follow(scene: Scene, options: argparse.Namespace) -> int:
@@ -69,7 +70,7 @@ def _follow(scene: Scene, options: argparse.Namespace) -> int:
     try:
         scene = replace(scene, run=replace(scene.run, **changed))
     except FieldError as error:
-        raise _with_options(error) from None
+        raise with_options(error, _FIELDS) from None
     if options.explain:
         chosen = plan(scene)
         if options.json:
@@ -120,11 +121,3 @@ def _text(options: argparse.Namespace) -> str | None:
     }
     start = {"angular_velocity": options.spin, "frame": "principal"}
     return toml_text({"schema": 1, "body": body, "start": start, "run": {"duration": options.duration}})
-
-
-def _with_options(error: UsageError | GeometryError) -> InertiaError:
-    """Return the error with the options of the command in place of the fields of a scene."""
-    message = str(error)
-    for path, option in _FIELDS.items():
-        message = message.replace(path, option)
-    return UsageError(message) if isinstance(error, UsageError) else GeometryError(message)

@@ -139,7 +139,7 @@ class TestUndecided:
     def test_asks_for_exact_arithmetic_where_that_is_what_lacks(self):
         found = judge(residual(99, 0, arithmetic=(3, None)), tolerance(), PLANES).planes[0]
         assert [k.needs for k in found.settlements] == [{"arithmetic": None}]
-        assert "--accuracy exact" in found.why
+        assert "exact arithmetic" in found.why
 
     def test_a_value_on_the_limit_cannot_be_settled(self):
         found = judge(residual(0, 0, axis=(3, 1e-5)), tolerance(0.0), PLANES).planes[0]

@@ -86,14 +86,17 @@ class TestSamples:
 
 
 BROKEN = {
-    "missing_face.stl": (GeometryError, ["open: 1 boundary loop, 34.14 mm", "around (-5.0,", "triangle 0", "--repair"]),
+    "missing_face.stl": (
+        GeometryError,
+        ["open: 1 boundary loop, 34.14 mm", "around (-5.0,", "triangle 0", "inertia.repair"],
+    ),
     "flipped_face.stl": (
         GeometryError,
         ["inconsistent winding", "3 edges", "triangles 0 and 4", "around (", "turn the"],
     ),
-    "inside_out.stl": (GeometryError, ["inside out", "-1000 mm³", "around (0.0, 0.0, 0.0)", "--orientation absolute"]),
+    "inside_out.stl": (GeometryError, ["inside out", "-1000 mm³", "around (0.0, 0.0, 0.0)", "orientation='absolute'"]),
     "nan.stl": (GeometryError, ["triangle 4, corner 1", "nan", "export"]),
-    "zero_volume.stl": (GeometryError, ["no volume", "around (0.0, 0.0, 5.0)", "--shell THICKNESS"]),
+    "zero_volume.stl": (GeometryError, ["no volume", "around (0.0, 0.0, 5.0)", "shell=THICKNESS"]),
     "truncated.stl": (ReadError, ["12 triangles (684 bytes)", "454 bytes", "export it again"]),
     "overlapping_cubes.stl": (GeometryError, ["overlapping bodies: 1 pair", "triangles 0 and 12", "unite the bodies"]),
 }

@@ -322,7 +322,7 @@ class TestHoles:
     )
     def test_an_open_sheet_is_refused(self, sheet):
         for pieces in ((sheet,), (cube(20), sheet)):
-            with pytest.raises(GeometryError, match=r"limit of 80% for a solid: .* --shell"):
+            with pytest.raises(GeometryError, match=r"limit of 80% for a solid: .* shell=THICKNESS"):
                 repair(part(*pieces))
 
 

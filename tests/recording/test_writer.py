@@ -115,7 +115,7 @@ def test_a_full_disk_is_one_sentence_and_leaves_no_file(tmp_path: Path) -> None:
 def test_a_file_that_is_there_is_kept_unless_forced(tmp_path: Path) -> None:
     path = tmp_path / "run.rrd"
     path.touch()
-    with pytest.raises(UsageError, match="exists: give another name, or --force"):
+    with pytest.raises(UsageError, match="exists: give another name, or force=True"):
         require_writable(path)
     assert require_writable(path, force=True) == path
 

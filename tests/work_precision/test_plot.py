@@ -70,7 +70,7 @@ def test_times_that_nearly_agree_have_names_apart(tmp_path: Path) -> None:
 def test_a_file_that_exists_is_kept_unless_forced(tmp_path: Path) -> None:
     file = tmp_path / "trade.svg"
     file.write_text("mine")
-    with pytest.raises(UsageError, match="--force"):
+    with pytest.raises(UsageError, match="force=True"):
         plot(made_up(), file)
     assert file.read_text() == "mine"
     plot(made_up(), file, force=True)
@@ -119,5 +119,5 @@ def test_the_diagram_of_a_scene_names_every_method(tmp_path: Path) -> None:
     said = words(tmp_path / "one.svg")
     for word in (CLOSED, "Taylor", "RK4", "front", "what the planner selects", "accuracy asked for", "attitude error"):
         assert word in said
-    with pytest.raises(UsageError, match="--force"):
+    with pytest.raises(UsageError, match="force=True"):
         plot(scene_made_up(), tmp_path / "one.svg")

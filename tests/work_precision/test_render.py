@@ -56,9 +56,9 @@ def test_the_machine_and_what_was_assumed_are_said() -> None:
 
 
 def test_what_was_skipped_is_said_with_its_estimate() -> None:
-    text = flat(trade_text(made_up(skipped=SKIPPED), "--budget"))
+    text = flat(trade_text(made_up(skipped=SKIPPED)))
     assert (
-        "exact over the whole mesh: it does not fit into the budget (about 123 s): give a larger --budget Skipped"
+        "exact over the whole mesh: it does not fit into the budget (about 123 s): give a larger budget Skipped"
     ) in text
     assert "manifold3d cannot simplify the surface Errors" in text
 
@@ -115,14 +115,14 @@ def test_a_recommendation_of_nothing_names_no_row() -> None:
 
 
 def test_the_table_of_a_scene_has_a_line_for_each_row_and_fits_the_page() -> None:
-    lines = trade_text(scene_made_up(), "--budget").splitlines()
+    lines = trade_text(scene_made_up()).splitlines()
     assert max(map(len, lines)) <= 100
     (line,) = [line for line in lines if line.startswith(CLOSED)]
     assert line.split()[-2:] == ["front", "plan"]
     assert "–" in line
     assert sum(line.startswith("Taylor") for line in lines) == 1  # named once, for three lines
     said = " ".join(" ".join(lines).split())
-    assert "give a larger --budget for Radau at 1e-05 rad and finer (12 s)" in said
+    assert "give a larger budget for Radau at 1e-05 rad and finer (12 s)" in said
     assert "splitting 2 at 1e-09 rad; splitting 4 at 1e-09 rad: splitting 2 reached 2e-9 rad" in said
     assert "asymmetric top, closed form: Jacobi elliptic functions, which its bound puts within 4e-15 rad" in said
     assert "the times are of this machine" in said

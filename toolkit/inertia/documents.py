@@ -282,9 +282,10 @@ def numbers(shape: tuple[int, ...], unit: str) -> Reader:
             if not lengths:
                 return single(part, where)
             if not isinstance(part, Sequence) or isinstance(part, str):
-                raise FieldError(where, f"is {shown(part)}: {path} must be {expected}, {unit}")
+                raise FieldError(where, f"is {shown(part)}: ", FieldPath(path), f" must be {expected}, {unit}")
             if len(part) != lengths[0]:
-                raise FieldError(where, f"has {len(part)} entries, not {lengths[0]}: {path} must be {expected}, {unit}")
+                says = f"has {len(part)} entries, not {lengths[0]}: "
+                raise FieldError(where, says, FieldPath(path), f" must be {expected}, {unit}")
             return [entries(one, lengths[1:], f"{where}[{k}]") for k, one in enumerate(part)]
 
         array = np.array(entries(nested, shape, path), dtype=np.float64)

@@ -6,7 +6,7 @@ library words it as an argument (``shell=THICKNESS``), and whoever has options i
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from itertools import chain
 from typing import NamedTuple, Self
 
@@ -40,6 +40,7 @@ class Remedy(NamedTuple):
         return f"{self.argument}={self.value if stands_for_a_figure else repr(self.value)}"
 
 
+CHECK = Remedy("check")
 REPAIR = Remedy("repair")
 SHELL = Remedy("analyse", "shell", "THICKNESS")
 ABSOLUTE = Remedy("analyse", "orientation", "absolute")
@@ -56,6 +57,7 @@ class FieldPath(NamedTuple):
         return self.path
 
 
+Place = str | FieldPath
 Word = str | Remedy | FieldPath
 Wording = Callable[[Remedy | FieldPath], str]
 """What a remedy or the name of a field is called; `str` is the library's."""
@@ -107,7 +109,7 @@ class InertiaError(Exception):
 
     exit_code = 1
 
-    def __init__(self, *words: Word, places: tuple[str | FieldPath, ...] = ()) -> None:
+    def __init__(self, *words: Word, places: tuple[Place, ...] = ()) -> None:
         self.words, self.places = words, places
         super().__init__(self.sentence)
 
@@ -135,10 +137,15 @@ class GeometryError(InertiaError, ValueError):
     exit_code = 4
 
 
-def placed(error: InertiaError, *places: str | FieldPath) -> InertiaError:
+def placed(error: InertiaError, *places: Place) -> InertiaError:
     """Return an error of the same kind that was met at a place: in a file, at a field; the outermost first."""
+    return reworded(error, error.words, (*places, *error.places))
+
+
+def reworded(error: InertiaError, words: Iterable[Word], places: Iterable[Place]) -> InertiaError:
+    """Return an error of the same kind with other words and places."""
     kind = next(k for k in (UsageError, ReadError, GeometryError, InertiaError) if isinstance(error, k))
-    return kind(*error.words, places=(*places, *error.places))
+    return kind(*words, places=tuple(places))
 
 
 def require_kind(value: object, kind: type, name: str, source: str) -> None:

@@ -6,7 +6,7 @@ import os
 import tempfile
 from pathlib import Path
 
-from inertia.errors import InertiaError, UsageError
+from inertia.errors import FORCE, InertiaError, UsageError
 
 
 def require_writable(file: str | os.PathLike[str], *, suffix: str | None = None, force: bool = False) -> Path:
@@ -23,7 +23,7 @@ def require_writable(file: str | os.PathLike[str], *, suffix: str | None = None,
     if path.is_dir():
         raise UsageError(f"cannot write {path}: it is a directory")
     if path.exists() and not force:
-        raise UsageError(f"{path} exists: give another name, or --force to write over it")
+        raise UsageError(f"{path} exists: give another name, or ", FORCE, " to write over it")
     try:
         with tempfile.TemporaryFile(dir=path.parent):
             pass

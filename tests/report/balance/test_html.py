@@ -311,7 +311,7 @@ def test_the_file_is_written_whole_and_never_over_another_unasked(tmp_path):
     file = tmp_path / "report.html"
     save_balance_html(case_14(), file)
     assert file.read_text(encoding="utf-8") == balance_html(case_14())
-    with pytest.raises(UsageError, match="--force"):
+    with pytest.raises(UsageError, match="force=True"):
         save_balance_html(case_14(), file)
     save_balance_html(replace(case_14(), part="another"), file, force=True)
     assert "another" in file.read_text(encoding="utf-8")

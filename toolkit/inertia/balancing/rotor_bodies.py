@@ -19,8 +19,8 @@ from inertia.balancing.rotor import Rotor
 from inertia.balancing.rotor_fields import BodyFields
 from inertia.balancing.tessellation_bound import chord_uncertainty, estimated_sag
 from inertia.balancing.unbalance import Unbalance
-from inertia.errors import FieldPath, GeometryError, InertiaError, ReadError, UsageError, placed
-from inertia.mass.analysis import Analysis, analyse
+from inertia.errors import FieldPath, GeometryError, InertiaError, UsageError, placed
+from inertia.mass.analysis import Analysis, analyse, sound_solids_only
 from inertia.mass.properties import MassProperties
 from inertia.mesh.geometry.intersect import overlap
 from inertia.mesh.part import Cells, Part, Surface
@@ -79,18 +79,12 @@ def read_bodies(rotor: Rotor) -> tuple[RotorBody, ...]:
     bodies = []
     for number, fields in enumerate(rotor.fields.body):
         try:
-            bodies.append(_read(rotor, fields))
-        except (UsageError, ReadError, GeometryError) as error:
-            raise _advised(placed(error, rotor.name, FieldPath(f"body[{number}]"))) from None
+            with sound_solids_only("a rotor takes sound solids only"):
+                bodies.append(_read(rotor, fields))
+        except InertiaError as error:
+            raise placed(error, rotor.name, FieldPath(f"body[{number}]")) from None
     _require_apart(rotor, bodies)
     return tuple(bodies)
-
-
-def _advised(error: InertiaError) -> InertiaError:
-    """Return the error with a word on the options that it recommends, which other commands have."""
-    if any(option in str(error) for option in ("--repair", "--shell", "--orientation")):
-        return type(error)(f"{error} (with `inertia analyse`: a rotor takes sound solids only)")
-    return error
 
 
 def _read(rotor: Rotor, fields: BodyFields) -> RotorBody:

@@ -7,7 +7,8 @@ from __future__ import annotations
 
 import math
 import sys
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Iterator, Mapping
+from contextlib import contextmanager
 from dataclasses import dataclass
 from fractions import Fraction
 from functools import cached_property
@@ -18,7 +19,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from inertia.arrays import Float, Orientation, Progress
-from inertia.errors import GeometryError, UsageError, require_kind
+from inertia.errors import GeometryError, Remedy, UsageError, require_kind, reworded
 from inertia.mass.density import Densities, DensityFrom, densities
 from inertia.mass.integration import Integral, cell_integral, naming, surface_integrals, wire_integral
 from inertia.mass.moments import ZERO, Moments, total
@@ -28,6 +29,8 @@ from inertia.mass.tensor import array_of
 from inertia.mass.tessellation import chord_error
 from inertia.mass.triangles.arithmetic import FINEST
 from inertia.mesh.part import Cells, Part
+
+_ANALYSE = Remedy("analyse")
 
 Accuracy = float | Literal["exact"] | None
 
@@ -312,6 +315,17 @@ def _good_enough(answers: Iterable[_Weighed], limit: float) -> _Weighed:
         if answer.bound <= limit and not answer.properties.loses_smallest_moment:
             break
     return answer
+
+
+@contextmanager
+def sound_solids_only(why: str) -> Iterator[None]:
+    """Say of the remedies that `analyse` has, and what is done within has not, that they belong there, and why."""
+    try:
+        yield
+    except GeometryError as error:
+        if any(remedy.verb in ("analyse", "repair") for remedy in error.sentence.remedies):
+            raise reworded(error, (*error.words, " (with ", _ANALYSE, f": {why})"), error.places) from None
+        raise
 
 
 def _require_accuracy(accuracy: Accuracy) -> None:

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from inertia.arrays import Float, Int, Progress
-from inertia.errors import GeometryError, UsageError
+from inertia.errors import SHELL, GeometryError, Remedy, UsageError, placed
 from inertia.mass.moments import Moments
 from inertia.mass.triangles.arithmetic import METHODS, Arithmetic, arithmetics, solid_moments
 from inertia.mass.triangles.moments_from_sums import moments_of
@@ -23,6 +23,9 @@ from inertia.mesh.geometry.closure import Closure, closure
 from inertia.mesh.geometry.shells import Shell, absolute_orientation, shells
 from inertia.mesh.geometry.shells import bodies as bodies_of
 from inertia.mesh.part import Cells, Facets, Part, Regions, Surface, Triangles
+
+_WIRE = Remedy("analyse", "wire", "AREA")
+_ANY_WIRE = Remedy("analyse", "wire")
 
 
 @dataclass(frozen=True)
@@ -120,7 +123,7 @@ def naming(part: Part) -> Iterator[None]:
     try:
         yield
     except GeometryError as fault:
-        raise GeometryError(f"{part.name}: {fault}") from None
+        raise placed(fault, part.name) from None
 
 
 def _wrong(pieces: tuple[Shell, ...], whole: Moments) -> Int:
@@ -144,7 +147,9 @@ def _turned(triangles: Triangles, which: NDArray[np.bool_]) -> Triangles:
 def _refuse_flat(part: Part, whole: Moments, box: Float) -> None:
     raise GeometryError(
         f"{part.name} has no volume: {float(whole.zeroth):.3g} {part.unit.name}3 {around(middle(box), box)}, with "
-        f"an error bound of {float(whole.zeroth_bound):.3g}: use --shell THICKNESS if it is a sheet"
+        f"an error bound of {float(whole.zeroth_bound):.3g}: use ",
+        SHELL,
+        " if it is a sheet",
     )
 
 
@@ -223,7 +228,7 @@ def cell_integral(part: Part, named: Collection[str], *, progress: Progress | No
     cells = part.geometry
     assert isinstance(cells, Cells)
     if all(block.kind in ("line", "line3", "vertex") for block in cells.blocks):
-        raise GeometryError(f"{part.name} holds lines or points only, which have no volume: use --wire AREA for lines")
+        raise GeometryError(f"{part.name} holds lines or points only, which have no volume: use ", _WIRE, " for lines")
     check(part).require_fit()
     regions = part.regions
     if named:
@@ -256,7 +261,7 @@ def wire_integral(part: Part, named: Collection[str], progress: Progress | None 
 
     cells = part.geometry
     if not isinstance(cells, Cells) or not any(block.kind.startswith("line") for block in cells.blocks):
-        raise GeometryError(f"{part.name} holds no lines for a wire: leave --wire out, or use --shell THICKNESS")
+        raise GeometryError(f"{part.name} holds no lines for a wire: leave ", _ANY_WIRE, " out, or use ", SHELL)
     _refuse_unknown(named, ["1"], None)
     with naming(part):
         moments = wire_moments(cells)

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from inertia.arrays import Float
-from inertia.errors import GeometryError, UsageError
+from inertia.errors import UNIT, GeometryError, UsageError
 from inertia.mass.eigen import Spectrum, spectrum
 from inertia.mass.moments import Six, inertia_bound, inertia_bounds, inertia_tensor
 from inertia.mass.tensor import array_of
@@ -124,7 +124,8 @@ def _rounded(moment: Fraction) -> float:
     except OverflowError:
         raise GeometryError(
             "a principal moment is above 1.8e308 kg m2 and leaves float64: give the coordinates in a smaller unit "
-            "with --unit"
+            "with ",
+            UNIT,
         ) from None
 
 

@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from inertia.arrays import Float
-from inertia.errors import GeometryError, UsageError
+from inertia.errors import UNIT, GeometryError, UsageError
 from inertia.mass import principal as principals
 from inertia.mass.eigen import Spectrum
 from inertia.mass.moments import ZERO, Moments, Six, inertia_bound, inertia_tensor
@@ -102,12 +102,14 @@ class MassProperties:
             tensor = np.array([[float(k) for k in row] for row in inertia_tensor(central.second)])
         except OverflowError:
             raise GeometryError(
-                "the result is above 1.8e308 and leaves float64: give the coordinates in a smaller unit with --unit"
+                "the result is above 1.8e308 and leaves float64: give the coordinates in a smaller unit with ",
+                UNIT,
             ) from None
         norm, bound = _norm(tensor), inertia_bound(central.second_bound)
         if mass == 0 or (any(central.second) and not tensor.any()):
             raise GeometryError(
-                "the result is below 5e-324 and leaves float64: give the coordinates in a larger unit with --unit"
+                "the result is below 5e-324 and leaves float64: give the coordinates in a larger unit with ",
+                UNIT,
             )
         error = ErrorBound(
             method,

@@ -18,7 +18,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from inertia.arrays import Float, Int
-from inertia.errors import GeometryError
+from inertia.errors import GeometryError, placed
 from inertia.mesh.check import check
 from inertia.mesh.geometry.closure import Closure, closure, merge_equal_vertices, repeated_corners
 from inertia.mesh.geometry.shells import bodies, members, shells
@@ -183,7 +183,7 @@ def stock(part: Part) -> Stock:
         try:
             solid, first = _runs(np.ldexp(points, -exponent), corners, lengths)
         except GeometryError as fault:
-            raise GeometryError(f"{part.name}: the body {around(box)} cannot be cut: {fault}") from None
+            raise placed(fault, part.name, f"the body {around(box)} cannot be cut") from None
         ready.append(_Body(own, box, solid, regions, lengths, first))
     return Stock(part, vertices, faces, exponent, tuple(ready))
 

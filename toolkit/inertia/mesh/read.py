@@ -16,7 +16,7 @@ from collections.abc import Callable
 from importlib import import_module
 from pathlib import Path
 
-from inertia.errors import ReadError, UsageError
+from inertia.errors import ReadError, UsageError, placed
 from inertia.mesh.part import Part, Source
 from inertia.mesh.readers.contents import Contents
 from inertia.mesh.readers.formats import FORMATS, HEAD, format_of_name, sniff
@@ -78,7 +78,7 @@ def read(
     try:
         kind, contents = _contents(name, format, coarser)
     except ReadError as error:
-        raise ReadError(f"cannot read {name if name.isprintable() else ascii(name)}: {error}") from error
+        raise placed(error, f"cannot read {name if name.isprintable() else ascii(name)}") from error
     notes = list(contents.notes)
     named = format_of_name(Path(name))
     if named not in (None, kind) and format is None:

@@ -22,7 +22,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from inertia.arrays import Float, Int
-from inertia.errors import GeometryError
+from inertia.errors import GeometryError, placed
 from inertia.mesh.checks.findings import counted
 from inertia.mesh.geometry.boxes import BoxTree, overlapping
 from inertia.mesh.geometry.closure import components, merge_equal_vertices, repeated_corners
@@ -127,7 +127,7 @@ def repair(part: Part, *, tolerance: float | None = None) -> Repair:
     try:
         mesh, changes = _repaired(triangles, part.regions, tolerance)
     except GeometryError as fault:
-        raise GeometryError(f"{part.name} cannot be repaired: {fault}") from None
+        raise placed(fault, f"{part.name} cannot be repaired") from None
     return _rebuilt(part, Surface(*compact(mesh.vertices, mesh.faces)), mesh.origin, changes)
 
 

@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from inertia.arrays import Float
-from inertia.errors import InertiaError, UsageError
+from inertia.errors import FORCE, InertiaError, UsageError
 from inertia.recording.paths import TIMELINE
 
 if TYPE_CHECKING:
@@ -134,7 +134,7 @@ def require_writable(file: str | os.PathLike[str], *, force: bool = False) -> Pa
     if path.is_dir():
         raise UsageError(f"cannot record to {path}: it is a directory")
     if path.exists() and not force:
-        raise UsageError(f"{path} exists: give another name, or --force (force=True) to write over it")
+        raise UsageError(f"{path} exists: give another name, or ", FORCE, " to write over it")
     beside = _beside(path)
     try:
         beside.touch()

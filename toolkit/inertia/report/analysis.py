@@ -10,6 +10,7 @@ from typing import Any
 
 import numpy as np
 
+from inertia.errors import UNIT, Remedy, Sentence, Wording
 from inertia.mass.analysis import Analysis
 from inertia.mass.principal import Principal, radii_of_gyration
 from inertia.mass.repair import Repaired
@@ -20,9 +21,16 @@ _DENSITY_FROM = {
     "material": "of the material given",
     "mass": "from the mass given",
     "file": "from the file",
-    "assumed": "assumed: state it with --density, --material or --mass",
+    "assumed": Sentence(
+        "assumed: state it with ",
+        Remedy("analyse", "density", ...),
+        ", ",
+        Remedy("analyse", "material", ...),
+        " or ",
+        Remedy("analyse", "mass", ...),
+    ),
 }
-_UNIT_FROM = {"option": "as given", "file": "from the file", "assumed": "assumed: state it with --unit"}
+_UNIT_FROM = {"option": "as given", "file": "from the file", "assumed": Sentence("assumed: state it with ", UNIT)}
 _LISTED = 12  # names of regions in the text
 _CLASS = {
     "spherical": "spherical (I1 = I2 = I3: every axis is a principal one)",
@@ -107,10 +115,10 @@ def analysis_document(analysis: Analysis, repaired: Repaired | None = None) -> d
     return document
 
 
-def analysis_text(analysis: Analysis, repaired: Repaired | None = None) -> str:
+def analysis_text(analysis: Analysis, repaired: Repaired | None = None, *, wording: Wording = str) -> str:
     """Return the analysis as lines of text; what its error bound cannot tell from zero is set as 0."""
     blocks = [
-        _source(analysis, repaired),
+        _source(analysis, repaired, wording),
         _repair(repaired, analysis.part.unit.name) if repaired else [],
         list(_results(analysis)),
         _tensor(analysis),
@@ -122,7 +130,7 @@ def analysis_text(analysis: Analysis, repaired: Repaired | None = None) -> str:
     return "\n\n".join("\n".join(block) for block in blocks if block)
 
 
-def _source(analysis: Analysis, repaired: Repaired | None) -> list[str]:
+def _source(analysis: Analysis, repaired: Repaired | None, wording: Wording) -> list[str]:
     part = analysis.part
     elements = [f"{analysis.triangles} triangles"] if analysis.triangles else []
     elements += [f"{analysis.cells} cells"] if analysis.cells else []
@@ -132,8 +140,8 @@ def _source(analysis: Analysis, repaired: Repaired | None) -> list[str]:
     return [
         row("Part", f"{part.name} ({part.source.format})"),
         *([row("SHA-256", part.source.sha256)] if part.source.sha256 else []),
-        row("Unit", f"{part.unit.name} ({_UNIT_FROM[part.unit_from]})"),
-        row("Density", f"{number(analysis.density)} kg/m³ ({_density_from(analysis)})"),
+        row("Unit", f"{part.unit.name} ({Sentence(_UNIT_FROM[part.unit_from]).worded(wording)})"),
+        row("Density", f"{number(analysis.density)} kg/m³ ({_density_from(analysis, wording)})"),
         row("Mesh", ", ".join([*elements, *closed, bodies, *repairs])),
         *([row("Regions", _listed(part.regions.names))] if part.regions else []),
         *([row("Model", _MODEL[analysis.model])] if analysis.model != "solid" else []),
@@ -147,9 +155,9 @@ def _listed(names: tuple[str, ...]) -> str:
     return ", ".join(names[:_LISTED]) + (f" and {len(names) - _LISTED} more" if len(names) > _LISTED else "")
 
 
-def _density_from(analysis: Analysis) -> str:
+def _density_from(analysis: Analysis, wording: Wording) -> str:
     mean = "mean, " if analysis.shares else ""
-    return mean + _DENSITY_FROM[analysis.density_from]
+    return mean + Sentence(_DENSITY_FROM[analysis.density_from]).worded(wording)
 
 
 def _repair(repaired: Repaired, unit: str) -> list[str]:

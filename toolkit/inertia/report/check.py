@@ -5,12 +5,15 @@ from __future__ import annotations
 from typing import Any
 
 from inertia.arrays import Orientation
+from inertia.errors import Sentence, Wording
 from inertia.mesh.checks.findings import Report, counted
 from inertia.mesh.part import Part
 from inertia.report.layout import row
 
 
-def check_document(part: Part, report: Report, orientation: Orientation = "stored") -> dict[str, Any]:
+def check_document(
+    part: Part, report: Report, orientation: Orientation = "stored", *, wording: Wording = str
+) -> dict[str, Any]:
     """Return what a check found as ``inertia/check/1``; lengths and places are in the part's unit."""
     return {
         "schema": "inertia/check/1",
@@ -45,7 +48,7 @@ def check_document(part: Part, report: Report, orientation: Orientation = "store
             {
                 "code": finding.code,
                 "severity": finding.severity,
-                "message": finding.message,
+                "message": Sentence(finding.message).worded(wording),
                 "count": finding.count,
                 "faces": list(finding.faces),
                 "place": None if finding.place is None else list(finding.place),
@@ -56,7 +59,7 @@ def check_document(part: Part, report: Report, orientation: Orientation = "store
     }
 
 
-def check_text(part: Part, report: Report, orientation: Orientation = "stored") -> str:
+def check_text(part: Part, report: Report, orientation: Orientation = "stored", *, wording: Wording = str) -> str:
     """Return what a check found as lines of text, the most important finding first."""
     faults = report.faults(orientation)
     verdict = f"not fit for integration: {counted(len(faults), 'fault')}" if faults else "fit for integration"
@@ -67,7 +70,7 @@ def check_text(part: Part, report: Report, orientation: Orientation = "stored") 
     ]
     for finding in report.findings:
         turned = finding.severity == "error" and finding not in faults
-        lines.append(row("forgiven" if turned else finding.severity, finding.message))
+        lines.append(row("forgiven" if turned else finding.severity, Sentence(finding.message).worded(wording)))
     lines += [row("note", note) for note in part.notes]
     return "\n".join(lines)
 

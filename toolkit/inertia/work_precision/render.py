@@ -10,11 +10,13 @@ from typing import Any, Generic
 
 import numpy as np
 
+from inertia.errors import Remedy, Wording
 from inertia.report.layout import LABEL, number, row
 from inertia.work_precision.recommend import duration
 from inertia.work_precision.rows import PartRow, R, Relative, SceneRow, front
 from inertia.work_precision.trade import PartTrade, SceneTrade, Trade
 
+_BUDGET = Remedy("trade", "budget")
 _WIDTH = 100
 _ORIGINS = {
     "option": "as given",
@@ -118,11 +120,9 @@ def _scene_row_document(line: SceneRow, *, on_front: bool) -> dict[str, Any]:
     }
 
 
-def trade_text(trade: PartTrade | SceneTrade, budget: str = "budget") -> str:
-    """Return the trade as lines of text, at most 100 columns wide but for long paths.
-
-    `budget` is what the reader calls the argument that allows more time.
-    """
+def trade_text(trade: PartTrade | SceneTrade, *, wording: Wording = str) -> str:
+    """Return the trade as lines of text, at most 100 columns wide but for long paths."""
+    budget = wording(_BUDGET)
     blocks: list[Iterable[str]]
     if isinstance(trade, PartTrade):
         blocks = [_part_head(trade), _whole_table(trade), _simplified_table(trade), _part_closing(trade, budget)]

@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from inertia.arrays import Int
+from inertia.errors import REPAIR, SHELL, Sentence
 from inertia.mesh.checks.findings import Finding, by_severity, counted, listed, usable
 from inertia.mesh.checks.surface_topology import Measured
 from inertia.mesh.geometry.closure import repeated_corners
@@ -54,10 +55,12 @@ def _open(surface: Measured) -> Finding | None:
     if not surface.loops:
         return None
     longest, count = surface.loops[0], len(surface.loops)
-    text = (
+    text = Sentence(
         f"open: {counted(count, 'boundary loop')}, {'the longest ' if count > 1 else ''}{longest.length:.4g} "
-        f"{surface.unit} {surface.around(longest.place)} at triangle {longest.triangle}: close the mesh, or "
-        "use --shell THICKNESS or --repair"
+        f"{surface.unit} {surface.around(longest.place)} at triangle {longest.triangle}: close the mesh, or use ",
+        SHELL,
+        " or ",
+        REPAIR,
     )
     first = listed(np.array([loop.triangle for loop in surface.loops]))
     return Finding("open", "error", text, count, first, longest.place)
@@ -67,10 +70,11 @@ def _inconsistent(surface: Measured) -> Finding | None:
     if not surface.edges.inconsistent.any():
         return None
     at = surface.at_edges(surface.edges.inconsistent)
-    text = (
+    text = Sentence(
         f"inconsistent winding: the two triangles at {counted(at.number, 'edge')} run the same way, the "
         f"first being triangles {at.faces[0]} and {at.faces[1]} {surface.around(at.place)}: turn the wrong "
-        "ones, or use --repair"
+        "ones, or use ",
+        REPAIR,
     )
     return Finding("inconsistent_winding", "error", text, *at)
 
@@ -79,9 +83,10 @@ def _stored_again(surface: Measured, which: Int) -> Finding | None:
     if len(which) == 0:
         return None
     at = surface.at_faces(which)
-    text = (
+    text = Sentence(
         f"{counted(at.number, 'triangle')} stored again with the same winding, the first being triangle "
-        f"{at.faces[0]} {surface.around(at.place)}: remove the copies, or use --repair"
+        f"{at.faces[0]} {surface.around(at.place)}: remove the copies, or use ",
+        REPAIR,
     )
     return Finding("duplicate_face", "error", text, *at)
 
@@ -103,9 +108,10 @@ def _unpaired(surface: Measured) -> Finding | None:
     if not mask.any():
         return None
     at = surface.at_edges(mask)
-    text = (
+    text = Sentence(
         f"three or more triangles that do not pair up share {counted(at.number, 'edge')}, the first "
-        f"{surface.around(at.place)} at triangle {at.faces[0]}: remove inner walls and fins, or use --repair"
+        f"{surface.around(at.place)} at triangle {at.faces[0]}: remove inner walls and fins, or use ",
+        REPAIR,
     )
     return Finding("non_manifold_edge", "error", text, *at)
 
@@ -127,9 +133,11 @@ def _repeated_corners(surface: Measured) -> Finding | None:
     if len(which) == 0:
         return None
     at = surface.at_faces(which)
-    text = (
+    text = Sentence(
         f"{counted(at.number, 'triangle')} with a repeated corner, the first being triangle {at.faces[0]} "
-        f"{surface.around(at.place)}: the volume is not affected, and --repair removes them"
+        f"{surface.around(at.place)}: the volume is not affected, and ",
+        REPAIR,
+        " removes them",
     )
     return Finding("degenerate_face", "warning", text, *at)
 
@@ -139,10 +147,11 @@ def _flat(surface: Measured) -> Finding | None:
     if len(which) == 0:
         return None
     at = surface.at_faces(which)
-    text = (
+    text = Sentence(
         f"{counted(at.number, 'triangle')} without area (the corners lie on a line), the first being "
-        f"triangle {at.faces[0]} {surface.around(at.place)}: the volume is not affected, and --repair "
-        "removes them"
+        f"triangle {at.faces[0]} {surface.around(at.place)}: the volume is not affected, and ",
+        REPAIR,
+        " removes them",
     )
     return Finding("degenerate_face", "warning", text, *at)
 

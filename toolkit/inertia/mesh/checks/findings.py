@@ -9,7 +9,7 @@ from typing import Literal, NamedTuple
 import numpy as np
 
 from inertia.arrays import Bool, Float, Int, Orientation
-from inertia.errors import GeometryError
+from inertia.errors import CHECK, GeometryError, Remedy, Sentence
 from inertia.mesh.geometry.edges import Loop, Place
 from inertia.mesh.geometry.shells import Shell
 from inertia.mesh.part import Source
@@ -43,6 +43,11 @@ class Finding:
     faces: tuple[int, ...] = ()
     place: Place | None = None
     turnable: bool = False
+
+    @property
+    def remedies(self) -> tuple[Remedy, ...]:
+        """What to ask for instead, where that is an argument or a verb."""
+        return Sentence(self.message).remedies
 
 
 @dataclass(frozen=True)
@@ -90,8 +95,8 @@ class Report:
         faults = self.faults(orientation)
         if faults:
             others = len(faults) - 1
-            more = f" (`inertia check` lists {counted(others, 'more fault')})" if others else ""
-            raise GeometryError(f"{self.source.path or 'the part'}: {faults[0].message}{more}")
+            more = (" (", CHECK, f" lists {counted(others, 'more fault')})") if others else ()
+            raise GeometryError(faults[0].message, *more, places=(self.source.path or "the part",))
 
 
 class Where(NamedTuple):

@@ -6,6 +6,7 @@ from typing import Literal
 
 import numpy as np
 
+from inertia.errors import ABSOLUTE, SHELL, Sentence
 from inertia.mesh.checks.crossings import crossing_cavities, overlapping_bodies
 from inertia.mesh.checks.findings import Finding, by_severity, counted, listed, middle
 from inertia.mesh.checks.surface_topology import Measured
@@ -69,9 +70,10 @@ def _no_volume(surface: Measured) -> Finding | None:
     if max(abs(sum(volumes)), abs(sum(turned))) > _NOISE * sum(map(abs, volumes)):
         return None
     every, place = np.arange(len(surface.faces)), middle(surface.box)
-    text = (
-        f"no volume: the surface {surface.around(place)} folds back on itself everywhere: use "
-        "--shell THICKNESS, or export a solid"
+    text = Sentence(
+        f"no volume: the surface {surface.around(place)} folds back on itself everywhere: use ",
+        SHELL,
+        ", or export a solid",
     )
     return Finding("zero_volume", "error", text, len(every), listed(every), place)
 
@@ -94,9 +96,10 @@ def _inward(surface: Measured) -> Finding | None:
         return None
     at = surface.at_shells(_in_state(surface, "inverted"))
     volume = sum(shell.signed_volume for shell in surface.shells)
-    text = (
+    text = Sentence(
         f"inside out: every triangle faces inward and the volume is {volume:.4g} {surface.unit}³ "
-        f"{surface.around(at.place)}: turn all triangles, or use --orientation absolute"
+        f"{surface.around(at.place)}: turn all triangles, or use ",
+        ABSOLUTE,
     )
     return Finding("inward", "error", text, *at, turnable=True)
 
@@ -106,10 +109,10 @@ def _inverted(surface: Measured) -> Finding | None:
     if not inverted or outward(surface.shells) is False:
         return None
     at = surface.at_shells(inverted)
-    text = (
+    text = Sentence(
         f"{counted(at.number, 'shell')} inside out beside others that are not, the first "
-        f"{surface.around(at.place)} from triangle {at.faces[0]} on: turn its triangles, or use "
-        "--orientation absolute"
+        f"{surface.around(at.place)} from triangle {at.faces[0]} on: turn its triangles, or use ",
+        ABSOLUTE,
     )
     return Finding("inverted_body", "error", text, *at, turnable=True)
 
@@ -119,10 +122,12 @@ def _contained(surface: Measured) -> Finding | None:
     if not contained:
         return None
     at = surface.at_shells(contained)
-    text = (
+    text = Sentence(
         f"overlapping bodies: {counted(at.number, 'shell')} inside another of the same orientation, the "
         f"first {surface.around(at.place)} from triangle {at.faces[0]} on, so that the inside counts twice: "
-        "remove it, or use --orientation absolute to make it a cavity"
+        "remove it, or use ",
+        ABSOLUTE,
+        " to make it a cavity",
     )
     return Finding("overlapping_bodies", "error", text, *at, turnable=True)
 
