@@ -15,7 +15,7 @@ def main(pytest_arguments: list[str]) -> int:
         "ruff format": [*PYTHON, "ruff", "format", "--check"],
         "mypy": [*PYTHON, "mypy"],
         "import contracts": [str(Path(sysconfig.get_path("scripts")) / "lint-imports"), "--no-logo"],
-        "pytest": [*PYTHON, "pytest", *pytest_arguments],
+        "pytest": [*PYTHON, "pytest", "-n", "auto", *pytest_arguments],
     }
     failed = []
     for name, command in gates.items():

@@ -16,6 +16,8 @@ settings.load_profile("gate")
 
 def pytest_configure(config: pytest.Config) -> None:
     """Keep the machine code of this session's kernels apart from the user's (doctests included)."""
+    if "PYTEST_XDIST_WORKER" in os.environ:
+        return  # that of the process that began them
     folder = tempfile.TemporaryDirectory(prefix="inertia-cache-")
     config.add_cleanup(folder.cleanup)
     os.environ["INERTIA_CACHE"] = folder.name
