@@ -16,6 +16,7 @@ from inertia_cli.wording import with_options
 if TYPE_CHECKING:
     from inertia.balancing.balance import Balance
     from inertia.balancing.rotor import Rotor
+    from inertia.report.balance.data import ReportData
 
 _CODES = {"pass": 0, "fail": 5, "undecided": 4}
 _ROMAN = ("I", "II", "III", "IV", "V", "VI", "VII", "VIII", "IX", "X")
@@ -61,6 +62,7 @@ def balance(options: argparse.Namespace) -> int:
 def _balanced(rotor: Rotor, options: argparse.Namespace) -> int:
     from inertia.balancing.balance import balance as balance_rotor
     from inertia.output import require_writable
+    from inertia.report.balance.data import report_data
     from inertia.report.balance.document import balance_document
     from inertia.report.balance.text import balance_text
 
@@ -75,26 +77,26 @@ def _balanced(rotor: Rotor, options: argparse.Namespace) -> int:
         raise UsageError(f"{options.part}: --cut-part has nothing to write: no correction plane has a method")
     with Progress("balancing") as progress:
         found = balance_rotor(rotor, progress=progress)
-    _write(found, options)
+    data = report_data(found)
+    _write(found, data, options)
     if options.json:
-        print_document(balance_document(found))
+        print_document(balance_document(data))
     else:
-        print(balance_text(found))
+        print(balance_text(data))
     return _CODES[found.verdict.outcome]
 
 
-def _write(found: Balance, options: argparse.Namespace) -> None:
+def _write(found: Balance, data: ReportData, options: argparse.Namespace) -> None:
     """Write the files that were asked for."""
     from inertia.mesh.write import write_stl
     from inertia.output import write_whole
-    from inertia.report.balance.csv import balance_csv
-    from inertia.report.balance.data import report_data
+    from inertia.report.balance.document import balance_csv
     from inertia.report.balance.html import save_balance_html
 
     if options.csv is not None:
-        write_whole(Path(options.csv), balance_csv(found).encode())
+        write_whole(Path(options.csv), balance_csv(data).encode())
     if options.report is not None:
-        save_balance_html(report_data(found), options.report, force=options.force)
+        save_balance_html(data, options.report, force=options.force)
     if options.output is not None or options.live:
         from inertia.recording.record import record
 

@@ -8,8 +8,7 @@ import pytest
 
 import inertia
 from inertia.balancing.axis.shaft import Shaft
-from inertia.report.balance.sheet import BearingRow, OperationRow, PlaneRow
-from inertia.report.svg import silhouette as outlines
+from inertia.report.balance.data import BearingRow, OperationRow, PlaneRow
 from inertia.report.svg.canvas import Canvas, levels
 from inertia.report.svg.convention import convention
 from inertia.report.svg.polar import Arrow, Mark, polar
@@ -18,7 +17,10 @@ from inertia.report.svg.sketch import sketch
 from inertia.report.svg.strip import strip
 from inertia_meshes import path
 
-PLANES = (PlaneRow("I", 90.0, 100.0, "holes"), PlaneRow("II", 215.0, 80.0, "holes", ((350.0, 10.0),)))
+PLANES = (
+    PlaneRow("I", 90.0, "drill_radial", 100.0),
+    PlaneRow("II", 215.0, "drill_radial", 80.0, forbidden=((350.0, 10.0),)),
+)
 
 
 def tree(picture):
@@ -42,25 +44,9 @@ def place(picture, said):
     return number(next(k for k in tree(picture).iter("text") if k.text == said), "x", "y")
 
 
-def operation(name, angle, method="REMOVE", plane="I"):
+def operation(name, angle, method="remove", plane="I"):
     return OperationRow(
-        name,
-        plane,
-        90.0,
-        "outside",
-        method,
-        "radial hole",
-        angle,
-        100.0,
-        10.0,
-        118.0,
-        5.0,
-        0.1,
-        1.0,
-        100.0,
-        9.0,
-        1.0,
-        1.0,
+        name, plane, method, "drill_radial", 90.0, angle, radius=100.0, mass=1.0, unbalance=-1e-4, diameter=10.0
     )
 
 
@@ -118,7 +104,7 @@ def test_the_pictogram_turns_as_the_rotor_does(rotation, down):
 
 def test_on_the_strip_angles_grow_to_the_right_with_b_on_top():
     """From outside, with B up, the near side moves to the right while the angle grows."""
-    works = [operation("I-1", 30.0), operation("I-2", 200.0, "ADD"), operation("II-1", 30.0, plane="II")]
+    works = [operation("I-1", 30.0), operation("I-2", 200.0, "add"), operation("II-1", 30.0, plane="II")]
     picture = strip(PLANES, works)
     (added,) = styled(picture, "circle", "added")
     first, other = sorted((number(k, "cx", "cy") for k in styled(picture, "circle", "removed")), key=lambda k: k[1])
@@ -148,7 +134,7 @@ def test_labels_that_would_overlap_go_to_levels_of_their_own():
 
 
 def bearing(name, z):
-    return BearingRow(name, z, 100.0, "", 0.0, None, "pass")
+    return BearingRow(name, z, 100e-6, None, 0.0, "pass")
 
 
 def test_the_sketch_shows_distances_between_neighbouring_planes():
@@ -162,7 +148,7 @@ def test_the_sketch_shows_distances_between_neighbouring_planes():
 
 def test_an_overhung_plane_is_on_the_sketch():
     outline = np.array([[0.0, 15.0], [100.0, 15.0]])
-    planes = [PlaneRow("I", -40.0, 50.0, "holes")]
+    planes = [PlaneRow("I", -40.0, "drill_radial", 50.0)]
     picture = sketch(outline, 10.0, (bearing("A", 20.0), bearing("B", 80.0)), planes)
     assert 0 < place(picture, "I: z -40")[0] < place(picture, "A: z 20")[0]
 
@@ -183,12 +169,10 @@ def test_the_outline_runs_along_the_shaft_whichever_way_it_points():
     assert np.interp(-0.215, *outline.T) == pytest.approx(0.08, rel=1e-3)
 
 
-def test_the_outline_does_not_depend_on_how_many_triangles_are_taken_at_once(monkeypatch):
+def test_the_outline_does_not_depend_on_how_many_triangles_are_taken_at_once():
     part, shaft = inertia.read(path("cone.stl"), unit="mm"), Shaft([0, 0, 0], [0, 0, 1], [1, 0, 0])
     whole = silhouette([part], shaft)
-    monkeypatch.setattr(outlines, "_AT_ONCE", 7)
-    monkeypatch.setattr(outlines, "_MOST_SAMPLES", 100)
-    assert np.array_equal(silhouette([part], shaft), whole)
+    assert np.array_equal(silhouette([part], shaft, triangles_at_once=7, samples_at_once=100), whole)
 
 
 def test_text_in_a_picture_is_escaped():

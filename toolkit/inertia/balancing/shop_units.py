@@ -11,7 +11,10 @@ GRAM_MILLIMETRE = 1e-6
 GRAM_SQUARE_MILLIMETRE = 1e-9
 """kg m² in a g·mm²."""
 
-OUNCE_INCH = 28.349523125e-3 * 25.4e-3
+INCH = 25.4e-3
+"""m in an inch."""
+
+OUNCE_INCH = 28.349523125e-3 * INCH
 """kg m in an oz·in: 720.0779 g·mm."""
 
 POUND = 0.45359237

@@ -14,7 +14,7 @@ from inertia.errors import UNIT, Remedy, Sentence, Wording
 from inertia.mass.analysis import Analysis
 from inertia.mass.principal import Principal, radii_of_gyration
 from inertia.mass.repair import Repaired
-from inertia.report.layout import cleared, columns, number, power, row
+from inertia.report.numerals import cleared, columns, number, power, row
 
 _DENSITY_FROM = {
     "option": "as given",

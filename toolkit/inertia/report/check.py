@@ -8,7 +8,7 @@ from inertia.arrays import Orientation
 from inertia.errors import Sentence, Wording
 from inertia.mesh.checks.findings import Report, counted
 from inertia.mesh.part import Part
-from inertia.report.layout import row
+from inertia.report.numerals import row
 
 
 def check_document(

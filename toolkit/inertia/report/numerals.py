@@ -1,14 +1,12 @@
-"""Numbers as the balancing report prints them."""
+"""Numbers, and the lines of labels and columns that they stand in, as reports print them."""
 
 from __future__ import annotations
 
-import cmath
 import math
+from collections.abc import Iterable
 
-from inertia.balancing.shop_units import GRAM_MILLIMETRE, OUNCE_INCH, in_degrees
-
-_OUNCE_INCH_GMM = OUNCE_INCH / GRAM_MILLIMETRE
-_INCH_MM = 25.4
+LABEL = 18
+"""Width of the column of labels."""
 
 
 def significant(value: float, digits: int = 4, decimals: int = 3) -> str:
@@ -41,29 +39,38 @@ def plain(value: float, decimals: int) -> str:
     return text.rstrip("0").rstrip(".") if "." in text else text
 
 
-def degrees(vector: complex) -> str:
-    """Return the angle of a vector, to 0.1°.
+def row(label: str, text: str) -> str:
+    """Return one line: a label and what it says."""
+    return f"{label:<{LABEL}}{text}"
 
-    >>> degrees(-1j), degrees(1 - 1e-9j)
-    ('270.0°', '0.0°')
+
+def number(value: float) -> str:
+    """Return a value with ten significant digits.
+
+    >>> number(1 / 3), number(4), number(1e-9 / 3)
+    ('0.3333333333', '4', '3.333333333e-10')
     """
-    return f"{round(in_degrees(vector), 1) % 360.0:.1f}°"
+    return f"{value + 0.0:.10g}"
 
 
-def ounce_inches(gmm: float) -> str:
-    """Return an unbalance in g·mm as oz·in.
+def cleared(value: float, bound: float) -> float:
+    """Return 0 for a value that its error bound cannot tell from zero."""
+    return 0.0 if abs(value) <= bound else value
 
-    >>> ounce_inches(720.0778862)
-    '1.000'
+
+def columns(values: Iterable[float], width: int = 18) -> str:
+    """Return values with ten significant digits in columns; an exact zero is short.
+
+    >>> columns([1.5, 0.0])
+    '   1.500000000e+00                 0'
     """
-    return significant(abs(gmm) / _OUNCE_INCH_GMM, 4, 5)
+    return "".join(f"{'0' if value == 0 else f'{value:.9e}':>{width}}" for value in values)
 
 
-def ounce_square_inches(gmm2: float) -> str:
-    """Return a couple in g·mm² as oz·in²."""
-    return significant(abs(gmm2) / (_OUNCE_INCH_GMM * _INCH_MM), 4, 4)
+def power(unit: str, exponent: int) -> str:
+    """Return a power of a unit.
 
-
-def rectangular(magnitude: float, angle: float) -> complex:
-    """Return the vector of a magnitude at an angle in degrees."""
-    return cmath.rect(magnitude, math.radians(angle))
+    >>> power("mm", 3)
+    'mm³'
+    """
+    return unit + {1: "", 2: "²", 3: "³"}[exponent]

@@ -15,7 +15,7 @@ from inertia.dynamics.run import Invariant, Run
 from inertia.dynamics.scene.body import SceneBody
 from inertia.dynamics.scene.document import Scene
 from inertia.dynamics.scene.loads import Damping, Dissipation, Gravity, GravityGradient, Load, Torque
-from inertia.report.layout import LABEL, cleared, number, row
+from inertia.report.numerals import LABEL, cleared, number, row
 
 _WIDTH = 120
 _LISTED = 6  # events in the text

@@ -11,7 +11,7 @@ from typing import Any, Generic
 import numpy as np
 
 from inertia.errors import Remedy, Wording
-from inertia.report.layout import LABEL, number, row
+from inertia.report.numerals import LABEL, number, row
 from inertia.work_precision.recommend import duration
 from inertia.work_precision.rows import PartRow, R, Relative, SceneRow, front
 from inertia.work_precision.trade import PartTrade, SceneTrade, Trade

@@ -1,282 +1,441 @@
-"""`Balance` → `ReportData`: the figures of a balance in the shop's units, and what has to be said of them."""
+"""`ReportData`: every figure of a balance that is reported, computed once; text, JSON, CSV and HTML are made from it.
+
+Lengths are in mm, masses in kg (of operations in g), forces in N, angles in degrees, unbalances complex in kg m. The
+angles are those of `inertia.balancing.unbalance`: of the heavy spot, counter-clockwise seen from bearing B looking
+toward A.
+"""
 
 from __future__ import annotations
 
 import datetime
 import math
-from collections.abc import Iterator
+from dataclasses import dataclass
+from functools import cached_property
 from pathlib import Path
 
 from inertia import __version__
 from inertia.arrays import Float
+from inertia.balancing.axis.rotor_axis import Axis
+from inertia.balancing.axis.tilt import Tilt
 from inertia.balancing.balance import Balance
-from inertia.balancing.corrections.correction_plane import CorrectionPlane
-from inertia.balancing.corrections.operation import Operation
+from inertia.balancing.bounds import Source
+from inertia.balancing.correction_fields import KeyFields
+from inertia.balancing.corrections.correction_plane import Process
+from inertia.balancing.corrections.operation import Kind, Method, Operation
+from inertia.balancing.forces import RigidLimit
+from inertia.balancing.monte_carlo import Scatter
 from inertia.balancing.rotor import Rotor
-from inertia.balancing.rotor_bodies import RotorBody
-from inertia.balancing.shop_units import GRAM_MILLIMETRE, GRAM_SQUARE_MILLIMETRE, in_gmm
+from inertia.balancing.rotor_bodies import ChordFrom, RotorBody
+from inertia.balancing.rotor_fields import ReportFields, ServiceFields
+from inertia.balancing.tolerance import Share, Tolerance
+from inertia.balancing.unbalance import Kind as UnbalanceKind
 from inertia.balancing.unbalance import Unbalance
-from inertia.mesh.part import Source
-from inertia.report.balance.sheet import (
-    BearingRow,
-    BodyRow,
-    OperationRow,
-    PlaneRow,
-    ReportData,
-    SensitivityRow,
-    State,
-)
-from inertia.report.balance.words import KINDS
-from inertia.report.numerals import fixed, plain, significant
-from inertia.report.svg.silhouette import silhouette
+from inertia.balancing.verdict import Outcome
+from inertia.mesh.part import Part
+from inertia.mesh.part import Source as FileSource
 
-_MM = 1e3
-_METHODS = {
-    "add": "masses added",
-    "remove": "masses removed",
-    "drill_radial": "radial holes",
-    "drill_axial": "axial holes",
-    "mill": "milled flats",
-    "kit": "weights of a kit",
+MM = 1e3
+"""mm in a metre."""
+TURNS = {"ccw": "counter-clockwise", "cw": "clockwise"}
+"""The senses of rotation in words."""
+KINDS: dict[Kind, str] = {
+    "point_mass": "point mass",
+    "drill_radial": "radial hole",
+    "drill_axial": "axial hole",
+    "mill_flat": "flat",
+    "weight": "weight",
 }
-_KEYS = {"H": "half key", "F": "full key", "N": "no key"}
-_LEAST_SHARE = 5e-4  # of the variance: below it an input does not matter
+"""The kinds of operation in words."""
+
+
+@dataclass(frozen=True)
+class BodyRow:
+    """A body of the rotor, and the file that it comes from: kg/m³, kg, and mm that its chords may be off."""
+
+    name: str
+    path: str | None
+    sha256: str | None
+    unit: str
+    density: float
+    density_from: str
+    mass: float
+    triangles: int
+    chord: float
+    chord_from: ChordFrom
+
+
+@dataclass(frozen=True)
+class BearingRow:
+    """A tolerance plane.
+
+    Attributes
+    ----------
+    name : "A" or "B"
+    z : mm
+    permissible : kg m
+    share : of the total; None where the standard has no total
+    residual_95 : kg m, which 95 % of the draws stay below
+    outcome : of this plane
+    """
+
+    name: str
+    z: float
+    permissible: float
+    share: Share | None
+    residual_95: float
+    outcome: Outcome
+
+
+@dataclass(frozen=True)
+class PlaneRow:
+    """A correction plane: its id and z (mm); how it is corrected, at which radius (mm), None where nothing is done.
+
+    `face` is the one that axial holes enter, `forbidden` are sectors (start, stop) that no tool may come into.
+    """
+
+    id: str
+    z: float
+    method: Process | None = None
+    radius: float | None = None
+    face: str | None = None
+    forbidden: tuple[tuple[float, float], ...] = ()
+
+
+@dataclass(frozen=True)
+class Vectors:
+    """An unbalance, or a change of one, wherever it is looked at.
+
+    Attributes
+    ----------
+    name : "initial", "correction", "residual"
+    planes : kg m in each correction plane
+    bearings : kg m in tolerance planes A and B
+    static : kg m
+    couple : kg m² about the plane of the rotor's first centre of mass
+    forces : N on bearings A and B
+    """
+
+    name: str
+    planes: tuple[complex, ...]
+    bearings: tuple[complex, complex]
+    static: complex
+    couple: complex
+    forces: tuple[float, float]
+
+
+@dataclass(frozen=True)
+class State(Vectors):
+    """The unbalance of the rotor before or after correction.
+
+    Attributes
+    ----------
+    mass, z : kg and mm, of its centre of mass
+    kind : of its unbalance
+    couple_about_center : kg m² about its own centre of mass
+    static_bounds, couple_bounds : how far static unbalance and couple may be off, by source
+    bearing_bounds : kg m, how far the vectors in tolerance planes A and B may be off, by source
+    eccentricity : µm
+    grade : mm/s, the balance quality achieved
+    torque : N m, which the couple takes of the axle
+    forces_running_up : N on bearings A and B while the rotor runs up
+    outcome : of the verdict on it
+    """
+
+    mass: float
+    z: float
+    kind: UnbalanceKind
+    couple_about_center: complex
+    static_bounds: dict[Source, float]
+    couple_bounds: dict[Source, float]
+    bearing_bounds: tuple[dict[Source, float], dict[Source, float]]
+    eccentricity: float
+    grade: float
+    torque: float
+    forces_running_up: tuple[float, float]
+    outcome: Outcome
+
+
+@dataclass(frozen=True)
+class OperationRow:
+    """An operation of the shop.
+
+    Attributes
+    ----------
+    id, plane : of the operation and its correction plane
+    method, kind : whether it adds or removes mass, and how
+    z, radius : mm
+    angle : degrees
+    diameter, point : mm and degrees, of a drill
+    depth, depth_tolerance, width : mm
+    mass : g
+    unbalance : kg m
+    wall : mm of material that stays under the tool
+    pieces, item : weights of a kit, and what it calls them
+    per_tenth : kg m that the residual changes by in its worse plane, for 0.1 mm of depth, or of a mass's radius; None
+        where it is taken as exact
+    per_degree : the same for 1° of angle
+    """
+
+    id: str
+    plane: str
+    method: Method
+    kind: Kind
+    z: float
+    angle: float
+    radius: float
+    mass: float
+    unbalance: complex
+    diameter: float | None = None
+    point: float | None = None
+    depth: float | None = None
+    depth_tolerance: float | None = None
+    width: float | None = None
+    wall: float | None = None
+    pieces: int = 1
+    item: str | None = None
+    per_tenth: float | None = None
+    per_degree: float | None = None
+
+
+@dataclass(frozen=True, eq=False)
+class ReportData:
+    """Everything that is reported of a balance.
+
+    Attributes
+    ----------
+    rotor : its file's name, or what it is called
+    head : part, serial, revision, customer and remark as the rotor file names them
+    date, version : of this report, and of this program
+    file : (name, SHA-256) of the rotor file; None without one
+    bodies : a row for each
+    parts : their meshes
+    axis : the shaft, how it was obtained, and candidates for it
+    zero_mark : (3,) part axes, as given
+    radial_uncertainty : mm about each bearing centre
+    keys, metres : as in the rotor file, and what its unit of length is
+    service : speeds and acceleration
+    rigid : how near the critical speed is; None where it is not given
+    tilt : of the principal axis from the shaft
+    tolerance : the criterion and its formula
+    bearings : tolerance planes A and B
+    planes : correction planes
+    initial, correction, residual : the rotor before, what the correction does to it, and what is left
+    operations : what the shop does
+    corrected : whether a plane has a method of correction
+    cuts, within, limits_hit, ending : how the search for the operations went
+    scatter : how the residual may turn out, and what matters most first
+    verdict : on the residual, in sentences
+    notes : what else has to be known, in sentences
+    """
+
+    rotor: str
+    head: ReportFields
+    date: str
+    version: str
+    file: tuple[str, str] | None
+    bodies: tuple[BodyRow, ...]
+    parts: tuple[Part, ...]
+    axis: Axis
+    zero_mark: Float
+    radial_uncertainty: float
+    keys: tuple[KeyFields, ...]
+    metres: float
+    service: ServiceFields
+    rigid: RigidLimit | None
+    tilt: Tilt
+    tolerance: Tolerance
+    bearings: tuple[BearingRow, BearingRow]
+    planes: tuple[PlaneRow, ...]
+    initial: State
+    correction: Vectors
+    residual: State
+    operations: tuple[OperationRow, ...]
+    corrected: bool
+    cuts: int
+    within: bool
+    limits_hit: tuple[str, ...]
+    ending: str
+    scatter: Scatter
+    verdict: tuple[str, ...]
+    notes: tuple[str, ...]
+
+    @property
+    def part(self) -> str:
+        """What the report is about."""
+        return self.head.part or Path(self.rotor).stem
+
+    @property
+    def outcome(self) -> Outcome:
+        """The verdict."""
+        return self.residual.outcome
+
+    @property
+    def states(self) -> tuple[Vectors, Vectors, Vectors]:
+        """The rotor before, what the correction does to it, and what is left: the first two make up the third."""
+        return self.initial, self.correction, self.residual
+
+    @cached_property
+    def outline(self) -> Float:
+        """The largest radius at each place along the shaft, (n, 2) mm: z and radius."""
+        from inertia.report.svg.silhouette import silhouette
+
+        return MM * silhouette(self.parts, self.axis.shaft)
 
 
 def report_data(balance: Balance, date: str | None = None) -> ReportData:
-    """Return what the balancing report prints.
+    """Return what is reported of a balance.
 
     Parameters
     ----------
     balance : what `inertia.balance` returned
     date : of the report; today without it
     """
-    rotor, correction, said = balance.rotor, balance.correction, balance.rotor.fields.report
-    operations = () if correction is None else correction.operations
+    rotor, correction = balance.rotor, balance.correction
+    initial = _state(balance, "initial", balance.initial)
+    residual = _state(balance, "residual", balance.residual)
     return ReportData(
-        part=said.part or Path(rotor.name).stem,
-        serial=said.serial,
-        revision=said.revision,
+        rotor=rotor.name,
+        head=rotor.fields.report,
         date=date or datetime.date.today().isoformat(),
         version=__version__,
-        rotor_facts=tuple(_rotor_facts(balance)),
-        service_facts=tuple(_service_facts(balance)),
-        zero_mark=f"toward ({_listed(rotor.fields.axis.zero_mark)}) of the part's axes",
-        rotation=balance.shaft.rotation,
-        rpm=rotor.fields.service.rpm,
-        bodies=tuple(map(_body, balance.bodies)),
         file=_file(rotor),
-        standard=balance.tolerance.standard,
-        rule=balance.tolerance.rule,
-        total=None if balance.tolerance.total is None else in_gmm(balance.tolerance.total),
+        bodies=tuple(map(_body, balance.bodies)),
+        parts=tuple(body.part for body in balance.bodies),
+        axis=balance.axis,
+        zero_mark=rotor.fields.axis.zero_mark,
+        radial_uncertainty=MM * rotor.radial_uncertainty,
+        keys=rotor.fields.key,
+        metres=float(rotor.unit.metres),
+        service=rotor.fields.service,
+        rigid=balance.rigid,
+        tilt=balance.tilt,
+        tolerance=balance.tolerance,
         bearings=(_bearing(balance, 0), _bearing(balance, 1)),
-        planes=tuple(_planes(balance)),
-        center=_MM * balance.initial.z,
-        outline=_MM * silhouette([body.part for body in balance.bodies], balance.shaft),
-        outcome=balance.verdict.outcome,
-        why=balance.verdict.why,
-        notes=tuple(_notes(balance)),
-        states=_states(balance),
-        operations=tuple(_operation(balance, work) for work in operations),
-        no_operation="" if operations else _no_operation(balance),
-        sensitivities=tuple(_sensitivities(balance)),
+        planes=_planes(balance),
+        initial=initial,
+        correction=_change(initial, residual, balance.rotor.speed),
+        residual=residual,
+        operations=() if correction is None else tuple(_operation(balance, work) for work in correction.operations),
+        corrected=correction is not None,
+        cuts=0 if correction is None else correction.iterations,
+        within=correction is not None and correction.within,
+        limits_hit=() if correction is None else correction.limits_hit,
+        ending="" if correction is None else correction.why,
+        scatter=balance.scatter,
+        verdict=balance.verdict.why,
+        notes=balance.notes,
     )
-
-
-def _rotor_facts(balance: Balance) -> Iterator[tuple[str, str]]:
-    said, initial, tilt = balance.rotor.fields.report, balance.initial, balance.tilt
-    yield "Part", said.part or Path(balance.rotor.name).stem
-    yield "Serial", said.serial or ""
-    yield "Revision", said.revision or ""
-    if said.customer:
-        yield "Customer", said.customer
-    if said.remark:
-        yield "Remark", said.remark
-    yield "Mass", f"{plain(initial.mass, 4)} kg"
-    yield "Centre of mass", f"z = {plain(_MM * initial.z, 3)} mm"
-    if tilt.certain:
-        leans = math.degrees(tilt.direction) % 360.0
-        yield "Principal axis", f"{fixed(math.degrees(tilt.angle), 3)}° from the shaft, toward {fixed(leans, 1)}°"
-    yield "Unbalance", f"{initial.kind} before, {balance.residual.kind} after"
-
-
-def _service_facts(balance: Balance) -> Iterator[tuple[str, str]]:
-    rotor, shaft = balance.rotor, balance.shaft
-    yield "Axis", balance.axis.obtained
-    for name, point in (("A", shaft.bearing_a), ("B", shaft.bearing_b)):
-        yield f"Bearing {name}", f"({_listed(_MM * point)}) mm; z = {plain(_MM * shaft.z_of(point), 3)} mm"
-    radius = rotor.radial_uncertainty
-    yield "Known to", f"{plain(_MM * radius, 4)} mm about each bearing centre" if radius else "taken as exact"
-    yield "Key convention", "; ".join(_keys(balance)) or "no keys"
-    yield "Speed", f"{plain(rotor.fields.service.rpm, 2)} r/min"
-    if rotor.fields.service.run_up is not None:
-        a, b = (significant(abs(force)) for force in balance.forces_running_up(balance.residual))
-        rate = plain(rotor.fields.service.run_up, 2)
-        yield "Running up", f"{rate} (r/min)/s; {a} N on A, {b} N on B after correction"
-    yield "Critical speed", "not given; the rotor counts as rigid" if balance.rigid is None else balance.rigid.text
-
-
-def _keys(balance: Balance) -> Iterator[str]:
-    metres = float(balance.rotor.unit.metres)
-    for key in balance.rotor.fields.key:
-        where = f"z {plain(_MM * metres * key.z, 2)} mm, {plain(key.angle % 360.0, 1)}°"
-        yield f"{key.convention} ({_KEYS[key.convention]}, ISO 21940-32) at {where}"
-
-
-def _body(body: RotorBody) -> BodyRow:
-    source, found = body.part.source, body.analysis
-    file = "" if source.path is None else Path(source.path).name
-    name = body.name if Path(body.name).name == file or not file else f"{body.name} ({file})"
-    return BodyRow(name, source.sha256, body.density, found.properties.mass, found.triangles)
 
 
 def _file(rotor: Rotor) -> tuple[str, str] | None:
     """Return the rotor file's name and SHA-256; None where the rotor was not read from one."""
     if rotor.text is None or not Path(rotor.name).is_file():
         return None
-    return Path(rotor.name).name, Source(rotor.name, "toml").sha256 or ""
+    return Path(rotor.name).name, FileSource(rotor.name, "toml").sha256 or ""
 
 
-def _bearing(balance: Balance, number: int) -> BearingRow:
-    judged, tolerance = balance.verdict.planes[number], balance.tolerance
-    share = ""
-    if tolerance.shares is not None:
-        found = tolerance.shares[number]
-        limits = f"{found.limits[0]:g}–{found.limits[1]:g}"
-        share = f"{found.allocated:.3f}, {limits} allowed"
-        if found.clamped:
-            share = f"{found.allocated:.3f} → {found.used:.3f}, clamped to {limits}"
-    return BearingRow(
-        name=judged.name,
-        z=_MM * balance.tolerance_planes[number],
-        permissible=in_gmm(judged.permissible),
-        share=share,
-        uncertainty=in_gmm(math.fsum(judged.bounds.values())),
-        residual_95=in_gmm(float(balance.scatter.residual_95[number])),
-        outcome=judged.outcome,
+def _body(body: RotorBody) -> BodyRow:
+    source, analysis = body.part.source, body.analysis
+    return BodyRow(
+        name=body.name,
+        path=source.path,
+        sha256=source.sha256,
+        unit=body.part.unit.name,
+        density=body.density,
+        density_from=analysis.density_from,
+        mass=analysis.properties.mass,
+        triangles=analysis.triangles,
+        chord=MM * body.chord,
+        chord_from=body.chord_from,
     )
 
 
-def _planes(balance: Balance) -> Iterator[PlaneRow]:
-    worked = {plane.id: plane for plane in balance.correction_planes}
-    for plane in balance.planes:
-        work = worked.get(plane.id)
-        if work is None:
-            yield PlaneRow(plane.id, _MM * plane.z, None, "nothing is done here")
-            continue
-        sectors = tuple((math.degrees(k.start) % 360.0, math.degrees(k.stop) % 360.0) for k in work.forbidden)
-        what = f"{_METHODS[work.method]} at radius {plain(_MM * work.radius, 2)} mm"
-        yield PlaneRow(plane.id, _MM * plane.z, _MM * work.radius, what, sectors)
+def _bearing(balance: Balance, number: int) -> BearingRow:
+    plane, shares = balance.verdict.planes[number], balance.tolerance.shares
+    return BearingRow(
+        name=plane.name,
+        z=MM * balance.tolerance_planes[number],
+        permissible=plane.permissible,
+        share=None if shares is None else shares[number],
+        residual_95=float(balance.scatter.residual_95[number]),
+        outcome=plane.outcome,
+    )
 
 
-def _states(balance: Balance) -> tuple[State, State, State]:
-    """Return the rows of the table; couples are about one plane, so that the first two rows make up the third."""
-    initial, residual = balance.initial, balance.residual
-    first = _state(balance, "initial", initial, tuple(plane.initial for plane in balance.planes))
-    last = _state(balance, "residual", residual, tuple(plane.residual for plane in balance.planes))
+def _planes(balance: Balance) -> tuple[PlaneRow, ...]:
+    rows = {plane.id: PlaneRow(plane.id, MM * plane.z) for plane in balance.planes}
+    for plane in balance.correction_planes:
+        sectors = tuple((math.degrees(k.start) % 360.0, math.degrees(k.stop) % 360.0) for k in plane.forbidden)
+        rows[plane.id] = PlaneRow(plane.id, rows[plane.id].z, plane.method, MM * plane.radius, plane.face, sectors)
+    return tuple(rows.values())
+
+
+def _state(balance: Balance, name: str, unbalance: Unbalance) -> State:
+    residual = name == "residual"
+    verdict = balance.verdict if residual else balance.initial_verdict
+    a, b = verdict.planes
+    force_a, force_b = balance.forces(unbalance)
+    starting_a, starting_b = balance.forces_running_up(unbalance)
+    return State(
+        name=name,
+        planes=tuple(plane.residual if residual else plane.initial for plane in balance.planes),
+        bearings=(a.residual, b.residual),
+        static=unbalance.static,
+        couple=unbalance.couple_about(balance.initial.z),
+        forces=(abs(force_a), abs(force_b)),
+        mass=unbalance.mass,
+        z=MM * unbalance.z,
+        kind=unbalance.kind,
+        couple_about_center=unbalance.couple,
+        static_bounds=unbalance.bounds_of(1.0, 0.0),
+        couple_bounds=unbalance.bounds_of(0.0, 1.0),
+        bearing_bounds=(a.bounds, b.bounds),
+        eccentricity=1e6 * unbalance.eccentricity,
+        grade=balance.achieved_grade(unbalance),
+        torque=abs(balance.torque(unbalance)),
+        forces_running_up=(abs(starting_a), abs(starting_b)),
+        outcome=verdict.outcome,
+    )
+
+
+def _change(first: Vectors, last: Vectors, speed: float) -> Vectors:
+    """Return what takes one to the other."""
     a, b = (after - before for before, after in zip(first.bearings, last.bearings, strict=True))
-    newtons = GRAM_MILLIMETRE * balance.rotor.speed**2  # of a g·mm
-    change = State(
+    return Vectors(
         "correction",
         planes=tuple(after - before for before, after in zip(first.planes, last.planes, strict=True)),
         bearings=(a, b),
         static=last.static - first.static,
         couple=last.couple - first.couple,
-        eccentricity=None,
-        grade=None,
-        forces=(newtons * abs(a), newtons * abs(b)),
-    )
-    return first, change, last
-
-
-def _state(balance: Balance, name: str, found: Unbalance, planes: tuple[complex, ...]) -> State:
-    a, b = found.in_planes(*balance.tolerance_planes)
-    force_a, force_b = balance.forces(found)
-    return State(
-        name,
-        planes=tuple(vector / GRAM_MILLIMETRE for vector in planes),
-        bearings=(a / GRAM_MILLIMETRE, b / GRAM_MILLIMETRE),
-        static=found.static / GRAM_MILLIMETRE,
-        couple=found.couple_about(balance.initial.z) / GRAM_SQUARE_MILLIMETRE,
-        eccentricity=1e6 * found.eccentricity,
-        grade=balance.achieved_grade(found),
-        forces=(abs(force_a), abs(force_b)),
+        forces=(speed**2 * abs(a), speed**2 * abs(b)),
     )
 
 
 def _operation(balance: Balance, work: Operation) -> OperationRow:
-    plane = next(k for k in balance.correction_planes if k.id == work.plane)
-    rates = {line.name: in_gmm(float(line.per_step.max())) for line in balance.scatter.sensitivities}
+    rates = {line.name: float(line.per_step.max()) for line in balance.scatter.sensitivities}
     depth = rates.get(f"{work.id}: depth")
     return OperationRow(
         id=work.id,
         plane=work.plane,
-        z=_MM * work.z,
-        face=_face(plane),
-        method="ADD" if work.method == "add" else "REMOVE",
-        tool=_tool(work),
+        method=work.method,
+        kind=work.kind,
+        z=MM * work.z,
         angle=math.degrees(work.angle),
-        radius=_MM * work.radius,
-        diameter=_millimetres(work.tool_diameter),
-        point=None if work.point_angle is None else math.degrees(work.point_angle),
-        depth=_millimetres(work.depth),
-        depth_tolerance=None if work.depth is None else _MM * balance.rotor.shop.depth,
+        radius=MM * work.radius,
         mass=1e3 * work.mass,
-        unbalance=in_gmm(work.unbalance),
-        wall=_millimetres(work.remaining_wall),
+        unbalance=work.unbalance,
+        diameter=_mm(work.tool_diameter),
+        point=None if work.point_angle is None else math.degrees(work.point_angle),
+        depth=_mm(work.depth),
+        depth_tolerance=None if work.depth is None else MM * balance.rotor.shop.depth,
+        width=_mm(work.width),
+        wall=_mm(work.remaining_wall),
+        pieces=work.pieces,
+        item=work.item,
         per_tenth=rates.get(f"{work.id}: radius") if depth is None else depth,
         per_degree=rates.get(f"{work.id}: angle"),
     )
 
 
-def _face(plane: CorrectionPlane) -> str:
-    if plane.method == "drill_axial":
-        return "to A" if plane.face == "a" else "to B"
-    return "outside" if plane.cuts else "–"
-
-
-def _tool(work: Operation) -> str:
-    if work.item is not None:
-        return f"{work.pieces} × {work.item}"
-    width = "" if work.width is None else f", {plain(_MM * work.width, 2)} mm wide"
-    return f"{KINDS[work.kind]}{width}"
-
-
-def _no_operation(balance: Balance) -> str:
-    if balance.correction is None:
-        return "no plane has a method of correction"
-    return balance.correction.why
-
-
-def _notes(balance: Balance) -> Iterator[str]:
-    yield from balance.notes
-    if balance.correction is not None:
-        yield f"correction: {balance.correction.why}"
-    if balance.scatter.within is not None:
-        share = plain(100.0 * balance.scatter.within, 2)
-        yield (
-            f"{share} % of {balance.scatter.draws} draws over axis, tessellation, densities and the shop's tolerances "
-            "stay within what is permissible"
-        )
-    for found in balance.axis.candidates:
-        a, b = (_listed(_MM * point) for point in (found.bearing_a, found.bearing_b))
-        yield (
-            f"candidate for the axis, to be confirmed: A ({a}), B ({b}) mm, {found.where}, radii "
-            f"{' and '.join(plain(_MM * k, 3) for k in found.radii)} mm"
-        )
-
-
-def _sensitivities(balance: Balance) -> Iterator[SensitivityRow]:
-    for line in balance.scatter.sensitivities:
-        if line.share.max() > _LEAST_SHARE:
-            a, b = (line.per_step / GRAM_MILLIMETRE).tolist()
-            share_a, share_b = line.share.tolist()
-            yield SensitivityRow(line.name, line.step_text, (a, b), (share_a, share_b))
-
-
-def _millimetres(length: float | None) -> float | None:
-    return None if length is None else _MM * length
-
-
-def _listed(values: Float) -> str:
-    return ", ".join(plain(value, 4) for value in values.tolist())
+def _mm(length: float | None) -> float | None:
+    return None if length is None else MM * length

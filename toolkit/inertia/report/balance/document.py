@@ -1,4 +1,4 @@
-"""`Balance` → the document ``inertia/balance/1``.
+"""`ReportData` → the document ``inertia/balance/1``, and CSV for a spreadsheet.
 
 Unbalances are {"gmm", "deg"}: g·mm, and degrees of the heavy spot as `inertia.balancing.unbalance` has them. Lengths
 are in mm, forces in N, masses in kg, of operations in g.
@@ -6,60 +6,61 @@ are in mm, forces in N, masses in kg, of operations in g.
 
 from __future__ import annotations
 
+import csv
+import io
 import math
 from typing import Any
 
 from inertia.balancing.axis.rotor_axis import Candidate
-from inertia.balancing.balance import Balance
-from inertia.balancing.corrections.operation import Operation
-from inertia.balancing.rotor_bodies import RotorBody
 from inertia.balancing.shop_units import GRAM_MILLIMETRE, GRAM_SQUARE_MILLIMETRE, in_degrees, in_gmm
-from inertia.balancing.unbalance import Unbalance
 from inertia.documents import plain
+from inertia.report.balance.data import MM, BodyRow, OperationRow, ReportData, State
 
 Document = dict[str, Any]
 
-_MM = 1e3
+_PLANES = ("state", "plane", "z_mm", "unbalance_gmm", "unbalance_deg", "permissible_gmm", "bearing_force_N")
+_OPERATIONS = (
+    "id", "plane", "method", "kind", "z_mm", "angle_deg", "radius_mm", "tool_diameter_mm", "point_angle_deg",
+    "depth_mm", "width_mm", "mass_g", "unbalance_gmm", "unbalance_deg", "remaining_wall_mm", "pieces", "item",
+)  # fmt: skip
 
 
-def balance_document(balance: Balance) -> Document:
+def balance_document(data: ReportData) -> Document:
     """Return the balance as ``inertia/balance/1``.
 
     What has no value is null: in a correction plane nothing is judged, and no bearing is there.
     """
-    rotor, initial, residual = balance.rotor, balance.initial, balance.residual
-    shaft, service, correction = balance.shaft, rotor.fields.service, balance.correction
-    tolerance = balance.tolerance
+    axis, shaft, service, tolerance = data.axis, data.axis.shaft, data.service, data.tolerance
     return {
         "schema": "inertia/balance/1",
-        "rotor": rotor.name,
-        "report": plain(rotor.fields.report),
-        "bodies": [_body(body) for body in balance.bodies],
+        "rotor": data.rotor,
+        "report": plain(data.head),
+        "bodies": [_body(body) for body in data.bodies],
         "axis": {
-            "obtained": balance.axis.obtained,
-            "confirmed": balance.axis.confirmed,
+            "obtained": axis.obtained,
+            "confirmed": axis.confirmed,
             "bearing_a_mm": _mm(shaft.bearing_a.tolist()),
             "bearing_b_mm": _mm(shaft.bearing_b.tolist()),
             "zero_mark": shaft.zero_mark.tolist(),
             "rotation": shaft.rotation,
-            "radial_uncertainty_mm": _MM * rotor.radial_uncertainty,
-            "candidates": [_candidate(candidate) for candidate in balance.axis.candidates],
+            "radial_uncertainty_mm": data.radial_uncertainty,
+            "candidates": [_candidate(candidate) for candidate in axis.candidates],
         },
         "angles": "counter-clockwise seen from bearing B looking toward A, 0 at the zero mark, of the heavy spot",
         "rpm": service.rpm,
         "critical_rpm": service.critical_rpm,
         "run_up_rpm_per_s": service.run_up,
         "rigid": None
-        if balance.rigid is None
-        else {"ratio": balance.rigid.ratio, "level": balance.rigid.level, "text": balance.rigid.text},
-        "mass": initial.mass,
-        "z_mm": _MM * initial.z,
-        **_whole(balance, initial),
-        "class": initial.kind,
+        if data.rigid is None
+        else {"ratio": data.rigid.ratio, "level": data.rigid.level, "text": data.rigid.text},
+        "mass": data.initial.mass,
+        "z_mm": data.initial.z,
+        **_whole(data.initial),
+        "class": data.initial.kind,
         "principal_axis": {
-            "tilt_deg": math.degrees(balance.tilt.angle),
-            "direction_deg": math.degrees(balance.tilt.direction) % 360.0,
-            "bound_deg": math.degrees(balance.tilt.bound),
+            "tilt_deg": math.degrees(data.tilt.angle),
+            "direction_deg": math.degrees(data.tilt.direction) % 360.0,
+            "bound_deg": math.degrees(data.tilt.bound),
         },
         "tolerance": {
             "standard": tolerance.standard,
@@ -72,52 +73,69 @@ def balance_document(balance: Balance) -> Document:
                 for k in tolerance.shares
             ],
         },
-        "tolerance_planes": _tolerance_planes(balance, initial),
-        "correction_planes": [_plane(plane.id, plane.z, plane.initial, None, None) for plane in balance.planes],
-        "initial_verdict": balance.initial_verdict.outcome,
-        "verdict": balance.verdict.outcome,
-        "why": list(balance.verdict.why),
-        "corrections": [] if correction is None else [_operation(k) for k in correction.operations],
-        "correction": None
-        if correction is None
-        else {
-            "why": correction.why,
-            "within": correction.within,
-            "limits_hit": list(correction.limits_hit),
-            "cuts": correction.iterations,
-        },
+        **_by_plane(data, data.initial),
+        "initial_verdict": data.initial.outcome,
+        "verdict": data.outcome,
+        "why": list(data.verdict),
+        "corrections": [_operation(work) for work in data.operations],
+        "correction": {
+            "why": data.ending,
+            "within": data.within,
+            "limits_hit": list(data.limits_hit),
+            "cuts": data.cuts,
+        }
+        if data.corrected
+        else None,
         "residual": {
-            "mass": residual.mass,
-            "z_mm": _MM * residual.z,
-            **_whole(balance, residual),
-            "tolerance_planes": _tolerance_planes(balance, residual),
-            "correction_planes": [_plane(plane.id, plane.z, plane.residual, None, None) for plane in balance.planes],
+            "mass": data.residual.mass,
+            "z_mm": data.residual.z,
+            **_whole(data.residual),
+            **_by_plane(data, data.residual),
         },
-        "scatter": _scatter(balance),
-        "notes": list(balance.notes),
+        "scatter": _scatter(data),
+        "notes": list(data.notes),
     }
 
 
+def balance_csv(data: ReportData) -> str:
+    """Return two tables with a line of names each, an empty line between them: planes before and after, operations."""
+    text = io.StringIO()
+    rows = csv.writer(text, lineterminator="\n")
+    rows.writerow(_PLANES)
+    for state in (data.initial, data.residual):
+        for plane in (entry for entries in _by_plane(data, state).values() for entry in entries):
+            rows.writerow(_row(_PLANES, {"state": state.name, "plane": plane["id"]} | plane))
+    rows.writerow([])
+    rows.writerow(_OPERATIONS)
+    for work in data.operations:
+        rows.writerow(_row(_OPERATIONS, _operation(work)))
+    return text.getvalue()
+
+
+def _row(names: tuple[str, ...], entry: Document) -> list[object]:
+    flat = entry | {f"unbalance_{key}": value for key, value in entry["unbalance"].items()}
+    return [flat[name] for name in names]
+
+
 def _mm(values: list[float]) -> list[float]:
-    return [_MM * value for value in values]
+    return [MM * value for value in values]
 
 
 def _vector(value: complex) -> Document:
     return {"gmm": in_gmm(value), "deg": in_degrees(value)}
 
 
-def _body(body: RotorBody) -> Document:
-    source, found = body.part.source, body.analysis
+def _body(body: BodyRow) -> Document:
     return {
         "name": body.name,
-        "path": source.path,
-        "sha256": source.sha256,
-        "unit": body.part.unit.name,
+        "path": body.path,
+        "sha256": body.sha256,
+        "unit": body.unit,
         "density": body.density,
-        "density_from": found.density_from,
-        "mass": found.properties.mass,
-        "triangles": found.triangles,
-        "chord_tolerance_mm": _MM * body.chord,
+        "density_from": body.density_from,
+        "mass": body.mass,
+        "triangles": body.triangles,
+        "chord_tolerance_mm": body.chord,
         "chord_from": body.chord_from,
     }
 
@@ -129,73 +147,77 @@ def _candidate(candidate: Candidate) -> Document:
         "bearing_b_mm": _mm(candidate.bearing_b.tolist()),
         "radii_mm": _mm(list(candidate.radii)),
         "coverage": candidate.coverage,
-        "rms_mm": _MM * candidate.rms,
-        "uncertainty_mm": _MM * candidate.uncertainty,
+        "rms_mm": MM * candidate.rms,
+        "uncertainty_mm": MM * candidate.uncertainty,
     }
 
 
-def _whole(balance: Balance, unbalance: Unbalance) -> Document:
-    couple = unbalance.couple
+def _whole(state: State) -> Document:
+    couple = state.couple_about_center
     return {
-        "static_unbalance": _vector(unbalance.static),
+        "static_unbalance": _vector(state.static),
         "couple_unbalance": {"gmm2": abs(couple) / GRAM_SQUARE_MILLIMETRE, "deg": in_degrees(couple)},
-        "static_bound_gmm": in_gmm(unbalance.static_bound),
-        "couple_bound_gmm2": unbalance.couple_bound / GRAM_SQUARE_MILLIMETRE,
-        "specific_unbalance_um": 1e6 * unbalance.eccentricity,
-        "achieved_grade_mm_s": balance.achieved_grade(unbalance),
-        "axle_torque_Nm": abs(balance.torque(unbalance)),
+        "static_bound_gmm": in_gmm(math.fsum(state.static_bounds.values())),
+        "couple_bound_gmm2": math.fsum(state.couple_bounds.values()) / GRAM_SQUARE_MILLIMETRE,
+        "specific_unbalance_um": state.eccentricity,
+        "achieved_grade_mm_s": state.grade,
+        "axle_torque_Nm": state.torque,
+    }
+
+
+def _by_plane(data: ReportData, state: State) -> dict[str, list[Document]]:
+    return {
+        "tolerance_planes": [
+            _plane(bearing.name, bearing.z, state.bearings[k], in_gmm(bearing.permissible), state.forces[k])
+            | {
+                "running_up_force_N": state.forces_running_up[k],
+                "uncertainty_gmm": {source: in_gmm(bound) for source, bound in state.bearing_bounds[k].items()},
+            }
+            for k, bearing in enumerate(data.bearings)
+        ],
+        "correction_planes": [
+            _plane(plane.id, plane.z, vector, None, None)
+            for plane, vector in zip(data.planes, state.planes, strict=True)
+        ],
     }
 
 
 def _plane(name: str, z: float, unbalance: complex, permissible: float | None, force: float | None) -> Document:
     return {
         "id": name,
-        "z_mm": _MM * z,
+        "z_mm": z,
         "unbalance": _vector(unbalance),
-        "permissible_gmm": None if permissible is None else in_gmm(permissible),
+        "permissible_gmm": permissible,
         "bearing_force_N": force,
     }
 
 
-def _tolerance_planes(balance: Balance, unbalance: Unbalance) -> list[Document]:
-    at = balance.tolerance_planes
-    vectors, forces = unbalance.in_planes(*at), balance.forces(unbalance)
-    starting, bounds = balance.forces_running_up(unbalance), unbalance.bounds_in_planes(at)
-    return [
-        _plane(name, at[k], vectors[k], balance.tolerance.permissible[k], abs(forces[k]))
-        | {
-            "running_up_force_N": abs(starting[k]),
-            "uncertainty_gmm": {source: in_gmm(bound) for source, bound in bounds[k].items()},
-        }
-        for k, name in enumerate("AB")
-    ]
-
-
-def _operation(work: Operation) -> Document:
-    lengths = ("tool_diameter", "depth", "width", "remaining_wall")
+def _operation(work: OperationRow) -> Document:
     return {
         "id": work.id,
         "plane": work.plane,
         "method": work.method,
         "kind": work.kind,
-        "z_mm": _MM * work.z,
-        "angle_deg": math.degrees(work.angle),
-        "radius_mm": _MM * work.radius,
-        "mass_g": 1e3 * work.mass,
+        "z_mm": work.z,
+        "angle_deg": work.angle,
+        "radius_mm": work.radius,
+        "mass_g": work.mass,
         "unbalance": _vector(work.unbalance),
-        **{f"{name}_mm": None if (value := getattr(work, name)) is None else _MM * value for name in lengths},
-        "point_angle_deg": None if work.point_angle is None else math.degrees(work.point_angle),
+        "tool_diameter_mm": work.diameter,
+        "depth_mm": work.depth,
+        "width_mm": work.width,
+        "remaining_wall_mm": work.wall,
+        "point_angle_deg": work.point,
         "pieces": work.pieces,
         "item": work.item,
     }
 
 
-def _scatter(balance: Balance) -> Document:
-    found = balance.scatter
+def _scatter(data: ReportData) -> Document:
     return {
-        "draws": found.draws,
-        "residual_95_gmm": (found.residual_95 / GRAM_MILLIMETRE).tolist(),
-        "within": found.within,
+        "draws": data.scatter.draws,
+        "residual_95_gmm": [in_gmm(bearing.residual_95) for bearing in data.bearings],
+        "within": data.scatter.within,
         "sensitivities": [
             {
                 "name": line.name,
@@ -203,6 +225,6 @@ def _scatter(balance: Balance) -> Document:
                 "per_step_gmm": (line.per_step / GRAM_MILLIMETRE).tolist(),
                 "share": line.share.tolist(),
             }
-            for line in found.sensitivities
+            for line in data.scatter.sensitivities
         ],
     }

@@ -1,4 +1,4 @@
-"""`Balance` → one HTML file that needs nothing else: no network, no script; it prints to A4 as three pages.
+"""`ReportData` → one HTML file that needs nothing else: no network, no script; it prints to A4 as three pages.
 
 Page 1 says what was judged and how, page 2 the figures, page 3 what the shop does. A long list of operations goes on
 over further pages, with its head repeated.
@@ -6,15 +6,28 @@ over further pages, with its head repeated.
 
 from __future__ import annotations
 
+import math
 import os
+from collections.abc import Iterator, Mapping
+from pathlib import Path
 
 from markupsafe import Markup
 
+from inertia.arrays import Float
+from inertia.balancing.bounds import Source
+from inertia.balancing.shop_units import (
+    GRAM_MILLIMETRE,
+    GRAM_SQUARE_MILLIMETRE,
+    INCH,
+    OUNCE_INCH,
+    in_degrees,
+    in_gmm,
+)
+from inertia.balancing.tolerance import Share
 from inertia.output import require_writable, write_whole
-from inertia.report import numerals
-from inertia.report.balance.sheet import ReportData
-from inertia.report.balance.words import TURNS
-from inertia.report.numerals import rectangular
+from inertia.report.balance.data import KINDS, MM, TURNS, BodyRow, OperationRow, PlaneRow, ReportData
+from inertia.report.numerals import fixed, plain, significant
+from inertia.report.svg.canvas import rectangular
 from inertia.report.svg.convention import convention
 from inertia.report.svg.polar import STYLES, Arrow, Mark, key, polar
 from inertia.report.svg.sketch import sketch
@@ -22,7 +35,17 @@ from inertia.report.svg.strip import strip
 
 _IN_LINE = 3  # correction planes that the table has room for
 _LISTED = 8  # lines of the sensitivity table
-_SIGN = {"ADD": 1, "REMOVE": -1}
+_LEAST_SHARE = 5e-4  # of the variance: below it an input does not matter
+_SIGN = {"add": 1, "remove": -1}
+_METHODS = {
+    "add": "masses added",
+    "remove": "masses removed",
+    "drill_radial": "radial holes",
+    "drill_axial": "axial holes",
+    "mill": "milled flats",
+    "kit": "weights of a kit",
+}
+_KEYS = {"H": "half key", "F": "full key", "N": "no key"}
 
 
 def balance_html(data: ReportData) -> str:
@@ -42,25 +65,40 @@ def balance_html(data: ReportData) -> str:
         undefined=jinja2.StrictUndefined,
     )
     environment.filters.update(
-        significant=numerals.significant,
-        fixed=numerals.fixed,
-        plain=numerals.plain,
-        degrees=numerals.degrees,
-        magnitude=lambda value: numerals.significant(abs(value)),
-        ounces=numerals.ounce_inches,
-        ounces2=numerals.ounce_square_inches,
+        significant=significant,
+        fixed=fixed,
+        plain=plain,
+        magnitude=lambda value: significant(abs(value)),
+        degrees=degrees,
+        gmm=lambda value: significant(in_gmm(value)),
+        gmm2=lambda value: significant(abs(value) / GRAM_SQUARE_MILLIMETRE),
+        ounces=ounce_inches,
+        ounces2=lambda value: significant(abs(value) / (OUNCE_INCH * INCH), 4, 4),
+        file_name=_file_name,
+        share=_share,
+        tool=_tool,
+        what=_what,
     )
+    sensitivities = [line for line in data.scatter.sensitivities if line.share.max() > _LEAST_SHARE]
     return environment.get_template("balance.html.j2").render(
         data=data,
-        rotation=TURNS[data.rotation],
-        convention=convention(data.rotation),
-        sketch=sketch(data.outline, data.center, data.bearings, data.planes),
+        rotor_facts=list(_rotor_facts(data)),
+        service_facts=list(_service_facts(data)),
+        zero_mark=f"toward ({_listed(data.zero_mark)}) of the part's axes",
+        notes=list(_notes(data)),
+        uncertainties=[_total(bounds) for bounds in data.residual.bearing_bounds],
+        faces={plane.id: _face(plane) for plane in data.planes},
+        no_operation=data.ending if data.corrected else "no plane has a method of correction",
+        sensitivities=sensitivities[:_LISTED],
+        unlisted=len(sensitivities[_LISTED:]),
+        rotation=TURNS[data.axis.shaft.rotation],
+        convention=convention(data.axis.shaft.rotation),
+        sketch=sketch(data.outline, data.initial.z, data.bearings, data.planes),
         plots=_plots(data),
         keys={style: key(style) for style in STYLES},
         strip=strip(data.planes, data.operations),
         in_line=0 < len(data.planes) <= _IN_LINE,
         forbidden=any(plane.forbidden for plane in data.planes),
-        listed=_LISTED,
     )
 
 
@@ -79,6 +117,123 @@ def save_balance_html(data: ReportData, path: str | os.PathLike[str], *, force: 
     write_whole(file, balance_html(data).encode("utf-8", "replace"))
 
 
+def degrees(vector: complex) -> str:
+    """Return the angle of a vector, to 0.1°.
+
+    >>> degrees(-1j), degrees(1 - 1e-9j)
+    ('270.0°', '0.0°')
+    """
+    return f"{round(in_degrees(vector), 1) % 360.0:.1f}°"
+
+
+def ounce_inches(unbalance: complex) -> str:
+    """Return an unbalance (kg m) as oz·in.
+
+    >>> ounce_inches(720.0778862e-6)
+    '1.000'
+    """
+    return significant(abs(unbalance) / OUNCE_INCH, 4, 5)
+
+
+def _rotor_facts(data: ReportData) -> Iterator[tuple[str, str]]:
+    """Yield what is said about the rotor: (label, text)."""
+    head, tilt = data.head, data.tilt
+    yield "Part", data.part
+    yield "Serial", head.serial or ""
+    yield "Revision", head.revision or ""
+    if head.customer:
+        yield "Customer", head.customer
+    if head.remark:
+        yield "Remark", head.remark
+    yield "Mass", f"{plain(data.initial.mass, 4)} kg"
+    yield "Centre of mass", f"z = {plain(data.initial.z, 3)} mm"
+    if tilt.certain:
+        leans = math.degrees(tilt.direction) % 360.0
+        yield "Principal axis", f"{fixed(math.degrees(tilt.angle), 3)}° from the shaft, toward {fixed(leans, 1)}°"
+    yield "Unbalance", f"{data.initial.kind} before, {data.residual.kind} after"
+
+
+def _service_facts(data: ReportData) -> Iterator[tuple[str, str]]:
+    """Yield what is said about axis, speed and limits: (label, text)."""
+    shaft, service, radius = data.axis.shaft, data.service, data.radial_uncertainty
+    yield "Axis", data.axis.obtained
+    for bearing, point in zip(data.bearings, (shaft.bearing_a, shaft.bearing_b), strict=True):
+        yield f"Bearing {bearing.name}", f"({_listed(MM * point)}) mm; z = {plain(bearing.z, 3)} mm"
+    yield "Known to", f"{plain(radius, 4)} mm about each bearing centre" if radius else "taken as exact"
+    yield "Key convention", "; ".join(_keys(data)) or "no keys"
+    yield "Speed", f"{plain(service.rpm, 2)} r/min"
+    if service.run_up is not None:
+        a, b = map(significant, data.residual.forces_running_up)
+        yield "Running up", f"{plain(service.run_up, 2)} (r/min)/s; {a} N on A, {b} N on B after correction"
+    yield "Critical speed", "not given; the rotor counts as rigid" if data.rigid is None else data.rigid.text
+
+
+def _keys(data: ReportData) -> Iterator[str]:
+    for shaft_key in data.keys:
+        where = f"z {plain(MM * data.metres * shaft_key.z, 2)} mm, {plain(shaft_key.angle % 360.0, 1)}°"
+        yield f"{shaft_key.convention} ({_KEYS[shaft_key.convention]}, ISO 21940-32) at {where}"
+
+
+def _notes(data: ReportData) -> Iterator[str]:
+    yield from data.notes
+    if data.corrected:
+        yield f"correction: {data.ending}"
+    if data.scatter.within is not None:
+        share = plain(100.0 * data.scatter.within, 2)
+        yield (
+            f"{share} % of {data.scatter.draws} draws over axis, tessellation, densities and the shop's tolerances "
+            "stay within what is permissible"
+        )
+    for candidate in data.axis.candidates:
+        a, b = (_listed(MM * point) for point in (candidate.bearing_a, candidate.bearing_b))
+        yield (
+            f"candidate for the axis, to be confirmed: A ({a}), B ({b}) mm, {candidate.where}, radii "
+            f"{' and '.join(plain(MM * k, 3) for k in candidate.radii)} mm"
+        )
+
+
+def _file_name(body: BodyRow) -> str:
+    """Return the name of a body, and that of its file where it is another."""
+    file = "" if body.path is None else Path(body.path).name
+    return body.name if Path(body.name).name == file or not file else f"{body.name} ({file})"
+
+
+def _share(share: Share | None) -> str:
+    if share is None:
+        return "–"
+    limits = f"{share.limits[0]:g}–{share.limits[1]:g}"
+    if share.clamped:
+        return f"{share.allocated:.3f} → {share.used:.3f}, clamped to {limits}"
+    return f"{share.allocated:.3f}, {limits} allowed"
+
+
+def _what(plane: PlaneRow) -> str:
+    """Return how a plane is corrected."""
+    return f"{_METHODS[plane.method or '']} at radius {plain(plane.radius or 0.0, 2)} mm"
+
+
+def _face(plane: PlaneRow) -> str:
+    """Return the face that the tools of a plane enter."""
+    if plane.method == "drill_axial":
+        return "to A" if plane.face == "a" else "to B"
+    return "outside" if plane.method in ("drill_radial", "mill") else "–"
+
+
+def _tool(work: OperationRow) -> str:
+    if work.item is not None:
+        return f"{work.pieces} × {work.item}"
+    width = "" if work.width is None else f", {plain(work.width, 2)} mm wide"
+    return f"{KINDS[work.kind]}{width}"
+
+
+def _total(bounds: Mapping[Source, float]) -> float:
+    return math.fsum(bounds.values())
+
+
+def _listed(values: Float) -> str:
+    return ", ".join(plain(value, 4) for value in values.tolist())
+
+
 def _plots(data: ReportData) -> list[Markup | None]:
     """Return the plots row by row, three a row: those of a tolerance plane, and beside and below correction planes."""
     beside: list[Markup | None] = [_of_plane(data, number) for number in range(len(data.planes))]
@@ -88,21 +243,21 @@ def _plots(data: ReportData) -> list[Markup | None]:
 
 def _of_bearing(data: ReportData, number: int) -> tuple[Markup, Markup]:
     """Return a tolerance plane before and after, and what is left at the scale of the tolerance."""
-    bearing, (initial, _, residual) = data.bearings[number], data.states
-    limit = bearing.permissible
-    before = Arrow(initial.bearings[number], "before")
-    after = Arrow(residual.bearings[number], "after", bearing.uncertainty)
+    bearing = data.bearings[number]
+    limit, uncertainty = in_gmm(bearing.permissible), in_gmm(_total(data.residual.bearing_bounds[number]))
+    before = Arrow(data.initial.bearings[number] / GRAM_MILLIMETRE, "before")
+    after = Arrow(data.residual.bearings[number] / GRAM_MILLIMETRE, "after", uncertainty)
     return (
         polar(f"{bearing.name}, before and after", [before, after], tolerance=limit),
-        polar(f"{bearing.name}, what is left", [after], tolerance=limit, scatter=bearing.residual_95),
+        polar(f"{bearing.name}, what is left", [after], tolerance=limit, scatter=in_gmm(bearing.residual_95)),
     )
 
 
 def _of_plane(data: ReportData, number: int) -> Markup:
     """Return a correction plane: what is there, what its operations add, and where on the rim they are."""
     plane = data.planes[number]
-    works = [work for work in data.operations if work.plane == plane.id]
-    added = sum((_SIGN[work.method] * rectangular(work.unbalance, work.angle) for work in works), 0j)
-    arrows = [Arrow(data.states[0].planes[number], "before"), Arrow(added, "correction")]
-    marks = [Mark(work.angle, work.method == "ADD") for work in works]
+    operations = [work for work in data.operations if work.plane == plane.id]
+    added = sum((_SIGN[work.method] * rectangular(in_gmm(work.unbalance), work.angle) for work in operations), 0j)
+    arrows = [Arrow(data.initial.planes[number] / GRAM_MILLIMETRE, "before"), Arrow(added, "correction")]
+    marks = [Mark(work.angle, work.method == "add") for work in operations]
     return polar(f"plane {plane.id}, correction", arrows, marks=marks)

@@ -5,6 +5,7 @@ Colours and line styles are classes of the report's style sheet; they differ in 
 
 from __future__ import annotations
 
+import cmath
 import math
 from collections.abc import Iterable
 from xml.etree.ElementTree import Element, SubElement, tostring
@@ -73,6 +74,11 @@ class Canvas:
         left = (neck[0] - wide * along[1], neck[1] + wide * along[0])
         right = (neck[0] + wide * along[1], neck[1] - wide * along[0])
         self.polygon([end, left, right], f"{style} head")
+
+
+def rectangular(magnitude: float, angle: float) -> complex:
+    """Return the vector of a magnitude at an angle in degrees."""
+    return cmath.rect(magnitude, math.radians(angle))
 
 
 def text_width(text: str, size: float) -> float:

@@ -6,9 +6,8 @@ from typing import Literal
 
 from markupsafe import Markup
 
-from inertia.report.balance.words import TURNS
-from inertia.report.numerals import rectangular
-from inertia.report.svg.canvas import Canvas, Point
+from inertia.report.balance.data import TURNS
+from inertia.report.svg.canvas import Canvas, Point, rectangular
 
 _WIDTH, _HEIGHT = 41.0, 23.5
 _CENTER = (17.5, 13.2)

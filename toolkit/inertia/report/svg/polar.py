@@ -10,8 +10,7 @@ from typing import Literal
 
 from markupsafe import Markup
 
-from inertia.report.numerals import rectangular
-from inertia.report.svg.canvas import Canvas, Point
+from inertia.report.svg.canvas import Canvas, Point, rectangular
 
 _WIDTH, _HEIGHT = 61.0, 60.0
 _CENTER = (30.5, 32.5)

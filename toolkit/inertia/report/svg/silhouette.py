@@ -12,11 +12,11 @@ from inertia.mesh.part import Part
 
 _PLACES = 1000
 _STRAIGHT = 1e-4  # of the largest radius
-_AT_ONCE = 20_000  # triangles
-_MOST_SAMPLES = 2_000_000
 
 
-def silhouette(parts: Iterable[Part], shaft: Shaft) -> Float:
+def silhouette(
+    parts: Iterable[Part], shaft: Shaft, *, triangles_at_once: int = 20_000, samples_at_once: int = 2_000_000
+) -> Float:
     """Return the outline (n, 2) m of bodies on a shaft: z and the largest radius there.
 
     Along an edge the radius is convex in z: taking it as straight shows none too small. Points on a straight line
@@ -26,36 +26,37 @@ def silhouette(parts: Iterable[Part], shaft: Shaft) -> Float:
     ----------
     parts : in part axes
     shaft : in part axes
+    triangles_at_once, samples_at_once : how many are in memory together
     """
     surfaces = list(parts)
-    spans = [(z.min(), z.max()) for part in surfaces for z, _ in _edges(part, shaft)]
+    spans = [(z.min(), z.max()) for part in surfaces for z, _ in _edges(part, shaft, triangles_at_once)]
     low, high = min(k for k, _ in spans), max(k for _, k in spans)
     largest = np.zeros(_PLACES)
     width = (high - low) / _PLACES
     for part in surfaces:
-        for z, radius in _edges(part, shaft):
-            _raise(largest, (z - low) / width, radius)
+        for z, radius in _edges(part, shaft, triangles_at_once):
+            _raise(largest, (z - low) / width, radius, samples_at_once)
     outline: Float = np.column_stack([low + width * (np.arange(_PLACES) + 0.5), largest])
     outline[[0, -1], 0] = low, high
     bends = np.abs(np.diff(largest, 2)) > _STRAIGHT * largest.max()
-    kept: Float = outline[np.concatenate([[True], bends, [True]])]
-    return kept
+    corners: Float = outline[np.concatenate([[True], bends, [True]])]
+    return corners
 
 
-def _edges(part: Part, shaft: Shaft) -> Iterable[tuple[Float, Float]]:
+def _edges(part: Part, shaft: Shaft, at_once: int) -> Iterable[tuple[Float, Float]]:
     """Yield z and radius (m, 2) m of the ends of the edges of a part."""
     metres, triangles = float(part.unit.metres), part.triangles
-    for start in range(0, triangles.count, _AT_ONCE):
-        corners = shaft.to_shaft(metres * triangles.corners(start, start + _AT_ONCE))
+    for start in range(0, triangles.count, at_once):
+        corners = shaft.to_shaft(metres * triangles.corners(start, start + at_once))
         radius = np.hypot(corners[..., 0], corners[..., 1])
         ends = [[0, 1], [1, 2], [2, 0]]
         yield corners[..., 2][:, ends].reshape(-1, 2), radius[:, ends].reshape(-1, 2)
 
 
-def _raise(largest: Float, place: Float, radius: Float) -> None:
+def _raise(largest: Float, place: Float, radius: Float, at_once: int) -> None:
     """Raise the largest radii to those along edges; `place` (m, 2) is counted in samples."""
     count = np.ceil(np.abs(place[:, 1] - place[:, 0])).astype(np.int64) + 1
-    for few in np.array_split(np.arange(len(count)), 1 + int(count.sum()) // _MOST_SAMPLES):
+    for few in np.array_split(np.arange(len(count)), 1 + int(count.sum()) // at_once):
         number = count[few]
         edge = np.repeat(few, number)
         step = np.arange(len(edge)) - np.repeat(np.cumsum(number) - number, number)

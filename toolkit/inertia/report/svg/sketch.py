@@ -9,7 +9,7 @@ import numpy as np
 from markupsafe import Markup
 
 from inertia.arrays import Float
-from inertia.report.balance.sheet import BearingRow, PlaneRow
+from inertia.report.balance.data import BearingRow, PlaneRow
 from inertia.report.numerals import plain
 from inertia.report.svg.canvas import Canvas, levels, text_width
 

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 
 from markupsafe import Markup
 
-from inertia.report.balance.sheet import OperationRow, PlaneRow
+from inertia.report.balance.data import OperationRow, PlaneRow
 from inertia.report.numerals import fixed, plain
 from inertia.report.svg.canvas import Canvas, levels, text_width
 
@@ -90,7 +90,7 @@ def _lane(canvas: Canvas, plane: PlaneRow, labels: Sequence[_Label], top: float,
         work = label.operation
         wide = math.degrees((work.diameter or 0.0) / work.radius) * (_x(1) - _x(0))
         radius = min(max(0.5 * wide, 0.9), 0.5 * _LARGEST)
-        canvas.circle((_x(work.angle), top + 4.5), radius, "added" if work.method == "ADD" else "removed")
+        canvas.circle((_x(work.angle), top + 4.5), radius, "added" if work.method == "add" else "removed")
         place = (label.x, top + height - 1.0 - _LEVEL * label.level)
         canvas.text(place, label.text, size=_TEXT, style="halo")
 
