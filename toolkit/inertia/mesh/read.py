@@ -1,9 +1,10 @@
 """`read`: a file becomes a `Part`.
 
-Surfaces and Gmsh have readers here, one module a format; the other meshes of cells go through meshio. trimesh
-would read the surfaces too, but (5.2) it passes in silence over what is missing from a text STL, OFF or PLY
-file that was cut short, over the line that a negative OBJ index counts from, over instances in nested 3MF
-assemblies and over sparse glTF positions; each of these gives another body.
+Surfaces and Gmsh have readers here, one module a format; scenes in XML go through trimesh, the other meshes of cells
+through meshio, each behind guards. trimesh would read the surfaces too, but (5.2) it passes in silence over what is
+missing from a text STL, OFF or PLY file that was cut short, over the line that a negative OBJ index counts from, over
+instances in nested 3MF assemblies and over sparse glTF positions; each of these gives another body.
+`tests/mesh/readers/test_other_libraries.py` shows that it still does.
 """
 
 from __future__ import annotations

@@ -2,8 +2,8 @@
 
 The unit is the file's, to the last digit; the axes are the file's own (`up_axis` turns nothing). pycollada, which
 trimesh reads Collada with, rounds every number to float32; it is lent float64 instead. It also (0.9.3) turns NaN into
-zero, takes every list of positions for x, y, z without gaps, reads the first list of triangles alone, fills the holes
-of polygons, and takes the axis of a rotation for a unit vector, whatever it is.
+zero, takes every list of positions for x, y, z without gaps, reads the first list of triangles alone, passes over
+polygons with holes, and takes the axis of a rotation for a unit vector, whatever it is.
 Source: Khronos, "COLLADA Digital Asset Schema Release" 1.4.1 and 1.5.0, chapters 5 and 8.
 """
 
