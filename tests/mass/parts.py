@@ -65,29 +65,29 @@ def weighed(*pieces: tuple[Corners, Fraction | int], unit: Fraction | int = 1) -
     return sum((moments(corners).scaled(unit, unit, unit).weighted(rho) for corners, rho in pieces), NOTHING)
 
 
-def assert_within_bound(found: MassProperties, truth: Moments, volume: Fraction | None = None) -> None:
+def assert_within_bound(properties: MassProperties, truth: Moments, volume: Fraction | None = None) -> None:
     """Compare with exact moments of mass in kg and metres; nothing beyond the stated bound is forgiven."""
-    limit = found.error
+    limit = properties.error
     if volume is not None:
-        assert abs(Fraction(found.volume) - volume) <= Fraction(limit.volume) * abs(volume) * _SLACK
-    assert abs(Fraction(found.mass) - truth.volume) <= Fraction(limit.mass) * truth.volume * _SLACK
-    shift = [Fraction(a) - b for a, b in zip(found.center_of_mass.tolist(), truth.center_of_mass, strict=True)]
+        assert abs(Fraction(properties.volume) - volume) <= Fraction(limit.volume) * abs(volume) * _SLACK
+    assert abs(Fraction(properties.mass) - truth.volume) <= Fraction(limit.mass) * truth.volume * _SLACK
+    shift = [Fraction(a) - b for a, b in zip(properties.center_of_mass.tolist(), truth.center_of_mass, strict=True)]
     assert sum(d * d for d in shift) <= (Fraction(limit.center_of_mass) * _SLACK) ** 2
-    error, size = squares(found, truth)
+    error, size = squares(properties, truth)
     assert error <= (Fraction(limit.inertia) * _SLACK) ** 2 * size
 
 
 _SLACK = 1 + Fraction(1, 10**9)  # the bounds themselves are rounded
 
 
-def squares(found: MassProperties, truth: Moments) -> tuple[Fraction, Fraction]:
+def squares(properties: MassProperties, truth: Moments) -> tuple[Fraction, Fraction]:
     """Return the squares of the Frobenius norms of the tensor's error and of the true tensor."""
-    computed = [Fraction(value) for value in found.inertia.ravel().tolist()]
+    computed = [Fraction(value) for value in properties.inertia.ravel().tolist()]
     true = [value for row in truth.inertia for value in row]
     return sum((a - b) ** 2 for a, b in zip(computed, true, strict=True)), sum(b * b for b in true)
 
 
-def relative(found: MassProperties, truth: Moments) -> tuple[float, float]:
+def relative(properties: MassProperties, truth: Moments) -> tuple[float, float]:
     """Return the relative errors of the mass and of the tensor (Frobenius norm)."""
-    error, size = squares(found, truth)
-    return abs(float(Fraction(found.mass) / truth.volume - 1)), math.sqrt(error / size)
+    error, size = squares(properties, truth)
+    return abs(float(Fraction(properties.mass) / truth.volume - 1)), math.sqrt(error / size)

@@ -29,15 +29,17 @@ class TestSamples:
         about = SAMPLES[name]
         unit = float(length_unit(about["unit"]).metres)
         result = inertia.analyse(inertia.read(path(name)))
-        found, mesh = result.properties, about["mesh"]
-        assert found.volume == pytest.approx(unit**3 * mesh["volume"], rel=found.error.volume + ULP)
-        assert found.mass == pytest.approx(1000 * unit**3 * mesh["volume"], rel=found.error.mass + ULP)
+        properties, mesh = result.properties, about["mesh"]
+        assert properties.volume == pytest.approx(unit**3 * mesh["volume"], rel=properties.error.volume + ULP)
+        assert properties.mass == pytest.approx(1000 * unit**3 * mesh["volume"], rel=properties.error.mass + ULP)
         com = unit * np.array(mesh["center_of_mass"])
-        assert np.linalg.norm(found.center_of_mass - com) <= found.error.center_of_mass + ULP * np.linalg.norm(com)
+        assert np.linalg.norm(
+            properties.center_of_mass - com
+        ) <= properties.error.center_of_mass + ULP * np.linalg.norm(com)
         tensor = 1000 * unit**5 * np.array(mesh["inertia"])
-        off = np.linalg.norm(found.inertia - tensor)
-        assert off <= (found.error.inertia + 2 * ULP) * np.linalg.norm(tensor)
-        assert max(found.error.volume, found.error.mass, found.error.inertia) < 2e-10
+        off = np.linalg.norm(properties.inertia - tensor)
+        assert off <= (properties.error.inertia + 2 * ULP) * np.linalg.norm(tensor)
+        assert max(properties.error.volume, properties.error.mass, properties.error.inertia) < 2e-10
         assert (result.triangles, result.cells) == (about["triangles"], about.get("cells", 0))
 
     @pytest.mark.parametrize("name", SURFACES)
@@ -73,16 +75,16 @@ class TestSamples:
 
     def test_the_true_torus_is_as_far_as_its_tessellation(self):
         true = SAMPLES["torus.stl"]["closed_form"]
-        found = inertia.mass_properties(inertia.read(path("torus.stl")), 1.0)
-        assert found.volume == pytest.approx(true["volume"], rel=1e-2)
-        assert abs(found.volume / true["volume"] - 1) > 1e3 * found.error.volume
+        properties = inertia.mass_properties(inertia.read(path("torus.stl")), 1.0)
+        assert properties.volume == pytest.approx(true["volume"], rel=1e-2)
+        assert abs(properties.volume / true["volume"] - 1) > 1e3 * properties.error.volume
 
     def test_mass_properties_is_the_central_result(self):
         part = inertia.read(path("t_handle.stl"))
-        found, result = inertia.mass_properties(part, 7850.0), inertia.analyse(part, 7850.0)
-        assert found.mass == result.properties.mass
-        np.testing.assert_array_equal(found.inertia, result.properties.inertia)
-        np.testing.assert_array_equal(found.principal_moments, result.principal.moments)
+        properties, result = inertia.mass_properties(part, 7850.0), inertia.analyse(part, 7850.0)
+        assert properties.mass == result.properties.mass
+        np.testing.assert_array_equal(properties.inertia, result.properties.inertia)
+        np.testing.assert_array_equal(properties.principal_moments, result.principal.moments)
 
 
 BROKEN = {
@@ -198,14 +200,14 @@ class TestDensity:
 class TestAccuracy:
     def test_exact_is_correctly_rounded(self):
         part = inertia.read(path("t_handle.stl"))
-        found = inertia.mass_properties(part, 2700.0, accuracy="exact")
+        properties = inertia.mass_properties(part, 2700.0, accuracy="exact")
         truth = exact(part, 2700)
-        assert found.volume == float(truth.volume / 2700)
-        assert found.mass == float(truth.volume)
-        assert found.center_of_mass.tolist() == [float(x) for x in truth.center_of_mass]
-        assert found.inertia.tolist() == [[float(x) for x in row] for row in truth.inertia]
-        assert found.error.method == "exact (integer arithmetic)"
-        assert max(found.error.volume, found.error.mass, found.error.inertia) == 2.0**-53
+        assert properties.volume == float(truth.volume / 2700)
+        assert properties.mass == float(truth.volume)
+        assert properties.center_of_mass.tolist() == [float(x) for x in truth.center_of_mass]
+        assert properties.inertia.tolist() == [[float(x) for x in row] for row in truth.inertia]
+        assert properties.error.method == "exact (integer arithmetic)"
+        assert max(properties.error.volume, properties.error.mass, properties.error.inertia) == 2.0**-53
 
     @settings(deadline=None, max_examples=60)
     @given(st.lists(st.tuples(*[st.floats(-1e6, 1e6)] * 3), min_size=4, max_size=4))
@@ -217,10 +219,10 @@ class TestAccuracy:
         if abs(volume) < Fraction(1, 10**40) or len(set(points)) < 4:
             return
         part = surface(corners)
-        found = inertia.mass_properties(part, accuracy="exact")
+        properties = inertia.mass_properties(part, accuracy="exact")
         truth = exact(part)
-        assert found.mass == float(truth.volume)
-        assert found.inertia.tolist() == [[float(x) for x in row] for row in truth.inertia]
+        assert properties.mass == float(truth.volume)
+        assert properties.inertia.tolist() == [[float(x) for x in row] for row in truth.inertia]
 
     def test_an_accuracy_within_reach_is_met(self):
         part = inertia.read(path("sphere.stl"))
@@ -239,9 +241,9 @@ class TestAccuracy:
     def test_exact_runs_where_double_double_cannot_certify(self):
         needle = mapped(cube(), [[1, 0, 0], [0, 1e-40, 0], [0, 0, 1e-40]])
         slanted = mapped(needle, [[1, 2.0**-60, 0], [1, 1, 0], [0, 0, 1]])
-        found = inertia.mass_properties(surface(slanted), accuracy=1e-15)
-        assert found.error.method.startswith("exact")
-        assert found.volume == pytest.approx(float(exact(surface(slanted)).volume), rel=1e-15)
+        properties = inertia.mass_properties(surface(slanted), accuracy=1e-15)
+        assert properties.error.method.startswith("exact")
+        assert properties.volume == pytest.approx(float(exact(surface(slanted)).volume), rel=1e-15)
 
     def test_an_accuracy_out_of_reach_is_refused_with_what_was_reached(self):
         with pytest.raises(GeometryError, match=r"the bound reached by float64.* above .* 1e-15: ask for a larger"):
@@ -269,44 +271,44 @@ class TestFarAway:
 
     def test_float64(self):
         part = surface(moved(sphere(0.5, 24), 1e6, -2e6, 3e6))
-        found, truth = inertia.mass_properties(part), exact(part)
-        assert max(relative(found, truth)) <= 8 * ULP
-        assert_within_bound(found, truth)
-        assert max(found.error.volume, found.error.inertia) < 1e-12
+        properties, truth = inertia.mass_properties(part), exact(part)
+        assert max(relative(properties, truth)) <= 8 * ULP
+        assert_within_bound(properties, truth)
+        assert max(properties.error.volume, properties.error.inertia) < 1e-12
 
     def test_binary_stl(self):
         skew = mapped(cube(), [[1, 0.25, 0.125], [0, 1, 0.5], [0.0625, 0, 1]])
         part = facets(moved(skew, 1e6, -1e6, 5e5))
         np.testing.assert_array_equal(part.triangles.corners(), moved(skew, 1e6, -1e6, 5e5))
-        found, truth = inertia.mass_properties(part), exact(part)
-        assert max(relative(found, truth)) <= 8 * ULP
-        assert_within_bound(found, truth)
+        properties, truth = inertia.mass_properties(part), exact(part)
+        assert max(relative(properties, truth)) <= 8 * ULP
+        assert_within_bound(properties, truth)
 
     @settings(deadline=None, max_examples=40)
     @given(*[st.floats(-1e9, 1e9)] * 3)
     def test_the_tensor_is_that_of_the_stored_coordinates_wherever_they_are(self, x, y, z):
         part = surface(moved(mapped(cube(), [[3, 1, 0], [0, 2, 1], [1, 0, 4]]), x, y, z))
-        found, truth = inertia.mass_properties(part), exact(part)
-        assert_within_bound(found, truth)
-        assert max(relative(found, truth)) <= 16 * ULP
+        properties, truth = inertia.mass_properties(part), exact(part)
+        assert_within_bound(properties, truth)
+        assert max(relative(properties, truth)) <= 16 * ULP
 
 
 class TestUnitsAndScale:
     @pytest.mark.parametrize("unit", ["m", "mm", "in", "um", "km", "ft"])
     def test_a_unit_is_an_exact_rational(self, unit):
         part = surface(mapped(cube(3, 1, 2), [[1, 0.1, 0.3], [0, 1, 0.7], [0.2, 0, 1]]), unit=unit)
-        found, truth = inertia.mass_properties(part, 7850, accuracy="exact"), exact(part, 7850)
-        assert found.mass == float(truth.volume)
-        assert found.center_of_mass.tolist() == [float(x) for x in truth.center_of_mass]
-        assert found.inertia.tolist() == [[float(x) for x in row] for row in truth.inertia]
+        properties, truth = inertia.mass_properties(part, 7850, accuracy="exact"), exact(part, 7850)
+        assert properties.mass == float(truth.volume)
+        assert properties.center_of_mass.tolist() == [float(x) for x in truth.center_of_mass]
+        assert properties.inertia.tolist() == [[float(x) for x in row] for row in truth.inertia]
         assert_within_bound(inertia.mass_properties(part, 7850), truth)
 
     @pytest.mark.parametrize("scale", [1e-12, 1e12, 2.0**-130, 2.0**130])
     def test_no_scale_costs_a_digit(self, scale):
         part = surface(moved(sphere(1, 16), 0.3, 0.5, 0.7) * [1, 2, 3] * scale)
-        found, truth = inertia.mass_properties(part), exact(part)
-        assert max(relative(found, truth)) <= 8 * ULP
-        assert_within_bound(found, truth)
+        properties, truth = inertia.mass_properties(part), exact(part)
+        assert max(relative(properties, truth)) <= 8 * ULP
+        assert_within_bound(properties, truth)
 
     def test_a_power_of_two_changes_no_digit(self):
         corners = moved(sphere(1, 16), 0.3, 0.5, 0.7)
@@ -354,9 +356,9 @@ def test_tessellations_converge_with_the_square_of_their_size(shape):
     errors = []
     for n in (32, 64, 128):
         corners, (mass, across, along) = shape(n)
-        found = inertia.mass_properties(surface(corners), 1.0)
+        properties = inertia.mass_properties(surface(corners), 1.0)
         tensor = np.diag([across, across, along])
-        errors.append([abs(found.mass - mass), np.linalg.norm(found.inertia - tensor)])
+        errors.append([abs(properties.mass - mass), np.linalg.norm(properties.inertia - tensor)])
     slopes = np.log2(np.array(errors)[:-1] / np.array(errors)[1:])
     np.testing.assert_allclose(slopes, 2, atol=0.03)
 
@@ -397,19 +399,19 @@ class TestOptions:
 
     @pytest.mark.parametrize("options", [{}, {"accuracy": "exact"}, {"shell": 1.0}])
     def test_progress_grows_to_one(self, options):
-        seen = []
-        inertia.analyse(surface(sphere(1, 150)), progress=seen.append, **options)
-        assert len(seen) > 1
-        assert seen == sorted(set(seen))
-        assert seen[0] > 0
-        assert seen[-1] == 1.0
+        fractions = []
+        inertia.analyse(surface(sphere(1, 150)), progress=fractions.append, **options)
+        assert len(fractions) > 1
+        assert fractions == sorted(set(fractions))
+        assert fractions[0] > 0
+        assert fractions[-1] == 1.0
 
     def test_progress_of_cells_and_wires_ends_at_one(self):
         for kind, options in (("tetra", {}), ("line", {"wire": 1.0})):
-            seen = []
+            fractions = []
             nodes = [[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]][: 4 if kind == "tetra" else 2]
-            inertia.analyse(cells(kind, nodes), progress=seen.append, **options)
-            assert seen[-1] == 1.0
+            inertia.analyse(cells(kind, nodes), progress=fractions.append, **options)
+            assert fractions[-1] == 1.0
 
     def test_notes_of_the_file_are_kept(self):
         part = inertia.repair(surface(cube()[1:])).part

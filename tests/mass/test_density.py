@@ -28,9 +28,9 @@ from inertia.mass.materials import DENSITIES, density_of
 def test_what_was_said_is_what_is_taken(
     said: dict, default: float | None, named: dict[str, float], source: str
 ) -> None:
-    found = densities(**said)
-    assert (found.default, dict(found.named), found.source) == (default, named, source)
-    assert found.mass == said.get("mass")
+    table = densities(**said)
+    assert (table.default, dict(table.named), table.source) == (default, named, source)
+    assert table.mass == said.get("mass")
 
 
 def test_nobody_said_means_water() -> None:
@@ -72,8 +72,8 @@ def test_a_contradiction_is_refused(said: dict, match: str) -> None:
 
 
 def test_a_name_takes_its_own_density_or_the_rest() -> None:
-    chosen = Densities(7.0, {"a": 5.0}, "option")
-    assert (chosen.of("a"), chosen.of("b")) == (5.0, 7.0)
+    table = Densities(7.0, {"a": 5.0}, "option")
+    assert (table.of("a"), table.of("b")) == (5.0, 7.0)
 
 
 def test_a_name_without_density_is_refused() -> None:

@@ -16,14 +16,14 @@ seeds = st.integers(0, 2**32 - 1)
 TINY = F(1, 10**70)
 
 
-def assert_bounded(found: Spectrum, values: list[Fraction], axes: Rows | None = None) -> None:
+def assert_bounded(decomposition: Spectrum, values: list[Fraction], axes: Rows | None = None) -> None:
     slack = TINY * max(abs(k) for k in values)  # of the oracle
-    for value, bound, true in zip(found.values, found.value_bounds, values, strict=True):
+    for value, bound, true in zip(decomposition.values, decomposition.value_bounds, values, strict=True):
         assert abs(value - true) <= bound + slack
     if axes is not None:
-        for k, sine in enumerate(found.sines):
+        for k, sine in enumerate(decomposition.sines):
             if sine < 1:
-                assert angle(found.vectors[:, k], [row[k] for row in axes]) <= np.arcsin(float(sine)) + 2.0**-52
+                assert angle(decomposition.vectors[:, k], [row[k] for row in axes]) <= np.arcsin(float(sine)) + 2.0**-52
 
 
 @settings(deadline=None, max_examples=150)
@@ -35,13 +35,13 @@ def assert_bounded(found: Spectrum, values: list[Fraction], axes: Rows | None = 
 def test_exact_matrices_are_diagonalised_to_sixty_digits(seed: int, moments: list[Fraction], scale: Fraction) -> None:
     values = sorted(scale * k for k in moments)
     axes = frame(seed)
-    found = spectrum(turned(values, axes), NONE, F(0))
-    assert_bounded(found, values, axes)
-    assert max(found.value_bounds) <= values[2] / 2**100 + F(1, 2**300)
+    decomposition = spectrum(turned(values, axes), NONE, F(0))
+    assert_bounded(decomposition, values, axes)
+    assert max(decomposition.value_bounds) <= values[2] / 2**100 + F(1, 2**300)
     # The elements of 10⁻⁶ and more that these moments have are told apart.
     for k in range(3):
         gap = min(abs(values[k] - values[j]) for j in range(3) if j != k)
-        assert (found.sines[k] < F(1, 10**15)) == (gap > 0)
+        assert (decomposition.sines[k] < F(1, 10**15)) == (gap > 0)
 
 
 @settings(deadline=None, max_examples=150)
@@ -86,10 +86,10 @@ def test_bounds_of_single_elements_hold_for_graded_matrices(
     signs = signs + np.triu(signs, 1).T
     matrix = [[true[i][j] + limits[i][j] * F(signs[i, j]) for j in range(3)] for i in range(3)]
     norm = sum((k for row in limits for k in row), F(0))
-    found = spectrum(matrix, limits, norm)
-    assert_bounded(found, values, base)
+    decomposition = spectrum(matrix, limits, norm)
+    assert_bounded(decomposition, values, base)
     if not askew and power < -3:
-        assert found.value_bounds[0] <= 10 * F(10.0**power) * values[0]
+        assert decomposition.value_bounds[0] <= 10 * F(10.0**power) * values[0]
 
 
 @settings(deadline=None, max_examples=60)
@@ -98,30 +98,30 @@ def test_any_matrix_agrees_with_eighty_digits(seed: int) -> None:
     rng = np.random.default_rng(seed)
     a = rng.normal(size=(3, 3)) * 10.0 ** rng.uniform(-12, 0, (3, 3))
     rows = [[F(k) for k in row] for row in (a + a.T).tolist()]
-    found = spectrum(rows, NONE, F(0))
-    assert_bounded(found, eigenvalues(rows))
-    assert max(found.value_bounds) <= F(1, 2**55) * max(abs(k) for k in found.values)
+    decomposition = spectrum(rows, NONE, F(0))
+    assert_bounded(decomposition, eigenvalues(rows))
+    assert max(decomposition.value_bounds) <= F(1, 2**55) * max(abs(k) for k in decomposition.values)
 
 
 @pytest.mark.parametrize("gap", [10.0**-k for k in range(3, 31, 3)])
 def test_values_as_near_as_can_be_are_told_apart_where_nothing_is_uncertain(gap: float) -> None:
     values = [F(1), F(1) + F(gap), F(3)]
     axes = frame(7)
-    found = spectrum(turned(values, axes), NONE, F(0))
-    assert_bounded(found, values, axes)
-    assert max(found.sines) < F(1, 10**15)
+    decomposition = spectrum(turned(values, axes), NONE, F(0))
+    assert_bounded(decomposition, values, axes)
+    assert max(decomposition.sines) < F(1, 10**15)
 
 
 def test_equal_values_have_no_vectors_of_their_own() -> None:
     axes = frame(3)
     for values, own in (([1, 1, 1], ()), ([1, 1, 2], (2,)), ([1, 2, 2], (0,))):
-        found = spectrum(turned(values, axes), NONE, F(0))
-        assert [k for k in range(3) if found.sines[k] < 1] == list(own)
-        assert_bounded(found, [F(k) for k in values], axes)
+        decomposition = spectrum(turned(values, axes), NONE, F(0))
+        assert [k for k in range(3) if decomposition.sines[k] < 1] == list(own)
+        assert_bounded(decomposition, [F(k) for k in values], axes)
 
 
 def test_a_matrix_of_zeros_has_any_vectors() -> None:
-    found = spectrum(NONE, [[F(1, 10)] * 3] * 3, F(1, 10))
-    assert found.values == (0, 0, 0)
-    assert found.sines == (1, 1, 1)
-    assert all(F(1, 10) <= bound < F(101, 1000) for bound in found.value_bounds)
+    decomposition = spectrum(NONE, [[F(1, 10)] * 3] * 3, F(1, 10))
+    assert decomposition.values == (0, 0, 0)
+    assert decomposition.sines == (1, 1, 1)
+    assert all(F(1, 10) <= bound < F(101, 1000) for bound in decomposition.value_bounds)

@@ -22,36 +22,36 @@ def rotation(seed: int) -> np.ndarray:
     return q * np.linalg.det(q)
 
 
-def assert_tensor(found: MassProperties, expected: np.ndarray, rel: float = 1e-15) -> None:
-    assert found.inertia == pytest.approx(expected, abs=rel * float(np.linalg.norm(expected)))
+def assert_tensor(properties: MassProperties, expected: np.ndarray, rel: float = 1e-15) -> None:
+    assert properties.inertia == pytest.approx(expected, abs=rel * float(np.linalg.norm(expected)))
 
 
 # Points
 
 
 def test_three_points_as_the_textbook_sums_them() -> None:
-    found = point_masses([[1, 0, 0], [0, 2, 0], [0, 0, 4]], [1.0, 1.0, 2.0])
-    assert found.mass == 4.0
-    assert found.volume == 0.0
-    assert found.center_of_mass.tolist() == [0.25, 0.5, 2.0]
-    about_origin = found.about([0, 0, 0])
+    properties = point_masses([[1, 0, 0], [0, 2, 0], [0, 0, 4]], [1.0, 1.0, 2.0])
+    assert properties.mass == 4.0
+    assert properties.volume == 0.0
+    assert properties.center_of_mass.tolist() == [0.25, 0.5, 2.0]
+    about_origin = properties.about([0, 0, 0])
     assert about_origin.tolist() == [[36, 0, 0], [0, 33, 0], [0, 0, 5]]
-    assert found.inertia[0, 1] == 4 * 0.25 * 0.5  # −Σ m x y about the centre
+    assert properties.inertia[0, 1] == 4 * 0.25 * 0.5  # −Σ m x y about the centre
 
 
 def test_a_single_point_has_no_inertia_about_itself() -> None:
-    found = point_masses([[3, 4, 0]], [2.0])
-    assert found.inertia.tolist() == np.zeros((3, 3)).tolist()
-    assert found.about([0, 0, 0]).diagonal().tolist() == [32, 18, 50]
-    both = found + point_masses([[3, 4, 0]], [2.0])
+    properties = point_masses([[3, 4, 0]], [2.0])
+    assert properties.inertia.tolist() == np.zeros((3, 3)).tolist()
+    assert properties.about([0, 0, 0]).diagonal().tolist() == [32, 18, 50]
+    both = properties + point_masses([[3, 4, 0]], [2.0])
     assert (both.mass, both.inertia.any()) == (4.0, False)
 
 
 def test_a_molecule_far_away_keeps_its_digits() -> None:
     """Two points 2 d apart: m d² each, at whatever distance from the origin their coordinates can hold."""
-    found = point_masses([[1e15 + 1, 0, 0], [1e15 - 1, 0, 0]], [0.5, 0.5])
-    assert found.inertia.diagonal().tolist() == [0, 1, 1]
-    assert found.principal.kind == "rotor"
+    properties = point_masses([[1e15 + 1, 0, 0], [1e15 - 1, 0, 0]], [0.5, 0.5])
+    assert properties.inertia.diagonal().tolist() == [0, 1, 1]
+    assert properties.principal.kind == "rotor"
 
 
 @settings(deadline=None, max_examples=40)
@@ -59,19 +59,19 @@ def test_a_molecule_far_away_keeps_its_digits() -> None:
 def test_points_are_rounded_once_from_the_exact_sums(rows: list[tuple[float, float, float, float]]) -> None:
     places, masses = [[F(x) for x in row[:3]] for row in rows], [F(row[3]) for row in rows]
     try:
-        found = point_masses([row[:3] for row in rows], [row[3] for row in rows])
+        properties = point_masses([row[:3] for row in rows], [row[3] for row in rows])
     except GeometryError as e:
         assume("leaves float64" not in str(e))
         raise
     mass = sum(masses)
     com = [sum(m * p[i] for m, p in zip(masses, places, strict=True)) / mass for i in range(3)]
-    assert found.mass == float(mass)
-    assert found.center_of_mass.tolist() == [float(x) for x in com]
+    assert properties.mass == float(mass)
+    assert properties.center_of_mass.tolist() == [float(x) for x in com]
     for i in range(3):
         for j in range(3):
             r = [[a - b for a, b in zip(p, com, strict=True)] for p in places]
             exact = sum(m * ((i == j) * sum(x * x for x in q) - q[i] * q[j]) for m, q in zip(masses, r, strict=True))
-            assert found.inertia[i, j] == float(exact)
+            assert properties.inertia[i, j] == float(exact)
 
 
 # Wires
@@ -117,7 +117,7 @@ def test_a_wire_does_not_depend_on_where_a_segment_is_split() -> None:
 def test_a_wire_is_within_its_bounds(seed: int, count: int, power: float) -> None:
     points = np.random.default_rng(seed).normal(size=(count, 3)) * 10.0**power
     density = 0.1 + seed % 7
-    found = wire(points, density)
+    properties = wire(points, density)
     with mpmath.workdps(60):
         corners = [[mpmath.mpf(x) for x in p] for p in points.tolist()]
         pairs = list(pairwise(corners))
@@ -131,15 +131,17 @@ def test_a_wire_is_within_its_bounds(seed: int, count: int, power: float) -> Non
                 for j in range(3):
                     second[i, j] += m * ((a[i] + b[i]) * (a[j] + b[j]) + a[i] * a[j] + b[i] * b[j]) / 6
         trace = second[0, 0] + second[1, 1] + second[2, 2]
-        assert abs(found.mass - mass) <= found.error.mass * found.mass
-        distance = mpmath.sqrt(sum((x - c) ** 2 for x, c in zip(found.center_of_mass.tolist(), com, strict=True)))
-        assert distance <= found.error.center_of_mass
+        assert abs(properties.mass - mass) <= properties.error.mass * properties.mass
+        distance = mpmath.sqrt(sum((x - c) ** 2 for x, c in zip(properties.center_of_mass.tolist(), com, strict=True)))
+        assert distance <= properties.error.center_of_mass
         squares = [
-            (found.inertia[i, j].item() - ((i == j) * trace - second[i, j])) ** 2 for i in range(3) for j in range(3)
+            (properties.inertia[i, j].item() - ((i == j) * trace - second[i, j])) ** 2
+            for i in range(3)
+            for j in range(3)
         ]
-        norm = mpmath.sqrt(sum(mpmath.mpf(k) ** 2 for k in found.inertia.ravel().tolist()))
-        assert mpmath.sqrt(sum(squares)) <= found.error.inertia * norm
-    assert found.error.inertia < 1e-15
+        norm = mpmath.sqrt(sum(mpmath.mpf(k) ** 2 for k in properties.inertia.ravel().tolist()))
+        assert mpmath.sqrt(sum(squares)) <= properties.error.inertia * norm
+    assert properties.error.inertia < 1e-15
 
 
 # Laminae
@@ -167,10 +169,10 @@ def test_an_l_shape_seen_from_any_corner_and_either_side() -> None:
     expected = lamina([[0, 0], [4, 0], [4, 1], [0, 1]], 1.5) + lamina([[0, 1], [1, 1], [1, 3], [0, 3]], 1.5)
     for first in range(6):
         for way in (1, -1):
-            found = lamina((outline[first:] + outline[:first])[::way], 1.5)
-            assert found.mass == 9.0
-            assert found.center_of_mass == pytest.approx(expected.center_of_mass, rel=1e-15)
-            assert_tensor(found, expected.inertia)
+            properties = lamina((outline[first:] + outline[:first])[::way], 1.5)
+            assert properties.mass == 9.0
+            assert properties.center_of_mass == pytest.approx(expected.center_of_mass, rel=1e-15)
+            assert_tensor(properties, expected.inertia)
 
 
 def test_a_regular_polygon_goes_to_the_disc() -> None:
@@ -187,9 +189,9 @@ def test_a_regular_polygon_goes_to_the_disc() -> None:
 def test_a_lamina_in_any_plane_keeps_its_principal_moments_and_their_sum(seed: int, scale: float) -> None:
     flat = np.array([[0, 0, 0], [4, 0, 0], [4, 1, 0], [1, 1, 0], [1, 3, 0], [0, 3, 0]])
     placed = scale * (flat @ rotation(seed).T + [1.0, -2.0, 0.5])
-    found, own = lamina(placed, 1.5), lamina(flat, 1.5)
-    assert found.mass == pytest.approx(own.mass * scale**2, rel=1e-13)
-    moments = found.principal_moments / scale**4
+    properties, own = lamina(placed, 1.5), lamina(flat, 1.5)
+    assert properties.mass == pytest.approx(own.mass * scale**2, rel=1e-13)
+    moments = properties.principal_moments / scale**4
     assert moments == pytest.approx(own.principal_moments, rel=1e-12)
     assert moments[0] + moments[1] == pytest.approx(moments[2], rel=1e-12)
 
@@ -200,7 +202,7 @@ def test_a_triangle_is_within_its_bounds_or_refused(corners: list[tuple[float, f
     (ax, ay), (bx, by), (cx, cy) = ((F(x), F(y)) for x, y in corners)
     mass = 3 * abs((bx - ax) * (cy - ay) - (by - ay) * (cx - ax)) / 2
     try:
-        found = lamina(corners, 3.0)
+        properties = lamina(corners, 3.0)
     except GeometryError:
         assert (
             float(mass)
@@ -208,12 +210,12 @@ def test_a_triangle_is_within_its_bounds_or_refused(corners: list[tuple[float, f
             + 1e-14 * float(max(ay, by, cy) - min(ay, by, cy)) ** 2
         )
         return
-    assert abs(F(found.mass) - mass) <= F(found.error.mass) * F(found.mass)
+    assert abs(F(properties.mass) - mass) <= F(properties.error.mass) * F(properties.mass)
     about_z = (
         mass * sum(k * k for k in (ax - bx, bx - cx, cx - ax, ay - by, by - cy, cy - ay)) / 36
     )  # the sum of the squared sides
-    norm = F(float(np.linalg.norm(found.inertia))) * (1 + F(1, 10**12))
-    assert abs(F(found.inertia[2, 2]) - about_z) <= F(found.error.inertia) * norm + F(1, 2**1000)
+    norm = F(float(np.linalg.norm(properties.inertia))) * (1 + F(1, 10**12))
+    assert abs(F(properties.inertia[2, 2]) - about_z) <= F(properties.error.inertia) * norm + F(1, 2**1000)
 
 
 # Errors

@@ -32,9 +32,9 @@ def part(case: Case) -> Part:
 
 
 def having(*words: str) -> list[Case]:
-    found = [case for case in CASES if all(word in named(case) for word in words)]
-    assert found
-    return found
+    cases = [case for case in CASES if all(word in named(case) for word in words)]
+    assert cases
+    return cases
 
 
 @pytest.mark.parametrize("case", CASES, ids=named)
@@ -43,20 +43,20 @@ def test_no_error_is_above_its_bound_at_any_rung(case: Case) -> None:
     body = truth.weighed(MILLIMETRE, STEEL)
     for rung in RUNGS:
         moments = solid_moments(case.triangles, rung)
-        found = list(ratios_before_rounding(moments, truth).values())
+        quotients = list(ratios_before_rounding(moments, truth).values())
         if moments.zeroth > moments.zeroth_bound and "1e-63" not in case.name:
-            found += ratios(properties(moments, rung, MILLIMETRE, STEEL), body, STEEL).values()
-        assert min(ratio for values in found for ratio in values) >= 1, rung
+            quotients += ratios(properties(moments, rung, MILLIMETRE, STEEL), body, STEEL).values()
+        assert min(ratio for values in quotients for ratio in values) >= 1, rung
 
 
 @pytest.mark.parametrize("case", CASES, ids=named)
 def test_the_exact_rung_is_off_by_no_more_than_rounding_its_results(case: Case) -> None:
     truth = Truth.of(case.triangles.corners())
-    found = errors(answer(properties(solid_moments(case.triangles, "exact"), "exact")), truth)
-    assert found["volume"] <= 2.0**-53
+    off = errors(answer(properties(solid_moments(case.triangles, "exact"), "exact")), truth)
+    assert off["volume"] <= 2.0**-53
     if "1e-63" not in case.name:  # whose tensor is below the normal numbers
-        assert found["tensor"] <= 2.0**-53
-        assert found["smallest moment"] <= 2.0**-53
+        assert off["tensor"] <= 2.0**-53
+        assert off["smallest moment"] <= 2.0**-53
 
 
 REACHED: list[tuple[Arithmetic, Case]] = [
@@ -73,12 +73,12 @@ REACHED: list[tuple[Arithmetic, Case]] = [
 
 @pytest.mark.parametrize(("rung", "case"), REACHED, ids=lambda k: k if isinstance(k, str) else named(k))
 def test_an_accuracy_that_the_coordinates_allow_is_reached_by_the_cheapest_method(rung: Arithmetic, case: Case) -> None:
-    found = inertia.mass_properties(part(case), 1.0, accuracy=1e-12)
-    assert found.error.method == METHODS[rung]
+    properties = inertia.mass_properties(part(case), 1.0, accuracy=1e-12)
+    assert properties.error.method == METHODS[rung]
     truth = Truth.of(case.triangles.corners())
-    assert max(found.error.volume, found.error.mass, found.error.inertia) <= 1e-12
-    assert found.error.center_of_mass <= 1e-12 * truth.size
-    off = errors(answer(found), truth)
+    assert max(properties.error.volume, properties.error.mass, properties.error.inertia) <= 1e-12
+    assert properties.error.center_of_mass <= 1e-12 * truth.size
+    off = errors(answer(properties), truth)
     assert max(off["volume"], off["centre"], off["tensor"]) <= 1e-12
 
 
@@ -88,9 +88,9 @@ FAR = having("1e6 diameters") + having("1e8 diameters") + having("1e12 diameters
 @pytest.mark.parametrize("case", FAR, ids=named)
 def test_far_away_only_the_place_loses_digits(case: Case) -> None:
     """The centre of mass is a large number; volume and tensor keep every digit that the coordinates carry."""
-    found = inertia.mass_properties(part(case), 1.0)
-    assert max(found.error.volume, found.error.inertia) < 1e-13
-    off = errors(answer(found), Truth.of(case.triangles.corners()))
+    properties = inertia.mass_properties(part(case), 1.0)
+    assert max(properties.error.volume, properties.error.inertia) < 1e-13
+    off = errors(answer(properties), Truth.of(case.triangles.corners()))
     assert max(off["volume"], off["tensor"]) < 1e-15
     with pytest.raises(GeometryError, match="above the accuracy asked for, 1e-12: ask for a larger figure"):
         inertia.mass_properties(part(case), 1.0, accuracy=1e-12)
@@ -128,9 +128,9 @@ def test_sums_lose_nothing_where_coordinates_are_subnormal_or_near_the_largest(p
     for rung in RUNGS:
         moments = solid_moments(triangles, rung)
         assert moments.zeroth_bound < moments.zeroth / 10**12
-        found = ratios_before_rounding(moments, truth)
-        assert len(found) == 2
-        assert min(ratio for values in found.values() for ratio in values) >= 1
+        ratios = ratios_before_rounding(moments, truth)
+        assert len(ratios) == 2
+        assert min(ratio for values in ratios.values() for ratio in values) >= 1
 
 
 @pytest.mark.parametrize("case", having("float32"), ids=named)
@@ -148,11 +148,13 @@ def test_float32_records_give_what_the_same_numbers_in_float64_do(case: Case, ru
 def test_axes_of_nearly_equal_moments_are_bounded_or_span_a_plane(power: int, case: Case) -> None:
     truth = Truth.of(case.triangles.corners())
     for rung in RUNGS:
-        found = properties(solid_moments(case.triangles, rung), rung).principal_within(0.0)
+        decomposition = properties(solid_moments(case.triangles, rung), rung).principal_within(0.0)
         told_apart = rung != "float64" or power < 15
-        assert (found.kind, found.equal) == (("asymmetric", ()) if told_apart else ("oblate", ((0, 1),)))
+        assert (decomposition.kind, decomposition.equal) == (
+            ("asymmetric", ()) if told_apart else ("oblate", ((0, 1),))
+        )
         for k in range(3) if told_apart else (2,):
-            assert truth.angle(found.axes[:, k].tolist(), k) <= found.axis_bounds[k] < 0.1
+            assert truth.angle(decomposition.axes[:, k].tolist(), k) <= decomposition.axis_bounds[k] < 0.1
 
 
 def test_bounds_hold_over_a_sweep_and_are_typically_near() -> None:

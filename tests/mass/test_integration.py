@@ -60,11 +60,11 @@ class TestRegions:
     def test_a_bar_of_two_regions_is_two_boxes(self):
         result = inertia.analyse(inertia.read(path("two_region_bar.vtk")), {"1": STEEL, "2": ALUMINIUM})
         known = catalogue()["two_region_bar.vtk"]["assembly"]
-        found = result.properties
-        assert found.mass == pytest.approx(known["mass"], rel=found.error.mass)
-        np.testing.assert_allclose(found.center_of_mass, known["center_of_mass"], rtol=1e-15)
-        off = np.linalg.norm(found.inertia - known["inertia"])
-        assert off <= found.error.inertia * np.linalg.norm(known["inertia"])
+        properties = result.properties
+        assert properties.mass == pytest.approx(known["mass"], rel=properties.error.mass)
+        np.testing.assert_allclose(properties.center_of_mass, known["center_of_mass"], rtol=1e-15)
+        off = np.linalg.norm(properties.inertia - known["inertia"])
+        assert off <= properties.error.inertia * np.linalg.norm(known["inertia"])
         assert shares(result) == {"1": (STEEL, 2e-6), "2": (ALUMINIUM, 2e-6)}
 
     def test_materials_by_name_and_one_for_the_rest(self):
@@ -181,8 +181,8 @@ class TestBodies:
     def test_any_assembly_is_the_sum_of_its_bodies(self, bodies):
         pieces = [(cube(3 * place, 0.3 * place, size=1 + place / 4), Fraction(rho)) for place, rho in bodies]
         density = {str(k + 1): rho for k, (_, rho) in enumerate(bodies)}
-        found = inertia.mass_properties(surface(*(corners for corners, _ in pieces)), density)
-        assert_within_bound(found, weighed(*pieces))
+        properties = inertia.mass_properties(surface(*(corners for corners, _ in pieces)), density)
+        assert_within_bound(properties, weighed(*pieces))
 
     def test_overlapping_bodies_are_refused(self):
         with pytest.raises(GeometryError, match=r"^bracket.obj: overlapping bodies: 1 pair .* triangles 0 and 12"):
@@ -258,26 +258,26 @@ class TestOrientation:
 class TestShells:
     def test_an_open_sheet_has_its_area(self):
         result = inertia.analyse(surface(cube()[:2]), 10.0, shell=0.5)
-        found = result.properties
+        properties = result.properties
         assert (result.model, result.closed, result.area) == ("shell", False, 1.0)
-        assert (found.volume, found.mass) == (0.5, 5.0)
-        np.testing.assert_allclose(found.center_of_mass, [0.5, 0.5, 0], atol=found.error.center_of_mass)
-        np.testing.assert_allclose(found.inertia, np.diag([5, 5, 10]) / 12, atol=5 * found.error.inertia)
+        assert (properties.volume, properties.mass) == (0.5, 5.0)
+        np.testing.assert_allclose(properties.center_of_mass, [0.5, 0.5, 0], atol=properties.error.center_of_mass)
+        np.testing.assert_allclose(properties.inertia, np.diag([5, 5, 10]) / 12, atol=5 * properties.error.inertia)
 
     def test_a_box_of_sheet_metal(self):
         """Six plates a × b of mass ρtab: about its middle ab/12 (b² or a²) and the shift of half an edge."""
         a, b, c, weight = 1.0, 2.0, 3.0, 7850 * 0.001
-        found = inertia.mass_properties(surface(cube() * [a, b, c]), 7850, shell=0.001)
+        properties = inertia.mass_properties(surface(cube() * [a, b, c]), 7850, shell=0.001)
 
         def about(a: float, b: float, c: float) -> float:  # the axis along a
             ends, sides, floors = 2 * b * c, 2 * a * c, 2 * a * b
             return ends * (b * b + c * c) / 12 + sides * (c * c / 12 + b * b / 4) + floors * (b * b / 12 + c * c / 4)
 
-        assert found.mass == pytest.approx(22 * weight, rel=1e-14)
+        assert properties.mass == pytest.approx(22 * weight, rel=1e-14)
         np.testing.assert_allclose(
-            found.inertia, weight * np.diag([about(a, b, c), about(b, c, a), about(c, a, b)]), atol=1e-12
+            properties.inertia, weight * np.diag([about(a, b, c), about(b, c, a), about(c, a, b)]), atol=1e-12
         )
-        np.testing.assert_allclose(found.center_of_mass, [0.5, 1, 1.5], rtol=1e-14)
+        np.testing.assert_allclose(properties.center_of_mass, [0.5, 1, 1.5], rtol=1e-14)
 
     def test_the_thickness_is_in_the_part_s_unit(self):
         part = surface(cube(), unit="mm")
@@ -287,19 +287,19 @@ class TestShells:
     def test_the_bound_of_a_right_triangle_holds(self):
         """A Pythagorean triangle has a rational area: 3 · 4 · 5, shifted far away."""
         corners = moved(np.array([[[0, 0, 0], [3.0, 0, 0], [0, 4.0, 0]]]), 1e5, 2e5, -3e5)
-        found = inertia.mass_properties(surface(corners), 1.0, shell=1.0)
-        assert abs(found.mass - 6) <= 6 * found.error.mass
+        properties = inertia.mass_properties(surface(corners), 1.0, shell=1.0)
+        assert abs(properties.mass - 6) <= 6 * properties.error.mass
         com = np.array([1e5 + 1, 2e5 + 4 / 3, -3e5])
-        assert np.linalg.norm(found.center_of_mass - com) <= found.error.center_of_mass
+        assert np.linalg.norm(properties.center_of_mass - com) <= properties.error.center_of_mass
         true = np.array([[6 * 16 / 18, 6 * 12 / 36, 0], [6 * 12 / 36, 6 * 9 / 18, 0], [0, 0, 6 * 25 / 18]])
-        assert np.linalg.norm(found.inertia - true) <= found.error.inertia * np.linalg.norm(true)
-        assert found.error.inertia < 1e-12
+        assert np.linalg.norm(properties.inertia - true) <= properties.error.inertia * np.linalg.norm(true)
+        assert properties.error.inertia < 1e-12
 
     def test_a_spherical_shell_converges_to_two_thirds(self):
         errors = []
         for n in (32, 64, 128):
-            found = inertia.mass_properties(surface(sphere(1, n)), 1.0, shell=0.01)
-            errors.append(np.linalg.norm(found.inertia - 2 / 3 * 0.04 * math.pi * np.eye(3)))
+            properties = inertia.mass_properties(surface(sphere(1, n)), 1.0, shell=0.01)
+            errors.append(np.linalg.norm(properties.inertia - 2 / 3 * 0.04 * math.pi * np.eye(3)))
         assert np.log2(np.array(errors)[:-1] / np.array(errors)[1:])[-1] == pytest.approx(2, abs=0.05)
 
     def test_winding_does_not_matter(self):
@@ -322,11 +322,11 @@ class TestShells:
 
     def test_a_lamina_obeys_the_triangle_rule_with_equality(self):
         outline = [[0, 0, 0], [4, 0, 0], [1, 3, 0]]
-        found = inertia.mass_properties(surface(np.array([outline], float)), 1.0, shell=1.0)
+        properties = inertia.mass_properties(surface(np.array([outline], float)), 1.0, shell=1.0)
         flat = inertia.lamina(outline, 1.0)
-        i1, i2, i3 = found.principal_moments
+        i1, i2, i3 = properties.principal_moments
         assert i1 + i2 == pytest.approx(i3, rel=1e-14)
-        np.testing.assert_allclose(found.inertia, flat.inertia, atol=1e-14)
+        np.testing.assert_allclose(properties.inertia, flat.inertia, atol=1e-14)
 
     @pytest.mark.parametrize("thickness", [0, -1, math.nan, math.inf, "thin"])
     def test_an_unusable_thickness_is_refused(self, thickness):
@@ -344,12 +344,12 @@ class TestWiresAndPoints:
     def test_a_rod(self):
         part = cells("line", [[1e3, 0, 0], [1e3 + 3, 4, 0]])
         result = inertia.analyse(part, 10.0, wire=0.5)
-        found = result.properties
+        properties = result.properties
         assert (result.model, result.cells, result.triangles) == ("wire", 1, 0)
-        assert (found.mass, found.volume) == (25.0, 2.5)
-        np.testing.assert_allclose(found.center_of_mass, [1001.5, 2, 0], rtol=1e-15)
+        assert (properties.mass, properties.volume) == (25.0, 2.5)
+        np.testing.assert_allclose(properties.center_of_mass, [1001.5, 2, 0], rtol=1e-15)
         truth = 25 / 12 * np.array([[16, -12, 0], [-12, 9, 0], [0, 0, 25]])
-        assert np.linalg.norm(found.inertia - truth) <= found.error.inertia * np.linalg.norm(truth)
+        assert np.linalg.norm(properties.inertia - truth) <= properties.error.inertia * np.linalg.norm(truth)
         assert result.principal.kind == "rotor"
 
     def test_the_section_is_in_the_part_s_unit_squared(self):
@@ -403,9 +403,9 @@ class TestCells:
         ("kind", "nodes"), [("hexahedron", HEXAHEDRON), ("wedge", WEDGE), ("pyramid", PYRAMID), ("tetra", TETRA)]
     )
     def test_a_cell_is_the_solid_inside_its_faces(self, kind, nodes):
-        found = inertia.mass_properties(cells(kind, nodes), 3.0)
-        assert_within_bound(found, weighed((hull(nodes), 3)), moments(hull(nodes)).volume)
-        assert found.error.inertia < 1e-12
+        properties = inertia.mass_properties(cells(kind, nodes), 3.0)
+        assert_within_bound(properties, weighed((hull(nodes), 3)), moments(hull(nodes)).volume)
+        assert properties.error.inertia < 1e-12
 
     def test_a_straight_second_order_cell_is_its_linear_one(self):
         corners = np.array(HEXAHEDRON, float)

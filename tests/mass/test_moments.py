@@ -45,19 +45,19 @@ def frobenius_squared(tensor: list[list[Fraction]], other: rational.Matrix) -> F
     return sum(((a - b) ** 2 for u, v in zip(tensor, other, strict=True) for a, b in zip(u, v, strict=True)), F(0))
 
 
-def assert_bounded(found: Moments, triangles: Triangles) -> None:
+def assert_bounded(moments: Moments, triangles: Triangles) -> None:
     """Every number is within its bound of the exact one, about its origin and about the centroid."""
-    exact = exact_of(triangles, found.origin)
-    assert abs(found.zeroth - exact.volume) <= found.zeroth_bound
-    for value, true, bound in zip(found.first, exact.first, found.first_bound, strict=True):
+    exact = exact_of(triangles, moments.origin)
+    assert abs(moments.zeroth - exact.volume) <= moments.zeroth_bound
+    for value, true, bound in zip(moments.first, exact.first, moments.first_bound, strict=True):
         assert abs(value - true) <= bound
-    for value, true, bound in zip(found.second, exact.second, found.second_bound, strict=True):
+    for value, true, bound in zip(moments.second, exact.second, moments.second_bound, strict=True):
         assert abs(value - true) <= bound
-    if abs(found.zeroth) <= found.zeroth_bound:
+    if abs(moments.zeroth) <= moments.zeroth_bound:
         return
-    shifted = exact_of(triangles, found.centroid)
-    assert sum(k * k for k in shifted.center_of_mass) <= found.centroid_bound**2
-    central = found.central()
+    shifted = exact_of(triangles, moments.centroid)
+    assert sum(k * k for k in shifted.center_of_mass) <= moments.centroid_bound**2
+    central = moments.central()
     for value, true, bound in zip(central.second, exact.central, central.second_bound, strict=True):
         assert abs(value - true) <= bound
     error = frobenius_squared(inertia_tensor(central.second), exact.inertia)
@@ -141,32 +141,32 @@ def test_bounds_are_of_use() -> None:
     for seed in range(60):
         vertices, faces = star(seed)
         triangles = Surface(placed(vertices, seed, 1.0, 0.3, 1.0), faces)
-        found = moments_of(triangles)
-        exact = exact_of(triangles, found.origin)
-        assert found.zeroth_bound <= F(1e-13) * found.zeroth
-        assert found.centroid_bound <= F(1e-13)
-        central = found.central()
+        moments = moments_of(triangles)
+        exact = exact_of(triangles, moments.origin)
+        assert moments.zeroth_bound <= F(1e-13) * moments.zeroth
+        assert moments.centroid_bound <= F(1e-13)
+        central = moments.central()
         size = root_above(frobenius_squared(inertia_tensor(central.second), ((ORIGIN,) * 3)))
         assert inertia_bound(central.second_bound) <= F(1e-12) * size
-        ratios.append(float(found.zeroth_bound / max(abs(found.zeroth - exact.volume), F(1, 2**60))))
+        ratios.append(float(moments.zeroth_bound / max(abs(moments.zeroth - exact.volume), F(1, 2**60))))
     assert np.median(ratios) < 3000
 
 
 def test_the_bounds_of_the_unit_cube() -> None:
-    found = moments_of(joined(cube()))
-    assert 0 < found.zeroth_bound <= 1e-13
-    assert inertia_bound(found.central().second_bound) <= 1e-13
-    assert found.central().second == (F(1, 12), F(1, 12), F(1, 12), 0, 0, 0)
+    moments = moments_of(joined(cube()))
+    assert 0 < moments.zeroth_bound <= 1e-13
+    assert inertia_bound(moments.central().second_bound) <= 1e-13
+    assert moments.central().second == (F(1, 12), F(1, 12), F(1, 12), 0, 0, 0)
 
 
 def test_a_volume_too_thin_for_float64_is_within_its_bound_of_zero() -> None:
     vertices, faces = box((0.1, 0.1, 0.1), (1.1, 1.1, 0.1 + 2e-16))
     turn = np.linalg.qr(np.random.default_rng(1).normal(size=(3, 3)))[0]
     triangles = Surface(vertices @ turn, faces)
-    found = moments_of(triangles)
-    assert abs(found.zeroth) <= found.zeroth_bound
-    assert_bounded(found, triangles)
-    for question in (lambda: found.centroid_bound, found.central):
+    moments = moments_of(triangles)
+    assert abs(moments.zeroth) <= moments.zeroth_bound
+    assert_bounded(moments, triangles)
+    for question in (lambda: moments.centroid_bound, moments.central):
         with pytest.raises(ZeroDivisionError):
             question()
 
@@ -193,8 +193,8 @@ def shell_oracle(corners: np.ndarray) -> tuple[Fraction, list[Fraction], list[Fr
 
 
 def assert_shell_bounded(triangles: Triangles) -> None:
-    found = moments_of(triangles, surface=True)
-    about = found.about(ORIGIN)
+    moments = moments_of(triangles, surface=True)
+    about = moments.about(ORIGIN)
     zeroth, first, second = shell_oracle(triangles.corners())
     digits = F(1, 10**700)  # what the oracle's square root may be off by
     assert abs(about.zeroth - zeroth) <= about.zeroth_bound + digits
@@ -215,21 +215,21 @@ def test_bounds_hold_for_a_shell_whose_squared_areas_underflow(width: float) -> 
 
 
 def test_a_spherical_shell_approaches_its_closed_form() -> None:
-    found = moments_of(joined(sphere(radius=3.0, splits=5)), surface=True)
-    assert float(found.zeroth) == pytest.approx(4 * math.pi * 9, rel=2e-3)
-    assert [float(k / found.zeroth) for k in found.central().second[:3]] == pytest.approx([3.0] * 3, rel=2e-3)
+    moments = moments_of(joined(sphere(radius=3.0, splits=5)), surface=True)
+    assert float(moments.zeroth) == pytest.approx(4 * math.pi * 9, rel=2e-3)
+    assert [float(k / moments.zeroth) for k in moments.central().second[:3]] == pytest.approx([3.0] * 3, rel=2e-3)
 
 
 def test_a_box_as_a_shell_has_its_area_and_second_moments() -> None:
     """A box a × b × c: area 2(ab + bc + ca), ∫x² = a²/4 · 2bc + a²/12 · 2a(b + c)."""
-    found = moments_of(joined(box((1.0, 1.0, 1.0), (2.0, 4.0, 6.0))), surface=True)
-    assert found.zeroth == 46
-    assert found.centroid == (F(3, 2), F(5, 2), F(7, 2))
+    moments = moments_of(joined(box((1.0, 1.0, 1.0), (2.0, 4.0, 6.0))), surface=True)
+    assert moments.zeroth == 46
+    assert moments.centroid == (F(3, 2), F(5, 2), F(7, 2))
     sides = (1, 3, 5)
     for i, a in enumerate(sides):
         b, c = (k for j, k in enumerate(sides) if j != i)
-        assert found.central().second[i] == F(a * a * 2 * b * c, 4) + F(a**3 * 2 * (b + c), 12)
-    assert found.central().second[3:] == (0, 0, 0)
+        assert moments.central().second[i] == F(a * a * 2 * b * c, 4) + F(a**3 * 2 * (b + c), 12)
+    assert moments.central().second[3:] == (0, 0, 0)
 
 
 # Where the part lies, how large it is, which way it faces
@@ -239,19 +239,19 @@ def test_a_box_as_a_shell_has_its_area_and_second_moments() -> None:
 def test_a_part_far_away_keeps_the_digits_its_coordinates_carry(middle: tuple[float, float, float]) -> None:
     vertices, faces = star(5, splits=2)
     triangles = Surface(vertices + middle, faces)
-    found, exact = moments_of(triangles), rational.moments(triangles.corners())
+    moments, exact = moments_of(triangles), rational.moments(triangles.corners())
     ulp = F(1, 2**52)
-    assert abs(found.zeroth - exact.volume) <= 4 * ulp * exact.volume
-    assert all(abs(x - y) <= 4 * ulp for x, y in zip(found.centroid, exact.center_of_mass, strict=True))
-    central = found.central().second
+    assert abs(moments.zeroth - exact.volume) <= 4 * ulp * exact.volume
+    assert all(abs(x - y) <= 4 * ulp for x, y in zip(moments.centroid, exact.center_of_mass, strict=True))
+    central = moments.central().second
     assert all(abs(x - y) <= 4 * ulp * sum(exact.central[:3]) for x, y in zip(central, exact.central, strict=True))
 
 
 def test_float32_facets_far_away_keep_the_digits_they_carry() -> None:
     triangles = facets(joined(sphere((1e6, 1e6, -1e6), radius=1000.0, splits=2)))
-    found, exact = moments_of(triangles), rational.moments(triangles.corners())
-    assert float(found.zeroth) == pytest.approx(float(exact.volume), rel=1e-15)
-    assert float(found.central().second[0]) == pytest.approx(float(exact.central[0]), rel=1e-15)
+    moments, exact = moments_of(triangles), rational.moments(triangles.corners())
+    assert float(moments.zeroth) == pytest.approx(float(exact.volume), rel=1e-15)
+    assert float(moments.central().second[0]) == pytest.approx(float(exact.central[0]), rel=1e-15)
 
 
 @pytest.mark.parametrize("power", [-320, -77, -1, 1, 50, 180])
@@ -279,11 +279,11 @@ def test_a_rotation_that_rounds_nothing_turns_the_moments() -> None:
     """(3, 4)/5 turned: on multiples of 25 the new coordinates are whole, and ∫x xᵀ becomes R ∫x xᵀ Rᵀ."""
     vertices, faces = box((-25.0, -50.0, -100.0), (75.0, 150.0, 25.0))
     turn = np.array([[3, -4, 0], [4, 3, 0], [0, 0, 5]])
-    found = moments_of(Surface((vertices / 5) @ turn.T, faces)).about(ORIGIN)
+    moments = moments_of(Surface((vertices / 5) @ turn.T, faces)).about(ORIGIN)
     ratios = [[F(int(k), 5) for k in row] for row in turn]
     exact = rational.moments(vertices[faces]).mapped(ratios)
-    assert found.zeroth == exact.volume
-    assert found.second == exact.second
+    assert moments.zeroth == exact.volume
+    assert moments.second == exact.second
 
 
 def test_an_inverted_surface_has_the_moments_negated() -> None:
@@ -345,12 +345,12 @@ def test_shifting_back_restores_every_number_and_loosens_no_bound_that_is_zero()
 
 def test_the_central_moments_of_points_are_sums_over_offsets_from_their_mean() -> None:
     places = [(2, (1, 2, 3)), (3, (-1, 0, 4)), (5, (2, 2, -6))]
-    found = total(point(m, *p) for m, p in places).central()
+    moments = total(point(m, *p) for m, p in places).central()
     mean = [F(sum(m * p[i] for m, p in places), 10) for i in range(3)]
-    assert list(found.centroid) == mean == list(found.origin)
-    for value, (i, j) in zip(found.second, PAIRS, strict=True):
+    assert list(moments.centroid) == mean == list(moments.origin)
+    for value, (i, j) in zip(moments.second, PAIRS, strict=True):
         assert value == sum(m * (p[i] - mean[i]) * (p[j] - mean[j]) for m, p in places)
-    assert found.first == ORIGIN
+    assert moments.first == ORIGIN
 
 
 def bounded(moments: Moments, zeroth: Fraction, first: Fraction, second: Fraction) -> Moments:
@@ -380,10 +380,10 @@ def test_bounds_hold_through_every_operation(
         limit, limit, limit,
     )  # fmt: skip
 
-    def within(found: Moments, wanted: Moments) -> None:
-        assert abs(found.zeroth - wanted.zeroth) <= found.zeroth_bound
+    def within(moments: Moments, wanted: Moments) -> None:
+        assert abs(moments.zeroth - wanted.zeroth) <= moments.zeroth_bound
         for name in ("first", "second"):
-            rows = zip(getattr(found, name), getattr(wanted, name), getattr(found, f"{name}_bound"), strict=True)
+            rows = zip(getattr(moments, name), getattr(wanted, name), getattr(moments, f"{name}_bound"), strict=True)
             assert all(abs(a - b) <= bound for a, b, bound in rows)
 
     within(wrong.about([F(k) for k in to]), true.about([F(k) for k in to]))
@@ -392,34 +392,34 @@ def test_bounds_hold_through_every_operation(
     within(wrong.in_unit(F(254, 10)), true.in_unit(F(254, 10)))
     central = wrong.central()
     assert sum((a - b) ** 2 for a, b in zip(wrong.centroid, true.centroid, strict=True)) <= wrong.centroid_bound**2
-    for found, wanted, bound in zip(central.second, true.central().second, central.second_bound, strict=True):
-        assert abs(found - wanted) <= bound
+    for moments, wanted, bound in zip(central.second, true.central().second, central.second_bound, strict=True):
+        assert abs(moments - wanted) <= bound
 
 
 def test_a_first_moment_that_may_be_off_loosens_the_central_moments_about_it() -> None:
     """Seen as 0 though it is 1, of a mass of 1: ∫x² about the true centre is less by 1."""
-    seen = bounded(point(1, 0, 0, 0), F(0), F(1), F(0)).central()
-    assert (seen.second, seen.second_bound) == ((0,) * 6, (1,) * 6)
+    moments = bounded(point(1, 0, 0, 0), F(0), F(1), F(0)).central()
+    assert (moments.second, moments.second_bound) == ((0,) * 6, (1,) * 6)
 
 
 def test_scaling_multiplies_every_moment_and_the_size_of_every_bound() -> None:
-    found = bounded(point(2, 1, 2, 3), F(1, 2), F(1, 3), F(1, 5)).scaled(F(-4))
-    assert (found.zeroth, found.first) == (-8, (-8, -16, -24))
-    assert found.second == (-8, -32, -72, -48, -24, -16)
-    assert (found.zeroth_bound, found.first_bound, found.second_bound) == (2, (F(4, 3),) * 3, (F(4, 5),) * 6)
+    moments = bounded(point(2, 1, 2, 3), F(1, 2), F(1, 3), F(1, 5)).scaled(F(-4))
+    assert (moments.zeroth, moments.first) == (-8, (-8, -16, -24))
+    assert moments.second == (-8, -32, -72, -48, -24, -16)
+    assert (moments.zeroth_bound, moments.first_bound, moments.second_bound) == (2, (F(4, 3),) * 3, (F(4, 5),) * 6)
 
 
 def test_a_unit_multiplies_lengths_and_leaves_the_zeroth_moment() -> None:
     inch = F(254, 10_000)
-    found = bounded(point(2, 1, 2, 3), F(1, 2), F(1, 3), F(1, 5)).about([F(1)] * 3).in_unit(inch)
+    moments = bounded(point(2, 1, 2, 3), F(1, 2), F(1, 3), F(1, 5)).about([F(1)] * 3).in_unit(inch)
     same = bounded(point(2, 1, 2, 3), F(1, 2), F(1, 3), F(1, 5)).about([F(1)] * 3)
-    assert (found.zeroth, found.zeroth_bound) == (2, F(1, 2))
-    assert found.origin == (inch,) * 3
-    assert found.first == tuple(inch * k for k in same.first)
-    assert found.second == tuple(inch**2 * k for k in same.second)
-    assert found.first_bound == tuple(inch * k for k in same.first_bound)
-    assert found.second_bound == tuple(inch**2 * k for k in same.second_bound)
-    assert found.centroid == (inch, 2 * inch, 3 * inch)
+    assert (moments.zeroth, moments.zeroth_bound) == (2, F(1, 2))
+    assert moments.origin == (inch,) * 3
+    assert moments.first == tuple(inch * k for k in same.first)
+    assert moments.second == tuple(inch**2 * k for k in same.second)
+    assert moments.first_bound == tuple(inch * k for k in same.first_bound)
+    assert moments.second_bound == tuple(inch**2 * k for k in same.second_bound)
+    assert moments.centroid == (inch, 2 * inch, 3 * inch)
 
 
 def test_total_of_nothing_is_an_error() -> None:
@@ -435,17 +435,17 @@ def test_the_tensor_has_negative_products_off_its_diagonal() -> None:
 def test_a_bound_on_the_tensor_is_its_frobenius_norm() -> None:
     # Diagonal 5, 4, 3 and products 0: √50; with products 1, 2, 3 besides: √(50 + 2·14).
     assert inertia_bound((F(1), F(2), F(3), F(0), F(0), F(0))) ** 2 >= 50
-    found = inertia_bound((F(1), F(2), F(3), F(1), F(2), F(3)))
-    assert found**2 >= 78
-    assert float(found) == pytest.approx(math.sqrt(78), rel=1e-15)
+    bound = inertia_bound((F(1), F(2), F(3), F(1), F(2), F(3)))
+    assert bound**2 >= 78
+    assert float(bound) == pytest.approx(math.sqrt(78), rel=1e-15)
 
 
 @settings(deadline=None)
 @given(st.fractions(min_value=0), st.integers(-3000, 3000))
 def test_a_root_is_above_the_true_one_by_a_part_in_2_to_60(square: Fraction, power: int) -> None:
     square *= F(2) ** power
-    found = root_above(square)
-    assert square <= found**2 <= square * (1 + F(1, 2**60)) ** 2
+    root = root_above(square)
+    assert square <= root**2 <= square * (1 + F(1, 2**60)) ** 2
 
 
 def test_a_root_of_less_than_nothing_is_zero() -> None:
@@ -460,9 +460,9 @@ def test_points_are_points() -> None:
 
 
 def test_a_segment_has_a_twelfth_of_its_squared_length() -> None:
-    found = simplex_moments(np.array([[[1.0, 5.0, 5.0], [7.0, 5.0, 5.0]]]), np.array([6.0]))
-    assert found.centroid == (4, 5, 5)
-    assert found.central().second == (18, 0, 0, 0, 0, 0)
+    moments = simplex_moments(np.array([[[1.0, 5.0, 5.0], [7.0, 5.0, 5.0]]]), np.array([6.0]))
+    assert moments.centroid == (4, 5, 5)
+    assert moments.central().second == (18, 0, 0, 0, 0, 0)
 
 
 def test_a_triangle_splits_into_triangles() -> None:
@@ -496,8 +496,8 @@ def test_a_weighed_total_is_exact_and_its_uncertainty_goes_over():
     true = Moments(ORIGIN, F(10), (F(3), F(-2), F(1)), (F(9), F(8), F(7), F(1), F(2), F(-1)))
     error = F(1, 100)
     for sign in (-1, 1):
-        found = replace(true, zeroth=true.zeroth + sign * error, zeroth_bound=error)
-        weighed, wanted = found.weighed(F(5)), true.scaled(F(1, 2))
+        original = replace(true, zeroth=true.zeroth + sign * error, zeroth_bound=error)
+        weighed, wanted = original.weighed(F(5)), true.scaled(F(1, 2))
         assert (weighed.zeroth, weighed.zeroth_bound) == (5, 0)
         for got, bound, value in zip(weighed.first, weighed.first_bound, wanted.first, strict=True):
             assert 0 < abs(got - value) <= bound

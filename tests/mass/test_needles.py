@@ -38,8 +38,8 @@ def plate(aspect: float, askew: bool, scale: float = 1.0) -> Part:
     return surface(scale * (mapped(sheet, turn(2)) if askew else sheet))
 
 
-def assert_moments_bounded(found: MassProperties, truth: list[Fraction]) -> None:
-    principal = found.principal
+def assert_moments_bounded(properties: MassProperties, truth: list[Fraction]) -> None:
+    principal = properties.principal
     for value, bound, true in zip(principal.moments.tolist(), principal.moment_bounds.tolist(), truth, strict=True):
         assert abs(F(value) - true) <= F(bound) + true / 10**30  # of the oracle
 
@@ -52,12 +52,12 @@ def test_without_being_asked_the_moments_are_right_to_nine_digits(
     shape: object, aspect: float, askew: bool, scale: float
 ) -> None:
     part = shape(aspect, askew, scale)
-    found = inertia.mass_properties(part)
+    properties = inertia.mass_properties(part)
     truth = exact(part)
-    assert_within_bound(found, truth)
-    assert_moments_bounded(found, eigenvalues(truth.inertia, 90))
+    assert_within_bound(properties, truth)
+    assert_moments_bounded(properties, eigenvalues(truth.inertia, 90))
     if shape is needle or not askew:
-        assert (found.principal.moment_bounds <= 1e-9 * found.principal.moments).all()
+        assert (properties.principal.moment_bounds <= 1e-9 * properties.principal.moments).all()
 
 
 @pytest.mark.parametrize("accuracy", [1e-12, "exact"])
@@ -66,11 +66,11 @@ def test_what_is_asked_for_a_needle_is_rounded_once_where_it_has_to_be_exact(
     aspect: float, accuracy: float | str
 ) -> None:
     part = needle(aspect, True)
-    found = inertia.mass_properties(part, accuracy=accuracy)
+    properties = inertia.mass_properties(part, accuracy=accuracy)
     truth = eigenvalues(exact(part).inertia, 90)
-    assert_moments_bounded(found, truth)
+    assert_moments_bounded(properties, truth)
     if accuracy == "exact":
-        assert found.principal_moments.tolist() == [float(k) for k in truth]
+        assert properties.principal_moments.tolist() == [float(k) for k in truth]
 
 
 @pytest.mark.parametrize("askew", [False, True], ids=["along x", "askew"])
@@ -79,11 +79,11 @@ def test_float64_sums_say_what_they_lost(aspect: float, askew: bool) -> None:
     """Along x nothing is lost; askew the smallest moment is, and the bound says so."""
     triangles = needle(aspect, askew).triangles
     sums = moments_of(sum_triangles(triangles))
-    found = MassProperties.from_moments(sums, sums.zeroth, sums.zeroth_bound, "test")
-    assert_moments_bounded(found, eigenvalues(moments(triangles.corners()).inertia, 90))
-    certain = found.principal.moment_bounds[0] / found.principal.moments[0]
+    properties = MassProperties.from_moments(sums, sums.zeroth, sums.zeroth_bound, "test")
+    assert_moments_bounded(properties, eigenvalues(moments(triangles.corners()).inertia, 90))
+    certain = properties.principal.moment_bounds[0] / properties.principal.moments[0]
     assert (certain < 1e-13) == (not askew)
-    assert found.loses_smallest_moment == askew
+    assert properties.loses_smallest_moment == askew
 
 
 def test_only_slender_parts_need_more_digits_than_float64() -> None:
@@ -95,17 +95,19 @@ def test_only_slender_parts_need_more_digits_than_float64() -> None:
 
 
 def test_the_tensor_in_part_axes_has_lost_what_the_moments_have_not() -> None:
-    found = inertia.mass_properties(needle(1e9, True))
-    of_tensor = principal(found.inertia, bound=found.error.inertia * float(np.linalg.norm(found.inertia)))
-    assert of_tensor.moment_bounds[0] > 10 * found.principal_moments[0]
-    assert found.principal.moment_bounds[0] < 1e-15 * found.principal_moments[0]
+    properties = inertia.mass_properties(needle(1e9, True))
+    of_tensor = principal(
+        properties.inertia, bound=properties.error.inertia * float(np.linalg.norm(properties.inertia))
+    )
+    assert of_tensor.moment_bounds[0] > 10 * properties.principal_moments[0]
+    assert properties.principal.moment_bounds[0] < 1e-15 * properties.principal_moments[0]
 
 
 def test_the_axis_of_a_needle_is_certain_and_those_across_are_none() -> None:
-    found = inertia.mass_properties(needle(1e9, True)).principal
-    assert (found.kind, found.equal) == ("rotor", ((1, 2),))
-    assert found.axis_bounds[0] < 1e-15
-    assert found.axis_bounds[1:].tolist() == [np.pi / 2] * 2
+    decomposition = inertia.mass_properties(needle(1e9, True)).principal
+    assert (decomposition.kind, decomposition.equal) == ("rotor", ((1, 2),))
+    assert decomposition.axis_bounds[0] < 1e-15
+    assert decomposition.axis_bounds[1:].tolist() == [np.pi / 2] * 2
     across = inertia.mass_properties(needle(1e9, True)).principal_within(0.0)
     assert (across.kind, across.equal) == ("asymmetric", ())
     assert across.axis_bounds.max() < 1e-14
@@ -115,9 +117,9 @@ def test_a_needle_keeps_its_moments_in_an_assembly() -> None:
     """Two halves of one needle: the tensors' elements would have lost the smallest moment."""
     whole = box(1, 2e-9, 1e-9)
     halves = [inertia.mass_properties(surface(mapped(k, turn(1)))) for k in (_half(whole, -1), _half(whole, 1))]
-    found = halves[0] + halves[1]
-    assert found.principal_moments[0] == pytest.approx(1000 * 2e-18 * 5e-18 / 12, rel=1e-6)
-    assert found.principal.moment_bounds[0] < 1e-9 * found.principal_moments[0]
+    properties = halves[0] + halves[1]
+    assert properties.principal_moments[0] == pytest.approx(1000 * 2e-18 * 5e-18 / 12, rel=1e-6)
+    assert properties.principal.moment_bounds[0] < 1e-9 * properties.principal_moments[0]
 
 
 def _half(corners: np.ndarray, side: int) -> np.ndarray:

@@ -22,16 +22,16 @@ def welded(name):
 
 def ours(name):
     """Return the answer in powers of millimetres for unit density: volume, centre of mass, tensor."""
-    found = inertia.mass_properties(inertia.read(path(name), unit="m"), 1.0)
-    return found.volume, found.center_of_mass, found.inertia
+    properties = inertia.mass_properties(inertia.read(path(name), unit="m"), 1.0)
+    return properties.volume, properties.center_of_mass, properties.inertia
 
 
-def assert_near(found, name, tolerance):
+def assert_near(value, name, tolerance):
     volume, com, tensor = ours(name)
     size = np.cbrt(volume)
-    assert found[0] == pytest.approx(volume, rel=tolerance)
-    assert np.linalg.norm(found[1] - com) <= tolerance * max(size, np.linalg.norm(com))
-    assert np.linalg.norm(found[2] - tensor) <= tolerance * np.linalg.norm(tensor)
+    assert value[0] == pytest.approx(volume, rel=tolerance)
+    assert np.linalg.norm(value[1] - com) <= tolerance * max(size, np.linalg.norm(com))
+    assert np.linalg.norm(value[2] - tensor) <= tolerance * np.linalg.norm(tensor)
 
 
 @pytest.mark.parametrize("name", SAMPLES)
@@ -48,9 +48,11 @@ def test_trimesh(name):
 def test_trimesh_finds_the_same_principal_moments(name):
     trimesh = pytest.importorskip("trimesh")
     mesh = trimesh.Trimesh(*welded(name), process=False)
-    found = inertia.mass_properties(inertia.read(path(name), unit="m"), 1.0)
+    properties = inertia.mass_properties(inertia.read(path(name), unit="m"), 1.0)
     np.testing.assert_allclose(
-        np.sort(mesh.principal_inertia_components), found.principal_moments, atol=1e-13 * found.principal_moments[2]
+        np.sort(mesh.principal_inertia_components),
+        properties.principal_moments,
+        atol=1e-13 * properties.principal_moments[2],
     )
 
 

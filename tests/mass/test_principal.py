@@ -32,13 +32,13 @@ def turned(moments: list[float], axes: np.ndarray) -> np.ndarray:
     return (tensor + tensor.T) / 2
 
 
-def assert_frame(found: Principal) -> None:
+def assert_frame(decomposition: Principal) -> None:
     """The axes are a right-handed rotation with the stated signs, the moments ascending."""
-    assert found.axes.T @ found.axes == pytest.approx(np.eye(3), abs=1e-14)
-    assert np.linalg.det(found.axes) == pytest.approx(1.0)
-    assert list(found.moments) == sorted(found.moments)
+    assert decomposition.axes.T @ decomposition.axes == pytest.approx(np.eye(3), abs=1e-14)
+    assert np.linalg.det(decomposition.axes) == pytest.approx(1.0)
+    assert list(decomposition.moments) == sorted(decomposition.moments)
     for k in (0, 2):
-        axis = found.axes[:, k]
+        axis = decomposition.axes[:, k]
         assert axis[np.abs(axis) >= np.abs(axis).max() * (1 - 1e-9)][0] > 0
 
 
@@ -47,11 +47,11 @@ def assert_frame(found: Principal) -> None:
 def test_any_tensor_is_the_product_of_its_axes_and_moments(seed: int, low: float, gap: float, scale: float) -> None:
     moments = [low, low + gap, low + gap + low * gap]  # satisfies the triangle rule
     axes = rotation(seed)
-    found = principal(scale * turned(moments, axes))
-    assert_frame(found)
-    assert found.moments / scale == pytest.approx(moments, rel=1e-13)
-    assert found.axes * np.sign((found.axes * axes).sum(axis=0)) == pytest.approx(axes, abs=1e-12)
-    assert (found.kind, found.equal, found.tolerance) == ("asymmetric", (), CLASS_TOLERANCE)
+    decomposition = principal(scale * turned(moments, axes))
+    assert_frame(decomposition)
+    assert decomposition.moments / scale == pytest.approx(moments, rel=1e-13)
+    assert decomposition.axes * np.sign((decomposition.axes * axes).sum(axis=0)) == pytest.approx(axes, abs=1e-12)
+    assert (decomposition.kind, decomposition.equal, decomposition.tolerance) == ("asymmetric", (), CLASS_TOLERANCE)
 
 
 @pytest.mark.parametrize("seed", range(4))
@@ -72,20 +72,20 @@ def test_signs_and_order_do_not_depend_on_how_the_tensor_is_written(
     change[range(3), order] = [*signs, 1]
     change[2] *= np.linalg.det(change)
     plain = turned([1.0, 2.0, 2.5], rotation(9))
-    found = principal(change @ plain @ change.T)
-    assert_frame(found)
+    decomposition = principal(change @ plain @ change.T)
+    assert_frame(decomposition)
     expected = change @ principal(plain).axes
     for k in range(3):
-        assert abs(found.axes[:, k] @ expected[:, k]) == pytest.approx(1.0)
+        assert abs(decomposition.axes[:, k] @ expected[:, k]) == pytest.approx(1.0)
 
 
 def test_axes_along_the_coordinates_are_exactly_these() -> None:
     for order in permutations([1.0, 2.0, 2.5]):
-        found = principal(np.diag(order))
-        assert found.moments.tolist() == [1.0, 2.0, 2.5]
-        assert set(np.abs(found.axes).ravel().tolist()) == {0.0, 1.0}
-        assert_frame(found)
-        assert not np.signbit(found.axes[found.axes == 0]).any()
+        decomposition = principal(np.diag(order))
+        assert decomposition.moments.tolist() == [1.0, 2.0, 2.5]
+        assert set(np.abs(decomposition.axes).ravel().tolist()) == {0.0, 1.0}
+        assert_frame(decomposition)
+        assert not np.signbit(decomposition.axes[decomposition.axes == 0]).any()
 
 
 def test_components_of_equal_size_take_the_sign_from_the_first() -> None:
@@ -95,9 +95,9 @@ def test_components_of_equal_size_take_the_sign_from_the_first() -> None:
     assert not np.signbit(principal(plain).axes[principal(plain).axes == 0]).any()
     for seed in range(10):
         noise = np.random.default_rng(seed).normal(size=(3, 3)) * 1e-14
-        found = principal(plain + noise + noise.T)
-        assert found.axes[:, 0] == pytest.approx(axis)
-        assert found.axes[:, 2] == pytest.approx(other)
+        decomposition = principal(plain + noise + noise.T)
+        assert decomposition.axes[:, 0] == pytest.approx(axis)
+        assert decomposition.axes[:, 2] == pytest.approx(other)
 
 
 CLASSES = [
@@ -117,12 +117,14 @@ def test_the_class_and_the_subspaces_of_equal_moments(
     moments: list[float], kind: str, equal: tuple[tuple[int, ...], ...], seed: int | None, scale: float
 ) -> None:
     axes = np.eye(3) if seed is None else rotation(seed)
-    found = principal(scale * turned(moments, axes))
-    assert (found.kind, found.equal) == (kind, equal)
-    assert_frame(found)
+    decomposition = principal(scale * turned(moments, axes))
+    assert (decomposition.kind, decomposition.equal) == (kind, equal)
+    assert_frame(decomposition)
     for group in equal:
         span = axes[:, list(group)]
-        assert span @ span.T == pytest.approx(found.axes[:, list(group)] @ found.axes[:, list(group)].T, abs=1e-14)
+        assert span @ span.T == pytest.approx(
+            decomposition.axes[:, list(group)] @ decomposition.axes[:, list(group)].T, abs=1e-14
+        )
 
 
 @pytest.mark.parametrize("tolerance", [1e-3, CLASS_TOLERANCE, 1e-12])
@@ -152,8 +154,8 @@ def test_with_no_tolerance_only_equal_bits_are_equal() -> None:
 @pytest.mark.parametrize(("moments", "own"), [([2.0, 2.0, 3.0], 2), ([1.0, 2.0, 2.0], 0)], ids=["oblate", "prolate"])
 def test_axes_of_equal_moments_lie_nearest_to_the_coordinates(moments: list[float], own: int) -> None:
     """About z the others are x and y themselves; about a tilted axis one of them is the nearest coordinate's shadow."""
-    found = principal(turned(moments, np.eye(3)[:, [1, 2, 0]] if own == 2 else np.eye(3)[:, [2, 0, 1]]))
-    assert set(np.abs(found.axes).ravel().tolist()) == {0.0, 1.0}
+    decomposition = principal(turned(moments, np.eye(3)[:, [1, 2, 0]] if own == 2 else np.eye(3)[:, [2, 0, 1]]))
+    assert set(np.abs(decomposition.axes).ravel().tolist()) == {0.0, 1.0}
     z = np.array([0.3, 0.0, 1.0]) / np.hypot(0.3, 1.0)
     frame = np.column_stack([[0, 1, 0], np.cross(z, [0, 1, 0]), z])
     tilted = principal(turned(moments, np.roll(frame, own - 2, axis=1)))
@@ -166,16 +168,16 @@ def test_axes_of_equal_moments_do_not_follow_the_rounding_of_the_tensor(seed: in
     noise = np.random.default_rng(seed).normal(size=(3, 3)) * 1e-13
     for moments in ([2.0, 2.0, 3.0], [1.0, 2.0, 2.0], [2.0, 2.0, 2.0]):
         plain = turned(moments, rotation(7))
-        found, other = principal(plain), principal(plain + noise + noise.T)
-        assert other.axes == pytest.approx(found.axes, abs=1e-11)
+        decomposition, other = principal(plain), principal(plain + noise + noise.T)
+        assert other.axes == pytest.approx(decomposition.axes, abs=1e-11)
 
 
 def test_a_needle_keeps_the_small_moment_that_its_tensor_carries() -> None:
     """A rod a billion times as long as wide: I1/I3 is 1e-18, below what its sum could tell, and stands alone."""
-    found = principal(np.diag([1.0, 1e18, 1e18]))
-    assert found.moments.tolist() == [1.0, 1e18, 1e18]
-    assert found.kind == "rotor"
-    assert found.axes.tolist() == np.eye(3).tolist()
+    decomposition = principal(np.diag([1.0, 1e18, 1e18]))
+    assert decomposition.moments.tolist() == [1.0, 1e18, 1e18]
+    assert decomposition.kind == "rotor"
+    assert decomposition.axes.tolist() == np.eye(3).tolist()
     wide = principal(np.diag([1.0, 1e9, 1e9]), 1e-12)
     assert (wide.moments.tolist(), wide.kind) == ([1.0, 1e9, 1e9], "prolate")
     askew = principal(turned([1.0, 1e9, 1e9], rotation(2)), 1e-12)
@@ -185,10 +187,10 @@ def test_a_needle_keeps_the_small_moment_that_its_tensor_carries() -> None:
 
 @pytest.mark.parametrize("scale", [2.0**-1070, 2.0**-1030, 2.0**1021])
 def test_tensors_at_the_ends_of_float64_are_diagonalised(scale: float) -> None:
-    found = principal(np.diag([4.0, 3.0, 5.0]) * scale)
-    assert found.moments.tolist() == [3.0 * scale, 4.0 * scale, 5.0 * scale]
-    assert found.axes.tolist() == [[0, -1, 0], [1, 0, 0], [0, 0, 1]]
-    assert_frame(found)
+    decomposition = principal(np.diag([4.0, 3.0, 5.0]) * scale)
+    assert decomposition.moments.tolist() == [3.0 * scale, 4.0 * scale, 5.0 * scale]
+    assert decomposition.axes.tolist() == [[0, -1, 0], [1, 0, 0], [0, 0, 1]]
+    assert_frame(decomposition)
 
 
 @pytest.mark.parametrize("bad", [np.eye(2), np.full((3, 3), np.nan), [1, 2, 3], "x"], ids=str)
@@ -212,16 +214,19 @@ def test_moments_and_axes_are_within_their_bounds(
     off *= scale * 10.0**power / np.linalg.norm(off)
     given_tensor = np.array([[float(k) for k in row] for row in plus(true, off)])
     bound = scale * (10.0**power + 1e-15)
-    found = principal(given_tensor, 0.0, bound)
-    for value, limit, exact in zip(found.moments.tolist(), found.moment_bounds.tolist(), moments, strict=True):
+    decomposition = principal(given_tensor, 0.0, bound)
+    for value, limit, exact in zip(
+        decomposition.moments.tolist(), decomposition.moment_bounds.tolist(), moments, strict=True
+    ):
         assert abs(Fraction(value) - exact) <= Fraction(limit)
         assert limit <= 1.01 * bound + 1e-15 * scale
     for k in range(3):
-        if found.axis_bounds[k] < np.pi / 2:
-            assert angle(found.axes[:, k], [row[k] for row in axes]) <= found.axis_bounds[k]
+        if decomposition.axis_bounds[k] < np.pi / 2:
+            assert angle(decomposition.axes[:, k], [row[k] for row in axes]) <= decomposition.axis_bounds[k]
         else:
             assert (
-                any(k in group for group in found.equal) or found.moment_bounds[k] > 0.1 * np.diff(found.moments).min()
+                any(k in group for group in decomposition.equal)
+                or decomposition.moment_bounds[k] > 0.1 * np.diff(decomposition.moments).min()
             )
 
 
@@ -243,15 +248,15 @@ def test_nearly_equal_moments_have_axes_or_a_subspace(gap: float, bound: float) 
     axes = frame(11)
     tensor = np.array([[float(k) for k in row] for row in exactly_turned(moments, axes)])
     total = bound + 1e-15
-    found = principal(tensor, 0.0, total)
+    decomposition = principal(tensor, 0.0, total)
     if gap > 5 * total:
-        assert (found.kind, found.equal) == ("asymmetric", ())
-        assert 0.5 * total / gap < found.axis_bounds[2] < 4 * total / gap
-        assert angle(found.axes[:, 2], [row[2] for row in axes]) <= found.axis_bounds[2]
+        assert (decomposition.kind, decomposition.equal) == ("asymmetric", ())
+        assert 0.5 * total / gap < decomposition.axis_bounds[2] < 4 * total / gap
+        assert angle(decomposition.axes[:, 2], [row[2] for row in axes]) <= decomposition.axis_bounds[2]
     elif gap < total:
-        assert (found.kind, found.equal) == ("prolate", ((1, 2),))
-        assert found.axis_bounds[1:].tolist() == [np.pi / 2] * 2
-    assert found.axis_bounds[0] < 3 * total
+        assert (decomposition.kind, decomposition.equal) == ("prolate", ((1, 2),))
+        assert decomposition.axis_bounds[1:].tolist() == [np.pi / 2] * 2
+    assert decomposition.axis_bounds[0] < 3 * total
     assert principal(tensor, 1e-6, total).kind == ("prolate" if gap < 2e-6 else "asymmetric")
 
 
@@ -297,8 +302,8 @@ def test_an_ellipsoid_is_its_own_equivalent(axes: tuple[float, float, float], ma
     """I1 = M (b² + c²)/5, cyclic, for semi-axes a ≥ b ≥ c; digits go where one semi-axis is much the smallest."""
     a, b, c = sorted(axes, reverse=True)
     moments = [mass * (b * b + c * c) / 5, mass * (c * c + a * a) / 5, mass * (a * a + b * b) / 5]
-    found = equivalent_ellipsoid(moments, mass)
-    assert found**2 == pytest.approx([a * a, b * b, c * c], rel=1e-14, abs=1e-15 * a * a * 4)
+    semi_axes = equivalent_ellipsoid(moments, mass)
+    assert semi_axes**2 == pytest.approx([a * a, b * b, c * c], rel=1e-14, abs=1e-15 * a * a * 4)
 
 
 def test_the_equivalent_of_a_unit_cube_is_a_ball_of_the_same_moments() -> None:

@@ -30,33 +30,33 @@ def rotation(seed: int) -> np.ndarray:
 
 
 def of_surface(surface: Surface, density: int = 1, *, exact: bool = False) -> MassProperties:
-    found = exact_moments(surface) if exact else moments_of(sum_triangles(surface))
-    return MassProperties.from_moments(found.scaled(F(density)), found.zeroth, found.zeroth_bound, "test")
+    moments = exact_moments(surface) if exact else moments_of(sum_triangles(surface))
+    return MassProperties.from_moments(moments.scaled(F(density)), moments.zeroth, moments.zeroth_bound, "test")
 
 
 def of_box(low: tuple, high: tuple, density: int = 1) -> MassProperties:
     return of_surface(joined(box(low, high)), density)
 
 
-def assert_same(found: MassProperties, expected: MassProperties, rel: float = 1e-14) -> None:
-    assert found.mass == pytest.approx(expected.mass, rel=rel)
-    assert found.volume == pytest.approx(expected.volume, rel=rel)
+def assert_same(properties: MassProperties, expected: MassProperties, rel: float = 1e-14) -> None:
+    assert properties.mass == pytest.approx(expected.mass, rel=rel)
+    assert properties.volume == pytest.approx(expected.volume, rel=rel)
     size = float(np.sqrt(np.trace(expected.inertia) / expected.mass))
-    assert found.center_of_mass == pytest.approx(expected.center_of_mass, abs=rel * size)
-    assert found.inertia == pytest.approx(expected.inertia, abs=rel * float(np.abs(expected.inertia).max()))
+    assert properties.center_of_mass == pytest.approx(expected.center_of_mass, abs=rel * size)
+    assert properties.inertia == pytest.approx(expected.inertia, abs=rel * float(np.abs(expected.inertia).max()))
 
 
 # From moments
 
 
 def test_a_cube_has_a_sixth() -> None:
-    found = of_surface(joined(cube((1, 2, 3))), 6)
-    assert (found.mass, found.volume) == (6.0, 1.0)
-    assert found.center_of_mass.tolist() == [1, 2, 3]
-    assert found.inertia.tolist() == np.eye(3).tolist()
-    assert found.principal.kind == "spherical"
-    assert found.principal_moments.tolist() == [1, 1, 1]
-    assert found.principal_axes.tolist() == np.eye(3).tolist()
+    properties = of_surface(joined(cube((1, 2, 3))), 6)
+    assert (properties.mass, properties.volume) == (6.0, 1.0)
+    assert properties.center_of_mass.tolist() == [1, 2, 3]
+    assert properties.inertia.tolist() == np.eye(3).tolist()
+    assert properties.principal.kind == "spherical"
+    assert properties.principal_moments.tolist() == [1, 1, 1]
+    assert properties.principal_axes.tolist() == np.eye(3).tolist()
 
 
 @settings(deadline=None, max_examples=60)
@@ -66,44 +66,46 @@ def test_results_are_within_the_stated_errors(seed: int, power: float, offset: f
     vertices, faces = sphere(splits=1)
     vertices = (vertices * rng.uniform(0.3, 1, (len(vertices), 1)) @ rotation(seed) + offset) * 10.0**power
     triangles = Surface(vertices, faces)
-    found, true = of_surface(triangles, exact=exact), rational.moments(triangles.corners())
-    assert abs(F(found.volume) - true.volume) <= F(found.error.volume) * F(found.volume)
-    assert abs(F(found.mass) - true.volume) <= F(found.error.mass) * F(found.mass)
-    squares = ((F(a) - b) ** 2 for a, b in zip(found.center_of_mass.tolist(), true.center_of_mass, strict=True))
-    assert sum(squares) <= F(found.error.center_of_mass) ** 2
-    assert_tensor_bounded(found, true.inertia)
-    assert found.error.inertia <= (1e-15 if exact else 1e-10)
+    properties, true = of_surface(triangles, exact=exact), rational.moments(triangles.corners())
+    assert abs(F(properties.volume) - true.volume) <= F(properties.error.volume) * F(properties.volume)
+    assert abs(F(properties.mass) - true.volume) <= F(properties.error.mass) * F(properties.mass)
+    squares = ((F(a) - b) ** 2 for a, b in zip(properties.center_of_mass.tolist(), true.center_of_mass, strict=True))
+    assert sum(squares) <= F(properties.error.center_of_mass) ** 2
+    assert_tensor_bounded(properties, true.inertia)
+    assert properties.error.inertia <= (1e-15 if exact else 1e-10)
 
 
-def assert_tensor_bounded(found: MassProperties, true: list[list[Fraction]] | rational.Matrix) -> None:
-    numbers = [F(k) for k in found.inertia.ravel().tolist()]
+def assert_tensor_bounded(properties: MassProperties, true: list[list[Fraction]] | rational.Matrix) -> None:
+    numbers = [F(k) for k in properties.inertia.ravel().tolist()]
     error = sum((a - b) ** 2 for a, b in zip(numbers, (k for row in true for k in row), strict=True))
-    assert error <= F(found.error.inertia) ** 2 * sum(k * k for k in numbers)
+    assert error <= F(properties.error.inertia) ** 2 * sum(k * k for k in numbers)
 
 
 def test_an_exact_method_is_rounded_once() -> None:
-    found = of_surface(joined(sphere((0.1, 0.2, 0.3), splits=2)), exact=True)
+    properties = of_surface(joined(sphere((0.1, 0.2, 0.3), splits=2)), exact=True)
     true = rational.moments(joined(sphere((0.1, 0.2, 0.3), splits=2)).corners())
-    assert found.mass == float(true.volume)
-    assert found.center_of_mass.tolist() == [float(k) for k in true.center_of_mass]
-    assert found.inertia.tolist() == [[float(k) for k in row] for row in true.inertia]
-    assert (found.error.method, found.error.mass, found.error.inertia) == ("test", 2.0**-53, 2.0**-53)
+    assert properties.mass == float(true.volume)
+    assert properties.center_of_mass.tolist() == [float(k) for k in true.center_of_mass]
+    assert properties.inertia.tolist() == [[float(k) for k in row] for row in true.inertia]
+    assert (properties.error.method, properties.error.mass, properties.error.inertia) == ("test", 2.0**-53, 2.0**-53)
 
 
 def test_results_below_the_normal_range_state_what_rounding_cost_them() -> None:
     """A cube of 2⁻²¹⁰ m has moments of about 2⁻¹⁰⁵²: 22 bits are left."""
     vertices, faces = sphere(splits=1)
     triangles = Surface(np.ldexp(vertices, -210), faces)
-    found = of_surface(triangles, exact=True)
-    assert 1e-8 < found.error.inertia < 1e-4
-    assert_tensor_bounded(found, rational.moments(triangles.corners()).inertia)
+    properties = of_surface(triangles, exact=True)
+    assert 1e-8 < properties.error.inertia < 1e-4
+    assert_tensor_bounded(properties, rational.moments(triangles.corners()).inertia)
 
 
 def test_a_mass_below_the_normal_range_states_what_rounding_cost_it() -> None:
     zero = (F(0),) * 3
     mass = F(1, 3 * 2**1070)
-    found = MassProperties.from_moments(Moments(zero, mass, zero, (F(1), F(1), F(1), *zero)), F(1), F(0), "thin gas")
-    assert 0 < abs(F(found.mass) - mass) <= F(found.error.mass) * F(found.mass)
+    properties = MassProperties.from_moments(
+        Moments(zero, mass, zero, (F(1), F(1), F(1), *zero)), F(1), F(0), "thin gas"
+    )
+    assert 0 < abs(F(properties.mass) - mass) <= F(properties.error.mass) * F(properties.mass)
 
 
 @pytest.mark.parametrize(("size", "match"), [(1e-70, "below 5e-324"), (1e65, "above 1.8e308")])
@@ -116,9 +118,9 @@ def test_a_result_that_leaves_float64_is_refused(size: float, match: str) -> Non
 def test_a_tensor_at_the_end_of_float64_is_given() -> None:
     """The moments are 1.5e308, so that the tensor's norm is beyond float64."""
     side = 9.0**0.2 * 1e308**0.2
-    found = of_surface(joined(cube(size=side)))
-    assert found.inertia[0, 0] == pytest.approx(1.5e308, rel=1e-10)
-    assert found.error.inertia < 1e-12
+    properties = of_surface(joined(cube(size=side)))
+    assert properties.inertia[0, 0] == pytest.approx(1.5e308, rel=1e-10)
+    assert properties.error.inertia < 1e-12
 
 
 @pytest.mark.parametrize(
@@ -144,8 +146,8 @@ def test_what_is_not_above_its_bound_is_refused(
 
 def test_no_volume_is_a_volume() -> None:
     zero = (F(0),) * 3
-    found = MassProperties.from_moments(Moments(zero, F(2), zero, (F(1), *zero, F(0), F(0))), F(0), F(0), "wire")
-    assert (found.volume, found.error.volume) == (0.0, 0.0)
+    properties = MassProperties.from_moments(Moments(zero, F(2), zero, (F(1), *zero, F(0), F(0))), F(0), F(0), "wire")
+    assert (properties.volume, properties.error.volume) == (0.0, 0.0)
 
 
 # What is refused
@@ -207,10 +209,10 @@ def test_a_tensor_is_physical_within_its_own_error() -> None:
 
 def test_the_arrays_are_copies_and_stay_as_they_are() -> None:
     com, tensor = np.zeros(3), np.eye(3)
-    found = MassProperties(1.0, 1.0, com, tensor)
+    properties = MassProperties(1.0, 1.0, com, tensor)
     com[0], tensor[0, 0] = 1, 5
-    assert (found.center_of_mass[0], found.inertia[0, 0]) == (0, 1)
-    for array in (found.center_of_mass, found.inertia):
+    assert (properties.center_of_mass[0], properties.inertia[0, 0]) == (0, 1)
+    for array in (properties.center_of_mass, properties.inertia):
         with pytest.raises(ValueError, match="read-only"):
             array[0] = 1
 
@@ -219,9 +221,9 @@ def test_the_arrays_are_copies_and_stay_as_they_are() -> None:
 
 
 def test_an_ordinary_part_has_small_bounds() -> None:
-    found = of_box((0, 0, 0), (1, 2, 3)).principal
-    assert (found.moment_bounds < 1e-13 * found.moments).all()
-    assert (found.axis_bounds < 1e-12).all()
+    decomposition = of_box((0, 0, 0), (1, 2, 3)).principal
+    assert (decomposition.moment_bounds < 1e-13 * decomposition.moments).all()
+    assert (decomposition.axis_bounds < 1e-12).all()
 
 
 @pytest.mark.parametrize("accuracy", [1e-15, 1e-6])
@@ -249,21 +251,25 @@ def test_moments_of_any_part_are_within_their_bounds(seed: int, a: float, b: flo
     true = rational.moments(triangles.corners())
     for exact in (False, True):
         try:
-            found = of_surface(triangles, exact=exact).principal
+            decomposition = of_surface(triangles, exact=exact).principal
         except GeometryError:
             assume(exact)
             raise
-        for value, bound, k in zip(found.moments, found.moment_bounds, eigenvalues(true.inertia), strict=True):
+        for value, bound, k in zip(
+            decomposition.moments, decomposition.moment_bounds, eigenvalues(true.inertia), strict=True
+        ):
             assert abs(F(value) - k) <= F(bound) * (1 + F(1, 10**20))
 
 
 def test_what_the_tensor_has_lost_is_kept_for_the_algebra() -> None:
     """A needle askew, moved and put together with nothing but itself, still has its smallest moment."""
     rod = Surface(sphere(splits=1)[0] * [1, 1e-9, 2e-9] @ rotation(3).T, sphere(splits=1)[1])
-    found = of_surface(rod, exact=True)
-    twice = found + found
-    assert twice.principal_moments == pytest.approx(2 * found.principal_moments, rel=1e-13)
-    given_tensor = MassProperties(found.mass, found.volume, found.center_of_mass, found.inertia, found.error)
+    properties = of_surface(rod, exact=True)
+    twice = properties + properties
+    assert twice.principal_moments == pytest.approx(2 * properties.principal_moments, rel=1e-13)
+    given_tensor = MassProperties(
+        properties.mass, properties.volume, properties.center_of_mass, properties.inertia, properties.error
+    )
     assert given_tensor.principal.moment_bounds[0] > given_tensor.principal.moments[0]
 
 
@@ -273,27 +279,27 @@ def test_what_the_tensor_has_lost_is_kept_for_the_algebra() -> None:
 def test_a_box_cut_in_two_adds_up_and_comes_apart() -> None:
     whole = of_box((0, 0, 0), (3, 2, 1), 5)
     left, right = of_box((0, 0, 0), (1, 2, 1), 5), of_box((1, 0, 0), (3, 2, 1), 5)
-    for found, expected in ((left + right, whole), (right + left, whole), (whole - left, right), (whole - right, left)):
-        assert_same(found, expected)
-        assert found.error.method == "test"
+    for body, expected in ((left + right, whole), (right + left, whole), (whole - left, right), (whole - right, left)):
+        assert_same(body, expected)
+        assert body.error.method == "test"
 
 
 def test_a_hollow_cube_is_one_cut_out_of_another() -> None:
     """(a⁵ − b⁵)/6 for sides a and b about a common middle."""
-    found = of_surface(joined(cube((7, 8, 9), size=4.0))) - of_surface(joined(cube((7, 8, 9), size=2.0)))
-    assert (found.mass, found.volume) == (56.0, 56.0)
-    assert found.inertia == pytest.approx((4**5 - 2**5) / 6 * np.eye(3), rel=1e-15)
+    properties = of_surface(joined(cube((7, 8, 9), size=4.0))) - of_surface(joined(cube((7, 8, 9), size=2.0)))
+    assert (properties.mass, properties.volume) == (56.0, 56.0)
+    assert properties.inertia == pytest.approx((4**5 - 2**5) / 6 * np.eye(3), rel=1e-15)
 
 
 def test_bodies_of_different_densities_are_an_assembly() -> None:
     """A point of 1 kg on the face of a 3 kg cube: Steiner for both about the common centre at a quarter of ½."""
     cube_ = of_surface(joined(cube()), 3)
-    found = cube_ + MassProperties(1.0, 0.0, [0.5, 0, 0], np.zeros((3, 3)))
-    assert (found.mass, found.volume) == (4.0, 1.0)
-    assert found.center_of_mass.tolist() == [0.125, 0, 0]
+    assembly = cube_ + MassProperties(1.0, 0.0, [0.5, 0, 0], np.zeros((3, 3)))
+    assert (assembly.mass, assembly.volume) == (4.0, 1.0)
+    assert assembly.center_of_mass.tolist() == [0.125, 0, 0]
     across = 0.5 + 3 * 0.125**2 + 1 * 0.375**2
-    assert found.inertia.tolist() == np.diag([0.5, across, across]).tolist()
-    assert found.error.method == "test + given"
+    assert assembly.inertia.tolist() == np.diag([0.5, across, across]).tolist()
+    assert assembly.error.method == "test + given"
 
 
 @pytest.mark.parametrize(
@@ -327,8 +333,8 @@ def test_only_mass_properties_combine(other: object) -> None:
 
 def test_about_a_corner_a_cube_has_two_thirds_and_a_quarter() -> None:
     """2/3 M a² on the diagonal and −M a²/4 off it about a corner."""
-    found = of_box((0, 0, 0), (1, 1, 1), 12).about([0, 0, 0])
-    assert found.tolist() == [[8, -3, -3], [-3, 8, -3], [-3, -3, 8]]
+    moments = of_box((0, 0, 0), (1, 1, 1), 12).about([0, 0, 0])
+    assert moments.tolist() == [[8, -3, -3], [-3, 8, -3], [-3, -3, 8]]
 
 
 @settings(deadline=None)
@@ -365,8 +371,8 @@ def test_about_a_point_beyond_float64_is_refused() -> None:
 def test_another_frame_has_its_axes_as_columns_and_its_own_origin() -> None:
     body = of_box((0, 0, 0), (1, 2, 3))
     new_x_is_old_y = np.array([[0, 0, 1], [1, 0, 0], [0, 1, 0]])
-    found = body.expressed_in(new_x_is_old_y, [0, 0, -10])
-    assert_same(found, of_box((0, 10, 0), (2, 13, 1)))
+    properties = body.expressed_in(new_x_is_old_y, [0, 0, -10])
+    assert_same(properties, of_box((0, 10, 0), (2, 13, 1)))
 
 
 @settings(deadline=None, max_examples=50)
@@ -374,13 +380,13 @@ def test_another_frame_has_its_axes_as_columns_and_its_own_origin() -> None:
 def test_another_frame_keeps_what_does_not_depend_on_it(seed: int, turned: int) -> None:
     body = of_surface(Surface(sphere(splits=1)[0] * [1, 2, 3] @ rotation(seed).T, sphere(splits=1)[1]))
     axes, origin = rotation(turned), np.random.default_rng(turned).normal(size=3)
-    found = body.expressed_in(axes, origin)
-    assert (found.mass, found.volume) == (body.mass, body.volume)
-    assert found.principal_moments == pytest.approx(body.principal_moments, rel=1e-14)
-    assert_same(found.expressed_in(axes.T, -axes.T @ origin), body)
+    properties = body.expressed_in(axes, origin)
+    assert (properties.mass, properties.volume) == (body.mass, body.volume)
+    assert properties.principal_moments == pytest.approx(body.principal_moments, rel=1e-14)
+    assert_same(properties.expressed_in(axes.T, -axes.T @ origin), body)
     point = np.array([1.0, -2.0, 0.5])
     expected = axes.T @ body.about(point) @ axes
-    assert found.about(axes.T @ (point - origin)) == pytest.approx(expected, abs=1e-13 * np.abs(expected).max())
+    assert properties.about(axes.T @ (point - origin)) == pytest.approx(expected, abs=1e-13 * np.abs(expected).max())
 
 
 @settings(deadline=None, max_examples=60)
@@ -390,15 +396,15 @@ def test_what_another_frame_rounds_is_in_the_errors(seed: int, away: float, orig
     rng = np.random.default_rng(seed)
     com, origin = away * rng.normal(size=3), origin_away * rng.normal(size=3)
     body = MassProperties(1.0, 1.0, com, np.diag([1.0, 1.3, 2.1]), EXACT)
-    found = body.expressed_in(rotation(seed), origin)
+    properties = body.expressed_in(rotation(seed), origin)
     axes = [[F(k) for k in row] for row in rotation(seed).tolist()]
     d = [F(c) - F(o) for c, o in zip(com.tolist(), origin.tolist(), strict=True)]
     true = [sum(axes[k][i] * d[k] for k in range(3)) for i in range(3)]
-    squares = sum((F(a) - b) ** 2 for a, b in zip(found.center_of_mass.tolist(), true, strict=True))
-    assert squares <= F(found.error.center_of_mass) ** 2
+    squares = sum((F(a) - b) ** 2 for a, b in zip(properties.center_of_mass.tolist(), true, strict=True))
+    assert squares <= F(properties.error.center_of_mass) ** 2
     tensor = [F(k) for k in body.inertia.diagonal().tolist()]
     assert_tensor_bounded(
-        found, [[sum(axes[k][i] * tensor[k] * axes[k][j] for k in range(3)) for j in range(3)] for i in range(3)]
+        properties, [[sum(axes[k][i] * tensor[k] * axes[k][j] for k in range(3)) for j in range(3)] for i in range(3)]
     )
 
 
@@ -412,11 +418,11 @@ def test_a_frame_is_a_rotation() -> None:
 
 def test_another_mass_takes_the_tensor_along() -> None:
     body = of_box((0, 0, 0), (1, 2, 3))
-    found = body.with_mass(18.0)
-    assert found.mass == 18.0
-    assert found.volume == 6.0
-    assert found.center_of_mass.tolist() == body.center_of_mass.tolist()
-    assert found.inertia.tolist() == (3 * body.inertia).tolist()
+    properties = body.with_mass(18.0)
+    assert properties.mass == 18.0
+    assert properties.volume == 6.0
+    assert properties.center_of_mass.tolist() == body.center_of_mass.tolist()
+    assert properties.inertia.tolist() == (3 * body.inertia).tolist()
 
 
 # Errors, carried through
@@ -459,11 +465,13 @@ def as_measured(body: tuple, error: ErrorBound, seed: int) -> MassProperties:
     )
 
 
-def assert_covers(found: MassProperties, mass: Fraction, com: list[Fraction], tensor: list[list[Fraction]]) -> None:
-    assert abs(F(found.mass) - mass) <= F(found.error.mass) * F(found.mass)
-    squares = sum((F(a) - b) ** 2 for a, b in zip(found.center_of_mass.tolist(), com, strict=True))
-    assert squares <= F(found.error.center_of_mass) ** 2
-    assert_tensor_bounded(found, tensor)
+def assert_covers(
+    properties: MassProperties, mass: Fraction, com: list[Fraction], tensor: list[list[Fraction]]
+) -> None:
+    assert abs(F(properties.mass) - mass) <= F(properties.error.mass) * F(properties.mass)
+    squares = sum((F(a) - b) ** 2 for a, b in zip(properties.center_of_mass.tolist(), com, strict=True))
+    assert squares <= F(properties.error.center_of_mass) ** 2
+    assert_tensor_bounded(properties, tensor)
 
 
 errors = st.tuples(*[st.sampled_from([1e-11, 1e-9, 1e-3, 0.1])] * 3).map(
@@ -482,20 +490,20 @@ def test_sums_and_differences_cover_the_errors_of_both(
     first = [x + sign * y for x, y in zip(large[1], small[1], strict=True)]
     second = [[x + sign * y for x, y in zip(u, v, strict=True)] for u, v in zip(large[2], small[2], strict=True)]
     try:
-        found = a + b if sign > 0 else a - b
+        combined = a + b if sign > 0 else a - b
     except GeometryError:
         assume(sign > 0)  # the difference of two wrong bodies may be no body
         raise
-    assert_covers(found, mass, *central(mass, first, second))
+    assert_covers(combined, mass, *central(mass, first, second))
 
 
 @settings(deadline=None, max_examples=40)
 @given(seeds, errors, st.floats(1e-3, 1e3))
 def test_another_mass_covers_the_errors_of_the_old(seed: int, error: ErrorBound, mass: float) -> None:
     true = true_body(seed, 2.0, 5)
-    found = as_measured(true, error, seed + 1).with_mass(mass)
+    properties = as_measured(true, error, seed + 1).with_mass(mass)
     com, tensor = central(*true)
-    assert_covers(found, F(mass), com, [[k * F(mass) / true[0] for k in row] for row in tensor])
+    assert_covers(properties, F(mass), com, [[k * F(mass) / true[0] for k in row] for row in tensor])
 
 
 def test_a_sum_covers_a_light_body_in_the_wrong_place() -> None:

@@ -41,9 +41,9 @@ def test_shifting_between_any_points_is_summing_about_the_other(seed: int, dista
     positions, masses = cloud(seed)
     mass, com = masses.sum(), masses @ positions / masses.sum()
     about, to = distance * np.random.default_rng(seed + 1).normal(size=(2, 3))
-    found = steiner(summed(positions, masses, about), mass, com, about=about, to=to)
+    shifted = steiner(summed(positions, masses, about), mass, com, about=about, to=to)
     size = max(np.linalg.norm(summed(positions, masses, p)) for p in (about, to))
-    assert found == pytest.approx(summed(positions, masses, to), abs=1e-13 * size)
+    assert shifted == pytest.approx(summed(positions, masses, to), abs=1e-13 * size)
 
 
 def test_shifting_to_the_same_point_changes_nothing() -> None:
@@ -70,9 +70,9 @@ def test_products_of_inertia_are_negative_off_the_diagonal() -> None:
 def test_reexpressing_is_summing_coordinates_along_the_new_axes(seed: int, turned: int) -> None:
     positions, masses = cloud(seed)
     axes = rotation(turned)
-    found = reexpress(summed(positions, masses, np.zeros(3)), axes)
-    assert found == pytest.approx(summed(positions @ axes, masses, np.zeros(3)), abs=1e-13 * np.abs(found).max())
-    assert found.tolist() == found.T.tolist()
+    tensor = reexpress(summed(positions, masses, np.zeros(3)), axes)
+    assert tensor == pytest.approx(summed(positions @ axes, masses, np.zeros(3)), abs=1e-13 * np.abs(tensor).max())
+    assert tensor.tolist() == tensor.T.tolist()
 
 
 def test_reexpressing_takes_columns_as_the_new_axes() -> None:
@@ -160,9 +160,9 @@ def test_the_triangle_rule_is_held_to_its_tolerance_from_both_sides(scale: float
     """With I1 + I2 = I3 − e, the trace is 2 I3 − e: refused where e > tolerance × trace."""
     for share, expected in ((0.99, 0), (1.01, 1)):
         e = share * tolerance * 6 / (1 + share * tolerance)
-        found = faults(scale * turned([1.0, 2.0 - e, 3.0], seed), tolerance)
-        assert len(found) == expected
-        assert all("break the triangle rule: no body has I1 + I2 < I3" in text for text in found)
+        sentences = faults(scale * turned([1.0, 2.0 - e, 3.0], seed), tolerance)
+        assert len(sentences) == expected
+        assert all("break the triangle rule: no body has I1 + I2 < I3" in text for text in sentences)
 
 
 @pytest.mark.parametrize("scale", SCALES)
@@ -171,9 +171,9 @@ def test_positivity_is_held_to_its_tolerance_from_both_sides(scale: float, toler
     """Negative by e beside two equal moments: refused where e > tolerance × trace, as I3 − I2 = 0 > −e − tolerance."""
     for share, expected in ((0.99, 0), (1.01, 1)):
         e = share * tolerance * 2 / (1 + share * tolerance)
-        found = faults(scale * np.diag([1.0, -e, 1.0]), tolerance)
-        assert len(found) == expected
-        assert all("are not all positive" in text for text in found)
+        sentences = faults(scale * np.diag([1.0, -e, 1.0]), tolerance)
+        assert len(sentences) == expected
+        assert all("are not all positive" in text for text in sentences)
 
 
 @pytest.mark.parametrize("scale", SCALES)
@@ -181,9 +181,9 @@ def test_symmetry_is_held_to_its_tolerance_from_both_sides(scale: float) -> None
     for share, expected in ((0.99, 0), (1.01, 1)):
         tensor = np.diag([2.0, 2.0, 2.0])
         tensor[0, 1] += share * VALIDITY_TOLERANCE * 6
-        found = faults(scale * tensor)
-        assert len(found) == expected
-        assert all("not symmetric" in text for text in found)
+        sentences = faults(scale * tensor)
+        assert len(sentences) == expected
+        assert all("not symmetric" in text for text in sentences)
 
 
 @pytest.mark.parametrize("scale", SCALES)

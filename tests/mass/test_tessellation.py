@@ -39,16 +39,16 @@ def test_the_chord_bound_covers_the_true_cylinder(
     part = surface(cylinder(radius, height, count, circumscribed=circumscribed))
     chord = sag(radius, count, circumscribed=circumscribed)
     analysis = inertia.analyse(part, 1.0, chord=chord)
-    bound, found = analysis.tessellation, analysis.properties
+    bound, properties = analysis.tessellation, analysis.properties
     assert bound is not None
     volume = math.pi * radius**2 * height
     across, along = volume * (3 * radius**2 + height**2) / 12, volume * radius**2 / 2
     tensor = np.diag([across, across, along])
-    assert abs(found.volume - volume) <= bound.volume * found.volume
-    assert np.linalg.norm(found.inertia - tensor) <= bound.inertia * np.linalg.norm(found.inertia)
-    assert np.linalg.norm(found.center_of_mass - [0, 0, height / 2]) <= bound.center_of_mass
+    assert abs(properties.volume - volume) <= bound.volume * properties.volume
+    assert np.linalg.norm(properties.inertia - tensor) <= bound.inertia * np.linalg.norm(properties.inertia)
+    assert np.linalg.norm(properties.center_of_mass - [0, 0, height / 2]) <= bound.center_of_mass
     # It is of use: the sides alone really lose two thirds of area times sag.
-    assert bound.volume * found.volume < 3 * chord * analysis.area
+    assert bound.volume * properties.volume < 3 * chord * analysis.area
 
 
 def test_the_bound_goes_with_the_density_the_unit_and_the_place() -> None:
@@ -64,10 +64,10 @@ def test_the_bound_goes_with_the_density_the_unit_and_the_place() -> None:
 
 
 def test_a_weighed_mass_is_certain() -> None:
-    found = inertia.analyse(surface(cylinder(1.0, 2.0, 48)), mass=3.0, chord=1e-3).tessellation
-    assert found is not None
-    assert found.mass < 1e-15
-    assert found.volume > 1e-4
+    analysis = inertia.analyse(surface(cylinder(1.0, 2.0, 48)), mass=3.0, chord=1e-3).tessellation
+    assert analysis is not None
+    assert analysis.mass < 1e-15
+    assert analysis.volume > 1e-4
 
 
 def test_without_a_tolerance_nothing_is_claimed() -> None:

@@ -22,12 +22,12 @@ def changed(mesh: Mesh, *, without: tuple = (), turned: tuple = (), added: list 
 
 
 def codes(report: Report, severity: str | None = None) -> list[str]:
-    return [found.code for found in report.findings if severity in (None, found.severity)]
+    return [finding.code for finding in report.findings if severity in (None, finding.severity)]
 
 
 def only(report: Report, code: str, severity: str = "error") -> Finding:
-    (found,) = (f for f in report.findings if f.code == code and f.severity == severity)
-    return found
+    (matches,) = (f for f in report.findings if f.code == code and f.severity == severity)
+    return matches
 
 
 def state(report: Report) -> tuple[bool, bool, bool | None, int, int]:
@@ -51,15 +51,15 @@ def test_binary_records_are_welded_and_checked_alike() -> None:
 def test_a_missing_triangle_is_an_open_loop_with_its_place() -> None:
     report = check(part(changed(CUBE, without=(3,)), unit="in"))
     assert state(report) == (False, True, None, 1, 0)
-    found = only(report, "open")
-    assert found.place == pytest.approx((6.4645, 6.4645, 10), abs=1e-4)
-    assert found.message == (
-        f"open: 1 boundary loop, 34.14 in around (6.464, 6.464, 10.0) at triangle {found.faces[0]}: close "
+    finding = only(report, "open")
+    assert finding.place == pytest.approx((6.4645, 6.4645, 10), abs=1e-4)
+    assert finding.message == (
+        f"open: 1 boundary loop, 34.14 in around (6.464, 6.464, 10.0) at triangle {finding.faces[0]}: close "
         "the mesh, or use shell=THICKNESS or inertia.repair(part)"
     )
     with pytest.raises(GeometryError) as error:
         report.require_fit(orientation="absolute")
-    assert str(error.value) == f"bracket.stl: {found.message}"
+    assert str(error.value) == f"bracket.stl: {finding.message}"
 
 
 def test_of_several_loops_the_longest_is_named() -> None:
@@ -79,11 +79,11 @@ def test_a_crack_at_a_t_junction_is_open() -> None:
 def test_a_turned_triangle_is_inconsistent() -> None:
     report = check(part(changed(CUBE, turned=(3,))))
     assert state(report) == (True, False, None, 1, 0)
-    found = only(report, "inconsistent_winding")
-    assert found.count == 3
-    assert set(found.faces) == {2, 3, 7, 11}
-    assert found.place in {(10, 5, 10), (5, 10, 10), (5, 5, 10)}
-    assert "triangles 2 and 3" in found.message
+    finding = only(report, "inconsistent_winding")
+    assert finding.count == 3
+    assert set(finding.faces) == {2, 3, 7, 11}
+    assert finding.place in {(10, 5, 10), (5, 10, 10), (5, 5, 10)}
+    assert "triangles 2 and 3" in finding.message
 
 
 def test_a_moebius_strip_is_open_and_inconsistent() -> None:
@@ -97,9 +97,9 @@ def test_a_moebius_strip_is_open_and_inconsistent() -> None:
 def test_inside_out_is_inward_and_can_be_turned() -> None:
     report = check(part(inside_out(CUBE)))
     assert state(report) == (True, True, False, 1, 1)
-    found = only(report, "inward")
-    assert (found.turnable, found.place, found.faces) == (True, (5, 5, 5), (0,))
-    assert "the volume is -1000 mm³" in found.message
+    finding = only(report, "inward")
+    assert (finding.turnable, finding.place, finding.faces) == (True, (5, 5, 5), (0,))
+    assert "the volume is -1000 mm³" in finding.message
     with pytest.raises(GeometryError, match="orientation='absolute'"):
         report.require_fit()
     report.require_fit(orientation="absolute")
@@ -114,8 +114,8 @@ def test_a_hollow_sphere_inside_out_is_one_inward_body() -> None:
 def test_one_body_inside_out_beside_another() -> None:
     report = check(part(joined(CUBE, inside_out(cube((30, 5, 5), 10)))))
     assert state(report) == (True, True, None, 2, 2)
-    found = only(report, "inverted_body")
-    assert (found.count, found.faces, found.place, found.turnable) == (1, (12,), (30, 5, 5), True)
+    finding = only(report, "inverted_body")
+    assert (finding.count, finding.faces, finding.place, finding.turnable) == (1, (12,), (30, 5, 5), True)
 
 
 def test_a_hollow_sphere_is_one_body_with_a_cavity() -> None:
@@ -136,18 +136,18 @@ def test_an_insert_in_a_cavity_is_two_bodies() -> None:
 def test_a_body_in_the_material_of_another_overlaps() -> None:
     report = check(part(joined(CUBE, cube((4, 5, 6), 2))))
     assert state(report) == (True, True, None, 2, 2)
-    found = only(report, "overlapping_bodies")
-    assert (found.faces, found.place, found.turnable) == ((12,), (4, 5, 6), True)
+    finding = only(report, "overlapping_bodies")
+    assert (finding.faces, finding.place, finding.turnable) == ((12,), (4, 5, 6), True)
     report.require_fit(orientation="absolute")
 
 
 def test_bodies_that_cross_overlap_whichever_way_they_are_wound() -> None:
     for turn in (lambda mesh: mesh, inside_out):
         report = check(part(joined(turn(CUBE), turn(cube((12, 9, 8), 10)))))
-        found = only(report, "overlapping_bodies")
-        assert (found.count, found.faces, found.turnable) == (1, (0, 12), False)
+        finding = only(report, "overlapping_bodies")
+        assert (finding.count, finding.faces, finding.turnable) == (1, (0, 12), False)
         low, high = (7, 4, 3), (10, 10, 10)
-        assert all(a <= x <= b for a, x, b in zip(low, found.place, high, strict=True))
+        assert all(a <= x <= b for a, x, b in zip(low, finding.place, high, strict=True))
         assert "overlapping_bodies" in [fault.code for fault in report.faults("absolute")]
 
 
@@ -165,10 +165,10 @@ def test_bodies_that_only_nest_in_boxes_do_not_overlap() -> None:
 def test_a_cavity_through_the_wall_crosses_it() -> None:
     report = check(part(joined(sphere(radius=2, splits=0), inside_out(cube((0.3, 0.3, 0.3), 1)))))
     assert report.bodies == 1
-    found = only(report, "overlapping_bodies")
-    assert "crossing cavities" in found.message
-    assert sum(found.place) == pytest.approx(2)
-    assert min(found.faces) < 8 <= max(found.faces)
+    finding = only(report, "overlapping_bodies")
+    assert "crossing cavities" in finding.message
+    assert sum(finding.place) == pytest.approx(2)
+    assert min(finding.faces) < 8 <= max(finding.faces)
 
 
 def test_cavities_that_cross_each_other() -> None:
@@ -195,16 +195,16 @@ def test_cubes_that_touch_are_two_bodies(beside: tuple, warnings: list[str]) -> 
 
 
 def test_the_edge_at_which_cubes_touch_is_placed() -> None:
-    found = only(check(part(joined(CUBE, cube((15, 15, 5), 10)))), "non_manifold_edge", "warning")
-    assert (found.count, found.place) == (1, (10, 10, 5))
-    assert len(found.faces) == 4
+    finding = only(check(part(joined(CUBE, cube((15, 15, 5), 10)))), "non_manifold_edge", "warning")
+    assert (finding.count, finding.place) == (1, (10, 10, 5))
+    assert len(finding.faces) == 4
 
 
 def test_a_triangle_stored_again_is_an_error() -> None:
     report = check(part(changed(CUBE, added=[CUBE[1][4]])))
-    found = only(report, "duplicate_face")
-    assert report.findings[0] is found
-    assert (found.faces, found.place) == ((12,), pytest.approx((10 / 3, 0, 10 / 3)))
+    finding = only(report, "duplicate_face")
+    assert report.findings[0] is finding
+    assert (finding.faces, finding.place) == ((12,), pytest.approx((10 / 3, 0, 10 / 3)))
     assert not report.closed
 
 
@@ -216,10 +216,10 @@ def test_a_body_stored_again_is_an_error_that_turning_does_not_mend() -> None:
 
 def test_an_inner_wall_is_an_error() -> None:
     report = check(part(changed(CUBE, added=[[2, 3, 5], [2, 5, 4]])))
-    found = only(report, "non_manifold_edge")
+    finding = only(report, "non_manifold_edge")
     assert state(report) == (False, True, None, 1, 0)
-    assert found.count == 4
-    assert {12, 13} & set(found.faces)
+    assert finding.count == 4
+    assert {12, 13} & set(finding.faces)
 
 
 @pytest.mark.parametrize("order", ["body by body", "face by face"])
@@ -244,8 +244,8 @@ def test_a_sheet_beside_a_body_is_a_warning() -> None:
     sheet = (np.array([[20, 0, 0], [23, 0, 0], [20, 3, 0]], float), np.array([[0, 1, 2], [0, 2, 1]]))
     report = check(part(joined(CUBE, sheet)))
     assert (report.fit, report.bodies) == (True, 1)
-    found = only(report, "zero_volume", "warning")
-    assert (found.faces, found.place) == ((12,), (21.5, 1.5, 0))
+    finding = only(report, "zero_volume", "warning")
+    assert (finding.faces, finding.place) == ((12,), (21.5, 1.5, 0))
 
 
 def test_a_repeated_corner_and_a_line_are_told_apart() -> None:
@@ -264,10 +264,10 @@ def test_a_coordinate_that_is_no_usable_number(value: float) -> None:
     vertices = CUBE[0].copy()
     vertices[7, 1] = value
     report = check(part((vertices, CUBE[1])))
-    found = only(report, "non_finite")
+    finding = only(report, "non_finite")
     expected = np.flatnonzero((CUBE[1] == 7).any(axis=1))
-    assert (found.count, found.faces) == (len(expected), tuple(expected))
-    assert f"triangle {expected[0]}:" in found.message
+    assert (finding.count, finding.faces) == (len(expected), tuple(expected))
+    assert f"triangle {expected[0]}:" in finding.message
     assert not report.fit
 
 
@@ -285,11 +285,11 @@ def test_self_intersections_are_found_when_asked_for() -> None:
     tip = int(vertices[:, 2].argmax())
     pulled = vertices.copy()
     pulled[tip] = (0, 0, -2)  # through the opposite side
-    asked = check(part((pulled, faces)), intersections=True)
-    found = only(asked, "self_intersection")
+    report = check(part((pulled, faces)), intersections=True)
+    finding = only(report, "self_intersection")
     assert codes(check(part((pulled, faces)))) == []
-    assert set(np.flatnonzero((faces == tip).any(axis=1))) & set(found.faces)
-    assert found.place[2] == pytest.approx(-1, abs=0.1)
+    assert set(np.flatnonzero((faces == tip).any(axis=1))) & set(finding.faces)
+    assert finding.place[2] == pytest.approx(-1, abs=0.1)
     assert codes(check(part((vertices, faces)), intersections=True)) == []
 
 
@@ -300,8 +300,8 @@ def test_self_intersections_are_not_those_of_different_bodies() -> None:
 
 def test_open_pieces_that_cross_are_self_intersections() -> None:
     pieces = joined(changed(CUBE, without=(3,)), changed(cube((12, 9, 8), 10), without=(3,)))
-    found = only(check(part(pieces), intersections=True), "self_intersection")
-    assert min(found.faces) < 11 <= max(found.faces)
+    finding = only(check(part(pieces), intersections=True), "self_intersection")
+    assert min(finding.faces) < 11 <= max(finding.faces)
 
 
 NODE = st.integers(0, 7)
@@ -309,14 +309,14 @@ NODE = st.integers(0, 7)
 
 @settings(deadline=None, max_examples=200)
 @given(st.lists(st.tuples(NODE, NODE, NODE), min_size=1, max_size=16), st.integers(0, 12))
-def test_no_soup_raises_and_what_is_fit_has_every_edge_both_ways(soup: list, kept: int) -> None:
-    faces = np.vstack([CUBE[1][:kept], soup])
+def test_no_soup_raises_and_what_is_fit_has_every_edge_both_ways(soup: list, count: int) -> None:
+    faces = np.vstack([CUBE[1][:count], soup])
     report = check(part((CUBE[0], faces)), intersections=True)
     uses = Counter((f[k], f[(k + 1) % 3]) for f in faces.tolist() if len(set(f)) == 3 for k in range(3))
     bounds = all(uses[edge] == uses[edge[::-1]] for edge in list(uses))
     assert (report.closed and report.consistent) == bounds
     assert bounds or not report.fit
-    assert all(found.count > 0 and len(found.faces) <= 10 for found in report.findings)
+    assert all(finding.count > 0 and len(finding.faces) <= 10 for finding in report.findings)
 
 
 @pytest.mark.parametrize("scale", [1e-70, 1e-30, 1e30, 5e73])

@@ -52,8 +52,8 @@ def test_what_the_tools_do_not_reach_keeps_its_coordinates_bit_for_bit():
     vertices, faces = ring(96, 32)
     part = Part.from_arrays(vertices + math.pi, faces)
     left = cut(part, [block(np.array([3.5, -1, -1]) + math.pi, 3 * np.eye(3))])
-    given = {tuple(k) for k in part.triangles.vertices.tolist() if k[0] < 3.4 + math.pi}
-    assert given <= {tuple(k) for k in left.triangles.vertices.tolist()}
+    untouched = {tuple(k) for k in part.triangles.vertices.tolist() if k[0] < 3.4 + math.pi}
+    assert untouched <= {tuple(k) for k in left.triangles.vertices.tolist()}
 
 
 def test_bodies_out_of_reach_stay_triangle_by_triangle():

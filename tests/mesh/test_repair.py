@@ -80,32 +80,32 @@ SOUND = {
 
 
 class TestSound:
-    @pytest.mark.parametrize("given", SOUND.values(), ids=SOUND)
-    def test_a_sound_part_comes_back_itself(self, given):
-        repaired = repair(given)
-        assert repaired.part is given
+    @pytest.mark.parametrize("sound", SOUND.values(), ids=SOUND)
+    def test_a_sound_part_comes_back_itself(self, sound):
+        repaired = repair(sound)
+        assert repaired.part is sound
         assert repaired.changes == ()
 
     def test_a_tolerance_below_every_distance_changes_nothing(self):
-        given = part(cube())
-        assert repair(given, tolerance=0.1).part is given
+        original = part(cube())
+        assert repair(original, tolerance=0.1).part is original
 
 
 class TestVertices:
     def test_equal_vertices_become_one(self):
-        given = soup(cube()[1:])
-        assert changes(given) == {"vertices with equal coordinates joined": 25, "holes filled": 1}
-        assert len(repair(given).part.triangles.vertices) == 8
+        original = soup(cube()[1:])
+        assert changes(original) == {"vertices with equal coordinates joined": 25, "holes filled": 1}
+        assert len(repair(original).part.triangles.vertices) == 8
 
     @pytest.mark.parametrize("shift", [1e-9, -1e-9, 1e-6])
     def test_a_crack_closes_without_being_asked(self, shift):
         corners = cube()
         corners[5, 1, 2] += shift
-        given = facets(corners) if shift == 1e-6 else soup(corners)
-        repaired = repair(given)
+        original = facets(corners) if shift == 1e-6 else soup(corners)
+        repaired = repair(original)
         crack = repaired.changes[-1]
         assert (crack.what, crack.count) == ("vertices at cracks merged", 1)
-        stored = given.triangles.corners()[5, 1, 2]  # next to 1, in float64 or in the float32 of STL records
+        stored = original.triangles.corners()[5, 1, 2]  # next to 1, in float64 or in the float32 of STL records
         assert crack.largest_move == abs(stored - 1)
         assert volume(repaired.part) == 1
         assert len(repaired.part.triangles.vertices) == 8
@@ -118,9 +118,9 @@ class TestVertices:
     def test_a_wider_crack_closes_within_the_tolerance(self):
         corners = cube()
         corners[5, 1] += 1e-3
-        found = changes(soup(corners), tolerance=0.01)
-        assert found["vertices within the tolerance merged"] == 1
-        assert "holes filled" not in found
+        counts = changes(soup(corners), tolerance=0.01)
+        assert counts["vertices within the tolerance merged"] == 1
+        assert "holes filled" not in counts
 
     def test_a_wider_crack_is_filled_without_a_tolerance(self):
         corners = cube()
@@ -152,28 +152,28 @@ class TestVertices:
 class TestNeedlessTriangles:
     def test_repeated_corners(self):
         surface = part(cube()).triangles
-        given = Part(Surface(surface.vertices, np.vstack([surface.faces, [[0, 0, 1], [2, 3, 2]]])))
-        assert changes(given) == {"triangles with a repeated corner removed": 2}
-        assert volume(repair(given).part) == 1
+        original = Part(Surface(surface.vertices, np.vstack([surface.faces, [[0, 0, 1], [2, 3, 2]]])))
+        assert changes(original) == {"triangles with a repeated corner removed": 2}
+        assert volume(repair(original).part) == 1
 
     @pytest.mark.parametrize("count", [1, 5, 12])
     def test_copies(self, count):
-        given = part(cube(), cube()[:count])
-        assert changes(given) == {"copies of triangles removed": count}
-        assert volume(repair(given).part) == 1
-        assert repair(given).changes[0].where.startswith("triangle")
+        original = part(cube(), cube()[:count])
+        assert changes(original) == {"copies of triangles removed": count}
+        assert volume(repair(original).part) == 1
+        assert repair(original).changes[0].where.startswith("triangle")
 
     @pytest.mark.parametrize("count", [1, 2, 6])
     def test_copies_wound_the_other_way(self, count):
-        given = part(cube(), flipped(cube()[:count]))
-        assert changes(given) == {"copies of triangles, wound the other way, removed": count}
-        assert volume(repair(given).part) == 1
+        original = part(cube(), flipped(cube()[:count]))
+        assert changes(original) == {"copies of triangles, wound the other way, removed": count}
+        assert volume(repair(original).part) == 1
 
     def test_fins(self):
         fin = np.array([[[1.0, 1, 0], [1, 1, 1], [2, 2, 0]], [[1, 1, 1], [2, 2, 1], [2, 2, 0]]])
-        given = part(cube(), fin, flipped(fin))
-        assert changes(given) == {"triangles of fins without thickness removed": 4}
-        assert volume(repair(given).part) == 1
+        original = part(cube(), fin, flipped(fin))
+        assert changes(original) == {"triangles of fins without thickness removed": 4}
+        assert volume(repair(original).part) == 1
 
     def test_a_sheet_folded_on_itself_beside_a_body(self):
         sheet = np.array([[[3.0, 0, 0], [4, 0, 0], [3, 1, 0]]])
@@ -202,14 +202,14 @@ class TestWinding:
         assert [c.count for c in repaired.changes] == [6]
 
     def test_inside_out(self):
-        given = part(flipped(cube()))
-        assert changes(given) == {"inside-out shells turned": 1}
-        assert volume(repair(given).part) == 1
+        original = part(flipped(cube()))
+        assert changes(original) == {"inside-out shells turned": 1}
+        assert volume(repair(original).part) == 1
 
     def test_inside_out_beside_a_sound_body(self):
-        given = part(cube(), flipped(cube(3)))
-        assert changes(given) == {"inside-out shells turned": 1}
-        assert volume(repair(given).part) == 2
+        original = part(cube(), flipped(cube(3)))
+        assert changes(original) == {"inside-out shells turned": 1}
+        assert volume(repair(original).part) == 2
 
     @pytest.mark.parametrize(
         ("outer", "inner", "turned"), [(-1, 1, 2), (-1, -1, 1), (1, -1, 0)], ids=["both", "outer", "none"]
@@ -225,9 +225,9 @@ class TestWinding:
 
     def test_coincident_bodies_that_are_inside_out_are_both_turned(self):
         # The mirror image of the cube is the cube, cut along other diagonals and inside out.
-        given = part(flipped(cube()), cube()[:, :, [1, 0, 2]])
-        assert changes(given) == {"inside-out shells turned": 2, "overlapping bodies united": 2}
-        assert volume(repair(given).part) == 1
+        original = part(flipped(cube()), cube()[:, :, [1, 0, 2]])
+        assert changes(original) == {"inside-out shells turned": 2, "overlapping bodies united": 2}
+        assert volume(repair(original).part) == 1
 
     def test_a_shell_without_volume_is_not_turned(self):
         a, b, c, d = np.array([[0, 0, 0], [1, 0.1, 0.3], [1.7, 1.3, 0.1], [0.7, 1.2, -0.2]]) / 7
@@ -240,8 +240,8 @@ class TestWinding:
         shells = {"body": sphere(2, 16), "cavity": flipped(sphere(1, 16)), "insert": sphere(1, 16)}
         for names in itertools.permutations(shells):
             surface = part(*(shells[name] for name in names)).triangles
-            found = nest(surface.vertices, surface.faces, half_edges(surface.faces))
-            assert [len(around) for around in found.containers] == [depth[name] for name in names]
+            shell_nest = nest(surface.vertices, surface.faces, half_edges(surface.faces))
+            assert [len(around) for around in shell_nest.containers] == [depth[name] for name in names]
 
     def test_a_moebius_strip_is_refused(self):
         turn = np.linspace(0, 2 * np.pi, 21)[:, None]
@@ -262,23 +262,23 @@ class TestWinding:
 class TestHoles:
     @pytest.mark.parametrize("missing", [[0], [0, 1], [0, 1, 2, 3], [0, 5, 8]])
     def test_a_cube_gets_its_volume_back(self, missing):
-        given = part(np.delete(cube(), missing, axis=0))
-        assert set(changes(given)) == {"holes filled"}
-        assert volume(repair(given).part) == 1
+        original = part(np.delete(cube(), missing, axis=0))
+        assert set(changes(original)) == {"holes filled"}
+        assert volume(repair(original).part) == 1
 
     def test_a_concave_hole_in_a_plane_is_filled_in_that_plane(self):
         outline = np.array([[0.0, 0], [4, 0], [4, 3], [3, 3], [3, 1], [2, 1], [2, 2], [1, 2], [1, 1], [0, 1]])
         rings = [np.column_stack([outline, np.full(10, z)]) for z in (0.0, 1.0)]
-        given = part(band(*rings))
-        assert changes(given) == {"holes filled": 2}
+        original = part(band(*rings))
+        assert changes(original) == {"holes filled": 2}
         x, y = outline.T
-        assert volume(repair(given).part) == abs(x @ np.roll(y, -1) - y @ np.roll(x, -1)) / 2
+        assert volume(repair(original).part) == abs(x @ np.roll(y, -1) - y @ np.roll(x, -1)) / 2
 
     def test_a_long_round_hole_is_filled_from_its_middle(self):
         n = 500
-        given = part(revolved([(0, 0), (1, 0), (1, 1)], n))
-        assert changes(given) == {"holes filled": 1}
-        assert volume(repair(given).part) == pytest.approx(n / 2 * math.sin(2 * math.pi / n), rel=1e-12)
+        original = part(revolved([(0, 0), (1, 0), (1, 1)], n))
+        assert changes(original) == {"holes filled": 1}
+        assert volume(repair(original).part) == pytest.approx(n / 2 * math.sin(2 * math.pi / n), rel=1e-12)
 
     def test_a_long_hole_that_is_not_flat_is_refused(self):
         n = 500
@@ -294,23 +294,23 @@ class TestHoles:
         pole = corners[np.argmax(corners[:, :, 2].max(axis=1))][np.newaxis]
         top = pole[0, pole[0, :, 2].argmax()]
         around = np.flatnonzero((corners == top).all(axis=2).any(axis=1))
-        given = part(np.delete(corners, [around[0], around[4]], axis=0))
-        assert changes(given) == {"holes filled": 2}
-        assert volume(repair(given).part) == pytest.approx(volume(part(corners)), rel=1e-14)
+        original = part(np.delete(corners, [around[0], around[4]], axis=0))
+        assert changes(original) == {"holes filled": 2}
+        assert volume(repair(original).part) == pytest.approx(volume(part(corners)), rel=1e-14)
 
     def test_a_vertex_on_the_edge_of_a_neighbour_leaves_the_volume_alone(self):
         corners = cube()
         a, b, c = corners[0]
         middle = (a + b) / 2
-        given = part(corners[1:], np.array([[a, middle, c], [middle, b, c]]))
-        assert changes(given) == {"holes filled": 1}
-        assert volume(repair(given).part) == 1
+        original = part(corners[1:], np.array([[a, middle, c], [middle, b, c]]))
+        assert changes(original) == {"holes filled": 1}
+        assert volume(repair(original).part) == 1
 
     def test_an_inner_wall_is_faced_with_another(self):
         wall = np.array([[[0.0, 0, 0], [0, 0, 1], [1, 1, 1]], [[0, 0, 0], [1, 1, 1], [1, 1, 0]]])
-        given = part(cube(), wall)
-        assert changes(given) == {"holes filled": 1}
-        assert volume(repair(given).part) == 1
+        original = part(cube(), wall)
+        assert changes(original) == {"holes filled": 1}
+        assert volume(repair(original).part) == 1
 
     @pytest.mark.parametrize(
         "sheet",
@@ -339,9 +339,9 @@ class TestUnion:
         ids=["shifted along x, y, z", "along x, y", "along x", "inside", "flush in a corner"],
     )
     def test_overlapping_cubes_count_once(self, second, expected):
-        given = part(cube(), second)
-        assert changes(given) == {"overlapping bodies united": 2}
-        assert volume(repair(given).part) == expected
+        original = part(cube(), second)
+        assert changes(original) == {"overlapping bodies united": 2}
+        assert volume(repair(original).part) == expected
 
     @pytest.mark.parametrize("scale", [1e-80, 1e80])
     def test_size_does_not_matter(self, scale):
@@ -352,52 +352,52 @@ class TestUnion:
     def test_the_other_bodies_keep_their_bits(self):
         third = sphere(1, 16) / 3 + 7
         repaired = repair(part(cube(), third, cube(0.5, 0.5, 0.5)))
-        kept = repaired.part.triangles.corners()[: len(third)]
-        assert kept.tobytes() == third.tobytes()
+        others = repaired.part.triangles.corners()[: len(third)]
+        assert others.tobytes() == third.tobytes()
 
     def test_a_cavity_is_kept(self):
-        given = part(cube(), flipped(cube(0.25, 0.25, 0.25, 0.5)), cube(0.875, 0.875, 0.875))
-        assert changes(given) == {"overlapping bodies united": 2}
-        assert volume(repair(given).part) == 1 - 0.5**3 + 1 - 0.125**3
+        original = part(cube(), flipped(cube(0.25, 0.25, 0.25, 0.5)), cube(0.875, 0.875, 0.875))
+        assert changes(original) == {"overlapping bodies united": 2}
+        assert volume(repair(original).part) == 1 - 0.5**3 + 1 - 0.125**3
 
     def test_bodies_of_different_regions_are_refused(self):
-        given = part(cube(), cube(0.5, 0.5, 0.5))
+        original = part(cube(), cube(0.5, 0.5, 0.5))
         with pytest.raises(GeometryError, match="regions 'iron' and 'brass' overlap around"):
-            repair(replace(given, regions=Regions(("iron", "brass"), np.repeat(np.int32([0, 1]), 12))))
+            repair(replace(original, regions=Regions(("iron", "brass"), np.repeat(np.int32([0, 1]), 12))))
 
     def test_a_union_is_of_the_region_of_its_bodies(self):
-        given = part(cube(5), cube(), cube(0.5, 0.5, 0.5))
-        repaired = repair(replace(given, regions=Regions(("iron", "brass"), np.repeat(np.int32([0, 1]), [12, 24]))))
+        original = part(cube(5), cube(), cube(0.5, 0.5, 0.5))
+        repaired = repair(replace(original, regions=Regions(("iron", "brass"), np.repeat(np.int32([0, 1]), [12, 24]))))
         assert repaired.part.regions.index.tolist() == [0] * 12 + [1] * (repaired.part.triangles.count - 12)
 
 
 class TestReport:
     def test_changes_are_sentences_and_become_notes(self):
-        given = replace(part(np.delete(cube(), 0, axis=0)), notes=("read",))
-        repaired = repair(given)
+        original = replace(part(np.delete(cube(), 0, axis=0)), notes=("read",))
+        repaired = repair(original)
         (change,) = repaired.changes
         assert str(change).startswith("holes filled: 1 (of 3 edges around (")
         assert repaired.part.notes == ("read", f"repaired: {change}")
-        assert (repaired.part.unit, repaired.part.source) == (given.unit, given.source)
+        assert (repaired.part.unit, repaired.part.source) == (original.unit, original.source)
 
     def test_a_move_is_told(self):
         assert str(Change("vertices merged", 2, "triangle 4", 1e-7)).endswith("(triangle 4), moved by at most 1e-07")
 
     def test_triangles_are_named_by_their_numbers_in_the_given_part(self):
         corners = cube()
-        given = part(corners[:2], corners[:1], corners[2:7], flipped(corners[7:8]), corners[8:])
-        assert [change.where for change in repair(given).changes] == ["triangle 2", "triangle 8"]
+        original = part(corners[:2], corners[:1], corners[2:7], flipped(corners[7:8]), corners[8:])
+        assert [change.where for change in repair(original).changes] == ["triangle 2", "triangle 8"]
 
     def test_regions_follow_their_triangles(self):
         corners = cube()
         index = np.array([0] * 6 + [1] * 7, np.int32)
-        given = replace(part(corners, corners[:1]), regions=Regions(("a", "b"), index))
-        assert repair(given).part.regions.index.tolist() == [0] * 6 + [1] * 6
+        original = replace(part(corners, corners[:1]), regions=Regions(("a", "b"), index))
+        assert repair(original).part.regions.index.tolist() == [0] * 6 + [1] * 6
 
     def test_a_filling_is_of_the_region_around_the_hole(self):
         index = np.array([0] * 12 + [1] * 10, np.int32)
-        given = replace(part(cube(), cube(3)[2:]), regions=Regions(("a", "b"), index))
-        assert repair(given).part.regions.index.tolist() == [0] * 12 + [1] * 12
+        original = replace(part(cube(), cube(3)[2:]), regions=Regions(("a", "b"), index))
+        assert repair(original).part.regions.index.tolist() == [0] * 12 + [1] * 12
 
 
 class TestRefusals:

@@ -66,9 +66,9 @@ def test_closed_forms_are_the_limit_of_the_refined_meshes(solid) -> None:
     true = solid(32).true
     size = float(true.volume) ** (1 / 3)
 
-    def scaled(found: Moments) -> np.ndarray:
-        first, second = np.array(found.first, float), np.array(found.second, float)
-        return np.array([float(found.volume) / size**3, *(first / size**4), *(second / size**5)])
+    def scaled(integral: Moments) -> np.ndarray:
+        first, second = np.array(integral.first, float), np.array(integral.second, float)
+        return np.array([float(integral.volume) / size**3, *(first / size**4), *(second / size**5)])
 
     coarse, middle, fine = (scaled(moments(solid(n).corners)) for n in (48, 96, 192))
     assert (64 * fine - 20 * middle + coarse) / 45 == pytest.approx(scaled(true), rel=1e-7, abs=1e-7)

@@ -37,27 +37,27 @@ def diagonal(*values: Fraction) -> tuple[tuple[Fraction, ...], ...]:
 
 
 def test_the_unit_cube_in_a_corner_of_the_axes() -> None:
-    found = moments(cube())
-    assert found == Moments(F(1), (F(1, 2),) * 3, (F(1, 3),) * 3 + (F(1, 4),) * 3)
-    assert found.center_of_mass == (F(1, 2),) * 3
-    assert found.inertia == diagonal(F(1, 6), F(1, 6), F(1, 6))
+    solid = moments(cube())
+    assert solid == Moments(F(1), (F(1, 2),) * 3, (F(1, 3),) * 3 + (F(1, 4),) * 3)
+    assert solid.center_of_mass == (F(1, 2),) * 3
+    assert solid.inertia == diagonal(F(1, 6), F(1, 6), F(1, 6))
 
 
 def test_a_box_far_away_has_the_inertia_of_a_box() -> None:
     a, b, c = 3, 0.5, 7
-    found = moments(cube() * (a, b, c) + (2**30, -(2**31), 5))
+    solid = moments(cube() * (a, b, c) + (2**30, -(2**31), 5))
     volume = F(a) * F(b) * F(c)
     a2, b2, c2 = F(a) ** 2, F(b) ** 2, F(c) ** 2
-    assert found.volume == volume
-    assert found.center_of_mass == (2**30 + F(3, 2), -(2**31) + F(1, 4), 5 + F(7, 2))
-    assert found.inertia == diagonal(*(volume * s / 12 for s in (b2 + c2, c2 + a2, a2 + b2)))
+    assert solid.volume == volume
+    assert solid.center_of_mass == (2**30 + F(3, 2), -(2**31) + F(1, 4), 5 + F(7, 2))
+    assert solid.inertia == diagonal(*(volume * s / 12 for s in (b2 + c2, c2 + a2, a2 + b2)))
 
 
 def test_a_regular_tetrahedron_has_a_twentieth_of_mass_times_edge_squared() -> None:
     corners = np.array([(1, 1, 1), (-1, 1, -1), (1, -1, -1), (-1, -1, 1)], np.float64)
-    found = moments(corners[FACES])
-    assert found.volume == F(8, 3)
-    assert found.inertia == diagonal(*[F(8, 3) * 8 / 20] * 3)
+    solid = moments(corners[FACES])
+    assert solid.volume == F(8, 3)
+    assert solid.inertia == diagonal(*[F(8, 3) * 8 / 20] * 3)
 
 
 def test_products_of_inertia_carry_tensor_signs() -> None:
@@ -74,16 +74,16 @@ def test_a_tenth_is_taken_as_the_float_that_it_is() -> None:
 def test_any_tetrahedron_agrees_with_the_sum_over_its_corners(corners: tuple, exponent: int) -> None:
     """∫(x−g)(x−g)ᵀ = V/20 Σ (v−g)(v−g)ᵀ over the four corners v, g their mean."""
     scale = F(1, 2**exponent)
-    found = moments(np.array(corners, np.float64)[FACES] / 2**exponent)
+    solid = moments(np.array(corners, np.float64)[FACES] / 2**exponent)
     exact = [[scale * x for x in corner] for corner in corners]
     a, b, c = ([x - o for x, o in zip(corner, exact[0], strict=True)] for corner in exact[1:])
     six = a[0] * (b[1] * c[2] - b[2] * c[1]) + a[1] * (b[2] * c[0] - b[0] * c[2]) + a[2] * (b[0] * c[1] - b[1] * c[0])
-    assert found.volume == six / 6
+    assert solid.volume == six / 6
     if six:
         g = [sum(column) / 4 for column in zip(*exact, strict=True)]
-        assert found.center_of_mass == tuple(g)
-        assert found.central == tuple(
-            found.volume / 20 * sum((v[i] - g[i]) * (v[j] - g[j]) for v in exact) for i, j in PAIRS
+        assert solid.center_of_mass == tuple(g)
+        assert solid.central == tuple(
+            solid.volume / 20 * sum((v[i] - g[i]) * (v[j] - g[j]) for v in exact) for i, j in PAIRS
         )
 
 
@@ -93,10 +93,10 @@ def test_moved_and_scaled_moments_are_those_of_the_moved_and_scaled_mesh(
     corners: tuple, by: tuple, factor: int
 ) -> None:
     mesh = np.array(corners, np.float64)[FACES]
-    found = moments(mesh)
-    assert found.moved(*by) == moments(mesh + by)
-    assert found.scaled(factor, 2, 3) == moments(mesh * (factor, 2, 3))
-    assert found.mapped(((0, 0, 1), (1, 0, 0), (0, 1, 0))) == moments(mesh[:, :, [2, 0, 1]])
+    solid = moments(mesh)
+    assert solid.moved(*by) == moments(mesh + by)
+    assert solid.scaled(factor, 2, 3) == moments(mesh * (factor, 2, 3))
+    assert solid.mapped(((0, 0, 1), (1, 0, 0), (0, 1, 0))) == moments(mesh[:, :, [2, 0, 1]])
 
 
 def test_split_parts_add_up_and_a_reversed_surface_is_taken_away() -> None:
@@ -129,10 +129,10 @@ def test_quarter_turns_are_exact() -> None:
 
 @pytest.mark.parametrize("shape", [lambda n: shapes.sphere(1, n), lambda n: shapes.torus(2, 0.5, n)])
 def test_symmetric_meshes_have_exactly_symmetric_moments(shape) -> None:
-    found = moments(shape(24))
-    assert found.first == (0, 0, 0)
-    assert found.second[3:] == (0, 0, 0)
-    assert found.second[0] == found.second[1]
+    solid = moments(shape(24))
+    assert solid.first == (0, 0, 0)
+    assert solid.second[3:] == (0, 0, 0)
+    assert solid.second[0] == solid.second[1]
 
 
 @pytest.mark.parametrize(
@@ -147,8 +147,8 @@ def test_symmetric_meshes_have_exactly_symmetric_moments(shape) -> None:
 def test_the_error_of_round_meshes_falls_with_the_square_of_the_resolution(shape, volume, polar) -> None:
     errors = []
     for n in (24, 48, 96):
-        found = moments(shape(n))
-        errors.append((float(1 - found.volume / F(volume)), float(1 - found.inertia[2][2] / F(polar))))
+        solid = moments(shape(n))
+        errors.append((float(1 - solid.volume / F(volume)), float(1 - solid.inertia[2][2] / F(polar))))
     for coarse, fine in pairwise(errors):
         for index in range(2):
             assert np.log2(coarse[index] / fine[index]) == pytest.approx(2, abs=0.05)

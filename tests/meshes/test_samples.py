@@ -60,11 +60,11 @@ def open_edges(corners: np.ndarray) -> int:
     return sum(abs(count - surplus[edge[::-1]]) for edge, count in surplus.items())
 
 
-def answers(found: Moments) -> dict:
+def answers(computed: Moments) -> dict:
     return {
-        "volume": float(found.volume),
-        "center_of_mass": [float(x) for x in found.center_of_mass],
-        "inertia": [[float(x) for x in row] for row in found.inertia],
+        "volume": float(computed.volume),
+        "center_of_mass": [float(x) for x in computed.center_of_mass],
+        "inertia": [[float(x) for x in row] for row in computed.inertia],
     }
 
 
@@ -100,8 +100,8 @@ def test_the_catalogue_gives_the_exact_answers_of_the_stored_mesh(name: str) -> 
 
 def test_the_parts_of_the_impeller_shaft_have_their_own_exact_answers() -> None:
     parts = SAMPLES["shaft_impeller.obj"]["parts"]
-    found = read_objects("shaft_impeller.obj")
-    assert {name: answers(moments(corners)) for name, corners in found.items()} == {
+    objects = read_objects("shaft_impeller.obj")
+    assert {name: answers(moments(corners)) for name, corners in objects.items()} == {
         name: part["mesh"] for name, part in parts.items()
     }
 

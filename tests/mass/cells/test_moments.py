@@ -30,18 +30,18 @@ def distorted(kind, seed, amount=0.08):
     return nodes + np.random.default_rng(seed).uniform(-amount, amount, nodes.shape)
 
 
-def assert_within_bounds(found, exact, tight=1e-10):
+def assert_within_bounds(moments, exact, tight=1e-10):
     """Every moment is within its bound of the exact one, and the bound is small against the moments' size."""
-    wanted = exact.about(found.origin)
-    assert abs(found.zeroth - wanted.zeroth) <= found.zeroth_bound <= tight * wanted.zeroth
+    wanted = exact.about(moments.origin)
+    assert abs(moments.zeroth - wanted.zeroth) <= moments.zeroth_bound <= tight * wanted.zeroth
     for i in range(3):
-        assert abs(found.first[i] - wanted.first[i]) <= found.first_bound[i]
+        assert abs(moments.first[i] - wanted.first[i]) <= moments.first_bound[i]
     for k in range(6):
-        assert abs(found.second[k] - wanted.second[k]) <= found.second_bound[k]
+        assert abs(moments.second[k] - wanted.second[k]) <= moments.second_bound[k]
     size = sum(wanted.second[:3])
-    assert max(found.second_bound) <= tight * size
+    assert max(moments.second_bound) <= tight * size
     # What is stated as a bound is no guess: the actual error is rounding alone.
-    assert max(abs(a - b) for a, b in zip(found.second, wanted.second, strict=True)) <= 1e-14 * size
+    assert max(abs(a - b) for a, b in zip(moments.second, wanted.second, strict=True)) <= 1e-14 * size
 
 
 @pytest.mark.parametrize("kind", SOLIDS)
@@ -58,11 +58,11 @@ def test_bounds_hold_for_thin_cells_at_an_angle(kind):
     turn = np.linalg.qr(np.random.default_rng(3).normal(size=(3, 3)))[0]
     for thinness in (1e-3, 1e-6):
         cell = distorted(kind, 2) * [1.0, 1.0, thinness] @ turn
-        found = cell_moments(one_kind(kind, cell)).moments[0]
-        wanted = exact_moments(kind, cell).about(found.origin)
-        assert abs(found.zeroth - wanted.zeroth) <= found.zeroth_bound <= 1e-5 * wanted.zeroth
+        integral = cell_moments(one_kind(kind, cell)).moments[0]
+        wanted = exact_moments(kind, cell).about(integral.origin)
+        assert abs(integral.zeroth - wanted.zeroth) <= integral.zeroth_bound <= 1e-5 * wanted.zeroth
         for k in range(6):
-            assert abs(found.second[k] - wanted.second[k]) <= found.second_bound[k]
+            assert abs(integral.second[k] - wanted.second[k]) <= integral.second_bound[k]
 
 
 # Volume, centroid and central ∫x xᵀ of the undistorted cells, from textbooks.
@@ -91,7 +91,7 @@ def test_an_affine_cell_has_the_closed_form_of_its_shape(kind):
     volume, centroid, central = CLOSED[family(kind)]
     matrix = np.array([[3, 1, -1], [0, 2, 1], [1, -1, 4]])
     shift = np.array([5, -7, 2])
-    found = cell_moments(one_kind(kind, reference(kind) @ matrix.T + shift)).moments[0]
+    integral = cell_moments(one_kind(kind, reference(kind) @ matrix.T + shift)).moments[0]
     determinant = round(np.linalg.det(matrix))
     second = np.empty((3, 3), object)
     for (i, j), value in zip(PAIRS, central, strict=True):
@@ -99,7 +99,7 @@ def test_an_affine_cell_has_the_closed_form_of_its_shape(kind):
     second = determinant * (matrix.astype(object) @ second @ matrix.T.astype(object))
     middle = matrix.astype(object) @ np.array([Fraction(x) for x in centroid], object) + shift
     exact = Moments(tuple(middle), volume * Fraction(determinant), ORIGIN, tuple(second[i, j] for i, j in PAIRS))
-    assert_within_bounds(found, exact)
+    assert_within_bounds(integral, exact)
 
 
 # Meshes of a block
@@ -217,14 +217,14 @@ def test_any_tetrahedron_is_within_its_bound_or_refused(corners):
         box = np.ptp(places, axis=0)
         assert abs(d) <= Fraction(1e-13) * math.prod(Fraction(float(k)) for k in box)
         return
-    found = result.moments[0].about(ORIGIN)
+    moments = result.moments[0].about(ORIGIN)
     assert result.reversed == (d < 0)
-    assert abs(found.zeroth - abs(d) / 6) <= found.zeroth_bound
+    assert abs(moments.zeroth - abs(d) / 6) <= moments.zeroth_bound
     for i in range(3):
-        assert abs(found.first[i] - abs(d) * sums[i] / 24) <= found.first_bound[i]
+        assert abs(moments.first[i] - abs(d) * sums[i] / 24) <= moments.first_bound[i]
     for k, (i, j) in enumerate(PAIRS):
         second = abs(d) / 120 * (sums[i] * sums[j] + sum(p[i] * p[j] for p in exact))
-        assert abs(found.second[k] - second) <= found.second_bound[k]
+        assert abs(moments.second[k] - second) <= moments.second_bound[k]
 
 
 # Curved cells
@@ -265,9 +265,9 @@ def test_curved_cells_converge_with_the_fourth_power_of_their_size(kind, mesh, c
     errors, areas = [], []
     for n in (2, 4, 8):
         cells = one_kind(kind, *mesh(n))
-        found = cell_moments(cells).moments[0].about(ORIGIN)
+        moments = cell_moments(cells).moments[0].about(ORIGIN)
         exact = OCTANT[0] * (1 - cut**3), OCTANT[1] * (1 - cut**5)
-        errors.append([abs(float(found.zeroth) - exact[0]), abs(float(found.second[0]) - exact[1])])
+        errors.append([abs(float(moments.zeroth) - exact[0]), abs(float(moments.second[0]) - exact[1])])
         areas.append(abs(boundary_area(cells) - math.pi / 2 * (1 + cut**2) - 3 * math.pi / 4 * (1 - cut**2)))
     slopes = np.log2(np.array(errors)[:-1] / np.array(errors)[1:])
     assert slopes[-1].min() > 3.5
@@ -374,11 +374,11 @@ def test_nodes_that_no_cell_uses_do_not_matter():
 
 
 def test_progress_ends_at_one():
-    seen = []
-    cell_moments(block("hexahedron", 12), progress=seen.append)
-    assert seen == sorted(seen)
-    assert len(seen) > 1
-    assert seen[-1] == 1.0
+    fractions = []
+    cell_moments(block("hexahedron", 12), progress=fractions.append)
+    assert fractions == sorted(fractions)
+    assert len(fractions) > 1
+    assert fractions[-1] == 1.0
 
 
 # Faces
@@ -415,14 +415,14 @@ def test_a_cylinder_of_wedge18_has_its_area():
 def test_straight_wires_have_exact_moments():
     corners = np.array([[0, 0, 0], [3, 4, 0], [3, 4, 12]]) + np.array([1e6, 0.0, 0.0])
     wires = Cells(corners, (CellBlock("line", np.array([[0, 1], [1, 2]])),))
-    found = wire_moments(wires)
-    assert float(found.zeroth) == 17.0
-    assert found.zeroth_bound < 3e-13
+    moments = wire_moments(wires)
+    assert float(moments.zeroth) == 17.0
+    assert moments.zeroth_bound < 3e-13
     first = (Fraction(5) * Fraction(3, 2) + Fraction(12) * 3 + 17 * 10**6, Fraction(58), Fraction(72))
-    about = found.about(ORIGIN)
+    about = moments.about(ORIGIN)
     for i in range(3):
         assert abs(about.first[i] - first[i]) <= about.first_bound[i]
-    central = found.about((Fraction(10**6), Fraction(0), Fraction(0)))
+    central = moments.about((Fraction(10**6), Fraction(0), Fraction(0)))
     wanted = (5 * Fraction(9, 3) + 12 * 9, 5 * Fraction(16, 3) + 12 * 16, 12 * Fraction(144, 3))
     for k in range(3):
         assert abs(central.second[k] - wanted[k]) <= central.second_bound[k] <= 1e-12 * wanted[k]
@@ -430,13 +430,13 @@ def test_straight_wires_have_exact_moments():
 
 def test_a_parabola_has_its_arc_length():
     points = np.array([[-1, 1, 0], [1, 1, 0], [0, 0, 0]], float)
-    found = wire_moments(Cells(points, (CellBlock("line3", np.array([[0, 1, 2]])),)))
+    moments = wire_moments(Cells(points, (CellBlock("line3", np.array([[0, 1, 2]])),)))
     exact = math.sqrt(5) + math.asinh(2) / 2
-    assert abs(float(found.zeroth) - exact) <= float(found.zeroth_bound) + 1e-15
-    assert float(found.zeroth_bound) < 1e-4
+    assert abs(float(moments.zeroth) - exact) <= float(moments.zeroth_bound) + 1e-15
+    assert float(moments.zeroth_bound) < 1e-4
     # ∫ y ds = ∫ x² √(1 + 4x²) dx over [-1, 1]
     height = (18 * math.sqrt(5) - math.asinh(2)) / 32
-    about = found.about(ORIGIN)
+    about = moments.about(ORIGIN)
     assert abs(float(about.first[1]) - height) <= float(about.first_bound[1]) + 1e-15
 
 
@@ -447,15 +447,15 @@ def test_quadratic_arcs_converge_to_the_circle():
         points = np.stack([np.cos(angle), np.sin(angle), 0 * angle], axis=1)
         start = 2 * np.arange(n)
         nodes = np.stack([start, (start + 2) % (2 * n), start + 1], axis=1)
-        found = wire_moments(Cells(points, (CellBlock("line3", nodes),)))
-        errors.append([abs(float(found.zeroth) - 2 * math.pi), abs(float(found.second[0]) - math.pi)])
+        moments = wire_moments(Cells(points, (CellBlock("line3", nodes),)))
+        errors.append([abs(float(moments.zeroth) - 2 * math.pi), abs(float(moments.second[0]) - math.pi)])
     assert np.log2(np.array(errors)[:-1] / np.array(errors)[1:]).min() > 3.5
 
 
 def test_points_are_counted_where_they_are():
     points = np.array([[1, 0, 0], [9, 9, 9], [3, 0, 4]], float)
     cells = Cells(points, (CellBlock("vertex", np.array([[0], [2]])), CellBlock("line", np.array([[0, 1]]))))
-    found = point_moments(cells)
-    assert found.zeroth == 2
-    assert found.centroid == (2, 0, 2)
-    assert found.second == (10, 0, 16, 0, 12, 0)
+    moments = point_moments(cells)
+    assert moments.zeroth == 2
+    assert moments.centroid == (2, 0, 2)
+    assert moments.second == (10, 0, 16, 0, 12, 0)

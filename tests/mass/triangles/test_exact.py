@@ -17,12 +17,12 @@ ORIGIN = (Fraction(0),) * 3
 
 
 def assert_exact(triangles: Triangles) -> None:
-    found = exact_moments(triangles)
+    moments = exact_moments(triangles)
     wanted = rational.moments(triangles.corners())
-    assert found.zeroth == wanted.volume
-    about = found.about(ORIGIN)
+    assert moments.zeroth == wanted.volume
+    about = moments.about(ORIGIN)
     assert (about.first, about.second) == (wanted.first, wanted.second)
-    assert (found.zeroth_bound, found.first_bound, found.second_bound) == (0, ORIGIN, ORIGIN * 2)
+    assert (moments.zeroth_bound, moments.first_bound, moments.second_bound) == (0, ORIGIN, ORIGIN * 2)
 
 
 def star(seed: int) -> tuple[np.ndarray, np.ndarray]:
@@ -74,7 +74,7 @@ def test_the_answer_does_not_depend_on_the_order_of_the_triangles() -> None:
 
 
 def test_progress_rises_to_one() -> None:
-    seen: list[float] = []
-    exact_moments(joined(sphere(splits=5)), seen.append)
-    assert seen == sorted(set(seen))
-    assert 0 < seen[0] < seen[-1] == 1.0
+    fractions: list[float] = []
+    exact_moments(joined(sphere(splits=5)), fractions.append)
+    assert fractions == sorted(set(fractions))
+    assert 0 < fractions[0] < fractions[-1] == 1.0

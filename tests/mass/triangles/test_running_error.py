@@ -35,9 +35,9 @@ def errors(triangles: Triangles, sums: Sums) -> list[Fraction]:
     exact = rational.moments(triangles.corners()).moved(*(-F(k) for k in sums.origin.tolist()))
     exact = exact.scaled(size, size, size)
     true = [6 * exact.volume, *(24 * k for k in exact.first), *(120 * k for k in exact.second)]
-    found = [F(k) for k in sums.sums[:10].tolist()]
-    found[4:7] = [2 * k for k in found[4:7]]
-    return [abs(a - b) for a, b in zip(found, true, strict=True)]
+    computed = [F(k) for k in sums.sums[:10].tolist()]
+    computed[4:7] = [2 * k for k in computed[4:7]]
+    return [abs(a - b) for a, b in zip(computed, true, strict=True)]
 
 
 def assert_bounded(triangles: Triangles) -> None:
@@ -48,8 +48,8 @@ def assert_bounded(triangles: Triangles) -> None:
         assert not np.isfinite(bound) or error <= F(bound) * ROUNDED + underflow
 
 
-def bounds_of(found: Moments) -> list[Fraction]:
-    return [found.zeroth_bound, *found.first_bound, *found.second_bound]
+def bounds_of(moments: Moments) -> list[Fraction]:
+    return [moments.zeroth_bound, *moments.first_bound, *moments.second_bound]
 
 
 def placed(vertices: np.ndarray, seed: int, power: float, offset: float, thickness: float) -> np.ndarray:
@@ -151,8 +151,8 @@ def test_each_factor_is_within_its_bound_and_some_come_near_it() -> None:
         for i, vector in enumerate(exact):
             name = "s" if i == 3 else "corner"
             parts += [(name, w[j, i, k], vector[j], w_error[j, i, k]) for j in range(3)]
-        for name, found, true, bound in parts:
-            error = abs(F(found) - true)
+        for name, value, true, bound in parts:
+            error = abs(F(value) - true)
             assert error <= F(bound) * ROUNDED
             nearest[name] = max(nearest[name], float(error) / bound if error else 0.0)
     assert w[3].tolist() == [[0.0] * len(corners)] * 3 + [[1.0] * len(corners)]
@@ -245,9 +245,9 @@ def test_the_two_meshes_lie_on_either_side_of_the_limit() -> None:
 @pytest.mark.parametrize("stored", [facets, lambda surface: surface], ids=["facets", "surface"])
 def test_up_to_the_limit_the_nearer_bound_counts(stored: Callable[[Surface], Triangles]) -> None:
     triangles = stored(Surface(*BELOW))
-    found, plain = solid_moments(triangles, "float64"), moments_of(sum_triangles(triangles))
-    assert (found.zeroth, found.first, found.second) == (plain.zeroth, plain.first, plain.second)
-    assert all(3 * near < far for near, far in zip(bounds_of(found), bounds_of(plain), strict=True))
+    moments, plain = solid_moments(triangles, "float64"), moments_of(sum_triangles(triangles))
+    assert (moments.zeroth, moments.first, moments.second) == (plain.zeroth, plain.first, plain.second)
+    assert all(3 * near < far for near, far in zip(bounds_of(moments), bounds_of(plain), strict=True))
 
 
 def test_beyond_the_limit_the_bound_costs_nothing(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -266,11 +266,11 @@ def test_moments_are_within_their_bounds_on_either_side_of_the_limit(
 ) -> None:
     vertices, faces = mesh
     triangles = Surface(placed(vertices, seed, power, offset, thickness), faces)
-    found = solid_moments(triangles, "float64")
-    exact = rational.moments(triangles.corners()).moved(*(-k for k in found.origin))
-    values = [found.zeroth, *found.first, *found.second]
+    moments = solid_moments(triangles, "float64")
+    exact = rational.moments(triangles.corners()).moved(*(-k for k in moments.origin))
+    values = [moments.zeroth, *moments.first, *moments.second]
     true = [exact.volume, *exact.first, *exact.second]
-    for value, wanted, bound in zip(values, true, bounds_of(found), strict=True):
+    for value, wanted, bound in zip(values, true, bounds_of(moments), strict=True):
         assert abs(value - wanted) <= bound
 
 
@@ -300,4 +300,4 @@ def test_of_small_meshes_the_bound_is_within_a_hundred_times_of_the_error() -> N
         off = errors(triangles, sums)
         for row, (error, bound) in enumerate(zip(off, running_bounds(triangles, sums).tolist(), strict=True)):
             ratios[row].append(bound / float(error) if error else np.inf)
-    assert all(1 <= median(found) < 100 for found in ratios)
+    assert all(1 <= median(of_row) < 100 for of_row in ratios)

@@ -23,8 +23,8 @@ from inertia_meshes.rational import moments
 Numbers = tuple[bytes, int, bytes, list[float], list[float]]
 
 
-def bits(found: Sums) -> Numbers:
-    return found.origin.tobytes(), found.exponent, found.sums.tobytes(), found.low.tolist(), found.high.tolist()
+def bits(sums: Sums) -> Numbers:
+    return sums.origin.tobytes(), sums.exponent, sums.sums.tobytes(), sums.low.tolist(), sums.high.tolist()
 
 
 @pytest.fixture(scope="module", autouse=True)
@@ -112,10 +112,10 @@ def test_both_paths_give_the_same_bits_on_any_triangles(rows: list[list[float]],
 def test_extents_are_the_smallest_and_largest_stored_coordinates(scale: float) -> None:
     surface = soup(5000, 4, offset=7.0)
     surface.vertices *= scale
-    found = sum_triangles(surface)
-    assert found.low.tolist() == surface.vertices.min(axis=0).tolist()
-    assert found.high.tolist() == surface.vertices.max(axis=0).tolist()
-    assert found.count == 5000
+    sums = sum_triangles(surface)
+    assert sums.low.tolist() == surface.vertices.min(axis=0).tolist()
+    assert sums.high.tolist() == surface.vertices.max(axis=0).tolist()
+    assert sums.count == 5000
 
 
 def test_the_sums_are_those_of_the_definition() -> None:
@@ -125,20 +125,20 @@ def test_the_sums_are_those_of_the_definition() -> None:
     assert (lowest == -8).all()
     assert (highest == 8).all()
     surface = Surface(corners.reshape(-1, 3), np.arange(3 * 777).reshape(-1, 3))
-    found = sum_triangles(surface)
-    a, b, c = (corners - found.origin.astype(int)).transpose(1, 2, 0).astype(object)
+    sums = sum_triangles(surface)
+    a, b, c = (corners - sums.origin.astype(int)).transpose(1, 2, 0).astype(object)
     n = np.cross((b - a).T, (c - a).T).T
     d, s = (a * n).sum(axis=0), a + b + c
-    assert found.sums[0] == d.sum()
-    assert found.sums[1:4].tolist() == (d * s).sum(axis=1).tolist()
-    assert found.sums[4:7].tolist() == (d * (s * s + a * a + b * b + c * c) / 2).sum(axis=1).tolist()
+    assert sums.sums[0] == d.sum()
+    assert sums.sums[1:4].tolist() == (d * s).sum(axis=1).tolist()
+    assert sums.sums[4:7].tolist() == (d * (s * s + a * a + b * b + c * c) / 2).sum(axis=1).tolist()
     for row, (i, j) in enumerate([(1, 2), (2, 0), (0, 1)], start=7):
-        assert found.sums[row] == (d * (s[i] * s[j] + a[i] * a[j] + b[i] * b[j] + c[i] * c[j])).sum()
+        assert sums.sums[row] == (d * (s[i] * s[j] + a[i] * a[j] + b[i] * b[j] + c[i] * c[j])).sum()
     lengths = np.sqrt((n * n).sum(axis=0).astype(float))
-    assert found.sums[11] == pytest.approx(lengths.sum(), rel=1e-14)
-    assert found.sums[10] >= abs(d).sum()
+    assert sums.sums[11] == pytest.approx(lengths.sum(), rel=1e-14)
+    assert sums.sums[10] >= abs(d).sum()
     shell = sum_triangles(surface, surface=True)
-    assert shell.sums[0] == shell.sums[11] == found.sums[11]
+    assert shell.sums[0] == shell.sums[11] == sums.sums[11]
     assert shell.sums[1:4] == pytest.approx(((lengths * s).sum(axis=1)).astype(float), rel=1e-12)
 
 
@@ -146,10 +146,10 @@ def test_the_sums_are_those_of_the_definition() -> None:
 def test_progress_rises_to_one(path: str, monkeypatch: pytest.MonkeyPatch) -> None:
     if path == "numpy":
         monkeypatch.setenv("INERTIA_NATIVE", "0")
-    seen: list[float] = []
-    sum_triangles(facets(soup(128 * BLOCK + 1)), progress=seen.append)
-    assert seen == sorted(set(seen))
-    assert 0 < seen[0] < seen[-1] == 1.0
+    fractions: list[float] = []
+    sum_triangles(facets(soup(128 * BLOCK + 1)), progress=fractions.append)
+    assert fractions == sorted(set(fractions))
+    assert 0 < fractions[0] < fractions[-1] == 1.0
 
 
 @pytest.mark.parametrize("native_path", [True, False], ids=["compiled", "numpy"])
@@ -178,9 +178,9 @@ def test_the_first_of_several_bad_coordinates_is_named() -> None:
 
 def test_coordinates_at_the_end_of_float64_are_summed() -> None:
     vertices, faces = cube(size=2.0)
-    found = sum_triangles(Surface(vertices * 2.0**1023, faces))
-    assert found.exponent < 0
-    assert Fraction(found.sums[0]) / 6 * (Fraction(2) ** -found.exponent) ** 3 == 8 * Fraction(2) ** (3 * 1023)
+    sums = sum_triangles(Surface(vertices * 2.0**1023, faces))
+    assert sums.exponent < 0
+    assert Fraction(sums.sums[0]) / 6 * (Fraction(2) ** -sums.exponent) ** 3 == 8 * Fraction(2) ** (3 * 1023)
 
 
 @pytest.mark.parametrize("power", [-1000, -400, -104, 104, 400, 1000])
@@ -200,16 +200,16 @@ def test_a_size_beyond_the_range_changes_no_digit(power: int, surface: bool) -> 
 
 def test_the_origin_lies_inside_the_part() -> None:
     for offset in (0.0, 1e7, 1e300):
-        found = sum_triangles(joined(cube((offset, -offset, offset / 3), size=max(1.0, offset / 1e10))))
-        assert (found.low <= found.origin).all()
-        assert (found.origin <= found.high).all()
+        sums = sum_triangles(joined(cube((offset, -offset, offset / 3), size=max(1.0, offset / 1e10))))
+        assert (sums.low <= sums.origin).all()
+        assert (sums.origin <= sums.high).all()
 
 
 def test_float32_facets_sum_to_the_exact_volume_of_what_is_stored() -> None:
     stored = facets(joined(ring(31, 9)))
-    found = sum_triangles(stored)
+    sums = sum_triangles(stored)
     exact = moments(stored.corners())
-    assert abs(Fraction(found.sums[0]) / 6 - exact.volume) <= Fraction(1, 10**13) * exact.volume
+    assert abs(Fraction(sums.sums[0]) / 6 - exact.volume) <= Fraction(1, 10**13) * exact.volume
 
 
 def test_a_process_without_native_kernels_gives_the_same_bits(tmp_path: object) -> None:

@@ -22,7 +22,7 @@ def checked(mesh: Cells) -> Report:
 
 
 def codes(report: Report) -> list[str]:
-    return [found.code for found in report.findings]
+    return [finding.code for finding in report.findings]
 
 
 def grid(*steps: int) -> tuple[np.ndarray, np.ndarray]:
@@ -116,10 +116,10 @@ def test_a_collapsed_cell_is_joined_by_the_face_that_is_left() -> None:
 @settings(deadline=None, max_examples=50)
 @given(st.integers(1, 12), st.data())
 def test_a_row_of_cubes_falls_apart_where_cubes_are_missing(count: int, data: st.DataObject) -> None:
-    kept = sorted(data.draw(st.sets(st.integers(0, count - 1), min_size=1)))
-    order = data.draw(st.permutations(kept))
+    present = sorted(data.draw(st.sets(st.integers(0, count - 1), min_size=1)))
+    order = data.draw(st.permutations(present))
     points, nodes = grid(count, 1, 1)
-    run = {k: k - i for i, k in enumerate(kept)}  # constant along a run of neighbours
+    run = {k: k - i for i, k in enumerate(present)}  # constant along a run of neighbours
     first: dict[int, int] = {}
     expected = [first.setdefault(run[k], len(first)) for k in order]
     assert cell_bodies(cells(points, hexahedron=nodes[order])).tolist() == expected
@@ -129,9 +129,9 @@ def test_a_cell_stored_again_is_an_error_with_its_place() -> None:
     points, nodes = grid(3, 1, 1)
     turned = nodes[1][[1, 2, 3, 0, 5, 6, 7, 4]]
     report = checked(cells(points, hexahedron=[*nodes, turned]))
-    (found, *_) = report.findings
-    assert (found.code, found.count, found.faces, found.place) == ("duplicate_cell", 1, (3,), (1.5, 0.5, 0.5))
-    assert "cell 3 around (1.5, 0.5, 0.5)" in found.message
+    (finding, *_) = report.findings
+    assert (finding.code, finding.count, finding.faces, finding.place) == ("duplicate_cell", 1, (3,), (1.5, 0.5, 0.5))
+    assert "cell 3 around (1.5, 0.5, 0.5)" in finding.message
     with pytest.raises(GeometryError, match=r"^bracket\.msh: 1 cell stored again"):
         report.require_fit()
 
@@ -139,23 +139,23 @@ def test_a_cell_stored_again_is_an_error_with_its_place() -> None:
 def test_three_cells_on_one_face_overlap() -> None:
     points = np.vstack([np.eye(3), [[0, 0, 0], [1, 1, 1], [2, 1, 1]]])
     report = checked(cells(points, tetra=[[0, 1, 2, 3], [0, 1, 2, 4], [0, 1, 2, 5]]))
-    (found,) = report.findings
-    assert (found.code, found.severity, found.count, found.faces) == (
+    (finding,) = report.findings
+    assert (finding.code, finding.severity, finding.count, finding.faces) == (
         "overlapping_cells",
         "error",
         1,
         (0, 1, 2),
     )
-    assert found.place == pytest.approx((1 / 3, 1 / 3, 1 / 3))
+    assert finding.place == pytest.approx((1 / 3, 1 / 3, 1 / 3))
 
 
 @pytest.mark.parametrize("node", [-1, 12, 10**15])
 def test_a_node_that_does_not_exist(node: int) -> None:
     points, nodes = grid(2, 1, 1)
     report = checked(cells(points, line=[[0, 1]], hexahedron=[nodes[0], [*nodes[1][:7], node]]))
-    (found,) = report.findings
-    assert (found.code, found.faces, report.fit) == ("node_out_of_range", (2,), False)
-    assert f"cell 2 with node {node} where the nodes are 0 to 11" in found.message
+    (finding,) = report.findings
+    assert (finding.code, finding.faces, report.fit) == ("node_out_of_range", (2,), False)
+    assert f"cell 2 with node {node} where the nodes are 0 to 11" in finding.message
 
 
 @pytest.mark.parametrize("value", [np.nan, np.inf, 1e76])
@@ -164,9 +164,9 @@ def test_a_node_that_is_no_usable_number(value: float) -> None:
     points = np.vstack([points, [[value, 0, 0]]])
     assert codes(checked(cells(points, hexahedron=nodes))) == ["unused_vertices"]
     points[5, 1] = value
-    (found,) = checked(cells(points, hexahedron=nodes)).findings
-    assert (found.code, found.severity, found.count) == ("non_finite", "error", 1)
-    assert "node 5" in found.message
+    (finding,) = checked(cells(points, hexahedron=nodes)).findings
+    assert (finding.code, finding.severity, finding.count) == ("non_finite", "error", 1)
+    assert "node 5" in finding.message
 
 
 def test_no_cells() -> None:

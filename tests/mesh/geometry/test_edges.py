@@ -111,12 +111,12 @@ def test_duplicates_are_told_by_corners_and_sense(faces: np.ndarray) -> None:
         elif turned(face[::-1]) in known:
             opposite.append(number)
         known.add(turned(face))
-    assert [found.tolist() for found in duplicates(faces)] == [same, opposite]
+    assert [numbers.tolist() for numbers in duplicates(faces)] == [same, opposite]
 
 
 def classes(edges: Edges) -> tuple[int, int, int, int]:
-    found = (edges.boundary, edges.inconsistent, edges.non_manifold, ~edges.balanced)
-    return tuple(int(mask.sum()) for mask in found)
+    masks = (edges.boundary, edges.inconsistent, edges.non_manifold, ~edges.balanced)
+    return tuple(int(mask.sum()) for mask in masks)
 
 
 @pytest.mark.parametrize(

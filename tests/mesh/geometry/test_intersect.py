@@ -122,13 +122,13 @@ class TestBoxes:
         def expected(low_b, high_b):
             return np.argwhere((below(low[:, None], high_b) & below(low_b, high[:, None])).all(axis=2)).tolist()
 
-        def found(*trees):
+        def pairs_of(*trees):
             return sorted(
                 [i, j] for a, b, _ in overlapping(*trees, touching=touching) for i, j in zip(a, b, strict=True)
             )
 
-        assert found(BoxTree(low, high), BoxTree(low_b, high_b)) == expected(low_b, high_b)
-        assert found(BoxTree(low, high)) == [[i, j] for i, j in expected(low, high) if i < j]
+        assert pairs_of(BoxTree(low, high), BoxTree(low_b, high_b)) == expected(low_b, high_b)
+        assert pairs_of(BoxTree(low, high)) == [[i, j] for i, j in expected(low, high) if i < j]
 
 
 class TestCrossings:
@@ -142,8 +142,8 @@ class TestCrossings:
     @given(triangle, st.tuples(small, small, small), st.tuples(small, small, small))
     @settings(deadline=None, max_examples=200)
     def test_triangles_that_share_a_vertex_can_still_cross(self, one, u, v):
-        found = crossings(Surface([*one, u, v], [[0, 1, 2], [3, 0, 4]]))
-        assert found.total == interiors_cross(one, [u, one[0], v])
+        contacts = crossings(Surface([*one, u, v], [[0, 1, 2], [3, 0, 4]]))
+        assert contacts.total == interiors_cross(one, [u, one[0], v])
 
     def test_every_crossing_among_many_triangles_is_found(self):
         rng = np.random.default_rng(8)
@@ -153,8 +153,8 @@ class TestCrossings:
             for i, j in itertools.combinations(range(70), 2)
             if interiors_cross(corners[i].tolist(), corners[j].tolist())
         ]
-        found = crossings(surface(corners), limit=10_000)
-        assert found.pairs.tolist() == expected
+        contacts = crossings(surface(corners), limit=10_000)
+        assert contacts.pairs.tolist() == expected
         assert len(expected) > 100
         halves = crossings(surface(corners[:30]), surface(corners[30:]), limit=10_000)
         assert np.add(halves.pairs, [0, 30]).tolist() == [[i, j] for i, j in expected if i < 30 <= j]
@@ -162,12 +162,12 @@ class TestCrossings:
     def test_places_lie_in_both_triangles(self):
         rng = np.random.default_rng(9)
         corners = rng.normal(size=(40, 3, 3)) + 1000
-        found = crossings(surface(corners), limit=1000)
-        assert found.total > 50
+        contacts = crossings(surface(corners), limit=1000)
+        assert contacts.total > 50
         for k in range(2):
-            a, b, c = corners[found.pairs[:, k]].transpose(1, 0, 2)
+            a, b, c = corners[contacts.pairs[:, k]].transpose(1, 0, 2)
             weights = np.linalg.solve(
-                np.stack([b - a, c - a, np.cross(b - a, c - a)], axis=2), (found.points - a)[..., None]
+                np.stack([b - a, c - a, np.cross(b - a, c - a)], axis=2), (contacts.points - a)[..., None]
             )[..., 0]
             assert (weights[:, :2] > -1e-9).all()
             assert (weights[:, :2].sum(axis=1) < 1 + 1e-9).all()
@@ -191,8 +191,8 @@ class TestCrossings:
         height = 0.1
         huge = np.array([[[-1e6, -1e6, height], [1e6, -1e6, height], [0, 1e6, height]]])
         straddling = (small_ones[:, :, 2].min(axis=1) < height) & (small_ones[:, :, 2].max(axis=1) > height)
-        found = crossings(surface(huge), surface(small_ones), limit=100_000)
-        assert found.pairs[:, 1].tolist() == np.flatnonzero(straddling).tolist()
+        contacts = crossings(surface(huge), surface(small_ones), limit=100_000)
+        assert contacts.pairs[:, 1].tolist() == np.flatnonzero(straddling).tolist()
         both = crossings(surface(small_ones, huge), limit=100_000)
         assert both.pairs[:, 0].tolist() == np.flatnonzero(straddling).tolist()
 
@@ -208,10 +208,10 @@ class TestCrossings:
         assert crossings(nothing, surface(cube())).total == 0
 
     def test_progress_rises_to_one(self):
-        seen: list[float] = []
-        crossings(surface(sphere(1, 60)), progress=seen.append)
-        assert seen == sorted(seen)
-        assert seen[-1] == pytest.approx(1)
+        fractions: list[float] = []
+        crossings(surface(sphere(1, 60)), progress=fractions.append)
+        assert fractions == sorted(fractions)
+        assert fractions[-1] == pytest.approx(1)
 
 
 SHIFTED = [
@@ -246,10 +246,10 @@ class TestOverlap:
     @pytest.mark.parametrize(("other", "expected"), [case[1:] for case in SHIFTED], ids=[case[0] for case in SHIFTED])
     def test_cubes(self, other, expected, turn, place):
         a, b = (surface(piece @ turn.T + place) for piece in (cube(), other))
-        for found in (overlap(a, b), overlap(b, a)):
-            assert (found is not None) == expected
-            if found is not None:
-                inside = (np.array(found) - place) @ turn
+        for common in (overlap(a, b), overlap(b, a)):
+            assert (common is not None) == expected
+            if common is not None:
+                inside = (np.array(common) - place) @ turn
                 for piece in (cube(), other):
                     assert (inside > piece.min(axis=(0, 1)) - 1e-9).all()
                     assert (inside < piece.max(axis=(0, 1)) + 1e-9).all()

@@ -22,8 +22,8 @@ def test_a_ray_through_a_box_runs_where_the_slabs_overlap(aim, direction):
     with np.errstate(divide="ignore", over="ignore"):
         ends = np.sort((np.array([[-2.0], [2.0]]) - start) / along, axis=0)
     expected = [ends[0].max(), ends[1].min()]
-    found = inside(corners(box((-2, -2, -2), (2, 2, 2))), start, along)
-    assert found.ravel() == pytest.approx(expected, rel=1e-9)
+    stretches = inside(corners(box((-2, -2, -2), (2, 2, 2))), start, along)
+    assert stretches.ravel() == pytest.approx(expected, rel=1e-9)
 
 
 def test_a_ray_along_edges_and_through_vertices_is_not_lost_or_doubled():
@@ -34,8 +34,8 @@ def test_a_ray_along_edges_and_through_vertices_is_not_lost_or_doubled():
 
 
 def test_a_ray_across_a_ring_runs_inside_twice():
-    found = inside(corners(ring(48, 16)), [-9, 0, 0], [1, 0, 0])
-    assert found.ravel().tolist() == pytest.approx([5, 7, 11, 13])
+    stretches = inside(corners(ring(48, 16)), [-9, 0, 0], [1, 0, 0])
+    assert stretches.ravel().tolist() == pytest.approx([5, 7, 11, 13])
 
 
 def test_a_ray_that_starts_inside_begins_at_zero():

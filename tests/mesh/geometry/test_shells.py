@@ -116,9 +116,9 @@ def test_a_shell_over_many_chunks_has_its_volume_and_box() -> None:
     rings = joined(ring(500, 100), ring(300, 100, radius=20, tube=2))
     mixed = rings.select(np.random.default_rng(4).permutation(rings.count))
     stored = facets(mixed)
-    for found in (shells_of(mixed), shells(stored, closure(stored))):
-        assert len(found) == 2
-        for shell in found:
+    for several in (shells_of(mixed), shells(stored, closure(stored))):
+        assert len(several) == 2
+        for shell in several:
             piece = rings.select(slice(100_000) if shell.triangles == 100_000 else slice(100_000, None))
             assert shell.triangles == piece.count
             assert shell.signed_volume == pytest.approx(math.fsum(np.linalg.det(piece.corners())) / 6, rel=1e-6)
@@ -144,10 +144,10 @@ def test_an_insert_that_fills_a_cavity_is_a_body_inside_it(order: tuple[int, ...
     solids = [cube(size=4), inside_out(sphere()), sphere()]
     surface = joined(*(solids[k] for k in order))
     housing, cavity, insert = (order.index(k) for k in range(3))
-    found = nesting(surface)
-    assert found[housing] == ("outward", 0, 0, None)
-    assert found[cavity] == ("inward", 1, 1, housing)
-    assert found[insert] == ("outward", 0, 2, cavity)
+    depths = nesting(surface)
+    assert depths[housing] == ("outward", 0, 0, None)
+    assert depths[cavity] == ("inward", 1, 1, housing)
+    assert depths[insert] == ("outward", 0, 2, cavity)
     assert sorted(grouped(surface)) == sorted([(housing, cavity), (insert,)])
 
 
@@ -185,12 +185,12 @@ def test_faces_that_cancel_are_a_sheet_and_no_body() -> None:
     sheet = (plate, np.array([[0, 1, 2], [0, 2, 3], [0, 3, 2], [0, 2, 1]]))
     fold = (plate, np.array([[0, 1, 2], [0, 2, 3], [0, 3, 1], [1, 3, 2]]))  # the other diagonal, same plane
     surface = joined(cube(size=4), sheet, fold)
-    found = shells_of(surface)
-    assert len(found) > 2
-    assert {shell.kind for shell in found[1:]} == {"sheet"}
-    assert [shell.depth for shell in found] == [0, *(1 for _ in found[1:])]
+    shells = shells_of(surface)
+    assert len(shells) > 2
+    assert {shell.kind for shell in shells[1:]} == {"sheet"}
+    assert [shell.depth for shell in shells] == [0, *(1 for _ in shells[1:])]
     assert grouped(surface) == [(0,)]
-    assert absolute_orientation(found).tolist() == []
+    assert absolute_orientation(shells).tolist() == []
 
 
 def test_two_ways_to_fill_the_same_flat_rim_are_a_sheet_however_it_is_rounded() -> None:
@@ -219,8 +219,8 @@ def test_absolute_orientation_mends_any_set_of_turned_shells(turned: list[bool])
         cube((9, 0, 0)),
     ]
     surface = joined(*(inside_out(s) if turn else s for s, turn in zip(solids, turned, strict=True)))
-    found = absolute_orientation(shells_of(surface))
-    assert found.tolist() == [number for number, turn in enumerate(turned) if turn]
+    inverted = absolute_orientation(shells_of(surface))
+    assert inverted.tolist() == [number for number, turn in enumerate(turned) if turn]
 
 
 SIDE = st.tuples(st.integers(0, 6), st.integers(1, 6)).map(lambda side: (side[0], side[0] + side[1]))
@@ -231,18 +231,18 @@ SIDE = st.tuples(st.integers(0, 6), st.integers(1, 6)).map(lambda side: (side[0]
 def test_every_shell_is_in_one_body_however_boxes_overlap_and_touch(boxes: list) -> None:
     solids = [box(*zip(*sides, strict=True)) for *sides, _ in boxes]
     turned = [inside_out(s) if turn else s for s, (*_, turn) in zip(solids, boxes, strict=True)]
-    found = shells_of(joined(*turned))
-    assert sorted(number for body in bodies(found) for number in body.shells) == list(range(len(found)))
-    for shell in found:
+    shells = shells_of(joined(*turned))
+    assert sorted(number for body in bodies(shells) for number in body.shells) == list(range(len(shells)))
+    for shell in shells:
         assert (shell.parent is None) == (shell.depth == 0)
 
 
 def test_a_thousand_pores_are_found_in_one_body() -> None:
     places = np.stack(np.meshgrid(*[np.arange(10.0)] * 3), axis=-1).reshape(-1, 3)
     pores = [inside_out(cube(tuple(place), 0.5)) for place in places]
-    found = shells_of(joined(cube((4.5, 4.5, 4.5), 12), *pores))
-    assert {(shell.kind, shell.depth, shell.parent) for shell in found[1:]} == {("inward", 1, 0)}
-    assert [len(body.shells) for body in bodies(found)] == [1001]
+    shells = shells_of(joined(cube((4.5, 4.5, 4.5), 12), *pores))
+    assert {(shell.kind, shell.depth, shell.parent) for shell in shells[1:]} == {("inward", 1, 0)}
+    assert [len(body.shells) for body in bodies(shells)] == [1001]
 
 
 def test_members_leave_out_triangles_with_a_repeated_corner() -> None:
