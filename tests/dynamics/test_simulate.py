@@ -11,11 +11,11 @@ from tests.dynamics.scenes import DISC, PLAIN, TOP, scene
 
 import inertia
 from inertia.dynamics.kinematics import quaternion
+from inertia.dynamics.loads.torque import Torque
 from inertia.dynamics.models.free.model import AsymmetricTop, FreeBody
 from inertia.dynamics.run import Run
 from inertia.dynamics.scene.body import SceneBody
 from inertia.dynamics.scene.document import Scene, Settings, Start
-from inertia.dynamics.scene.loads import Torque
 from inertia.dynamics.simulate import simulate
 from inertia.errors import GeometryError
 from inertia_meshes import path

@@ -11,9 +11,10 @@ from tests.recording.scenes import FREE, scene_table
 import inertia
 from inertia import Scene, record, simulate
 from inertia.dynamics.body import Body
+from inertia.dynamics.loads.gravity import Gravity
+from inertia.dynamics.loads.torque import Torque
 from inertia.dynamics.scene.body import SceneBody
 from inertia.dynamics.scene.document import Settings, Start
-from inertia.dynamics.scene.loads import Gravity, Torque
 from inertia.errors import ReadError
 from inertia.recording.read_back import properties, scene_of
 from inertia_meshes import path

@@ -62,11 +62,11 @@ from inertia.dynamics.scene.document import Start as Start
 from inertia.dynamics.scene.document import Constraint as Constraint
 from inertia.dynamics.scene.document import Settings as Settings
 from inertia.dynamics.scene.body import SceneBody as SceneBody
-from inertia.dynamics.scene.loads import Gravity as Gravity
-from inertia.dynamics.scene.loads import GravityGradient as GravityGradient
-from inertia.dynamics.scene.loads import Torque as Torque
-from inertia.dynamics.scene.loads import Damping as Damping
-from inertia.dynamics.scene.loads import Dissipation as Dissipation
+from inertia.dynamics.loads.gravity import Gravity as Gravity
+from inertia.dynamics.loads.gravity import GravityGradient as GravityGradient
+from inertia.dynamics.loads.torque import Torque as Torque
+from inertia.dynamics.loads.losses import Damping as Damping
+from inertia.dynamics.loads.losses import Dissipation as Dissipation
 from inertia.dynamics.plan import plan as plan
 from inertia.dynamics.simulate import simulate as simulate
 from inertia.dynamics.run import Run as Run

@@ -10,10 +10,12 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
+from tests.dynamics.integrators.loaded import AxialDamping
 
 from inertia.dynamics.integrators import runge_kutta, splitting, taylor
-from inertia.dynamics.integrators.loads import Damping, Gravity, Torque
 from inertia.dynamics.integrators.rotation import RotationProblem
+from inertia.dynamics.loads.gravity import Gravity
+from inertia.dynamics.loads.torque import Torque
 from inertia.dynamics.models.free.motion import free_motion
 from inertia.dynamics.models.stepped.solve import METHODS
 from inertia.native import Kernel
@@ -71,12 +73,14 @@ def stepped(name: str) -> Prepare:
 def problem_of(motion: Motion) -> RotationProblem:
     """Return a motion as the package's own problem."""
     loads: list[Any] = []
+    body: dict[str, Any] = {}
     if motion.weight:
-        loads.append(Gravity(motion.weight.mass, motion.weight.offset, motion.weight.gravity))
+        body = {"mass": motion.weight.mass, "arm": motion.weight.offset}
+        loads.append(Gravity(motion.weight.gravity))
     if motion.drive:
         drive = motion.drive
-        loads += [Torque(drive.body), Torque(drive.space, "space"), Damping(drive.damping)]
-    return RotationProblem(motion.moments, motion.spin, loads=tuple(loads))
+        loads += [Torque(drive.body), Torque(drive.space, frame="space"), AxialDamping(drive.damping)]
+    return RotationProblem(motion.moments, motion.spin, loads=tuple(loads), **body)
 
 
 def _half_decades(first: int, last: int) -> tuple[float, ...]:

@@ -2,25 +2,27 @@
 
 import sys
 from collections.abc import Callable
+from dataclasses import replace
 from itertools import pairwise
 
 import numpy as np
 import pytest
 from tests.dynamics import oracle
-from tests.dynamics.integrators.loaded import ATTITUDE, LOADS, MOMENTS, SPIN, TIMES, case
+from tests.dynamics.integrators.loaded import ARM, ATTITUDE, LOADS, MASS, MOMENTS, SPIN, TIMES, case
 
 from inertia.dynamics.integrators import taylor
 from inertia.dynamics.integrators.adaptive import SciPy
 from inertia.dynamics.integrators.base import Integrator, States
 from inertia.dynamics.integrators.compositions import BY_ORDER
 from inertia.dynamics.integrators.heyoka_taylor import Heyoka
-from inertia.dynamics.integrators.loads import CallableTorque, Dissipation, Gravity, Torque
 from inertia.dynamics.integrators.rotation import RotationProblem
 from inertia.dynamics.integrators.runge_kutta import RungeKutta4
 from inertia.dynamics.integrators.splitting import Splitting
-from inertia.dynamics.integrators.tabulated import TableTorque
 from inertia.dynamics.integrators.taylor import Taylor
 from inertia.dynamics.kinematics import quaternion
+from inertia.dynamics.loads.gravity import Gravity
+from inertia.dynamics.loads.losses import Dissipation
+from inertia.dynamics.loads.torque import Torque, TorqueTable
 from inertia.errors import GeometryError, UsageError
 from inertia.native import Kernel
 
@@ -85,13 +87,13 @@ def test_without_heyoka_its_extra_is_named(monkeypatch: pytest.MonkeyPatch) -> N
 
 
 TABLES = (
-    TableTorque([0.0, 1.0, 1.0, 2.5, 9.0], [[0, 1, 0], [2, 0, 0], [0, 0, 1], [1, 1, 1], [0, 0, 0]]),
-    TableTorque([-1.0, 0.7, 6.0], [[0, 1, 0], [1, 0, 0.5], [0, 0, 1]], "space"),
+    Torque(table=TorqueTable([0.0, 1.0, 1.0, 2.5, 9.0], [[0, 1, 0], [2, 0, 0], [0, 0, 1], [1, 1, 1], [0, 0, 0]])),
+    Torque(table=TorqueTable([-1.0, 0.7, 6.0], [[0, 1, 0], [1, 0, 0.5], [0, 0, 1]]), frame="space"),
 )
 
 
 DISSIPATING = Dissipation(0.1), Torque([0.0, 0.0, 1.0])
-MANY = tuple(Torque([0.02 * np.sin(k), 0.02 * np.cos(k), 0.001 * k], "space") for k in range(40))
+MANY = tuple(Torque([0.02 * np.sin(k), 0.02 * np.cos(k), 0.001 * k], frame="space") for k in range(40))
 TWICE = [
     (method, control, loads)
     for method, control in ((Taylor(), 1e-12), (Taylor(), 1e-40), (Splitting(4), 0.1), (RungeKutta4(), 0.1))
@@ -104,7 +106,7 @@ TWICE = [
 def test_compiled_and_uncompiled_paths_agree(
     method: Integrator, control: float, loads: tuple, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    problem = RotationProblem(MOMENTS, SPIN, ATTITUDE, loads)
+    problem = RotationProblem(MOMENTS, SPIN, ATTITUDE, loads, mass=MASS, arm=ARM)
     runs = []
     for native in (True, False):
         monkeypatch.setattr(Kernel, "worthwhile", lambda self, count, native=native: native)
@@ -123,7 +125,7 @@ def test_tables_are_followed_through_their_kinks_and_jumps(method: Integrator) -
     for k, end in enumerate([0.5, 1.0, 2.5, 4.0]):
         pieces = [start, *(t for t in (0.7,) if start < t < end), end]
         for low, high in pairwise(pieces):
-            loads = tuple(CallableTorque(straight(table, low, high), table.frame) for table in TABLES)
+            loads = tuple(Torque(straight(load.table, low, high), frame=load.frame) for load in TABLES)
             piece = RotationProblem(MOMENTS, spin, attitude, loads, start=low)
             state = SciPy("DOP853").run(piece, np.array([high]), 2.3e-14)
             attitude, spin = state.attitude[0], state.angular_velocity[0]
@@ -131,8 +133,9 @@ def test_tables_are_followed_through_their_kinks_and_jumps(method: Integrator) -
         assert quaternion.angle_between(found.attitude[k], attitude) < 1e-10
 
 
-def straight(table: TableTorque, low: float, high: float) -> Callable[..., np.ndarray]:
+def straight(table: TorqueTable | None, low: float, high: float) -> Callable[..., np.ndarray]:
     """Return the one line that the table is between two instants."""
+    assert table is not None
     middle = 0.5 * (low + high)
     row = int(np.searchsorted(table.times, middle)) - 1
     t, n = table.times[row : row + 2], table.torques[row : row + 2]
@@ -191,7 +194,7 @@ def test_motion_runs_back_when_the_spin_is_turned_round(
     """The splittings are symmetric, so that even their errors run back."""
     problem = case(name).problem
     there = method.run(problem, np.array([4.0]), control)
-    turned = RotationProblem(MOMENTS, -there.angular_velocity[0], there.attitude[0], problem.loads)
+    turned = replace(problem, angular_velocity=-there.angular_velocity[0], attitude=there.attitude[0])
     back = method.run(turned, np.array([4.0]), control)
     assert quaternion.angle_between(back.attitude[0], problem.attitude) < 1e-12
     assert back.angular_velocity[0] == pytest.approx(-problem.angular_velocity, abs=1e-12)
@@ -202,8 +205,8 @@ def test_space_may_be_turned_before_or_after(method: Integrator, control: float,
     turn = quaternion.normalise([0.3, 0.1, -0.7, 0.4])
     down = quaternion.to_space(turn, [0.0, 0.0, -9.8])
     here = case("heavy").problem
-    weight = Gravity(0.5, [0.1, 0.2, 0.3], down)
-    there = RotationProblem(MOMENTS, SPIN, quaternion.multiply(turn, here.attitude), (weight,))
+    attitude = quaternion.multiply(turn, here.attitude)
+    there = RotationProblem(MOMENTS, SPIN, attitude, (Gravity(down),), mass=here.mass, arm=here.arm)
     one, other = method.run(here, TIMES, control), method.run(there, TIMES, control)
     assert quaternion.angle_between(quaternion.multiply(turn, one.attitude), other.attitude).max() < 2e-13
 
@@ -213,9 +216,13 @@ def test_principal_axes_may_come_in_any_order(method: Integrator, control: float
     order = [2, 0, 1]
     taken = quaternion.from_matrix(np.eye(3)[:, order])
     here = case("heavy").problem
-    weight = Gravity(0.5, np.array([0.1, 0.2, 0.3])[order], [0.0, 0.0, -9.8])
     there = RotationProblem(
-        np.array(MOMENTS)[order], np.array(SPIN)[order], quaternion.multiply(here.attitude, taken), (weight,)
+        np.array(MOMENTS)[order],
+        np.array(SPIN)[order],
+        quaternion.multiply(here.attitude, taken),
+        (Gravity([0.0, 0.0, -9.8]),),
+        mass=here.mass,
+        arm=here.arm[order],
     )
     one, other = method.run(here, TIMES, control), method.run(there, TIMES, control)
     assert quaternion.angle_between(quaternion.multiply(one.attitude, taken), other.attitude).max() < 1e-14
@@ -250,9 +257,9 @@ def test_compositions_are_symmetric_and_make_one_step(order: int) -> None:
 
 
 def test_polynomial_methods_refuse_a_callable() -> None:
-    problem = RotationProblem(MOMENTS, SPIN, loads=(CallableTorque(lambda t, q, w: np.zeros(3)),))
+    problem = RotationProblem(MOMENTS, SPIN, loads=(Torque(lambda t, q, w: np.zeros(3)),))
     for method in (Taylor(), Splitting(4)):
-        with pytest.raises(UsageError, match="CallableTorque is no polynomial in the state: use DOP853"):
+        with pytest.raises(UsageError, match="Torque is no polynomial in the state: use DOP853"):
             method.run(problem, TIMES, 0.1)
 
 

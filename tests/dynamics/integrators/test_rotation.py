@@ -1,10 +1,14 @@
 import numpy as np
 import pytest
 
-from inertia.dynamics.integrators.loads import Dissipation, Gravity, Torque
 from inertia.dynamics.integrators.rotation import RotationProblem
 from inertia.dynamics.kinematics import quaternion
+from inertia.dynamics.loads.gravity import Gravity
+from inertia.dynamics.loads.losses import Dissipation
+from inertia.dynamics.loads.torque import Torque
 from inertia.errors import GeometryError, UsageError
+
+WEIGHT = Gravity([0, 0, -10.0])
 
 
 def test_rhs_is_eulers_equations_and_half_q_omega() -> None:
@@ -25,7 +29,7 @@ def test_rhs_keeps_the_momentum_in_space_with_dissipation() -> None:
 
 
 def test_energy_is_kinetic_and_potential() -> None:
-    top = RotationProblem([1.0, 2.0, 4.0], [1.0, 1.0, 1.0], loads=(Gravity(2.0, [0, 0, 0.5], [0, 0, -10.0]),))
+    top = RotationProblem([1.0, 2.0, 4.0], [1.0, 1.0, 1.0], loads=(WEIGHT,), mass=2.0, arm=[0, 0, 0.5])
     assert top.energy(np.array(quaternion.IDENTITY), np.ones(3)) == 3.5 + 10.0
 
 
@@ -40,14 +44,14 @@ def test_rate_is_that_of_the_spin_or_of_the_torque(spin: list[float], torque: fl
 
 
 def test_heavy_symmetric_top_keeps_three_things() -> None:
-    top = RotationProblem([2.0, 2.0, 4.0], [1.0, 1.0, 1.0], loads=(Gravity(2.0, [0, 0, 0.5], [0, 0, -10.0]),))
+    top = RotationProblem([2.0, 2.0, 4.0], [1.0, 1.0, 1.0], loads=(WEIGHT,), mass=2.0, arm=[0, 0, 0.5])
     found = top.invariants(top.attitude, top.angular_velocity)
     assert set(found) == {
         "energy",
         "angular momentum along (0, 0, 1) in space",
         "angular momentum about body axis 3",
     }
-    leaning = RotationProblem([2.0, 2.0, 4.0], [1.0, 1.0, 1.0], loads=(Gravity(2.0, [0, 0.1, 0.5], [0, 0, -10.0]),))
+    leaning = RotationProblem([2.0, 2.0, 4.0], [1.0, 1.0, 1.0], loads=(WEIGHT,), mass=2.0, arm=[0, 0.1, 0.5])
     assert "angular momentum about body axis 3" not in leaning.invariants(top.attitude, top.angular_velocity)
 
 

@@ -8,9 +8,10 @@ import pytest
 from tests.dynamics.scenes import DISC, PLAIN, TOP, scene, table
 
 from inertia.dynamics.body import Body
+from inertia.dynamics.loads.gravity import Gravity
+from inertia.dynamics.loads.torque import Torque
 from inertia.dynamics.scene.body import SceneBody
 from inertia.dynamics.scene.document import Scene, Settings, Start
-from inertia.dynamics.scene.loads import Gravity, Torque
 from inertia.errors import GeometryError, InertiaError, ReadError, UsageError
 from inertia.mass.properties import MassProperties
 from inertia_meshes import catalogue, path

@@ -14,7 +14,6 @@ from inertia.dynamics.plan import Plan
 from inertia.dynamics.run import Invariant, Run
 from inertia.dynamics.scene.body import SceneBody
 from inertia.dynamics.scene.document import Scene
-from inertia.dynamics.scene.loads import Damping, Dissipation, Gravity, GravityGradient, Load, Torque
 from inertia.report.numerals import LABEL, cleared, number, row
 
 _WIDTH = 120
@@ -154,7 +153,7 @@ def _scene_lines(scene: Scene) -> Iterator[str]:
     if scene.constraint.kind == "rolling":
         yield row("Rolls", f"on a rim of radius {number(scene.constraint.radius or 0.0)} m")
     for load in scene.applied_loads:
-        yield row("Load", _load(load))
+        yield row("Load", load.described(lambda values: _listed(np.atleast_1d(values))))
     spin = scene.start.angular_velocity
     yield row("Spin", f"{_listed(spin)} rad/s {_STARTS_IN[scene.start.frame]}")
     if scene.start.attitude[3] != 1:
@@ -169,24 +168,6 @@ def _center_bound(body: SceneBody) -> float:
     if body.assembly is None:
         return 0.0
     return _ROUNDING * max(float(np.abs(part.center_of_mass).max()) for part in body.assembly.parts)
-
-
-def _load(load: Load) -> str:
-    if isinstance(load, Gravity):
-        return f"gravity {_listed(load.acceleration)} m/s²"
-    if isinstance(load, Torque):
-        axes = "in space" if load.frame == "space" else f"along the {load.frame} axes"
-        if load.table is not None:
-            return f"torque from a table of {len(load.table.times)} rows, {axes}"
-        if isinstance(load.torque, np.ndarray):
-            return f"torque {_listed(load.torque)} N m {axes}"
-        return f"torque by a function, {axes}"
-    if isinstance(load, Damping):
-        return f"damping {number(load.coefficient)} N m s"
-    if isinstance(load, GravityGradient):
-        return f"gravity gradient of μ = {number(load.mu)} m³/s² at {_listed(load.position)} m"
-    assert isinstance(load, Dissipation)
-    return f"dissipation inside the body, {number(load.rate)} kg m² s"
 
 
 def _model_lines(model: str, why: Iterable[str]) -> Iterator[str]:

@@ -9,9 +9,11 @@ from tests.dynamics.integrators.loaded import ATTITUDE, LOADS, MOMENTS, SPIN, TI
 
 from inertia.dynamics.integrators.base import Adaptive, States
 from inertia.dynamics.integrators.events import find_events
-from inertia.dynamics.integrators.loads import CallableTorque, Damping, Gravity, Torque
 from inertia.dynamics.integrators.rotation import RotationProblem
 from inertia.dynamics.kinematics import quaternion
+from inertia.dynamics.loads.gravity import Gravity
+from inertia.dynamics.loads.losses import Damping
+from inertia.dynamics.loads.torque import Torque
 from inertia.dynamics.models.stepped.solve import METHODS, solve_stepped, state_between
 from inertia.errors import GeometryError, UsageError
 from inertia.native import Kernel
@@ -68,7 +70,9 @@ def test_free_symmetric_body_keeps_all_of_its_momentum() -> None:
 
 
 def test_torque_in_space_keeps_the_momentum_across_it() -> None:
-    motion = solve_stepped(RotationProblem(MOMENTS, SPIN, loads=(Torque([0.0, 2.0, 0.0], "space"),)), [0.0, 3.0], 1e-12)
+    motion = solve_stepped(
+        RotationProblem(MOMENTS, SPIN, loads=(Torque([0.0, 2.0, 0.0], frame="space"),)), [0.0, 3.0], 1e-12
+    )
     assert set(motion.invariants) == {
         "angular momentum along (1, 0, 0) in space",
         "angular momentum along (0, 0, 1) in space",
@@ -85,9 +89,8 @@ def upright(motion_attitude: np.ndarray) -> np.ndarray:
 def test_kovalevskaya_integral_is_kept(method: str) -> None:
     """A = B = 2 C, V = μ γ₁: (p² − q² − (μ/C) γ₁)² + (2 p q − (μ/C) γ₂)², S. Kowalevski, Acta Math. 12 (1889) 177."""
     c, mu = 1.0, 1.5
-    problem = RotationProblem(
-        [2 * c, 2 * c, c], [1.0, -0.4, 0.7], ATTITUDE, (Gravity(1.0, [mu / 10.0, 0.0, 0.0], [0.0, 0.0, -10.0]),)
-    )
+    weight, arm = Gravity([0.0, 0.0, -10.0]), [mu / 10.0, 0.0, 0.0]
+    problem = RotationProblem([2 * c, 2 * c, c], [1.0, -0.4, 0.7], ATTITUDE, (weight,), mass=1.0, arm=arm)
     motion = solve_stepped(problem, np.linspace(0.0, 15.0, 31), 1e-8, method)
     p, q, _ = motion.angular_velocity.T
     gamma = upright(motion.attitude).T
@@ -100,12 +103,13 @@ def test_kovalevskaya_integral_is_kept(method: str) -> None:
 def test_goryachev_chaplygin_integral_is_kept(method: str) -> None:
     """A = B = 4 C, V = μ γ₁, L·γ = 0: L₃ (L₁² + L₂²) − A μ L₁ γ₃; with L·γ ≠ 0 it is not kept."""
     moments, mu = np.array([4.0, 4.0, 1.0]), 2.0
-    weight = Gravity(1.0, [mu / 10.0, 0.0, 0.0], [0.0, 0.0, -10.0])
+    weight, arm = Gravity([0.0, 0.0, -10.0]), [mu / 10.0, 0.0, 0.0]
     gamma = upright(quaternion.normalise(ATTITUDE))
     momentum = np.cross(gamma, [2.0, -1.0, 3.0])
     changes = []
     for extra in (0.0, 0.5):
-        problem = RotationProblem(moments, (momentum + extra * gamma) / moments, ATTITUDE, (weight,))
+        spin = (momentum + extra * gamma) / moments
+        problem = RotationProblem(moments, spin, ATTITUDE, (weight,), mass=1.0, arm=arm)
         motion = solve_stepped(problem, np.linspace(0.0, 15.0, 31), 1e-9, method)
         body = moments * motion.angular_velocity
         vertical = upright(motion.attitude)
@@ -122,7 +126,7 @@ def test_motion_is_the_same_by_every_method() -> None:
     def weight(time: float, attitude: np.ndarray, spin: np.ndarray) -> np.ndarray:
         return np.cross([0.1, 0.2, 0.3], 0.5 * quaternion.to_body(attitude, [0.0, 0.0, -9.8]))
 
-    by_hand = RotationProblem(MOMENTS, SPIN, ATTITUDE, (CallableTorque(weight),))
+    by_hand = RotationProblem(MOMENTS, SPIN, ATTITUDE, (Torque(weight),))
     motion = solve_stepped(by_hand, TIMES, 1e-8)
     assert motion.method == "DOP853"
     assert known.truth.attitude_error(motion.attitude).max() < motion.reached

@@ -130,7 +130,7 @@ def standard(problem: RotationProblem, start: float) -> Terms:
     """Return the loads as `Terms`, or raise `UsageError` where one of them is not of that form."""
     terms = problem.terms(start)
     if terms is None:
-        names = [type(load).__name__ for load in problem.loads if load.terms(problem.moments, start) is None]
+        names = [type(load).__name__ for load in problem.loads if load.terms(problem, start) is None]
         raise UsageError(f"{names[0]} is no polynomial in the state: use DOP853, LSODA, Radau or RK4 for it")
     return terms
 

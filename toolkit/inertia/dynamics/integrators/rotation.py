@@ -9,9 +9,9 @@ from functools import cached_property
 import numpy as np
 
 from inertia.arrays import Float
-from inertia.dynamics.integrators.loads import Dissipation, Load
 from inertia.dynamics.integrators.terms import Terms
 from inertia.dynamics.kinematics import quaternion
+from inertia.dynamics.loads.load import Load
 from inertia.errors import GeometryError, UsageError
 from inertia.mass.tensor import array_of
 
@@ -20,15 +20,16 @@ from inertia.mass.tensor import array_of
 class RotationProblem:
     """Where a body starts and what acts on it.
 
-        I ω̇ = I ω × Ω + N(t, q, ω),    q̇ = ½ q (Ω, 0),    Ω = ω but for internal dissipation (`loads.Dissipation`).
+        I ω̇ = I ω × Ω + N(t, q, ω),    q̇ = ½ q (Ω, 0),    Ω = ω but for internal dissipation (`Dissipation`).
 
     Attributes
     ----------
     moments : (3,) kg m², principal, about the reference point (centre of mass or fixed point), in any order
     angular_velocity : (3,) rad/s, along the principal axes
     attitude : (4,) scalar-last, principal axes to space
-    loads : what acts
+    loads : what acts; along part axes is along the principal axes
     start : s, the instant at which the body is so
+    mass : kg; arm : (3,) m, along the principal axes, from the reference point to the centre of mass: for gravity
     """
 
     moments: Float
@@ -36,6 +37,8 @@ class RotationProblem:
     attitude: Float = quaternion.IDENTITY  # type: ignore[assignment]
     loads: tuple[Load, ...] = ()
     start: float = 0.0
+    mass: float = 0.0
+    arm: Float = (0.0, 0.0, 0.0)  # type: ignore[assignment]
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "moments", array_of(self.moments, (3,), "moments"))
@@ -49,12 +52,15 @@ class RotationProblem:
             raise UsageError("attitude is the zero quaternion: give one of unit length")
         object.__setattr__(self, "attitude", quaternion.normalise(attitude))
         object.__setattr__(self, "loads", tuple(self.loads))
+        object.__setattr__(self, "arm", array_of(self.arm, (3,), "arm"))
+        if any(load.acts_on_mass for load in self.loads) and not 0 < self.mass < np.inf:
+            raise GeometryError(f"mass is {self.mass:.6g} kg: gravity needs a body whose mass is positive and finite")
 
     def torque(self, time: float, attitude: Float, angular_velocity: Float) -> Float:
         """Return the torque (3,) of all loads along the principal axes, N m."""
         total = np.zeros(3)
         for load in self.loads:
-            total = total + load.torque(time, attitude, angular_velocity, self.moments)
+            total = total + load.torque_at(time, attitude, angular_velocity, self)
         return total
 
     def rhs(self, time: float, state: Float) -> Float:
@@ -83,13 +89,13 @@ class RotationProblem:
 
     @cached_property
     def _dissipation(self) -> float:
-        return sum(load.rate for load in self.loads if isinstance(load, Dissipation))
+        return sum(load.dissipation for load in self.loads)
 
     def terms(self, start: float) -> Terms | None:
         """Return all loads from the instant `start` to the next break as one; None where one has no such form."""
         total = Terms()
         for load in self.loads:
-            terms = load.terms(self.moments, start)
+            terms = load.terms(self, start)
             if terms is None:
                 return None
             total = total + terms
@@ -115,7 +121,7 @@ class RotationProblem:
         """Return kinetic plus potential energy (…) in J."""
         total = 0.5 * np.asarray((self.moments * angular_velocity**2).sum(axis=-1))
         for load in self.loads:
-            total = total + load.potential(attitude, self.moments)
+            total = total + load.potential(attitude, self)
         return total
 
     def angular_momentum(self, attitude: Float, angular_velocity: Float) -> Float:
@@ -155,7 +161,7 @@ class RotationProblem:
     @cached_property
     def _symmetry_axes(self) -> list[int]:
         """Axes of revolution about which no load has a torque."""
-        parts = [None if load.breaks.size else load.terms(self.moments, self.start) for load in self.loads]
+        parts = [None if load.breaks.size else load.terms(self, self.start) for load in self.loads]
         symmetric = [k for k in range(3) if self.moments[(k + 1) % 3] == self.moments[(k + 2) % 3]]
         return [k for k in symmetric if all(terms and self._turns_freely(k, terms) for terms in parts)]
 

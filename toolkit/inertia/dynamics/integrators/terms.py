@@ -24,8 +24,8 @@ class Terms:
 
         N = torque + t torque_rate + Σ (w₀ + w₁ t)(A v + v × (b ∘ v)) − damping ∘ ω,    v resolved in the body,
 
-    and the extra turn κ I⁻²(I ω × ω) of the axes that internal dissipation makes (`loads.Dissipation`). Time t counts
-    from the instant that the terms were made for.
+    and the extra turn κ I⁻²(I ω × ω) of the axes that internal dissipation makes
+    (`inertia.dynamics.loads.losses.Dissipation`). Time t counts from the instant that the terms were made for.
 
     Attributes
     ----------

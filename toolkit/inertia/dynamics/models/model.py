@@ -17,9 +17,10 @@ import numpy as np
 from inertia.arrays import Float
 from inertia.documents import FieldError
 from inertia.dynamics.kinematics import quaternion
+from inertia.dynamics.loads.gravity import Gravity
+from inertia.dynamics.loads.load import Load
 from inertia.dynamics.motion import Motion
 from inertia.dynamics.scene.document import Scene
-from inertia.dynamics.scene.loads import Gravity, Load
 from inertia.mass.principal import Principal, principal
 
 NEARLY_EQUAL = 1e-3
@@ -102,6 +103,15 @@ class Problem:
     def torques(self) -> tuple[Load, ...]:
         """The loads other than gravity."""
         return tuple(load for load in self.scene.applied_loads if not isinstance(load, Gravity))
+
+    @property
+    def acting(self) -> tuple[Load, ...]:
+        """The loads that turn the body: without gravity where it has no arm."""
+        return tuple(
+            load
+            for load in self.scene.applied_loads
+            if not isinstance(load, Gravity) or (self.weight and load.acceleration.any())
+        )
 
     @property
     def why(self) -> list[str]:

@@ -7,14 +7,13 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from inertia.documents import FieldError
-from inertia.dynamics.scene.loads import Dissipation, Gravity, GravityGradient, Torque
+from inertia.dynamics.loads.gravity import Gravity
 from inertia.errors import GeometryError
 
 if TYPE_CHECKING:
     from inertia.dynamics.scene.document import Scene
 
 _FAR = 10.0  # sizes of the body
-_OF_FREE_BODIES = (Dissipation, GravityGradient)
 
 
 def require_sense(scene: Scene) -> None:
@@ -40,7 +39,7 @@ def require_sense(scene: Scene) -> None:
 
 def _is_turned(scene: Scene) -> bool:
     """Whether a load can set a body in motion that is at rest."""
-    if scene.body.deforms or any(isinstance(load, Torque | GravityGradient) for load in scene.applied_loads):
+    if scene.body.deforms or any(load.starts_motion for load in scene.applied_loads):
         return True
     arm = scene.constraint.fixed_point - scene.body.body.center_of_mass
     return scene.constraint.kind != "free" and bool(scene.gravity.any() and arm.any())
@@ -64,17 +63,11 @@ def _require_loads_that_fit(scene: Scene) -> None:
     for k, load in enumerate(scene.applied_loads):
         if scene.body.deforms and not isinstance(load, Gravity):
             raise FieldError(f"load[{k}]", f"is {load.kind}: a body that changes its shape takes gravity only")
-        if kind != "free" and isinstance(load, _OF_FREE_BODIES):
+        if kind != "free" and load.free_bodies_only:
             raise FieldError(f"load[{k}]", f"is {load.kind}, which acts on a free body, not on one that is held")
         if kind == "rolling" and not isinstance(load, Gravity):
             raise FieldError(f"load[{k}]", f"is {load.kind}: a rolling body takes gravity only")
-        if isinstance(load, Torque) and load.table is not None:
-            first, last = load.table.times[[0, -1]].tolist()
-            if first > 0 or last < scene.run.duration:
-                raise FieldError(
-                    f"load[{k}].table",
-                    f"covers {first:g} … {last:g} s, but the run goes from 0 to {scene.run.duration:g} s: add rows",
-                )
+        load.require_span(scene.run.duration, f"load[{k}]")
     if kind == "rolling":
         x, y, z = scene.gravity.tolist()
         if x or y or not z < 0:

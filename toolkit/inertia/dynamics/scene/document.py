@@ -27,12 +27,13 @@ from inertia.documents import (
     text,
 )
 from inertia.dynamics.kinematics import quaternion
+from inertia.dynamics.loads.catalogue import load_of
+from inertia.dynamics.loads.gravity import Gravity
+from inertia.dynamics.loads.load import Load
 from inertia.dynamics.scene.body import BodySource, SceneBody, build
 from inertia.dynamics.scene.consistency import require_sense
 from inertia.dynamics.scene.fields import attitude_of, direction
-from inertia.dynamics.scene.loads import Gravity, Load, Torque, load_of
 from inertia.dynamics.scene.parts import build_parts
-from inertia.errors import UsageError
 
 Frame = Literal["principal", "part", "space"]
 Kind = Literal["free", "fixed_point", "rolling"]
@@ -148,7 +149,7 @@ class Scene(Document):
     start : `Start`
     run : `Settings`
     constraint : `Constraint`; free without it
-    applied_loads : gravity, torques, damping, ... (see `inertia.dynamics.scene.loads`)
+    applied_loads : gravity, torques, damping, ... (see `inertia.dynamics.loads`)
     text : the scene file as it was read, None without one
     name : the file's path, or "the scene"
 
@@ -214,17 +215,8 @@ class Scene(Document):
             "start": {**_fields(self.start), "angular_velocity": self.angular_velocity, "frame": "part"},
             "constraint": _fields(self.constraint),
             "run": _fields(self.run),
-            "load": [self._load_fields(load) for load in self.applied_loads],
+            "load": [load.entries(self.body.axes) for load in self.applied_loads],
         }
-
-    def _load_fields(self, load: Load) -> dict[str, Any]:
-        entries = {"kind": load.kind, **_fields(load)}
-        if isinstance(load, Torque):
-            if not isinstance(load.torque, np.ndarray):
-                raise UsageError("a torque that is a function or a table has no place in a scene file: give a vector")
-            if load.frame == "principal":
-                entries |= {"frame": "part", "torque": self.body.axes @ load.torque}
-        return entries
 
     @property
     def angular_velocity(self) -> Float:

@@ -60,7 +60,7 @@ def solve_stepped(problem: RotationProblem, time: ArrayLike, accuracy: float, me
     Raises `UsageError` for times, an accuracy or a method that cannot be used, `GeometryError` where float64 or the
     method does not reach the accuracy.
 
-    >>> from inertia.dynamics.integrators.loads import Torque
+    >>> from inertia.dynamics.loads.torque import Torque
     >>> spun = RotationProblem([1.0, 1.0, 2.0], [0.0, 0.0, 0.0], loads=(Torque([0.0, 0.0, 4.0]),))
     >>> motion = solve_stepped(spun, [0.0, 1.0], 1e-9)
     >>> motion.method, motion.reached < 1e-9
@@ -84,7 +84,7 @@ def solve_stepped(problem: RotationProblem, time: ArrayLike, accuracy: float, me
     momentum = float(np.linalg.norm(start))
     scales = {name: momentum for name in invariants if name != "energy" and momentum}
     if "energy" in invariants:
-        pulls = [np.abs(load.potential(states.attitude, problem.moments)).max() for load in problem.loads]
+        pulls = [np.abs(load.potential(states.attitude, problem)).max() for load in problem.loads]
         scales["energy"] = float(0.5 * (start * problem.angular_velocity).sum() + sum(pulls)) or 1.0
     return Motion(
         attitude=states.attitude,

@@ -1,26 +1,22 @@
 import numpy as np
 import pytest
 
-from inertia.dynamics.integrators.loads import (
-    CallableTorque,
-    Damping,
-    Dissipation,
-    Gravity,
-    GravityGradient,
-    Load,
-    Torque,
-)
 from inertia.dynamics.integrators.rotation import RotationProblem
 from inertia.dynamics.integrators.terms import torque
 from inertia.dynamics.kinematics import quaternion
+from inertia.dynamics.loads.gravity import Gravity, GravityGradient
+from inertia.dynamics.loads.load import Load
+from inertia.dynamics.loads.losses import Damping, Dissipation
+from inertia.dynamics.loads.torque import Torque
 from inertia.dynamics.models.stepped.solve import solve_stepped
 from inertia.errors import GeometryError, UsageError
 
 MOMENTS = np.array([1.0, 2.0, 2.5])
-GRAVITY = Gravity(2.0, [0.1, -0.2, 0.3], [1.0, 2.0, -9.0])
+GRAVITY = Gravity([1.0, 2.0, -9.0])
 GRADIENT = GravityGradient(5.0, [1.0, -2.0, 0.5])
 ATTITUDE = quaternion.normalise([0.1, -0.4, 0.3, 0.7])
 SPIN = np.array([0.3, -1.0, 2.0])
+BODY = RotationProblem(MOMENTS, SPIN, mass=2.0, arm=[0.1, -0.2, 0.3])
 
 
 @pytest.mark.parametrize("load", [GRAVITY, GRADIENT])
@@ -29,40 +25,41 @@ def test_torque_is_minus_the_gradient_of_the_potential(load: Load) -> None:
     h = 1e-5
     slopes = [
         (
-            load.potential(quaternion.multiply(ATTITUDE, quaternion.from_rotation_vector(h * axis)), MOMENTS)
-            - load.potential(quaternion.multiply(ATTITUDE, quaternion.from_rotation_vector(-h * axis)), MOMENTS)
+            load.potential(quaternion.multiply(ATTITUDE, quaternion.from_rotation_vector(h * axis)), BODY)
+            - load.potential(quaternion.multiply(ATTITUDE, quaternion.from_rotation_vector(-h * axis)), BODY)
         )
         / (2 * h)
         for axis in np.eye(3)
     ]
-    assert load.torque(0.0, ATTITUDE, SPIN, MOMENTS) == pytest.approx(-np.array(slopes), abs=1e-8)
+    assert load.torque_at(0.0, ATTITUDE, SPIN, BODY) == pytest.approx(-np.array(slopes), abs=1e-8)
 
 
 def test_weight_of_a_level_arm_turns_about_the_horizontal_axis() -> None:
-    arm = Gravity(3.0, [0.5, 0.0, 0.0], [0.0, 0.0, -10.0])
-    assert arm.torque(0.0, np.array(quaternion.IDENTITY), SPIN, MOMENTS).tolist() == [0.0, 15.0, 0.0]
+    body = RotationProblem(MOMENTS, SPIN, mass=3.0, arm=[0.5, 0.0, 0.0])
+    weight = Gravity([0.0, 0.0, -10.0])
+    assert weight.torque_at(0.0, np.array(quaternion.IDENTITY), SPIN, body).tolist() == [0.0, 15.0, 0.0]
 
 
 def test_gravity_gradient_of_a_tilted_body() -> None:
     """Primary at 45° between axes 1 and 2, at distance 2: N₃ = 3 μ/r³ (I₂ − I₁)/2."""
     load = GravityGradient(8.0, [2**0.5, 2**0.5, 0.0])
-    found = load.torque(0.0, np.array(quaternion.IDENTITY), SPIN, MOMENTS)
+    found = load.torque_at(0.0, np.array(quaternion.IDENTITY), SPIN, BODY)
     assert found == pytest.approx([0.0, 0.0, 1.5], abs=1e-15)
 
 
 @pytest.mark.parametrize(
-    "load", [GRAVITY, GRADIENT, Torque([1.0, 2.0, 3.0]), Torque([1.0, 2.0, 3.0], "space"), Damping(0.0)]
+    "load", [GRAVITY, GRADIENT, Torque([1.0, 2.0, 3.0]), Torque([1.0, 2.0, 3.0], frame="space"), Damping(0.0)]
 )
 @pytest.mark.parametrize(("inertia", "rate"), [(1.0, 1.0), (4.0, 0.25)])
 def test_terms_make_the_same_torque(load: Load, inertia: float, rate: float) -> None:
-    terms = load.terms(MOMENTS, 0.0)
+    terms = load.terms(BODY, 0.0)
     assert terms is not None
     found = torque(terms.packed(inertia, rate), 7.0, ATTITUDE) * inertia * rate**2
-    assert found == pytest.approx(load.torque(7.0, ATTITUDE, SPIN, MOMENTS), rel=1e-14, abs=1e-14)
+    assert found == pytest.approx(load.torque_at(7.0, ATTITUDE, SPIN, BODY), rel=1e-14, abs=1e-14)
 
 
 def test_torque_in_space_is_turned_into_the_body() -> None:
-    found = Torque([0.0, 0.0, 2.0], "space").torque(0.0, ATTITUDE, SPIN, MOMENTS)
+    found = Torque([0.0, 0.0, 2.0], frame="space").torque_at(0.0, ATTITUDE, SPIN, BODY)
     assert quaternion.to_space(ATTITUDE, found) == pytest.approx([0.0, 0.0, 2.0], abs=1e-15)
 
 
@@ -114,12 +111,14 @@ def test_dissipated_power_is_the_rate_times_the_square_of_the_acceleration() -> 
 @pytest.mark.parametrize(
     ("make", "error", "says"),
     [
-        (lambda: Gravity(0.0, [0, 0, 1], [0, 0, -1]), GeometryError, "mass is 0 kg"),
-        (lambda: Gravity(1.0, [0, 0], [0, 0, -1]), UsageError, "offset must have shape"),
-        (lambda: Gravity(1.0, [0, 0, 1], [0, 0, np.nan]), UsageError, "acceleration holds a value"),
-        (lambda: Torque([1, 2, 3], "part"), UsageError, "frame is 'part'"),  # type: ignore[arg-type]
-        (lambda: Damping(-1.0), UsageError, "damping is -1.0"),
-        (lambda: Damping([1.0, 2.0]), UsageError, "one number ≥ 0"),
+        (lambda: RotationProblem(MOMENTS, SPIN, loads=(GRAVITY,), arm=[0, 0, 1]), GeometryError, "mass is 0 kg"),
+        (lambda: RotationProblem(MOMENTS, SPIN, mass=1.0, arm=[0, 0]), UsageError, "arm must have shape"),
+        (lambda: Gravity([0, 0, np.nan]), UsageError, r"acceleration\[2\] is nan: it must be finite"),
+        (lambda: Torque([1, 2, 3], frame="body"), UsageError, "frame is 'body'"),
+        (lambda: Torque([1, 2]), UsageError, "must be three numbers"),
+        (lambda: Torque(), UsageError, "give either torque or table"),
+        (lambda: Damping(-1.0), UsageError, "coefficient is -1.0"),
+        (lambda: Damping([1.0, 2.0]), UsageError, "it must be a number of N m s"),
         (lambda: GravityGradient(-1.0, [1, 0, 0]), UsageError, "mu is -1"),
         (lambda: GravityGradient(1.0, [0, 0, 0]), GeometryError, "position is zero"),
         (lambda: Dissipation(-1.0), UsageError, "rate is -1"),
@@ -131,6 +130,6 @@ def test_loads_that_cannot_be(make: object, error: type[Exception], says: str) -
 
 
 def test_a_torque_function_must_return_three_numbers() -> None:
-    problem = RotationProblem(MOMENTS, SPIN, loads=(CallableTorque(lambda t, q, w: np.zeros(2)),))
+    problem = RotationProblem(MOMENTS, SPIN, loads=(Torque(lambda t, q, w: np.zeros(2)),))
     with pytest.raises(UsageError, match="at t = 0 s: return three finite numbers"):
         solve_stepped(problem, [0.0, 1.0], 1e-6)

@@ -4,18 +4,19 @@ import numpy as np
 import pytest
 
 from inertia.dynamics.integrators.rotation import RotationProblem
-from inertia.dynamics.integrators.tabulated import TableTorque, read_table
 from inertia.dynamics.kinematics import quaternion
+from inertia.dynamics.loads.torque import Torque, TorqueTable, read_table
 from inertia.dynamics.models.stepped.solve import solve_stepped
 from inertia.errors import ReadError, UsageError
 
-STEP = TableTorque([0.0, 1.0, 1.0, 3.0], [[0, 0, 0], [0, 0, 2], [0, 0, 6], [0, 0, 0]])
-AT_REST = np.array(quaternion.IDENTITY), np.zeros(3), np.ones(3)
+STEP = Torque(table=TorqueTable([0.0, 1.0, 1.0, 3.0], [[0, 0, 0], [0, 0, 2], [0, 0, 6], [0, 0, 0]]))
+BODY = RotationProblem(np.ones(3), np.zeros(3))
+AT_REST = np.array(quaternion.IDENTITY), np.zeros(3), BODY
 
 
 @pytest.mark.parametrize(("time", "expected"), [(0.0, 0.0), (0.25, 0.5), (1.0, 6.0), (2.0, 3.0), (3.0, 0.0)])
 def test_torque_is_linear_between_rows_and_jumps_where_two_share_an_instant(time: float, expected: float) -> None:
-    assert STEP.torque(time, *AT_REST).tolist() == [0.0, 0.0, expected]
+    assert STEP.torque_at(time, *AT_REST).tolist() == [0.0, 0.0, expected]
 
 
 @pytest.mark.parametrize("method", [None, "splitting 4", "RK4", "DOP853"])
@@ -42,10 +43,9 @@ def write(folder: Path, text: str) -> Path:
 
 @pytest.mark.parametrize("heading", ["", "time,x,y,z\n", "\ufefftime [s], Nx, Ny, Nz\n"])
 def test_csv_is_read(heading: str, tmp_path: Path) -> None:
-    table = read_table(write(tmp_path, heading + "0, 1, 2, 3\n\n0.5,4,5,6\n"), "space")
+    table = read_table(write(tmp_path, heading + "0, 1, 2, 3\n\n0.5,4,5,6\n"))
     assert table.times.tolist() == [0.0, 0.5]
     assert table.torques.tolist() == [[1, 2, 3], [4, 5, 6]]
-    assert table.frame == "space"
 
 
 @pytest.mark.parametrize(
@@ -85,4 +85,4 @@ def test_csv_that_is_missing_or_no_text(tmp_path: Path) -> None:
 )
 def test_tables_that_cannot_be(times: list[float], torques: list[list[float]], says: str) -> None:
     with pytest.raises(UsageError, match=says):
-        TableTorque(times, torques)  # type: ignore[arg-type]
+        TorqueTable(times, torques)  # type: ignore[arg-type]

@@ -1,0 +1,23 @@
+"""The loads that a scene may have, ``[[load]]``: where a new one is added."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from inertia.documents import FieldError, choice, section_of, table_of
+from inertia.dynamics.loads.gravity import Gravity, GravityGradient
+from inertia.dynamics.loads.load import Load
+from inertia.dynamics.loads.losses import Damping, Dissipation
+from inertia.dynamics.loads.torque import Torque
+
+LOADS: tuple[type[Load], ...] = (Gravity, Torque, Damping, GravityGradient, Dissipation)
+
+
+def load_of(table: object, path: str, folder: Path) -> Load:
+    """Make one load from its table in the file, which `path` names; the files that it names are in `folder`."""
+    kinds = {load.kind: load for load in LOADS}
+    entries = dict(table_of(table, path))
+    if "kind" not in entries:
+        raise FieldError(f"{path}.kind", f"is missing: use one of {', '.join(map(repr, kinds))}")
+    load = kinds[choice(*kinds)(entries["kind"], f"{path}.kind")]
+    return section_of(load, load.with_files(entries, folder), extra=("kind",), path=path)

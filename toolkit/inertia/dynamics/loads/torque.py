@@ -1,0 +1,266 @@
+"""An applied torque: constant, linear between the rows of a table, or by a function; and the CSV file of a table."""
+
+from __future__ import annotations
+
+import csv
+import math
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Annotated, Any, Literal
+
+import numpy as np
+
+from inertia.arrays import Float
+from inertia.documents import FieldError, choice, numbers
+from inertia.dynamics.integrators.terms import Terms
+from inertia.dynamics.kinematics import quaternion
+from inertia.dynamics.loads.load import Load, TurningBody
+from inertia.errors import ReadError, UsageError
+
+TorqueFrame = Literal["part", "principal", "space"]
+TorqueFunction = Callable[[float, Float, Float], Float]
+
+
+@dataclass(frozen=True, eq=False)
+class TorqueTable:
+    """A torque that is linear between the rows of a table.
+
+    Two rows at one instant are a jump there. A run must not leave the table.
+
+    Attributes
+    ----------
+    times : (k,) s, not descending, k ≥ 2; torques : (k, 3) N m
+
+    >>> ramp = TorqueTable([0.0, 2.0], [[0, 0, 0], [0, 0, 4]])
+    >>> value, slope = ramp.line(0.5)
+    >>> value.tolist(), slope.tolist()
+    ([0.0, 0.0, 1.0], [0.0, 0.0, 2.0])
+    """
+
+    times: Float
+    torques: Float
+
+    def __post_init__(self) -> None:
+        times, torques = np.asarray(self.times, dtype=np.float64), np.asarray(self.torques, dtype=np.float64)
+        if times.ndim != 1 or len(times) < 2 or torques.shape != (len(times), 3):
+            raise UsageError(
+                f"the torque table has times {times.shape} and torques {torques.shape}: give (k,) and (k, 3), k ≥ 2"
+            )
+        if not (np.isfinite(times).all() and np.isfinite(torques).all()):
+            raise UsageError("the torque table holds a value that is not finite: give finite numbers")
+        falls = np.flatnonzero(np.diff(times) < 0)
+        if falls.size:
+            raise UsageError(f"the torque table goes back in time after row {falls[0] + 1}: sort it by time")
+        if times[0] == times[-1]:
+            raise UsageError(f"the torque table holds one instant, {times[0]:.6g} s: give two or more")
+        object.__setattr__(self, "times", times)
+        object.__setattr__(self, "torques", torques)
+
+    @property
+    def breaks(self) -> Float:
+        """The instants of the rows."""
+        return np.unique(self.times)
+
+    def line(self, time: float, *, onward: bool = False) -> tuple[Float, Float]:
+        """Return the torque (3,) at `time` in s, at a jump the one after it, and its slope (3,) N m/s from there on.
+
+        Raises `UsageError` outside the table, and `onward` at its end.
+        """
+        times, torques = self.times, self.torques
+        if not times[0] <= time <= times[-1] or (onward and time == times[-1]):
+            raise UsageError(
+                f"the torque table covers {times[0]:.6g} … {times[-1]:.6g} s, and the run leaves it at {time:.6g} s: "
+                "extend the table or shorten the run"
+            )
+        row = int(np.searchsorted(times, min(time, np.nextafter(times[-1], times[0])), side="right")) - 1
+        slope: Float = (torques[row + 1] - torques[row]) / (times[row + 1] - times[row])
+        return torques[row] + slope * (time - times[row]), slope
+
+
+def _torque(value: Any, path: str) -> Float | TorqueFunction:
+    """Read a constant torque, or take a function of (t, attitude, angular velocity)."""
+    if callable(value):
+        function: TorqueFunction = value
+        return function
+    constant: Float = numbers((3,), "N m")(value, path)
+    return constant
+
+
+def _table(value: Any, path: str) -> TorqueTable:
+    """Take a table, or make one of rows of time and torque."""
+    if isinstance(value, TorqueTable):
+        return value
+    try:
+        rows = np.asarray(value, dtype=np.float64)
+        times, torques = rows[:, 0], rows[:, 1:]
+    except (TypeError, ValueError, IndexError):
+        raise FieldError(path, "must be rows of four numbers: time in s, and three components in N m") from None
+    try:
+        return TorqueTable(times, torques)
+    except UsageError as error:
+        raise FieldError(path, f"is not usable: {error}") from None
+
+
+@dataclass(frozen=True, eq=False)
+class Torque(Load):
+    """An applied torque: constant, by a table, or by a function; a constant one in space keeps L − N t.
+
+    Attributes
+    ----------
+    torque : (3,) N m; or, in Python, a function of the time in s, the attitude (4,) of the part axes and the angular
+        velocity (3,) along them, that returns (3,) N m
+    table : rows (k, 4) of time in s and torque in N m, linear in between; in a file, the path of such a CSV
+    frame : of the torque: "part" axes, "principal" axes (as ``start.frame``) or "space"
+    """
+
+    kind = "torque"
+    noun = "an applied torque"
+    starts_motion = True
+
+    torque: Annotated[Float | TorqueFunction | None, _torque] = None
+    table: Annotated[TorqueTable | None, _table] = None
+    frame: Annotated[TorqueFrame, choice("part", "principal", "space")] = "part"
+
+    def require_sense(self, path: str) -> None:
+        """Raise `FieldError` where it is said twice, or not at all, what the torque is."""
+        if (self.torque is None) == (self.table is None):
+            raise FieldError(path, "is a torque: give either torque or table")
+
+    @property
+    def breaks(self) -> Float:
+        """The instants of the rows of a table."""
+        return np.empty(0) if self.table is None else self.table.breaks
+
+    def torque_at(self, time: float, attitude: Float, angular_velocity: Float, body: TurningBody) -> Float:
+        """Return N, or RᵀN."""
+        if self.table is not None:
+            value = self.table.line(time)[0]
+        elif callable(self.torque):
+            value = self._of_function(time, attitude, angular_velocity)
+        else:
+            value = np.asarray(self.torque)
+        if self.frame == "space":
+            return quaternion.to_body(attitude, value)
+        return np.broadcast_to(value, np.shape(angular_velocity))
+
+    def _of_function(self, time: float, attitude: Float, angular_velocity: Float) -> Float:
+        """Return what the function gives; raise `UsageError` where that is not three finite numbers."""
+        assert callable(self.torque)
+        value = np.asarray(self.torque(time, attitude, angular_velocity), dtype=np.float64)
+        if value.shape != (3,) or not np.isfinite(value).all():
+            raise UsageError(f"the torque function returned {value} at t = {time:.6g} s: return three finite numbers")
+        return value
+
+    def directions(self) -> Float:
+        """Return N where it stands in space."""
+        return self.torque[None] if self.frame == "space" and isinstance(self.torque, np.ndarray) else np.eye(3)
+
+    def terms(self, body: TurningBody, start: float) -> Terms | None:
+        """Return the torque itself, or A = 1, v = N; of a table the line through the rows around `start`."""
+        if callable(self.torque):
+            return None
+        eye = np.eye(3)
+        if self.table is None:
+            value = np.asarray(self.torque)
+            return Terms.of_vector(value, matrix=eye) if self.frame == "space" else Terms(value)
+        value, slope = self.table.line(start, onward=True)
+        if self.frame != "space":
+            return Terms(value, slope)
+        return Terms.of_vector(value, matrix=eye) + Terms.of_vector(slope, matrix=eye, slope=True)
+
+    def along(self, axes: Float, principal_axes: Float) -> Torque:
+        """Return the torque along `axes`; a function is told their attitude and the angular velocity along them."""
+        turn = axes.T @ (principal_axes if self.frame == "principal" else np.eye(3))
+
+        def turned(torque: Float) -> Float:
+            return torque if self.frame == "space" else np.asarray(torque @ turn.T)
+
+        frame: TorqueFrame = "space" if self.frame == "space" else "part"
+        if self.table is not None:
+            return Torque(table=TorqueTable(self.table.times, turned(self.table.torques)), frame=frame)
+        if not callable(self.torque):
+            return Torque(turned(np.asarray(self.torque)), frame=frame)
+        back = quaternion.conjugate(quaternion.from_matrix(axes))
+
+        def function(time: float, attitude: Float, angular_velocity: Float) -> Float:
+            return turned(self._of_function(time, quaternion.multiply(attitude, back), axes @ angular_velocity))
+
+        return Torque(function, frame=frame)
+
+    def require_span(self, duration: float, path: str) -> None:
+        """Raise `FieldError` where a table ends too early, or begins late."""
+        if self.table is None:
+            return
+        first, last = self.table.times[[0, -1]].tolist()
+        if first > 0 or last < duration:
+            raise FieldError(
+                f"{path}.table", f"covers {first:g} … {last:g} s, but the run goes from 0 to {duration:g} s: add rows"
+            )
+
+    def described(self, listed: Callable[[Float | float], str]) -> str:
+        """Return the torque, or where it comes from, and its axes."""
+        axes = "in space" if self.frame == "space" else f"along the {self.frame} axes"
+        if self.table is not None:
+            return f"torque from a table of {len(self.table.times)} rows, {axes}"
+        if isinstance(self.torque, np.ndarray):
+            return f"torque {listed(self.torque)} N m {axes}"
+        return f"torque by a function, {axes}"
+
+    def entries(self, principal_axes: Float) -> dict[str, Any]:
+        """Return a constant torque along part axes or in space."""
+        if not isinstance(self.torque, np.ndarray):
+            raise UsageError("a torque that is a function or a table has no place in a scene file: give a vector")
+        principal = self.frame == "principal"
+        return {
+            "kind": self.kind,
+            "torque": principal_axes @ self.torque if principal else self.torque,
+            "frame": "part" if principal else self.frame,
+        }
+
+    @classmethod
+    def with_files(cls, entries: dict[str, Any], folder: Path) -> dict[str, Any]:
+        """Read the table that is named by its path."""
+        if isinstance(table := entries.get("table"), str):
+            return {**entries, "table": read_table(folder / table)}
+        return entries
+
+
+def read_table(path: str | Path) -> TorqueTable:
+    """Read a table of `time,x,y,z` (s, N m) from a CSV file; one line of column names may come first.
+
+    Raises `ReadError`, with the number of the line, for what is not four finite numbers or goes back in time.
+    """
+    rows: list[list[float]] = []
+    try:
+        with Path(path).open(newline="", encoding="utf-8-sig") as file:
+            lines = csv.reader(file)
+            for fields in lines:
+                heading = lines.line_num == 1 and not any(_is_number(field) for field in fields)
+                if not heading and any(field.strip() for field in fields):
+                    rows.append(_row(fields, rows, f"{path}, line {lines.line_num}"))
+    except (OSError, UnicodeDecodeError, csv.Error) as error:
+        raise ReadError(f"{path}: the torque table cannot be read ({error}): give a CSV file of time,x,y,z") from None
+    if len(rows) < 2:
+        raise ReadError(f"{path}: the torque table has {len(rows)} rows, at least 2 are needed: add rows")
+    table = np.array(rows)
+    return TorqueTable(table[:, 0], table[:, 1:])
+
+
+def _row(fields: list[str], before: list[list[float]], where: str) -> list[float]:
+    if len(fields) != 4:
+        raise ReadError(f"{where}: {len(fields)} columns, 4 are needed: give time, x, y, z in s and N m")
+    for field in fields:
+        if not _is_number(field):
+            raise ReadError(f"{where}: {field.strip()!r} is not a finite number: correct it")
+    row = [float(field) for field in fields]
+    if before and row[0] < before[-1][0]:
+        raise ReadError(f"{where}: time {row[0]:.6g} s follows {before[-1][0]:.6g} s: sort the rows by time")
+    return row
+
+
+def _is_number(text: str) -> bool:
+    try:
+        return math.isfinite(float(text))
+    except ValueError:
+        return False
