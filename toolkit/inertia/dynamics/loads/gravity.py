@@ -20,7 +20,9 @@ STANDARD_GRAVITY = (0.0, 0.0, -9.80665)
 
 @dataclass(frozen=True, eq=False)
 class Gravity(Load):
-    """Uniform gravity; about the reference point N = c × m Rᵀg, V = −m g·(R c), which keeps the energy and L·g.
+    """Uniform gravity.
+
+    About the reference point N = c × m Rᵀg, V = −m g·(R c); keeps the energy and L·g.
 
     Attributes
     ----------

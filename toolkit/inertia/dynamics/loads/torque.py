@@ -104,7 +104,7 @@ def _table(value: Any, path: str) -> TorqueTable:
 
 @dataclass(frozen=True, eq=False)
 class Torque(Load):
-    """An applied torque: constant, by a table, or by a function; a constant one in space keeps L − N t.
+    """An applied torque: constant, by a table, or by a function.
 
     Attributes
     ----------
