@@ -163,19 +163,22 @@ def balance(rotor: Rotor, *, progress: Progress | None = None) -> Balance:
     at = (shaft.z_a, shaft.z_b)
     _require_places(rotor, bodies, shaft)
     properties: MassProperties = reduce(add, (body.analysis.properties for body in bodies))
-    initial = unbalance_of(rotor, bodies, shaft, properties)
+    together = Unbalance.of(properties, shaft, radial_uncertainty=rotor.radial_uncertainty)
+    initial = unbalance_of(rotor, bodies, shaft, together)
     tell(0.5)
     tolerance = rotor.tolerance(initial, at)
     critical = rotor.fields.service.critical_rpm
     rigid = None if critical is None else rigid_limit(rotor.fields.service.rpm, critical)
     planes = _correction_planes(rotor, bodies, shaft)
-    correction = _corrected(rotor, bodies, shaft, initial, planes, tolerance)
+    correction = _corrected(rotor, bodies, shaft, initial, together, planes, tolerance)
     tell(0.9)
     residual = initial if correction is None else correction.residual
     terms = rotor_terms(residual, at)
     if correction is not None:
         terms += operation_terms(correction.operations, residual, at, rotor.shop)
     settings = rotor.fields.uncertainty
+    initial_verdict = _judged(initial, tolerance, axis, rigid)
+    verdict = initial_verdict if correction is None else _judged(residual, tolerance, axis, rigid)
     return Balance(
         rotor=rotor,
         bodies=bodies,
@@ -187,12 +190,16 @@ def balance(rotor: Rotor, *, progress: Progress | None = None) -> Balance:
         correction_planes=planes,
         planes=_in_planes(rotor, initial, residual),
         correction=correction,
-        verdict=_judged(residual, tolerance, axis, rigid),
-        initial_verdict=_judged(initial, tolerance, axis, rigid),
+        verdict=verdict,
+        initial_verdict=initial_verdict,
         rigid=rigid,
         tilt=principal_tilt(properties, shaft),
         scatter=monte_carlo(
-            residual.in_planes(*at), terms, permissible=tolerance.permissible, draws=settings.draws, seed=settings.seed
+            [plane.residual for plane in verdict.planes],
+            terms,
+            permissible=tolerance.permissible,
+            draws=settings.draws,
+            seed=settings.seed,
         ),
         notes=tuple(_notes(rotor, bodies)),
     )
@@ -217,6 +224,7 @@ def _corrected(
     bodies: Sequence[RotorBody],
     shaft: Shaft,
     initial: Unbalance,
+    together: Unbalance,
     planes: Sequence[CorrectionPlane],
     tolerance: Tolerance,
 ) -> Correction | None:
@@ -224,7 +232,8 @@ def _corrected(
         return None
     parts, densities = [body.part for body in bodies], [body.density for body in bodies]
     try:
-        return correct(parts, densities, shaft, initial, planes, _aim(initial, tolerance, (shaft.z_a, shaft.z_b)))
+        aim = _aim(initial, tolerance, (shaft.z_a, shaft.z_b))
+        return correct(parts, densities, shaft, initial, planes, aim, uncut=together)
     except (UsageError, GeometryError) as error:
         raise placed(error, rotor.name) from None
 

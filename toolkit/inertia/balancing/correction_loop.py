@@ -77,6 +77,7 @@ def correct(
     planes: Sequence[CorrectionPlane],
     tolerance: Tolerance,
     tolerance_planes: tuple[float, float] | None = None,
+    uncut: Unbalance | None = None,
 ) -> Correction:
     """Correct a rotor until its residual unbalance is within the tolerance, or the limits forbid it.
 
@@ -89,6 +90,7 @@ def correct(
     planes : where and how it may be corrected
     tolerance : what may be left in the tolerance planes
     tolerance_planes : (A, B) m; the bearings where not given
+    uncut : the unbalance of the parts themselves, where it is known: it is integrated otherwise
 
     Raises
     ------
@@ -96,7 +98,7 @@ def correct(
     GeometryError : a plane lies off the part, a tool is too deep for the wall, or the mesh cannot be cut
     """
     _require(parts, densities, planes, tolerance)
-    piece = Workpiece(tuple(parts), tuple(densities), shaft, unbalance)
+    piece = Workpiece(tuple(parts), tuple(densities), shaft, unbalance, uncut)
     at = list(tolerance_planes or (shaft.z_a, shaft.z_b))
     limits = np.array(tolerance.permissible)
     start = unbalance.in_many_planes(at)
@@ -155,12 +157,14 @@ class _Loop:
     def finished(self, best: _Step, hit: tuple[str, ...], history: tuple[float, ...]) -> Correction:
         """Round the best cut to the shop's steps, cut once more, and say how it ended."""
         walled = [replace(k, limit=self._wall(k) - self.planes[k.plane].min_wall) for k in best.places]
-        places = rounded(walled, self.levers, self._residual(best), self.limits)
+        unrounded = self._residual(best)
+        places = rounded(walled, self.levers, unrounded, self.limits)
         last = self._cut(places)
-        worst, exact = _worst(self._residual(last), self.limits), _worst(self._residual(best), self.limits)
+        residual = self._residual(last)
+        worst, exact = _worst(residual, self.limits), _worst(unrounded, self.limits)
         if worst > 1 >= exact:
             hit = (*hit, "the steps of depth and angle")
-        largest = " and ".join(f"{abs(k) / GRAM_MILLIMETRE:.4g}" for k in self._residual(last).tolist())
+        largest = " and ".join(f"{abs(k) / GRAM_MILLIMETRE:.4g}" for k in residual.tolist())
         why = f"{largest} g·mm left in the tolerance planes, with depths and angles at the shop's steps"
         if worst > 1:
             why += f": the best that can be done within {', '.join(hit) or 'these planes'}"

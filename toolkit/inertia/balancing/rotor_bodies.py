@@ -21,7 +21,6 @@ from inertia.balancing.tessellation_bound import chord_uncertainty, estimated_sa
 from inertia.balancing.unbalance import Unbalance
 from inertia.errors import FieldPath, GeometryError, InertiaError, UsageError, placed
 from inertia.mass.analysis import Analysis, analyse, sound_solids_only
-from inertia.mass.properties import MassProperties
 from inertia.mesh.geometry.intersect import overlap
 from inertia.mesh.part import Cells, Part, Surface
 from inertia.mesh.read import read
@@ -129,10 +128,15 @@ def _in_metres(part: Part) -> Surface:
     return Surface(corners * float(part.unit.metres), np.arange(len(corners)).reshape(-1, 3))
 
 
-def unbalance_of(rotor: Rotor, bodies: Sequence[RotorBody], shaft: Shaft, properties: MassProperties) -> Unbalance:
-    """Return the unbalance of all bodies and keys, with what tessellation, axis and densities leave uncertain."""
-    unbalance = Unbalance.of(properties, shaft, radial_uncertainty=rotor.radial_uncertainty)
-    unbalance = unbalance.with_masses(rotor.key_masses)
+def unbalance_of(rotor: Rotor, bodies: Sequence[RotorBody], shaft: Shaft, together: Unbalance) -> Unbalance:
+    """Return the unbalance of all bodies and keys, with what tessellation and densities leave uncertain.
+
+    Parameters
+    ----------
+    rotor, bodies, shaft : as read
+    together : the unbalance of the bodies, without keys, with what arithmetic and axis leave uncertain
+    """
+    unbalance = together.with_masses(rotor.key_masses)
     several = len(bodies) > 1
     more = [
         replace(layer, bodies=(body.name,) if several else ())

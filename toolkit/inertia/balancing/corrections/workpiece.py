@@ -27,12 +27,16 @@ _PROUD = 0.01  # of the radius: how far the part may stand out of it
 
 @dataclass(frozen=True, eq=False)
 class Workpiece:
-    """Parts with their densities (kg/m³) on a shaft, and the unbalance (of whatever origin) to start from."""
+    """Parts with their densities (kg/m³) on a shaft, and the unbalance (of whatever origin) to start from.
+
+    `uncut` is the unbalance of the parts themselves, where it is known: it is integrated otherwise.
+    """
 
     parts: tuple[Part, ...]
     densities: tuple[float, ...]
     shaft: Shaft
     initial: Unbalance
+    uncut: Unbalance | None = None
 
     @cached_property
     def bodies(self) -> tuple[Body, ...]:
@@ -45,7 +49,7 @@ class Workpiece:
 
     @cached_property
     def _before(self) -> Unbalance:
-        return self._measured(self.parts)
+        return self._integrated(self.parts) if self.uncut is None else self.uncut
 
     def cut(self, solids: Sequence[Surface], others: Sequence[Operation]) -> tuple[tuple[Part, ...], Unbalance]:
         """Cut solids (shaft axes, m) out of all parts, and return the parts and the unbalance after it.
@@ -56,7 +60,7 @@ class Workpiece:
         parts, unbalance = self.parts, self.initial
         if solids:
             parts = tuple(ready.cut([self._in_part(solid, ready.part) for solid in solids]) for ready in self._stocks)
-            unbalance = changed(unbalance, self._before, self._measured(parts))
+            unbalance = changed(unbalance, self._before, self._integrated(parts))
         signs = {"add": 1, "remove": -1}
         return parts, unbalance.with_masses(
             [PointMass(signs[k.method] * k.mass, k.radius, k.angle, k.z) for k in others]
@@ -65,7 +69,7 @@ class Workpiece:
     def _in_part(self, solid: Surface, part: Part) -> Surface:
         return Surface(self.shaft.to_part(solid.vertices) / float(part.unit.metres), solid.faces)
 
-    def _measured(self, parts: Sequence[Part]) -> Unbalance:
+    def _integrated(self, parts: Sequence[Part]) -> Unbalance:
         pairs = zip(parts, self.densities, strict=True)
         return Unbalance.of(reduce(add, (mass_properties(part, density) for part, density in pairs)), self.shaft)
 
