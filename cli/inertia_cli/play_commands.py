@@ -17,7 +17,7 @@ _WEB = ["--web-viewer", "--web-viewer-port", "0", "--port", "auto"]
 
 def play(options: argparse.Namespace) -> int:
     """Run ``inertia play``."""
-    from inertia.recording.read_back import properties
+    from inertia.recording.provenance import properties
 
     properties(options.part)
     if not options.web and not _has_screen():

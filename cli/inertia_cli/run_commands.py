@@ -33,7 +33,7 @@ def simulate(options: argparse.Namespace) -> int:
     if format_of_name(Path(options.part)) is not None:
         raise UsageError(f"{options.part} is a mesh and no scene: name a scene file, or use `inertia tumble`")
     if Path(options.part).suffix.lower() == ".rrd":
-        from inertia.recording.read_back import scene_of
+        from inertia.recording.provenance import scene_of
 
         return _follow(scene_of(options.part), options)
     return _follow(Scene.load(options.part), options)

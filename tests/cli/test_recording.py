@@ -8,7 +8,7 @@ import pytest
 from tests.recording.reading import verified
 
 from inertia.recording import writer
-from inertia.recording.read_back import properties
+from inertia.recording.provenance import properties
 from inertia_cli.main import main
 from inertia_meshes import path
 

@@ -10,8 +10,13 @@ from inertia.dynamics.body import Body
 from inertia.dynamics.scene.body import SceneBody
 from inertia.mass.analysis import analyse
 from inertia.mesh.part import CellBlock, Cells, Surface
-from inertia.recording.display import display_of, equivalent_ellipsoid
-from inertia.recording.reduce import facet_normals, outside, shown_triangles
+from inertia.recording.display import (
+    display_of,
+    equivalent_ellipsoid,
+    facet_normals,
+    outside,
+    shown_triangles,
+)
 from inertia_meshes import path
 
 
@@ -26,7 +31,7 @@ def volume(corners: np.ndarray) -> float:
 def test_a_part_is_shown_about_its_centre_of_mass() -> None:
     part = read(path("t_handle.stl"), "mm")
     shown = display_of(body(part))
-    assert (shown.unit, shown.said, shown.semi_axes) == (0.01, (), None)
+    assert (shown.unit, shown.notes, shown.semi_axes) == (0.01, (), None)
     center = body(part).body.center_of_mass
     stored = part.triangles.corners() * 1e-3
     np.testing.assert_allclose(shown.triangles * 0.01 + center, stored, atol=1e-17)
@@ -71,7 +76,7 @@ def test_a_big_mesh_keeps_its_shape_with_fewer_triangles(packed: bool, offset: f
 def test_the_reduction_is_said() -> None:
     shown = display_of(body(Part.from_arrays(*ring(600, 200))))
     assert shown.triangles is not None
-    assert shown.said == (
+    assert shown.notes == (
         f"shown with {len(shown.triangles)} of its 240000 triangles: near corners are merged, for display only",
     )
 
@@ -102,7 +107,7 @@ def test_moments_alone_are_shown_as_an_ellipsoid() -> None:
     turn = Rotation.from_rotvec([0.3, 0.2, 0.1]).as_matrix()
     shown = display_of(SceneBody.of(Body(turn @ np.diag(moments) @ turn.T, 2.0)))
     assert shown.triangles is None
-    assert shown.said == ("shown as the solid ellipsoid of the same moments",)
+    assert shown.notes == ("shown as the solid ellipsoid of the same moments",)
     np.testing.assert_allclose(shown.unit * shown.semi_axes, semi_axes, rtol=1e-9)
     axes = Rotation.from_quat(shown.attitude).as_matrix()
     np.testing.assert_allclose(np.abs(np.diag(axes.T @ turn)), 1, atol=1e-9)
@@ -111,7 +116,7 @@ def test_moments_alone_are_shown_as_an_ellipsoid() -> None:
 def test_a_flat_body_can_be_seen_from_its_edge() -> None:
     assert equivalent_ellipsoid(np.array([1.0, 1.0, 2.0]), 1.0).min() == pytest.approx(0.01 * np.sqrt(5))
     shown = display_of(SceneBody.of(Body(np.diag([1.0, 1.0, 2.0]))))
-    assert shown.said == ("shown as the solid ellipsoid of the same moments, of 1 kg as no mass is given",)
+    assert shown.notes == ("shown as the solid ellipsoid of the same moments, of 1 kg as no mass is given",)
 
 
 def test_wires_are_shown_as_an_ellipsoid() -> None:

@@ -22,7 +22,7 @@ from inertia.recording.playback import LONGEST, RATE, attitudes_at, playback, va
 def test_the_speed_lets_the_motion_be_followed(fastest: float, duration: float, speed: float, said: str) -> None:
     play = playback(np.linspace(0, duration, 10_001), fastest)
     assert play.speed == pytest.approx(speed)
-    assert play.said == (said,)
+    assert play.notes == (said,)
 
 
 @given(st.floats(1e-6, 1e6), st.floats(1e-6, 1e6))
@@ -42,7 +42,7 @@ def test_samples_too_far_apart_are_shown_as_they_are() -> None:
     play = playback(time, 5.0)
     assert not play.smooth
     assert np.array_equal(play.frames, time)
-    assert "the body turns by up to 5 rad between samples" in play.said[1]
+    assert "the body turns by up to 5 rad between samples" in play.notes[1]
 
 
 def test_attitudes_between_samples_are_on_the_shortest_turn() -> None:

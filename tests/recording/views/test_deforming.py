@@ -9,8 +9,8 @@ from tests.recording.kinds import FLOAT32, errors_seen, place, seen, series, tip
 from tests.recording.reading import Recorded
 
 from inertia import Run, Scene, simulate
-from inertia.recording import paths, places
-from inertia.recording.views.deforming import deforming
+from inertia.recording import entities
+from inertia.recording.views.deforming import screen
 from inertia_meshes import path
 
 ARM, TRUNK = 4.0, 52.0
@@ -22,15 +22,15 @@ def of(name: str) -> Run:
 
 @pytest.fixture(scope="module")
 def skater(tmp_path_factory: pytest.TempPathFactory) -> Recorded:
-    return written(deforming(of("skater")), tmp_path_factory.mktemp("deforming") / "run.rrd")
+    return written(screen(of("skater")), tmp_path_factory.mktemp("deforming") / "run.rrd")
 
 
 def where(found: Recorded, name: str) -> np.ndarray:
     """Return where a part's centre is, (m, 3), from the centre of mass, space axes."""
-    center = found.values(f"/{places.PARTS}/{name}/solid", "Ellipsoids3D:centers")[0, 0].astype(float)
-    part = f"/{places.PARTS}/{name}"
+    center = found.values(f"/{entities.PARTS}/{name}/solid", "Ellipsoids3D:centers")[0, 0].astype(float)
+    part = f"/{entities.PARTS}/{name}"
     in_root = turn(found, part).apply(center) + place(found, part)
-    return turn(found, f"/{paths.BODY}").apply(in_root) + place(found, f"/{paths.BODY}")
+    return turn(found, f"/{entities.BODY}").apply(in_root) + place(found, f"/{entities.BODY}")
 
 
 def pulled_in(t: np.ndarray) -> np.ndarray:
@@ -50,7 +50,7 @@ def test_it_applies_to_bodies_that_change_their_shape() -> None:
 
 
 def test_the_arms_go_in_and_out(skater: Recorded) -> None:
-    t = skater.time(f"/{places.PARTS}/left\\ arm")
+    t = skater.time(f"/{entities.PARTS}/left\\ arm")
     left, right = where(skater, "left\\ arm"), where(skater, "right\\ arm")
     np.testing.assert_allclose(np.linalg.norm(left[:, :2], axis=1), pulled_in(t), atol=1e-6)
     np.testing.assert_allclose(left[:, :2], -right[:, :2], atol=1e-6)
@@ -64,8 +64,8 @@ def test_the_centre_of_mass_stays_in_the_middle(skater: Recorded) -> None:
 
 
 def test_the_ellipsoid_has_the_moments_of_the_whole(skater: Recorded) -> None:
-    t = skater.time(f"/{places.ELLIPSOID}")
-    sizes = skater.values(f"/{places.ELLIPSOID}", "Ellipsoids3D:half_sizes")[:, 0].astype(float)
+    t = skater.time(f"/{entities.ELLIPSOID}")
+    sizes = skater.values(f"/{entities.ELLIPSOID}", "Ellipsoids3D:half_sizes")[:, 0].astype(float)
     squares = np.sort(sizes**2, axis=1)
     mass, r, level = TRUNK + 2 * ARM, pulled_in(t), 1.3 - 0.85
     reduced = TRUNK * 2 * ARM / mass * level**2  # of the arms' height over the trunk's centre
@@ -78,14 +78,14 @@ def test_the_ellipsoid_has_the_moments_of_the_whole(skater: Recorded) -> None:
 
 
 def test_joints_moments_and_work_are_plotted(skater: Recorded) -> None:
-    t = skater.time(f"/{places.PLOT_SLIDES}")
-    for column in series(skater, f"/{places.PLOT_SLIDES}").T:
+    t = skater.time(f"/{entities.PLOT_SLIDES}")
+    for column in series(skater, f"/{entities.PLOT_SLIDES}").T:
         np.testing.assert_allclose(column, pulled_in(t) - 0.7, atol=1e-12)
-    assert f"/{places.PLOT_JOINTS}" not in skater.columns
-    assert series(skater, f"/{places.PLOT_MOMENTS}").shape == (601, 3)
-    energy, work = series(skater, f"/{places.PLOT_WORK}").T
+    assert f"/{entities.PLOT_JOINTS}" not in skater.columns
+    assert series(skater, f"/{entities.PLOT_MOMENTS}").shape == (601, 3)
+    energy, work = series(skater, f"/{entities.PLOT_WORK}").T
     np.testing.assert_allclose(energy - energy[0], work, atol=1e-9)
-    spin = series(skater, f"/{paths.PLOT_ANGULAR_VELOCITY}")[:, 2]
+    spin = series(skater, f"/{entities.PLOT_ANGULAR_VELOCITY}")[:, 2]
     about_axis = 0.585 + 2 * ARM * pulled_in(t) ** 2
     np.testing.assert_allclose(spin, 8.0 * about_axis[0] / about_axis, rtol=1e-9)
 
@@ -95,20 +95,20 @@ def test_the_screen_has_its_views(skater: Recorded) -> None:
 
 
 def test_a_body_in_flight_is_shown_where_it_is(tmp_path: Path) -> None:
-    found = written(deforming(of("diver")), tmp_path / "run.rrd")
+    found = written(screen(of("diver")), tmp_path / "run.rrd")
     assert found.views.count("3D") == 3
-    t, center = found.time(f"/{paths.CENTER}"), place(found, f"/{paths.CENTER}")
+    t, center = found.time(f"/{entities.CENTER}"), place(found, f"/{entities.CENTER}")
     fall = np.stack([t, 0 * t, 3.0 * t - 0.5 * 9.80665 * t**2], axis=1)
     np.testing.assert_allclose(center, fall, atol=2e-4)  # between samples on straight lines
-    momentum = tips(found, f"/{paths.ANGULAR_MOMENTUM}")
+    momentum = tips(found, f"/{entities.ANGULAR_MOMENTUM}")
     np.testing.assert_allclose(momentum, np.broadcast_to(momentum[0], momentum.shape), atol=8 * FLOAT32)
 
 
 def test_no_arrow_is_drawn_of_a_momentum_that_is_zero(tmp_path: Path) -> None:
-    found = written(deforming(of("cat")), tmp_path / "run.rrd")
-    assert f"/{paths.ANGULAR_MOMENTUM}" not in found.columns
-    assert f"/{paths.ANGULAR_VELOCITY}" in found.columns
-    (text,) = found.texts(f"/{paths.SUMMARY}", "TextDocument:text")
+    found = written(screen(of("cat")), tmp_path / "run.rrd")
+    assert f"/{entities.ANGULAR_MOMENTUM}" not in found.columns
+    assert f"/{entities.ANGULAR_VELOCITY}" in found.columns
+    (text,) = found.texts(f"/{entities.SUMMARY}", "TextDocument:text")
     assert "The angular momentum is zero and has no arrow." in text
 
 
@@ -129,14 +129,14 @@ def test_parts_with_a_file_are_shown_as_they_are(tmp_path: Path) -> None:
         "run": {"duration": 1.0, "samples": 11, "accuracy": 1e-8},
     }
     run = simulate(Scene.from_dict(table))
-    found = written(deforming(run), tmp_path / "run.rrd")
+    found = written(screen(run), tmp_path / "run.rrd")
     part = run.scene.body.meshes[1]
     stored = part.triangles.corners().reshape(-1, 3) * 1e-3
-    drawn = found.values(f"/{places.PARTS}/lid/solid", "Mesh3D:vertex_positions")[0]
+    drawn = found.values(f"/{entities.PARTS}/lid/solid", "Mesh3D:vertex_positions")[0]
     scale = np.abs(stored).max() / np.abs(drawn).max()
     assert np.log10(scale) == pytest.approx(np.round(np.log10(scale)), abs=1e-6)
     np.testing.assert_allclose(drawn * scale, stored, atol=4 * FLOAT32 * np.abs(stored).max())
-    turned = turn(found, f"/{places.PARTS}/lid").as_rotvec()[-1]
+    turned = turn(found, f"/{entities.PARTS}/lid").as_rotvec()[-1]
     np.testing.assert_allclose(turned, [0, 0, 1], atol=1e-6)
 
 
@@ -144,4 +144,4 @@ def test_parts_with_a_file_are_shown_as_they_are(tmp_path: Path) -> None:
 def test_the_viewer_shows_it_without_an_error(tmp_path: Path) -> None:
     scene = Scene.load(path("scenes/diver.toml"))
     run = simulate(replace(scene, run=replace(scene.run, duration=0.8)))
-    assert errors_seen(deforming(run), tmp_path, 0.5) == []
+    assert errors_seen(screen(run), tmp_path, 0.5) == []

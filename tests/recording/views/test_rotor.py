@@ -10,9 +10,8 @@ from tests.recording.reading import Recorded
 
 from inertia.balancing.balance import Balance, balance
 from inertia.balancing.rotor import Rotor
-from inertia.recording import paths, places
-from inertia.recording.target import FARTHEST
-from inertia.recording.views.rotor import TURNS, rotor
+from inertia.recording import entities
+from inertia.recording.views.rotor import FARTHEST, TURNS, screen
 from inertia_meshes import path
 
 FILE = path("rotors/two_disc_rotor.toml")
@@ -34,7 +33,7 @@ def balanced() -> Balance:
 
 @pytest.fixture(scope="module")
 def found(balanced: Balance, tmp_path_factory: pytest.TempPathFactory) -> Recorded:
-    return written(rotor(balanced), tmp_path_factory.mktemp("rotor") / "rotor.rrd")
+    return written(screen(balanced), tmp_path_factory.mktemp("rotor") / "rotor.rrd")
 
 
 def vectors(found: Recorded, room: str, name: str) -> np.ndarray:
@@ -48,7 +47,7 @@ def test_the_screen_has_its_views(found: Recorded) -> None:
     assert sorted(found.views) == ["2D", "2D", "3D", "3D", "TextDocument", "TimeSeries", "TimeSeries"]
 
 
-@pytest.mark.parametrize("room", [places.AS_MODELLED, places.CORRECTED])
+@pytest.mark.parametrize("room", [entities.AS_MODELLED, entities.CORRECTED])
 def test_the_shaft_makes_whole_turns(room: str, found: Recorded) -> None:
     t = found.time(f"/{room}/rotor")
     assert t[-1] == pytest.approx(TURNS / 50.0)
@@ -58,25 +57,25 @@ def test_the_shaft_makes_whole_turns(room: str, found: Recorded) -> None:
 
 
 def test_a_shaft_that_turns_clockwise_does_so(tmp_path: Path) -> None:
-    other = written(rotor(changed(('"ccw"', '"cw"'))), tmp_path / "rotor.rrd")
-    angle = turn(other, f"/{places.AS_MODELLED}/rotor").as_rotvec()[:, 2]
+    other = written(screen(changed(('"ccw"', '"cw"'))), tmp_path / "rotor.rrd")
+    angle = turn(other, f"/{entities.AS_MODELLED}/rotor").as_rotvec()[:, 2]
     assert angle[1] < 0
 
 
 def test_vectors_have_the_angles_and_ratios_of_the_unbalance(balanced: Balance, found: Recorded) -> None:
-    for room, name in ((places.AS_MODELLED, "initial"), (places.CORRECTED, "residual")):
+    for room, name in ((entities.AS_MODELLED, "initial"), (entities.CORRECTED, "residual")):
         truth = np.array([getattr(plane, name) for plane in balanced.planes])
         drawn = vectors(found, room, "unbalance")
         np.testing.assert_allclose(np.angle(drawn / truth), 0.0, atol=1e-6)
         np.testing.assert_allclose(np.abs(drawn[0] / drawn[1]), np.abs(truth[0] / truth[1]), rtol=1e-6)
-    z = found.values(f"/{places.AS_MODELLED}/rotor/unbalance", "Arrows3D:origins")[0][:, 2]
+    z = found.values(f"/{entities.AS_MODELLED}/rotor/unbalance", "Arrows3D:origins")[0][:, 2]
     np.testing.assert_allclose(z, [-0.6, 0.65], atol=1e-6)  # 90 and 215 mm, from 150 mm, one unit being 100 mm
-    labels = found.texts(f"/{places.AS_MODELLED}/rotor/unbalance", "Arrows3D:labels")
+    labels = found.texts(f"/{entities.AS_MODELLED}/rotor/unbalance", "Arrows3D:labels")
     assert labels == ["I 863.1 g·mm", "II 1598 g·mm"]
 
 
 def test_circles_and_bearing_vectors_have_one_scale(balanced: Balance, found: Recorded) -> None:
-    for room, state in ((places.AS_MODELLED, balanced.initial), (places.CORRECTED, balanced.residual)):
+    for room, state in ((entities.AS_MODELLED, balanced.initial), (entities.CORRECTED, balanced.residual)):
         rings = found.values(f"/{room}/permissible", "LineStrips3D:strips")[0].reshape(2, -1, 3)
         radii = np.hypot(rings[..., 0], rings[..., 1]).mean(axis=1)
         drawn = vectors(found, room, "bearing_force")
@@ -87,7 +86,7 @@ def test_circles_and_bearing_vectors_have_one_scale(balanced: Balance, found: Re
 
 
 def test_forces_at_rest_swing_once_a_turn(balanced: Balance, found: Recorded) -> None:
-    for path_, number in ((places.PLOT_BEARING_A, 0), (places.PLOT_BEARING_B, 1)):
+    for path_, number in ((entities.PLOT_BEARING_A, 0), (entities.PLOT_BEARING_B, 1)):
         t = found.time(f"/{path_}")
         for column, state in zip(series(found, f"/{path_}").T, (balanced.initial, balanced.residual), strict=True):
             force = SPEED**2 * state.in_planes(0.02, 0.28)[number]
@@ -95,7 +94,7 @@ def test_forces_at_rest_swing_once_a_turn(balanced: Balance, found: Recorded) ->
 
 
 def test_targets_show_what_is_left_in_units_of_what_is_permissible(balanced: Balance, found: Recorded) -> None:
-    for path_, number in ((places.POLAR_A, 0), (places.POLAR_B, 1)):
+    for path_, number in ((entities.POLAR_A, 0), (entities.POLAR_B, 1)):
         x, y = found.values(f"/{path_}/after/tip", "Points2D:positions")[0, 0]
         left = balanced.residual.in_planes(0.02, 0.28)[number] / balanced.tolerance.permissible[number]
         assert complex(x, -y) == pytest.approx(left, abs=1e-6)
@@ -108,17 +107,17 @@ def test_targets_show_what_is_left_in_units_of_what_is_permissible(balanced: Bal
 def test_the_holes_are_in_the_mesh_that_is_corrected(found: Recorded) -> None:
     before, after = (
         len(found.values(f"/{room}/rotor/body_0", "Mesh3D:vertex_positions")[0])
-        for room in (places.AS_MODELLED, places.CORRECTED)
+        for room in (entities.AS_MODELLED, entities.CORRECTED)
     )
     assert after > before
-    labels = found.texts(f"/{places.CORRECTED}/rotor/operations", "Points3D:labels")
+    labels = found.texts(f"/{entities.CORRECTED}/rotor/operations", "Points3D:labels")
     assert labels == ["I-1: Ø 10, 14.2 mm deep", "II-1: Ø 16, 12.4 mm deep"]
 
 
 def test_a_fast_rotor_is_slowed_and_says_so(tmp_path: Path) -> None:
     fast = changed(("rpm = 3000", "rpm = 12000"), ("critical_rpm = 12000", "critical_rpm = 60000"))
-    found = written(rotor(fast), tmp_path / "rotor.rrd")
-    (text,) = found.texts(f"/{paths.SUMMARY}", "TextDocument:text")
+    found = written(screen(fast), tmp_path / "rotor.rrd")
+    (text,) = found.texts(f"/{entities.SUMMARY}", "TextDocument:text")
     assert "The shaft turns at 12000 r/min, on the screen at 60 r/min, 200 times slower." in text
     assert text.startswith("**the rotor: UNDECIDED**")
 
@@ -126,12 +125,12 @@ def test_a_fast_rotor_is_slowed_and_says_so(tmp_path: Path) -> None:
 def test_a_rotor_that_is_left_alone_has_one_state(tmp_path: Path) -> None:
     coarse = changed(("grade = 6.3", "grade = 250"))
     assert coarse.correction.operations == ()
-    found = written(rotor(coarse), tmp_path / "rotor.rrd")
+    found = written(screen(coarse), tmp_path / "rotor.rrd")
     assert found.views.count("3D") == 1
-    assert not any(name.startswith(f"/{places.CORRECTED}") for name in found.columns)
-    assert series(found, f"/{places.PLOT_BEARING_A}").shape[1] == 1
+    assert not any(name.startswith(f"/{entities.CORRECTED}") for name in found.columns)
+    assert series(found, f"/{entities.PLOT_BEARING_A}").shape[1] == 1
 
 
 @seen
 def test_the_viewer_shows_it_without_an_error(balanced: Balance, tmp_path: Path) -> None:
-    assert errors_seen(rotor(balanced), tmp_path, 0.1) == []
+    assert errors_seen(screen(balanced), tmp_path, 0.1) == []

@@ -11,9 +11,8 @@ from tests.recording.kinds import FLOAT32, errors_seen, place, seen, series, tip
 from tests.recording.reading import Recorded
 
 from inertia import Run, Scene, simulate
-from inertia.recording import paths, places
-from inertia.recording.chart import Chart, ticks
-from inertia.recording.views.top import APPLICATION, top
+from inertia.recording import entities
+from inertia.recording.views.top import screen
 from inertia_meshes import path
 
 I1, I3, MGH, SPIN, TILT = 3.6e-4, 1.25e-4, 0.1 * 9.80665 * 0.04, 150.0, math.pi / 6
@@ -31,7 +30,7 @@ def run() -> Run:
 
 @pytest.fixture(scope="module")
 def found(run: Run, tmp_path_factory: pytest.TempPathFactory) -> Recorded:
-    return written(top(run), tmp_path_factory.mktemp("top") / "run.rrd")
+    return written(screen(run), tmp_path_factory.mktemp("top") / "run.rrd")
 
 
 def test_it_applies_where_gravity_has_an_arm(run: Run) -> None:
@@ -43,14 +42,14 @@ def test_it_applies_where_gravity_has_an_arm(run: Run) -> None:
 
 
 def test_the_screen_has_its_views(found: Recorded) -> None:
-    assert found.recording.application_id == APPLICATION
+    assert found.recording.application_id == "inertia-top"
     assert sorted(found.views) == ["2D", "3D", "3D", "TextDocument", *3 * ["TimeSeries"]]
 
 
 def test_the_centre_of_mass_hangs_on_the_fixed_point(run: Run, found: Recorded) -> None:
-    poses = turn(found, f"/{paths.BODY}")
-    np.testing.assert_allclose(found.time(f"/{paths.BODY}"), found.time(f"/{paths.CENTER}"))
-    centers = place(found, f"/{paths.CENTER}")
+    poses = turn(found, f"/{entities.BODY}")
+    np.testing.assert_allclose(found.time(f"/{entities.BODY}"), found.time(f"/{entities.CENTER}"))
+    centers = place(found, f"/{entities.CENTER}")
     np.testing.assert_allclose(centers, poses.apply([0.0, 0.0, 4.0]), atol=8 * FLOAT32)  # one unit is 1 cm
     np.testing.assert_allclose(poses[0].as_quat(), run.attitude[0], atol=FLOAT32)
 
@@ -71,20 +70,20 @@ def test_the_axis_runs_on_the_unit_sphere_between_its_turning_circles(found: Rec
 
 def test_the_tilt_is_plotted_at_every_sample(run: Run, found: Recorded) -> None:
     space = Rotation.from_quat(run.attitude).apply([0.0, 0.0, 1.0])
-    np.testing.assert_allclose(series(found, f"/{places.PLOT_TILT}")[:, 0], np.arccos(space[:, 2]), atol=1e-12)
-    assert series(found, f"/{paths.PLOT_EULER_ANGLES}").shape == (401, 2)
-    assert series(found, f"/{paths.PLOT_DRIFT}").shape == (401, 3)
-    names = found.texts(f"/{paths.PLOT_DRIFT}", "SeriesLines:names")
+    np.testing.assert_allclose(series(found, f"/{entities.PLOT_TILT}")[:, 0], np.arccos(space[:, 2]), atol=1e-12)
+    assert series(found, f"/{entities.PLOT_EULER_ANGLES}").shape == (401, 2)
+    assert series(found, f"/{entities.PLOT_DRIFT}").shape == (401, 3)
+    names = found.texts(f"/{entities.PLOT_DRIFT}", "SeriesLines:names")
     assert [name.split(",")[0] for name in names] == ["energy", "p_phi", "p_psi"]
 
 
 def test_the_point_stays_on_the_effective_potential_and_below_the_energy(run: Run, found: Recorded) -> None:
     p = I3 * SPIN
-    points = found.values(f"/{places.EFFECTIVE_POTENTIAL}/point", "Points2D:positions")[:, 0].astype(float)
+    points = found.values(f"/{entities.EFFECTIVE_POTENTIAL}/point", "Points2D:positions")[:, 0].astype(float)
     (level,) = {round(float(y), 3) for y in np.ravel(_strip(found, "energy"))[1::2]}
     assert points[:, 1].min() > level - 1e-2  # y points down
     spun = Rotation.from_quat(run.attitude).apply([0.0, 0.0, 1.0])
-    theta = np.interp(found.time(f"/{places.EFFECTIVE_POTENTIAL}/point"), run.time, np.arccos(spun[:, 2]))
+    theta = np.interp(found.time(f"/{entities.EFFECTIVE_POTENTIAL}/point"), run.time, np.arccos(spun[:, 2]))
     potential = (p * math.cos(TILT) - p * np.cos(theta)) ** 2 / (2 * I1 * np.sin(theta) ** 2) + MGH * np.cos(theta)
     slope, offset = np.polyfit(potential, points[:, 1], 1)
     assert slope < 0
@@ -93,12 +92,12 @@ def test_the_point_stays_on_the_effective_potential_and_below_the_energy(run: Ru
 
 
 def _strip(found: Recorded, name: str) -> np.ndarray:
-    return found.values(f"/{places.EFFECTIVE_POTENTIAL}/{name}", "LineStrips2D:strips")[0]
+    return found.values(f"/{entities.EFFECTIVE_POTENTIAL}/{name}", "LineStrips2D:strips")[0]
 
 
 def test_a_general_top_has_no_effective_potential(tmp_path: Path) -> None:
-    found = written(top(shortened("kovalevskaya_top", duration=2.0)), tmp_path / "run.rrd")
-    assert not any(places.EFFECTIVE_POTENTIAL in name for name in found.columns)
+    found = written(screen(shortened("kovalevskaya_top", duration=2.0)), tmp_path / "run.rrd")
+    assert not any(entities.EFFECTIVE_POTENTIAL in name for name in found.columns)
     assert not any("turning_circles" in name for name in found.columns)
     assert "2D" not in found.views
 
@@ -115,8 +114,8 @@ def test_the_tilt_is_from_the_vertical_wherever_that_points(tmp_path: Path) -> N
             "load": [{"kind": "gravity", "acceleration": how.apply([0.0, 0.0, -9.8])}],
             "run": {"duration": 1.0, "samples": 101, "accuracy": 1e-9},
         }
-        found.append(written(top(simulate(Scene.from_dict(table))), tmp_path / f"{number}.rrd"))
-    first, second = (series(each, f"/{places.PLOT_TILT}") for each in found)
+        found.append(written(screen(simulate(Scene.from_dict(table))), tmp_path / f"{number}.rrd"))
+    first, second = (series(each, f"/{entities.PLOT_TILT}") for each in found)
     np.testing.assert_allclose(first, second, atol=1e-8)
 
 
@@ -129,18 +128,11 @@ def test_a_top_whose_axis_stays_vertical_is_shown(attitude: list[float], spin: f
         "load": [{"kind": "gravity"}],
         "run": {"duration": 0.1, "samples": 101, "accuracy": 1e-9},
     }
-    found = written(top(simulate(Scene.from_dict(table))), tmp_path / "run.rrd")
+    found = written(screen(simulate(Scene.from_dict(table))), tmp_path / "run.rrd")
     axis = tips(found, "/unit_sphere/axis")
     np.testing.assert_allclose(axis, np.broadcast_to([0, 0, 1 if spin else -1], axis.shape), atol=1e-6)
 
 
-def test_charts_put_their_corners_into_the_corners() -> None:
-    chart = Chart("chart", 1.0, 3.0, -2.0, 2.0)
-    assert chart.at([1.0, 3.0, 2.0], [-2.0, 2.0, 0.0]).tolist() == [[0.0, 100.0], [160.0, 0.0], [80.0, 50.0]]
-    assert ticks(0.52, 0.57) == [0.52, 0.53, 0.54, 0.55, 0.56, 0.57]
-    assert ticks(-3e-4, 2e-4) == [-3e-4, -2e-4, -1e-4, 0.0, 1e-4, 2e-4]
-
-
 @seen
 def test_the_viewer_shows_it_without_an_error(run: Run, tmp_path: Path) -> None:
-    assert errors_seen(top(run), tmp_path, 0.5) == []
+    assert errors_seen(screen(run), tmp_path, 0.5) == []

@@ -13,7 +13,7 @@ from tests.recording.screenshot import has_driver, open_viewer, screenshot
 
 from inertia import Run, Scene, record, simulate
 from inertia.errors import GeometryError, UsageError
-from inertia.recording import paths, writer
+from inertia.recording import entities, writer
 from inertia_meshes import path
 
 FLOAT32 = 2.0**-23
@@ -46,7 +46,7 @@ def test_the_file_is_whole(file: Path, tmp_path: Path) -> None:
 
 
 def test_everything_has_its_place(found: Recorded) -> None:
-    drawn = {f"/{name}" for name in vars(paths).values() if isinstance(name, str)}
+    drawn = {f"/{name}" for name in vars(entities).values() if isinstance(name, str)}
     expected = {
         "/world", "/world/center_of_mass/body", "/world/center_of_mass/body/mesh",
         "/world/center_of_mass/body/principal_axes", "/world/center_of_mass/angular_velocity",
@@ -66,10 +66,10 @@ def test_the_screen_has_its_views(found: Recorded) -> None:
 
 
 def test_poses_are_those_of_the_run(handle: Run, found: Recorded) -> None:
-    instants = found.time(f"/{paths.BODY}")
+    instants = found.time(f"/{entities.BODY}")
     np.testing.assert_allclose(np.diff(instants), 1 / 120, atol=1e-9)
     assert (instants[0], instants[-1]) == (0, 6)
-    poses = found.values(f"/{paths.BODY}", "Transform3D:quaternion")[:, 0]
+    poses = found.values(f"/{entities.BODY}", "Transform3D:quaternion")[:, 0]
     assert poses.dtype == np.float32
     shared = np.isclose(instants * 100, np.round(instants * 100), atol=1e-6)
     assert shared.sum() == 121
@@ -82,17 +82,17 @@ def test_poses_are_those_of_the_run(handle: Run, found: Recorded) -> None:
 def test_the_mesh_is_the_part(handle: Run, found: Recorded) -> None:
     part = handle.scene.body.part
     stored = part.triangles.corners().reshape(-1, 3) * 1e-3 - handle.scene.body.body.center_of_mass
-    drawn = found.values(f"/{paths.MESH}", "Mesh3D:vertex_positions")[0]
+    drawn = found.values(f"/{entities.MESH}", "Mesh3D:vertex_positions")[0]
     np.testing.assert_allclose(drawn * 0.01, stored, atol=0.05 * FLOAT32)
 
 
 def test_arrows_point_along_omega_and_momentum(handle: Run, found: Recorded) -> None:
-    momentum = found.values(f"/{paths.ANGULAR_MOMENTUM}", "Arrows3D:vectors")[:, 0].astype(float)
+    momentum = found.values(f"/{entities.ANGULAR_MOMENTUM}", "Arrows3D:vectors")[:, 0].astype(float)
     direction = handle.angular_momentum[0] / np.linalg.norm(handle.angular_momentum[0])
     np.testing.assert_allclose(
         momentum / np.linalg.norm(momentum, axis=1)[:, None], direction[None].repeat(721, 0), atol=1e-6
     )
-    omega = found.values(f"/{paths.ANGULAR_VELOCITY}", "Arrows3D:vectors")[::6, 0].astype(float)
+    omega = found.values(f"/{entities.ANGULAR_VELOCITY}", "Arrows3D:vectors")[::6, 0].astype(float)
     truth = turned(handle.attitude[::5]).apply(handle.angular_velocity[::5])
     scale = np.linalg.norm(omega, axis=1).max() / np.linalg.norm(handle.angular_velocity, axis=1).max()
     np.testing.assert_allclose(omega, scale * truth, atol=2e-5 * scale * 12)
@@ -101,42 +101,42 @@ def test_arrows_point_along_omega_and_momentum(handle: Run, found: Recorded) -> 
 
 
 def test_the_trail_is_the_path_of_the_tip(found: Recorded) -> None:
-    trail = found.values(f"/{paths.HERPOLHODE}", "LineStrips3D:strips")[:, 0]
-    tips = found.values(f"/{paths.ANGULAR_VELOCITY}", "Arrows3D:vectors")[:, 0]
+    trail = found.values(f"/{entities.HERPOLHODE}", "LineStrips3D:strips")[:, 0]
+    tips = found.values(f"/{entities.ANGULAR_VELOCITY}", "Arrows3D:vectors")[:, 0]
     assert np.array_equal(trail[:, 1], tips)
     assert np.array_equal(trail[1:, 0], tips[:-1])
 
 
 def test_momentum_is_on_the_sphere_and_the_ellipsoid(found: Recorded) -> None:
-    semi_axes = found.values(f"/{paths.ENERGY_ELLIPSOID}", "Ellipsoids3D:half_sizes")[0, 0].astype(float)
-    assert found.values(f"/{paths.MOMENTUM_SPHERE}", "Ellipsoids3D:half_sizes")[0, 0] == pytest.approx([1, 1, 1])
-    for name in (paths.POLHODE, paths.SEPARATRIX):
+    semi_axes = found.values(f"/{entities.ENERGY_ELLIPSOID}", "Ellipsoids3D:half_sizes")[0, 0].astype(float)
+    assert found.values(f"/{entities.MOMENTUM_SPHERE}", "Ellipsoids3D:half_sizes")[0, 0] == pytest.approx([1, 1, 1])
+    for name in (entities.POLHODE, entities.SEPARATRIX):
         curves = found.values(f"/{name}", "LineStrips3D:strips")[0].reshape(-1, 3).astype(float)
         np.testing.assert_allclose(np.linalg.norm(curves, axis=1), 1, atol=1e-6)
-    polhode = found.values(f"/{paths.POLHODE}", "LineStrips3D:strips")[0].reshape(-1, 3).astype(float)
+    polhode = found.values(f"/{entities.POLHODE}", "LineStrips3D:strips")[0].reshape(-1, 3).astype(float)
     np.testing.assert_allclose(((polhode / semi_axes) ** 2).sum(axis=1), 1, atol=1e-6)
-    current = found.values(f"/{paths.CURRENT}", "Arrows3D:vectors")[:, 0].astype(float)
+    current = found.values(f"/{entities.CURRENT}", "Arrows3D:vectors")[:, 0].astype(float)
     np.testing.assert_allclose(((current[::6] / semi_axes) ** 2).sum(axis=1), 1, atol=1e-5)
     distance = np.linalg.norm(current[::6, None] - polhode[None], axis=2).min(axis=1)
     assert distance.max() < 0.01
 
 
 def test_plots_hold_every_sample_and_name_their_units(handle: Run, found: Recorded) -> None:
-    for name in (paths.PLOT_ANGULAR_VELOCITY, paths.PLOT_EULER_ANGLES, paths.PLOT_DRIFT):
+    for name in (entities.PLOT_ANGULAR_VELOCITY, entities.PLOT_EULER_ANGLES, entities.PLOT_DRIFT):
         np.testing.assert_allclose(found.time(f"/{name}"), handle.time, atol=1e-9)
-    omega = found.values(f"/{paths.PLOT_ANGULAR_VELOCITY}", "Scalars:scalars")
+    omega = found.values(f"/{entities.PLOT_ANGULAR_VELOCITY}", "Scalars:scalars")
     np.testing.assert_allclose(omega, handle.angular_velocity @ handle.scene.body.axes, atol=1e-12)
-    assert found.texts(f"/{paths.PLOT_ANGULAR_VELOCITY}", "SeriesLines:names") == [
+    assert found.texts(f"/{entities.PLOT_ANGULAR_VELOCITY}", "SeriesLines:names") == [
         "ω1, rad/s",
         "ω2, rad/s",
         "ω3, rad/s",
     ]
-    angles = found.values(f"/{paths.PLOT_EULER_ANGLES}", "Scalars:scalars")
+    angles = found.values(f"/{entities.PLOT_EULER_ANGLES}", "Scalars:scalars")
     q = Rotation.from_euler("ZXZ", angles)
     assert (q * turned(handle.attitude).inv()).magnitude().max() < 1e-12
-    assert found.texts(f"/{paths.PLOT_EULER_ANGLES}", "SeriesPoints:names") == ["φ, rad", "θ, rad", "ψ, rad"]
-    drift = found.values(f"/{paths.PLOT_DRIFT}", "Scalars:scalars")
-    names = found.texts(f"/{paths.PLOT_DRIFT}", "SeriesLines:names")
+    assert found.texts(f"/{entities.PLOT_EULER_ANGLES}", "SeriesPoints:names") == ["φ, rad", "θ, rad", "ψ, rad"]
+    drift = found.values(f"/{entities.PLOT_DRIFT}", "Scalars:scalars")
+    names = found.texts(f"/{entities.PLOT_DRIFT}", "SeriesLines:names")
     assert [name.split(",")[0] for name in names] == ["energy", "angular momentum"]
     unit = float(names[0].split(",")[1])
     energy = handle.invariants["energy"]
@@ -149,12 +149,12 @@ def test_plots_hold_every_sample_and_name_their_units(handle: Run, found: Record
 def test_flips_are_told_apart(handle: Run, found: Recorded) -> None:
     flips = [event.time for event in handle.events]
     assert len(flips) == 2
-    np.testing.assert_allclose(found.time(f"/{paths.FLIPS}"), [0, *flips], atol=1e-9)
-    assert found.texts(f"/{paths.FLIPS}", "StateChange:state") == ["+2", "−2", "+2"]
+    np.testing.assert_allclose(found.time(f"/{entities.FLIPS}"), [0, *flips], atol=1e-9)
+    assert found.texts(f"/{entities.FLIPS}", "StateChange:state") == ["+2", "−2", "+2"]
 
 
 def test_the_text_tells_model_accuracy_and_what_is_shown(handle: Run, found: Recorded) -> None:
-    (text,) = found.texts(f"/{paths.SUMMARY}", "TextDocument:text")
+    (text,) = found.texts(f"/{entities.SUMMARY}", "TextDocument:text")
     assert "t_handle.stl, in mm" in text
     assert f"Model: asymmetric top.** {handle.why[0]}" in text
     assert "1e-10 rad asked for" in text
@@ -168,11 +168,11 @@ def test_every_look_is_written_whole(look: str, tmp_path: Path) -> None:
     found = Recorded(tmp_path / "run.rrd")
     held = set(found.columns)
     assert verified(tmp_path / "run.rrd", tmp_path)
-    assert (f"/{paths.BODY_CONE}" in held) == (look in ("prolate", "oblate"))
-    assert (f"/{paths.SEPARATRIX}" in held) == (look in ("asymmetric", "steady", "thrown", "slow", "coarse"))
-    assert (f"/{paths.PATH}" in held) == (look == "thrown")
-    assert (f"/{paths.HERPOLHODE}" in held) == (look != "coarse")
-    assert f"/{paths.ENERGY_ELLIPSOID}" in held - set(found.rows)
+    assert (f"/{entities.BODY_CONE}" in held) == (look in ("prolate", "oblate"))
+    assert (f"/{entities.SEPARATRIX}" in held) == (look in ("asymmetric", "steady", "thrown", "slow", "coarse"))
+    assert (f"/{entities.PATH}" in held) == (look == "thrown")
+    assert (f"/{entities.HERPOLHODE}" in held) == (look != "coarse")
+    assert f"/{entities.ENERGY_ELLIPSOID}" in held - set(found.rows)
 
 
 @pytest.mark.parametrize("look", ["prolate", "oblate"])
@@ -180,10 +180,10 @@ def test_cones_touch_along_omega(look: str, tmp_path: Path) -> None:
     run = simulate(Scene.from_dict(scene_table(look)))
     record(run, tmp_path / "run.rrd")
     found = Recorded(tmp_path / "run.rrd")
-    omega = found.values(f"/{paths.ANGULAR_VELOCITY}", "Arrows3D:vectors")[:, 0].astype(float)
-    poses = turned(found.values(f"/{paths.BODY}", "Transform3D:quaternion")[:, 0])
-    in_space = found.values(f"/{paths.SPACE_CONE}", "Mesh3D:vertex_positions")[0].astype(float)
-    in_body = found.values(f"/{paths.BODY_CONE}", "Mesh3D:vertex_positions")[0].astype(float)
+    omega = found.values(f"/{entities.ANGULAR_VELOCITY}", "Arrows3D:vectors")[:, 0].astype(float)
+    poses = turned(found.values(f"/{entities.BODY}", "Transform3D:quaternion")[:, 0])
+    in_space = found.values(f"/{entities.SPACE_CONE}", "Mesh3D:vertex_positions")[0].astype(float)
+    in_body = found.values(f"/{entities.BODY_CONE}", "Mesh3D:vertex_positions")[0].astype(float)
     for k in range(0, len(omega), 60):
         for rim in (in_space, poses[k].apply(in_body)):
             distance = np.linalg.norm(rim - omega[k], axis=1).min()
@@ -194,8 +194,8 @@ def test_a_thrown_body_is_where_it_is(tmp_path: Path) -> None:
     run = simulate(Scene.from_dict(scene_table("thrown")))
     record(run, tmp_path / "run.rrd")
     found = Recorded(tmp_path / "run.rrd")
-    t = found.time(f"/{paths.CENTER}")
-    place = found.values(f"/{paths.CENTER}", "Transform3D:translation")[:, 0].astype(float)
+    t = found.time(f"/{entities.CENTER}")
+    place = found.values(f"/{entities.CENTER}", "Transform3D:translation")[:, 0].astype(float)
     truth = np.stack([3 * t, 0 * t, 4 * t - 0.5 * 9.80665 * t**2], axis=1)
     unit = np.ptp(truth[:, 0]) / np.ptp(place[:, 0])
     assert np.log10(unit) == pytest.approx(np.round(np.log10(unit)), abs=1e-6)

@@ -1,4 +1,4 @@
-"""How fast a run is played, and its attitude at the evenly spaced instants that are shown."""
+"""How fast a run is played, and the run at the evenly spaced instants that are shown, in float64 and SI units."""
 
 from __future__ import annotations
 
@@ -9,7 +9,12 @@ import numpy as np
 
 from inertia.arrays import Float
 from inertia.dynamics.kinematics import quaternion
-from inertia.recording.writer import blocks
+from inertia.dynamics.run import Run
+from inertia.recording import entities
+from inertia.recording.drawing import thinned
+from inertia.recording.writer import Recording, blocks
+
+PATH = (130, 130, 130)
 
 RATE = 60.0
 """Poses a second of playback: the viewer does not interpolate."""
@@ -29,13 +34,13 @@ class Playback:
     speed : seconds of the run in a second of playback
     frames : (m,) s, the instants shown
     smooth : whether they show the motion, or only instants of it that are far from each other
-    said : sentences
+    notes : sentences
     """
 
     speed: float
     frames: Float
     smooth: bool
-    said: tuple[str, ...]
+    notes: tuple[str, ...]
 
 
 def playback(time: Float, fastest: float) -> Playback:
@@ -51,7 +56,7 @@ def playback(time: Float, fastest: float) -> Playback:
             f"the body turns by up to {fastest * spacing:.2g} rad between samples: its motion between them is not "
             "shown, ask for more of them"
         )
-        return Playback(speed, time, False, (_said(speed), note))
+        return Playback(speed, time, False, (_pace(speed), note))
     speed = 1.0
     if fastest > _FOLLOWED[0]:
         speed = _round_down(_FOLLOWED[0] / fastest)
@@ -60,7 +65,73 @@ def playback(time: Float, fastest: float) -> Playback:
     if duration > LONGEST * speed:
         speed = 1.0 / _round_down(LONGEST / duration)
     count = max(2, math.ceil(RATE * duration / speed) + 1)
-    return Playback(speed, np.linspace(time[0], time[-1], count), True, (_said(speed),))
+    return Playback(speed, np.linspace(time[0], time[-1], count), True, (_pace(speed),))
+
+
+@dataclass(frozen=True, eq=False)
+class Frames:
+    """The motion of a body at m instants.
+
+    Attributes
+    ----------
+    play : `Playback`: how fast, and why not faster
+    time : (m,) s
+    attitude : (m, 4) part axes to space
+    angular_velocity : (m, 3) rad/s, space axes
+    angular_momentum : (m, 3) kg m²/s, space axes
+    position : (m, 3) m, the centre of mass in space; None where it stays
+    """
+
+    play: Playback
+    time: Float
+    attitude: Float
+    angular_velocity: Float
+    angular_momentum: Float
+    position: Float | None
+
+    def write_attitude(self, recording: Recording) -> None:
+        """Write how the part axes are turned."""
+        import rerun as rr
+
+        rotation = self.attitude.astype(np.float32)
+        recording.columns(entities.BODY, self.time, lambda rows: rr.Transform3D.columns(quaternion=rotation[rows]))
+
+    def write_position(self, recording: Recording, unit: float, origin: Float) -> None:
+        """Write where the centre of mass is, from `origin` (3,) m in `unit`, and its path."""
+        import rerun as rr
+
+        if self.position is None:
+            return
+        place = ((self.position - origin) / unit).astype(np.float32)
+        recording.columns(entities.CENTER, self.time, lambda rows: rr.Transform3D.columns(translation=place[rows]))
+        recording.static(entities.PATH, rr.LineStrips3D([thinned(place)], colors=[PATH], radii=[-1.0]))
+
+
+def frames_of(run: Run) -> Frames:
+    """Choose a speed at which the fastest turn of a run can be followed, and resample it for that."""
+    return frames_at(run, playback(run.time, largest(run.angular_velocity)))
+
+
+def frames_at(run: Run, play: Playback) -> Frames:
+    """Resample a run."""
+    attitude = attitudes_at(run.time, run.attitude, play.frames)
+    return Frames(
+        play=play,
+        time=play.frames,
+        attitude=attitude,
+        angular_velocity=quaternion.to_space(attitude, values_at(run.time, run.angular_velocity, play.frames)),
+        angular_momentum=values_at(run.time, run.angular_momentum, play.frames),
+        position=None if run.position is None else values_at(run.time, run.position, play.frames),
+    )
+
+
+def frames_followed(run: Run, rate: float) -> Frames:
+    """Choose a speed at which `rate` (rad/s) can be followed, and resample a run for that.
+
+    Where the samples are too far apart to go between them, it is that of the fastest turn, as of any run.
+    """
+    spacing = float(run.time[-1] - run.time[0]) / (len(run.time) - 1)
+    return frames_of(run) if largest(run.angular_velocity) * spacing > 1 else frames_at(run, playback(run.time, rate))
 
 
 def attitudes_at(time: Float, attitude: Float, instants: Float) -> Float:
@@ -92,6 +163,12 @@ def largest(vectors: Float) -> float:
     return max(float(np.linalg.norm(vectors[block], axis=1).max()) for block in blocks(len(vectors)))
 
 
+def longest_as(length: float, vectors: Float) -> Float:
+    """Return vectors (m, 3) scaled so that the longest has this length; all zero where they are."""
+    size = largest(vectors)
+    return length / size * vectors if size else vectors
+
+
 def _bracket(time: Float, instants: Float) -> tuple[np.ndarray, Float]:
     """Return for each instant the sample before it, and the share of the way to the next."""
     before = np.clip(np.searchsorted(time, instants, side="right") - 1, 0, len(time) - 2)
@@ -105,7 +182,7 @@ def _round_down(value: float) -> float:
     return max(step * power for step in (1.0, 2.0, 5.0) if step * power <= value * (1 + 1e-9))
 
 
-def _said(speed: float) -> str:
+def _pace(speed: float) -> str:
     if speed == 1:
         return "played in real time"
     if speed < 1:

@@ -1,8 +1,10 @@
-"""The properties of a recording: what made it, of what, how accurately, and all that is needed to make it again."""
+"""Properties of a recording: what made it, of what, how accurately; and the scene read back, to be run again."""
 
 from __future__ import annotations
 
 import os
+import warnings
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -10,30 +12,27 @@ from inertia import __version__
 from inertia.balancing.balance import Balance
 from inertia.dynamics.run import Run
 from inertia.dynamics.scene.body import SceneBody
-from inertia.dynamics.scene.document import Scene
-from inertia.errors import UsageError
+from inertia.dynamics.scene.document import Scene, Settings
+from inertia.errors import ReadError, UsageError
 from inertia.mesh.part import Part
+from inertia.recording.writer import require_rerun
 
-SETTINGS = ("duration", "samples", "accuracy", "model", "method")
+_SETTINGS = ("duration", "samples", "accuracy", "model", "method")
+_PROPERTIES = "/__properties"
 
 
-def properties_of(found: Run | Balance, file: Path | None) -> dict[str, dict[str, Any]]:
+def properties_of(subject: Run | Balance, file: Path | None) -> dict[str, dict[str, Any]]:
     """Return the properties by section; paths are relative to the folder of `file`."""
     tool = {"tool": {"name": "inertia", "version": __version__}}
-    return tool | (_of_balance(found, file) if isinstance(found, Balance) else _of_run(found, file))
-
-
-def source_sections(body: SceneBody) -> dict[str, Part]:
-    """Return the parts of a body that have a mesh, by the section that says where it came from."""
-    return _numbered([part for part in (body.part, *body.meshes) if part is not None])
+    return tool | (_of_balance(subject, file) if isinstance(subject, Balance) else _of_run(subject, file))
 
 
 def _of_run(run: Run, file: Path | None) -> dict[str, dict[str, Any]]:
     scene = run.scene
     return {
         "scene": {"name": scene.name, "text": _text(scene), "folder": _folder(scene.name, file)},
-        "settings": {name: getattr(scene.run, name) for name in SETTINGS},
-        **{name: _source(part) for name, part in source_sections(scene.body).items()},
+        "settings": {name: getattr(scene.run, name) for name in _SETTINGS},
+        **{name: _source(part) for name, part in _source_sections(scene.body).items()},
         "accuracy": {
             "model": run.model,
             "method": run.error.method,
@@ -43,13 +42,13 @@ def _of_run(run: Run, file: Path | None) -> dict[str, dict[str, Any]]:
     }
 
 
-def _of_balance(found: Balance, file: Path | None) -> dict[str, dict[str, Any]]:
-    rotor, error = found.rotor, found.properties.error
+def _of_balance(balance: Balance, file: Path | None) -> dict[str, dict[str, Any]]:
+    rotor, error = balance.rotor, balance.properties.error
     return {
         "rotor": {"name": rotor.name, "text": rotor.to_toml(), "folder": _folder(rotor.name, file)},
-        **{name: _source(part) for name, part in _numbered([body.whole for body in found.bodies]).items()},
+        **{name: _source(part) for name, part in _numbered([body.whole for body in balance.bodies]).items()},
         "accuracy": {"method": error.method, "mass": error.mass, "inertia": error.inertia},
-        "verdict": {"outcome": found.verdict.outcome},
+        "verdict": {"outcome": balance.verdict.outcome},
     }
 
 
@@ -59,6 +58,11 @@ def _text(scene: Scene) -> str | None:
         return scene.to_toml() if scene.text is None else scene.text
     except UsageError:
         return None
+
+
+def _source_sections(body: SceneBody) -> dict[str, Part]:
+    """Return the parts of a body that have a mesh, by the section that says where it came from."""
+    return _numbered([part for part in (body.part, *body.meshes) if part is not None])
 
 
 def _numbered(parts: list[Part]) -> dict[str, Part]:
@@ -79,3 +83,67 @@ def _folder(name: str, file: Path | None) -> str:
         return os.path.relpath(folder, file.resolve().parent)
     except ValueError:  # on another drive
         return str(folder)
+
+
+def scene_of(file: str | os.PathLike[str]) -> Scene:
+    """Return the scene of a recording, with the settings that it was run with.
+
+    Parts and tables are looked for where they were, seen from the recording.
+
+    Raises
+    ------
+    ReadError : the file is no recording of a run, its scene has a torque that only Python can give, or a file that it
+        names is not there or not the same as then
+    """
+    name = os.fspath(file)
+    sections = properties(file)
+    table, settings = sections.get("scene", {}), sections.get("settings", {})
+    if "folder" not in table:
+        raise ReadError(f"cannot read {name}: it is no recording of a run: `inertia simulate … -o {name}` makes one")
+    if "text" not in table:
+        raise ReadError(
+            f"cannot read {name}: its scene has a torque that was given in Python as a function or a table: simulate "
+            "it from there"
+        )
+    folder = Path(name).resolve().parent / table["folder"]
+    scene = Scene.loads(table["text"], folder, name)
+    for section, part in _source_sections(scene.body).items():
+        _require_same_part(name, part, sections.get(section, {}).get("sha256"))
+    return replace(scene, run=Settings(**{key: settings[key] for key in _SETTINGS if key in settings}))
+
+
+def properties(file: str | os.PathLike[str]) -> dict[str, dict[str, Any]]:
+    """Return the properties of a recording by section, without reading the rest of it.
+
+    Raises `ReadError` where the file is no recording or not whole.
+    """
+    name = os.fspath(file)
+    if not Path(name).is_file():
+        raise ReadError(f"cannot read {name}: there is no such file: check the path")
+    require_rerun()
+    from rerun.chunk import RrdReader
+    from rerun.error_utils import RerunWarning
+
+    sections: dict[str, dict[str, Any]] = {}
+    try:
+        with warnings.catch_warnings():
+            warnings.simplefilter("error", RerunWarning)  # it warns of a file that was cut short
+            chunks = RrdReader(name).store().stream().filter(content=f"{_PROPERTIES}/**").to_chunks()
+    except (RuntimeError, ValueError, OSError, RerunWarning) as error:
+        raise ReadError(f"cannot read {name}: it is no whole Rerun recording: record it again") from error
+    for chunk in chunks:
+        section = sections.setdefault(chunk.entity_path.removeprefix(f"{_PROPERTIES}/"), {})
+        batch = chunk.to_record_batch()
+        for key, column in zip(batch.schema.names, batch.columns, strict=True):
+            if not key.startswith("rerun."):
+                section[key] = column[0].as_py()[0]
+    return sections
+
+
+def _require_same_part(name: str, part: Part, recorded: str | None) -> None:
+    if recorded is None or part.source.sha256 == recorded:
+        return
+    raise ReadError(
+        f"{name} was made from another {part.name}: its SHA-256 was {recorded[:12]}…, and is "
+        f"{str(part.source.sha256)[:12]}…: bring the part back as it was, or simulate the scene anew"
+    )

@@ -3,8 +3,7 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Callable
-from typing import Any
+from importlib import import_module
 
 import numpy as np
 
@@ -14,12 +13,6 @@ from inertia.dynamics.run import Run
 from inertia.errors import GeometryError, UsageError
 from inertia.recording.provenance import properties_of
 from inertia.recording.screen import Screen
-from inertia.recording.views.deforming import deforming
-from inertia.recording.views.disc import disc
-from inertia.recording.views.driven import driven
-from inertia.recording.views.rotor import rotor
-from inertia.recording.views.top import top
-from inertia.recording.views.tumbling import tumbling
 from inertia.recording.writer import (
     Recording,
     blocks,
@@ -30,18 +23,14 @@ from inertia.recording.writer import (
     to_viewer,
 )
 
-VIEWS: dict[str, Callable[[Run], Screen]] = {
-    "tumbling": tumbling,
-    "top": top,
-    "driven": driven,
-    "disc": disc,
-    "deforming": deforming,
-}
-"""The views of a run, by the names that its model gives."""
+VIEWS = ("tumbling", "top", "driven", "disc", "deforming")
+"""The views of a run, by the names that models give: modules of `views`, each with a function `screen`."""
+
+_ROTOR = "rotor"
 
 
 def record(
-    found: Run | Balance, path: str | os.PathLike[str] | None = None, *, force: bool = False, live: bool = False
+    subject: Run | Balance, path: str | os.PathLike[str] | None = None, *, force: bool = False, live: bool = False
 ) -> None:
     """Write a run, or a rotor, to a Rerun recording, to an open viewer, or to both.
 
@@ -50,7 +39,7 @@ def record(
 
     Parameters
     ----------
-    found : what `inertia.simulate` or `inertia.balance` returned
+    subject : what `inertia.simulate` or `inertia.balance` returned
     path : of the file, ending in .rrd; None for none
     force : write over a file that is there
     live : stream to the viewer that listens on port 9876 of this machine
@@ -64,16 +53,16 @@ def record(
     if path is None and not live:
         raise UsageError("there is nowhere to record to: give a path, or live=True with an open viewer")
     require_rerun()
-    if isinstance(found, Run):
-        _require_finite(found)
+    if isinstance(subject, Run):
+        _require_finite(subject)
     file = None if path is None else require_writable(path, force=force)
     if live:
         require_viewer()
-    screen = _screen(found)
+    screen = _screen(subject)
 
     def write(recording: Recording) -> None:
         recording.name(screen.name)
-        for name, values in properties_of(found, file).items():
+        for name, values in properties_of(subject, file).items():
             recording.properties(name, values)
         screen.write(recording)
 
@@ -85,16 +74,16 @@ def record(
             write(recording)
 
 
-def _screen(found: Run | Balance) -> Screen:
-    if isinstance(found, Balance):
-        return rotor(found)
-    return VIEWS[found.plan.view](found)
+def _screen(subject: Run | Balance) -> Screen:
+    name = _ROTOR if isinstance(subject, Balance) else subject.plan.view
+    screen: Screen = import_module(f"inertia.recording.views.{name}").screen(subject)
+    return screen
 
 
 def _require_finite(run: Run) -> None:
     if len(run.time) < 2:
         raise GeometryError(f"{run.scene.name}: the run has {len(run.time)} samples: a recording needs 2 or more")
-    held: dict[str, Any] = {
+    columns = {
         "time": run.time,
         "attitude": run.attitude,
         "angular_velocity": run.angular_velocity,
@@ -102,8 +91,8 @@ def _require_finite(run: Run) -> None:
         "energy": run.energy,
     }
     if run.position is not None:
-        held["position"] = run.position
-    for name, values in held.items():
+        columns["position"] = run.position
+    for name, values in columns.items():
         if (sample := _first_not_finite(values)) is not None:
             raise GeometryError(
                 f"{run.scene.name}: {name} is not finite at sample {sample} of the run, t = {run.time[sample]:.6g} s: "

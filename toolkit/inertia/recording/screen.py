@@ -1,15 +1,22 @@
-"""What every kind of run hands to the writer: an application id, an arrangement of views, and what fills them."""
+"""How a screen is arranged: cameras, plots, the panel of time, and what a view hands to the writer."""
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
+import numpy as np
+from numpy.typing import ArrayLike
+
+from inertia.recording import entities
 from inertia.recording.writer import Recording
 
 if TYPE_CHECKING:
     import rerun.blueprint as rrb
+
+_FROM = np.array([0.62, -0.66, 0.42])
+_DISTANCE = 2.4  # radii: as near as a sphere still fits the view
 
 
 @dataclass(frozen=True, eq=False)
@@ -28,3 +35,78 @@ class Screen:
     name: str
     blueprint: rrb.Blueprint
     write: Callable[[Recording], None]
+
+
+def finished(left: Any, right: Any, speed: float, shares: Sequence[float] = (3.0, 2.0)) -> rrb.Blueprint:
+    """Return a screen of two columns that plays at so many seconds of the run in a second."""
+    import rerun.blueprint as rrb
+
+    return rrb.Blueprint(
+        rrb.Horizontal(left, right, column_shares=list(shares)),
+        _time_panel(speed),
+        rrb.BlueprintPanel(state="hidden"),
+        rrb.SelectionPanel(state="hidden"),
+    )
+
+
+def _time_panel(speed: float) -> rrb.TimePanel:
+    """Return the panel that plays in a loop, at so many seconds of the run in a second."""
+    import rerun.blueprint as rrb
+
+    return rrb.TimePanel(
+        timeline=entities.TIMELINE,
+        playback_speed=speed,
+        play_state=rrb.components.PlayState.Playing,
+        loop_mode=rrb.components.LoopMode.All,
+        state="collapsed",
+    )
+
+
+def eye(radius: float) -> rrb.EyeControls3D:
+    """Return a camera that sees a sphere about the origin, from the front right and above."""
+    return camera(_DISTANCE * radius * _FROM / np.linalg.norm(_FROM), (0.0, 0.0, 0.0), (0.0, 0.0, 1.0))
+
+
+def camera(offset: ArrayLike, target: ArrayLike, up: ArrayLike) -> rrb.EyeControls3D:
+    """Return a camera that looks at `target` (3,) from `offset` (3,) away."""
+    import rerun.blueprint as rrb
+
+    look = np.asarray(target, dtype=np.float64)
+    position = look + np.asarray(offset)
+    return rrb.EyeControls3D(kind=rrb.Eye3DKind.Orbital, position=position, look_target=look, eye_up=up)
+
+
+def trail(seconds: float) -> rrb.VisibleTimeRanges:
+    """Return the override that shows what was written in the last seconds."""
+    import rerun.blueprint as rrb
+
+    start = rrb.TimeRangeBoundary.cursor_relative(seconds=-seconds)
+    return rrb.VisibleTimeRanges(
+        rrb.VisibleTimeRange(entities.TIMELINE, start=start, end=rrb.TimeRangeBoundary.cursor_relative())
+    )
+
+
+def plot(path: str, name: str, duration: float) -> rrb.TimeSeriesView:
+    """Return a plot of the whole run, its legend inside."""
+    import rerun as rr
+    import rerun.blueprint as rrb
+
+    ends = [rrb.TimeRangeBoundary.absolute(seconds=seconds) for seconds in (0.0, duration)]
+    return rrb.TimeSeriesView(
+        origin=f"/{path}",
+        name=name,
+        axis_x=rrb.TimeAxis(view_range=rr.TimeRange(*ends)),
+        plot_legend=rrb.PlotLegend(visible=True),
+    )
+
+
+def drift_plot(unit: float, duration: float) -> rrb.TimeSeriesView:
+    """Return the plot of how far what is kept drifts."""
+    return plot(entities.PLOT_DRIFT, f"Drift of what is kept, in units of {unit:.0e} of itself", duration)
+
+
+def text_view() -> rrb.TextDocumentView:
+    """Return the view of the text."""
+    import rerun.blueprint as rrb
+
+    return rrb.TextDocumentView(origin=f"/{entities.SUMMARY}", name="What is shown")

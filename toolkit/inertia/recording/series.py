@@ -1,4 +1,4 @@
-"""The plots that every run of one body has: ω, Euler angles, what is kept and how far it drifts, energy."""
+"""The plots of a run: angular velocity, Euler angles, energy, and how far what is kept drifts."""
 
 from __future__ import annotations
 
@@ -8,8 +8,9 @@ import numpy as np
 
 from inertia.arrays import Float
 from inertia.dynamics.kinematics.euler_angles import to_angles
+from inertia.dynamics.plan import Plan
 from inertia.dynamics.run import Invariant, Run
-from inertia.recording import paths
+from inertia.recording import entities
 from inertia.recording.writer import Recording, blocks
 
 COLORS = ((230, 80, 70), (90, 190, 90), (80, 140, 255), (240, 190, 60), (200, 110, 220), (90, 210, 210))
@@ -18,10 +19,22 @@ COLORS = ((230, 80, 70), (90, 190, 90), (80, 140, 255), (240, 190, 60), (200, 11
 _LEAST = 1e-16  # unit of drifts, about one rounding
 
 
+def ascending(plan: Plan) -> tuple[Float, Float]:
+    """Return the moments (3,) kg m² about the point that the body turns about, and the axes (3, 3) as columns.
+
+    The model has its own order, as the symmetry axis last; the axes stay right-handed.
+    """
+    order = np.argsort(plan.moments, kind="stable")
+    axes = plan.axes[:, order]
+    if np.linalg.det(axes) < 0:
+        axes[:, 2] *= -1.0
+    return plan.moments[order], axes
+
+
 def write_angular_velocity(recording: Recording, run: Run, axes: Float) -> None:
     """Write ω at every sample, along axes (3, 3) whose columns are in part axes."""
     recording.scalars(
-        paths.PLOT_ANGULAR_VELOCITY,
+        entities.PLOT_ANGULAR_VELOCITY,
         run.time,
         lambda rows: run.angular_velocity[rows] @ axes,
         ["ω1, rad/s", "ω2, rad/s", "ω3, rad/s"],
@@ -34,48 +47,50 @@ def write_euler_angles(recording: Recording, run: Run) -> None:
     import rerun as rr
 
     names = ["φ, rad", "θ, rad", "ψ, rad"]
-    recording.static(paths.PLOT_EULER_ANGLES, rr.SeriesPoints(names=names, colors=COLORS[:3], marker_sizes=[1.5] * 3))
+    recording.static(
+        entities.PLOT_EULER_ANGLES, rr.SeriesPoints(names=names, colors=COLORS[:3], marker_sizes=[1.5] * 3)
+    )
 
     def columns(rows: slice) -> rr.ComponentColumnList:
         angles = to_angles(run.attitude[rows], "z-x-z")
         return rr.Scalars.columns(scalars=angles.ravel()).partition(np.full(len(angles), 3))
 
-    recording.columns(paths.PLOT_EULER_ANGLES, run.time, columns)
+    recording.columns(entities.PLOT_EULER_ANGLES, run.time, columns)
 
 
 def write_energy(recording: Recording, run: Run) -> None:
     """Write the energy at every sample."""
-    recording.scalars(paths.PLOT_ENERGY, run.time, lambda rows: run.energy[rows, None], ["energy, J"], COLORS[3:4])
+    recording.scalars(entities.PLOT_ENERGY, run.time, lambda rows: run.energy[rows, None], ["energy, J"], COLORS[3:4])
 
 
 def drift_unit(run: Run) -> float:
     """Return a power of ten that makes readable numbers of the largest drift: 1e-16 of 4e-16, for instance."""
-    drift = max((kept.largest_relative_drift for kept in run.invariants.values()), default=0.0)
+    drift = max((each.largest_relative_drift for each in run.invariants.values()), default=0.0)
     return max(10.0 ** math.floor(math.log10(drift)), _LEAST) if 0 < drift < math.inf else _LEAST
 
 
 def write_drift(recording: Recording, run: Run) -> None:
     """Write how far each invariant is from its value at the start, in `drift_unit`, at every sample."""
-    kept = list(run.invariants.values())
-    scales = [drift_unit(run) * _size(each) for each in kept]
+    invariants = list(run.invariants.values())
+    scales = [drift_unit(run) * _scale(each) for each in invariants]
 
     def drifts(rows: slice) -> Float:
-        return np.stack([_strayed(each, rows) / scale for each, scale in zip(kept, scales, strict=True)], axis=1)
+        return np.stack([_change(each, rows) / scale for each, scale in zip(invariants, scales, strict=True)], axis=1)
 
     names = [f"{name}, {drift_unit(run):.0e}" for name in run.invariants]
-    colors = [COLORS[(3 + k) % len(COLORS)] for k in range(len(kept))]
-    recording.scalars(paths.PLOT_DRIFT, run.time, drifts, names, colors)
+    colors = [COLORS[(3 + k) % len(COLORS)] for k in range(len(invariants))]
+    recording.scalars(entities.PLOT_DRIFT, run.time, drifts, names, colors)
 
 
-def _strayed(kept: Invariant, rows: slice) -> Float:
+def _change(invariant: Invariant, rows: slice) -> Float:
     """Return value − initial, of a vector its length."""
-    away: Float = kept.values[rows] - kept.initial
-    return away if away.ndim == 1 else np.asarray(np.linalg.norm(away, axis=1))
+    change: Float = invariant.values[rows] - invariant.initial
+    return change if change.ndim == 1 else np.asarray(np.linalg.norm(change, axis=1))
 
 
-def _size(kept: Invariant) -> float:
+def _scale(invariant: Invariant) -> float:
     """Return what the drift of an invariant is relative to."""
-    if not 0 < kept.largest_relative_drift < math.inf:
+    if not 0 < invariant.largest_relative_drift < math.inf:
         return 1.0
-    strayed = max(float(np.abs(_strayed(kept, rows)).max()) for rows in blocks(len(kept.values)))
-    return strayed / kept.largest_relative_drift
+    change = max(float(np.abs(_change(invariant, rows)).max()) for rows in blocks(len(invariant.values)))
+    return change / invariant.largest_relative_drift

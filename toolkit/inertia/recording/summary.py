@@ -10,9 +10,9 @@ from inertia.arrays import Float
 from inertia.dynamics.run import Run
 
 
-def summary(run: Run, shown: Iterable[str]) -> str:
-    """Return Markdown; `shown` says what was chosen for display only."""
-    return "\n".join([*_body(run), "", *_model(run), "", *_accuracy(run), "", *_notes(run, shown)])
+def summary(run: Run, notes: Iterable[str]) -> str:
+    """Return Markdown; `notes` say what was chosen for display only."""
+    return "\n".join([*_body(run), "", *_model(run), "", *_accuracy(run), "", *_notes(run, notes)])
 
 
 def title(run: Run) -> str:
@@ -44,24 +44,27 @@ def _body(run: Run) -> Iterator[str]:
 
 
 def _model(run: Run) -> Iterator[str]:
-    yield f"**Model: {run.model}.** {' '.join([*run.why, *map(_sentence, run.remarks)])}"
+    yield f"**Model: {run.model}.** {' '.join([*run.why, *map(sentence, run.remarks)])}"
 
 
 def _accuracy(run: Run) -> Iterator[str]:
     error = run.error
-    kept = ", ".join(f"{name} to {each.largest_relative_drift:.1e} of itself" for name, each in run.invariants.items())
+    drifts = ", ".join(
+        f"{name} to {each.largest_relative_drift:.1e} of itself" for name, each in run.invariants.items()
+    )
     yield (
         f"**Accuracy: {error.reached:.1e} rad** of attitude, {error.requested:g} rad asked for. "
-        f"{_sentence(error.method)}{f' Kept: {kept}.' if kept else ''}"
+        f"{sentence(error.method)}{f' Kept: {drifts}.' if drifts else ''}"
     )
 
 
-def _notes(run: Run, shown: Iterable[str]) -> Iterator[str]:
-    yield f"**On the screen.** {' '.join(map(_sentence, shown))}"
+def _notes(run: Run, notes: Iterable[str]) -> Iterator[str]:
+    yield f"**On the screen.** {' '.join(map(sentence, notes))}"
     for warning in run.warnings:
         yield ""
-        yield f"**Note.** {_sentence(warning)}"
+        yield f"**Note.** {sentence(warning)}"
 
 
-def _sentence(text: str) -> str:
+def sentence(text: str) -> str:
+    """Return a text with a capital and a full stop."""
     return f"{text[:1].upper()}{text[1:]}{'' if text.endswith('.') else '.'}"

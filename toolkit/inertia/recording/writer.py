@@ -15,7 +15,7 @@ import numpy as np
 
 from inertia.arrays import Float
 from inertia.errors import FORCE, InertiaError, UsageError
-from inertia.recording.paths import TIMELINE
+from inertia.recording.entities import TIMELINE
 
 if TYPE_CHECKING:
     import rerun as rr

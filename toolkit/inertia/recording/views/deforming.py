@@ -1,11 +1,11 @@
-"""A body that changes its shape: every part in motion, and the ellipsoid of the whole body's moments with it."""
+"""Recording of a body that changes its shape: every part in motion, and the ellipsoid of the whole body's moments."""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -13,26 +13,26 @@ from inertia.arrays import Float
 from inertia.dynamics.kinematics import quaternion
 from inertia.dynamics.models.deforming.assembly import JointedBody, Shape
 from inertia.dynamics.run import Run
-from inertia.recording import paths, places
-from inertia.recording.display import equivalent_ellipsoid
-from inertia.recording.frames import Frames, frames_of, write_arrow
-from inertia.recording.moving_parts import Solid, solids_of
-from inertia.recording.panels import longest_as, write_text
-from inertia.recording.playback import largest
-from inertia.recording.screen import Screen
+from inertia.recording import entities
+from inertia.recording.display import Solid, equivalent_ellipsoid, solids_of
+from inertia.recording.drawing import write_arrow, write_ellipsoid, write_place, write_text
+from inertia.recording.playback import Frames, frames_of, largest, longest_as
+from inertia.recording.screen import Screen, camera, drift_plot, eye, finished, plot, text_view
 from inertia.recording.series import COLORS, drift_unit, write_angular_velocity, write_drift
 from inertia.recording.summary import summary, title
-from inertia.recording.views.blueprint_deforming import Layout, blueprint
 from inertia.recording.views.tumbling import MOMENTUM, OMEGA
 from inertia.recording.writer import Recording
 
-APPLICATION = "inertia-deforming"
+if TYPE_CHECKING:
+    import rerun.blueprint as rrb
 
 ELLIPSOID = (230, 120, 80, 90)
 
 _OMEGA, _MOMENTUM = 1.1, 1.25  # lengths of arrows, over the reach of the body
 _THICK = 0.01
 _NO_MOMENTUM = 1e-12  # of |I ω|, at most: an L that is nothing but rounding is not drawn
+_ROOM = 1.25  # around the body, for the arrows
+_SIDE = np.array([0.25, -0.93, 0.2])
 
 
 @dataclass(frozen=True, eq=False)
@@ -58,37 +58,77 @@ class Motion:
         return placed
 
 
-def deforming(run: Run) -> Screen:
+def screen(run: Run) -> Screen:
     """Return the recording of a body that changes its shape."""
     assembly = run.scene.body.assembly
     assert assembly is not None  # the plan saw to it
     frames = frames_of(run)
-    solids, motion = _built(run, assembly, frames)
-    hinges = [joint.revolute for joint in assembly.joints]
-    travel = 0.0 if frames.position is None else float(np.ptp(frames.position, axis=0).max()) / motion.unit
-    layout = Layout(
-        reach=motion.reach,
-        path=None if not travel else _path_box(frames, motion.unit),
-        duration=float(run.time[-1]),
-        speed=frames.play.speed,
-        drift_unit=drift_unit(run),
-        hinges=any(hinges),
-        slides=not all(hinges),
-    )
+    solids, motion = _solids_in_motion(run, assembly, frames)
 
     def write(recording: Recording) -> None:
-        said = [*frames.play.said, f"1 unit is {motion.unit:g} m"]
-        said += _write_parts(recording, assembly, solids, motion)
-        said += _write_arrows(recording, motion)
-        said += _write_tensor(recording, motion)
+        notes = [*frames.play.notes, f"1 unit is {motion.unit:g} m"]
+        notes += _write_parts(recording, assembly, solids, motion)
+        notes += _write_arrows(recording, motion)
+        notes += _write_tensor(recording, motion)
         _write_plots(recording, run, assembly)
         write_drift(recording, run)
-        write_text(recording, summary(run, said))
+        write_text(recording, summary(run, notes))
 
-    return Screen(APPLICATION, title(run), blueprint(layout), write)
+    return Screen("inertia-deforming", title(run), _blueprint(run, assembly, motion), write)
 
 
-def _built(run: Run, assembly: JointedBody, frames: Frames) -> tuple[list[Solid], Motion]:
+def _blueprint(run: Run, assembly: JointedBody, motion: Motion) -> rrb.Blueprint:
+    """Arrange the parts, the tensor, the flight, plots and text."""
+    import rerun.blueprint as rrb
+
+    duration = float(run.time[-1])
+    parts = rrb.Spatial3DView(
+        origin=f"/{entities.CENTER}",
+        contents=f"/{entities.WORLD}/**",
+        name="About the centre of mass",
+        eye_controls=eye(_ROOM * motion.reach),
+        line_grid=False,
+    )
+    beside: Any = rrb.Spatial3DView(
+        origin=f"/{entities.TENSOR}",
+        name="Ellipsoid of the same moments",
+        eye_controls=eye(_ROOM * motion.reach),
+        line_grid=False,
+    )
+    position = motion.frames.position
+    if position is not None and np.ptp(position, axis=0).any():
+        beside = rrb.Vertical(beside, _flight((position - position[0]) / motion.unit, motion.reach))
+    plots: list[Any] = []
+    if any(joint.revolute for joint in assembly.joints):
+        plots.append(plot(entities.PLOT_JOINTS, "Angles of the joints, rad", duration))
+    if not all(joint.revolute for joint in assembly.joints):
+        plots.append(plot(entities.PLOT_SLIDES, "Displacements of the joints, m", duration))
+    plots += [
+        plot(entities.PLOT_MOMENTS, "Principal moments of the whole body, kg m²", duration),
+        plot(entities.PLOT_ANGULAR_VELOCITY, "Angular velocity of the root part, part axes, rad/s", duration),
+        plot(entities.PLOT_WORK, "Kinetic energy and work of the joints, J", duration),
+        drift_plot(drift_unit(run), duration),
+    ]
+    left = rrb.Vertical(rrb.Horizontal(parts, beside), text_view(), row_shares=[3, 2])
+    return finished(left, rrb.Vertical(*plots), motion.frames.play.speed)
+
+
+def _flight(path: Float, reach: float) -> rrb.Spatial3DView:
+    """Look from the side at the whole path (m, 3) of a body that reaches so far from its centre of mass."""
+    import rerun.blueprint as rrb
+
+    low, high = path.min(axis=0), path.max(axis=0)
+    radius = 0.5 * float(np.linalg.norm(high - low)) + reach
+    offset = 2.3 * radius * _SIDE / np.linalg.norm(_SIDE)
+    return rrb.Spatial3DView(
+        origin=f"/{entities.WORLD}",
+        name="Where it is",
+        eye_controls=camera(offset, 0.5 * (low + high), (0.0, 0.0, 1.0)),
+        line_grid=False,
+    )
+
+
+def _solids_in_motion(run: Run, assembly: JointedBody, frames: Frames) -> tuple[list[Solid], Motion]:
     """Return the parts as shown, and how they move."""
     shape = assembly.shape(frames.time)
     solids = solids_of(assembly, run.scene.body.meshes)
@@ -100,39 +140,25 @@ def _built(run: Run, assembly: JointedBody, frames: Frames) -> tuple[list[Solid]
     return solids, Motion(frames, shape, unit, farthest / unit)
 
 
-def _path_box(frames: Frames, unit: float) -> tuple[Float, Float]:
-    """Return the corners (3,) of the box around the path, in the view's unit from its start."""
-    assert frames.position is not None  # the caller saw to it
-    path = (frames.position - frames.position[0]) / unit
-    return path.min(axis=0), path.max(axis=0)
-
-
 def _write_parts(recording: Recording, assembly: JointedBody, solids: list[Solid], motion: Motion) -> Iterator[str]:
     import rerun as rr
 
     frames, shape, unit = motion.frames, motion.shape, motion.unit
-    recording.static(paths.WORLD, rr.ViewCoordinates.RIGHT_HAND_Z_UP)
+    recording.static(entities.WORLD, rr.ViewCoordinates.RIGHT_HAND_Z_UP)
     if frames.position is not None:
         frames.write_position(recording, unit, frames.position[0])
         yield "the grey line is the path of the centre of mass"
     root = quaternion.to_space(frames.attitude, motion.from_center(np.zeros(3)))
-    _write_pose(recording, paths.BODY, frames.time, root, frames.attitude)
+    write_place(recording, entities.BODY, frames.time, root, frames.attitude)
     for k, (part, solid) in enumerate(zip(assembly.parts, solids, strict=True)):
-        path = f"{places.PARTS}/{rr.escape_entity_path_part(part.name)}"
-        recording.static(f"{path}/solid", *solid.archetypes(unit, k))
-        _write_pose(recording, path, frames.time, shape.part_position[:, k] / unit, shape.part_attitude[:, k])
+        path = f"{entities.PARTS}/{rr.escape_entity_path_part(part.name)}"
+        recording.static(f"{path}/solid", solid.archetype(unit, k))
+        write_place(recording, path, frames.time, shape.part_position[:, k] / unit, shape.part_attitude[:, k])
     if any(solid.triangles is None for solid in solids):
         yield "parts without a file are shown as the solid ellipsoids of the same moments, points as small spheres"
     for solid, part in zip(solids, assembly.parts, strict=True):
-        if solid.said:
-            yield f"{part.name}: {solid.said}"
-
-
-def _write_pose(recording: Recording, path: str, time: Float, place: Float, attitude: Float) -> None:
-    import rerun as rr
-
-    moved, turned = place.astype(np.float32), attitude.astype(np.float32)
-    recording.columns(path, time, lambda rows: rr.Transform3D.columns(translation=moved[rows], quaternion=turned[rows]))
+        if solid.note:
+            yield f"{part.name}: {solid.note}"
 
 
 def _write_arrows(recording: Recording, motion: Motion) -> Iterator[str]:
@@ -143,14 +169,14 @@ def _write_arrows(recording: Recording, motion: Motion) -> Iterator[str]:
     fastest, most = largest(frames.angular_velocity), largest(frames.angular_momentum)
     thick = _THICK * size
     if fastest:
-        for path in (paths.ANGULAR_VELOCITY, places.TENSOR_OMEGA):
+        for path in (entities.ANGULAR_VELOCITY, entities.TENSOR_OMEGA):
             arrow = longest_as(_OMEGA * size, frames.angular_velocity)
             write_arrow(recording, path, frames.time, arrow, "ω", OMEGA, thick)
         yield f"the arrow of ω (yellow, of the root part) is {fastest:.4g} rad/s where it is longest"
     if most <= _NO_MOMENTUM * carried:
         yield "the angular momentum is zero and has no arrow"
         return
-    for path in (paths.ANGULAR_MOMENTUM, places.TENSOR_MOMENTUM):
+    for path in (entities.ANGULAR_MOMENTUM, entities.TENSOR_MOMENTUM):
         arrow = longest_as(_MOMENTUM * size, frames.angular_momentum)
         write_arrow(recording, path, frames.time, arrow, "L", MOMENTUM, thick)
     yield f"that of L (blue) is {most:.4g} kg m²/s and stays"
@@ -163,20 +189,10 @@ def _write_tensor(recording: Recording, motion: Motion) -> Iterator[str]:
     moments, axes = np.linalg.eigh(motion.shape.inertia)
     axes[:, :, 0] *= np.linalg.det(axes)[:, None]
     sizes = np.stack([equivalent_ellipsoid(each, motion.shape.mass) for each in moments]) / motion.unit
-    turned = quaternion.multiply(motion.frames.attitude, quaternion.from_matrix(axes)).astype(np.float32)
-    half_sizes = sizes.astype(np.float32)
-    recording.static(places.TENSOR, rr.ViewCoordinates.RIGHT_HAND_Z_UP)
-    look: dict[str, Any] = {
-        "colors": [ELLIPSOID],
-        "line_radii": [0.3 * _THICK * motion.reach],
-        "fill_mode": rr.components.FillMode.TransparentFillMajorWireframe,
-    }
-    recording.static(places.ELLIPSOID, rr.Ellipsoids3D.from_fields(**look))
-    recording.columns(
-        places.ELLIPSOID,
-        motion.frames.time,
-        lambda rows: rr.Ellipsoids3D.columns(half_sizes=half_sizes[rows], quaternions=turned[rows]),
-    )
+    attitude = quaternion.multiply(motion.frames.attitude, quaternion.from_matrix(axes))
+    recording.static(entities.TENSOR, rr.ViewCoordinates.RIGHT_HAND_Z_UP)
+    line = 0.3 * _THICK * motion.reach
+    write_ellipsoid(recording, entities.ELLIPSOID, motion.frames.time, sizes, ELLIPSOID, line, attitude)
     yield "the ellipsoid on the right is solid and uniform, of the body's own mass and moments at every instant"
 
 
@@ -187,7 +203,7 @@ def _write_plots(recording: Recording, run: Run, assembly: JointedBody) -> None:
         for number, joint in enumerate(part.joints, 1)
     ]
     values = run.quantities["joint values"]
-    for path, unit, revolute in ((places.PLOT_JOINTS, "rad", True), (places.PLOT_SLIDES, "m", False)):
+    for path, unit, revolute in ((entities.PLOT_JOINTS, "rad", True), (entities.PLOT_SLIDES, "m", False)):
         columns = [k for k, (_, turns) in enumerate(named) if turns == revolute]
         if columns:
             names = [f"{named[k][0]}, {unit}" for k in columns]
@@ -195,10 +211,10 @@ def _write_plots(recording: Recording, run: Run, assembly: JointedBody) -> None:
             recording.scalars(path, run.time, values[:, columns].__getitem__, names, colors)
     moments, work = run.quantities["principal moments"], run.quantities["work of the joints"]
     names = [f"I{k}, kg m²" for k in (1, 2, 3)]
-    recording.scalars(places.PLOT_MOMENTS, run.time, lambda rows: moments[rows], names, COLORS[:3])
+    recording.scalars(entities.PLOT_MOMENTS, run.time, lambda rows: moments[rows], names, COLORS[:3])
     write_angular_velocity(recording, run, np.eye(3))
     recording.scalars(
-        places.PLOT_WORK,
+        entities.PLOT_WORK,
         run.time,
         lambda rows: np.stack([run.energy[rows], work[rows]], axis=1),
         ["kinetic energy, J", "work of the joints, J"],

@@ -1,27 +1,27 @@
-"""A body that rolls on a plane: its path, the point of contact, and the forces that the plane answers with."""
+"""Recording of a body that rolls on a plane: its path, the point of contact, and the forces of contact."""
 
 from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from inertia.arrays import Float
 from inertia.dynamics.run import Run
-from inertia.recording import paths, places
+from inertia.recording import entities
 from inertia.recording.display import STEEL, Display, display_of
-from inertia.recording.frames import Frames, frames_of, thinned, write_arrow, write_trail
-from inertia.recording.panels import circle, longest_as, write_lines, write_place, write_text
-from inertia.recording.playback import values_at
-from inertia.recording.screen import Screen
+from inertia.recording.drawing import circle, thinned, write_arrow, write_lines, write_place, write_text, write_trail
+from inertia.recording.playback import Frames, frames_of, longest_as, values_at
+from inertia.recording.screen import Screen, camera, drift_plot, finished, plot, text_view, trail
 from inertia.recording.series import COLORS, drift_unit, write_drift
 from inertia.recording.summary import summary, title
-from inertia.recording.views.blueprint_disc import Layout, blueprint
 from inertia.recording.views.tumbling import MOMENTUM, OMEGA, TRAIL
 from inertia.recording.writer import Recording
 
-APPLICATION = "inertia-roll"
+if TYPE_CHECKING:
+    import rerun.blueprint as rrb
 
 FORCE, WEIGHT, PATH, RIM = (240, 90, 80), (150, 200, 120), (255, 235, 120), (235, 235, 240)
 DISC, GRID = (*STEEL, 150), (75, 78, 86)
@@ -33,6 +33,8 @@ _ARROW = 1.4  # radii, of ω and L
 _TRAIL = 6.0  # seconds of playback
 _SPOKES = 8
 _LINES = 60  # of the plane's grid, either way
+_FROM = np.array([0.55, -0.7, 0.45])
+_DISTANCE = 2.3
 
 
 @dataclass(frozen=True, eq=False)
@@ -62,36 +64,62 @@ class Rim:
         return [np.stack([middle, point]) for point in points[:: len(points) // _SPOKES]]
 
 
-def disc(run: Run) -> Screen:
+def screen(run: Run) -> Screen:
     """Return the recording of a body that rolls."""
-    chosen = run.plan
     body, frames = display_of(run.scene.body), frames_of(run)
     constraint = run.scene.constraint
     assert constraint.radius is not None  # the scene saw to it
-    rim = Rim(constraint.radius / body.unit, (constraint.offset or 0.0) / body.unit, chosen.axes)
+    rim = Rim(constraint.radius / body.unit, (constraint.offset or 0.0) / body.unit, run.plan.axes)
     contact = _origin(run) + run.quantities["contact"]
     middle = np.append(0.5 * (contact[:, :2].min(axis=0) + contact[:, :2].max(axis=0)), contact[0, 2])
     reach = 0.5 * float(np.ptp(contact[:, :2], axis=0).max()) / body.unit
-    layout = Layout(
-        duration=float(run.time[-1]),
-        radius=rim.radius,
-        reach=reach,
-        trail=min(_TRAIL * frames.play.speed, float(run.time[-1])),
-        speed=frames.play.speed,
-        drift_unit=drift_unit(run),
-        lifts_off=bool(_lift_off(run)),
-    )
 
     def write(recording: Recording) -> None:
-        said = [*frames.play.said]
-        said += _write_body(recording, body, rim)
-        said += _write_world(recording, run, body, rim, frames, middle)
+        notes = [*frames.play.notes]
+        notes += _write_body(recording, body, rim)
+        notes += _write_world(recording, run, body, rim, frames, middle)
         _write_plots(recording, run)
         write_drift(recording, run)
         _write_lift_off(recording, run)
-        write_text(recording, summary(run, said))
+        write_text(recording, summary(run, notes))
 
-    return Screen(APPLICATION, title(run), blueprint(layout), write)
+    return Screen("inertia-roll", title(run), _blueprint(run, frames, rim, reach), write)
+
+
+def _blueprint(run: Run, frames: Frames, rim: Rim, reach: float) -> rrb.Blueprint:
+    """Arrange a view of the whole path, `reach` from its middle, one that goes along, plots and text."""
+    import rerun.blueprint as rrb
+
+    duration = float(run.time[-1])
+    overrides = {f"/{entities.CONTACT_TRAIL}": trail(min(_TRAIL * frames.play.speed, duration))}
+    views = [
+        rrb.Spatial3DView(
+            origin=f"/{origin}",
+            contents=f"/{entities.WORLD}/**",
+            name=name,
+            eye_controls=camera(distance * _FROM / np.linalg.norm(_FROM), (0.0, 0.0, 0.0), (0.0, 0.0, 1.0)),
+            overrides=overrides,
+            line_grid=False,
+        )
+        for origin, name, distance in (
+            (entities.WORLD, "The path on the plane", 1.25 * _DISTANCE * (reach + 1.5 * rim.radius)),
+            (entities.CENTER, "Going along with the body", 1.9 * _DISTANCE * rim.radius),
+        )
+    ]
+    left: list[Any] = [rrb.Horizontal(*views)]
+    shares = [3.0]
+    if _lift_off(run):
+        left.append(rrb.StateTimelineView(origin=f"/{entities.CONTACT_STATE}", name="Contact"))
+        shares.append(0.6)
+    left.append(text_view())
+    shares.append(1.6)
+    right = rrb.Vertical(
+        plot(entities.PLOT_FORCE, "Force of the plane on the body, N", duration),
+        plot(entities.PLOT_TILT, "Tilt θ of the axis from the vertical, rad", duration),
+        plot(entities.PLOT_RATES, "Rates of precession φ, tilt θ and spin ψ, rad/s", duration),
+        drift_plot(drift_unit(run), duration),
+    )
+    return finished(rrb.Vertical(*left, row_shares=shares), right, frames.play.speed)
 
 
 def _origin(run: Run) -> Float:
@@ -103,17 +131,17 @@ def _write_body(recording: Recording, body: Display, rim: Rim) -> Iterator[str]:
     import rerun as rr
 
     if body.triangles is not None:
-        recording.static(paths.MESH, *body.archetypes())
-        yield from body.said
+        recording.static(entities.MESH, body.archetype())
+        yield from body.notes
     else:
         points = rim.points
         middle = np.broadcast_to(rim.offset * rim.axes[:, 2], points[1:].shape)
         corners = np.stack([middle, points[:-1], points[1:]], axis=1).reshape(-1, 3)
-        recording.static(paths.MESH, rr.Mesh3D(vertex_positions=np.float32(corners), albedo_factor=DISC))
+        recording.static(entities.MESH, rr.Mesh3D(vertex_positions=np.float32(corners), albedo_factor=DISC))
         yield "shown as a thin disc, as the scene has no part file"
     thick = _THICK * rim.radius
-    write_lines(recording, places.RIM, [rim.points], RIM, 1.5 * thick)
-    write_lines(recording, places.SPOKES, rim.spokes, RIM, 0.7 * thick)
+    write_lines(recording, entities.RIM, [rim.points], RIM, 1.5 * thick)
+    write_lines(recording, entities.SPOKES, rim.spokes, RIM, 0.7 * thick)
 
 
 def _write_world(
@@ -122,25 +150,25 @@ def _write_world(
     import rerun as rr
 
     assert frames.position is not None  # a rolling body has one
-    recording.static(paths.WORLD, rr.ViewCoordinates.RIGHT_HAND_Z_UP)
+    recording.static(entities.WORLD, rr.ViewCoordinates.RIGHT_HAND_Z_UP)
     contact = (_origin(run) + values_at(run.time, run.quantities["contact"], frames.time) - middle) / body.unit
-    write_place(recording, paths.CENTER, frames.time, (frames.position - middle) / body.unit)
+    write_place(recording, entities.CENTER, frames.time, (frames.position - middle) / body.unit)
     frames.write_attitude(recording)
-    write_place(recording, places.CONTACT, frames.time, contact)
+    write_place(recording, entities.CONTACT, frames.time, contact)
     thick = _THICK * rim.radius
-    write_lines(recording, places.CONTACT_PATH, [thinned(contact)], PATH, -1.0)
-    write_trail(recording, places.CONTACT_TRAIL, frames.time, contact, TRAIL, -2.0)
-    recording.static(places.CONTACT_POINT, rr.Points3D([np.zeros(3)], colors=[FORCE], radii=[2.5 * thick]))
-    write_lines(recording, places.GRID, _grid(contact, rim.radius), GRID, -0.3)
+    write_lines(recording, entities.CONTACT_PATH, [thinned(contact)], PATH, -1.0)
+    write_trail(recording, entities.CONTACT_TRAIL, frames.time, contact, TRAIL, -2.0)
+    recording.static(entities.CONTACT_POINT, rr.Points3D([np.zeros(3)], colors=[FORCE], radii=[2.5 * thick]))
+    write_lines(recording, entities.GRID, _grid(contact, rim.radius), GRID, -0.3)
     weight = _weight(run)
     scale = _WEIGHT * rim.radius / float(np.linalg.norm(weight))
     force = scale * values_at(run.time, run.quantities["contact force"], frames.time)
-    write_arrow(recording, places.CONTACT_FORCE, frames.time, force, "F", FORCE, 1.5 * thick)
+    write_arrow(recording, entities.CONTACT_FORCE, frames.time, force, "F", FORCE, 1.5 * thick)
     weights = np.broadcast_to(scale * weight, force.shape)
-    write_arrow(recording, places.WEIGHT, frames.time, weights, "mg", WEIGHT, 1.5 * thick)
+    write_arrow(recording, entities.WEIGHT, frames.time, weights, "mg", WEIGHT, 1.5 * thick)
     for path, vectors, label, color in (
-        (paths.ANGULAR_VELOCITY, frames.angular_velocity, "ω", OMEGA),
-        (paths.ANGULAR_MOMENTUM, frames.angular_momentum, "L", MOMENTUM),
+        (entities.ANGULAR_VELOCITY, frames.angular_velocity, "ω", OMEGA),
+        (entities.ANGULAR_MOMENTUM, frames.angular_momentum, "L", MOMENTUM),
     ):
         arrow = longest_as(_ARROW * rim.radius, vectors)
         write_arrow(recording, path, frames.time, arrow, label, color, thick)
@@ -173,7 +201,7 @@ def _weight(run: Run) -> Float:
 def _write_plots(recording: Recording, run: Run) -> None:
     force, weight = run.quantities["contact force"], np.linalg.norm(_weight(run))
     recording.scalars(
-        places.PLOT_FORCE,
+        entities.PLOT_FORCE,
         run.time,
         lambda rows: np.stack(
             [force[rows, 2], np.hypot(force[rows, 0], force[rows, 1]), np.full(len(force[rows]), weight)], axis=1
@@ -183,14 +211,14 @@ def _write_plots(recording: Recording, run: Run) -> None:
     )
     rates = [run.quantities[f"{name} rate"] for name in ("phi", "theta", "psi")]
     recording.scalars(
-        places.PLOT_RATES,
+        entities.PLOT_RATES,
         run.time,
         lambda rows: np.stack([rate[rows] for rate in rates], axis=1),
         ["φ rate, rad/s", "θ rate, rad/s", "ψ rate, rad/s"],
         COLORS[:3],
     )
     tilt = run.quantities["theta"]
-    recording.scalars(places.PLOT_TILT, run.time, lambda rows: tilt[rows, None], ["θ, rad"], COLORS[1:2])
+    recording.scalars(entities.PLOT_TILT, run.time, lambda rows: tilt[rows, None], ["θ, rad"], COLORS[1:2])
 
 
 def _lift_off(run: Run) -> list[float]:
@@ -203,7 +231,7 @@ def _write_lift_off(recording: Recording, run: Run) -> None:
 
     if not (instants := _lift_off(run)):
         return
-    recording.static(places.CONTACT_STATE, rr.StateConfiguration(values=STATES, colors=[0x5ABE5AFF, 0xE65046FF]))
+    recording.static(entities.CONTACT_STATE, rr.StateConfiguration(values=STATES, colors=[0x5ABE5AFF, 0xE65046FF]))
     states = list(STATES) if instants[0] > run.time[0] else [STATES[1]]
     time = np.array([run.time[0], instants[0]][-len(states) :])
-    recording.columns(places.CONTACT_STATE, time, lambda rows: rr.StateChange.columns(state=states[rows]))
+    recording.columns(entities.CONTACT_STATE, time, lambda rows: rr.StateChange.columns(state=states[rows]))

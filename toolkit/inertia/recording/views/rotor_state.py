@@ -17,9 +17,9 @@ from inertia.balancing.corrections.operation import Operation
 from inertia.balancing.shop_units import in_gmm
 from inertia.balancing.unbalance import Unbalance
 from inertia.mesh.part import Part
-from inertia.recording import places
-from inertia.recording.panels import circle, write_lines
-from inertia.recording.reduce import MOST, facet_normals, shown_triangles
+from inertia.recording import entities
+from inertia.recording.display import MOST, facets, shown_triangles
+from inertia.recording.drawing import circle, write_lines
 from inertia.recording.writer import Recording
 
 BODY, SHAFT, PLACE = (150, 165, 185, 110), (200, 200, 205), (235, 235, 240)
@@ -42,11 +42,11 @@ class State:
     bodies : (k, 3, 3) each, corners in `unit`, shaft axes from the middle of the rotor
     bearings : where A and B are along the shaft, in `unit` from the middle
     planes : (where in `unit`, name, vector in kg m) of the correction planes
-    seen : the vectors in the tolerance planes A and B, kg m
+    unbalance : the vectors in the tolerance planes A and B, kg m
     permissible : in them, kg m
     forces : on bearings A and B, N
     operations : (place (3,) in `unit`, what is done there)
-    said : what was done for display only
+    notes : what was done for display only
     """
 
     room: str
@@ -57,27 +57,27 @@ class State:
     bodies: tuple[Float, ...]
     bearings: tuple[float, float]
     planes: tuple[tuple[float, str, complex], ...]
-    seen: tuple[complex, complex]
+    unbalance: tuple[complex, complex]
     permissible: tuple[float, float]
     forces: tuple[complex, complex]
     operations: tuple[tuple[Float, str], ...]
-    said: tuple[str, ...]
+    notes: tuple[str, ...]
 
     @property
     def longest(self) -> float:
         """The longest of its vectors, kg m, that of the permissible unbalance included."""
-        return max(*map(abs, (vector for _, _, vector in self.planes)), *map(abs, self.seen), *self.permissible)
+        return max(*map(abs, (vector for _, _, vector in self.planes)), *map(abs, self.unbalance), *self.permissible)
 
 
 def states_of(balance: Balance) -> list[State]:
     """Return the rotor as modelled and, where something was done about it, as corrected."""
     correction = balance.correction
     parts = [body.part for body in balance.bodies]
-    found = [_state(balance, places.AS_MODELLED, "As modelled", parts, balance.initial, ())]
+    states = [_state(balance, entities.AS_MODELLED, "As modelled", parts, balance.initial, ())]
     if correction is not None and correction.operations:
         done = correction.operations
-        found.append(_state(balance, places.CORRECTED, "Corrected", correction.parts, balance.residual, done))
-    return found
+        states.append(_state(balance, entities.CORRECTED, "Corrected", correction.parts, balance.residual, done))
+    return states
 
 
 def _state(
@@ -89,7 +89,7 @@ def _state(
     operations: Sequence[Operation],
 ) -> State:
     shaft = balance.shaft
-    bodies, said = _corners(balance, parts)
+    bodies, notes = _corners(balance, parts)
     points = np.concatenate([body.reshape(-1, 3) for body in bodies])
     low, high = points[:, 2].min(), points[:, 2].max()
     middle = 0.5 * (min(low, shaft.z_a) + max(high, shaft.z_b))
@@ -97,7 +97,7 @@ def _state(
     reach = math.hypot(radius, max(high, shaft.z_b) - middle)
     unit = 10.0 ** math.floor(math.log10(reach))
     shift = np.array([0.0, 0.0, middle])
-    corrected = room == places.CORRECTED
+    corrected = room == entities.CORRECTED
     return State(
         room=room,
         title=title,
@@ -110,24 +110,24 @@ def _state(
             ((plane.z - middle) / unit, plane.id, plane.residual if corrected else plane.initial)
             for plane in balance.planes
         ),
-        seen=unbalance.in_planes(*balance.tolerance_planes),
+        unbalance=unbalance.in_planes(*balance.tolerance_planes),
         permissible=balance.tolerance.permissible,
         forces=balance.forces(unbalance),
         operations=tuple((_place(each, middle) / unit, f"{each.id}: {_done(each)}") for each in operations),
-        said=tuple(said),
+        notes=tuple(notes),
     )
 
 
 def _corners(balance: Balance, parts: Sequence[Part]) -> tuple[list[Float], list[str]]:
     """Return the triangles (k, 3, 3) of the bodies, m, shaft axes; and what was left out of them."""
-    shaft, bodies, said = balance.shaft, [], []
+    shaft, bodies, notes = balance.shaft, [], []
     start = shaft.to_part([0.0, 0.0, 0.0])
     for body, part in zip(balance.bodies, parts, strict=True):
         corners, count = shown_triangles(part, start, MOST // len(parts))
         bodies.append(corners @ shaft.axes)
         if len(corners) < count:
-            said.append(f"{body.name} is shown with {len(corners)} of its {count} triangles")
-    return bodies, said
+            notes.append(f"{body.name} is shown with {len(corners)} of its {count} triangles")
+    return bodies, notes
 
 
 def _place(operation: Operation, middle: float) -> Float:
@@ -154,13 +154,7 @@ def write_state(recording: Recording, state: State, time: Float, speed: float) -
     attitude = np.stack([zero, zero, np.sin(half), np.cos(half)], axis=1).astype(np.float32)
     recording.columns(turning, time, lambda rows: rr.Transform3D.columns(quaternion=attitude[rows]))
     for number, corners in enumerate(state.bodies):
-        normals = np.repeat(facet_normals(corners), 3, axis=0)
-        mesh = rr.Mesh3D(
-            vertex_positions=corners.reshape(-1, 3).astype(np.float32),
-            vertex_normals=normals.astype(np.float32),
-            albedo_factor=BODY,
-        )
-        recording.static(f"{turning}/body_{number}", mesh)
+        recording.static(f"{turning}/body_{number}", facets(corners, BODY))
     length = _LONGEST * state.radius / state.longest
     thick = _THICK * state.radius
     ends = np.array([[0.0, 0.0, -1.15 * state.reach], [0.0, 0.0, 1.15 * state.reach]])
@@ -177,7 +171,7 @@ def write_state(recording: Recording, state: State, time: Float, speed: float) -
         f"{turning}/bearing_force",
         [
             (z, f"{name} {abs(force):.4g} N", length * vector)
-            for z, name, force, vector in zip(state.bearings, "AB", state.forces, state.seen, strict=True)
+            for z, name, force, vector in zip(state.bearings, "AB", state.forces, state.unbalance, strict=True)
         ],
         FORCE,
         thick,
@@ -191,7 +185,7 @@ def write_state(recording: Recording, state: State, time: Float, speed: float) -
             f"{turning}/operations",
             rr.Points3D(spots, labels=labels, colors=[PLACE], radii=[2.0 * thick], show_labels=True),
         )
-    yield from (f"{state.title.lower()}: {each}" for each in state.said)
+    yield from (f"{state.title.lower()}: {each}" for each in state.notes)
     yield (
         f"{state.title.lower()}: one outer radius is {in_gmm(state.longest) / _LONGEST:.4g} g·mm of unbalance; the "
         "vectors of the correction planes are yellow"

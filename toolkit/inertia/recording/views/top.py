@@ -1,41 +1,41 @@
-"""A heavy body on a fixed point: how its axis moves, the sphere that it points at, and the effective potential."""
+"""Recording of a heavy body on a fixed point: its axis in space and on the unit sphere, and its effective potential."""
 
 from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from inertia.arrays import Float
 from inertia.dynamics.kinematics import quaternion
 from inertia.dynamics.kinematics.euler_angles import to_angles
-from inertia.dynamics.plan import Plan
 from inertia.dynamics.run import Run
-from inertia.recording import paths, places
+from inertia.recording import entities
 from inertia.recording.display import Display, display_of
-from inertia.recording.frames import Frames, thinned, write_arrow, write_trail
-from inertia.recording.pace import frames_followed
-from inertia.recording.panels import (
+from inertia.recording.drawing import (
     GROUND,
     basis,
     circle,
-    longest_as,
+    thinned,
+    write_arrow,
     write_lines,
     write_place,
     write_point,
     write_text,
+    write_trail,
 )
-from inertia.recording.playback import largest
-from inertia.recording.screen import Screen
+from inertia.recording.playback import Frames, frames_followed, largest, longest_as
+from inertia.recording.screen import Screen, camera, drift_plot, finished, plot, text_view, trail
 from inertia.recording.series import COLORS, drift_unit, write_drift
 from inertia.recording.summary import summary, title
-from inertia.recording.views.blueprint_top import Layout, blueprint
-from inertia.recording.views.effective_potential import effective_potential
+from inertia.recording.views.effective_potential import EffectivePotential, effective_potential
 from inertia.recording.views.tumbling import MOMENTUM, OMEGA, TRAIL
 from inertia.recording.writer import Recording
 
-APPLICATION = "inertia-top"
+if TYPE_CHECKING:
+    import rerun.blueprint as rrb
 
 LOCUS, TURNING, AXIS = (255, 235, 120), (90, 190, 90), (235, 235, 240)
 
@@ -44,6 +44,8 @@ _OMEGA, _MOMENTUM = 1.15, 1.3  # lengths of arrows, over that sphere
 _THICK = 0.008
 _TRAIL = 12.0  # seconds of playback
 _LEAST_CAP = 0.15
+_FROM = np.array([0.62, -0.66, 0.42])
+_ABOVE = np.array([0.45, -0.55, 0.75])
 
 
 @dataclass(frozen=True, eq=False)
@@ -71,49 +73,93 @@ class Axis:
         return to_angles(quaternion.multiply(about, quaternion.multiply(attitude, quaternion.from_matrix(self.axes))))
 
 
-def top(run: Run) -> Screen:
+def screen(run: Run) -> Screen:
     """Return the recording of a heavy top."""
-    chosen = run.plan
-    body, axis = display_of(run.scene.body), _axis(chosen, run)
+    body, axis = display_of(run.scene.body), _axis(run)
     frames = _frames(run, axis)
     tilts = axis.angles(run.attitude)[:, 1]
-    potential = effective_potential(run, chosen, float(tilts[0])) if _is_symmetric(run) else None
-    layout = Layout(
-        radius=_sphere(body, axis),
-        up=axis.vertical[:, 2],
-        tilts=(float(tilts.min()), float(tilts.max())),
-        cap=_cap(tilts),
-        duration=float(run.time[-1]),
-        trail=min(_TRAIL * frames.play.speed, float(run.time[-1])),
-        speed=frames.play.speed,
-        drift_unit=drift_unit(run),
-        potential=None if potential is None else potential.chart,
-    )
+    potential = effective_potential(run, float(tilts[0])) if _is_symmetric(run) else None
 
     def write(recording: Recording) -> None:
-        said = [*frames.play.said, *body.said, f"in space 1 unit is {body.unit:g} m, and the fixed point is the origin"]
-        said += _write_world(recording, run, body, frames, axis)
-        said += _write_sphere(recording, run, frames, axis, _cap(tilts))
+        notes = [
+            *frames.play.notes,
+            *body.notes,
+            f"in space 1 unit is {body.unit:g} m, and the fixed point is the origin",
+        ]
+        notes += _write_world(recording, run, body, frames, axis)
+        notes += _write_sphere(recording, run, frames, axis, _cap(tilts))
         _write_angles(recording, run, axis)
         write_drift(recording, run)
         if potential is not None:
-            said.append(potential.write(recording, frames.time, np.interp(frames.time, run.time, tilts)))
-        write_text(recording, summary(run, said))
+            notes.append(potential.write(recording, frames.time, np.interp(frames.time, run.time, tilts)))
+        write_text(recording, summary(run, notes))
 
-    return Screen(APPLICATION, title(run), blueprint(layout), write)
+    return Screen(
+        "inertia-top", title(run), _blueprint(run, frames, _sphere(body, axis), axis, tilts, potential), write
+    )
+
+
+def _blueprint(
+    run: Run, frames: Frames, radius: float, axis: Axis, tilts: Float, potential: EffectivePotential | None
+) -> rrb.Blueprint:
+    """Arrange space, with a sphere of this radius that the axis points at, unit sphere, potential, plots and text."""
+    import rerun.blueprint as rrb
+
+    duration = float(run.time[-1])
+    behind = trail(min(_TRAIL * frames.play.speed, duration))
+    space = rrb.Spatial3DView(
+        origin=f"/{entities.WORLD}",
+        name="In space",
+        eye_controls=_eye(axis, radius, tilts),
+        overrides={f"/{entities.LOCUS}": behind},
+        line_grid=False,
+    )
+    sphere = rrb.Spatial3DView(
+        origin=f"/{entities.UNIT_SPHERE}",
+        name="Locus of the axis on the unit sphere",
+        eye_controls=_eye_on_sphere(axis, tilts),
+        overrides={f"/{entities.UNIT_SPHERE}/trail": behind},
+        line_grid=False,
+    )
+    below: list[Any] = [text_view()]
+    if potential is not None:
+        below.insert(0, potential.chart.view("Effective potential"))
+    left = rrb.Vertical(rrb.Horizontal(space, sphere), rrb.Horizontal(*below), row_shares=[3, 2])
+    right = rrb.Vertical(
+        plot(entities.PLOT_TILT, "Tilt θ of the axis from the vertical, rad", duration),
+        plot(entities.PLOT_EULER_ANGLES, "Precession φ and spin ψ, rad", duration),
+        drift_plot(drift_unit(run), duration),
+    )
+    return finished(left, right, frames.play.speed)
+
+
+def _eye(axis: Axis, radius: float, tilts: Float) -> rrb.EyeControls3D:
+    """Look at the upper half of the sphere, or at all of it where the axis sinks below the horizontal."""
+    up, sunk = axis.vertical[:, 2], tilts.max() > 0.5 * np.pi
+    target = (0.0 if sunk else 0.45) * radius * up
+    offset = basis(up) @ _FROM / np.linalg.norm(_FROM)
+    return camera((2.7 if sunk else 2.1) * radius * offset, target, up)
+
+
+def _eye_on_sphere(axis: Axis, tilts: Float) -> rrb.EyeControls3D:
+    """Look at the cap that holds the path."""
+    up = axis.vertical[:, 2]
+    target = 0.5 * (np.cos(tilts.max()) + np.cos(tilts.min())) * up
+    offset = basis(up) @ _ABOVE / np.linalg.norm(_ABOVE)
+    return camera(2.6 * _cap(tilts) * offset, target, up)
 
 
 def _is_symmetric(run: Run) -> bool:
-    """Whether the model took the body as a heavy symmetric top, the only one that has an effective potential."""
+    """Say whether the model took the body as a heavy symmetric top, the only one that has an effective potential."""
     return "effective potential energy" in run.quantities
 
 
-def _axis(chosen: Plan, run: Run) -> Axis:
-    problem = chosen.problem
+def _axis(run: Run) -> Axis:
+    problem = run.plan.problem
     arm = problem.axes @ problem.arm
     length = float(np.linalg.norm(arm))
     up = -run.scene.gravity / np.linalg.norm(run.scene.gravity)
-    axes = chosen.axes if _is_symmetric(run) else basis(arm / length)
+    axes = run.plan.axes if _is_symmetric(run) else basis(arm / length)
     return Axis(basis(up), axes, length)
 
 
@@ -136,21 +182,21 @@ def _write_world(recording: Recording, run: Run, body: Display, frames: Frames, 
     thick = _THICK * size
     along, up = axis.axes[:, 2], axis.vertical[:, 2]
     foot = -axis.arm / body.unit * along
-    recording.static(paths.MESH, *body.archetypes())
-    write_lines(recording, paths.BODY_AXES, [np.stack([foot, foot + size * along])], AXIS, thick)
-    write_place(recording, paths.CENTER, frames.time, axis.arm / body.unit * axis.direction(frames.attitude))
+    recording.static(entities.MESH, body.archetype())
+    write_lines(recording, entities.BODY_AXES, [np.stack([foot, foot + size * along])], AXIS, thick)
+    write_place(recording, entities.CENTER, frames.time, axis.arm / body.unit * axis.direction(frames.attitude))
     frames.write_attitude(recording)
     recording.static(
-        places.VERTICAL,
+        entities.VERTICAL,
         rr.Arrows3D(vectors=[1.2 * size * up], labels=["up"], colors=[GROUND], radii=[0.5 * thick]),
     )
-    recording.static(places.FIXED_POINT, rr.Points3D([np.zeros(3)], colors=[AXIS], radii=[3.0 * thick]))
+    recording.static(entities.FIXED_POINT, rr.Points3D([np.zeros(3)], colors=[AXIS], radii=[3.0 * thick]))
     omega = longest_as(_OMEGA * size, frames.angular_velocity)
     momentum = longest_as(_MOMENTUM * size, frames.angular_momentum)
-    write_arrow(recording, places.OMEGA_OF_TOP, frames.time, omega, "ω", OMEGA, thick)
-    write_arrow(recording, places.MOMENTUM_OF_TOP, frames.time, momentum, "L", MOMENTUM, thick)
-    write_trail(recording, places.LOCUS, frames.time, size * axis.direction(frames.attitude), LOCUS, thick)
-    _write_turning(recording, paths.WORLD, run, axis, size, 0.5 * thick)
+    write_arrow(recording, entities.OMEGA_OF_TOP, frames.time, omega, "ω", OMEGA, thick)
+    write_arrow(recording, entities.MOMENTUM_OF_TOP, frames.time, momentum, "L", MOMENTUM, thick)
+    write_trail(recording, entities.LOCUS, frames.time, size * axis.direction(frames.attitude), LOCUS, thick)
+    _write_turning(recording, entities.WORLD, run, axis, size, 0.5 * thick)
     yield (
         f"the arrow of ω (yellow) is {largest(frames.angular_velocity):.4g} rad/s where it is longest, that of L "
         f"(blue) {largest(frames.angular_momentum):.4g} kg m²/s"
@@ -166,7 +212,7 @@ def _write_sphere(recording: Recording, run: Run, frames: Frames, axis: Axis, ca
     """Write the unit sphere: the whole path of the axis on it, and where the axis is."""
     import rerun as rr
 
-    room, up = places.UNIT_SPHERE, axis.vertical[:, 2]
+    room, up = entities.UNIT_SPHERE, axis.vertical[:, 2]
     recording.static(
         f"{room}/sphere",
         rr.Ellipsoids3D(
@@ -204,13 +250,13 @@ def _write_angles(recording: Recording, run: Run, axis: Axis) -> None:
     import rerun as rr
 
     angles = axis.angles(run.attitude)
-    recording.scalars(places.PLOT_TILT, run.time, lambda rows: angles[rows, 1:2], ["θ, rad"], COLORS[1:2])
+    recording.scalars(entities.PLOT_TILT, run.time, lambda rows: angles[rows, 1:2], ["θ, rad"], COLORS[1:2])
     recording.static(
-        paths.PLOT_EULER_ANGLES,
+        entities.PLOT_EULER_ANGLES,
         rr.SeriesPoints(names=["φ, rad", "ψ, rad"], colors=[COLORS[0], COLORS[2]], marker_sizes=[1.5] * 2),
     )
     recording.columns(
-        paths.PLOT_EULER_ANGLES,
+        entities.PLOT_EULER_ANGLES,
         run.time,
         lambda rows: rr.Scalars.columns(scalars=angles[rows, ::2].ravel()).partition(np.full(len(angles[rows]), 2)),
     )

@@ -1,24 +1,27 @@
-"""A body that turns about its centre of mass or a fixed point: what is drawn, along space axes and along its own."""
+"""Recording of a body that turns about its centre of mass or a fixed point, free of torque.
+
+Along space axes: the body, ω, L, the herpolhode, and the cones of a symmetric top; along its own, Binet's construction.
+"""
 
 from __future__ import annotations
 
 from collections.abc import Iterator
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from inertia.arrays import Float
+from inertia.dynamics.kinematics.geometry import cones
 from inertia.dynamics.models.free.flips import polhode_period
-from inertia.dynamics.plan import Plan
 from inertia.dynamics.run import Run
-from inertia.recording import paths
+from inertia.recording import entities
 from inertia.recording.display import Display, display_of
-from inertia.recording.frames import Frames, frames_of, write_arrow, write_trail
-from inertia.recording.panels import write_text
-from inertia.recording.playback import largest
-from inertia.recording.principal import ascending
-from inertia.recording.screen import Screen
+from inertia.recording.drawing import write_arrow, write_text, write_trail
+from inertia.recording.playback import Frames, frames_of, largest
+from inertia.recording.screen import Screen, drift_plot, eye, finished, plot, text_view, trail
 from inertia.recording.series import (
     COLORS,
+    ascending,
     drift_unit,
     write_angular_velocity,
     write_drift,
@@ -26,52 +29,77 @@ from inertia.recording.series import (
     write_euler_angles,
 )
 from inertia.recording.summary import summary, title
-from inertia.recording.views.blueprint_tumbling import Layout, blueprint
-from inertia.recording.views.cones import write_cones
 from inertia.recording.views.momentum_space import write_momentum_space
 from inertia.recording.writer import Recording
 
-APPLICATION = "inertia-tumble"
+if TYPE_CHECKING:
+    import rerun.blueprint as rrb
 
 OMEGA, MOMENTUM, TRAIL = (255, 200, 60), (90, 200, 255), (255, 140, 60)
+BODY_CONE, SPACE_CONE = (90, 190, 90, 70), (240, 190, 60, 70)
 FLIP_STATES = ("+2", "−2")
 
 _OMEGA, _MOMENTUM, _AXES = 1.3, 1.55, 1.15  # lengths of arrows, over the radius of the body
 _THICK = 0.012
 _FARTHEST = 1e4  # radii that a body may travel and still be where it is to a thousandth of its size
 _TRAIL = 10.0  # seconds of playback that a trail lasts, where no polhode closes sooner
+_FACETS = 72  # of a cone
+_NARROWEST = 1e-3  # rad: a cone that could not be told from a line is not drawn
 
 
-def tumbling(run: Run) -> Screen:
+def screen(run: Run) -> Screen:
     """Return the recording of a body that tumbles."""
-    chosen = run.plan
-    body = display_of(run.scene.body)
-    frames = frames_of(run)
+    body, frames = display_of(run.scene.body), frames_of(run)
     origin = _origin(body, frames)
-    layout = Layout(
-        radius=body.radius * _MOMENTUM,
-        duration=float(run.time[-1]),
-        trail=_trail(run, chosen, frames),
-        speed=frames.play.speed,
-        drift_unit=drift_unit(run) if run.invariants else None,
-        energy="energy" not in run.invariants,
-        flips=bool(_flips(run)),
-    )
 
     def write(recording: Recording) -> None:
-        said = [*frames.play.said, *body.said, f"in the inertial view 1 unit is {body.unit:g} m"]
-        said += _write_world(recording, run, chosen, body, frames, origin)
-        said.append(write_momentum_space(recording, run, chosen, frames))
-        write_angular_velocity(recording, run, ascending(chosen)[1])
+        notes = [*frames.play.notes, *body.notes, f"in the inertial view 1 unit is {body.unit:g} m"]
+        notes += _write_world(recording, run, body, frames, origin)
+        notes.append(write_momentum_space(recording, run, frames))
+        write_angular_velocity(recording, run, ascending(run.plan)[1])
         write_euler_angles(recording, run)
-        if layout.drift_unit is not None:
+        if run.invariants:
             write_drift(recording, run)
-        if layout.energy:
+        if "energy" not in run.invariants:
             write_energy(recording, run)
-        _write_flips(recording, run, chosen)
-        write_text(recording, summary(run, said))
+        _write_flips(recording, run)
+        write_text(recording, summary(run, notes))
 
-    return Screen(APPLICATION, title(run), blueprint(layout), write)
+    return Screen("inertia-tumble", title(run), _blueprint(run, body, frames), write)
+
+
+def _blueprint(run: Run, body: Display, frames: Frames) -> rrb.Blueprint:
+    """Arrange inertial view, body view, plots, flips and text."""
+    import rerun.blueprint as rrb
+
+    duration = float(run.time[-1])
+    inertial = rrb.Spatial3DView(
+        origin=f"/{entities.CENTER}",
+        contents=f"/{entities.WORLD}/**",
+        name="Inertial view",
+        eye_controls=eye(_MOMENTUM * body.radius),
+        overrides={f"/{entities.HERPOLHODE}": trail(_trail(run, frames))},
+        line_grid=False,
+    )
+    along_axes = rrb.Spatial3DView(
+        origin=f"/{entities.MOMENTUM_SPACE}", name="Body view: L / |L|", eye_controls=eye(1.25), line_grid=False
+    )
+    plots: list[Any] = [
+        plot(entities.PLOT_ANGULAR_VELOCITY, "Angular velocity along the principal axes, rad/s", duration),
+        plot(entities.PLOT_EULER_ANGLES, "Euler angles z-x-z, rad", duration),
+    ]
+    if run.invariants:
+        plots.append(drift_plot(drift_unit(run), duration))
+    if "energy" not in run.invariants:
+        plots.append(plot(entities.PLOT_ENERGY, "Energy, J", duration))
+    left: list[Any] = [rrb.Horizontal(inertial, along_axes, column_shares=[1, 1])]
+    shares = [3.0]
+    if _flips(run):
+        left.append(rrb.StateTimelineView(origin=f"/{entities.FLIPS}", name="Flips: sense of the spin about axis 2"))
+        shares.append(0.6)
+    left.append(text_view())
+    shares.append(2.2)
+    return finished(rrb.Vertical(*left, row_shares=shares), rrb.Vertical(*plots), frames.play.speed)
 
 
 def _origin(body: Display, frames: Frames) -> Float | None:
@@ -86,24 +114,22 @@ def _origin(body: Display, frames: Frames) -> Float | None:
     return low if 0 < reach <= _FARTHEST * body.radius * body.unit else None
 
 
-def _trail(run: Run, chosen: Plan, frames: Frames) -> float:
+def _trail(run: Run, frames: Frames) -> float:
     """Return for how long in s the herpolhode is drawn behind ω."""
-    omega = run.angular_velocity[0] @ chosen.axes
-    period = float(polhode_period(chosen.moments, omega)) if omega.any() else np.inf
+    omega = run.angular_velocity[0] @ run.plan.axes
+    period = float(polhode_period(run.plan.moments, omega)) if omega.any() else np.inf
     return min(period, _TRAIL * frames.play.speed, float(run.time[-1]))
 
 
-def _write_world(
-    recording: Recording, run: Run, chosen: Plan, body: Display, frames: Frames, origin: Float | None
-) -> Iterator[str]:
+def _write_world(recording: Recording, run: Run, body: Display, frames: Frames, origin: Float | None) -> Iterator[str]:
     import rerun as rr
 
     size = body.radius
-    recording.static(paths.WORLD, rr.ViewCoordinates.RIGHT_HAND_Z_UP)
-    recording.static(paths.MESH, *body.archetypes())
-    axes = _AXES * size * ascending(chosen)[1].T
+    recording.static(entities.WORLD, rr.ViewCoordinates.RIGHT_HAND_Z_UP)
+    recording.static(entities.MESH, body.archetype())
+    axes = _AXES * size * ascending(run.plan)[1].T
     recording.static(
-        paths.BODY_AXES,
+        entities.BODY_AXES,
         rr.Arrows3D(vectors=axes, colors=COLORS[:3], labels=["1", "2", "3"], radii=[_THICK * size] * 3),
     )
     frames.write_attitude(recording)
@@ -115,31 +141,74 @@ def _write_world(
     omega = _OMEGA * size * frames.angular_velocity / largest(frames.angular_velocity)
     momentum = _MOMENTUM * size * frames.angular_momentum / largest(frames.angular_momentum)
     thick = _THICK * size
-    write_arrow(recording, paths.ANGULAR_VELOCITY, frames.time, omega, "ω", OMEGA, 1.5 * thick)
-    write_arrow(recording, paths.ANGULAR_MOMENTUM, frames.time, momentum, "L", MOMENTUM, 1.5 * thick)
+    write_arrow(recording, entities.ANGULAR_VELOCITY, frames.time, omega, "ω", OMEGA, 1.5 * thick)
+    write_arrow(recording, entities.ANGULAR_MOMENTUM, frames.time, momentum, "L", MOMENTUM, 1.5 * thick)
     if frames.play.smooth:
-        write_trail(recording, paths.HERPOLHODE, frames.time, omega, TRAIL, 0.6 * thick)
+        write_trail(recording, entities.HERPOLHODE, frames.time, omega, TRAIL, 0.6 * thick)
         yield "the orange trail of ω is the herpolhode"
     yield (
         f"the arrow of ω (yellow) is {largest(frames.angular_velocity):.4g} rad/s where it is longest, that of L "
         f"(blue) {largest(frames.angular_momentum):.4g} kg m²/s"
     )
-    if said := write_cones(recording, run, chosen, _OMEGA * size):
-        yield said
+    yield from _write_cones(recording, run, _OMEGA * size)
+
+
+def _write_cones(recording: Recording, run: Run, slant: float) -> Iterator[str]:
+    """Write the cones of a symmetric top, as long as the arrow of ω: that of the body rolls on that of space."""
+    import rerun as rr
+
+    if "body cone" not in run.quantities:
+        return
+    plan = run.plan
+    order = _symmetry_axis_last(plan.moments)
+    omega = (run.angular_velocity[0] @ plan.axes)[order]
+    pair = cones(plan.moments[order], omega)
+    if pair.body_half_angle < _NARROWEST:
+        return
+    symmetry = plan.axes[:, order[2]] * np.copysign(1.0, omega[2])
+    momentum = run.angular_momentum[0] / np.linalg.norm(run.angular_momentum[0])
+    for path, axis, half_angle, color in (
+        (entities.BODY_CONE, symmetry, float(pair.body_half_angle), BODY_CONE),
+        (entities.SPACE_CONE, momentum, float(pair.space_half_angle), SPACE_CONE),
+    ):
+        corners = slant * _cone(axis, half_angle).reshape(-1, 3)
+        recording.static(path, rr.Mesh3D(vertex_positions=corners.astype(np.float32), albedo_factor=color))
+    how = "on the outside of" if pair.rolling == "outside" else "with its inside around"
+    body, space = np.degrees([pair.body_half_angle, pair.space_half_angle])
+    yield (
+        f"the body cone (green, half-angle {body:.4g}°) rolls {how} the space cone (yellow, {space:.4g}°): they "
+        "touch along ω"
+    )
+
+
+def _cone(axis: Float, half_angle: float) -> Float:
+    """Return the triangles (k, 3, 3) of a cone of unit slant about `axis` (3,), its apex at the origin."""
+    across = np.cross(axis, np.eye(3)[np.argmin(np.abs(axis))])
+    across /= np.linalg.norm(across)
+    turn = np.linspace(0.0, 2.0 * np.pi, _FACETS + 1)[:, None]
+    circle = np.cos(turn) * across + np.sin(turn) * np.cross(axis, across)
+    rim = np.cos(half_angle) * axis + np.sin(half_angle) * circle
+    triangles: Float = np.stack([np.zeros_like(rim[1:]), rim[:-1], rim[1:]], axis=1)
+    return triangles
+
+
+def _symmetry_axis_last(moments: Float) -> list[int]:
+    pairs = ([1, 2, 0], [2, 0, 1], [0, 1, 2])
+    return min(pairs, key=lambda order: abs(moments[order[0]] - moments[order[1]]))
 
 
 def _flips(run: Run) -> list[float]:
     return [event.time for event in run.events if event.name == "flip"]
 
 
-def _write_flips(recording: Recording, run: Run, chosen: Plan) -> None:
+def _write_flips(recording: Recording, run: Run) -> None:
     """Write the sense of the spin about the intermediate axis, at the start and from each flip on."""
     import rerun as rr
 
     if not (flips := _flips(run)):
         return
-    first = 0 if run.angular_velocity[0] @ ascending(chosen)[1][:, 1] > 0 else 1
+    first = 0 if run.angular_velocity[0] @ ascending(run.plan)[1][:, 1] > 0 else 1
     states = [FLIP_STATES[(first + k) % 2] for k in range(len(flips) + 1)]
-    recording.static(paths.FLIPS, rr.StateConfiguration(values=FLIP_STATES, colors=[0x5ABE5AFF, 0xE65046FF]))
+    recording.static(entities.FLIPS, rr.StateConfiguration(values=FLIP_STATES, colors=[0x5ABE5AFF, 0xE65046FF]))
     time = np.array([run.time[0], *flips])
-    recording.columns(paths.FLIPS, time, lambda rows: rr.StateChange.columns(state=states[rows]))
+    recording.columns(entities.FLIPS, time, lambda rows: rr.StateChange.columns(state=states[rows]))

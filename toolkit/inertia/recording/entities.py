@@ -1,8 +1,44 @@
-"""Names that some kinds of run add to those of `paths`."""
+"""The names of entities in a recording: the timeline, the tree that all views share, and what each view adds."""
 
 from __future__ import annotations
 
-from inertia.recording.paths import BODY, CENTER, MOMENTUM_SPACE, PLOTS, WORLD
+TIMELINE = "sim_time"
+"""Duration since the start of the run."""
+
+WORLD = "world"
+"""Space axes; lengths in `Display.unit`."""
+CENTER = f"{WORLD}/center_of_mass"
+"""Space axes that go with the centre of mass, where that moves."""
+BODY = f"{CENTER}/body"
+"""The part axes: what hangs below it turns with the body."""
+PATH = f"{WORLD}/path"
+"""Of the centre of mass."""
+MESH = f"{BODY}/mesh"
+BODY_AXES = f"{BODY}/principal_axes"
+BODY_CONE = f"{BODY}/body_cone"
+SPACE_CONE = f"{CENTER}/space_cone"
+ANGULAR_VELOCITY = f"{CENTER}/angular_velocity"
+ANGULAR_MOMENTUM = f"{CENTER}/angular_momentum"
+HERPOLHODE = f"{CENTER}/herpolhode"
+
+MOMENTUM_SPACE = "body"
+"""Angular momentum along the principal axes, in units of its largest magnitude."""
+PRINCIPAL_AXES = f"{MOMENTUM_SPACE}/principal_axes"
+MOMENTUM_SPHERE = f"{MOMENTUM_SPACE}/momentum_sphere"
+ENERGY_ELLIPSOID = f"{MOMENTUM_SPACE}/energy_ellipsoid"
+POLHODE = f"{MOMENTUM_SPACE}/polhode"
+SEPARATRIX = f"{MOMENTUM_SPACE}/separatrix"
+CURRENT = f"{MOMENTUM_SPACE}/angular_momentum"
+
+PLOTS = "plots"
+"""Scalars at every sample of the run; the name of each series ends in its unit."""
+PLOT_ANGULAR_VELOCITY = f"{PLOTS}/angular_velocity"
+PLOT_EULER_ANGLES = f"{PLOTS}/euler_angles"
+PLOT_ENERGY = f"{PLOTS}/energy"
+PLOT_DRIFT = f"{PLOTS}/drift"
+
+FLIPS = "states/flips"
+SUMMARY = "text/summary"
 
 FIXED_POINT = f"{WORLD}/fixed_point"
 VERTICAL = f"{WORLD}/vertical"

@@ -16,7 +16,7 @@ from inertia.dynamics.loads.torque import Torque
 from inertia.dynamics.scene.body import SceneBody
 from inertia.dynamics.scene.document import Settings, Start
 from inertia.errors import ReadError
-from inertia.recording.read_back import properties, scene_of
+from inertia.recording.provenance import properties, scene_of
 from inertia_meshes import path
 
 
