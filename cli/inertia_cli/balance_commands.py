@@ -62,8 +62,8 @@ def balance(options: argparse.Namespace) -> int:
 def _balanced(rotor: Rotor, options: argparse.Namespace) -> int:
     from inertia.balancing.balance import balance as balance_rotor
     from inertia.output import require_writable
-    from inertia.report.balance.data import report_data
     from inertia.report.balance.document import balance_document
+    from inertia.report.balance.figures import report_data
     from inertia.report.balance.text import balance_text
 
     if options.to_toml:

@@ -26,7 +26,8 @@ _COARSER = 2.0
 
 def analyse(options: argparse.Namespace) -> int:
     """Run ``inertia analyse``."""
-    from inertia.report.analysis import analysis_document, analysis_text
+    from inertia.report.analysis.document import analysis_document
+    from inertia.report.analysis.text import analysis_text
 
     if options.richardson and options.chord is not None:
         raise UsageError("--chord and --richardson are two answers to one question: give one")

@@ -61,7 +61,8 @@ def _follow(scene: Scene, options: argparse.Namespace) -> int:
     from inertia.documents import FieldError
     from inertia.dynamics.plan import plan
     from inertia.dynamics.simulate import simulate as simulate_scene
-    from inertia.report.run import plan_document, plan_text, run_document, run_text
+    from inertia.report.run.document import plan_document, run_document
+    from inertia.report.run.text import plan_text, run_text
 
     if options.explain and (options.output is not None or options.live):
         raise UsageError("--explain runs nothing that could be recorded: leave out --output and --live")

@@ -39,9 +39,21 @@ def plus(rows: Sequence[Sequence[Fraction]], array: np.ndarray) -> Rows:
 def eigenvalues(rows: Sequence[Sequence[Fraction]], digits: int = 80) -> list[Fraction]:
     """Return the eigenvalues, ascending, right to some `digits` digits of the largest."""
     with mpmath.workdps(digits):
-        size = max(abs(x) for row in rows for x in row) or Fraction(1)
-        scaled = mpmath.matrix([[mpmath.mpf((x / size).numerator) / (x / size).denominator for x in r] for r in rows])
+        size, scaled = _scaled(rows)
         return sorted(size * Fraction(*_ratio(value)) for value in mpmath.eigsy(scaled, eigvals_only=True))
+
+
+def eigenvectors(rows: Sequence[Sequence[Fraction]], digits: int = 50) -> list[list[Fraction]]:
+    """Return the eigenvectors, in the order of ascending eigenvalues, to some `digits` digits."""
+    with mpmath.workdps(digits):
+        values, vectors = mpmath.eigsy(_scaled(rows)[1])
+        order = sorted(range(len(values)), key=lambda k: values[k])
+        return [[Fraction(*_ratio(vectors[i, k])) for i in range(len(values))] for k in order]
+
+
+def _scaled(rows: Sequence[Sequence[Fraction]]) -> tuple[Fraction, mpmath.matrix]:
+    size = max(abs(x) for row in rows for x in row) or Fraction(1)
+    return size, mpmath.matrix([[mpmath.mpf((x / size).numerator) / (x / size).denominator for x in r] for r in rows])
 
 
 def _ratio(value: mpmath.mpf) -> tuple[int, int]:

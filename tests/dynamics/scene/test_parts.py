@@ -16,7 +16,8 @@ from inertia.dynamics.scene.body import SceneBody
 from inertia.dynamics.scene.document import Scene, Settings, Start
 from inertia.dynamics.simulate import simulate
 from inertia.errors import GeometryError, ReadError, UsageError
-from inertia.report.run import run_document, run_text
+from inertia.report.run.document import run_document
+from inertia.report.run.text import run_text
 from inertia_meshes import path
 
 STOOL: dict[str, Any] = {

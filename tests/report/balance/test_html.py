@@ -18,7 +18,8 @@ import pytest
 from inertia.balancing.balance import balance
 from inertia.balancing.rotor import Rotor
 from inertia.errors import InertiaError, UsageError
-from inertia.report.balance.data import PlaneRow, report_data
+from inertia.report.balance.data import PlaneRow
+from inertia.report.balance.figures import report_data
 from inertia.report.balance.html import balance_html, save_balance_html
 
 ROTOR = files("inertia_meshes") / "rotors" / "two_disc_rotor.toml"

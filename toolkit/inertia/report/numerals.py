@@ -3,10 +3,13 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable
+import textwrap
+from collections.abc import Iterable, Iterator
 
 LABEL = 18
 """Width of the column of labels."""
+WIDTH = 120
+"""Width of a line."""
 
 
 def significant(value: float, digits: int = 4, decimals: int = 3) -> str:
@@ -42,6 +45,12 @@ def plain(value: float, decimals: int) -> str:
 def row(label: str, text: str) -> str:
     """Return one line: a label and what it says."""
     return f"{label:<{LABEL}}{text}"
+
+
+def wrapped(label: str, sentence: str) -> Iterator[str]:
+    """Yield the lines of a sentence beside a label."""
+    for k, line in enumerate(textwrap.wrap(sentence, WIDTH - LABEL, break_long_words=False)):
+        yield row("" if k else label, line)
 
 
 def number(value: float) -> str:

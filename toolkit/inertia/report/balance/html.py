@@ -53,7 +53,7 @@ def balance_html(data: ReportData) -> str:
 
     Parameters
     ----------
-    data : what it prints (`inertia.report.balance.data.report_data`)
+    data : what it prints (`inertia.report.balance.figures.report_data`)
     """
     import jinja2
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-import textwrap
 from collections.abc import Iterator, Mapping
 from pathlib import Path
 
@@ -11,9 +10,8 @@ from inertia.arrays import Float
 from inertia.balancing.bounds import Source
 from inertia.balancing.shop_units import GRAM_MILLIMETRE, GRAM_SQUARE_MILLIMETRE, in_degrees, in_gmm
 from inertia.report.balance.data import KINDS, MM, TURNS, BodyRow, OperationRow, ReportData
-from inertia.report.numerals import LABEL, fixed, number, row, significant
+from inertia.report.numerals import fixed, number, row, significant, wrapped
 
-_WIDTH = 120
 _ID = 12
 _LISTED = 6  # lines of the sensitivity table
 _DENSITY_FROM = {"option": "as given", "material": "of the material", "mass": "from the mass", "assumed": "assumed"}
@@ -40,10 +38,10 @@ def _head(data: ReportData) -> Iterator[str]:
     names = ", ".join(f"{word}{value}" for value, word in named if value is not None)
     yield row("Rotor", data.rotor + (f" ({names})" if names else ""))
     for k, body in enumerate(data.bodies):
-        yield from _wrapped("" if k else "Bodies", _body(body))
+        yield from wrapped("" if k else "Bodies", _body(body))
         yield row("", f"SHA-256 {body.sha256}")
     if head.remark:
-        yield from _wrapped("Remark", head.remark)
+        yield from wrapped("Remark", head.remark)
 
 
 def _body(body: BodyRow) -> str:
@@ -66,7 +64,7 @@ def _axis(data: ReportData) -> Iterator[str]:
     yield row("Angles", f"0° towards {_listed(shaft.axes[:, 0])}, counter-clockwise seen from B looking toward A")
     yield row("Speed", f"{number(data.service.rpm)} r/min, {TURNS[shaft.rotation]} seen from B looking toward A")
     if data.rigid is not None:
-        yield from _wrapped("", data.rigid.text)
+        yield from wrapped("", data.rigid.text)
 
 
 def _unbalance(data: ReportData) -> Iterator[str]:
@@ -93,7 +91,7 @@ def _unbalance(data: ReportData) -> Iterator[str]:
     yield row("  principal axis", leans)
     tolerance = data.tolerance
     total = "" if tolerance.total is None else f" = {_gmm(tolerance.total)} g·mm"
-    yield from _wrapped("Permissible", f"{tolerance.standard}: {tolerance.rule}{total}")
+    yield from wrapped("Permissible", f"{tolerance.standard}: {tolerance.rule}{total}")
     for name, share in zip("AB", tolerance.shares or (), strict=False):
         clamp = f", kept at {share.used:g} of {share.limits[0]:g} to {share.limits[1]:g}" if share.clamped else ""
         yield row("", f"share of plane {name} {share.allocated:.4g}{clamp}")
@@ -140,7 +138,7 @@ def _operations(data: ReportData) -> Iterator[str]:
         yield f"{'Work, in mm':<{width + 21}}{names}"
     for work in data.operations:
         yield _operation(work, width)
-    yield from _wrapped("Correction", data.ending)
+    yield from wrapped("Correction", data.ending)
 
 
 def _operation(work: OperationRow, width: int) -> str:
@@ -185,11 +183,11 @@ def _closing(data: ReportData) -> Iterator[str]:
     yield row("Achieved", f"balance quality grade G {', '.join(grades)} (mm/s)")
     yield row("Verdict", data.outcome.upper())
     for sentence in data.verdict:
-        yield from _wrapped("", sentence)
+        yield from wrapped("", sentence)
     if data.operations:
         yield row("", f"as modelled, before any correction: {data.initial.outcome.upper()}")
     for k, note in enumerate(data.notes):
-        yield from _wrapped("" if k else "Notes", note)
+        yield from wrapped("" if k else "Notes", note)
 
 
 def _gmm(unbalance: complex) -> str:
@@ -214,8 +212,3 @@ def _point(point: Float) -> str:
 
 def _listed(values: Float) -> str:
     return ", ".join(f"{round(value, 6) + 0.0:.8g}" for value in values.tolist())
-
-
-def _wrapped(label: str, sentence: str) -> Iterator[str]:
-    for k, line in enumerate(textwrap.wrap(sentence, _WIDTH - LABEL, break_long_words=False)):
-        yield row("" if k else label, line)

@@ -1,19 +1,16 @@
-"""`Analysis` → the text that goes into a report, and the document ``inertia/analysis/1``."""
+"""`Analysis` → lines of text."""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Iterator
-from dataclasses import asdict
 from fractions import Fraction
-from typing import Any
-
-import numpy as np
 
 from inertia.errors import UNIT, Remedy, Sentence, Wording
 from inertia.mass.analysis import Analysis
-from inertia.mass.principal import Principal, radii_of_gyration
+from inertia.mass.principal import radii_of_gyration
 from inertia.mass.repair import Repaired
+from inertia.report.analysis.document import relative_bounds
 from inertia.report.numerals import cleared, columns, number, power, row
 
 _DENSITY_FROM = {
@@ -39,80 +36,6 @@ _CLASS = {
     "asymmetric": "asymmetric (no two moments are equal)",
     "rotor": "rotor (I1 = 0, I2 = I3: all mass lies on axis 1)",
 }
-
-
-def analysis_document(analysis: Analysis, repaired: Repaired | None = None) -> dict[str, Any]:
-    """Return the analysis as ``inertia/analysis/1``; numbers are SI but for the points given in the part's unit."""
-    part, properties, principal = analysis.part, analysis.properties, analysis.principal
-    mesh: dict[str, Any] = {"triangles": analysis.triangles, "closed": analysis.closed, "bodies": analysis.bodies}
-    if analysis.cells:
-        mesh["cells"] = analysis.cells
-    document: dict[str, Any] = {
-        "schema": "inertia/analysis/1",
-        "source": {"path": part.source.path, "sha256": part.source.sha256, "format": part.source.format},
-        "unit": part.unit.name,
-        "unit_from": part.unit_from,
-        "density": analysis.density,
-        "density_from": analysis.density_from,
-        "model": analysis.model,
-        "mesh": mesh,
-        "extents": analysis.extents.tolist(),
-        "volume": properties.volume,
-        "area": analysis.area,
-        "mass": properties.mass,
-        "center_of_mass": properties.center_of_mass.tolist(),
-        "inertia": properties.inertia.tolist(),
-        "principal_moments": principal.moments.tolist(),
-        "principal_axes": principal.axes.tolist(),
-        "equal_moments": [list(group) for group in principal.equal],
-        "class": principal.kind,
-        "class_tolerance": principal.tolerance,
-        "radii_of_gyration": properties.radii_of_gyration.tolist(),
-        "equivalent_ellipsoid": properties.equivalent_ellipsoid.tolist(),
-        "error": {
-            "method": properties.error.method,
-            "volume": properties.error.volume,
-            "mass": properties.error.mass,
-            "center_of_mass": properties.error.center_of_mass,
-            "inertia": properties.error.inertia,
-            "principal_moments": [k if math.isfinite(k) else None for k in _relative_bounds(principal)],
-            "principal_axes": principal.axis_bounds.tolist(),
-        },
-    }
-    if analysis.tessellation is not None:
-        document["error"]["tessellation"] = asdict(analysis.tessellation)
-    if analysis.about is not None:
-        point, tensor = analysis.about
-        document["inertia_about"] = {"point": list(point), "inertia": tensor.tolist()}
-    if analysis.shares:
-        document["shares"] = [
-            {
-                "name": share.name,
-                "density": share.density,
-                "volume": share.volume,
-                "mass": share.mass,
-                "center_of_mass": list(share.center_of_mass),
-            }
-            for share in analysis.shares
-        ]
-    if repaired is not None:
-        document["repair"] = {
-            "changes": [
-                {
-                    "what": change.what,
-                    "count": change.count,
-                    "where": change.where,
-                    "largest_move": float(Fraction(change.largest_move) * part.unit.metres),
-                }
-                for change in repaired.changes
-            ],
-            "volume_before": repaired.volume_before,
-            "volume_after": repaired.volume_after,
-            "center_of_mass_shift": repaired.center_of_mass_shift,
-            "inertia_change": repaired.inertia_change,
-        }
-    document["notes"] = list(analysis.notes)
-    return document
 
 
 def analysis_text(analysis: Analysis, repaired: Repaired | None = None, *, wording: Wording = str) -> str:
@@ -233,12 +156,6 @@ def _principal(analysis: Analysis) -> list[str]:
     ]
 
 
-def _relative_bounds(principal: Principal) -> list[float]:
-    """Return the bounds on the moments relative to them; infinite for a moment of zero."""
-    pairs = zip(principal.moment_bounds.tolist(), np.abs(principal.moments).tolist(), strict=True)
-    return [bound / moment if moment else math.inf if bound else 0.0 for bound, moment in pairs]
-
-
 def _angle(bound: float) -> str:
     """Return a bound in degrees, or that there is none."""
     return f"{math.degrees(bound):.2g}°" if bound < 0.5 * math.pi else "any"
@@ -279,7 +196,7 @@ def _closing(analysis: Analysis, repaired: Repaired | None) -> Iterator[str]:
         "Error bound", f"volume {error.volume:.2g}, mass {error.mass:.2g}, tensor {error.inertia:.2g} (relative),"
     )
     principal = analysis.principal
-    moments = ", ".join(f"{value:.2g}" for value in _relative_bounds(principal))
+    moments = ", ".join(f"{value:.2g}" for value in relative_bounds(principal))
     axes = ", ".join(_angle(value) for value in principal.axis_bounds.tolist())
     yield row("", f"centre of mass {error.center_of_mass:.2g} m")
     yield row("", f"principal moments {moments} (relative), axes {axes}")
@@ -289,7 +206,7 @@ def _closing(analysis: Analysis, repaired: Repaired | None) -> Iterator[str]:
             "Tessellation", f"volume {chord.volume:.2g}, mass {chord.mass:.2g}, tensor {chord.inertia:.2g} (relative),"
         )
         yield row("", f"centre of mass {chord.center_of_mass:.2g} m; {chord.method}")
-    told = {f"repaired: {change}" for change in repaired.changes} if repaired else set()
+    repairs = {f"repaired: {change}" for change in repaired.changes} if repaired else set()
     for note in analysis.notes:
-        if note not in told:
+        if note not in repairs:
             yield row("Note", note)

@@ -1,0 +1,94 @@
+"""`Analysis` → the document ``inertia/analysis/1``."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import asdict
+from fractions import Fraction
+from typing import Any
+
+import numpy as np
+
+from inertia.mass.analysis import Analysis
+from inertia.mass.principal import Principal
+from inertia.mass.repair import Repaired
+
+
+def analysis_document(analysis: Analysis, repaired: Repaired | None = None) -> dict[str, Any]:
+    """Return the analysis as ``inertia/analysis/1``; numbers are SI but for the points given in the part's unit."""
+    part, properties, principal = analysis.part, analysis.properties, analysis.principal
+    mesh: dict[str, Any] = {"triangles": analysis.triangles, "closed": analysis.closed, "bodies": analysis.bodies}
+    if analysis.cells:
+        mesh["cells"] = analysis.cells
+    document: dict[str, Any] = {
+        "schema": "inertia/analysis/1",
+        "source": {"path": part.source.path, "sha256": part.source.sha256, "format": part.source.format},
+        "unit": part.unit.name,
+        "unit_from": part.unit_from,
+        "density": analysis.density,
+        "density_from": analysis.density_from,
+        "model": analysis.model,
+        "mesh": mesh,
+        "extents": analysis.extents.tolist(),
+        "volume": properties.volume,
+        "area": analysis.area,
+        "mass": properties.mass,
+        "center_of_mass": properties.center_of_mass.tolist(),
+        "inertia": properties.inertia.tolist(),
+        "principal_moments": principal.moments.tolist(),
+        "principal_axes": principal.axes.tolist(),
+        "equal_moments": [list(group) for group in principal.equal],
+        "class": principal.kind,
+        "class_tolerance": principal.tolerance,
+        "radii_of_gyration": properties.radii_of_gyration.tolist(),
+        "equivalent_ellipsoid": properties.equivalent_ellipsoid.tolist(),
+        "error": {
+            "method": properties.error.method,
+            "volume": properties.error.volume,
+            "mass": properties.error.mass,
+            "center_of_mass": properties.error.center_of_mass,
+            "inertia": properties.error.inertia,
+            "principal_moments": [k if math.isfinite(k) else None for k in relative_bounds(principal)],
+            "principal_axes": principal.axis_bounds.tolist(),
+        },
+    }
+    if analysis.tessellation is not None:
+        document["error"]["tessellation"] = asdict(analysis.tessellation)
+    if analysis.about is not None:
+        point, tensor = analysis.about
+        document["inertia_about"] = {"point": list(point), "inertia": tensor.tolist()}
+    if analysis.shares:
+        document["shares"] = [
+            {
+                "name": share.name,
+                "density": share.density,
+                "volume": share.volume,
+                "mass": share.mass,
+                "center_of_mass": list(share.center_of_mass),
+            }
+            for share in analysis.shares
+        ]
+    if repaired is not None:
+        document["repair"] = {
+            "changes": [
+                {
+                    "what": change.what,
+                    "count": change.count,
+                    "where": change.where,
+                    "largest_move": float(Fraction(change.largest_move) * part.unit.metres),
+                }
+                for change in repaired.changes
+            ],
+            "volume_before": repaired.volume_before,
+            "volume_after": repaired.volume_after,
+            "center_of_mass_shift": repaired.center_of_mass_shift,
+            "inertia_change": repaired.inertia_change,
+        }
+    document["notes"] = list(analysis.notes)
+    return document
+
+
+def relative_bounds(principal: Principal) -> list[float]:
+    """Return the bounds on the moments relative to them; infinite for a moment of zero."""
+    pairs = zip(principal.moment_bounds.tolist(), np.abs(principal.moments).tolist(), strict=True)
+    return [bound / moment if moment else math.inf if bound else 0.0 for bound, moment in pairs]

@@ -1,0 +1,184 @@
+"""`report_data`: the figures that are reported of a `Balance`, each computed once."""
+
+from __future__ import annotations
+
+import datetime
+import math
+from pathlib import Path
+
+from inertia import __version__
+from inertia.balancing.balance import Balance
+from inertia.balancing.corrections.operation import Operation
+from inertia.balancing.rotor import Rotor
+from inertia.balancing.rotor_bodies import RotorBody
+from inertia.balancing.unbalance import Unbalance
+from inertia.mesh.part import Source as FileSource
+from inertia.report.balance.data import (
+    MM,
+    BearingRow,
+    BodyRow,
+    OperationRow,
+    PlaneRow,
+    ReportData,
+    State,
+    Vectors,
+)
+
+
+def report_data(balance: Balance, date: str | None = None) -> ReportData:
+    """Return what is reported of a balance.
+
+    Parameters
+    ----------
+    balance : what `inertia.balance` returned
+    date : of the report; today without it
+    """
+    rotor, correction = balance.rotor, balance.correction
+    initial = _state(balance, "initial", balance.initial)
+    residual = _state(balance, "residual", balance.residual)
+    return ReportData(
+        rotor=rotor.name,
+        head=rotor.fields.report,
+        date=date or datetime.date.today().isoformat(),
+        version=__version__,
+        file=_file(rotor),
+        bodies=tuple(map(_body, balance.bodies)),
+        parts=tuple(body.part for body in balance.bodies),
+        axis=balance.axis,
+        zero_mark=rotor.fields.axis.zero_mark,
+        radial_uncertainty=MM * rotor.radial_uncertainty,
+        keys=rotor.fields.key,
+        metres=float(rotor.unit.metres),
+        service=rotor.fields.service,
+        rigid=balance.rigid,
+        tilt=balance.tilt,
+        tolerance=balance.tolerance,
+        bearings=(_bearing(balance, 0), _bearing(balance, 1)),
+        planes=_planes(balance),
+        initial=initial,
+        correction=_change(initial, residual, balance.rotor.speed),
+        residual=residual,
+        operations=() if correction is None else tuple(_operation(balance, work) for work in correction.operations),
+        corrected=correction is not None,
+        cuts=0 if correction is None else correction.iterations,
+        within=correction is not None and correction.within,
+        limits_hit=() if correction is None else correction.limits_hit,
+        ending="" if correction is None else correction.why,
+        scatter=balance.scatter,
+        verdict=balance.verdict.why,
+        notes=balance.notes,
+    )
+
+
+def _file(rotor: Rotor) -> tuple[str, str] | None:
+    """Return the rotor file's name and SHA-256; None where the rotor was not read from one."""
+    if rotor.text is None or not Path(rotor.name).is_file():
+        return None
+    return Path(rotor.name).name, FileSource(rotor.name, "toml").sha256 or ""
+
+
+def _body(body: RotorBody) -> BodyRow:
+    source, analysis = body.part.source, body.analysis
+    return BodyRow(
+        name=body.name,
+        path=source.path,
+        sha256=source.sha256,
+        unit=body.part.unit.name,
+        density=body.density,
+        density_from=analysis.density_from,
+        mass=analysis.properties.mass,
+        triangles=analysis.triangles,
+        chord=MM * body.chord,
+        chord_from=body.chord_from,
+    )
+
+
+def _bearing(balance: Balance, number: int) -> BearingRow:
+    plane, shares = balance.verdict.planes[number], balance.tolerance.shares
+    return BearingRow(
+        name=plane.name,
+        z=MM * balance.tolerance_planes[number],
+        permissible=plane.permissible,
+        share=None if shares is None else shares[number],
+        residual_95=float(balance.scatter.residual_95[number]),
+        outcome=plane.outcome,
+    )
+
+
+def _planes(balance: Balance) -> tuple[PlaneRow, ...]:
+    rows = {plane.id: PlaneRow(plane.id, MM * plane.z) for plane in balance.planes}
+    for plane in balance.correction_planes:
+        sectors = tuple((math.degrees(k.start) % 360.0, math.degrees(k.stop) % 360.0) for k in plane.forbidden)
+        rows[plane.id] = PlaneRow(plane.id, rows[plane.id].z, plane.method, MM * plane.radius, plane.face, sectors)
+    return tuple(rows.values())
+
+
+def _state(balance: Balance, name: str, unbalance: Unbalance) -> State:
+    residual = name == "residual"
+    verdict = balance.verdict if residual else balance.initial_verdict
+    a, b = verdict.planes
+    force_a, force_b = balance.forces(unbalance)
+    starting_a, starting_b = balance.forces_running_up(unbalance)
+    return State(
+        name=name,
+        planes=tuple(plane.residual if residual else plane.initial for plane in balance.planes),
+        bearings=(a.residual, b.residual),
+        static=unbalance.static,
+        couple=unbalance.couple_about(balance.initial.z),
+        forces=(abs(force_a), abs(force_b)),
+        mass=unbalance.mass,
+        z=MM * unbalance.z,
+        kind=unbalance.kind,
+        couple_about_center=unbalance.couple,
+        static_bounds=unbalance.bounds_of(1.0, 0.0),
+        couple_bounds=unbalance.bounds_of(0.0, 1.0),
+        bearing_bounds=(a.bounds, b.bounds),
+        eccentricity=1e6 * unbalance.eccentricity,
+        grade=balance.achieved_grade(unbalance),
+        torque=abs(balance.torque(unbalance)),
+        forces_running_up=(abs(starting_a), abs(starting_b)),
+        outcome=verdict.outcome,
+    )
+
+
+def _change(first: Vectors, last: Vectors, speed: float) -> Vectors:
+    """Return what takes one to the other."""
+    a, b = (after - before for before, after in zip(first.bearings, last.bearings, strict=True))
+    return Vectors(
+        "correction",
+        planes=tuple(after - before for before, after in zip(first.planes, last.planes, strict=True)),
+        bearings=(a, b),
+        static=last.static - first.static,
+        couple=last.couple - first.couple,
+        forces=(speed**2 * abs(a), speed**2 * abs(b)),
+    )
+
+
+def _operation(balance: Balance, work: Operation) -> OperationRow:
+    rates = {line.name: float(line.per_step.max()) for line in balance.scatter.sensitivities}
+    depth = rates.get(f"{work.id}: depth")
+    return OperationRow(
+        id=work.id,
+        plane=work.plane,
+        method=work.method,
+        kind=work.kind,
+        z=MM * work.z,
+        angle=math.degrees(work.angle),
+        radius=MM * work.radius,
+        mass=1e3 * work.mass,
+        unbalance=work.unbalance,
+        diameter=_mm(work.tool_diameter),
+        point=None if work.point_angle is None else math.degrees(work.point_angle),
+        depth=_mm(work.depth),
+        depth_tolerance=None if work.depth is None else MM * balance.rotor.shop.depth,
+        width=_mm(work.width),
+        wall=_mm(work.remaining_wall),
+        pieces=work.pieces,
+        item=work.item,
+        per_tenth=rates.get(f"{work.id}: radius") if depth is None else depth,
+        per_degree=rates.get(f"{work.id}: angle"),
+    )
+
+
+def _mm(length: float | None) -> float | None:
+    return None if length is None else MM * length

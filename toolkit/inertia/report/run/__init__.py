@@ -1,0 +1,1 @@
+"""`Run` and `Plan` → text and JSON."""
