@@ -97,9 +97,8 @@ def require_recordable(options: argparse.Namespace) -> None:
     """Ask what a recording needs before the work, which may take a while."""
     if options.output is None and not options.live:
         return
-    from inertia.recording.writer import require_rerun, require_viewer, require_writable
+    from inertia.recording.writer import require_viewer, require_writable
 
-    require_rerun()
     if options.output is not None:
         require_writable(options.output, force=options.force)
     if options.live:

@@ -15,7 +15,6 @@ from inertia.dynamics.scene.body import SceneBody
 from inertia.dynamics.scene.document import Scene, Settings
 from inertia.errors import ReadError, UsageError
 from inertia.mesh.part import Part
-from inertia.recording.writer import require_rerun
 
 _SETTINGS = ("duration", "samples", "accuracy", "model", "method")
 _PROPERTIES = "/__properties"
@@ -120,7 +119,6 @@ def properties(file: str | os.PathLike[str]) -> dict[str, dict[str, Any]]:
     name = os.fspath(file)
     if not Path(name).is_file():
         raise ReadError(f"cannot read {name}: there is no such file: check the path")
-    require_rerun()
     from rerun.chunk import RrdReader
     from rerun.error_utils import RerunWarning
 

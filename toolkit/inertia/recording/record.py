@@ -16,7 +16,6 @@ from inertia.recording.screen import Screen
 from inertia.recording.writer import (
     Recording,
     blocks,
-    require_rerun,
     require_viewer,
     require_writable,
     to_file,
@@ -46,13 +45,12 @@ def record(
 
     Raises
     ------
-    UsageError : neither a path nor `live`, a path that is not usable, a file that is there; no rerun-sdk
+    UsageError : neither a path nor `live`, a path that is not usable, or a file that is there
     GeometryError : the run has no samples, or some that are not finite
     InertiaError : the place cannot be written to, the disk is full, or no viewer listens
     """
     if path is None and not live:
         raise UsageError("there is nowhere to record to: give a path, or live=True with an open viewer")
-    require_rerun()
     if isinstance(subject, Run):
         _require_finite(subject)
     file = None if path is None else require_writable(path, force=force)

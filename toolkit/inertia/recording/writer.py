@@ -111,26 +111,17 @@ def blocks(count: int) -> Iterator[slice]:
         yield slice(start, min(start + BLOCK, count))
 
 
-def require_rerun() -> None:
-    """Raise `UsageError` where rerun-sdk is not installed."""
-    try:
-        import rerun  # noqa: F401
-    except ImportError:
-        raise UsageError("recording needs rerun-sdk: install it by pip install 'inertia[record]'") from None
-
-
 def require_writable(file: str | os.PathLike[str], *, force: bool = False) -> Path:
     """Return the path of a recording that can be written: to be asked before the work that leads to it.
 
     Raises
     ------
-    UsageError : the name does not end in .rrd, is a folder's, or exists and `force` is not set; no rerun-sdk
+    UsageError : the name does not end in .rrd, is a folder's, or exists and `force` is not set
     InertiaError : the folder cannot be written to
     """
     path = Path(file)
     if path.suffix.lower() != ".rrd":
         raise UsageError(f"cannot record to {path}: its name must end in .rrd")
-    require_rerun()
     if path.is_dir():
         raise UsageError(f"cannot record to {path}: it is a directory")
     if path.exists() and not force:

@@ -14,7 +14,7 @@ from inertia.dynamics.plan import plan
 from inertia.dynamics.run import Run
 from inertia.dynamics.scene.document import Scene
 from inertia.dynamics.simulate import simulate
-from inertia.errors import GeometryError, UsageError
+from inertia.errors import GeometryError, Sentence, UsageError
 from inertia.work_precision.rows import Measurement, SceneRow, Skipped
 from inertia.work_precision.stopwatch import Stopwatch, Timing
 
@@ -74,7 +74,7 @@ def measure_scene(
     ascent.run(progress)
     runs, skipped = ascent.runs, ascent.skipped
     if not runs and skipped[0].seconds is None:
-        raise GeometryError(f"{scene.name}: {skipped[0].why}")
+        raise GeometryError(skipped[0].why, places=(scene.name,))
     if not runs:
         raise UsageError(f"{scene.name}: no run fits into the budget of {watch.budget:g} s: give a larger budget")
     closed = [item for item in runs if item.run.steps == 0 and ladder[-1] in item.asked]
@@ -100,10 +100,10 @@ class _Ascent:
         for k, name in enumerate(sorted(foreseen, key=foreseen.__getitem__)):
             progress((k + 1) / (len(foreseen) + 1))
             own = [item.asked for item in planned if item.run.error.method == name]
-            had = {rung for asked in own for rung in asked}
+            done = {rung for rungs in own for rung in rungs}
             if own and own[-1] == planned[-1].asked:
-                had.update(self._ladder[reached:])  # it has failed there
-            self._climb(name, tuple(rung for rung in self._ladder if rung not in had), foreseen[name])
+                done.update(self._ladder[reached:])  # it has failed there
+            self._climb(name, tuple(rung for rung in self._ladder if rung not in done), foreseen[name])
         progress(1.0)
 
     def _methods(self) -> tuple[str, ...]:
@@ -113,8 +113,8 @@ class _Ascent:
     @cached_property
     def _model(self) -> Model:
         """The most general model of the scene, which takes a method."""
-        made = self.runs[0].run.plan if self.runs else plan(self._asking(self._ladder[0], None))
-        return made.candidates[-1].model
+        own = self.runs[0].run.plan if self.runs else plan(self._asking(self._ladder[0], None))
+        return own.candidates[-1].model
 
     def _asking(self, accuracy: float, method: str | None) -> Scene:
         """Return the scene with an accuracy and a method in place of its own; without one the planner selects."""
@@ -135,7 +135,7 @@ class _Ascent:
             try:
                 seconds, run = self._watch.once(simulated)  # this one may compile something
             except (GeometryError, UsageError) as fault:
-                self.skipped.append(Skipped(what, self._reason(fault)))
+                self.skipped.append(Skipped(what, _reason(fault)))
                 return
             time = Timing(seconds, seconds, seconds, 1)
             last = self.runs[-1] if k else None
@@ -151,22 +151,22 @@ class _Ascent:
         """Return the seconds that the coarsest run may take, from the first part of it; None where it fails."""
         run = self._scene.run
         short = replace(run, duration=run.duration / _PROBE, samples=max(2, run.samples // _PROBE))
-        asked = self._asking(self._ladder[0], method)
-        simulated = partial(
-            simulate, replace(asked, run=replace(asked.run, duration=short.duration, samples=short.samples))
-        )
+        scene = self._asking(self._ladder[0], method)
+        settings = replace(scene.run, duration=short.duration, samples=short.samples)
+        simulated = partial(simulate, replace(scene, run=settings))
         try:
             self._watch.once(simulated)  # this one may compile something
             seconds, first = self._watch.once(simulated)
         except (GeometryError, UsageError) as fault:
-            self.skipped.append(Skipped(_called(method), self._reason(fault)))
+            self.skipped.append(Skipped(_called(method), _reason(fault)))
             return None
         return seconds * (_PROBE if first.steps else run.samples / short.samples)
 
-    def _reason(self, fault: GeometryError | UsageError) -> str:
-        """Return what an error says, without the remedy where that is another accuracy."""
-        said = str(fault).removeprefix(f"{self._scene.name}: ")
-        return said.partition(": ")[0] if isinstance(fault, GeometryError) else said.removeprefix("run: ")
+
+def _reason(fault: GeometryError | UsageError) -> str:
+    """Return what an error says, without the place, and without the remedy where that is another accuracy."""
+    sentence = Sentence(*fault.words)
+    return sentence.partition(": ")[0] if isinstance(fault, GeometryError) else str(sentence)
 
 
 def _called(method: str | None) -> str:
