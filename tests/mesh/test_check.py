@@ -9,7 +9,8 @@ from hypothesis import strategies as st
 from tests.mesh.solids import Mesh, cube, facets, inside_out, joined, moebius, part, sphere
 
 from inertia.errors import GeometryError
-from inertia.mesh.check import Finding, Report, check
+from inertia.mesh.check import check
+from inertia.mesh.checks.findings import Finding, Report
 from inertia.mesh.part import Part, Surface
 
 CUBE = cube((5, 5, 5), size=10)

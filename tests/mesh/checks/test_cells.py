@@ -6,7 +6,9 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from inertia.errors import GeometryError
-from inertia.mesh.check import Report, cell_bodies, check
+from inertia.mesh.check import check
+from inertia.mesh.checks.cells import CellTopology
+from inertia.mesh.checks.findings import Report
 from inertia.mesh.part import CellBlock, Cells, Part, Source
 from inertia.units import length_unit
 
@@ -59,9 +61,9 @@ def test_a_block_of_hexahedra_is_one_sound_body() -> None:
 
 
 def test_cells_of_all_kinds_hang_together_by_triangles_and_quadrilaterals() -> None:
-    assert cell_bodies(cells(MIXED_POINTS, **MIXED)).tolist() == [0, 0, 0, 0]
+    assert CellTopology(cells(MIXED_POINTS, **MIXED)).bodies.tolist() == [0, 0, 0, 0]
     without_pyramid = {kind: nodes for kind, nodes in MIXED.items() if kind != "pyramid"}
-    assert cell_bodies(cells(MIXED_POINTS, **without_pyramid)).tolist() == [0, 1, 0]
+    assert CellTopology(cells(MIXED_POINTS, **without_pyramid)).bodies.tolist() == [0, 1, 0]
 
 
 @pytest.mark.parametrize(("kind", "more"), [("tetra10", 6), ("hexahedron20", 12), ("wedge15", 9), ("pyramid13", 8)])
@@ -78,7 +80,7 @@ def test_only_the_corners_of_second_order_cells_count(kind: str, more: int) -> N
 def test_bodies_are_numbered_as_they_appear_and_wires_have_none() -> None:
     points, nodes = grid(5, 1, 1)
     mesh = cells(points, line=[[0, 1]], hexahedron=nodes[[4, 0, 1, 3]], vertex=[[2]])
-    assert cell_bodies(mesh).tolist() == [-1, 0, 1, 1, 0, -1]
+    assert CellTopology(mesh).bodies.tolist() == [-1, 0, 1, 1, 0, -1]
     report = checked(mesh)
     assert (report.bodies, report.findings[0].code, report.findings[0].faces) == (2, "several_bodies", (1, 2))
 
@@ -90,7 +92,7 @@ def test_a_mesh_of_wires_has_no_body() -> None:
 
 def test_cells_that_touch_at_an_edge_are_apart() -> None:
     points, nodes = grid(2, 2, 1)
-    assert cell_bodies(cells(points, hexahedron=nodes[[0, 3]])).tolist() == [0, 1]
+    assert CellTopology(cells(points, hexahedron=nodes[[0, 3]])).bodies.tolist() == [0, 1]
 
 
 def test_nodes_with_equal_coordinates_are_one() -> None:
@@ -106,10 +108,10 @@ def test_a_collapsed_cell_is_joined_by_the_face_that_is_left() -> None:
     points, nodes = grid(1, 1, 1)
     (a, b, c, d, e, f, g, h) = nodes[0].tolist()
     wedge, collapsed = [a, b, c, e, f, g], [a, c, d, d, e, g, h, h]
-    assert cell_bodies(cells(points, wedge=[wedge], hexahedron=[collapsed])).tolist() == [0, 0]
+    assert CellTopology(cells(points, wedge=[wedge], hexahedron=[collapsed])).bodies.tolist() == [0, 0]
     on_top = [e, g, h, 8]
     mesh = cells(np.vstack([points, [0, 1, 2]]), hexahedron=[collapsed], tetra=[on_top])
-    assert cell_bodies(mesh).tolist() == [0, 0]
+    assert CellTopology(mesh).bodies.tolist() == [0, 0]
     assert checked(mesh).fit
 
 
@@ -122,7 +124,7 @@ def test_a_row_of_cubes_falls_apart_where_cubes_are_missing(count: int, data: st
     run = {k: k - i for i, k in enumerate(present)}  # constant along a run of neighbours
     first: dict[int, int] = {}
     expected = [first.setdefault(run[k], len(first)) for k in order]
-    assert cell_bodies(cells(points, hexahedron=nodes[order])).tolist() == expected
+    assert CellTopology(cells(points, hexahedron=nodes[order])).bodies.tolist() == expected
 
 
 def test_a_cell_stored_again_is_an_error_with_its_place() -> None:

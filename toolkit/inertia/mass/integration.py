@@ -17,7 +17,7 @@ from inertia.mass.moments import Moments
 from inertia.mass.triangles.arithmetic import METHODS, Arithmetic, arithmetics, solid_moments
 from inertia.mass.triangles.moments_from_sums import moments_of
 from inertia.mass.triangles.sums import Sums, sum_triangles
-from inertia.mesh.check import cell_bodies, check
+from inertia.mesh.check import check
 from inertia.mesh.checks.findings import around, middle, usable
 from inertia.mesh.geometry.closure import Closure, closure
 from inertia.mesh.geometry.shells import Shell, absolute_orientation, shells
@@ -229,7 +229,8 @@ def cell_integral(part: Part, named: Collection[str], *, progress: Progress | No
     assert isinstance(cells, Cells)
     if all(block.kind in ("line", "line3", "vertex") for block in cells.blocks):
         raise GeometryError(f"{part.name} holds lines or points only, which have no volume: use ", _WIRE, " for lines")
-    check(part).require_fit()
+    report = check(part)
+    report.require_fit()
     regions = part.regions
     if named:
         _refuse_unknown(named, [], regions)
@@ -248,7 +249,7 @@ def cell_integral(part: Part, named: Collection[str], *, progress: Progress | No
         triangles=0,
         cells=cells.count,
         closed=True,
-        bodies=int(cell_bodies(cells).max()) + 1,
+        bodies=report.bodies,
         area=boundary_area(cells),
         extents=_extents(cells),
         notes=tuple(notes),

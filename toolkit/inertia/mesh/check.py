@@ -2,18 +2,19 @@
 
 from __future__ import annotations
 
-from inertia.errors import require_kind
-from inertia.mesh.checks.cells import cell_bodies, check_cells
-from inertia.mesh.checks.crossings import self_intersections
-from inertia.mesh.checks.faces import face_findings, unusable
-from inertia.mesh.checks.findings import Finding, Report, by_severity
-from inertia.mesh.checks.shells import outward, shell_findings
-from inertia.mesh.checks.surface_topology import measure
-from inertia.mesh.geometry.edges import pieces
-from inertia.mesh.geometry.shells import bodies
-from inertia.mesh.part import Cells, Part
+from collections.abc import Iterable
 
-__all__ = ["Finding", "Report", "cell_bodies", "check"]
+import numpy as np
+
+from inertia.errors import require_kind
+from inertia.mesh.checks.cells import CellTopology
+from inertia.mesh.checks.findings import Finding, Report, Severity
+from inertia.mesh.checks.kinds import findings
+from inertia.mesh.checks.surface_topology import SurfaceTopology
+from inertia.mesh.geometry.edges import pieces
+from inertia.mesh.part import Cells, Part, Triangles
+
+_ORDER: tuple[Severity, ...] = ("error", "warning", "note")
 
 
 def check(part: Part, *, intersections: bool = False) -> Report:
@@ -32,22 +33,53 @@ def check(part: Part, *, intersections: bool = False) -> Report:
     """
     require_kind(part, Part, "part", "inertia.read(path)")
     if isinstance(part.geometry, Cells):
-        return check_cells(part, part.geometry)
-    triangles = part.geometry
-    nothing = unusable(triangles)
-    if nothing is not None:
-        return Report(part.source, triangles.count, 0, False, False, None, 0, (), (), (nothing,))
-    surface = measure(triangles, part.unit.name)
-    crossed = self_intersections(surface) if intersections else None
+        return _check_cells(part, CellTopology(part.geometry))
+    return _check_surface(part, part.geometry, intersections)
+
+
+def _check_surface(part: Part, triangles: Triangles, intersections: bool) -> Report:
+    if unusable := next(findings("triangles", triangles), None):
+        return _nothing_to_measure(part, triangles.count, unusable)
+    surface = SurfaceTopology.of(triangles, part.unit.name)
+    remarks = [*findings("surface", surface)]
+    if surface.bounds:
+        remarks += [*findings("volume", surface)] or [*findings("shells", surface)]
+    if intersections:
+        remarks += findings("crossings", surface)
     return Report(
         source=part.source,
         triangles=triangles.count,
         vertices=len(surface.vertices),
         closed=surface.closed,
         consistent=surface.consistent,
-        outward=outward(surface.shells),
-        bodies=len(bodies(surface.shells)) if surface.bounds else pieces(surface.edges),
+        outward=surface.outward,
+        bodies=len(surface.bodies) if surface.bounds else pieces(surface.edges),
         shells=surface.shells,
         loops=surface.loops,
-        findings=by_severity([*face_findings(surface), *shell_findings(surface), crossed]),
+        findings=_by_severity(remarks),
     )
+
+
+def _check_cells(part: Part, mesh: CellTopology) -> Report:
+    if unusable := next(findings("nodes", mesh), None):
+        return _nothing_to_measure(part, mesh.cells.count, unusable)
+    return Report(
+        source=part.source,
+        triangles=mesh.cells.count,
+        vertices=len(np.unique(mesh.merged[mesh.used])),
+        closed=True,
+        consistent=True,
+        outward=None,
+        bodies=int(mesh.bodies.max()) + 1,
+        shells=(),
+        loops=(),
+        findings=_by_severity(findings("cells", mesh)),
+    )
+
+
+def _nothing_to_measure(part: Part, count: int, finding: Finding) -> Report:
+    return Report(part.source, count, 0, False, False, None, 0, (), (), (finding,))
+
+
+def _by_severity(remarks: Iterable[Finding]) -> tuple[Finding, ...]:
+    return tuple(sorted(remarks, key=lambda finding: _ORDER.index(finding.severity)))

@@ -1,4 +1,4 @@
-"""Findings about bodies that share space and surfaces that cross, one function for each kind."""
+"""Evidence of bodies that share space, and of surfaces that cross."""
 
 from __future__ import annotations
 
@@ -8,8 +8,8 @@ from itertools import groupby
 import numpy as np
 
 from inertia.arrays import Float
-from inertia.mesh.checks.findings import Finding, counted, listed, middle
-from inertia.mesh.checks.surface_topology import Measured
+from inertia.mesh.checks.findings import Evidence, listed, middle
+from inertia.mesh.checks.surface_topology import SurfaceTopology
 from inertia.mesh.geometry.boxes import BoxTree, overlapping
 from inertia.mesh.geometry.shells import Body, absolute_orientation, bodies, members
 from inertia.mesh.part import Surface
@@ -17,17 +17,17 @@ from inertia.mesh.part import Surface
 _CROSSINGS = 10_000  # crossings looked for, before those between different shells are taken out
 
 
-def overlapping_bodies(surface: Measured) -> Finding | None:
+def overlapping_bodies(surface: SurfaceTopology) -> Evidence | None:
     """Find bodies that share space, every shell being turned as its depth asks."""
     from inertia.mesh.geometry.intersect import overlap
 
-    found = _turned_bodies(surface)
-    boxes = np.array([surface.shells[body.shells[0]].box for body in found])
+    parts = _turned_bodies(surface)
+    boxes = np.array([surface.shells[body.shells[0]].box for body in parts])
     meeting = _meeting(boxes)
     if not meeting:
         return None
     triangles_of = members(surface.closure)
-    groups = [np.concatenate([triangles_of[number] for number in body.shells]) for body in found]
+    groups = [np.concatenate([triangles_of[number] for number in body.shells]) for body in parts]
     turned = _turned(surface)
     corners = surface.vertices[surface.faces]
     low, high = corners.min(axis=1), corners.max(axis=1)
@@ -48,15 +48,10 @@ def overlapping_bodies(surface: Measured) -> Finding | None:
             first += [groups[one][0], groups[other][0]]
     if not places:
         return None
-    text = (
-        f"overlapping bodies: {counted(len(places), 'pair')} of bodies share space, the first "
-        f"{surface.around(places[0])} being those from triangles {first[0]} and {first[1]} on, so that it "
-        "counts twice: unite the bodies or move them apart"
-    )
-    return Finding("overlapping_bodies", "error", text, len(places), listed(np.array(first)), places[0])
+    return Evidence(len(places), listed(np.array(first)), places[0])
 
 
-def crossing_cavities(surface: Measured) -> Finding | None:
+def crossing_cavities(surface: SurfaceTopology) -> Evidence | None:
     """Find cavities that break through the wall of their body or into one another."""
     from inertia.mesh.geometry.intersect import crossings
 
@@ -68,41 +63,32 @@ def crossing_cavities(surface: Measured) -> Finding | None:
         for one, others in groupby(_meeting(boxes), key=lambda pair: pair[0]):
             a = triangles_of[body.shells[one]]
             b = np.concatenate([triangles_of[body.shells[other]] for _, other in others])
-            found = crossings(surface.triangles.select(a), surface.triangles.select(b))
-            total += found.total
-            pairs.append(np.column_stack([a[found.pairs[:, 0]], b[found.pairs[:, 1]]]))
-            points.append(found.points)
+            between = crossings(surface.triangles.select(a), surface.triangles.select(b))
+            total += between.total
+            pairs.append(np.column_stack([a[between.pairs[:, 0]], b[between.pairs[:, 1]]]))
+            points.append(between.points)
     if total == 0:
         return None
     pair, place = np.concatenate(pairs), middle(np.concatenate(points)[:1])
-    text = (
-        f"crossing cavities: {counted(total, 'pair')} of triangles of different shells of one body cross, "
-        f"the first {surface.around(place)} being triangles {pair[0, 0]} and {pair[0, 1]}, so that a cavity "
-        "takes away what is not there: unite the cavities or close the wall"
-    )
-    return Finding("overlapping_bodies", "error", text, total, listed(np.unique(pair)), place)
+    return Evidence(total, listed(np.unique(pair)), place, {"one": pair[0, 0], "other": pair[0, 1]})
 
 
-def self_intersections(surface: Measured) -> Finding | None:
+def self_intersections(surface: SurfaceTopology) -> Evidence | None:
     """Find triangles of one shell (of any piece, where there are no shells) that cross each other."""
     from inertia.mesh.geometry.intersect import crossings
 
-    found = crossings(surface.triangles, limit=_CROSSINGS)
-    labels = surface.closure.labels[found.pairs]
+    pairs = crossings(surface.triangles, limit=_CROSSINGS)
+    labels = surface.closure.labels[pairs.pairs]
     same = (labels[:, 0] == labels[:, 1]) | (not surface.shells)
     if not same.any():
         return None
-    pair, place = found.pairs[same], middle(found.points[same][:1])
+    pair, place = pairs.pairs[same], middle(pairs.points[same][:1])
     count = int(same.sum())
-    text = (
-        f"self-intersection: {'at least ' if found.truncated else ''}{counted(count, 'pair')} of triangles "
-        f"cross, the first {surface.around(place)} being triangles {pair[0, 0]} and {pair[0, 1]}, so that "
-        "what is enclosed twice counts twice: repair the part where it was made"
-    )
-    return Finding("self_intersection", "error", text, count, listed(np.unique(pair)), place)
+    figures = {"at_least": "at least " if pairs.truncated else "", "one": pair[0, 0], "other": pair[0, 1]}
+    return Evidence(count, listed(np.unique(pair)), place, figures)
 
 
-def _turned(surface: Measured) -> Surface:
+def _turned(surface: SurfaceTopology) -> Surface:
     """Return the triangles with every shell turned as its depth asks."""
     faces = surface.faces.copy()
     wrong = np.isin(surface.closure.labels, absolute_orientation(surface.shells))
@@ -110,7 +96,7 @@ def _turned(surface: Measured) -> Surface:
     return Surface(surface.vertices, faces)
 
 
-def _turned_bodies(surface: Measured) -> tuple[Body, ...]:
+def _turned_bodies(surface: SurfaceTopology) -> tuple[Body, ...]:
     """Return the bodies that there are when every shell is turned as its depth asks."""
     return bodies(
         [

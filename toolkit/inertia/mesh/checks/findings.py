@@ -1,10 +1,10 @@
-"""What a check of a part has found: single findings, and the report that holds them."""
+"""`Report` on a part and the `Finding`s in it, the evidence that they rest on, and how counts and places are worded."""
 
 from __future__ import annotations
 
-from collections.abc import Iterable
-from dataclasses import dataclass
-from typing import Literal, NamedTuple
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import Literal
 
 import numpy as np
 
@@ -16,14 +16,13 @@ from inertia.mesh.part import Source
 
 Severity = Literal["error", "warning", "note"]
 
-_ORDER: tuple[Severity, ...] = ("error", "warning", "note")
 _LARGEST = 1e75  # the inertia of anything larger leaves float64, whatever the unit
 _LISTED = 10
 
 
 @dataclass(frozen=True)
 class Finding:
-    """One thing found in a part.
+    """One thing that is wrong with a part, or worth knowing of it.
 
     Attributes
     ----------
@@ -99,17 +98,22 @@ class Report:
             raise GeometryError(faults[0].message, *more, places=(self.source.path or "the part",))
 
 
-class Where(NamedTuple):
-    """The last fields of a `Finding`: how many, the first of their triangles, and the place of the first."""
+@dataclass(frozen=True)
+class Evidence:
+    """What shows that something is wrong with a part.
 
-    number: int
-    faces: tuple[int, ...]
-    place: Place
+    Attributes
+    ----------
+    count : how many there are
+    faces : numbers of the first ten triangles (or cells) concerned
+    place : where the first or largest is, in file units
+    figures : more that the sentence states, by name
+    """
 
-
-def by_severity(findings: Iterable[Finding | None]) -> tuple[Finding, ...]:
-    """Return what was found, errors first, otherwise in the order given."""
-    return tuple(sorted((f for f in findings if f), key=lambda finding: _ORDER.index(finding.severity)))
+    count: int
+    faces: tuple[int, ...] = ()
+    place: Place | None = None
+    figures: Mapping[str, object] = field(default_factory=dict)
 
 
 def usable(coordinates: Float) -> Bool:

@@ -1,33 +1,51 @@
-"""What the check of a surface is based on, measured once."""
+"""Topology of a triangle surface, for its check: equal vertices merged, edges paired, shells nested."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from functools import cached_property
+from typing import Literal
 
 import numpy as np
 
 from inertia.arrays import Bool, Float, Int
-from inertia.mesh.checks.findings import Where, around, listed, middle
+from inertia.mesh.checks.findings import Evidence, around, listed, middle
+from inertia.mesh.geometry import edges, shells
 from inertia.mesh.geometry.closure import Closure, closure, merge_equal_vertices
-from inertia.mesh.geometry.edges import Edges, Loop, Place, boundary_loops, pair_edges
-from inertia.mesh.geometry.shells import Shell, shells
+from inertia.mesh.geometry.edges import Edges, Loop, Place
+from inertia.mesh.geometry.shells import Body, Shell
 from inertia.mesh.part import Triangles
+
+State = Literal["sheet", "sound", "inverted", "overlapping"]
+_STATES: dict[tuple[str, int], State] = {
+    ("outward", 0): "sound",
+    ("inward", 1): "sound",
+    ("inward", 0): "inverted",
+    ("outward", -1): "inverted",
+}
+"""The state of a shell by its kind and the winding number around it; the inside of any other counts twice."""
 
 
 @dataclass(frozen=True, eq=False)
-class Measured:
-    """A surface with usable coordinates: welded, edges paired, shells nested if it bounds a volume."""
+class SurfaceTopology:
+    """A surface with usable coordinates, and how it hangs together; `shells` is empty where it bounds no volume."""
 
     triangles: Triangles
     unit: str
     vertices: Float
     faces: Int
     edges: Edges
-    loops: tuple[Loop, ...]
     closure: Closure
     shells: tuple[Shell, ...]
+
+    @classmethod
+    def of(cls, triangles: Triangles, unit: str) -> SurfaceTopology:
+        """Merge equal vertices, pair the edges, and nest the shells."""
+        vertices, faces = merge_equal_vertices(triangles)
+        pairs, pieces = edges.pair_edges(faces), closure(triangles)
+        nested = shells.shells(triangles, pieces) if pairs.balanced.all() else ()
+        return cls(triangles, unit, vertices, faces, pairs, pieces, nested)
 
     @property
     def closed(self) -> bool:
@@ -45,6 +63,33 @@ class Measured:
         return bool(self.edges.balanced.all())
 
     @cached_property
+    def loops(self) -> tuple[Loop, ...]:
+        """The rims of the holes, the longest first."""
+        return edges.boundary_loops(self.vertices, self.edges)
+
+    @cached_property
+    def bodies(self) -> tuple[Body, ...]:
+        """The bodies that the shells bound as they are wound."""
+        return shells.bodies(self.shells)
+
+    @cached_property
+    def duplicates(self) -> tuple[Int, Int]:
+        """The triangles that repeat an earlier one: wound the same way, and the opposite way."""
+        return edges.duplicates(self.faces)
+
+    @property
+    def outward(self) -> bool | None:
+        """Whether all shells are wound rightly (True), all wrongly (False), or neither (None)."""
+        states = {_state(shell) for shell in self.shells} - {"sheet"}
+        if states == {"sound"}:
+            return True
+        return False if states == {"inverted"} else None
+
+    def in_state(self, state: State) -> list[Shell]:
+        """Return the shells in a state."""
+        return [shell for shell in self.shells if _state(shell) == state]
+
+    @cached_property
     def box(self) -> Float:
         """Least and greatest coordinates, (2, 3)."""
         return np.stack([self.vertices.min(axis=0), self.vertices.max(axis=0)])
@@ -53,32 +98,28 @@ class Measured:
         """Return a place in words."""
         return around(place, self.box)
 
-    def at_edges(self, mask: Bool) -> Where:
+    def at_edges(self, mask: Bool) -> Evidence | None:
         """Count the edges; give the triangles at the first of them and the middle of the first."""
         which = np.flatnonzero(mask)
-        return Where(len(which), self.edges.triangles(which), middle(self.vertices[self.edges.ends[which[0]]]))
+        if len(which) == 0:
+            return None
+        return Evidence(len(which), self.edges.triangles(which), middle(self.vertices[self.edges.ends[which[0]]]))
 
-    def at_faces(self, which: Int) -> Where:
+    def at_faces(self, which: Int) -> Evidence | None:
         """Count the triangles; give the first of them and the middle of the first."""
-        return Where(len(which), listed(which), middle(self.vertices[self.faces[which[0]]]))
+        if len(which) == 0:
+            return None
+        return Evidence(len(which), listed(which), middle(self.vertices[self.faces[which[0]]]))
 
-    def at_shells(self, which: Sequence[Shell]) -> Where:
-        """Count the shells; give the triangles they begin with and the middle of the first."""
-        return Where(len(which), listed(np.array([shell.first for shell in which])), middle(which[0].box))
+    def at_shells(self, which: Sequence[Shell], volumes: Iterable[float] = ()) -> Evidence | None:
+        """Count the shells; give the triangles they begin with, the middle of the first and the sum of volumes."""
+        if not which:
+            return None
+        first = listed(np.array([shell.first for shell in which]))
+        return Evidence(len(which), first, middle(which[0].box), {"volume": sum(volumes), "unit": self.unit})
 
 
-def measure(triangles: Triangles, unit: str) -> Measured:
-    """Weld a surface with usable coordinates, pair its edges, and nest its shells."""
-    vertices, faces = merge_equal_vertices(triangles)
-    edges = pair_edges(faces)
-    found = closure(triangles)
-    return Measured(
-        triangles=triangles,
-        unit=unit,
-        vertices=vertices,
-        faces=faces,
-        edges=edges,
-        loops=boundary_loops(vertices, edges),
-        closure=found,
-        shells=shells(triangles, found) if edges.balanced.all() else (),
-    )
+def _state(shell: Shell) -> State:
+    if shell.kind == "sheet":
+        return "sheet"
+    return _STATES.get((shell.kind, shell.winding_outside), "overlapping")

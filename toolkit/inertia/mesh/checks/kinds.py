@@ -1,0 +1,308 @@
+"""The kinds of findings of `inertia.mesh.check`, in one table: code, severity, evidence, sentence and remedy of each.
+
+A sentence names in braces what the evidence holds: `{count:edge}` is the count with its noun, `{first}` and `{second}`
+are the first two triangles (or cells), `{around}` is the place in words, other names are its figures.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from typing import Any, Literal
+
+import numpy as np
+
+from inertia.errors import ABSOLUTE, REPAIR, SHELL, Sentence, Word
+from inertia.mesh.checks.cells import CellTopology
+from inertia.mesh.checks.crossings import crossing_cavities, overlapping_bodies, self_intersections
+from inertia.mesh.checks.findings import Evidence, Finding, Severity, counted, listed, middle, usable
+from inertia.mesh.checks.surface_topology import SurfaceTopology
+from inertia.mesh.geometry.closure import repeated_corners
+from inertia.mesh.geometry.edges import flat
+from inertia.mesh.part import Surface, Triangles
+
+Subject = Literal["triangles", "surface", "volume", "shells", "crossings", "nodes", "cells"]
+"""What is looked at: `Triangles`; `SurfaceTopology`, whole, where it bounds a volume, where that is one, on request for
+crossings; `CellTopology`, before and after its nodes are known to be usable."""
+
+_CHUNK = 1 << 16
+_NOISE = 1e-13  # volume over the sum of the shells' volumes
+
+
+@dataclass(frozen=True)
+class Kind:
+    """A kind of finding: what shows it, and what is said of it.
+
+    Attributes
+    ----------
+    subject : what `evidence` is asked about
+    code, severity, turnable : see `Finding`
+    evidence : returns what shows it; None where all is well
+    sentence : what, how much, where
+    remedy : what to do about it, in words and arguments; () where nothing needs to be done
+    """
+
+    subject: Subject
+    code: str
+    severity: Severity
+    evidence: Callable[[Any], Evidence | None]
+    sentence: str
+    remedy: tuple[Word, ...] = ()
+    turnable: bool = False
+
+    def finding(self, subject: Triangles | SurfaceTopology | CellTopology) -> Finding | None:
+        """Return the finding of this kind, if there is evidence of it."""
+        evidence = self.evidence(subject)
+        if evidence is None:
+            return None
+        figures = {"count": _Count(evidence.count), **evidence.figures}
+        figures |= zip(("first", "second"), evidence.faces, strict=False)
+        if evidence.place is not None and isinstance(subject, SurfaceTopology | CellTopology):
+            figures["around"] = subject.around(evidence.place)
+        remedy = (": ", *self.remedy) if self.remedy else ()
+        message = Sentence(self.sentence.format_map(figures), *remedy)
+        return Finding(self.code, self.severity, message, evidence.count, evidence.faces, evidence.place, self.turnable)
+
+
+def findings(subject: Subject, part: Triangles | SurfaceTopology | CellTopology) -> Iterator[Finding]:
+    """Yield what there is to say about a subject, in the order of the table."""
+    return (finding for kind in KINDS if kind.subject == subject and (finding := kind.finding(part)))
+
+
+class _Count(int):
+    """A number that is written with a noun: `{count:edge}`, `{count:vertex|vertices}`."""
+
+    def __format__(self, noun: str) -> str:
+        return counted(self, *noun.split("|")) if noun else str(int(self))
+
+
+def _unusable(triangles: Triangles) -> Evidence | None:
+    chunks = range(0, triangles.count, _CHUNK)
+    wrong = [~usable(triangles.corners(start, start + _CHUNK)).all(axis=(1, 2)) for start in chunks]
+    which = np.flatnonzero(np.concatenate(wrong)) if wrong else np.empty(0, np.int64)
+    return Evidence(len(which), listed(which)) if len(which) else None
+
+
+def _holes(surface: SurfaceTopology) -> Evidence | None:
+    if not surface.loops:
+        return None
+    longest, count = surface.loops[0], len(surface.loops)
+    figures = {
+        "longest": "the longest " if count > 1 else "",
+        "length": longest.length,
+        "unit": surface.unit,
+        "triangle": longest.triangle,
+    }
+    return Evidence(count, listed(np.array([loop.triangle for loop in surface.loops])), longest.place, figures)
+
+
+def _unused(surface: SurfaceTopology) -> Evidence | None:
+    if not isinstance(surface.triangles, Surface):
+        return None
+    used = np.zeros(len(surface.triangles.vertices), bool)
+    used[surface.triangles.faces] = True
+    unused = np.flatnonzero(~used)
+    return Evidence(len(unused), figures={"vertex": unused[0]}) if len(unused) else None
+
+
+def _no_volume(surface: SurfaceTopology) -> Evidence | None:
+    solids = [shell for shell in surface.shells if shell.kind != "sheet"]
+    volumes = [shell.signed_volume for shell in solids]
+    turned = [(-1) ** shell.depth * abs(shell.signed_volume) for shell in solids]
+    # The second sum tells a wall of no thickness from two bodies of which one is inside out.
+    if max(abs(sum(volumes)), abs(sum(turned))) > _NOISE * sum(map(abs, volumes)):
+        return None
+    every = np.arange(len(surface.faces))
+    return Evidence(len(every), listed(every), middle(surface.box))
+
+
+def _sheets(surface: SurfaceTopology) -> Evidence | None:
+    sheets = surface.in_state("sheet")
+    return surface.at_shells(sheets) if len(sheets) < len(surface.shells) else None
+
+
+def _inward(surface: SurfaceTopology) -> Evidence | None:
+    if surface.outward is not False:
+        return None
+    return surface.at_shells(surface.in_state("inverted"), (shell.signed_volume for shell in surface.shells))
+
+
+def _inverted(surface: SurfaceTopology) -> Evidence | None:
+    return surface.at_shells(surface.in_state("inverted")) if surface.outward is not False else None
+
+
+def _several_bodies(surface: SurfaceTopology) -> Evidence | None:
+    outer = [surface.shells[body.shells[0]] for body in surface.bodies]
+    return surface.at_shells(outer) if len(outer) > 1 else None
+
+
+def _cavities(surface: SurfaceTopology) -> Evidence | None:
+    cavities = [surface.shells[number] for body in surface.bodies for number in body.shells[1:]]
+    return surface.at_shells(cavities, (abs(shell.signed_volume) for shell in cavities))
+
+
+KINDS = (
+    Kind(
+        "triangles", "empty", "error",
+        lambda triangles: None if triangles.count else Evidence(0),
+        "there are no triangles",
+        ("export the part again",),
+    ),
+    Kind(
+        "triangles", "non_finite", "error",
+        _unusable,
+        "{count:triangle} with a coordinate that is no usable number (NaN, infinite or beyond 1e75), the first being "
+        "triangle {first}",
+        ("export the part again",),
+    ),
+    Kind(
+        "surface", "open", "error",
+        _holes,
+        "open: {count:boundary loop}, {longest}{length:.4g} {unit} {around} at triangle {triangle}",
+        ("close the mesh, or use ", SHELL, " or ", REPAIR),
+    ),
+    Kind(
+        "surface", "inconsistent_winding", "error",
+        lambda surface: surface.at_edges(surface.edges.inconsistent),
+        "inconsistent winding: the two triangles at {count:edge} run the same way, the first being triangles {first} "
+        "and {second} {around}",
+        ("turn the wrong ones, or use ", REPAIR),
+    ),
+    Kind(
+        "surface", "duplicate_face", "error",
+        lambda surface: surface.at_faces(surface.duplicates[0]),
+        "{count:triangle} stored again with the same winding, the first being triangle {first} {around}",
+        ("remove the copies, or use ", REPAIR),
+    ),
+    Kind(
+        "surface", "non_manifold_edge", "error",
+        lambda surface: surface.at_edges(surface.edges.non_manifold & ~surface.edges.balanced),
+        "three or more triangles that do not pair up share {count:edge}, the first {around} at triangle {first}",
+        ("remove inner walls and fins, or use ", REPAIR),
+    ),
+    Kind(
+        "surface", "duplicate_face", "warning",
+        lambda surface: surface.at_faces(surface.duplicates[1]),
+        "{count:triangle} stored again with the opposite winding, the first being triangle {first} {around}",
+        ("look whether bodies should touch there or a wall has no thickness",),
+    ),
+    Kind(
+        "surface", "non_manifold_edge", "warning",
+        lambda surface: surface.at_edges(surface.edges.non_manifold & surface.edges.balanced),
+        "four or more triangles share {count:edge}, the first {around} at triangle {first}",
+        ("the volume is not affected, but look whether bodies should touch there",),
+    ),
+    Kind(
+        "surface", "degenerate_face", "warning",
+        lambda surface: surface.at_faces(np.flatnonzero(repeated_corners(surface.faces))),
+        "{count:triangle} with a repeated corner, the first being triangle {first} {around}",
+        ("the volume is not affected, and ", REPAIR, " removes them"),
+    ),
+    Kind(
+        "surface", "degenerate_face", "warning",
+        lambda surface: surface.at_faces(np.flatnonzero(flat(surface.vertices, surface.faces))),
+        "{count:triangle} without area (the corners lie on a line), the first being triangle {first} {around}",
+        ("the volume is not affected, and ", REPAIR, " removes them"),
+    ),
+    Kind(
+        "surface", "unused_vertices", "note",
+        _unused,
+        "{count:vertex|vertices} that no triangle uses, the first being vertex {vertex}",
+    ),
+    Kind(
+        "volume", "zero_volume", "error",
+        _no_volume,
+        "no volume: the surface {around} folds back on itself everywhere",
+        ("use ", SHELL, ", or export a solid"),
+    ),
+    Kind(
+        "shells", "inward", "error",
+        _inward,
+        "inside out: every triangle faces inward and the volume is {volume:.4g} {unit}³ {around}",
+        ("turn all triangles, or use ", ABSOLUTE),
+        turnable=True,
+    ),
+    Kind(
+        "shells", "inverted_body", "error",
+        _inverted,
+        "{count:shell} inside out beside others that are not, the first {around} from triangle {first} on",
+        ("turn its triangles, or use ", ABSOLUTE),
+        turnable=True,
+    ),
+    Kind(
+        "shells", "overlapping_bodies", "error",
+        lambda surface: surface.at_shells(surface.in_state("overlapping")),
+        "overlapping bodies: {count:shell} inside another of the same orientation, the first {around} from triangle "
+        "{first} on, so that the inside counts twice",
+        ("remove it, or use ", ABSOLUTE, " to make it a cavity"),
+        turnable=True,
+    ),
+    Kind(
+        "shells", "overlapping_bodies", "error",
+        overlapping_bodies,
+        "overlapping bodies: {count:pair} of bodies share space, the first {around} being those from triangles {first} "
+        "and {second} on, so that it counts twice",
+        ("unite the bodies or move them apart",),
+    ),
+    Kind(
+        "shells", "overlapping_bodies", "error",
+        crossing_cavities,
+        "crossing cavities: {count:pair} of triangles of different shells of one body cross, the first {around} being "
+        "triangles {one} and {other}, so that a cavity takes away what is not there",
+        ("unite the cavities or close the wall",),
+    ),
+    Kind(
+        "crossings", "self_intersection", "error",
+        self_intersections,
+        "self-intersection: {at_least}{count:pair} of triangles cross, the first {around} being triangles {one} and "
+        "{other}, so that what is enclosed twice counts twice",
+        ("repair the part where it was made",),
+    ),
+    Kind(
+        "shells", "zero_volume", "warning",
+        _sheets,
+        "{count:shell} without volume beside the bodies, the first {around} from triangle {first} on",
+        ("remove what adds no mass, or give it a thickness",),
+    ),
+    Kind("shells", "several_bodies", "note", _several_bodies, "{count} separate bodies"),
+    Kind(
+        "shells", "cavity", "note",
+        _cavities,
+        "{count:cavity|cavities} of {volume:.4g} {unit}³ in all, the first {around}",
+    ),
+    Kind(
+        "nodes", "empty", "error",
+        lambda mesh: None if mesh.cells.count else Evidence(0),
+        "there are no cells",
+        ("export the mesh again",),
+    ),
+    Kind(
+        "nodes", "node_out_of_range", "error",
+        CellTopology.out_of_range,
+        "{count:cell} with a node that does not exist, the first being cell {first} with node {node} where the nodes "
+        "are 0 to {last}",
+        ("export the mesh again",),
+    ),
+    Kind(
+        "nodes", "non_finite", "error",
+        CellTopology.unusable,
+        "{count:node} with a coordinate that is no usable number (NaN, infinite or beyond 1e75), the first being node "
+        "{node}",
+        ("export the mesh again",),
+    ),
+    Kind(
+        "cells", "duplicate_cell", "error",
+        CellTopology.duplicates,
+        "{count:cell} stored again, the first being cell {first} {around}, so that the volume counts twice",
+        ("remove the copies",),
+    ),
+    Kind(
+        "cells", "overlapping_cells", "error",
+        CellTopology.overlaps,
+        "overlapping cells: {count:face} of more than two cells, the first {around} at cell {first}, so that the "
+        "volume counts twice",
+        ("remove what overlaps",),
+    ),
+    Kind("cells", "several_bodies", "note", CellTopology.several_bodies, "{count} separate bodies"),
+    Kind("cells", "unused_vertices", "note", CellTopology.unused, "{count:node} that no cell uses"),
+)  # fmt: skip
