@@ -79,18 +79,20 @@ def test_case_14_the_analytic_rotor(case_14: Balance) -> None:
 
 
 def test_case_14_as_the_note_has_it(case_14: Balance) -> None:
-    found = case_14.initial
-    assert found.mass == pytest.approx(11.014, abs=5e-4)
-    assert (abs(found.static) / GMM, math.degrees(cmath.phase(found.static))) == pytest.approx((762.82, 8.67), abs=5e-3)
-    bearings = found.in_planes(*case_14.tolerance_planes)
+    unbalance = case_14.initial
+    assert unbalance.mass == pytest.approx(11.014, abs=5e-4)
+    assert (abs(unbalance.static) / GMM, math.degrees(cmath.phase(unbalance.static))) == pytest.approx(
+        (762.82, 8.67), abs=5e-3
+    )
+    bearings = unbalance.in_planes(*case_14.tolerance_planes)
     assert [abs(k) / GMM for k in bearings] == pytest.approx([247.2, 970.4], abs=0.05)
-    assert [abs(k) for k in case_14.forces(found)] == pytest.approx([24.4, 95.8], abs=0.05)
+    assert [abs(k) for k in case_14.forces(unbalance)] == pytest.approx([24.4, 95.8], abs=0.05)
     planes = [plane.initial for plane in case_14.planes]
     assert [abs(k) / GMM for k in planes] == pytest.approx([863.07, 1597.90], abs=6e-3)
     assert [math.degrees(cmath.phase(k)) % 360 for k in planes] == pytest.approx([210, 20], abs=1e-4)
     assert case_14.tolerance.total == pytest.approx(220.9 * GMM, abs=0.05 * GMM)
     assert math.degrees(case_14.tilt.angle) == pytest.approx(0.299, abs=5e-4)
-    assert found.kind == "dynamic"
+    assert unbalance.kind == "dynamic"
 
 
 def first_moments(parts: tuple[Part, ...]) -> tuple[float, complex, complex]:
@@ -132,24 +134,24 @@ def test_case_14_is_set_to_the_shops_steps(case_14: Balance) -> None:
 
 
 def test_a_box_beside_its_shaft_has_the_unbalance_of_its_offset(tmp_path: Path) -> None:
-    found = of_box(tmp_path)
+    answer = of_box(tmp_path)
     mass = STEEL * 0.04 * 0.04 * 0.08
-    assert found.initial.mass == pytest.approx(mass, rel=1e-14)
-    assert found.initial.static == pytest.approx(mass * 0.001, rel=1e-13)
-    assert abs(found.initial.couple) < 1e-15
-    assert [abs(k) for k in found.forces(found.initial)] == pytest.approx(
+    assert answer.initial.mass == pytest.approx(mass, rel=1e-14)
+    assert answer.initial.static == pytest.approx(mass * 0.001, rel=1e-13)
+    assert abs(answer.initial.couple) < 1e-15
+    assert [abs(k) for k in answer.forces(answer.initial)] == pytest.approx(
         [0.5 * mass * 0.001 * (100 * math.pi) ** 2] * 2, rel=1e-12
     )
-    assert found.correction is None
-    assert found.residual is found.initial
-    assert found.verdict.outcome == "fail"
+    assert answer.correction is None
+    assert answer.residual is answer.initial
+    assert answer.verdict.outcome == "fail"
 
 
 def test_a_symmetric_rotor_has_none(tmp_path: Path) -> None:
-    found = of_box(tmp_path, (-20, -20, 10), (20, 20, 90))
-    assert abs(found.initial.static) <= found.initial.static_bound
-    assert found.initial.kind == "balanced"
-    assert found.verdict.outcome == "pass"
+    answer = of_box(tmp_path, (-20, -20, 10), (20, 20, 90))
+    assert abs(answer.initial.static) <= answer.initial.static_bound
+    assert answer.initial.kind == "balanced"
+    assert answer.verdict.outcome == "pass"
 
 
 @pytest.mark.parametrize("degrees", [30.0, 210.0])
@@ -171,56 +173,56 @@ def test_bodies_of_two_materials_add_up(tmp_path: Path) -> None:
     write_box(tmp_path / "box.obj", (-20, -20, 10), (20, 20, 50))
     write_box(tmp_path / "lid.obj", (-18, -20, 50), (22, 20, 90))
     bodies = [{"file": "box.obj", "density": STEEL}, {"file": "lid.obj", "material": "aluminium"}]
-    found = balance(Rotor.from_dict(described(body=bodies), tmp_path))
+    answer = balance(Rotor.from_dict(described(body=bodies), tmp_path))
     lid = 2700 * 0.04 * 0.04 * 0.04
-    assert found.initial.static == pytest.approx(lid * 0.002, rel=1e-12)
-    a, b = found.initial.in_planes(0.0, 0.1)
+    assert answer.initial.static == pytest.approx(lid * 0.002, rel=1e-12)
+    a, b = answer.initial.in_planes(0.0, 0.1)
     assert (a, b) == pytest.approx((0.3 * lid * 0.002, 0.7 * lid * 0.002), rel=1e-12)
 
 
 def test_a_weighed_body_weighs_what_it_weighs(tmp_path: Path) -> None:
-    found = of_box(tmp_path, body=[{"file": "box.obj", "mass": 2.0}], uncertainty={"density": 0.1})
-    assert found.initial.mass == pytest.approx(2.0, rel=1e-15)
-    assert found.initial.static == pytest.approx(0.002, rel=1e-13)
-    assert "density" not in found.initial.bounds_of(1.0, 0.0)
+    answer = of_box(tmp_path, body=[{"file": "box.obj", "mass": 2.0}], uncertainty={"density": 0.1})
+    assert answer.initial.mass == pytest.approx(2.0, rel=1e-15)
+    assert answer.initial.static == pytest.approx(0.002, rel=1e-13)
+    assert "density" not in answer.initial.bounds_of(1.0, 0.0)
 
 
 def test_the_density_and_the_axis_leave_their_bounds(tmp_path: Path) -> None:
     axis = {"bearing_a": [0, 0, 0], "bearing_b": [0, 0, 100], "radial_uncertainty": 0.01}
-    found = of_box(tmp_path, axis=axis, uncertainty={"density": 0.02})
-    bounds = found.initial.bounds_of(1.0, 0.0)
-    assert bounds["density"] == pytest.approx(0.02 * abs(found.initial.static), rel=1e-12)
-    assert bounds["axis"] == pytest.approx(found.initial.mass * 1e-5, rel=1e-12)
+    answer = of_box(tmp_path, axis=axis, uncertainty={"density": 0.02})
+    bounds = answer.initial.bounds_of(1.0, 0.0)
+    assert bounds["density"] == pytest.approx(0.02 * abs(answer.initial.static), rel=1e-12)
+    assert bounds["axis"] == pytest.approx(answer.initial.mass * 1e-5, rel=1e-12)
 
 
 def test_a_key_that_is_not_in_the_mesh_counts(tmp_path: Path) -> None:
     key = {"convention": "F", "width": 5, "height": 4, "length": 20, "floor": 10, "z": 50, "angle": 90, "density": 7000}
-    found = of_box(tmp_path, (-20, -20, 10), (20, 20, 90), key=[key])
+    answer = of_box(tmp_path, (-20, -20, 10), (20, 20, 90), key=[key])
     mass = 7000 * 5e-3 * 4e-3 * 20e-3
-    assert abs(found.initial.static - 1j * mass * 0.012) < 1e-12 * GMM
-    assert found.initial.mass == pytest.approx(STEEL * 0.04 * 0.04 * 0.08 + mass, rel=1e-14)
+    assert abs(answer.initial.static - 1j * mass * 0.012) < 1e-12 * GMM
+    assert answer.initial.mass == pytest.approx(STEEL * 0.04 * 0.04 * 0.08 + mass, rel=1e-14)
 
 
 def test_a_bent_wheel_asks_its_axle_for_the_textbooks_torque() -> None:
-    found = balance(Rotor.load(path("rotors/bent_wheel.toml")))
-    moments = np.linalg.eigvalsh(found.properties.inertia)
-    tilt = found.tilt.angle
+    answer = balance(Rotor.load(path("rotors/bent_wheel.toml")))
+    moments = np.linalg.eigvalsh(answer.properties.inertia)
+    tilt = answer.tilt.angle
     spin = 600 * math.pi / 30
     # The wheel and its straight axle are one body: its own principal axis, not the wheel's, is tilted by `tilt`.
     wanted = spin**2 * (moments[2] - moments[0]) * math.sin(tilt) * math.cos(tilt)
-    assert abs(found.torque(found.initial)) == pytest.approx(wanted, rel=1e-6)
-    assert found.initial.kind == "couple"
-    assert abs(found.forces_running_up(found.initial)[0]) > abs(found.forces(found.initial)[0])
+    assert abs(answer.torque(answer.initial)) == pytest.approx(wanted, rel=1e-6)
+    assert answer.initial.kind == "couple"
+    assert abs(answer.forces_running_up(answer.initial)[0]) > abs(answer.forces(answer.initial)[0])
 
 
 def test_the_grade_achieved_tells_a_couple_from_balance() -> None:
-    found = balance(Rotor.load(path("rotors/bent_wheel.toml")))
-    assert found.initial_verdict.outcome == "fail"
-    assert found.achieved_grade(found.initial) > 40 > found.achieved_grade(found.residual)
+    answer = balance(Rotor.load(path("rotors/bent_wheel.toml")))
+    assert answer.initial_verdict.outcome == "fail"
+    assert answer.achieved_grade(answer.initial) > 40 > answer.achieved_grade(answer.residual)
     worst = max(
-        abs(u) / k for u, k in zip(found.initial.in_planes(-0.03, 0.03), found.tolerance.permissible, strict=True)
+        abs(u) / k for u, k in zip(answer.initial.in_planes(-0.03, 0.03), answer.tolerance.permissible, strict=True)
     )
-    assert found.achieved_grade(found.initial) == pytest.approx(40 * worst)
+    assert answer.achieved_grade(answer.initial) == pytest.approx(40 * worst)
 
 
 def test_a_grade_is_achieved_whatever_the_standard(tmp_path: Path) -> None:
@@ -232,8 +234,8 @@ def test_a_grade_is_achieved_whatever_the_standard(tmp_path: Path) -> None:
 
 
 def test_sensitivities_of_several_bodies_are_named_by_body() -> None:
-    found = balance(Rotor.load(path("rotors/shaft_impeller.toml")))
-    names = [line.name for line in found.scatter.sensitivities]
+    answer = balance(Rotor.load(path("rotors/shaft_impeller.toml")))
+    names = [line.name for line in answer.scatter.sensitivities]
     assert {"tessellation of shaft", "tessellation of impeller", "density of shaft", "density of impeller"} <= set(
         names
     )
@@ -242,40 +244,40 @@ def test_sensitivities_of_several_bodies_are_named_by_body() -> None:
 
 def test_a_single_plane_takes_the_static_unbalance(tmp_path: Path) -> None:
     plane = {"id": "only", "z": 50, "method": "add", "radius": 20, "angle_step": 0}
-    found = of_box(tmp_path, plane=[plane])
-    assert found.planes[0].initial == pytest.approx(found.initial.static, rel=1e-14)
-    assert found.correction is not None
-    (work,) = found.correction.operations
-    assert (work.mass, math.degrees(work.angle)) == pytest.approx((found.initial.mass * 0.001 / 0.02, 180), rel=1e-6)
-    assert found.verdict.outcome == "pass"
+    answer = of_box(tmp_path, plane=[plane])
+    assert answer.planes[0].initial == pytest.approx(answer.initial.static, rel=1e-14)
+    assert answer.correction is not None
+    (work,) = answer.correction.operations
+    assert (work.mass, math.degrees(work.angle)) == pytest.approx((answer.initial.mass * 0.001 / 0.02, 180), rel=1e-6)
+    assert answer.verdict.outcome == "pass"
 
 
 def test_planes_without_a_method_change_nothing(tmp_path: Path) -> None:
-    found = of_box(tmp_path, plane=[{"id": "I", "z": 20}, {"id": "II", "z": 80}])
-    assert found.correction is None
-    assert [abs(k.initial) for k in found.planes] == pytest.approx([0.5 * abs(found.initial.static)] * 2, rel=1e-12)
+    answer = of_box(tmp_path, plane=[{"id": "I", "z": 20}, {"id": "II", "z": 80}])
+    assert answer.correction is None
+    assert [abs(k.initial) for k in answer.planes] == pytest.approx([0.5 * abs(answer.initial.static)] * 2, rel=1e-12)
 
 
 def test_a_radius_left_out_is_the_bodies_own(tmp_path: Path) -> None:
-    found = of_box(tmp_path, plane=[{"id": "I", "z": 50, "method": "add"}])
-    assert found.correction_planes[0].radius == pytest.approx(math.hypot(0.021, 0.02), rel=1e-12)
+    answer = of_box(tmp_path, plane=[{"id": "I", "z": 50, "method": "add"}])
+    assert answer.correction_planes[0].radius == pytest.approx(math.hypot(0.021, 0.02), rel=1e-12)
 
 
 def test_near_the_critical_speed_there_is_no_verdict(tmp_path: Path) -> None:
-    found = of_box(tmp_path, (-20, -20, 10), (20, 20, 90), service={"rpm": 3000, "critical_rpm": 4000})
-    assert found.verdict.outcome == "undecided"
-    assert "0.75 of the critical one" in found.verdict.why[-1]
+    answer = of_box(tmp_path, (-20, -20, 10), (20, 20, 90), service={"rpm": 3000, "critical_rpm": 4000})
+    assert answer.verdict.outcome == "undecided"
+    assert "0.75 of the critical one" in answer.verdict.why[-1]
 
 
 def test_a_detected_axis_is_a_candidate_without_a_verdict() -> None:
     given = Rotor.load(path("rotors/two_disc_rotor.toml")).to_dict()
     given |= {"axis": {"journals": "detect"}, "plane": []}
     given["body"][0]["file"] = "two_disc_rotor.stl"
-    found = balance(Rotor.from_dict(given, path("two_disc_rotor.stl").parent))
-    assert not found.axis.confirmed
-    assert found.verdict.outcome == "undecided"
-    assert "write bearing_a and bearing_b" in found.verdict.why[-1]
-    best = found.axis.candidates[0]
+    answer = balance(Rotor.from_dict(given, path("two_disc_rotor.stl").parent))
+    assert not answer.axis.confirmed
+    assert answer.verdict.outcome == "undecided"
+    assert "write bearing_a and bearing_b" in answer.verdict.why[-1]
+    best = answer.axis.candidates[0]
     np.testing.assert_allclose([best.bearing_a, best.bearing_b], [[0, 0, 0.04], [0, 0, 0.265]], atol=1e-9)
     assert best.radii == pytest.approx((0.015, 0.015), abs=1e-7)
 
@@ -300,9 +302,9 @@ def write_regions(file: Path) -> None:
 
 def test_named_journals_are_candidates_too(tmp_path: Path) -> None:
     write_regions(tmp_path / "box.obj")
-    found = balance(Rotor.from_dict(described(axis={"journals": ["left", "right"]}), tmp_path))
-    assert found.verdict.outcome == "undecided"
-    (candidate,) = found.axis.candidates
+    answer = balance(Rotor.from_dict(described(axis={"journals": ["left", "right"]}), tmp_path))
+    assert answer.verdict.outcome == "undecided"
+    (candidate,) = answer.axis.candidates
     np.testing.assert_allclose([candidate.bearing_a, candidate.bearing_b], [[0, 0, 0.01], [0, 0, 0.09]], atol=1e-9)
     with pytest.raises(UsageError, match=r"axis\.journals: no body has a region 'middle': they have 'left', 'block'"):
         balance(Rotor.from_dict(described(axis={"journals": ["left", "middle"]}), tmp_path))
@@ -313,8 +315,8 @@ def test_named_journals_are_candidates_too(tmp_path: Path) -> None:
 def test_a_region_is_a_body_by_itself(tmp_path: Path) -> None:
     write_regions(tmp_path / "box.obj")
     body = {"file": "box.obj", "region": "block", "density": 1000, "chord_tolerance": 0}
-    found = balance(Rotor.from_dict(described(body=[body]), tmp_path))
-    assert found.initial.mass == pytest.approx(1000 * 2 * 0.02**2 * 0.06, rel=1e-12)
+    answer = balance(Rotor.from_dict(described(body=[body]), tmp_path))
+    assert answer.initial.mass == pytest.approx(1000 * 2 * 0.02**2 * 0.06, rel=1e-12)
 
 
 def test_the_unit_of_a_mesh_is_the_files_where_nobody_else_says(tmp_path: Path) -> None:
@@ -341,17 +343,17 @@ def test_the_sag_of_a_prism_is_estimated(tmp_path: Path, sides: int) -> None:
 
 
 def test_a_plane_faced_body_has_no_sag(tmp_path: Path) -> None:
-    found = of_box(tmp_path)
-    assert (found.bodies[0].chord, found.bodies[0].chord_from) == (0, "estimated")
-    assert not any("chord_tolerance" in note for note in found.notes)
+    answer = of_box(tmp_path)
+    assert (answer.bodies[0].chord, answer.bodies[0].chord_from) == (0, "estimated")
+    assert not any("chord_tolerance" in note for note in answer.notes)
 
 
 def test_a_coarse_mesh_leaves_a_verdict_undecided() -> None:
     given = Rotor.load(path("rotors/two_disc_rotor.toml")).to_dict()
     given["body"][0] |= {"file": "two_disc_rotor.stl", "chord_tolerance": 0.1}
-    found = balance(Rotor.from_dict(given, path("two_disc_rotor.stl").parent))
-    assert found.verdict.outcome == "undecided"
-    assert re.search(r"what would settle it: a chord tolerance of 0\.00\d+ mm or less", found.verdict.why[0])
+    answer = balance(Rotor.from_dict(given, path("two_disc_rotor.stl").parent))
+    assert answer.verdict.outcome == "undecided"
+    assert re.search(r"what would settle it: a chord tolerance of 0\.00\d+ mm or less", answer.verdict.why[0])
 
 
 def test_bodies_no_deeper_in_each_other_than_their_chords_only_touch() -> None:

@@ -119,9 +119,9 @@ class TestErrors:
 class TestDensity:
     def test_two_bodies_of_uncertain_density_may_err_apart(self):
         bodies = [(1e-3 + 0j, 2e-5j), (-1e-3 + 0j, 3e-5j)]
-        found = bounds.density(bodies, 0.01)
-        assert found.bound(1.0, 0.0) == pytest.approx(2e-5)
-        assert found.bound(0.0, 1.0) == pytest.approx(5e-7)
+        bound = bounds.density(bodies, 0.01)
+        assert bound.bound(1.0, 0.0) == pytest.approx(2e-5)
+        assert bound.bound(0.0, 1.0) == pytest.approx(5e-7)
         # (1e-3 ± 1 %) − (1e-3 ∓ 1 %) is 2e-5 off: the bound is reached.
 
     @pytest.mark.parametrize("relative", [-0.1, 1.0, math.nan])

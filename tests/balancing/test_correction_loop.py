@@ -43,8 +43,8 @@ def rotor():
 @pytest.fixture(scope="module")
 def case_14(rotor):
     """Return the rotor's unbalance and its tolerance, G6.3 at 3000 r/min."""
-    found = unbalance_of(rotor)
-    return found, iso_21940_11(6.3, found, BEARINGS, 100 * math.pi)
+    correction = unbalance_of(rotor)
+    return correction, iso_21940_11(6.3, correction, BEARINGS, 100 * math.pi)
 
 
 def at_bearings(parts, densities, operations=()):
@@ -84,13 +84,13 @@ class TestCase14:
         assert [abs(k) / GMM for k in left] == pytest.approx(expected, abs=1.0)  # 4.0 and 12.6, and facets
 
     def test_nothing_is_left_after_three_cuts_and_little_after_rounding(self, rotor, case_14):
-        found = correct([rotor], [STEEL], on_z(), case_14[0], DRILLS, case_14[1])
-        assert found.within
-        assert not found.limits_hit
-        assert found.iterations <= 3
-        assert np.abs(seen(found.unrounded)).max() < 0.001
-        assert np.abs(seen(found.residual)).max() < 1.5
-        assert np.abs(seen(found.residual) - at_bearings(found.parts, [STEEL])).max() < 1e-6
+        correction = correct([rotor], [STEEL], on_z(), case_14[0], DRILLS, case_14[1])
+        assert correction.within
+        assert not correction.limits_hit
+        assert correction.iterations <= 3
+        assert np.abs(seen(correction.unrounded)).max() < 0.001
+        assert np.abs(seen(correction.residual)).max() < 1.5
+        assert np.abs(seen(correction.residual) - at_bearings(correction.parts, [STEEL])).max() < 1e-6
 
     def test_the_operations_are_those_of_the_shop(self, rotor, case_14):
         first, second = correct([rotor], [STEEL], on_z(), case_14[0], DRILLS, case_14[1]).operations
@@ -134,28 +134,32 @@ class TestCase14:
     ids=["several drills", "many holes", "axial", "through", "flats", "masses", "three planes", "mixed"],
 )
 def test_every_way_leaves_less_than_a_hundredth_before_rounding(rotor, case_14, planes):
-    found = correct([rotor], [STEEL], on_z(), case_14[0], planes, case_14[1])
-    assert found.within
-    assert np.abs(seen(found.unrounded)).max() < 0.01
-    assert np.abs(seen(found.residual) - at_bearings(found.parts, [STEEL], found.operations)).max() < 1e-6
-    steps = [1e4 * k.depth for k in found.operations if k.depth is not None]
+    correction = correct([rotor], [STEEL], on_z(), case_14[0], planes, case_14[1])
+    assert correction.within
+    assert np.abs(seen(correction.unrounded)).max() < 0.01
+    assert (
+        np.abs(seen(correction.residual) - at_bearings(correction.parts, [STEEL], correction.operations)).max() < 1e-6
+    )
+    steps = [1e4 * k.depth for k in correction.operations if k.depth is not None]
     assert steps == pytest.approx(np.round(steps), abs=1e-8)
 
 
 def test_the_unbalance_that_operations_state_is_what_the_cut_made(rotor, case_14):
-    found = correct([rotor], [STEEL], on_z(), case_14[0], DRILLS, case_14[1])
-    stated = case_14[0].with_vectors([(k.unbalance_z, k.unbalance) for k in found.operations])
-    assert np.abs(seen(stated) - seen(found.residual)).max() < 0.5
-    assert found.residual.mass == pytest.approx(case_14[0].mass - sum(k.mass for k in found.operations), abs=2e-5)
+    correction = correct([rotor], [STEEL], on_z(), case_14[0], DRILLS, case_14[1])
+    stated = case_14[0].with_vectors([(k.unbalance_z, k.unbalance) for k in correction.operations])
+    assert np.abs(seen(stated) - seen(correction.residual)).max() < 0.5
+    assert correction.residual.mass == pytest.approx(
+        case_14[0].mass - sum(k.mass for k in correction.operations), abs=2e-5
+    )
 
 
 def test_turning_the_rotor_turns_the_angles_and_nothing_else(rotor, case_14):
     turn = math.radians(73)
     shaft = replace(on_z(), zero_mark=np.array([math.cos(turn), math.sin(turn), 0.0]))
     exact = [replace(k, depth_step=0.0, angle_step=0.0) for k in DRILLS]
-    found = correct([rotor], [STEEL], on_z(), case_14[0], exact, case_14[1])
+    correction = correct([rotor], [STEEL], on_z(), case_14[0], exact, case_14[1])
     turned = correct([rotor], [STEEL], shaft, unbalance_of(rotor, shaft=shaft), exact, case_14[1])
-    for one, other in zip(found.operations, turned.operations, strict=True):
+    for one, other in zip(correction.operations, turned.operations, strict=True):
         assert cmath.rect(1, one.angle - turn) == pytest.approx(cmath.rect(1, other.angle), abs=1e-6)
         assert other.depth == pytest.approx(one.depth, rel=1e-5)
 
@@ -164,20 +168,20 @@ def test_inches_are_cut_as_millimetres_are():
     for unit in ("mm", "in"):
         part = plate(unit=unit)
         heavy = unbalance_of(part).with_masses([PointMass(0.01, 0.05, 1.0, 0.09)])
-        found = correct([part], [STEEL], on_z(), heavy, [drilled("I", 90, 100, 12)], permits(20))
-        assert found.within
-        assert found.parts[0].unit == part.unit
-        assert math.degrees(found.operations[0].angle) == pytest.approx(57.5, abs=0.5)
-        assert found.operations[0].depth == pytest.approx(radial_depth(STEEL, 0.1, 0.012, 5e-4, POINT), abs=2e-4)
+        correction = correct([part], [STEEL], on_z(), heavy, [drilled("I", 90, 100, 12)], permits(20))
+        assert correction.within
+        assert correction.parts[0].unit == part.unit
+        assert math.degrees(correction.operations[0].angle) == pytest.approx(57.5, abs=0.5)
+        assert correction.operations[0].depth == pytest.approx(radial_depth(STEEL, 0.1, 0.012, 5e-4, POINT), abs=2e-4)
 
 
 def test_what_is_not_in_the_mesh_is_corrected_as_well():
     part = plate()
     measured = Unbalance(11.0, 0.14, 4e-4, 3e-5j)
-    found = correct([part], [STEEL], on_z(), measured, DRILLS[:1], permits(1, 1000))
-    taken = unbalance_of(found.parts[0]).static - unbalance_of(part).static
-    assert found.residual.static == pytest.approx(measured.static + taken, abs=1e-12)
-    assert found.residual.mass < 11.0
+    correction = correct([part], [STEEL], on_z(), measured, DRILLS[:1], permits(1, 1000))
+    taken = unbalance_of(correction.parts[0]).static - unbalance_of(part).static
+    assert correction.residual.static == pytest.approx(measured.static + taken, abs=1e-12)
+    assert correction.residual.mass < 11.0
 
 
 def test_each_body_is_cut_where_the_tool_meets_it_with_its_own_density():
@@ -185,12 +189,12 @@ def test_each_body_is_cut_where_the_tool_meets_it_with_its_own_density():
     disc = round_part((15, 80), (100, 80), (100, 100), (15, 100), (15, 80))
     densities = [STEEL, 2700.0]
     start = Unbalance.of(sum_of([hub, disc], densities), on_z()).with_masses([PointMass(0.01, 0.05, 2.0, 0.09)])
-    found = correct([hub, disc], densities, on_z(), start, [drilled("I", 90, 100, 12, 16, 20)], permits(5))
-    assert found.within
-    assert found.parts[0].triangles.count == hub.triangles.count
-    assert found.operations[0].mass == pytest.approx(start.mass - found.residual.mass, rel=1e-4)
+    correction = correct([hub, disc], densities, on_z(), start, [drilled("I", 90, 100, 12, 16, 20)], permits(5))
+    assert correction.within
+    assert correction.parts[0].triangles.count == hub.triangles.count
+    assert correction.operations[0].mass == pytest.approx(start.mass - correction.residual.mass, rel=1e-4)
     # Disc and hub touch, so that the wall goes on through both, to the far rim.
-    assert found.operations[0].remaining_wall > 0.15
+    assert correction.operations[0].remaining_wall > 0.15
 
 
 def sum_of(parts, densities):
@@ -203,18 +207,18 @@ def sum_of(parts, densities):
 def test_forbidden_sectors_are_respected_in_the_end(rotor, case_14):
     sector = Sector(math.radians(190), math.radians(231))
     planes = (replace(DRILLS[0], forbidden=(sector,)), DRILLS[1])
-    found = correct([rotor], [STEEL], on_z(), case_14[0], planes, case_14[1])
-    holes = [k for k in found.operations if k.plane == "I"]
-    assert found.within
+    correction = correct([rotor], [STEEL], on_z(), case_14[0], planes, case_14[1])
+    holes = [k for k in correction.operations if k.plane == "I"]
+    assert correction.within
     assert len(holes) == 2
     assert not any(sector.meets(k.angle, math.asin(0.06)) for k in holes)
 
 
 def test_listed_angles_are_kept_to_in_the_end(rotor, case_14):
     planes = tuple(replace(k, angles=evenly(16, 0.05)) for k in DRILLS)
-    found = correct([rotor], [STEEL], on_z(), case_14[0], planes, case_14[1])
-    assert found.within
-    for operation in found.operations:
+    correction = correct([rotor], [STEEL], on_z(), case_14[0], planes, case_14[1])
+    assert correction.within
+    for operation in correction.operations:
         assert min(abs(operation.angle - k) for k in planes[0].angles) < 1e-12
 
 
@@ -224,81 +228,83 @@ def test_kits_in_both_planes_take_the_fewest_weights(rotor, case_14):
         CorrectionPlane(name, z, "kit", radius, angles=evenly(12), kit=kit, most_per_position=2)
         for name, z, radius in (("I", 0.09, 0.09), ("II", 0.215, 0.07))
     ]
-    found = correct([rotor], [STEEL], on_z(), case_14[0], planes, case_14[1])
-    assert found.within
-    assert found.parts[0] is rotor
-    left = at_bearings([rotor], [STEEL], found.operations)
-    assert np.abs(seen(found.residual) - left).max() < 1e-6
+    correction = correct([rotor], [STEEL], on_z(), case_14[0], planes, case_14[1])
+    assert correction.within
+    assert correction.parts[0] is rotor
+    left = at_bearings([rotor], [STEEL], correction.operations)
+    assert np.abs(seen(correction.residual) - left).max() < 1e-6
     assert (np.abs(left) * GMM <= case_14[1].permissible).all()
     # Any weight has at most 540 g·mm; plane II alone takes more than three of its 420 g·mm to come within 111 g·mm.
-    assert sum(k.pieces for k in found.operations) <= 7
+    assert sum(k.pieces for k in correction.operations) <= 7
 
 
 def test_drills_make_up_for_what_a_kit_leaves(rotor, case_14, capfd):
     kit = CorrectionPlane("I", 0.09, "kit", 0.09, angles=evenly(8), kit=(KitWeight("M8", 0.006),), most_per_position=2)
-    found = correct([rotor], [STEEL], on_z(), case_14[0], [kit, DRILLS[1]], case_14[1])
-    assert found.within
+    correction = correct([rotor], [STEEL], on_z(), case_14[0], [kit, DRILLS[1]], case_14[1])
+    assert correction.within
     ctypes.CDLL(None).fflush(None)
     assert capfd.readouterr() == ("", "")  # HiGHS would print below Python here
-    assert {k.kind for k in found.operations} == {"weight", "drill_radial"}
-    assert np.abs(seen(found.residual) - at_bearings(found.parts, [STEEL], found.operations)).max() < 1e-6
+    assert {k.kind for k in correction.operations} == {"weight", "drill_radial"}
+    assert (
+        np.abs(seen(correction.residual) - at_bearings(correction.parts, [STEEL], correction.operations)).max() < 1e-6
+    )
 
 
 def test_nothing_is_done_to_a_rotor_within_its_tolerance(rotor, case_14):
-    found = correct([rotor], [STEEL], on_z(), case_14[0], DRILLS, permits(1000))
-    assert (found.operations, found.iterations, found.within) == ((), 0, True)
-    assert found.parts == (rotor,)
-    assert found.residual is case_14[0]
+    correction = correct([rotor], [STEEL], on_z(), case_14[0], DRILLS, permits(1000))
+    assert (correction.operations, correction.iterations, correction.within) == ((), 0, True)
+    assert correction.parts == (rotor,)
+    assert correction.residual is case_14[0]
 
 
 def test_a_plane_with_nothing_to_do_is_left_alone():
     heavy = unbalance_of(plate()).with_masses([PointMass(0.01, 0.05, 1.0, 0.09)])
     planes = [drilled("I", 90, 100, 12), drilled("II", 95, 100, 12)]
-    found = correct([plate()], [STEEL], on_z(), heavy, planes, permits(20))
-    assert {k.plane for k in found.operations} == {"I"}
+    correction = correct([plate()], [STEEL], on_z(), heavy, planes, permits(20))
+    assert {k.plane for k in correction.operations} == {"I"}
 
 
 class TestWhereLimitsForbidIt:
     def test_max_depth_bounds_and_the_best_is_done(self, rotor, case_14):
         planes = (drilled("I", 90, 100, 12, max_depth=2, angles=(math.radians(210),)), DRILLS[1])
-        found = correct([rotor], [STEEL], on_z(), case_14[0], planes, permits(20))
-        assert not found.within
-        assert found.limits_hit == ("plane 'I': the angles allowed",)
-        assert "the best that can be done within plane 'I'" in found.why
-        first = [k for k in found.operations if k.plane == "I"]
+        correction = correct([rotor], [STEEL], on_z(), case_14[0], planes, permits(20))
+        assert not correction.within
+        assert correction.limits_hit == ("plane 'I': the angles allowed",)
+        assert "the best that can be done within plane 'I'" in correction.why
+        first = [k for k in correction.operations if k.plane == "I"]
         assert [k.depth for k in first] == [pytest.approx(0.002)]
-        worst = max(np.abs(seen(found.unrounded)))
+        worst = max(np.abs(seen(correction.unrounded)))
         # Whatever else plane II does, one of the bearings is worse off.
         for change in 5e-6 * np.exp(2j * np.pi * np.arange(12) / 12):
-            other = found.unrounded.with_vectors([(0.215, change)])
+            other = correction.unrounded.with_vectors([(0.215, change)])
             assert max(np.abs(seen(other))) > worst
 
     def test_free_angles_are_used_up_before_a_limit_binds(self, rotor, case_14):
         planes = (drilled("I", 90, 100, 3, max_depth=0.5, web=0.05), DRILLS[1])
-        found = correct([rotor], [STEEL], on_z(), case_14[0], planes, permits(20))
-        assert not found.within
-        assert found.limits_hit == ("plane 'I': max_depth 0.5 mm",)
+        correction = correct([rotor], [STEEL], on_z(), case_14[0], planes, permits(20))
+        assert not correction.within
+        assert correction.limits_hit == ("plane 'I': max_depth 0.5 mm",)
 
     def test_one_plane_leaves_the_couple_and_levels_the_bearings(self, rotor, case_14):
-        found = correct([rotor], [STEEL], on_z(), case_14[0], DRILLS[:1], permits(100))
-        left = np.abs(seen(found.unrounded))
-        assert not found.within
+        correction = correct([rotor], [STEEL], on_z(), case_14[0], DRILLS[:1], permits(100))
+        left = np.abs(seen(correction.unrounded))
+        assert not correction.within
         # The disc at z = 215 mm does most at B, and plane I at A: the best is where they are as bad.
         assert left[0] == pytest.approx(left[1], rel=0.02)
 
     def test_coarse_steps_are_named(self, rotor, case_14):
         planes = tuple(replace(k, depth_step=0.01, angle_step=math.radians(30)) for k in DRILLS)
-        found = correct([rotor], [STEEL], on_z(), case_14[0], planes, permits(20))
-        assert not found.within
-        assert found.limits_hit == ("the steps of depth and angle",)
+        correction = correct([rotor], [STEEL], on_z(), case_14[0], planes, permits(20))
+        assert not correction.within
+        assert correction.limits_hit == ("the steps of depth and angle",)
 
     def test_a_wall_bounds_where_no_depth_is_given(self):
         ring = round_part((90, 80), (100, 80), (100, 100), (90, 100), (90, 80))
         heavy = unbalance_of(ring).with_masses([PointMass(0.02, 0.05, 1.0, 0.09)])
-        found = correct([ring], [STEEL], on_z(), heavy, [drilled("I", 90, 100, 12, min_wall=2)], permits(20))
-        assert found.within
-        assert len(found.operations) > 1
-        for operation in found.operations:
+        correction = correct([ring], [STEEL], on_z(), heavy, [drilled("I", 90, 100, 12, min_wall=2)], permits(20))
+        assert correction.within
+        assert len(correction.operations) > 1
+        for operation in correction.operations:
             # The round bore comes nearest beside the axis of a hole without a point; here it is the point.
             assert operation.remaining_wall >= 0.002
             deep = operation.depth + 0.006 / math.tan(math.radians(59))

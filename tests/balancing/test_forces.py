@@ -30,9 +30,9 @@ def newton(masses, z_a, z_b, speed, acceleration):
 @pytest.mark.parametrize("acceleration", [0.0, 3e4, -3e4])
 def test_forces_are_those_of_the_masses(z_a, z_b, acceleration):
     speeds = np.array([0.0, 50.0, 314.0])
-    found = bearing_forces(lumped(MASSES), z_a, z_b, speeds, acceleration)
+    forces = bearing_forces(lumped(MASSES), z_a, z_b, speeds, acceleration)
     expected = [newton(MASSES, z_a, z_b, w, acceleration) for w in speeds]
-    np.testing.assert_allclose(found, expected, rtol=1e-12, atol=1e-9)
+    np.testing.assert_allclose(forces, expected, rtol=1e-12, atol=1e-9)
 
 
 def test_starting_from_rest_the_force_lags_the_heavy_spot_by_90_degrees():
@@ -58,8 +58,8 @@ def test_axle_torque_is_the_rate_of_angular_momentum(acceleration):
 
     rate = (momentum(step) - momentum(-step)) / (2 * step)
     body = inertia.MassProperties(1.0, 0.0, [0, 0, 0.5], tensor)
-    found = complex(axle_torque(Unbalance.of(body, on_z()).couple, speed, acceleration))
-    assert found == pytest.approx(complex(rate[0], rate[1]), rel=1e-6)
+    forces = complex(axle_torque(Unbalance.of(body, on_z()).couple, speed, acceleration))
+    assert forces == pytest.approx(complex(rate[0], rate[1]), rel=1e-6)
 
 
 def test_bearing_forces_give_the_axle_torque():
@@ -109,9 +109,9 @@ def test_amplification_is_that_of_a_disc_on_an_elastic_shaft(ratio):
     ],
 )
 def test_the_rigid_limit_notes_warns_and_refuses(ratio, level):
-    found = rigid_limit(1000 * ratio, 1000)
-    assert found.level == level
-    assert f"{ratio:.3g} of the critical one" in found.text
+    forces = rigid_limit(1000 * ratio, 1000)
+    assert forces.level == level
+    assert f"{ratio:.3g} of the critical one" in forces.text
 
 
 @pytest.mark.parametrize("critical", [0.0, -5.0, math.nan, math.inf])

@@ -33,10 +33,10 @@ def term(distribution, spread, sensitivity):
     ],
 )
 def test_residuals_of_one_distribution_have_a_closed_form(terms, expected):
-    found = monte_carlo([0.0], terms)
-    assert found.residual_95[0] == pytest.approx(expected, rel=0.03)
-    low, high = found.residual_95_range[0]
-    assert low < found.residual_95[0] < high
+    scatter = monte_carlo([0.0], terms)
+    assert scatter.residual_95[0] == pytest.approx(expected, rel=0.03)
+    low, high = scatter.residual_95_range[0]
+    assert low < scatter.residual_95[0] < high
     assert monte_carlo([0.0], terms, draws=400_000).residual_95[0] == pytest.approx(expected, rel=0.004)
 
 
@@ -47,9 +47,9 @@ def test_the_range_of_the_residual_covers_the_truth_as_often_as_it_says():
 
 
 def test_without_uncertainty_the_residual_is_the_nominal_one():
-    found = monte_carlo([3e-4 + 4e-4j, 0.0], [], permissible=[5.1e-4, 1e-9])
-    assert found.residual_95 == pytest.approx([5e-4, 0.0])
-    assert found.within == 1.0
+    scatter = monte_carlo([3e-4 + 4e-4j, 0.0], [], permissible=[5.1e-4, 1e-9])
+    assert scatter.residual_95 == pytest.approx([5e-4, 0.0])
+    assert scatter.within == 1.0
 
 
 def test_the_share_within_tolerance_counts_all_planes_together():
@@ -169,7 +169,7 @@ def direct(lumps, works, random):
 
     a, b = disc(), disc()
     shaft = Shaft([a.real, a.imag, PLANES[0]], [b.real, b.imag, PLANES[1]], [1, 0, 0])
-    found = lumps.on(shaft, random.uniform(-RELATIVE, RELATIVE, 2))
+    scatter = lumps.on(shaft, random.uniform(-RELATIVE, RELATIVE, 2))
     vectors = []
     for work in works:
         off = {
@@ -180,7 +180,7 @@ def direct(lumps, works, random):
         angle, z = off.pop("angle"), off.pop("z")
         sign = 1 if work.method == "add" else -1
         vectors.append((work.unbalance_z + z, sign * cmath.rect(taken(work, **off), work.angle + angle)))
-    return found + in_planes(vectors)
+    return scatter + in_planes(vectors)
 
 
 def test_affine_draws_agree_with_rotors_built_anew_in_every_draw():
@@ -190,9 +190,9 @@ def test_affine_draws_agree_with_rotors_built_anew_in_every_draw():
     nominal = np.array(rotor.in_planes(*PLANES)) + in_planes([(k.unbalance_z, k.unbalance) for k in works])
     terms = rotor_terms(rotor, PLANES) + operation_terms(works, rotor, PLANES, SHOP)
     # The residual starts from zero, so that what is seen is the scatter and not the nominal value.
-    found = monte_carlo([0.0, 0.0], terms, draws=100_000)
+    scatter = monte_carlo([0.0, 0.0], terms, draws=100_000)
     drawn = np.array([direct(lumps, works, random) - nominal for _ in range(3000)])
-    assert found.residual_95 == pytest.approx(np.quantile(np.abs(drawn), 0.95, axis=0), rel=0.06)
+    assert scatter.residual_95 == pytest.approx(np.quantile(np.abs(drawn), 0.95, axis=0), rel=0.06)
     spread = np.sqrt(np.mean(np.abs(drawn) ** 2, axis=0))
     assert np.sqrt(sum(k.deviation**2 for k in terms)) == pytest.approx(spread, rel=0.04)
 
@@ -233,9 +233,9 @@ def test_sensitivities_of_the_shops_work_are_the_derivatives(work):
 def test_a_bound_moves_every_plane_by_no_more_than_itself():
     uncertain = (bounds.Uncertainty("tessellation", ((1e-6, 2e-7j), (0.0, 3e-7)), 1e-5),)
     rotor = Unbalance(10.0, 0.13, 0.0, 0.0, uncertain)
-    (found,) = rotor_terms(rotor, PLANES)
+    (scatter,) = rotor_terms(rotor, PLANES)
     bound = [k["tessellation"] for k in rotor.bounds_in_planes(PLANES)]
-    assert found.spread * np.abs(found.sensitivities) == pytest.approx(bound)
+    assert scatter.spread * np.abs(scatter.sensitivities) == pytest.approx(bound)
 
 
 @pytest.mark.parametrize(

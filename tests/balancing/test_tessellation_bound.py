@@ -106,8 +106,8 @@ class TestBound:
             assert skew.bound(p, q) == pytest.approx(straight.bound(p, q), rel=0.02)
 
     def test_of_a_body_of_planes_is_nothing(self):
-        found = chord_uncertainty(surface(box(3, 4, 5)), 1e-3, STEEL, on_z(), 0.0)
-        assert found.bound(1.0, 1.0) == 0
+        bound = chord_uncertainty(surface(box(3, 4, 5)), 1e-3, STEEL, on_z(), 0.0)
+        assert bound.bound(1.0, 1.0) == 0
 
     @pytest.mark.parametrize(("chord", "density"), [(0.0, 1.0), (math.nan, 1.0), (1e-5, -1.0)])
     def test_figures_that_are_none_are_refused(self, chord, density):

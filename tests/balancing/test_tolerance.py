@@ -31,14 +31,14 @@ class TestIso:
     @pytest.mark.parametrize("grade", GRADES)
     def test_the_grade_is_the_speed_of_the_centre_of_mass(self, grade):
         speed = angular_speed(1800.0)
-        found = iso_21940_11(grade, rotor(), PLANES, speed)
-        assert found.total / 100.0 * speed == pytest.approx(grade * 1e-3)
-        assert found.standard == f"ISO 21940-11:2016, G{grade:g}"
+        tolerance = iso_21940_11(grade, rotor(), PLANES, speed)
+        assert tolerance.total / 100.0 * speed == pytest.approx(grade * 1e-3)
+        assert tolerance.standard == f"ISO 21940-11:2016, G{grade:g}"
 
     def test_the_shop_formula_gives_the_same(self):
         """9549.3 G m/n g·mm."""
-        found = iso_21940_11(6.3, rotor(), PLANES, angular_speed(3000.0))
-        assert found.total / GRAM_MILLIMETRE == pytest.approx(9549.3 * 6.3 * 100 / 3000, rel=1e-5)
+        tolerance = iso_21940_11(6.3, rotor(), PLANES, angular_speed(3000.0))
+        assert tolerance.total / GRAM_MILLIMETRE == pytest.approx(9549.3 * 6.3 * 100 / 3000, rel=1e-5)
 
     def test_the_table_has_eleven_grades_from_coarse_to_fine(self):
         assert list(GRADES) == sorted(GRADES, reverse=True)
@@ -76,8 +76,8 @@ class TestAllocation:
 
     def test_a_rotor_may_be_called_overhung(self):
         assert allocate(rotor(0.9), PLANES, overhung=True)[1].used == pytest.approx(0.9)
-        found = iso_21940_11(2.5, rotor(0.9), PLANES, 100.0, overhung=True)
-        assert found.permissible[1] == pytest.approx(0.9 * found.total)
+        tolerance = iso_21940_11(2.5, rotor(0.9), PLANES, 100.0, overhung=True)
+        assert tolerance.permissible[1] == pytest.approx(0.9 * tolerance.total)
 
     def test_planes_in_either_order_get_the_same(self):
         assert [k.used for k in allocate(rotor(0.4), (1.0, 0.0))] == pytest.approx([0.4, 0.6])
@@ -85,15 +85,17 @@ class TestAllocation:
 
 class TestOthers:
     def test_specific_unbalance_is_the_eccentricity(self):
-        found = specific_unbalance(4e-6, rotor(), PLANES)
-        assert found.total == pytest.approx(400 * GRAM_MILLIMETRE)
-        assert found.standard == "specific unbalance 4 µm"
+        tolerance = specific_unbalance(4e-6, rotor(), PLANES)
+        assert tolerance.total == pytest.approx(400 * GRAM_MILLIMETRE)
+        assert tolerance.standard == "specific unbalance 4 µm"
 
     @pytest.mark.parametrize("standard", ["API 610", "API 617"])
     def test_api_counts_the_journal_load(self, standard):
-        found = api(standard, rotor(0.2), PLANES, 3000.0)
-        assert [u / GRAM_MILLIMETRE for u in found.permissible] == pytest.approx([6350 * 80 / 3000, 6350 * 20 / 3000])
-        assert found.shares is None
+        tolerance = api(standard, rotor(0.2), PLANES, 3000.0)
+        assert [u / GRAM_MILLIMETRE for u in tolerance.permissible] == pytest.approx(
+            [6350 * 80 / 3000, 6350 * 20 / 3000]
+        )
+        assert tolerance.shares is None
 
     @pytest.mark.parametrize(
         ("rpm", "ounce_inches"),
@@ -107,17 +109,17 @@ class TestOthers:
         ],
     )
     def test_mil_counts_the_whole_weight_in_three_ranges(self, rpm, ounce_inches):
-        found = mil_std_167_1("MIL-STD-167-1", rotor(mass=1000 * POUND), PLANES, rpm)
-        assert found.permissible[0] / OUNCE_INCH == pytest.approx(ounce_inches, rel=1e-12)
-        assert found.permissible[0] == found.permissible[1]
+        tolerance = mil_std_167_1("MIL-STD-167-1", rotor(mass=1000 * POUND), PLANES, rpm)
+        assert tolerance.permissible[0] / OUNCE_INCH == pytest.approx(ounce_inches, rel=1e-12)
+        assert tolerance.permissible[0] == tolerance.permissible[1]
 
     def test_mil_revision_a_takes_a_grade(self):
-        found = mil_std_167_1("MIL-STD-167-1A", rotor(0.4), PLANES, 3000.0, grade=6.3)
-        assert found.permissible == iso_21940_11(6.3, rotor(0.4), PLANES, angular_speed(3000.0)).permissible
+        tolerance = mil_std_167_1("MIL-STD-167-1A", rotor(0.4), PLANES, 3000.0, grade=6.3)
+        assert tolerance.permissible == iso_21940_11(6.3, rotor(0.4), PLANES, angular_speed(3000.0)).permissible
 
     def test_force_limits_are_divided_by_the_speed_squared(self):
-        found = bearing_force_limits((10.0, 40.0), 100.0)
-        assert found.permissible == pytest.approx((1e-3, 4e-3))
+        tolerance = bearing_force_limits((10.0, 40.0), 100.0)
+        assert tolerance.permissible == pytest.approx((1e-3, 4e-3))
 
     @pytest.mark.parametrize(
         ("ask", "says"),
@@ -143,15 +145,15 @@ class TestAchievedGrade:
         speed = angular_speed(1800.0)
         limits = iso_21940_11(grade, rotor(z), PLANES, speed)
         vectors = (a * limits.permissible[0] * 1j, -b * limits.permissible[1] + 0j)
-        found = achieved_grade(vectors, limits.shares, 100.0, speed)
-        assert found == pytest.approx(grade * max(a, b))
+        tolerance = achieved_grade(vectors, limits.shares, 100.0, speed)
+        assert tolerance == pytest.approx(grade * max(a, b))
 
     def test_of_a_static_unbalance_at_the_centre_of_mass_it_is_e_omega(self):
         eccentric = Unbalance(100.0, 0.4, 1e-3, 0.0)
-        found = achieved_grade(eccentric.in_planes(*PLANES), allocate(eccentric, PLANES), 100.0, 50.0)
-        assert found == pytest.approx(1e3 * eccentric.eccentricity * 50.0)
+        tolerance = achieved_grade(eccentric.in_planes(*PLANES), allocate(eccentric, PLANES), 100.0, 50.0)
+        assert tolerance == pytest.approx(1e3 * eccentric.eccentricity * 50.0)
 
     def test_of_a_couple_it_is_not_zero(self):
         bent = Unbalance(100.0, 0.5, 0.0, 1e-3)
-        found = achieved_grade(bent.in_planes(*PLANES), allocate(bent, PLANES), 100.0, 50.0)
-        assert found == pytest.approx(1e3 * 50.0 * 1e-3 / 0.5 / 100.0)  # D/L in each plane, of which half counts
+        tolerance = achieved_grade(bent.in_planes(*PLANES), allocate(bent, PLANES), 100.0, 50.0)
+        assert tolerance == pytest.approx(1e3 * 50.0 * 1e-3 / 0.5 / 100.0)  # D/L in each plane, of which half counts

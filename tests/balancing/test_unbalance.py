@@ -26,17 +26,17 @@ class TestOfABody:
     def test_is_that_of_exact_integrals(self):
         """U = ∫(x + iy) dm and D = ∫(x + iy)(z − z_G) dm, by rational arithmetic over the same triangles."""
         part = surface(moved(box(1, 2, 3), 0.25, -0.5, 4.0), moved(box(0.5, 0.5, 0.5), 1.25, 0.75, 7.0))
-        found = Unbalance.of(inertia.mass_properties(part, 10.0), on_z())
+        unbalance = Unbalance.of(inertia.mass_properties(part, 10.0), on_z())
         true = exact(part, 10)
         _, _, height = true.first
         _, _, _, yz, zx, _ = true.second
         z = height / true.volume
         couple = complex(zx - true.first[0] * z, yz - true.first[1] * z)
-        assert found.mass == pytest.approx(float(true.volume), rel=1e-15)
-        assert found.z == pytest.approx(float(z), rel=1e-15)
-        assert abs(found.static - complex(*true.first[:2])) <= found.static_bound < 1e-11
-        assert abs(found.couple - couple) <= found.couple_bound < 1e-10
-        assert found.kind == "dynamic"
+        assert unbalance.mass == pytest.approx(float(true.volume), rel=1e-15)
+        assert unbalance.z == pytest.approx(float(z), rel=1e-15)
+        assert abs(unbalance.static - complex(*true.first[:2])) <= unbalance.static_bound < 1e-11
+        assert abs(unbalance.couple - couple) <= unbalance.couple_bound < 1e-10
+        assert unbalance.kind == "dynamic"
 
     def test_on_a_skew_shaft_far_away_is_that_of_exact_integrals(self):
         """Axes (2, −1, 2)/3, (2, 2, −1)/3, (−1, 2, 2)/3 are rational: the integrals along them are exact."""
@@ -60,17 +60,17 @@ class TestOfABody:
             product(axes[0], axes[2]) - x * z / true.volume, product(axes[1], axes[2]) - y * z / true.volume
         )
         shaft = Shaft([1000, 2000, -500], [994, 2012, -488], [2, -1, 2])
-        found = Unbalance.of(inertia.mass_properties(part, 8.0), shaft)
-        assert abs(found.static - complex(x, y)) <= found.static_bound < 1e-9
-        assert abs(found.couple - couple) <= found.couple_bound < 1e-9
+        unbalance = Unbalance.of(inertia.mass_properties(part, 8.0), shaft)
+        assert abs(unbalance.static - complex(x, y)) <= unbalance.static_bound < 1e-9
+        assert abs(unbalance.couple - couple) <= unbalance.couple_bound < 1e-9
 
     @pytest.mark.parametrize("name", ["disc.stl", "spinning_top.stl", "sphere.stl", "torus.stl", "cone.stl"])
     def test_of_a_symmetric_rotor_is_zero_to_the_bound(self, name):
         part = inertia.read(path(name), unit="mm")
-        found = Unbalance.of(inertia.mass_properties(part, STEEL), on_z(), radial_uncertainty=1e-9)
-        assert abs(found.static) <= found.static_bound < 1e-8 * found.mass
-        assert abs(found.couple) <= found.couple_bound
-        assert found.kind == "balanced"
+        unbalance = Unbalance.of(inertia.mass_properties(part, STEEL), on_z(), radial_uncertainty=1e-9)
+        assert abs(unbalance.static) <= unbalance.static_bound < 1e-8 * unbalance.mass
+        assert abs(unbalance.couple) <= unbalance.couple_bound
+        assert unbalance.kind == "balanced"
 
     @pytest.mark.parametrize("axis", [(1, 2, 2), (2, -1, 2), (-2, 3, 6)])
     def test_of_a_symmetric_rotor_is_zero_to_the_bound_on_a_skew_shaft(self, axis):
@@ -81,9 +81,9 @@ class TestOfABody:
         part = surface(moved(prism, 100, 200, -300))
         start = np.array([100, 200, -300.0])
         shaft = Shaft(start, start + np.array(axis), [1, 0, 0])
-        found = Unbalance.of(inertia.mass_properties(part, 1.0), shaft)
-        assert found.kind == "balanced"
-        assert found.static_bound < 1e-12 * found.mass * 400
+        unbalance = Unbalance.of(inertia.mass_properties(part, 1.0), shaft)
+        assert unbalance.kind == "balanced"
+        assert unbalance.static_bound < 1e-12 * unbalance.mass * 400
 
     @settings(deadline=None, max_examples=15)
     @given(st.floats(-math.pi, math.pi))
@@ -93,13 +93,13 @@ class TestOfABody:
         turned = surface(mapped(corners, ((c, -s, 0), (s, c, 0), (0, 0, 1))), unit="mm")
         shaft = on_z(0.02, 0.28)
         still = Unbalance.of(inertia.mass_properties(two_disc_part(), STEEL), shaft)
-        found = Unbalance.of(inertia.mass_properties(turned, STEEL), shaft)
+        unbalance = Unbalance.of(inertia.mass_properties(turned, STEEL), shaft)
         expected = still.rotated(angle)
         assert expected.static == still.static * complex(c, s)
-        assert found.static == pytest.approx(expected.static, rel=1e-9)
-        assert found.couple == pytest.approx(expected.couple, rel=1e-9)
-        assert (found.mass, found.z) == pytest.approx((still.mass, still.z), rel=1e-12)
-        assert found.kind == expected.kind == still.kind
+        assert unbalance.static == pytest.approx(expected.static, rel=1e-9)
+        assert unbalance.couple == pytest.approx(expected.couple, rel=1e-9)
+        assert (unbalance.mass, unbalance.z) == pytest.approx((still.mass, still.z), rel=1e-12)
+        assert unbalance.kind == expected.kind == still.kind
         for one, other in zip(expected.in_planes(0.02, 0.28), still.in_planes(0.02, 0.28), strict=True):
             assert abs(one) == pytest.approx(abs(other), rel=1e-12)
 
@@ -125,12 +125,12 @@ class TestPlanes:
     def test_vectors_in_planes_are_the_same_unbalance_of_least_norm(self, static, couple, z, zs):
         if np.ptp(zs) < 0.05:
             return
-        found = Unbalance(1.0, z, static, couple).in_many_planes(zs)
+        unbalance = Unbalance(1.0, z, static, couple).in_many_planes(zs)
         # Moore–Penrose, of the two conditions ΣU = U and ΣU z = D + U z_G.
         rows = np.array([np.ones(len(zs)), zs])
         expected = np.linalg.pinv(rows) @ [static, couple + static * z]
-        np.testing.assert_allclose(found, expected, atol=1e-9)
-        np.testing.assert_allclose(rows @ found, [static, couple + static * z], atol=1e-11)
+        np.testing.assert_allclose(unbalance, expected, atol=1e-9)
+        np.testing.assert_allclose(rows @ unbalance, [static, couple + static * z], atol=1e-11)
 
     def test_two_planes_are_the_lever_rule(self):
         rotor = Unbalance(5.0, 0.3, 2 + 1j, 0.4 - 0.1j)
@@ -139,8 +139,8 @@ class TestPlanes:
 
     @given(VECTOR, VECTOR, NUMBER, NUMBER)
     def test_the_couple_moves_with_the_plane_by_the_static_unbalance(self, static, couple, z, other):
-        found = Unbalance(1.0, z, static, couple).couple_about(other)
-        assert found == pytest.approx(couple + static * (z - other), abs=1e-12)
+        unbalance = Unbalance(1.0, z, static, couple).couple_about(other)
+        assert unbalance == pytest.approx(couple + static * (z - other), abs=1e-12)
 
     @pytest.mark.parametrize(
         ("zs", "says"),
@@ -167,11 +167,11 @@ class TestMasses:
         for k in self.MASSES:
             point = inertia.point_masses([shaft.place(k.z, k.radius, k.angle)], [abs(k.mass)])
             whole = whole + point if k.mass > 0 else whole - point
-        found = Unbalance.of(body, shaft).with_masses(self.MASSES)
+        unbalance = Unbalance.of(body, shaft).with_masses(self.MASSES)
         expected = Unbalance.of(whole, shaft)
-        assert (found.mass, found.z) == pytest.approx((expected.mass, expected.z), rel=1e-13)
-        assert found.static == pytest.approx(expected.static, rel=1e-12)
-        assert found.couple == pytest.approx(expected.couple, rel=1e-11)
+        assert (unbalance.mass, unbalance.z) == pytest.approx((expected.mass, expected.z), rel=1e-13)
+        assert unbalance.static == pytest.approx(expected.static, rel=1e-12)
+        assert unbalance.couple == pytest.approx(expected.couple, rel=1e-11)
 
     def test_vectors_change_no_mass_but_the_same_planes(self):
         rotor = lumped([weight(3, 10, 20, 100), weight(2, 30, 220, 300)])

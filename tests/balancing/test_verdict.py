@@ -23,9 +23,9 @@ def tolerance(limit=100e-6):
 def residual(a, b, **sources):
     """Return vectors a and b (g·mm) in the planes, uncertain by (g·mm, cause) in each of them."""
     vectors = [(0.0, a * 1e-6), (1.0, b * 1e-6)]
-    found = Unbalance(10.0, 0.5, 0.0, 0.0).with_vectors(vectors)
+    verdict = Unbalance(10.0, 0.5, 0.0, 0.0).with_vectors(vectors)
     # A source that moves plane A by r and plane B by r, apart from each other: (U, D) = (1, ∓½) r.
-    return found.with_uncertainties(
+    return verdict.with_uncertainties(
         *(
             Uncertainty(name, ((r * 1e-6, -0.5e-6 * r), (r * 1e-6, 0.5e-6 * r)), cause)
             for name, (r, cause) in sources.items()
@@ -65,63 +65,63 @@ class TestOutcome:
         assert judge(Unbalance(10.0, 0.0, 100e-6, 0.0), tolerance(), PLANES).outcome == "pass"
 
     def test_each_plane_has_a_verdict_of_its_own(self):
-        found = judge(residual(50, 200, axis=(10, 2e-5)), tolerance(), PLANES)
-        assert [(k.name, k.outcome) for k in found.planes] == [("A", "pass"), ("B", "fail")]
-        assert found.planes[1].residual == pytest.approx(200e-6)
-        assert found.planes[1].bounds == {"axis": pytest.approx(10e-6)}
-        assert found.why[1] == "plane B: 200 ± 10 g·mm against 100 g·mm: FAIL"
+        verdict = judge(residual(50, 200, axis=(10, 2e-5)), tolerance(), PLANES)
+        assert [(k.name, k.outcome) for k in verdict.planes] == [("A", "pass"), ("B", "fail")]
+        assert verdict.planes[1].residual == pytest.approx(200e-6)
+        assert verdict.planes[1].bounds == {"axis": pytest.approx(10e-6)}
+        assert verdict.why[1] == "plane B: 200 ± 10 g·mm against 100 g·mm: FAIL"
 
     def test_what_cannot_be_seen_beside_the_limit_is_left_out(self):
-        found = judge(residual(50, 1e-13, arithmetic=(1e-9, None)), tolerance(), PLANES)
-        assert found.why[0] == "plane A: 50 g·mm against 100 g·mm: PASS"
-        assert found.why[1] == "plane B: 0 g·mm against 100 g·mm: PASS"
+        verdict = judge(residual(50, 1e-13, arithmetic=(1e-9, None)), tolerance(), PLANES)
+        assert verdict.why[0] == "plane A: 50 g·mm against 100 g·mm: PASS"
+        assert verdict.why[1] == "plane B: 0 g·mm against 100 g·mm: PASS"
 
     @given(st.floats(0, 300), st.floats(0, 300), st.floats(0, 6.2))
     def test_a_pass_or_a_fail_holds_for_whatever_is_within_the_bounds(self, size, off, angle):
-        found = judge(residual(size, 0, axis=(off, 1e-5)), tolerance(), PLANES).planes[0].outcome
+        verdict = judge(residual(size, 0, axis=(off, 1e-5)), tolerance(), PLANES).planes[0].outcome
         true = abs(size + off * complex(math.cos(angle), math.sin(angle)))
-        if found == "pass":
+        if verdict == "pass":
             assert true <= 100 * (1 + 1e-12)
-        if found == "fail":
+        if verdict == "fail":
             assert true > 100 * (1 - 1e-12)
 
     def test_near_the_critical_speed_a_rigid_verdict_is_withheld(self):
         rotor = residual(1, 1)
         assert judge(rotor, tolerance(), PLANES, rigid_limit(69, 100)).outcome == "pass"
-        found = judge(rotor, tolerance(), PLANES, rigid_limit(70, 100))
-        assert found.outcome == "undecided"
-        assert "bends too much" in found.why[-1]
+        verdict = judge(rotor, tolerance(), PLANES, rigid_limit(70, 100))
+        assert verdict.outcome == "undecided"
+        assert "bends too much" in verdict.why[-1]
 
 
 class TestUndecided:
     def test_names_the_sources_that_cover_the_limit(self):
-        found = judge(residual(80, 0, axis=(25, 2e-5), density=(5, 0.01)), tolerance(), PLANES).planes[0]
-        assert found.covers == ("axis",)
-        assert "axis 25, density 5" in found.why
+        verdict = judge(residual(80, 0, axis=(25, 2e-5), density=(5, 0.01)), tolerance(), PLANES).planes[0]
+        assert verdict.covers == ("axis",)
+        assert "axis 25, density 5" in verdict.why
 
     def test_leaves_out_sources_below_a_hundredth_of_the_limit(self):
         rotor = residual(80, 0, axis=(25, 2e-5), density=(0.99, 0.01), arithmetic=(5.6e-8, None))
-        found = judge(rotor, tolerance(), PLANES).planes[0]
-        assert "(g·mm: axis 25)" in found.why
+        verdict = judge(rotor, tolerance(), PLANES).planes[0]
+        assert "(g·mm: axis 25)" in verdict.why
         alone = judge(residual(100, 0, arithmetic=(5.6e-8, None)), tolerance(), PLANES).planes[0]
         assert alone.outcome == "undecided"
         assert "(g·mm: arithmetic 5.6e-08)" in alone.why
 
     def test_names_all_where_only_their_sum_covers_it(self):
-        found = judge(residual(80, 0, axis=(12, 2e-5), tessellation=(12, 1e-5)), tolerance(), PLANES).planes[0]
-        assert set(found.covers) == {"axis", "tessellation"}
+        verdict = judge(residual(80, 0, axis=(12, 2e-5), tessellation=(12, 1e-5)), tolerance(), PLANES).planes[0]
+        assert set(verdict.covers) == {"axis", "tessellation"}
 
     def test_says_in_numbers_what_would_settle_it(self):
-        found = judge(residual(80, 0, axis=(12, 2e-5), tessellation=(12, 1e-5)), tolerance(), PLANES).planes[0]
-        needs = {source: size for k in found.settlements for source, size in k.needs.items()}
+        verdict = judge(residual(80, 0, axis=(12, 2e-5), tessellation=(12, 1e-5)), tolerance(), PLANES).planes[0]
+        needs = {source: size for k in verdict.settlements for source, size in k.needs.items()}
         assert needs["axis"] == pytest.approx(2e-5 * 8 / 12)
         assert needs["tessellation"] == pytest.approx(1e-5 * 8 / 12)
-        assert "bearing centres known to 0.013 mm or better" in found.why
-        assert "a chord tolerance of 0.0066 mm or less" in found.why
+        assert "bearing centres known to 0.013 mm or better" in verdict.why
+        assert "a chord tolerance of 0.0066 mm or less" in verdict.why
 
     def test_asks_for_all_at_once_where_none_is_enough_alone(self):
-        found = judge(residual(95, 0, axis=(10, 2e-5), density=(10, 0.02)), tolerance(), PLANES).planes[0]
-        (only,) = found.settlements
+        verdict = judge(residual(95, 0, axis=(10, 2e-5), density=(10, 0.02)), tolerance(), PLANES).planes[0]
+        (only,) = verdict.settlements
         assert only.needs == {"axis": pytest.approx(0.5e-5), "density": pytest.approx(0.005)}
         assert only.text == "bearing centres known to 0.005 mm or better with densities known to 0.5 % or better"
 
@@ -137,14 +137,14 @@ class TestUndecided:
         assert [set(k.needs) for k in mild.settlements] == [{"axis"}]
 
     def test_asks_for_exact_arithmetic_where_that_is_what_lacks(self):
-        found = judge(residual(99, 0, arithmetic=(3, None)), tolerance(), PLANES).planes[0]
-        assert [k.needs for k in found.settlements] == [{"arithmetic": None}]
-        assert "exact arithmetic" in found.why
+        verdict = judge(residual(99, 0, arithmetic=(3, None)), tolerance(), PLANES).planes[0]
+        assert [k.needs for k in verdict.settlements] == [{"arithmetic": None}]
+        assert "exact arithmetic" in verdict.why
 
     def test_a_value_on_the_limit_cannot_be_settled(self):
-        found = judge(residual(0, 0, axis=(3, 1e-5)), tolerance(0.0), PLANES).planes[0]
-        assert found.settlements == ()
-        assert "on the limit" in found.why
+        verdict = judge(residual(0, 0, axis=(3, 1e-5)), tolerance(0.0), PLANES).planes[0]
+        assert verdict.settlements == ()
+        assert "on the limit" in verdict.why
 
     @given(
         st.floats(1, 300),
@@ -153,11 +153,11 @@ class TestUndecided:
     )
     def test_what_is_asked_for_settles_it(self, size, axis, density):
         rotor = residual(size, 0, axis=axis, density=density)
-        found = judge(rotor, tolerance(), PLANES).planes[0]
-        if found.outcome != "undecided" or abs(size - 100) < 1e-6:
+        verdict = judge(rotor, tolerance(), PLANES).planes[0]
+        if verdict.outcome != "undecided" or abs(size - 100) < 1e-6:
             return
-        assert found.settlements
-        for settlement in found.settlements:
+        assert verdict.settlements
+        for settlement in verdict.settlements:
             needs = {source: value * (1 - 1e-9) for source, value in settlement.needs.items()}
             settled = judge(scaled(rotor, needs), tolerance(), PLANES).planes[0].outcome
             assert settled == ("pass" if size < 100 else "fail")

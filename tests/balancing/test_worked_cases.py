@@ -48,14 +48,14 @@ def test_every_case_of_the_page_is_a_test(number, file, name):
 
 
 def test_case_1_permissible_unbalance_is_allocated_by_the_lever_rule():
-    found = iso_21940_11(2.5, Unbalance(3600.0, 1.5, 0.0, 0.0), (0.0, 2.4), SPEED)
-    assert found.total / GRAM_MILLIMETRE == pytest.approx(28_648, abs=0.5)
-    assert [u / GRAM_MILLIMETRE for u in found.permissible] == pytest.approx([10_743, 17_905], abs=0.5)
+    figures = iso_21940_11(2.5, Unbalance(3600.0, 1.5, 0.0, 0.0), (0.0, 2.4), SPEED)
+    assert figures.total / GRAM_MILLIMETRE == pytest.approx(28_648, abs=0.5)
+    assert [u / GRAM_MILLIMETRE for u in figures.permissible] == pytest.approx([10_743, 17_905], abs=0.5)
 
 
 def test_case_2_bearing_force_limits():
-    found = bearing_force_limits((1200.0, 2000.0), SPEED)
-    assert [u / GRAM_MILLIMETRE for u in found.permissible] == pytest.approx([12_159, 20_264], abs=0.5)
+    figures = bearing_force_limits((1200.0, 2000.0), SPEED)
+    assert [u / GRAM_MILLIMETRE for u in figures.permissible] == pytest.approx([12_159, 20_264], abs=0.5)
 
 
 @pytest.mark.parametrize(
@@ -63,8 +63,8 @@ def test_case_2_bearing_force_limits():
     [(150, 126.3), (500, 37.9), (1000, 18.95), (2000, 9.47), (3000, 6.32), (4000, 4.74), (5000, 3.79)],
 )
 def test_case_3_g_6_3_for_1000_lb_per_plane(rpm, ounce_inches):
-    found = iso_21940_11(6.3, THOUSAND_POUNDS, (0.0, 1.0), angular_speed(rpm))
-    assert found.permissible[0] / OUNCE_INCH == pytest.approx(ounce_inches, abs=0.006 if rpm > 500 else 0.06)
+    figures = iso_21940_11(6.3, THOUSAND_POUNDS, (0.0, 1.0), angular_speed(rpm))
+    assert figures.permissible[0] / OUNCE_INCH == pytest.approx(ounce_inches, abs=0.006 if rpm > 500 else 0.06)
 
 
 def test_case_4_api_and_mil_and_iso_at_15_000_rpm():
@@ -125,9 +125,9 @@ class TestCase14:
     def test_the_closed_form_is_that_of_the_two_holes(self):
         """All else is of revolution: holes at z = 90 and 215 mm take mass away there."""
         rotor = Unbalance.of(two_disc_true(), self.SHAFT)
-        found = rotor.in_planes(90 * MM, 215 * MM)
+        figures = rotor.in_planes(90 * MM, 215 * MM)
         expected = [-at(size, degrees) for _, size, degrees in self.HOLES]
-        np.testing.assert_allclose(found, expected, rtol=1e-10)
+        np.testing.assert_allclose(figures, expected, rtol=1e-10)
 
     def test_mass_and_static_unbalance(self, rotor):
         assert rotor.mass == pytest.approx(11.014, abs=2e-3)
@@ -141,13 +141,13 @@ class TestCase14:
 
     def test_corrections(self, rotor):
         """Opposite the planes' vectors, which are opposite the holes."""
-        found = [polar(-u) for u in rotor.in_planes(90 * MM, 215 * MM)]
-        assert found[0] == pytest.approx((863.07, 30), abs=0.2)
-        assert found[1] == pytest.approx((1597.90, 200), abs=0.3)
+        figures = [polar(-u) for u in rotor.in_planes(90 * MM, 215 * MM)]
+        assert figures[0] == pytest.approx((863.07, 30), abs=0.2)
+        assert figures[1] == pytest.approx((1597.90, 200), abs=0.3)
 
     def test_tolerance_and_tilt(self, rotor, properties):
-        found = iso_21940_11(6.3, rotor, (20 * MM, 280 * MM), SPEED)
-        assert found.total / GRAM_MILLIMETRE == pytest.approx(220.9, abs=0.1)
+        figures = iso_21940_11(6.3, rotor, (20 * MM, 280 * MM), SPEED)
+        assert figures.total / GRAM_MILLIMETRE == pytest.approx(220.9, abs=0.1)
         assert math.degrees(principal_tilt(properties, self.SHAFT).angle) == pytest.approx(0.299, abs=6e-4)
 
     def test_the_stored_mesh_gives_the_published_digits(self):

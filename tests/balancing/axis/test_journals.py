@@ -35,8 +35,8 @@ def wall(radius, low, high, *, center=(0.0, 0.0), angles=(0.0, 2 * math.pi), cou
     for a, b in itertools.pairwise(np.linspace(low, high, rings)):
         foot, head = (np.column_stack([line, np.full(count + 1, z)]) for z in (a, b))
         triangles += [np.stack([foot[:-1], foot[1:], head[1:]], 1), np.stack([foot[:-1], head[1:], head[:-1]], 1)]
-    found = np.concatenate(triangles)
-    return found[:, ::-1] if inward else found
+    corners = np.concatenate(triangles)
+    return corners[:, ::-1] if inward else corners
 
 
 def surface(*walls):
@@ -51,15 +51,15 @@ def off_axis(candidate, point, direction, places):
 
 
 def test_the_sample_rotors_shaft_leads_and_its_holes_follow(rotor):
-    found = axis_candidates(Surface(*rotor))
-    assert [(round(k.radius, 4), round(k.length, 4)) for k in found[0].journals] == TWO_DISCS
-    assert not any(k.bore for k in found[0].journals)
-    assert [k.coverage for k in found[0].journals] == pytest.approx([1.0] * 5)
-    assert found[0].direction == pytest.approx([0, 0, 1], abs=1e-9)
-    assert off_axis(found[0], [0, 0, 0], [0, 0, 1], [0, 300]) < 1e-5
-    holes = [(round(k.journals[0].radius, 4), k.journals[0].bore) for k in found[1:]]
+    candidates = axis_candidates(Surface(*rotor))
+    assert [(round(k.radius, 4), round(k.length, 4)) for k in candidates[0].journals] == TWO_DISCS
+    assert not any(k.bore for k in candidates[0].journals)
+    assert [k.coverage for k in candidates[0].journals] == pytest.approx([1.0] * 5)
+    assert candidates[0].direction == pytest.approx([0, 0, 1], abs=1e-9)
+    assert off_axis(candidates[0], [0, 0, 0], [0, 0, 1], [0, 300]) < 1e-5
+    holes = [(round(k.journals[0].radius, 4), k.journals[0].bore) for k in candidates[1:]]
     assert holes == [(6.0, True), (5.0, True)]
-    center = found[1].journals[0].center
+    center = candidates[1].journals[0].center
     assert np.hypot(*center[:2]) == pytest.approx(60, abs=1e-4)
     assert math.degrees(math.atan2(center[1], center[0])) % 360 == pytest.approx(200, abs=1e-4)
 
@@ -70,11 +70,11 @@ def test_turning_and_moving_the_part_moves_the_axis_and_nothing_else(seed):
     vertices, faces = merge_equal_vertices(read(path("two_disc_rotor.stl")).triangles)
     random = np.random.default_rng(seed)
     turned, moved = Rotation.random(random_state=seed).as_matrix(), random.uniform(-500, 500, 3)
-    found = axis_candidates(Surface(vertices @ turned.T + moved, faces))
-    assert len(found) == 3
-    assert off_axis(found[0], moved, turned[:, 2], [0, 300]) < 1e-5
-    assert sorted((round(k.radius, 4), round(k.length, 4)) for k in found[0].journals) == sorted(TWO_DISCS)
-    assert found[0].direction[np.argmax(np.abs(found[0].direction))] > 0
+    candidates = axis_candidates(Surface(vertices @ turned.T + moved, faces))
+    assert len(candidates) == 3
+    assert off_axis(candidates[0], moved, turned[:, 2], [0, 300]) < 1e-5
+    assert sorted((round(k.radius, 4), round(k.length, 4)) for k in candidates[0].journals) == sorted(TWO_DISCS)
+    assert candidates[0].direction[np.argmax(np.abs(candidates[0].direction))] > 0
 
 
 @pytest.mark.parametrize("noise", [1e-3, 5e-3, 2e-2])
@@ -103,10 +103,10 @@ def test_the_uncertainty_is_the_scatter_of_repeated_fits():
 
 
 def test_both_axes_of_the_bent_wheel_are_offered():
-    found = axis_candidates(read(path("bent_wheel.stl")).triangles)
-    assert [round(k.journals[0].radius, 4) for k in found] == [10.0, 5.0]
-    assert found[0].direction == pytest.approx([40 / 401, 0, 399 / 401], abs=1e-7)
-    assert found[1].direction == pytest.approx([0, 0, 1], abs=1e-7)
+    candidates = axis_candidates(read(path("bent_wheel.stl")).triangles)
+    assert [round(k.journals[0].radius, 4) for k in candidates] == [10.0, 5.0]
+    assert candidates[0].direction == pytest.approx([40 / 401, 0, 399 / 401], abs=1e-7)
+    assert candidates[1].direction == pytest.approx([0, 0, 1], abs=1e-7)
 
 
 @pytest.mark.parametrize("name", ["box", "sphere", "torus", "cone"])
@@ -127,19 +127,19 @@ def test_a_crank_pin_is_an_axis_of_its_own():
 def test_candidates_are_ranked_by_area_times_coverage():
     whole = wall(10, 0, 20)
     third = wall(30, 0, 20, center=(100, 0), angles=(0, 2 * math.pi / 3), count=32)
-    found = axis_candidates(surface(whole, third))
-    assert [round(k.journals[0].radius, 6) for k in found] == [10.0, 30.0]
-    assert found[1].journals[0].coverage == pytest.approx(1 / 3)
+    candidates = axis_candidates(surface(whole, third))
+    assert [round(k.journals[0].radius, 6) for k in candidates] == [10.0, 30.0]
+    assert candidates[1].journals[0].coverage == pytest.approx(1 / 3)
     area = 32 * 20 * 2 * 30 * math.sin(math.pi / 96)
-    assert found[1].score == pytest.approx(area / 3)
+    assert candidates[1].score == pytest.approx(area / 3)
 
 
 def test_what_a_keyway_leaves_of_a_cylinder_is_one_journal():
     halves = [wall(10, 0, 40, angles=(start, start + 2.9), count=40) for start in (-1.45, 1.69)]
-    (found,) = axis_candidates(surface(*halves))
-    (journal,) = found.journals
+    (candidate,) = axis_candidates(surface(*halves))
+    (journal,) = candidate.journals
     assert journal.coverage == pytest.approx(5.8 / (2 * math.pi))
-    assert off_axis(found, [0, 0, 0], [0, 0, 1], [0, 40]) < 1e-9
+    assert off_axis(candidate, [0, 0, 0], [0, 0, 1], [0, 40]) < 1e-9
 
 
 def test_the_foot_of_a_fillet_does_not_shift_the_axis():
@@ -159,8 +159,8 @@ def test_the_foot_of_a_fillet_does_not_shift_the_axis():
 def test_a_direction_that_is_given_is_the_only_one_tried():
     part = surface(wall(20, 0, 60), wall(15, 0, 90, center=(50, 0))[:, :, [2, 0, 1]])
     assert len(axis_candidates(part)) == 2
-    (found,) = axis_candidates(part, along=[0, 0.005, -1])
-    assert found.direction == pytest.approx([0, 0, 1])
+    (candidate,) = axis_candidates(part, along=[0, 0.005, -1])
+    assert candidate.direction == pytest.approx([0, 0, 1])
 
 
 @pytest.mark.parametrize(

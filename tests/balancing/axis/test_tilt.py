@@ -41,9 +41,9 @@ def test_the_tilt_and_the_couple_are_those_that_the_wheel_was_built_with(tilt, d
 @given(st.floats(-0.7, 0.7), st.floats(1.5, 1.9))
 def test_in_one_plane_the_tilt_is_half_an_arctangent(product, polar):
     tensor = np.array([[1.0, 0, product * 0.1], [0, 1.0, 0], [product * 0.1, 0, polar]])
-    found = principal_tilt(inertia.MassProperties(1.0, 0.0, [0, 0, 0], tensor), on_z())
+    tilt = principal_tilt(inertia.MassProperties(1.0, 0.0, [0, 0, 0], tensor), on_z())
     expected = 0.5 * math.atan2(2 * product * 0.1, polar - 1.0)
-    assert found.angle * math.cos(found.direction) == pytest.approx(expected, abs=1e-12)
+    assert tilt.angle * math.cos(tilt.direction) == pytest.approx(expected, abs=1e-12)
 
 
 def test_the_tilt_is_that_from_the_shaft_and_not_from_the_parts_z_axis():
@@ -64,9 +64,9 @@ def test_a_small_couple_moves_the_axis_by_the_sensitivity():
 
 
 def test_equal_moments_leave_the_axis_open():
-    found = principal_tilt(inertia.MassProperties(1.0, 0.0, [0, 0, 0], np.eye(3)), on_z())
-    assert not found.certain
-    assert found.sensitivity == math.inf
+    tilt = principal_tilt(inertia.MassProperties(1.0, 0.0, [0, 0, 0], np.eye(3)), on_z())
+    assert not tilt.certain
+    assert tilt.sensitivity == math.inf
 
 
 @pytest.mark.parametrize("tilt", [0.02, math.asin(40 / 401), 0.6])

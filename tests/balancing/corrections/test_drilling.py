@@ -63,8 +63,8 @@ def test_the_formula_of_the_reference_is_that_of_a_flat_face():
     tip = 8 / math.tan(math.radians(59))
     area, big, deep = math.pi * 64, 80.0, 12.4
     by_hand = 7.85e-3 * area * (big * deep - deep**2 / 2 + tip / 3 * (big - deep - tip / 4))  # g mm
-    found = radial_unbalance(STEEL, 0.08, 0.016, 0.0124, POINT, curved=False)
-    assert 1e6 * found == pytest.approx(by_hand, rel=1e-13)
+    hole = radial_unbalance(STEEL, 0.08, 0.016, 0.0124, POINT, curved=False)
+    assert 1e6 * hole == pytest.approx(by_hand, rel=1e-13)
     assert radial_volume(0.08, 0.016, 0.0124, POINT, curved=False) == pytest.approx(1e-9 * area * (deep + tip / 3))
 
 

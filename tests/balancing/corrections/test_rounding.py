@@ -26,7 +26,7 @@ def badness(places, start, residual):
 def test_of_all_ways_up_and_down_the_one_that_leaves_the_least():
     start = [place(0, 210.2, 9.137), place(1, 20.37, 12.381), place(1, 44.9, 5.03)]
     residual = np.array([2e-6 + 1e-6j, -1e-6j])
-    found = rounded(start, LEVERS, residual, LIMITS)
+    places = rounded(start, LEVERS, residual, LIMITS)
     depths = [(math.floor(1e4 * k.setting) + up) / 1e4 for k in start for up in (0, 1)]
     angles = [math.radians((math.floor(2 * math.degrees(k.angle)) + up) / 2) for k in start for up in (0, 1)]
     ways = itertools.product(
@@ -34,35 +34,35 @@ def test_of_all_ways_up_and_down_the_one_that_leaves_the_least():
     )
     every = [[Place(k.plane, k.tool, a, d) for k, (a, d) in zip(start, way, strict=True)] for way in ways]
     assert len(every) == 64
-    assert badness(found, start, residual) == pytest.approx(min(badness(k, start, residual) for k in every))
-    assert all(1e4 * k.setting == pytest.approx(round(1e4 * k.setting), abs=1e-9) for k in found)
-    assert all(2 * math.degrees(k.angle) == pytest.approx(round(2 * math.degrees(k.angle)), abs=1e-9) for k in found)
+    assert badness(places, start, residual) == pytest.approx(min(badness(k, start, residual) for k in every))
+    assert all(1e4 * k.setting == pytest.approx(round(1e4 * k.setting), abs=1e-9) for k in places)
+    assert all(2 * math.degrees(k.angle) == pytest.approx(round(2 * math.degrees(k.angle)), abs=1e-9) for k in places)
 
 
 def test_never_deeper_than_the_limit_nor_into_a_forbidden_sector():
     reach = math.degrees(math.asin(0.06))
     sector = Sector(math.radians(100.2), math.radians(150))
     start = [place(0, 100.2 - reach, 9.99, max_depth=9.95, forbidden=(sector,))]
-    found = rounded(start, LEVERS, np.zeros(2, complex), LIMITS)
-    assert found[0].setting == pytest.approx(9.9e-3)
-    assert math.degrees(found[0].angle) == pytest.approx(math.floor(2 * (100.2 - reach)) / 2)
+    places = rounded(start, LEVERS, np.zeros(2, complex), LIMITS)
+    assert places[0].setting == pytest.approx(9.9e-3)
+    assert math.degrees(places[0].angle) == pytest.approx(math.floor(2 * (100.2 - reach)) / 2)
 
 
 def test_listed_angles_stay_and_no_step_leaves_as_it_is():
     start = [place(0, 33.3, 9.137, angles=(math.radians(33.3),)), place(1, 20.37, 12.381, depth_step=0, angle_step=0)]
-    found = rounded(start, LEVERS, np.zeros(2, complex), LIMITS)
-    assert found[0].angle == start[0].angle
-    assert found[1] == start[1]
+    places = rounded(start, LEVERS, np.zeros(2, complex), LIMITS)
+    assert places[0].angle == start[0].angle
+    assert places[1] == start[1]
 
 
 def test_many_places_are_rounded_in_no_time_and_well():
     start = [place(k % 2, 13.37 * k, 5.0 + 0.137 * k) for k in range(24)]
-    found = rounded(start, LEVERS, np.zeros(2, complex), LIMITS)
+    places = rounded(start, LEVERS, np.zeros(2, complex), LIMITS)
     nearest = [
         Place(k.plane, k.tool, math.radians(round(2 * math.degrees(k.angle)) / 2), round(1e4 * k.setting) / 1e4)
         for k in start
     ]
-    assert badness(found, start, np.zeros(2)) < badness(nearest, start, np.zeros(2))
+    assert badness(places, start, np.zeros(2)) < badness(nearest, start, np.zeros(2))
 
 
 def test_a_depth_is_not_rounded_into_the_wall():

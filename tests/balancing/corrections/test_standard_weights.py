@@ -21,10 +21,10 @@ def test_case_9_the_smallest_error_over_sixteen_holes():
     wanted = 178.484 + 614.491j
     counts = np.array(list(itertools.product((0, 1), repeat=16)))
     smallest = np.abs(142 * counts @ turns - wanted).min()
-    found = choose_weights([142 * turns], [-wanted], [1.0], [1] * 16, aim="smallest")
-    assert abs(found.residual[0]) == pytest.approx(smallest, rel=1e-12)
+    choice = choose_weights([142 * turns], [-wanted], [1.0], [1] * 16, aim="smallest")
+    assert abs(choice.residual[0]) == pytest.approx(smallest, rel=1e-12)
     assert smallest == pytest.approx(2.10035, abs=5e-4)  # the note's, from a vector with more digits
-    assert not found.within
+    assert not choice.within
 
 
 @pytest.mark.parametrize("seed", range(8))
@@ -34,16 +34,16 @@ def test_fewest_within_the_tolerance_and_of_those_the_smallest_residual(seed):
     effects, start = (draw.normal(size=k) + 1j * draw.normal(size=k) for k in ((planes, places), (planes,)))
     limits, most = draw.uniform(0.5, 1.5, planes), np.array([2, 1, 2, 3, 1])
     counts, worst = combinations(effects, start, limits, most)
-    found = choose_weights(effects, start, limits, most)
-    reached = (np.abs(found.residual) / limits).max()
-    assert found.residual == pytest.approx(start + effects @ found.counts)
+    choice = choose_weights(effects, start, limits, most)
+    reached = (np.abs(choice.residual) / limits).max()
+    assert choice.residual == pytest.approx(start + effects @ choice.counts)
     if (worst <= 1).any():
         fewest = counts[worst <= 1].sum(axis=1).min()
-        assert found.within
-        assert found.counts.sum() == fewest
+        assert choice.within
+        assert choice.counts.sum() == fewest
         assert reached == pytest.approx(worst[counts.sum(axis=1) == fewest].min(), abs=1e-5)
     else:
-        assert not found.within
+        assert not choice.within
         assert reached == pytest.approx(worst.min(), abs=1e-5)
 
 
@@ -51,24 +51,24 @@ def test_caps_on_positions_and_stocks_hold():
     turns = np.exp(1j * np.radians([0, 0, 90, 90]))
     effects = [np.array([1, 2, 1, 2]) * turns]
     groups = [((0, 1), 1), ((2, 3), 1), ((1, 3), 1)]  # one weight at each position, one large one in all
-    found = choose_weights(effects, [-2 - 2j], [10.0], [5] * 4, groups, aim="smallest")
-    assert abs(found.residual[0]) == pytest.approx(1.0)
-    assert found.counts.sum() == 2
-    assert found.counts[[1, 3]].sum() == 1
+    choice = choose_weights(effects, [-2 - 2j], [10.0], [5] * 4, groups, aim="smallest")
+    assert abs(choice.residual[0]) == pytest.approx(1.0)
+    assert choice.counts.sum() == 2
+    assert choice.counts[[1, 3]].sum() == 1
 
 
 def test_no_weight_is_used_where_there_is_no_need():
-    found = choose_weights([[1.0, 1j]], [0.3 + 0.2j], [0.5], [3, 3])
-    assert found.counts.tolist() == [0, 0]
-    assert found.within
+    choice = choose_weights([[1.0, 1j]], [0.3 + 0.2j], [0.5], [3, 3])
+    assert choice.counts.tolist() == [0, 0]
+    assert choice.within
 
 
 def test_planes_without_steps_make_up_for_what_weights_leave():
     effects, free = np.array([[1.0, 1j], [0.5, 0.5j]]), np.array([[0.0], [1.0]])
-    found = choose_weights(effects, [-2.4 - 1j, -9.0], [0.5, 0.5], [5, 5], free=free)
-    assert found.counts.tolist() == [2, 1]
-    assert found.residual[0] == pytest.approx(-0.4)
-    assert abs(-9 + effects[1] @ found.counts + found.free[0]) <= 0.4 + 1e-5
+    choice = choose_weights(effects, [-2.4 - 1j, -9.0], [0.5, 0.5], [5, 5], free=free)
+    assert choice.counts.tolist() == [2, 1]
+    assert choice.residual[0] == pytest.approx(-0.4)
+    assert abs(-9 + effects[1] @ choice.counts + choice.free[0]) <= 0.4 + 1e-5
 
 
 def test_a_kit_operation_states_pieces_and_total_mass():

@@ -9,31 +9,31 @@ from inertia.balancing.measured.index_balancing import index_balancing
 
 
 def test_case_13_index_balancing_at_a_half_turn():
-    found = index_balancing([at(32.460, 90.73), at(50.954, 236.97)], [0.0, np.pi])
-    assert abs(found.rotor) == pytest.approx(40, abs=2e-3)
-    assert np.degrees(np.angle(found.rotor)) == pytest.approx(70, abs=5e-3)
-    assert abs(found.tooling) == pytest.approx(15, abs=5e-3)
-    assert np.degrees(np.angle(found.tooling)) % 360 == pytest.approx(200, abs=0.02)
-    assert found.scatter is None
+    split = index_balancing([at(32.460, 90.73), at(50.954, 236.97)], [0.0, np.pi])
+    assert abs(split.rotor) == pytest.approx(40, abs=2e-3)
+    assert np.degrees(np.angle(split.rotor)) == pytest.approx(70, abs=5e-3)
+    assert abs(split.tooling) == pytest.approx(15, abs=5e-3)
+    assert np.degrees(np.angle(split.tooling)) % 360 == pytest.approx(200, abs=0.02)
+    assert split.scatter is None
 
 
 @pytest.mark.parametrize("degrees", [[0, 90], [0, 120, 240], [0, 45, 200, 300, 310]])
 def test_any_positions_in_any_number_of_planes(degrees):
     rotor, tooling = np.array([at(40, 70), at(3, 250)]), np.array([at(15, 200), at(1, 10)])
     turned = np.radians(degrees)
-    found = index_balancing([tooling + rotor * np.exp(1j * k) for k in turned], turned)
-    assert found.rotor == pytest.approx(rotor)
-    assert found.tooling == pytest.approx(tooling)
+    split = index_balancing([tooling + rotor * np.exp(1j * k) for k in turned], turned)
+    assert split.rotor == pytest.approx(rotor)
+    assert split.tooling == pytest.approx(tooling)
     if len(degrees) > 2:
-        assert found.scatter == pytest.approx(np.zeros(2), abs=1e-12)
+        assert split.scatter == pytest.approx(np.zeros(2), abs=1e-12)
 
 
 def test_scatter_is_that_of_the_readings():
     random = np.random.default_rng(5)
     turned = np.linspace(0, 2 * np.pi, 2000, endpoint=False)
     noise = random.normal(0, 0.3, (2, 2000))
-    found = index_balancing(5 + 40 * np.exp(1j * turned) + noise[0] + 1j * noise[1], turned)
-    assert found.scatter == pytest.approx(0.3 * np.sqrt(2), rel=0.05)
+    split = index_balancing(5 + 40 * np.exp(1j * turned) + noise[0] + 1j * noise[1], turned)
+    assert split.scatter == pytest.approx(0.3 * np.sqrt(2), rel=0.05)
 
 
 @pytest.mark.parametrize(

@@ -38,20 +38,20 @@ def above_the_least(matrix, target, limits, x):
 def test_case_7_influence_coefficients_of_two_planes():
     initial = readings([170, 53], [112, 78])
     trials = [readings([235, 58], [94, 68]), readings([185, 77], [115, 104])]
-    found = influence_correction(initial, influence_coefficients(initial, trials, [1.15, 1.15]))
-    size, angle = polar(found.unbalance)
+    correction = influence_correction(initial, influence_coefficients(initial, trials, [1.15, 1.15]))
+    size, angle = polar(correction.unbalance)
     assert size == pytest.approx([1.979, 1.071], abs=5e-4)
     assert angle == pytest.approx([236.2, 121.8], abs=0.05)
-    assert np.abs(found.residual).max() < 1e-12 * 170
-    assert found.notes == ()
+    assert np.abs(correction.residual).max() < 1e-12 * 170
+    assert correction.notes == ()
 
 
 def test_case_8_two_planes_with_trial_weights_at_angles():
     initial = readings([8.5, 6.5], [60, 205])
     trials = [readings([6, 4.5], [125, 230]), readings([6, 10.5], [35, 160])]
     coefficients = influence_coefficients(initial, trials, readings([10, 12], [270, 180]))
-    found = influence_correction(initial, coefficients)
-    size, angle = polar(-found.unbalance)
+    correction = influence_correction(initial, coefficients)
+    size, angle = polar(-correction.unbalance)
     assert size == pytest.approx([10.0561, 5.8774], abs=5e-5)
     assert angle == pytest.approx([145.555, 248.256], abs=5e-4)
 
@@ -62,9 +62,9 @@ def test_a_linear_machine_is_balanced_at_all_its_speeds_and_sensors(shape, plane
     weights = random.normal(size=planes) + 1j
     initial = coefficients @ unbalance
     trials = [initial + coefficients[..., k] * weights[k] for k in range(planes)]
-    found = influence_correction(initial, influence_coefficients(initial, trials, weights))
-    assert found.unbalance == pytest.approx(-unbalance, abs=1e-11)
-    assert np.abs(found.residual).max() < 1e-11
+    correction = influence_correction(initial, influence_coefficients(initial, trials, weights))
+    assert correction.unbalance == pytest.approx(-unbalance, abs=1e-11)
+    assert np.abs(correction.residual).max() < 1e-11
 
 
 def test_trial_weights_may_stay_on_and_runs_be_repeated():
@@ -96,29 +96,29 @@ def test_the_sense_of_phase_and_rotation_is_honoured(rotation, phase):
 
     unbalance, trial = 2.0 * cmath.exp(0.7j), 1.0 * cmath.exp(2.0j)
     coefficients = influence_coefficients(shown(unbalance), [shown(unbalance + trial)], [trial])
-    found = influence_correction(shown(unbalance), coefficients)
-    assert found.unbalance[0] == pytest.approx(-unbalance, abs=1e-9)
+    correction = influence_correction(shown(unbalance), coefficients)
+    assert correction.unbalance[0] == pytest.approx(-unbalance, abs=1e-9)
 
 
 def test_the_importance_of_readings_draws_the_compromise():
     """Two readings that one weight cannot both cancel: the weighted mean of what each asks for."""
-    found = influence_correction([1.0, 3.0], [[1.0], [1.0]], importance=[1.0, 3.0])
-    assert found.unbalance[0] == pytest.approx(-2.5)
-    assert found.residual == pytest.approx([-1.5, 0.5])
+    correction = influence_correction([1.0, 3.0], [[1.0], [1.0]], importance=[1.0, 3.0])
+    assert correction.unbalance[0] == pytest.approx(-2.5)
+    assert correction.residual == pytest.approx([-1.5, 0.5])
 
 
 def test_a_limit_on_one_plane_shortens_its_weight_and_turns_nothing():
-    found = influence_correction([3.0 + 4.0j], [[1.0]], limits=2.0)
-    assert found.unbalance[0] == pytest.approx(-2.0 * (0.6 + 0.8j), rel=1e-6)
-    assert found.limited == (0,)
-    assert abs(found.residual[0]) == pytest.approx(3.0, rel=1e-6)
-    assert "limit of 2" in found.notes[0]
+    correction = influence_correction([3.0 + 4.0j], [[1.0]], limits=2.0)
+    assert correction.unbalance[0] == pytest.approx(-2.0 * (0.6 + 0.8j), rel=1e-6)
+    assert correction.limited == (0,)
+    assert abs(correction.residual[0]) == pytest.approx(3.0, rel=1e-6)
+    assert "limit of 2" in correction.notes[0]
 
 
 def test_a_plane_without_room_gets_no_weight():
-    found = influence_correction([1.0, 1.0j], [[2.0, 0.1], [0.1, 4.0]], limits=[0.0, np.inf])
-    assert found.unbalance[0] == 0
-    assert found.unbalance[1] == pytest.approx(-(0.1 + 4.0j) / 16.01)
+    correction = influence_correction([1.0, 1.0j], [[2.0, 0.1], [0.1, 4.0]], limits=[0.0, np.inf])
+    assert correction.unbalance[0] == 0
+    assert correction.unbalance[1] == pytest.approx(-(0.1 + 4.0j) / 16.01)
 
 
 @settings(deadline=None, max_examples=60)
@@ -136,11 +136,11 @@ def test_least_squares_within_limits_is_the_least_there_is(seed, planes, more, a
 
 
 def test_sensors_that_hardly_tell_the_planes_apart_are_named_in_a_note():
-    found = influence_correction([1.0, 1.0], [[1.0, 1.0], [1.0, 1.1]])
+    correction = influence_correction([1.0, 1.0], [[1.0, 1.0], [1.0, 1.1]])
     lengths = np.array([math.sqrt(2.0), math.sqrt(2.21)])
     cosine = 2.1 / lengths.prod()
-    assert found.condition == pytest.approx(math.sqrt((1 + cosine) / (1 - cosine)))
-    assert "condition 42" in found.notes[-1]
+    assert correction.condition == pytest.approx(math.sqrt((1 + cosine) / (1 - cosine)))
+    assert "condition 42" in correction.notes[-1]
 
 
 def test_condition_does_not_depend_on_the_units_of_a_plane():

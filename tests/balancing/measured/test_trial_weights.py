@@ -63,27 +63,27 @@ def test_thirty_per_cent_or_thirty_degrees(after, enough):
 
 
 def test_one_sensor_that_answers_is_enough_and_changes_are_stated():
-    found = trial_response([1.0, 1.0j], [1.05, -1.5])
-    assert found.enough
-    assert found.amplitude_change == pytest.approx([0.05, 0.5])
-    assert found.phase_change == pytest.approx([0.0, math.pi / 2])
-    assert found.note.endswith("enough")
+    trial = trial_response([1.0, 1.0j], [1.05, -1.5])
+    assert trial.enough
+    assert trial.amplitude_change == pytest.approx([0.05, 0.5])
+    assert trial.phase_change == pytest.approx([0.0, math.pi / 2])
+    assert trial.note.endswith("enough")
 
 
 @settings(deadline=None)
 @given(st.floats(1e-3, 0.29), st.floats(-math.pi, math.pi))
 def test_the_factor_is_certain_to_be_enough_and_not_wasteful(size, angle):
     change = cmath.rect(size, angle)
-    found = trial_response([1.0], [1.0 + change])
-    assert not found.enough
-    assert trial_response([1.0], [1.0 + 1.0001 * found.factor * change]).enough
-    assert found.factor * size < 0.67
+    trial = trial_response([1.0], [1.0 + change])
+    assert not trial.enough
+    assert trial_response([1.0], [1.0 + 1.0001 * trial.factor * change]).enough
+    assert trial.factor * size < 0.67
 
 
 def test_no_change_at_all_points_to_the_sensors():
-    found = trial_response([1.0], [1.0])
-    assert math.isinf(found.factor)
-    assert "check the sensors" in found.note
+    trial = trial_response([1.0], [1.0])
+    assert math.isinf(trial.factor)
+    assert "check the sensors" in trial.note
 
 
 @pytest.mark.parametrize(

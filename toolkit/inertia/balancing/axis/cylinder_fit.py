@@ -76,11 +76,11 @@ def circle(points: Float) -> tuple[Float, float] | None:
         return None
     local = local / size
     matrix = np.column_stack([2.0 * local, np.ones(len(local))])
-    found, _, rank, _ = np.linalg.lstsq(matrix, (local**2).sum(axis=1), rcond=_SINGULAR)
+    solution, _, rank, _ = np.linalg.lstsq(matrix, (local**2).sum(axis=1), rcond=_SINGULAR)
     if rank < 3:
         return None
-    center = found[:2]
-    return mean + size * center, size * float(np.sqrt(found[2] + center @ center))
+    center = solution[:2]
+    return mean + size * center, size * float(np.sqrt(solution[2] + center @ center))
 
 
 def fit_axis(points: Float, member: Int, direction: Float, start: Float) -> AxisFit | None:

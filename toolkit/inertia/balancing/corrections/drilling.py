@@ -119,8 +119,8 @@ class _Drill(Tool):
         return point_length(self.diameter, self.plane.point_angle)
 
     def _deepest(self, unless: float) -> float:
-        given = [depth for depth in (self.plane.max_depth, self.limit) if depth is not None]
-        return max(min(given, default=unless), 0.0)
+        depths = [depth for depth in (self.plane.max_depth, self.limit) if depth is not None]
+        return max(min(depths, default=unless), 0.0)
 
     def _wall(self, start: Float, direction: Float, aside: Float) -> tuple[Float, Float, Float]:
         """Return the rays along the axis and along the wall of a hole."""

@@ -43,8 +43,8 @@ def flat_depth(density: float, radius: float, width: float, unbalance: float) ->
     5.0
     """
     half_chord_squared = math.cbrt(1.5 * unbalance / (density * width)) ** 2
-    left = radius**2 - half_chord_squared
-    return half_chord_squared / (radius + math.sqrt(left)) if left >= 0 else math.nan
+    distance_squared = radius**2 - half_chord_squared
+    return half_chord_squared / (radius + math.sqrt(distance_squared)) if distance_squared >= 0 else math.nan
 
 
 def flat_volume(radius: float, width: float, depth: float) -> float:

@@ -21,7 +21,7 @@ def quiet_stdout() -> Iterator[None]:
     """
     with _ONE_AT_A_TIME:
         try:
-            kept = os.dup(_STDOUT)
+            stdout = os.dup(_STDOUT)
         except OSError:  # there is no standard output
             yield
             return
@@ -33,6 +33,6 @@ def quiet_stdout() -> Iterator[None]:
             yield
         finally:
             c.fflush(None)
-            os.dup2(kept, _STDOUT)
-            os.close(kept)
+            os.dup2(stdout, _STDOUT)
+            os.close(stdout)
             os.close(nowhere)

@@ -76,5 +76,5 @@ def _beside(value: float, step: float, greatest: float = math.inf) -> tuple[floa
     if not step:
         return (value,)
     below = math.floor(value / step)
-    found = tuple(round(k * step, _DECIMALS) for k in (below, below + 1) if k * step <= greatest)
-    return found or (value,)
+    values = tuple(round(k * step, _DECIMALS) for k in (below, below + 1) if k * step <= greatest)
+    return values or (value,)

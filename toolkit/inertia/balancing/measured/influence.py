@@ -162,9 +162,9 @@ def _condition(matrix: Complex) -> float:
 
 def _numbers(value: ArrayLike, shape: tuple[int, ...], name: str) -> Float:
     try:
-        found = np.broadcast_to(np.asarray(value, dtype=np.float64), shape)
+        figures = np.broadcast_to(np.asarray(value, dtype=np.float64), shape)
     except (TypeError, ValueError):
         raise UsageError(f"{name} must be numbers of shape {shape}") from None
-    if not (found >= 0).all():
-        raise UsageError(f"{name} are {found.tolist()}: they must be numbers that are not negative")
-    return found
+    if not (figures >= 0).all():
+        raise UsageError(f"{name} are {figures.tolist()}: they must be numbers that are not negative")
+    return figures

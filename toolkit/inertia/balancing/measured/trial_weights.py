@@ -168,14 +168,14 @@ def trial_response(initial: ArrayLike, trial: ArrayLike) -> TrialResponse:
     enough = bool(((np.abs(amplitude) >= AMPLITUDE_CHANGE) | (np.abs(phase) >= PHASE_CHANGE)).any())
     largest = float(np.abs(ratio - 1.0).max())
     factor = 1.0 if enough else (_CERTAIN / largest if largest else math.inf)
-    found = f"the largest change is {100 * np.abs(amplitude).max():.3g} % and {np.degrees(np.abs(phase).max()):.3g}°"
+    change = f"the largest change is {100 * np.abs(amplitude).max():.3g} % and {np.degrees(np.abs(phase).max()):.3g}°"
     rule = f"{100 * AMPLITUDE_CHANGE:g} % and {math.degrees(PHASE_CHANGE):g}°"
     if enough:
-        note = f"{found}: enough"
+        note = f"{change}: enough"
     elif math.isinf(factor):
-        note = f"{found}: no reading changed, check the sensors and that the weight was mounted"
+        note = f"{change}: no reading changed, check the sensors and that the weight was mounted"
     else:
-        note = f"{found}, less than {rule}: repeat with {factor:.3g} times the trial weight"
+        note = f"{change}, less than {rule}: repeat with {factor:.3g} times the trial weight"
     return TrialResponse(amplitude, phase, enough, factor, note)
 
 

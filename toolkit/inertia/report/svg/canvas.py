@@ -93,13 +93,13 @@ def levels(places: Iterable[float], widths: Iterable[float]) -> list[int]:
     [0, 1, 0]
     """
     ends: list[float] = []
-    found = []
+    level_of = []
     for place, width in zip(places, widths, strict=True):
         start, end = place - 0.5 * width, place + 0.5 * width
-        level = next((k for k, taken in enumerate(ends) if start >= taken), len(ends))
+        level = next((k for k, last in enumerate(ends) if start >= last), len(ends))
         ends[level : level + 1] = [end]
-        found.append(level)
-    return found
+        level_of.append(level)
+    return level_of
 
 
 def _points(points: Iterable[Point]) -> str:
