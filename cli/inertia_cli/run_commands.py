@@ -42,7 +42,8 @@ def simulate(options: argparse.Namespace) -> int:
 def tumble(options: argparse.Namespace) -> int:
     """Run ``inertia tumble``."""
     from inertia.dynamics.scene.body import SceneBody
-    from inertia.dynamics.scene.document import Scene, Settings, Start
+    from inertia.dynamics.scene.document import Scene
+    from inertia.dynamics.scene.sections import Settings, Start
     from inertia.mass.analysis import analyse, sound_solids_only
     from inertia.mesh.read import read
 

@@ -15,7 +15,8 @@ from inertia.dynamics.loads.torque import Torque
 from inertia.dynamics.models.free.model import AsymmetricTop, FreeBody
 from inertia.dynamics.run import Run
 from inertia.dynamics.scene.body import SceneBody
-from inertia.dynamics.scene.document import Scene, Settings, Start
+from inertia.dynamics.scene.document import Scene
+from inertia.dynamics.scene.sections import Settings, Start
 from inertia.dynamics.simulate import simulate
 from inertia.errors import GeometryError
 from inertia_meshes import path

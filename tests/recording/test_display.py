@@ -6,7 +6,6 @@ from scipy.spatial.transform import Rotation
 from tests.mesh.solids import box, facets, joined, ring
 
 from inertia import Part, read
-from inertia.dynamics.body import Body
 from inertia.dynamics.scene.body import SceneBody
 from inertia.mass.analysis import analyse
 from inertia.mesh.part import CellBlock, Cells, Surface
@@ -32,7 +31,7 @@ def test_a_part_is_shown_about_its_centre_of_mass() -> None:
     part = read(path("t_handle.stl"), "mm")
     shown = display_of(body(part))
     assert (shown.unit, shown.notes, shown.semi_axes) == (0.01, (), None)
-    center = body(part).body.center_of_mass
+    center = body(part).center_of_mass
     stored = part.triangles.corners() * 1e-3
     np.testing.assert_allclose(shown.triangles * 0.01 + center, stored, atol=1e-17)
     assert shown.radius == pytest.approx(np.linalg.norm(stored - center, axis=2).max() / 0.01)
@@ -105,7 +104,7 @@ def test_moments_alone_are_shown_as_an_ellipsoid() -> None:
     moments = 2.0 / 5 * (np.sum(semi_axes**2) - semi_axes**2)
     np.testing.assert_allclose(equivalent_ellipsoid(moments, 2.0), semi_axes, rtol=1e-14)
     turn = Rotation.from_rotvec([0.3, 0.2, 0.1]).as_matrix()
-    shown = display_of(SceneBody.of(Body(turn @ np.diag(moments) @ turn.T, 2.0)))
+    shown = display_of(SceneBody(turn @ np.diag(moments) @ turn.T, 2.0))
     assert shown.triangles is None
     assert shown.notes == ("shown as the solid ellipsoid of the same moments",)
     np.testing.assert_allclose(shown.unit * shown.semi_axes, semi_axes, rtol=1e-9)
@@ -115,7 +114,7 @@ def test_moments_alone_are_shown_as_an_ellipsoid() -> None:
 
 def test_a_flat_body_can_be_seen_from_its_edge() -> None:
     assert equivalent_ellipsoid(np.array([1.0, 1.0, 2.0]), 1.0).min() == pytest.approx(0.01 * np.sqrt(5))
-    shown = display_of(SceneBody.of(Body(np.diag([1.0, 1.0, 2.0]))))
+    shown = display_of(SceneBody(np.diag([1.0, 1.0, 2.0])))
     assert shown.notes == ("shown as the solid ellipsoid of the same moments, of 1 kg as no mass is given",)
 
 

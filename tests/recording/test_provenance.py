@@ -10,11 +10,10 @@ from tests.recording.scenes import FREE, scene_table
 
 import inertia
 from inertia import Scene, record, simulate
-from inertia.dynamics.body import Body
 from inertia.dynamics.loads.gravity import Gravity
 from inertia.dynamics.loads.torque import Torque
 from inertia.dynamics.scene.body import SceneBody
-from inertia.dynamics.scene.document import Settings, Start
+from inertia.dynamics.scene.sections import Settings, Start
 from inertia.errors import ReadError
 from inertia.recording.provenance import properties, scene_of
 from inertia_meshes import path
@@ -85,7 +84,7 @@ def test_a_scene_made_in_python_runs_again(look: str, tmp_path: Path) -> None:
 
 
 def test_a_torque_along_principal_axes_comes_back(tmp_path: Path) -> None:
-    body = SceneBody.of(Body(np.array([[2.0, 0.3, 0.0], [0.3, 2.5, 0.1], [0.0, 0.1, 3.0]]), 1.0))
+    body = SceneBody(np.array([[2.0, 0.3, 0.0], [0.3, 2.5, 0.1], [0.0, 0.1, 3.0]]), 1.0)
     loads = (Torque([0.1, 0.0, 0.2], frame="principal"),)
     run = simulate(Scene(body, Start([1.0, 2.0, 3.0]), Settings(2.0, 11, 1e-8), applied_loads=loads))
     record(run, tmp_path / "run.rrd")
@@ -93,7 +92,7 @@ def test_a_torque_along_principal_axes_comes_back(tmp_path: Path) -> None:
 
 
 def test_a_torque_by_a_function_cannot_be_run_again(tmp_path: Path) -> None:
-    body = SceneBody.of(Body(np.diag([1.0, 2.0, 3.0]), 1.0))
+    body = SceneBody(np.diag([1.0, 2.0, 3.0]), 1.0)
     loads = (Gravity(), Torque(lambda t, q, w: -0.1 * w))
     run = simulate(Scene(body, Start([1.0, 2.0, 3.0]), Settings(1.0, 11, 1e-6), applied_loads=loads))
     record(run, tmp_path / "run.rrd")

@@ -13,7 +13,8 @@ from tests.dynamics.scenes import DISC, scene
 
 from inertia.dynamics.integrators.splitting import Splitting
 from inertia.dynamics.models.stepped import solve
-from inertia.dynamics.scene.document import Scene, Settings
+from inertia.dynamics.scene.document import Scene
+from inertia.dynamics.scene.sections import Settings
 from inertia.dynamics.simulate import simulate
 from inertia.errors import GeometryError, UsageError
 from inertia.work_precision.rows import SceneRow, front

@@ -58,9 +58,9 @@ from inertia.balancing.measured.index_balancing import index_balancing as index_
 
 # A scene is followed by the smallest model that it needs, and recorded.
 from inertia.dynamics.scene.document import Scene as Scene
-from inertia.dynamics.scene.document import Start as Start
-from inertia.dynamics.scene.document import Constraint as Constraint
-from inertia.dynamics.scene.document import Settings as Settings
+from inertia.dynamics.scene.sections import Start as Start
+from inertia.dynamics.scene.sections import Constraint as Constraint
+from inertia.dynamics.scene.sections import Settings as Settings
 from inertia.dynamics.scene.body import SceneBody as SceneBody
 from inertia.dynamics.loads.gravity import Gravity as Gravity
 from inertia.dynamics.loads.gravity import GravityGradient as GravityGradient

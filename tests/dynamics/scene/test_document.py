@@ -7,11 +7,11 @@ import numpy as np
 import pytest
 from tests.dynamics.scenes import DISC, PLAIN, TOP, scene, table
 
-from inertia.dynamics.body import Body
 from inertia.dynamics.loads.gravity import Gravity
 from inertia.dynamics.loads.torque import Torque
 from inertia.dynamics.scene.body import SceneBody
-from inertia.dynamics.scene.document import Scene, Settings, Start
+from inertia.dynamics.scene.document import Scene
+from inertia.dynamics.scene.sections import Settings, Start
 from inertia.errors import GeometryError, InertiaError, ReadError, UsageError
 from inertia.mass.properties import MassProperties
 from inertia_meshes import catalogue, path
@@ -48,8 +48,8 @@ def test_a_file_is_read_as_the_contract_says(tmp_path: Path) -> None:
     assert found.gravity.tolist() == [0, 0, -9.80665]
     assert (found.text, found.name) == (CONTRACT, str(file))
     known = catalogue()["t_handle.stl"]["mesh"]
-    assert found.body.body.mass == pytest.approx(7850 * known["volume"] * 1e-9, rel=1e-14)
-    np.testing.assert_allclose(found.body.body.inertia, 7850e-15 * np.array(known["inertia"]), rtol=0, atol=1e-20)
+    assert found.body.mass == pytest.approx(7850 * known["volume"] * 1e-9, rel=1e-14)
+    np.testing.assert_allclose(found.body.inertia, 7850e-15 * np.array(known["inertia"]), rtol=0, atol=1e-20)
     assert found.body.part is not None
     assert found.body.part.triangles.count == catalogue()["t_handle.stl"]["triangles"]
 
@@ -76,7 +76,7 @@ def test_the_part_is_looked_for_beside_the_file_and_not_beside_the_user(
     monkeypatch.chdir(tmp_path)
     changed = table(body={"part": "cube.stl", "unit": "cm", "mass": 6.0})
     found = Scene.from_dict(changed, path("cube.stl").parent)
-    np.testing.assert_allclose(found.body.body.inertia, np.eye(3) * 6 * 0.1**2 / 6, rtol=1e-14)
+    np.testing.assert_allclose(found.body.inertia, np.eye(3) * 6 * 0.1**2 / 6, rtol=1e-14)
     with pytest.raises(ReadError, match=r"cube\.stl: there is no such file"):
         Scene.from_dict(changed)
 
@@ -316,6 +316,6 @@ def test_assumptions_about_a_part_are_noted() -> None:
 
 def test_a_body_keeps_the_axes_of_moments_that_are_nearly_equal() -> None:
     tensor = np.array([[2.0, 1e-8, 0.0], [1e-8, 2.0, 0.0], [0.0, 0.0, 3.0]])  # axes at 45°, moments 2 ± 1e-8
-    body = SceneBody.of(Body(tensor))
+    body = SceneBody(tensor)
     assert np.abs(body.axes[0, 0]) == 1.0  # equal at the usual tolerance: the part's own axes
     assert np.abs(body.principal_within(0.0).axes[0, 0]) == pytest.approx(math.sqrt(0.5), rel=1e-6)

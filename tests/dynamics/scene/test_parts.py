@@ -13,7 +13,8 @@ from tests.dynamics.scenes import scene
 import inertia
 from inertia.dynamics.plan import plan
 from inertia.dynamics.scene.body import SceneBody
-from inertia.dynamics.scene.document import Scene, Settings, Start
+from inertia.dynamics.scene.document import Scene
+from inertia.dynamics.scene.sections import Settings, Start
 from inertia.dynamics.simulate import simulate
 from inertia.errors import GeometryError, ReadError, UsageError
 from inertia.report.run.document import run_document
@@ -98,7 +99,7 @@ def test_parts_may_be_meshes(tmp_path: Path) -> None:
         inertia.mass_properties(inertia.read(path(name), unit="mm"), density=1000.0).mass
         for name in ("box.stl", "cube.stl")
     )
-    assert found.body.mass == pytest.approx(whole)
+    assert found.mass == pytest.approx(whole)
     assert [mesh is not None and mesh.triangles.count for mesh in found.meshes] == [12, 12]
     assert "cube: the unit of the part is assumed to be mm" in found.notes
     assert not any(note.startswith("box: the unit") for note in found.notes)

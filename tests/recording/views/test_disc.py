@@ -9,7 +9,7 @@ from tests.recording.kinds import FLOAT32, errors_seen, place, seen, series, tip
 from tests.recording.reading import Recorded
 
 from inertia import Run, Scene, simulate
-from inertia.dynamics.scene.document import Constraint
+from inertia.dynamics.scene.sections import Constraint
 from inertia.recording import entities
 from inertia.recording.views.disc import STATES, screen
 from inertia_meshes import path

@@ -81,7 +81,7 @@ def test_poses_are_those_of_the_run(handle: Run, found: Recorded) -> None:
 
 def test_the_mesh_is_the_part(handle: Run, found: Recorded) -> None:
     part = handle.scene.body.part
-    stored = part.triangles.corners().reshape(-1, 3) * 1e-3 - handle.scene.body.body.center_of_mass
+    stored = part.triangles.corners().reshape(-1, 3) * 1e-3 - handle.scene.body.center_of_mass
     drawn = found.values(f"/{entities.MESH}", "Mesh3D:vertex_positions")[0]
     np.testing.assert_allclose(drawn * 0.01, stored, atol=0.05 * FLOAT32)
 

@@ -80,7 +80,7 @@ def _position(problem: Problem, time: Float, attitude: Float, motion: Motion) ->
     if motion.position is not None:
         return motion.position + origin
     if scene.constraint.kind == "fixed_point":
-        arm = scene.body.body.center_of_mass - problem.reference
+        arm = scene.body.center_of_mass - problem.reference
         return origin + quaternion.to_space(attitude, arm) if arm.any() or start is not None else None
     velocity = scene.start.velocity
     if start is None and velocity is None and not scene.gravity.any():

@@ -69,10 +69,10 @@ class Display:
 
 def display_of(body: SceneBody) -> Display:
     """Return how a body is shown: its part, or the solid ellipsoid of the same moments where it has no part."""
-    principal = body.body.principal
+    principal = body.principal
     attitude = quaternion.from_matrix(principal.axes)
     if body.part is not None:
-        corners, count = shown_triangles(body.part, body.body.center_of_mass)
+        corners, count = shown_triangles(body.part, body.center_of_mass)
         if len(corners):
             unit, radius = _unit(float(np.linalg.norm(corners, axis=2).max()))
             notes = (
@@ -81,10 +81,10 @@ def display_of(body: SceneBody) -> Display:
                 else (f"shown with {len(corners)} of its {count} triangles: near corners are merged, for display only",)
             )
             return Display(unit, radius, corners / unit, None, attitude, notes)
-    semi_axes = equivalent_ellipsoid(principal.moments, body.body.mass)
+    semi_axes = equivalent_ellipsoid(principal.moments, body.mass)
     unit, radius = _unit(float(semi_axes.max()))
     notes = ("shown as the solid ellipsoid of the same moments",)
-    if body.body.mass is None:
+    if body.mass is None:
         notes = (f"{notes[0]}, of 1 kg as no mass is given",)
     return Display(unit, radius, None, semi_axes / unit, attitude, notes)
 

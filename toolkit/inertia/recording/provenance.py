@@ -12,7 +12,8 @@ from inertia import __version__
 from inertia.balancing.balance import Balance
 from inertia.dynamics.run import Run
 from inertia.dynamics.scene.body import SceneBody
-from inertia.dynamics.scene.document import Scene, Settings
+from inertia.dynamics.scene.document import Scene
+from inertia.dynamics.scene.sections import Settings
 from inertia.errors import ReadError, UsageError
 from inertia.mesh.part import Part
 

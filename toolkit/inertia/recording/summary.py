@@ -31,11 +31,11 @@ def _body(run: Run) -> Iterator[str]:
     cells = [("Scene", title(run)), ("Duration", f"{scene.run.duration:g} s, {len(run.time)} samples")]
     if body.part is not None:
         cells.append(("Part", f"{Path(body.part.name).name}, in {body.part.unit.name}"))
-    cells.append(("Class", body.body.principal.kind))
-    if body.body.mass is not None:
-        cells.append(("Mass", f"{body.body.mass:.6g} kg"))
-        cells.append(("Centre of mass", f"{listed(body.body.center_of_mass)} m"))
-    cells.append(("Moments", f"{listed(body.body.principal.moments)} kg m²"))
+    cells.append(("Class", body.principal.kind))
+    if body.mass is not None:
+        cells.append(("Mass", f"{body.mass:.6g} kg"))
+        cells.append(("Centre of mass", f"{listed(body.center_of_mass)} m"))
+    cells.append(("Moments", f"{listed(body.principal.moments)} kg m²"))
     cells.append(("Spin", f"{listed(scene.start.angular_velocity)} rad/s, {scene.start.frame} axes"))
     yield "| | | | |"
     yield "|-|-|-|-|"

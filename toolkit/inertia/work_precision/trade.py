@@ -203,7 +203,7 @@ def _trade_part(
 
 
 def _trade_scene(scene: Scene, accuracy: Accuracy, watch: Stopwatch, progress: Progress) -> SceneTrade:
-    from inertia.dynamics.scene.document import FINEST
+    from inertia.dynamics.scene.sections import FINEST
     from inertia.work_precision.scenes import LADDER, measure_scene
 
     if accuracy is not None:

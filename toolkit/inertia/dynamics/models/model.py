@@ -21,7 +21,7 @@ from inertia.dynamics.loads.gravity import Gravity
 from inertia.dynamics.loads.load import Load
 from inertia.dynamics.motion import Motion
 from inertia.dynamics.scene.document import Scene
-from inertia.mass.principal import Principal, principal
+from inertia.mass.principal import principal
 
 NEARLY_EQUAL = 1e-3
 """Relative difference up to which it is worth saying that moments are nearly equal."""
@@ -58,10 +58,11 @@ class Problem:
     @classmethod
     def of(cls, scene: Scene) -> Problem:
         """Take the moments about the point that the scene turns about, and the spin along the principal axes there."""
-        body = scene.body.body
+        body = scene.body
         reference = scene.constraint.fixed_point if scene.constraint.kind == "fixed_point" else body.center_of_mass
         arm = body.center_of_mass - reference
-        about = _principal_about(scene, reference if arm.any() else None)
+        # With no tolerance nearly equal moments keep the axes that they have.
+        about = principal(body.about(reference), 0.0) if arm.any() else body.principal_within(0.0)
         return cls(
             scene=scene,
             reference=reference,
@@ -233,13 +234,6 @@ def angle_text(cost: float) -> str:
     ('0.01 rad', 'a whole turn')
     """
     return f"{cost:.1g} rad" if cost < np.pi else "a whole turn"
-
-
-def _principal_about(scene: Scene, point: Float | None) -> Principal:
-    """Diagonalise the tensor with no tolerance: nearly equal moments keep the axes that they have."""
-    if point is None:
-        return scene.body.principal_within(0.0)
-    return principal(scene.body.about(point), 0.0)
 
 
 def _across(direction: Float) -> tuple[Float, Float]:

@@ -1,107 +1,93 @@
-"""The body of a scene: a part file integrated to its mass properties, or a tensor as given."""
+"""`SceneBody`: what moves in a scene, a part file integrated to its mass properties, a tensor as given, or parts."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
+from functools import cached_property
 from pathlib import Path
-from typing import Annotated, ClassVar
 
 import numpy as np
 
 from inertia.arrays import Float
-from inertia.documents import FieldError, Section, number, numbers, text
-from inertia.dynamics.body import Body
 from inertia.dynamics.models.deforming.assembly import JointedBody
+from inertia.dynamics.scene.sections import BodySource
 from inertia.errors import FieldPath, GeometryError, UsageError, placed
 from inertia.mass.analysis import Analysis, analyse
-from inertia.mass.principal import Principal, principal
+from inertia.mass.eigen import Spectrum
+from inertia.mass.principal import CLASS_TOLERANCE, Principal, principal_of, spectrum_of_tensor
 from inertia.mass.properties import MassProperties
+from inertia.mass.tensor import array_of, faults, steiner
 from inertia.mesh.part import Part
 from inertia.mesh.read import read
-
-_SOURCES = ("part", "inertia", "principal_moments")
-_FOR_PART = ("unit", "density", "material")
-
-
-@dataclass(frozen=True, eq=False)
-class BodySource(Section):
-    """The section ``[body]``: one of `part`, `inertia` and `principal_moments`, and what goes with it.
-
-    Attributes
-    ----------
-    part : path of a mesh or STEP file, relative to the scene file
-    unit : length unit of its coordinates; millimetres are assumed where neither this nor the file says one
-    density, material : kg/m³, or a name in the table of materials; 1000 kg/m³ is assumed without them
-    mass : kg; with a part, as weighed
-    inertia : (3, 3) kg m² about the centre of mass, part axes
-    principal_moments : (3,) kg m²; the part axes are then the principal axes, in this order
-    center_of_mass : (3,) m, part axes; with inertia or principal_moments
-    """
-
-    section: ClassVar[str] = "body"
-
-    part: Annotated[str | None, text] = None
-    unit: Annotated[str | None, text] = None
-    density: Annotated[float | None, number("kg/m³", positive=True)] = None
-    material: Annotated[str | None, text] = None
-    mass: Annotated[float | None, number("kg", positive=True)] = None
-    inertia: Annotated[Float | None, numbers((3, 3), "kg m²")] = None
-    principal_moments: Annotated[Float | None, numbers((3,), "kg m²")] = None
-    center_of_mass: Annotated[Float | None, numbers((3,), "m")] = None
-
-    def require_sense(self, path: str) -> None:
-        """Raise `FieldError` where the body is given twice, or not at all."""
-        told = [name for name in _SOURCES if getattr(self, name) is not None]
-        if len(told) != 1:
-            found = f"has both {' and '.join(told)}" if told else "has no tensor"
-            raise FieldError(path, f"{found}: give one of {', '.join(_SOURCES)}")
-        stray = ("center_of_mass",) if self.part else _FOR_PART
-        for name in stray:
-            if getattr(self, name) is not None:
-                why = "the part has its own" if self.part else "only a part file has one"
-                raise FieldError(f"{path}.{name}", f"goes with no {told[0]}: leave it out, {why}")
 
 
 @dataclass(frozen=True, eq=False)
 class SceneBody:
-    """A body that was built: what moves, and where its mass properties are from.
+    """What moves in a scene, in part axes and SI units, and where its mass properties are from.
 
     Attributes
     ----------
-    body : `Body`
-    axes : (3, 3), columns in part axes: the axes that ``frame = "principal"`` means
+    inertia : (3, 3) kg m² about the centre of mass; signs as in `inertia.mass.tensor`
+    mass : kg; None where the scene gives none, which is enough for a free body
+    center_of_mass : (3,) m
+    axes : (3, 3), columns in part axes: the axes that ``frame = "principal"`` means; without it those of ascending
+        moments
     properties : of the part, before rounding; None where the scene gave a tensor
     part : the mesh, for drawings; None where there is none
     notes : what reading and integrating the part decided, in sentences
-    assembly : the parts on joints that the body is made of; `body` and `axes` are then those at t = 0, in the axes of
-        the root part. None where the body is one part
+    assembly : the parts on joints that the body is made of; the tensor and the axes are then those at t = 0, in the
+        axes of the root part. None where the body is one part
     meshes : of each part of the assembly, for drawings; None where there is none
+
+    Raises `GeometryError` where the tensor is not physical, `UsageError` where a value is not finite.
+
+    >>> SceneBody(np.diag([1.0, 3.0, 2.0]), mass=2.0).principal.moments.tolist()
+    [1.0, 2.0, 3.0]
     """
 
-    body: Body
-    axes: Float
+    inertia: Float
+    mass: float | None = None
+    center_of_mass: Float = (0.0, 0.0, 0.0)  # type: ignore[assignment]
+    axes: Float = None  # type: ignore[assignment]
     properties: MassProperties | None = None
     part: Part | None = None
     notes: tuple[str, ...] = ()
     assembly: JointedBody | None = None
     meshes: tuple[Part | None, ...] = ()
 
-    @classmethod
-    def of(cls, body: Body | MassProperties) -> SceneBody:
-        """Take a body, or the mass properties of a part; its principal axes are those of ascending moments."""
-        if isinstance(body, MassProperties):
-            return cls(Body.of(body), body.principal.axes, body)
-        return cls(body, body.principal.axes)
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "inertia", array_of(self.inertia, (3, 3), "inertia"))
+        object.__setattr__(self, "center_of_mass", array_of(self.center_of_mass, (3,), "center_of_mass"))
+        if reasons := faults(self.inertia):
+            raise GeometryError(f"the inertia tensor is not physical: {reasons[0]}")
+        if not np.any(self.inertia):
+            raise GeometryError("the inertia tensor is zero: a point has no attitude to follow")
+        if self.mass is not None and not 0 < self.mass < np.inf:
+            raise GeometryError(f"the mass is {self.mass:.6g} kg: it must be positive and finite")
+        if self.axes is None:
+            object.__setattr__(self, "axes", self.principal.axes)
 
     @classmethod
-    def of_analysis(cls, found: Analysis) -> SceneBody:
+    def of(cls, properties: MassProperties, part: Part | None = None, notes: tuple[str, ...] = ()) -> SceneBody:
+        """Take the mass properties of a part."""
+        return cls(
+            properties.inertia,
+            properties.mass,
+            properties.center_of_mass,
+            properties=properties,
+            part=part,
+            notes=notes,
+        )
+
+    @classmethod
+    def of_analysis(cls, analysis: Analysis) -> SceneBody:
         """Take a part that was analysed."""
-        notes = list(found.notes)
-        if found.part.unit_from == "assumed":
+        notes = list(analysis.notes)
+        if analysis.part.unit_from == "assumed":
             notes.append("the unit of the part is assumed to be mm")
-        if found.density_from == "assumed":
+        if analysis.density_from == "assumed":
             notes.append("the density of the part is assumed to be 1000 kg/m³")
-        return replace(cls.of(found.properties), part=found.part, notes=tuple(notes))
+        return cls.of(analysis.properties, analysis.part, tuple(notes))
 
     @classmethod
     def of_assembly(
@@ -109,28 +95,40 @@ class SceneBody:
     ) -> SceneBody:
         """Take parts on joints, as they stand at t = 0."""
         shape = assembly.shape([0.0])
-        whole = cls.of(Body(shape.inertia[0], shape.mass, shape.center_of_mass[0]))
-        return replace(whole, assembly=assembly, meshes=meshes, notes=notes)
+        return cls(shape.inertia[0], shape.mass, shape.center_of_mass[0], assembly=assembly, meshes=meshes, notes=notes)
 
     @property
     def deforms(self) -> bool:
         """Whether any joint ever moves."""
         return self.assembly is not None and bool(self.assembly.keyframes.size)
 
+    @cached_property
+    def principal(self) -> Principal:
+        """Principal moments, axes and class of the tensor about the centre of mass."""
+        return self.principal_within(CLASS_TOLERANCE)
+
     def principal_within(self, tolerance: float) -> Principal:
-        """Return the principal moments and axes about the centre of mass; moments within `tolerance` count as equal."""
-        if self.properties is None:
-            return principal(self.body.inertia, tolerance)
-        return self.properties.principal_within(tolerance)
+        """Return `principal` with moments that are within `tolerance` of each other, relative, counted as equal."""
+        if self.properties is not None:
+            return self.properties.principal_within(tolerance)
+        return principal_of(self._spectrum, tolerance)
+
+    @cached_property
+    def _spectrum(self) -> Spectrum:
+        return spectrum_of_tensor(self.inertia, 0)
 
     @property
     def moments(self) -> Float:
         """The moments (3,) kg m² about `axes`."""
-        return np.diagonal(self.axes.T @ self.body.inertia @ self.axes)
+        return np.diagonal(self.axes.T @ self.inertia @ self.axes)
 
     def about(self, point: Float) -> Float:
-        """Return the tensor (3, 3) kg m² about `point` (3,) m, part axes."""
-        return self.body.about(point) if self.properties is None else self.properties.about(point)
+        """Return the tensor (3, 3) kg m² about `point` (3,) m, part axes, by Steiner's theorem. Needs a mass."""
+        if self.properties is not None:
+            return self.properties.about(point)
+        if self.mass is None:
+            raise GeometryError("the body has no mass: moments about another point than the centre of mass need one")
+        return steiner(self.inertia, self.mass, self.center_of_mass, about=self.center_of_mass, to=point)
 
 
 def build(source: BodySource, folder: Path) -> SceneBody:
@@ -141,26 +139,22 @@ def build(source: BodySource, folder: Path) -> SceneBody:
     """
     if source.part is not None:
         return integrated(source, folder, "body")
+    center = np.zeros(3) if source.center_of_mass is None else source.center_of_mass
     try:
         if source.principal_moments is not None:
-            body = Body(np.diag(source.principal_moments), source.mass, _or_origin(source.center_of_mass))
-            return SceneBody(body, np.eye(3))
-        body = Body(source.inertia, source.mass, _or_origin(source.center_of_mass))  # type: ignore[arg-type]
+            return SceneBody(np.diag(source.principal_moments), source.mass, center, axes=np.eye(3))
+        assert source.inertia is not None  # the source saw to it
+        return SceneBody(source.inertia, source.mass, center)
     except GeometryError as error:
         field = "inertia" if source.principal_moments is None else "principal_moments"
         raise placed(error, FieldPath(f"body.{field}")) from None
-    return SceneBody.of(body)
-
-
-def _or_origin(point: Float | None) -> Float:
-    return np.zeros(3) if point is None else point
 
 
 def integrated(source: BodySource, folder: Path, path: str) -> SceneBody:
     """Read and integrate a part file in `folder`; `path` is the table that names it."""
     try:
         part = read(folder / str(source.part), source.unit)
-        found = analyse(part, source.density, material=source.material, mass=source.mass)
+        analysis = analyse(part, source.density, material=source.material, mass=source.mass)
     except UsageError as error:
         raise placed(error, FieldPath(path)) from None
-    return SceneBody.of_analysis(found)
+    return SceneBody.of_analysis(analysis)

@@ -7,135 +7,25 @@ Every field is checked, unknown ones are refused, and an error names the field b
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, field, fields
 from pathlib import Path
-from typing import Annotated, Any, ClassVar, Literal
+from typing import Any, ClassVar
 
 import numpy as np
 
 from inertia.arrays import Float
-from inertia.documents import (
-    Document,
-    FieldError,
-    Section,
-    choice,
-    integer,
-    number,
-    numbers,
-    require_known,
-    section_of,
-    text,
-)
+from inertia.documents import Document, FieldError, require_known, section_of
 from inertia.dynamics.kinematics import quaternion
 from inertia.dynamics.loads.catalogue import load_of
 from inertia.dynamics.loads.gravity import Gravity
 from inertia.dynamics.loads.load import Load
-from inertia.dynamics.scene.body import BodySource, SceneBody, build
-from inertia.dynamics.scene.consistency import require_sense
-from inertia.dynamics.scene.fields import attitude_of, direction
+from inertia.dynamics.scene.body import SceneBody, build
 from inertia.dynamics.scene.parts import build_parts
-
-Frame = Literal["principal", "part", "space"]
-Kind = Literal["free", "fixed_point", "rolling"]
-
-FINEST = 1e-15
-"""rad: no attitude in float64 is known better than the rounding of its four components."""
+from inertia.dynamics.scene.sections import BodySource, Constraint, Frame, Settings, Start
+from inertia.errors import FieldPath, GeometryError
 
 _SECTIONS = ("schema", "body", "part", "start", "constraint", "load", "run")
-_MOST_SAMPLES = 10_000_000
-
-
-@dataclass(frozen=True, eq=False)
-class Start(Section):
-    """The section ``[start]``: the state at t = 0.
-
-    Attributes
-    ----------
-    angular_velocity : (3,) rad/s, resolved in `frame`
-    frame : "principal" (the principal axes, moments ascending; the part axes where the scene gave the principal
-        moments), "part" or "space"
-    attitude : (4,) unit quaternion, scalar last, part axes to space
-    position : (3,) m in space: of the centre of mass, of the fixed point, or of the point of contact
-    velocity : (3,) m/s in space, of the centre of mass of a free body
-    """
-
-    section: ClassVar[str] = "start"
-
-    angular_velocity: Annotated[Float, numbers((3,), "rad/s")]
-    frame: Annotated[Frame, choice("principal", "part", "space")] = "principal"
-    attitude: Annotated[Float, attitude_of] = quaternion.IDENTITY  # type: ignore[assignment]
-    position: Annotated[Float | None, numbers((3,), "m")] = None
-    velocity: Annotated[Float | None, numbers((3,), "m/s")] = None
-
-
-@dataclass(frozen=True, eq=False)
-class Constraint(Section):
-    """The section ``[constraint]``: what holds the body.
-
-    Attributes
-    ----------
-    kind : "free", "fixed_point" or "rolling" (without slip, on its rim, on the plane z = 0 of space)
-    point : (3,) m, part axes, of a fixed point; the origin of the part axes without it
-    radius : m, of the rim that rolls
-    offset : m, of the rim's plane from the centre of mass, along `axis`, which it needs
-    axis : (3,) of the body of revolution that rolls, part axes; without it that of the two equal moments
-    """
-
-    section: ClassVar[str] = "constraint"
-
-    kind: Annotated[Kind, choice("free", "fixed_point", "rolling")] = "free"
-    point: Annotated[Float | None, numbers((3,), "m")] = None
-    radius: Annotated[float | None, number("m", positive=True)] = None
-    offset: Annotated[float | None, number("m")] = None
-    axis: Annotated[Float | None, direction] = None
-
-    def require_sense(self, path: str) -> None:
-        """Raise `FieldError` where a field goes with another constraint, or is missing."""
-        owners = {"point": "fixed_point", "radius": "rolling", "offset": "rolling", "axis": "rolling"}
-        for name, kind in owners.items():
-            if getattr(self, name) is not None and self.kind != kind:
-                raise FieldError(f"{path}.{name}", f'goes with kind = "{kind}" only, not with "{self.kind}"')
-        if self.kind == "rolling" and self.radius is None:
-            raise FieldError(f"{path}.radius", "is missing: a rolling body needs the radius of its rim, in m")
-        if self.offset and self.axis is None:
-            raise FieldError(f"{path}.axis", f"is missing: {path}.offset says how far along it the rim is")
-
-    @property
-    def fixed_point(self) -> Float:
-        """The fixed point (3,) m, part axes."""
-        return np.zeros(3) if self.point is None else self.point
-
-
-@dataclass(frozen=True, eq=False)
-class Settings(Section):
-    """The section ``[run]``: how long, how often, how accurately, and by which model if not by the smallest.
-
-    Attributes
-    ----------
-    duration : s
-    samples : how many instants, evenly spaced from 0 to `duration`, both included
-    accuracy : rad, of the attitude at every sample
-    model : the model to use, in place of the one that `plan` picks
-    method : the integrator to use, which makes the run a stepped one
-    """
-
-    section: ClassVar[str] = "run"
-
-    duration: Annotated[float, number("seconds", positive=True)]
-    samples: Annotated[int, integer(2, _MOST_SAMPLES)] = 1001
-    accuracy: Annotated[float, number("rad", positive=True)] = 1e-10
-    model: Annotated[str | None, text] = None
-    method: Annotated[str | None, text] = None
-
-    def require_sense(self, path: str) -> None:
-        """Raise `FieldError` where the accuracy is none that can be reached."""
-        if self.accuracy < FINEST:
-            raise FieldError(
-                f"{path}.accuracy",
-                f"is {self.accuracy:g} rad, finer than an attitude in float64 can be: ask for {FINEST:g} or more",
-            )
-        if self.accuracy > 1:
-            raise FieldError(f"{path}.accuracy", f"is {self.accuracy:g} rad: that is no accuracy, ask for 1 or less")
+_FAR = 10.0  # sizes of the body
 
 
 @dataclass(frozen=True, eq=False)
@@ -144,8 +34,8 @@ class Scene(Document):
 
     Parameters
     ----------
-    body : `SceneBody`, made by `SceneBody.of` from a `Body` or `MassProperties`, by `SceneBody.of_assembly` from parts
-        on joints, or by `build` from a `BodySource`
+    body : `SceneBody`: of a tensor, by `SceneBody.of` from `MassProperties`, by `SceneBody.of_assembly` from parts on
+        joints, or by `build` from a `BodySource`
     start : `Start`
     run : `Settings`
     constraint : `Constraint`; free without it
@@ -156,8 +46,7 @@ class Scene(Document):
     Raises `UsageError` naming the field, `ReadError` for files, `GeometryError` for what is not physical.
 
     >>> import numpy as np
-    >>> from inertia.dynamics.body import Body
-    >>> scene = Scene(SceneBody.of(Body(np.diag([1.0, 2.0, 3.0]))), Start([0.0, 0.0, 1.0]), Settings(1.0))
+    >>> scene = Scene(SceneBody(np.diag([1.0, 2.0, 3.0])), Start([0.0, 0.0, 1.0]), Settings(1.0))
     >>> scene.angular_velocity.tolist(), scene.constraint.kind
     ([0.0, 0.0, 1.0], 'free')
     """
@@ -167,14 +56,14 @@ class Scene(Document):
     body: SceneBody
     start: Start
     run: Settings
-    constraint: Constraint = Constraint()
+    constraint: Constraint = field(default_factory=Constraint)
     applied_loads: tuple[Load, ...] = ()
     text: str | None = None
     name: str = "the scene"
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "applied_loads", tuple(self.applied_loads))
-        require_sense(self)
+        _require_sense(self)
 
     @classmethod
     def _from_table(cls, table: Mapping[str, Any], folder: Path, text: str | None, name: str) -> Scene:
@@ -211,7 +100,7 @@ class Scene(Document):
         """
         return {
             "schema": self.version,
-            "body": _fields(self.body.body),
+            "body": {name: getattr(self.body, name) for name in ("inertia", "mass", "center_of_mass")},
             "start": {**_fields(self.start), "angular_velocity": self.angular_velocity, "frame": "part"},
             "constraint": _fields(self.constraint),
             "run": _fields(self.run),
@@ -237,6 +126,78 @@ class Scene(Document):
             return quaternion.to_body(self.start.attitude, vector)
         resolved: Float = self.body.axes @ vector
         return resolved
+
+
+def _require_sense(scene: Scene) -> None:
+    """Raise `UsageError` where fields contradict each other or one is lacking, `GeometryError` for what cannot be."""
+    least = scene.body.principal.moments[0]
+    if not least > 0:
+        raise GeometryError(
+            f"the smallest principal moment is {least:.3g} kg m², and about an axis that no mass is away from there "
+            "is no rotation to follow: give the body a thickness"
+        )
+    _require_mass(scene)
+    if scene.body.deforms and scene.constraint.kind != "free":
+        raise FieldError("constraint.kind", f'is "{scene.constraint.kind}": a body that changes its shape must be free')
+    _require_loads_that_fit(scene)
+    if scene.constraint.kind == "fixed_point":
+        _require_near(scene)
+    if scene.start.velocity is not None and scene.constraint.kind != "free":
+        raise FieldError("start.velocity", "is given, but the constraint decides it: leave it out")
+    if not np.any(scene.start.angular_velocity) and not _is_turned(scene):
+        raise FieldError("start.angular_velocity", "is zero, and nothing makes the body turn: give a spin or a torque")
+
+
+def _is_turned(scene: Scene) -> bool:
+    """Whether a load can set a body in motion that is at rest."""
+    if scene.body.deforms or any(load.starts_motion for load in scene.applied_loads):
+        return True
+    arm = scene.constraint.fixed_point - scene.body.center_of_mass
+    return scene.constraint.kind != "free" and bool(scene.gravity.any() and arm.any())
+
+
+def _require_mass(scene: Scene) -> None:
+    body, constraint = scene.body, scene.constraint
+    if body.mass is not None:
+        return
+    for k, load in enumerate(scene.applied_loads):
+        if load.acts_on_mass:
+            raise FieldError("body.mass", f"is missing: load[{k}], {load.kind}, acts on mass")
+    if constraint.kind == "rolling":
+        raise FieldError("body.mass", "is missing: a rolling body needs it")
+    if constraint.kind == "fixed_point" and np.any(constraint.fixed_point - body.center_of_mass):
+        raise FieldError("body.mass", "is missing: the moments about the fixed point need it")
+
+
+def _require_loads_that_fit(scene: Scene) -> None:
+    kind = scene.constraint.kind
+    for k, load in enumerate(scene.applied_loads):
+        if scene.body.deforms and not isinstance(load, Gravity):
+            raise FieldError(f"load[{k}]", f"is {load.kind}: a body that changes its shape takes gravity only")
+        if kind != "free" and load.free_bodies_only:
+            raise FieldError(f"load[{k}]", f"is {load.kind}, which acts on a free body, not on one that is held")
+        if kind == "rolling" and not isinstance(load, Gravity):
+            raise FieldError(f"load[{k}]", f"is {load.kind}: a rolling body takes gravity only")
+        load.require_span(scene.run.duration, f"load[{k}]")
+    if kind == "rolling":
+        x, y, z = scene.gravity.tolist()
+        if x or y or not z < 0:
+            raise FieldError("load", 'needs one of kind = "gravity" along −z: the body rolls on the plane z = 0')
+
+
+def _require_near(scene: Scene) -> None:
+    """Refuse a fixed point that no body of these moments would be held at: metres for millimetres, most often."""
+    body = scene.body
+    arm = float(np.linalg.norm(scene.constraint.fixed_point - body.center_of_mass))
+    if arm == 0 or body.mass is None:
+        return
+    size = 2.0 * float(np.sqrt(5.0 * scene.body.principal.second_moments.max() / body.mass))
+    if arm > _FAR * size:
+        raise GeometryError(
+            FieldPath("constraint.point"),
+            f" is {arm:.4g} m from the centre of mass of a body that is about {size:.3g} m long, and "
+            f"the limit is {_FAR:g} lengths: give the point in m, along the part axes",
+        )
 
 
 def _fields(section: Any) -> dict[str, Any]:

@@ -12,7 +12,8 @@ import numpy as np
 from inertia.documents import FieldError, require_known, section_of, table_of, text
 from inertia.dynamics.models.deforming.assembly import JointedBody
 from inertia.dynamics.models.deforming.joints import Joint, JointedPart
-from inertia.dynamics.scene.body import BodySource, SceneBody, integrated
+from inertia.dynamics.scene.body import SceneBody, integrated
+from inertia.dynamics.scene.sections import BodySource
 from inertia.mesh.part import Part
 
 
@@ -63,10 +64,8 @@ def _part(table: object, folder: Path, path: str) -> tuple[JointedPart, Part | N
         raise FieldError(f"{path}.parent", "is missing: joints hang a part on another one, which must be named")
     if source.part is not None:
         body = integrated(source, folder, path)
-        assert body.body.mass is not None  # it was integrated
-        made = JointedPart(
-            source.name, body.body.mass, body.body.inertia, body.body.center_of_mass, source.parent, joints
-        )
+        assert body.mass is not None  # it was integrated
+        made = JointedPart(source.name, body.mass, body.inertia, body.center_of_mass, source.parent, joints)
         return made, body.part, body.notes
     tensor = np.diag(source.principal_moments) if source.inertia is None else source.inertia  # type: ignore[arg-type]
     center = np.zeros(3) if source.center_of_mass is None else source.center_of_mass

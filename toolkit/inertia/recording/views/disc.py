@@ -193,7 +193,7 @@ def _grid(contact: Float, radius: float) -> list[Float]:
 
 
 def _weight(run: Run) -> Float:
-    mass = run.scene.body.body.mass
+    mass = run.scene.body.mass
     assert mass is not None  # a rolling body has one
     return mass * run.scene.gravity
 

@@ -54,7 +54,7 @@ def run_document(run: Run) -> dict[str, Any]:
 
 
 def _body_document(scene: Scene) -> dict[str, Any]:
-    body = scene.body.body
+    body = scene.body
     document = {
         "part": None if scene.body.part is None else scene.body.part.source.path,
         "mass": body.mass,

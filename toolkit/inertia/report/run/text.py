@@ -62,7 +62,7 @@ def run_text(run: Run) -> str:
 
 
 def _scene_lines(scene: Scene) -> Iterator[str]:
-    body, settings = scene.body.body, scene.run
+    body, settings = scene.body, scene.run
     if scene.body.part is None or scene.body.part.name != scene.name:
         yield row("Scene", scene.name)
     if scene.body.part is not None:

@@ -53,7 +53,7 @@ class Rolling(Model):
         from inertia.dynamics.models.rolling.motion import solve_rolling
 
         scene = candidate.problem.scene
-        mass, radius = scene.body.body.mass, scene.constraint.radius
+        mass, radius = scene.body.mass, scene.constraint.radius
         assert mass is not None and radius is not None  # noqa: PT018  # the scene saw to it
         return solve_rolling(
             mass,

@@ -48,7 +48,7 @@ class EulerEquations(Model):
             candidate.angular_velocity,
             candidate.attitude,
             tuple(load.along(candidate.axes, scene.body.axes) for load in problem.acting),
-            mass=scene.body.body.mass or 0.0,
+            mass=scene.body.mass or 0.0,
             arm=problem.arm,
         )
         try:

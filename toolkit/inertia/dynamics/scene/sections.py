@@ -1,0 +1,177 @@
+"""The sections of a scene file, ``[body]``, ``[start]``, ``[constraint]`` and ``[run]``: what each field may hold."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Annotated, Any, ClassVar, Literal
+
+import numpy as np
+
+from inertia.arrays import Float
+from inertia.documents import FieldError, Section, choice, integer, number, numbers, text
+from inertia.dynamics.kinematics import quaternion
+
+Frame = Literal["principal", "part", "space"]
+Kind = Literal["free", "fixed_point", "rolling"]
+
+FINEST = 1e-15
+"""rad: no attitude in float64 is known better than the rounding of its four components."""
+
+_MOST_SAMPLES = 10_000_000
+_SOURCES = ("part", "inertia", "principal_moments")
+_FOR_PART = ("unit", "density", "material")
+_UNIT_LENGTH = 1e-6
+
+
+def attitude_of(value: Any, path: str) -> Float:
+    """Read a unit quaternion, scalar last; what rounding left of its length is divided out."""
+    q: Float = numbers((4,), "x, y, z, w")(value, path)
+    length = float(np.linalg.norm(q))
+    if length == 0:
+        raise FieldError(path, "is zero: it must be a unit quaternion, x, y, z, w; [0, 0, 0, 1] turns nothing")
+    if abs(length - 1.0) > _UNIT_LENGTH:
+        unit = (q / length).tolist()
+        raise FieldError(path, f"has length {length:.9g}: it must be a unit quaternion, such as {unit}")
+    return quaternion.normalise(q)
+
+
+def direction(value: Any, path: str) -> Float:
+    """Read a direction (3,) and give it unit length."""
+    vector: Float = numbers((3,), "no unit")(value, path)
+    largest = float(np.abs(vector).max())
+    if largest == 0:
+        raise FieldError(path, "is zero: it must point somewhere")
+    vector = vector / largest
+    return vector / np.linalg.norm(vector)
+
+
+@dataclass(frozen=True, eq=False)
+class BodySource(Section):
+    """The section ``[body]``: one of `part`, `inertia` and `principal_moments`, and what goes with it.
+
+    Attributes
+    ----------
+    part : path of a mesh or STEP file, relative to the scene file
+    unit : length unit of its coordinates; millimetres are assumed where neither this nor the file says one
+    density, material : kg/m³, or a name in the table of materials; 1000 kg/m³ is assumed without them
+    mass : kg; with a part, as weighed
+    inertia : (3, 3) kg m² about the centre of mass, part axes
+    principal_moments : (3,) kg m²; the part axes are then the principal axes, in this order
+    center_of_mass : (3,) m, part axes; with inertia or principal_moments
+    """
+
+    section: ClassVar[str] = "body"
+
+    part: Annotated[str | None, text] = None
+    unit: Annotated[str | None, text] = None
+    density: Annotated[float | None, number("kg/m³", positive=True)] = None
+    material: Annotated[str | None, text] = None
+    mass: Annotated[float | None, number("kg", positive=True)] = None
+    inertia: Annotated[Float | None, numbers((3, 3), "kg m²")] = None
+    principal_moments: Annotated[Float | None, numbers((3,), "kg m²")] = None
+    center_of_mass: Annotated[Float | None, numbers((3,), "m")] = None
+
+    def require_sense(self, path: str) -> None:
+        """Raise `FieldError` where the body is given twice, or not at all."""
+        sources = [name for name in _SOURCES if getattr(self, name) is not None]
+        if len(sources) != 1:
+            fault = f"has both {' and '.join(sources)}" if sources else "has no tensor"
+            raise FieldError(path, f"{fault}: give one of {', '.join(_SOURCES)}")
+        stray = ("center_of_mass",) if self.part else _FOR_PART
+        for name in stray:
+            if getattr(self, name) is not None:
+                why = "the part has its own" if self.part else "only a part file has one"
+                raise FieldError(f"{path}.{name}", f"goes with no {sources[0]}: leave it out, {why}")
+
+
+@dataclass(frozen=True, eq=False)
+class Start(Section):
+    """The section ``[start]``: the state at t = 0.
+
+    Attributes
+    ----------
+    angular_velocity : (3,) rad/s, resolved in `frame`
+    frame : "principal" (the principal axes, moments ascending; the part axes where the scene gave the principal
+        moments), "part" or "space"
+    attitude : (4,) unit quaternion, scalar last, part axes to space
+    position : (3,) m in space: of the centre of mass, of the fixed point, or of the point of contact
+    velocity : (3,) m/s in space, of the centre of mass of a free body
+    """
+
+    section: ClassVar[str] = "start"
+
+    angular_velocity: Annotated[Float, numbers((3,), "rad/s")]
+    frame: Annotated[Frame, choice("principal", "part", "space")] = "principal"
+    attitude: Annotated[Float, attitude_of] = quaternion.IDENTITY  # type: ignore[assignment]
+    position: Annotated[Float | None, numbers((3,), "m")] = None
+    velocity: Annotated[Float | None, numbers((3,), "m/s")] = None
+
+
+@dataclass(frozen=True, eq=False)
+class Constraint(Section):
+    """The section ``[constraint]``: what holds the body.
+
+    Attributes
+    ----------
+    kind : "free", "fixed_point" or "rolling" (without slip, on its rim, on the plane z = 0 of space)
+    point : (3,) m, part axes, of a fixed point; the origin of the part axes without it
+    radius : m, of the rim that rolls
+    offset : m, of the rim's plane from the centre of mass, along `axis`, which it needs
+    axis : (3,) of the body of revolution that rolls, part axes; without it that of the two equal moments
+    """
+
+    section: ClassVar[str] = "constraint"
+
+    kind: Annotated[Kind, choice("free", "fixed_point", "rolling")] = "free"
+    point: Annotated[Float | None, numbers((3,), "m")] = None
+    radius: Annotated[float | None, number("m", positive=True)] = None
+    offset: Annotated[float | None, number("m")] = None
+    axis: Annotated[Float | None, direction] = None
+
+    def require_sense(self, path: str) -> None:
+        """Raise `FieldError` where a field goes with another constraint, or is missing."""
+        owners = {"point": "fixed_point", "radius": "rolling", "offset": "rolling", "axis": "rolling"}
+        for name, kind in owners.items():
+            if getattr(self, name) is not None and self.kind != kind:
+                raise FieldError(f"{path}.{name}", f'goes with kind = "{kind}" only, not with "{self.kind}"')
+        if self.kind == "rolling" and self.radius is None:
+            raise FieldError(f"{path}.radius", "is missing: a rolling body needs the radius of its rim, in m")
+        if self.offset and self.axis is None:
+            raise FieldError(f"{path}.axis", f"is missing: {path}.offset says how far along it the rim is")
+
+    @property
+    def fixed_point(self) -> Float:
+        """The fixed point (3,) m, part axes."""
+        return np.zeros(3) if self.point is None else self.point
+
+
+@dataclass(frozen=True, eq=False)
+class Settings(Section):
+    """The section ``[run]``: how long, how often, how accurately, and by which model if not by the smallest.
+
+    Attributes
+    ----------
+    duration : s
+    samples : how many instants, evenly spaced from 0 to `duration`, both included
+    accuracy : rad, of the attitude at every sample
+    model : the model to use, in place of the one that `plan` picks
+    method : the integrator to use, which makes the run a stepped one
+    """
+
+    section: ClassVar[str] = "run"
+
+    duration: Annotated[float, number("seconds", positive=True)]
+    samples: Annotated[int, integer(2, _MOST_SAMPLES)] = 1001
+    accuracy: Annotated[float, number("rad", positive=True)] = 1e-10
+    model: Annotated[str | None, text] = None
+    method: Annotated[str | None, text] = None
+
+    def require_sense(self, path: str) -> None:
+        """Raise `FieldError` where the accuracy is none that can be reached."""
+        if self.accuracy < FINEST:
+            raise FieldError(
+                f"{path}.accuracy",
+                f"is {self.accuracy:g} rad, finer than an attitude in float64 can be: ask for {FINEST:g} or more",
+            )
+        if self.accuracy > 1:
+            raise FieldError(f"{path}.accuracy", f"is {self.accuracy:g} rad: that is no accuracy, ask for 1 or less")
