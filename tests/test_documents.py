@@ -1,10 +1,61 @@
-"""Dictionaries as TOML text: read back, they say the same."""
+"""Documents in TOML: how they are loaded, what their errors say, and that what is written reads the same."""
 
 import tomllib
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, ClassVar
 
 import numpy as np
+import pytest
 
-from inertia.documents import toml_text
+from inertia.documents import Document, FieldError, toml_text
+from inertia.errors import ReadError, UsageError
+
+
+@dataclass(frozen=True)
+class Note(Document):
+    """A document of one field, which must not be negative."""
+
+    noun: ClassVar[str] = "note"
+    version: ClassVar[int] = 3
+
+    value: int
+    folder: Path
+    text: str | None
+    name: str
+
+    @classmethod
+    def _from_table(cls, table: Mapping[str, Any], folder: Path, text: str | None, name: str) -> "Note":
+        if table["value"] < 0:
+            raise FieldError("value", "is negative")
+        return cls(table["value"], folder, text, name)
+
+    def to_dict(self) -> dict[str, Any]:
+        return {"schema": self.version, "value": self.value}
+
+
+def test_a_file_knows_its_folder_its_text_and_its_name(tmp_path: Path) -> None:
+    file = tmp_path / "a.toml"
+    file.write_bytes(b"\xef\xbb\xbfschema = 3\r\nvalue = 5\r\n")
+    note = Note.load(file)
+    assert (note.value, note.folder, note.name) == (5, tmp_path, str(file))
+    assert note.text == "schema = 3\r\nvalue = 5\r\n"
+    assert Note.loads(note.to_toml()) == Note(5, Path(), note.to_toml(), "the note")
+
+
+def test_an_error_names_the_document(tmp_path: Path) -> None:
+    with pytest.raises(ReadError, match=r"^cannot read .*b\.toml: No such file"):
+        Note.load(tmp_path / "b.toml")
+    with pytest.raises(ReadError, match=r"^cannot read the note: it is not TOML: "):
+        Note.loads("value =")
+    with pytest.raises(UsageError, match=r"^the note: schema is 2: this version reads schema = 3$"):
+        Note.from_dict({"schema": 2, "value": 1})
+    with pytest.raises(UsageError, match=r"^c\.toml: value is negative$"):
+        Note.from_dict({"value": -1}, name="c.toml")
+    (tmp_path / "d.toml").write_bytes(b"\xff\xfe")
+    with pytest.raises(ReadError, match="no text in UTF-8: a note is a TOML file"):
+        Note.load(tmp_path / "d.toml")
 
 
 def test_strings_and_figures_survive_toml() -> None:

@@ -48,15 +48,15 @@ def rotor(**changes: object) -> Rotor:
 
 
 def test_lengths_become_metres_and_angles_radians() -> None:
-    found = rotor(plane=[DRILLED | {"max_depth": 20, "angle_step": 1, "forbidden": [[350, 10]], "wall": 2}, KIT])
-    assert found.shaft is not None
-    assert (found.shaft.z_a, found.shaft.z_b) == (0.02, 0.28)
-    plane = found.correction_plane(0, math.nan)
+    described = rotor(plane=[DRILLED | {"max_depth": 20, "angle_step": 1, "forbidden": [[350, 10]], "wall": 2}, KIT])
+    assert described.shaft is not None
+    assert (described.shaft.z_a, described.shaft.z_b) == (0.02, 0.28)
+    plane = described.correction_plane(0, math.nan)
     assert (plane.z, plane.radius, plane.max_depth, plane.min_wall) == (0.09, 0.1, 0.02, 0.002)
     assert plane.diameters == (0.008, 0.01)
     assert plane.angle_step == math.radians(1)
     assert (plane.forbidden[0].start, plane.forbidden[0].stop) == (math.radians(350), math.radians(10))
-    kit = found.correction_plane(1, math.nan)
+    kit = described.correction_plane(1, math.nan)
     assert kit.angles == (0.0, 0.5 * math.pi)
     assert [(k.name, k.mass) for k in kit.kit] == [("5 g", 0.005)]
 
@@ -95,8 +95,8 @@ def test_the_zero_mark_is_along_x_where_none_is_given() -> None:
     ],
 )
 def test_criteria_with_a_total(tolerance: dict, gmm: float) -> None:
-    found = rotor(tolerance=tolerance).tolerance(Unbalance(10.0, 0.15, 0, 0), (0.02, 0.28))
-    assert found.total == pytest.approx(1e-6 * gmm, rel=1e-14)
+    limits = rotor(tolerance=tolerance).tolerance(Unbalance(10.0, 0.15, 0, 0), (0.02, 0.28))
+    assert limits.total == pytest.approx(1e-6 * gmm, rel=1e-14)
 
 
 @pytest.mark.parametrize(
@@ -108,8 +108,8 @@ def test_criteria_with_a_total(tolerance: dict, gmm: float) -> None:
     ],
 )
 def test_criteria_by_plane(tolerance: dict, gmm: float) -> None:
-    found = rotor(tolerance=tolerance).tolerance(Unbalance(10.0, 0.15, 0, 0), (0.02, 0.28))
-    assert found.permissible == pytest.approx((1e-6 * gmm, 1e-6 * gmm), rel=1e-14)
+    limits = rotor(tolerance=tolerance).tolerance(Unbalance(10.0, 0.15, 0, 0), (0.02, 0.28))
+    assert limits.permissible == pytest.approx((1e-6 * gmm, 1e-6 * gmm), rel=1e-14)
 
 
 def test_what_the_shop_holds_is_in_the_files_unit() -> None:
