@@ -1,6 +1,10 @@
 """Scenes that tumble, one for each look of the screen."""
 
+from dataclasses import replace
 from typing import Any
+
+from inertia import Scene
+from inertia_meshes import path
 
 FREE: dict[str, dict[str, Any]] = {
     "asymmetric": {"body": {"principal_moments": [1.0, 2.0, 3.0]}, "spin": [0.05, 2.0, 0.0]},
@@ -21,9 +25,15 @@ FREE: dict[str, dict[str, Any]] = {
 
 def scene_table(look: str) -> dict[str, Any]:
     """Return a scene as `Scene.from_dict` takes it."""
-    told = FREE[look]
-    start = {"angular_velocity": told["spin"]}
-    if "velocity" in told:
-        start["velocity"] = told["velocity"]
-    run = {"duration": told.get("duration", 8.0), "samples": told.get("samples", 401), "accuracy": 1e-8}
-    return {"body": told["body"], "start": start, "run": run, "load": told.get("load", [])}
+    table = FREE[look]
+    start = {"angular_velocity": table["spin"]}
+    if "velocity" in table:
+        start["velocity"] = table["velocity"]
+    run = {"duration": table.get("duration", 8.0), "samples": table.get("samples", 401), "accuracy": 1e-8}
+    return {"body": table["body"], "start": start, "run": run, "load": table.get("load", [])}
+
+
+def t_handle() -> Scene:
+    """Return the T-handle that turns over, for six seconds."""
+    scene = Scene.load(path("scenes/t_handle.toml"))
+    return replace(scene, run=replace(scene.run, duration=6.0, samples=601))

@@ -1,0 +1,47 @@
+"""The verb: what it refuses, and that it streams to an open viewer."""
+
+import time
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+from tests.recording.scenes import t_handle
+from tests.recording.screenshot import has_driver, open_viewer
+
+from inertia import Run, record, simulate
+from inertia.errors import GeometryError, UsageError
+from inertia.recording import writer
+
+
+@pytest.fixture(scope="module")
+def handle() -> Run:
+    return simulate(t_handle())
+
+
+def test_a_run_with_a_hole_is_refused(handle: Run, tmp_path: Path) -> None:
+    attitude = handle.attitude.copy()
+    attitude[17, 2] = np.nan
+    with pytest.raises(GeometryError, match=r"attitude is not finite at sample 17 of the run, t = 0.17 s"):
+        record(replace(handle, attitude=attitude), tmp_path / "run.rrd")
+    with pytest.raises(GeometryError, match="the run has 0 samples: a recording needs 2"):
+        record(replace(handle, time=handle.time[:0]), tmp_path / "run.rrd")
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_there_must_be_somewhere_to_record_to(handle: Run) -> None:
+    with pytest.raises(UsageError, match="there is nowhere to record to"):
+        record(handle)
+
+
+@pytest.mark.skipif(not has_driver(), reason="no Vulkan driver is installed")
+def test_it_streams_to_an_open_viewer(handle: Run, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    with open_viewer(tmp_path) as (client, port):
+        monkeypatch.setattr(writer, "VIEWER", ("127.0.0.1", port))
+        record(handle, live=True)
+        end = time.monotonic() + 20
+        while len(client.get_state().views) < 7 and time.monotonic() < end:
+            time.sleep(0.1)
+        state = client.get_state()
+        assert {"Inertial view", "What is shown"} <= {view.name for view in state.views}
+        assert [each.name for each in state.recordings[0].timelines] == ["sim_time"]
