@@ -10,9 +10,13 @@ from pathlib import Path
 import pytest
 
 import inertia
+from inertia.balancing.rotor import json_schema
+from inertia.documents import schema_of
+from inertia.dynamics.scene.sections import Settings, Start
 from inertia.errors import Remedy
+from inertia_cli import balance, simulate
 from inertia_cli.main import build_parser, main
-from inertia_cli.wording import COMMANDS, as_option
+from inertia_cli.wording import as_option
 from inertia_meshes import path
 
 ROOT = Path(inertia.__file__).parent
@@ -43,12 +47,9 @@ def remedies() -> set[Remedy]:
     return {Remedy(*map(ast.literal_eval, call.args)) for call in calls}
 
 
+COMMANDS = {parser.prog.split()[-1] for parser in PARSERS.values()}
 OPTIONS = {option for command in COMMANDS for option in actions(command) if option.startswith("--")}
 NAMED = re.compile(rf"(?<![\w-])({'|'.join(sorted(OPTIONS, key=len, reverse=True))})(?![\w-])")
-
-
-def test_the_commands_are_those_of_the_parser() -> None:
-    assert {parser.prog.split()[-1] for parser in PARSERS.values()} == set(COMMANDS)
 
 
 def test_the_library_names_no_option_of_the_command_line() -> None:
@@ -110,3 +111,17 @@ def test_what_is_advised_can_be_done_and_was_not_done(
     assert advised.isdisjoint(command[1:])
     takes = "analyse" if "with `inertia analyse`" in text or command[0] == "check" else command[0]
     assert advised <= actions(takes).keys()
+
+
+def test_options_stand_for_fields_that_there_are() -> None:
+    assert set(simulate.FIELDS.values()) <= actions("tumble").keys()
+    assert set(balance.FIELDS.values()) - {""} <= actions("balance").keys()
+    sections = json_schema()["properties"]
+    for field in balance.FIELDS:
+        section, _, name = field.replace("body[0]", "body").partition(".")
+        held = sections[section].get("items", sections[section])["properties"]
+        assert not name or set(name.split(" and ")) <= held.keys()
+    for field in simulate.FIELDS:
+        section, _, name = field.partition(".")
+        kind = {"run": Settings, "start": Start}[section]
+        assert name in schema_of(kind)["properties"]

@@ -2,20 +2,51 @@
 
 from __future__ import annotations
 
+import argparse
 import io
 import os
 import sys
 from collections.abc import Sequence
+from typing import NoReturn
 
+import inertia
 from inertia.errors import InertiaError, UsageError
-from inertia_cli.options import build_parser
+from inertia_cli import analyse, balance, check, play, simulate, trade, tumble
 from inertia_cli.wording import as_option
-
-__all__ = ["build_parser", "main", "run"]
 
 FAULT = 1
 INTERRUPTED = 130
 _SIGNED = ("--about", "--spin", "--axis", "--through", "--zero-mark", "--bearings", "--planes")  # may be negative
+_COMMANDS = (analyse, check, trade, simulate, tumble, play, balance)
+_CODES = """exit codes:
+  0  done
+  1  a fault of this program, or the result could not be written
+  2  the command line is not usable
+  3  the file cannot be read
+  4  the mesh or the data cannot give an honest answer; of `balance`: undecided
+  5  judged, and out of tolerance
+"""
+
+
+class _Parser(argparse.ArgumentParser):
+    def error(self, message: str) -> NoReturn:
+        """Leave with one sentence and exit code 2."""
+        self.exit(2, f"{self.prog}: {message}; see `{self.prog} --help`\n")
+
+
+def build_parser() -> argparse.ArgumentParser:
+    """Return the parser; the chosen command's function is its default `run`."""
+    parser = _Parser(
+        prog="inertia",
+        description="Mesh in, exact inertia out.",
+        epilog=_CODES,
+        formatter_class=argparse.RawDescriptionHelpFormatter,
+    )
+    parser.add_argument("--version", action="version", version=f"inertia {inertia.__version__}")
+    parsers = parser.add_subparsers(title="commands", required=True, metavar="COMMAND")
+    for command in _COMMANDS:
+        command.add(parsers)
+    return parser
 
 
 def run() -> None:

@@ -5,11 +5,15 @@ from __future__ import annotations
 import sys
 import time
 from types import TracebackType
-from typing import TextIO
+from typing import TYPE_CHECKING, TextIO
 
-_PATIENCE = 0.5  # seconds before the bar appears
+if TYPE_CHECKING:
+    from rich.progress import Progress as Bar
+
+PATIENCE = 0.5
+"""Seconds before the bar appears."""
+
 _INTERVAL = 0.1  # seconds between drawings
-_WIDTH = 40
 
 
 class Progress:
@@ -25,8 +29,8 @@ class Progress:
         self._what = what
         self._stream = sys.stderr if stream is None else stream
         self._active = self._stream is not None and self._stream.isatty()
-        self._next = time.monotonic() + _PATIENCE
-        self._drawn = False
+        self._next = time.monotonic() + PATIENCE
+        self._bar: Bar | None = None
 
     def __enter__(self) -> Progress:
         """Return the callable itself."""
@@ -36,16 +40,26 @@ class Progress:
         self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
     ) -> None:
         """Wipe the bar."""
-        if self._drawn:
-            self._stream.write("\r\x1b[K")
-            self._stream.flush()
+        if self._bar is not None:
+            self._bar.stop()
 
     def __call__(self, done: float) -> None:
         """Draw the bar for a fraction between 0 and 1."""
         if not self._active or time.monotonic() < self._next:
             return
         self._next = time.monotonic() + _INTERVAL
-        self._drawn = True
-        filled = round(_WIDTH * min(max(done, 0.0), 1.0))
-        self._stream.write(f"\r{self._what} [{'#' * filled}{'.' * (_WIDTH - filled)}] {done:4.0%}")
-        self._stream.flush()
+        if self._bar is None:
+            self._bar = _bar(self._what, self._stream)
+        self._bar.update(self._bar.task_ids[0], completed=done, refresh=True)
+
+
+def _bar(what: str, stream: TextIO) -> Bar:
+    """Return a bar that is drawn only when it is told to, and is wiped when it is stopped."""
+    from rich.console import Console
+    from rich.progress import Progress as Bar
+
+    console = Console(file=stream)
+    bar = Bar(console=console, auto_refresh=False, transient=True, redirect_stdout=False, redirect_stderr=False)
+    bar.add_task(what, total=1.0)
+    bar.start()
+    return bar

@@ -5,11 +5,9 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import TypeVar
 
-from inertia.errors import FieldPath, InertiaError, Remedy, Word, reworded
+from inertia.errors import REPAIR, FieldPath, InertiaError, Remedy, Word, reworded
 
 W = TypeVar("W", bound=Word)
-
-COMMANDS = ("analyse", "check", "trade", "simulate", "tumble", "play", "balance")
 
 
 def as_option(word: Remedy | FieldPath) -> str:
@@ -21,7 +19,7 @@ def as_option(word: Remedy | FieldPath) -> str:
     if isinstance(word, FieldPath):
         return word.path
     if not word.argument:
-        return f"`inertia {word.verb}`" if word.verb in COMMANDS else f"--{word.verb}"
+        return "--repair" if word == REPAIR else f"`inertia {word.verb}`"
     option = f"--{word.argument.replace('_', '-')}"
     return f"{option} {word.value}" if isinstance(word.value, str) else option
 

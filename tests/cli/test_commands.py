@@ -3,6 +3,7 @@
 import io
 import json
 import os
+import re
 import subprocess
 import sys
 from pathlib import Path
@@ -331,13 +332,29 @@ class Terminal(io.StringIO):
 
 
 def test_progress_is_drawn_on_a_terminal_and_wiped(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("inertia_cli.progress._PATIENCE", 0.0)
+    monkeypatch.setattr("inertia_cli.progress.PATIENCE", 0.0)
     terminal = Terminal()
     with Progress("integrating", terminal) as progress:
         progress(0.5)
     drawn = terminal.getvalue()
-    assert "integrating [####################....................]  50%" in drawn
-    assert drawn.endswith("\r\x1b[K")
+    assert re.search(r"integrating .* 50%", drawn)
+    assert drawn.endswith("\r\x1b[1A\x1b[2K")
+
+
+def test_text_is_coloured_on_a_terminal_and_the_same_elsewhere(monkeypatch: pytest.MonkeyPatch) -> None:
+    def printed(stream: io.StringIO) -> str:
+        with monkeypatch.context() as patch:
+            patch.setattr(sys, "stdout", stream)
+            assert main(["check", str(path("broken/missing_face.stl"))]) == 4
+        return stream.getvalue()
+
+    monkeypatch.setenv("TERM", "xterm")
+    monkeypatch.delenv("NO_COLOR", raising=False)
+    plain, coloured = printed(io.StringIO()), printed(Terminal())
+    assert "\x1b[1;31merror\x1b[0m" in coloured
+    assert re.sub(r"\x1b\[[\d;]*m", "", coloured) == plain
+    monkeypatch.setenv("NO_COLOR", "1")
+    assert printed(Terminal()) == plain
 
 
 def test_progress_draws_nothing_elsewhere_or_where_work_is_short() -> None:

@@ -123,7 +123,7 @@ def test_the_viewer_listens_on_this_machine_only(
         commands.append(command)
         return subprocess.CompletedProcess(command, 0)
 
-    monkeypatch.setattr("inertia_cli.play_commands.subprocess.run", fake)
+    monkeypatch.setattr("inertia_cli.play.subprocess.run", fake)
     monkeypatch.setenv("DISPLAY", ":0")
     assert run(capsys, "play", recording, *(["--web"] if web else [])) == (0, "", "")
     (command,) = commands
@@ -149,7 +149,7 @@ def test_a_viewer_that_fails_is_told(
     capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch, recording: str
 ) -> None:
     monkeypatch.setattr(
-        "inertia_cli.play_commands.subprocess.run", lambda command, check: subprocess.CompletedProcess(command, 7)
+        "inertia_cli.play.subprocess.run", lambda command, check: subprocess.CompletedProcess(command, 7)
     )
     monkeypatch.setenv("DISPLAY", ":0")
     code, _, err = run(capsys, "play", recording)

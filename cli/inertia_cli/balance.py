@@ -8,9 +8,9 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from inertia.errors import GeometryError, ReadError, UsageError
-from inertia_cli.documents import print_document
+from inertia_cli.options import record, require_recordable, triple
+from inertia_cli.printing import print_document, show
 from inertia_cli.progress import Progress
-from inertia_cli.run_commands import require_recordable
 from inertia_cli.wording import with_options
 
 if TYPE_CHECKING:
@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 
 _CODES = {"pass": 0, "fail": 5, "undecided": 4}
 _ROMAN = ("I", "II", "III", "IV", "V", "VI", "VII", "VIII", "IX", "X")
-_OPTIONS = {  # fields of a rotor file, by their path without numbers, and what stands for them on the command line
+FIELDS = {  # fields of a rotor file, by their path without numbers, and what stands for them on the command line
     "axis.bearing_a and bearing_b": "--bearings",
     "axis.bearing_a": "--bearings",
     "axis.journals": "--axis",
@@ -40,9 +40,73 @@ _SHORT = (
     "unit", "density", "material", "mass", "chord", "axis", "through", "bearings", "axis_uncertainty", "zero_mark",
     "rotation", "rpm", "critical_rpm", "grade", "e_um", "planes", "drill", "max_depth",
 )  # fmt: skip
+_AXES = {"x": (1.0, 0.0, 0.0), "y": (0.0, 1.0, 0.0), "z": (0.0, 0.0, 1.0)}
+
+_EXAMPLES = """examples:
+  inertia balance rotor.toml --report report.html --cut-part corrected.stl
+  inertia balance part.stl --axis z --bearings 20,280 --planes 90,215 --rpm 3000 --grade 6.3
+  inertia balance part.stl --axis z --bearings 20,280 --planes 90,215 --rpm 3000 --grade 6.3 --drill 8,10,12
+  inertia balance part.stl --rpm 3000 --grade 6.3              # lists what the axis might be
+  inertia balance --schema > rotor.schema.json
+
+exit codes: 0 passed, 5 failed, 4 undecided or no honest answer; others as `inertia --help` has them
+"""
 
 
-def balance(options: argparse.Namespace) -> int:
+def add(parsers: Any) -> None:
+    """Add ``inertia balance``."""
+    parser = parsers.add_parser(
+        "balance",
+        help="unbalance, tolerance and verdict of a rotor; corrections cut into its mesh",
+        description="Balance a rotor: from its meshes to its unbalance, the holes that correct it, and a verdict.",
+        epilog=_EXAMPLES,
+        formatter_class=argparse.RawDescriptionHelpFormatter,
+    )
+    parser.set_defaults(run=run)
+    parser.add_argument("part", nargs="?", metavar="ROTOR | PART", help="a rotor file (.toml), or a mesh or STEP file")
+    _add_short_form(parser)
+    result = parser.add_argument_group("result")
+    result.add_argument("--json", action="store_true", help="print one JSON document (inertia/balance/1)")
+    result.add_argument("--csv", metavar="FILE", help="write the planes and the work as CSV")
+    result.add_argument("--report", metavar="FILE", help="write the report: one HTML file, which prints on A4")
+    result.add_argument("-o", "--output", metavar="FILE", help="record to FILE.rrd, for `inertia play`")
+    result.add_argument("--live", action="store_true", help="stream to the Rerun viewer that is open on this machine")
+    result.add_argument("--cut-part", metavar="FILE", help="write the corrected mesh, as STL in the rotor's unit")
+    result.add_argument("--force", action="store_true", help="write over files that exist")
+    result.add_argument("--to-toml", action="store_true", help="print the rotor file that says the same, and stop")
+    result.add_argument("--schema", action="store_true", help="print the JSON Schema of a rotor file, and stop")
+
+
+def _add_short_form(parser: argparse.ArgumentParser) -> None:
+    """Add what stands for a rotor file where a part is named; lengths are in --unit, angles in degrees."""
+    short = parser.add_argument_group("of a part, in place of a rotor file (lengths in --unit)")
+    short.add_argument("--unit", metavar="UNIT", help="length unit of the coordinates and options: mm (assumed), ...")
+    weight = short.add_mutually_exclusive_group()
+    weight.add_argument("--density", type=float, metavar="KG/M3", help="of the part; 1000 is assumed without it")
+    weight.add_argument("--material", metavar="MATERIAL", help="take the density from the table of materials")
+    weight.add_argument("--mass", type=float, metavar="KG", help="as weighed")
+    short.add_argument("--chord", type=float, metavar="LENGTH", help="tolerance of the tessellation; estimated without")
+    short.add_argument("--axis", type=_direction, metavar="x|y|z|X,Y,Z", help="direction of the shaft, from A to B")
+    short.add_argument("--through", type=triple, metavar="X,Y,Z", help="a point on the shaft (0,0,0)")
+    short.add_argument("--bearings", type=_numbers, metavar="A,B", help="places of the bearings along the axis")
+    short.add_argument("--axis-uncertainty", type=float, metavar="RADIUS", help="of the bearing centres")
+    short.add_argument("--zero-mark", type=triple, metavar="X,Y,Z", help="vector to the 0° mark; +x, else +y")
+    short.add_argument("--rotation", choices=("ccw", "cw"), help="seen from B looking toward A (ccw)")
+    short.add_argument("--rpm", type=float, metavar="N", help="highest speed in service, r/min")
+    short.add_argument("--critical-rpm", type=float, metavar="N", help="first critical speed, r/min")
+    limit = short.add_mutually_exclusive_group()
+    limit.add_argument("--grade", type=float, metavar="G", help="balance quality grade of ISO 21940-11, mm/s")
+    limit.add_argument("--e-um", type=float, metavar="UM", help="permissible specific unbalance, µm")
+    short.add_argument(
+        "--planes", type=_numbers, metavar="Z,...", help="places of the correction planes along the axis"
+    )
+    short.add_argument(
+        "--drill", type=_numbers, metavar="D,...", help="drill there towards the shaft, by these diameters"
+    )
+    short.add_argument("--max-depth", type=float, metavar="LENGTH", help="of the holes")
+
+
+def run(options: argparse.Namespace) -> int:
     """Run ``inertia balance``."""
     if options.schema:
         from inertia.balancing.rotor import json_schema
@@ -56,7 +120,7 @@ def balance(options: argparse.Namespace) -> int:
     try:
         return _balanced(_rotor_of_part(options), options)
     except (UsageError, GeometryError, ReadError) as error:
-        raise with_options(error, _OPTIONS, part=options.part) from None
+        raise with_options(error, FIELDS, part=options.part) from None
 
 
 def _balanced(rotor: Rotor, options: argparse.Namespace) -> int:
@@ -76,17 +140,14 @@ def _balanced(rotor: Rotor, options: argparse.Namespace) -> int:
     if options.cut_part is not None and not any(plane.method for plane in rotor.fields.plane):
         raise UsageError(f"{options.part}: --cut-part has nothing to write: no correction plane has a method")
     with Progress("balancing") as progress:
-        found = balance_rotor(rotor, progress=progress)
-    data = report_data(found)
-    _write(found, data, options)
-    if options.json:
-        print_document(balance_document(data))
-    else:
-        print(balance_text(data))
-    return _CODES[found.verdict.outcome]
+        result = balance_rotor(rotor, progress=progress)
+    data = report_data(result)
+    _write(result, data, options)
+    show(options.json, lambda: balance_document(data), lambda: balance_text(data))
+    return _CODES[result.verdict.outcome]
 
 
-def _write(found: Balance, data: ReportData, options: argparse.Namespace) -> None:
+def _write(balance: Balance, data: ReportData, options: argparse.Namespace) -> None:
     """Write the files that were asked for."""
     from inertia.mesh.write import write_stl
     from inertia.output import write_whole
@@ -97,12 +158,9 @@ def _write(found: Balance, data: ReportData, options: argparse.Namespace) -> Non
         write_whole(Path(options.csv), balance_csv(data).encode())
     if options.report is not None:
         save_balance_html(data, options.report, force=options.force)
-    if options.output is not None or options.live:
-        from inertia.recording.record import record
-
-        record(found, options.output, force=options.force, live=options.live)
-    if options.cut_part is not None and found.correction is not None:
-        write_stl(found.correction.parts, options.cut_part, found.rotor.unit, force=options.force)
+    record(balance, options)
+    if options.cut_part is not None and balance.correction is not None:
+        write_stl(balance.correction.parts, options.cut_part, balance.rotor.unit, force=options.force)
 
 
 def _rotor(options: argparse.Namespace) -> Rotor:
@@ -173,3 +231,14 @@ def _axis(options: argparse.Namespace) -> dict[str, Any]:
 
 def _stated(entries: dict[str, Any]) -> dict[str, Any]:
     return {name: value for name, value in entries.items() if value is not None}
+
+
+def _numbers(text: str) -> list[float]:
+    try:
+        return [float(one) for one in text.split(",")]
+    except ValueError:
+        raise argparse.ArgumentTypeError(f"{text!r} is no list of numbers: give them as A,B") from None
+
+
+def _direction(text: str) -> tuple[float, ...]:
+    return _AXES[text] if text in _AXES else triple(text)

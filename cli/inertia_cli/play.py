@@ -8,6 +8,7 @@ import subprocess
 import sys
 from importlib.util import find_spec
 from pathlib import Path
+from typing import Any
 
 from inertia.errors import InertiaError
 
@@ -15,7 +16,19 @@ _LOCAL = ["--bind", "127.0.0.1"]
 _WEB = ["--web-viewer", "--web-viewer-port", "0", "--port", "auto"]
 
 
-def play(options: argparse.Namespace) -> int:
+def add(parsers: Any) -> None:
+    """Add ``inertia play``."""
+    parser = parsers.add_parser(
+        "play",
+        help="open a recording in Rerun's viewer",
+        description="Open a recording in Rerun's viewer, which listens on this machine only.",
+    )
+    parser.set_defaults(run=run)
+    parser.add_argument("part", metavar="RUN", help="a recording, as `inertia simulate -o run.rrd` writes it")
+    parser.add_argument("--web", action="store_true", help="in a browser of this machine; Ctrl-C ends it")
+
+
+def run(options: argparse.Namespace) -> int:
     """Run ``inertia play``."""
     from inertia.recording.provenance import properties
 

@@ -1,0 +1,128 @@
+"""The command `analyse`."""
+
+from __future__ import annotations
+
+import argparse
+from typing import TYPE_CHECKING, Any
+
+from inertia.errors import UsageError
+from inertia_cli.options import accuracy, add_density, add_input, add_orientation, by_name, read_part, triple
+from inertia_cli.printing import show
+from inertia_cli.progress import Progress
+from inertia_cli.wording import as_option
+
+if TYPE_CHECKING:
+    from inertia.mass.analysis import Analysis
+    from inertia.mass.repair import Repaired
+    from inertia.mesh.part import Part
+
+_COARSER = 2.0
+
+_EXAMPLES = """examples:
+  inertia analyse part.stl --density 7850
+  inertia analyse part.stl --unit in --mass 1.25 --about 0,0,-1.5 --json
+  inertia analyse assembly.3mf --material housing=aluminium --material shaft=steel
+  inertia analyse sheet.obj --shell 1.5 --material steel
+"""
+
+
+def add(parsers: Any) -> None:
+    """Add ``inertia analyse``."""
+    parser = parsers.add_parser(
+        "analyse",
+        aliases=["analyze"],
+        help="mass, centre of mass, inertia tensor, principal axes",
+        description="Integrate a mesh to its mass, centre of mass and inertia tensor, with an error bound.",
+        epilog=_EXAMPLES,
+        formatter_class=argparse.RawDescriptionHelpFormatter,
+    )
+    parser.set_defaults(run=run)
+    add_input(parser)
+    add_density(parser)
+    model = parser.add_argument_group("what carries the mass")
+    model.add_argument("--shell", type=float, metavar="THICKNESS", help="the surface, which may be open, in --unit")
+    model.add_argument(
+        "--wire", type=float, metavar="AREA", help="the lines of the mesh, cross-section in --unit squared"
+    )
+    add_orientation(parser)
+    mend = parser.add_argument_group("mending, never unasked")
+    mend.add_argument("--weld", type=float, metavar="DISTANCE", help="merge vertices within DISTANCE, in --unit")
+    mend.add_argument("--repair", action="store_true", help="close, turn and unite; every change is listed")
+    result = parser.add_argument_group("result")
+    result.add_argument("--about", type=triple, metavar="X,Y,Z", help="give the tensor about this point too, in --unit")
+    result.add_argument(
+        "--accuracy", type=accuracy, metavar="REL", help='relative bound that must be reached, as 1e-12, or "exact"'
+    )
+    result.add_argument(
+        "--class-tolerance", type=float, metavar="REL", help="moments within this part of the largest are equal (1e-6)"
+    )
+    result.add_argument(
+        "--chord",
+        type=float,
+        metavar="LENGTH",
+        help="tolerance of the tessellation, in --unit: bounds what it left out",
+    )
+    result.add_argument(
+        "--richardson",
+        action="store_true",
+        help="mesh a STEP file twice, and estimate what that left out",
+    )
+    result.add_argument("--json", action="store_true", help="print one JSON document (inertia/analysis/1)")
+
+
+def run(options: argparse.Namespace) -> int:
+    """Run ``inertia analyse``."""
+    from dataclasses import replace
+
+    from inertia.report.analysis.document import analysis_document
+    from inertia.report.analysis.text import analysis_text
+
+    if options.richardson and options.chord is not None:
+        raise UsageError("--chord and --richardson are two answers to one question: give one")
+    part, hashing = read_part(options)
+    repaired = _repaired(part, options)
+    analysis = _analysis(part if repaired is None else repaired.part, options)
+    if options.richardson:
+        from inertia.mass.tessellation import richardson
+
+        coarse, _ = read_part(options, coarser=_COARSER)
+        mended = _repaired(coarse, options)
+        coarser = _analysis(coarse if mended is None else mended.part, options)
+        estimate = richardson(coarser.properties, analysis.properties, _COARSER)
+        analysis = replace(analysis, tessellation=estimate)
+    hashing.join()
+    show(
+        options.json,
+        lambda: analysis_document(analysis, repaired),
+        lambda: analysis_text(analysis, repaired, wording=as_option),
+    )
+    return 0
+
+
+def _repaired(part: Part, options: argparse.Namespace) -> Repaired | None:
+    if not options.repair and options.weld is None:
+        return None
+    from inertia.mass.repair import repair, weld
+
+    return repair(part, options.weld) if options.repair else weld(part, options.weld)
+
+
+def _analysis(part: Part, options: argparse.Namespace) -> Analysis:
+    from inertia.mass.analysis import analyse as analyse_part
+
+    tolerance = {} if options.class_tolerance is None else {"class_tolerance": options.class_tolerance}
+    with Progress("integrating") as progress:
+        return analyse_part(
+            part,
+            by_name("density", options.density),
+            material=by_name("material", options.material),
+            mass=options.mass,
+            accuracy=options.accuracy,
+            shell=options.shell,
+            wire=options.wire,
+            orientation=options.orientation,
+            about=options.about,
+            chord=options.chord,
+            progress=progress,
+            **tolerance,
+        )

@@ -1,0 +1,44 @@
+"""The command `check`."""
+
+from __future__ import annotations
+
+import argparse
+from typing import Any
+
+from inertia_cli.options import add_input, add_orientation, read_part
+from inertia_cli.printing import show
+from inertia_cli.wording import as_option
+
+_UNFIT = 4
+
+
+def add(parsers: Any) -> None:
+    """Add ``inertia check``."""
+    parser = parsers.add_parser(
+        "check",
+        help="closed, wound, overlapping? each finding says where",
+        description="Check whether a mesh bounds an honest volume; exit code 4 if it does not.",
+    )
+    parser.set_defaults(run=run)
+    add_input(parser)
+    add_orientation(parser)
+    parser.add_argument(
+        "--intersections", action="store_true", help="look for triangles of one shell that cross each other (slow)"
+    )
+    parser.add_argument("--json", action="store_true", help="print one JSON document (inertia/check/1)")
+
+
+def run(options: argparse.Namespace) -> int:
+    """Run ``inertia check``."""
+    from inertia.mesh.check import check as check_part
+    from inertia.report.check import check_document, check_text
+
+    part, hashing = read_part(options)
+    report = check_part(part, intersections=options.intersections)
+    hashing.join()
+    show(
+        options.json,
+        lambda: check_document(part, report, options.orientation, wording=as_option),
+        lambda: check_text(part, report, options.orientation, wording=as_option),
+    )
+    return _UNFIT if report.faults(options.orientation) else 0

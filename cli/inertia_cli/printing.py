@@ -1,0 +1,46 @@
+"""Print a JSON document, or text, in colours where it goes to a terminal."""
+
+from __future__ import annotations
+
+import json
+import os
+import sys
+from collections.abc import Callable
+from typing import Any
+
+_STYLES = {  # of text that stands in a report, by a pattern
+    r"(?m)^\S.{0,15}?(?=  )": "bold",
+    r"(?m)^error\b|\bFAIL(ED)?\b": "bold red",
+    r"(?m)^warning\b|\bUNDECIDED\b|\bassumed\b": "yellow",
+    r"\bPASS(ED)?\b": "bold green",
+}
+
+
+def show(as_json: bool, document: Callable[[], dict[str, Any]], text: Callable[[], str]) -> None:
+    """Print a result as one JSON document, or as text."""
+    if as_json:
+        print_document(document())
+    elif sys.stdout.isatty() and not os.environ.get("NO_COLOR"):
+        _print_coloured(text())
+    else:
+        print(text())
+
+
+def print_document(document: dict[str, Any]) -> None:
+    """Print one JSON document, a line for each of its fields."""
+    fields = (f" {json.dumps(key)}: {_as_json(value)}" for key, value in document.items())
+    print("{\n" + ",\n".join(fields) + "\n}")
+
+
+def _as_json(value: Any) -> str:
+    return json.dumps(value, ensure_ascii=False, allow_nan=False)
+
+
+def _print_coloured(text: str) -> None:
+    from rich.console import Console
+    from rich.text import Text
+
+    coloured = Text(text)
+    for pattern, style in _STYLES.items():
+        coloured.highlight_regex(pattern, style)
+    Console().print(coloured, soft_wrap=True)
