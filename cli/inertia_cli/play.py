@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import argparse
 import os
-import subprocess
 import sys
 from importlib.util import find_spec
 from pathlib import Path
@@ -30,6 +29,8 @@ def add(parsers: Any) -> None:
 
 def run(options: argparse.Namespace) -> int:
     """Run ``inertia play``."""
+    import subprocess
+
     from inertia.recording.provenance import properties
 
     properties(options.part)

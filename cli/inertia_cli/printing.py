@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import os
 import sys
 from collections.abc import Callable
@@ -28,12 +27,12 @@ def show(as_json: bool, document: Callable[[], dict[str, Any]], text: Callable[[
 
 def print_document(document: dict[str, Any]) -> None:
     """Print one JSON document, a line for each of its fields."""
-    fields = (f" {json.dumps(key)}: {_as_json(value)}" for key, value in document.items())
-    print("{\n" + ",\n".join(fields) + "\n}")
+    import json
 
+    def line(key: str, value: Any) -> str:
+        return f" {json.dumps(key)}: {json.dumps(value, ensure_ascii=False, allow_nan=False)}"
 
-def _as_json(value: Any) -> str:
-    return json.dumps(value, ensure_ascii=False, allow_nan=False)
+    print("{\n" + ",\n".join(line(key, value) for key, value in document.items()) + "\n}")
 
 
 def _print_coloured(text: str) -> None:

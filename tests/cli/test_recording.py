@@ -123,7 +123,7 @@ def test_the_viewer_listens_on_this_machine_only(
         commands.append(command)
         return subprocess.CompletedProcess(command, 0)
 
-    monkeypatch.setattr("inertia_cli.play.subprocess.run", fake)
+    monkeypatch.setattr("subprocess.run", fake)
     monkeypatch.setenv("DISPLAY", ":0")
     assert run(capsys, "play", recording, *(["--web"] if web else [])) == (0, "", "")
     (command,) = commands
@@ -148,9 +148,7 @@ def test_without_a_screen_it_says_what_to_do(
 def test_a_viewer_that_fails_is_told(
     capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch, recording: str
 ) -> None:
-    monkeypatch.setattr(
-        "inertia_cli.play.subprocess.run", lambda command, check: subprocess.CompletedProcess(command, 7)
-    )
+    monkeypatch.setattr("subprocess.run", lambda command, check: subprocess.CompletedProcess(command, 7))
     monkeypatch.setenv("DISPLAY", ":0")
     code, _, err = run(capsys, "play", recording)
     assert (code, err.count("\n")) == (1, 1)
