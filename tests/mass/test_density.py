@@ -5,8 +5,7 @@ import math
 import pytest
 
 from inertia.errors import UsageError
-from inertia.mass.density import ASSUMED, Densities, densities
-from inertia.mass.materials import DENSITIES, density_of
+from inertia.mass.density import ASSUMED, DENSITIES, Densities, densities, density_of
 
 
 @pytest.mark.parametrize(

@@ -290,7 +290,8 @@ def test_self_intersections_are_found_when_asked_for() -> None:
     finding = only(report, "self_intersection")
     assert codes(check(part((pulled, faces)))) == []
     assert set(np.flatnonzero((faces == tip).any(axis=1))) & set(finding.faces)
-    assert finding.place[2] == pytest.approx(-1, abs=0.1)
+    pole, ring = np.unique(vertices[:, 2])[:2]  # the faces that the tip goes through lie between
+    assert pole <= finding.place[2] <= ring
     assert codes(check(part((vertices, faces)), intersections=True)) == []
 
 

@@ -27,7 +27,7 @@ from inertia.documents import (
     text,
 )
 from inertia.errors import UsageError
-from inertia.mass.materials import density_of
+from inertia.mass.density import density_of
 from inertia.units import length_unit
 
 Standard = Literal["ISO 21940-11", "API 610", "API 617", "MIL-STD-167-1"]

@@ -1,4 +1,4 @@
-"""Part → groups of equal density, each with its moments, after checking that the question has an answer."""
+"""Integration of a part: the moments of its groups of equal density, after checking that there is an answer."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What replacing a curved surface by triangles can have changed: a bound from a chord tolerance, or an estimate.
+"""Tessellation error of a curved surface: a bound from a chord tolerance, or an estimate by Richardson extrapolation.
 
 This error is apart from the arithmetic one, and for curved parts usually larger by many orders of magnitude.
 """

@@ -1,4 +1,4 @@
-"""Check a part: is its volume an honest one, and if not, what is wrong and where."""
+"""`check`: whether the volume of a part is an honest one, and if not, what is wrong and where."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Repairing a surface, one recorded step after another.
+"""Repair of a surface, step by step: vertices merged, triangles removed and turned, holes filled, bodies united.
 
 What is right is left alone: a sound part comes back as it went in, bit for bit. The steps, in their order:
 

@@ -8,13 +8,12 @@ are exact but for rounding, and rounding has a bound (`cell_sums`).
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
-from inertia.arrays import Float, Int
+from inertia.arrays import Float, Int, Progress
 from inertia.errors import GeometryError, UsageError
 from inertia.mass.cells.quadrature import UNIT_ROUNDOFF, Chunk, integrate, moment_rows
 from inertia.mass.cells.shape_functions import Table, table
@@ -41,7 +40,7 @@ def cell_moments(
     cells: Cells,
     groups: NDArray[np.int32] | None = None,
     count: int = 1,
-    progress: Callable[[float], None] | None = None,
+    progress: Progress | None = None,
 ) -> CellIntegral:
     """Integrate 1, x and x xᵀ over the volume cells of a mesh, group by group.
 

@@ -36,7 +36,7 @@ from fractions import Fraction
 import numpy as np
 from numpy.typing import NDArray
 
-from inertia.arrays import Float, Int
+from inertia.arrays import Float, Int, Progress
 from inertia.errors import GeometryError
 from inertia.mass.cells.shape_functions import Table, table
 from inertia.mass.moments import PAIRS, Moments
@@ -74,7 +74,7 @@ def integrate(
     groups: NDArray[np.int32] | None,
     count: int,
     power: int,
-    progress: Callable[[float], None] | None = None,
+    progress: Progress | None = None,
 ) -> tuple[Moments, ...]:
     """Add up what `rows` finds for each chunk, and return the moments of each group.
 

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from typing import Literal
 
+from inertia.arrays import Progress
 from inertia.mass.moments import Moments
 from inertia.mass.triangles import double_double, exact
 from inertia.mass.triangles.moments_from_sums import moments_of, moments_with_bounds
@@ -33,7 +33,7 @@ def solid_moments(
     triangles: Triangles,
     arithmetic: Arithmetic,
     sums: Sums | None = None,
-    progress: Callable[[float], None] | None = None,
+    progress: Progress | None = None,
 ) -> Moments:
     """Return the moments of the solid inside a closed surface, in the file's unit, by one method.
 

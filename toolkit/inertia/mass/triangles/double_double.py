@@ -15,12 +15,12 @@ are exact, so the answers have the same bits.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from fractions import Fraction
 
 import numpy as np
 
-from inertia.arrays import Float
+from inertia.arrays import Float, Progress
 from inertia.mass.triangles.kernels import BLOCK, DEPTH, LANES, BlockKernel
 from inertia.mass.triangles.moments_from_sums import Roundings
 from inertia.mass.triangles.sums import Sums
@@ -46,9 +46,7 @@ _SPLIT = 134217729.0  # 2²⁷ + 1
 _Pair = tuple[Float, Float]
 
 
-def sum_in_double_double(
-    triangles: Triangles, sums: Sums, progress: Callable[[float], None] | None = None
-) -> tuple[Fraction, ...]:
+def sum_in_double_double(triangles: Triangles, sums: Sums, progress: Progress | None = None) -> tuple[Fraction, ...]:
     """Return the ten sums of a solid, in the frame of the float64 `sums` of the same triangles."""
     if sums.exponent == 0 and _KERNEL.worthwhile(triangles):
         runs = _KERNEL.rows(triangles, tuple(sums.origin.tolist()))

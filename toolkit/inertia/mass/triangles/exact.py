@@ -16,14 +16,14 @@ above 4·2⁶⁰ + 2·2⁶⁰, and a float64 quotient of such a number by p is o
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from dataclasses import dataclass
 from fractions import Fraction
 
 import numpy as np
 from numpy.typing import NDArray
 
-from inertia.arrays import Float, Int
+from inertia.arrays import Float, Int, Progress
 from inertia.errors import GeometryError
 from inertia.mass.moments import Moments
 from inertia.mesh.part import Triangles, first_non_finite
@@ -46,7 +46,7 @@ class _Grid:
     reach: int
 
 
-def exact_moments(triangles: Triangles, progress: Callable[[float], None] | None = None) -> Moments:
+def exact_moments(triangles: Triangles, progress: Progress | None = None) -> Moments:
     """Return the exact moments of the solid inside a closed surface, in the file's unit; all bounds are zero.
 
     Raises `GeometryError` where a coordinate is infinite or not a number.

@@ -22,12 +22,12 @@ follow the same order with the same roundings, so their answers have the same bi
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
 
-from inertia.arrays import Float
+from inertia.arrays import Float, Progress
 from inertia.errors import GeometryError
 from inertia.mass.triangles.kernels import BLOCK, DEPTH, LANES, BlockKernel
 from inertia.mesh.part import Triangles, first_non_finite
@@ -60,9 +60,7 @@ class Sums:
     count: int
 
 
-def sum_triangles(
-    triangles: Triangles, *, surface: bool = False, progress: Callable[[float], None] | None = None
-) -> Sums:
+def sum_triangles(triangles: Triangles, *, surface: bool = False, progress: Progress | None = None) -> Sums:
     """Sum over all triangles: as the boundary of a solid, or (`surface`) as a shell.
 
     Raises `GeometryError` where a coordinate is infinite or not a number.

@@ -1,4 +1,4 @@
-"""The shells of a closed surface, which of them contain which, and the bodies that they bound.
+"""Shells (connected components) of a closed surface, which of them contain which, and the bodies that they bound.
 
 The components of a closed surface are its shells. Let w be the sum, over the shells that contain a shell, of
 the sign of their volumes. In a sound solid w = 0 around every outward shell (positive volume) and w = 1
