@@ -6,13 +6,11 @@ DOP853 for torques that are no polynomial, LSODA and Radau for stiff ones. Haire
 
 from __future__ import annotations
 
-import numpy as np
+from typing import Any
 
 from inertia.arrays import Float
-from inertia.dynamics.integrators.base import Adaptive, States, begin, pieces
-from inertia.dynamics.integrators.rotation import RotationProblem
-from inertia.dynamics.kinematics import quaternion
-from inertia.errors import GeometryError
+from inertia.dynamics.integrators.error_control import Adaptive
+from inertia.dynamics.integrators.loop import Piece, Stepper
 
 ORDERS = {"DOP853": 8, "LSODA": 12, "Radau": 5}
 """The highest order that each uses."""
@@ -30,34 +28,31 @@ class SciPy(Adaptive):
         self.name = name
         self.order = ORDERS[name]
 
-    def run(self, problem: RotationProblem, time: Float, control: float, level: int = 0) -> States:
-        """Return the states at `time`."""
-        from scipy.integrate import solve_ivp
+    def stepper(self, piece: Piece, state: Float, control: float, level: int) -> Stepper:
+        """Return SciPy's solver."""
+        import scipy.integrate
 
         tolerance = self.tolerance(control, level)
-        rate = problem.rate
-        unit = np.array([1.0] * 4 + [rate] * 3)
+        solver = getattr(scipy.integrate, self.name)
+        return _Solver(solver(piece.rhs(), 0.0, state, piece.targets[-1], rtol=tolerance, atol=tolerance), piece)
 
-        def rhs(tau: float, state: Float) -> Float:
-            return problem.rhs(min(start + tau / rate, end), state * unit) / (unit * rate)
 
-        state = begin(problem, level) / unit
-        out = np.empty((len(time), 7))
-        out[time <= problem.start] = state
-        steps = 0
-        for piece in pieces(problem, time):
-            start, end = piece.start, np.nextafter(piece.end, piece.start)
-            targets = (np.append(time[piece.first : piece.last], piece.end) - start) * rate
-            at, back = np.unique(targets, return_inverse=True)
-            found = solve_ivp(rhs, (0.0, targets[-1]), state, self.name, t_eval=at, rtol=tolerance, atol=tolerance)
-            if not found.success:
-                raise GeometryError(
-                    f"{self.name} stopped between {start:.6g} and {end:.6g} s ({found.message}): "
-                    "check the loads or use another method"
-                )
-            values = found.y.T[back]
-            steps += found.nfev
-            out[piece.first : piece.last] = values[:-1]
-            state = values[-1]
-            state[:4] /= np.linalg.norm(state[:4])
-        return States(quaternion.normalise(out[:, :4]), out[:, 4:] * rate, steps)
+class _Solver(Stepper):
+    """A `scipy.integrate.OdeSolver` under way."""
+
+    def __init__(self, solver: Any, piece: Piece) -> None:
+        self._solver, self._piece = solver, piece
+
+    def step(self, target: float) -> str | None:
+        """Take a step of the length that the solver chooses."""
+        message = self._solver.step()
+        self.time, self.steps = self._solver.t, self._solver.nfev
+        if self._solver.status == "failed":
+            return f"between {self._piece.start:.6g} and {self._piece.end:.6g} s ({message})"
+        return None
+
+    def values(self, times: Float) -> Float:
+        """Return values of the solver's interpolant."""
+        values: Float = self._solver.dense_output()(times).T
+        self.steps = self._solver.nfev  # some of them evaluate once more for it
+        return values

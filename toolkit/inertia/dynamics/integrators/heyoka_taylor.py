@@ -11,11 +11,10 @@ from typing import Any
 import numpy as np
 
 from inertia.arrays import Float
-from inertia.dynamics.integrators.base import Adaptive, Scaled, States, begin, pieces
-from inertia.dynamics.integrators.rotation import RotationProblem
+from inertia.dynamics.integrators.error_control import Adaptive
+from inertia.dynamics.integrators.loop import Piece, Stepper
 from inertia.dynamics.integrators.terms import HEAD, VECTOR
-from inertia.dynamics.kinematics import quaternion
-from inertia.errors import GeometryError, UsageError
+from inertia.errors import UsageError
 
 
 class Heyoka(Adaptive):
@@ -26,33 +25,38 @@ class Heyoka(Adaptive):
     tightest = 1e-16
     coarsest = 3e-15
 
-    def run(self, problem: RotationProblem, time: Float, control: float, level: int = 0) -> States:
-        """Return the states at `time`; the tolerance is rounded, so that fewer steppers are compiled."""
+    def stepper(self, piece: Piece, state: Float, control: float, level: int) -> Stepper:
+        """Return heyoka's integrator; the tolerance is rounded, so that fewer of them are compiled."""
         tolerance = float(10.0 ** np.round(np.log10(self.tolerance(control, level)), 1))
-        state = begin(problem, level)
-        state[4:] /= problem.rate
-        out = np.empty((len(time), 7))
-        out[time <= problem.start] = state
-        steps = 0
-        for piece in pieces(problem, time):
-            scaled = Scaled.of(problem, piece, time)
-            stepper = _stepper(scaled.vectors, tolerance)
-            stepper.pars[:] = np.concatenate([scaled.moments, scaled.packed])
-            stepper.time = 0.0
-            stepper.state[:] = state
-            at, back = np.unique(np.append(0.0, scaled.targets), return_inverse=True)
-            outcome, _, _, taken, _, grid = stepper.propagate_grid(at)
-            if "time_limit" not in str(outcome):
-                raise GeometryError(f"heyoka stopped with {outcome}: check the loads or shorten the run")
-            values = grid[back[1:]]
-            steps += taken
-            out[piece.first : piece.last] = values[:-1]
-            state = values[-1]
-        return States(quaternion.normalise(out[:, :4]), out[:, 4:] * problem.rate, steps)
+        units = piece.units
+        solver = _compiled(units.vectors, tolerance)
+        solver.pars[:] = np.concatenate([units.moments, units.packed])
+        solver.time = 0.0
+        solver.state[:] = state
+        return _Solver(solver, float(piece.targets[-1]))
+
+
+class _Solver(Stepper):
+    """heyoka's integrator under way to `end`."""
+
+    def __init__(self, solver: Any, end: float) -> None:
+        self._solver, self._end = solver, end
+
+    def step(self, target: float) -> str | None:
+        """Take a step of the length that heyoka chooses."""
+        outcome, _ = self._solver.step(self._end - self._solver.time, True)
+        self.steps += 1
+        limited = "time_limit" in str(outcome)
+        self.time = self._end if limited else self._solver.time
+        return None if limited or "success" in str(outcome) else f"with {outcome}"
+
+    def values(self, times: Float) -> Float:
+        """Return values of the step's polynomial."""
+        return np.array([self._solver.update_d_output(time).copy() for time in times.tolist()])
 
 
 @functools.lru_cache(maxsize=16)
-def _stepper(vectors: int, tolerance: float) -> Any:
+def _compiled(vectors: int, tolerance: float) -> Any:
     """Return an integrator whose parameters are the moments and the packed terms."""
     try:
         import heyoka

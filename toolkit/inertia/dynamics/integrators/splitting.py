@@ -8,28 +8,90 @@ with the axes taken so that |1/I₁ − 1/I₂| is least. The top turns by M t/I
 axis 3; the rest turns the body about axis 1; loads change ω while the attitude stands (with damping, exactly). |L| is
 kept to rounding where no load acts, and the energy error of a conservative load does not grow.
 Dullweber, Leimkuhler & McLachlan, J. Chem. Phys. 107 (1997) 5840; Fassò, J. Comput. Phys. 189 (2003) 527;
-orders from `compositions`. The state is ω, not M, so that slender bodies keep their digits.
+orders from symmetric compositions, below. The state is ω, not M, so that slender bodies keep their digits.
 """
 
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 
 import numpy as np
 
-from inertia.arrays import Float, Int
-from inertia.dynamics.integrators.base import FixedStep, Scaled, States, begin, pieces, standard
-from inertia.dynamics.integrators.compositions import BY_ORDER
+from inertia.arrays import Float
+from inertia.dynamics.integrators.error_control import FixedStep
+from inertia.dynamics.integrators.loop import Call, Piece, Units
 from inertia.dynamics.integrators.rotation import RotationProblem
 from inertia.dynamics.integrators.terms import torque
 from inertia.dynamics.kinematics import quaternion
 from inertia.errors import UsageError
-from inertia.native import Kernel
+from inertia.native import Kernel, address
 
-_KERNEL = Kernel("inertia.dynamics.integrators.stepping_kernel", "split", "ppipppipip")
+_KERNEL = Kernel("inertia.dynamics.integrators.stepping_kernel", "split", "ppipidddipppi")
 
 STAGE_COST = 500
 """A stage of the numpy path in units of `native.Kernel.worthwhile`."""
+
+
+def _of_symmetric(lengths: list[float]) -> Float:
+    """Pairs of equal halves, from the first half of the lengths of Strang steps and the middle one."""
+    whole = np.array([*lengths, *lengths[-2::-1]])
+    whole[len(lengths) - 1] = 1.0 - 2.0 * whole[: len(lengths) - 1].sum()
+    return np.repeat(0.5 * whole[:, None], 2, axis=1)
+
+
+def _of_splitting(a: list[float], b: list[float]) -> Float:
+    """Pairs from the lengths of e^{a₁A} e^{b₁B} e^{a₂A} …: a₁ = α₁, b₁ = α₁ + α₂, a₂ = α₂ + α₃, …
+
+    McLachlan, SIAM J. Sci. Comput. 16 (1995) 151: two flows and a flow with its adjoint obey the same conditions.
+    """
+    whole_b = [*b, 0.5 - sum(b)]
+    alphas = [a[0]]
+    for i, length in enumerate(whole_b):
+        alphas.append(length - alphas[-1])
+        if i + 1 < len(a):
+            alphas.append(a[i + 1] - alphas[-1])
+    half = alphas[: len(whole_b) * 2]
+    return np.array([*half, *half[::-1]]).reshape(-1, 2)
+
+
+STRANG = np.array([[0.5, 0.5]])
+"""Order 2. Strang, SIAM J. Numer. Anal. 5 (1968) 506."""
+
+BLANES_MOAN_4 = _of_splitting(
+    [0.0792036964311957, 0.353172906049774, -0.0420650803577195],
+    [0.209515106613362, -0.143851773179818],
+)
+"""Order 4, six stages: S6 of Blanes & Moan, J. Comput. Appl. Math. 142 (2002) 313, table 2."""
+
+BLANES_MOAN_6 = _of_splitting(
+    [0.0502627644003922, 0.413514300428344, 0.0450798897943977, -0.188054853819569, 0.541960678450780],
+    [0.148816447901042, -0.132385865767784, 0.067307604692185, 0.432666402578175],
+)
+"""Order 6, ten stages: S10 of Blanes & Moan, table 2."""
+
+KAHAN_LI_8 = _of_symmetric(
+    [
+        0.13020248308889008087881763,
+        0.56116298177510838456196441,
+        -0.38947496264484728640807860,
+        0.15884190655515560089621075,
+        -0.39590389413323757733623154,
+        0.18453964097831570709183254,
+        0.25837438768632204729397911,
+        0.29501172360931029887096624,
+        -0.60550853383003451169892108,
+    ]
+)
+"""Order 8, seventeen Strang steps: s17odr8a of Kahan & Li, Math. Comput. 66 (1997) 1089."""
+
+COMPOSITIONS = {2: STRANG, 4: BLANES_MOAN_4, 6: BLANES_MOAN_6, 8: KAHAN_LI_8}
+"""Coefficients of symmetric compositions of a first-order splitting and its adjoint, by their order.
+
+A table (s, 2) holds the lengths (a, b), in steps, of the pairs Φ*(a h) Φ(b h) that a step is made of, Φ being the flows
+of the parts one after the other and Φ* the same in the opposite order. The lengths sum to one and read the same
+backwards.
+"""
 
 
 class Splitting(FixedStep):
@@ -38,76 +100,46 @@ class Splitting(FixedStep):
     def __init__(self, order: int) -> None:
         self.name = f"splitting {order}"
         self.order = order
-        self.pairs = BY_ORDER[order]
+        self.pairs = COMPOSITIONS[order]
 
-    def run(self, problem: RotationProblem, time: Float, control: float, level: int = 0) -> States:
-        """Return the states at `time`."""
-        if standard(problem, problem.start).dissipation:
+    def axes(self, problem: RotationProblem) -> tuple[int, ...]:
+        """Return the axes in cyclic order, the first two having the nearest 1/I."""
+        if Units.of(problem, problem.start).packed[9]:
             raise UsageError(f"{self.name} has no exact flow for internal dissipation: use Taylor or DOP853")
-        order = _axes(problem.moments)
-        columns = np.eye(3)[:, order]
-        taken = quaternion.from_matrix(columns)
-        state = begin(problem, level)
-        state = np.concatenate([quaternion.multiply(state[:4], taken), state[4:][order] / problem.rate])
-        out = np.empty((len(time), 7))
-        out[time <= problem.start] = state
-        total = 0
-        for piece in pieces(problem, time):
-            scaled = Scaled.of(problem, piece, time, tuple(order))
-            lengths = np.diff(scaled.targets, prepend=0.0) / problem.rate
-            counts = self.counts(lengths, control, level)
-            found = np.empty((len(scaled.targets), 7))
-            _advance(scaled, state, counts, self.pairs, found)
-            total += int(counts.sum())
-            out[piece.first : piece.last] = found[:-1]
-            state = found[-1]
-        attitude = quaternion.normalise(quaternion.multiply(out[:, :4], quaternion.conjugate(taken)))
-        spin = np.empty((len(time), 3))
-        spin[:, order] = out[:, 4:] * problem.rate
-        return States(attitude, spin, total)
+        inverse = 1.0 / problem.moments
+        apart = [abs(inverse[(k + 1) % 3] - inverse[(k + 2) % 3]) for k in range(3)]
+        k = int(np.argmin(apart))
+        return (k + 1) % 3, (k + 2) % 3, k
 
+    def compiled(self, piece: Piece, control: float, level: int) -> Call | None:
+        """Return the kernel where the stages are many."""
+        counts = self.counts(piece, control, level)
+        if not _KERNEL.worthwhile(int(counts.sum()) * len(self.pairs) * STAGE_COST):
+            return None
+        return Call(_KERNEL, (address(counts), address(self.pairs), len(self.pairs)), (counts,))
 
-def _axes(moments: Float) -> list[int]:
-    """Return the axes in cyclic order, the first two having the nearest 1/I."""
-    inverse = 1.0 / moments
-    apart = [abs(inverse[(k + 1) % 3] - inverse[(k + 2) % 3]) for k in range(3)]
-    k = int(np.argmin(apart))
-    return [(k + 1) % 3, (k + 2) % 3, k]
+    def step(self, piece: Piece) -> Callable[[float, float, Float], Float]:
+        """Do what the kernel does, a flow at a time."""
+        units = piece.units
+        a, b, c = units.moments.tolist()
+        loaded = bool(units.packed[:9].any()) or units.vectors > 0
 
-
-def _advance(scaled: Scaled, state: Float, counts: Int, pairs: Float, out: Float) -> None:
-    if not _KERNEL.worthwhile(int(counts.sum()) * len(pairs) * STAGE_COST):
-        _advance_numpy(scaled, state, counts, pairs, out)
-        return
-    arrays = scaled.moments, scaled.packed, state, scaled.targets, counts, pairs, out
-    moments, packed, at, targets, steps, stages, to = (array.ctypes.data for array in arrays)
-    _KERNEL.function(moments, packed, scaled.vectors, at, targets, steps, len(counts), stages, len(pairs), to)
-
-
-def _advance_numpy(scaled: Scaled, state: Float, counts: Int, pairs: Float, out: Float) -> None:
-    """Do what the kernel does, a flow at a time."""
-    a, b, c = scaled.moments.tolist()
-    q, w = np.array(state[:4]), np.array(state[4:])
-    loaded = bool(scaled.packed[:9].any()) or scaled.vectors > 0
-    begin = 0.0
-    for sample, (end, count) in enumerate(zip(scaled.targets.tolist(), counts.tolist(), strict=True)):
-        step = (end - begin) / count if count else 0.0
-        for number in range(count):
-            time = begin + number * step
-            for first, second in (pairs * step).tolist():
+        def advance(time: float, step: float, state: Float) -> Float:
+            q, w = state[:4], state[4:]
+            for first, second in (self.pairs * step).tolist():
                 if loaded:
-                    w = _kick(scaled, time, q, w, first)
-                q, w = _about(0, q, w, scaled.moments, first * w[0] * (b - a) / b)
+                    w = _kick(units, time, q, w, first)
+                q, w = _about(0, q, w, units.moments, first * w[0] * (b - a) / b)
                 along = np.array([w[0] * a / b, w[1], w[2] * c / b])
                 q = quaternion.multiply(q, quaternion.from_rotation_vector((first + second) * along))
-                q, w = _about(2, q, w, scaled.moments, (first + second) * w[2] * (b - c) / b)
-                q, w = _about(0, q, w, scaled.moments, second * w[0] * (b - a) / b)
+                q, w = _about(2, q, w, units.moments, (first + second) * w[2] * (b - c) / b)
+                q, w = _about(0, q, w, units.moments, second * w[0] * (b - a) / b)
                 time += first + second
                 if loaded:
-                    w = _kick(scaled, time, q, w, second)
-            q = quaternion.normalise(q)
-        begin = end
-        out[sample, :4], out[sample, 4:] = q, w
+                    w = _kick(units, time, q, w, second)
+            return np.concatenate([quaternion.normalise(q), w])
+
+        return advance
 
 
 def _about(axis: int, q: Float, w: Float, moments: Float, angle: float) -> tuple[Float, Float]:
@@ -122,10 +154,10 @@ def _about(axis: int, q: Float, w: Float, moments: Float, angle: float) -> tuple
     return quaternion.multiply(q, half), turned
 
 
-def _kick(scaled: Scaled, time: float, q: Float, w: Float, step: float) -> Float:
+def _kick(units: Units, time: float, q: Float, w: Float, step: float) -> Float:
     """Let the torque at a standing attitude act, and the damping with it."""
-    pull = torque(scaled.packed, time, q)
-    z = scaled.packed[6:9] * step / scaled.moments
+    pull = torque(units.packed, time, q)
+    z = units.packed[6:9] * step / units.moments
     share = np.array([-math.expm1(-x) / x if x else 1.0 for x in z.tolist()])
-    kicked: Float = w * np.exp(-z) + pull / scaled.moments * step * share
+    kicked: Float = w * np.exp(-z) + pull / units.moments * step * share
     return kicked

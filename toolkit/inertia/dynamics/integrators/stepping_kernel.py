@@ -8,7 +8,7 @@ from __future__ import annotations
 import numpy as np
 from numba import carray, njit
 
-HEAD, VECTOR = 10, 17
+from inertia.dynamics.integrators.loop_kernel import HEAD, VECTOR, equal_steps
 
 
 @njit(inline="always")
@@ -62,70 +62,73 @@ def double(half):
     return 2.0 * s * c, 1.0 - 2.0 * s * s, s, c
 
 
-def split(moments_at, terms_at, count, state_at, times_at, counts_at, samples, pairs_at, stages, out_at):
-    """Take the state (q, ω) from 0 through `times`, `counts` steps to each, by a composition of `stages` pairs.
+@njit(error_model="numpy", forceinline=True)
+def split_once(work, begin, step, first, last, state):
+    """Take a step of a composition of pairs of flows.
 
-    Axis 3 is that of the symmetric top, axis 1 that of the rest.
+    Axis 3 is that of the symmetric top, axis 1 that of the rest. The kick that ends a step is one with the kick that
+    begins the next.
     """
-    moments = carray(moments_at, (3,), np.float64)
-    terms = carray(terms_at, (HEAD + VECTOR * count,), np.float64)
-    state = carray(state_at, (7,), np.float64)
-    times = carray(times_at, (samples,), np.float64)
-    counts = carray(counts_at, (samples,), np.int64)
-    pairs = carray(pairs_at, (stages, 2), np.float64)
-    out = carray(out_at, (samples, 7), np.float64)
+    _, moments, terms, count, pairs, loaded = work
+    stages = len(pairs)
     a, b, c = moments[0], moments[1], moments[2]
     ab, cb = a / b, c / b
     bc, ba = b / c, b / a
     rest, own = (b - a) / b, (b - c) / b
-    x, y, z, w = state[0], state[1], state[2], state[3]
-    p, q, r = state[4], state[5], state[6]
+    x, y, z, w, p, q, r = state
+    time = begin
+    before = 0.0 if first else pairs[stages - 1, 1]
+    for stage in range(stages + 1):
+        if stage == stages and not last:
+            break
+        if loaded:
+            kick = (before + (pairs[stage, 0] if stage < stages else 0.0)) * step
+            t0, t1, t2 = pull(terms, count, time, x, y, z, w)
+            p = slowed(p, t0, terms[6], a, kick)
+            q = slowed(q, t1, terms[7], b, kick)
+            r = slowed(r, t2, terms[8], c, kick)
+        if stage == stages:
+            break
+        first_part, second_part = pairs[stage, 0] * step, pairs[stage, 1] * step
+        before = pairs[stage, 1]
+        if a != b:
+            s, co, sh, ch = double(0.5 * first_part * p * rest)
+            q, r = co * q + s * cb * r, co * r - s * bc * q
+            x, y, z, w = x * ch + w * sh, y * ch + z * sh, z * ch - y * sh, w * ch - x * sh
+        both = first_part + second_part
+        l0, l1, l2 = p * ab, q, r * cb
+        size = np.sqrt(l0 * l0 + l1 * l1 + l2 * l2)
+        half = 0.5 * both * size
+        part = np.sin(half) / size if size > 0.0 else 0.0
+        x, y, z, w = turn(x, y, z, w, part * l0, part * l1, part * l2, np.cos(half))
+        s, co, sh, ch = double(0.5 * both * r * own)
+        p, q = co * p + s * ba * q, co * q - s * ab * p
+        x, y, z, w = x * ch + y * sh, y * ch - x * sh, z * ch + w * sh, w * ch - z * sh
+        if a != b:
+            s, co, sh, ch = double(0.5 * second_part * p * rest)
+            q, r = co * q + s * cb * r, co * r - s * bc * q
+            x, y, z, w = x * ch + w * sh, y * ch + z * sh, z * ch - y * sh, w * ch - x * sh
+        time += both
+    scale = 1.5 - 0.5 * (x * x + y * y + z * z + w * w)
+    return x * scale, y * scale, z * scale, w * scale, p, q, r
+
+
+_follow_split = equal_steps(split_once)
+
+
+def split(
+    moments_at, terms_at, count, times_at, samples, start, end, rate, limit, rows_at, counts_at, pairs_at, stages
+):
+    """Follow a composition of `stages` pairs through a piece of a run, with the axes in the order of `split_once`."""
+    moments = carray(moments_at, (3,), np.float64)
+    terms = carray(terms_at, (HEAD + VECTOR * count,), np.float64)
+    counts = carray(counts_at, (samples + 1,), np.int64)
+    pairs = carray(pairs_at, (stages, 2), np.float64)
     loaded = count > 0
     for k in range(9):
         loaded = loaded or terms[k] != 0.0
-    begin = 0.0
-    for sample in range(samples):
-        step = (times[sample] - begin) / counts[sample] if counts[sample] > 0 else 0.0
-        for number in range(counts[sample]):
-            time = begin + number * step
-            before = pairs[stages - 1, 1] if number > 0 else 0.0
-            for stage in range(stages + 1):
-                if stage == stages and number + 1 < counts[sample]:
-                    break  # the kick that ends a step is one with the kick that begins the next
-                if loaded:
-                    kick = (before + (pairs[stage, 0] if stage < stages else 0.0)) * step
-                    t0, t1, t2 = pull(terms, count, time, x, y, z, w)
-                    p = slowed(p, t0, terms[6], a, kick)
-                    q = slowed(q, t1, terms[7], b, kick)
-                    r = slowed(r, t2, terms[8], c, kick)
-                if stage == stages:
-                    break
-                first, second = pairs[stage, 0] * step, pairs[stage, 1] * step
-                before = pairs[stage, 1]
-                if a != b:
-                    s, co, sh, ch = double(0.5 * first * p * rest)
-                    q, r = co * q + s * cb * r, co * r - s * bc * q
-                    x, y, z, w = x * ch + w * sh, y * ch + z * sh, z * ch - y * sh, w * ch - x * sh
-                both = first + second
-                l0, l1, l2 = p * ab, q, r * cb
-                size = np.sqrt(l0 * l0 + l1 * l1 + l2 * l2)
-                half = 0.5 * both * size
-                part = np.sin(half) / size if size > 0.0 else 0.0
-                x, y, z, w = turn(x, y, z, w, part * l0, part * l1, part * l2, np.cos(half))
-                s, co, sh, ch = double(0.5 * both * r * own)
-                p, q = co * p + s * ba * q, co * q - s * ab * p
-                x, y, z, w = x * ch + y * sh, y * ch - x * sh, z * ch + w * sh, w * ch - z * sh
-                if a != b:
-                    s, co, sh, ch = double(0.5 * second * p * rest)
-                    q, r = co * q + s * cb * r, co * r - s * bc * q
-                    x, y, z, w = x * ch + w * sh, y * ch + z * sh, z * ch - y * sh, w * ch - x * sh
-                time += both
-            scale = 1.5 - 0.5 * (x * x + y * y + z * z + w * w)
-            x, y, z, w = x * scale, y * scale, z * scale, w * scale
-        begin = times[sample]
-        out[sample, 0], out[sample, 1], out[sample, 2], out[sample, 3] = x, y, z, w
-        out[sample, 4], out[sample, 5], out[sample, 6] = p, q, r
-    return 0
+    work = counts, moments, terms, count, pairs, loaded
+    return _follow_split(work, (times_at, samples, start, end, rate, limit, rows_at))
 
 
 @njit(inline="always")
@@ -152,9 +155,10 @@ def rate(moments, terms, count, time, x, y, z, w, p, q, r):
     )
 
 
-@njit(inline="always")
-def step_once(moments, terms, count, time, step, state):
+@njit(error_model="numpy", forceinline=True)
+def runge_kutta_once(work, time, step, first, last, state):
     """Take one step of the classical method of order four."""
+    _, moments, terms, count = work
     x, y, z, w, p, q, r = state
     half = 0.5 * step
     a = rate(moments, terms, count, time, x, y, z, w, p, q, r)
@@ -209,21 +213,15 @@ def step_once(moments, terms, count, time, step, state):
     return x * scale, y * scale, z * scale, w * scale, p, q, r
 
 
-def runge_kutta_4(moments_at, terms_at, count, state_at, times_at, counts_at, samples, out_at):
-    """Take the state (q, ω) from 0 through `times`, `counts` steps to each."""
+_follow_runge_kutta = equal_steps(runge_kutta_once)
+
+
+def runge_kutta_4(
+    moments_at, terms_at, count, times_at, samples, start, end, rate, limit, rows_at, counts_at
+):
+    """Follow the classical method of order four through a piece of a run."""
     moments = carray(moments_at, (3,), np.float64)
     terms = carray(terms_at, (HEAD + VECTOR * count,), np.float64)
-    begun = carray(state_at, (7,), np.float64)
-    times = carray(times_at, (samples,), np.float64)
-    counts = carray(counts_at, (samples,), np.int64)
-    out = carray(out_at, (samples, 7), np.float64)
-    state = begun[0], begun[1], begun[2], begun[3], begun[4], begun[5], begun[6]
-    begin = 0.0
-    for sample in range(samples):
-        step = (times[sample] - begin) / counts[sample] if counts[sample] > 0 else 0.0
-        for number in range(counts[sample]):
-            state = step_once(moments, terms, count, begin + number * step, step, state)
-        begin = times[sample]
-        out[sample, 0], out[sample, 1], out[sample, 2], out[sample, 3] = state[0], state[1], state[2], state[3]
-        out[sample, 4], out[sample, 5], out[sample, 6] = state[4], state[5], state[6]
-    return 0
+    counts = carray(counts_at, (samples + 1,), np.int64)
+    work = counts, moments, terms, count
+    return _follow_runge_kutta(work, (times_at, samples, start, end, rate, limit, rows_at))

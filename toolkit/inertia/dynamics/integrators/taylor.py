@@ -16,15 +16,14 @@ import math
 import numpy as np
 
 from inertia.arrays import Float
-from inertia.dynamics.integrators.base import Adaptive, Piece, Scaled, States, Units, begin, pieces
-from inertia.dynamics.integrators.rotation import RotationProblem
+from inertia.dynamics.integrators.error_control import Adaptive
+from inertia.dynamics.integrators.loop import Call, Piece, Stepper, Units
 from inertia.dynamics.integrators.terms import HEAD, VECTOR
 from inertia.dynamics.kinematics import quaternion
-from inertia.errors import GeometryError
 from inertia.native import Kernel, address
 
 _KERNEL, _SIMPLE = (
-    Kernel("inertia.dynamics.integrators.taylor_kernel", name, "ppippidddidip", fused=True)
+    Kernel("inertia.dynamics.integrators.taylor_kernel", name, "ppipidddipidp", fused=True)
     for name in ("advance", "advance_simple")
 )
 
@@ -34,70 +33,37 @@ _ROWS, _ROW = 33, 16
 STEP_COST = 500
 """A step of the numpy path in units of `native.Kernel.worthwhile`."""
 
-LIMIT = 200_000_000
-"""Steps that are still taken (minutes)."""
-
 
 class Taylor(Adaptive):
     """The Taylor method; loads must be polynomial (`terms.Terms`), tables are taken row by row."""
 
     name = "Taylor"
     order = 20
+    keeps_length = True
     tightest = 1e-17
     coarsest = 3e-16
     runs = 3
     safety = 5.0
 
-    def run(self, problem: RotationProblem, time: Float, control: float, level: int = 0) -> States:
-        """Return the states at `time`."""
+    def compiled(self, piece: Piece, control: float, level: int) -> Call | None:
+        """Return the kernel where the radians are many."""
+        units = piece.units
+        radians = 1.0 + (piece.end - piece.start) * piece.problem.rate * (1.0 + units.decay)
+        kernel = _SIMPLE if _simple(units) else _KERNEL
+        if not kernel.worthwhile(int(min(radians, 1e12)) * STEP_COST):
+            return None
         tolerance = self.tolerance(control, level)
-        order = min(math.ceil(-0.7 * math.log(tolerance)) + 2, _ROWS - 3)
-        time = np.array(time)  # in one piece
-        state = begin(problem, level)
-        out = np.empty((len(time), 7))
-        parts = pieces(problem, time)
-        out[: parts[0].first if parts else len(time)] = state
-        steps = 0
-        for piece in parts:
-            taken, state = _advance(problem, piece, time, state, order, tolerance, out)
-            steps += taken
-        return States(out[:, :4], out[:, 4:], steps)
+        scratch = np.empty((4 + 2 * units.vectors) * _ROWS * _ROW)
+        return Call(kernel, (_order(tolerance), tolerance, address(scratch)), (scratch,))
+
+    def stepper(self, piece: Piece, state: Float, control: float, level: int) -> Stepper:
+        """Do what the kernel does, one matrix product a coefficient."""
+        tolerance = self.tolerance(control, level)
+        return _Series(piece.units, state, _order(tolerance), tolerance)
 
 
-def _advance(
-    problem: RotationProblem, piece: Piece, time: Float, state: Float, order: int, tolerance: float, out: Float
-) -> tuple[int, Float]:
-    """Write the samples of a piece; return the steps and the state at its end."""
-    units, (start, end, first, last) = Units.of(problem, piece.start), piece
-    radians = 1.0 + (end - start) * problem.rate * (1.0 + units.decay)
-    kernel = _SIMPLE if _simple(units) else _KERNEL
-    if not kernel.worthwhile(int(min(radians, 1e12)) * STEP_COST):
-        scaled = Scaled.of(problem, piece, time)
-        found = np.empty((len(scaled.targets), 7))
-        steps = _advance_numpy(scaled, state / ([1.0] * 4 + [problem.rate] * 3), order, tolerance, found)
-        found[:, 4:] *= problem.rate
-        out[first:last] = found[:-1]
-        return steps, found[-1]
-    scratch = np.empty((4 + 2 * units.vectors) * _ROWS * _ROW)
-    at_end = scratch[(_ROWS - 1) * _ROW :][:7]
-    at_end[:] = state
-    steps = kernel.function(
-        *units.addresses,
-        units.vectors,
-        address(scratch),
-        address(time) + time.itemsize * first,
-        last - first,
-        start,
-        end,
-        problem.rate,
-        order,
-        tolerance,
-        LIMIT,
-        address(out) + 7 * out.itemsize * first,
-    )
-    if steps < 0:
-        raise _stopped()
-    return steps, at_end
+def _order(tolerance: float) -> int:
+    return min(math.ceil(-0.7 * math.log(tolerance)) + 2, _ROWS - 3)
 
 
 @functools.lru_cache(maxsize=16)
@@ -108,33 +74,33 @@ def _simple(units: Units) -> bool:
     return not (units.packed[9] or units.packed[HEAD + 12 : HEAD + 15].any() or units.packed[HEAD + 16])
 
 
-def _stopped() -> GeometryError:
-    return GeometryError(
-        f"Taylor stopped after {LIMIT:.2g} steps, or where the motion leaves float64: "
-        "check the loads or ask for a shorter run"
-    )
+class _Series(Stepper):
+    """Steps of the length that the tolerance allows; the last one as its polynomial."""
 
+    def __init__(self, units: Units, state: Float, order: int, tolerance: float) -> None:
+        self._units, self._state, self._order, self._tolerance = units, state, order, tolerance
+        self._powers = np.arange(order + 1)
+        self._now = self._slack = self._length = 0.0
+        self._series = np.empty((0, 7))
 
-def _advance_numpy(scaled: Scaled, state: Float, order: int, tolerance: float, out: Float) -> int:
-    """Do what the kernel does, one matrix product a coefficient."""
-    now, slack, done, steps = 0.0, 0.0, 0, 0
-    powers = np.arange(order + 1)
-    while done < len(out):
-        series = _series(scaled, state, now, order)
-        steps += 1
-        step = _length(series, order, tolerance)
-        if not step > 0 or steps > LIMIT:
-            raise _stopped()
-        ahead = (scaled.targets[done:] - now) - slack
-        last = done + int(np.searchsorted(ahead, step, side="right"))
-        out[done:last] = ahead[: last - done, None] ** powers @ series[:, :7]
-        out[done:last, :4] /= np.linalg.norm(out[done:last, :4], axis=1, keepdims=True)
-        done = last
-        if done < len(out):
-            state = step**powers @ series[:, :7]
-            state[:4] /= np.linalg.norm(state[:4])
-            now, slack = now + (step + slack), (step + slack) - ((now + (step + slack)) - now)
-    return steps
+    def step(self, target: float) -> str | None:
+        """Expand the motion at the end of the last step."""
+        if self.steps:
+            self._state = self._length**self._powers @ self._series[:, :7]
+            self._state[:4] /= np.linalg.norm(self._state[:4])
+            ahead = self._length + self._slack
+            self._now, self._slack = self._now + ahead, ahead - ((self._now + ahead) - self._now)
+        self._series = _series(self._units, self._state, self._now, self._order)
+        self._length = _length(self._series, self._order, self._tolerance)
+        self.steps += 1
+        self.time = self._now + (self._length + self._slack)
+        return None if self._length > 0.0 else "where the motion leaves float64"
+
+    def values(self, times: Float) -> Float:
+        """Return values of the polynomial, with quaternions of unit length."""
+        values = ((times - self._now) - self._slack)[:, None] ** self._powers @ self._series[:, :7]
+        values[:, :4] /= np.linalg.norm(values[:, :4], axis=1, keepdims=True)
+        return values
 
 
 def _length(series: Float, order: int, tolerance: float) -> float:
@@ -144,9 +110,9 @@ def _length(series: Float, order: int, tolerance: float) -> float:
         return float(((tolerance / largest) ** (1.0 / np.arange(order - 1, order + 1))).min())
 
 
-def _series(scaled: Scaled, state: Float, now: float, order: int) -> Float:
+def _series(units: Units, state: Float, now: float, order: int) -> Float:
     """Return the coefficients (order + 1, 13 + 3 k) of q, ω, Ω, Ω − ω and the k vectors in the body."""
-    moments, packed = scaled.moments, scaled.packed
+    moments, packed = units.moments, units.packed
     rows = packed[HEAD:].reshape(-1, VECTOR)
     series = np.zeros((order + 1, 13 + 3 * len(rows)))
     q, w, turn, slip = series[:, :4], series[:, 4:7], series[:, 7:10], series[:, 10:13]

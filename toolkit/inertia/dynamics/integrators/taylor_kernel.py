@@ -19,7 +19,7 @@ from __future__ import annotations
 import numpy as np
 from numba import carray, njit
 
-HEAD, VECTOR = 10, 17
+from inertia.dynamics.integrators.loop_kernel import HEAD, VECTOR, through
 
 ROWS, KEPT = 33, 32
 """Rows of a block: coefficients, and a last one for the state in block 0, and for what the block of a vector keeps for
@@ -219,72 +219,76 @@ def length(table, order, tolerance):
     return np.exp(logarithm)
 
 
-@njit(error_model="numpy", forceinline=True, fastmath={"contract"})
-def write(row, a, b, c, d, e, f, g, rate):
-    """Write a state, its quaternion of unit length, with ω in rad/s."""
-    unit = 1.0 / np.sqrt(a * a + b * b + c * c + d * d)
-    row[0], row[1], row[2], row[3] = a * unit, b * unit, c * unit, d * unit
-    row[4], row[5], row[6] = e * rate, f * rate, g * rate
+inline = njit(error_model="numpy", forceinline=True, fastmath={"contract"})
 
 
-@njit(error_model="numpy", forceinline=True, fastmath={"contract"})
-def follow(simple, moments_at, terms_at, count, scratch_at, times_at, samples, span, control, out_at):
-    """Follow the state (q, ω) through a piece of a run; see `advance`."""
-    start, end, rate = span
-    order, tolerance, limit = control
-    moments = carray(moments_at, (3,), np.float64)
-    terms = carray(terms_at, (HEAD + VECTOR * count,), np.float64)
-    times = carray(times_at, (samples,), np.float64)
-    table = carray(scratch_at, (4 + 2 * count, ROWS, 2, 8), np.float64)
-    state = table[0, KEPT, 0]
-    out = carray(out_at, (samples, 7), np.float64)
-    finish = (end - start) * rate
-    now = slack = 0.0
-    done = steps = 0
-    a, b, c, d = state[0], state[1], state[2], state[3]
-    e, f, g = state[4] / rate, state[5] / rate, state[6] / rate
-    while True:
+def taylor(simple):
+    """Return the kernel of the Taylor method for terms that are `simple`, or for all."""
+
+    @inline
+    def aim(work, clock, row, target):
+        return clock
+
+    @inline
+    def short(clock, target):
+        now, slack, reach = clock
+        return (target - now) - slack > reach
+
+    @inline
+    def step(work, clock, state):
+        moments, terms, count, order, tolerance, table = work
+        now, slack, reach = clock
+        a, b, c, d, e, f, g = state
+        fine = True
+        if reach > 0.0:
+            a, b, c, d, e, f, g = value(table, order, reach)
+            size = a * a + b * b + c * c + d * d
+            fine = size + abs(e) + abs(f) + abs(g) < np.inf
+            unit = 1.5 - 0.5 * size
+            a, b, c, d = a * unit, b * unit, c * unit, d * unit
+            reach += slack
+            ahead = now + reach
+            slack = reach - (ahead - now)
+            now = ahead
         put(table, 0, 0, 0, a, b, c, d, e, f, g, 0.0)
         expand(moments, terms, count, simple, now, order, table)
-        steps += 1
-        step = length(table, order, tolerance)
-        if not step > 0.0 or steps > limit:
-            return -1
-        while done < samples and ((times[done] - start) * rate - now) - slack <= step:
-            a, b, c, d, e, f, g = value(table, order, ((times[done] - start) * rate - now) - slack)
-            write(out[done], a, b, c, d, e, f, g, rate)
-            done += 1
-        left = (finish - now) - slack
-        a, b, c, d, e, f, g = value(table, order, min(left, step))
-        size = a * a + b * b + c * c + d * d
-        if not size + abs(e) + abs(f) + abs(g) < np.inf:
-            return -1
-        if left <= step:
-            write(state, a, b, c, d, e, f, g, rate)
-            return steps
-        unit = 1.5 - 0.5 * size
-        a, b, c, d = a * unit, b * unit, c * unit, d * unit
-        step += slack
-        ahead = now + step
-        slack = step - (ahead - now)
-        now = ahead
+        reach = length(table, order, tolerance)
+        return (now, slack, reach), (a, b, c, d, e, f, g), fine and reach > 0.0
+
+    @inline
+    def within(work, clock, state, target):
+        now, slack, _ = clock
+        a, b, c, d, e, f, g = value(work[5], work[3], (target - now) - slack)
+        unit = 1.0 / np.sqrt(a * a + b * b + c * c + d * d)
+        return a * unit, b * unit, c * unit, d * unit, e, f, g
+
+    follow = through(inline, (0.0, 0.0, 0.0), aim, short, step, within)
+
+    def advance(
+        moments_at,
+        terms_at,
+        count,
+        times_at,
+        samples,
+        start,
+        end,
+        rate,
+        limit,
+        rows_at,
+        order,
+        tolerance,
+        scratch_at,
+    ):
+        """Follow the series through a piece of a run; −1 also where the motion leaves float64."""
+        moments = carray(moments_at, (3,), np.float64)
+        terms = carray(terms_at, (HEAD + VECTOR * count,), np.float64)
+        table = carray(scratch_at, (4 + 2 * count, ROWS, 2, 8), np.float64)
+        work = moments, terms, count, order, tolerance, table
+        steps = follow(work, (times_at, samples, start, end, rate, limit, rows_at))
+        last = carray(rows_at, (samples + 1, 7), np.float64)[samples]
+        return steps if abs(last[0]) + abs(last[4]) + abs(last[5]) + abs(last[6]) < np.inf else -1
+
+    return advance
 
 
-def advance(
-    moments_at, terms_at, count, scratch_at, times_at, samples, start, end, rate, order, tolerance, limit, out_at
-):
-    """Take a state from `start` to `end`; write it at each of `times` between them. Return the steps, or −1.
-
-    The state, in the last row of block 0, and `out` (samples, 7) hold q and ω in rad/s, times are in s; the rest is in
-    units of time 1/`rate`.
-    """
-    span, control = (start, end, rate), (order, tolerance, limit)
-    return follow(False, moments_at, terms_at, count, scratch_at, times_at, samples, span, control, out_at)
-
-
-def advance_simple(
-    moments_at, terms_at, count, scratch_at, times_at, samples, start, end, rate, order, tolerance, limit, out_at
-):
-    """Do the same under simple terms, for which there is less to do: gravity on a top, a force of the space."""
-    span, control = (start, end, rate), (order, tolerance, limit)
-    return follow(True, moments_at, terms_at, count, scratch_at, times_at, samples, span, control, out_at)
+advance, advance_simple = taylor(False), taylor(True)

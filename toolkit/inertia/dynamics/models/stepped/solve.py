@@ -10,28 +10,12 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from inertia.arrays import Float
-from inertia.dynamics.integrators.adaptive import ORDERS, SciPy
-from inertia.dynamics.integrators.base import Integrator, States, rounding
-from inertia.dynamics.integrators.compositions import BY_ORDER
-from inertia.dynamics.integrators.heyoka_taylor import Heyoka
+from inertia.dynamics.integrators.error_control import rounding
+from inertia.dynamics.integrators.loop import Integrator, States
+from inertia.dynamics.integrators import methods
 from inertia.dynamics.integrators.rotation import RotationProblem
-from inertia.dynamics.integrators.runge_kutta import RungeKutta4
-from inertia.dynamics.integrators.splitting import Splitting
-from inertia.dynamics.integrators.taylor import Taylor
 from inertia.dynamics.motion import Motion
 from inertia.errors import GeometryError, UsageError
-
-METHODS: dict[str, Integrator] = {
-    method.name: method
-    for method in (
-        Taylor(),
-        *(Splitting(order) for order in BY_ORDER),
-        RungeKutta4(),
-        *(SciPy(name) for name in ORDERS),
-        Heyoka(),
-    )
-}
-"""The methods by name."""
 
 ATTEMPTS = 8
 """Controls that are tried for one accuracy."""
@@ -51,7 +35,7 @@ def solve_stepped(problem: RotationProblem, time: ArrayLike, accuracy: float, me
     problem : the body, its start and its loads
     time : (n,) s, ascending from the start on
     accuracy : rad, at every sample
-    method : one of `METHODS`; None picks Taylor for polynomial loads, LSODA where damping is stiff, else DOP853
+    method : one of `methods.METHODS`; None picks Taylor for polynomial loads, LSODA where damping is stiff, else DOP853
 
     Returns
     -------
@@ -103,7 +87,7 @@ def state_between(problem: RotationProblem, time: Float, motion: Motion) -> Call
 
     It is what `events.find_events` takes as `refine`.
     """
-    integrator = METHODS["DOP853" if problem.terms(problem.start) is None else "Taylor"]
+    integrator = methods.METHODS["DOP853" if problem.terms(problem.start) is None else "Taylor"]
 
     def refine(at: float) -> tuple[Float, Float]:
         k = max(int(np.searchsorted(time, at, side="right")) - 1, 0)
@@ -127,17 +111,17 @@ def _instants(problem: RotationProblem, time: ArrayLike) -> Float:
 
 def _select(problem: RotationProblem, method: str | None, end: float) -> Integrator:
     if method is not None:
-        if method not in METHODS:
-            close = get_close_matches(method, METHODS, n=1, cutoff=0.4)
+        if method not in methods.METHODS:
+            close = get_close_matches(method, methods.METHODS, n=1, cutoff=0.4)
             hint = f"; did you mean {close[0]!r}?" if close else ""
-            raise UsageError(f"unknown method {method!r}: use one of {', '.join(METHODS)}{hint}")
-        return METHODS[method]
+            raise UsageError(f"unknown method {method!r}: use one of {', '.join(methods.METHODS)}{hint}")
+        return methods.METHODS[method]
     terms = problem.terms(problem.start)
     if terms is None:
-        return METHODS["DOP853"]
+        return methods.METHODS["DOP853"]
     decay = float((terms.damping / problem.moments).max())
     stiff = decay > 10.0 * problem.rate and decay * (end - problem.start) > STIFF
-    return METHODS["LSODA" if stiff else "Taylor"]
+    return methods.METHODS["LSODA" if stiff else "Taylor"]
 
 
 def _refine(integrator: Integrator, problem: RotationProblem, time: Float, accuracy: float) -> tuple[States, float]:

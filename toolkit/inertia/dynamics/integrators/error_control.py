@@ -1,0 +1,103 @@
+"""Step and tolerance control: a first guess from the accuracy asked, an error estimate from runs that are compared."""
+
+from __future__ import annotations
+
+from abc import abstractmethod
+from collections.abc import Callable
+
+import numpy as np
+
+from inertia.arrays import Float, Int
+from inertia.dynamics.integrators.loop import EPS, MAX_STEPS, EqualSteps, Integrator, Piece, States
+from inertia.dynamics.integrators.rotation import RotationProblem
+from inertia.errors import GeometryError
+
+
+class FixedStep(Integrator):
+    """A method of known order with steps of equal length between samples; the control is the step in s.
+
+    The estimate is Richardson's, on runs with three steps in the place of four: their distance d makes it
+    2 d/((4/3)ᵖ − 1), and never less than 2 d, because rounding does not fall with the order. Where d is small enough to
+    be rounding, a run with five steps in the place of four is made too, and the larger distance taken.
+    Hairer, Nørsett & Wanner, *Solving ODEs I*, § II.4.
+    """
+
+    def counts(self, piece: Piece, step: float, level: int) -> Int:
+        """Return how many steps lead to each target (n,): multiples of four; of three, of five at level 1, 2."""
+        lengths = np.diff(piece.targets, prepend=0.0) / piece.problem.rate
+        quarters = np.ceil(lengths / (4.0 * step) * (1.0 - 1e-12))
+        if not 4.0 * quarters.sum() < MAX_STEPS:
+            raise GeometryError(
+                f"{self.name} needs {4.0 * quarters.sum():.2g} steps of {step:.2g} s, the limit is {MAX_STEPS:.0g}: "
+                "ask for less accuracy, a shorter run or another method"
+            )
+        return quarters.astype(np.int64) * (4, 3, 5)[level]
+
+    def stepper(self, piece: Piece, state: Float, control: float, level: int) -> EqualSteps:
+        """Return the equal steps."""
+        return EqualSteps(self.step(piece), self.counts(piece, control, level), state)
+
+    @abstractmethod
+    def step(self, piece: Piece) -> Callable[[float, float, Float], Float]:
+        """Return the step: from the time, its length and the state (7,), in the problem's units, to the state after."""
+
+    def first(self, problem: RotationProblem, time: Float, accuracy: float) -> float:
+        """Return h from |error| ≈ phase (h rate)ᵖ/100."""
+        phase = 1.0 + problem.rate * float(time[-1] - problem.start)
+        return float(min((100.0 * accuracy / phase) ** (1.0 / self.order), 0.5)) / problem.rate
+
+    def finer(self, control: float, estimate: float, accuracy: float) -> float:
+        """Return h (accuracy/estimate)^(1/p), and not more than half of h."""
+        shrink = 0.9 * (0.5 * accuracy / estimate) ** (1.0 / self.order) if np.isfinite(estimate) else 0.25
+        return control * min(max(shrink, 1e-3), 0.5)
+
+    def solve(self, problem: RotationProblem, time: Float, control: float) -> tuple[States, float]:
+        """Return the run at `control` and its estimate."""
+        fine, coarse = (self.run(problem, time, control, level) for level in range(2))
+        apart = fine.apart(coarse)
+        least = rounding(fine.angular_velocity, time[-1] - problem.start)
+        if apart < 10.0 * least * np.sqrt(fine.steps):
+            apart = max(apart, fine.apart(self.run(problem, time, control, 2)))
+        return fine, 2.0 * apart / min((4.0 / 3.0) ** self.order - 1.0, 1.0) + least
+
+
+class Adaptive(Integrator):
+    """A method that chooses its own steps; the control is its tolerance, relative to the problem's own scales.
+
+    The tolerance grows tenfold from level to level, but not below what rounding would hide (`coarsest`). The estimate
+    comes from the distance d₁ of the first two runs and, where three are made, d₂ of the second and the third: it is
+    `safety` max(d₁, min(d₂, 3 d₁), 0.3 d₂). No share of d₁ is taken, because near a separatrix rounding is amplified
+    until it rules at every tolerance; a third run makes it unlikely that two happen to agree there. Where the
+    tolerance rules, d₂ is some 10 d₁; where it is less, rounding does, and d₂ says as much about it as d₁.
+    """
+
+    tightest: float
+    coarsest: float
+    runs = 2
+    safety = 2.0
+
+    def first(self, problem: RotationProblem, time: Float, accuracy: float) -> float:
+        """Return the tolerance accuracy/(30 phase)."""
+        phase = 1.0 + problem.rate * float(time[-1] - problem.start)
+        return float(min(max(accuracy / (30.0 * phase), self.tightest), 1e-3))
+
+    def finer(self, control: float, estimate: float, accuracy: float) -> float:
+        """Return the tolerance in proportion, and not above a tenth."""
+        shrink = 0.3 * accuracy / estimate if np.isfinite(estimate) else 1e-3
+        return max(control * min(max(shrink, 1e-4), 0.1), self.tightest)
+
+    def solve(self, problem: RotationProblem, time: Float, control: float) -> tuple[States, float]:
+        """Return the run at `control` and its estimate."""
+        fine, middle, *rest = (self.run(problem, time, control, level) for level in range(self.runs))
+        near = fine.apart(middle)
+        apart = max([near, *(max(min(far, 3.0 * near), 0.3 * far) for far in map(middle.apart, rest))])
+        return fine, self.safety * apart + rounding(fine.angular_velocity, time[-1] - problem.start)
+
+    def tolerance(self, control: float, level: int) -> float:
+        """Return the tolerance of a level."""
+        return max(control * 10.0**level, level * self.coarsest)
+
+
+def rounding(spin: Float, length: float) -> float:
+    """Return the angle in rad that rounding alone costs over `length` s at `spin` (…, 3): 2 ε a radian, and 2 ε."""
+    return float(2.0 * EPS * (1.0 + np.linalg.norm(spin, axis=-1).max() * length))
