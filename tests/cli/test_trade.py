@@ -6,7 +6,7 @@ from pathlib import Path
 import pytest
 from matplotlib.figure import Figure
 
-from inertia.dynamics.models.stepped import solve
+from inertia.dynamics.integrators import methods
 from inertia_cli.main import main
 from inertia_meshes import path
 
@@ -59,7 +59,7 @@ def test_a_plot_is_written_beside_the_table(capsys: pytest.CaptureFixture[str], 
 def test_a_scene_is_measured_by_the_same_command(
     capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch, tmp_path: Path
 ) -> None:
-    monkeypatch.setattr(solve, "METHODS", {"Taylor": solve.METHODS["Taylor"]})
+    monkeypatch.setattr(methods, "METHODS", {"Taylor": methods.METHODS["Taylor"]})
     scene, file = tmp_path / "scene.toml", tmp_path / "trade.svg"
     scene.write_text(
         "[body]\nprincipal_moments = [1, 2, 3]\n[start]\nangular_velocity = [1, 2, 3]\n[run]\nduration = 0.1\n"

@@ -11,8 +11,8 @@ import pytest
 from tests.dynamics import oracle
 from tests.dynamics.scenes import DISC, scene
 
+from inertia.dynamics.integrators import methods
 from inertia.dynamics.integrators.splitting import Splitting
-from inertia.dynamics.models.stepped import solve
 from inertia.dynamics.scene.document import Scene
 from inertia.dynamics.scene.sections import Settings
 from inertia.dynamics.simulate import simulate
@@ -44,7 +44,7 @@ def traded(table: dict[str, Any], **options: Any) -> SceneTrade:
 def few_methods() -> Iterator[None]:
     """Leave three stepping methods, for the sake of time."""
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(solve, "METHODS", {name: solve.METHODS[name] for name in FEW})
+        patch.setattr(methods, "METHODS", {name: methods.METHODS[name] for name in FEW})
         yield
 
 
@@ -105,8 +105,8 @@ def test_one_recommendation_for_the_accuracy_asked_for(heavy: SceneTrade) -> Non
 
 
 def test_a_method_that_cannot_take_the_loads_says_so(monkeypatch: pytest.MonkeyPatch) -> None:
-    methods = {"Taylor": solve.METHODS["Taylor"], "splitting 4": Splitting(4)}
-    monkeypatch.setattr(solve, "METHODS", methods)
+    two = {"Taylor": methods.METHODS["Taylor"], "splitting 4": Splitting(4)}
+    monkeypatch.setattr(methods, "METHODS", two)
     lossy = {**FREE, "load": [{"kind": "dissipation", "rate": 0.01}]}
     found = traded(lossy)
     reasons = {item.what: item.why for item in found.skipped}
@@ -141,7 +141,7 @@ def test_a_budget_that_is_too_small_is_refused() -> None:
 
 
 def test_what_does_not_fit_into_the_budget_is_listed_with_its_time(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(solve, "METHODS", {"DOP853": solve.METHODS["DOP853"]})
+    monkeypatch.setattr(methods, "METHODS", {"DOP853": methods.METHODS["DOP853"]})
     found = traded(FREE | {"run": {"duration": 20_000.0, "samples": 3}}, budget=2.0)
     assert [row.planned for row in found.rows] == [True]
     (late,) = found.skipped

@@ -13,11 +13,11 @@ import numpy as np
 from tests.dynamics.integrators.loaded import AxialDamping
 
 from inertia.dynamics.integrators import runge_kutta, splitting, taylor
+from inertia.dynamics.integrators.methods import METHODS
 from inertia.dynamics.integrators.rotation import RotationProblem
 from inertia.dynamics.loads.gravity import Gravity
 from inertia.dynamics.loads.torque import Torque
 from inertia.dynamics.models.free.motion import free_motion
-from inertia.dynamics.models.stepped.solve import METHODS
 from inertia.native import Kernel
 
 from . import peers

@@ -10,14 +10,13 @@ import pytest
 from tests.dynamics import oracle
 from tests.dynamics.integrators.loaded import ARM, ATTITUDE, LOADS, MASS, MOMENTS, SPIN, TIMES, case
 
-from inertia.dynamics.integrators import taylor
+from inertia.dynamics.integrators import loop
 from inertia.dynamics.integrators.adaptive import SciPy
-from inertia.dynamics.integrators.base import Integrator, States
-from inertia.dynamics.integrators.compositions import BY_ORDER
 from inertia.dynamics.integrators.heyoka_taylor import Heyoka
+from inertia.dynamics.integrators.loop import Integrator, States
 from inertia.dynamics.integrators.rotation import RotationProblem
 from inertia.dynamics.integrators.runge_kutta import RungeKutta4
-from inertia.dynamics.integrators.splitting import Splitting
+from inertia.dynamics.integrators.splitting import COMPOSITIONS, Splitting
 from inertia.dynamics.integrators.taylor import Taylor
 from inertia.dynamics.kinematics import quaternion
 from inertia.dynamics.loads.gravity import Gravity
@@ -27,7 +26,7 @@ from inertia.errors import GeometryError, UsageError
 from inertia.native import Kernel
 
 COARSEST = {"splitting 2": 48, "splitting 4": 24, "splitting 6": 12, "splitting 8": 12, "RK4": 48}
-FIXED = [*(Splitting(order) for order in BY_ORDER), RungeKutta4()]
+FIXED = [*(Splitting(order) for order in COMPOSITIONS), RungeKutta4()]
 
 
 @pytest.fixture(params=["compiled", "numpy"])
@@ -186,7 +185,9 @@ def test_other_methods_keep_the_energy_of_a_free_body_over_many_steps(
     assert np.abs(energy / energy[0] - 1).max() < drift
 
 
-@pytest.mark.parametrize(("method", "control"), [(Taylor(), 1e-16), *((Splitting(order), 0.02) for order in BY_ORDER)])
+@pytest.mark.parametrize(
+    ("method", "control"), [(Taylor(), 1e-16), *((Splitting(order), 0.02) for order in COMPOSITIONS)]
+)
 @pytest.mark.parametrize("name", ["free", "heavy", "orbiting"])
 def test_motion_runs_back_when_the_spin_is_turned_round(
     method: Integrator, control: float, name: str, compiled: None
@@ -249,9 +250,9 @@ def test_needle_keeps_its_digits(compiled: None) -> None:
         assert truth.angular_velocity_error(found.angular_velocity)[0] < 3e-14
 
 
-@pytest.mark.parametrize("order", BY_ORDER)
+@pytest.mark.parametrize("order", COMPOSITIONS)
 def test_compositions_are_symmetric_and_make_one_step(order: int) -> None:
-    pairs = BY_ORDER[order]
+    pairs = COMPOSITIONS[order]
     assert pairs.sum() == pytest.approx(1.0, abs=1e-15)
     assert (pairs == pairs[::-1, ::-1]).all()
 
@@ -274,6 +275,6 @@ def test_a_run_of_too_many_steps_is_refused() -> None:
 
 
 def test_taylor_stops_at_its_limit(path: str, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(taylor, "LIMIT", 10)
+    monkeypatch.setattr(loop, "MAX_STEPS", 10)
     with pytest.raises(GeometryError, match="Taylor stopped after 10 steps"):
         Taylor().run(case("free").problem, np.array([100.0]), 1e-10)

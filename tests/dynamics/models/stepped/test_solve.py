@@ -7,14 +7,16 @@ import pytest
 from tests.dynamics import oracle
 from tests.dynamics.integrators.loaded import ATTITUDE, LOADS, MOMENTS, SPIN, TIMES, case
 
-from inertia.dynamics.integrators.base import Adaptive, States
+from inertia.dynamics.integrators.error_control import Adaptive
 from inertia.dynamics.integrators.events import find_events
+from inertia.dynamics.integrators.loop import Piece, States, Stepper
+from inertia.dynamics.integrators.methods import METHODS
 from inertia.dynamics.integrators.rotation import RotationProblem
 from inertia.dynamics.kinematics import quaternion
 from inertia.dynamics.loads.gravity import Gravity
 from inertia.dynamics.loads.losses import Damping
 from inertia.dynamics.loads.torque import Torque
-from inertia.dynamics.models.stepped.solve import METHODS, solve_stepped, state_between
+from inertia.dynamics.models.stepped.solve import solve_stepped, state_between
 from inertia.errors import GeometryError, UsageError
 from inertia.native import Kernel
 
@@ -263,6 +265,9 @@ class Told(Adaptive):
 
     def __init__(self, *turned: float) -> None:
         self.turned = turned
+
+    def stepper(self, piece: Piece, state: np.ndarray, control: float, level: int) -> Stepper:
+        raise NotImplementedError
 
     def run(self, problem: RotationProblem, time: np.ndarray, control: float, level: int = 0) -> States:
         half = 0.5 * self.turned[level]

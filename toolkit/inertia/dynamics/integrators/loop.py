@@ -203,7 +203,7 @@ class Integrator(ABC):
     def run(self, problem: RotationProblem, time: Float, control: float, level: int = 0) -> States:
         """Return the states at `time` (n,), ascending from the start on; another `level` is another run to compare."""
         time = np.array(time)  # in one piece
-        axes, rate = self.axes(problem), problem.rate
+        axes = self.axes(problem)
         turn = quaternion.from_matrix(np.eye(3)[:, axes]) if axes != (0, 1, 2) else None
         state = begin(problem, level)
         if turn is not None:
@@ -214,7 +214,7 @@ class Integrator(ABC):
         steps = 0
         for piece in cut:
             call = self.compiled(piece, control, level)
-            steps += self._in_python(piece, control, level, rows) if call is None else self._in_kernel(piece, call, rows)
+            steps += self._in_kernel(piece, call, rows) if call else self._in_python(piece, control, level, rows)
         attitude, spin = rows[:-1, :4], rows[:-1, 4:]
         if turn is not None:
             attitude = quaternion.multiply(attitude, quaternion.conjugate(turn))

@@ -216,9 +216,7 @@ def runge_kutta_once(work, time, step, first, last, state):
 _follow_runge_kutta = equal_steps(runge_kutta_once)
 
 
-def runge_kutta_4(
-    moments_at, terms_at, count, times_at, samples, start, end, rate, limit, rows_at, counts_at
-):
+def runge_kutta_4(moments_at, terms_at, count, times_at, samples, start, end, rate, limit, rows_at, counts_at):
     """Follow the classical method of order four through a piece of a run."""
     moments = carray(moments_at, (3,), np.float64)
     terms = carray(terms_at, (HEAD + VECTOR * count,), np.float64)

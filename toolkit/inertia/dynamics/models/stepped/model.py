@@ -18,9 +18,9 @@ class EulerEquations(Model):
     @property
     def methods(self) -> Mapping[str, int]:
         """The stepping methods."""
-        from inertia.dynamics.models.stepped.solve import METHODS
+        from inertia.dynamics.integrators import methods
 
-        return {name: method.order for name, method in METHODS.items()}
+        return {name: method.order for name, method in methods.METHODS.items()}
 
     def candidate(self, problem: Problem) -> Candidate | None:
         """Return the model of every rigid body that does not roll; it leaves nothing out."""

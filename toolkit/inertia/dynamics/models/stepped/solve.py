@@ -10,9 +10,9 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from inertia.arrays import Float
+from inertia.dynamics.integrators import methods
 from inertia.dynamics.integrators.error_control import rounding
 from inertia.dynamics.integrators.loop import Integrator, States
-from inertia.dynamics.integrators import methods
 from inertia.dynamics.integrators.rotation import RotationProblem
 from inertia.dynamics.motion import Motion
 from inertia.errors import GeometryError, UsageError
