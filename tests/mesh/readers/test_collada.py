@@ -1,4 +1,4 @@
-"""Collada: faces, nodes, units and digits, against a second reader made of lxml and scipy's rotations."""
+"""Collada: faces, nodes, units and digits, against the second reader."""
 
 import re
 from fractions import Fraction
@@ -7,9 +7,8 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from lxml import etree
-from scipy.spatial.transform import Rotation
 from tests.mesh.readers.samples import CORNERS, QUADS, TRIANGLES, archive, dae, geometry_dae, words
+from tests.mesh.readers.second_readers import shape_of
 
 import inertia
 from inertia.errors import ReadError
@@ -25,46 +24,6 @@ def read_dae(folder: Path, data: str | bytes, name: str = "box.dae") -> Part:
     path = folder / name
     path.write_bytes(data.encode() if isinstance(data, str) else data)
     return read(path)
-
-
-def corners_by_lxml(data: str) -> np.ndarray:
-    """The corners of the triangles in a document whose faces are `triangles`, (n, 3, 3)."""
-    root = etree.fromstring(data.encode())
-    triangles = []
-
-    def transform(element) -> np.ndarray:
-        values = np.array([float(word) for word in element.text.split()])
-        matrix = np.eye(4)
-        match etree.QName(element).localname:
-            case "matrix":
-                return values.reshape(4, 4)
-            case "translate":
-                matrix[:3, 3] = values
-            case "scale":
-                matrix[:3, :3] = np.diag(values)
-            case "rotate":
-                axis = values[:3] / np.linalg.norm(values[:3])
-                matrix[:3, :3] = Rotation.from_rotvec(np.radians(values[3]) * axis).as_matrix()
-        return matrix
-
-    def walk(node, above: np.ndarray) -> None:
-        for element in node:
-            match etree.QName(element).localname:
-                case "matrix" | "translate" | "scale" | "rotate":
-                    above = above @ transform(element)
-                case "node":
-                    walk(element, above)
-                case "instance_node":
-                    walk(root.find(f".//{{*}}node[@id='{element.get('url')[1:]}']"), above)
-                case "instance_geometry":
-                    geometry = root.find(f".//{{*}}geometry[@id='{element.get('url')[1:]}']")
-                    points = np.array(geometry.find(".//{*}float_array").text.split(), float).reshape(-1, 3)
-                    corners = points[np.array(geometry.find(".//{*}p").text.split(), int)[::2].reshape(-1, 3)]
-                    placed = corners @ above[:3, :3].T + above[:3, 3]
-                    triangles.append(placed[:, ::-1] if np.linalg.det(above[:3, :3]) < 0 else placed)
-
-    walk(root.find(".//{*}visual_scene"), np.eye(4))
-    return np.concatenate(triangles)
 
 
 SCENES = {
@@ -90,7 +49,7 @@ def test_nodes_place_their_meshes(scene: str, tmp_path: Path) -> None:
         nodes=SCENES[scene].format(box=BOX_INSTANCE, node='<node><instance_node url="#twins"/></node>'), library=TWINS
     )
     corners = read_dae(tmp_path, text).triangles.corners()
-    expected = corners_by_lxml(text)
+    expected = np.array(shape_of("dae", text.encode()))
     assert corners.shape == expected.shape
     assert np.abs(corners - expected).max() <= 8 * np.finfo(float).eps * np.abs(expected).max()
 

@@ -8,10 +8,13 @@ from __future__ import annotations
 import importlib
 import importlib.util
 import re
+from itertools import islice
 from pathlib import Path
 
+import numpy as np
+
 from inertia.errors import ReadError
-from inertia.mesh.readers.contents import shown, text_of
+from inertia.mesh.readers.contents import numbers, shown, text_of
 
 _LINES = re.IGNORECASE | re.MULTILINE
 
@@ -34,6 +37,8 @@ _NASTRAN_READ = frozenset(
 )
 _NASTRAN_REFUSED = re.compile(rb"^(?:INCLUDE|GRDSET)\b", _LINES)
 
+_NASTRAN_EMPTY = re.compile(rb"^(?:[*+][^\n,]{0,7}|(?![$#])(?=[ \t]?\S)[^\r\n]{1,2})[ \t]*\r?$", re.MULTILINE)
+
 _ABAQUS_NODES = re.compile(rb"^\*NODE[ \t]*(?:,[^\r\n]*)?\r?$", _LINES)
 _ABAQUS_INSTANCE = re.compile(rb"^\*INSTANCE\b[^\n]*\n[ \t]*([^*\s]?)", _LINES)
 _ABAQUS_REFUSED = re.compile(
@@ -41,12 +46,23 @@ _ABAQUS_REFUSED = re.compile(
     rb"|^\*(?:NODE|ELEMENT)[ \t]*,[^\n]*\b(?:INPUT|SYSTEM)[ \t]*=",
     _LINES,
 )
+_ABAQUS_ELEMENTS = re.compile(rb"^\*ELEMENT\b[^\n]*\n((?:(?!\*)[^\n]*\n)*)", _LINES)
+_ABAQUS_CONTINUED = re.compile(rb",[ \t]*\r?\n")
 _ABAQUS_RANGE = re.compile(
     rb"^\*(?:EL|N)SET\b[^\n]*\bGENERATE\b[^\n]*\n[ \t]*(\d{1,18})[ \t]*,[ \t]*(\d{1,18})", _LINES
 )
 
 _XDMF_BINARY = re.compile(rb"\bFormat\s*=\s*[\"']Binary", re.IGNORECASE)
 _XDMF_FILE = re.compile(rb"\bFormat\s*=\s*[\"']HDF[\"'][^>]*>\s*([^<:]*):", re.IGNORECASE)
+
+_MEDIT_END = re.compile(rb"^[ \t]*End\b", re.MULTILINE)
+_MEDIT_TABLE = re.compile(rb"^[ \t]*([A-Z][A-Za-z]+)\s+\d", re.MULTILINE)
+
+_TEXT = ("nastran", "abaqus", "medit", "netgen", "su2", "avsucd")
+_SEPARATORS = re.compile(rb"[\x0b\x0c\x1c-\x1f]")
+"""Characters that Python takes for white space, and no format does."""
+
+_SU2_NODES = {b"3": 2, b"5": 3, b"9": 4, b"10": 4, b"12": 8, b"13": 6, b"14": 5}
 
 _SPARSE_FREE, _SPARSE_RATIO = 64 * 2**20, 200
 
@@ -60,6 +76,10 @@ def cells_expected(path: Path, kind: str) -> int | None:
                 raise ReadError(
                     f"it says that it has {count.decode()} items, but it has {len(data)} bytes: it is damaged"
                 )
+    if kind in _TEXT:
+        separator = _SEPARATORS.search(path.read_bytes())
+        if separator is not None:
+            raise ReadError(f"it holds the control character {shown(separator[0])}: it is damaged, export it again")
     match kind:
         case "vtk":
             return _vtk(data)
@@ -73,8 +93,10 @@ def cells_expected(path: Path, kind: str) -> int | None:
             _hdf5(path)
         case "xdmf":
             _xdmf(path)
+        case "medit":
+            _medit(data)
         case "su2":
-            return sum(int(count) for count in re.findall(rb"^(?:NELEM|MARKER_ELEMS)\s*=\s*(\d+)", data, re.MULTILINE))
+            return _su2(data)
         case "netgen":
             if b"endmesh" not in path.read_bytes()[-64:]:
                 raise ReadError("it does not end with endmesh: it was cut short, export it again")
@@ -102,6 +124,48 @@ def _vtu(data: bytes) -> int:
     return int(count[1])
 
 
+def _medit(data: bytes) -> None:
+    end = _MEDIT_END.search(data)
+    if end is None or data[end.end() :].strip():
+        raise ReadError(
+            f"{'text follows its' if end else 'it has no'} End: it was cut short or damaged, export it again"
+        )
+    tables = _MEDIT_TABLE.findall(data)
+    if len(set(tables)) < len(tables):
+        raise ReadError("it has a table twice: export it again")
+
+
+def _su2(data: bytes) -> int:
+    """Check that every line stands in the table that it belongs to, as many words long as the others there."""
+    lines = iter(data.splitlines())
+    cells = 0
+    for line in lines:
+        keyword, equals, value = (part.strip() for part in line.partition(b"="))
+        if not keyword or keyword.startswith(b"%"):
+            continue
+        if not equals:
+            raise ReadError(f"its line {shown(line.strip())} stands outside its tables: its counts are wrong")
+        if keyword not in (b"NPOIN", b"NELEM", b"MARKER_ELEMS"):
+            continue
+        stated = re.match(rb"\d{1,18}(?!\S)", value)
+        if stated is None:
+            raise ReadError(f"its {keyword.decode()} is {shown(value)}, not a count: export it again")
+        count = int(stated[0])
+        rows = [row.split() for row in islice(lines, count)]
+        if keyword == b"NPOIN":
+            surplus = {len(row) for row in rows}
+            numbers(b" ".join(word for row in rows for word in row), np.float64, "its points")
+        else:
+            numbers(b" ".join(word for row in rows for word in row), np.int64, "its elements")
+            surplus = {len(row) - _SU2_NODES.get(row[0] if row else b"", -1) for row in rows}
+            cells += count
+        if len(surplus) > 1 or len(rows) < count:
+            raise ReadError(
+                f"the rows of its {keyword.decode()} are not alike, or too few: it was cut short or damaged"
+            )
+    return cells
+
+
 def _nastran(data: bytes) -> int:
     begin = re.search(rb"^[ \t]*BEGIN BULK", data, re.MULTILINE)
     end = re.compile(rb"^ENDDATA", re.MULTILINE).search(data, begin.end()) if begin else None
@@ -112,6 +176,9 @@ def _nastran(data: bytes) -> int:
     refused = _NASTRAN_REFUSED.search(bulk)
     if refused:
         raise ReadError(f"its card {shown(refused[0])} is not read: write the bulk data out in full")
+    empty = _NASTRAN_EMPTY.search(bulk)
+    if empty:
+        raise ReadError(f"its line {shown(empty[0].strip())} has no fields: it was cut short, or write it out in full")
     cards = _NASTRAN_CARD.findall(bulk)
     for card in cards:
         if card not in _NASTRAN_READ:
@@ -123,6 +190,10 @@ def _abaqus(data: bytes) -> None:
     refused = _ABAQUS_REFUSED.search(data)
     if refused:
         raise ReadError(f"its keyword {shown(refused[0])} is not read: write nodes and elements out in full")
+    for block in _ABAQUS_ELEMENTS.findall(data):
+        rows = [row.split(b",") for row in _ABAQUS_CONTINUED.sub(b",", block).splitlines() if row.strip()]
+        if any(not word.strip() for row in rows for word in row[:-1]) or len({len(row) for row in rows}) > 1:
+            raise ReadError("its elements lack nodes, or have different numbers of them: it was cut short or damaged")
     instances = _ABAQUS_INSTANCE.findall(data)
     blocks = len(_ABAQUS_NODES.findall(data))
     if blocks > 1 or len(instances) > 1:

@@ -32,11 +32,14 @@ def read_off(path: Path) -> Contents:
             f"its header says {points} vertices and {polygons} faces, but {len(lines) - 1} lines follow: "
             "it was cut short or its counts are wrong, export it again"
         )
-    rows = [line.split()[:3] for line in lines[1 : points + 1]]
+    rows = [line.split() for line in lines[1 : points + 1]]
     short = next((i for i, row in enumerate(rows) if len(row) < 3), None)
     if short is not None:
         raise ReadError(f"vertex {short} has fewer than three coordinates: export it again")
-    vertices = numbers(b" ".join(word for row in rows for word in row), np.float64, "its vertices")
+    other = next((i for i, row in enumerate(rows) if len(row) != len(rows[0])), None)
+    if other is not None and not header[1]:  # a vertex may do without the colour that the header promises
+        raise ReadError(f"vertex {other} has {len(rows[other])} numbers, and vertex 0 {len(rows[0])}: export it again")
+    vertices = numbers(b" ".join(word for row in rows for word in row[:3]), np.float64, "its vertices")
     sizes, corners = [], []
     for face, line in enumerate(lines[points + 1 :]):
         size, *rest = line.split()

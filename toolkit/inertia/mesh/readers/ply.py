@@ -63,7 +63,7 @@ def read_ply(path: Path) -> Contents:
     if end < 0 or line_end < 0:
         raise ReadError("its header has no end_header line: it was cut short, export it again")
     body = line_end + (2 if head[line_end : line_end + 2] == b"\r\n" else 1)
-    encoding, elements = _header(head[:end].decode("utf-8", "replace").splitlines())
+    encoding, elements = _header([line.decode("utf-8", "replace") for line in head[:end].splitlines()])
     order = _ORDERS[encoding] or "="
     if encoding == "ascii":
         data = numbers(text_of(path)[body:], np.float64, "its rows").view(np.uint8)
