@@ -18,7 +18,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from inertia.arrays import Float, Int
-from inertia.errors import GeometryError, placed
+from inertia.errors import CHECK, GeometryError, placed
 from inertia.mesh.check import check
 from inertia.mesh.geometry.closure import Closure, closure, merge_equal_vertices, repeated_corners
 from inertia.mesh.geometry.shells import bodies, members, shells
@@ -166,14 +166,14 @@ def stock(part: Part) -> Stock:
     GeometryError : the part is not a closed surface, or manifold3d does not take a body
     """
     triangles = part.triangles
-    hangs = closure(triangles)
-    if triangles.count == 0 or hangs.open_edges:
+    topology = closure(triangles)
+    if triangles.count == 0 or topology.open_edges:
         check(part).require_fit()
     vertices, faces = merge_equal_vertices(triangles)
     # Products of coordinates must not overflow; a power of two brings them near 1 and changes no digit.
     exponent = int(np.frexp(np.abs(vertices).max())[1])
     ready = []
-    for group in _groups(part, hangs):
+    for group in _groups(part, topology):
         own = group[~repeated_corners(faces[group])]
         index = np.zeros(len(own), np.int64) if part.regions is None else part.regions.index[own].astype(np.int64)
         own = own[np.argsort(index, kind="stable")]
@@ -199,12 +199,14 @@ def cut(part: Part, tools: Sequence[Surface]) -> Part:
     return stock(part).cut(tools)
 
 
-def _groups(part: Part, hangs: Closure) -> list[Int]:
+def _groups(part: Part, topology: Closure) -> list[Int]:
     """Return the triangles of each body."""
-    if hangs.components == 1:
+    if topology.components == 1:
         return [np.arange(part.triangles.count)]
-    pieces = members(hangs)
-    return [np.concatenate([pieces[shell] for shell in body.shells]) for body in bodies(shells(part.triangles, hangs))]
+    pieces = members(topology)
+    return [
+        np.concatenate([pieces[shell] for shell in body.shells]) for body in bodies(shells(part.triangles, topology))
+    ]
 
 
 def _solid(vertices: Float, faces: Int) -> Any:
@@ -224,5 +226,5 @@ def _runs(vertices: Float, faces: Int, lengths: Int) -> tuple[Any, int]:
     )
     solid = Manifold(mesh)
     if solid.status() != Error.NoError:
-        raise GeometryError(f"manifold3d does not take it ({solid.status().name}): run `inertia check` to see why")
+        raise GeometryError(f"manifold3d does not take it ({solid.status().name}): run ", CHECK, " to see why")
     return solid, first
