@@ -29,10 +29,10 @@ def wheel(polar, transverse, tilt, direction):
 @given(st.floats(1e-3, 0.7), ANGLE, st.sampled_from([(2.0, 1.2), (0.3, 1.0)]))
 def test_the_tilt_and_the_couple_are_those_that_the_wheel_was_built_with(tilt, direction, moments):
     body = wheel(*moments, tilt, direction)
-    found = principal_tilt(body, on_z())
-    assert found.angle == pytest.approx(tilt, rel=1e-9)
-    assert math.cos(found.direction - direction) == pytest.approx(1.0, abs=1e-12)
-    assert found.certain
+    lean = principal_tilt(body, on_z())
+    assert lean.angle == pytest.approx(tilt, rel=1e-9)
+    assert math.cos(lean.direction - direction) == pytest.approx(1.0, abs=1e-12)
+    assert lean.certain
     couple = Unbalance.of(body, on_z()).couple
     assert swash_couple(*moments, tilt, direction) == pytest.approx(couple, rel=1e-9)
 
@@ -82,11 +82,11 @@ def test_the_axle_of_the_textbooks_wheel_gives_the_torque_of_section_13_25(tilt)
 
 def test_the_bent_wheel_of_the_samples_is_balanced_statically_and_not_dynamically():
     props = inertia.mass_properties(inertia.read(path("bent_wheel.stl"), unit="mm"), 1.0)
-    found = Unbalance.of(props, on_z(-0.03, 0.03), radial_uncertainty=1e-9)
+    lean = Unbalance.of(props, on_z(-0.03, 0.03), radial_uncertainty=1e-9)
     known = np.array(catalogue()["bent_wheel.stl"]["closed_form"]["inertia"])
-    assert found.kind == "couple"
-    assert found.couple == pytest.approx(-known[0, 2], rel=3e-3)  # the mesh is inside the true wheel
-    assert abs(complex(axle_torque(found.couple, 100.0))) == pytest.approx(1e4 * known[0, 2], rel=3e-3)
+    assert lean.kind == "couple"
+    assert lean.couple == pytest.approx(-known[0, 2], rel=3e-3)  # the mesh is inside the true wheel
+    assert abs(complex(axle_torque(lean.couple, 100.0))) == pytest.approx(1e4 * known[0, 2], rel=3e-3)
     tilt = principal_tilt(props, on_z(-0.03, 0.03))
     assert tilt.angle == pytest.approx(math.asin(40 / 401), rel=0.03)
     assert tilt.direction == pytest.approx(0, abs=1e-9)

@@ -53,15 +53,15 @@ def table(document, caption):
     return next(k for k in document.iter("table") if caption in text(k.find("caption")))
 
 
-def rows(found):
+def rows(grid):
     """Return the cells of the body of a table."""
-    return [[text(cell) for cell in row] for row in found.find("tbody")]
+    return [[text(cell) for cell in row] for row in grid.find("tbody")]
 
 
-def columns(found):
+def columns(grid):
     """Return how many columns each row of a table covers, cells that reach down from rows above included."""
     counts, hanging = [], []
-    for row in found.iter("tr"):
+    for row in grid.iter("tr"):
         hanging = [(wide, deep - 1) for wide, deep in hanging if deep > 1]
         cells = [(int(cell.get("colspan", 1)), int(cell.get("rowspan", 1))) for cell in row]
         counts.append(sum(wide for wide, _ in hanging + cells))
@@ -104,8 +104,8 @@ def test_every_sheet_says_how_angles_are_seen_and_that_nothing_was_measured():
 
 def test_every_row_of_every_table_covers_the_same_columns():
     for data in (case_14(), edited(tolerance="[tolerance]\ne_um = 200.0"), edited(plane="")):
-        for found in page(data).iter("table"):
-            assert len(set(columns(found))) == 1, text(found)
+        for grid in page(data).iter("table"):
+            assert len(set(columns(grid))) == 1, text(grid)
 
 
 def test_case_14_stands_in_the_table_of_states():
@@ -181,9 +181,9 @@ def test_sensitivities_are_those_that_matter_most():
     listed = [row[0] for row in rows(table(page(data), "What to hold tightest"))]
     assert listed == [k.name for k in data.scatter.sensitivities if max(k.share) > 5e-4]
     many = replace(data, scatter=replace(data.scatter, sensitivities=data.scatter.sensitivities[:2] * 10))
-    found = table(page(many), "What to hold tightest")
-    assert len(rows(found)) == 8
-    assert text(found.find("tfoot")) == "and 12 that matter less"
+    grid = table(page(many), "What to hold tightest")
+    assert len(rows(grid)) == 8
+    assert text(grid.find("tfoot")) == "and 12 that matter less"
 
 
 @pytest.mark.parametrize("outcome", ["pass", "fail", "undecided"])
@@ -281,9 +281,9 @@ def test_a_long_list_of_operations_is_one_table_whose_head_comes_again_on_every_
     data = case_14()
     works = tuple(replace(data.operations[0], id=f"I-{k}", angle=6.0 * k) for k in range(60))
     content = balance_html(replace(data, operations=works))
-    found = table(lxml.html.document_fromstring(content), "Operations")
-    assert [row[0] for row in rows(found)] == [f"I-{k}" for k in range(60)]
-    assert len(found.findall("thead")) == 1
+    grid = table(lxml.html.document_fromstring(content), "Operations")
+    assert [row[0] for row in rows(grid)] == [f"I-{k}" for k in range(60)]
+    assert len(grid.findall("thead")) == 1
     assert re.search(r"\bthead \{ display: table-header-group;", content)
     assert re.search(r"\btr \{ break-inside: avoid;", content)
     assert re.search(r"header \{ display: table-header-group; break-inside: avoid;", content)
@@ -295,9 +295,9 @@ def test_many_correction_planes_have_a_table_of_their_own():
     names = ("initial", "correction", "residual")
     states = {name: replace(getattr(data, name), planes=(100e-6 + 0j,) * 5) for name in names}
     document = page(replace(data, planes=planes, operations=(), **states))
-    found = rows(table(document, "In the correction planes"))
-    assert [row[0] for row in found] == [f"plane P{k}" for k in range(5)]
-    assert found[0][1] == "100.0 ∠ 0.0° 0.1389"
+    grid = rows(table(document, "In the correction planes"))
+    assert [row[0] for row in grid] == [f"plane P{k}" for k in range(5)]
+    assert grid[0][1] == "100.0 ∠ 0.0° 0.1389"
     assert set(columns(table(document, "Magnitude"))) == {9}
 
 

@@ -129,8 +129,8 @@ def test_crowded_labels_leave_out_their_angles_and_none_lies_on_another():
 
 
 def test_labels_that_would_overlap_go_to_levels_of_their_own():
-    found = levels([0.0, 1.0, 2.0, 30.0], [4.0, 4.0, 4.0, 4.0])
-    assert found == [0, 1, 2, 0]
+    level_of = levels([0.0, 1.0, 2.0, 30.0], [4.0, 4.0, 4.0, 4.0])
+    assert level_of == [0, 1, 2, 0]
 
 
 def bearing(name, z):
