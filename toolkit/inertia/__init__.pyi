@@ -74,7 +74,7 @@ from inertia.recording.record import record as record
 
 # The models by themselves, as functions of arrays.
 from inertia.dynamics.models.free.motion import free_motion as free_motion
-from inertia.dynamics.models.free.ensemble import free_ensemble as free_ensemble
+from inertia.dynamics.models.free.motion import free_ensemble as free_ensemble
 from inertia.dynamics.integrators.ensemble import step_ensemble as step_ensemble
 from inertia.dynamics.models.free.flips import flip_period as flip_period
 from inertia.dynamics.models.free.flips import flip_times as flip_times
@@ -90,7 +90,7 @@ from inertia.dynamics.models.rolling.steady import straight_rolling_threshold as
 from inertia.dynamics.models.rolling.steady import edge_spin_threshold as edge_spin_threshold
 from inertia.dynamics.models.deforming.joints import Joint as Joint
 from inertia.dynamics.models.deforming.joints import JointedPart as JointedPart
-from inertia.dynamics.models.deforming.assembly import JointedBody as JointedBody
+from inertia.dynamics.models.deforming.jointed_body import JointedBody as JointedBody
 from inertia.dynamics.models.deforming.motion import solve_deforming as solve_deforming
 from inertia.dynamics.integrators.rotation import RotationProblem as RotationProblem
 from inertia.dynamics.models.stepped.solve import solve_stepped as solve_stepped

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from inertia.dynamics.integrators.ensemble import step_ensemble
-from inertia.dynamics.models.free.ensemble import free_ensemble
+from inertia.dynamics.models.free.motion import free_ensemble
 
 MOMENTS = (1.0, 2.0, 3.0)
 ROUNDS = 5

@@ -1,4 +1,4 @@
-"""What array functions are handed: float64, of the right length, finite, and moments that a body can have."""
+"""Checks of array arguments: float64, of the right length, finite; and moments that a body can have."""
 
 from __future__ import annotations
 
@@ -24,8 +24,8 @@ def vectors(value: ArrayLike, name: str, size: int = 3) -> Float:
     if array.ndim == 0 or array.shape[-1] != size:
         raise UsageError(f"{name} has shape {array.shape}: its last axis must hold {size} components")
     if not np.isfinite(array).all():
-        place = first(~np.isfinite(array))[:-1]
-        raise UsageError(f"{name}{written(place)} holds a value that is not finite: {array[place].tolist()}")
+        place = first_index(~np.isfinite(array))[:-1]
+        raise UsageError(f"{name}{at_index(place)} holds a value that is not finite: {array[place].tolist()}")
     return array
 
 
@@ -33,16 +33,16 @@ def moments_of(value: ArrayLike) -> Float:
     """Return principal moments (…, 3) kg m², or raise `GeometryError` naming the first that is not positive."""
     moments = vectors(value, "moments")
     if not (moments > 0).all():
-        place = first(~(moments > 0))[:-1]
-        raise GeometryError(f"moments{written(place)} are {moments[place].tolist()} kg m2: all three must be positive")
+        place = first_index(~(moments > 0))[:-1]
+        raise GeometryError(f"moments{at_index(place)} are {moments[place].tolist()} kg m2: all three must be positive")
     return moments
 
 
-def first(faulty: NDArray[np.bool_] | np.bool_) -> tuple[Any, ...]:
+def first_index(faulty: NDArray[np.bool_] | np.bool_) -> tuple[Any, ...]:
     """Return the index of the first true element."""
     return tuple(np.argwhere(faulty)[0].tolist())
 
 
-def written(place: tuple[int, ...]) -> str:
+def at_index(place: tuple[int, ...]) -> str:
     """Write an index as in ``[12]``, or as nothing where there is but one element."""
     return f"[{', '.join(str(k) for k in place)}]" if place else ""

@@ -1,4 +1,4 @@
-"""What a model hands back: the motion of a set of axes fixed in the body, and how well it is known."""
+"""`Motion`: what a model hands back, the motion of a set of axes fixed in the body, and how well it is known."""
 
 from __future__ import annotations
 

@@ -32,12 +32,15 @@ def simulate(scene: Scene) -> Run:
     ('spherical top', [0.0, 0.0, 3.0])
     """
     require_kind(scene, Scene, "scene", "inertia.Scene.load(path)")
-    chosen = plan(scene)
-    time = np.linspace(0.0, scene.run.duration, scene.run.samples)
-    motion = chosen.candidate.model.solve(chosen.candidate, time, chosen.method)
-    run = _in_part_axes(chosen, time, motion)
+    run = _run(plan(scene))
     _require_accuracy(run)
     return run
+
+
+def _run(plan: Plan) -> Run:
+    """Solve what is planned."""
+    time = np.linspace(0.0, plan.problem.duration, plan.problem.scene.run.samples)
+    return _in_part_axes(plan, time, plan.candidate.model.solve(plan.candidate, time, plan.method))
 
 
 def _in_part_axes(plan: Plan, time: Float, motion: Motion) -> Run:
@@ -111,10 +114,10 @@ def _require_accuracy(run: Run) -> None:
             places=(scene.name,),
         )
     limit = max(error.requested, ROUNDING)
-    for name, kept in run.invariants.items():
-        if not kept.largest_relative_drift <= limit:
+    for name, invariant in run.invariants.items():
+        if not invariant.largest_relative_drift <= limit:
             raise GeometryError(
-                f"{name} must be kept, but drifts by {kept.largest_relative_drift:.2g} of itself where ",
+                f"{name} must be kept, but drifts by {invariant.largest_relative_drift:.2g} of itself where ",
                 FieldPath("run.accuracy"),
                 f" allows {limit:g}: the run is not to be trusted, ask for a finer ",
                 FieldPath("run.accuracy"),

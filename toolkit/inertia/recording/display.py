@@ -15,7 +15,7 @@ import numpy as np
 
 from inertia.arrays import Float
 from inertia.dynamics.kinematics import quaternion
-from inertia.dynamics.models.deforming.assembly import JointedBody
+from inertia.dynamics.models.deforming.jointed_body import JointedBody
 from inertia.dynamics.models.deforming.joints import JointedPart
 from inertia.dynamics.scene.body import SceneBody
 from inertia.mass.cells.shapes import KINDS, volume_blocks

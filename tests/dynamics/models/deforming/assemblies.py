@@ -4,7 +4,7 @@ from math import pi
 
 import numpy as np
 
-from inertia.dynamics.models.deforming.assembly import JointedBody
+from inertia.dynamics.models.deforming.jointed_body import JointedBody
 from inertia.dynamics.models.deforming.joints import Joint, JointedPart
 
 

@@ -11,7 +11,7 @@ import mpmath
 import numpy as np
 from mpmath import mpf
 
-from inertia.dynamics.models.deforming.assembly import JointedBody
+from inertia.dynamics.models.deforming.jointed_body import JointedBody
 from inertia.dynamics.models.deforming.joints import Joint, JointedPart
 
 DIGITS = 40

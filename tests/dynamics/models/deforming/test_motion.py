@@ -10,8 +10,8 @@ from tests.dynamics.models.deforming.assemblies import cat, diver, overturning_b
 from tests.dynamics.models.deforming.particles import Swarm, apart, value
 
 from inertia.dynamics.kinematics import quaternion
-from inertia.dynamics.models.deforming.assembly import JointedBody
 from inertia.dynamics.models.deforming.collocation import collocate
+from inertia.dynamics.models.deforming.jointed_body import JointedBody
 from inertia.dynamics.models.deforming.joints import Joint, JointedPart
 from inertia.dynamics.models.deforming.motion import solve_deforming
 from inertia.dynamics.motion import Motion

@@ -11,9 +11,17 @@ from hypothesis import strategies as st
 from tests.dynamics.models.free.free_oracle import angle, errors, free_top, matrix
 
 from inertia.dynamics.kinematics import quaternion
-from inertia.dynamics.models.free.motion import free_motion, input_rounding, rounding, solve_free
+from inertia.dynamics.models.free.motion import (
+    ENSEMBLE_BLOCK,
+    free_ensemble,
+    free_motion,
+    input_rounding,
+    rounding,
+    solve_free,
+)
 from inertia.errors import GeometryError, UsageError
 
+DISTANT_TIMES = [0.0, 10.0, 1e6]
 MILLION_TURNS = 2e6 * np.pi
 SEPARATRIX = (4.0, 5.0, 9.0), (3.0, 2.0, 1.0)
 """4·1·3² = 9·4·1²: on the separatrix, in numbers that float64 holds."""
@@ -366,3 +374,55 @@ def test_a_model_that_fits_costs_rounding() -> None:
 def test_another_number_of_equal_moments_is_refused() -> None:
     with pytest.raises(UsageError, match="equal is 4: take 1, 2 or 3 moments as equal"):
         solve_free((1, 2, 3), (1, 0, 0), [1.0], 4)
+
+
+def random_bodies(count: int) -> tuple[np.ndarray, np.ndarray]:
+    chance = np.random.default_rng(7)
+    second = chance.random((count, 3)) + 0.01
+    return second.sum(axis=-1, keepdims=True) - second, chance.normal(size=(count, 3))
+
+
+def test_each_body_moves_as_it_does_alone() -> None:
+    moments, spins = random_bodies(2 * ENSEMBLE_BLOCK + 100)
+    attitude, omega = free_ensemble(moments, spins, DISTANT_TIMES)
+    assert attitude.shape == (len(spins), 3, 4)
+    for k in (0, 1, ENSEMBLE_BLOCK - 1, ENSEMBLE_BLOCK, len(spins) - 1):
+        alone = free_motion(moments[k], spins[k], DISTANT_TIMES)
+        assert quaternion.angle_between(attitude[k], alone[0]).max() < 3e-15
+        assert omega[k] == pytest.approx(alone[1], abs=3e-15)
+
+
+def test_momentum_in_space_is_kept_by_all() -> None:
+    moments, spins = random_bodies(5000)
+    attitude, omega = free_ensemble(moments, spins, DISTANT_TIMES)
+    momentum = quaternion.to_space(attitude, moments[:, None] * omega)
+    drift = np.linalg.norm(momentum - (moments * spins)[:, None], axis=-1)
+    assert (drift / np.linalg.norm(moments * spins, axis=-1)[:, None]).max() < 4e-15
+
+
+def test_one_body_with_many_spins_and_progress() -> None:
+    _, spins = random_bodies(ENSEMBLE_BLOCK + 1)
+    shares: list[float] = []
+    _, omega = free_ensemble((1.0, 2.0, 2.5), spins, [0.0], shares.append)
+    assert omega[:, 0] == pytest.approx(spins, abs=3e-15)
+    assert shares == [pytest.approx(ENSEMBLE_BLOCK / len(spins)), 1.0]
+
+
+@pytest.mark.parametrize(
+    ("moments", "spins", "time"),
+    [
+        ((1, 2, 3), (1, 0, 0), [1.0]),
+        ((1, 2, 3), [(1, 0, 0)], 1.0),
+        ([(1, 2, 3)], [(1, 0, 0)] * 2, [1.0]),
+    ],
+)
+def test_shapes_that_are_no_ensemble_are_refused(moments: object, spins: object, time: object) -> None:
+    with pytest.raises(UsageError, match="an ensemble takes"):
+        free_ensemble(moments, spins, time)  # type: ignore[arg-type]
+
+
+def test_a_body_that_cannot_be_is_named() -> None:
+    moments, spins = random_bodies(10)
+    moments[7] = 1.0, 1.0, 3.0
+    with pytest.raises(GeometryError, match=r"moments\[7\]"):
+        free_ensemble(moments, spins, DISTANT_TIMES)

@@ -22,7 +22,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from inertia.arrays import Float
-from inertia.dynamics.arguments import first, moments_of, vectors, written
+from inertia.dynamics.arguments import at_index, first_index, moments_of, vectors
 from inertia.dynamics.kinematics import quaternion
 from inertia.dynamics.kinematics.euler_angles import SINGULAR_SINE, turn_about
 from inertia.errors import GeometryError
@@ -62,12 +62,14 @@ class Andoyer:
         six = vectors(np.stack(np.broadcast_arrays(l, g, h, L, G, H), axis=-1), "(l, g, h, L, G, H)", 6)
         node_l, node_g, node_h, along_3, size, along_z = np.moveaxis(six, -1, 0)
         if not (turning := size > 0).all():
-            raise GeometryError(f"G{written(first(~turning))} is not positive: without angular momentum no node exists")
+            raise GeometryError(
+                f"G{at_index(first_index(~turning))} is not positive: without angular momentum no node exists"
+            )
         for name, part in (("L", along_3), ("H", along_z)):
             if (beyond := np.abs(part) > size).any():
-                place = first(beyond)
+                place = first_index(beyond)
                 raise GeometryError(
-                    f"|{name}|{written(place)} is {abs(part[place]):.17g} kg m2/s and G is {size[place]:.17g}: a "
+                    f"|{name}|{at_index(place)} is {abs(part[place]):.17g} kg m2/s and G is {size[place]:.17g}: a "
                     "component cannot exceed its vector"
                 )
         obliquity, inclination = (
@@ -87,7 +89,7 @@ def to_andoyer(attitude: ArrayLike, angular_momentum: ArrayLike) -> Andoyer:
     """
     q, body = vectors(attitude, "attitude", 4), vectors(angular_momentum, "angular_momentum")
     if (still := ~body.any(axis=-1)).any():
-        raise GeometryError(f"angular_momentum{written(first(still))} is zero: without it no node exists")
+        raise GeometryError(f"angular_momentum{at_index(first_index(still))} is zero: without it no node exists")
     space = quaternion.to_space(q, body)
     magnitude = np.linalg.norm(body, axis=-1)
     l, obliquity = _node(body[..., 0], body[..., 1], body[..., 2])

@@ -25,7 +25,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from inertia.arrays import Float
-from inertia.dynamics.arguments import first, vectors, written
+from inertia.dynamics.arguments import at_index, first_index, vectors
 from inertia.dynamics.kinematics import quaternion
 from inertia.errors import GeometryError, UsageError
 
@@ -160,18 +160,18 @@ def rates(
     singular = is_singular(angles, convention)
     normal = np.cross(node, inner)
     volume = np.where(singular, 1.0, dot(outer, normal))
-    found = [dot(omega, normal) / volume, dot(omega, node), dot(omega, np.cross(outer, node)) / volume]
+    regular = [dot(omega, normal) / volume, dot(omega, node), dot(omega, np.cross(outer, node)) / volume]
     merged = [dot(omega, outer), np.linalg.norm(np.cross(omega, outer), axis=-1), 0.0]
-    return np.stack([np.where(singular, m, f) for m, f in zip(merged, found, strict=True)], axis=-1)
+    return np.stack([np.where(singular, m, f) for m, f in zip(merged, regular, strict=True)], axis=-1)
 
 
 def raise_if_singular(angles: ArrayLike, convention: Convention, consequence: str) -> None:
     """Raise `GeometryError` with that consequence, naming the first of the angles (…, 3) that is singular."""
     if (singular := is_singular(angles, convention)).any():
-        place = first(singular)
+        place = first_index(singular)
         theta = float(np.asarray(angles, dtype=np.float64)[(*place, 1)])
         raise GeometryError(
-            f"angles{written(place)} are singular in the convention {convention} (θ = {theta:.6g} rad): {consequence}"
+            f"angles{at_index(place)} are singular in the convention {convention} (θ = {theta:.6g} rad): {consequence}"
         )
 
 

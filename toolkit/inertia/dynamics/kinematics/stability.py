@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from inertia.arrays import Float
-from inertia.dynamics.arguments import first, moments_of, vectors, written
+from inertia.dynamics.arguments import at_index, first_index, moments_of, vectors
 from inertia.dynamics.special import double_double
 from inertia.errors import GeometryError, UsageError
 from inertia.mass.principal import CLASS_TOLERANCE
@@ -99,7 +99,7 @@ def separatrix_distance(moments: ArrayLike, angular_velocity: ArrayLike) -> Floa
     """
     moments, omega = np.broadcast_arrays(moments_of(moments), vectors(angular_velocity, "angular_velocity"))
     if (still := ~omega.any(axis=-1)).any():
-        raise GeometryError(f"angular_velocity{written(first(still))} is zero: a body at rest has no polhode")
+        raise GeometryError(f"angular_velocity{at_index(first_index(still))} is zero: a body at rest has no polhode")
     moments, omega = _scaled(moments), _scaled(omega)
     order = np.argsort(moments, axis=-1, kind="stable")
     i1, i2, i3 = np.moveaxis(np.take_along_axis(moments, order, axis=-1), -1, 0)

@@ -121,19 +121,20 @@ class Problem:
         stiff = body.assembly is not None and not body.deforms
         rigid = ["No joint moves: the parts make one rigid body."] if stiff else []
         if kind == "rolling":
-            said = "The body rolls without slipping: its velocity follows from its rotation, and the plane pushes back."
+            how = "its velocity follows from its rotation, and the plane pushes back"
+            reason = f"The body rolls without slipping: {how}."
         elif kind == "fixed_point" and not self.arm.any():
-            said = "The body is held at its centre of mass, where gravity has no arm: it turns as a free body does."
+            reason = "The body is held at its centre of mass, where gravity has no arm: it turns as a free body does."
         elif kind == "fixed_point":
             where = ", ".join(f"{x + 0.0:.6g}" for x in self.reference)
-            said = f"The body is held at ({where}) m of the part axes, and its moments are taken there (Steiner)."
+            reason = f"The body is held at ({where}) m of the part axes, and its moments are taken there (Steiner)."
         elif len(self.torques) < len(self.scene.applied_loads):
-            said = "Gravity pulls at the centre of mass: it makes the path a parabola and leaves the rotation free."
+            reason = "Gravity pulls at the centre of mass: it makes the path a parabola and leaves the rotation free."
         elif not self.scene.applied_loads:
-            said = "The body is free and no torque acts: it turns about its centre of mass, whose path is straight."
+            reason = "The body is free and no torque acts: it turns about its centre of mass, whose path is straight."
         else:
             return rigid
-        return [*rigid, said]
+        return [*rigid, reason]
 
     def symmetric_about(self, direction: Float) -> tuple[Float, Float, float]:
         """Return right-handed axes with `direction` (3,) third, the moments about them, and how far from symmetric.

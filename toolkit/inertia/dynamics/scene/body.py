@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 
 from inertia.arrays import Float
-from inertia.dynamics.models.deforming.assembly import JointedBody
+from inertia.dynamics.models.deforming.jointed_body import JointedBody
 from inertia.dynamics.scene.sections import BodySource
 from inertia.errors import FieldPath, GeometryError, UsageError, placed
 from inertia.mass.analysis import Analysis, analyse

@@ -10,7 +10,7 @@ from typing import Annotated, Any, ClassVar
 import numpy as np
 
 from inertia.documents import FieldError, require_known, section_of, table_of, text
-from inertia.dynamics.models.deforming.assembly import JointedBody
+from inertia.dynamics.models.deforming.jointed_body import JointedBody
 from inertia.dynamics.models.deforming.joints import Joint, JointedPart
 from inertia.dynamics.scene.body import SceneBody, integrated
 from inertia.dynamics.scene.sections import BodySource
@@ -48,10 +48,10 @@ def build_parts(tables: object, folder: Path) -> SceneBody:
     meshes: list[Part | None] = []
     notes: list[str] = []
     for k, table in enumerate(_tables(tables, "part", "[[part]]")):
-        part, mesh, said = _part(table, folder, f"part[{k}]")
+        part, mesh, part_notes = _part(table, folder, f"part[{k}]")
         parts.append(part)
         meshes.append(mesh)
-        notes.extend(f"{part.name}: {note}" for note in said)
+        notes.extend(f"{part.name}: {note}" for note in part_notes)
     return SceneBody.of_assembly(JointedBody(tuple(parts)), tuple(meshes), tuple(notes))
 
 
@@ -65,8 +65,8 @@ def _part(table: object, folder: Path, path: str) -> tuple[JointedPart, Part | N
     if source.part is not None:
         body = integrated(source, folder, path)
         assert body.mass is not None  # it was integrated
-        made = JointedPart(source.name, body.mass, body.inertia, body.center_of_mass, source.parent, joints)
-        return made, body.part, body.notes
+        part = JointedPart(source.name, body.mass, body.inertia, body.center_of_mass, source.parent, joints)
+        return part, body.part, body.notes
     tensor = np.diag(source.principal_moments) if source.inertia is None else source.inertia  # type: ignore[arg-type]
     center = np.zeros(3) if source.center_of_mass is None else source.center_of_mass
     assert source.mass is not None  # the source saw to it

@@ -11,7 +11,7 @@ import numpy as np
 
 from inertia.arrays import Float
 from inertia.dynamics.kinematics import quaternion
-from inertia.dynamics.models.deforming.assembly import JointedBody, Shape
+from inertia.dynamics.models.deforming.jointed_body import JointedBody, Shape
 from inertia.dynamics.run import Run
 from inertia.recording import entities
 from inertia.recording.display import Solid, equivalent_ellipsoid, solids_of

@@ -154,7 +154,7 @@ class JointedPart:
         object.__setattr__(self, "inertia", numbers((3, 3), "kg m²")(self.inertia, f"{path}.inertia"))
         com = numbers((3,), "m")(self.center_of_mass, f"{path}.center_of_mass")
         object.__setattr__(self, "center_of_mass", com)
-        if found := faults(self.inertia):
-            raise GeometryError(f"{path}.inertia is not physical: {found[0]}")
+        if reasons := faults(self.inertia):
+            raise GeometryError(f"{path}.inertia is not physical: {reasons[0]}")
         if self.joints and self.parent is None:
             raise FieldError(f"{path}.parent", "is missing: joints hang a part on another one, which must be named")

@@ -1,9 +1,9 @@
 """Bodies that change their shape as prescribed: the cat that turns over, the diver that twists, the skater.
 
 Resolved along the axes of the root part. With I(t) the tensor of all parts about their centre of mass and h(t) the
-angular momentum of their motion within, both from the joints alone (`inertia.dynamics.models.deforming.assembly`), the
-angular momentum L about the centre of mass is fixed in space where nothing but uniform gravity acts (textbook § 13.26),
-and ω = I⁻¹ (qᵀ L q − h). The attitude alone is integrated; L is exact by construction, whatever the steps.
+angular momentum of their motion within, both from the joints alone (`JointedBody.shape`), the angular momentum L about
+the centre of mass is fixed in space where nothing but uniform gravity acts (textbook § 13.26), and
+ω = I⁻¹ (qᵀ L q − h). The attitude alone is integrated; L is exact by construction, whatever the steps.
 """
 
 from __future__ import annotations
@@ -16,8 +16,8 @@ from numpy.typing import ArrayLike
 
 from inertia.arrays import Float, Int
 from inertia.dynamics.kinematics import quaternion
-from inertia.dynamics.models.deforming.assembly import JointedBody, Shape
 from inertia.dynamics.models.deforming.collocation import NODES, Trajectory, collocate
+from inertia.dynamics.models.deforming.jointed_body import JointedBody, Shape
 from inertia.dynamics.motion import Motion
 from inertia.errors import GeometryError, UsageError
 from inertia.mass.tensor import array_of
@@ -125,11 +125,11 @@ def solve_deforming(
     )
 
 
-def _momentum(first: Shape, start: Float, angular_velocity: ArrayLike | None, given: ArrayLike | None) -> Float:
+def _momentum(first: Shape, start: Float, angular_velocity: ArrayLike | None, momentum: ArrayLike | None) -> Float:
     """Return L (3,) in space from whichever of the two was given."""
-    if given is not None and angular_velocity is None:
-        return array_of(given, (3,), "angular_momentum")
-    if angular_velocity is None or given is not None:
+    if momentum is not None and angular_velocity is None:
+        return array_of(momentum, (3,), "angular_momentum")
+    if angular_velocity is None or momentum is not None:
         raise UsageError("a deforming body starts with an angular_velocity or an angular_momentum: give one of the two")
     omega = array_of(angular_velocity, (3,), "angular_velocity")
     return quaternion.to_space(start, first.inertia[0] @ omega + first.internal_angular_momentum[0])
@@ -214,15 +214,15 @@ def _refined(flow: _Flow, start: Float, time: Float, accuracy: float) -> tuple[T
         )
     counts = np.ceil(np.maximum(phases, 1.0) / _PHASE).astype(int)
     rounding = 2.0 * _EPSILON * (1.0 + float(growths.sum()))
-    found, error = collocate(flow.momentum, flow.coefficients, start, _divided(stops, counts)), np.inf
+    trajectory, error = collocate(flow.momentum, flow.coefficients, start, _divided(stops, counts)), np.inf
     while True:
         counts = 2 * counts
-        coarse, before = found, error
-        found = collocate(flow.momentum, flow.coefficients, start, _divided(stops, counts))
-        apart = quaternion.angle_between(found.at(time), coarse.at(time))
+        coarse, before = trajectory, error
+        trajectory = collocate(flow.momentum, flow.coefficients, start, _divided(stops, counts))
+        apart = quaternion.angle_between(trajectory.at(time), coarse.at(time))
         error = float(apart.max()) + rounding
         if error <= accuracy or 0.25 * before <= error < _ASTRAY or counts.sum() > _MOST_STEPS:
-            return found, min(error, np.pi)
+            return trajectory, min(error, np.pi)
 
 
 def _divided(stops: Float, counts: Int) -> Float:

@@ -95,7 +95,7 @@ def closed_form(moments: Float, angular_velocity: Float) -> ClosedForm:
     """Return the constants of N motions about three different moments (N, 3), from angular_velocity (N, 3).
 
     Both are of the order of 1; two components of ω at least are not zero, and those are not tiny
-    (`inertia.dynamics.models.free.starts` sees to it).
+    (`inertia.dynamics.models.free.initial_conditions` sees to it).
     """
     low, (b, y, j), high = _ascending(columns(moments[:, None]), columns(angular_velocity[:, None]))
     momentum = [two_product(moment, w) for moment, w, _ in (low, (b, y, j), high)]

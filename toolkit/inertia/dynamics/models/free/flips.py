@@ -7,7 +7,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from inertia.arrays import Float
 from inertia.dynamics.models.free import asymmetric, symmetric
-from inertia.dynamics.models.free.starts import starts
+from inertia.dynamics.models.free.initial_conditions import initial_conditions
 from inertia.dynamics.special.double_double import add, divide, times
 from inertia.errors import UsageError
 
@@ -31,7 +31,7 @@ def polhode_period(moments: ArrayLike, angular_velocity: ArrayLike) -> Float:
     >>> polhode_period([[1, 2, 3], [2, 2, 1]], [0.001, 10, 0]).round(6).tolist()
     [7.341564, inf]
     """
-    start = starts(moments, angular_velocity)
+    start = initial_conditions(moments, angular_velocity)
     period = np.full(len(start.moments), np.inf)
     for kind, of_rows in ((start.symmetric, symmetric.period), (start.asymmetric, asymmetric.period)):
         rows = np.flatnonzero(kind)
@@ -62,7 +62,7 @@ def flip_times(moments: ArrayLike, angular_velocity: ArrayLike, duration: float)
     >>> flip_times([1, 2, 3], [0.001, 10, 0], 10.0).round(6).tolist()
     [1.835391, 5.506173, 9.176955]
     """
-    start = starts(moments, angular_velocity)
+    start = initial_conditions(moments, angular_velocity)
     if start.shape:
         raise UsageError(f"flip_times follows one body, not {start.shape} of them")
     end = start.scaled_time([duration])[0, 0]
@@ -87,7 +87,7 @@ def tumbles(moments: ArrayLike, angular_velocity: ArrayLike) -> NDArray[np.bool_
     >>> tumbles([1, 2, 3], [[0.001, 10, 0], [0.001, 0, 10]]).tolist()
     [True, False]
     """
-    start = starts(moments, angular_velocity)
+    start = initial_conditions(moments, angular_velocity)
     answer = np.zeros(len(start.moments), dtype=np.bool_)
     rows = np.flatnonzero(start.asymmetric)
     for first in range(0, rows.size, _BLOCK):

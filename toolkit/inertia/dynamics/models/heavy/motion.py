@@ -54,12 +54,12 @@ def follow(
         values.append(turn * shape)
         derivatives.append(turn * derivative)
     (alpha, beta), (alpha_w, beta_w) = values, derivatives
-    found = quaternion.normalise(np.stack([beta.real, beta.imag, alpha.imag, alpha.real], axis=-1))
+    attitudes = quaternion.normalise(np.stack([beta.real, beta.imag, alpha.imag, alpha.real], axis=-1))
     across_now = 2.0 * nutation.rate * (alpha.conj() * beta_w - beta * alpha_w.conj())
     turned = np.stack([across_now.real, across_now.imag, np.full(len(w), omega[2])], axis=-1)
     if nutation.hanging:
-        return -quaternion.multiply(found, _HALF_TURN), turned * _TURNED
-    return found, turned
+        return -quaternion.multiply(attitudes, _HALF_TURN), turned * _TURNED
+    return attitudes, turned
 
 
 def turning_times(nutation: Nutation, first: float, last: float, most: int) -> tuple[Float, Float]:

@@ -1,4 +1,4 @@
-"""The nodding of a heavy symmetric top: the constants of its closed form, worked out in decimal arithmetic.
+"""Nutation of a heavy symmetric top: the constants of its closed form, worked out in decimal arithmetic.
 
 With u the cosine of the tilt, a = p_ψ/I1, b = p_φ/I1, α = 2E′/I1 and β = 2 mgh/I1 ≥ 0,
 

@@ -18,9 +18,9 @@ from numpy.typing import ArrayLike
 from inertia.arrays import Float
 from inertia.dynamics.kinematics import quaternion
 from inertia.dynamics.kinematics.euler_angles import to_angles
+from inertia.dynamics.models.heavy.initial_conditions import EPSILON, of_integrals, of_state
 from inertia.dynamics.models.heavy.motion import against_vertical, follow, integrals, turning_times
 from inertia.dynamics.models.heavy.nutation import Nutation
-from inertia.dynamics.models.heavy.start import EPSILON, of_integrals, of_state
 from inertia.dynamics.motion import Event, Motion
 from inertia.errors import GeometryError, UsageError
 from inertia.mass.tensor import array_of
@@ -66,8 +66,8 @@ class HeavyTop:
     start: tuple[tuple[float, ...], tuple[float, ...]] | None = None
 
     def __post_init__(self) -> None:
-        given = array_of([self.I1, self.I3, self.mgh, self.p_phi, self.p_psi, self.energy], (6,), "heavy top")
-        if min(given[:2]) <= 0 or given[1] > 2.0 * given[0] * (1 + 1e-9):
+        values = array_of([self.I1, self.I3, self.mgh, self.p_phi, self.p_psi, self.energy], (6,), "heavy top")
+        if min(values[:2]) <= 0 or values[1] > 2.0 * values[0] * (1 + 1e-9):
             raise GeometryError(
                 f"the moments I1 = I2 = {self.I1:.6g} and I3 = {self.I3:.6g} kg m2 are no body's: "
                 "they must be positive and I3 at most 2 I1"
@@ -168,13 +168,13 @@ class HeavyTop:
         """
         level = self.I1 * math.cos(tilt) if abs(math.cos(tilt)) > EPSILON else 0.0
         weight = 4.0 * self.mgh * level
-        left = self.p_psi**2 - weight
-        if left < -8.0 * EPSILON * abs(weight) or not (left or weight or self.p_psi):
+        square = self.p_psi**2 - weight
+        if square < -8.0 * EPSILON * abs(weight) or not (square or weight or self.p_psi):
             raise GeometryError(
                 f"p_psi = {self.p_psi:.6g} kg m2/s is too small for a steady precession at a tilt of {tilt:.6g} rad: "
                 f"it must {f'be at least {self.least_p_psi(tilt):.6g}' if weight else 'not vanish'} in size"
             )
-        double = self.p_psi + math.copysign(math.sqrt(max(left, 0.0)), self.p_psi)
+        double = self.p_psi + math.copysign(math.sqrt(max(square, 0.0)), self.p_psi)
         return 2.0 * self.mgh / double, double / (2.0 * level) if level else math.copysign(math.inf, double)
 
     def least_p_psi(self, tilt: float) -> float:
@@ -222,16 +222,16 @@ def solve_heavy_top(
     """
     top = HeavyTop.of_state(moments, mgh, attitude, angular_velocity)
     n, t = top.nutation, array_of(time, (np.size(time),), "time")
-    found, omega = follow(n, top.p_psi / top.I1, attitude, angular_velocity, t)
-    energy, p_phi, p_psi = integrals(moments, mgh, found, omega)
-    height, level, across = against_vertical(found, omega)
+    attitudes, omega = follow(n, top.p_psi / top.I1, attitude, angular_velocity, t)
+    energy, p_phi, p_psi = integrals(moments, mgh, attitudes, omega)
+    height, level, across = against_vertical(attitudes, omega)
     flow = np.where(level > 0, across / np.where(level > 0, level, 1.0), 0.0)  # φ̇ sinθ
-    phi, theta, psi = to_angles(found).T
+    phi, theta, psi = to_angles(attitudes).T
     span = float(np.max(np.abs(t), initial=0.0))
     momentum = float(np.max(np.linalg.norm(omega * (top.I1, top.I1, top.I3), axis=-1), initial=0.0))
     momentum += math.sqrt(top.I1 * abs(mgh))  # a top that is at rest keeps none
     return Motion(
-        attitude=found,
+        attitude=attitudes,
         angular_velocity=omega,
         method=_method(n),
         reached=_rounding(n, span),
@@ -271,12 +271,12 @@ def _turning_points(top: HeavyTop, time: Float) -> tuple[Event, ...]:
         return ()
     times, upper = turning_times(top.nutation, float(time.min()), float(time.max()), MOST_EVENTS)
     least = upper.astype(bool) != top.nutation.hanging
-    said = [
+    what = [
         f"theta is {name}, {angle:.6g} rad"
         for name, angle in zip(("least", "greatest"), top.turning_angles, strict=True)
     ]
     return tuple(
-        Event("turning point", float(t), said[0] if up else said[1]) for t, up in zip(times, least, strict=True)
+        Event("turning point", float(t), what[0] if up else what[1]) for t, up in zip(times, least, strict=True)
     )
 
 

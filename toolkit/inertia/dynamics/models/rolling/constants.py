@@ -79,8 +79,8 @@ class _Ends:
             back, tail = cot[1 : n + 1][::-1], cot[:n][::-1]
             before = slice(0, n)
             for w in (a, b):
-                known = back @ (powers[before] * w[before]) + beta * (tail @ w[before])
-                w[n] = (mu * w[n - 2] if n > 1 else 0.0) - known
+                driven = back @ (powers[before] * w[before]) + beta * (tail @ w[before])
+                w[n] = (mu * w[n - 2] if n > 1 else 0.0) - driven
             a[n] /= n * n
             b[n] = (b[n] - 2 * n * a[n] - back @ a[before]) / (n * n)
         return cls(a, b)

@@ -12,7 +12,7 @@ from inertia.arrays import Float
 from inertia.dynamics.kinematics import quaternion
 from inertia.dynamics.models.rolling.constants import appell_korteweg
 from inertia.dynamics.models.rolling.equations import RollingBody, angular_acceleration, energy, reaction
-from inertia.dynamics.models.rolling.path import FINEST, FLAT, Path, clearance, follow, pace
+from inertia.dynamics.models.rolling.integration import FINEST, FLAT, Path, clearance, follow, pace
 from inertia.dynamics.models.rolling.steady import nutation_squared
 from inertia.dynamics.motion import Event, Motion
 from inertia.errors import GeometryError, UsageError

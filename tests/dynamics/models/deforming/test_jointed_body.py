@@ -8,7 +8,7 @@ from tests.dynamics.models.deforming.assemblies import cat, diver, skater
 from tests.dynamics.models.deforming.particles import DIGITS, Swarm
 
 from inertia.dynamics.kinematics import quaternion
-from inertia.dynamics.models.deforming.assembly import JointedBody
+from inertia.dynamics.models.deforming.jointed_body import JointedBody
 from inertia.dynamics.models.deforming.joints import Joint, JointedPart
 from inertia.errors import UsageError
 

@@ -1,4 +1,4 @@
-"""A tree of parts on joints: where each part is, and how the whole moves within itself.
+"""`JointedBody`: a tree of parts on joints, where each part is, and how the whole moves within itself.
 
 The pose of a part takes its assembly coordinates (see `inertia.dynamics.models.deforming.joints`) to root coordinates,
 x ↦ R x + p; that of the root takes them to themselves.

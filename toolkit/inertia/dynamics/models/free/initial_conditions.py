@@ -1,4 +1,4 @@
-"""How free bodies start: checked, brought to one scale, and sorted by the closed form that serves them."""
+"""Initial conditions of free bodies: checked, brought to one scale, and sorted by the closed form that serves them."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from inertia.arrays import Float
-from inertia.dynamics.arguments import first, vectors, written
+from inertia.dynamics.arguments import at_index, first_index, vectors
 from inertia.dynamics.special.elementary import Number, anywhere, columns, frexp, ldexp, maximum, packed, where
 from inertia.errors import GeometryError, UsageError
 from inertia.mass.tensor import VALIDITY_TOLERANCE
@@ -21,7 +21,7 @@ FARTHEST = 1e20
 
 
 @dataclass(frozen=True, eq=False)
-class Starts:
+class InitialConditions:
     """N bodies and how they start to turn.
 
     Attributes
@@ -48,7 +48,7 @@ class Starts:
         if array.ndim == 0:
             raise UsageError("time is a single number: give the instants as an array (n,)")
         if not np.isfinite(array).all():
-            raise UsageError(f"time{written(first(~np.isfinite(array)))} is not finite")
+            raise UsageError(f"time{at_index(first_index(~np.isfinite(array)))} is not finite")
         if array.shape[:-1] != self.shape:
             try:
                 array = np.broadcast_to(array, (*self.shape, array.shape[-1]))
@@ -56,14 +56,15 @@ class Starts:
                 raise UsageError(f"time has shape {array.shape}: it must be (n,) or {self.shape} and (n,)") from None
         scaled: Float = np.ldexp(array.reshape(len(self.moments), array.shape[-1]), self.exponent[:, None])
         if (beyond := np.abs(scaled) > FARTHEST).any():
+            farthest = array.reshape(scaled.shape)[first_index(beyond)]
             raise UsageError(
-                f"time reaches {array.reshape(scaled.shape)[first(beyond)]:.3g} s, more than {FARTHEST:.0e} rad of "
-                "rotation, and the phase loses its digits: ask for a shorter time"
+                f"time reaches {farthest:.3g} s, more than {FARTHEST:.0e} rad of rotation, and the phase loses its "
+                "digits: ask for a shorter time"
             )
         return scaled
 
 
-def starts(moments: ArrayLike, angular_velocity: ArrayLike) -> Starts:
+def initial_conditions(moments: ArrayLike, angular_velocity: ArrayLike) -> InitialConditions:
     """Return bodies with principal moments (…, 3) kg m², in any order, that start at angular_velocity (…, 3) rad/s.
 
     Scales are powers of two, so that no digit changes. A zero moment is that of a rod (textbook § 13.10: rotor), whose
@@ -89,7 +90,7 @@ def starts(moments: ArrayLike, angular_velocity: ArrayLike) -> Starts:
     alike = (a == b) | (b == c) | (c == a)
     steady = (a == b) & (b == c) | (x == 0) & (y == 0) | (y == 0) & (z == 0) | (z == 0) & (x == 0)
     kinds = packed((steady, where(steady, False, alike), where(steady | alike, False, True)), shape, bool)
-    return Starts(
+    return InitialConditions(
         packed((a, b, c), shape).reshape(-1, 3),
         packed((x, y, z), shape).reshape(-1, 3),
         packed((exponent,), shape, np.intc).reshape(-1),
@@ -107,5 +108,5 @@ def _refuse_unphysical(moments: Float, each: tuple[Number, ...], largest: Number
         (largest > others + slack, "no body has one moment above the sum of the other two"),
     ):
         if anywhere(faulty):
-            place = first(np.reshape(faulty, moments.shape[:-1]))
-            raise GeometryError(f"moments{written(place)} are {moments[place].tolist()} kg m2: {rule}")
+            place = first_index(np.reshape(faulty, moments.shape[:-1]))
+            raise GeometryError(f"moments{at_index(place)} are {moments[place].tolist()} kg m2: {rule}")

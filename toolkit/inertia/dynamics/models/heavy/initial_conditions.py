@@ -1,4 +1,4 @@
-"""Where the motion of a heavy symmetric top starts: from an attitude and ω, or from its three integrals.
+"""Constants of the motion of a heavy symmetric top from its initial conditions: attitude and ω, or three integrals.
 
 The float64 input is taken as exact and turned into decimal numbers. A weight on the other side of the fixed point is
 the same top with axes 2 and 3 turned half about axis 1: mgh and p_ψ change sign.

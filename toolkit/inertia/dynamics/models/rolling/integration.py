@@ -1,4 +1,4 @@
-"""Following a rolling body through time, by DOP853 and by repeating one nutation.
+"""Integration of a rolling body through time, by DOP853 and by repeating one nutation.
 
 The state is θ, ω₁, ω₂, ω₃ (axes of the nodes), σ = φ + ψ, δ = φ − ψ, and the horizontal position x, y of the centre of
 mass in units of the rim's radius. Half of σ and δ are the arguments of the Cayley–Klein parameters cos(θ/2) e^{iσ/2}
