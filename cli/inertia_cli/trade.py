@@ -83,5 +83,5 @@ def run(options: argparse.Namespace) -> int:
         if options.plot is not None:
             plot(cost, options.plot, force=options.force)
     finally:  # what took so long to measure is told even where the plot cannot be written
-        show(options.json, lambda: trade_document(cost), lambda: trade_text(cost, wording=as_option))
+        show(options.json, lambda: trade_document(cost, wording=as_option), lambda: trade_text(cost, wording=as_option))
     return 0

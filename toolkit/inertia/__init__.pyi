@@ -11,6 +11,7 @@ __version__: str
 from inertia.errors import GeometryError as GeometryError
 from inertia.errors import InertiaError as InertiaError
 from inertia.errors import ReadError as ReadError
+from inertia.errors import Remedy as Remedy
 from inertia.errors import UsageError as UsageError
 
 # A file becomes a part; a part is checked and repaired.

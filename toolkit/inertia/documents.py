@@ -114,7 +114,7 @@ def table_of(value: object, path: str) -> Mapping[str, Any]:
     if not isinstance(value, Mapping):
         name = re.sub(r"\[\d+\]", "", path)
         header = f"[[{name}]]" if path.endswith("]") else f"[{name}]"
-        raise FieldError(path, f"is {shown(value)}: it must be a table, as in {header}")
+        raise FieldError(path, f"is {short_repr(value)}: it must be a table, as in {header}")
     return value
 
 
@@ -216,16 +216,16 @@ def number(unit: str, *, positive: bool = False, negative: bool = True, below: f
 
     def read(value: Any, path: str) -> float:
         if isinstance(value, bool) or not isinstance(value, Real):
-            raise FieldError(path, f"is {shown(value)}: it must be {expected}")
+            raise FieldError(path, f"is {short_repr(value)}: it must be {expected}")
         figure = _float(value)
         if not math.isfinite(figure):
-            raise FieldError(path, f"is {shown(value)}: it must be finite")
+            raise FieldError(path, f"is {short_repr(value)}: it must be finite")
         if positive and figure <= 0:
-            raise FieldError(path, f"is {shown(value)}: it must be positive, {expected}")
+            raise FieldError(path, f"is {short_repr(value)}: it must be positive, {expected}")
         if not negative and figure < 0:
-            raise FieldError(path, f"is {shown(value)}: it must not be negative, {expected}")
+            raise FieldError(path, f"is {short_repr(value)}: it must not be negative, {expected}")
         if figure >= below:
-            raise FieldError(path, f"is {shown(value)}: it must be below {below:g}, {expected}")
+            raise FieldError(path, f"is {short_repr(value)}: it must be below {below:g}, {expected}")
         return figure
 
     schema: dict[str, Any] = {"type": "number"}
@@ -261,10 +261,10 @@ def integer(least: int, most: int) -> Reader:
 
     def read(value: Any, path: str) -> int:
         if isinstance(value, bool) or not isinstance(value, Integral):
-            raise FieldError(path, f"is {shown(value)}: it must be a whole number")
+            raise FieldError(path, f"is {short_repr(value)}: it must be a whole number")
         whole = int(value)
         if not least <= whole <= most:
-            raise FieldError(path, f"is {shown(whole)}: it must be between {least} and {most}")
+            raise FieldError(path, f"is {short_repr(whole)}: it must be between {least} and {most}")
         return whole
 
     return Reader(read, {"type": "integer", "minimum": least, "maximum": most})
@@ -282,7 +282,7 @@ def numbers(shape: tuple[int, ...], unit: str) -> Reader:
             if not lengths:
                 return single(part, where)
             if not isinstance(part, Sequence) or isinstance(part, str):
-                raise FieldError(where, f"is {shown(part)}: ", FieldPath(path), f" must be {expected}, {unit}")
+                raise FieldError(where, f"is {short_repr(part)}: ", FieldPath(path), f" must be {expected}, {unit}")
             if len(part) != lengths[0]:
                 says = f"has {len(part)} entries, not {lengths[0]}: "
                 raise FieldError(where, says, FieldPath(path), f" must be {expected}, {unit}")
@@ -306,14 +306,14 @@ def choice(*options: str) -> Reader:
             return value
         close = get_close_matches(value, options, n=1, cutoff=0.5) if isinstance(value, str) else []
         hint = f"; did you mean {close[0]!r}?" if close else ""
-        raise FieldError(path, f"is {shown(value)}: use one of {', '.join(map(repr, options))}{hint}")
+        raise FieldError(path, f"is {short_repr(value)}: use one of {', '.join(map(repr, options))}{hint}")
 
     return Reader(read, {"enum": list(options)})
 
 
 def _text(value: Any, path: str) -> str:
     if not isinstance(value, str) or not value.strip():
-        raise FieldError(path, f"is {shown(value)}: it must be text")
+        raise FieldError(path, f"is {short_repr(value)}: it must be text")
     return value
 
 
@@ -323,7 +323,7 @@ text = Reader(_text, {"type": "string", "minLength": 1})
 
 def _flag(value: Any, path: str) -> bool:
     if not isinstance(value, bool):
-        raise FieldError(path, f"is {shown(value)}: it must be true or false")
+        raise FieldError(path, f"is {short_repr(value)}: it must be true or false")
     return value
 
 
@@ -336,7 +336,7 @@ def several(single: Reader, *, least: int = 1) -> Reader:
 
     def read(value: Any, path: str) -> tuple[Any, ...]:
         if not isinstance(value, Sequence) or isinstance(value, str):
-            raise FieldError(path, f"is {shown(value)}: it must be a list")
+            raise FieldError(path, f"is {short_repr(value)}: it must be a list")
         if len(value) < least:
             raise FieldError(path, f"has {len(value)} entries: give at least {least}")
         return tuple(single(one, f"{path}[{k}]") for k, one in enumerate(value))
@@ -414,7 +414,7 @@ def plain(value: Any) -> Any:
     return [plain(one) for one in value] if isinstance(value, tuple | list) else value
 
 
-def shown(value: object) -> str:
+def short_repr(value: object) -> str:
     """Return a value as a message may quote it: short."""
     quoted = repr(value)
     return quoted if len(quoted) <= 40 else f"{quoted[:37]}..."

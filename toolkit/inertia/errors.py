@@ -103,7 +103,7 @@ class InertiaError(Exception):
     >>> error = GeometryError("open: close the mesh, or use ", REPAIR)
     >>> placed(error, "cube.stl")
     GeometryError('cube.stl: open: close the mesh, or use inertia.repair(part)')
-    >>> placed(error, "cube.stl").sentence.remedies
+    >>> placed(error, "cube.stl").remedies
     (Remedy(verb='repair', argument='', value=None),)
     """
 
@@ -117,6 +117,11 @@ class InertiaError(Exception):
     def sentence(self) -> Sentence:
         """Where, and what is the matter."""
         return Sentence(*chain.from_iterable((place, ": ") for place in self.places), *self.words)
+
+    @property
+    def remedies(self) -> tuple[Remedy, ...]:
+        """What to ask for instead, where that is an argument or a verb."""
+        return self.sentence.remedies
 
 
 class UsageError(InertiaError, ValueError):

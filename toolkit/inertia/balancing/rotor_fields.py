@@ -41,7 +41,7 @@ def _unit(value: Any, path: str) -> str:
     try:
         return length_unit(name).name
     except UsageError as error:
-        raise FieldError(path, f"is an {error}") from None
+        raise FieldError(path, "is an ", error.sentence) from None
 
 
 def _material(value: Any, path: str) -> str:
@@ -49,7 +49,7 @@ def _material(value: Any, path: str) -> str:
     try:
         density_of(name)
     except UsageError as error:
-        raise FieldError(path, f"is an {error}") from None
+        raise FieldError(path, "is an ", error.sentence) from None
     return name
 
 

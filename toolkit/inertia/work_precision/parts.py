@@ -134,7 +134,7 @@ def _answers(
         try:
             answers.append(_Answer(method, moments, scale.properties(moments, METHODS[method]), time))
         except GeometryError as fault:
-            skipped.append(Skipped(f"{method} over the whole mesh", str(fault)))
+            skipped.append(Skipped(f"{method} over the whole mesh", fault.sentence))
         progress((k + 1) / len(METHODS))
     return answers, skipped
 
@@ -179,7 +179,7 @@ def _simpler_rows(
             spent += next_one
             rows.append(_simpler_row(mesh, spent, reference, scale, watch))
         except (UsageError, GeometryError) as fault:
-            return rows, [Skipped(_coarser(share), str(fault))]
+            return rows, [Skipped(_coarser(share), fault.sentence)]
         share = mesh.share
         progress(min(1.0, math.log2(share) / levels))
         if rows[-1].reached > _USELESS:

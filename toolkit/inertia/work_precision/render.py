@@ -10,7 +10,7 @@ from typing import Any, Generic
 
 import numpy as np
 
-from inertia.errors import Remedy, Wording
+from inertia.errors import Remedy, Sentence, Wording
 from inertia.report.numerals import LABEL, number, row
 from inertia.work_precision.recommend import duration
 from inertia.work_precision.rows import PartRow, R, Relative, SceneRow, front
@@ -27,7 +27,7 @@ _ORIGINS = {
 _STEPS = {"read": "reading the file", "closedness": "pairing its edges", "results": "results with bounds"}
 
 
-def trade_document(trade: PartTrade | SceneTrade) -> dict[str, Any]:
+def trade_document(trade: PartTrade | SceneTrade, *, wording: Wording = str) -> dict[str, Any]:
     """Return the trade as ``inertia/trade/1``, its errors and bounds relative, or ``inertia/trade-scene/1``; all SI."""
     if isinstance(trade, PartTrade):
         analysis, part = trade.analysis, trade.analysis.part
@@ -42,7 +42,7 @@ def trade_document(trade: PartTrade | SceneTrade) -> dict[str, Any]:
             **_head_document(trade),
             "steps": {name: asdict(timing) for name, timing in trade.steps.items()},
             "reference": trade.reference.method,
-            **_rows_document(trade, [_part_row_document(line) for line in trade.rows]),
+            **_rows_document(trade, [_part_row_document(line) for line in trade.rows], wording),
             "notes": list(analysis.notes),
         }
     best = front(trade.rows)
@@ -53,7 +53,7 @@ def trade_document(trade: PartTrade | SceneTrade) -> dict[str, Any]:
         "samples": trade.scene.run.samples,
         **_head_document(trade),
         "reference": trade.rows.index(trade.reference),
-        **_rows_document(trade, [_scene_row_document(line, on_front=line in best) for line in trade.rows]),
+        **_rows_document(trade, [_scene_row_document(line, on_front=line in best) for line in trade.rows], wording),
     }
 
 
@@ -66,10 +66,10 @@ def _head_document(trade: Trade[R]) -> dict[str, Any]:
     }
 
 
-def _rows_document(trade: Trade[R], rows: list[dict[str, Any]]) -> dict[str, Any]:
+def _rows_document(trade: Trade[R], rows: list[dict[str, Any]], wording: Wording) -> dict[str, Any]:
     return {
         "rows": rows,
-        "skipped": [asdict(item) for item in trade.skipped],
+        "skipped": [asdict(item) | {"why": Sentence(item.why).worded(wording)} for item in trade.skipped],
         "recommendations": [
             {
                 "coarsest": advice.coarsest,
@@ -122,12 +122,11 @@ def _scene_row_document(line: SceneRow, *, on_front: bool) -> dict[str, Any]:
 
 def trade_text(trade: PartTrade | SceneTrade, *, wording: Wording = str) -> str:
     """Return the trade as lines of text, at most 100 columns wide but for long paths."""
-    budget = wording(_BUDGET)
     blocks: list[Iterable[str]]
     if isinstance(trade, PartTrade):
-        blocks = [_part_head(trade), _whole_table(trade), _simplified_table(trade), _part_closing(trade, budget)]
+        blocks = [_part_head(trade), _whole_table(trade), _simplified_table(trade), _part_closing(trade, wording)]
     else:
-        blocks = [_scene_head(trade), _scene_table(trade), _scene_closing(trade, budget)]
+        blocks = [_scene_head(trade), _scene_table(trade), _scene_closing(trade, wording)]
     return "\n\n".join(text for block in blocks if (text := "\n".join(block)))
 
 
@@ -252,11 +251,13 @@ def _recommended(trade: Trade[R]) -> Iterator[str]:
         yield from _paragraph("" if k else "Recommended", advice.sentence)
 
 
-def _part_closing(trade: PartTrade, budget: str) -> Iterator[str]:
+def _part_closing(trade: PartTrade, wording: Wording) -> Iterator[str]:
     yield from _recommended(trade)
     for item in trade.skipped:
-        estimate = "" if item.seconds is None else f" (about {duration(item.seconds)}): give a larger {budget}"
-        yield from _paragraph("Skipped", f"{item.what}: {item.why}{estimate}")
+        estimate = (
+            "" if item.seconds is None else f" (about {duration(item.seconds)}): give a larger {wording(_BUDGET)}"
+        )
+        yield from _paragraph("Skipped", f"{item.what}: {Sentence(item.why).worded(wording)}{estimate}")
     whole = [line for line in trade.rows if line.simplification is None]
     if losing := [line.method for line in whole if line.properties.loses_smallest_moment]:
         verb = "leaves" if len(losing) == 1 else "leave"
@@ -274,14 +275,14 @@ def _part_closing(trade: PartTrade, budget: str) -> Iterator[str]:
     )
 
 
-def _scene_closing(trade: SceneTrade, budget: str) -> Iterator[str]:
+def _scene_closing(trade: SceneTrade, wording: Wording) -> Iterator[str]:
     yield from _paragraph(
         "Marks", "front: no other row is as fast and as accurate; plan: what the planner selects for this accuracy"
     )
     yield from _recommended(trade)
     late = [f"{item.what} ({duration(item.seconds)})" for item in trade.skipped if item.seconds is not None]
     if late:
-        yield from _paragraph("Skipped", f"give a larger {budget} for {', '.join(late)}")
+        yield from _paragraph("Skipped", f"give a larger {wording(_BUDGET)} for {', '.join(late)}")
     reasons = dict.fromkeys(item.why for item in trade.skipped if item.seconds is None)
     for why in reasons:
         what = "; ".join(item.what for item in trade.skipped if item.why == why)

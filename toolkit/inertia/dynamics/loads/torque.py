@@ -99,7 +99,7 @@ def _table(value: Any, path: str) -> TorqueTable:
     try:
         return TorqueTable(times, torques)
     except UsageError as error:
-        raise FieldError(path, f"is not usable: {error}") from None
+        raise FieldError(path, "is not usable: ", error.sentence) from None
 
 
 @dataclass(frozen=True, eq=False)
