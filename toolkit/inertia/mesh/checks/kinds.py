@@ -36,7 +36,7 @@ class Kind:
     Attributes
     ----------
     subject : what `evidence` is asked about
-    code, severity, turnable : see `Finding`
+    code, severity : see `Finding`
     evidence : returns what shows it; None where all is well
     sentence : what, how much, where
     remedy : what to do about it, in words and arguments; () where nothing needs to be done
@@ -48,7 +48,6 @@ class Kind:
     evidence: Callable[[Any], Evidence | None]
     sentence: str
     remedy: tuple[Word, ...] = ()
-    turnable: bool = False
 
     def finding(self, subject: Triangles | SurfaceTopology | CellTopology) -> Finding | None:
         """Return the finding of this kind, if there is evidence of it."""
@@ -61,7 +60,8 @@ class Kind:
             figures["around"] = subject.around(evidence.place)
         remedy = (": ", *self.remedy) if self.remedy else ()
         message = Sentence(self.sentence.format_map(figures), *remedy)
-        return Finding(self.code, self.severity, message, evidence.count, evidence.faces, evidence.place, self.turnable)
+        turnable = ABSOLUTE in self.remedy
+        return Finding(self.code, self.severity, message, evidence.count, evidence.faces, evidence.place, turnable)
 
 
 def findings(subject: Subject, part: Triangles | SurfaceTopology | CellTopology) -> Iterator[Finding]:
@@ -79,7 +79,7 @@ class _Count(int):
 def _unusable(triangles: Triangles) -> Evidence | None:
     chunks = range(0, triangles.count, _CHUNK)
     wrong = [~usable(triangles.corners(start, start + _CHUNK)).all(axis=(1, 2)) for start in chunks]
-    which = np.flatnonzero(np.concatenate(wrong)) if wrong else np.empty(0, np.int64)
+    which = np.flatnonzero(np.concatenate(wrong))
     return Evidence(len(which), listed(which)) if len(which) else None
 
 
@@ -220,14 +220,12 @@ KINDS = (
         _inward,
         "inside out: every triangle faces inward and the volume is {volume:.4g} {unit}³ {around}",
         ("turn all triangles, or use ", ABSOLUTE),
-        turnable=True,
     ),
     Kind(
         "shells", "inverted_body", "error",
         _inverted,
         "{count:shell} inside out beside others that are not, the first {around} from triangle {first} on",
         ("turn its triangles, or use ", ABSOLUTE),
-        turnable=True,
     ),
     Kind(
         "shells", "overlapping_bodies", "error",
@@ -235,7 +233,6 @@ KINDS = (
         "overlapping bodies: {count:shell} inside another of the same orientation, the first {around} from triangle "
         "{first} on, so that the inside counts twice",
         ("remove it, or use ", ABSOLUTE, " to make it a cavity"),
-        turnable=True,
     ),
     Kind(
         "shells", "overlapping_bodies", "error",
