@@ -23,33 +23,33 @@ def written(screen: Screen, file: Path) -> Recorded:
     with to_file(file, screen.application, screen.blueprint) as recording:
         screen.write(recording)
     assert verified(file, file.parent)
-    found = Recorded(file)
-    assert found.recording.application_id == found.blueprint.application_id == screen.application
-    for path, columns in found.columns.items():
+    back = Recorded(file)
+    assert back.recording.application_id == back.blueprint.application_id == screen.application
+    for path, columns in back.columns.items():
         for name in columns:
             if name.split(":")[-1] in ("scalars", "quaternion", "translation", "vectors", "half_sizes", "positions"):
-                assert np.isfinite(found.values(path, name)).all(), (path, name)
-    return found
+                assert np.isfinite(back.values(path, name)).all(), (path, name)
+    return back
 
 
-def place(found: Recorded, path: str) -> NDArray[Any]:
+def place(recording: Recorded, path: str) -> NDArray[Any]:
     """Return the translations (m, 3) of an entity."""
-    return found.values(path, "Transform3D:translation")[:, 0].astype(float)
+    return recording.values(path, "Transform3D:translation")[:, 0].astype(float)
 
 
-def turn(found: Recorded, path: str) -> Rotation:
+def turn(recording: Recorded, path: str) -> Rotation:
     """Return the rotations (m,) of an entity."""
-    return Rotation.from_quat(found.values(path, "Transform3D:quaternion")[:, 0].astype(float))
+    return Rotation.from_quat(recording.values(path, "Transform3D:quaternion")[:, 0].astype(float))
 
 
-def tips(found: Recorded, path: str) -> NDArray[Any]:
+def tips(recording: Recorded, path: str) -> NDArray[Any]:
     """Return the vectors (m, 3) of an arrow."""
-    return found.values(path, "Arrows3D:vectors")[:, 0].astype(float)
+    return recording.values(path, "Arrows3D:vectors")[:, 0].astype(float)
 
 
-def series(found: Recorded, path: str) -> NDArray[Any]:
+def series(recording: Recorded, path: str) -> NDArray[Any]:
     """Return the numbers (n, k) of a plot."""
-    return found.values(path, "Scalars:scalars")
+    return recording.values(path, "Scalars:scalars")
 
 
 def errors_seen(screen: Screen, folder: Path, seconds: float) -> list[str]:

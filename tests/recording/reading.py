@@ -25,12 +25,12 @@ class Recorded:
         self.rows: dict[str, list[int]] = {}
         for chunk in reader.store().stream():
             batch = chunk.to_record_batch()
-            held = self.columns.setdefault(chunk.entity_path, {})
+            columns = self.columns.setdefault(chunk.entity_path, {})
             for name, column in zip(batch.schema.names, batch.columns, strict=True):
                 if name in chunk.timeline_names:
                     self.times.setdefault(chunk.entity_path, []).append((name, column))
                 elif name != "rerun.controls.RowId":
-                    held.setdefault(name, []).append(column)
+                    columns.setdefault(name, []).append(column)
             if not chunk.is_static:
                 self.rows.setdefault(chunk.entity_path, []).append(chunk.num_rows)
         self.views = [

@@ -95,11 +95,11 @@ def _settled(client: Any) -> bytes:
 
 def _wait(ready: Any) -> Any:
     end = time.monotonic() + _PATIENCE
-    while not (found := ready()):
+    while not (answer := ready()):
         if time.monotonic() > end:
             raise TimeoutError("the viewer is not ready")
         time.sleep(0.1)
-    return found
+    return answer
 
 
 if __name__ == "__main__":

@@ -90,9 +90,9 @@ def test_parts_far_apart_can_be_reduced() -> None:
 def test_a_mesh_of_cells_shows_its_outside() -> None:
     points = np.array([[x, y, z] for z in (0, 1, 2) for y in (0, 1) for x in (0, 1)], float)
     lower = np.array([[0, 1, 3, 2, 4, 5, 7, 6]])
-    found = outside(Cells(points, (CellBlock("hexahedron", np.concatenate([lower, lower + 4])),)))
-    assert found.count == 20
-    assert volume(found.corners() - [0.5, 0.5, 1]) == pytest.approx(2)
+    faces = outside(Cells(points, (CellBlock("hexahedron", np.concatenate([lower, lower + 4])),)))
+    assert faces.count == 20
+    assert volume(faces.corners() - [0.5, 0.5, 1]) == pytest.approx(2)
     tetrahedra = np.array([[0, 1, 2, 4], [3, 2, 1, 7], [1, 2, 4, 7], [5, 4, 7, 1], [6, 7, 4, 2]])
     assert outside(Cells(points, (CellBlock("tetra", tetrahedra),))).count == 12
     assert outside(Cells(points, (CellBlock("line", lower[:, :2]),))).count == 0

@@ -51,15 +51,15 @@ def test_attitudes_between_samples_are_on_the_shortest_turn() -> None:
     turns = Rotation.from_rotvec(rng.uniform(-0.4, 0.4, (40, 3)).cumsum(axis=0))
     instants = np.linspace(time[0], time[-1], 301)
     signs = np.where(rng.random(40) < 0.5, -1.0, 1.0)[:, None]
-    found = Rotation.from_quat(attitudes_at(time, turns.as_quat() * signs, instants))
-    away = (found * Slerp(time, turns)(instants).inv()).magnitude()
+    attitudes = Rotation.from_quat(attitudes_at(time, turns.as_quat() * signs, instants))
+    away = (attitudes * Slerp(time, turns)(instants).inv()).magnitude()
     assert away.max() < 1e-14 * 10
 
 
 def test_a_body_that_hardly_turns_is_followed_too() -> None:
     q = np.array([[0, 0, 0, 1.0], [1e-9, 0, 0, 1.0], [1e-9, 0, 0, 1.0]])
-    found = attitudes_at(np.arange(3.0), q, np.array([0.0, 0.25, 1.5, 2.0]))
-    np.testing.assert_allclose(found[:, 0], [0, 0.25e-9, 1e-9, 1e-9], atol=1e-24)
+    attitudes = attitudes_at(np.arange(3.0), q, np.array([0.0, 0.25, 1.5, 2.0]))
+    np.testing.assert_allclose(attitudes[:, 0], [0, 0.25e-9, 1e-9, 1e-9], atol=1e-24)
 
 
 def test_values_between_samples_are_on_a_line() -> None:

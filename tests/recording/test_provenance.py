@@ -37,14 +37,14 @@ def recorded(folder: Path) -> tuple[inertia.Run, Path]:
 
 def test_properties_say_what_made_it_and_of_what(folder: Path) -> None:
     run, file = recorded(folder)
-    held = properties(file)
-    assert held["tool"] == {"name": "inertia", "version": inertia.__version__}
-    assert held["scene"]["text"] == (folder / "scenes/t_handle.toml").read_text()
-    assert held["scene"]["folder"] == "../scenes"
-    assert held["source"]["sha256"] == run.scene.body.part.source.sha256
-    assert held["accuracy"]["reached_rad"] == run.error.reached
-    assert held["accuracy"]["requested_rad"] == 1e-10
-    assert held["settings"]["samples"] == 50
+    sections = properties(file)
+    assert sections["tool"] == {"name": "inertia", "version": inertia.__version__}
+    assert sections["scene"]["text"] == (folder / "scenes/t_handle.toml").read_text()
+    assert sections["scene"]["folder"] == "../scenes"
+    assert sections["source"]["sha256"] == run.scene.body.part.source.sha256
+    assert sections["accuracy"]["reached_rad"] == run.error.reached
+    assert sections["accuracy"]["requested_rad"] == 1e-10
+    assert sections["settings"]["samples"] == 50
 
 
 def test_a_recording_runs_again_bit_for_bit(folder: Path) -> None:
@@ -129,10 +129,10 @@ def test_a_recording_of_something_else_is_refused(tmp_path: Path) -> None:
 def test_a_rotor_s_recording_says_how_it_was_judged_and_is_no_scene(tmp_path: Path) -> None:
     rotor = inertia.Rotor.load(path("rotors/two_disc_rotor.toml"))
     record(inertia.balance(rotor), tmp_path / "rotor.rrd")
-    held = properties(tmp_path / "rotor.rrd")
-    assert held["verdict"]["outcome"] == "pass"
-    assert inertia.Rotor.loads(held["rotor"]["text"], rotor.folder).to_dict() == rotor.to_dict()
-    assert len(held["source"]["sha256"]) == 64
+    sections = properties(tmp_path / "rotor.rrd")
+    assert sections["verdict"]["outcome"] == "pass"
+    assert inertia.Rotor.loads(sections["rotor"]["text"], rotor.folder).to_dict() == rotor.to_dict()
+    assert len(sections["source"]["sha256"]) == 64
     with pytest.raises(ReadError, match=r"it is no recording of a run"):
         scene_of(tmp_path / "rotor.rrd")
 
@@ -165,9 +165,9 @@ def test_each_part_of_a_deforming_body_that_has_a_mesh_is_named(tmp_path: Path) 
         shutil.copy(path(name), tmp_path)
     run = simulate(Scene.load(tmp_path / "two.toml"))
     record(run, tmp_path / "two.rrd")
-    held = properties(tmp_path / "two.rrd")
+    sections = properties(tmp_path / "two.rrd")
     hashes = [mesh.source.sha256 for mesh in run.scene.body.meshes if mesh is not None]
-    assert [held["source"]["sha256"], held["source_2"]["sha256"]] == hashes
+    assert [sections["source"]["sha256"], sections["source_2"]["sha256"]] == hashes
     (tmp_path / "box.stl").write_bytes((tmp_path / "cube.stl").read_bytes())
     with pytest.raises(ReadError, match=r"was made from another"):
         scene_of(tmp_path / "two.rrd")

@@ -50,12 +50,12 @@ def fill(recording: Recording, rows: int) -> None:
 
 def test_rows_come_back_in_blocks_with_their_times(tmp_path: Path) -> None:
     write(tmp_path / "run.rrd", BLOCK + 5)
-    found = Recorded(tmp_path / "run.rrd")
-    assert sorted(found.rows["/plots/a"]) == [5, BLOCK]
+    recorded = Recorded(tmp_path / "run.rrd")
+    assert sorted(recorded.rows["/plots/a"]) == [5, BLOCK]
     seconds = np.arange(BLOCK + 5) / 3
-    np.testing.assert_allclose(np.sort(found.time("/plots/a")), seconds, atol=0.51e-9, rtol=1e-15)
-    assert np.array_equal(np.sort(found.values("/plots/a", "Scalars:scalars")[:, 0]), np.sqrt(seconds))
-    assert found.texts("/plots/a", "SeriesLines:names") == ["a, m"]
+    np.testing.assert_allclose(np.sort(recorded.time("/plots/a")), seconds, atol=0.51e-9, rtol=1e-15)
+    assert np.array_equal(np.sort(recorded.values("/plots/a", "Scalars:scalars")[:, 0]), np.sqrt(seconds))
+    assert recorded.texts("/plots/a", "SeriesLines:names") == ["a, m"]
     assert verified(tmp_path / "run.rrd", tmp_path)
 
 
@@ -76,7 +76,7 @@ def test_an_error_leaves_the_old_file_and_nothing_else(tmp_path: Path) -> None:
 
 
 def test_it_writes_where_there_are_no_pipes_to_name(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(writer, "_PIPES", tmp_path / "none")
+    monkeypatch.setattr(writer, "PIPES", tmp_path / "none")
     write(tmp_path / "run.rrd")
     assert verified(tmp_path / "run.rrd", tmp_path)
 

@@ -37,11 +37,11 @@ def lumps() -> PartTrade:
 
 def assert_errors(row: PartRow, truth: rational.Moments, density: int, size: Fraction) -> None:
     """Compare the stated errors with those against `truth`, the moments of mass."""
-    found = row.properties
-    volume = abs(Fraction(found.volume) * density / truth.volume - 1)
-    shift = [Fraction(a) - b for a, b in zip(found.center_of_mass.tolist(), truth.center_of_mass, strict=True)]
+    properties = row.properties
+    volume = abs(Fraction(properties.volume) * density / truth.volume - 1)
+    shift = [Fraction(a) - b for a, b in zip(properties.center_of_mass.tolist(), truth.center_of_mass, strict=True)]
     tensor = [value for line in truth.inertia for value in line]
-    off = [Fraction(a) - b for a, b in zip(found.inertia.ravel().tolist(), tensor, strict=True)]
+    off = [Fraction(a) - b for a, b in zip(properties.inertia.ravel().tolist(), tensor, strict=True)]
     assert row.error is not None
     assert row.error.volume == pytest.approx(float(volume), rel=1e-12, abs=0)
     assert row.error.center_of_mass == pytest.approx(norm(shift) / float(size), rel=1e-12, abs=0)
@@ -62,9 +62,9 @@ def test_every_method_and_then_simpler_meshes(lumps: PartTrade) -> None:
 
 
 def test_every_error_is_the_distance_from_the_rational_answer_for_the_whole_mesh(lumps: PartTrade) -> None:
-    given = lumpy()
-    size = Fraction(np.ptp(given.triangles.corners().reshape(-1, 3), axis=0).max()) / 1000
-    truth = exact(given, 7850)
+    whole = lumpy()
+    size = Fraction(np.ptp(whole.triangles.corners().reshape(-1, 3), axis=0).max()) / 1000
+    truth = exact(whole, 7850)
     for row in lumps.rows:
         assert_errors(row, truth, 7850, size)
 
@@ -80,8 +80,8 @@ def test_no_error_over_the_whole_mesh_is_above_its_bound(lumps: PartTrade) -> No
 
 
 def test_the_rows_of_simpler_meshes_are_those_meshes(lumps: PartTrade) -> None:
-    given = lumpy()
-    meshes = list(itertools.islice(halvings(given.triangles), len(lumps.rows) - 3))
+    whole = lumpy()
+    meshes = list(itertools.islice(halvings(whole.triangles), len(lumps.rows) - 3))
     for row, mesh in zip(lumps.rows[3:], meshes, strict=True):
         own = rational.moments(mesh.surface.corners()).volume / 1000**3
         assert row.triangles == mesh.surface.count
@@ -114,9 +114,9 @@ def test_the_density_weighs_and_changes_no_relative_error(lumps: PartTrade) -> N
 
 
 def test_a_file_is_read_again_for_its_time() -> None:
-    found = trade(inertia.read(path("sphere.stl")), repeats=2)
-    assert set(found.steps) == {"read", "closedness", "results"}
-    assert {timing.runs for timing in (*found.steps.values(), *(row.time for row in found.rows))} == {2}
+    cost = trade(inertia.read(path("sphere.stl")), repeats=2)
+    assert set(cost.steps) == {"read", "closedness", "results"}
+    assert {timing.runs for timing in (*cost.steps.values(), *(row.time for row in cost.rows))} == {2}
     assert set(trade(lumpy(), repeats=1).steps) == {"closedness", "results"}
 
 
@@ -129,10 +129,10 @@ def test_the_figures_are_of_this_machine() -> None:
 
 
 def test_a_recommendation_for_the_accuracy_asked_for() -> None:
-    found = trade(part(cube()), 1e-3, repeats=1)
-    (advice,) = found.recommendations
-    assert (found.accuracy, advice.finest) == (1e-3, 1e-3)
-    assert advice.row in found.rows
+    cost = trade(part(cube()), 1e-3, repeats=1)
+    (advice,) = cost.recommendations
+    assert (cost.accuracy, advice.finest) == (1e-3, 1e-3)
+    assert advice.row in cost.rows
 
 
 class Ticking:
@@ -147,16 +147,16 @@ class Ticking:
 
 
 def test_what_does_not_fit_into_the_budget_is_listed_with_its_estimate() -> None:
-    found = trade(lumpy(), repeats=3, budget=5.0, clock=Ticking())
-    assert [row.method for row in found.rows] == ["float64"]
-    assert [(item.what, item.seconds) for item in found.skipped[:2]] == [
+    cost = trade(lumpy(), repeats=3, budget=5.0, clock=Ticking())
+    assert [row.method for row in cost.rows] == ["float64"]
+    assert [(item.what, item.seconds) for item in cost.skipped[:2]] == [
         ("double-double over the whole mesh", 1.0),
         ("exact over the whole mesh", 1.0),
     ]
-    assert found.skipped[2].what == "meshes of about 1/2 of the triangles and fewer"
-    assert found.rows[0].time.runs == 1
-    assert found.rows[0].error is None
-    assert found.reference.method == "float64"
+    assert cost.skipped[2].what == "meshes of about 1/2 of the triangles and fewer"
+    assert cost.rows[0].time.runs == 1
+    assert cost.rows[0].error is None
+    assert cost.reference.method == "float64"
 
 
 def test_what_is_left_of_the_budget_is_used() -> None:
@@ -170,9 +170,9 @@ def test_what_is_left_of_the_budget_is_used() -> None:
 
 
 def test_without_the_exact_answer_the_next_best_is_the_reference() -> None:
-    found = trade(lumpy(), repeats=1, budget=14.0, clock=Ticking())
-    assert found.reference.method == "double-double"
-    first, second = found.rows[:2]
+    cost = trade(lumpy(), repeats=1, budget=14.0, clock=Ticking())
+    assert cost.reference.method == "double-double"
+    first, second = cost.rows[:2]
     assert first.error is not None
     assert first.error.worst <= first.bound.worst
     assert second.error is None
@@ -180,9 +180,9 @@ def test_without_the_exact_answer_the_next_best_is_the_reference() -> None:
 
 def test_a_part_too_thin_for_float64_still_has_the_other_rows() -> None:
     thin = part(plate(1e-17), unit="m")
-    found = trade(thin, repeats=1)
-    assert [row.method for row in found.rows] == ["double-double", "exact"]
-    (item, *_) = found.skipped
+    cost = trade(thin, repeats=1)
+    assert [row.method for row in cost.rows] == ["double-double", "exact"]
+    (item, *_) = cost.skipped
     assert (item.what, item.seconds) == ("float64 over the whole mesh", None)
     assert "error bound" in item.why
 
@@ -192,14 +192,14 @@ def test_a_needle_askew_is_recommended_a_method_that_keeps_its_smallest_moment()
     turned = vertices @ np.linalg.qr(np.random.default_rng(5).normal(size=(3, 3)))[0]
     along = np.array([0.6, 0.0, 0.8])
     needle = part((turned + np.outer(turned @ along, along) * 1e6, faces))
-    found = trade(needle, 1e-3, repeats=1)
-    assert found.rows[0].method == "float64"
-    assert found.rows[0].reached < 1e-3
-    assert found.rows[0].properties.loses_smallest_moment
-    (advice,) = found.recommendations
+    cost = trade(needle, 1e-3, repeats=1)
+    assert cost.rows[0].method == "float64"
+    assert cost.rows[0].reached < 1e-3
+    assert cost.rows[0].properties.loses_smallest_moment
+    (advice,) = cost.recommendations
     assert advice.row is not None
     assert not advice.row.properties.loses_smallest_moment
-    assert found.analysis.properties.error.method == advice.row.properties.error.method
+    assert cost.analysis.properties.error.method == advice.row.properties.error.method
 
 
 def plate(height: float) -> tuple[np.ndarray, np.ndarray]:
@@ -211,9 +211,9 @@ def plate(height: float) -> tuple[np.ndarray, np.ndarray]:
 
 
 def test_a_mesh_with_nothing_to_spare_says_so() -> None:
-    found = trade(part(cube()), repeats=1)
-    assert [row.method for row in found.rows] == RUNGS
-    (item,) = found.skipped
+    cost = trade(part(cube()), repeats=1)
+    assert [row.method for row in cost.rows] == RUNGS
+    (item,) = cost.skipped
     assert (item.what, item.seconds) == ("meshes of about 1/2 of the triangles and fewer", None)
     assert "no tolerance" in item.why
 
@@ -221,9 +221,9 @@ def test_a_mesh_with_nothing_to_spare_says_so() -> None:
 def test_a_file_that_has_gone_has_no_time_of_reading(tmp_path: Path) -> None:
     file = tmp_path / "gone.stl"
     file.write_bytes(path("cube.stl").read_bytes())
-    given = inertia.read(file)
+    whole = inertia.read(file)
     file.unlink()
-    assert set(trade(given, repeats=1).steps) == {"closedness", "results"}
+    assert set(trade(whole, repeats=1).steps) == {"closedness", "results"}
 
 
 def test_progress_rises_to_one() -> None:
@@ -240,17 +240,17 @@ def test_an_accuracy_that_cannot_be_had_is_refused(accuracy: float) -> None:
 
 
 def test_an_open_mesh_is_refused_in_the_words_of_the_analysis() -> None:
-    given = inertia.read(path("broken/missing_face.stl"))
+    whole = inertia.read(path("broken/missing_face.stl"))
     said = []
     for verb in (inertia.analyse, inertia.trade):
         with pytest.raises(GeometryError) as raised:
-            verb(given)
+            verb(whole)
         said.append(str(raised.value))
     assert said[0] == said[1]
 
 
 @pytest.mark.parametrize(
-    ("given", "how", "said"),
+    ("whole", "how", "said"),
     [
         (surface(np.zeros((0, 3, 3))), {}, "no triangles"),
         (cells("tetra", [[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]]), {}, "mesh of cells"),
@@ -261,6 +261,6 @@ def test_an_open_mesh_is_refused_in_the_words_of_the_analysis() -> None:
         (part(cube()), {"budget": math.nan}, "budget"),
     ],
 )
-def test_what_cannot_be_measured_is_refused(given: Part, how: dict, said: str) -> None:
+def test_what_cannot_be_measured_is_refused(whole: Part, how: dict, said: str) -> None:
     with pytest.raises(InertiaError, match=said):
-        trade(given, **how)
+        trade(whole, **how)

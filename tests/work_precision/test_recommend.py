@@ -42,34 +42,34 @@ def test_nothing_reaches_what_is_finer_than_every_row() -> None:
 @pytest.mark.parametrize(("seconds", "taken"), [(0.0079, "whole"), (0.0065, "whole"), (0.0064, "1/2"), (0.004, "1/2")])
 def test_a_simpler_mesh_must_be_worth_its_while(seconds: float, taken: str) -> None:
     rows = (whole("float64", 0.008, 1e-14), simpler(2, seconds, 1e-4))
-    found = cheapest(rows, 1e-3)
-    assert found is not None
-    assert found.mesh == taken
+    row = cheapest(rows, 1e-3)
+    assert row is not None
+    assert row.mesh == taken
 
 
 def test_one_recommendation_for_the_accuracy_asked_for() -> None:
-    (found,) = part_recommendations(ROWS, (), 1e-2)
-    assert (found.coarsest, found.finest, found.row) == (1e-2, 1e-2, ROWS[5])
-    assert found.sentence == (
+    (advice,) = part_recommendations(ROWS, (), 1e-2)
+    assert (advice.coarsest, advice.finest, advice.row) == (1e-2, 1e-2, ROWS[5])
+    assert advice.sentence == (
         "For 0.01: float64 over the mesh at 1/8 (1000 triangles), 1 ms instead of 8 ms for float64 over the whole one, "
         "off by 0.008; making it took 1 s, which pays after 143 integrations."
     )
 
 
 def test_the_sentence_of_a_method_states_its_bound() -> None:
-    (found,) = part_recommendations(ROWS, (), 1e-12)
-    assert found.sentence == "For 1e-12: float64 over the whole mesh, 8 ms, within 3e-14 by its bound."
+    (advice,) = part_recommendations(ROWS, (), 1e-12)
+    assert advice.sentence == "For 1e-12: float64 over the whole mesh, 8 ms, within 3e-14 by its bound."
 
 
 def test_without_an_accuracy_the_decades_are_gone_through() -> None:
-    found = part_recommendations(ROWS, (), None)
-    assert [(advice.coarsest, advice.finest, advice.row) for advice in found] == [
+    advices = part_recommendations(ROWS, (), None)
+    assert [(advice.coarsest, advice.finest, advice.row) for advice in advices] == [
         (0.1, 0.01, ROWS[5]),
         (1e-3, 1e-3, ROWS[3]),
         (1e-4, 1e-13, ROWS[0]),
         (1e-14, 1e-15, ROWS[1]),
     ]
-    assert found[2].sentence.startswith("For 1e-4 to 1e-13: float64")
+    assert advices[2].sentence.startswith("For 1e-4 to 1e-13: float64")
 
 
 def test_a_simpler_mesh_without_loss_is_compared_with_what_each_accuracy_needs() -> None:
@@ -89,20 +89,20 @@ def test_a_row_that_loses_the_smallest_moment_is_taken_only_where_no_other_reach
 
 
 def test_what_no_row_reaches_is_said_with_the_nearest() -> None:
-    (found,) = part_recommendations(ROWS[:1], (), 1e-15)
-    assert found.row is None
-    assert found.sentence == "For 1e-15: no row reaches it, the nearest being float64 over the whole mesh with 3e-14."
+    (advice,) = part_recommendations(ROWS[:1], (), 1e-15)
+    assert advice.row is None
+    assert advice.sentence == "For 1e-15: no row reaches it, the nearest being float64 over the whole mesh with 3e-14."
 
 
 def test_what_was_skipped_for_time_might_have_reached_it() -> None:
-    (found,) = part_recommendations(ROWS[:1], (Skipped("exact over the whole mesh", "no time", 99.0),), "exact")
-    assert found.row is None
-    assert found.sentence.endswith("but some were skipped: give a larger budget.")
+    (advice,) = part_recommendations(ROWS[:1], (Skipped("exact over the whole mesh", "no time", 99.0),), "exact")
+    assert advice.row is None
+    assert advice.sentence.endswith("but some were skipped: give a larger budget.")
 
 
 def test_a_simpler_mesh_alone_is_compared_with_nothing() -> None:
-    (found,) = part_recommendations((simpler(2, 0.004, 1e-16),), (), 1e-15)
-    assert found.sentence.endswith("4 ms, off by 1e-16; making it took 1 s.")
+    (advice,) = part_recommendations((simpler(2, 0.004, 1e-16),), (), 1e-15)
+    assert advice.sentence.endswith("4 ms, off by 1e-16; making it took 1 s.")
 
 
 def test_the_fastest_row_that_reaches_it_is_advised_where_it_pays() -> None:

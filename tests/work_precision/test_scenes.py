@@ -78,10 +78,10 @@ def true_error(table: dict[str, Any], truth: oracle.Answer, row: SceneRow) -> fl
 
 def test_every_error_is_the_angle_to_the_true_motion(free: SceneTrade, heavy: SceneTrade) -> None:
     pulled = oracle.rotate(MOMENTS, SPIN, TIMES, mass=0.5, offset=(0.0, 0.0, 0.3), gravity=(0.0, 0.0, -9.8))
-    for table, found, truth in ((FREE, free, oracle.rotate(MOMENTS, SPIN, TIMES)), (HEAVY, heavy, pulled)):
-        for row in found.rows:
+    for table, cost, truth in ((FREE, free, oracle.rotate(MOMENTS, SPIN, TIMES)), (HEAVY, heavy, pulled)):
+        for row in cost.rows:
             true = true_error(table, truth, row)
-            assert (row.error or 0.0) == pytest.approx(true, rel=1e-6, abs=found.reference.estimate)
+            assert (row.error or 0.0) == pytest.approx(true, rel=1e-6, abs=cost.reference.estimate)
             assert true <= row.reached
 
 
@@ -108,10 +108,10 @@ def test_a_method_that_cannot_take_the_loads_says_so(monkeypatch: pytest.MonkeyP
     two = {"Taylor": methods.METHODS["Taylor"], "splitting 4": Splitting(4)}
     monkeypatch.setattr(methods, "METHODS", two)
     lossy = {**FREE, "load": [{"kind": "dissipation", "rate": 0.01}]}
-    found = traded(lossy)
-    reasons = {item.what: item.why for item in found.skipped}
+    cost = traded(lossy)
+    reasons = {item.what: item.why for item in cost.skipped}
     assert reasons == {"splitting 4": "splitting 4 has no exact flow for internal dissipation: use Taylor or DOP853"}
-    assert {row.method for row in found.rows} == {"Taylor"}
+    assert {row.method for row in cost.rows} == {"Taylor"}
 
 
 def test_a_rolling_body_has_two_methods_and_a_deforming_one_has_one() -> None:
@@ -142,9 +142,9 @@ def test_a_budget_that_is_too_small_is_refused() -> None:
 
 def test_what_does_not_fit_into_the_budget_is_listed_with_its_time(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(methods, "METHODS", {"DOP853": methods.METHODS["DOP853"]})
-    found = traded(FREE | {"run": {"duration": 20_000.0, "samples": 3}}, budget=2.0)
-    assert [row.planned for row in found.rows] == [True]
-    (late,) = found.skipped
+    cost = traded(FREE | {"run": {"duration": 20_000.0, "samples": 3}}, budget=2.0)
+    assert [row.planned for row in cost.rows] == [True]
+    (late,) = cost.skipped
     assert (late.what, late.why) == ("DOP853 at 0.001 rad and finer", "it does not fit into the budget")
     assert late.seconds is not None
     assert late.seconds > 0.5

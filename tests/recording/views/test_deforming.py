@@ -25,12 +25,12 @@ def skater(tmp_path_factory: pytest.TempPathFactory) -> Recorded:
     return written(screen(of("skater")), tmp_path_factory.mktemp("deforming") / "run.rrd")
 
 
-def where(found: Recorded, name: str) -> np.ndarray:
+def where(recording: Recorded, name: str) -> np.ndarray:
     """Return where a part's centre is, (m, 3), from the centre of mass, space axes."""
-    center = found.values(f"/{entities.PARTS}/{name}/solid", "Ellipsoids3D:centers")[0, 0].astype(float)
+    center = recording.values(f"/{entities.PARTS}/{name}/solid", "Ellipsoids3D:centers")[0, 0].astype(float)
     part = f"/{entities.PARTS}/{name}"
-    in_root = turn(found, part).apply(center) + place(found, part)
-    return turn(found, f"/{entities.BODY}").apply(in_root) + place(found, f"/{entities.BODY}")
+    in_root = turn(recording, part).apply(center) + place(recording, part)
+    return turn(recording, f"/{entities.BODY}").apply(in_root) + place(recording, f"/{entities.BODY}")
 
 
 def pulled_in(t: np.ndarray) -> np.ndarray:
@@ -95,20 +95,20 @@ def test_the_screen_has_its_views(skater: Recorded) -> None:
 
 
 def test_a_body_in_flight_is_shown_where_it_is(tmp_path: Path) -> None:
-    found = written(screen(of("diver")), tmp_path / "run.rrd")
-    assert found.views.count("3D") == 3
-    t, center = found.time(f"/{entities.CENTER}"), place(found, f"/{entities.CENTER}")
+    recording = written(screen(of("diver")), tmp_path / "run.rrd")
+    assert recording.views.count("3D") == 3
+    t, center = recording.time(f"/{entities.CENTER}"), place(recording, f"/{entities.CENTER}")
     fall = np.stack([t, 0 * t, 3.0 * t - 0.5 * 9.80665 * t**2], axis=1)
     np.testing.assert_allclose(center, fall, atol=2e-4)  # between samples on straight lines
-    momentum = tips(found, f"/{entities.ANGULAR_MOMENTUM}")
+    momentum = tips(recording, f"/{entities.ANGULAR_MOMENTUM}")
     np.testing.assert_allclose(momentum, np.broadcast_to(momentum[0], momentum.shape), atol=8 * FLOAT32)
 
 
 def test_no_arrow_is_drawn_of_a_momentum_that_is_zero(tmp_path: Path) -> None:
-    found = written(screen(of("cat")), tmp_path / "run.rrd")
-    assert f"/{entities.ANGULAR_MOMENTUM}" not in found.columns
-    assert f"/{entities.ANGULAR_VELOCITY}" in found.columns
-    (text,) = found.texts(f"/{entities.SUMMARY}", "TextDocument:text")
+    recording = written(screen(of("cat")), tmp_path / "run.rrd")
+    assert f"/{entities.ANGULAR_MOMENTUM}" not in recording.columns
+    assert f"/{entities.ANGULAR_VELOCITY}" in recording.columns
+    (text,) = recording.texts(f"/{entities.SUMMARY}", "TextDocument:text")
     assert "The angular momentum is zero and has no arrow." in text
 
 
@@ -129,14 +129,14 @@ def test_parts_with_a_file_are_shown_as_they_are(tmp_path: Path) -> None:
         "run": {"duration": 1.0, "samples": 11, "accuracy": 1e-8},
     }
     run = simulate(Scene.from_dict(table))
-    found = written(screen(run), tmp_path / "run.rrd")
+    recording = written(screen(run), tmp_path / "run.rrd")
     part = run.scene.body.meshes[1]
     stored = part.triangles.corners().reshape(-1, 3) * 1e-3
-    drawn = found.values(f"/{entities.PARTS}/lid/solid", "Mesh3D:vertex_positions")[0]
+    drawn = recording.values(f"/{entities.PARTS}/lid/solid", "Mesh3D:vertex_positions")[0]
     scale = np.abs(stored).max() / np.abs(drawn).max()
     assert np.log10(scale) == pytest.approx(np.round(np.log10(scale)), abs=1e-6)
     np.testing.assert_allclose(drawn * scale, stored, atol=4 * FLOAT32 * np.abs(stored).max())
-    turned = turn(found, f"/{entities.PARTS}/lid").as_rotvec()[-1]
+    turned = turn(recording, f"/{entities.PARTS}/lid").as_rotvec()[-1]
     np.testing.assert_allclose(turned, [0, 0, 1], atol=1e-6)
 
 

@@ -24,24 +24,24 @@ def run() -> Run:
 
 
 @pytest.fixture(scope="module")
-def found(run: Run, tmp_path_factory: pytest.TempPathFactory) -> Recorded:
+def recording(run: Run, tmp_path_factory: pytest.TempPathFactory) -> Recorded:
     return written(screen(run), tmp_path_factory.mktemp("disc") / "run.rrd")
 
 
 def test_it_applies_to_bodies_that_roll(run: Run) -> None:
     assert run.plan.view == "disc"
-    held = replace(run.scene, constraint=Constraint(), applied_loads=())
-    assert simulate(held).plan.view == "tumbling"
+    free = replace(run.scene, constraint=Constraint(), applied_loads=())
+    assert simulate(free).plan.view == "tumbling"
 
 
-def test_the_screen_has_its_views(found: Recorded) -> None:
-    assert sorted(found.views) == ["3D", "3D", "TextDocument", *4 * ["TimeSeries"]]
-    assert f"/{entities.CONTACT_STATE}" not in found.columns
+def test_the_screen_has_its_views(recording: Recorded) -> None:
+    assert sorted(recording.views) == ["3D", "3D", "TextDocument", *4 * ["TimeSeries"]]
+    assert f"/{entities.CONTACT_STATE}" not in recording.columns
 
 
-def test_the_contact_is_the_lowest_point_of_the_rim(found: Recorded) -> None:
-    contact, center = place(found, f"/{entities.CONTACT}"), place(found, f"/{entities.CENTER}")
-    poses = turn(found, f"/{entities.BODY}")
+def test_the_contact_is_the_lowest_point_of_the_rim(recording: Recorded) -> None:
+    contact, center = place(recording, f"/{entities.CONTACT}"), place(recording, f"/{entities.CENTER}")
+    poses = turn(recording, f"/{entities.BODY}")
     np.testing.assert_array_equal(contact[:, 2], 0.0)
     arm = contact - center
     np.testing.assert_allclose(np.linalg.norm(arm, axis=1), 2.5, atol=1e-5)  # one unit is 1 cm
@@ -50,26 +50,26 @@ def test_the_contact_is_the_lowest_point_of_the_rim(found: Recorded) -> None:
     assert contact[:, :2].max(axis=0) + contact[:, :2].min(axis=0) == pytest.approx([0, 0], abs=1e-3)
 
 
-def test_the_rim_that_is_drawn_touches_the_plane(found: Recorded) -> None:
-    rim = found.values(f"/{entities.RIM}", "LineStrips3D:strips")[0].reshape(-1, 3)
-    center, poses = place(found, f"/{entities.CENTER}"), turn(found, f"/{entities.BODY}")
+def test_the_rim_that_is_drawn_touches_the_plane(recording: Recorded) -> None:
+    rim = recording.values(f"/{entities.RIM}", "LineStrips3D:strips")[0].reshape(-1, 3)
+    center, poses = place(recording, f"/{entities.CENTER}"), turn(recording, f"/{entities.BODY}")
     for k in range(0, len(center), 50):
         lowest = (poses[k].apply(rim) + center[k])[:, 2].min()
         assert lowest == pytest.approx(0.0, abs=2.5 * (1 - np.cos(np.pi / 96)))
 
 
-def test_forces_are_drawn_to_one_scale(run: Run, found: Recorded) -> None:
-    weight = tips(found, f"/{entities.WEIGHT}")
+def test_forces_are_drawn_to_one_scale(run: Run, recording: Recorded) -> None:
+    weight = tips(recording, f"/{entities.WEIGHT}")
     np.testing.assert_allclose(weight, np.broadcast_to([0, 0, -3.0], weight.shape), atol=8 * FLOAT32)
-    force = tips(found, f"/{entities.CONTACT_FORCE}") / 3.0 * MASS * G
-    instants = found.time(f"/{entities.CONTACT_FORCE}")
+    force = tips(recording, f"/{entities.CONTACT_FORCE}") / 3.0 * MASS * G
+    instants = recording.time(f"/{entities.CONTACT_FORCE}")
     for axis in range(3):
         between = np.interp(instants, run.time, run.quantities["contact force"][:, axis])
         np.testing.assert_allclose(force[:, axis], between, atol=1e-6)
 
 
-def test_normal_force_and_friction_are_plotted(run: Run, found: Recorded) -> None:
-    normal, friction, weight = series(found, f"/{entities.PLOT_FORCE}").T
+def test_normal_force_and_friction_are_plotted(run: Run, recording: Recorded) -> None:
+    normal, friction, weight = series(recording, f"/{entities.PLOT_FORCE}").T
     truth = run.quantities["contact force"]
     np.testing.assert_array_equal(normal, truth[:, 2])
     np.testing.assert_allclose(friction**2 + normal**2, (truth**2).sum(axis=1))
@@ -85,10 +85,10 @@ def test_a_body_that_would_lift_off_says_when(tmp_path: Path) -> None:
         "run": {"duration": 1.0, "samples": 1001, "accuracy": 1e-8},
     }
     run = simulate(Scene.from_dict(table))
-    found = written(screen(run), tmp_path / "run.rrd")
-    assert "StateTimeline" in found.views
-    states = found.texts(f"/{entities.CONTACT_STATE}", "StateChange:state")
-    instant = found.time(f"/{entities.CONTACT_STATE}")[-1]
+    recording = written(screen(run), tmp_path / "run.rrd")
+    assert "StateTimeline" in recording.views
+    states = recording.texts(f"/{entities.CONTACT_STATE}", "StateChange:state")
+    instant = recording.time(f"/{entities.CONTACT_STATE}")[-1]
     assert states[-1] == STATES[1]
     normal = run.quantities["contact force"][:, 2]
     assert instant == pytest.approx(run.time[np.argmax(normal < 0)], abs=1e-3)

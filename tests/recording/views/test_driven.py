@@ -25,33 +25,35 @@ def test_it_applies_where_something_acts() -> None:
 
 def test_a_damped_sphere_loses_its_momentum_exponentially(tmp_path: Path) -> None:
     run = made([2.0, 2.0, 2.0], [0.3, 0.0, 0.4], [{"kind": "damping", "coefficient": 0.4}])
-    found = written(screen(run), tmp_path / "run.rrd")
-    decay = np.exp(-0.2 * found.time(f"/{entities.PLOT_MOMENTUM}"))
+    recording = written(screen(run), tmp_path / "run.rrd")
+    decay = np.exp(-0.2 * recording.time(f"/{entities.PLOT_MOMENTUM}"))
     np.testing.assert_allclose(
-        series(found, f"/{entities.PLOT_MOMENTUM}"), decay[:, None] * [0.6, 0.0, 0.8, 1.0], atol=1e-8
+        series(recording, f"/{entities.PLOT_MOMENTUM}"), decay[:, None] * [0.6, 0.0, 0.8, 1.0], atol=1e-8
     )
-    np.testing.assert_allclose(series(found, f"/{entities.PLOT_ENERGY}")[:, 0], 0.25 * decay**2, atol=1e-8)
-    arrow = np.linalg.norm(tips(found, f"/{entities.CURRENT}"), axis=1)
-    np.testing.assert_allclose(arrow, np.exp(-0.2 * found.time(f"/{entities.CURRENT}")), atol=2e-4)
-    radius = found.values(f"/{entities.MOMENTUM_SPHERE}", "Ellipsoids3D:half_sizes")[:, 0, 0]
+    np.testing.assert_allclose(series(recording, f"/{entities.PLOT_ENERGY}")[:, 0], 0.25 * decay**2, atol=1e-8)
+    arrow = np.linalg.norm(tips(recording, f"/{entities.CURRENT}"), axis=1)
+    np.testing.assert_allclose(arrow, np.exp(-0.2 * recording.time(f"/{entities.CURRENT}")), atol=2e-4)
+    radius = recording.values(f"/{entities.MOMENTUM_SPHERE}", "Ellipsoids3D:half_sizes")[:, 0, 0]
     np.testing.assert_allclose(radius, arrow, rtol=1e-5)
-    assert sorted(found.views) == ["3D", "3D", "TextDocument", *4 * ["TimeSeries"]]
+    assert sorted(recording.views) == ["3D", "3D", "TextDocument", *4 * ["TimeSeries"]]
 
 
 def test_a_body_that_starts_at_rest_is_shown(tmp_path: Path) -> None:
     run = made([1.0, 2.0, 3.0], [0, 0, 0], [{"kind": "torque", "torque": [0.0, 0.0, 0.3]}])
-    found = written(screen(run), tmp_path / "run.rrd")
-    t = found.time(f"/{entities.CURRENT}")
-    np.testing.assert_allclose(tips(found, f"/{entities.CURRENT}")[:, 2], t / 10.0, atol=1e-6)
+    recording = written(screen(run), tmp_path / "run.rrd")
+    t = recording.time(f"/{entities.CURRENT}")
+    np.testing.assert_allclose(tips(recording, f"/{entities.CURRENT}")[:, 2], t / 10.0, atol=1e-6)
 
 
 @pytest.mark.parametrize("name", ["explorer_1", "gravity_gradient", "manoeuvre"])
 def test_the_samples_are_written_whole(name: str, tmp_path: Path) -> None:
     run = simulate(Scene.load(path(f"scenes/{name}.toml")))
-    found = written(screen(run), tmp_path / "run.rrd")
-    assert (f"/{entities.PLOT_ENERGY}" in found.columns) == ("energy" not in run.invariants)
-    assert (f"/{entities.PLOT_DRIFT}" in found.columns) == bool(run.invariants)
-    assert (f"/{entities.TRAIL_OF_MOMENTUM}" in found.columns) == (name != "explorer_1")  # its samples are far apart
+    recording = written(screen(run), tmp_path / "run.rrd")
+    assert (f"/{entities.PLOT_ENERGY}" in recording.columns) == ("energy" not in run.invariants)
+    assert (f"/{entities.PLOT_DRIFT}" in recording.columns) == bool(run.invariants)
+    assert (f"/{entities.TRAIL_OF_MOMENTUM}" in recording.columns) == (
+        name != "explorer_1"
+    )  # its samples are far apart
 
 
 @seen

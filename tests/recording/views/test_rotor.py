@@ -32,26 +32,26 @@ def balanced() -> Balance:
 
 
 @pytest.fixture(scope="module")
-def found(balanced: Balance, tmp_path_factory: pytest.TempPathFactory) -> Recorded:
+def recording(balanced: Balance, tmp_path_factory: pytest.TempPathFactory) -> Recorded:
     return written(screen(balanced), tmp_path_factory.mktemp("rotor") / "rotor.rrd")
 
 
-def vectors(found: Recorded, room: str, name: str) -> np.ndarray:
+def vectors(recording: Recorded, room: str, name: str) -> np.ndarray:
     """Return the arrows across the shaft, as complex numbers."""
-    x, y, z = found.values(f"/{room}/rotor/{name}", "Arrows3D:vectors")[0].astype(float).T
+    x, y, z = recording.values(f"/{room}/rotor/{name}", "Arrows3D:vectors")[0].astype(float).T
     np.testing.assert_array_equal(z, 0.0)
     return x + 1j * y
 
 
-def test_the_screen_has_its_views(found: Recorded) -> None:
-    assert sorted(found.views) == ["2D", "2D", "3D", "3D", "TextDocument", "TimeSeries", "TimeSeries"]
+def test_the_screen_has_its_views(recording: Recorded) -> None:
+    assert sorted(recording.views) == ["2D", "2D", "3D", "3D", "TextDocument", "TimeSeries", "TimeSeries"]
 
 
 @pytest.mark.parametrize("room", [entities.AS_MODELLED, entities.CORRECTED])
-def test_the_shaft_makes_whole_turns(room: str, found: Recorded) -> None:
-    t = found.time(f"/{room}/rotor")
+def test_the_shaft_makes_whole_turns(room: str, recording: Recorded) -> None:
+    t = recording.time(f"/{room}/rotor")
     assert t[-1] == pytest.approx(TURNS / 50.0)
-    angle = turn(found, f"/{room}/rotor").as_rotvec()
+    angle = turn(recording, f"/{room}/rotor").as_rotvec()
     np.testing.assert_allclose(angle[:, :2], 0.0, atol=1e-6)
     np.testing.assert_allclose(np.exp(1j * angle[:, 2]), np.exp(1j * SPEED * t), atol=1e-5)
 
@@ -62,62 +62,62 @@ def test_a_shaft_that_turns_clockwise_does_so(tmp_path: Path) -> None:
     assert angle[1] < 0
 
 
-def test_vectors_have_the_angles_and_ratios_of_the_unbalance(balanced: Balance, found: Recorded) -> None:
+def test_vectors_have_the_angles_and_ratios_of_the_unbalance(balanced: Balance, recording: Recorded) -> None:
     for room, name in ((entities.AS_MODELLED, "initial"), (entities.CORRECTED, "residual")):
         truth = np.array([getattr(plane, name) for plane in balanced.planes])
-        drawn = vectors(found, room, "unbalance")
+        drawn = vectors(recording, room, "unbalance")
         np.testing.assert_allclose(np.angle(drawn / truth), 0.0, atol=1e-6)
         np.testing.assert_allclose(np.abs(drawn[0] / drawn[1]), np.abs(truth[0] / truth[1]), rtol=1e-6)
-    z = found.values(f"/{entities.AS_MODELLED}/rotor/unbalance", "Arrows3D:origins")[0][:, 2]
+    z = recording.values(f"/{entities.AS_MODELLED}/rotor/unbalance", "Arrows3D:origins")[0][:, 2]
     np.testing.assert_allclose(z, [-0.6, 0.65], atol=1e-6)  # 90 and 215 mm, from 150 mm, one unit being 100 mm
-    labels = found.texts(f"/{entities.AS_MODELLED}/rotor/unbalance", "Arrows3D:labels")
+    labels = recording.texts(f"/{entities.AS_MODELLED}/rotor/unbalance", "Arrows3D:labels")
     assert labels == ["I 863.1 g·mm", "II 1598 g·mm"]
 
 
-def test_circles_and_bearing_vectors_have_one_scale(balanced: Balance, found: Recorded) -> None:
+def test_circles_and_bearing_vectors_have_one_scale(balanced: Balance, recording: Recorded) -> None:
     for room, state in ((entities.AS_MODELLED, balanced.initial), (entities.CORRECTED, balanced.residual)):
-        rings = found.values(f"/{room}/permissible", "LineStrips3D:strips")[0].reshape(2, -1, 3)
+        rings = recording.values(f"/{room}/permissible", "LineStrips3D:strips")[0].reshape(2, -1, 3)
         radii = np.hypot(rings[..., 0], rings[..., 1]).mean(axis=1)
-        drawn = vectors(found, room, "bearing_force")
+        drawn = vectors(recording, room, "bearing_force")
         truth = np.array(state.in_planes(0.02, 0.28))
         scale = radii[0] / balanced.tolerance.permissible[0]
         np.testing.assert_allclose(radii, scale * np.array(balanced.tolerance.permissible), rtol=1e-5)
         np.testing.assert_allclose(drawn, scale * truth, atol=1e-6)
 
 
-def test_forces_at_rest_swing_once_a_turn(balanced: Balance, found: Recorded) -> None:
+def test_forces_at_rest_swing_once_a_turn(balanced: Balance, recording: Recorded) -> None:
     for path_, number in ((entities.PLOT_BEARING_A, 0), (entities.PLOT_BEARING_B, 1)):
-        t = found.time(f"/{path_}")
-        for column, state in zip(series(found, f"/{path_}").T, (balanced.initial, balanced.residual), strict=True):
+        t = recording.time(f"/{path_}")
+        for column, state in zip(series(recording, f"/{path_}").T, (balanced.initial, balanced.residual), strict=True):
             force = SPEED**2 * state.in_planes(0.02, 0.28)[number]
             np.testing.assert_allclose(column, abs(force) * np.cos(SPEED * t + np.angle(force)), atol=1e-6)
 
 
-def test_targets_show_what_is_left_in_units_of_what_is_permissible(balanced: Balance, found: Recorded) -> None:
+def test_targets_show_what_is_left_in_units_of_what_is_permissible(balanced: Balance, recording: Recorded) -> None:
     for path_, number in ((entities.POLAR_A, 0), (entities.POLAR_B, 1)):
-        x, y = found.values(f"/{path_}/after/tip", "Points2D:positions")[0, 0]
+        x, y = recording.values(f"/{path_}/after/tip", "Points2D:positions")[0, 0]
         left = balanced.residual.in_planes(0.02, 0.28)[number] / balanced.tolerance.permissible[number]
         assert complex(x, -y) == pytest.approx(left, abs=1e-6)
-        before = found.values(f"/{path_}/before/tip", "Points2D:positions")[0, 0]
+        before = recording.values(f"/{path_}/before/tip", "Points2D:positions")[0, 0]
         assert np.hypot(*before) == pytest.approx(FARTHEST)  # cut off, and says so
-        (label,) = found.texts(f"/{path_}/before/tip", "Points2D:labels")
+        (label,) = recording.texts(f"/{path_}/before/tip", "Points2D:labels")
         assert label.endswith("×")
 
 
-def test_the_holes_are_in_the_mesh_that_is_corrected(found: Recorded) -> None:
+def test_the_holes_are_in_the_mesh_that_is_corrected(recording: Recorded) -> None:
     before, after = (
-        len(found.values(f"/{room}/rotor/body_0", "Mesh3D:vertex_positions")[0])
+        len(recording.values(f"/{room}/rotor/body_0", "Mesh3D:vertex_positions")[0])
         for room in (entities.AS_MODELLED, entities.CORRECTED)
     )
     assert after > before
-    labels = found.texts(f"/{entities.CORRECTED}/rotor/operations", "Points3D:labels")
+    labels = recording.texts(f"/{entities.CORRECTED}/rotor/operations", "Points3D:labels")
     assert labels == ["I-1: Ø 10, 14.2 mm deep", "II-1: Ø 16, 12.4 mm deep"]
 
 
 def test_a_fast_rotor_is_slowed_and_says_so(tmp_path: Path) -> None:
     fast = changed(("rpm = 3000", "rpm = 12000"), ("critical_rpm = 12000", "critical_rpm = 60000"))
-    found = written(screen(fast), tmp_path / "rotor.rrd")
-    (text,) = found.texts(f"/{entities.SUMMARY}", "TextDocument:text")
+    recording = written(screen(fast), tmp_path / "rotor.rrd")
+    (text,) = recording.texts(f"/{entities.SUMMARY}", "TextDocument:text")
     assert "The shaft turns at 12000 r/min, on the screen at 60 r/min, 200 times slower." in text
     assert text.startswith("**the rotor: UNDECIDED**")
 
@@ -125,10 +125,10 @@ def test_a_fast_rotor_is_slowed_and_says_so(tmp_path: Path) -> None:
 def test_a_rotor_that_is_left_alone_has_one_state(tmp_path: Path) -> None:
     coarse = changed(("grade = 6.3", "grade = 250"))
     assert coarse.correction.operations == ()
-    found = written(screen(coarse), tmp_path / "rotor.rrd")
-    assert found.views.count("3D") == 1
-    assert not any(name.startswith(f"/{entities.CORRECTED}") for name in found.columns)
-    assert series(found, f"/{entities.PLOT_BEARING_A}").shape[1] == 1
+    recording = written(screen(coarse), tmp_path / "rotor.rrd")
+    assert recording.views.count("3D") == 1
+    assert not any(name.startswith(f"/{entities.CORRECTED}") for name in recording.columns)
+    assert series(recording, f"/{entities.PLOT_BEARING_A}").shape[1] == 1
 
 
 @seen

@@ -29,7 +29,7 @@ def run() -> Run:
 
 
 @pytest.fixture(scope="module")
-def found(run: Run, tmp_path_factory: pytest.TempPathFactory) -> Recorded:
+def recording(run: Run, tmp_path_factory: pytest.TempPathFactory) -> Recorded:
     return written(screen(run), tmp_path_factory.mktemp("top") / "run.rrd")
 
 
@@ -41,49 +41,49 @@ def test_it_applies_where_gravity_has_an_arm(run: Run) -> None:
     assert simulate(Scene.from_dict(table | {"constraint": {"kind": "fixed_point"}})).plan.view == "tumbling"
 
 
-def test_the_screen_has_its_views(found: Recorded) -> None:
-    assert found.recording.application_id == "inertia-top"
-    assert sorted(found.views) == ["2D", "3D", "3D", "TextDocument", *3 * ["TimeSeries"]]
+def test_the_screen_has_its_views(recording: Recorded) -> None:
+    assert recording.recording.application_id == "inertia-top"
+    assert sorted(recording.views) == ["2D", "3D", "3D", "TextDocument", *3 * ["TimeSeries"]]
 
 
-def test_the_centre_of_mass_hangs_on_the_fixed_point(run: Run, found: Recorded) -> None:
-    poses = turn(found, f"/{entities.BODY}")
-    np.testing.assert_allclose(found.time(f"/{entities.BODY}"), found.time(f"/{entities.CENTER}"))
-    centers = place(found, f"/{entities.CENTER}")
+def test_the_centre_of_mass_hangs_on_the_fixed_point(run: Run, recording: Recorded) -> None:
+    poses = turn(recording, f"/{entities.BODY}")
+    np.testing.assert_allclose(recording.time(f"/{entities.BODY}"), recording.time(f"/{entities.CENTER}"))
+    centers = place(recording, f"/{entities.CENTER}")
     np.testing.assert_allclose(centers, poses.apply([0.0, 0.0, 4.0]), atol=8 * FLOAT32)  # one unit is 1 cm
     np.testing.assert_allclose(poses[0].as_quat(), run.attitude[0], atol=FLOAT32)
 
 
-def test_the_axis_runs_on_the_unit_sphere_between_its_turning_circles(found: Recorded) -> None:
-    axis = tips(found, "/unit_sphere/axis")
+def test_the_axis_runs_on_the_unit_sphere_between_its_turning_circles(recording: Recorded) -> None:
+    axis = tips(recording, "/unit_sphere/axis")
     np.testing.assert_allclose(np.linalg.norm(axis, axis=1), 1.0, atol=4 * FLOAT32)
     # Let go at rest at TILT: u = cosθ turns where 2 mgh (u1 − u)(1 − u²) I1 = p² (u1 − u)², p = I3 ω3.
     k = (I3 * SPIN) ** 2 / (2.0 * I1 * MGH)
     u1 = math.cos(TILT)
     u2 = next(u for u in np.roots([1.0, -k, k * u1 - 1.0]).real if -1 <= u < u1)
-    circles = found.values("/unit_sphere/turning_circles", "LineStrips3D:strips")[0]
+    circles = recording.values("/unit_sphere/turning_circles", "LineStrips3D:strips")[0]
     heights = np.array([strip[:, 2].mean() for strip in np.reshape(circles, (2, -1, 3))])
     np.testing.assert_allclose(heights, [u1, u2], atol=1e-6)
     assert axis[:, 2].max() == pytest.approx(u1, abs=1e-3)
     assert axis[:, 2].min() == pytest.approx(u2, abs=1e-3)
 
 
-def test_the_tilt_is_plotted_at_every_sample(run: Run, found: Recorded) -> None:
+def test_the_tilt_is_plotted_at_every_sample(run: Run, recording: Recorded) -> None:
     space = Rotation.from_quat(run.attitude).apply([0.0, 0.0, 1.0])
-    np.testing.assert_allclose(series(found, f"/{entities.PLOT_TILT}")[:, 0], np.arccos(space[:, 2]), atol=1e-12)
-    assert series(found, f"/{entities.PLOT_EULER_ANGLES}").shape == (401, 2)
-    assert series(found, f"/{entities.PLOT_DRIFT}").shape == (401, 3)
-    names = found.texts(f"/{entities.PLOT_DRIFT}", "SeriesLines:names")
+    np.testing.assert_allclose(series(recording, f"/{entities.PLOT_TILT}")[:, 0], np.arccos(space[:, 2]), atol=1e-12)
+    assert series(recording, f"/{entities.PLOT_EULER_ANGLES}").shape == (401, 2)
+    assert series(recording, f"/{entities.PLOT_DRIFT}").shape == (401, 3)
+    names = recording.texts(f"/{entities.PLOT_DRIFT}", "SeriesLines:names")
     assert [name.split(",")[0] for name in names] == ["energy", "p_phi", "p_psi"]
 
 
-def test_the_point_stays_on_the_effective_potential_and_below_the_energy(run: Run, found: Recorded) -> None:
+def test_the_point_stays_on_the_effective_potential_and_below_the_energy(run: Run, recording: Recorded) -> None:
     p = I3 * SPIN
-    points = found.values(f"/{entities.EFFECTIVE_POTENTIAL}/point", "Points2D:positions")[:, 0].astype(float)
-    (level,) = {round(float(y), 3) for y in np.ravel(_strip(found, "energy"))[1::2]}
+    points = recording.values(f"/{entities.EFFECTIVE_POTENTIAL}/point", "Points2D:positions")[:, 0].astype(float)
+    (level,) = {round(float(y), 3) for y in np.ravel(_strip(recording, "energy"))[1::2]}
     assert points[:, 1].min() > level - 1e-2  # y points down
     spun = Rotation.from_quat(run.attitude).apply([0.0, 0.0, 1.0])
-    theta = np.interp(found.time(f"/{entities.EFFECTIVE_POTENTIAL}/point"), run.time, np.arccos(spun[:, 2]))
+    theta = np.interp(recording.time(f"/{entities.EFFECTIVE_POTENTIAL}/point"), run.time, np.arccos(spun[:, 2]))
     potential = (p * math.cos(TILT) - p * np.cos(theta)) ** 2 / (2 * I1 * np.sin(theta) ** 2) + MGH * np.cos(theta)
     slope, offset = np.polyfit(potential, points[:, 1], 1)
     assert slope < 0
@@ -91,21 +91,21 @@ def test_the_point_stays_on_the_effective_potential_and_below_the_energy(run: Ru
     assert slope * MGH * math.cos(TILT) + offset == pytest.approx(level, abs=0.05)  # at rest, E′ = V
 
 
-def _strip(found: Recorded, name: str) -> np.ndarray:
-    return found.values(f"/{entities.EFFECTIVE_POTENTIAL}/{name}", "LineStrips2D:strips")[0]
+def _strip(recording: Recorded, name: str) -> np.ndarray:
+    return recording.values(f"/{entities.EFFECTIVE_POTENTIAL}/{name}", "LineStrips2D:strips")[0]
 
 
 def test_a_general_top_has_no_effective_potential(tmp_path: Path) -> None:
-    found = written(screen(shortened("kovalevskaya_top", duration=2.0)), tmp_path / "run.rrd")
-    assert not any(entities.EFFECTIVE_POTENTIAL in name for name in found.columns)
-    assert not any("turning_circles" in name for name in found.columns)
-    assert "2D" not in found.views
+    recording = written(screen(shortened("kovalevskaya_top", duration=2.0)), tmp_path / "run.rrd")
+    assert not any(entities.EFFECTIVE_POTENTIAL in name for name in recording.columns)
+    assert not any("turning_circles" in name for name in recording.columns)
+    assert "2D" not in recording.views
 
 
 def test_the_tilt_is_from_the_vertical_wherever_that_points(tmp_path: Path) -> None:
     turned = Rotation.from_rotvec([0.3, 1.1, -0.4])
     tilted = Rotation.from_rotvec([0.5, 0.0, 0.0])
-    found = []
+    recording = []
     for number, how in enumerate((Rotation.identity(), turned)):
         table = {
             "body": {"principal_moments": [0.02, 0.0175, 0.0075], "mass": 1.0, "center_of_mass": [0.05, 0.0, 0.0]},
@@ -114,8 +114,8 @@ def test_the_tilt_is_from_the_vertical_wherever_that_points(tmp_path: Path) -> N
             "load": [{"kind": "gravity", "acceleration": how.apply([0.0, 0.0, -9.8])}],
             "run": {"duration": 1.0, "samples": 101, "accuracy": 1e-9},
         }
-        found.append(written(screen(simulate(Scene.from_dict(table))), tmp_path / f"{number}.rrd"))
-    first, second = (series(each, f"/{entities.PLOT_TILT}") for each in found)
+        recording.append(written(screen(simulate(Scene.from_dict(table))), tmp_path / f"{number}.rrd"))
+    first, second = (series(each, f"/{entities.PLOT_TILT}") for each in recording)
     np.testing.assert_allclose(first, second, atol=1e-8)
 
 
@@ -128,8 +128,8 @@ def test_a_top_whose_axis_stays_vertical_is_shown(attitude: list[float], spin: f
         "load": [{"kind": "gravity"}],
         "run": {"duration": 0.1, "samples": 101, "accuracy": 1e-9},
     }
-    found = written(screen(simulate(Scene.from_dict(table))), tmp_path / "run.rrd")
-    axis = tips(found, "/unit_sphere/axis")
+    recording = written(screen(simulate(Scene.from_dict(table))), tmp_path / "run.rrd")
+    axis = tips(recording, "/unit_sphere/axis")
     np.testing.assert_allclose(axis, np.broadcast_to([0, 0, 1 if spin else -1], axis.shape), atol=1e-6)
 
 

@@ -60,7 +60,7 @@ def file(handle: Run, tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 @pytest.fixture(scope="module")
-def found(file: Path) -> Recorded:
+def recording(file: Path) -> Recorded:
     return Recorded(file)
 
 
@@ -72,7 +72,7 @@ def test_the_file_is_whole(file: Path, tmp_path: Path) -> None:
     assert verified(file, tmp_path)
 
 
-def test_everything_has_its_place(found: Recorded) -> None:
+def test_everything_has_its_place(recording: Recorded) -> None:
     drawn = {f"/{name}" for name in vars(entities).values() if isinstance(name, str)}
     expected = {
         "/world", "/world/center_of_mass/body", "/world/center_of_mass/body/mesh",
@@ -82,21 +82,21 @@ def test_everything_has_its_place(found: Recorded) -> None:
         "/body/separatrix", "/body/angular_momentum", "/plots/angular_velocity", "/plots/euler_angles",
         "/plots/drift", "/states/flips", "/text/summary",
     }  # fmt: skip
-    held = {name for name in found.columns if not name.startswith("/__")}
-    assert held == expected
-    assert held <= drawn
+    paths = {name for name in recording.columns if not name.startswith("/__")}
+    assert paths == expected
+    assert paths <= drawn
 
 
-def test_the_screen_has_its_views(found: Recorded) -> None:
-    assert found.recording.application_id == found.blueprint.application_id == "inertia-tumble"
-    assert sorted(found.views) == ["3D", "3D", "StateTimeline", "TextDocument", *3 * ["TimeSeries"]]
+def test_the_screen_has_its_views(recording: Recorded) -> None:
+    assert recording.recording.application_id == recording.blueprint.application_id == "inertia-tumble"
+    assert sorted(recording.views) == ["3D", "3D", "StateTimeline", "TextDocument", *3 * ["TimeSeries"]]
 
 
-def test_poses_are_those_of_the_true_motion(handle: Run, truth: Truth, found: Recorded) -> None:
-    instants = found.time(f"/{entities.BODY}")
+def test_poses_are_those_of_the_true_motion(handle: Run, truth: Truth, recording: Recorded) -> None:
+    instants = recording.time(f"/{entities.BODY}")
     np.testing.assert_allclose(np.diff(instants), 1 / 120, atol=1e-9)
     assert (instants[0], instants[-1]) == (0, 6)
-    poses = found.values(f"/{entities.BODY}", "Transform3D:quaternion")[:, 0]
+    poses = recording.values(f"/{entities.BODY}", "Transform3D:quaternion")[:, 0]
     assert poses.dtype == np.float32
     shared = np.isclose(instants * 100, np.round(instants * 100), atol=1e-6)
     assert shared.sum() == 121
@@ -107,20 +107,20 @@ def test_poses_are_those_of_the_true_motion(handle: Run, truth: Truth, found: Re
     assert away.max() < 5e-3  # a turn at an even rate between samples
 
 
-def test_the_mesh_is_the_part(handle: Run, found: Recorded) -> None:
+def test_the_mesh_is_the_part(handle: Run, recording: Recorded) -> None:
     part = handle.scene.body.part
     stored = part.triangles.corners().reshape(-1, 3) * 1e-3 - handle.scene.body.center_of_mass
-    drawn = found.values(f"/{entities.MESH}", "Mesh3D:vertex_positions")[0]
+    drawn = recording.values(f"/{entities.MESH}", "Mesh3D:vertex_positions")[0]
     np.testing.assert_allclose(drawn * 0.01, stored, atol=0.05 * FLOAT32)
 
 
-def test_arrows_point_along_omega_and_momentum(truth: Truth, found: Recorded) -> None:
-    momentum = found.values(f"/{entities.ANGULAR_MOMENTUM}", "Arrows3D:vectors")[:, 0].astype(float)
+def test_arrows_point_along_omega_and_momentum(truth: Truth, recording: Recorded) -> None:
+    momentum = recording.values(f"/{entities.ANGULAR_MOMENTUM}", "Arrows3D:vectors")[:, 0].astype(float)
     direction = truth.angular_momentum / np.linalg.norm(truth.angular_momentum)
     np.testing.assert_allclose(
         momentum / np.linalg.norm(momentum, axis=1)[:, None], direction[None].repeat(721, 0), atol=1e-6
     )
-    omega = found.values(f"/{entities.ANGULAR_VELOCITY}", "Arrows3D:vectors")[::6, 0].astype(float)
+    omega = recording.values(f"/{entities.ANGULAR_VELOCITY}", "Arrows3D:vectors")[::6, 0].astype(float)
     expected = truth.attitude[::6].apply(truth.angular_velocity[::6] @ AXES.T)
     scale = np.linalg.norm(omega, axis=1).max() / np.linalg.norm(truth.angular_velocity, axis=1).max()
     np.testing.assert_allclose(omega, scale * expected, atol=2e-5 * scale * 12)
@@ -128,51 +128,51 @@ def test_arrows_point_along_omega_and_momentum(truth: Truth, found: Recorded) ->
     assert np.ptp(along) < 1e-5 * along[0]
 
 
-def test_the_trail_is_the_path_of_the_tip(found: Recorded) -> None:
-    trail = found.values(f"/{entities.HERPOLHODE}", "LineStrips3D:strips")[:, 0]
-    tips = found.values(f"/{entities.ANGULAR_VELOCITY}", "Arrows3D:vectors")[:, 0]
+def test_the_trail_is_the_path_of_the_tip(recording: Recorded) -> None:
+    trail = recording.values(f"/{entities.HERPOLHODE}", "LineStrips3D:strips")[:, 0]
+    tips = recording.values(f"/{entities.ANGULAR_VELOCITY}", "Arrows3D:vectors")[:, 0]
     assert np.array_equal(trail[:, 1], tips)
     assert np.array_equal(trail[1:, 0], tips[:-1])
 
 
-def test_momentum_is_on_the_sphere_and_the_ellipsoid(truth: Truth, found: Recorded) -> None:
+def test_momentum_is_on_the_sphere_and_the_ellipsoid(truth: Truth, recording: Recorded) -> None:
     moments, size = truth.moments, np.linalg.norm(truth.angular_momentum)
-    semi_axes = found.values(f"/{entities.ENERGY_ELLIPSOID}", "Ellipsoids3D:half_sizes")[0, 0].astype(float)
+    semi_axes = recording.values(f"/{entities.ENERGY_ELLIPSOID}", "Ellipsoids3D:half_sizes")[0, 0].astype(float)
     twice_energy = moments @ SPIN**2
     np.testing.assert_allclose(semi_axes, np.sqrt(twice_energy * moments) / size, rtol=1e-6)
-    assert found.values(f"/{entities.MOMENTUM_SPHERE}", "Ellipsoids3D:half_sizes")[0, 0] == pytest.approx([1, 1, 1])
+    assert recording.values(f"/{entities.MOMENTUM_SPHERE}", "Ellipsoids3D:half_sizes")[0, 0] == pytest.approx([1, 1, 1])
     polhode, separatrix = (
-        found.values(f"/{name}", "LineStrips3D:strips")[0].reshape(-1, 3).astype(float)
+        recording.values(f"/{name}", "LineStrips3D:strips")[0].reshape(-1, 3).astype(float)
         for name in (entities.POLHODE, entities.SEPARATRIX)
     )
     for curves in (polhode, separatrix):
         np.testing.assert_allclose(np.linalg.norm(curves, axis=1), 1, atol=1e-6)
     np.testing.assert_allclose(((polhode / semi_axes) ** 2).sum(axis=1), 1, atol=1e-6)
     np.testing.assert_allclose((separatrix**2 / moments).sum(axis=1), 1 / moments[1], rtol=1e-5)
-    current = found.values(f"/{entities.CURRENT}", "Arrows3D:vectors")[::6, 0].astype(float)
+    current = recording.values(f"/{entities.CURRENT}", "Arrows3D:vectors")[::6, 0].astype(float)
     np.testing.assert_allclose(current, truth.angular_velocity[::6] * moments / size, atol=1e-6)
     np.testing.assert_allclose(((current / semi_axes) ** 2).sum(axis=1), 1, atol=1e-5)
     distance = np.linalg.norm(current[:, None] - polhode[None], axis=2).min(axis=1)
     assert distance.max() < 0.01
 
 
-def test_plots_hold_every_sample_and_name_their_units(handle: Run, truth: Truth, found: Recorded) -> None:
+def test_plots_hold_every_sample_and_name_their_units(handle: Run, truth: Truth, recording: Recorded) -> None:
     for name in (entities.PLOT_ANGULAR_VELOCITY, entities.PLOT_EULER_ANGLES, entities.PLOT_DRIFT):
-        np.testing.assert_allclose(found.time(f"/{name}"), handle.time, atol=1e-9)
-    omega = found.values(f"/{entities.PLOT_ANGULAR_VELOCITY}", "Scalars:scalars")
+        np.testing.assert_allclose(recording.time(f"/{name}"), handle.time, atol=1e-9)
+    omega = recording.values(f"/{entities.PLOT_ANGULAR_VELOCITY}", "Scalars:scalars")
     assert omega.shape == (601, 3)
     np.testing.assert_allclose(omega[::5], truth.angular_velocity[::6], atol=1e-8)
-    assert found.texts(f"/{entities.PLOT_ANGULAR_VELOCITY}", "SeriesLines:names") == [
+    assert recording.texts(f"/{entities.PLOT_ANGULAR_VELOCITY}", "SeriesLines:names") == [
         "ω1, rad/s",
         "ω2, rad/s",
         "ω3, rad/s",
     ]
-    angles = found.values(f"/{entities.PLOT_EULER_ANGLES}", "Scalars:scalars")
+    angles = recording.values(f"/{entities.PLOT_EULER_ANGLES}", "Scalars:scalars")
     q = Rotation.from_euler("ZXZ", angles)
     assert (q[::5] * truth.attitude[::6].inv()).magnitude().max() < 1e-9
-    assert found.texts(f"/{entities.PLOT_EULER_ANGLES}", "SeriesPoints:names") == ["φ, rad", "θ, rad", "ψ, rad"]
-    drift = found.values(f"/{entities.PLOT_DRIFT}", "Scalars:scalars")
-    names = found.texts(f"/{entities.PLOT_DRIFT}", "SeriesLines:names")
+    assert recording.texts(f"/{entities.PLOT_EULER_ANGLES}", "SeriesPoints:names") == ["φ, rad", "θ, rad", "ψ, rad"]
+    drift = recording.values(f"/{entities.PLOT_DRIFT}", "Scalars:scalars")
+    names = recording.texts(f"/{entities.PLOT_DRIFT}", "SeriesLines:names")
     assert [name.split(",")[0] for name in names] == ["energy", "angular momentum"]
     unit = float(names[0].split(",")[1])
     energy = handle.invariants["energy"]
@@ -182,7 +182,7 @@ def test_plots_hold_every_sample_and_name_their_units(handle: Run, truth: Truth,
     assert 1 <= np.abs(drift).max() < 10
 
 
-def test_flips_are_when_the_spin_about_axis_2_changes_sign(truth: Truth, found: Recorded) -> None:
+def test_flips_are_when_the_spin_about_axis_2_changes_sign(truth: Truth, recording: Recorded) -> None:
     a, b, c = truth.moments
 
     def euler(_: float, w: np.ndarray) -> list[float]:
@@ -190,12 +190,12 @@ def test_flips_are_when_the_spin_about_axis_2_changes_sign(truth: Truth, found: 
 
     crossings = solve_ivp(euler, (0, 6), SPIN, "DOP853", rtol=1e-13, atol=1e-15, events=lambda _, w: w[1]).t_events[0]
     assert len(crossings) == 2
-    np.testing.assert_allclose(found.time(f"/{entities.FLIPS}"), [0, *crossings], atol=2e-9)
-    assert found.texts(f"/{entities.FLIPS}", "StateChange:state") == ["+2", "−2", "+2"]
+    np.testing.assert_allclose(recording.time(f"/{entities.FLIPS}"), [0, *crossings], atol=2e-9)
+    assert recording.texts(f"/{entities.FLIPS}", "StateChange:state") == ["+2", "−2", "+2"]
 
 
-def test_the_text_tells_model_accuracy_and_what_is_shown(handle: Run, found: Recorded) -> None:
-    (text,) = found.texts(f"/{entities.SUMMARY}", "TextDocument:text")
+def test_the_text_tells_model_accuracy_and_what_is_shown(handle: Run, recording: Recorded) -> None:
+    (text,) = recording.texts(f"/{entities.SUMMARY}", "TextDocument:text")
     assert "t_handle.stl, in mm" in text
     assert f"Model: asymmetric top.** {handle.why[0]}" in text
     assert "1e-10 rad asked for" in text
@@ -206,14 +206,14 @@ def test_the_text_tells_model_accuracy_and_what_is_shown(handle: Run, found: Rec
 def test_every_look_is_written_whole(look: str, tmp_path: Path) -> None:
     run = simulate(Scene.from_dict(scene_table(look)))
     record(run, tmp_path / "run.rrd")
-    found = Recorded(tmp_path / "run.rrd")
-    held = set(found.columns)
+    recording = Recorded(tmp_path / "run.rrd")
+    paths = set(recording.columns)
     assert verified(tmp_path / "run.rrd", tmp_path)
-    assert (f"/{entities.BODY_CONE}" in held) == (look in ("prolate", "oblate"))
-    assert (f"/{entities.SEPARATRIX}" in held) == (look in ("asymmetric", "steady", "thrown", "slow", "coarse"))
-    assert (f"/{entities.PATH}" in held) == (look == "thrown")
-    assert (f"/{entities.HERPOLHODE}" in held) == (look != "coarse")
-    assert f"/{entities.ENERGY_ELLIPSOID}" in held - set(found.rows)
+    assert (f"/{entities.BODY_CONE}" in paths) == (look in ("prolate", "oblate"))
+    assert (f"/{entities.SEPARATRIX}" in paths) == (look in ("asymmetric", "steady", "thrown", "slow", "coarse"))
+    assert (f"/{entities.PATH}" in paths) == (look == "thrown")
+    assert (f"/{entities.HERPOLHODE}" in paths) == (look != "coarse")
+    assert f"/{entities.ENERGY_ELLIPSOID}" in paths - set(recording.rows)
 
 
 @pytest.mark.parametrize(
@@ -225,17 +225,17 @@ def test_cones_are_those_of_the_textbook(
 ) -> None:
     """The body cone opens by arctan(ω⊥/ω3), L leans by arctan(I⊥ ω⊥ / (I3 ω3)), and ω goes round L at |L|/I⊥."""
     record(simulate(Scene.from_dict(scene_table(look))), tmp_path / "run.rrd")
-    found = Recorded(tmp_path / "run.rrd")
+    recording = Recorded(tmp_path / "run.rrd")
     body = math.atan2(across, along)
     lean = math.atan2(transverse * across, axial * along)
     for path_, half_angle in ((entities.BODY_CONE, body), (entities.SPACE_CONE, abs(lean - body))):
-        rim = found.values(f"/{path_}", "Mesh3D:vertex_positions")[0].astype(float).reshape(-1, 3, 3)[:, 1]
+        rim = recording.values(f"/{path_}", "Mesh3D:vertex_positions")[0].astype(float).reshape(-1, 3, 3)[:, 1]
         axis = rim.mean(axis=0) / np.linalg.norm(rim.mean(axis=0))
         np.testing.assert_allclose(np.arccos(rim @ axis / np.linalg.norm(rim, axis=1)), half_angle, atol=1e-5)
-    omega = found.values(f"/{entities.ANGULAR_VELOCITY}", "Arrows3D:vectors")[:, 0].astype(float)
-    momentum = found.values(f"/{entities.ANGULAR_MOMENTUM}", "Arrows3D:vectors")[0, 0].astype(float)
+    omega = recording.values(f"/{entities.ANGULAR_VELOCITY}", "Arrows3D:vectors")[:, 0].astype(float)
+    momentum = recording.values(f"/{entities.ANGULAR_MOMENTUM}", "Arrows3D:vectors")[0, 0].astype(float)
     rate = math.hypot(transverse * across, axial * along) / transverse
-    t = found.time(f"/{entities.ANGULAR_VELOCITY}")[:, None]
+    t = recording.time(f"/{entities.ANGULAR_VELOCITY}")[:, None]
     around = Rotation.from_rotvec(rate * t * momentum / np.linalg.norm(momentum)).apply(omega[0])
     np.testing.assert_allclose(omega, around, atol=2e-3 * np.linalg.norm(omega[0]))  # between samples
 
@@ -244,11 +244,11 @@ def test_cones_are_those_of_the_textbook(
 def test_cones_touch_along_omega(look: str, tmp_path: Path) -> None:
     run = simulate(Scene.from_dict(scene_table(look)))
     record(run, tmp_path / "run.rrd")
-    found = Recorded(tmp_path / "run.rrd")
-    omega = found.values(f"/{entities.ANGULAR_VELOCITY}", "Arrows3D:vectors")[:, 0].astype(float)
-    poses = turned(found.values(f"/{entities.BODY}", "Transform3D:quaternion")[:, 0])
-    in_space = found.values(f"/{entities.SPACE_CONE}", "Mesh3D:vertex_positions")[0].astype(float)
-    in_body = found.values(f"/{entities.BODY_CONE}", "Mesh3D:vertex_positions")[0].astype(float)
+    recording = Recorded(tmp_path / "run.rrd")
+    omega = recording.values(f"/{entities.ANGULAR_VELOCITY}", "Arrows3D:vectors")[:, 0].astype(float)
+    poses = turned(recording.values(f"/{entities.BODY}", "Transform3D:quaternion")[:, 0])
+    in_space = recording.values(f"/{entities.SPACE_CONE}", "Mesh3D:vertex_positions")[0].astype(float)
+    in_body = recording.values(f"/{entities.BODY_CONE}", "Mesh3D:vertex_positions")[0].astype(float)
     for k in range(0, len(omega), 60):
         for rim in (in_space, poses[k].apply(in_body)):
             distance = np.linalg.norm(rim - omega[k], axis=1).min()
@@ -258,9 +258,9 @@ def test_cones_touch_along_omega(look: str, tmp_path: Path) -> None:
 def test_a_thrown_body_is_where_it_is(tmp_path: Path) -> None:
     run = simulate(Scene.from_dict(scene_table("thrown")))
     record(run, tmp_path / "run.rrd")
-    found = Recorded(tmp_path / "run.rrd")
-    t = found.time(f"/{entities.CENTER}")
-    place = found.values(f"/{entities.CENTER}", "Transform3D:translation")[:, 0].astype(float)
+    recording = Recorded(tmp_path / "run.rrd")
+    t = recording.time(f"/{entities.CENTER}")
+    place = recording.values(f"/{entities.CENTER}", "Transform3D:translation")[:, 0].astype(float)
     truth = np.stack([3 * t, 0 * t, 4 * t - 0.5 * 9.80665 * t**2], axis=1)
     unit = np.ptp(truth[:, 0]) / np.ptp(place[:, 0])
     assert np.log10(unit) == pytest.approx(np.round(np.log10(unit)), abs=1e-6)

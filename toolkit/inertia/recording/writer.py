@@ -25,9 +25,10 @@ BLOCK = 65_536
 """Rows of a chunk: as many as are turned into columns at once, so that memory does not grow with the run."""
 VIEWER = "127.0.0.1", 9876
 """Where an open viewer of this machine listens."""
+PIPES = Path("/dev/fd")
+"""Where the system names the ends of a pipe."""
 
 _PATIENCE = 600.0  # seconds for one block to reach the disk or the viewer
-_PIPES = Path("/dev/fd")
 _READ = 1 << 20
 _NANO = 1e9
 _REMEDIES = {
@@ -196,7 +197,7 @@ def _into(file: Any) -> Iterator[str]:
 
     Raises the first `OSError` of writing. Without /dev/fd (Windows) it is the file's own path.
     """
-    if not _PIPES.is_dir():
+    if not PIPES.is_dir():
         yield file.name
         return
     reading, writing = os.pipe()
@@ -213,7 +214,7 @@ def _into(file: Any) -> Iterator[str]:
     pumping = threading.Thread(target=pump, daemon=True)
     pumping.start()
     try:
-        yield f"{_PIPES}/{writing}"
+        yield f"{PIPES}/{writing}"
     finally:
         os.close(writing)
         pumping.join()
