@@ -80,13 +80,13 @@ def run(options: argparse.Namespace) -> int:
     if options.richardson and options.chord is not None:
         raise UsageError("--chord and --richardson are two answers to one question: give one")
     part, hashing = read_part(options)
-    repaired = _repaired(part, options)
+    repaired = _repair(part, options)
     analysis = _analysis(part if repaired is None else repaired.part, options)
     if options.richardson:
         from inertia.mass.tessellation import richardson
 
         coarse, _ = read_part(options, coarser=_COARSER)
-        mended = _repaired(coarse, options)
+        mended = _repair(coarse, options)
         coarser = _analysis(coarse if mended is None else mended.part, options)
         estimate = richardson(coarser.properties, analysis.properties, _COARSER)
         analysis = replace(analysis, tessellation=estimate)
@@ -99,7 +99,7 @@ def run(options: argparse.Namespace) -> int:
     return 0
 
 
-def _repaired(part: Part, options: argparse.Namespace) -> Repaired | None:
+def _repair(part: Part, options: argparse.Namespace) -> Repaired | None:
     if not options.repair and options.weld is None:
         return None
     from inertia.mass.repair import repair, weld

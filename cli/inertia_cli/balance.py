@@ -116,14 +116,14 @@ def run(options: argparse.Namespace) -> int:
     if options.part is None:
         raise UsageError("no rotor is named: give a rotor file or a part, see `inertia balance --help`")
     if Path(options.part).suffix.lower() == ".toml":
-        return _balanced(_rotor(options), options)
+        return _balance(_rotor(options), options)
     try:
-        return _balanced(_rotor_of_part(options), options)
+        return _balance(_rotor_of_part(options), options)
     except (UsageError, GeometryError, ReadError) as error:
         raise with_options(error, FIELDS, part=options.part) from None
 
 
-def _balanced(rotor: Rotor, options: argparse.Namespace) -> int:
+def _balance(rotor: Rotor, options: argparse.Namespace) -> int:
     from inertia.balancing.balance import balance as balance_rotor
     from inertia.output import require_writable
     from inertia.report.balance.document import balance_document
@@ -197,11 +197,11 @@ def _rotor_of_part(options: argparse.Namespace) -> Rotor:
     ]
     table: dict[str, Any] = {
         "unit": options.unit or "mm",
-        "body": [_stated(body)],
-        "axis": _stated(axis),
-        "service": _stated({"rpm": options.rpm, "critical_rpm": options.critical_rpm}),
-        "tolerance": _stated({"grade": options.grade, "e_um": options.e_um}),
-        "plane": [_stated(plane) for plane in planes],
+        "body": [_without_none(body)],
+        "axis": _without_none(axis),
+        "service": _without_none({"rpm": options.rpm, "critical_rpm": options.critical_rpm}),
+        "tolerance": _without_none({"grade": options.grade, "e_um": options.e_um}),
+        "plane": [_without_none(plane) for plane in planes],
     }
     if not table["tolerance"]:
         raise UsageError("nothing says what is permissible: give --grade, or --e-um")
@@ -229,7 +229,7 @@ def _axis(options: argparse.Namespace) -> dict[str, Any]:
     return {"bearing_a": next(ends), "bearing_b": next(ends), "zero_mark": mark}
 
 
-def _stated(entries: dict[str, Any]) -> dict[str, Any]:
+def _without_none(entries: dict[str, Any]) -> dict[str, Any]:
     return {name: value for name, value in entries.items() if value is not None}
 
 

@@ -61,7 +61,7 @@ def main(arguments: Sequence[str]) -> int:
     """Run one command line and return the exit code; see the table in ``inertia --help``."""
     # One thread is plenty for 3×3 matrices, and starting the others costs more than a small part.
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
-    options = build_parser().parse_args(_joined(arguments))
+    options = build_parser().parse_args(_join_signed(arguments))
     try:
         code: int = options.run(options)
         sys.stdout.flush()
@@ -96,12 +96,12 @@ def _say(message: str, code: int) -> int:
     return code
 
 
-def _joined(arguments: Sequence[str]) -> list[str]:
+def _join_signed(arguments: Sequence[str]) -> list[str]:
     """Join ``--about -1,2,3`` and the like with an equals sign; argparse would take the value for an option."""
-    joined: list[str] = []
+    words: list[str] = []
     for argument in arguments:
-        if joined and joined[-1] in _SIGNED and argument[:1] == "-" and argument[1:2] in set("0123456789."):
-            joined[-1] += f"={argument}"
+        if words and words[-1] in _SIGNED and argument[:1] == "-" and argument[1:2] in set("0123456789."):
+            words[-1] += f"={argument}"
         else:
-            joined.append(argument)
-    return joined
+            words.append(argument)
+    return words

@@ -46,9 +46,9 @@ def add(parsers: Any) -> None:
     parser.add_argument(
         "part", metavar="SCENE", help="a TOML file of body, start, constraint, load and run; or a recording"
     )
-    changed = parser.add_argument_group("in place of what the scene says")
-    changed.add_argument("--for", dest="duration", type=float, metavar="SECONDS", help="how long to follow the body")
-    add_settings(changed)
+    overrides = parser.add_argument_group("in place of what the scene says")
+    overrides.add_argument("--for", dest="duration", type=float, metavar="SECONDS", help="how long to follow the body")
+    add_settings(overrides)
     add_result(parser)
 
 
@@ -97,9 +97,9 @@ def follow(scene: Scene, options: argparse.Namespace) -> int:
     if options.explain and (options.output is not None or options.live):
         raise UsageError("--explain runs nothing that could be recorded: leave out --output and --live")
     require_recordable(options)
-    changed: dict[str, Any] = {name: value for name in _OPTIONS if (value := getattr(options, name)) is not None}
+    overrides: dict[str, Any] = {name: value for name in _OPTIONS if (value := getattr(options, name)) is not None}
     try:
-        scene = replace(scene, run=replace(scene.run, **changed))
+        scene = replace(scene, run=replace(scene.run, **overrides))
     except FieldError as error:
         raise with_options(error, FIELDS) from None
     if options.explain:
