@@ -19,7 +19,7 @@ T = TypeVar("T")
 def add_input(parser: argparse.ArgumentParser) -> None:
     """Add the part and how to read it."""
     parser.add_argument(
-        "part", metavar="PART", help="STL, OBJ, PLY, OFF, glTF, 3MF, STEP, VTK, Gmsh, Nastran, Abaqus, ..."
+        "part", metavar="PART", help="STL, OBJ, PLY, OFF, glTF, 3MF, Collada, STEP, VTK, Gmsh, Nastran, Abaqus, ..."
     )
     parser.add_argument("--unit", metavar="UNIT", help="length unit of the coordinates: mm (assumed), m, in, ...")
     parser.add_argument("--format", metavar="KIND", help="kind of file, where its contents should not decide")

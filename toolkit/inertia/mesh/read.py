@@ -70,7 +70,7 @@ def read(
     >>> part.triangles.count, part.unit.name, part.source.format
     (4, 'mm', 'off')
     """
-    chosen = None if unit is None else length_unit(unit)
+    override = None if unit is None else length_unit(unit)
     if not 0 < coarser < math.inf:
         raise UsageError(f"coarser is {coarser!r}: it must be positive and finite")
     if format is not None and format not in FORMATS:
@@ -84,16 +84,18 @@ def read(
     named = format_of_name(Path(name))
     if named not in (None, kind) and format is None:
         notes.append(f"the name says {named}, but the contents are {kind} and were read as such")
-    if chosen and contents.unit and chosen != contents.unit:
-        notes.append(f"the file says that its unit is {contents.unit.name}, but it was read in {chosen.name} as asked")
+    if override and contents.unit and override != contents.unit:
+        notes.append(
+            f"the file says that its unit is {contents.unit.name}, but it was read in {override.name} as asked"
+        )
     if progress is not None:
         progress(1.0)
-    return Part(contents.geometry, *_unit(chosen, contents.unit), Source(name, kind), contents.regions, tuple(notes))
+    return Part(contents.geometry, *_unit(override, contents.unit), Source(name, kind), contents.regions, tuple(notes))
 
 
-def _unit(chosen: Unit | None, of_file: Unit | None) -> tuple[Unit, UnitFrom]:
-    if chosen is not None:
-        return chosen, "option"
+def _unit(override: Unit | None, of_file: Unit | None) -> tuple[Unit, UnitFrom]:
+    if override is not None:
+        return override, "option"
     return (DEFAULT_UNIT, "assumed") if of_file is None else (of_file, "file")
 
 

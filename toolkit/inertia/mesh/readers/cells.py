@@ -63,21 +63,21 @@ def cell_contents(points: NDArray[Any], blocks: Sequence[Block], names: tuple[st
     dimensions = [dimension_of(kind) for kind, _, _ in blocks]
     highest = max(dimensions)
     lowest = highest if highest > 1 else 0  # wires and points go together
-    kept = [block for block, dimension in zip(blocks, dimensions, strict=True) if dimension >= lowest]
-    beside = sum(len(nodes) for _, nodes, _ in blocks) - sum(len(nodes) for _, nodes, _ in kept)
+    part = [block for block, dimension in zip(blocks, dimensions, strict=True) if dimension >= lowest]
+    beside = sum(len(nodes) for _, nodes, _ in blocks) - sum(len(nodes) for _, nodes, _ in part)
     notes = []
     if beside:
         what = "volume" if highest == 3 else "surface"
         notes.append(f"{plural(beside, 'cell')} of lower dimension beside the {what} cells {was(beside)} left out")
-    for kind, nodes, _ in kept:
+    for kind, nodes, _ in part:
         check_indices(nodes, len(points), f"{kind} cell")
-    regions = _regions(kept, names)
+    regions = _regions(part, names)
     if highest == 2:
-        return _flat(points, kept, regions, notes)
-    for kind, nodes, _ in kept:
+        return _flat(points, part, regions, notes)
+    for kind, nodes, _ in part:
         if nodes.shape[1:] != (_NODES.get(kind),):
             raise ReadError(f"its cells of the kind {shown(kind)} are not read: use cells of first or second order")
-    cells = Cells(points, tuple(CellBlock(kind, np.ascontiguousarray(nodes, np.int64)) for kind, nodes, _ in kept))
+    cells = Cells(points, tuple(CellBlock(kind, np.ascontiguousarray(nodes, np.int64)) for kind, nodes, _ in part))
     return Contents(cells, regions=regions, notes=tuple(notes))
 
 
@@ -100,10 +100,10 @@ def _points(points: NDArray[Any]) -> Float:
 
 def _regions(blocks: Sequence[Block], names: tuple[str, ...]) -> Regions | None:
     """Return the regions that the cells in `blocks` are in; None where none is named."""
-    given = [region for _, _, region in blocks if region is not None]
-    if not given:
+    regions = [region for _, _, region in blocks if region is not None]
+    if not regions:
         return None
-    used, index = np.unique(np.concatenate(given), return_inverse=True)
+    used, index = np.unique(np.concatenate(regions), return_inverse=True)
     places: dict[str, int] = {}
     place = np.array([places.setdefault(names[i], len(places)) for i in used], np.int32)
     return None if [*places] == [UNNAMED] else Regions(tuple(places), place[index])

@@ -181,8 +181,8 @@ def check_indices(nodes: Int, count: int, what: str) -> None:
     out = (nodes < 0) | (nodes >= count)
     if out.any():
         row, corner = (int(i) for i in np.argwhere(out)[0])
-        held = f"the vertices are 0 to {count - 1} (counted from 0)" if count else "it has no vertices"
-        raise ReadError(f"{what} {row} names vertex {nodes[row, corner]}, but {held}: export the mesh again")
+        extent = f"the vertices are 0 to {count - 1} (counted from 0)" if count else "it has no vertices"
+        raise ReadError(f"{what} {row} names vertex {nodes[row, corner]}, but {extent}: export the mesh again")
 
 
 def first_bad_point(points: Float) -> int | None:

@@ -96,14 +96,14 @@ class _Scene:
     def pieces(self) -> Iterator[Piece]:
         """Yield every mesh of the scene, where its node puts it."""
         total = 0
-        seen: set[int] = set()
+        visited: set[int] = set()
         waiting = [(root, np.eye(4)) for root in reversed(self._roots())]
         while waiting:
             index, above = waiting.pop()
             node = self._item("nodes", index)
-            if index in seen:
+            if index in visited:
                 raise ReadError(f"node {index} hangs in two places: export it again")
-            seen.add(index)
+            visited.add(index)
             if "EXT_mesh_gpu_instancing" in node.get("extensions", {}):
                 raise ReadError(f"node {index} uses EXT_mesh_gpu_instancing: export it without instancing")
             matrix = above @ _transform(node)

@@ -58,13 +58,13 @@ def _physical_names(file: MshFile) -> dict[tuple[int, int], str]:
     return {(int(match[1]), int(match[2])): match[3].decode("utf-8", "replace") for match in matches}
 
 
-def _points(tags: Int, order: Int, wanted: Int) -> Int:
+def _points(tags: Int, order: Int, names: Int) -> Int:
     """Return the places in `tags` of the tags that elements name; `order` sorts `tags`."""
-    at = np.searchsorted(tags, wanted, sorter=order)
+    at = np.searchsorted(tags, names, sorter=order)
     place: Int = order[np.minimum(at, len(tags) - 1)]
-    missing = tags[place] != wanted
+    missing = tags[place] != names
     if missing.any():
-        raise ReadError(f"its elements name node {wanted[missing][0]}, which it does not define: export it again")
+        raise ReadError(f"its elements name node {names[missing][0]}, which it does not define: export it again")
     return place
 
 

@@ -39,10 +39,10 @@ def read_with_meshio(path: Path, kind: str) -> Contents:
     if np.any(mesh.point_data.get("nastran:ref", 0)):
         raise ReadError("its grid points have a coordinate system of their own: write them in the basic one")
     nodes = [_nodes(block) for block in mesh.cells]
-    found = sum(map(len, nodes))
-    if expected is not None and found != expected:
+    count = sum(map(len, nodes))
+    if expected is not None and count != expected:
         raise ReadError(
-            f"it lists {plural(expected, 'cell')}, but meshio could read {found}: "
+            f"it lists {plural(expected, 'cell')}, but meshio could read {count}: "
             "use cells of first or second order, and export the mesh again"
         )
     names, regions, notes = _regions(mesh, [len(block) for block in nodes])
@@ -59,7 +59,24 @@ def _mesh(path: Path, kind: str) -> Any:
         meshio = importlib.import_module("meshio")
         for name in _FORGOTTEN:
             meshio._mesh.topological_dimension.setdefault(name, 3)
+        meshio.vtu._vtu.vtk_cells_from_data = meshio.vtk._vtk_51.vtk_cells_from_data = _vtk_cells
         return meshio.read(path, file_format=kind)
+
+
+def _vtk_cells(corners: Int, ends: Int, types: Int, cell_data: dict[str, Any]) -> Any:
+    """Return meshio's cells of a VTK file, once each is known to have as many corners as its type has.
+
+    meshio takes as many corners before the end of a cell as its type needs, whoever they belong to.
+    """
+    meshio = importlib.import_module("meshio")
+    for number, size in {*zip(types.tolist(), np.diff(ends, prepend=0).tolist(), strict=True)}:
+        kind = meshio._vtk_common.vtk_to_meshio_type.get(number, "")
+        nodes = meshio._common.num_nodes_per_cell.get(kind, size)
+        if size != nodes:
+            raise ReadError(f"a cell of the kind {kind} has {size} nodes, not {nodes}: it is damaged, export it again")
+    if int(ends[-1]) != len(corners):
+        raise ReadError(f"its cells have {ends[-1]} corners, but {len(corners)} are listed: it is damaged")
+    return meshio._vtk_common.vtk_cells_from_data(corners, ends, types, cell_data)
 
 
 def _nodes(block: Any) -> Int:
@@ -82,8 +99,8 @@ def _regions(mesh: Any, sizes: list[int]) -> tuple[tuple[str, ...], list[NDArray
         tags = [np.asarray(values) for values in known.get(key, ())]
         if tags and len(tags) == len(sizes) and all(_whole(tag, size) for tag, size in zip(tags, sizes, strict=True)):
             tag = np.concatenate([tag.reshape(-1) for tag in tags])
-            found, index = np.unique(tag, return_inverse=True)
-            names = tuple("+".join(families.get(int(t), [])) or (str(int(t)) if t else UNNAMED) for t in found)
+            numbers, index = np.unique(tag, return_inverse=True)
+            names = tuple("+".join(families.get(int(t), [])) or (str(int(t)) if t else UNNAMED) for t in numbers)
             ends = np.cumsum(sizes)[:-1]
             return names, list(np.split(index.astype(np.int32), ends)), []
     return (), [None] * len(sizes), []

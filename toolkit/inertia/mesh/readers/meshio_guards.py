@@ -8,7 +8,7 @@ from __future__ import annotations
 import importlib
 import importlib.util
 import re
-from itertools import islice
+from itertools import islice, pairwise
 from pathlib import Path
 
 import numpy as np
@@ -25,6 +25,7 @@ _COUNTS = {
 }
 _VTK_KIND = re.compile(rb"^[ \t]*DATASET[ \t]+(\w+)", _LINES)
 _VTK_CELLS = re.compile(rb"^[ \t]*CELL_TYPES[ \t]+(\d{1,18})\b", _LINES)
+_VTK_LISTS = re.compile(rb"^[ \t]*CELLS[ \t]+(\d{1,18})\b", _LINES)
 _VTU_KIND = re.compile(rb"<VTKFile[^>]*\btype\s*=\s*[\"'](\w+)")
 _VTU_CELLS = re.compile(rb"\bNumberOfCells\s*=\s*[\"']\s*(\d{1,18})\s*[\"']")
 
@@ -107,8 +108,11 @@ def _vtk(data: bytes) -> int | None:
     for kind in _VTK_KIND.findall(data):
         if kind.upper() != b"UNSTRUCTURED_GRID":
             raise ReadError(f"it is a VTK dataset of the kind {shown(kind)}: save it as an unstructured grid")
-    counts = _VTK_CELLS.findall(data)
-    return int(counts[0]) if len(counts) == 1 else None
+    counts, lists = ([int(count) for count in pattern.findall(data)] for pattern in (_VTK_CELLS, _VTK_LISTS))
+    ends = 1 if data.partition(b"\n")[0].rstrip().endswith(b"Version 5.1") else 0  # which lists where cells begin, too
+    if counts and (len(counts) > 1 or lists != [counts[0] + ends]):
+        raise ReadError(f"its CELLS {lists} do not agree with its CELL_TYPES {counts}: it is damaged, export it again")
+    return counts[0] if counts else None
 
 
 def _vtu(data: bytes) -> int:
@@ -179,6 +183,10 @@ def _nastran(data: bytes) -> int:
     empty = _NASTRAN_EMPTY.search(bulk)
     if empty:
         raise ReadError(f"its line {shown(empty[0].strip())} has no fields: it was cut short, or write it out in full")
+    lines = bulk.splitlines()
+    for before, line in pairwise(lines):  # meshio passes over what it takes for no continuation
+        if line[:1] in (b" ", b"\t", b",") and line.strip() and (line[:8].strip() or before[72:] != b" " * 8):
+            raise ReadError(f"its continuation {shown(line.strip())} has no name: begin it with + or *")
     cards = _NASTRAN_CARD.findall(bulk)
     for card in cards:
         if card not in _NASTRAN_READ:

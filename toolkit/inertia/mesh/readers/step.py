@@ -34,7 +34,7 @@ def read_step(path: Path, coarser: float = 1.0) -> Contents:
         target = Path(folder) / "part.glb"
         arguments = [str(path.absolute()), str(target), str(coarser**2 * _LINEAR), str(coarser * _ANGULAR)]
         try:
-            done = subprocess.run(
+            process = subprocess.run(
                 [sys.executable, "-P", "-c", _CONVERT, *arguments],
                 stdin=subprocess.DEVNULL,
                 capture_output=True,
@@ -43,8 +43,8 @@ def read_step(path: Path, coarser: float = 1.0) -> Contents:
             )
         except subprocess.TimeoutExpired:
             raise ReadError(f"OpenCASCADE took longer than {_SECONDS} s: export the part as STL or 3MF") from None
-        if done.returncode or not target.is_file():
-            raise ReadError(f"OpenCASCADE cannot convert it (status {done.returncode}): export the part again")
+        if process.returncode or not target.is_file():
+            raise ReadError(f"OpenCASCADE cannot convert it (status {process.returncode}): export the part again")
         contents = read_gltf(target)
     note = (
         f"curved STEP faces were replaced by triangles that turn by up to {coarser * _ANGULAR:g} rad "

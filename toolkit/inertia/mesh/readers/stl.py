@@ -151,9 +151,9 @@ def _facets(text: bytes, first: int) -> list[Float]:
 def _wrong_facet(words: list[bytes], first: int) -> str:
     for facet in range(0, len(words), _WORDS):
         for place, keyword in _KEYWORDS.items():
-            found = words[facet + place] if facet + place < len(words) else b""
-            if found != keyword:
-                end = "the end of its solid" if not found else shown(found)
+            word = words[facet + place] if facet + place < len(words) else b""
+            if word != keyword:
+                end = "the end of its solid" if not word else shown(word)
                 return (
                     f"facet {first + facet // _WORDS} has {end} where {keyword.decode()!r} should stand: "
                     "it is damaged, export it again"

@@ -115,10 +115,10 @@ class _Package:
     def object(self, key: _Key) -> _Object:
         """Return an object."""
         part, name = key
-        found = self.model(part).objects.get(name)
-        if found is None:
+        item = self.model(part).objects.get(name)
+        if item is None:
             raise ReadError(f"it places object {shown(name)}, which it does not hold: export it again")
-        return found
+        return item
 
     def count(self, key: _Key) -> int:
         """Return the triangles that an object expands to (at least one each), without expanding it."""

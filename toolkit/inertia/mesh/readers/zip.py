@@ -14,8 +14,8 @@ _RATIO_FREE = 64 * 2**20  # up to this size it does no harm, however well it pac
 _BLOCK = 2**20
 
 
-def inflate(path: Path, wanted: Callable[[str], bool]) -> dict[str, bytes]:
-    """Return the members whose name is `wanted`; names are in lower case and without a leading slash.
+def inflate(path: Path, needs: Callable[[str], bool]) -> dict[str, bytes]:
+    """Return the members whose name `needs` says yes to; names are in lower case and without a leading slash.
 
     The size is checked twice: as the archive declares it, for all members, and as it comes out.
     """
@@ -27,7 +27,7 @@ def inflate(path: Path, wanted: Callable[[str], bool]) -> dict[str, bytes]:
             total = 0
             for info in archive.infolist():
                 name = info.filename.lstrip("/").lower()
-                if not wanted(name):
+                if not needs(name):
                     continue
                 blocks = []
                 with archive.open(info) as stream:
