@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from inertia.dynamics.integrators.adaptive import ORDERS, SciPy
 from inertia.dynamics.integrators.heyoka_taylor import Heyoka
 from inertia.dynamics.integrators.loop import Integrator
 from inertia.dynamics.integrators.runge_kutta import RungeKutta4
+from inertia.dynamics.integrators.scipy_methods import ORDERS, SciPy
 from inertia.dynamics.integrators.splitting import COMPOSITIONS, Splitting
 from inertia.dynamics.integrators.taylor import Taylor
 
