@@ -103,7 +103,7 @@ def direction_cosines(
     inertia = np.array(MOMENTS)
     start = np.array(ATTITUDE)
     state = np.concatenate([rotations(start[None] / np.linalg.norm(start))[0].ravel(), SPIN])
-    found = []
+    matrices = []
     marks = np.unique([0.0, *times, *(t for t in kinks if t < times[-1])])
     for low, high in pairwise(marks.tolist()):
         law = torque(low, high)
@@ -117,8 +117,8 @@ def direction_cosines(
 
         state = solve_ivp(rate, (low, high), state, "DOP853", rtol=1e-13, atol=1e-14).y[:, -1]
         if high in times:
-            found.append(state[:9].reshape(3, 3))
-    return found if times[0] > 0.0 else [rotations(start[None] / np.linalg.norm(start))[0], *found]
+            matrices.append(state[:9].reshape(3, 3))
+    return matrices if times[0] > 0.0 else [rotations(start[None] / np.linalg.norm(start))[0], *matrices]
 
 
 def angles(attitude: np.ndarray, truth: list[np.ndarray]) -> np.ndarray:

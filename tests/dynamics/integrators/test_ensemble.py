@@ -15,12 +15,12 @@ def path(request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatch) -> Non
 
 def test_error_falls_with_the_fourth_power_of_the_step() -> None:
     known = case("free")
-    found = []
+    errors = []
     for steps in (100, 200, 400):
         attitude, _ = step_ensemble(MOMENTS, [SPIN], 5.0, steps)
         turned = quaternion.multiply(known.problem.attitude, attitude[0])
-        found.append(known.truth.attitude_error(np.array([turned] * 3))[2])
-    assert np.log2(np.array(found[:-1]) / found[1:]) == pytest.approx(4.0, abs=0.2)
+        errors.append(known.truth.attitude_error(np.array([turned] * 3))[2])
+    assert np.log2(np.array(errors[:-1]) / errors[1:]) == pytest.approx(4.0, abs=0.2)
 
 
 def test_every_body_of_an_ensemble_moves_as_if_alone() -> None:

@@ -13,8 +13,8 @@ def sine(state: float) -> float:
 
 @pytest.mark.parametrize(("direction", "expected"), [(0, [1, 2, 3]), (1, [2]), (-1, [1, 3])])
 def test_zeros_of_a_sine_are_found_to_rounding(direction: int, expected: list[int]) -> None:
-    found = find_events(sine, TIME, np.sin(TIME), lambda t: t, direction=direction)
-    assert found == pytest.approx(np.pi * np.array(expected), abs=1e-14)
+    zeros = find_events(sine, TIME, np.sin(TIME), lambda t: t, direction=direction)
+    assert zeros == pytest.approx(np.pi * np.array(expected), abs=1e-14)
 
 
 def test_zero_at_a_sample_counts_once_and_only_where_the_sign_changes() -> None:
@@ -28,15 +28,15 @@ def test_a_function_that_starts_at_zero_is_no_event() -> None:
 
 
 def test_only_the_intervals_with_a_change_are_refined() -> None:
-    asked = []
+    instants = []
 
     def refine(t: float) -> float:
-        asked.append(t)
+        instants.append(t)
         return t
 
     find_events(lambda x: x - 3.1, TIME, TIME - 3.1, refine)
-    assert asked
-    assert all(3.0 < t < 3.25 for t in asked)
+    assert instants
+    assert all(3.0 < t < 3.25 for t in instants)
 
 
 @pytest.mark.parametrize("values", [np.zeros(3), np.full(41, np.nan)])

@@ -46,9 +46,9 @@ def test_error_falls_with_the_order_of_the_method(method: Integrator, name: str,
     counts = COARSEST[method.name] * np.array([3, 4, 5]) // 3
     known = case(name)
     runs = [method.run(known.problem, TIMES, step) for step in (TIMES[1] / counts).tolist()]
-    found = np.array([known.truth.attitude_error(run.attitude).max() for run in runs])
-    slopes = np.log(found[:-1] / found[1:]) / np.log(counts[1:] / counts[:-1])
-    assert (found > 1e-13).all(), "rounding hides the slope"
+    errors = np.array([known.truth.attitude_error(run.attitude).max() for run in runs])
+    slopes = np.log(errors[:-1] / errors[1:]) / np.log(counts[1:] / counts[:-1])
+    assert (errors > 1e-13).all(), "rounding hides the slope"
     assert slopes == pytest.approx(method.order, abs=0.35)
 
 
@@ -133,8 +133,8 @@ def test_compiled_and_uncompiled_paths_agree_and_are_right(
 def test_tables_are_followed_through_their_kinks_and_jumps(method: Integrator) -> None:
     problem = RotationProblem(MOMENTS, SPIN, ATTITUDE, TABLES)
     times = np.array([0.5, 1.0, 2.5, 4.0])
-    found = method.run(problem, times, 1e-12 if method.name != "splitting 6" else 0.02)
-    assert angles(found.attitude, direction_cosines(law("tables"), times, (0.7, 1.0, 2.5))).max() < 1e-10
+    run = method.run(problem, times, 1e-12 if method.name != "splitting 6" else 0.02)
+    assert angles(run.attitude, direction_cosines(law("tables"), times, (0.7, 1.0, 2.5))).max() < 1e-10
 
 
 @pytest.mark.parametrize(
@@ -167,18 +167,18 @@ def test_space_may_be_turned_before_or_after(method: Integrator, control: float,
 @pytest.mark.parametrize(("method", "control"), [(Taylor(), 1e-16), (Splitting(8), 0.02), (RungeKutta4(), 0.02)])
 def test_principal_axes_may_come_in_any_order(method: Integrator, control: float, compiled: None) -> None:
     order = [2, 0, 1]
-    taken = quaternion.from_matrix(np.eye(3)[:, order])
+    turn = quaternion.from_matrix(np.eye(3)[:, order])
     here = case("heavy").problem
     there = RotationProblem(
         np.array(MOMENTS)[order],
         np.array(SPIN)[order],
-        quaternion.multiply(here.attitude, taken),
+        quaternion.multiply(here.attitude, turn),
         (Gravity([0.0, 0.0, -9.8]),),
         mass=here.mass,
         arm=here.arm[order],
     )
     one, other = method.run(here, TIMES, control), method.run(there, TIMES, control)
-    assert quaternion.angle_between(quaternion.multiply(one.attitude, taken), other.attitude).max() < 1e-14
+    assert quaternion.angle_between(quaternion.multiply(one.attitude, turn), other.attitude).max() < 1e-14
 
 
 @pytest.mark.parametrize("scale", [1e-6, 1e6])
@@ -187,8 +187,8 @@ def test_slow_and_fast_spins_are_equally_accurate(method: Integrator, scale: flo
     """A free body scaled by 2ⁿ in time moves through the same attitudes."""
     factor = 2.0 ** round(np.log2(scale))
     slow = RotationProblem(MOMENTS, np.array(SPIN) * factor, ATTITUDE)
-    found = method.run(slow, TIMES / factor, 1e-10)
-    assert case("free").truth.attitude_error(found.attitude).max() < 1e-8
+    run = method.run(slow, TIMES / factor, 1e-10)
+    assert case("free").truth.attitude_error(run.attitude).max() < 1e-8
 
 
 def test_needle_keeps_its_digits(compiled: None) -> None:
@@ -197,9 +197,9 @@ def test_needle_keeps_its_digits(compiled: None) -> None:
     truth = oracle.rotate(moments, spin, [6.0])
     problem = RotationProblem(moments, spin)
     for method, control in ((Taylor(), 1e-17), (Splitting(8), 0.02)):
-        found = method.run(problem, np.array([6.0]), control)
-        assert truth.attitude_error(found.attitude)[0] < 3e-14
-        assert truth.angular_velocity_error(found.angular_velocity)[0] < 3e-14
+        run = method.run(problem, np.array([6.0]), control)
+        assert truth.attitude_error(run.attitude)[0] < 3e-14
+        assert truth.angular_velocity_error(run.angular_velocity)[0] < 3e-14
 
 
 def test_polynomial_methods_refuse_a_callable() -> None:

@@ -45,8 +45,8 @@ def test_rate_is_that_of_the_spin_or_of_the_torque(spin: list[float], torque: fl
 
 def test_heavy_symmetric_top_keeps_three_things() -> None:
     top = RotationProblem([2.0, 2.0, 4.0], [1.0, 1.0, 1.0], loads=(WEIGHT,), mass=2.0, arm=[0, 0, 0.5])
-    found = top.invariants(top.attitude, top.angular_velocity)
-    assert set(found) == {
+    invariants = top.invariants(top.attitude, top.angular_velocity)
+    assert set(invariants) == {
         "energy",
         "angular momentum along (0, 0, 1) in space",
         "angular momentum about body axis 3",

@@ -49,13 +49,13 @@ def find_events(
             f"{int((~np.isfinite(samples)).sum())} of them not finite"
         )
     signs = np.sign(samples)
-    told = np.flatnonzero(signs)
-    found = []
-    for before, after in zip(told[:-1].tolist(), told[1:].tolist(), strict=True):
+    nonzero = np.flatnonzero(signs)
+    zeros = []
+    for before, after in zip(nonzero[:-1].tolist(), nonzero[1:].tolist(), strict=True):
         if signs[before] == signs[after] or signs[after] == -direction:
             continue
         if after > before + 1:
-            found.append(float(instants[before + 1]))  # a sample on the zero itself
+            zeros.append(float(instants[before + 1]))  # a sample on the zero itself
             continue
         low, high = float(instants[before]), float(instants[after])
 
@@ -66,5 +66,5 @@ def find_events(
             return float(function(refine(at)))
 
         eps = float(np.finfo(np.float64).eps)
-        found.append(float(brentq(between, low, high, xtol=4.0 * eps * max(abs(low), abs(high)), rtol=4.0 * eps)))
-    return np.array(found)
+        zeros.append(float(brentq(between, low, high, xtol=4.0 * eps * max(abs(low), abs(high)), rtol=4.0 * eps)))
+    return np.array(zeros)

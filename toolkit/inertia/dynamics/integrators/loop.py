@@ -24,7 +24,7 @@ from inertia.errors import GeometryError, UsageError
 from inertia.native import Kernel, address
 
 MAX_STEPS = 200_000_000
-"""Steps that are still taken (a minute or more); a run that needs more is refused, or stops."""
+"""The most steps of a run (a minute or more): one that needs more is refused, or stops."""
 
 EPS = float(np.finfo(np.float64).eps)
 
@@ -141,7 +141,7 @@ class Stepper(ABC):
 
     Attributes
     ----------
-    time : where the last step ended; steps : how many were taken
+    time : where the last step ended; steps : their number
     """
 
     time = 0.0

@@ -130,20 +130,22 @@ class RotationProblem:
 
     def invariants(self, attitude: Float, angular_velocity: Float) -> dict[str, Float]:
         """Return what the loads keep, over the samples: the energy, L or its components, one along a body axis."""
-        kept: dict[str, Float] = {}
+        invariants: dict[str, Float] = {}
         if all(load.conservative for load in self.loads):
-            kept["energy"] = self.energy(attitude, angular_velocity)
+            invariants["energy"] = self.energy(attitude, angular_velocity)
         momentum = self.angular_momentum(attitude, angular_velocity)
         directions = self._kept_directions
         if len(directions) == 3:
-            kept["angular momentum"] = momentum
+            invariants["angular momentum"] = momentum
         else:
             for row in directions:
                 name = ", ".join(f"{x:.4g}" for x in row)
-                kept[f"angular momentum along ({name}) in space"] = momentum @ row
+                invariants[f"angular momentum along ({name}) in space"] = momentum @ row
         for axis in self._symmetry_axes:
-            kept[f"angular momentum about body axis {axis + 1}"] = self.moments[axis] * angular_velocity[..., axis]
-        return kept
+            invariants[f"angular momentum about body axis {axis + 1}"] = (
+                self.moments[axis] * angular_velocity[..., axis]
+            )
+        return invariants
 
     @cached_property
     def _kept_directions(self) -> Float:
@@ -154,9 +156,9 @@ class RotationProblem:
         if not len(spanned):
             return np.eye(3)
         _, values, rows = np.linalg.svd(spanned)
-        found: Float = rows[int((values > 1e-9).sum()) :]
-        largest = np.take_along_axis(found, np.abs(found).argmax(axis=1)[:, None], axis=1)
-        return found * np.sign(largest) + 0.0
+        basis: Float = rows[int((values > 1e-9).sum()) :]
+        largest = np.take_along_axis(basis, np.abs(basis).argmax(axis=1)[:, None], axis=1)
+        return basis * np.sign(largest) + 0.0
 
     @cached_property
     def _symmetry_axes(self) -> list[int]:

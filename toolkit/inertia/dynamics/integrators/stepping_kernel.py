@@ -46,7 +46,7 @@ def turn(x, y, z, w, a, b, c, d):
 
 
 @njit(inline="always")
-def slowed(speed, torque, drag, moment, step):
+def kick_axis(speed, torque, drag, moment, step):
     """Return the angular velocity after a constant torque and linear damping have acted on one axis."""
     z = drag * step / moment
     if z == 0.0:
@@ -56,7 +56,7 @@ def slowed(speed, torque, drag, moment, step):
 
 
 @njit(inline="always")
-def double(half):
+def double_angle(half):
     """Return sine and cosine of an angle and of its half."""
     s, c = np.sin(half), np.cos(half)
     return 2.0 * s * c, 1.0 - 2.0 * s * s, s, c
@@ -84,15 +84,15 @@ def split_once(work, begin, step, first, last, state):
         if loaded:
             kick = (before + (pairs[stage, 0] if stage < stages else 0.0)) * step
             t0, t1, t2 = pull(terms, count, time, x, y, z, w)
-            p = slowed(p, t0, terms[6], a, kick)
-            q = slowed(q, t1, terms[7], b, kick)
-            r = slowed(r, t2, terms[8], c, kick)
+            p = kick_axis(p, t0, terms[6], a, kick)
+            q = kick_axis(q, t1, terms[7], b, kick)
+            r = kick_axis(r, t2, terms[8], c, kick)
         if stage == stages:
             break
         first_part, second_part = pairs[stage, 0] * step, pairs[stage, 1] * step
         before = pairs[stage, 1]
         if a != b:
-            s, co, sh, ch = double(0.5 * first_part * p * rest)
+            s, co, sh, ch = double_angle(0.5 * first_part * p * rest)
             q, r = co * q + s * cb * r, co * r - s * bc * q
             x, y, z, w = x * ch + w * sh, y * ch + z * sh, z * ch - y * sh, w * ch - x * sh
         both = first_part + second_part
@@ -101,11 +101,11 @@ def split_once(work, begin, step, first, last, state):
         half = 0.5 * both * size
         part = np.sin(half) / size if size > 0.0 else 0.0
         x, y, z, w = turn(x, y, z, w, part * l0, part * l1, part * l2, np.cos(half))
-        s, co, sh, ch = double(0.5 * both * r * own)
+        s, co, sh, ch = double_angle(0.5 * both * r * own)
         p, q = co * p + s * ba * q, co * q - s * ab * p
         x, y, z, w = x * ch + y * sh, y * ch - x * sh, z * ch + w * sh, w * ch - z * sh
         if a != b:
-            s, co, sh, ch = double(0.5 * second_part * p * rest)
+            s, co, sh, ch = double_angle(0.5 * second_part * p * rest)
             q, r = co * q + s * cb * r, co * r - s * bc * q
             x, y, z, w = x * ch + w * sh, y * ch + z * sh, z * ch - y * sh, w * ch - x * sh
         time += both

@@ -21,7 +21,7 @@ from numba import carray, njit
 
 from inertia.dynamics.integrators.loop_kernel import HEAD, VECTOR, through
 
-ROWS, KEPT = 33, 32
+ROWS, SPARE = 33, 32
 """Rows of a block: coefficients, and a last one for the state in block 0, and for what the block of a vector keeps for
 the next coefficient. Their number is odd, so that rows of two blocks do not fall on one line of the cache."""
 
@@ -169,16 +169,16 @@ def expand(moments, terms, count, simple, now, order, table):
             c0 = c1 = c2 = 0.0
         for j in range(1 if simple else count):
             at, to = HEAD + VECTOR * j, 4 + 2 * j
-            kept = table[to, KEPT, 0]
+            spare = table[to, SPARE, 0]
             if n == 0:
                 u, v, s = to_body(x, y, z, w, terms[at], terms[at + 1], terms[at + 2])
             else:
-                u, v, s = kept[0], kept[1], kept[2]
+                u, v, s = spare[0], spare[1], spare[2]
             h0, h1, h2, h3, h4, h5, h6, h7 = convolve(
                 table, to, n, v, s, u, 0.0, s, u, v, 0.0, o2, o0, o1, 0.0, o1, o2, o0, 0.0
             )
-            kept[0], kept[1], kept[2] = (h0 - h4) * scale, (h1 - h5) * scale, (h2 - h6) * scale
-            kept[3] = h3 - h7
+            spare[0], spare[1], spare[2] = (h0 - h4) * scale, (h1 - h5) * scale, (h2 - h6) * scale
+            spare[3] = h3 - h7
             h0 = terms[at + 3] * u + terms[at + 4] * v + terms[at + 5] * s
             h1 = terms[at + 6] * u + terms[at + 7] * v + terms[at + 8] * s
             h2 = terms[at + 9] * u + terms[at + 10] * v + terms[at + 11] * s
@@ -193,8 +193,8 @@ def expand(moments, terms, count, simple, now, order, table):
             t0, t1, t2 = t0 + weight * h0, t1 + weight * h1, t2 + weight * h2
             if not simple and slope != 0.0:
                 if n > 0:
-                    t0, t1, t2 = t0 + slope * kept[4], t1 + slope * kept[5], t2 + slope * kept[6]
-                kept[4], kept[5], kept[6] = h0, h1, h2
+                    t0, t1, t2 = t0 + slope * spare[4], t1 + slope * spare[5], t2 + slope * spare[6]
+                spare[4], spare[5], spare[6] = h0, h1, h2
         half = 0.5 * scale
         x, y, z, w = (f0 + f4 + g0) * half, (f1 + f5 + g1) * half, (f2 + f6 + g2) * half, (f3 + f7 + g3) * half
         p = (e0 + t0 * i0 - d0 * p) * scale
