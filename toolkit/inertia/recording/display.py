@@ -26,7 +26,7 @@ from inertia.mesh.part import Cells, Part, Surface, Triangles
 from inertia.recording.drawing import Color
 
 STEEL = (150, 165, 185)
-COLORS = (STEEL, (200, 150, 110), (130, 180, 140), (190, 140, 180), (180, 175, 120), (120, 170, 190))
+PART_COLORS = (STEEL, (200, 150, 110), (130, 180, 140), (190, 140, 180), (180, 175, 120), (120, 170, 190))
 
 MOST = 50_000
 """Triangles that are shown; merging aims at this number."""
@@ -112,7 +112,7 @@ class Solid:
 
     def archetype(self, unit: float, number: int) -> Any:
         """Return what draws it, in units of `unit` m, in the colour of its number."""
-        color = COLORS[number % len(COLORS)]
+        color = PART_COLORS[number % len(PART_COLORS)]
         if self.triangles is not None:
             return facets(self.triangles / unit, color, self.center / unit)
         return _ellipsoid(self.semi_axes / unit, self.attitude, color, self.center / unit, fill="Solid")

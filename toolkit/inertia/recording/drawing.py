@@ -1,4 +1,4 @@
-"""What is drawn in several views: text, lines, points, arrows and trails, and the curves that they show."""
+"""Drawing in Rerun: text, lines, points, arrows, ellipsoids and trails, and the colours that views share."""
 
 from __future__ import annotations
 
@@ -12,7 +12,9 @@ from inertia.recording.writer import Recording
 
 Color = tuple[int, int, int] | tuple[int, int, int, int]
 
-GROUND = (110, 115, 125)
+COLORS = ((230, 80, 70), (90, 190, 90), (80, 140, 255), (240, 190, 60), (200, 110, 220), (90, 210, 210))
+"""Of series and of axes 1, 2, 3."""
+OMEGA, MOMENTUM, TRAIL, GROUND = (255, 200, 60), (90, 200, 255), (255, 140, 60), (110, 115, 125)
 
 _ROUND = 97  # points of a circle
 _POINTS = 20_000  # of a line that does not change
@@ -68,6 +70,14 @@ def write_arrow(
     recording.static(path, rr.Arrows3D.from_fields(labels=[label], colors=[color], radii=[radius], show_labels=True))
     tips = vectors.astype(np.float32)
     recording.columns(path, time, lambda rows: rr.Arrows3D.columns(vectors=tips[rows]))
+
+
+def write_axes(recording: Recording, path: str, axes: Float, radius: float) -> None:
+    """Write arrows along the axes 1, 2, 3, the columns of (3, 3), that stay in their frame."""
+    import rerun as rr
+
+    arrows = rr.Arrows3D(vectors=axes.T, colors=COLORS[:3], labels=["1", "2", "3"], radii=[radius] * 3)
+    recording.static(path, arrows)
 
 
 def write_trail(recording: Recording, path: str, time: Float, points: Float, color: Color, radius: float) -> None:

@@ -11,10 +11,8 @@ from inertia.dynamics.kinematics.euler_angles import to_angles
 from inertia.dynamics.plan import Plan
 from inertia.dynamics.run import Invariant, Run
 from inertia.recording import entities
+from inertia.recording.drawing import COLORS
 from inertia.recording.writer import Recording, blocks
-
-COLORS = ((230, 80, 70), (90, 190, 90), (80, 140, 255), (240, 190, 60), (200, 110, 220), (90, 210, 210))
-"""Of series and of axes 1, 2, 3."""
 
 _LEAST = 1e-16  # unit of drifts, about one rounding
 

@@ -15,12 +15,11 @@ from inertia.dynamics.models.deforming.jointed_body import JointedBody, Shape
 from inertia.dynamics.run import Run
 from inertia.recording import entities
 from inertia.recording.display import Solid, equivalent_ellipsoid, solids_of
-from inertia.recording.drawing import write_arrow, write_ellipsoid, write_place, write_text
+from inertia.recording.drawing import COLORS, MOMENTUM, OMEGA, write_arrow, write_ellipsoid, write_place, write_text
 from inertia.recording.playback import Frames, frames_of, largest, longest_as
 from inertia.recording.screen import Screen, camera, drift_plot, eye, finished, plot, text_view
-from inertia.recording.series import COLORS, drift_unit, write_angular_velocity, write_drift
+from inertia.recording.series import drift_unit, write_angular_velocity, write_drift
 from inertia.recording.summary import summary, title
-from inertia.recording.views.tumbling import MOMENTUM, OMEGA
 from inertia.recording.writer import Recording
 
 if TYPE_CHECKING:

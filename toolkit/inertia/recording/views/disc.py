@@ -12,12 +12,23 @@ from inertia.arrays import Float
 from inertia.dynamics.run import Run
 from inertia.recording import entities
 from inertia.recording.display import STEEL, Display, display_of
-from inertia.recording.drawing import circle, thinned, write_arrow, write_lines, write_place, write_text, write_trail
+from inertia.recording.drawing import (
+    COLORS,
+    MOMENTUM,
+    OMEGA,
+    TRAIL,
+    circle,
+    thinned,
+    write_arrow,
+    write_lines,
+    write_place,
+    write_text,
+    write_trail,
+)
 from inertia.recording.playback import Frames, frames_of, longest_as, values_at
 from inertia.recording.screen import Screen, camera, drift_plot, finished, plot, text_view, trail
-from inertia.recording.series import COLORS, drift_unit, write_drift
+from inertia.recording.series import drift_unit, write_drift
 from inertia.recording.summary import summary, title
-from inertia.recording.views.tumbling import MOMENTUM, OMEGA, TRAIL
 from inertia.recording.writer import Recording
 
 if TYPE_CHECKING:

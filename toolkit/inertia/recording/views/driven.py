@@ -11,11 +11,10 @@ from inertia.arrays import Float
 from inertia.dynamics.run import Run
 from inertia.recording import entities
 from inertia.recording.display import Display, display_of
-from inertia.recording.drawing import write_arrow, write_text, write_trail
+from inertia.recording.drawing import COLORS, MOMENTUM, OMEGA, write_arrow, write_axes, write_text, write_trail
 from inertia.recording.playback import Frames, frames_of, largest, longest_as
 from inertia.recording.screen import Screen, drift_plot, eye, finished, plot, text_view, trail
 from inertia.recording.series import (
-    COLORS,
     ascending,
     drift_unit,
     write_angular_velocity,
@@ -25,7 +24,6 @@ from inertia.recording.series import (
 )
 from inertia.recording.summary import summary, title
 from inertia.recording.views.momentum_space import write_moving_momentum_space
-from inertia.recording.views.tumbling import MOMENTUM, OMEGA
 from inertia.recording.writer import Recording
 
 if TYPE_CHECKING:
@@ -96,10 +94,7 @@ def _write_world(recording: Recording, run: Run, body: Display, frames: Frames) 
     size, thick = body.radius, _THICK * body.radius
     recording.static(entities.WORLD, rr.ViewCoordinates.RIGHT_HAND_Z_UP)
     recording.static(entities.MESH, body.archetype())
-    axes = _AXES * size * ascending(run.plan)[1].T
-    recording.static(
-        entities.BODY_AXES, rr.Arrows3D(vectors=axes, colors=COLORS[:3], labels=["1", "2", "3"], radii=[thick] * 3)
-    )
+    write_axes(recording, entities.BODY_AXES, _AXES * size * ascending(run.plan)[1], thick)
     frames.write_attitude(recording)
     fastest, most = largest(frames.angular_velocity), largest(frames.angular_momentum)
     omega = longest_as(_OMEGA * size, frames.angular_velocity)

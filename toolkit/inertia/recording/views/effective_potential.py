@@ -13,8 +13,8 @@ from inertia.arrays import Float
 from inertia.dynamics.kinematics.euler_angles import from_angles
 from inertia.dynamics.models.heavy.top import HeavyTop
 from inertia.dynamics.run import Run
+from inertia.recording.drawing import COLORS
 from inertia.recording.entities import EFFECTIVE_POTENTIAL
-from inertia.recording.series import COLORS
 from inertia.recording.writer import Recording
 
 WIDTH, HEIGHT = 160.0, 100.0

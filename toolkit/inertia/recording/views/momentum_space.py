@@ -12,9 +12,9 @@ from inertia.dynamics.kinematics import quaternion
 from inertia.dynamics.kinematics.polhode import polhode, separatrix
 from inertia.dynamics.run import Run
 from inertia.recording import entities
-from inertia.recording.drawing import Color, thinned, write_arrow, write_ellipsoid, write_lines, write_trail
+from inertia.recording.drawing import Color, thinned, write_arrow, write_axes, write_ellipsoid, write_lines, write_trail
 from inertia.recording.playback import Frames, largest, longest_as
-from inertia.recording.series import COLORS, ascending
+from inertia.recording.series import ascending
 from inertia.recording.writer import Recording
 
 SPHERE, ELLIPSOID = (110, 150, 220), (230, 120, 80)
@@ -33,7 +33,7 @@ def write_momentum_space(recording: Recording, run: Run, frames: Frames) -> str:
     unit = largest(along)
     along = along / unit
     energy = float((along[0] ** 2 / moments).sum())  # 2 T / |L|², 1/(kg m²)
-    _write_axes(recording)
+    write_axes(recording, entities.PRINCIPAL_AXES, 1.25 * np.eye(3), _LINE)
     _write_surface(recording, entities.MOMENTUM_SPHERE, np.ones(3), SPHERE)
     _write_surface(recording, entities.ENERGY_ELLIPSOID, np.sqrt(energy * moments), ELLIPSOID)
     write_arrow(recording, entities.CURRENT, frames.time, along, "L", CURRENT, 2 * _LINE)
@@ -58,7 +58,7 @@ def write_moving_momentum_space(recording: Recording, run: Run, frames: Frames) 
     along = longest_as(1.0, quaternion.to_body(frames.attitude, frames.angular_momentum) @ axes)
     radius = np.linalg.norm(along, axis=1)
     semi_axes = np.sqrt((along**2 / moments).sum(axis=1)[:, None] * moments)
-    _write_axes(recording)
+    write_axes(recording, entities.PRINCIPAL_AXES, 1.25 * np.eye(3), _LINE)
     spheres = np.repeat(radius[:, None], 3, axis=1)
     write_ellipsoid(recording, entities.MOMENTUM_SPHERE, frames.time, spheres, MOVING_SPHERE, 0.3 * _LINE)
     write_ellipsoid(recording, entities.ENERGY_ELLIPSOID, frames.time, semi_axes, MOVING_ELLIPSOID, 0.3 * _LINE)
@@ -73,13 +73,6 @@ def write_moving_momentum_space(recording: Recording, run: Run, frames: Frames) 
         "in the body view L moves along the yellow path, where the momentum sphere (blue) meets the energy ellipsoid "
         "(red), both as they are at the instant"
     )
-
-
-def _write_axes(recording: Recording) -> None:
-    import rerun as rr
-
-    arrows = rr.Arrows3D(vectors=1.25 * np.eye(3), colors=COLORS[:3], labels=["1", "2", "3"], radii=[_LINE] * 3)
-    recording.static(entities.PRINCIPAL_AXES, arrows)
 
 
 def _write_surface(recording: Recording, path: str, semi_axes: Float, color: Color) -> None:

@@ -18,10 +18,9 @@ from inertia.balancing.balance import Balance
 from inertia.balancing.shop_units import in_degrees, in_gmm
 from inertia.balancing.unbalance import Unbalance
 from inertia.recording import entities
-from inertia.recording.drawing import write_text
+from inertia.recording.drawing import COLORS, write_text
 from inertia.recording.playback import playback
 from inertia.recording.screen import Screen, camera, finished, plot, text_view
-from inertia.recording.series import COLORS
 from inertia.recording.summary import sentence
 from inertia.recording.views.rotor_state import State, states_of, write_state
 from inertia.recording.writer import Recording

@@ -15,7 +15,11 @@ from inertia.dynamics.run import Run
 from inertia.recording import entities
 from inertia.recording.display import Display, display_of
 from inertia.recording.drawing import (
+    COLORS,
     GROUND,
+    MOMENTUM,
+    OMEGA,
+    TRAIL,
     basis,
     circle,
     thinned,
@@ -28,10 +32,9 @@ from inertia.recording.drawing import (
 )
 from inertia.recording.playback import Frames, frames_followed, largest, longest_as
 from inertia.recording.screen import Screen, camera, drift_plot, finished, plot, text_view, trail
-from inertia.recording.series import COLORS, drift_unit, write_drift
+from inertia.recording.series import drift_unit, write_drift
 from inertia.recording.summary import summary, title
 from inertia.recording.views.effective_potential import EffectivePotential, effective_potential
-from inertia.recording.views.tumbling import MOMENTUM, OMEGA, TRAIL
 from inertia.recording.writer import Recording
 
 if TYPE_CHECKING:

@@ -16,11 +16,10 @@ from inertia.dynamics.models.free.flips import polhode_period
 from inertia.dynamics.run import Run
 from inertia.recording import entities
 from inertia.recording.display import Display, display_of
-from inertia.recording.drawing import write_arrow, write_text, write_trail
+from inertia.recording.drawing import MOMENTUM, OMEGA, TRAIL, write_arrow, write_axes, write_text, write_trail
 from inertia.recording.playback import Frames, frames_of, largest
 from inertia.recording.screen import Screen, drift_plot, eye, finished, plot, text_view, trail
 from inertia.recording.series import (
-    COLORS,
     ascending,
     drift_unit,
     write_angular_velocity,
@@ -35,7 +34,6 @@ from inertia.recording.writer import Recording
 if TYPE_CHECKING:
     import rerun.blueprint as rrb
 
-OMEGA, MOMENTUM, TRAIL = (255, 200, 60), (90, 200, 255), (255, 140, 60)
 BODY_CONE, SPACE_CONE = (90, 190, 90, 70), (240, 190, 60, 70)
 FLIP_STATES = ("+2", "−2")
 
@@ -127,11 +125,7 @@ def _write_world(recording: Recording, run: Run, body: Display, frames: Frames, 
     size = body.radius
     recording.static(entities.WORLD, rr.ViewCoordinates.RIGHT_HAND_Z_UP)
     recording.static(entities.MESH, body.archetype())
-    axes = _AXES * size * ascending(run.plan)[1].T
-    recording.static(
-        entities.BODY_AXES,
-        rr.Arrows3D(vectors=axes, colors=COLORS[:3], labels=["1", "2", "3"], radii=[_THICK * size] * 3),
-    )
+    write_axes(recording, entities.BODY_AXES, _AXES * size * ascending(run.plan)[1], _THICK * size)
     frames.write_attitude(recording)
     if origin is not None:
         frames.write_position(recording, body.unit, origin)
