@@ -5,13 +5,15 @@ from __future__ import annotations
 import math
 from dataclasses import asdict
 from fractions import Fraction
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from inertia.mass.analysis import Analysis
 from inertia.mass.principal import Principal
-from inertia.mass.repair import Repaired
+
+if TYPE_CHECKING:
+    from inertia.mass.repair import Repaired  # what it mends with is slow to import, and seldom needed
 
 
 def analysis_document(analysis: Analysis, repaired: Repaired | None = None) -> dict[str, Any]:

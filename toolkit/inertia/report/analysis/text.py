@@ -5,13 +5,16 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 from fractions import Fraction
+from typing import TYPE_CHECKING
 
 from inertia.errors import UNIT, Remedy, Sentence, Wording
 from inertia.mass.analysis import Analysis
 from inertia.mass.principal import radii_of_gyration
-from inertia.mass.repair import Repaired
 from inertia.report.analysis.document import relative_bounds
 from inertia.report.numerals import cleared, columns, number, power, row
+
+if TYPE_CHECKING:
+    from inertia.mass.repair import Repaired  # what it mends with is slow to import, and seldom needed
 
 _DENSITY_FROM = {
     "option": "as given",
