@@ -38,7 +38,7 @@ def compiled_at_any_size() -> Iterator[None]:
 
 def both_paths(triangles: Triangles, surface: bool) -> tuple[Numbers, Numbers]:
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(module, "_vectorised", lambda *_: pytest.fail("the numpy path ran"))
+        patch.setattr(module, "vectorised_rows", lambda *_: pytest.fail("the numpy path ran"))
         compiled = bits(sum_triangles(triangles, surface=surface))
     with pytest.MonkeyPatch.context() as patch:
         patch.setenv("INERTIA_NATIVE", "0")
@@ -57,7 +57,7 @@ def test_a_kernel_runs_where_that_very_kernel_is_at_hand(
     stored: Callable[[Surface], Triangles], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     triangles = stored(soup(100))
-    own = module._KERNEL.facets if isinstance(triangles, Facets) else module._KERNEL.faces
+    own = module.KERNEL.facets if isinstance(triangles, Facets) else module.KERNEL.faces
     monkeypatch.setattr(own, "worthwhile", lambda count: False)
     monkeypatch.setattr(BlockKernel, "rows", lambda *_: pytest.fail("the compiled path ran"))
     assert sum_triangles(triangles).count == 100

@@ -34,7 +34,7 @@ from inertia.mesh.part import Triangles, first_non_finite
 from inertia.native import Kernel
 
 SUMS = 13
-_KERNEL = BlockKernel(
+KERNEL = BlockKernel(
     Kernel("inertia.mass.triangles.moment_kernel", "sum_facets", "pi" + "ddd" + "ipp"),
     Kernel("inertia.mass.triangles.moment_kernel", "sum_faces", "ppi" + "ddd" + "ipp"),
     columns=SUMS + 6,
@@ -66,10 +66,10 @@ def sum_triangles(triangles: Triangles, *, surface: bool = False, progress: Prog
     Raises `GeometryError` where a coordinate is infinite or not a number.
     """
     origin, exponent = local_frame(triangles)
-    if exponent == 0 and _KERNEL.worthwhile(triangles):
-        runs = _KERNEL.rows(triangles, (*origin.tolist(), int(surface)))
+    if exponent == 0 and KERNEL.worthwhile(triangles):
+        runs = KERNEL.rows(triangles, (*origin.tolist(), int(surface)))
     else:
-        runs = _vectorised(triangles, origin, exponent, surface)
+        runs = vectorised_rows(triangles, origin, exponent, surface)
     blocks = []
     with np.errstate(invalid="ignore", over="ignore"):
         for stop, rows in runs:
@@ -124,7 +124,8 @@ def _refuse_non_finite(triangles: Triangles) -> None:
     )
 
 
-def _vectorised(triangles: Triangles, origin: Float, exponent: int, surface: bool) -> Iterator[tuple[int, Float]]:
+def vectorised_rows(triangles: Triangles, origin: Float, exponent: int, surface: bool) -> Iterator[tuple[int, Float]]:
+    """Yield what the kernel's `rows` does, computed by numpy."""
     for start in range(0, triangles.count, _NUMPY_CHUNK):
         stop = min(start + _NUMPY_CHUNK, triangles.count)
         corners = triangles.corners(start, stop)
