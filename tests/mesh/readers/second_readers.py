@@ -440,7 +440,7 @@ def abaqus(data: bytes) -> list[Cell]:
     cells: list[tuple[str, list[int]]] = []
     continued = False
     keyword = ""
-    for line in data.decode("utf-8", "replace").splitlines():
+    for line in map(str.strip, data.decode("utf-8", "replace").splitlines()):
         if line.startswith("**") or not line.strip():
             continue
         if line.startswith("*"):
@@ -468,7 +468,7 @@ def vtk(data: bytes) -> list[Cell]:
     def table(name: bytes, code: str | None, count: Callable[[list[int]], int]) -> list[float]:
         """The numbers after a line that begins with `name`, whose own numbers `count` turns into how many they are."""
         nonlocal at
-        match = re.compile(rb"(?i)(?:^|(?<=\n))[ \t]*" + name + rb"\w*((?:[ \t]+\d+)*)[ \t]*(\w*)[^\n]*\n").search(
+        match = re.compile(rb"(?i)(?:^|(?<=\n))[ \t]*" + name + rb"\S*((?:[ \t]+\d+)*)[ \t]*(\w*)[^\n]*\n").search(
             data, at
         )
         number = count([int(word) for word in match[1].split()])
@@ -556,7 +556,10 @@ def medit(data: bytes) -> list[Cell]:
         return [floats(row)[:-1] for row in rows]
 
     tetrahedra = table(b"Tetrahedra", 5) if b"Tetrahedra" in words else []
-    return cells_of(table(b"Vertices", 4), [("tetra", [int(i) - 1 for i in each]) for each in tetrahedra])
+    points = np.array(table(b"Vertices", 4))
+    if int(words[1]) < 2:
+        points = points.astype(np.float32)
+    return cells_of(points.tolist(), [("tetra", [int(i) - 1 for i in each]) for each in tetrahedra])
 
 
 def netgen(data: bytes) -> list[Cell]:

@@ -27,6 +27,11 @@ from inertia.errors import ReadError
 from inertia.mesh.part import Cells, Part
 from inertia.mesh.read import read
 
+SU2 = "NDIME= 3\nNPOIN= 5\n0 0 0\n1 0 0\n0 1 0\n0 0 1\n1 1 1\nNELEM= 2\n10 0 1 2 3\n10 1 2 3 4\n"
+MEDIT = (
+    "MeshVersionFormatted 2\nDimension 3\nVertices\n4\n0 0 0 1\n1 0 0 1\n0 1 0 1\n0 0 1 1\n"
+    "Tetrahedra\n1\n1 2 3 4 1\nEnd\n"
+)
 UNNAMED = ["default", "default"]
 STEEL = ["steel", "default"]
 REGIONS = {
@@ -351,11 +356,42 @@ def test_the_smallest_abaqus_set_that_holds_a_cell_names_it(tmp_path: Path) -> N
         ("a.bdf", NASTRAN.replace("PSOLID,7,1", "INCLUDE 'b.bdf'"), "INCLUDE"),
         ("a.vtk", VTK_TEXT.replace("UNSTRUCTURED_GRID", "STRUCTURED_POINTS"), "STRUCTURED_POINTS"),
         ("a.vtk", VTK_TEXT.replace("10 10", "10 37"), "cannot read|not read"),
+        ("a.vtk", VTK_TEXT.replace("CELLS 2 10", "CELLS 3 10"), "do not agree with its CELL_TYPES"),
+        (
+            "a.vtk",
+            VTK_TEXT.replace("CELL_DATA 2", "CELL_TYPES 2\n9 9\nCELL_DATA 2"),
+            "do not agree with its CELL_TYPES",
+        ),
+        ("a.inp", ABAQUS.replace("*NODE", " *NODE") + " *NODE\n9, 0, 0, 0\n", r"2 \*NODE blocks"),
+        ("a.inp", ABAQUS.replace("2, 2,3,4,5", "2, 2,,3,4,5"), "elements lack nodes"),
+        ("a.inp", ABAQUS.replace("2, 2,3,4,5", "2, 2,3\n4,5"), "different numbers of them"),
+        ("a.inp", ABAQUS.replace("2, 2,3,4,5", "2, 2,3,\x1f4,5"), "control character"),
+        ("a.bdf", NASTRAN.replace("\n*       0.1", "\n*1.1\n*       0.1"), "has no fields"),
+        ("a.bdf", NASTRAN.replace("1.1\n*", "1.\n1\n*"), "has no fields"),
+        ("a.bdf", NASTRAN.replace("*       0.1", "* $     0.1"), "a comment begins within"),
+        ("a.bdf", NASTRAN.replace("CTETRA,2,8,2,3,4,5", ",8,1"), "continuation ',8,1' has no name"),
+        ("a.su2", SU2.replace("0 0 0\n", "0 0\n"), "rows of its NPOIN are not alike"),
+        ("a.su2", SU2.replace("10 0 1 2 3", "10 0 1 2"), "rows of its NELEM are not alike"),
+        ("a.su2", SU2.replace("NELEM= 2", "NELEM= 1"), "stands outside its tables"),
+        ("a.su2", SU2.replace("1 1 1", "1 1 1e"), "'1e', which is not a number"),
+        ("a.su2", SU2.replace("NPOIN= 5", "NPOIN= five"), "not a count"),
+        ("a.mesh", MEDIT + "Tetrahedra\n1\n1 2 3 4 1\nEnd\n", "text follows its End"),
+        ("a.mesh", MEDIT.replace("End\n", ""), "has no End"),
+        ("a.mesh", MEDIT.replace("End\n", "Tetrahedra\n1\n1 2 3 4 1\nEnd\n"), "a table twice"),
     ],
 )
 def test_what_would_be_misread_is_refused(name: str, text: str, reason: str, tmp_path: Path) -> None:
     with pytest.raises(ReadError, match=reason):
         read_text(tmp_path, name, text)
+
+
+@pytest.mark.parametrize("name", ["two.vtu", "two.vtk"])
+def test_a_cell_has_as_many_corners_as_its_type(name: str, tmp_path: Path) -> None:
+    _, data = volumes(tmp_path)["vtu text" if name == "two.vtu" else "vtk 5.1"]
+    assert read_text(tmp_path, name, data).geometry.count == 2
+    types = (b"10\n10\n", b"10\n14\n") if name == "two.vtu" else (b"\0\0\0\x0a" * 2, b"\0\0\0\x0a\0\0\0\x0e")
+    with pytest.raises(ReadError, match="a cell of the kind pyramid has 4 nodes, not 5"):
+        read_text(tmp_path, name, data.replace(*types))
 
 
 def test_a_vtu_file_of_two_pieces_is_refused(tmp_path: Path) -> None:

@@ -329,6 +329,12 @@ BAD = {
         re.sub(r"\$Elements\n3.*\$End", "$Elements\n0\n$End", GMSH_22, flags=re.DOTALL),
         "no cells",
     ),
+    "OFF a blank within a number": ("a.off", off().replace("1.1 2.0 3.0", "1.1 2 .0 3.0"), "vertex 7 has 4 numbers"),
+    "PLY two lines in one": (
+        "a.ply",
+        text_ply().replace("hand\n", "hand\x1d"),
+        "'property float x', which PLY does not",
+    ),
     "VTK cut short": ("a.vtk", VTK_TEXT[:180], "meshio cannot read it as vtk"),
     "VTK count": (
         "a.vtk",

@@ -38,19 +38,20 @@ _NASTRAN_READ = frozenset(
 )
 _NASTRAN_REFUSED = re.compile(rb"^(?:INCLUDE|GRDSET)\b", _LINES)
 
+_NASTRAN_COMMENT = re.compile(rb"^[^$\n][^\n]{0,71}\$", re.MULTILINE)
 _NASTRAN_EMPTY = re.compile(rb"^(?:[*+][^\n,]{0,7}|(?![$#])(?=[ \t]?\S)[^\r\n]{1,2})[ \t]*\r?$", re.MULTILINE)
 
-_ABAQUS_NODES = re.compile(rb"^\*NODE[ \t]*(?:,[^\r\n]*)?\r?$", _LINES)
-_ABAQUS_INSTANCE = re.compile(rb"^\*INSTANCE\b[^\n]*\n[ \t]*([^*\s]?)", _LINES)
+_ABAQUS_NODES = re.compile(rb"^[ \t]*\*NODE[ \t]*(?:,[^\r\n]*)?\r?$", _LINES)
+_ABAQUS_INSTANCE = re.compile(rb"^[ \t]*\*INSTANCE\b[^\n]*\n[ \t]*([^*\s]?)", _LINES)
 _ABAQUS_REFUSED = re.compile(
-    rb"^\*(?:INCLUDE|NGEN|NFILL|NCOPY|NMAP|ELGEN|ELCOPY|SYSTEM)\b"
-    rb"|^\*(?:NODE|ELEMENT)[ \t]*,[^\n]*\b(?:INPUT|SYSTEM)[ \t]*=",
+    rb"^[ \t]*\*(?:INCLUDE|NGEN|NFILL|NCOPY|NMAP|ELGEN|ELCOPY|SYSTEM)\b"
+    rb"|^[ \t]*\*(?:NODE|ELEMENT)[ \t]*,[^\n]*\b(?:INPUT|SYSTEM)[ \t]*=",
     _LINES,
 )
-_ABAQUS_ELEMENTS = re.compile(rb"^\*ELEMENT\b[^\n]*\n((?:(?!\*)[^\n]*\n)*)", _LINES)
+_ABAQUS_ELEMENTS = re.compile(rb"^[ \t]*\*ELEMENT\b[^\n]*\n((?:(?![ \t]*\*)[^\n]*\n)*)", _LINES)
 _ABAQUS_CONTINUED = re.compile(rb",[ \t]*\r?\n")
 _ABAQUS_RANGE = re.compile(
-    rb"^\*(?:EL|N)SET\b[^\n]*\bGENERATE\b[^\n]*\n[ \t]*(\d{1,18})[ \t]*,[ \t]*(\d{1,18})", _LINES
+    rb"^[ \t]*\*(?:EL|N)SET\b[^\n]*\bGENERATE\b[^\n]*\n[ \t]*(\d{1,18})[ \t]*,[ \t]*(\d{1,18})", _LINES
 )
 
 _XDMF_BINARY = re.compile(rb"\bFormat\s*=\s*[\"']Binary", re.IGNORECASE)
@@ -89,7 +90,7 @@ def cells_expected(path: Path, kind: str) -> int | None:
         case "nastran":
             return _nastran(text_of(path))
         case "abaqus":
-            _abaqus(text_of(path))
+            _abaqus(text_of(path) + b"\n")
         case "med":
             _hdf5(path)
         case "xdmf":
@@ -180,6 +181,9 @@ def _nastran(data: bytes) -> int:
     refused = _NASTRAN_REFUSED.search(bulk)
     if refused:
         raise ReadError(f"its card {shown(refused[0])} is not read: write the bulk data out in full")
+    comment = _NASTRAN_COMMENT.search(bulk)
+    if comment:
+        raise ReadError(f"a comment begins within its line {shown(comment[0].strip())}: write it on a line of its own")
     empty = _NASTRAN_EMPTY.search(bulk)
     if empty:
         raise ReadError(f"its line {shown(empty[0].strip())} has no fields: it was cut short, or write it out in full")
