@@ -78,10 +78,16 @@ class Section:
 S = TypeVar("S", bound=Section)
 
 
+_READERS: dict[type[Section], dict[str, Read]] = {}
+"""The readers of the sections that were made: to evaluate annotations takes longer than to make a section."""
+
+
 def readers(kind: type[Section]) -> dict[str, Read]:
     """Return the reader of each field of a section."""
-    hints = get_type_hints(kind, include_extras=True)
-    return {each.name: hints[each.name].__metadata__[0] for each in fields(kind)}
+    if kind not in _READERS:
+        hints = get_type_hints(kind, include_extras=True)
+        _READERS[kind] = {each.name: hints[each.name].__metadata__[0] for each in fields(kind)}
+    return _READERS[kind]
 
 
 def joined(path: str, name: str) -> str:
