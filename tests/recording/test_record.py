@@ -1,7 +1,9 @@
 """The verb: what it refuses, and that it streams to an open viewer."""
 
 import time
+import typing
 from dataclasses import replace
+from importlib import import_module
 from pathlib import Path
 
 import numpy as np
@@ -12,11 +14,19 @@ from tests.recording.screenshot import has_driver, open_viewer
 from inertia import Run, record, simulate
 from inertia.errors import GeometryError, UsageError
 from inertia.recording import writer
+from inertia.recording.record import VIEWS
+from inertia.recording.screen import Screen
 
 
 @pytest.fixture(scope="module")
 def handle() -> Run:
     return simulate(t_handle())
+
+
+@pytest.mark.parametrize("name", [*VIEWS, "rotor"])
+def test_every_view_is_a_module_that_returns_a_screen(name: str) -> None:
+    view = import_module(f"inertia.recording.views.{name}")
+    assert typing.get_type_hints(view.screen)["return"] is Screen
 
 
 def test_a_run_with_a_hole_is_refused(handle: Run, tmp_path: Path) -> None:

@@ -11,7 +11,6 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from inertia.arrays import Float
-from inertia.dynamics.kinematics.geometry import cones
 from inertia.dynamics.models.free.flips import polhode_period
 from inertia.dynamics.run import Run
 from inertia.recording import entities
@@ -153,25 +152,21 @@ def _write_cones(recording: Recording, run: Run, slant: float) -> Iterator[str]:
 
     if "body cone" not in run.quantities:
         return
-    plan = run.plan
-    order = _symmetry_axis_last(plan.moments)
-    omega = (run.angular_velocity[0] @ plan.axes)[order]
-    pair = cones(plan.moments[order], omega)
-    if pair.body_half_angle < _NARROWEST:
+    body_angle, space_angle = (float(run.quantities[name]) for name in ("body cone", "space cone"))
+    if body_angle < _NARROWEST:
         return
-    symmetry = plan.axes[:, order[2]] * np.copysign(1.0, omega[2])
+    moments, symmetry = run.plan.moments, run.plan.axes[:, 2]
     momentum = run.angular_momentum[0] / np.linalg.norm(run.angular_momentum[0])
     for path, axis, half_angle, color in (
-        (entities.BODY_CONE, symmetry, float(pair.body_half_angle), BODY_CONE),
-        (entities.SPACE_CONE, momentum, float(pair.space_half_angle), SPACE_CONE),
+        (entities.BODY_CONE, symmetry * np.copysign(1.0, run.angular_velocity[0] @ symmetry), body_angle, BODY_CONE),
+        (entities.SPACE_CONE, momentum, space_angle, SPACE_CONE),
     ):
         corners = slant * _cone(axis, half_angle).reshape(-1, 3)
         recording.static(path, rr.Mesh3D(vertex_positions=corners.astype(np.float32), albedo_factor=color))
-    how = "on the outside of" if pair.rolling == "outside" else "with its inside around"
-    body, space = np.degrees([pair.body_half_angle, pair.space_half_angle])
+    how = "on the outside of" if 2.0 * moments[2] < moments[0] + moments[1] else "with its inside around"
     yield (
-        f"the body cone (green, half-angle {body:.4g}°) rolls {how} the space cone (yellow, {space:.4g}°): they "
-        "touch along ω"
+        f"the body cone (green, half-angle {np.degrees(body_angle):.4g}°) rolls {how} the space cone (yellow, "
+        f"{np.degrees(space_angle):.4g}°): they touch along ω"
     )
 
 
@@ -184,11 +179,6 @@ def _cone(axis: Float, half_angle: float) -> Float:
     rim = np.cos(half_angle) * axis + np.sin(half_angle) * circle
     triangles: Float = np.stack([np.zeros_like(rim[1:]), rim[:-1], rim[1:]], axis=1)
     return triangles
-
-
-def _symmetry_axis_last(moments: Float) -> list[int]:
-    pairs = ([1, 2, 0], [2, 0, 1], [0, 1, 2])
-    return min(pairs, key=lambda order: abs(moments[order[0]] - moments[order[1]]))
 
 
 def _flips(run: Run) -> list[float]:
