@@ -34,7 +34,7 @@ def is_one_closed_piece(surface: Surface) -> bool:
 
 def forget_kernels(monkeypatch: pytest.MonkeyPatch) -> None:
     """Make this process look for its kernels again, as another process would."""
-    for name in ("_FACETS", "_FACES", "_REHASH"):
+    for name in ("FACETS", "FACES", "REHASH"):
         kernel: Kernel = getattr(closure, name)
         monkeypatch.setattr(closure, name, Kernel(kernel.module, kernel.name, kernel.abi))
 
@@ -122,7 +122,7 @@ def test_a_kernel_is_compiled_for_many_triangles_and_loaded_for_fewer(
     cache: Path, compiled: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     def worthwhile() -> list[bool]:
-        return [closure._FACES.worthwhile(count) for count in (LOAD_ABOVE - 1, LOAD_ABOVE, COMPILE_ABOVE)]
+        return [closure.FACES.worthwhile(count) for count in (LOAD_ABOVE - 1, LOAD_ABOVE, COMPILE_ABOVE)]
 
     assert worthwhile() == [False, False, True]
     put(cache, compiled, compiled.read_bytes())

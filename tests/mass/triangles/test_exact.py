@@ -54,7 +54,7 @@ def test_equal_for_the_smallest_and_largest_numbers_together() -> None:
 @pytest.mark.parametrize("around", [64, 65], ids=["whole chunks", "and a rest"])
 def test_equal_over_several_chunks(around: int) -> None:
     surface = joined(ring(around, 64, radius=3.1))
-    assert (surface.count > exact._CHUNK, surface.count % exact._CHUNK == 0) == (True, around == 64)
+    assert (surface.count > exact.CHUNK, surface.count % exact.CHUNK == 0) == (True, around == 64)
     assert_exact(surface)
 
 

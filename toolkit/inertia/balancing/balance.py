@@ -12,7 +12,7 @@ from functools import reduce
 from operator import add
 
 from inertia.arrays import Progress
-from inertia.balancing.axis.rotor_axis import Axis, rotor_axis
+from inertia.balancing.axis.location import Axis, rotor_axis
 from inertia.balancing.axis.shaft import Shaft
 from inertia.balancing.axis.tilt import Tilt, principal_tilt
 from inertia.balancing.correction_loop import Correction, correct

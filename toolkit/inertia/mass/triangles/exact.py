@@ -33,7 +33,7 @@ METHOD = "exact (integer arithmetic)"
 
 _KERNEL = Kernel("inertia.mass.triangles.residue_kernel", "sum_residues", "pi" + "pp" + "id" + "p")
 _COEFFICIENT = 288
-_CHUNK = 4096
+CHUNK = 4096
 _LARGEST_PRIME = 2**30
 
 
@@ -94,8 +94,8 @@ def _grid(triangles: Triangles) -> _Grid:
 
 def _chunks(triangles: Triangles) -> Iterator[tuple[int, Float]]:
     """Yield the corners as (9, k) arrays, with the number of triangles so far."""
-    for start in range(0, triangles.count, _CHUNK):
-        stop = min(start + _CHUNK, triangles.count)
+    for start in range(0, triangles.count, CHUNK):
+        stop = min(start + CHUNK, triangles.count)
         corners = np.ascontiguousarray(triangles.corners(start, stop).reshape(-1, 9).T)
         triangles.release(start, stop)
         yield stop, corners

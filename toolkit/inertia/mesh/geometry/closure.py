@@ -23,9 +23,9 @@ from inertia.arrays import Bool, Int, Progress
 from inertia.mesh.part import Facets, Surface, Triangles
 from inertia.native import Kernel
 
-_FACETS = Kernel("inertia.mesh.geometry.edge_kernel", "pair_facets", "piippipipp")
-_FACES = Kernel("inertia.mesh.geometry.edge_kernel", "pair_faces", "ppiiippipipp")
-_REHASH = Kernel("inertia.mesh.geometry.edge_kernel", "rehash", "ppippi")
+FACETS = Kernel("inertia.mesh.geometry.edge_kernel", "pair_facets", "piippipipp")
+FACES = Kernel("inertia.mesh.geometry.edge_kernel", "pair_faces", "ppiiippipipp")
+REHASH = Kernel("inertia.mesh.geometry.edge_kernel", "rehash", "ppippi")
 
 _CHUNK = 4096  # triangles a call: keeps the table of a well-ordered file inside the cache
 _RELEASE = 16 * _CHUNK
@@ -60,7 +60,7 @@ def closure(triangles: Triangles, progress: Progress | None = None) -> Closure:
     >>> tetrahedron.open_edges, tetrahedron.components
     (0, 1)
     """
-    kernel = _FACETS if isinstance(triangles, Facets) else _FACES
+    kernel = FACETS if isinstance(triangles, Facets) else FACES
     if kernel.worthwhile(triangles.count):
         return compiled_closure(triangles, progress)
     return vectorised_closure(triangles)
@@ -87,7 +87,7 @@ def compiled_closure(triangles: Triangles, progress: Progress | None = None) -> 
             larger = np.zeros(4 * capacity, np.uint64), np.empty(4 * capacity, np.int64)
             old = _address(keys), _address(values), capacity
             capacity *= 4
-            _REHASH.function(*old, _address(larger[0]), _address(larger[1]), capacity)
+            REHASH.function(*old, _address(larger[0]), _address(larger[1]), capacity)
             keys, values = larger
         if state[1] + _CHUNK > len(parent):
             parent = np.concatenate([parent, np.empty_like(parent)])
@@ -96,11 +96,11 @@ def compiled_closure(triangles: Triangles, progress: Progress | None = None) -> 
             _address(parent), len(parent), _address(labels), _address(state),
         )  # fmt: skip
         if isinstance(triangles, Facets):
-            _FACETS.function(_address(triangles.records), start, stop, *tables)
+            FACETS.function(_address(triangles.records), start, stop, *tables)
             if stop % _RELEASE == 0 or stop == count:
                 triangles.release(max(0, stop - _RELEASE - _CHUNK), stop)
         else:
-            _FACES.function(_address(faces), _address(vertex_keys), len(vertex_keys), start, stop, *tables)
+            FACES.function(_address(faces), _address(vertex_keys), len(vertex_keys), start, stop, *tables)
         if progress is not None and start % _RELEASE == 0:
             progress(stop / count)
     roots = _roots(parent[: state[1]])

@@ -12,7 +12,7 @@ from functools import cached_property
 from pathlib import Path
 
 from inertia.arrays import Float
-from inertia.balancing.axis.rotor_axis import Axis
+from inertia.balancing.axis.location import Axis
 from inertia.balancing.axis.tilt import Tilt
 from inertia.balancing.bounds import Source
 from inertia.balancing.correction_fields import KeyFields

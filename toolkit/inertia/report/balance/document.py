@@ -11,7 +11,7 @@ import io
 import math
 from typing import Any
 
-from inertia.balancing.axis.rotor_axis import Candidate
+from inertia.balancing.axis.location import Candidate
 from inertia.balancing.shop_units import GRAM_MILLIMETRE, GRAM_SQUARE_MILLIMETRE, in_degrees, in_gmm
 from inertia.documents import plain
 from inertia.report.balance.data import MM, BodyRow, OperationRow, ReportData, State
