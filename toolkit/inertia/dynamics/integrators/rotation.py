@@ -141,10 +141,8 @@ class RotationProblem:
             for row in directions:
                 name = ", ".join(f"{x:.4g}" for x in row)
                 invariants[f"angular momentum along ({name}) in space"] = momentum @ row
-        for axis in self._symmetry_axes:
-            invariants[f"angular momentum about body axis {axis + 1}"] = (
-                self.moments[axis] * angular_velocity[..., axis]
-            )
+        for k in self._symmetry_axes:
+            invariants[f"angular momentum about body axis {k + 1}"] = self.moments[k] * angular_velocity[..., k]
         return invariants
 
     @cached_property

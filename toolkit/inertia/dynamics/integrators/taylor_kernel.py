@@ -22,8 +22,8 @@ from numba import carray, njit
 from inertia.dynamics.integrators.loop_kernel import HEAD, VECTOR, through
 
 ROWS, SPARE = 33, 32
-"""Rows of a block: coefficients, and a last one for the state in block 0, and for what the block of a vector keeps for
-the next coefficient. Their number is odd, so that rows of two blocks do not fall on one line of the cache."""
+"""Rows of a block: coefficients, and a last one for what the block of a vector keeps for the next coefficient. Their
+number is odd, so that rows of two blocks do not fall on one line of the cache."""
 
 
 @njit(error_model="numpy", forceinline=True, fastmath={"contract"})
