@@ -132,8 +132,9 @@ def split(
 
 
 @njit(inline="always")
-def rate(moments, terms, count, time, x, y, z, w, p, q, r):
+def rate(moments, terms, count, time, state):
     """Return the rate of (q, ω)."""
+    x, y, z, w, p, q, r = state
     a, b, c = moments[0], moments[1], moments[2]
     e, f, g = (b - c) * q * r, (c - a) * r * p, (a - b) * p * q
     o0, o1, o2 = p, q, r
@@ -155,60 +156,40 @@ def rate(moments, terms, count, time, x, y, z, w, p, q, r):
     )
 
 
+@njit(inline="always")
+def along(state, step, slope):
+    """Return the state a step further along a slope."""
+    x, y, z, w, p, q, r = state
+    return (
+        x + step * slope[0],
+        y + step * slope[1],
+        z + step * slope[2],
+        w + step * slope[3],
+        p + step * slope[4],
+        q + step * slope[5],
+        r + step * slope[6],
+    )
+
+
 @njit(error_model="numpy", forceinline=True)
 def runge_kutta_once(work, time, step, first, last, state):
     """Take one step of the classical method of order four."""
     _, moments, terms, count = work
-    x, y, z, w, p, q, r = state
-    half = 0.5 * step
-    a = rate(moments, terms, count, time, x, y, z, w, p, q, r)
-    b = rate(
-        moments,
-        terms,
-        count,
-        time + half,
-        x + half * a[0],
-        y + half * a[1],
-        z + half * a[2],
-        w + half * a[3],
-        p + half * a[4],
-        q + half * a[5],
-        r + half * a[6],
+    half, sixth = 0.5 * step, step / 6.0
+    a = rate(moments, terms, count, time, state)
+    b = rate(moments, terms, count, time + half, along(state, half, a))
+    c = rate(moments, terms, count, time + half, along(state, half, b))
+    d = rate(moments, terms, count, time + step, along(state, step, c))
+    mean = (
+        a[0] + 2.0 * (b[0] + c[0]) + d[0],
+        a[1] + 2.0 * (b[1] + c[1]) + d[1],
+        a[2] + 2.0 * (b[2] + c[2]) + d[2],
+        a[3] + 2.0 * (b[3] + c[3]) + d[3],
+        a[4] + 2.0 * (b[4] + c[4]) + d[4],
+        a[5] + 2.0 * (b[5] + c[5]) + d[5],
+        a[6] + 2.0 * (b[6] + c[6]) + d[6],
     )
-    c = rate(
-        moments,
-        terms,
-        count,
-        time + half,
-        x + half * b[0],
-        y + half * b[1],
-        z + half * b[2],
-        w + half * b[3],
-        p + half * b[4],
-        q + half * b[5],
-        r + half * b[6],
-    )
-    d = rate(
-        moments,
-        terms,
-        count,
-        time + step,
-        x + step * c[0],
-        y + step * c[1],
-        z + step * c[2],
-        w + step * c[3],
-        p + step * c[4],
-        q + step * c[5],
-        r + step * c[6],
-    )
-    sixth = step / 6.0
-    x += sixth * (a[0] + 2.0 * (b[0] + c[0]) + d[0])
-    y += sixth * (a[1] + 2.0 * (b[1] + c[1]) + d[1])
-    z += sixth * (a[2] + 2.0 * (b[2] + c[2]) + d[2])
-    w += sixth * (a[3] + 2.0 * (b[3] + c[3]) + d[3])
-    p += sixth * (a[4] + 2.0 * (b[4] + c[4]) + d[4])
-    q += sixth * (a[5] + 2.0 * (b[5] + c[5]) + d[5])
-    r += sixth * (a[6] + 2.0 * (b[6] + c[6]) + d[6])
+    x, y, z, w, p, q, r = along(state, sixth, mean)
     scale = 1.0 / np.sqrt(x * x + y * y + z * z + w * w)
     return x * scale, y * scale, z * scale, w * scale, p, q, r
 
