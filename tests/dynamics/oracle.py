@@ -149,10 +149,10 @@ def _rates(equations: Equations) -> list[list[Fraction]]:
     torque = [equations.torque]
     for v, a, _ in equations.fixed:
         torque.append([sum((abs(p * q) for p, q in zip(row, v, strict=True)), Fraction(0)) for row in a])
-    found = [
+    answer = [
         [Fraction(float(abs(n / i)) ** 0.5) for n, i in zip(row, equations.moments, strict=True)] for row in torque
     ]
-    return [*found, [abs(d / i) for d, i in zip(equations.damping, equations.moments, strict=True)]]
+    return [*answer, [abs(d / i) for d, i in zip(equations.damping, equations.moments, strict=True)]]
 
 
 def _series(equations: Equations, state: list[int], step: Fraction, order: int) -> Series:

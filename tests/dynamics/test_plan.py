@@ -24,9 +24,9 @@ from inertia.errors import UsageError
     ],
 )
 def test_a_free_body_takes_the_smallest_model(moments: list, spin: list, model: str) -> None:
-    found = plan(scene(body={"principal_moments": moments}, start__angular_velocity=spin))
-    assert found.model == model
-    assert "no torque acts" in found.why[0]
+    selection = plan(scene(body={"principal_moments": moments}, start__angular_velocity=spin))
+    assert selection.model == model
+    assert "no torque acts" in selection.why[0]
 
 
 @pytest.mark.parametrize(
@@ -43,15 +43,15 @@ def test_a_free_body_takes_the_smallest_model(moments: list, spin: list, model: 
     ],
 )
 def test_loads_that_have_no_closed_form_are_integrated(loads: list, noun: str) -> None:
-    found = plan(scene(load=loads))
-    assert found.model == "Euler equations"
-    assert f"There is no closed form for {noun}:" in found.why[-1]
+    selection = plan(scene(load=loads))
+    assert selection.model == "Euler equations"
+    assert f"There is no closed form for {noun}:" in selection.why[-1]
 
 
 def test_gravity_leaves_the_rotation_of_a_free_body_alone() -> None:
-    found = plan(scene(load=[{"kind": "gravity"}]))
-    assert found.model == "asymmetric top"
-    assert "parabola" in found.why[0]
+    selection = plan(scene(load=[{"kind": "gravity"}]))
+    assert selection.model == "asymmetric top"
+    assert "parabola" in selection.why[0]
 
 
 @pytest.mark.parametrize(
@@ -71,29 +71,29 @@ def test_a_body_on_a_fixed_point(changes: dict, model: str) -> None:
 
 def test_the_moments_are_those_about_the_fixed_point_with_the_weight_on_axis_3() -> None:
     hung = scene(TOP, body__principal_moments=[1.25e-4, 2e-4, 2e-4], body__center_of_mass=[-0.04, 0, 0])
-    found = plan(hung)
-    assert found.model == "heavy symmetric top"
-    np.testing.assert_allclose(found.moments, [3.6e-4, 3.6e-4, 1.25e-4], rtol=1e-14)  # 2e-4 + 0.1 · 0.04²
-    np.testing.assert_allclose(found.axes[:, 2], [-1, 0, 0], atol=1e-15)
-    assert np.linalg.det(found.axes) == pytest.approx(1)
+    selection = plan(hung)
+    assert selection.model == "heavy symmetric top"
+    np.testing.assert_allclose(selection.moments, [3.6e-4, 3.6e-4, 1.25e-4], rtol=1e-14)  # 2e-4 + 0.1 · 0.04²
+    np.testing.assert_allclose(selection.axes[:, 2], [-1, 0, 0], atol=1e-15)
+    assert np.linalg.det(selection.axes) == pytest.approx(1)
 
 
 def test_a_ball_on_a_stem_is_a_heavy_symmetric_top() -> None:
     # Two fifths m r² at the centre of mass, m d² more across the stem to the fixed point.
     ball = {"principal_moments": [4e-5] * 3, "mass": 0.1, "center_of_mass": [0.01, 0.02, 0.02]}
-    found = plan(scene(TOP, body=ball))
-    assert found.model == "heavy symmetric top"
-    np.testing.assert_allclose(found.axes[:, 2], [1 / 3, 2 / 3, 2 / 3], atol=1e-15)
-    np.testing.assert_allclose(found.moments, [1.3e-4, 1.3e-4, 4e-5], rtol=1e-14)
+    selection = plan(scene(TOP, body=ball))
+    assert selection.model == "heavy symmetric top"
+    np.testing.assert_allclose(selection.axes[:, 2], [1 / 3, 2 / 3, 2 / 3], atol=1e-15)
+    np.testing.assert_allclose(selection.moments, [1.3e-4, 1.3e-4, 4e-5], rtol=1e-14)
 
 
 @pytest.mark.parametrize(("duration", "model"), [(1.0, "symmetric top"), (1e4, "asymmetric top")])
 def test_nearly_equal_moments_count_as_equal_while_that_is_accurate_enough(duration: float, model: str) -> None:
     # δ |ω| T = 1e-9 · 3.74 · T rad, where 1e-7 rad are asked for.
     nearly = {"principal_moments": [1.0, 1.0 + 1e-9, 2.0]}
-    found = plan(scene(body=nearly, start__angular_velocity=[1, 2, 3], run__duration=duration, run__accuracy=1e-7))
-    assert found.model == model
-    said = " ".join(found.why)
+    selection = plan(scene(body=nearly, start__angular_velocity=[1, 2, 3], run__duration=duration, run__accuracy=1e-7))
+    assert selection.model == model
+    said = " ".join(selection.why)
     assert ("costs about 4e-09 rad in 1 s" in said) == (model == "symmetric top")
     assert ("differ by 1e-09 only, but that would cost about 4e-05 rad" in said) == (model == "asymmetric top")
 
@@ -119,23 +119,23 @@ positive = st.floats(0.5, 1.0)
 @settings(deadline=None, max_examples=50)
 def test_a_model_never_costs_more_than_its_share(moments: tuple, spin: tuple, duration: float, accuracy: float) -> None:
     run = {"duration": duration, "accuracy": accuracy}
-    found = plan(scene(body={"principal_moments": list(moments)}, start__angular_velocity=list(spin), run=run))
-    assert found.candidate.cost <= SHARE * accuracy
-    assert sorted(found.moments) == pytest.approx(sorted(moments))
-    np.testing.assert_allclose(found.axes.T @ found.axes, np.eye(3), atol=1e-15)
+    selection = plan(scene(body={"principal_moments": list(moments)}, start__angular_velocity=list(spin), run=run))
+    assert selection.candidate.cost <= SHARE * accuracy
+    assert sorted(selection.moments) == pytest.approx(sorted(moments))
+    np.testing.assert_allclose(selection.axes.T @ selection.axes, np.eye(3), atol=1e-15)
 
 
 @pytest.mark.parametrize("model", ["asymmetric top", "Euler equations"])
 def test_a_larger_model_may_be_forced(model: str) -> None:
-    found = plan(scene(body={"principal_moments": [1, 1, 2]}, run__model=model))
-    assert found.model == model
-    assert found.why[-1] == "The scene asks for this model."
+    selection = plan(scene(body={"principal_moments": [1, 1, 2]}, run__model=model))
+    assert selection.model == model
+    assert selection.why[-1] == "The scene asks for this model."
 
 
 def test_a_method_makes_the_run_a_stepped_one() -> None:
-    found = plan(scene(run__method="DOP853"))
-    assert (found.model, found.method) == ("Euler equations", "DOP853")
-    assert found.why[-1] == "The scene asks for this method."
+    selection = plan(scene(run__method="DOP853"))
+    assert (selection.model, selection.method) == ("Euler equations", "DOP853")
+    assert selection.why[-1] == "The scene asks for this method."
 
 
 @pytest.mark.parametrize(
@@ -169,10 +169,10 @@ def test_a_model_that_is_wrong_for_the_scene_is_refused(base: dict, changes: dic
 
 
 def test_a_ball_rolls_about_the_axis_that_the_scene_names() -> None:
-    found = plan(scene(DISC, body__principal_moments=[0.4] * 3, constraint__axis=[0, 3, -4]))
-    assert found.model == "rolling body"
-    np.testing.assert_allclose(found.axes[:, 2], [0, 0.6, -0.8], atol=1e-15)
-    assert np.linalg.det(found.axes) == pytest.approx(1)
+    selection = plan(scene(DISC, body__principal_moments=[0.4] * 3, constraint__axis=[0, 3, -4]))
+    assert selection.model == "rolling body"
+    np.testing.assert_allclose(selection.axes[:, 2], [0, 0.6, -0.8], atol=1e-15)
+    assert np.linalg.det(selection.axes) == pytest.approx(1)
 
 
 def test_a_named_axis_that_is_none_of_revolution_is_refused() -> None:
@@ -182,6 +182,6 @@ def test_a_named_axis_that_is_none_of_revolution_is_refused() -> None:
 
 def test_gravity_too_weak_to_matter_leaves_a_held_body_free() -> None:
     weak = scene(TOP, body__center_of_mass=[0, 0, 1e-19], start__angular_velocity=[1, 0, 150])
-    found = plan(weak)
-    assert found.model == "symmetric top"
-    assert found.candidate.unseen == pytest.approx(0.5 * 0.1 * 9.80665 * 1e-19 / 1.25e-4)
+    selection = plan(weak)
+    assert selection.model == "symmetric top"
+    assert selection.candidate.unseen == pytest.approx(0.5 * 0.1 * 9.80665 * 1e-19 / 1.25e-4)

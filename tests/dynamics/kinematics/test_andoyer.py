@@ -102,8 +102,8 @@ def test_the_change_from_euler_angles_and_momenta_is_canonical() -> None:
 def test_hamiltonian_is_the_energy(q: list[float], momentum: list[float]) -> None:
     assume(np.linalg.norm(q) > 1e-3 and np.linalg.norm(momentum) > 1e-3)
     moments = np.array([1.0, 2.0, 2.5])
-    found = hamiltonian(moments, to_andoyer(quaternion.normalise(q), momentum))
-    assert found == pytest.approx(0.5 * np.sum(np.square(momentum) / moments), rel=1e-14)
+    energy = hamiltonian(moments, to_andoyer(quaternion.normalise(q), momentum))
+    assert energy == pytest.approx(0.5 * np.sum(np.square(momentum) / moments), rel=1e-14)
 
 
 def test_rates_are_the_derivatives_of_the_hamiltonian() -> None:
@@ -116,8 +116,8 @@ def test_rates_are_the_derivatives_of_the_hamiltonian() -> None:
 
     at = (v.l.item(), v.L.item(), v.G.item())
     expected = [mp.diff(energy, at, n) for n in ((0, 1, 0), (0, 0, 1), (1, 0, 0))]
-    found = [float(rate) for rate in rates([i1, i2, i3], v)]
-    assert found == pytest.approx([float(expected[0]), float(expected[1]), -float(expected[2])], rel=1e-13)
+    changes = [float(rate) for rate in rates([i1, i2, i3], v)]
+    assert changes == pytest.approx([float(expected[0]), float(expected[1]), -float(expected[2])], rel=1e-13)
 
 
 def test_six_variables_alone_determine_attitude_and_momentum() -> None:

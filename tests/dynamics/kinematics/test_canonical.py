@@ -40,9 +40,9 @@ def test_kinetic_energy_about_any_point_is_the_sum_over_point_masses(seed: int) 
     expected = 0.5 * masses @ np.sum(speeds**2, axis=1)
     tensor = sum(point_inertia(m, place - point) for m, place in zip(masses, places, strict=True))
     lever = masses @ places / masses.sum() - point
-    found = canonical.kinetic_energy(tensor, masses.sum(), lever, velocity, omega)
-    assert found.total == pytest.approx(expected, abs=1e-13 * (found.translation + found.rotation))
-    assert found.translation == pytest.approx(0.5 * masses.sum() * velocity @ velocity, rel=1e-14)
+    energy = canonical.kinetic_energy(tensor, masses.sum(), lever, velocity, omega)
+    assert energy.total == pytest.approx(expected, abs=1e-13 * (energy.translation + energy.rotation))
+    assert energy.translation == pytest.approx(0.5 * masses.sum() * velocity @ velocity, rel=1e-14)
 
 
 def test_the_cross_term_vanishes_at_the_centre_of_mass_and_at_rest_only() -> None:
@@ -80,8 +80,8 @@ def test_momenta_are_derivatives_of_the_lagrangian(angles: tuple[float, ...], ra
             return energy_of_the_chapter(angles, [x if j == k else rates[j] for j in range(3)])
 
         expected.append(float(mp.diff(along, rates[k])))
-    found = canonical.momenta_of_rates(MOMENTS, angles, rates)
-    assert found == pytest.approx(expected, abs=1e-13)
+    momenta_there = canonical.momenta_of_rates(MOMENTS, angles, rates)
+    assert momenta_there == pytest.approx(expected, abs=1e-13)
 
 
 @settings(deadline=None)

@@ -67,8 +67,8 @@ def test_direction_cosines_are_the_product_of_three_elementary_turns(convention:
 def test_angles_come_back_from_their_attitude(convention: Convention, phi: float, theta: float, psi: float) -> None:
     angles = np.array([phi, middle(convention) + theta, psi])
     sharpness = 1 / math.cos(theta)  # one rounding of the attitude moves φ and ψ by that much
-    found = to_angles(from_angles(angles, convention), convention)
-    assert found == pytest.approx(angles, abs=2e-15 * sharpness)
+    angles_again = to_angles(from_angles(angles, convention), convention)
+    assert angles_again == pytest.approx(angles, abs=2e-15 * sharpness)
 
 
 @settings(deadline=None)
@@ -102,10 +102,10 @@ def test_theta_and_the_other_angles_keep_to_their_ranges(convention: Convention)
 def test_phi_carries_all_at_a_singular_attitude(convention: Convention, opposite: bool) -> None:
     theta = pole(convention, opposite)
     attitude = from_angles([0.4, theta, 0.7], convention)
-    found = to_angles(attitude, convention)
-    assert found == pytest.approx([0.4 - 0.7 if opposite else 0.4 + 0.7, theta, 0.0], abs=1e-15)
-    assert is_singular(found, convention)
-    assert quaternion.angle_between(attitude, from_angles(found, convention)) < 1e-15
+    angles_again = to_angles(attitude, convention)
+    assert angles_again == pytest.approx([0.4 - 0.7 if opposite else 0.4 + 0.7, theta, 0.0], abs=1e-15)
+    assert is_singular(angles_again, convention)
+    assert quaternion.angle_between(attitude, from_angles(angles_again, convention)) < 1e-15
     assert not is_singular([0.4, theta + 1e-12, 0.7], convention)
 
 
@@ -182,8 +182,8 @@ def test_unwrapped_angles_follow_many_turns(convention: Convention) -> None:
     t = np.linspace(0, 20, 401)
     path = np.stack([0.3 + 7 * t, middle(convention) + np.sin(t), 1 - 9 * t + np.cos(3 * t)], axis=-1)
     path[:, ::2] -= 2 * np.pi * np.round(path[0, ::2] / (2 * np.pi))
-    found = unwrap(to_angles(from_angles(path, convention), convention), convention)
-    assert found == pytest.approx(path, abs=1e-13)
+    angles_again = unwrap(to_angles(from_angles(path, convention), convention), convention)
+    assert angles_again == pytest.approx(path, abs=1e-13)
 
 
 @pytest.mark.parametrize("convention", CONVENTIONS)

@@ -18,15 +18,15 @@ spin = st.tuples(component, component, component)
 @given(moment, moment, spin)
 def test_cones_by_the_formulas_of_the_chapter(i1: float, i3: float, omega: tuple[float, ...]) -> None:
     """Textbook § 13.20, eq. 13.116, 13.129 and the one after 13.138, which is exercise 14 too."""
-    found = cones([i1, i1, i3], omega)
+    pair = cones([i1, i1, i3], omega)
     speed = np.linalg.norm(omega)
     alpha = np.arccos(omega[2] / speed)
     precession = speed * np.sqrt(np.sin(alpha) ** 2 + (i3 / i1) ** 2 * np.cos(alpha) ** 2)
-    assert found.alpha == pytest.approx(alpha, abs=1e-12)
-    assert np.tan(found.theta) == pytest.approx(i1 / i3 * np.tan(found.alpha), rel=1e-12)
-    assert found.precession == pytest.approx(precession, rel=1e-13)
-    assert found.precession == pytest.approx(speed * np.sqrt(1 + ((i3 / i1) ** 2 - 1) * np.cos(alpha) ** 2), rel=1e-12)
-    assert found.body_precession == pytest.approx((i3 - i1) * omega[2] / i1, rel=1e-14)
+    assert pair.alpha == pytest.approx(alpha, abs=1e-12)
+    assert np.tan(pair.theta) == pytest.approx(i1 / i3 * np.tan(pair.alpha), rel=1e-12)
+    assert pair.precession == pytest.approx(precession, rel=1e-13)
+    assert pair.precession == pytest.approx(speed * np.sqrt(1 + ((i3 / i1) ** 2 - 1) * np.cos(alpha) ** 2), rel=1e-12)
+    assert pair.body_precession == pytest.approx((i3 - i1) * omega[2] / i1, rel=1e-14)
 
 
 @settings(deadline=None)
@@ -34,22 +34,22 @@ def test_cones_by_the_formulas_of_the_chapter(i1: float, i3: float, omega: tuple
 def test_the_body_cone_rolls_without_slipping(i1: float, i3: float, omega: tuple[float, ...], side: int) -> None:
     """The line of contact moves by as much on either cone: φ̇ sin(space) = |Ω| sin(body). ω, L and axis 3 are in one
     plane, ω between the others outside (prolate), L between them inside (oblate)."""
-    found = cones([i1, i1, i3], [omega[0], omega[1], side * omega[2]])
-    on_space = found.precession * np.sin(found.space_half_angle)
-    on_body = abs(found.body_precession) * np.sin(found.body_half_angle)
+    pair = cones([i1, i1, i3], [omega[0], omega[1], side * omega[2]])
+    on_space = pair.precession * np.sin(pair.space_half_angle)
+    on_body = abs(pair.body_precession) * np.sin(pair.body_half_angle)
     assert on_space == pytest.approx(on_body, rel=1e-13)
-    theta = min(found.theta, np.pi - found.theta)
-    wider = {"outside": found.space_half_angle, "inside": -found.space_half_angle, "none": 0.0}[found.rolling]
-    assert theta == pytest.approx(found.body_half_angle + wider, abs=1e-15)
-    assert found.rolling == ("outside" if i3 < i1 else "inside" if i3 > i1 else "none")
+    theta = min(pair.theta, np.pi - pair.theta)
+    wider = {"outside": pair.space_half_angle, "inside": -pair.space_half_angle, "none": 0.0}[pair.rolling]
+    assert theta == pytest.approx(pair.body_half_angle + wider, abs=1e-15)
+    assert pair.rolling == ("outside" if i3 < i1 else "inside" if i3 > i1 else "none")
 
 
 def test_feynmans_plate_wobbles_twice_while_it_spins_once() -> None:
     """A plate has I3 = I1 + I2 = 2 I1: as α → 0 the axis goes round L at 2 ω."""
-    found = cones([1, 1, 2], [1e-9, 0, 3.0])
-    assert found.precession / 3.0 == pytest.approx(2.0, rel=1e-15)
-    assert found.rolling == "inside"
-    assert found.theta == pytest.approx(0.5e-9 / 3, rel=1e-15)
+    pair = cones([1, 1, 2], [1e-9, 0, 3.0])
+    assert pair.precession / 3.0 == pytest.approx(2.0, rel=1e-15)
+    assert pair.rolling == "inside"
+    assert pair.theta == pytest.approx(0.5e-9 / 3, rel=1e-15)
 
 
 def test_needle_and_plate_precess_slower_and_faster_than_they_spin() -> None:
@@ -87,12 +87,12 @@ def test_small_angles_between_spin_and_momentum_keep_their_digits(
 def test_poinsots_ellipsoid_touches_the_invariable_plane_at_the_tip_of_the_spin(
     i1: float, i2: float, i3: float, omega: tuple[float, ...]
 ) -> None:
-    found = poinsot([i1, i2, i3], omega)
-    assert np.sum((found.contact / found.semi_axes) ** 2) == pytest.approx(1.0, rel=1e-14)
-    support = np.linalg.norm(found.semi_axes * found.normal)  # distance of the tangent plane with this normal
-    assert found.distance == pytest.approx(support, rel=1e-14)
-    assert found.contact @ found.normal == pytest.approx(found.distance, rel=1e-14)
-    assert np.linalg.norm(found.normal) == pytest.approx(1.0, rel=1e-15)
+    figure = poinsot([i1, i2, i3], omega)
+    assert np.sum((figure.contact / figure.semi_axes) ** 2) == pytest.approx(1.0, rel=1e-14)
+    support = np.linalg.norm(figure.semi_axes * figure.normal)  # distance of the tangent plane with this normal
+    assert figure.distance == pytest.approx(support, rel=1e-14)
+    assert figure.contact @ figure.normal == pytest.approx(figure.distance, rel=1e-14)
+    assert np.linalg.norm(figure.normal) == pytest.approx(1.0, rel=1e-15)
 
 
 @settings(deadline=None)
@@ -100,14 +100,14 @@ def test_poinsots_ellipsoid_touches_the_invariable_plane_at_the_tip_of_the_spin(
 def test_binets_ellipsoid_meets_the_sphere_at_the_momentum(
     i1: float, i2: float, i3: float, omega: tuple[float, ...]
 ) -> None:
-    found = binet([i1, i2, i3], omega)
-    assert found.momentum == pytest.approx(np.array([i1, i2, i3]) * omega, rel=1e-15)
-    assert np.sum((found.momentum / found.semi_axes) ** 2) == pytest.approx(1.0, rel=1e-14)
-    assert np.linalg.norm(found.momentum) == pytest.approx(found.radius, rel=1e-15)
-    assert found.semi_axes.min() * (1 - 1e-14) <= found.radius <= found.semi_axes.max() * (1 + 1e-14)
+    figure = binet([i1, i2, i3], omega)
+    assert figure.momentum == pytest.approx(np.array([i1, i2, i3]) * omega, rel=1e-15)
+    assert np.sum((figure.momentum / figure.semi_axes) ** 2) == pytest.approx(1.0, rel=1e-14)
+    assert np.linalg.norm(figure.momentum) == pytest.approx(figure.radius, rel=1e-15)
+    assert figure.semi_axes.min() * (1 - 1e-14) <= figure.radius <= figure.semi_axes.max() * (1 + 1e-14)
 
 
-@pytest.mark.parametrize("construction", [poinsot, binet])
-def test_a_body_at_rest_has_no_construction(construction) -> None:  # type: ignore[no-untyped-def]
+@pytest.mark.parametrize("figure", [poinsot, binet])
+def test_a_body_at_rest_has_no_construction(figure) -> None:  # type: ignore[no-untyped-def]
     with pytest.raises(GeometryError, match="angular_velocity is zero"):
-        construction([1, 2, 3], [0, 0, 0])
+        figure([1, 2, 3], [0, 0, 0])

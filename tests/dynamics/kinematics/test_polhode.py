@@ -36,11 +36,11 @@ def test_both_branches_lie_on_the_momentum_sphere_and_the_energy_ellipsoid(
     moments: tuple[float, ...], omega: tuple[float, ...]
 ) -> None:
     assume(len(set(moments)) > 1 and np.linalg.norm(omega) > 1e-3)
-    found = polhode(moments, omega, samples=33)
-    assert apart(np.array(moments), found.branches, np.array(omega)) < 1e-13
-    assert found.branches[0, 0] == pytest.approx(omega, abs=1e-15)
-    assert found.branches[:, -1] == pytest.approx(found.branches[:, 0], abs=2e-15)
-    along = found.branches[..., found.axis]
+    curve = polhode(moments, omega, samples=33)
+    assert apart(np.array(moments), curve.branches, np.array(omega)) < 1e-13
+    assert curve.branches[0, 0] == pytest.approx(omega, abs=1e-15)
+    assert curve.branches[:, -1] == pytest.approx(curve.branches[:, 0], abs=2e-15)
+    along = curve.branches[..., curve.axis]
     assert (along[0] * along[1] <= 0).all()
 
 
@@ -48,9 +48,9 @@ def test_both_branches_lie_on_the_momentum_sphere_and_the_energy_ellipsoid(
 @pytest.mark.parametrize("omega", [[0.1, 0.2, 1.0], [1.0, 0.2, -0.1], [0.1, 0.2, -1.0], [-1.0, 0.2, 0.1]])
 def test_samples_follow_the_motion_round_the_axis_that_keeps_its_sign(order: list[int], omega: list[float]) -> None:
     moments, omega_there = np.array([1.0, 1.5, 2.2])[list(order)], np.array(omega)[list(order)]
-    found = polhode(moments, omega_there, samples=721)
-    assert moments[found.axis] == (2.2 if abs(omega[2]) == 1 else 1.0)
-    for branch in found.branches:
+    curve = polhode(moments, omega_there, samples=721)
+    assert moments[curve.axis] == (2.2 if abs(omega[2]) == 1 else 1.0)
+    for branch in curve.branches:
         along = branch[1:-1]
         rate = np.cross(moments * along, along) / moments
         steps = branch[2:] - branch[:-2]
@@ -74,10 +74,10 @@ def test_the_narrows_of_a_polhode_next_to_the_separatrix_keep_their_digits(dista
 
 
 def test_the_polhode_of_a_symmetric_top_is_a_circle() -> None:
-    found = polhode([2, 2, 3], [0.3, 0.4, -1.0], samples=91)
-    assert found.axis == 2
-    assert np.hypot(*found.branches[0, :, :2].T) == pytest.approx(0.5, rel=1e-15)
-    assert found.branches[..., 2] == pytest.approx(np.repeat([[-1.0], [1.0]], 91, axis=1))
+    curve = polhode([2, 2, 3], [0.3, 0.4, -1.0], samples=91)
+    assert curve.axis == 2
+    assert np.hypot(*curve.branches[0, :, :2].T) == pytest.approx(0.5, rel=1e-15)
+    assert curve.branches[..., 2] == pytest.approx(np.repeat([[-1.0], [1.0]], 91, axis=1))
 
 
 def test_a_steady_spin_is_its_own_polhode() -> None:
@@ -124,16 +124,16 @@ def quadrature(moments: np.ndarray, omega: np.ndarray, axis: int, quarters: floa
 )
 def test_the_angle_of_the_herpolhode_by_quadrature(omega: list[float], axis: int) -> None:
     moments = np.array([1.0, 2.0, 2.5])
-    found = herpolhode(moments, omega, samples=9)
+    curve = herpolhode(moments, omega, samples=9)
     quarter = quadrature(moments, np.array(omega), axis, 1.0)
-    assert found.advance == pytest.approx(4 * quarter, rel=1e-13)
+    assert curve.advance == pytest.approx(4 * quarter, rel=1e-13)
     eighth = quadrature(moments, np.array(omega), axis, 0.5)
-    assert np.arctan2(found.points[1, 1], found.points[1, 0]) == pytest.approx(
+    assert np.arctan2(curve.points[1, 1], curve.points[1, 0]) == pytest.approx(
         np.remainder(eighth + np.pi, 2 * np.pi) - np.pi, abs=1e-13
     )
     for order in ([2, 0, 1], [1, 0, 2]):
         other = herpolhode(moments[order], np.array(omega)[order])
-        assert other.advance == pytest.approx(found.advance, rel=1e-14)
+        assert other.advance == pytest.approx(curve.advance, rel=1e-14)
 
 
 @pytest.mark.parametrize("omega", [[0.2, 0, 1.0], [0.3, 0, -0.31], [-1.0, 0, 0.4]])
@@ -162,23 +162,23 @@ def test_herpolhode_stays_between_its_circles_and_goes_forward(
 ) -> None:
     """The radius at every sample is |L × ω|/L of the polhode there; the rate is between L/I3 and L/I1."""
     assume(len(set(moments)) == 3 and min(np.abs(omega)) > 1e-3)
-    found = herpolhode(moments, omega, samples=65)
+    curve = herpolhode(moments, omega, samples=65)
     along = polhode(moments, omega, samples=65).branches[0]
     momentum = np.array(moments) * along
     radius = np.linalg.norm(np.cross(momentum, along), axis=-1) / np.linalg.norm(momentum[0])
     size = np.linalg.norm(omega)
-    assert np.hypot(found.points[:, 0], found.points[:, 1]) == pytest.approx(radius, abs=1e-14 * size)
-    assert found.least - 1e-14 * size <= radius.min() <= radius.max() <= found.greatest + 1e-14 * size
-    assert found.points[:, 2] == pytest.approx(np.full(65, found.distance))
-    assert found.advance > 0
+    assert np.hypot(curve.points[:, 0], curve.points[:, 1]) == pytest.approx(radius, abs=1e-14 * size)
+    assert curve.least - 1e-14 * size <= radius.min() <= radius.max() <= curve.greatest + 1e-14 * size
+    assert curve.points[:, 2] == pytest.approx(np.full(65, curve.distance))
+    assert curve.advance > 0
 
 
 def test_the_herpolhode_of_a_symmetric_top_goes_round_at_l_over_i1() -> None:
     """Once round the polhode takes 2π/|Ω|, Ω = (I3 − I1) ω3/I1; ω goes round L at L/I1 in that time."""
-    found = herpolhode([2, 2, 3], [0.3, 0.4, 1.0])
+    curve = herpolhode([2, 2, 3], [0.3, 0.4, 1.0])
     momentum = np.hypot(2 * 0.5, 3 * 1.0)
-    assert found.advance == pytest.approx(momentum / 2 * 2 * np.pi / 0.5, rel=1e-14)
-    assert found.least == pytest.approx(found.greatest, rel=1e-14)
+    assert curve.advance == pytest.approx(momentum / 2 * 2 * np.pi / 0.5, rel=1e-14)
+    assert curve.least == pytest.approx(curve.greatest, rel=1e-14)
 
 
 def test_advance_next_to_the_separatrix() -> None:

@@ -101,8 +101,8 @@ def test_distance_has_all_digits_however_close_to_the_separatrix(
     on_it = omega[0] * (i1 * (i2 - i1) / (i3 * (i3 - i2))) ** 0.5
     assume(0 < on_it < 1e3)
     spin = [omega[0], omega[1], on_it * (1 + 10**exponent)]
-    found, expected = float(separatrix_distance([i1, i2, i3], spin)), exact_distance([i1, i2, i3], spin)
-    assert abs(Fraction(found) - expected) <= Fraction(2e-15) * abs(expected)
+    distance, expected = float(separatrix_distance([i1, i2, i3], spin)), exact_distance([i1, i2, i3], spin)
+    assert abs(Fraction(distance) - expected) <= Fraction(2e-15) * abs(expected)
 
 
 @pytest.mark.parametrize("scale", [1e-150, 1.0, 1e150])

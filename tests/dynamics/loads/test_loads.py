@@ -43,8 +43,8 @@ def test_weight_of_a_level_arm_turns_about_the_horizontal_axis() -> None:
 def test_gravity_gradient_of_a_tilted_body() -> None:
     """Primary at 45° between axes 1 and 2, at distance 2: N₃ = 3 μ/r³ (I₂ − I₁)/2."""
     load = GravityGradient(8.0, [2**0.5, 2**0.5, 0.0])
-    found = load.torque_at(0.0, np.array(quaternion.IDENTITY), SPIN, BODY)
-    assert found == pytest.approx([0.0, 0.0, 1.5], abs=1e-15)
+    torque_there = load.torque_at(0.0, np.array(quaternion.IDENTITY), SPIN, BODY)
+    assert torque_there == pytest.approx([0.0, 0.0, 1.5], abs=1e-15)
 
 
 @pytest.mark.parametrize(
@@ -54,13 +54,13 @@ def test_gravity_gradient_of_a_tilted_body() -> None:
 def test_terms_make_the_same_torque(load: Load, inertia: float, rate: float) -> None:
     terms = load.terms(BODY, 0.0)
     assert terms is not None
-    found = torque(terms.packed(inertia, rate), 7.0, ATTITUDE) * inertia * rate**2
-    assert found == pytest.approx(load.torque_at(7.0, ATTITUDE, SPIN, BODY), rel=1e-14, abs=1e-14)
+    torque_there = torque(terms.packed(inertia, rate), 7.0, ATTITUDE) * inertia * rate**2
+    assert torque_there == pytest.approx(load.torque_at(7.0, ATTITUDE, SPIN, BODY), rel=1e-14, abs=1e-14)
 
 
 def test_torque_in_space_is_turned_into_the_body() -> None:
-    found = Torque([0.0, 0.0, 2.0], frame="space").torque_at(0.0, ATTITUDE, SPIN, BODY)
-    assert quaternion.to_space(ATTITUDE, found) == pytest.approx([0.0, 0.0, 2.0], abs=1e-15)
+    torque_there = Torque([0.0, 0.0, 2.0], frame="space").torque_at(0.0, ATTITUDE, SPIN, BODY)
+    assert quaternion.to_space(ATTITUDE, torque_there) == pytest.approx([0.0, 0.0, 2.0], abs=1e-15)
 
 
 def test_spherical_body_slows_down_about_its_axis() -> None:

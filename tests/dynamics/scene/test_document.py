@@ -42,25 +42,25 @@ def test_a_file_is_read_as_the_contract_says(tmp_path: Path) -> None:
     (tmp_path / "t_handle.stl").write_bytes(path("t_handle.stl").read_bytes())
     file = tmp_path / "scene.toml"
     file.write_text(CONTRACT)
-    found = Scene.load(file)
-    assert (found.run.duration, found.run.samples, found.run.accuracy) == (60.0, 6000, 1e-10)
-    assert found.constraint.kind == "free"
-    assert found.gravity.tolist() == [0, 0, -9.80665]
-    assert (found.text, found.name) == (CONTRACT, str(file))
+    example = Scene.load(file)
+    assert (example.run.duration, example.run.samples, example.run.accuracy) == (60.0, 6000, 1e-10)
+    assert example.constraint.kind == "free"
+    assert example.gravity.tolist() == [0, 0, -9.80665]
+    assert (example.text, example.name) == (CONTRACT, str(file))
     known = catalogue()["t_handle.stl"]["mesh"]
-    assert found.body.mass == pytest.approx(7850 * known["volume"] * 1e-9, rel=1e-14)
-    np.testing.assert_allclose(found.body.inertia, 7850e-15 * np.array(known["inertia"]), rtol=0, atol=1e-20)
-    assert found.body.part is not None
-    assert found.body.part.triangles.count == catalogue()["t_handle.stl"]["triangles"]
+    assert example.body.mass == pytest.approx(7850 * known["volume"] * 1e-9, rel=1e-14)
+    np.testing.assert_allclose(example.body.inertia, 7850e-15 * np.array(known["inertia"]), rtol=0, atol=1e-20)
+    assert example.body.part is not None
+    assert example.body.part.triangles.count == catalogue()["t_handle.stl"]["triangles"]
 
 
 def test_what_is_left_out_has_a_default() -> None:
-    found = scene()
-    assert found.start.frame == "principal"
-    assert found.start.attitude.tolist() == [0, 0, 0, 1]
-    assert (found.run.samples, found.run.accuracy) == (11, 1e-10)
-    assert (found.start.position, found.start.velocity, found.run.model, found.text) == (None,) * 4
-    assert found.gravity.tolist() == [0, 0, 0]
+    example = scene()
+    assert example.start.frame == "principal"
+    assert example.start.attitude.tolist() == [0, 0, 0, 1]
+    assert (example.run.samples, example.run.accuracy) == (11, 1e-10)
+    assert (example.start.position, example.start.velocity, example.run.model, example.text) == (None,) * 4
+    assert example.gravity.tolist() == [0, 0, 0]
 
 
 def test_a_windows_file_with_a_byte_order_mark_is_read(tmp_path: Path) -> None:
@@ -75,17 +75,17 @@ def test_the_part_is_looked_for_beside_the_file_and_not_beside_the_user(
 ) -> None:
     monkeypatch.chdir(tmp_path)
     changed = table(body={"part": "cube.stl", "unit": "cm", "mass": 6.0})
-    found = Scene.from_dict(changed, path("cube.stl").parent)
-    np.testing.assert_allclose(found.body.inertia, np.eye(3) * 6 * 0.1**2 / 6, rtol=1e-14)
+    example = Scene.from_dict(changed, path("cube.stl").parent)
+    np.testing.assert_allclose(example.body.inertia, np.eye(3) * 6 * 0.1**2 / 6, rtol=1e-14)
     with pytest.raises(ReadError, match=r"cube\.stl: there is no such file"):
         Scene.from_dict(changed)
 
 
 def test_a_scene_is_put_together_in_python() -> None:
     properties = MassProperties(2.0, 1.0, [0, 0, 1], np.diag([3.0, 1.0, 2.0]))
-    found = Scene(SceneBody.of(properties), Start(np.array([1, 2, 3])), Settings(2), applied_loads=[Gravity()])
-    assert found.angular_velocity.tolist() == pytest.approx([3, 1, 2])  # axis 1 is y, axis 2 is z, axis 3 is x
-    assert found.applied_loads[0].acceleration.tolist() == [0, 0, -9.80665]
+    example = Scene(SceneBody.of(properties), Start(np.array([1, 2, 3])), Settings(2), applied_loads=[Gravity()])
+    assert example.angular_velocity.tolist() == pytest.approx([3, 1, 2])  # axis 1 is y, axis 2 is z, axis 3 is x
+    assert example.applied_loads[0].acceleration.tolist() == [0, 0, -9.80665]
     with pytest.raises(UsageError, match=r"^start\.angular_velocity\[1\] is nan: it must be finite$"):
         Start([0, np.nan, 0])
 
@@ -99,19 +99,19 @@ def test_principal_components_are_those_of_ascending_moments_unless_the_scene_ga
 
 def test_components_in_space_are_turned_by_the_attitude() -> None:
     quarter = [0, 0, math.sqrt(0.5), math.sqrt(0.5)]  # takes part x to space y
-    found = scene(start={"angular_velocity": [1, 2, 3], "frame": "space", "attitude": quarter})
-    np.testing.assert_allclose(found.angular_velocity, [2, -1, 3], atol=1e-15)
+    example = scene(start={"angular_velocity": [1, 2, 3], "frame": "space", "attitude": quarter})
+    np.testing.assert_allclose(example.angular_velocity, [2, -1, 3], atol=1e-15)
 
 
 def test_an_attitude_loses_its_rounding() -> None:
-    found = scene(start__attitude=[0.6, 0.0, 0.0, 0.8 + 1e-9])
-    assert np.linalg.norm(found.start.attitude) == pytest.approx(1, abs=4e-16)
+    example = scene(start__attitude=[0.6, 0.0, 0.0, 0.8 + 1e-9])
+    assert np.linalg.norm(example.start.attitude) == pytest.approx(1, abs=4e-16)
 
 
 def test_a_table_of_torques_is_read_from_csv(tmp_path: Path) -> None:
     (tmp_path / "push.csv").write_text("time,x,y,z\n0, 0, 0, 1\n\n12.5,0,0,-1\n")
-    found = Scene.from_dict(table(load=[{"kind": "torque", "table": "push.csv"}]), tmp_path)
-    (load,) = found.applied_loads
+    example = Scene.from_dict(table(load=[{"kind": "torque", "table": "push.csv"}]), tmp_path)
+    (load,) = example.applied_loads
     assert isinstance(load, Torque)
     assert load.table is not None
     assert load.table.times.tolist() == [0, 12.5]
@@ -307,8 +307,8 @@ def test_what_a_part_is_wrong_in_is_said_of_the_body(tmp_path: Path) -> None:
 
 
 def test_assumptions_about_a_part_are_noted() -> None:
-    found = Scene.from_dict(table(body={"part": "cube.stl"}), path("cube.stl").parent)
-    assert [note for note in found.body.notes if "assumed" in note] == [
+    example = Scene.from_dict(table(body={"part": "cube.stl"}), path("cube.stl").parent)
+    assert [note for note in example.body.notes if "assumed" in note] == [
         "the unit of the part is assumed to be mm",
         "the density of the part is assumed to be 1000 kg/m³",
     ]

@@ -68,10 +68,10 @@ def test_a_man_who_turns_a_wheel_turns_the_other_way() -> None:
 
 @pytest.mark.parametrize("name", ["cat", "diver", "skater"])
 def test_sample_scenes_are_the_bodies_that_the_tests_know(name: str) -> None:
-    found, known = Scene.load(path(f"scenes/{name}.toml")).body.assembly, getattr(assemblies, name)()
-    assert found is not None
+    answer, known = Scene.load(path(f"scenes/{name}.toml")).body.assembly, getattr(assemblies, name)()
+    assert answer is not None
     instants = np.linspace(0, 6, 50)
-    one, other = found.shape(instants), known.shape(instants)
+    one, other = answer.shape(instants), known.shape(instants)
     np.testing.assert_allclose(one.inertia, other.inertia, atol=1e-14)
     np.testing.assert_allclose(one.internal_angular_momentum, other.internal_angular_momentum, atol=1e-13)
 
@@ -94,15 +94,15 @@ def test_parts_may_be_meshes(tmp_path: Path) -> None:
         {"name": "box", "part": "box.stl", "unit": "mm", "density": 1000.0},
         {"name": "cube", "part": "cube.stl", "parent": "box", "joint": STOOL["part"][1]["joint"]},
     ]
-    found = Scene.from_dict(stool(part=parts), tmp_path).body
+    answer = Scene.from_dict(stool(part=parts), tmp_path).body
     whole = sum(
         inertia.mass_properties(inertia.read(path(name), unit="mm"), density=1000.0).mass
         for name in ("box.stl", "cube.stl")
     )
-    assert found.mass == pytest.approx(whole)
-    assert [mesh is not None and mesh.triangles.count for mesh in found.meshes] == [12, 12]
-    assert "cube: the unit of the part is assumed to be mm" in found.notes
-    assert not any(note.startswith("box: the unit") for note in found.notes)
+    assert answer.mass == pytest.approx(whole)
+    assert [mesh is not None and mesh.triangles.count for mesh in answer.meshes] == [12, 12]
+    assert "cube: the unit of the part is assumed to be mm" in answer.notes
+    assert not any(note.startswith("box: the unit") for note in answer.notes)
 
 
 def test_parts_whose_joints_rest_are_one_rigid_body() -> None:

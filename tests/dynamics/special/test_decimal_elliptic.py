@@ -14,20 +14,20 @@ from inertia.dynamics.special.decimal_elliptic import complete, first_kind, pair
 def test_complete_integrals_keep_forty_digits_whatever_is_small(kc, p, cosine, sine):
     with localcontext() as context, mpmath.workdps(160):
         context.prec = 60
-        found = complete(Decimal(kc), Decimal(p), Decimal(cosine), Decimal(sine))
+        answer = complete(Decimal(kc), Decimal(p), Decimal(cosine), Decimal(sine))
         third = mpmath.elliprj(0, mpmath.mpf(kc) ** 2, 1, mpmath.mpf(p)) / 3  # of sn²/(cn² + p sn²)
         first = mpmath.elliprf(0, mpmath.mpf(kc) ** 2, 1)
         true = cosine * (first - mpmath.mpf(p) * third) + sine * third
-        assert abs(mpmath.mpf(str(found)) / true - 1) < 1e-40
+        assert abs(mpmath.mpf(str(answer)) / true - 1) < 1e-40
 
 
 @pytest.mark.parametrize(("sine", "mc"), [("0.5", "0.3"), ("-0.7", "0"), ("0.999999999999", "1e-20"), ("1", "1e-30")])
 def test_the_first_kind_keeps_forty_digits_up_to_the_quarter_period(sine, mc):
     with localcontext() as context, mpmath.workdps(100):
         context.prec = 60
-        found = first_kind(Decimal(sine), 1 - Decimal(sine) ** 2, Decimal(mc))
+        answer = first_kind(Decimal(sine), 1 - Decimal(sine) ** 2, Decimal(mc))
         true = mpmath.ellipf(mpmath.asin(mpmath.mpf(sine)), 1 - mpmath.mpf(mc))
-        assert abs(mpmath.mpf(str(found)) / true - 1) < 1e-40
+        assert abs(mpmath.mpf(str(answer)) / true - 1) < 1e-40
 
 
 def test_a_pair_holds_thirty_one_digits():

@@ -56,9 +56,9 @@ def test_sums_and_products_of_floats_are_exact(x: float, y: float) -> None:
 def test_arrays_give_the_bits_of_floats(numbers: list[tuple[double_double.Pair, double_double.Pair]]) -> None:
     x, y = ((np.array([n[k][0] for n in numbers]), np.array([n[k][1] for n in numbers])) for k in (0, 1))
     for operation in (double_double.add, double_double.multiply, double_double.divide):
-        found = operation(x, y)
+        answer = operation(x, y)
         for k, (p, q) in enumerate(numbers):
-            assert operation(p, q) == (found[0][k], found[1][k])
+            assert operation(p, q) == (answer[0][k], answer[1][k])
 
 
 @pytest.mark.parametrize("turns", [0, 1, 10**9, -(10**12)])

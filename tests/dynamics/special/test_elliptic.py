@@ -23,8 +23,8 @@ def digits() -> object:
 @pytest.mark.parametrize("mc", PARAMETERS)
 def test_jacobi_functions_are_right_to_the_last_digits(mc: float) -> None:
     u = arguments(mc)
-    found = elliptic.sncndn(np.append(u, 2.7 * u[2]), mc)
-    for kind, values in zip(("sn", "cn", "dn"), found, strict=True):
+    answer = elliptic.sncndn(np.append(u, 2.7 * u[2]), mc)
+    for kind, values in zip(("sn", "cn", "dn"), answer, strict=True):
         true = [float(mp.ellipfun(kind, mp.mpf(x), m=1 - mp.mpf(mc))) for x in np.append(u, 2.7 * u[2])]
         assert values == pytest.approx(true, abs=4e-16)
 
@@ -67,8 +67,8 @@ def test_first_kind_undoes_the_jacobi_functions(mc: float) -> None:
 def test_third_kind_is_the_integral_that_it_names(mc: float, n: float) -> None:
     m, terms = 1 - mp.mpf(mc), arguments(mc)
     functions = elliptic.sncndn(terms, mc)
-    found = elliptic.third_kind(*functions, np.asarray(mc), np.asarray(n))
-    for u, value in zip(terms, found, strict=True):
+    answer = elliptic.third_kind(*functions, np.asarray(mc), np.asarray(n))
+    for u, value in zip(terms, answer, strict=True):
         s, c, d = (mp.ellipfun(kind, mp.mpf(float(u)), m=m) for kind in ("sn", "cn", "dn"))
         p = 1 + mp.mpf(n) * s * s
         true = s * mp.elliprf(c * c, d * d, 1) - (1 + mp.mpf(n)) * s**3 / 3 * mp.elliprj(c * c, d * d, 1, p)
@@ -93,9 +93,9 @@ def test_complete_integrals_of_many_are_those_of_each(n: float) -> None:
     kc = double_double.square_root((np.array([*PARAMETERS, 1e-100]), np.zeros(11)))
     together = elliptic.complete(kc, (n, 0.0))
     for k, (high, low) in enumerate(zip(*kc, strict=True)):
-        for found, alone in zip(together, elliptic.complete((float(high), float(low)), (n, 0.0)), strict=True):
-            assert found[0][k] == alone[0]
-            assert found[1][k] == pytest.approx(alone[1], abs=1e-30 * alone[0])
+        for answer, alone in zip(together, elliptic.complete((float(high), float(low)), (n, 0.0)), strict=True):
+            assert answer[0][k] == alone[0]
+            assert answer[1][k] == pytest.approx(alone[1], abs=1e-30 * alone[0])
 
 
 @pytest.mark.parametrize("mc", [*PARAMETERS, 0.0])

@@ -53,8 +53,8 @@ def errors(
         speed = mp.norm([mp.mpf(float(x)) for x in angular_velocity])
         turned = [angle(matrix(q), true) for q, (true, _) in zip(motion[0].tolist(), truth, strict=True)]
         off = [
-            float(mp.norm([mp.mpf(x) - y for x, y in zip(found, true, strict=True)]) / speed)
-            for found, (_, true) in zip(motion[1].tolist(), truth, strict=True)
+            float(mp.norm([mp.mpf(x) - y for x, y in zip(answer, true, strict=True)]) / speed)
+            for answer, (_, true) in zip(motion[1].tolist(), truth, strict=True)
         ]
     return np.array(turned), np.array(off)
 

@@ -55,11 +55,11 @@ def third(n: mpmath.mpf, m: mpmath.mpf, amplitude: mpmath.mpf, count: mpmath.mpf
     return (2 * count - 1) * mpmath.ellippi(n, m) + mpmath.ellippi(n, amplitude, m)
 
 
-def attitude_error(found: np.ndarray, true: np.ndarray) -> float:
+def attitude_error(attitude: np.ndarray, true: np.ndarray) -> float:
     """Return the largest angle in rad between float64 attitudes (n, 4) and mpf ones."""
     with mpmath.workdps(60):
         worst = mpmath.mpf(0)
-        for p, q in zip(found, true, strict=True):
+        for p, q in zip(attitude, true, strict=True):
             p = [mpmath.mpf(float(x)) for x in p]
             size = mpmath.norm(p)
             chord = min(mpmath.norm([x / size - sign * y for x, y in zip(p, q, strict=True)]) for sign in (1, -1))

@@ -113,7 +113,7 @@ def _rates(wheel, state):
 
 
 def _integrate(wheel, state, times, tolerance):
-    now, step, found = Decimal(0), Decimal(1) / 32, []
+    now, step, states = Decimal(0), Decimal(1) / 32, []
     for time in times:
         end = +Decimal(float(time))  # the sign rounds it to the digits that are carried
         while now < end:
@@ -123,8 +123,8 @@ def _integrate(wheel, state, times, tolerance):
                 now, state = now + h, trial
             grow = 0.8 * float(tolerance / (error + tolerance / 10**9)) ** (0.5 / RUNS)
             step = h * Decimal(min(2.0, grow))
-        found.append(state)
-    return found
+        states.append(state)
+    return states
 
 
 def _step(wheel, state, step):

@@ -45,9 +45,9 @@ def test_the_reaction_is_that_of_newton_and_euler_in_space(theta, w1, w2, w3, of
     oracle = roll(
         Wheel(2.0, 0.05, 0.08, 0.3, offset, 9.81), [math.sin(half), 0, 0, math.cos(half)], [w1, w2, w3], [0.0]
     )
-    found = reaction(wheel, math.sin(theta), math.cos(theta), w1, w2, w3)
+    answer = reaction(wheel, math.sin(theta), math.cos(theta), w1, w2, w3)
     scale = 2.0 * (9.81 + w1**2 + w2**2 + w3**2)
-    assert np.abs(np.array(found) - oracle.force[0]).max() < 2e-14 * scale / math.sin(theta)
+    assert np.abs(np.array(answer) - oracle.force[0]).max() < 2e-14 * scale / math.sin(theta)
 
 
 @settings(deadline=None, max_examples=50)

@@ -93,8 +93,8 @@ def test_kovalevskaya_integral_is_kept(method: str) -> None:
     motion = solve_stepped(problem, np.linspace(0.0, 15.0, 31), 1e-8, method)
     p, q, _ = motion.angular_velocity.T
     gamma = upright(motion.attitude).T
-    found = (p * p - q * q - mu / c * gamma[0]) ** 2 + (2 * p * q - mu / c * gamma[1]) ** 2
-    assert np.abs(found / found[0] - 1).max() < 1e-7
+    integral = (p * p - q * q - mu / c * gamma[0]) ** 2 + (2 * p * q - mu / c * gamma[1]) ** 2
+    assert np.abs(integral / integral[0] - 1).max() < 1e-7
     assert np.ptp(p) > 1.0
 
 
@@ -218,8 +218,8 @@ def test_crossing_of_a_plane_is_found_between_samples() -> None:
         return float(quaternion.to_space(state[0], [1.0, 0.0, 0.0])[1] - 0.5)
 
     values = [above(state) for state in zip(motion.attitude, motion.angular_velocity, strict=True)]
-    found = find_events(above, time, values, state_between(problem, time, motion))
-    assert found == pytest.approx([np.pi / 12, 5 * np.pi / 12], abs=1e-14)
+    crossings = find_events(above, time, values, state_between(problem, time, motion))
+    assert crossings == pytest.approx([np.pi / 12, 5 * np.pi / 12], abs=1e-14)
 
 
 @pytest.mark.parametrize(
