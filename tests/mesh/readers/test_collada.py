@@ -1,6 +1,7 @@
 """Collada: faces, nodes, units and digits, against the second reader."""
 
 import re
+import sys
 from fractions import Fraction
 from itertools import pairwise
 from pathlib import Path
@@ -226,6 +227,12 @@ def test_what_would_be_misread_is_refused(case: str, tmp_path: Path, capfd: pyte
     with pytest.raises(ReadError, match=reason):
         read_dae(tmp_path, text)
     assert capfd.readouterr() == ("", "")
+
+
+def test_a_package_that_is_missing_is_named(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setitem(sys.modules, "collada.source", None)
+    with pytest.raises(ReadError, match=r"without another package \(import of collada\.source"):
+        read_dae(tmp_path, dae())
 
 
 def test_archives_with_several_documents_or_none_are_refused(tmp_path: Path) -> None:

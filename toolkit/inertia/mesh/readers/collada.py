@@ -21,7 +21,7 @@ import numpy as np
 
 from inertia.arrays import Int
 from inertia.errors import ReadError, UsageError
-from inertia.mesh.readers.contents import Contents, check_indices, fan_note, numbers, plural, shown, was
+from inertia.mesh.readers.contents import Contents, check_indices, fan_note, numbers, plural, quietly, shown, was
 from inertia.mesh.readers.trimesh import Checked, Expansion, by_id, finite_numbers, load, parse_xml, remove, xml_text
 from inertia.mesh.readers.zip import inflate
 from inertia.units import METRE, Unit, multiple_of
@@ -43,7 +43,7 @@ def read_collada(path: Path) -> Contents:
     """Read a Collada file, zipped or not."""
     data = path.read_bytes()
     file = _checked(parse_xml(_document(path) if data.startswith(b"PK") else data))
-    with _float64_in_pycollada():
+    with quietly("trimesh", "dae"), _float64_in_pycollada():
         return load(file)
 
 

@@ -69,6 +69,8 @@ def quietly(library: str, kind: str) -> Iterator[None]:
             yield
     except (ReadError, MemoryError):
         raise
+    except ImportError as error:
+        raise ReadError(f"{library} cannot read it as {kind} without another package ({error}): install it") from None
     except (Exception, SystemExit) as error:  # any exception at all may come out of a damaged file
         lines = [line.strip() for line in (*printed.getvalue().splitlines(), str(error)) if line.strip()]
         reason = next((line for line in lines if not line.startswith("Error:") and line != "1"), type(error).__name__)
