@@ -99,7 +99,7 @@ def scene_of(file: str | os.PathLike[str]) -> Scene:
     sections = properties(file)
     table, settings = sections.get("scene", {}), sections.get("settings", {})
     if "folder" not in table:
-        raise ReadError(f"cannot read {name}: it is no recording of a run: `inertia simulate … -o {name}` makes one")
+        raise ReadError(f"cannot read {name}: it is no recording of a run: simulate its scene and record that")
     if "text" not in table:
         raise ReadError(
             f"cannot read {name}: its scene has a torque that was given in Python as a function or a table: simulate "

@@ -14,7 +14,7 @@ from typing import Any
 
 import numpy as np
 
-from inertia.errors import GeometryError
+from inertia.errors import CHECK, GeometryError
 from inertia.mesh.geometry.closure import merge_equal_vertices, repeated_corners
 from inertia.mesh.part import Surface, Triangles
 from inertia.mesh.repairs.weld import compact, diagonal
@@ -81,7 +81,7 @@ def _solid(vertices: Any, faces: Any) -> Any:
     solid = Manifold(Mesh64(vertices, faces.astype(np.uint64)))
     if solid.status() != Error.NoError:
         raise GeometryError(
-            f"manifold3d cannot simplify the surface ({solid.status().name}): run `inertia check` to see what is wrong"
+            f"manifold3d cannot simplify the surface ({solid.status().name}): run ", CHECK, " to see what is wrong"
         )
     return solid
 
