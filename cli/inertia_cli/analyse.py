@@ -6,7 +6,7 @@ import argparse
 from typing import TYPE_CHECKING, Any
 
 from inertia.errors import UsageError
-from inertia_cli.options import accuracy, add_density, add_input, add_orientation, by_name, read_part, triple
+from inertia_cli.options import accuracy, add_density, add_input, add_orientation, by_name, decimal_triple, read_part
 from inertia_cli.printing import show
 from inertia_cli.progress import Progress
 from inertia_cli.wording import as_option
@@ -49,7 +49,9 @@ def add(parsers: Any) -> None:
     mend.add_argument("--weld", type=float, metavar="DISTANCE", help="merge vertices within DISTANCE, in --unit")
     mend.add_argument("--repair", action="store_true", help="close, turn and unite; every change is listed")
     result = parser.add_argument_group("result")
-    result.add_argument("--about", type=triple, metavar="X,Y,Z", help="give the tensor about this point too, in --unit")
+    result.add_argument(
+        "--about", type=decimal_triple, metavar="X,Y,Z", help="give the tensor about this point too, in --unit"
+    )
     result.add_argument(
         "--accuracy", type=accuracy, metavar="REL", help='relative bound that must be reached, as 1e-12, or "exact"'
     )

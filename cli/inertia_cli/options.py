@@ -6,6 +6,7 @@ import argparse
 import contextlib
 import math
 import threading
+from fractions import Fraction
 from typing import TYPE_CHECKING, Any, TypeVar
 
 from inertia.errors import InertiaError, UsageError
@@ -72,6 +73,12 @@ def _named_number(text: str) -> tuple[str, float]:
         return name, float(value)
     except ValueError:
         raise argparse.ArgumentTypeError(f"{value!r} is no number of kg/m³") from None
+
+
+def decimal_triple(text: str) -> tuple[Fraction, ...]:
+    """Return three finite numbers from ``X,Y,Z``, just as they are written."""
+    # What is too small for a float counts as zero: 1e-999999999 would fill the memory as a fraction.
+    return tuple(Fraction(part) if k else Fraction(0) for k, part in zip(triple(text), text.split(","), strict=True))
 
 
 def triple(text: str) -> tuple[float, ...]:

@@ -6,6 +6,7 @@ import os
 import re
 import subprocess
 import sys
+from fractions import Fraction
 from pathlib import Path
 
 import numpy as np
@@ -119,6 +120,17 @@ def test_a_body_each_with_its_density(capsys: pytest.CaptureFixture[str]) -> Non
     for share in found["shares"]:
         assert share["volume"] == pytest.approx(known["parts"][share["name"]]["mesh"]["volume"] * MM**3, rel=1e-13)
     assert found["mass"] == pytest.approx(sum(share["mass"] for share in found["shares"]), rel=1e-15)
+
+
+def test_a_point_is_taken_as_written_with_the_bound_of_its_tensor(capsys: pytest.CaptureFixture[str]) -> None:
+    """0.1 mm is a float64 neither in mm nor in metres; beside it the cube of 10 mm and 1 g has exact moments."""
+    arguments = "--accuracy", "exact", "--about", "0.1,1e-999999999,0"
+    about = document(capsys, "analyse", str(path("cube.stl")), *arguments)["inertia_about"]
+    along = Fraction(1, 6 * 10**7)
+    across = along + Fraction(1, 1000) * Fraction(1, 10_000) ** 2
+    assert about["point"] == [0.1, 0.0, 0.0]
+    assert about["inertia"] == np.diag([float(along), float(across), float(across)]).tolist()
+    assert about["error"] == 2.0**-53
 
 
 def test_a_point_may_begin_with_a_minus(capsys: pytest.CaptureFixture[str]) -> None:

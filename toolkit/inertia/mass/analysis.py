@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import math
 import sys
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
 from fractions import Fraction
@@ -25,7 +25,7 @@ from inertia.mass.integration import Integral, cell_integral, naming, surface_in
 from inertia.mass.moments import ZERO, Moments, total
 from inertia.mass.principal import CLASS_TOLERANCE, Principal
 from inertia.mass.properties import ErrorBound, MassProperties
-from inertia.mass.tensor import array_of
+from inertia.mass.tensor import exact_point
 from inertia.mass.tessellation import chord_error
 from inertia.mass.triangles.arithmetic import FINEST
 from inertia.mesh.part import Cells, Part
@@ -67,6 +67,7 @@ class Analysis:
     principal : `Principal`, at that tolerance
     shares : one entry a body or region, where there are several densities
     about : (point in the part's unit, tensor about it), if asked for
+    about_bound : relative bound of that tensor (Frobenius norm)
     notes : what was decided on the way, in sentences
     """
 
@@ -85,6 +86,7 @@ class Analysis:
     class_tolerance: float
     shares: tuple[BodyShare, ...]
     about: tuple[tuple[float, ...], Float] | None
+    about_bound: float | None
     notes: tuple[str, ...]
 
     @cached_property
@@ -159,7 +161,7 @@ def analyse(
     shell: float | None = None,
     wire: float | None = None,
     orientation: Orientation = "stored",
-    about: ArrayLike | None = None,
+    about: ArrayLike | Sequence[Fraction] | None = None,
     class_tolerance: float = CLASS_TOLERANCE,
     chord: float | None = None,
     progress: Progress | None = None,
@@ -168,7 +170,7 @@ def analyse(
 
     Parameters
     ----------
-    about : (3,) a further point, in the part's unit, for the tensor
+    about : (3,) a further point, in the part's unit, for the tensor; `Fraction` coordinates count as they are
     class_tolerance : relative tolerance within which principal moments count as equal
     chord : the tolerance that the mesh was made with, in the part's unit: how far the true surface may be from it
     progress : called with the fraction done
@@ -178,7 +180,7 @@ def analyse(
     _require_accuracy(accuracy)
     if not 0 <= class_tolerance < 1:
         raise UsageError(f"the class tolerance is {class_tolerance!r}: it must be at least 0 and below 1")
-    point = None if about is None else array_of(about, (3,), "about")
+    point = None if about is None else exact_point(about, "about")
     if orientation not in ("stored", "absolute"):
         raise UsageError(f"orientation is {orientation!r}: use 'stored' or 'absolute'")
     if shell is not None and wire is not None:
@@ -212,6 +214,10 @@ def analyse(
             f"{part.name}: the bound reached by {integral.method} is {answer.bound:.2g}, above the accuracy asked for, "
             f"{accuracy:g}: ask for a larger figure"
         )
+    there = about_bound = None
+    if point is not None:
+        tensor, about_bound = properties.about_with_bound([k * f for k in point])
+        there = tuple(map(float, point)), tensor
     return Analysis(
         part=part,
         model=model,
@@ -227,7 +233,8 @@ def analyse(
         tessellation=None if chord is None else answer.tessellation(chord),
         class_tolerance=class_tolerance,
         shares=answer.shares() if len(integral.groups) > 1 else (),
-        about=None if point is None else (tuple(point.tolist()), _about(properties, point, f)),
+        about=there,
+        about_bound=about_bound,
         notes=(*part.notes, *integral.notes),
     )
 
@@ -344,7 +351,3 @@ def _length(value: float, name: str, unit: str) -> Fraction:
     if not (isinstance(value, Real) and 0 < value < math.inf):
         raise UsageError(f"the {name} is {value!r} {unit}: it must be positive and finite")
     return Fraction(float(value))
-
-
-def _about(properties: MassProperties, point: Float, f: Fraction) -> Float:
-    return properties.about([float(Fraction(k) * f) for k in point.tolist()])

@@ -24,6 +24,9 @@ PAIRS = ((0, 0), (1, 1), (2, 2), (1, 2), (2, 0), (0, 1))
 
 ZERO = Fraction(0)
 
+_LONGEST, _CUT = 1024, 512
+"""Bits of the numerators and denominators above which moments are cut, and bits of the largest that are left."""
+
 
 @dataclass(frozen=True)
 class Moments:
@@ -31,6 +34,10 @@ class Moments:
 
     `zeroth` is a volume, an area, a length or a mass; `first` is ∫x, `second` is ∫x xᵀ (xx, yy, zz, yz, zx, xy),
     with x measured from `origin`. The bounds are absolute. Lengths are in any one unit.
+
+    `norms` are bounds on the Euclidean norm of the error of `first`, and on the Frobenius norm of that of the inertia
+    tensor of `second`, where less is known of them than the bounds of the elements say: turning keeps the norms, and
+    makes the elements' bounds up to three times as large.
     """
 
     origin: Vector
@@ -40,6 +47,13 @@ class Moments:
     zeroth_bound: Fraction = ZERO
     first_bound: Vector = (ZERO, ZERO, ZERO)
     second_bound: Six = (ZERO, ZERO, ZERO, ZERO, ZERO, ZERO)
+    norms: tuple[Fraction, Fraction] | None = None
+
+    @property
+    def error_norms(self) -> tuple[Fraction, Fraction]:
+        """Bounds on the norms of the errors of `first` and of the inertia tensor; see `norms`."""
+        elements = norm_above(self.first_bound), inertia_bound(self.second_bound)
+        return elements if self.norms is None else (min(self.norms[0], elements[0]), min(self.norms[1], elements[1]))
 
     def scaled(self, factor: Fraction) -> Moments:
         """Return the moments of the same shape with `factor` times the density."""
@@ -52,6 +66,7 @@ class Moments:
             size * self.zeroth_bound,
             vector(size * k for k in self.first_bound),
             six(size * k for k in self.second_bound),
+            self.norms and (size * self.norms[0], size * self.norms[1]),
         )
 
     def weighed(self, mass: Fraction) -> Moments:
@@ -65,11 +80,16 @@ class Moments:
         def wider(bounds: Iterable[Fraction], values: Iterable[Fraction]) -> Iterator[Fraction]:
             return ((1 + slack) * b + slack * abs(k) for b, k in zip(bounds, values, strict=True))
 
+        norms = None
+        if exact.norms is not None:
+            first, tensor = wider(exact.norms, (norm_above(exact.first), inertia_bound(exact.second)))
+            norms = first, tensor
         return replace(
             exact,
             zeroth_bound=ZERO,
             first_bound=vector(wider(exact.first_bound, exact.first)),
             second_bound=six(wider(exact.second_bound, exact.second)),
+            norms=norms,
         )
 
     def in_unit(self, metres: Fraction) -> Moments:
@@ -85,6 +105,7 @@ class Moments:
             self.zeroth_bound,
             vector(metres * k for k in self.first_bound),
             six(metres**2 * k for k in self.second_bound),
+            self.norms and (metres * self.norms[0], metres**2 * self.norms[1]),
         )
 
     def about(self, point: Sequence[Fraction]) -> Moments:
@@ -95,6 +116,10 @@ class Moments:
         d = [o - p for o, p in zip(self.origin, point, strict=True)]
         f, fb = self.first, self.first_bound
         v, vb = self.zeroth, self.zeroth_bound
+        norms = None
+        if self.norms is not None:
+            far, (first, tensor) = norm_above(d), self.error_norms
+            norms = first + far * vb, tensor + 3 * far * first + Fraction(3, 2) * far**2 * vb
         return Moments(
             vector(point),
             v,
@@ -106,11 +131,78 @@ class Moments:
                 self.second_bound[k] + abs(d[i]) * fb[j] + abs(d[j]) * fb[i] + abs(d[i] * d[j]) * vb
                 for k, (i, j) in enumerate(PAIRS)
             ),
+            norms,
+        )
+
+    def turned(self, axes: Sequence[Sequence[Fraction]], origin: Sequence[Fraction]) -> Moments:
+        """Return the moments in another frame: x′ = Rᵀ (x − o), the columns of R (3, 3) being the new axes.
+
+        A rotation in float64 is off orthonormal by E = Rᵀ R − δ. So that it does not matter what is made of that, the
+        bounds hold for R as it is given, for Rᵀ J R of the inertia tensor J, and for the rotation Q nearest to R, which
+        is within ‖E‖ of it: with T the trace of ∫x xᵀ, the tensors of the three differ by less than 3 ‖E‖ T, and the
+        elements of ∫x xᵀ by less than 5/2 ‖E‖ T.
+        """
+        columns = list(zip(*axes, strict=True))
+        skew = norm_above(dot(a, b) - (i == j) for i, a in enumerate(columns) for j, b in enumerate(columns))
+        away = [k - o for k, o in zip(self.origin, origin, strict=True)]
+        largest = [[abs(k) for k in column] for column in columns]
+        first, tensor = ((1 + 2 * skew) * k for k in self.error_norms)
+        along = vector(min(dot(column, self.first_bound), first) for column in largest)
+        across = _congruent(largest, self.second_bound)
+        trace = sum(self.second[:3], ZERO) + sum(self.second_bound[:3], ZERO)
+        shift, weight = skew * norm_above(away), abs(self.zeroth) + self.zeroth_bound
+        lever = (1 + skew) * norm_above(self.first) + first
+        off = skew * lever + weight * shift
+        displaced = 2 * shift * lever + weight * shift**2
+        return Moments(
+            vector(dot(column, away) for column in columns),
+            self.zeroth,
+            vector(dot(column, self.first) for column in columns),
+            _congruent(columns, self.second),
+            self.zeroth_bound,
+            vector(k + off for k in along),
+            six(min(k, tensor) + Fraction(5, 2) * skew * trace + displaced for k in across),
+            (first + off, tensor + 3 * skew * trace + 2 * displaced),
+        )
+
+    def shortened(self) -> Moments:
+        """Return the same moments in rationals of a thousand bits; what longer ones lose goes over to the bounds.
+
+        Every verb makes the rationals longer, and long ones make all that follows slow.
+        """
+        numbers = (*self.origin, self.zeroth, *self.first, *self.second)
+        if all(max(k.numerator.bit_length(), k.denominator.bit_length()) <= _LONGEST for k in numbers):
+            return self
+        here = self.about([nearby(k) for k in self.origin])
+        zeroth, first, second = (_cut(values) for values in ([here.zeroth], here.first, here.second))
+        bounds = [
+            [_rounded_up(bound + abs(a - b)) for bound, a, b in zip(*each, strict=True)]
+            for each in (
+                ([here.zeroth_bound], zeroth, [here.zeroth]),
+                (here.first_bound, first, here.first),
+                (here.second_bound, second, here.second),
+            )
+        ]
+        norms = None
+        if here.norms is not None:
+            lost = [
+                [a - b for a, b in zip(*each, strict=True)] for each in ((first, here.first), (second, here.second))
+            ]
+            norms = (
+                _rounded_up(here.norms[0] + norm_above(lost[0])),
+                _rounded_up(here.norms[1] + inertia_bound(six(lost[1]))),
+            )
+        return Moments(
+            here.origin, zeroth[0], vector(first), six(second), bounds[0][0], vector(bounds[1]), six(bounds[2]), norms
         )
 
     def __add__(self, other: Moments) -> Moments:
         """Return the moments of both bodies together, about the first one's origin."""
         moved = other.about(self.origin)
+        norms = None
+        if self.norms is not None or moved.norms is not None:
+            (a, b), (c, d) = self.error_norms, moved.error_norms
+            norms = a + c, b + d
         return Moments(
             self.origin,
             self.zeroth + moved.zeroth,
@@ -119,6 +211,7 @@ class Moments:
             self.zeroth_bound + moved.zeroth_bound,
             vector(a + b for a, b in zip(self.first_bound, moved.first_bound, strict=True)),
             six(a + b for a, b in zip(self.second_bound, moved.second_bound, strict=True)),
+            norms,
         )
 
     @property
@@ -130,19 +223,20 @@ class Moments:
     def centroid_bound(self) -> Fraction:
         """A bound on the centroid's distance from the true one (Euclidean).
 
-        |f̂/v̂ − f/v| ≤ (B_f + |f̂/v̂| B_v) / (|v̂| − B_v) for each axis.
+        |f̂/v̂ − f/v| ≤ (B_f + |f̂/v̂| B_v) / (|v̂| − B_v) for each axis, and for the norms.
         """
         least = abs(self.zeroth) - self.zeroth_bound
         if least <= 0:
             raise ZeroDivisionError
-        bounds = [
-            (b + abs(f / self.zeroth) * self.zeroth_bound) / least
-            for f, b in zip(self.first, self.first_bound, strict=True)
-        ]
-        return root_above(sum((b * b for b in bounds), ZERO))
+        c = [f / self.zeroth for f in self.first]
+        bounds = (b + abs(k) * self.zeroth_bound for k, b in zip(c, self.first_bound, strict=True))
+        return min(norm_above(bounds), self.error_norms[0] + norm_above(c) * self.zeroth_bound) / least
 
     def central(self) -> Moments:
-        """Return the moments about the centroid, with bounds that hold for the *true* centroid.
+        """Return the moments about the centroid, with bounds on ∫x xᵀ that hold for the *true* centroid.
+
+        About that one ∫x is zero, and has no error. How far it may be from the centroid here is lost: what goes on to
+        be added or shifted is the moments themselves.
 
         The central moments are s − f fᵀ/v. With c = f̂/v̂ and ε the bound on c, f fᵀ/v moves by at most
         |c| B_f + B_f |c|ᵀ + |c||c|ᵀ B_v + ε εᵀ |v| (expand about c; the last term is of second order).
@@ -154,6 +248,11 @@ class Moments:
         c = [f / v for f in self.first]
         fb = self.first_bound
         eps = [(b + abs(k) * vb) / least for k, b in zip(c, fb, strict=True)]
+        norms = None
+        if self.norms is not None:
+            far, (first, tensor) = norm_above(c), self.error_norms
+            off = (first + far * vb) / least
+            norms = ZERO, tensor + 3 * far * first + Fraction(3, 2) * (far**2 * vb + off**2 * (abs(v) + vb))
         return Moments(
             self.centroid,
             v,
@@ -169,6 +268,7 @@ class Moments:
                 + eps[i] * eps[j] * (abs(v) + vb)
                 for k, (i, j) in enumerate(PAIRS)
             ),
+            norms,
         )
 
 
@@ -193,7 +293,12 @@ def inertia_bounds(bound: Six) -> list[list[Fraction]]:
 
 def inertia_bound(bound: Six) -> Fraction:
     """Return a bound on the Frobenius norm of the tensor's error, from the bounds on the second moments."""
-    return root_above(sum((k * k for row in inertia_bounds(bound) for k in row), ZERO))
+    return norm_above(k for row in inertia_bounds(bound) for k in row)
+
+
+def norm_above(values: Iterable[Fraction]) -> Fraction:
+    """Return a rational at least as large as the root of the sum of the squares, by at most a part in 2⁶⁰."""
+    return root_above(sum((k * k for k in values), ZERO))
 
 
 def root_above(square: Fraction) -> Fraction:
@@ -208,10 +313,36 @@ def root_above(square: Fraction) -> Fraction:
 
 def _rounded_up(bound: Fraction) -> Fraction:
     """Return a short rational at least as large, by at most a part in 2⁶³: long ones make all that follows slow."""
-    if bound <= 0:
-        return ZERO
-    unit = Fraction(2) ** (bound.numerator.bit_length() - bound.denominator.bit_length() - 64)
+    unit = _last_bit(bound)
     return ceil(bound / unit) * unit
+
+
+def nearby(value: Fraction) -> Fraction:
+    """Return a short rational near a value, off by at most a part in 2⁶³."""
+    unit = _last_bit(value)
+    return round(value / unit) * unit
+
+
+def _cut(values: Sequence[Fraction]) -> list[Fraction]:
+    """Return the values as multiples of the last bit that is left of the largest."""
+    unit = _last_bit(max(map(abs, values)), _CUT)
+    return [round(k / unit) * unit for k in values]
+
+
+def _last_bit(value: Fraction, bits: int = 64) -> Fraction:
+    return Fraction(2) ** (value.numerator.bit_length() - value.denominator.bit_length() - bits)
+
+
+def dot(a: Iterable[Fraction], b: Iterable[Fraction]) -> Fraction:
+    """Return the scalar product."""
+    return sum((x * y for x, y in zip(a, b, strict=True)), ZERO)
+
+
+def _congruent(columns: Sequence[Sequence[Fraction]], second: Six) -> Six:
+    """Return the elements of Rᵀ S R from the columns of R and the elements of S."""
+    xx, yy, zz, yz, zx, xy = second
+    rows = (xx, xy, zx), (xy, yy, yz), (zx, yz, zz)
+    return six(dot(columns[i], [dot(row, columns[j]) for row in rows]) for i, j in PAIRS)
 
 
 def vector(values: Iterable[Fraction]) -> Vector:

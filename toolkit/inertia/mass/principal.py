@@ -13,7 +13,7 @@ from numpy.typing import ArrayLike
 from inertia.arrays import Float
 from inertia.errors import UNIT, GeometryError, UsageError
 from inertia.mass.eigen import Spectrum, spectrum
-from inertia.mass.moments import Six, inertia_bound, inertia_bounds, inertia_tensor
+from inertia.mass.moments import Moments, inertia_bounds, inertia_tensor
 from inertia.mass.tensor import array_of
 
 InertiaClass = Literal["spherical", "prolate", "oblate", "asymmetric", "rotor"]
@@ -81,12 +81,12 @@ def spectrum_of_tensor(inertia: ArrayLike, bound: float | Fraction) -> Spectrum:
     return spectrum(tensor, [[Fraction(bound)] * 3] * 3, Fraction(bound))
 
 
-def spectrum_of_moments(second: Six, second_bound: Six) -> Spectrum:
+def spectrum_of_moments(central: Moments) -> Spectrum:
     """Return the spectrum of the tensor of exact central second moments of mass: no element is rounded on the way.
 
     Each second moment has a bound of its own, so that the errors across a needle count as small as they are.
     """
-    return spectrum(inertia_tensor(second), inertia_bounds(second_bound), inertia_bound(second_bound))
+    return spectrum(inertia_tensor(central.second), inertia_bounds(central.second_bound), central.error_norms[1])
 
 
 def principal_of(eigen: Spectrum, tolerance: float = CLASS_TOLERANCE) -> Principal:

@@ -5,7 +5,9 @@ Signs and frames are those of `inertia.mass.tensor`.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field, replace
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass, field
 from fractions import Fraction
 from functools import cached_property
 
@@ -16,12 +18,14 @@ from inertia.arrays import Float
 from inertia.errors import UNIT, GeometryError, UsageError
 from inertia.mass import principal as principals
 from inertia.mass.eigen import Spectrum
-from inertia.mass.moments import ZERO, Moments, Six, inertia_bound, inertia_tensor
-from inertia.mass.tensor import array_of, faults, rotation_of
+from inertia.mass.moments import ZERO, Moments, Six, inertia_tensor, nearby, norm_above
+from inertia.mass.tensor import array_of, exact_point, faults, rotation_of
 
 _ROUNDOFF = Fraction(1, 2**53)
 _SLENDER, _CERTAIN = 1e-3, 1e-9
-_SPACING = Fraction(1, 2**1074)  # of the numbers below the normal range, where rounding is not relative
+_NORMAL = 2.0**-1022  # below it rounding is not relative, but of up to half the spacing of the numbers there
+_SPACING = Fraction(1, 2**1074)
+_WIDEN = 1 + Fraction(1, 2**59)  # more than a root is rounded up by
 
 
 @dataclass(frozen=True)
@@ -64,7 +68,7 @@ class MassProperties:
     center_of_mass: Float
     inertia: Float
     error: ErrorBound = ErrorBound("given", 0.0, 0.0, 0.0, 0.0)
-    _central: Moments | None = field(default=None, init=False, repr=False)  # before rounding, where at hand
+    _exact: Moments | None = field(default=None, init=False, repr=False)  # before rounding, where at hand
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "center_of_mass", array_of(self.center_of_mass, (3,), "center_of_mass"))
@@ -85,41 +89,44 @@ class MassProperties:
         Raises `GeometryError` where the mass or the volume is not larger than its bound (a volume may be exactly
         zero), or a result leaves float64.
         """
-        if moments.zeroth <= moments.zeroth_bound:
-            raise GeometryError(
-                f"the mass, {_show(moments.zeroth)} kg, is not above its error bound of "
-                f"{_show(moments.zeroth_bound)} kg: the solid has no volume that these coordinates can tell from zero"
-            )
+        _require_mass(moments)
         if volume <= volume_bound and (volume or volume_bound):
             raise GeometryError(
                 f"the volume, {_show(volume)} m3, is not above its error bound of {_show(volume_bound)} m3: nothing "
                 "is left of the solid"
             )
-        central = moments.central()
         try:
-            mass, size = float(moments.zeroth), float(volume)
-            com = np.array([float(k) for k in central.origin])
-            tensor = np.array([[float(k) for k in row] for row in inertia_tensor(central.second)])
+            size = float(volume)
         except OverflowError:
-            raise GeometryError(
-                "the result is above 1.8e308 and leaves float64: give the coordinates in a smaller unit with ",
-                UNIT,
-            ) from None
-        norm, bound = _norm(tensor), inertia_bound(central.second_bound)
-        if mass == 0 or (any(central.second) and not tensor.any()):
-            raise GeometryError(
-                "the result is below 5e-324 and leaves float64: give the coordinates in a larger unit with ",
-                UNIT,
-            )
+            raise GeometryError(*_TOO_LARGE) from None
+        if volume and not size:
+            raise GeometryError(*_TOO_SMALL)
+        return cls._rounded(moments, size, _relative(volume_bound, [volume], [size]), None, method)
+
+    @classmethod
+    def _rounded(
+        cls, moments: Moments, volume: float, volume_error: float, mass_error: float | None, method: str
+    ) -> MassProperties:
+        """Round exact moments of mass; the volume's error, and the mass' if it is at hand, are those stated."""
+        central = moments.central()
+        exact = [k for row in inertia_tensor(central.second) for k in row]
+        try:
+            mass = float(moments.zeroth)
+            com = [float(k) for k in central.origin]
+            tensor = [float(k) for k in exact]
+        except OverflowError:
+            raise GeometryError(*_TOO_LARGE) from None
+        if mass == 0 or (any(exact) and not any(tensor)):
+            raise GeometryError(*_TOO_SMALL)
         error = ErrorBound(
             method,
-            _relative(volume_bound, volume),
-            _relative(moments.zeroth_bound, moments.zeroth),
-            float(moments.centroid_bound + _norm(com) * _ROUNDOFF + 2 * _SPACING),
-            _relative(bound + _SPACING, norm),
+            volume_error,
+            _relative(moments.zeroth_bound, [moments.zeroth], [mass]) if mass_error is None else mass_error,
+            _above(moments.centroid_bound + norm_above(map(Fraction, com)) * _ROUNDOFF + 2 * _SPACING),
+            _relative(central.error_norms[1], exact, tensor),
         )
-        properties = cls(mass, size, com, tensor, error)
-        object.__setattr__(properties, "_central", central)
+        properties = cls(mass, volume, np.array(com), np.array(tensor).reshape(3, 3), error)
+        object.__setattr__(properties, "_exact", moments.shortened())
         return properties
 
     @cached_property
@@ -139,9 +146,9 @@ class MassProperties:
 
     @cached_property
     def _spectrum(self) -> Spectrum:
-        if self._central is None:
+        if self._exact is None:
             return principals.spectrum_of_tensor(self.inertia, Fraction(self.error.inertia) * _norm(self.inertia))
-        return principals.spectrum_of_moments(self._central.second, self._central.second_bound)
+        return principals.spectrum_of_moments(self._exact.central())
 
     @property
     def loses_smallest_moment(self) -> bool:
@@ -182,36 +189,45 @@ class MassProperties:
         semi_axes: Float = np.sqrt(5.0 * self.principal.second_moments / self.mass)
         return semi_axes
 
-    def about(self, point: ArrayLike) -> Float:
+    def about(self, point: ArrayLike | Sequence[Fraction]) -> Float:
         """Return the tensor (3, 3) kg m² about `point` (3,) m, in part axes (Steiner's theorem)."""
-        to = [Fraction(k) for k in array_of(point, (3,), "point").tolist()]
+        return self.about_with_bound(point)[0]
+
+    def about_with_bound(self, point: ArrayLike | Sequence[Fraction]) -> tuple[Float, float]:
+        """Return the tensor (3, 3) kg m² about `point` (3,) m, and the relative bound on its error (Frobenius norm).
+
+        A coordinate may be a `Fraction`: it counts as it is. What is not known of the centre of mass is in the bound.
+
+        >>> import inertia
+        >>> ball = MassProperties(2.0, 1.0, [0, 0, 0], 0.8 * np.eye(3), inertia.ErrorBound("measured", 0, 0, 0.001, 0))
+        >>> tensor, bound = ball.about_with_bound([0, 0, 1])
+        >>> tensor.diagonal().tolist(), round(bound, 5)
+        ([2.8, 2.8, 0.8], 0.00149)
+        """
+        to = exact_point(point, "point")
+        there = self._moments.about(to)
+        exact = [k for row in inertia_tensor(there.second) for k in row]
         try:
-            return np.array([[float(k) for k in row] for row in inertia_tensor(self._moments.about(to).second)])
+            tensor = [float(k) for k in exact]
         except OverflowError:
             raise UsageError(
                 f"the tensor about {[float(k) for k in to]} is above 1.8e308: name a nearer point"
             ) from None
+        return np.array(tensor).reshape(3, 3), _relative(there.error_norms[1], exact, tensor)
 
     def expressed_in(self, rotation: ArrayLike, origin: ArrayLike = (0.0, 0.0, 0.0)) -> MassProperties:
         """Return the same body in another frame.
 
         Parameters
         ----------
-        rotation : (3, 3), its columns are the new axes in the old ones; the bounds take it as it is given
+        rotation : (3, 3), its columns are the new axes in the old ones; the bounds hold for it as it is given, and for
+            the rotation nearest to it
         origin : (3,) m, the new frame's origin in the old one
         """
-        axes = rotation_of(rotation)
-        tensor = axes.T @ self.inertia @ axes
-        offset = self.center_of_mass - array_of(origin, (3,), "origin")
-        com = axes.T @ offset
-        error = ErrorBound(
-            self.error.method,
-            self.error.volume,
-            self.error.mass,
-            self.error.center_of_mass + float(8 * _ROUNDOFF * _norm(offset)),
-            self.error.inertia + float(16 * _ROUNDOFF),
-        )
-        return MassProperties(self.mass, self.volume, com, 0.5 * (tensor + tensor.T), error)
+        axes = [[Fraction(k) for k in row] for row in rotation_of(rotation).tolist()]
+        _require_mass(self._moments)
+        moments = self._moments.turned(axes, exact_point(origin, "origin"))
+        return self._rounded(moments, self.volume, self.error.volume, self.error.mass, self.error.method)
 
     def with_mass(self, mass: float) -> MassProperties:
         """Return the same shape with another total mass, kg: the tensor in proportion.
@@ -220,13 +236,16 @@ class MassProperties:
         """
         if not 0 < mass < np.inf:
             raise UsageError(f"mass is {mass!r} kg: it must be positive and finite")
-        least = max(1 - self.error.mass, float(_ROUNDOFF))
-        error = replace(
-            self.error,
-            mass=0.0,
-            inertia=(self.error.inertia + self.error.mass) / least + float(4 * _ROUNDOFF),
-        )
-        return MassProperties(mass, self.volume, self.center_of_mass, self.inertia * (mass / self.mass), error)
+        _require_mass(self._moments)
+        moments = self._moments.weighed(Fraction(mass))
+        try:
+            return self._rounded(moments, self.volume, self.error.volume, 0.0, self.error.method)
+        except GeometryError as error:
+            if error.words in (_TOO_LARGE, _TOO_SMALL):
+                raise UsageError(
+                    f"with a mass of {mass:g} kg the tensor leaves float64: name a mass nearer to {self.mass:g} kg"
+                ) from None
+            raise
 
     def __add__(self, other: object) -> MassProperties:
         """Assemble two bodies given in the same frame."""
@@ -242,14 +261,18 @@ class MassProperties:
         volume = Fraction(self.volume) + sign * Fraction(other.volume)
         bound = sum((Fraction(k.volume) * Fraction(k.error.volume) for k in (self, other)), ZERO)
         methods = dict.fromkeys((self.error.method, other.error.method))
-        moments = self._moments + other._moments.scaled(Fraction(sign))
+        a, b = self._moments, other._moments
+        # About the origin of either, the bound of the other would be that of a lever, however light the first.
+        share = b.zeroth / (a.zeroth + b.zeroth)
+        middle = [x + share * (y - x) for x, y in zip(a.centroid, b.centroid, strict=True)]
+        moments = a.about([nearby(k) for k in middle]) + b.scaled(Fraction(sign))
         return MassProperties.from_moments(moments, volume, bound, " + ".join(methods))
 
     @cached_property
     def _moments(self) -> Moments:
-        """The moments of mass about the centre of mass, with the bounds."""
-        if self._central is not None:
-            return self._central
+        """The moments of mass, with the bounds; about the centre of mass where it was given."""
+        if self._exact is not None:
+            return self._exact
         tensor = [[Fraction(k) for k in row] for row in self.inertia.tolist()]
         half = sum((tensor[i][i] for i in range(3)), ZERO) / 2
         mass, x, y, z = (Fraction(k) for k in (self.mass, *self.center_of_mass.tolist()))
@@ -258,6 +281,7 @@ class MassProperties:
         mass_bound, off = mass * Fraction(self.error.mass), Fraction(self.error.center_of_mass)
         # Seen from the centre of mass given, the true one may be `off` away: by Steiner's theorem.
         shift = (mass + mass_bound) * off
+        norms = shift, size + 3 * shift * off / 2
         second: Six = (
             *(half - tensor[i][i] for i in range(3)), -tensor[1][2], -tensor[2][0], -tensor[0][1]
         )  # type: ignore[assignment]  # fmt: skip
@@ -269,18 +293,42 @@ class MassProperties:
             mass_bound,
             (shift, shift, shift),
             (*(2 * size + shift * off,) * 3, *(size + shift * off,) * 3),
+            norms,
+        )
+
+
+_TOO_LARGE = "the result is above 1.8e308 and leaves float64: give the coordinates in a smaller unit with ", UNIT
+_TOO_SMALL = "the result is below 5e-324 and leaves float64: give the coordinates in a larger unit with ", UNIT
+
+
+def _require_mass(moments: Moments) -> None:
+    if moments.zeroth <= moments.zeroth_bound:
+        raise GeometryError(
+            f"the mass, {_show(moments.zeroth)} kg, is not above its error bound of "
+            f"{_show(moments.zeroth_bound)} kg: the solid has no volume that these coordinates can tell from zero"
         )
 
 
 def _norm(array: Float) -> Fraction:
-    """Return the Frobenius norm, also of numbers whose squares leave float64."""
-    largest = float(np.abs(array).max())
-    return Fraction(largest) * Fraction(float(np.linalg.norm(array / largest))) if largest else ZERO
+    """Return the Frobenius norm, rounded up."""
+    return norm_above(Fraction(k) for k in array.ravel().tolist())
 
 
-def _relative(bound: Fraction, value: Fraction) -> float:
-    """Return a bound relative to the value, with what rounding the value to float64 adds; 0 of nothing."""
-    return float((bound + _SPACING) / abs(value) + _ROUNDOFF) if value else 0.0
+def _relative(bound: Fraction, exact: Sequence[Fraction], rounded: Sequence[float]) -> float:
+    """Return a bound with what rounding adds to it, over the norm of the rounded values; 0 of nothing."""
+    below = sum(bool(value) and abs(k) < _NORMAL for value, k in zip(exact, rounded, strict=True)) * _SPACING
+    if norm := norm_above(map(Fraction, rounded)):
+        return _above((bound + below) * _WIDEN / norm + _ROUNDOFF)
+    return math.inf if bound else 0.0
+
+
+def _above(value: Fraction) -> float:
+    """Return the value rounded up."""
+    try:
+        rounded = float(value)
+    except OverflowError:
+        return math.inf
+    return rounded if rounded >= value else math.nextafter(rounded, math.inf)
 
 
 def _show(value: Fraction) -> str:

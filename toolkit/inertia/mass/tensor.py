@@ -7,6 +7,9 @@ taken about; re-expressing changes the axes they are resolved along. These are t
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+from fractions import Fraction
+
 import numpy as np
 from numpy.typing import ArrayLike
 
@@ -17,7 +20,7 @@ VALIDITY_TOLERANCE = 1e-9
 """Relative slack, of the trace, within which a tensor still counts as physical."""
 
 
-def array_of(value: ArrayLike, shape: tuple[int, ...], name: str) -> Float:
+def array_of(value: ArrayLike | Sequence[Fraction], shape: tuple[int, ...], name: str) -> Float:
     """Return `value` as a finite float64 array of `shape`, or raise `UsageError` naming it."""
     try:
         array = np.array(value, dtype=np.float64)
@@ -28,6 +31,12 @@ def array_of(value: ArrayLike, shape: tuple[int, ...], name: str) -> Float:
     if not np.isfinite(array).all():
         raise UsageError(f"{name} holds a value that is not finite: {array.tolist()}")
     return array
+
+
+def exact_point(value: ArrayLike | Sequence[Fraction], name: str) -> list[Fraction]:
+    """Return a point (3,) in rationals, those that it has taken as they are; raise `UsageError` as `array_of` does."""
+    array_of(value, (3,), name)
+    return [k if isinstance(k, Fraction) else Fraction(float(k)) for k in np.asarray(value, dtype=object).tolist()]
 
 
 def point_inertia(mass: float, offset: ArrayLike) -> Float:

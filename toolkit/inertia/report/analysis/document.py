@@ -57,8 +57,12 @@ def analysis_document(analysis: Analysis, repaired: Repaired | None = None) -> d
     if analysis.tessellation is not None:
         document["error"]["tessellation"] = asdict(analysis.tessellation)
     if analysis.about is not None:
-        point, tensor = analysis.about
-        document["inertia_about"] = {"point": list(point), "inertia": tensor.tolist()}
+        (point, tensor), bound = analysis.about, analysis.about_bound
+        document["inertia_about"] = {
+            "point": list(point),
+            "inertia": tensor.tolist(),
+            "error": None if bound is None or math.isinf(bound) else bound,
+        }
     if analysis.shares:
         document["shares"] = [
             {

@@ -171,7 +171,7 @@ def _about(analysis: Analysis) -> list[str]:
     where = ", ".join(map(number, point))
     return [
         f"Inertia tensor about ({where}) {analysis.part.unit.name}, part axes, kg m²",
-        *_matrix(tensor.tolist(), analysis.properties.error.inertia),
+        *_matrix(tensor.tolist(), analysis.about_bound or 0.0),
     ]
 
 
@@ -203,6 +203,8 @@ def _closing(analysis: Analysis, repaired: Repaired | None) -> Iterator[str]:
     axes = ", ".join(_angle(value) for value in principal.axis_bounds.tolist())
     yield row("", f"centre of mass {error.center_of_mass:.2g} m")
     yield row("", f"principal moments {moments} (relative), axes {axes}")
+    if analysis.about_bound is not None:
+        yield row("", f"tensor about the point {analysis.about_bound:.2g} (relative)")
     yield row("", f"{error.method}; for the mesh as stored, its tessellation apart")
     if (chord := analysis.tessellation) is not None:
         yield row(
