@@ -1,13 +1,18 @@
 """Pairing the edges: both paths against a dictionary of queues, on soups of every kind of defect."""
 
+import subprocess
+import sys
 from collections import deque
+from collections.abc import Callable
 
 import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from tests.mesh.solids import cube, facets, joined, ring, sphere
+from tests.mesh.solids import cube, facets, joined, part, ring, sphere
 
+from inertia import mass_properties
+from inertia.errors import GeometryError
 from inertia.mesh.geometry.closure import (
     Closure,
     closure,
@@ -134,6 +139,90 @@ def test_both_paths_give_the_same_through_the_front_door(monkeypatch: pytest.Mon
     vectorised = closure(surface)
     assert (compiled.open_edges, compiled.components) == (vectorised.open_edges, vectorised.components) == (0, 2)
     assert np.array_equal(compiled.labels, vectorised.labels)
+
+
+MASK = 2**64 - 1
+
+
+def scrambled(word: int) -> int:
+    """Return the finalizer of SplitMix64."""
+    word = (word ^ word >> 29) * 0xBF58476D1CE4E5B9 & MASK
+    word = (word ^ word >> 32) * 0x94D049BB133111EB & MASK
+    return word ^ word >> 31
+
+
+def unscrambled(word: int) -> int:
+    """Return the inverse of `scrambled`."""
+    word = (word ^ word >> 31 ^ word >> 62) * pow(0x94D049BB133111EB, -1, 2**64) & MASK
+    word = (word ^ word >> 32) * pow(0xBF58476D1CE4E5B9, -1, 2**64) & MASK
+    return word ^ word >> 29 ^ word >> 58
+
+
+def same_in_double(point: np.ndarray, count: int) -> list[np.ndarray]:
+    """Return points near `point` whose coordinates hash alike without salt, word by word: h ← mix(h K + word)."""
+    odd, points = 0x9E3779B97F4A7C15, []
+    x, y, z = point.view(np.uint64).tolist()
+    key = scrambled((scrambled((scrambled(x) * odd + y) & MASK) * odd + z) & MASK)
+    for step in range(1, 10**6):
+        head = scrambled((scrambled(x + step % 1000) * odd + y + step // 1000) & MASK)
+        last = (unscrambled(key) - head * odd) & MASK
+        if last >> 48 == z >> 48:
+            points.append(np.array([x + step % 1000, y + step // 1000, last], np.uint64).view(float))
+        if len(points) == count:
+            break
+    return points
+
+
+def same_in_single(point: np.ndarray, count: int) -> list[np.ndarray]:
+    """Return points whose coordinates hash alike without salt: mix(mix(x | y << 32) K + z)."""
+    odd, points = 0x9E3779B97F4A7C15, []
+    x, y, z = np.float32(point).view(np.uint32).tolist()
+    inner = (scrambled(x | y << 32) * odd + z) & MASK
+    for step in range(1, 10**6):
+        both = unscrambled((inner - (z + step)) * pow(odd, -1, 2**64) & MASK)
+        other = np.array([both & 0xFFFFFFFF, both >> 32, z + step], np.uint32).view(np.float32)
+        if (np.abs(other) < 100).all():
+            points.append(other.astype(float))
+        if len(points) == count:
+            break
+    return points
+
+
+@pytest.mark.parametrize(("kind", "same"), [(Surface, same_in_double), (Facets, same_in_single)])
+def test_a_fan_cut_out_along_a_forged_hash_is_open(kind: type[Triangles], same: Callable) -> None:
+    """Six triangles meet in six different points, which a hash without salt takes for one."""
+    vertices, faces = ring(200, 100)
+    if kind is Facets:
+        vertices = vertices.astype(np.float32).astype(float)
+    fan = np.argwhere(faces == 33)
+    others = same(vertices[33], len(fan) - 1)
+    assert len(others) == len(fan) - 1 == 5
+    for (face, corner), number in zip(fan[1:], range(len(vertices), len(vertices) + 5), strict=True):
+        faces[face, corner] = number
+    forged = Surface(np.vstack([vertices, *others]), faces)
+    triangles = forged if kind is Surface else facets(forged)
+    assert vectorised_closure(triangles).open_edges == 12
+    assert compiled_closure(triangles).open_edges == 12
+    assert closure(triangles).open_edges == 12
+    with pytest.raises(GeometryError, match="open"):
+        mass_properties(part(triangles))
+    for seed in range(50):
+        salt = np.random.default_rng(seed).integers(0, 2**64, 24, np.uint64)
+        assert compiled_closure(triangles, salt=salt).open_edges == 12
+
+
+@settings(deadline=None)
+@given(soup=soups(), seed=st.integers(0, 2**32))
+def test_the_salt_changes_nothing(soup: Surface, seed: int) -> None:
+    salt = np.random.default_rng(seed).integers(0, 2**64, 24, np.uint64)
+    for triangles in (soup, facets(soup)):
+        assert_is(compiled_closure(triangles, salt=salt), paired_by_queues(soup.corners().tolist()))
+
+
+def test_each_process_has_its_own_salt() -> None:
+    code = "from inertia.mesh.geometry.closure import process_salt; print(process_salt().tolist())"
+    drawn = {subprocess.run([sys.executable, "-c", code], capture_output=True, check=True).stdout for _ in range(2)}
+    assert len(drawn) == 2
 
 
 def test_progress_rises_to_the_end() -> None:

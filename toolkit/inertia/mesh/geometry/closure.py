@@ -6,14 +6,20 @@ in any sensible order needs little memory. Triangles whose edges were paired bel
 more than two triangles meet at an edge, the first to come are paired first. Vertices are equal when their
 stored coordinates are (−0 equals +0), which must be finite.
 
-The compiled pass knows a vertex, and an edge, by a 64-bit hash. Two of n edges collide with a probability of
-about n²/2⁶⁵ (6e-6 at ten million triangles); a collision can at worst report a closed surface as open, which
-the exact pairing (`inertia.mesh.geometry.edges`) then corrects, or join two components.
+The compiled pass knows a vertex, and an edge, by a 64-bit key: the upper halves of two sums of random 64-bit numbers,
+one of them alone and one times each 32-bit word that it has. Whatever two things are given, their keys agree with a
+probability of 2⁻⁶⁴ (D. Lemire and O. Kaser, "Strongly universal string hashing is fast", The Computer Journal 57
+(2014)), as each process draws numbers of its own, which who made the file cannot know. The lowest bit of an edge's key
+being taken, n vertices and e edges hold a collision with a probability of at most n²/2⁶⁵ + e²/2⁶⁴, which is 1e-5 at
+ten million triangles. A collision can make a closed surface look open, which the exact pairing
+(`inertia.mesh.geometry.edges`) then corrects, join two components, or hide a hole. Nothing else depends on the numbers.
 """
 
 from __future__ import annotations
 
+import os
 from dataclasses import dataclass
+from functools import cache
 from typing import Any
 
 import numpy as np
@@ -23,10 +29,12 @@ from inertia.arrays import Bool, Int, Progress
 from inertia.mesh.part import Facets, Surface, Triangles
 from inertia.native import Kernel
 
-FACETS = Kernel("inertia.mesh.geometry.edge_kernel", "pair_facets", "piippipipp")
-FACES = Kernel("inertia.mesh.geometry.edge_kernel", "pair_faces", "ppiiippipipp")
+FACETS = Kernel("inertia.mesh.geometry.edge_kernel", "pair_facets", "ppiippipipp")
+FACES = Kernel("inertia.mesh.geometry.edge_kernel", "pair_faces", "ppipiippipipp")
+KEYS = Kernel("inertia.mesh.geometry.edge_kernel", "key_vertices", "pipp")
 REHASH = Kernel("inertia.mesh.geometry.edge_kernel", "rehash", "ppippi")
 
+_SALTS = 24  # seven and seven for a vertex, five and five for an edge: see `edge_kernel`
 _CHUNK = 4096  # triangles a call: keeps the table of a well-ordered file inside the cache
 _RELEASE = 16 * _CHUNK
 
@@ -50,6 +58,12 @@ class Closure:
     repeated: int
 
 
+@cache
+def process_salt() -> NDArray[np.uint64]:
+    """Return the random numbers (24,) of this process."""
+    return np.frombuffer(os.urandom(8 * _SALTS), np.uint64)
+
+
 def closure(triangles: Triangles, progress: Progress | None = None) -> Closure:
     """Pair the edges of a surface.
 
@@ -70,8 +84,11 @@ def _address(array: NDArray[Any]) -> int:
     return int(array.ctypes.data)
 
 
-def compiled_closure(triangles: Triangles, progress: Progress | None = None) -> Closure:
-    """Return what `closure` does, by the compiled kernel."""
+def compiled_closure(
+    triangles: Triangles, progress: Progress | None = None, salt: NDArray[np.uint64] | None = None
+) -> Closure:
+    """Return what `closure` does, by the compiled kernel; `salt` (24,) is this process's own unless given."""
+    salt = process_salt() if salt is None else salt
     count = triangles.count
     labels = np.empty(count, np.int32)
     state = np.zeros(3, np.int64)
@@ -79,8 +96,9 @@ def compiled_closure(triangles: Triangles, progress: Progress | None = None) -> 
     keys, values = np.zeros(capacity, np.uint64), np.empty(capacity, np.int64)
     parent = np.empty(16 * _CHUNK, np.int32)
     if isinstance(triangles, Surface):
-        vertex_keys = _vertex_keys(triangles.vertices)
-        faces = triangles.faces
+        vertices, faces = triangles.vertices, triangles.faces
+        vertex_keys = np.empty(len(vertices), np.uint64)
+        KEYS.function(_address(vertices), len(vertices), _address(salt), _address(vertex_keys))
     for start in range(0, count, _CHUNK):
         stop = min(start + _CHUNK, count)
         if 2 * (state[0] + 3 * _CHUNK) > capacity:
@@ -96,11 +114,11 @@ def compiled_closure(triangles: Triangles, progress: Progress | None = None) -> 
             _address(parent), len(parent), _address(labels), _address(state),
         )  # fmt: skip
         if isinstance(triangles, Facets):
-            FACETS.function(_address(triangles.records), start, stop, *tables)
+            FACETS.function(_address(triangles.records), _address(salt), start, stop, *tables)
             if stop % _RELEASE == 0 or stop == count:
                 triangles.release(max(0, stop - _RELEASE - _CHUNK), stop)
         else:
-            FACES.function(_address(faces), _address(vertex_keys), len(vertex_keys), start, stop, *tables)
+            FACES.function(_address(faces), _address(vertex_keys), len(vertices), _address(salt), start, stop, *tables)
         if progress is not None and start % _RELEASE == 0:
             progress(stop / count)
     roots = _roots(parent[: state[1]])
@@ -119,21 +137,6 @@ def _roots(parent: NDArray[np.int32]) -> NDArray[np.int32]:
         if np.array_equal(above, parent):
             return parent
         parent = above
-
-
-def _vertex_keys(vertices: NDArray[np.float64]) -> NDArray[np.uint64]:
-    """Hash each vertex's coordinates to 64 bits (SplitMix64 over the three words, −0 as +0)."""
-    bits = (vertices + 0.0).view(np.uint64)
-    key = np.zeros(len(vertices), np.uint64)
-    for axis in range(3):
-        key *= np.uint64(0x9E3779B97F4A7C15)
-        key += bits[:, axis]
-        key ^= key >> np.uint64(29)
-        key *= np.uint64(0xBF58476D1CE4E5B9)
-        key ^= key >> np.uint64(32)
-        key *= np.uint64(0x94D049BB133111EB)
-        key ^= key >> np.uint64(31)
-    return key
 
 
 def merge_equal_vertices(triangles: Triangles) -> tuple[NDArray[np.float64], Int]:

@@ -8,37 +8,48 @@ from __future__ import annotations
 import numpy as np
 from numba import carray, njit, uint64
 
-K1 = np.uint64(0x9E3779B97F4A7C15)
-K2 = np.uint64(0xBF58476D1CE4E5B9)
-K3 = np.uint64(0x94D049BB133111EB)
-S29, S32, S31 = np.uint64(29), np.uint64(32), np.uint64(31)
+S29, S32 = np.uint64(29), np.uint64(32)
+LOW = np.uint64(0xFFFFFFFF)
 ONE = np.uint64(1)
+SIGN = np.uint64(0x80000000)
+
+VERTEX, EDGE = 7, 5
+"""Salts of a sum over a vertex and over an edge: one alone, and one for each 32-bit word of three float64 (of three
+float32, the first of them), or of two keys. A key is made of two sums."""
+
+SALTS = 2 * (VERTEX + EDGE)
 
 STRIDE_F4 = 25
 """Half-words (uint16) in a binary STL record; its corners begin at half-word 6."""
 
 
 @njit(inline="always")
-def mix(h):
-    """Scramble 64 bits (a bijection: the finalizer of SplitMix64)."""
-    h = (h ^ (h >> S29)) * K2
-    h = (h ^ (h >> S32)) * K3
-    return h ^ (h >> S31)
-
-
-@njit(inline="always")
 def word(halves, at):
     """Return the float32 pattern at half-word `at`, with −0 read as +0."""
     bits = uint64(halves[at]) | (uint64(halves[at + 1]) << np.uint64(16))
-    if bits == np.uint64(0x80000000):
+    if bits == SIGN:
         bits = np.uint64(0)
     return bits
 
 
 @njit(inline="always")
-def corner_key(halves, at):
-    """Return a 64-bit key of a stored corner: the hash of its three coordinates."""
-    return mix(mix(word(halves, at) | (word(halves, at + 2) << S32)) * K1 + word(halves, at + 4))
+def corner_key(halves, at, salt):
+    """Return the 64-bit key of a stored corner."""
+    x, y, z = word(halves, at), word(halves, at + 2), word(halves, at + 4)
+    high = salt[0] + x * salt[1] + y * salt[2] + z * salt[3]
+    low = salt[VERTEX] + x * salt[VERTEX + 1] + y * salt[VERTEX + 2] + z * salt[VERTEX + 3]
+    return (high >> S32 << S32) | (low >> S32)
+
+
+@njit(inline="always")
+def edge_key(a, b, salt):
+    """Return the key of the edge between two vertices, by their keys in ascending order; it is odd."""
+    a0, a1, b0, b1 = a & LOW, a >> S32, b & LOW, b >> S32
+    k = 2 * VERTEX
+    high = salt[k] + a0 * salt[k + 1] + a1 * salt[k + 2] + b0 * salt[k + 3] + b1 * salt[k + 4]
+    k = 2 * VERTEX + EDGE
+    low = salt[k] + a0 * salt[k + 1] + a1 * salt[k + 2] + b0 * salt[k + 3] + b1 * salt[k + 4]
+    return (high >> S32 << S32) | (low >> S32) | ONE
 
 
 @njit(inline="always")
@@ -89,7 +100,7 @@ def take(keys, values, mask, key, sign):
 
 
 @njit(inline="always")
-def pair(u, v, w, triangle, keys, values, mask, parent, labels, state):
+def pair(u, v, w, triangle, salt, keys, values, mask, parent, labels, state):
     """Pair the three directed edges of one triangle with those that wait, and let the rest wait.
 
     `state` is (edges waiting, labels given, triangles with a repeated corner).
@@ -110,7 +121,7 @@ def pair(u, v, w, triangle, keys, values, mask, parent, labels, state):
         else:
             a, b = w, u
         sign = np.int64(a < b)
-        key = mix(min(a, b) * K1 + max(a, b)) | ONE
+        key = edge_key(min(a, b), max(a, b), salt)
         other = take(keys, values, mask, key, sign)
         if other >= 0:
             state[0] -= 1
@@ -145,9 +156,10 @@ def pair(u, v, w, triangle, keys, values, mask, parent, labels, state):
     state[0] += pending
 
 
-def pair_facets(records, start, stop, keys_at, values_at, capacity, parent_at, room, labels_at, state_at):
+def pair_facets(records, salt_at, start, stop, keys_at, values_at, capacity, parent_at, room, labels_at, state_at):
     """Pair the edges of binary STL records `start:stop` (all the tables are carried from call to call)."""
     halves = carray(records, (stop * STRIDE_F4,), np.uint16)
+    salt = carray(salt_at, (SALTS,), np.uint64)
     keys = carray(keys_at, (capacity,), np.uint64)
     values = carray(values_at, (capacity,), np.int64)
     parent = carray(parent_at, (room,), np.int32)
@@ -155,19 +167,32 @@ def pair_facets(records, start, stop, keys_at, values_at, capacity, parent_at, r
     state = carray(state_at, (3,), np.int64)
     for triangle in range(start, stop):
         at = triangle * STRIDE_F4 + 6
-        u = corner_key(halves, at)
-        v = corner_key(halves, at + 6)
-        w = corner_key(halves, at + 12)
-        pair(u, v, w, triangle, keys, values, capacity - 1, parent, labels, state)
+        u = corner_key(halves, at, salt)
+        v = corner_key(halves, at + 6, salt)
+        w = corner_key(halves, at + 12, salt)
+        pair(u, v, w, triangle, salt, keys, values, capacity - 1, parent, labels, state)
     return 0
 
 
 def pair_faces(
-    faces_at, vertex_keys, vertices, start, stop, keys_at, values_at, capacity, parent_at, room, labels_at, state_at
+    faces_at,
+    vertex_keys,
+    vertices,
+    salt_at,
+    start,
+    stop,
+    keys_at,
+    values_at,
+    capacity,
+    parent_at,
+    room,
+    labels_at,
+    state_at,
 ):
     """Pair the edges of faces `start:stop`, whose vertices have the 64-bit keys `vertex_keys`."""
     faces = carray(faces_at, (stop, 3), np.int64)
     of = carray(vertex_keys, (vertices,), np.uint64)
+    salt = carray(salt_at, (SALTS,), np.uint64)
     keys = carray(keys_at, (capacity,), np.uint64)
     values = carray(values_at, (capacity,), np.int64)
     parent = carray(parent_at, (room,), np.int32)
@@ -175,7 +200,24 @@ def pair_faces(
     state = carray(state_at, (3,), np.int64)
     for triangle in range(start, stop):
         u, v, w = of[faces[triangle, 0]], of[faces[triangle, 1]], of[faces[triangle, 2]]
-        pair(u, v, w, triangle, keys, values, capacity - 1, parent, labels, state)
+        pair(u, v, w, triangle, salt, keys, values, capacity - 1, parent, labels, state)
+    return 0
+
+
+def key_vertices(vertices_at, count, salt_at, keys_at):
+    """Give each vertex the 64-bit key of its float64 coordinates, with −0 read as +0."""
+    words = carray(vertices_at, (count, 6), np.uint32)
+    salt = carray(salt_at, (SALTS,), np.uint64)
+    keys = carray(keys_at, (count,), np.uint64)
+    for vertex in range(count):
+        high, low = salt[0], salt[VERTEX]
+        for k in range(0, 6, 2):
+            one, other = uint64(words[vertex, k]), uint64(words[vertex, k + 1])
+            if other == SIGN and one == 0:
+                other = np.uint64(0)
+            high += one * salt[k + 1] + other * salt[k + 2]
+            low += one * salt[VERTEX + k + 1] + other * salt[VERTEX + k + 2]
+        keys[vertex] = (high >> S32 << S32) | (low >> S32)
     return 0
 
 
