@@ -24,7 +24,7 @@ from inertia.mass.density import Densities, DensityFrom, densities
 from inertia.mass.integration import Integral, cell_integral, naming, surface_integrals, wire_integral
 from inertia.mass.moments import ZERO, Moments, total
 from inertia.mass.principal import CLASS_TOLERANCE, Principal
-from inertia.mass.properties import ErrorBound, MassProperties
+from inertia.mass.properties import CERTAIN, ErrorBound, MassProperties
 from inertia.mass.tensor import exact_point
 from inertia.mass.tessellation import chord_error
 from inertia.mass.triangles.arithmetic import FINEST
@@ -119,8 +119,8 @@ def mass_properties(
         order); "" is the rest; 1000 if neither it nor `material` nor `mass` is given
     material : name(s) in the table of materials, instead of density
     mass : kg, the total weighed; densities then count as proportions
-    accuracy : None for float64 with its bound, and more digits only where the volume or a slender solid's smallest
-        principal moment would drown; a relative figure that the bound must reach, by the cheapest method that reaches
+    accuracy : None for float64 with its bound, and more digits only where the volume or a principal moment is not
+        certain to a part in 10⁹; a relative figure that the bound must reach, by the cheapest method that reaches
         it; or "exact"
     shell : thickness in the part's unit: the surface itself carries the mass (it may be open)
     wire : cross-section in the part's unit squared: the lines carry the mass
@@ -206,10 +206,10 @@ def analyse(
         absolute = orientation == "absolute"
         integrals = surface_integrals(part, stated.named, accuracy=accuracy, absolute=absolute, progress=progress)
 
-    limit = math.inf if accuracy is None or isinstance(accuracy, str) else accuracy
+    limit = None if accuracy is None or isinstance(accuracy, str) else accuracy
     answer = _good_enough((_Weighed(part, integral, stated, factor) for integral in integrals), limit)
     integral, properties = answer.integral, answer.properties
-    if answer.bound > limit:
+    if limit is not None and answer.bound > limit:
         raise GeometryError(
             f"{part.name}: the bound reached by {integral.method} is {answer.bound:.2g}, above the accuracy asked for, "
             f"{accuracy:g}: ask for a larger figure"
@@ -316,10 +316,12 @@ class _Weighed:
         return tuple(shares)
 
 
-def _good_enough(answers: Iterable[_Weighed], limit: float) -> _Weighed:
-    """Return the first answer that is within the limit and knows the smallest moment, or the last there is."""
+def _good_enough(answers: Iterable[_Weighed], limit: float | None) -> _Weighed:
+    """Return the first answer within the limit, the volume and principal moments certain, or the last there is."""
     for answer in answers:
-        if answer.bound <= limit and not answer.properties.loses_smallest_moment:
+        properties = answer.properties
+        bound = properties.error.volume if limit is None else answer.bound
+        if bound <= (limit or CERTAIN) and properties.moments_within(max(limit or CERTAIN, CERTAIN)):
             break
     return answer
 

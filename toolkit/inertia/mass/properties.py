@@ -21,8 +21,10 @@ from inertia.mass.eigen import Spectrum
 from inertia.mass.moments import ZERO, Moments, Six, inertia_tensor, nearby, norm_above
 from inertia.mass.tensor import array_of, exact_point, faults, rotation_of
 
+CERTAIN = 1e-9
+"""Relative bound of the volume and of each principal moment that an answer has where the mesh can give it."""
+
 _ROUNDOFF = Fraction(1, 2**53)
-_SLENDER, _CERTAIN = 1e-3, 1e-9
 _NORMAL = 2.0**-1022  # below it rounding is not relative, but of up to half the spacing of the numbers there
 _SPACING = Fraction(1, 2**1074)
 _WIDEN = 1 + Fraction(1, 2**59)  # more than a root is rounded up by
@@ -152,18 +154,23 @@ class MassProperties:
 
     @property
     def loses_smallest_moment(self) -> bool:
-        """Whether the body is slender, and its smallest principal moment uncertain by more than a part in 10⁹.
+        """Whether the smallest principal moment, or another, is uncertain by more than a part in 10⁹.
 
-        The sums of a body are off in proportion to its largest moment, and, where it lies askew, to its slenderness
-        too: the smallest moment of a needle drowns in that though the coordinates carry it. Turning the mesh into the
-        principal frame in float64 does not bring it back, as a turned coordinate is off by 1e-16 of the length: for a
-        needle of aspect 1e9 a ten-millionth of its width. Sums with more digits do.
+        The sums of a body are off in proportion to its largest moment, and, where it lies askew or far from where it
+        is thick, to its slenderness too: the smallest moment of a needle drowns in that though the coordinates carry
+        it. Turning the mesh into the principal frame in float64 does not bring it back, as a turned coordinate is off
+        by 1e-16 of the length: for a needle of aspect 1e9 a ten-millionth of its width. Sums with more digits do.
         """
+        return not self.moments_within(CERTAIN)
+
+    def moments_within(self, relative: float) -> bool:
+        """Whether each principal moment is certain to this part of itself."""
         size = float(np.abs(self.inertia).max()) or 1.0
-        least, _, largest = np.linalg.eigvalsh(self.inertia / size).tolist()
-        if least > _SLENDER * largest:
-            return False
-        return bool(self.principal.moment_bounds[0] > _CERTAIN * self.principal.moments[0])
+        scaled = self.inertia / size
+        # No moment is off by more than the tensor, which is most often enough and costs no decomposition.
+        if 4 * self.error.inertia < relative * float(np.linalg.eigvalsh(scaled)[0]):
+            return True
+        return bool((self.principal.moment_bounds <= relative * self.principal.moments).all())
 
     @property
     def principal_moments(self) -> Float:
