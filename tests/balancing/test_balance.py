@@ -7,6 +7,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from tests.mesh.readers.step_sample import step_cone
 
 import inertia
 from inertia.balancing.balance import Balance, balance
@@ -340,6 +341,19 @@ def test_the_sag_of_a_prism_is_estimated(tmp_path: Path, sides: int) -> None:
     ends = [(beside, here, np.full(sides, 2 * sides)), (here + sides, beside + sides, np.full(sides, 2 * sides + 1))]
     part = Part.from_arrays(corners, np.concatenate([np.column_stack(k) for k in (*walls, *ends)]), "mm")
     assert estimated_sag(part) == pytest.approx(10 * (1 - math.cos(math.pi / sides)), rel=1e-9)
+
+
+def test_the_reader_of_step_states_the_tolerance(tmp_path: Path) -> None:
+    pytest.importorskip("cascadio")
+    (tmp_path / "disc.step").write_text(step_cone(30.0, 30.0, 20.0))
+    fields = described(body=[{"file": "disc.step", "density": STEEL}])
+    answer = balance(Rotor.from_dict(fields, tmp_path))
+    body = answer.bodies[0]
+    assert body.chord_from == "read"
+    assert body.chord == pytest.approx(9 / 8 * 0.03 * (1 - math.cos(math.pi / 252)), rel=0.05)
+    assert not any("chord_tolerance" in note for note in answer.notes)
+    fields["body"][0]["chord_tolerance"] = 0.5
+    assert balance(Rotor.from_dict(fields, tmp_path)).bodies[0].chord_from == "given"
 
 
 def test_a_plane_faced_body_has_no_sag(tmp_path: Path) -> None:

@@ -1,4 +1,4 @@
-"""STEP files (AP214): a solid with plane faces, written from its corners and polygons, and a ball."""
+"""STEP files (AP214): a solid with plane faces, written from its corners and polygons, and solids of revolution."""
 
 from collections.abc import Sequence
 
@@ -72,6 +72,58 @@ def step_sphere(radius: float) -> str:
     bound = w.add(f"FACE_BOUND('',{loop},.T.)")
     surface = w.add(f"SPHERICAL_SURFACE('',{w.axes((0, 0, 0), (0, 0, 1), (1, 0, 0))},{float(radius)!r})")
     return _file(w, "Ball", [w.add(f"ADVANCED_FACE('',({bound}),{surface},.T.)")], shape, context)
+
+
+def step_torus(major: float, minor: float) -> str:
+    """A ring about the z axis, in millimetres."""
+    w = _Writer()
+    context = _context(w, inches=False)
+    shape = _product(w, "Ring")
+    vertex = w.add(f"VERTEX_POINT('',{w.vector('CARTESIAN_POINT', (major + minor, 0, 0))})")
+    circles = [
+        w.add(f"CIRCLE('',{w.axes((0, 0, 0), (0, 0, 1), (1, 0, 0))},{major + minor!r})"),
+        w.add(f"CIRCLE('',{w.axes((major, 0, 0), (0, -1, 0), (1, 0, 0))},{minor!r})"),
+    ]
+    edges = [w.add(f"EDGE_CURVE('',{vertex},{vertex},{circle},.T.)") for circle in circles]
+    surface = w.add(f"TOROIDAL_SURFACE('',{w.axes((0, 0, 0), (0, 0, 1), (1, 0, 0))},{major!r},{minor!r})")
+    face = _face(w, [(edges[0], "T"), (edges[1], "T"), (edges[0], "F"), (edges[1], "F")], surface)
+    return _file(w, "Ring", [face], shape, context)
+
+
+def step_cone(low: float, high: float, height: float) -> str:
+    """A frustum about the z axis with these radii, the larger one above, or a cylinder, in millimetres."""
+    w = _Writer()
+    context = _context(w, inches=False)
+    shape = _product(w, "Frustum")
+    places = ((low, 0.0), (high, height))
+    vertices = [w.add(f"VERTEX_POINT('',{w.vector('CARTESIAN_POINT', (r, 0, z))})") for r, z in places]
+    circles = [w.add(f"CIRCLE('',{w.axes((0, 0, z), (0, 0, 1), (1, 0, 0))},{r!r})") for r, z in places]
+    rims = [
+        w.add(f"EDGE_CURVE('',{vertex},{vertex},{circle},.T.)")
+        for vertex, circle in zip(vertices, circles, strict=True)
+    ]
+    along = np.array([high - low, 0, height])
+    length = float(np.linalg.norm(along))
+    vector = w.add(f"VECTOR('',{w.vector('DIRECTION', along / length)},{length!r})")
+    line = w.add(f"LINE('',{w.vector('CARTESIAN_POINT', (low, 0, 0))},{vector})")
+    seam = w.add(f"EDGE_CURVE('',{vertices[0]},{vertices[1]},{line},.T.)")
+    axes = w.axes((0, 0, 0), (0, 0, 1), (1, 0, 0))
+    angle = float(np.arctan2(high - low, height))
+    side = "CYLINDRICAL" if low == high else "CONICAL"
+    surface = w.add(f"{side}_SURFACE('',{axes},{low!r}{'' if low == high else f',{angle!r}'})")
+    faces = [
+        _face(w, [(rims[0], "T"), (seam, "T"), (rims[1], "F"), (seam, "F")], surface),
+        _face(w, [(rims[1], "T")], w.add(f"PLANE('',{w.axes((0, 0, height), (0, 0, 1), (1, 0, 0))})")),
+        _face(w, [(rims[0], "F")], w.add(f"PLANE('',{w.axes((0, 0, 0), (0, 0, -1), (1, 0, 0))})")),
+    ]
+    return _file(w, "Frustum", faces, shape, context)
+
+
+def _face(w: _Writer, edges: Sequence[tuple[str, str]], surface: str) -> str:
+    ring = [w.add(f"ORIENTED_EDGE('',*,*,{edge},.{sense}.)") for edge, sense in edges]
+    loop = w.add(f"EDGE_LOOP('',({','.join(ring)}))")
+    bound = w.add(f"FACE_OUTER_BOUND('',{loop},.T.)")
+    return w.add(f"ADVANCED_FACE('',({bound}),{surface},.T.)")
 
 
 def _file(w: _Writer, name: str, faces: Sequence[str], shape: str, context: str) -> str:

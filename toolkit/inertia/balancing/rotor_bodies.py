@@ -25,7 +25,7 @@ from inertia.mesh.geometry.intersect import overlap
 from inertia.mesh.part import Cells, Part, Surface
 from inertia.mesh.read import read
 
-ChordFrom = Literal["given", "estimated", "exact"]
+ChordFrom = Literal["given", "read", "estimated", "exact"]
 
 _SECTORS = 720
 _CHUNK = 1 << 16
@@ -42,7 +42,8 @@ class RotorBody:
     part : what of it is the body
     analysis : of the body
     chord : m, how far the true surface may be from the mesh
-    chord_from : who said so: the file; the mesh itself, whose sag is estimated; or "exact" where the file says 0
+    chord_from : who said so: the rotor file; the reader, which made the triangles (STEP); the mesh itself, whose sag
+        is estimated; or "exact" where the rotor file says 0
     """
 
     name: str
@@ -95,6 +96,8 @@ def _read(rotor: Rotor, fields: BodyFields) -> RotorBody:
     part = whole if fields.region is None else _region(whole, fields.region)
     analysis = analyse(part, fields.density, material=fields.material, mass=fields.mass)
     name = fields.name or fields.region or Path(fields.file).name
+    if fields.chord_tolerance is None and part.chord is not None:
+        return RotorBody(name, whole, part, analysis, float(part.chord.max()) * float(part.unit.metres), "read")
     if fields.chord_tolerance is None:
         return RotorBody(name, whole, part, analysis, estimated_sag(part) * float(part.unit.metres), "estimated")
     chord = fields.chord_tolerance * float(rotor.unit.metres)
@@ -107,7 +110,8 @@ def _region(part: Part, name: str) -> Part:
         there = f"it has {', '.join(map(repr, names))}" if names else "it names none: leave region out"
         raise UsageError(f"{part.name} has no region {name!r}: {there}")
     triangles = np.flatnonzero(part.regions.index == names.index(name))
-    return replace(part, geometry=part.triangles.select(triangles), regions=None)
+    chord = None if part.chord is None else part.chord[triangles]
+    return replace(part, geometry=part.triangles.select(triangles), regions=None, chord=chord)
 
 
 def _require_apart(rotor: Rotor, bodies: Sequence[RotorBody]) -> None:

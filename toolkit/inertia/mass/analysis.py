@@ -62,7 +62,7 @@ class Analysis:
     area : surface area, m²
     extents : (2, 3) smallest and largest coordinates, m
     properties : `MassProperties`
-    tessellation : bounds on what the triangles left out or added, if a chord tolerance was given
+    tessellation : bounds on what the triangles left out or added, if a chord tolerance was given or reading chose one
     class_tolerance : relative tolerance within which principal moments count as equal
     principal : `Principal`, at that tolerance
     shares : one entry a body or region, where there are several densities
@@ -162,7 +162,7 @@ def analyse(
     wire: float | None = None,
     orientation: Orientation = "stored",
     about: ArrayLike | Sequence[Fraction] | None = None,
-    class_tolerance: float = CLASS_TOLERANCE,
+    class_tolerance: float | None = None,
     chord: float | None = None,
     progress: Progress | None = None,
 ) -> Analysis:
@@ -171,14 +171,16 @@ def analyse(
     Parameters
     ----------
     about : (3,) a further point, in the part's unit, for the tensor; `Fraction` coordinates count as they are
-    class_tolerance : relative tolerance within which principal moments count as equal
-    chord : the tolerance that the mesh was made with, in the part's unit: how far the true surface may be from it
+    class_tolerance : relative tolerance within which principal moments count as equal: 1e-6, or the bound on the
+        tensor that follows from the chord tolerance of a reader that made the triangles
+    chord : the tolerance that the mesh was made with, in the part's unit: how far the true surface may be from it;
+        without it, what the reader states that made the triangles (`Part.chord`)
     progress : called with the fraction done
     """
     require_kind(part, Part, "part", "inertia.read(path)")
     stated = densities(density, material, mass)
     _require_accuracy(accuracy)
-    if not 0 <= class_tolerance < 1:
+    if class_tolerance is not None and not 0 <= class_tolerance < 1:
         raise UsageError(f"the class tolerance is {class_tolerance!r}: it must be at least 0 and below 1")
     point = None if about is None else exact_point(about, "about")
     if orientation not in ("stored", "absolute"):
@@ -214,6 +216,11 @@ def analyse(
             f"{part.name}: the bound reached by {integral.method} is {answer.bound:.2g}, above the accuracy asked for, "
             f"{accuracy:g}: ask for a larger figure"
         )
+    tolerance = part.chord if chord is None else float(chord)
+    tessellation = None if tolerance is None or model != "solid" else answer.tessellation(tolerance)
+    if class_tolerance is None:  # what the reader's own triangles blur is no property of the body
+        blur = tessellation.inertia if tessellation is not None and chord is None else 0.0
+        class_tolerance = min(max(CLASS_TOLERANCE, blur), 0.5)
     there = about_bound = None
     if point is not None:
         tensor, about_bound = properties.about_with_bound([k * f for k in point])
@@ -230,7 +237,7 @@ def analyse(
         area=float(Fraction(integral.area) * f**2),
         extents=np.array([[float(Fraction(float(x)) * f) for x in row] for row in integral.extents]),
         properties=properties,
-        tessellation=None if chord is None else answer.tessellation(chord),
+        tessellation=tessellation,
         class_tolerance=class_tolerance,
         shares=answer.shares() if len(integral.groups) > 1 else (),
         about=there,
@@ -301,8 +308,8 @@ class _Weighed:
         volume = sum((group.moments.zeroth for group in groups), ZERO)
         return sum((w * g.moments.zeroth for w, g in zip(self.weights, groups, strict=True)), ZERO) / volume
 
-    def tessellation(self, chord: float) -> ErrorBound:
-        """Return the bounds that follow from a chord tolerance, in the part's unit."""
+    def tessellation(self, chord: float | Float) -> ErrorBound:
+        """Return the bounds that follow from a chord tolerance, or from that of each triangle, in the part's unit."""
         mass = None if self.densities.mass is None else self.moments.zeroth
         return chord_error(self.part, chord, self.moments, self.volume, max(self.weights), mass)
 

@@ -21,7 +21,7 @@ _CHUNK = 1 << 16
 _ROUNDED_UP = Fraction(1) + Fraction(1, 10**9)  # more than float64 sums of positive terms can lose
 
 
-def chord_bound(triangles: Triangles, chord: float, origin: Vector) -> Moments:
+def chord_bound(triangles: Triangles, chord: float | Float, origin: Vector) -> Moments:
     """Bound the moments of all that lies between a mesh and the surface that it stands for.
 
     Assumed is what CAD systems mean by a chord (sag) tolerance h: no point of the true surface is farther than h from
@@ -32,44 +32,50 @@ def chord_bound(triangles: Triangles, chord: float, origin: Vector) -> Moments:
     Parameters
     ----------
     triangles : the mesh
-    chord : h, in the file's unit
+    chord : h, or (m,) for each triangle its own, in the file's unit
     origin : the point about which the moments are bounded, in the file's unit
 
     Returns moments that are zero, with these bounds, in the file's unit.
     """
-    if not 0 < chord < math.inf:
+    if isinstance(chord, float) and not 0 < chord < math.inf:
         raise UsageError(f"the chord tolerance is {chord!r}: it must be positive and finite")
     sums = np.zeros(10)
     center = np.array([float(k) for k in origin])
     for start in range(0, triangles.count, _CHUNK):
         stop = min(start + _CHUNK, triangles.count)
-        sums += _between(triangles.corners(start, stop) - center, chord)
+        corners = triangles.corners(start, stop) - center
+        sums += _between(corners, np.broadcast_to(chord, triangles.count)[start:stop])
         triangles.release(start, stop)
     volume, x, y, z, *second = (Fraction(k) * _ROUNDED_UP for k in sums.tolist())
     xx, yy, zz, yz, zx, xy = second
     return Moments(origin, ZERO, (ZERO,) * 3, (ZERO,) * 6, volume, (x, y, z), (xx, yy, zz, yz, zx, xy))
 
 
-def _between(corners: Float, chord: float) -> Float:
+def _between(corners: Float, chord: Float) -> Float:
     edges = np.roll(corners, -1, axis=1) - corners
     area = 0.5 * np.linalg.norm(np.cross(edges[:, 0], edges[:, 1]), axis=1)
     perimeter = np.linalg.norm(edges, axis=2).sum(axis=1)
     volume = chord * area + 0.25 * math.pi * chord**2 * perimeter + 4.0 / 3.0 * math.pi * chord**3
-    reach = np.abs(corners).max(axis=1) + chord
+    reach = np.abs(corners).max(axis=1) + chord[:, None]
     first = [volume @ reach[:, axis] for axis in range(3)]
     second = [(volume * reach[:, i]) @ reach[:, j] for i, j in PAIRS]
     return np.array([volume.sum(), *first, *second])
 
 
 def chord_error(
-    part: Part, chord: float, moments: Moments, volume: Fraction, density: Fraction, mass: Fraction | None = None
+    part: Part,
+    chord: float | Float,
+    moments: Moments,
+    volume: Fraction,
+    density: Fraction,
+    mass: Fraction | None = None,
 ) -> ErrorBound:
     """Return the relative bounds that a chord tolerance gives.
 
     Parameters
     ----------
     part : a surface
-    chord : the tolerance, in the part's unit
+    chord : the tolerance, or (m,) that of each triangle, in the part's unit
     moments : of mass, kg and m
     volume : m³
     density : kg/m³, the largest of any body
@@ -78,7 +84,9 @@ def chord_error(
     f = part.unit.metres
     origin = (moments.origin[0] / f, moments.origin[1] / f, moments.origin[2] / f)
     between = chord_bound(part.triangles, chord, origin).in_unit(f).scaled(f**3 * density)
-    method = f"bounds from the chord tolerance {chord:g} {part.unit.name}"
+    tolerance = f"{chord:g} {part.unit.name}" if isinstance(chord, float) else f"{chord.max():.3g} {part.unit.name}"
+    source = "" if isinstance(chord, float) else " that reading chose"
+    method = f"bounds from the chord tolerance {tolerance}{source}"
     bounded = replace(
         moments,
         zeroth_bound=between.zeroth_bound,
@@ -91,8 +99,8 @@ def chord_error(
         return MassProperties.from_moments(bounded, volume, between.zeroth_bound / density, method).error
     except GeometryError:
         raise GeometryError(
-            f"{part.name}: a chord tolerance of {chord:g} {part.unit.name} leaves nothing certain of the volume, as "
-            "that much may lie between the mesh and the true surface: give the tolerance that the mesh was made with"
+            f"{part.name}: a chord tolerance of {tolerance} leaves nothing certain of the volume, as that "
+            "much may lie between the mesh and the true surface: give the tolerance that the mesh was made with"
         ) from None
 
 

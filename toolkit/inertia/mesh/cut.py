@@ -137,7 +137,8 @@ class Stock:
         regions_after = self.part.regions
         if regions_after is not None:
             regions_after = Regions(regions_after.names, np.concatenate(regions).astype(np.int32))
-        return replace(self.part, geometry=surface, regions=regions_after)
+        chord = self.part.chord if self.part.chord is None else np.full(surface.count, self.part.chord.max())
+        return replace(self.part, geometry=surface, regions=regions_after, chord=chord)
 
     def _cut_body(self, body: _Body, tools: list[Any]) -> tuple[Float, Int, Int]:
         """Return a body's vertices, faces and their regions, after cutting."""

@@ -248,6 +248,8 @@ class Part:
     regions: Regions | None = None
     notes: Sequence[str] = ()
     """What reading had to decide, in sentences (parts of the file left out, faces split, ...)."""
+    chord: Float | None = None
+    """How far the true surface may be from each triangle (m,), in the unit, where reading made the triangles (STEP)."""
 
     @classmethod
     def from_arrays(cls, vertices: ArrayLike, faces: ArrayLike, unit: str = "m") -> Part:

@@ -90,7 +90,14 @@ def read(
         )
     if progress is not None:
         progress(1.0)
-    return Part(contents.geometry, *_unit(override, contents.unit), Source(name, kind), contents.regions, tuple(notes))
+    return Part(
+        contents.geometry,
+        *_unit(override, contents.unit),
+        Source(name, kind),
+        contents.regions,
+        tuple(notes),
+        contents.chord,
+    )
 
 
 def _unit(override: Unit | None, of_file: Unit | None) -> tuple[Unit, UnitFrom]:

@@ -150,8 +150,11 @@ def _rebuilt(part: Part, surface: Surface, origin: Int, changes: list[Change]) -
     regions = part.regions
     if regions is not None:
         regions = Regions(regions.names, regions.index[origin])
+    chord = part.chord
+    if chord is not None:
+        chord = chord[origin] + max(change.largest_move for change in changes)
     notes = (*part.notes, *(f"repaired: {change}" for change in changes))
-    return Repair(replace(part, geometry=surface, regions=regions, notes=notes), tuple(changes))
+    return Repair(replace(part, geometry=surface, regions=regions, notes=notes, chord=chord), tuple(changes))
 
 
 def _repaired(triangles: Triangles, regions: Regions | None, tolerance: float | None) -> _Step:

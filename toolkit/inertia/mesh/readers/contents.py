@@ -37,12 +37,16 @@ _LONE_SIGN = re.compile(rb"[-+](?!\d)")
 
 @dataclass(frozen=True, eq=False)
 class Contents:
-    """The geometry of a file, the file's own unit (None: it has none), its regions, and notes."""
+    """The geometry of a file, the file's own unit (None: it has none), its regions, and notes.
+
+    `chord` is that of `Part`.
+    """
 
     geometry: Facets | Surface | Cells
     unit: Unit | None = None
     regions: Regions | None = None
     notes: tuple[str, ...] = ()
+    chord: Float | None = None
 
 
 @dataclass(frozen=True, eq=False)

@@ -10,7 +10,7 @@ from __future__ import annotations
 import base64
 import binascii
 import json
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
 from urllib.parse import unquote, urlsplit
@@ -41,13 +41,20 @@ _HARMLESS = ("KHR_materials_", "KHR_texture_", "KHR_lights_", "KHR_xmp", "EXT_te
 """Extensions, by how their names begin, that leave the shape alone even where a file requires them."""
 
 
-def read_gltf(path: Path) -> Contents:
-    """Read a glTF file of either kind; the unit is the metre, as the format has it."""
+Measure = Callable[["Scene", dict[str, Any], Float, Int], Float]
+"""From a primitive of a scene, its vertices and faces to how far the true surface may be from each triangle."""
+
+
+def read_gltf(path: Path, measure: Measure | None = None) -> Contents:
+    """Read a glTF file of either kind; the unit is the metre, as the format has it.
+
+    `measure` is given by whoever had the triangles made, and knows what they stand for.
+    """
     data = path.read_bytes()
     text, binary = _chunks(data) if data.startswith(_MAGIC) else (data, None)
     try:
-        scene = _Scene(json.loads(text), binary, path.parent)
-        pieces = list(scene.pieces())
+        scene = Scene(json.loads(text), binary, path.parent)
+        pieces = list(scene.pieces(measure))
     except ReadError:
         raise
     except (KeyError, TypeError, ValueError, AttributeError, OverflowError, RecursionError) as error:
@@ -56,7 +63,8 @@ def read_gltf(path: Path) -> Contents:
     whole, regions = assemble(pieces)
     left_out = scene.left_out
     notes = (f"{plural(left_out, 'set')} of lines or points {was(left_out)} left out",) if left_out else ()
-    return Contents(whole, METRE, regions, notes)
+    chord = np.concatenate(scene.chords) if scene.chords else None
+    return Contents(whole, METRE, regions, notes, chord)
 
 
 def _chunks(data: bytes) -> tuple[bytes, bytes | None]:
@@ -77,7 +85,7 @@ def _chunks(data: bytes) -> tuple[bytes, bytes | None]:
     return chunks[_JSON], chunks.get(_BINARY)
 
 
-class _Scene:
+class Scene:
     """The default scene of a glTF document."""
 
     def __init__(self, tree: dict[str, Any], binary: bytes | None, folder: Path) -> None:
@@ -86,6 +94,7 @@ class _Scene:
         self.folder = folder
         self.buffers: dict[int, bytes] = {}
         self.left_out = 0
+        self.chords: list[Float] = []
         version = str(tree["asset"]["version"])
         if not version.startswith("2."):
             raise ReadError(f"it is glTF {shown(version)}, but only version 2 is read: export it as glTF 2.0")
@@ -93,8 +102,8 @@ class _Scene:
         if unknown:
             raise ReadError(f"it requires the extension {shown(str(unknown[0]))}: export it without compression")
 
-    def pieces(self) -> Iterator[Piece]:
-        """Yield every mesh of the scene, where its node puts it."""
+    def pieces(self, measure: Measure | None = None) -> Iterator[Piece]:
+        """Yield every mesh of the scene, where its node puts it; what `measure` returns goes to `chords`."""
         total = 0
         visited: set[int] = set()
         waiting = [(root, np.eye(4)) for root in reversed(self._roots())]
@@ -117,6 +126,9 @@ class _Scene:
                     self.left_out += 1
                     continue
                 vertices, faces = self._mesh(primitive)
+                if measure is not None:  # a matrix stretches a length at most by its largest singular value
+                    stretch = float(np.linalg.norm(matrix[:3, :3], 2))
+                    self.chords.append(measure(self, primitive, vertices, faces) * stretch)
                 total += len(faces)
                 if total > EXPANDED_LIMIT:
                     raise ReadError(f"its instances make more than {EXPANDED_LIMIT} triangles: split the scene")
@@ -130,11 +142,11 @@ class _Scene:
         return [index for index in range(len(nodes)) if index not in children]
 
     def _mesh(self, primitive: dict[str, Any]) -> tuple[Float, Int]:
-        positions = self._accessor(primitive["attributes"]["POSITION"])
+        positions = self.accessor(primitive["attributes"]["POSITION"])
         if positions.dtype != np.float32 or positions.shape[1] != 3:
             raise ReadError("its positions are not three float32 numbers each: export it without quantisation")
         if "indices" in primitive:
-            corners = self._accessor(primitive["indices"])
+            corners = self.accessor(primitive["indices"])
             if corners.dtype.kind != "u" or corners.shape[1] != 1:
                 raise ReadError("its indices are not whole numbers: export it again")
             corners = corners.reshape(-1).astype(np.int64)
@@ -147,7 +159,7 @@ class _Scene:
             positions, faces = positions[used], corners.reshape(-1, 3)
         return positions.astype(np.float64), faces
 
-    def _accessor(self, index: int) -> NDArray[Any]:
+    def accessor(self, index: int) -> NDArray[Any]:
         """Return the rows of an accessor, (count, components), as a view of its buffer."""
         accessor = self._item("accessors", index)
         if "sparse" in accessor or "bufferView" not in accessor:

@@ -1,6 +1,9 @@
 """STEP: OpenCASCADE, through cascadio, puts triangles in the place of the exact faces and writes GLB.
 
 It runs in a process of its own, because a damaged file can end the process, and because it prints.
+
+How far each triangle is from the face that it stands for follows from the face, where it is a plane, a cylinder, a
+cone, a sphere or a torus; elsewhere it is the tolerance that OpenCASCADE was asked for.
 """
 
 from __future__ import annotations
@@ -11,19 +14,31 @@ import sys
 import tempfile
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
+import numpy as np
+
+from inertia.arrays import Float, Int
 from inertia.errors import ReadError
+from inertia.mesh.part import Surface
 from inertia.mesh.readers.contents import Contents
-from inertia.mesh.readers.gltf import read_gltf
+from inertia.mesh.readers.gltf import Scene, read_gltf
 
 _LINEAR, _ANGULAR = 0.001, 0.05  # sag relative to the length of an edge, angle in radians
 _SECONDS = 900
 _CONVERT = """
 import sys, cascadio
 source, target, linear, angular = sys.argv[1:]
-status = cascadio.step_to_glb(source, target, float(linear), float(angular), True, use_parallel=False)
+options = {"use_parallel": False, "include_brep": True}
+try:
+    status = cascadio.step_to_glb(source, target, float(linear), float(angular), True, **options)
+except TypeError:  # an older cascadio, which does not name the faces
+    status = cascadio.step_to_glb(source, target, float(linear), float(angular), True, use_parallel=False)
 sys.exit(status != 0)
 """
+_STORED = 2.0**-23  # of the largest coordinate: three float32 coordinates are off by √3/2 of that, and a fifth to spare
+_ON_FACE = 1e-5  # of the size: what lies farther from a face than this at its corners belongs to another one
+_BETWEEN_SAMPLES = 9 / 8
 
 
 def read_step(path: Path, coarser: float = 1.0) -> Contents:
@@ -45,9 +60,82 @@ def read_step(path: Path, coarser: float = 1.0) -> Contents:
             raise ReadError(f"OpenCASCADE took longer than {_SECONDS} s: export the part as STL or 3MF") from None
         if process.returncode or not target.is_file():
             raise ReadError(f"OpenCASCADE cannot convert it (status {process.returncode}): export the part again")
-        contents = read_gltf(target)
+        contents = read_gltf(target, _distances)
+    surface, chord = contents.geometry, contents.chord
+    assert isinstance(surface, Surface)
+    assert chord is not None
+    size = float(np.ptp(surface.vertices, axis=0).max())
+    # In proportion to an edge, OpenCASCADE asks for no more than half of this share of the whole shape.
+    chord = np.where(np.isnan(chord), coarser**2 * _LINEAR * size, chord) + _STORED * np.abs(surface.vertices).max()
     note = (
-        f"curved STEP faces were replaced by triangles that turn by up to {coarser * _ANGULAR:g} rad "
-        f"(a cylinder loses {coarser**2 * 1e-4:g} of its volume), with float32 coordinates"
+        f"curved STEP faces were replaced by triangles that turn by up to {coarser * _ANGULAR:g} rad and are up to "
+        f"{chord.max():.2g} m off (a cylinder loses {coarser**2 * 1e-4:g} of its volume), with float32 coordinates"
     )
-    return replace(contents, notes=(*contents.notes, note))
+    return replace(contents, notes=(*contents.notes, note), chord=chord)
+
+
+def _distances(scene: Scene, primitive: dict[str, Any], vertices: Float, faces: Int) -> Float:
+    """Return how far each triangle is from the face that it stands for, NaN where the face is not one of the five.
+
+    A triangle with corners on a surface is off by a quadratic form that vanishes at the corners, up to terms of higher
+    order. Where the curvatures have one sign, an affine map makes the form that of a sphere: the largest distance, at
+    the centre of the circumscribed circle or in the middle of the longest edge, is at most 9/8 of that at the centroid
+    or there. Where they have two, it lies in the middle of an edge.
+    """
+    distances = np.full(len(faces), np.nan)
+    own = primitive.get("extensions", {}).get("TM_brep_faces")
+    owners = np.empty(0) if own is None else scene.accessor(own["faceIndices"]).reshape(-1)
+    if len(owners) != len(faces):
+        return distances
+    size = float(np.ptp(vertices, axis=0).max())
+    for number, face in enumerate(own["faces"]):
+        triangles = np.flatnonzero(owners == number)
+        if face is None or face.get("type") not in _SURFACES or not len(triangles):
+            continue
+        corners = vertices[faces[triangles]]
+        middles = 0.5 * (corners + np.roll(corners, -1, axis=1))
+        points = np.concatenate([corners, middles, corners.mean(axis=1, keepdims=True)], axis=1)
+        off = np.abs(_SURFACES[face["type"]](face, points))
+        if off[:, :3].max() <= _ON_FACE * size:
+            distances[triangles] = _BETWEEN_SAMPLES * off.max(axis=1)
+    return distances
+
+
+def _off_plane(face: dict[str, Any], points: Float) -> Float:
+    off: Float = (points - face["origin"]) @ np.array(face["normal"])
+    return off
+
+
+def _off_sphere(face: dict[str, Any], points: Float) -> Float:
+    off: Float = np.linalg.norm(points - face["center"], axis=-1) - face["radius"]
+    return off
+
+
+def _off_cylinder(face: dict[str, Any], points: Float) -> Float:
+    across, _ = _about(face["axis"], points - face["origin"])
+    return across - float(face["radius"])
+
+
+def _off_cone(face: dict[str, Any], points: Float) -> Float:
+    across, along = _about(face["axis"], points - face["apex"])
+    angle = abs(float(face["semi_angle"]))
+    off: Float = across * np.cos(angle) - np.abs(along) * np.sin(angle)
+    return off
+
+
+def _off_torus(face: dict[str, Any], points: Float) -> Float:
+    across, along = _about(face["axis"], points - face["center"])
+    off: Float = np.hypot(across - face["major_radius"], along) - face["minor_radius"]
+    return off
+
+
+def _about(axis: list[float], points: Float) -> tuple[Float, Float]:
+    """Return the distances of points from an axis through the origin, and along it."""
+    direction = np.array(axis)
+    along = points @ direction
+    return np.linalg.norm(points - along[..., None] * direction, axis=-1), along
+
+
+_SURFACES = {
+    "plane": _off_plane, "sphere": _off_sphere, "cylinder": _off_cylinder, "cone": _off_cone, "torus": _off_torus,
+}  # fmt: skip

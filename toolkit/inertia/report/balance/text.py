@@ -47,6 +47,7 @@ def _head(data: ReportData) -> Iterator[str]:
 def _body(body: BodyRow) -> str:
     chords = {
         "given": f"chord tolerance {_mm(body.chord)}",
+        "read": f"triangles made from STEP to {_mm(body.chord)}",
         "estimated": f"sag estimated at {_mm(body.chord)}",
         "exact": "taken as the true shape",
     }
