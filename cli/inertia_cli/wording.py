@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import TypeVar
 
-from inertia.errors import REPAIR, FieldPath, InertiaError, Remedy, Word, reworded
+from inertia.errors import REPAIR, WELD, FieldPath, InertiaError, Remedy, Word, reworded
 
 W = TypeVar("W", bound=Word)
 
@@ -13,13 +13,15 @@ W = TypeVar("W", bound=Word)
 def as_option(word: Remedy | FieldPath) -> str:
     """Return the option, or the command, that a remedy is; a field keeps its path.
 
-    >>> [as_option(remedy) for remedy in (Remedy("read", "unit"), Remedy("repair"), Remedy("check"))]
-    ['--unit', '--repair', '`inertia check`']
+    >>> [as_option(remedy) for remedy in (Remedy("read", "unit"), REPAIR, WELD, Remedy("check"))]
+    ['--unit', '--repair', '--weld DISTANCE', '`inertia check`']
     """
     if isinstance(word, FieldPath):
         return word.path
     if not word.argument:
         return "--repair" if word == REPAIR else f"`inertia {word.verb}`"
+    if word.verb == WELD.verb:
+        return f"--weld {word.value}"
     option = f"--{word.argument.replace('_', '-')}"
     return f"{option} {word.value}" if isinstance(word.value, str) else option
 

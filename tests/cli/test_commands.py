@@ -228,6 +228,17 @@ def test_a_fault_is_one_sentence_and_a_code(
         assert located[0] in message
 
 
+def test_the_distance_that_a_crack_names_is_one_to_give(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
+    file = tmp_path / "cracked.obj"
+    corners = [[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1], [6e-18, 0, 0]]
+    lines = [f"v {x} {y} {z}\n" for x, y, z in corners] + ["f 1 3 2\n", "f 1 2 4\n", "f 2 3 4\n", "f 5 4 3\n"]
+    file.write_text("".join(lines))
+    assert main(["analyse", str(file), "--unit", "m"]) == 4
+    message = capsys.readouterr().err
+    assert "use --weld 6.01e-18 (the least distance, in m, that closes it), close the mesh, or use --shell" in message
+    assert main(["analyse", str(file), "--unit", "m", "--weld", "6.01e-18"]) == 0
+
+
 def test_check_judges_by_its_exit_code(capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["check", str(path("cube.stl"))]) == 0
     assert "fit for integration" in capsys.readouterr().out

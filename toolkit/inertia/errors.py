@@ -21,8 +21,8 @@ class Remedy(NamedTuple):
     value : what to give: True, a word, or what stands for a figure in capitals; ... where any value may do, and None
         where the argument is only named
 
-    >>> print(SHELL, ABSOLUTE, UNIT, REPAIR, Remedy("trade", "budget"), sep=", ")
-    shell=THICKNESS, orientation='absolute', unit=..., inertia.repair(part), budget
+    >>> print(SHELL, ABSOLUTE, UNIT, REPAIR, WELD, Remedy("trade", "budget"), sep=", ")
+    shell=THICKNESS, orientation='absolute', unit=..., inertia.repair(part), inertia.weld(part, DISTANCE), budget
     """
 
     verb: str
@@ -32,6 +32,8 @@ class Remedy(NamedTuple):
     def __str__(self) -> str:
         if not self.argument:
             return f"inertia.{self.verb}(part)"
+        if self.verb == "weld":
+            return f"inertia.weld(part, {self.value})"
         if self.value is None:
             return self.argument
         if self.value is ...:
@@ -42,6 +44,7 @@ class Remedy(NamedTuple):
 
 CHECK = Remedy("check")
 REPAIR = Remedy("repair")
+WELD = Remedy("weld", "tolerance", "DISTANCE")
 SHELL = Remedy("analyse", "shell", "THICKNESS")
 ABSOLUTE = Remedy("analyse", "orientation", "absolute")
 UNIT = Remedy("read", "unit", ...)

@@ -3,7 +3,10 @@
 import numpy as np
 import pytest
 from scipy.spatial.distance import pdist
+from tests.mesh import solids
+from tests.mesh.solids import Mesh, part, ring
 
+from inertia import check, mass_properties, weld
 from inertia.errors import GeometryError, UsageError
 from inertia.mesh.part import FACET, Facets, Surface
 from inertia.mesh.repairs.weld import weld_within
@@ -91,3 +94,65 @@ def test_a_tolerance_that_melts_the_part_is_refused():
 def test_coordinates_must_be_finite():
     with pytest.raises(GeometryError, match="triangle 1 has at corner 2 a coordinate that is not finite"):
         weld_within(soup([[[0, 0, 0], [1, 0, 0], [0, 1, 0]], [[0, 0, 0], [1, 0, 0], [0, np.inf, 0]]]), 0.1)
+
+
+def cracked(mesh: Mesh, width: float, seed: int) -> Surface:
+    """Cut a mesh in two at x = 0 and move the vertices of one side by random ways of up to `width`."""
+    vertices, faces = mesh[0].copy(), mesh[1].copy()
+    right = vertices[faces].mean(axis=1)[:, 0] > 0
+    shared = np.intersect1d(faces[right], faces[~right])
+    rng = np.random.default_rng(seed)
+    way = rng.normal(size=(len(shared), 3))
+    way *= (width * rng.uniform(0.1, 1, len(shared)) / np.linalg.norm(way, axis=1))[:, None]
+    number = np.arange(len(vertices))
+    number[shared] = len(vertices) + np.arange(len(shared))
+    faces[right] = number[faces[right]]
+    return Surface(np.vstack([vertices, vertices[shared] + way]), faces)
+
+
+@pytest.mark.parametrize(
+    "mesh", [ring(), solids.sphere(), solids.cube(), solids.sphere(radius=1e-3), solids.cube((0, 0.5, 0.5), 1e6)]
+)
+@pytest.mark.parametrize("width", [1e-14, 1e-9, 1e-6, 1e-4])
+@pytest.mark.parametrize("seed", range(3))
+def test_an_open_part_names_the_smallest_distance_that_closes_it(mesh: Mesh, width: float, seed: int) -> None:
+    size = float(np.ptp(mesh[0]))
+    broken = part(cracked(mesh, width * size, seed))
+    (opening,) = (finding for finding in check(broken).findings if finding.code == "open")
+    remedy = opening.remedies[0]
+    assert (remedy.verb, remedy.argument) == ("weld", "tolerance")
+    distance = float(remedy.value)
+    assert distance <= 1.01 * width * size
+    assert f"inertia.weld(part, {distance})" in opening.message
+    assert check(weld(broken, distance).part).closed
+    for less in (0.5, 0.98):
+        assert not check(weld(broken, less * distance).part).closed
+
+
+def test_cracks_of_a_few_denormals_have_a_distance_too() -> None:
+    """Six attometres, seen where sine and cosine of a whole turn meet those of none."""
+    vertices, faces = ring(60, 30)
+    vertices = np.vstack([vertices * 1e-3, vertices[:30] * 1e-3 + [0, 6e-18, 0]])
+    moved = (faces // 30 == 0) & (faces.max(axis=1, keepdims=True) // 30 == 59)
+    faces[moved] += 60 * 30
+    broken = part(Surface(vertices, faces), unit="m")
+    remedy = check(broken).findings[0].remedies[0]
+    assert 6e-18 <= remedy.value < 6.1e-18
+    assert mass_properties(weld(broken, remedy.value).part).error.volume < 1e-13
+    with pytest.raises(GeometryError, match=r"use inertia\.weld\(part, 6.*e-18\) \(the least distance, in m, that"):
+        mass_properties(broken)
+
+
+@pytest.mark.parametrize("mesh", [ring(), solids.sphere(), solids.cube(), solids.sphere(splits=7)])
+def test_no_distance_is_named_for_a_hole(mesh: Mesh) -> None:
+    vertices, faces = mesh
+    assert all(remedy.verb != "weld" for remedy in check(part((vertices, faces[1:]))).findings[0].remedies)
+    both = cracked((vertices, faces[1:]), 1e-9, 0)
+    assert all(remedy.verb != "weld" for remedy in check(part(both)).findings[0].remedies)
+
+
+def test_no_distance_is_named_for_two_sheets() -> None:
+    """Welding them makes a part without thickness."""
+    sheet, faces = np.array([[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0]], float), np.array([[0, 2, 1], [0, 3, 2]])
+    sheets = Surface(np.vstack([sheet, np.add(sheet, [0, 0, 1e-6])]), np.vstack([faces, faces[:, ::-1] + 4]))
+    assert all(remedy.verb != "weld" for remedy in check(part(sheets)).findings[0].remedies)

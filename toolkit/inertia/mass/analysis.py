@@ -339,7 +339,7 @@ def sound_solids_only(why: str) -> Iterator[None]:
     try:
         yield
     except GeometryError as error:
-        if any(remedy.verb in ("analyse", "repair") for remedy in error.remedies):
+        if any(remedy.verb in ("analyse", "repair", "weld") for remedy in error.remedies):
             raise reworded(error, (*error.words, " (with ", _ANALYSE, f": {why})"), error.places) from None
         raise
 

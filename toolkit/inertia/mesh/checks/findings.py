@@ -9,7 +9,7 @@ from typing import Literal
 import numpy as np
 
 from inertia.arrays import Bool, Float, Int, Orientation
-from inertia.errors import CHECK, GeometryError, Remedy, Sentence
+from inertia.errors import CHECK, GeometryError, Remedy, Sentence, Word
 from inertia.mesh.geometry.edges import Loop, Place
 from inertia.mesh.geometry.shells import Shell
 from inertia.mesh.part import Source
@@ -108,12 +108,14 @@ class Evidence:
     faces : numbers of the first ten triangles (or cells) concerned
     place : where the first or largest is, in file units
     figures : more that the sentence states, by name
+    advice : what to do in this very case, before what the kind advises
     """
 
     count: int
     faces: tuple[int, ...] = ()
     place: Place | None = None
     figures: Mapping[str, object] = field(default_factory=dict)
+    advice: tuple[Word, ...] = ()
 
 
 def usable(coordinates: Float) -> Bool:

@@ -12,7 +12,7 @@ from typing import Any, Literal
 
 import numpy as np
 
-from inertia.errors import ABSOLUTE, REPAIR, SHELL, Sentence, Word
+from inertia.errors import ABSOLUTE, REPAIR, SHELL, WELD, Sentence, Word
 from inertia.mesh.checks.cells import CellTopology
 from inertia.mesh.checks.crossings import crossing_cavities, overlapping_bodies, self_intersections
 from inertia.mesh.checks.findings import Evidence, Finding, Severity, counted, listed, middle, usable
@@ -20,6 +20,7 @@ from inertia.mesh.checks.surface_topology import SurfaceTopology
 from inertia.mesh.geometry.closure import repeated_corners
 from inertia.mesh.geometry.edges import flat
 from inertia.mesh.part import Surface, Triangles
+from inertia.mesh.repairs.weld import closing_distance
 
 Subject = Literal["triangles", "surface", "volume", "shells", "crossings", "nodes", "cells"]
 """What is looked at: `Triangles`; `SurfaceTopology`, whole, where it bounds a volume, where that is one, on request for
@@ -58,7 +59,7 @@ class Kind:
         figures |= zip(("first", "second"), evidence.faces, strict=False)
         if evidence.place is not None and isinstance(subject, SurfaceTopology | CellTopology):
             figures["around"] = subject.around(evidence.place)
-        remedy = (": ", *self.remedy) if self.remedy else ()
+        remedy = (": ", *evidence.advice, *self.remedy) if self.remedy else ()
         message = Sentence(self.sentence.format_map(figures), *remedy)
         turnable = ABSOLUTE in self.remedy
         return Finding(self.code, self.severity, message, evidence.count, evidence.faces, evidence.place, turnable)
@@ -93,7 +94,16 @@ def _holes(surface: SurfaceTopology) -> Evidence | None:
         "unit": surface.unit,
         "triangle": longest.triangle,
     }
-    return Evidence(count, listed(np.array([loop.triangle for loop in surface.loops])), longest.place, figures)
+    triangles = listed(np.array([loop.triangle for loop in surface.loops]))
+    return Evidence(count, triangles, longest.place, figures, _crack(surface))
+
+
+def _crack(surface: SurfaceTopology) -> tuple[Word, ...]:
+    edges = surface.edges
+    distance = closing_distance(surface.triangles, surface.vertices, edges.ends, edges.forward - edges.backward)
+    if distance is None:
+        return ()
+    return "use ", WELD._replace(value=distance), f" (the least distance, in {surface.unit}, that closes it), "
 
 
 def _unused(surface: SurfaceTopology) -> Evidence | None:

@@ -6,16 +6,24 @@ largest move says how far it went.
 
 from __future__ import annotations
 
+from bisect import bisect_left
 from dataclasses import dataclass
+from decimal import ROUND_CEILING, Context
 
 import numpy as np
 
 from inertia.arrays import Float, Int
 from inertia.errors import GeometryError, UsageError
-from inertia.mesh.geometry.closure import components, merge_equal_vertices, repeated_corners
+from inertia.mesh.geometry.closure import closure, components, merge_equal_vertices, repeated_corners
+from inertia.mesh.geometry.edges import duplicates
 from inertia.mesh.part import Surface, Triangles, first_non_finite
 
 _LARGEST = 0.1  # tolerance, over the diagonal of the part's box
+_CRACK = 1e-3  # width of a crack, over the diagonal of the part's box
+_EDGES = 100_000  # open edges that are matched in a second or two
+_SHRUNK = 0.01  # length of the rim of a crack that may shrink to points, over all of it
+_THREE_DIGITS = Context(prec=3, rounding=ROUND_CEILING)
+_ABOVE = 1 + 1e-12  # the tree of `clusters` compares distances as rounded
 _PAIRS = 50_000_000  # close vertices found at most: one gigabyte
 
 
@@ -91,6 +99,70 @@ def clusters(points: Float, tolerance: float) -> Int:
             f"{_PAIRS}: give a smaller one"
         )
     return components(tree.query_pairs(tolerance, output_type="ndarray"), len(points))
+
+
+def closing_distance(triangles: Triangles, vertices: Float, ends: Int, surplus: Int) -> float | None:
+    """Return the smallest tolerance, rounded up to three digits, with which `weld_within` closes a surface.
+
+    Where welding closes a surface, any larger tolerance does too: the chain of its open edges stays zero when more of
+    its vertices become one. So the tolerance is found by bisection of the distances between vertices.
+
+    Parameters
+    ----------
+    triangles : the surface
+    vertices : its different vertices, (n, 3)
+    ends : its edges, (e, 2), vertex numbers
+    surplus : how much oftener each is used from the first end to the second than back, (e,)
+
+    Returns None where no tolerance of at most a thousandth of the diagonal of the part's box closes it, or it would
+    do so by letting a rim shrink to a point, as that of a hole, or by laying triangles on each other. More than 10⁵
+    open edges are not looked at.
+    """
+    ends, surplus = ends[surplus != 0], surplus[surplus != 0]
+    if len(ends) > _EDGES:
+        return None
+    tolerance: float | None = _CRACK * diagonal(vertices)
+    for numbers in np.unique(ends), np.arange(len(vertices)):
+        if tolerance is None:
+            return None
+        tolerance = _closing(vertices, numbers, ends, surplus, tolerance * _ABOVE)
+    if tolerance is None:
+        return None
+    named = float(_THREE_DIGITS.create_decimal_from_float(tolerance * _ABOVE))
+    try:
+        result = weld_within(triangles, named).surface
+    except UsageError:  # too many vertices are that close
+        return None
+    closed = result.count and closure(result).open_edges == 0 and not len(duplicates(result.faces)[1])
+    return named if closed else None
+
+
+def _closing(vertices: Float, numbers: Int, ends: Int, surplus: Int, limit: float) -> float | None:
+    """Return the smallest distance up to `limit` that closes the open edges when the numbered vertices are welded."""
+    from scipy.spatial import cKDTree
+
+    tree = cKDTree(vertices[numbers])
+    while (tree.count_neighbors(tree, limit) - len(numbers)) // 2 > _PAIRS // 10:
+        limit /= 10
+    pairs = numbers[tree.query_pairs(limit, output_type="ndarray")]
+    lengths = np.linalg.norm(vertices[pairs[:, 0]] - vertices[pairs[:, 1]], axis=1)
+    distances = np.unique(lengths)
+
+    def welded(k: int) -> Int:
+        return components(pairs[lengths <= distances[k]], len(vertices))[ends]
+
+    def closes(k: int) -> bool:
+        low, high = np.sort(into := welded(k), axis=1).T
+        way = np.where(low == high, 0, np.where(into[:, 0] == low, 1, -1))
+        _, edge = np.unique(low * len(vertices) + high, return_inverse=True)
+        return not np.bincount(edge, way * surplus).any()
+
+    first = bisect_left(range(len(distances)), True, key=closes)
+    if first == len(distances):
+        return None
+    along = np.linalg.norm(vertices[ends[:, 0]] - vertices[ends[:, 1]], axis=1)
+    shrunk = np.equal(*welded(first).T)
+    return float(distances[first]) if along[shrunk].sum() <= _SHRUNK * along.sum() else None
 
 
 def require_finite(triangles: Triangles) -> None:
