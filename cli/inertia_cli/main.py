@@ -62,6 +62,8 @@ def main(arguments: Sequence[str]) -> int:
     # One thread is plenty for 3×3 matrices, and starting the others costs more than a small part.
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
     options = build_parser().parse_args(_join_signed(arguments))
+    if sys.stdout is None:
+        return _say("cannot write the result: standard output is closed", FAULT)
     try:
         code: int = options.run(options)
         sys.stdout.flush()

@@ -4,6 +4,7 @@ import io
 import json
 import os
 import re
+import shlex
 import subprocess
 import sys
 from fractions import Fraction
@@ -332,6 +333,14 @@ def test_a_full_disk_is_said() -> None:
         done = subprocess.run(arguments, check=False, stdout=full, stderr=subprocess.PIPE)
     assert done.returncode == 1
     assert done.stderr.startswith(b"inertia: cannot write the result: No space left")
+
+
+@pytest.mark.skipif(os.name != "posix", reason="closes a stream by the shell")
+def test_a_closed_output_is_said() -> None:
+    code = "from inertia_cli.main import run; run()"
+    command = shlex.join([sys.executable, "-c", code, "analyse", str(path("cube.stl"))])
+    done = subprocess.run(["sh", "-c", f"{command} >&-"], check=False, capture_output=True)
+    assert (done.returncode, done.stderr) == (1, b"inertia: cannot write the result: standard output is closed\n")
 
 
 def test_an_old_terminal_gets_all_but_its_missing_characters() -> None:

@@ -53,6 +53,7 @@ from inertia.balancing.measured.readings import readings as readings
 from inertia.balancing.measured.trial_weights import trial_weight as trial_weight
 from inertia.balancing.measured.trial_weights import trial_response as trial_response
 from inertia.balancing.measured.trial_weights import unbalance_for_weight as unbalance_for_weight
+from inertia.balancing.measured.trial_weights import unbalance_for_change as unbalance_for_change
 from inertia.balancing.measured.influence import influence_coefficients as influence_coefficients
 from inertia.balancing.measured.influence import influence_correction as influence_correction
 from inertia.balancing.measured.index_balancing import index_balancing as index_balancing
@@ -87,6 +88,7 @@ from inertia.dynamics.models.rolling.equations import RollingBody as RollingBody
 from inertia.dynamics.models.rolling.motion import solve_rolling as solve_rolling
 from inertia.dynamics.models.rolling.steady import steady_rolling as steady_rolling
 from inertia.dynamics.models.rolling.steady import steady_circle as steady_circle
+from inertia.dynamics.models.rolling.steady import straight_rolling as straight_rolling
 from inertia.dynamics.models.rolling.steady import straight_rolling_threshold as straight_rolling_threshold
 from inertia.dynamics.models.rolling.steady import edge_spin_threshold as edge_spin_threshold
 from inertia.dynamics.models.deforming.joints import Joint as Joint
@@ -95,6 +97,7 @@ from inertia.dynamics.models.deforming.jointed_body import JointedBody as Jointe
 from inertia.dynamics.models.deforming.motion import solve_deforming as solve_deforming
 from inertia.dynamics.integrators.rotation import RotationProblem as RotationProblem
 from inertia.dynamics.models.stepped.solve import solve_stepped as solve_stepped
+from inertia.dynamics.models.stepped.solve import state_between as state_between
 from inertia.dynamics.integrators.events import find_events as find_events
 
 # The geometry of free rotation.

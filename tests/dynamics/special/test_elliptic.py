@@ -51,11 +51,6 @@ def test_parameters_and_arguments_broadcast() -> None:
 
 
 @pytest.mark.parametrize("mc", PARAMETERS)
-def test_quarter_period_has_all_its_digits(mc: float) -> None:
-    assert float(elliptic.quarter_period(mc)) == pytest.approx(float(mp.ellipk(1 - mp.mpf(mc))), rel=4e-16)
-
-
-@pytest.mark.parametrize("mc", PARAMETERS)
 def test_first_kind_undoes_the_jacobi_functions(mc: float) -> None:
     for u in arguments(mc)[:-2]:
         sn, cn = (mp.ellipfun(kind, mp.mpf(float(u)), m=1 - mp.mpf(mc)) for kind in ("sn", "cn"))

@@ -20,7 +20,7 @@ from tests.mass.cells.textbook_cells import (
 )
 
 from inertia.errors import GeometryError, UsageError
-from inertia.mass.cells.moments import boundary_area, cell_moments, point_moments, wire_moments
+from inertia.mass.cells.moments import boundary_area, cell_moments, wire_moments
 from inertia.mass.moments import PAIRS, Moments
 from inertia.mesh.part import CellBlock, Cells
 
@@ -450,12 +450,3 @@ def test_quadratic_arcs_converge_to_the_circle():
         moments = wire_moments(Cells(points, (CellBlock("line3", nodes),)))
         errors.append([abs(float(moments.zeroth) - 2 * math.pi), abs(float(moments.second[0]) - math.pi)])
     assert np.log2(np.array(errors)[:-1] / np.array(errors)[1:]).min() > 3.5
-
-
-def test_points_are_counted_where_they_are():
-    points = np.array([[1, 0, 0], [9, 9, 9], [3, 0, 4]], float)
-    cells = Cells(points, (CellBlock("vertex", np.array([[0], [2]])), CellBlock("line", np.array([[0, 1]]))))
-    moments = point_moments(cells)
-    assert moments.zeroth == 2
-    assert moments.centroid == (2, 0, 2)
-    assert moments.second == (10, 0, 16, 0, 12, 0)

@@ -15,9 +15,6 @@ from numpy.typing import ArrayLike
 from inertia.balancing.unbalance import Complex, Unbalance
 from inertia.errors import UsageError
 
-RATIOS = (0.1, 0.2, 0.3, 0.5, 0.7, 0.9)
-"""The rows n/n_cr for which a report lists the amplification."""
-
 _NOTE, _WARN, _REFUSE = 0.3, 0.5, 0.7
 
 
@@ -86,7 +83,7 @@ def amplification(ratio: float) -> float:
     The force m e ω²/|1 − r²| is that of an undamped rotor, its whole mass between rigid bearings on a massless shaft. A
     mass of the shaft and damping lower it: by 2 % at r = 0.7, by 6 % at 0.9 for a finite-element rotor (1.93 and 4.94).
 
-    >>> [round(amplification(r), 2) for r in RATIOS]
+    >>> [round(amplification(r), 2) for r in (0.1, 0.2, 0.3, 0.5, 0.7, 0.9)]
     [1.01, 1.04, 1.1, 1.33, 1.96, 5.26]
     """
     if not 0 <= ratio < math.inf:

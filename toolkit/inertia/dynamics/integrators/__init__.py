@@ -1,1 +1,1 @@
-"""Methods that step a body's attitude and angular velocity, each behind `base.Integrator`."""
+"""Methods that step a body's attitude and angular velocity, each an `Integrator` of the table in `methods`."""

@@ -67,13 +67,6 @@ def _means(mc: Number) -> list[tuple[Number, Number]]:
     return ladder
 
 
-def quarter_period(mc: ArrayLike) -> Number:
-    """Return K; infinite at mc = 0."""
-    from scipy.special import ellipkm1
-
-    return number(ellipkm1(mc))
-
-
 def first_kind(sn: ArrayLike, cn: ArrayLike, mc: ArrayLike) -> Number:
     """Return the argument u, −K … K, whose sn and cn ≥ 0 are given: s R_F(c², c² + mc s², 1) (Carlson 1995, 4.5)."""
     from scipy.special import elliprf

@@ -1,8 +1,8 @@
-"""Exact moments of the cells of a volume mesh, of wires and of points, and the area of the outside of the mesh.
+"""Exact moments of the cells of a volume mesh and of wires, and the area of the outside of the mesh.
 
 Each cell is what its own map makes of its reference shape (`shapes`), curved edges and warped faces included.
 The integrals ∫ det J, ∫ det J x, ∫ det J x xᵀ have polynomial integrands, so Gauss rules with enough points
-are exact but for rounding, and rounding has a bound (`cell_sums`).
+are exact but for rounding, and rounding has a bound (`quadrature`).
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ from inertia.errors import GeometryError, UsageError
 from inertia.mass.cells.quadrature import UNIT_ROUNDOFF, Chunk, integrate, moment_rows
 from inertia.mass.cells.shape_functions import Table, table
 from inertia.mass.cells.shapes import KINDS, numbered_blocks, volume_blocks
-from inertia.mass.moments import Moments, simplex_moments
+from inertia.mass.moments import Moments
 from inertia.mesh.geometry.edges import first_equal
 from inertia.mesh.part import Cells
 
@@ -120,20 +120,6 @@ def wire_moments(cells: Cells) -> Moments:
         if block.kind not in ("line", "line3"):
             raise GeometryError(f"cell {number} is of the kind {block.kind!r}: wires are of the kinds line and line3")
     return integrate(cells, blocks, rows, groups=None, count=1, power=1)[0]
-
-
-def point_moments(cells: Cells) -> Moments:
-    """Return the moments of the `vertex` cells of a mesh as unit points; their number is the zeroth. Exact.
-
-    >>> from inertia.mesh.part import CellBlock
-    >>> points = np.array([[1, 0, 0], [3, 0, 0]], float)
-    >>> moments = point_moments(Cells(points, (CellBlock("vertex", np.array([[0], [1]])),)))
-    >>> float(moments.centroid[0]), float(moments.central().second[0])
-    (2.0, 2.0)
-    """
-    nodes = [block.nodes.ravel() for block in cells.blocks if block.kind == "vertex"]
-    points = cells.points[np.concatenate(nodes)] if nodes else np.empty((0, 3))
-    return simplex_moments(points[:, None, :], np.ones(len(points)))
 
 
 def boundary_area(cells: Cells) -> float:

@@ -208,7 +208,7 @@ pyramid13, -14       5 in ξ and η, 3 in w                          9, 9, 7    
 The tetrahedron has the four corners with a weight of 1/20 each and the centroid with 4/5 for points, which is
 exact to degree 2: the closed form of a simplex. A total degree in (r, s, t) is the degree in each direction
 of the collapsed coordinates that the points are laid out in; the collapse's own Jacobian, and the pyramid's
-w², are the weight of Gauss–Jacobi rules (see `cell_tables`). Lengths and areas of curved wires and faces have
+w², are the weight of Gauss–Jacobi rules (see `shape_functions`). Lengths and areas of curved wires and faces have
 no polynomial integrand: `points` are plenty for smooth ones.
 """
 

@@ -85,7 +85,7 @@ def solve_stepped(problem: RotationProblem, time: ArrayLike, accuracy: float, me
 def state_between(problem: RotationProblem, time: Float, motion: Motion) -> Callable[[float], tuple[Float, Float]]:
     """Return a function that steps from the sample before an instant to it: t → attitude (4,), ω (3,).
 
-    It is what `events.find_events` takes as `refine`.
+    It is what `inertia.find_events` takes as `refine`.
     """
     integrator = methods.METHODS["DOP853" if problem.terms(problem.start) is None else "Taylor"]
 
