@@ -135,7 +135,7 @@ def _balance(rotor: Rotor, options: argparse.Namespace) -> int:
         return 0
     for file, suffix in ((options.csv, ".csv"), (options.report, ".html"), (options.cut_part, ".stl")):
         if file is not None:
-            require_writable(file, suffix=suffix, force=options.force)
+            require_writable(file, suffix, force=options.force)
     require_recordable(options)
     if options.cut_part is not None and not any(plane.method for plane in rotor.fields.plane):
         raise UsageError(f"{options.part}: --cut-part has nothing to write: no correction plane has a method")

@@ -131,10 +131,11 @@ def require_recordable(options: argparse.Namespace) -> None:
     """Ask what a recording needs before the work, which may take a while."""
     if options.output is None and not options.live:
         return
-    from inertia.recording.writer import require_viewer, require_writable
+    from inertia.output import require_writable
+    from inertia.recording.writer import require_viewer
 
     if options.output is not None:
-        require_writable(options.output, force=options.force)
+        require_writable(options.output, ".rrd", force=options.force)
     if options.live:
         require_viewer()
 

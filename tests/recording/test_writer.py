@@ -9,9 +9,9 @@ import numpy as np
 import pytest
 from tests.recording.reading import Recorded, verified
 
-from inertia.errors import InertiaError, UsageError
+from inertia.errors import InertiaError
 from inertia.recording import writer
-from inertia.recording.writer import BLOCK, Recording, require_writable, to_file
+from inertia.recording.writer import BLOCK, Recording, to_file
 
 SCRIPT = """
 import sys
@@ -110,34 +110,6 @@ def test_a_full_disk_is_one_sentence_and_leaves_no_file(tmp_path: Path) -> None:
     said = out.splitlines()[-1]
     assert said.startswith(f"cannot write {tmp_path / 'run.rrd'}: File too large: raise the limit")
     assert list(tmp_path.iterdir()) == []
-
-
-def test_a_file_that_is_there_is_kept_unless_forced(tmp_path: Path) -> None:
-    path = tmp_path / "run.rrd"
-    path.touch()
-    with pytest.raises(UsageError, match="exists: give another name, or force=True"):
-        require_writable(path)
-    assert require_writable(path, force=True) == path
-
-
-@pytest.mark.parametrize(
-    ("name", "kind", "said"),
-    [
-        ("run.txt", UsageError, "must end in .rrd"),
-        ("folder.rrd", UsageError, "it is a directory"),
-        ("none/run.rrd", InertiaError, "No such file or directory: name a folder that is there"),
-    ],
-)
-def test_an_unusable_place_is_refused(tmp_path: Path, name: str, kind: type[Exception], said: str) -> None:
-    (tmp_path / "folder.rrd").mkdir()
-    with pytest.raises(kind, match=said):
-        require_writable(tmp_path / name)
-
-
-@pytest.mark.skipif(sys.platform != "linux", reason="a folder that even root cannot write to")
-def test_an_unwritable_folder_is_refused() -> None:
-    with pytest.raises(InertiaError, match=r"cannot write /proc/run.rrd: .*: name a"):
-        require_writable("/proc/run.rrd")
 
 
 def test_streaming_needs_an_open_viewer(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -21,7 +21,7 @@ def write_stl(parts: Sequence[Part], file: str | os.PathLike[str], unit: Unit, *
     Raises `UsageError` where the file exists and `force` is not set, or its name does not end in .stl, `InertiaError`
     where it cannot be written.
     """
-    path = require_writable(file, suffix=".stl", force=force)
+    path = require_writable(file, ".stl", force=force)
     corners = [part.triangles.corners() * float(part.unit.metres / unit.metres) for part in parts]
     together = np.concatenate(corners)
     facets = Facets(np.zeros(len(together), FACET))

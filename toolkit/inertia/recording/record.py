@@ -11,16 +11,10 @@ from inertia.arrays import Float
 from inertia.balancing.balance import Balance
 from inertia.dynamics.run import Run
 from inertia.errors import GeometryError, UsageError
+from inertia.output import require_writable
 from inertia.recording.provenance import properties_of
 from inertia.recording.screen import Screen
-from inertia.recording.writer import (
-    Recording,
-    blocks,
-    require_viewer,
-    require_writable,
-    to_file,
-    to_viewer,
-)
+from inertia.recording.writer import Recording, blocks, require_viewer, to_file, to_viewer
 
 VIEWS = ("tumbling", "top", "driven", "disc", "deforming")
 """The views of a run, by the names that models give: modules of `views`, each with a function `screen`."""
@@ -53,7 +47,7 @@ def record(
         raise UsageError("there is nowhere to record to: give a path, or live=True with an open viewer")
     if isinstance(subject, Run):
         _require_finite(subject)
-    file = None if path is None else require_writable(path, force=force)
+    file = None if path is None else require_writable(path, ".rrd", force=force)
     if live:
         require_viewer()
     screen = _screen(subject)

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import contextlib
-import errno
 import os
 import socket
 import threading
@@ -14,7 +13,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from inertia.arrays import Float
-from inertia.errors import FORCE, InertiaError, UsageError
+from inertia.errors import InertiaError
+from inertia.output import whole
 from inertia.recording.entities import TIMELINE
 
 if TYPE_CHECKING:
@@ -31,13 +31,6 @@ PIPES = Path("/dev/fd")
 _PATIENCE = 600.0  # seconds for one block to reach the disk or the viewer
 _READ = 1 << 20
 _NANO = 1e9
-_REMEDIES = {
-    errno.ENOSPC: "make room on the disk, or name a place on another one",
-    errno.EDQUOT: "make room within the quota, or name a place on another disk",
-    errno.EFBIG: "raise the limit on the size of files, or record fewer samples",
-    errno.ENOENT: "name a folder that is there",
-    errno.ENOTDIR: "name a folder that is there",
-}
 
 Columns = Callable[[slice], Any]
 """What makes the columns of a block of rows."""
@@ -112,30 +105,6 @@ def blocks(count: int) -> Iterator[slice]:
         yield slice(start, min(start + BLOCK, count))
 
 
-def require_writable(file: str | os.PathLike[str], *, force: bool = False) -> Path:
-    """Return the path of a recording that can be written: to be asked before the work that leads to it.
-
-    Raises
-    ------
-    UsageError : the name does not end in .rrd, is a folder's, or exists and `force` is not set
-    InertiaError : the folder cannot be written to
-    """
-    path = Path(file)
-    if path.suffix.lower() != ".rrd":
-        raise UsageError(f"cannot record to {path}: its name must end in .rrd")
-    if path.is_dir():
-        raise UsageError(f"cannot record to {path}: it is a directory")
-    if path.exists() and not force:
-        raise UsageError(f"{path} exists: give another name, or ", FORCE, " to write over it")
-    beside = _beside(path)
-    try:
-        beside.touch()
-        beside.unlink()
-    except OSError as error:
-        raise _unwritable(path, error) from error
-    return path
-
-
 def require_viewer() -> None:
     """Raise `InertiaError` where no viewer of this machine listens."""
     host, port = VIEWER
@@ -152,19 +121,12 @@ def to_file(path: Path, application: str, blueprint: rrb.Blueprint) -> Iterator[
     """Open a recording that appears under `path` when the context is left, and not at all where an error leaves it."""
     import rerun as rr
 
-    beside = _beside(path)
-    try:
-        with beside.open("wb") as file:
-            with _into(file) as sink, _stream(rr.RecordingStream(application)) as stream:
-                stream.save(sink, default_blueprint=blueprint)
-                yield Recording(stream)
-            file.flush()
-            os.fsync(file.fileno())
-        beside.replace(path.resolve())
-    except OSError as error:
-        raise _unwritable(path, error) from error
-    finally:
-        beside.unlink(missing_ok=True)
+    with whole(path) as beside, beside.open("wb") as file:
+        with _into(file) as sink, _stream(rr.RecordingStream(application)) as stream:
+            stream.save(sink, default_blueprint=blueprint)
+            yield Recording(stream)
+        file.flush()
+        os.fsync(file.fileno())
 
 
 @contextlib.contextmanager
@@ -221,13 +183,3 @@ def _into(file: Any) -> Iterator[str]:
         os.close(reading)
     if faults:
         raise faults[0]
-
-
-def _beside(path: Path) -> Path:
-    path = path.resolve()
-    return path.with_name(f".{path.name}.{os.getpid()}")
-
-
-def _unwritable(path: Path, error: OSError) -> InertiaError:
-    remedy = _REMEDIES.get(error.errno or 0, "name a place that can be written to")
-    return InertiaError(f"cannot write {path}: {error.strerror or error}: {remedy}")

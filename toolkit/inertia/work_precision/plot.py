@@ -50,14 +50,12 @@ def require_plottable(file: str | os.PathLike[str], *, force: bool = False) -> P
         installed
     InertiaError : its folder cannot be written to
     """
-    path = Path(file)
-    if path.suffix.lower() not in _FORMATS:
-        raise UsageError(f"cannot plot to {path}: its name must end in {' or '.join(_FORMATS)}")
+    path = require_writable(file, *_FORMATS, force=force)
     try:
         import matplotlib  # noqa: F401
     except ImportError:
         raise UsageError("plotting needs matplotlib: install it by pip install 'inertia[plot]'") from None
-    return require_writable(path, force=force)
+    return path
 
 
 def plot(trade: PartTrade | SceneTrade, file: str | os.PathLike[str], *, force: bool = False) -> None:

@@ -113,7 +113,7 @@ def save_balance_html(data: ReportData, path: str | os.PathLike[str], *, force: 
 
     Raises `UsageError` where there is a file already, `InertiaError` where it cannot be written.
     """
-    file = require_writable(path, suffix=".html", force=force)
+    file = require_writable(path, ".html", force=force)
     write_whole(file, balance_html(data).encode("utf-8", "replace"))
 
 
