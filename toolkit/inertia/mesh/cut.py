@@ -18,10 +18,11 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from inertia.arrays import Float, Int
-from inertia.errors import CHECK, GeometryError, placed
+from inertia.errors import GeometryError, placed
 from inertia.mesh.check import check
 from inertia.mesh.geometry.closure import Closure, closure, merge_equal_vertices, repeated_corners
 from inertia.mesh.geometry.shells import bodies, members, shells
+from inertia.mesh.manifold import exponent_of, solid
 from inertia.mesh.part import Part, Regions, Surface
 from inertia.mesh.repairs.holes import around
 from inertia.mesh.repairs.weld import compact
@@ -119,14 +120,14 @@ class Stock:
         GeometryError : a tool is not a solid, or the tools leave nothing of a body
         """
         reach = [np.stack([tool.vertices.min(axis=0), tool.vertices.max(axis=0)]) for tool in tools]
-        solids = [_solid(np.ldexp(tool.vertices, -self._exponent), tool.faces) for tool in tools]
+        solids = [solid(tool.vertices, tool.faces, self._exponent) for tool in tools]
         vertices: list[Float] = []
         faces: list[Int] = []
         regions: list[Int] = []
         for body in self._bodies:
             meeting = [
-                solid
-                for solid, box in zip(solids, reach, strict=True)
+                tool
+                for tool, box in zip(solids, reach, strict=True)
                 if ((box[0] <= body.box[1]) & (body.box[0] <= box[1])).all()
             ]
             points, corners, region = self._cut_body(body, meeting)
@@ -171,8 +172,7 @@ def stock(part: Part) -> Stock:
     if triangles.count == 0 or topology.open_edges:
         check(part).require_fit()
     vertices, faces = merge_equal_vertices(triangles)
-    # Products of coordinates must not overflow; a power of two brings them near 1 and changes no digit.
-    exponent = int(np.frexp(np.abs(vertices).max())[1])
+    exponent = exponent_of(vertices)
     ready = []
     for group in _groups(part, topology):
         own = group[~repeated_corners(faces[group])]
@@ -182,10 +182,10 @@ def stock(part: Part) -> Stock:
         points, corners = compact(vertices, faces[own])
         box = np.stack([points.min(axis=0), points.max(axis=0)])
         try:
-            solid, first = _runs(np.ldexp(points, -exponent), corners, lengths)
+            body, first = _runs(points, corners, exponent, lengths)
         except GeometryError as fault:
             raise placed(fault, part.name, f"the body {around(box)} cannot be cut") from None
-        ready.append(_Body(own, box, solid, regions, lengths, first))
+        ready.append(_Body(own, box, body, regions, lengths, first))
     return Stock(part, vertices, faces, exponent, tuple(ready))
 
 
@@ -210,22 +210,11 @@ def _groups(part: Part, topology: Closure) -> list[Int]:
     ]
 
 
-def _solid(vertices: Float, faces: Int) -> Any:
-    return _runs(vertices, faces, np.array([len(faces)]))[0]
-
-
-def _runs(vertices: Float, faces: Int, lengths: Int) -> tuple[Any, int]:
+def _runs(vertices: Float, faces: Int, exponent: int, lengths: Int) -> tuple[Any, int]:
     """Return a solid of runs of triangles, `lengths` triangles each, and the id of the first run."""
-    from manifold3d import Error, Manifold, Mesh64
+    from manifold3d import Manifold
 
     first = int(Manifold.reserve_ids(len(lengths)))
-    mesh = Mesh64(
-        vertices,
-        faces.astype(np.uint64),
-        run_index=np.concatenate([[0], 3 * np.cumsum(lengths)]).astype(np.uint64),
-        run_original_id=(first + np.arange(len(lengths))).astype(np.uint32),
-    )
-    solid = Manifold(mesh)
-    if solid.status() != Error.NoError:
-        raise GeometryError(f"manifold3d does not take it ({solid.status().name}): run ", CHECK, " to see why")
-    return solid, first
+    starts = np.concatenate([[0], 3 * np.cumsum(lengths)]).astype(np.uint64)
+    ids = (first + np.arange(len(lengths))).astype(np.uint32)
+    return solid(vertices, faces, exponent, run_index=starts, run_original_id=ids), first

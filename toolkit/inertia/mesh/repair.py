@@ -28,6 +28,7 @@ from inertia.mesh.geometry.boxes import BoxTree, overlapping
 from inertia.mesh.geometry.closure import components, merge_equal_vertices, repeated_corners
 from inertia.mesh.geometry.halfedges import half_edges
 from inertia.mesh.geometry.intersect import overlap
+from inertia.mesh.manifold import exponent_of, solid
 from inertia.mesh.part import Part, Regions, Surface, Triangles
 from inertia.mesh.repairs.copies import copies, facing
 from inertia.mesh.repairs.holes import around, fill, rims
@@ -324,19 +325,13 @@ def union(vertices: Float, faces: Int, bodies: list[Int]) -> tuple[Float, Int]:
     ------
     GeometryError : it does not take a body, because an edge of it has more than two triangles, for instance
     """
-    from manifold3d import Error, Manifold, Mesh64, OpType
+    from manifold3d import Manifold, OpType
 
-    # Products of six coordinates must not overflow; a power of two brings them near 1 and changes no digit.
-    exponent = int(np.frexp(np.abs(vertices).max())[1])
+    exponent = exponent_of(vertices)
     solids = []
     for body in bodies:
         own, corners = compact(vertices, faces[body])
-        solid = Manifold(Mesh64(np.ldexp(own, -exponent), corners.astype(np.uint64)))
-        if solid.status() != Error.NoError:
-            raise GeometryError(
-                f"the body {around(own)} overlaps another and cannot be united with it "
-                f"({solid.status().name}): unite them where the part was made"
-            )
-        solids.append(solid)
+        fault = f"the body {around(own)} overlaps another and cannot be united with it"
+        solids.append(solid(own, corners, exponent, fault, ["unite them where the part was made"]))
     mesh = Manifold.batch_boolean(solids, OpType.Add).to_mesh64()
     return np.ldexp(mesh.vert_properties[:, :3], exponent), mesh.tri_verts.astype(np.int64)

@@ -14,8 +14,9 @@ from typing import Any
 
 import numpy as np
 
-from inertia.errors import CHECK, GeometryError
+from inertia.errors import CHECK
 from inertia.mesh.geometry.closure import merge_equal_vertices, repeated_corners
+from inertia.mesh.manifold import exponent_of, solid
 from inertia.mesh.part import Surface, Triangles
 from inertia.mesh.repairs.weld import compact, diagonal
 
@@ -60,33 +61,22 @@ def halvings(triangles: Triangles) -> Iterator[Simplified]:
     vertices, faces = compact(vertices, faces[~repeated_corners(faces)])
     if not len(faces):
         return
-    # Products of coordinates must not overflow; a power of two brings them near 1 and changes no digit.
-    exponent = int(np.frexp(np.abs(vertices).max())[1])
-    solid = _solid(np.ldexp(vertices, -exponent), faces)
+    exponent = exponent_of(vertices)
+    fault, advice = "manifold3d cannot simplify the surface", ("run ", CHECK, " to see what is wrong")
+    body = solid(vertices, faces, exponent, fault, advice)
     size = diagonal(np.ldexp(vertices, -exponent))
     # Over n triangles of a smooth surface the edges are about 1/√n and the arcs about 1/n of its size high.
     halved, power, tolerance = 0, 3.0 - math.log2(len(faces)), 0.0
-    while simplified := _search(solid, size, power + 1.0, len(faces) / 2 ** (halved + 1)):
-        solid, power = simplified
-        mesh = solid.to_mesh64()
+    while simplified := _search(body, size, power + 1.0, len(faces) / 2 ** (halved + 1)):
+        body, power = simplified
+        mesh = body.to_mesh64()
         halved = round(math.log2(len(faces) / len(mesh.tri_verts)))
         tolerance += math.ldexp(size * 2.0**power, exponent)
         surface = Surface(np.ldexp(mesh.vert_properties[:, :3], exponent), mesh.tri_verts)
         yield Simplified(surface, 2**halved, tolerance)
 
 
-def _solid(vertices: Any, faces: Any) -> Any:
-    from manifold3d import Error, Manifold, Mesh64
-
-    solid = Manifold(Mesh64(vertices, faces.astype(np.uint64)))
-    if solid.status() != Error.NoError:
-        raise GeometryError(
-            f"manifold3d cannot simplify the surface ({solid.status().name}): run ", CHECK, " to see what is wrong"
-        )
-    return solid
-
-
-def _search(solid: Any, size: float, guess: float, target: float) -> tuple[Any, float] | None:
+def _search(body: Any, size: float, guess: float, target: float) -> tuple[Any, float] | None:
     """Return the simplified solid nearest to `target` triangles and the binary logarithm of its tolerance.
 
     From `guess` the logarithm goes by doubled steps until one leaves more triangles than `target` and one fewer; what
@@ -96,7 +86,7 @@ def _search(solid: Any, size: float, guess: float, target: float) -> tuple[Any, 
     low, high, step = _LEAST, _MOST, 1.0
     power = min(max(guess, low), high)
     for _ in range(_TRIES):
-        simpler = solid.simplify(size * 2.0**power)
+        simpler = body.simplify(size * 2.0**power)
         count = int(simpler.num_tri())
         distance = abs(math.log(max(count, 1) / target))
         if FEWEST <= count < math.sqrt(2) * target and distance < nearest:
