@@ -13,6 +13,7 @@ import inertia
 from inertia.errors import GeometryError, ReadError, UsageError
 from inertia.mass.triangles.moments_from_sums import moments_of
 from inertia.mass.triangles.sums import sum_triangles
+from inertia.report.analysis.document import analysis_document
 from inertia.units import length_unit
 from inertia_meshes import catalogue, path
 from inertia_meshes.rational import moments
@@ -251,8 +252,30 @@ class TestAccuracy:
         assert properties.volume == pytest.approx(float(exact(surface(slanted)).volume), rel=1e-15)
 
     def test_an_accuracy_out_of_reach_is_refused_with_what_was_reached(self):
-        with pytest.raises(GeometryError, match=r"the bound reached by float64.* above .* 1e-15: ask for a larger"):
-            inertia.mass_properties(inertia.read(path("sphere.stl")), accuracy=1e-15, shell=1.0)
+        tiny = surface(mapped(cube(), np.eye(3) * 1e-63))
+        with pytest.raises(
+            GeometryError, match=r"the bound of the tensor reached by exact .* is .*, above .* 1e-15: ask for a larger"
+        ):
+            inertia.mass_properties(tiny, accuracy=1e-15)
+
+    @pytest.mark.parametrize("distance", [10, 1e3, 1e6, 1e12])
+    def test_a_part_far_away_is_judged_by_what_is_known_of_it(self, distance):
+        part = surface(moved(mapped(cube(), np.diag([1.0, 1.5, 0.75])), distance, distance / 3, -distance / 7))
+        part = inertia.Part.from_arrays(part.triangles.corners().reshape(-1, 3), np.arange(36).reshape(-1, 3))
+        true = exact(part)
+        for accuracy in (1.2e-16, "exact"):
+            analysis = inertia.analyse(part, accuracy=accuracy)
+            pair, bound = analysis.properties.center_of_mass_pair()
+            assert bound <= 1.2e-16
+            off = [
+                Fraction(high) + Fraction(low) - k
+                for high, low, k in zip(*pair.tolist(), true.center_of_mass, strict=True)
+            ]
+            assert sum(k * k for k in off) <= Fraction(bound) ** 2
+            document = analysis_document(analysis)
+            assert document["center_of_mass"] == pair[0].tolist()
+            assert document["center_of_mass_low"] == pair[1].tolist()
+            assert document["error"]["center_of_mass_pair"] == bound
 
     def test_an_accuracy_that_no_float64_has_is_refused(self):
         with pytest.raises(UsageError, match=r"accuracy is 1e-17, finer than .* 1\.2e-16: ask for 'exact'"):

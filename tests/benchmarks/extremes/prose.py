@@ -29,8 +29,10 @@ Versions: {versions}.
   small difference of large products. The bound says so, and `--accuracy 1e-12` goes on to double-double or to
   integers.
 * A result that float64 cannot hold is a sentence and exit code 4, never an infinity or a zero.
-* The other programs state no bound. The same call that is right to 1e-16 at the origin is off by many orders of
-  magnitude far away, and mostly no exception or warning tells the two apart.
+* These other programs state no bound. (Geometry kernels do state accuracies: Parasolid, ACIS, OpenCASCADE and Rhino
+  give an estimate of the error with their mass properties. An estimate is no proof.) The same call that is right to
+  1e-16 at the origin is off by many orders of magnitude far away, and mostly no exception or warning tells the two
+  apart.
 
 ## At a glance
 
@@ -49,7 +51,8 @@ costs up to 1.1e-16 and is in both; for the centre of mass that is 1.1e-16 of it
 
 * *lost in the file*: how far the stored part is from the part that was meant, because its coordinates were rounded.
 * *`1e-12` runs*: which method `--accuracy 1e-12` answers with: the cheapest whose bounds, of all quantities, are below
-  1e-12. A needle whose smallest moment would drown goes on to the method that keeps nine digits of it.
+  1e-12; that of the centre of mass for the pair of numbers that is returned then. A needle whose smallest moment would
+  drown goes on to the method that keeps nine digits of it.
 * *refuses*: a sentence and exit code 4, the first of them quoted below the table.
 * *throws*: an exception; *not finite*: an infinity or NaN in the answer; –: not computed, or not installed.
 
@@ -119,9 +122,9 @@ as a binary STL file holds them. {machine}.
 
 NOTES = {
     "Far from the origin": """The solid, one diameter in size, is moved off. All that happens to ours is that the
-coordinates have fewer digits, and that the centre of mass, a large number, is rounded; that rounding is why 1e-12 of
-the diameter cannot be had from 1e6 diameters on. The others sum tetrahedra that reach to the origin, or shift a tensor
-taken about it.""",
+coordinates have fewer digits, and that the centre of mass, a large number, is rounded: its column shows that rounding.
+Who asks for `--accuracy` gets what the rounding took beside it (`center_of_mass_low`). The others sum tetrahedra that
+reach to the origin, or shift a tensor taken about it.""",
     "Very small and very large": """No digits are lost: coordinates beyond 2^±100 are multiplied by a power of two
 first. At 1e-63 m the tensor itself is below the normal range of float64, so fewer digits of it exist.""",
     "Needles": """Stretched by the aspect and, if slanted, turned by a rational rotation. Along the axes, every product

@@ -13,6 +13,7 @@ from dataclasses import dataclass
 from fractions import Fraction
 from functools import cached_property
 from numbers import Real
+from operator import itemgetter
 from typing import Literal
 
 import numpy as np
@@ -63,6 +64,7 @@ class Analysis:
     extents : (2, 3) smallest and largest coordinates, m
     properties : `MassProperties`
     tessellation : bounds on what the triangles left out or added, if a chord tolerance was given or reading chose one
+    accuracy : what was asked for: a relative figure, "exact" or None
     class_tolerance : relative tolerance within which principal moments count as equal
     principal : `Principal`, at that tolerance
     shares : one entry a body or region, where there are several densities
@@ -83,6 +85,7 @@ class Analysis:
     extents: Float
     properties: MassProperties
     tessellation: ErrorBound | None
+    accuracy: Accuracy
     class_tolerance: float
     shares: tuple[BodyShare, ...]
     about: tuple[tuple[float, ...], Float] | None
@@ -120,8 +123,8 @@ def mass_properties(
     material : name(s) in the table of materials, instead of density
     mass : kg, the total weighed; densities then count as proportions
     accuracy : None for float64 with its bound, and more digits only where the volume or a principal moment is not
-        certain to a part in 10⁹; a relative figure that the bound must reach, by the cheapest method that reaches
-        it; or "exact"
+        certain to a part in 10⁹; or "exact"; or a relative figure that the bounds of volume, mass, tensor and, over the
+        size of the part, of `center_of_mass_pair` must reach, by the cheapest method that reaches it
     shell : thickness in the part's unit: the surface itself carries the mass (it may be open)
     wire : cross-section in the part's unit squared: the lines carry the mass
     orientation : "absolute" integrates an inward surface as if it faced outward
@@ -211,10 +214,11 @@ def analyse(
     limit = None if accuracy is None or isinstance(accuracy, str) else accuracy
     answer = _good_enough((_Weighed(part, integral, stated, factor) for integral in integrals), limit)
     integral, properties = answer.integral, answer.properties
-    if limit is not None and answer.bound > limit:
+    if limit is not None and (missed := max(answer.bounds.items(), key=itemgetter(1)))[1] > limit:
+        quantity, bound = missed
         raise GeometryError(
-            f"{part.name}: the bound reached by {integral.method} is {answer.bound:.2g}, above the accuracy asked for, "
-            f"{accuracy:g}: ask for a larger figure"
+            f"{part.name}: the bound of the {quantity} reached by {integral.method} is {bound:.2g}, above the accuracy "
+            f"asked for, {accuracy:g}: ask for a larger figure"
         )
     tolerance = part.chord if chord is None else float(chord)
     tessellation = None if tolerance is None or model != "solid" else answer.tessellation(tolerance)
@@ -238,6 +242,7 @@ def analyse(
         extents=np.array([[float(Fraction(float(x)) * f) for x in row] for row in integral.extents]),
         properties=properties,
         tessellation=tessellation,
+        accuracy=accuracy,
         class_tolerance=class_tolerance,
         shares=answer.shares() if len(integral.groups) > 1 else (),
         about=there,
@@ -295,11 +300,16 @@ class _Weighed:
             return MassProperties.from_moments(self.moments, self.volume, volume_bound, self.integral.method)
 
     @property
-    def bound(self) -> float:
-        """The largest relative bound; the centre of mass counts relative to the size of the part."""
+    def bounds(self) -> dict[str, float]:
+        """The relative bounds of the quantities; that of the centre of mass, as a pair, over the size of the part."""
         error = self.properties.error
         size = float(Fraction(float(np.ptp(self.integral.extents, axis=0).max())) * self.part.unit.metres)
-        return max(error.volume, error.mass, error.inertia, error.center_of_mass / size)
+        return {
+            "volume": error.volume,
+            "mass": error.mass,
+            "tensor": error.inertia,
+            "centre of mass": self.properties.center_of_mass_pair()[1] / size,
+        }
 
     @property
     def mean_density(self) -> Fraction:
@@ -327,7 +337,7 @@ def _good_enough(answers: Iterable[_Weighed], limit: float | None) -> _Weighed:
     """Return the first answer within the limit, the volume and principal moments certain, or the last there is."""
     for answer in answers:
         properties = answer.properties
-        bound = properties.error.volume if limit is None else answer.bound
+        bound = properties.error.volume if limit is None else max(answer.bounds.values())
         if bound <= (limit or CERTAIN) and properties.moments_within(max(limit or CERTAIN, CERTAIN)):
             break
     return answer

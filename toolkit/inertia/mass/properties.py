@@ -131,6 +131,26 @@ class MassProperties:
         object.__setattr__(properties, "_exact", moments.shortened())
         return properties
 
+    def center_of_mass_pair(self) -> tuple[Float, float]:
+        """Return the centre of mass as an unevaluated sum of two float64, (2, 3) m, and the bound on its error, m.
+
+        The first row is `center_of_mass`, the second what rounding took from it: far from the origin a float64 holds
+        the distance, and few digits of where in the part the centre lies. A centre that was given has no second part.
+
+        >>> ball = MassProperties(1.0, 1.0, [0, 0, 0], np.eye(3))
+        >>> pair, bound = (ball.expressed_in(np.eye(3), [-1e6, 0, 0]) + ball).center_of_mass_pair()
+        >>> pair[:, 0].tolist(), bound
+        ([500000.0, 0.0], 0.0)
+        """
+        if self._exact is None:
+            return np.array([self.center_of_mass, np.zeros(3)]), self.error.center_of_mass
+        exact = self._exact.centroid
+        low = [float(k - Fraction(h)) for k, h in zip(exact, self.center_of_mass.tolist(), strict=True)]
+        lost = norm_above(
+            k - Fraction(h) - Fraction(x) for k, h, x in zip(exact, self.center_of_mass.tolist(), low, strict=True)
+        )
+        return np.array([self.center_of_mass, low]), _above(self._exact.centroid_bound + lost)
+
     @cached_property
     def principal(self) -> principals.Principal:
         """Principal moments, axes, their bounds, degenerate subspaces and class, at the default tolerance."""

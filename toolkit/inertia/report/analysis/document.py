@@ -54,14 +54,18 @@ def analysis_document(analysis: Analysis, repaired: Repaired | None = None) -> d
             "principal_axes": principal.axis_bounds.tolist(),
         },
     }
+    if analysis.accuracy is not None:
+        pair, bound = properties.center_of_mass_pair()
+        document["center_of_mass_low"] = pair[1].tolist()
+        document["error"]["center_of_mass_pair"] = bound
     if analysis.tessellation is not None:
         document["error"]["tessellation"] = asdict(analysis.tessellation)
     if analysis.about is not None:
-        (point, tensor), bound = analysis.about, analysis.about_bound
+        (point, tensor), relative = analysis.about, analysis.about_bound
         document["inertia_about"] = {
             "point": list(point),
             "inertia": tensor.tolist(),
-            "error": None if bound is None or math.isinf(bound) else bound,
+            "error": None if relative is None or math.isinf(relative) else relative,
         }
     if analysis.shares:
         document["shares"] = [

@@ -31,6 +31,7 @@ _DENSITY_FROM = {
     ),
 }
 _UNIT_FROM = {"option": "as given", "file": "from the file", "assumed": Sentence("assumed: state it with ", UNIT)}
+_ROUNDING = 2.0**-52
 _LISTED = 12  # names of regions in the text
 _CLASS = {
     "spherical": "spherical (I1 = I2 = I3: every axis is a principal one)",
@@ -127,6 +128,15 @@ def _results(analysis: Analysis) -> Iterator[str]:
     yield from vector("Centre of mass", com)
 
 
+def _rounding_shows(analysis: Analysis) -> bool:
+    """Whether more digits of the centre of mass were asked for than a float64 holds so far from the origin."""
+    if analysis.accuracy is None:
+        return False
+    asked = _ROUNDING if isinstance(analysis.accuracy, str) else analysis.accuracy
+    size = float((analysis.extents[1] - analysis.extents[0]).max())
+    return analysis.properties.error.center_of_mass > asked * size
+
+
 def _tensor(analysis: Analysis) -> list[str]:
     properties = analysis.properties
     return [
@@ -201,7 +211,9 @@ def _closing(analysis: Analysis, repaired: Repaired | None) -> Iterator[str]:
     principal = analysis.principal
     moments = ", ".join(f"{value:.2g}" for value in relative_bounds(principal))
     axes = ", ".join(_angle(value) for value in principal.axis_bounds.tolist())
-    yield row("", f"centre of mass {error.center_of_mass:.2g} m")
+    pair = analysis.properties.center_of_mass_pair()[1]
+    beside = f", as a pair of numbers {pair:.2g} m" if _rounding_shows(analysis) else ""
+    yield row("", f"centre of mass {error.center_of_mass:.2g} m{beside}")
     yield row("", f"principal moments {moments} (relative), axes {axes}")
     if analysis.about_bound is not None:
         yield row("", f"tensor about the point {analysis.about_bound:.2g} (relative)")
