@@ -17,7 +17,7 @@ from inertia.mesh.part import CellBlock, Cells, Part, Regions
 from inertia.units import METRE, length_unit
 from inertia_meshes import catalogue, path
 from inertia_meshes.rational import moments
-from inertia_meshes.shapes import Corners, flipped, moved, sphere
+from inertia_meshes.shapes import Corners, box, flipped, mapped, moved, sphere
 
 STEEL, ALUMINIUM = 7850, 2700
 HOLLOW = (sphere(2, 16), flipped(sphere(1, 16)))
@@ -455,3 +455,34 @@ class TestCells:
         assert_within_bound(result.properties, weighed((hull(TETRA), 1000)))
         (note,) = result.notes + inertia.analyse(cells("tetra", TETRA)).notes
         assert note.startswith("1 cells number their nodes the other way round")
+
+
+def bar(width, generator):
+    """Return a slanted bar of 1 × width × width, its triangles and their corners in any order."""
+    turn = np.array([[2, -1, 2], [2, 2, -1], [-1, 2, 2]]) / 3
+    corners = generator.permutation(mapped(box(1.0, width, width), turn)) + generator.uniform(-1, 1, 3)
+    return np.array([np.roll(corner, generator.integers(3), axis=0) for corner in corners])
+
+
+@pytest.mark.parametrize("width", [1e-6, 1e-7, 1e-8, 1e-10])
+@pytest.mark.parametrize("accuracy", [None, 1e-15, "exact"])
+def test_whether_thin_bars_have_a_volume_is_decided_by_integers(width, accuracy):
+    generator = np.random.default_rng(0)
+    for _ in range(5):
+        part = surface(bar(width, generator), bar(width, generator) + 4)
+        true = exact(part, 1).volume
+        assert 0.9 * 2 * width**2 < true < 1.1 * 2 * width**2 or width < 1e-8
+        if true > 0:
+            properties = inertia.mass_properties(part, accuracy=accuracy)
+            assert_within_bound(properties, exact(part))
+            assert properties.error.volume <= 1e-9
+
+
+@pytest.mark.parametrize("width", [1e-8, 1e-9])
+def test_an_inward_bar_thinner_than_float64_can_tell_is_turned(width):
+    generator = np.random.default_rng(1)
+    for count in (1, 2):
+        bars = [bar(width, generator) + 4 * k for k in range(count)]
+        inward = surface(*(flipped(corners) for corners in bars))
+        properties = inertia.mass_properties(inward, orientation="absolute")
+        assert properties.volume == inertia.mass_properties(surface(*bars)).volume

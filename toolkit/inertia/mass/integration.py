@@ -85,7 +85,7 @@ def surface_integrals(
     if not usable(extents).all() or (topology.open_edges and not shell):
         check(part).require_fit()
     pieces = shells(triangles, topology) if not shell and topology.components != 1 else ()
-    if absolute and not shell and len(wrong := _wrong(pieces, moments_of(sums))):
+    if absolute and not shell and len(wrong := _wrong(triangles, pieces, moments_of(sums))):
         turned = replace(part, geometry=_turned(triangles, np.isin(topology.labels, wrong)))
         note = f"{len(wrong)} of {topology.components} shells turned, as absolute orientation was asked for"
         for integral in surface_integrals(turned, named, accuracy=accuracy):
@@ -107,10 +107,9 @@ def surface_integrals(
     for k, arithmetic in enumerate(tries):
         start, stop = (summed + (1.0 - summed) * step / len(tries) for step in (k, k + 1))
         whole = solid_moments(triangles, arithmetic, sums, _part_of(progress, start, stop))
-        if pieces or whole.zeroth < -whole.zeroth_bound:
+        if (k == 0 and pieces) or whole.zeroth < -whole.zeroth_bound:
             check(part).require_fit()
-        flat = not pieces and whole.zeroth <= whole.zeroth_bound
-        if not flat:
+        if whole.zeroth > whole.zeroth_bound:
             groups = _solid_groups(part, named, topology, pieces, whole, arithmetic)
             yield replace(integral, groups=groups, method=METHODS[arithmetic])
         elif arithmetic == tries[-1]:
@@ -126,10 +125,12 @@ def naming(part: Part) -> Iterator[None]:
         raise placed(fault, part.name) from None
 
 
-def _wrong(pieces: tuple[Shell, ...], whole: Moments) -> Int:
+def _wrong(triangles: Triangles, pieces: tuple[Shell, ...], whole: Moments) -> Int:
     """Return the numbers of the shells that absolute orientation turns."""
     if pieces:
         return absolute_orientation(pieces)
+    if abs(whole.zeroth) <= whole.zeroth_bound:
+        whole = solid_moments(triangles, "exact")
     return np.arange(1 if whole.zeroth < -whole.zeroth_bound else 0)
 
 

@@ -13,6 +13,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from fractions import Fraction
 from typing import Literal
 
 import numpy as np
@@ -28,6 +29,7 @@ _CHUNK = 1 << 16
 _SAMPLES = 8  # places on a shell that are tried, for the one that is clearest of the other shell
 _UNDER = 1e-10  # how far under the surface those places are, over the size of the part
 _NOISE = 1e-13  # rounding of a volume, over the sum of its terms' largest magnitudes
+_STORED = 2.0**-50  # rounding of a stored coordinate, relative to it; what it can do to a volume is that times the area
 
 
 @dataclass(frozen=True, eq=False)
@@ -91,7 +93,10 @@ def shells(triangles: Triangles, closure: Closure) -> tuple[Shell, ...]:
         return scaled
 
     order = members(closure)
-    volumes, signs = _volumes(triangles, closure.labels, local, local(boxes).mean(axis=1))
+    volumes, noise = _volumes(triangles, closure.labels, local, local(boxes).mean(axis=1))
+    if (scarce := np.abs(volumes) <= noise).any():
+        volumes[scarce], noise[scarce] = _exact_volumes(triangles, closure.labels, np.flatnonzero(scarce), exponent)
+    signs = np.where(np.abs(volumes) > noise, np.sign(volumes), 0).astype(np.int64)
     around = _containers(triangles, order, local, boxes, signs)
     with np.errstate(over="ignore", under="ignore"):
         stored = np.ldexp(volumes, 3 * exponent)
@@ -161,8 +166,8 @@ def _boxes(triangles: Triangles, labels: NDArray[np.int32], count: int) -> Float
 
 def _volumes(
     triangles: Triangles, labels: NDArray[np.int32], local: Callable[[Float], Float], origins: Float
-) -> tuple[Float, Int]:
-    """Return each shell's signed volume, ∑ a·(b−a)×(c−a) / 6 about its own origin, and the sign of it."""
+) -> tuple[Float, Float]:
+    """Return each shell's signed volume, ∑ a·(b−a)×(c−a) / 6 about its own origin, and what rounding can do to it."""
     volume, magnitude = np.zeros(len(origins)), np.zeros(len(origins))
     for start in range(0, triangles.count, _CHUNK):
         label = labels[start : start + _CHUNK]
@@ -174,7 +179,32 @@ def _volumes(
         largest = np.sqrt((a * a).sum(axis=1) * ((b - a) ** 2).sum(axis=1) * ((c - a) ** 2).sum(axis=1))
         volume += np.bincount(label, terms, len(origins))
         magnitude += np.bincount(label, largest, len(origins))
-    return volume / 6, np.where(np.abs(volume) > _NOISE * magnitude, np.sign(volume), 0).astype(np.int64)
+    return volume / 6, _NOISE * magnitude / 6
+
+
+def _exact_volumes(triangles: Triangles, labels: NDArray[np.int32], shells: Int, exponent: int) -> tuple[Float, Float]:
+    """Return the signed volumes, ∑ a·b×c / 6 in integers, of the shells numbered, and what storing can do to them.
+
+    Both are over 8^exponent. A shell that the rounding of its own coordinates can have made is no solid.
+    """
+    rows = np.flatnonzero(np.isin(labels, shells))
+    chunks = [rows[start : start + _CHUNK] for start in range(0, len(rows), _CHUNK)]
+    lowest = min(int(np.frexp(triangles.select(chunk).corners())[1].min()) for chunk in chunks)
+    totals, areas, farthest = np.zeros(len(shells), object), np.zeros(len(shells)), np.zeros(len(shells))
+    for chunk in chunks:
+        corners = triangles.select(chunk).corners()
+        place = np.searchsorted(shells, labels[chunk])
+        fractions, exponents = np.frexp(corners)
+        whole = np.ldexp(fractions, 53).astype(np.int64).astype(object) << (exponents - lowest).astype(object)
+        (ax, ay, az), (bx, by, bz), (cx, cy, cz) = whole.transpose(1, 2, 0)
+        terms = ax * (by * cz - bz * cy) + ay * (bz * cx - bx * cz) + az * (bx * cy - by * cx)
+        np.add.at(totals, place, terms)
+        scaled = np.ldexp(corners, -exponent)
+        sides = np.cross(scaled[:, 1] - scaled[:, 0], scaled[:, 2] - scaled[:, 0])
+        np.add.at(areas, place, np.linalg.norm(sides, axis=1) / 2)
+        np.maximum.at(farthest, place, np.abs(scaled).max(axis=(1, 2)))
+    unit = Fraction(2) ** (3 * (lowest - 53 - exponent)) / 6
+    return np.array([float(unit * total) for total in totals.tolist()]), _STORED * areas * farthest
 
 
 def _containers(
