@@ -28,13 +28,13 @@ def test_prints_what_the_page_says(command: str, expected: str, monkeypatch: pyt
     assert program == "inertia"
     monkeypatch.chdir(path("cube.stl").parent)
     monkeypatch.setenv("COLUMNS", "100")
-    said = io.StringIO()
-    with contextlib.redirect_stdout(said), contextlib.redirect_stderr(said):
+    output = io.StringIO()
+    with contextlib.redirect_stdout(output), contextlib.redirect_stderr(output):
         main(arguments)
     checker, flags = doctest.OutputChecker(), doctest.ELLIPSIS | doctest.NORMALIZE_WHITESPACE
     example = doctest.Example(command, expected)
-    assert checker.check_output(expected, said.getvalue(), flags), checker.output_difference(
-        example, said.getvalue(), flags
+    assert checker.check_output(expected, output.getvalue(), flags), checker.output_difference(
+        example, output.getvalue(), flags
     )
 
 

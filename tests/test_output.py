@@ -18,16 +18,16 @@ def test_a_file_that_is_there_is_kept_unless_forced(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize(
-    ("name", "kind", "said"),
+    ("name", "kind", "message"),
     [
         ("run.txt", UsageError, "must end in .svg or .rrd"),
         ("folder.rrd", UsageError, "it is a directory"),
         ("none/run.rrd", InertiaError, "No such file or directory: name a folder that is there"),
     ],
 )
-def test_an_unusable_place_is_refused(tmp_path: Path, name: str, kind: type[Exception], said: str) -> None:
+def test_an_unusable_place_is_refused(tmp_path: Path, name: str, kind: type[Exception], message: str) -> None:
     (tmp_path / "folder.rrd").mkdir()
-    with pytest.raises(kind, match=said):
+    with pytest.raises(kind, match=message):
         require_writable(tmp_path / name, ".svg", ".rrd")
 
 

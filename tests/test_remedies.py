@@ -119,8 +119,8 @@ def test_options_stand_for_fields_that_there_are() -> None:
     sections = json_schema()["properties"]
     for field in balance.FIELDS:
         section, _, name = field.replace("body[0]", "body").partition(".")
-        held = sections[section].get("items", sections[section])["properties"]
-        assert not name or set(name.split(" and ")) <= held.keys()
+        holder = sections[section].get("items", sections[section])["properties"]
+        assert not name or set(name.split(" and ")) <= holder.keys()
     for field in simulate.FIELDS:
         section, _, name = field.partition(".")
         kind = {"run": Settings, "start": Start}[section]

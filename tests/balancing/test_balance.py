@@ -70,13 +70,13 @@ def holes(area: float) -> tuple[complex, complex]:
 def test_case_14_the_analytic_rotor(case_14: Balance) -> None:
     polygon = 128 * math.sin(2 * math.pi / 256)  # the mesh has 256 sides
     in_planes = [plane.initial for plane in case_14.planes]
-    wanted = [-k for k in holes(polygon)]
-    assert max(abs(a - b) for a, b in zip(in_planes, wanted, strict=True)) < 0.01 * GMM
-    assert abs(case_14.initial.static - sum(wanted)) < 0.01 * GMM
+    expected = [-k for k in holes(polygon)]
+    assert max(abs(a - b) for a, b in zip(in_planes, expected, strict=True)) < 0.01 * GMM
+    assert abs(case_14.initial.static - sum(expected)) < 0.01 * GMM
     a, b = case_14.initial.in_planes(0.02, 0.28)
-    at_b = (wanted[0] * 0.07 + wanted[1] * 0.195) / 0.26
+    at_b = (expected[0] * 0.07 + expected[1] * 0.195) / 0.26
     assert abs(b - at_b) < 0.01 * GMM
-    assert abs(a - (sum(wanted) - at_b)) < 0.01 * GMM
+    assert abs(a - (sum(expected) - at_b)) < 0.01 * GMM
 
 
 def test_case_14_as_the_note_has_it(case_14: Balance) -> None:
@@ -210,8 +210,8 @@ def test_a_bent_wheel_asks_its_axle_for_the_textbooks_torque() -> None:
     tilt = answer.tilt.angle
     spin = 600 * math.pi / 30
     # The wheel and its straight axle are one body: its own principal axis, not the wheel's, is tilted by `tilt`.
-    wanted = spin**2 * (moments[2] - moments[0]) * math.sin(tilt) * math.cos(tilt)
-    assert abs(answer.torque(answer.initial)) == pytest.approx(wanted, rel=1e-6)
+    expected = spin**2 * (moments[2] - moments[0]) * math.sin(tilt) * math.cos(tilt)
+    assert abs(answer.torque(answer.initial)) == pytest.approx(expected, rel=1e-6)
     assert answer.initial.kind == "couple"
     assert abs(answer.forces_running_up(answer.initial)[0]) > abs(answer.forces(answer.initial)[0])
 
@@ -271,10 +271,10 @@ def test_near_the_critical_speed_there_is_no_verdict(tmp_path: Path) -> None:
 
 
 def test_a_detected_axis_is_a_candidate_without_a_verdict() -> None:
-    given = Rotor.load(path("rotors/two_disc_rotor.toml")).to_dict()
-    given |= {"axis": {"journals": "detect"}, "plane": []}
-    given["body"][0]["file"] = "two_disc_rotor.stl"
-    answer = balance(Rotor.from_dict(given, path("two_disc_rotor.stl").parent))
+    table = Rotor.load(path("rotors/two_disc_rotor.toml")).to_dict()
+    table |= {"axis": {"journals": "detect"}, "plane": []}
+    table["body"][0]["file"] = "two_disc_rotor.stl"
+    answer = balance(Rotor.from_dict(table, path("two_disc_rotor.stl").parent))
     assert not answer.axis.confirmed
     assert answer.verdict.outcome == "undecided"
     assert "write bearing_a and bearing_b" in answer.verdict.why[-1]
@@ -363,9 +363,9 @@ def test_a_plane_faced_body_has_no_sag(tmp_path: Path) -> None:
 
 
 def test_a_coarse_mesh_leaves_a_verdict_undecided() -> None:
-    given = Rotor.load(path("rotors/two_disc_rotor.toml")).to_dict()
-    given["body"][0] |= {"file": "two_disc_rotor.stl", "chord_tolerance": 0.1}
-    answer = balance(Rotor.from_dict(given, path("two_disc_rotor.stl").parent))
+    table = Rotor.load(path("rotors/two_disc_rotor.toml")).to_dict()
+    table["body"][0] |= {"file": "two_disc_rotor.stl", "chord_tolerance": 0.1}
+    answer = balance(Rotor.from_dict(table, path("two_disc_rotor.stl").parent))
     assert answer.verdict.outcome == "undecided"
     assert re.search(r"what would settle it: a chord tolerance of 0\.00\d+ mm or less", answer.verdict.why[0])
 
@@ -379,7 +379,7 @@ def test_bodies_no_deeper_in_each_other_than_their_chords_only_touch() -> None:
 
 
 @pytest.mark.parametrize(
-    ("changes", "kind", "said"),
+    ("changes", "kind", "message"),
     [
         (
             {"plane": [{"id": "I", "z": 95}]},
@@ -416,10 +416,10 @@ def test_bodies_no_deeper_in_each_other_than_their_chords_only_touch() -> None:
     ],
 )
 def test_a_rotor_that_cannot_be_balanced_is_refused_in_one_sentence(
-    tmp_path: Path, changes: dict, kind: type, said: str
+    tmp_path: Path, changes: dict, kind: type, message: str
 ) -> None:
     write_obj(tmp_path / "open.obj", np.eye(3, 3), [[0, 1, 2]])
-    with pytest.raises(kind, match=said) as caught:
+    with pytest.raises(kind, match=message) as caught:
         of_box(tmp_path, **changes)
     assert str(caught.value).startswith("the rotor: ")
     assert "\n" not in str(caught.value)

@@ -39,32 +39,32 @@ class TestAxis:
     def test_bearings_moved_within_the_radius_stay_within_the_bound(self, two_discs, plate, first, second, flat):
         body = plate if flat else two_discs
         shaft = on_z(*PLANES)
-        given_ = Unbalance.of(body, shaft, radial_uncertainty=self.RADIUS)
+        nominal = Unbalance.of(body, shaft, radial_uncertainty=self.RADIUS)
         a, b = ([self.RADIUS * math.cos(k), self.RADIUS * math.sin(k), 0] for k in (first, second))
         moved_ = Unbalance.of(body, Shaft(shaft.bearing_a + a, shaft.bearing_b + b, [1, 0, 0]))
-        limits = given_.bounds_in_planes(PLANES)
-        changes = zip(given_.in_planes(*PLANES), moved_.in_planes(*PLANES), limits, strict=True)
+        limits = nominal.bounds_in_planes(PLANES)
+        changes = zip(nominal.in_planes(*PLANES), moved_.in_planes(*PLANES), limits, strict=True)
         for was, is_, limit in changes:
             assert abs(is_ - was) <= limit["axis"] * (1 + 1e-3)  # the bound is to first order
 
     def test_the_bound_is_reached_by_the_worst_pair_of_shifts(self, two_discs):
         shaft = on_z(*PLANES)
-        given_ = Unbalance.of(two_discs, shaft, radial_uncertainty=self.RADIUS)
+        nominal = Unbalance.of(two_discs, shaft, radial_uncertainty=self.RADIUS)
         together = np.array([self.RADIUS, 0, 0])
         moved_ = Unbalance.of(two_discs, Shaft(shaft.bearing_a + together, shaft.bearing_b + together, [1, 0, 0]))
-        assert abs(moved_.static - given_.static) == pytest.approx(given_.bounds_of(1.0, 0.0)["axis"], rel=1e-9)
+        assert abs(moved_.static - nominal.static) == pytest.approx(nominal.bounds_of(1.0, 0.0)["axis"], rel=1e-9)
         apart = Unbalance.of(two_discs, Shaft(shaft.bearing_a - together, shaft.bearing_b + together, [1, 0, 0]))
-        assert abs(apart.couple - given_.couple) == pytest.approx(given_.bounds_of(0.0, 1.0)["axis"], rel=0.01)
+        assert abs(apart.couple - nominal.couple) == pytest.approx(nominal.bounds_of(0.0, 1.0)["axis"], rel=0.01)
 
     def test_of_uneven_transverse_moments_the_couple_is_bounded_by_the_larger(self, plate):
         shaft = on_z(*PLANES)
-        given_ = Unbalance.of(plate, shaft, radial_uncertainty=self.RADIUS)
+        nominal = Unbalance.of(plate, shaft, radial_uncertainty=self.RADIUS)
         changes = []
         for angle in np.linspace(0, math.pi, 19):
             off = self.RADIUS * np.array([math.cos(angle), math.sin(angle), 0])
             tilted = Unbalance.of(plate, Shaft(shaft.bearing_a - off, shaft.bearing_b + off, [1, 0, 0]))
-            changes.append(abs(tilted.couple_about(given_.z) - given_.couple))
-        bound = given_.bounds_of(0.0, 1.0)["axis"]
+            changes.append(abs(tilted.couple_about(nominal.z) - nominal.couple))
+        bound = nominal.bounds_of(0.0, 1.0)["axis"]
         assert min(changes) < 0.8 * max(changes)
         assert 0.99 * bound < max(changes) <= bound * (1 + 1e-3)
 
@@ -83,7 +83,7 @@ class TestErrors:
         body = inertia.MassProperties(4.0, 0.0, [1e-3, 2e-3, 0.5], np.diag([2.0, 2.1, 1.0]))
         error = ErrorBound("given", 0.0, 1e-3, 1e-5, 1e-3)
         rng = np.random.default_rng(5)
-        given_ = Unbalance.of(body, on_z(), tessellation=error, chord=1e-5)
+        nominal = Unbalance.of(body, on_z(), tessellation=error, chord=1e-5)
         norm = np.linalg.norm(body.inertia)
         worst = 0.0
         for _ in range(300):
@@ -96,19 +96,19 @@ class TestErrors:
             true = Unbalance.of(
                 inertia.MassProperties(mass, 0.0, body.center_of_mass + shift, body.inertia + skew), on_z()
             )
-            du = abs(true.static - given_.static)
-            assert du <= given_.static_bound
-            assert abs(true.couple_about(given_.z) - given_.couple) <= given_.couple_bound
-            worst = max(worst, du / given_.static_bound)
+            du = abs(true.static - nominal.static)
+            assert du <= nominal.static_bound
+            assert abs(true.couple_about(nominal.z) - nominal.couple) <= nominal.couple_bound
+            worst = max(worst, du / nominal.static_bound)
         assert worst > 0.5
 
     def test_an_eccentric_body_carries_the_error_of_its_place_along_the_shaft_into_the_couple(self):
         body = inertia.MassProperties(4.0, 0.0, [0.3, 0, 0.5], np.eye(3))
         error = ErrorBound("given", 0.0, 0.0, 1e-3, 0.0)
-        given_ = Unbalance.of(body, on_z(), tessellation=error)
+        nominal = Unbalance.of(body, on_z(), tessellation=error)
         true = Unbalance.of(inertia.MassProperties(4.0, 0.0, [0.3, 0, 0.501], np.eye(3)), on_z())
-        change = abs(true.couple_about(given_.z) - given_.couple)
-        assert 0.99 * given_.couple_bound < change <= given_.couple_bound
+        change = abs(true.couple_about(nominal.z) - nominal.couple)
+        assert 0.99 * nominal.couple_bound < change <= nominal.couple_bound
 
     def test_the_cause_and_the_source_are_kept(self):
         body = inertia.MassProperties(4.0, 0.0, [0, 0, 0.5], np.eye(3))

@@ -73,9 +73,9 @@ def seen(unbalance):
 class TestCase14:
     def test_the_closed_form_of_a_flat_face_leaves_what_the_round_entry_lacks(self, rotor, case_14):
         at = (0.09, 0.215)
-        wanted = case_14[0].in_planes(*at)
+        expected = case_14[0].in_planes(*at)
         solids = []
-        for plane, vector in zip(DRILLS, wanted, strict=True):
+        for plane, vector in zip(DRILLS, expected, strict=True):
             diameter = plane.diameters[0]
             depth = radial_depth(STEEL, plane.radius, diameter, abs(vector), plane.point_angle, curved=False)
             solids.append(RadialDrill(plane, STEEL, diameter=diameter).solid(cmath.phase(vector), depth))
@@ -179,8 +179,8 @@ def test_what_is_not_in_the_mesh_is_corrected_as_well():
     part = plate()
     measured = Unbalance(11.0, 0.14, 4e-4, 3e-5j)
     correction = correct([part], [STEEL], on_z(), measured, DRILLS[:1], permits(1, 1000))
-    taken = unbalance_of(correction.parts[0]).static - unbalance_of(part).static
-    assert correction.residual.static == pytest.approx(measured.static + taken, abs=1e-12)
+    change = unbalance_of(correction.parts[0]).static - unbalance_of(part).static
+    assert correction.residual.static == pytest.approx(measured.static + change, abs=1e-12)
     assert correction.residual.mass < 11.0
 
 

@@ -155,7 +155,7 @@ def test_any_rotor_survives_a_round_trip(name: str, z: list, radius: float, angl
 
 
 @pytest.mark.parametrize(
-    ("changes", "said"),
+    ("changes", "message"),
     [
         ({"bdy": []}, "bdy is unknown: did you mean body?"),
         ({"body": None}, "body is missing"),
@@ -210,11 +210,11 @@ def test_any_rotor_survives_a_round_trip(name: str, z: list, radius: float, angl
         ({"key": [{"convention": "G"}]}, "key[0].width is missing"),
     ],
 )
-def test_a_field_that_is_wrong_is_named_in_one_sentence(changes: dict, said: str) -> None:
+def test_a_field_that_is_wrong_is_named_in_one_sentence(changes: dict, message: str) -> None:
     with pytest.raises(UsageError) as caught:
         rotor(**changes)
     assert str(caught.value).startswith("the rotor: ")
-    assert said in str(caught.value)
+    assert message in str(caught.value)
     assert "\n" not in str(caught.value)
 
 

@@ -80,7 +80,7 @@ class TestBound:
         radius, z_a, z_b, n, h = 0.05, 0.1, 0.3, 90, 1e-6
         part = surface(revolved([(0, z_a), (radius, z_a), (radius, z_b), (0, z_b)], n))
         shaft = on_z(0.0, 0.4)
-        found = chord_uncertainty(part, h, STEEL, shaft, 0.2)
+        result = chord_uncertainty(part, h, STEEL, shaft, 0.2)
         middle, width = radius * math.cos(math.pi / n), 2 * radius * math.sin(math.pi / n)
         arms = middle * np.cos(2 * math.pi * (np.arange(n) + 0.5) / n)
         strips = 400
@@ -88,7 +88,7 @@ class TestBound:
         weights = np.abs(lever * along) if lever else np.ones(strips)
         layer = STEEL * h * width * (z_b - z_a) / strips * weights.sum()
         moved_ = layer * (np.abs(arms).sum() if sides == "both" else arms[arms > 0].sum())
-        bound = found.bound(0.0, 1.0) if lever else found.bound(1.0, 0.0)
+        bound = result.bound(0.0, 1.0) if lever else result.bound(1.0, 0.0)
         assert moved_ <= bound < (2.4 if sides == "one" else 1.2) * moved_
 
     def test_a_tenth_of_the_chord_leaves_at_most_a_tenth_of_the_bound(self):

@@ -54,7 +54,7 @@ def main() -> None:
         return
     from .__main__ import _cpu
 
-    found: dict[str, Any] = {"machine": f"{_cpu()}, {os.cpu_count()} cores", "rows": {}}
+    result: dict[str, Any] = {"machine": f"{_cpu()}, {os.cpu_count()} cores", "rows": {}}
     lines = []
     for label, (kind, count, target) in TARGETS.items():
         one = json.loads(python_module("tests.benchmarks.balancing", "--one", kind, count, env={}))
@@ -63,12 +63,12 @@ def main() -> None:
         verdict = "reached" if middle <= target else "missed"
         spread = f"{middle:.2g} ({min(seconds):.2g}–{max(seconds):.2g})"
         lines.append(f"| {label} | {spread} | {target:g} | {verdict} |")
-        found["rows"][label] = one | {"target": target}
+        result["rows"][label] = one | {"target": target}
         print(lines[-1], file=sys.stderr, flush=True)
-    terms = found["rows"]["Monte Carlo, 10 000 draws"]["terms"]
-    text = TEXT.format(rounds=ROUNDS, machine=found["machine"], rows="\n".join(lines), terms=terms)
+    terms = result["rows"]["Monte Carlo, 10 000 draws"]["terms"]
+    text = TEXT.format(rounds=ROUNDS, machine=result["machine"], rows="\n".join(lines), terms=terms)
     (options.into / "balancing-benchmarks.md").write_text(text, encoding="utf-8")
-    (options.into / "balancing-benchmarks.json").write_text(json.dumps(found, indent=1) + "\n", encoding="utf-8")
+    (options.into / "balancing-benchmarks.json").write_text(json.dumps(result, indent=1) + "\n", encoding="utf-8")
 
 
 def analysis(count: int) -> dict[str, Any]:
@@ -112,10 +112,10 @@ def draws(count: int) -> dict[str, Any]:
 
     rotor = Rotor.load(path("rotors/two_disc_rotor.toml"))
     axis = replace(rotor.fields.axis, radial_uncertainty=0.005)
-    found = balance(replace(rotor, fields=replace(rotor.fields, axis=axis)))
-    at, left = found.tolerance_planes, found.residual
-    assert found.correction is not None
-    terms = rotor_terms(left, at) + operation_terms(found.correction.operations, left, at, rotor.shop)
+    result = balance(replace(rotor, fields=replace(rotor.fields, axis=axis)))
+    at, left = result.tolerance_planes, result.residual
+    assert result.correction is not None
+    terms = rotor_terms(left, at) + operation_terms(result.correction.operations, left, at, rotor.shop)
     return {"terms": len(terms), "seconds": _timed(lambda: monte_carlo(left.in_planes(*at), terms, draws=count))}
 
 

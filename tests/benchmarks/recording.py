@@ -88,8 +88,8 @@ def measure(kind: str, count: int) -> dict[str, float]:
         before = _memory("VmRSS")
         begin = time.perf_counter()
         prepared(path)
-        taken = time.perf_counter() - begin
-        return {"rate": count / taken, "bytes": path.stat().st_size / count, "grown_mb": _memory("VmHWM") - before}
+        duration = time.perf_counter() - begin
+        return {"rate": count / duration, "bytes": path.stat().st_size / count, "grown_mb": _memory("VmHWM") - before}
 
 
 def frames(count: int, *, full: bool) -> Callable[[Path], None]:

@@ -33,30 +33,30 @@ def document(capsys: pytest.CaptureFixture[str], *arguments: str) -> dict:
 
 
 def test_the_document_holds_the_contract(capsys: pytest.CaptureFixture[str]) -> None:
-    found = document(capsys, ROTOR)
-    assert found["schema"] == "inertia/balance/1"
-    assert found["verdict"] in ("pass", "fail", "undecided")
-    assert found["mass"] == pytest.approx(11.014, abs=5e-4)
-    assert found["static_unbalance"] == {
+    result = document(capsys, ROTOR)
+    assert result["schema"] == "inertia/balance/1"
+    assert result["verdict"] in ("pass", "fail", "undecided")
+    assert result["mass"] == pytest.approx(11.014, abs=5e-4)
+    assert result["static_unbalance"] == {
         "gmm": pytest.approx(762.82, abs=5e-3),
         "deg": pytest.approx(8.67, abs=5e-3),
     }
-    assert set(found["couple_unbalance"]) == {"gmm2", "deg"}
+    assert set(result["couple_unbalance"]) == {"gmm2", "deg"}
     places = {"id", "z_mm", "unbalance", "permissible_gmm", "bearing_force_N"}
     for planes in ("tolerance_planes", "correction_planes"):
-        assert all(places <= set(plane) for plane in found[planes])
-        assert all(places <= set(plane) for plane in found["residual"][planes])
-    a, b = found["tolerance_planes"]
+        assert all(places <= set(plane) for plane in result[planes])
+        assert all(places <= set(plane) for plane in result["residual"][planes])
+    a, b = result["tolerance_planes"]
     assert (a["id"], a["z_mm"], b["id"], b["z_mm"]) == ("A", 20.0, "B", pytest.approx(280.0))
     assert (a["unbalance"]["gmm"], a["bearing_force_N"]) == pytest.approx((247.2, 24.4), abs=0.05)
     assert a["permissible_gmm"] + b["permissible_gmm"] == pytest.approx(220.87, abs=0.01)
-    assert [plane["unbalance"]["gmm"] for plane in found["correction_planes"]] == pytest.approx(
+    assert [plane["unbalance"]["gmm"] for plane in result["correction_planes"]] == pytest.approx(
         [863.07, 1597.9], abs=6e-3
     )
-    assert [work["method"] for work in found["corrections"]] == ["remove", "remove"]
-    assert found["corrections"][0]["angle_deg"] == pytest.approx(210, abs=0.25)
-    assert found["residual"]["tolerance_planes"][0]["unbalance"]["gmm"] < 1
-    assert found["axis"]["confirmed"] is True
+    assert [work["method"] for work in result["corrections"]] == ["remove", "remove"]
+    assert result["corrections"][0]["angle_deg"] == pytest.approx(210, abs=0.25)
+    assert result["residual"]["tolerance_planes"][0]["unbalance"]["gmm"] < 1
+    assert result["axis"]["confirmed"] is True
 
 
 def test_a_rotor_that_is_corrected_passes(capsys: pytest.CaptureFixture[str]) -> None:
@@ -77,32 +77,32 @@ def test_the_short_form_fails_where_nothing_is_corrected(capsys: pytest.CaptureF
 
 def test_the_short_form_drills_where_it_is_told(capsys: pytest.CaptureFixture[str]) -> None:
     assert run(capsys, *SHORT, "--material", "steel", "--drill", "10,12,16")[0] == 0
-    found = document(capsys, *SHORT, "--material", "steel", "--drill", "10,12,16")
-    assert [work["kind"] for work in found["corrections"]] == ["drill_radial", "drill_radial"]
-    assert [work["radius_mm"] for work in found["corrections"]] == pytest.approx([100, 80], abs=1e-5)
+    result = document(capsys, *SHORT, "--material", "steel", "--drill", "10,12,16")
+    assert [work["kind"] for work in result["corrections"]] == ["drill_radial", "drill_radial"]
+    assert [work["radius_mm"] for work in result["corrections"]] == pytest.approx([100, 80], abs=1e-5)
 
 
 def test_short_form_and_file_say_the_same(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
     _, text, _ = run(capsys, *SHORT, "--material", "steel", "--to-toml")
     (tmp_path / "rotor.toml").write_text(text)
     one, other = document(capsys, *SHORT, "--material", "steel"), document(capsys, str(tmp_path / "rotor.toml"))
-    for found in (one, other):
-        del found["rotor"]
+    for result in (one, other):
+        del result["rotor"]
     assert one == other
 
 
 def test_an_axis_off_the_origin_is_given_by_a_point(capsys: pytest.CaptureFixture[str]) -> None:
     axis = ("--through", "0.5,0,7", "--bearings", "20,280")
-    found = document(capsys, MESH, "--axis", "0,0,2", *axis, "--rpm", "3000", "--e-um", "10", "--density", "7850")
-    assert found["axis"]["bearing_a_mm"] == pytest.approx([0.5, 0, 20])
-    assert found["axis"]["bearing_b_mm"] == pytest.approx([0.5, 0, 280])
+    result = document(capsys, MESH, "--axis", "0,0,2", *axis, "--rpm", "3000", "--e-um", "10", "--density", "7850")
+    assert result["axis"]["bearing_a_mm"] == pytest.approx([0.5, 0, 20])
+    assert result["axis"]["bearing_b_mm"] == pytest.approx([0.5, 0, 280])
 
 
 def test_places_may_be_negative(capsys: pytest.CaptureFixture[str]) -> None:
-    found = document(
+    result = document(
         capsys, str(path("disc.stl")), "--axis", "z", "--bearings", "-20,20", "--rpm", "300", "--grade", "40"
     )
-    assert [plane["z_mm"] for plane in found["tolerance_planes"]] == [-20, 20]
+    assert [plane["z_mm"] for plane in result["tolerance_planes"]] == [-20, 20]
 
 
 def test_without_an_axis_candidates_are_listed_and_nothing_is_judged(capsys: pytest.CaptureFixture[str]) -> None:
@@ -116,9 +116,9 @@ def test_without_an_axis_candidates_are_listed_and_nothing_is_judged(capsys: pyt
 def test_every_sample_gets_a_verdict_and_nothing_else_on_standard_output(name: str) -> None:
     command = [sys.executable, "-c", "from inertia_cli.main import run; run()", "balance", str(path(name)), "--json"]
     done = subprocess.run(command, capture_output=True, text=True, check=False)
-    found = json.loads(done.stdout)
+    result = json.loads(done.stdout)
     assert done.stderr == ""
-    assert done.returncode == {"pass": 0, "fail": 5, "undecided": 4}[found["verdict"]]
+    assert done.returncode == {"pass": 0, "fail": 5, "undecided": 4}[result["verdict"]]
 
 
 UNINSTALLED = """
@@ -162,11 +162,11 @@ def test_the_corrected_mesh_is_written_and_is_within_the_tolerance(
     file = tmp_path / "cut.stl"
     assert run(capsys, ROTOR, "--cut-part", str(file))[0] == 0
     arguments = (str(file), *SHORT[1:], "--material", "steel", "--chord", "0")
-    found = document(capsys, *arguments)
-    assert found["verdict"] == "pass"
+    result = document(capsys, *arguments)
+    assert result["verdict"] == "pass"
     after = document(capsys, ROTOR)["residual"]
-    assert found["mass"] == pytest.approx(after["mass"], rel=1e-7)
-    for plane, cut in zip(after["tolerance_planes"], found["tolerance_planes"], strict=True):
+    assert result["mass"] == pytest.approx(after["mass"], rel=1e-7)
+    for plane, cut in zip(after["tolerance_planes"], result["tolerance_planes"], strict=True):
         assert cut["unbalance"]["gmm"] == pytest.approx(plane["unbalance"]["gmm"], abs=0.01)  # float32 in the file
 
 
@@ -195,7 +195,7 @@ def test_the_schema_is_printed(capsys: pytest.CaptureFixture[str]) -> None:
 
 
 @pytest.mark.parametrize(
-    ("code", "arguments", "said"),
+    ("code", "arguments", "message"),
     [
         (2, [], "no rotor is named"),
         (2, [ROTOR, "--rpm", "3000"], "--rpm goes with a part"),
@@ -224,10 +224,10 @@ def test_the_schema_is_printed(capsys: pytest.CaptureFixture[str]) -> None:
     ],
 )
 def test_a_fault_is_one_sentence_and_a_code(
-    capsys: pytest.CaptureFixture[str], code: int, arguments: list[str], said: str
+    capsys: pytest.CaptureFixture[str], code: int, arguments: list[str], message: str
 ) -> None:
-    left, out, err = run(capsys, *arguments)
-    assert (left, out, err.count("\n")) == (code, "", 1)
+    status, out, err = run(capsys, *arguments)
+    assert (status, out, err.count("\n")) == (code, "", 1)
     assert err.startswith("inertia")
-    assert said in err
+    assert message in err
     assert "Traceback" not in err

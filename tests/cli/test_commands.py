@@ -40,10 +40,10 @@ def document(capsys: pytest.CaptureFixture[str], *arguments: str) -> dict:
 def sentence(capsys: pytest.CaptureFixture[str], code: int, *arguments: str) -> str:
     """Run a command that must fail, and return the one line that it says."""
     try:
-        left = main(arguments)
+        status = main(arguments)
     except SystemExit as leaving:
-        left = leaving.code
-    assert left == code
+        status = leaving.code
+    assert status == code
     captured = capsys.readouterr()
     assert captured.out == ""
     assert captured.err.count("\n") == 1
@@ -53,41 +53,41 @@ def sentence(capsys: pytest.CaptureFixture[str], code: int, *arguments: str) -> 
 
 def test_the_document_holds_the_contract(capsys: pytest.CaptureFixture[str]) -> None:
     file = str(path("two_disc_rotor.stl"))
-    found = document(capsys, "analyse", file, "--density", "7850", "--about", "0,0,150")
+    result = document(capsys, "analyse", file, "--density", "7850", "--about", "0,0,150")
     fields = (
         "schema source unit unit_from density density_from mesh volume area mass center_of_mass inertia "
         "principal_moments principal_axes class error inertia_about"
     )
-    assert set(fields.split()) <= set(found)
-    assert found["schema"] == "inertia/analysis/1"
-    assert set(found["source"]) == {"path", "sha256", "format"}
-    assert (found["source"]["path"], found["source"]["format"]) == (file, "stl")
-    assert (found["unit"], found["unit_from"]) == ("mm", "assumed")
-    assert (found["density"], found["density_from"]) == (7850.0, "option")
-    assert found["mesh"] == {"triangles": 5640, "closed": True, "bodies": 1}
-    assert found["class"] == "asymmetric"
+    assert set(fields.split()) <= set(result)
+    assert result["schema"] == "inertia/analysis/1"
+    assert set(result["source"]) == {"path", "sha256", "format"}
+    assert (result["source"]["path"], result["source"]["format"]) == (file, "stl")
+    assert (result["unit"], result["unit_from"]) == ("mm", "assumed")
+    assert (result["density"], result["density_from"]) == (7850.0, "option")
+    assert result["mesh"] == {"triangles": 5640, "closed": True, "bodies": 1}
+    assert result["class"] == "asymmetric"
     bounds = {"volume", "mass", "center_of_mass", "inertia", "principal_moments", "principal_axes"}
-    assert set(found["error"]) == {"method", *bounds}
-    assert found["inertia_about"]["point"] == [0.0, 0.0, 150.0]
+    assert set(result["error"]) == {"method", *bounds}
+    assert result["inertia_about"]["point"] == [0.0, 0.0, 150.0]
 
 
 def test_the_numbers_are_those_of_the_mesh(capsys: pytest.CaptureFixture[str]) -> None:
     known = catalogue()["two_disc_rotor.stl"]["mesh"]
-    found = document(capsys, "analyse", str(path("two_disc_rotor.stl")), "--density", "2", "--about", "1,-2,3")
-    assert found["volume"] == pytest.approx(known["volume"] * MM**3, rel=1e-14)
-    assert found["mass"] == pytest.approx(2 * known["volume"] * MM**3, rel=1e-14)
+    result = document(capsys, "analyse", str(path("two_disc_rotor.stl")), "--density", "2", "--about", "1,-2,3")
+    assert result["volume"] == pytest.approx(known["volume"] * MM**3, rel=1e-14)
+    assert result["mass"] == pytest.approx(2 * known["volume"] * MM**3, rel=1e-14)
     com, tensor = np.array(known["center_of_mass"]) * MM, 2 * np.array(known["inertia"]) * MM**5
-    np.testing.assert_allclose(found["center_of_mass"], com, rtol=0, atol=2e-16)
-    np.testing.assert_allclose(found["inertia"], tensor, rtol=0, atol=1e-14 * np.linalg.norm(tensor))
+    np.testing.assert_allclose(result["center_of_mass"], com, rtol=0, atol=2e-16)
+    np.testing.assert_allclose(result["inertia"], tensor, rtol=0, atol=1e-14 * np.linalg.norm(tensor))
     d = com - np.array([1, -2, 3]) * MM
-    shifted = tensor + found["mass"] * (d @ d * np.eye(3) - np.outer(d, d))
-    np.testing.assert_allclose(found["inertia_about"]["inertia"], shifted, rtol=1e-12)
+    shifted = tensor + result["mass"] * (d @ d * np.eye(3) - np.outer(d, d))
+    np.testing.assert_allclose(result["inertia_about"]["inertia"], shifted, rtol=1e-12)
 
 
 def test_the_axes_are_written_row_by_row(capsys: pytest.CaptureFixture[str]) -> None:
-    found = document(capsys, "analyse", str(path("tetrahedron.stl")))
-    axes, tensor = np.array(found["principal_axes"]), np.array(found["inertia"])
-    moments = np.array(found["principal_moments"])
+    result = document(capsys, "analyse", str(path("tetrahedron.stl")))
+    axes, tensor = np.array(result["principal_axes"]), np.array(result["inertia"])
+    moments = np.array(result["principal_moments"])
     np.testing.assert_allclose(tensor @ axes, axes * moments, atol=1e-14 * moments[2])
     assert np.linalg.det(axes) == pytest.approx(1)
     assert (np.diff(moments) > 0).all()
@@ -96,31 +96,31 @@ def test_the_axes_are_written_row_by_row(capsys: pytest.CaptureFixture[str]) -> 
 def test_numbers_read_back_as_the_same_floats(capsys: pytest.CaptureFixture[str]) -> None:
     file = path("ellipsoid.stl")
     properties = inertia.analyse(inertia.read(file), material="titanium").properties
-    found = document(capsys, "analyze", str(file), "--material", "titanium")
-    assert found["mass"] == properties.mass
-    assert found["inertia"] == properties.inertia.tolist()
-    assert found["density_from"] == "material"
+    result = document(capsys, "analyze", str(file), "--material", "titanium")
+    assert result["mass"] == properties.mass
+    assert result["inertia"] == properties.inertia.tolist()
+    assert result["density_from"] == "material"
 
 
 @pytest.mark.parametrize(
-    ("options", "density", "said"),
+    ("options", "density", "source"),
     [([], 1000.0, "assumed"), (["--mass", "3"], 3e6, "mass"), (["--material", "Steel"], 7850.0, "material")],
 )
 def test_says_where_the_density_came_from(
-    capsys: pytest.CaptureFixture[str], options: list[str], density: float, said: str
+    capsys: pytest.CaptureFixture[str], options: list[str], density: float, source: str
 ) -> None:
-    found = document(capsys, "analyse", str(path("cube.stl")), *options)
-    assert (found["density"], found["density_from"]) == (pytest.approx(density), said)
+    result = document(capsys, "analyse", str(path("cube.stl")), *options)
+    assert (result["density"], result["density_from"]) == (pytest.approx(density), source)
 
 
 def test_a_body_each_with_its_density(capsys: pytest.CaptureFixture[str]) -> None:
     known = catalogue()["shaft_impeller.obj"]
     arguments = [part for name, of in known["parts"].items() for part in ("--density", f"{name}={of['density']}")]
-    found = document(capsys, "analyse", str(path("shaft_impeller.obj")), *arguments)
-    assert {share["name"] for share in found["shares"]} == set(known["parts"])
-    for share in found["shares"]:
+    result = document(capsys, "analyse", str(path("shaft_impeller.obj")), *arguments)
+    assert {share["name"] for share in result["shares"]} == set(known["parts"])
+    for share in result["shares"]:
         assert share["volume"] == pytest.approx(known["parts"][share["name"]]["mesh"]["volume"] * MM**3, rel=1e-13)
-    assert found["mass"] == pytest.approx(sum(share["mass"] for share in found["shares"]), rel=1e-15)
+    assert result["mass"] == pytest.approx(sum(share["mass"] for share in result["shares"]), rel=1e-15)
 
 
 def test_a_point_is_taken_as_written_with_the_bound_of_its_tensor(capsys: pytest.CaptureFixture[str]) -> None:
@@ -136,8 +136,8 @@ def test_a_point_is_taken_as_written_with_the_bound_of_its_tensor(capsys: pytest
 
 def test_a_point_may_begin_with_a_minus(capsys: pytest.CaptureFixture[str]) -> None:
     for arguments in (["--about", "-1,2,3"], ["--about=-1,2,3"]):
-        found = document(capsys, "analyse", str(path("cube.stl")), *arguments)
-        assert found["inertia_about"]["point"] == [-1.0, 2.0, 3.0]
+        result = document(capsys, "analyse", str(path("cube.stl")), *arguments)
+        assert result["inertia_about"]["point"] == [-1.0, 2.0, 3.0]
 
 
 def test_the_text_states_what_a_report_needs(capsys: pytest.CaptureFixture[str]) -> None:
@@ -165,11 +165,11 @@ def test_the_text_states_what_a_report_needs(capsys: pytest.CaptureFixture[str])
 
 def test_a_repair_is_listed_with_its_effect(capsys: pytest.CaptureFixture[str]) -> None:
     file = str(path("broken/missing_face.stl"))
-    found = document(capsys, "analyse", file, "--repair")
-    (change,) = found["repair"]["changes"]
+    result = document(capsys, "analyse", file, "--repair")
+    (change,) = result["repair"]["changes"]
     assert (change["what"], change["count"]) == ("holes filled", 1)
-    assert found["repair"]["volume_before"] == pytest.approx(11 / 12 * 1e-6)
-    assert found["repair"]["volume_after"] == found["volume"] == pytest.approx(1e-6)
+    assert result["repair"]["volume_before"] == pytest.approx(11 / 12 * 1e-6)
+    assert result["repair"]["volume_after"] == result["volume"] == pytest.approx(1e-6)
     assert main(["analyse", file, "--repair"]) == 0
     assert "holes filled: 1 (of 3 edges" in capsys.readouterr().out
 
@@ -179,14 +179,14 @@ def test_welding_is_listed_too(capsys: pytest.CaptureFixture[str], tmp_path: Pat
     corners[0] += 1e-4
     file = stl(tmp_path, corners)
     assert "open" in sentence(capsys, 4, "analyse", file)
-    found = document(capsys, "analyse", file, "--weld", "1e-3")
-    assert found["repair"]["changes"][0]["largest_move"] == pytest.approx(np.sqrt(3) * 1e-7, rel=0.05)
+    result = document(capsys, "analyse", file, "--weld", "1e-3")
+    assert result["repair"]["changes"][0]["largest_move"] == pytest.approx(np.sqrt(3) * 1e-7, rel=0.05)
     assert main(["analyse", str(path("cube.stl")), "--weld", "1e-3"]) == 0
     assert "nothing to repair" in capsys.readouterr().out
 
 
 @pytest.mark.parametrize(
-    ("code", "arguments", "said"),
+    ("code", "arguments", "words"),
     [
         (2, ["analyse"], "required: PART"),
         (2, ["analyse", "cube.stl", "--frobnicate"], "--frobnicate"),
@@ -218,13 +218,13 @@ def test_welding_is_listed_too(capsys: pytest.CaptureFixture[str], tmp_path: Pat
     ],
 )
 def test_a_fault_is_one_sentence_and_a_code(
-    capsys: pytest.CaptureFixture[str], code: int, arguments: list[str], said: str
+    capsys: pytest.CaptureFixture[str], code: int, arguments: list[str], words: str
 ) -> None:
     command, *rest = arguments
     located = [str(path("cube.stl").parent / part) if part.endswith(".stl") else part for part in rest]
     message = sentence(capsys, code, command, *located)
     assert message.startswith("inertia")
-    assert said in message
+    assert words in message
     if code > 2:
         assert located[0] in message
 
@@ -259,17 +259,17 @@ def test_check_forgives_orientation_when_asked(capsys: pytest.CaptureFixture[str
 
 def test_the_document_of_a_check_says_where(capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["check", str(path("broken/missing_face.stl")), "--json"]) == 4
-    found = json.loads(capsys.readouterr().out)
-    assert (found["schema"], found["fit"], found["closed"], found["consistent"]) == (
+    result = json.loads(capsys.readouterr().out)
+    assert (result["schema"], result["fit"], result["closed"], result["consistent"]) == (
         "inertia/check/1",
         False,
         False,
         True,
     )
-    (loop,) = found["loops"]
+    (loop,) = result["loops"]
     assert loop["edges"] == 3
     assert loop["length"] == pytest.approx(20 + 200**0.5)
-    assert found["findings"][0]["faces"] == [0]
+    assert result["findings"][0]["faces"] == [0]
 
 
 def test_check_finds_crossings_when_asked(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:

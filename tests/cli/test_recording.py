@@ -38,8 +38,8 @@ def test_a_scene_is_recorded_and_run_again(capsys: pytest.CaptureFixture[str], t
 
 def test_a_tumbling_part_is_recorded_and_run_again(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
     file = str(tmp_path / "run.rrd")
-    given = ("--material", "steel", "--unit", "mm")
-    code, out, err = run(capsys, "tumble", HANDLE, *SPIN, *given, "--output", file, "--json")
+    arguments = ("--material", "steel", "--unit", "mm")
+    code, out, err = run(capsys, "tumble", HANDLE, *SPIN, *arguments, "--output", file, "--json")
     assert (code, err) == (0, "")
     again = json.loads(run(capsys, "simulate", file, "--json")[1])
     assert again["attitude"] == json.loads(out)["attitude"]
@@ -54,8 +54,8 @@ def test_a_part_with_several_densities_comes_back_as_its_tensor(
     bar = str(path("two_region_bar.vtk"))
     regions = json.loads(run(capsys, "check", bar, "--json")[1])
     assert regions["schema"] == "inertia/check/1"
-    given = ("--density", "1=1000", "--density", "2=3000", "--unit", "mm")
-    code, out, _ = run(capsys, "tumble", bar, *SPIN, *given, "-o", file, "--json")
+    arguments = ("--density", "1=1000", "--density", "2=3000", "--unit", "mm")
+    code, out, _ = run(capsys, "tumble", bar, *SPIN, *arguments, "-o", file, "--json")
     assert code == 0
     again = json.loads(run(capsys, "simulate", file, "--json")[1])
     assert again["body"]["part"] is None
@@ -74,7 +74,7 @@ def test_overwriting_asks_for_force(capsys: pytest.CaptureFixture[str], tmp_path
 
 
 @pytest.mark.parametrize(
-    ("code", "arguments", "said"),
+    ("code", "arguments", "message"),
     [
         (2, ["simulate", SCENE, "-o", "run.txt"], "its name must end in .rrd"),
         (2, ["simulate", SCENE, "-o", "run.rrd", "--explain"], "--explain runs nothing that could be recorded"),
@@ -90,12 +90,12 @@ def test_a_fault_is_one_sentence_and_a_code(
     tmp_path: Path,
     code: int,
     arguments: list[str],
-    said: str,
+    message: str,
 ) -> None:
     monkeypatch.chdir(tmp_path)
-    left, out, err = run(capsys, *arguments)
-    assert (left, out, err.count("\n")) == (code, "", 1)
-    assert said in err
+    status, out, err = run(capsys, *arguments)
+    assert (status, out, err.count("\n")) == (code, "", 1)
+    assert message in err
     assert list(tmp_path.iterdir()) == []
 
 

@@ -16,11 +16,11 @@ def test_the_estimate_is_near_the_error_of_the_ball(tmp_path: Path, capsys: pyte
     file = tmp_path / "ball.step"
     file.write_text(step_sphere(20.0))
     assert main(["analyse", str(file), "--density", "1000", "--richardson", "--json"]) == 0
-    found = json.loads(capsys.readouterr().out)
+    result = json.loads(capsys.readouterr().out)
     true = 4 / 3 * math.pi * 0.02**3
-    lost = (true - found["volume"]) / found["volume"]
+    lost = (true - result["volume"]) / result["volume"]
     assert 0 < lost < 3e-3
-    assert found["error"]["tessellation"]["volume"] == pytest.approx(lost, rel=0.5)
+    assert result["error"]["tessellation"]["volume"] == pytest.approx(lost, rel=0.5)
     assert main(["analyse", str(file), "--richardson"]) == 0
     assert "Richardson estimate" in capsys.readouterr().out
 

@@ -44,20 +44,20 @@ def scene(tmp_path: Path, text: str = PLAIN) -> str:
 def test_the_document_holds_the_contract(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
     code, out, err = run(capsys, "simulate", scene(tmp_path), "--json")
     assert (code, err) == (0, "")
-    found = json.loads(out)
-    assert (found["schema"], found["model"]) == ("inertia/run/1", "asymmetric top")
-    assert all(sentence.endswith(".") for sentence in found["why"])
-    assert set(found["accuracy"]) == {"requested", "reached", "method"}
-    assert 0 < found["accuracy"]["reached"] <= found["accuracy"]["requested"] == 1e-10
-    assert found["time"] == [0, 1, 2, 3, 4, 5]
-    assert np.shape(found["attitude"]) == (6, 4)
-    assert np.shape(found["angular_velocity"]) == np.shape(found["angular_momentum"]) == (6, 3)
-    assert found["angular_velocity"][0] == pytest.approx([0.1, 2.0, 0.3], rel=1e-15)
-    assert found["attitude"][0] == [0, 0, 0, 1]
-    assert len(found["energy"]) == 6
-    assert found["invariants"]["energy"]["initial"] == found["energy"][0]
-    assert found["invariants"]["angular momentum"]["initial"] == found["angular_momentum"][0]
-    assert 0 <= found["invariants"]["energy"]["largest_relative_drift"] < 1e-14
+    result = json.loads(out)
+    assert (result["schema"], result["model"]) == ("inertia/run/1", "asymmetric top")
+    assert all(sentence.endswith(".") for sentence in result["why"])
+    assert set(result["accuracy"]) == {"requested", "reached", "method"}
+    assert 0 < result["accuracy"]["reached"] <= result["accuracy"]["requested"] == 1e-10
+    assert result["time"] == [0, 1, 2, 3, 4, 5]
+    assert np.shape(result["attitude"]) == (6, 4)
+    assert np.shape(result["angular_velocity"]) == np.shape(result["angular_momentum"]) == (6, 3)
+    assert result["angular_velocity"][0] == pytest.approx([0.1, 2.0, 0.3], rel=1e-15)
+    assert result["attitude"][0] == [0, 0, 0, 1]
+    assert len(result["energy"]) == 6
+    assert result["invariants"]["energy"]["initial"] == result["energy"][0]
+    assert result["invariants"]["angular momentum"]["initial"] == result["angular_momentum"][0]
+    assert 0 <= result["invariants"]["energy"]["largest_relative_drift"] < 1e-14
 
 
 def test_numbers_read_back_as_they_were(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
@@ -65,10 +65,10 @@ def test_numbers_read_back_as_they_were(capsys: pytest.CaptureFixture[str], tmp_
     from inertia.dynamics.simulate import simulate
 
     file = scene(tmp_path)
-    found = json.loads(run(capsys, "simulate", file, "--json")[1])
+    result = json.loads(run(capsys, "simulate", file, "--json")[1])
     again = simulate(Scene.load(file))
-    assert np.array_equal(found["attitude"], again.attitude)
-    assert np.array_equal(found["angular_momentum"], again.angular_momentum)
+    assert np.array_equal(result["attitude"], again.attitude)
+    assert np.array_equal(result["angular_momentum"], again.angular_momentum)
 
 
 def test_the_text_tells_what_ran_and_what_came_out(capsys: pytest.CaptureFixture[str]) -> None:
@@ -89,10 +89,10 @@ def test_every_sample_scene_runs_to_its_accuracy(capsys: pytest.CaptureFixture[s
     file = path(name)
     code, out, err = run(capsys, "simulate", str(file), "--json", "--samples", "21")
     assert (code, err) == (0, "")
-    found = json.loads(out)
-    assert found["accuracy"]["reached"] <= found["accuracy"]["requested"]
+    result = json.loads(out)
+    assert result["accuracy"]["reached"] <= result["accuracy"]["requested"]
     assert (
-        found["model"]
+        result["model"]
         == {
             "cat": "deforming body",
             "cube": "spherical top",
@@ -117,8 +117,8 @@ def test_every_sample_scene_runs_to_its_accuracy(capsys: pytest.CaptureFixture[s
 
 
 def test_the_plate_wobbles_twice_as_fast_as_it_spins(capsys: pytest.CaptureFixture[str]) -> None:
-    found = json.loads(run(capsys, "simulate", str(path("scenes/feynman_plate.toml")), "--json")[1])
-    assert found["quantities"]["precession of the body"] == pytest.approx(2 * math.hypot(20, 0.25))
+    result = json.loads(run(capsys, "simulate", str(path("scenes/feynman_plate.toml")), "--json")[1])
+    assert result["quantities"]["precession of the body"] == pytest.approx(2 * math.hypot(20, 0.25))
 
 
 def test_explorer_ends_on_its_largest_axis(capsys: pytest.CaptureFixture[str]) -> None:
@@ -129,11 +129,11 @@ def test_explorer_ends_on_its_largest_axis(capsys: pytest.CaptureFixture[str]) -
 
 def test_options_go_before_the_scene(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
     changed = ("--for", "2", "--samples", "3", "--accuracy", "1e-8", "--method", "DOP853")
-    found = json.loads(run(capsys, "simulate", scene(tmp_path), "--json", *changed)[1])
-    assert found["time"] == [0, 1, 2]
-    assert found["accuracy"]["requested"] == 1e-8
-    assert (found["model"], found["accuracy"]["method"]) == ("Euler equations", "DOP853")
-    assert found["steps"] > 0
+    result = json.loads(run(capsys, "simulate", scene(tmp_path), "--json", *changed)[1])
+    assert result["time"] == [0, 1, 2]
+    assert result["accuracy"]["requested"] == 1e-8
+    assert (result["model"], result["accuracy"]["method"]) == ("Euler equations", "DOP853")
+    assert result["steps"] > 0
     forced = json.loads(run(capsys, "simulate", scene(tmp_path), "--json", "--model", "Euler equations")[1])
     assert forced["why"][-1] == "The scene asks for this model."
 
@@ -147,19 +147,19 @@ def test_explaining_runs_nothing(
     assert "Model             asymmetric top\n" in out
     assert "Jacobi's elliptic functions" in out
     assert "Accuracy" not in out
-    found = json.loads(run(capsys, "simulate", scene(tmp_path), "--explain", "--json")[1])
-    assert (found["schema"], found["model"], found["method"]) == ("inertia/plan/1", "asymmetric top", None)
+    result = json.loads(run(capsys, "simulate", scene(tmp_path), "--explain", "--json")[1])
+    assert (result["schema"], result["model"], result["method"]) == ("inertia/plan/1", "asymmetric top", None)
 
 
 def test_a_part_tumbles_about_its_principal_axes(capsys: pytest.CaptureFixture[str]) -> None:
     code, out, err = run(capsys, "tumble", HANDLE, *SPIN, "--material", "steel", "--unit", "mm", "--json")
     assert (code, err) == (0, "")
-    found = json.loads(out)
-    assert found["model"] == "asymmetric top"
-    axes = np.array(found["body"]["principal_axes"])
-    np.testing.assert_allclose(found["angular_velocity"][0], axes @ [0.001, 10, 0], atol=1e-15)
-    assert found["warnings"] == []
-    assert [event["name"] for event in found["events"]] == ["flip", "flip"]
+    result = json.loads(out)
+    assert result["model"] == "asymmetric top"
+    axes = np.array(result["body"]["principal_axes"])
+    np.testing.assert_allclose(result["angular_velocity"][0], axes @ [0.001, 10, 0], atol=1e-15)
+    assert result["warnings"] == []
+    assert [event["name"] for event in result["events"]] == ["flip", "flip"]
 
 
 def test_a_negative_spin_is_no_option(capsys: pytest.CaptureFixture[str]) -> None:
@@ -176,7 +176,7 @@ def test_density_does_not_change_how_a_part_tumbles(capsys: pytest.CaptureFixtur
 
 
 @pytest.mark.parametrize(
-    ("code", "change", "said"),
+    ("code", "change", "message"),
     [
         (2, ("duration = 5.0", "duration = -5.0"), "run.duration is -5.0"),
         (2, ("duration", "durations"), "run.durations is unknown: did you mean duration?"),
@@ -195,19 +195,19 @@ def test_density_does_not_change_how_a_part_tumbles(capsys: pytest.CaptureFixtur
     ],
 )
 def test_a_fault_in_a_scene_is_one_sentence_with_the_file_and_a_code(
-    capsys: pytest.CaptureFixture[str], tmp_path: Path, code: int, change: tuple[str, str], said: str
+    capsys: pytest.CaptureFixture[str], tmp_path: Path, code: int, change: tuple[str, str], message: str
 ) -> None:
     assert change[0] in PLAIN
     file = scene(tmp_path, PLAIN.replace(*change))
-    left, out, err = run(capsys, "simulate", file)
-    assert (left, out, err.count("\n")) == (code, "", 1)
-    assert said in err
+    status, out, err = run(capsys, "simulate", file)
+    assert (status, out, err.count("\n")) == (code, "", 1)
+    assert message in err
     assert file in err
     assert "Traceback" not in err
 
 
 @pytest.mark.parametrize(
-    ("code", "arguments", "said"),
+    ("code", "arguments", "message"),
     [
         (2, ["simulate", "cube.stl"], "is a mesh and no scene"),
         (3, ["simulate", "nosuch.toml"], "cannot read nosuch.toml: No such file"),
@@ -234,17 +234,17 @@ def test_a_fault_in_a_scene_is_one_sentence_with_the_file_and_a_code(
     ],
 )
 def test_a_fault_on_the_command_line_is_one_sentence_and_a_code(
-    capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch, code: int, arguments: list[str], said: str
+    capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch, code: int, arguments: list[str], message: str
 ) -> None:
     monkeypatch.chdir(path("cube.stl").parent)
-    left, out, err = run(capsys, *arguments)
-    assert (left, out, err.count("\n")) == (code, "", 1)
+    status, out, err = run(capsys, *arguments)
+    assert (status, out, err.count("\n")) == (code, "", 1)
     assert err.startswith("inertia")
-    assert said in err
+    assert message in err
 
 
 @pytest.mark.parametrize("extension", [each for extensions in EXTENSIONS.values() for each in extensions])
 def test_a_mesh_is_no_scene_whatever_its_format(capsys: pytest.CaptureFixture[str], extension: str) -> None:
-    left, out, err = run(capsys, "simulate", f"part{extension.upper()}")
-    assert (left, out) == (2, "")
+    status, out, err = run(capsys, "simulate", f"part{extension.upper()}")
+    assert (status, out) == (2, "")
     assert f"part{extension.upper()} is a mesh and no scene" in err

@@ -26,14 +26,14 @@ def test_the_document_has_every_method_and_a_recommendation(capsys: pytest.Captu
     options = ("--repeats", "1", "--unit", "m", "--material", "steel", "--accuracy", "0.03")
     code, out, err = run(capsys, TORUS, *options, "--json")
     assert (code, err) == (0, "")
-    found = json.loads(out)
-    assert (found["schema"], found["source"]["path"]) == ("inertia/trade/1", TORUS)
-    assert (found["unit"], found["unit_from"], found["density"]) == ("m", "option", 7850.0)
-    assert [row["method"] for row in found["rows"] if row["mesh"] == "whole"] == ["float64", "double-double", "exact"]
-    assert found["rows"][3]["triangles"] < found["mesh"]["triangles"]
-    assert found["accuracy"] == 0.03
-    assert len(found["recommendations"]) == 1
-    assert found["rows"][0]["error"]["volume"] <= found["rows"][0]["bound"]["volume"]
+    result = json.loads(out)
+    assert (result["schema"], result["source"]["path"]) == ("inertia/trade/1", TORUS)
+    assert (result["unit"], result["unit_from"], result["density"]) == ("m", "option", 7850.0)
+    assert [row["method"] for row in result["rows"] if row["mesh"] == "whole"] == ["float64", "double-double", "exact"]
+    assert result["rows"][3]["triangles"] < result["mesh"]["triangles"]
+    assert result["accuracy"] == 0.03
+    assert len(result["recommendations"]) == 1
+    assert result["rows"][0]["error"]["volume"] <= result["rows"][0]["bound"]["volume"]
 
 
 def test_the_table_is_for_reading(capsys: pytest.CaptureFixture[str]) -> None:
@@ -66,9 +66,9 @@ def test_a_scene_is_measured_by_the_same_command(
     )
     code, out, err = run(capsys, str(scene), "--repeats", "1", "--accuracy", "1e-6", "--json", "--plot", str(file))
     assert (code, err) == (0, "")
-    found = json.loads(out)
-    assert (found["schema"], found["scene"], found["accuracy"]) == ("inertia/trade-scene/1", str(scene), 1e-6)
-    assert {row["method"] for row in found["rows"]} == {"closed form: Jacobi elliptic functions", "Taylor"}
+    result = json.loads(out)
+    assert (result["schema"], result["scene"], result["accuracy"]) == ("inertia/trade-scene/1", str(scene), 1e-6)
+    assert {row["method"] for row in result["rows"]} == {"closed form: Jacobi elliptic functions", "Taylor"}
     assert "scene.toml" in file.read_text()
     code, out, err = run(capsys, str(scene), "--repeats", "1")
     assert (code, err) == (0, "")
@@ -96,7 +96,7 @@ def test_a_budget_that_is_used_up_is_said(capsys: pytest.CaptureFixture[str]) ->
 
 
 @pytest.mark.parametrize(
-    ("code", "arguments", "said"),
+    ("code", "arguments", "message"),
     [
         (2, ["cube.stl", "--accuracy", "0"], "accuracy is 0.0"),
         (2, ["cube.stl", "--accuracy", "nan"], "accuracy is nan"),
@@ -124,10 +124,10 @@ def test_a_budget_that_is_used_up_is_said(capsys: pytest.CaptureFixture[str]) ->
     ],
 )
 def test_a_fault_is_one_sentence_and_a_code(
-    capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch, code: int, arguments: list[str], said: str
+    capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch, code: int, arguments: list[str], message: str
 ) -> None:
     monkeypatch.chdir(path("cube.stl").parent)
-    left, out, err = run(capsys, *arguments)
-    assert (left, out, err.count("\n")) == (code, "", 1)
+    status, out, err = run(capsys, *arguments)
+    assert (status, out, err.count("\n")) == (code, "", 1)
     assert err.startswith("inertia")
-    assert said in err
+    assert message in err

@@ -93,9 +93,9 @@ def test_nearly_equal_moments_count_as_equal_while_that_is_accurate_enough(durat
     nearly = {"principal_moments": [1.0, 1.0 + 1e-9, 2.0]}
     selection = plan(scene(body=nearly, start__angular_velocity=[1, 2, 3], run__duration=duration, run__accuracy=1e-7))
     assert selection.model == model
-    said = " ".join(selection.why)
-    assert ("costs about 4e-09 rad in 1 s" in said) == (model == "symmetric top")
-    assert ("differ by 1e-09 only, but that would cost about 4e-05 rad" in said) == (model == "asymmetric top")
+    message = " ".join(selection.why)
+    assert ("costs about 4e-09 rad in 1 s" in message) == (model == "symmetric top")
+    assert ("differ by 1e-09 only, but that would cost about 4e-05 rad" in message) == (model == "asymmetric top")
 
 
 def test_a_spin_that_is_nearly_along_an_axis_counts_as_along_it_unless_the_axis_is_unstable() -> None:
@@ -139,7 +139,7 @@ def test_a_method_makes_the_run_a_stepped_one() -> None:
 
 
 @pytest.mark.parametrize(
-    ("base", "changes", "said"),
+    ("base", "changes", "message"),
     [
         (
             PLAIN,
@@ -161,10 +161,10 @@ def test_a_method_makes_the_run_a_stepped_one() -> None:
         (DISC, {"body__principal_moments": [0.4] * 3}, "constraint.axis is missing: the moments are all equal"),
     ],
 )
-def test_a_model_that_is_wrong_for_the_scene_is_refused(base: dict, changes: dict, said: str) -> None:
+def test_a_model_that_is_wrong_for_the_scene_is_refused(base: dict, changes: dict, message: str) -> None:
     with pytest.raises(UsageError) as caught:
         plan(scene(base, **changes))
-    assert said in str(caught.value)
+    assert message in str(caught.value)
     assert str(caught.value).startswith("the scene: ")
 
 

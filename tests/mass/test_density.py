@@ -9,7 +9,7 @@ from inertia.mass.density import ASSUMED, DENSITIES, Densities, densities, densi
 
 
 @pytest.mark.parametrize(
-    ("said", "default", "named", "source"),
+    ("arguments", "default", "named", "source"),
     [
         ({}, ASSUMED, {}, "assumed"),
         ({"density": {}}, ASSUMED, {}, "assumed"),
@@ -25,11 +25,11 @@ from inertia.mass.density import ASSUMED, DENSITIES, Densities, densities, densi
     ],
 )
 def test_what_was_said_is_what_is_taken(
-    said: dict, default: float | None, named: dict[str, float], source: str
+    arguments: dict, default: float | None, named: dict[str, float], source: str
 ) -> None:
-    table = densities(**said)
+    table = densities(**arguments)
     assert (table.default, dict(table.named), table.source) == (default, named, source)
-    assert table.mass == said.get("mass")
+    assert table.mass == arguments.get("mass")
 
 
 def test_nobody_said_means_water() -> None:
@@ -38,11 +38,11 @@ def test_nobody_said_means_water() -> None:
 
 @pytest.mark.parametrize("bad", [0, -1.0, math.nan, math.inf, -math.inf, "heavy", None, [1]], ids=str)
 def test_a_density_or_mass_is_a_positive_finite_number(bad: object) -> None:
-    for said in ({"density": {"a": bad}}, {"density": bad}, {"mass": bad}):
-        if None in said.values():
+    for arguments in ({"density": {"a": bad}}, {"density": bad}, {"mass": bad}):
+        if None in arguments.values():
             continue  # nothing said
         with pytest.raises(UsageError, match=r"^(density|density of 'a'|mass) is .*kg") as e:
-            densities(**said)
+            densities(**arguments)
         assert e.value.exit_code == 2
 
 
@@ -52,7 +52,7 @@ def test_a_number_is_kept_as_a_number() -> None:
 
 
 @pytest.mark.parametrize(
-    ("said", "match"),
+    ("arguments", "match"),
     [
         ({"density": 1.0, "material": "steel"}, "both a density and a material are given: give one"),
         (
@@ -65,9 +65,9 @@ def test_a_number_is_kept_as_a_number() -> None:
         ({"material": {"a": "unobtainium"}}, "unknown material 'unobtainium'"),
     ],
 )
-def test_a_contradiction_is_refused(said: dict, match: str) -> None:
+def test_a_contradiction_is_refused(arguments: dict, match: str) -> None:
     with pytest.raises(UsageError, match=match):
-        densities(**said)
+        densities(**arguments)
 
 
 def test_a_name_takes_its_own_density_or_the_rest() -> None:

@@ -386,10 +386,10 @@ def test_bounds_hold_through_every_operation(
         limit, limit, limit,
     )  # fmt: skip
 
-    def within(moments: Moments, wanted: Moments) -> None:
-        assert abs(moments.zeroth - wanted.zeroth) <= moments.zeroth_bound
+    def within(moments: Moments, expected: Moments) -> None:
+        assert abs(moments.zeroth - expected.zeroth) <= moments.zeroth_bound
         for name in ("first", "second"):
-            rows = zip(getattr(moments, name), getattr(wanted, name), getattr(moments, f"{name}_bound"), strict=True)
+            rows = zip(getattr(moments, name), getattr(expected, name), getattr(moments, f"{name}_bound"), strict=True)
             assert all(abs(a - b) <= bound for a, b, bound in rows)
 
     within(wrong.about([F(k) for k in to]), true.about([F(k) for k in to]))
@@ -398,8 +398,8 @@ def test_bounds_hold_through_every_operation(
     within(wrong.in_unit(F(254, 10)), true.in_unit(F(254, 10)))
     central = wrong.central()
     assert sum((a - b) ** 2 for a, b in zip(wrong.centroid, true.centroid, strict=True)) <= wrong.centroid_bound**2
-    for moments, wanted, bound in zip(central.second, true.central().second, central.second_bound, strict=True):
-        assert abs(moments - wanted) <= bound
+    for moments, expected, bound in zip(central.second, true.central().second, central.second_bound, strict=True):
+        assert abs(moments - expected) <= bound
 
 
 def test_a_first_moment_that_may_be_off_loosens_the_central_moments_about_it() -> None:
@@ -485,11 +485,11 @@ def test_a_triangle_splits_into_triangles() -> None:
 def test_measures_off_by_what_is_said_stay_within_the_bounds(sign: int) -> None:
     corners = np.random.default_rng(2).integers(-5, 6, (7, 2, 3)).astype(float)
     measures, off = [F(k) for k in (3, -1, 4, 1, -5, 9, 2)], F(1, 100)
-    given_ = simplex_moments(corners, measures, off)
+    moments = simplex_moments(corners, measures, off)
     true = simplex_moments(corners, [m * (1 + sign * off * (-1) ** i) for i, m in enumerate(measures)])
-    assert 0 < abs(given_.zeroth - true.zeroth) <= given_.zeroth_bound == F(25, 100)
-    assert all(abs(a - b) <= c for a, b, c in zip(given_.first, true.first, given_.first_bound, strict=True))
-    assert all(abs(a - b) <= c for a, b, c in zip(given_.second, true.second, given_.second_bound, strict=True))
+    assert 0 < abs(moments.zeroth - true.zeroth) <= moments.zeroth_bound == F(25, 100)
+    assert all(abs(a - b) <= c for a, b, c in zip(moments.first, true.first, moments.first_bound, strict=True))
+    assert all(abs(a - b) <= c for a, b, c in zip(moments.second, true.second, moments.second_bound, strict=True))
 
 
 def test_box_faces_are_outward() -> None:
@@ -503,9 +503,9 @@ def test_a_weighed_total_is_exact_and_its_uncertainty_goes_over():
     error = F(1, 100)
     for sign in (-1, 1):
         original = replace(true, zeroth=true.zeroth + sign * error, zeroth_bound=error)
-        weighed, wanted = original.weighed(F(5)), true.scaled(F(1, 2))
+        weighed, expected = original.weighed(F(5)), true.scaled(F(1, 2))
         assert (weighed.zeroth, weighed.zeroth_bound) == (5, 0)
-        for got, bound, value in zip(weighed.first, weighed.first_bound, wanted.first, strict=True):
+        for got, bound, value in zip(weighed.first, weighed.first_bound, expected.first, strict=True):
             assert 0 < abs(got - value) <= bound
-        for got, bound, value in zip(weighed.second, weighed.second_bound, wanted.second, strict=True):
+        for got, bound, value in zip(weighed.second, weighed.second_bound, expected.second, strict=True):
             assert 0 < abs(got - value) <= bound

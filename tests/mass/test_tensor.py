@@ -129,9 +129,9 @@ def test_what_is_no_array_of_the_shape_is_refused(call: Callable[[object], objec
 
 
 def test_an_array_is_a_copy() -> None:
-    given_ = np.zeros(3)
-    array_of(given_, (3,), "x")[0] = 1
-    assert given_[0] == 0
+    vector = np.zeros(3)
+    array_of(vector, (3,), "x")[0] = 1
+    assert vector[0] == 0
 
 
 # Physical validity

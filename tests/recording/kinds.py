@@ -15,7 +15,7 @@ from inertia.recording.writer import to_file
 
 FLOAT32 = 2.0**-23
 
-seen = pytest.mark.skipif(not has_driver(), reason="no Vulkan driver is installed")
+drawable = pytest.mark.skipif(not has_driver(), reason="no Vulkan driver is installed")
 
 
 def written(screen: Screen, file: Path) -> Recorded:

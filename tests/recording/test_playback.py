@@ -10,7 +10,7 @@ from inertia.recording.playback import LONGEST, RATE, attitudes_at, playback, va
 
 
 @pytest.mark.parametrize(
-    ("fastest", "duration", "speed", "said"),
+    ("fastest", "duration", "speed", "message"),
     [
         (3.0, 10.0, 1.0, "played in real time"),
         (10.0, 60.0, 0.5, "played 2 times slower than it is"),
@@ -19,10 +19,10 @@ from inertia.recording.playback import LONGEST, RATE, attitudes_at, playback, va
         (1e-3, 0.1, 1.0, "played in real time"),
     ],
 )
-def test_the_speed_lets_the_motion_be_followed(fastest: float, duration: float, speed: float, said: str) -> None:
+def test_the_speed_lets_the_motion_be_followed(fastest: float, duration: float, speed: float, message: str) -> None:
     play = playback(np.linspace(0, duration, 10_001), fastest)
     assert play.speed == pytest.approx(speed)
-    assert play.notes == (said,)
+    assert play.notes == (message,)
 
 
 @given(st.floats(1e-6, 1e6), st.floats(1e-6, 1e6))

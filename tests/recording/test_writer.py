@@ -107,8 +107,8 @@ def test_a_full_disk_is_one_sentence_and_leaves_no_file(tmp_path: Path) -> None:
     with started(code, str(tmp_path / "run.rrd")) as process:
         out, err = process.communicate()
     assert (process.returncode, err) == (0, "")
-    said = out.splitlines()[-1]
-    assert said.startswith(f"cannot write {tmp_path / 'run.rrd'}: File too large: raise the limit")
+    message = out.splitlines()[-1]
+    assert message.startswith(f"cannot write {tmp_path / 'run.rrd'}: File too large: raise the limit")
     assert list(tmp_path.iterdir()) == []
 
 

@@ -41,8 +41,8 @@ def test_cylinder():
 
 def test_cuboid():
     """m (b² + c²)/12 and so on: 12 kg of 1 × 2 × 3 m give 13, 10 and 5."""
-    found = mass_properties(surface(cube() * [1, 2, 3]), mass=12.0)
-    np.testing.assert_allclose(found.inertia, np.diag([13, 10, 5]), atol=TINY * 13)
+    result = mass_properties(surface(cube() * [1, 2, 3]), mass=12.0)
+    np.testing.assert_allclose(result.inertia, np.diag([13, 10, 5]), atol=TINY * 13)
 
 
 def test_rod():
@@ -61,5 +61,5 @@ def test_ring_of_wire():
 
 def test_rectangle():
     """m b²/12, m a²/12 and their sum: 6 kg/m² over 2 × 1 m weigh 12 kg."""
-    found = lamina([[0, 0], [2, 0], [2, 1], [0, 1]], 6.0)
-    np.testing.assert_allclose(found.inertia, np.diag([1, 4, 5]), atol=TINY * 5)
+    result = lamina([[0, 0], [2, 0], [2, 1], [0, 1]], 6.0)
+    np.testing.assert_allclose(result.inertia, np.diag([1, 4, 5]), atol=TINY * 5)

@@ -17,9 +17,9 @@ def test_the_matrix_of_the_chapter():
     """
     root = math.sqrt(3)
     expected = [[-1 / 4, root / 4, root / 2], [-root / 2, -1 / 2, 0], [root / 4, -3 / 4, 1 / 2]]
-    found = direction_cosines(np.radians([30, 60, 90]))
-    np.testing.assert_allclose(found, expected, atol=1e-15)
-    np.testing.assert_allclose(found @ found.T, np.eye(3), atol=1e-15)
+    result = direction_cosines(np.radians([30, 60, 90]))
+    np.testing.assert_allclose(result, expected, atol=1e-15)
+    np.testing.assert_allclose(result @ result.T, np.eye(3), atol=1e-15)
 
 
 @pytest.mark.parametrize("convention", ["z-x-z", "z-y-z", "x-y-z"])

@@ -15,8 +15,8 @@ ATTITUDE = from_angles([0.4, 0.9, -0.3]).tolist()
 def test_the_hamiltonian_of_the_angles_is_the_energy():
     """H(φ, θ, ψ, p) = ½ Σ L²/I is the energy along a run: 18 J for moments 1, 2, 3 and ω = (1, 2, 3)."""
     run = free([1, 2, 3], [1, 2, 3], 3.0, attitude=ATTITUDE)
-    found = canonical.hamiltonian([1, 2, 3], run.euler_angles(), run.canonical_momenta())
-    np.testing.assert_allclose(found, 18, rtol=1e-12)
+    result = canonical.hamiltonian([1, 2, 3], run.euler_angles(), run.canonical_momenta())
+    np.testing.assert_allclose(result, 18, rtol=1e-12)
 
 
 def test_cyclic_angles_keep_their_momenta():

@@ -57,8 +57,8 @@ def test_a_steady_circle():
     force = run.quantities["contact force"]
     np.testing.assert_allclose(force[:, 2], M * G, rtol=1e-8)
     np.testing.assert_allclose(np.hypot(*force[:, :2].T), M * rate**2 * abs(radius - R * c), rtol=1e-7)
-    found = steady_rolling(RollingBody(M, I1, I3, R), theta, rate)
-    assert found.contact_radius == pytest.approx(radius, rel=1e-12)
+    result = steady_rolling(RollingBody(M, I1, I3, R), theta, rate)
+    assert result.contact_radius == pytest.approx(radius, rel=1e-12)
     assert np.ptp(middle[:, 2]) < 1e-8
 
 

@@ -107,12 +107,12 @@ def test_6_a_tensor_of_a_thin_rod():
     none does, and T = ½ I ω².
     """
     tensor = 3 * np.array([[0.5, -0.5, 0], [-0.5, 0.5, 0], [0, 0, 1]])
-    found = principal(tensor)
-    np.testing.assert_allclose(found.moments, [0, 3, 3], atol=TINY * 3)
-    np.testing.assert_allclose(found.axes[:, 0], np.array([1, 1, 0]) / math.sqrt(2), atol=TINY)
-    np.testing.assert_allclose(reexpress(tensor, found.axes), np.diag([0, 3, 3]), atol=TINY * 3)
-    assert found.kind == "rotor"
-    assert found.equal == ((1, 2),)
+    result = principal(tensor)
+    np.testing.assert_allclose(result.moments, [0, 3, 3], atol=TINY * 3)
+    np.testing.assert_allclose(result.axes[:, 0], np.array([1, 1, 0]) / math.sqrt(2), atol=TINY)
+    np.testing.assert_allclose(reexpress(tensor, result.axes), np.diag([0, 3, 3]), atol=TINY * 3)
+    assert result.kind == "rotor"
+    assert result.equal == ((1, 2),)
     skew, along = np.array([1, 0, 1]), np.array([1, -1, 0])
     np.testing.assert_allclose(np.cross(skew, tensor @ skew), [1.5, -1.5, -1.5], atol=TINY)
     np.testing.assert_allclose(np.cross(along, tensor @ along), 0, atol=TINY)
@@ -168,12 +168,12 @@ def test_9_a_sphere_with_a_spherical_cavity():
 
 
 def test_9_the_same_as_one_mesh():
-    found = mass_properties(inertia.read(path("sphere_cavity.stl")))
+    result = mass_properties(inertia.read(path("sphere_cavity.stl")))
     outer, inner, rest = 0.020, 0.008, 0.020**3 - 0.008**3
-    np.testing.assert_allclose(found.center_of_mass, np.array([-0.006, -0.004, -0.002]) * inner**3 / rest, rtol=2e-3)
+    np.testing.assert_allclose(result.center_of_mass, np.array([-0.006, -0.004, -0.002]) * inner**3 / rest, rtol=2e-3)
     along = 8 * math.pi * 1000 * (outer**5 - inner**5) / 15
     off = np.array([6, 4, 2]) / math.sqrt(56)
-    assert off @ found.inertia @ off == pytest.approx(along, rel=2e-2)
+    assert off @ result.inertia @ off == pytest.approx(along, rel=2e-2)
 
 
 def test_10_three_masses_on_a_triangle():
@@ -227,8 +227,8 @@ def test_13_a_cube_falls_off_its_edge():
     released = mass * G * edge * (math.sqrt(2) - 1) / 2
     held = 2 * released / box.about([0, 0, 0])[0, 0]
     sliding = 2 * released / (box.inertia[0, 0] + mass * edge**2 / 4)
-    for found, factor in ((held, 3 / 2), (sliding, 12 / 5)):
-        assert found == pytest.approx(factor * G / edge * (math.sqrt(2) - 1), rel=1e-13)
+    for result, factor in ((held, 3 / 2), (sliding, 12 / 5)):
+        assert result == pytest.approx(factor * G / edge * (math.sqrt(2) - 1), rel=1e-13)
 
 
 def test_14_the_axis_of_a_free_symmetric_body():

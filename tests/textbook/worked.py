@@ -34,8 +34,8 @@ def tilted(theta: float) -> list[float]:
 
 def refined(shape: Any, density: float = 1.0) -> tuple[float, np.ndarray, np.ndarray]:
     """Take the errors of orders 2 and 4 out of the answers for 48, 96 and 192 segments (Richardson)."""
-    found = [inertia.mass_properties(surface(shape(n)), density) for n in (48, 96, 192)]
-    rows = np.array([[body.mass, *body.center_of_mass, *body.inertia.ravel()] for body in found])
+    result = [inertia.mass_properties(surface(shape(n)), density) for n in (48, 96, 192)]
+    rows = np.array([[body.mass, *body.center_of_mass, *body.inertia.ravel()] for body in result])
     for order in (2, 4):
         rows = (2**order * rows[1:] - rows[:-1]) / (2**order - 1)
     (answer,) = rows

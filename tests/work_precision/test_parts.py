@@ -227,10 +227,10 @@ def test_a_file_that_has_gone_has_no_time_of_reading(tmp_path: Path) -> None:
 
 
 def test_progress_rises_to_one() -> None:
-    seen: list[float] = []
-    trade(lumpy(), repeats=1, progress=seen.append)
-    assert seen == sorted(seen)
-    assert seen[-1] == 1.0
+    fractions: list[float] = []
+    trade(lumpy(), repeats=1, progress=fractions.append)
+    assert fractions == sorted(fractions)
+    assert fractions[-1] == 1.0
 
 
 @pytest.mark.parametrize("accuracy", [0, -1.0, math.nan, math.inf, 1e-17, "fine"])
@@ -241,16 +241,16 @@ def test_an_accuracy_that_cannot_be_had_is_refused(accuracy: float) -> None:
 
 def test_an_open_mesh_is_refused_in_the_words_of_the_analysis() -> None:
     whole = inertia.read(path("broken/missing_face.stl"))
-    said = []
+    message = []
     for verb in (inertia.analyse, inertia.trade):
         with pytest.raises(GeometryError) as raised:
             verb(whole)
-        said.append(str(raised.value))
-    assert said[0] == said[1]
+        message.append(str(raised.value))
+    assert message[0] == message[1]
 
 
 @pytest.mark.parametrize(
-    ("whole", "how", "said"),
+    ("whole", "how", "message"),
     [
         (surface(np.zeros((0, 3, 3))), {}, "no triangles"),
         (cells("tetra", [[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]]), {}, "mesh of cells"),
@@ -261,6 +261,6 @@ def test_an_open_mesh_is_refused_in_the_words_of_the_analysis() -> None:
         (part(cube()), {"budget": math.nan}, "budget"),
     ],
 )
-def test_what_cannot_be_measured_is_refused(whole: Part, how: dict, said: str) -> None:
-    with pytest.raises(InertiaError, match=said):
+def test_what_cannot_be_measured_is_refused(whole: Part, how: dict, message: str) -> None:
+    with pytest.raises(InertiaError, match=message):
         trade(whole, **how)

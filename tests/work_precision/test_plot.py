@@ -23,13 +23,13 @@ def words(file: Path) -> str:
 
 def test_every_row_is_named_and_the_axes_are_labelled(tmp_path: Path) -> None:
     plot(made_up(1e-2), tmp_path / "trade.svg")
-    said = words(tmp_path / "trade.svg")
+    text = words(tmp_path / "trade.svg")
     for word in ("float64", "double-double", "exact", "1/2", "1/4", "1/8", "1/16"):
-        assert word in said
+        assert word in text
     for label in ("relative error", "time of the integration, ms", "certified bound", "cube.stl", "Difference Engine"):
-        assert label in said
-    assert "accuracy asked for, 0.01" in said
-    assert "recommended" in said
+        assert label in text
+    assert "accuracy asked for, 0.01" in text
+    assert "recommended" in text
 
 
 def test_the_same_trade_gives_the_same_file(tmp_path: Path) -> None:
@@ -116,8 +116,8 @@ def test_the_diagram_of_a_scene_names_every_method(tmp_path: Path) -> None:
     for name in ("one.svg", "two.svg"):
         plot(scene_made_up(1e-7), tmp_path / name)
     assert (tmp_path / "one.svg").read_bytes() == (tmp_path / "two.svg").read_bytes()
-    said = words(tmp_path / "one.svg")
+    text = words(tmp_path / "one.svg")
     for word in (CLOSED, "Taylor", "RK4", "front", "what the planner selects", "accuracy asked for", "attitude error"):
-        assert word in said
+        assert word in text
     with pytest.raises(UsageError, match="force=True"):
         plot(scene_made_up(), tmp_path / "one.svg")

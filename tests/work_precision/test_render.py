@@ -121,11 +121,11 @@ def test_the_table_of_a_scene_has_a_line_for_each_row_and_fits_the_page() -> Non
     assert line.split()[-2:] == ["front", "plan"]
     assert "–" in line
     assert sum(line.startswith("Taylor") for line in lines) == 1  # named once, for three lines
-    said = " ".join(" ".join(lines).split())
-    assert "give a larger budget for Radau at 1e-05 rad and finer (12 s)" in said
-    assert "splitting 2 at 1e-09 rad; splitting 4 at 1e-09 rad: splitting 2 reached 2e-9 rad" in said
-    assert "asymmetric top, closed form: Jacobi elliptic functions, which its bound puts within 4e-15 rad" in said
-    assert "the times are of this machine" in said
+    text = " ".join(" ".join(lines).split())
+    assert "give a larger budget for Radau at 1e-05 rad and finer (12 s)" in text
+    assert "splitting 2 at 1e-09 rad; splitting 4 at 1e-09 rad: splitting 2 reached 2e-9 rad" in text
+    assert "asymmetric top, closed form: Jacobi elliptic functions, which its bound puts within 4e-15 rad" in text
+    assert "the times are of this machine" in text
 
 
 def test_the_document_of_a_scene_can_be_read_back() -> None:

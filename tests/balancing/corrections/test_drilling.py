@@ -77,8 +77,8 @@ def test_depth_is_the_inverse_of_unbalance(hole, curved):
     if room <= 0:
         return
     depth = share * room
-    taken = radial_unbalance(STEEL, radius, diameter, depth, angle, curved=curved)
-    assert radial_depth(STEEL, radius, diameter, taken, angle, curved=curved) == pytest.approx(depth, abs=1e-9 * radius)
+    hole = radial_unbalance(STEEL, radius, diameter, depth, angle, curved=curved)
+    assert radial_depth(STEEL, radius, diameter, hole, angle, curved=curved) == pytest.approx(depth, abs=1e-9 * radius)
 
 
 def test_no_depth_takes_more_than_a_hole_to_the_axis():
@@ -110,8 +110,8 @@ def test_a_flat_face_formula_is_off_by_the_curved_entry_and_no_more():
     part = plate()
     tool = RadialDrill(drilled("I", 90, 100, 12), STEEL, diameter=0.012)
     solid = tool.solid(0.0, 0.01)
-    taken = -unbalance_of(cut(part, [Surface(1e3 * solid.vertices, solid.faces)])).static.real
-    missing = radial_unbalance(STEEL, 0.1, 0.012, 0.01, POINT, curved=False) - taken
+    hole = -unbalance_of(cut(part, [Surface(1e3 * solid.vertices, solid.faces)])).static.real
+    missing = radial_unbalance(STEEL, 0.1, 0.012, 0.01, POINT, curved=False) - hole
     assert missing == pytest.approx(STEEL * math.pi * 0.012**4 / 128, rel=1e-3)
 
 

@@ -18,10 +18,10 @@ def combinations(effects, start, limits, most):
 
 def test_case_9_the_smallest_error_over_sixteen_holes():
     turns = np.exp(1j * np.radians(30 + 7.5 * np.arange(16)))
-    wanted = 178.484 + 614.491j
+    expected = 178.484 + 614.491j
     counts = np.array(list(itertools.product((0, 1), repeat=16)))
-    smallest = np.abs(142 * counts @ turns - wanted).min()
-    choice = choose_weights([142 * turns], [-wanted], [1.0], [1] * 16, aim="smallest")
+    smallest = np.abs(142 * counts @ turns - expected).min()
+    choice = choose_weights([142 * turns], [-expected], [1.0], [1] * 16, aim="smallest")
     assert abs(choice.residual[0]) == pytest.approx(smallest, rel=1e-12)
     assert smallest == pytest.approx(2.10035, abs=5e-4)  # the note's, from a vector with more digits
     assert not choice.within

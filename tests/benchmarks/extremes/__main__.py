@@ -73,13 +73,13 @@ def small(meshes: int) -> dict[str, Any]:
 
 
 def _versions() -> dict[str, str]:
-    found = {}
+    result = {}
     for name in PACKAGES:
         try:
-            found[name] = version(name)
+            result[name] = version(name)
         except PackageNotFoundError:
             continue
-    return found
+    return result
 
 
 def costs() -> dict[str, Any]:
@@ -100,13 +100,13 @@ def measured(case: Case) -> dict[str, Any]:
     row["chosen"] = chosen(case.triangles, 1e-12)
     for rung in RUNGS:
         try:
-            found = properties(solid_moments(case.triangles, rung), rung)
+            result = properties(solid_moments(case.triangles, rung), rung)
         except GeometryError as refusal:
             row[rung] = str(refusal)
             continue
         row[rung] = {
-            "error": _rounded(errors(answer(found), truth)),
-            "bound": _rounded(bounds(found, truth.size)),
+            "error": _rounded(errors(answer(result), truth)),
+            "bound": _rounded(bounds(result, truth.size)),
         }
     for name, program in PROGRAMS.items():
         other = answered(program, case.vertices, case.faces)
@@ -120,11 +120,11 @@ def measured_axes(power: int, case: Case) -> dict[str, Any]:
     low, high, largest = truth.spectrum[0]
     row: dict[str, Any] = {"gap": f"1e-{power}", "stored": _short(float((high - low) / largest))}
     for rung in RUNGS:
-        found = properties(solid_moments(case.triangles, rung), rung).principal_within(0.0)
+        result = properties(solid_moments(case.triangles, rung), rung).principal_within(0.0)
         row[rung] = {
-            "class": found.kind,
-            "angle": _short(truth.angle(found.axes[:, 0].tolist(), 0)),
-            "bound": None if (0, 1) in found.equal else _short(float(found.axis_bounds[0])),
+            "class": result.kind,
+            "angle": _short(truth.angle(result.axes[:, 0].tolist(), 0)),
+            "bound": None if (0, 1) in result.equal else _short(float(result.axis_bounds[0])),
         }
     for name, program in PROGRAMS.items():
         other = answered(program, case.vertices, case.faces)
@@ -144,9 +144,9 @@ def measured_refusal(case: Case) -> dict[str, Any]:
     return row
 
 
-def _described(found: Answer) -> str:
-    tensor = "" if found.inertia is None else f", largest element of I {_short(float(np.abs(found.inertia).max())):g}"
-    return f"V {_short(found.volume):g}{tensor}"
+def _described(result: Answer) -> str:
+    tensor = "" if result.inertia is None else f", largest element of I {_short(float(np.abs(result.inertia).max())):g}"
+    return f"V {_short(result.volume):g}{tensor}"
 
 
 def large() -> dict[str, Any]:
@@ -156,10 +156,10 @@ def large() -> dict[str, Any]:
     truth = Truth.of(vertices[faces])
     row: dict[str, Any] = {"case": "a wavy torus", "triangles": len(faces)}
     for rung in RUNGS:
-        found = properties(solid_moments(triangles, rung), rung)
+        result = properties(solid_moments(triangles, rung), rung)
         row[rung] = {
-            "error": _rounded(errors(answer(found), truth)),
-            "bound": _rounded(bounds(found, truth.size)),
+            "error": _rounded(errors(answer(result), truth)),
+            "bound": _rounded(bounds(result, truth.size)),
         }
     for name in LARGE_PROGRAMS:
         other = answered(PROGRAMS[name], vertices, faces)

@@ -37,13 +37,13 @@ def answered(program: Callable[[Vertices, Faces], Answer], vertices: Vertices, f
         warnings.simplefilter("ignore")
         with redirect_stderr(io.StringIO()):
             try:
-                found = program(vertices, faces)
+                result = program(vertices, faces)
             except ImportError:
                 return "–"
             except (ArithmeticError, RuntimeError, ValueError, np.linalg.LinAlgError):
                 return "throws"
-    numbers = [found.volume, *(x for k in (found.center, found.inertia) if k is not None for x in k.flat)]
-    return found if np.isfinite(numbers).all() else "not finite"
+    numbers = [result.volume, *(x for k in (result.center, result.inertia) if k is not None for x in k.flat)]
+    return result if np.isfinite(numbers).all() else "not finite"
 
 
 def trimesh(vertices: Vertices, faces: Faces) -> Answer:
@@ -68,9 +68,9 @@ def drake(vertices: Vertices, faces: Faces) -> Answer:
     from pydrake.multibody.tree import CalcSpatialInertia
 
     mesh = TriangleSurfaceMesh([SurfaceTriangle(*face) for face in faces.tolist()], list(vertices))
-    found = CalcSpatialInertia(mesh=mesh, density=1.0)
-    center = found.get_com()
-    return _diagonalised(found.get_mass(), center, found.Shift(center).CalcRotationalInertia().CopyToFullMatrix3())
+    result = CalcSpatialInertia(mesh=mesh, density=1.0)
+    center = result.get_com()
+    return _diagonalised(result.get_mass(), center, result.Shift(center).CalcRotationalInertia().CopyToFullMatrix3())
 
 
 def mujoco(vertices: Vertices, faces: Faces) -> Answer:

@@ -26,19 +26,19 @@ def growth() -> list[dict[str, Any]]:
     rows = []
     for count in COUNTS:
         vertices, faces = wavy_torus(count)
-        found: dict[str, list[float]] = {quantity: [] for quantity in QUANTITIES}
+        result: dict[str, list[float]] = {quantity: [] for quantity in QUANTITIES}
         for _ in range(BODIES):
             turn = np.linalg.qr(rng.normal(size=(3, 3)))[0]
             triangles = Surface(vertices @ turn * rng.uniform(0.5, 1), faces)
             values = ratios(properties(solid_moments(triangles, "float64"), "float64"), _truth(triangles), Fraction(1))
             for quantity in QUANTITIES:
-                found[quantity] += values[quantity]
-        rows.append({"triangles": len(faces), "ratios": found})
+                result[quantity] += values[quantity]
+        rows.append({"triangles": len(faces), "ratios": result})
     return rows
 
 
 def _truth(triangles: Triangles) -> Truth:
     """Return what the exact rung answers, far sooner than rational arithmetic would."""
-    found = solid_moments(triangles, "exact").about((Fraction(0),) * 3)
-    moments = rational.Moments(found.zeroth, found.first, found.second)
+    result = solid_moments(triangles, "exact").about((Fraction(0),) * 3)
+    moments = rational.Moments(result.zeroth, result.first, result.second)
     return Truth(moments, float(np.ptp(triangles.corners().reshape(-1, 3), axis=0).max()))

@@ -27,19 +27,19 @@ def properties(
     return MassProperties.from_moments(body, body.zeroth / density, body.zeroth_bound / density, rung)
 
 
-def answer(found: MassProperties) -> Answer:
+def answer(result: MassProperties) -> Answer:
     """Return the numbers alone."""
-    principal = found.principal
-    return Answer(found.volume, found.center_of_mass, found.inertia, principal.moments, principal.axes)
+    principal = result.principal
+    return Answer(result.volume, result.center_of_mass, result.inertia, principal.moments, principal.axes)
 
 
-def bounds(found: MassProperties, size: float) -> dict[str, float]:
+def bounds(result: MassProperties, size: float) -> dict[str, float]:
     """Return the bounds in the terms of `truth.errors`."""
-    principal = found.principal
+    principal = result.principal
     return {
-        "volume": found.error.volume,
-        "centre": found.error.center_of_mass / size,
-        "tensor": found.error.inertia,
+        "volume": result.error.volume,
+        "centre": result.error.center_of_mass / size,
+        "tensor": result.error.inertia,
         "smallest moment": float(principal.moment_bounds[0] / principal.moments[0]),
     }
 
@@ -54,16 +54,16 @@ def chosen(triangles: Triangles, accuracy: float | None) -> str:
     return next((rung for rung, name in METHODS.items() if name == method), method)
 
 
-def ratios(found: MassProperties, truth: Truth, density: Fraction) -> dict[str, list[float]]:
+def ratios(result: MassProperties, truth: Truth, density: Fraction) -> dict[str, list[float]]:
     """Return bound over error; infinite where there is no error, below 1 where the bound does not hold.
 
     `truth` has the moments of mass. A bound is relative to the number reported. Of the axes only those count that
     have a bound below a right angle.
     """
-    exact, limit, principal = truth.moments, found.error, found.principal
-    volume, mass = Fraction(found.volume), Fraction(found.mass)
-    tensor = [Fraction(x) for x in found.inertia.ravel().tolist()]
-    shift = [Fraction(a) - b for a, b in zip(found.center_of_mass.tolist(), exact.center_of_mass, strict=True)]
+    exact, limit, principal = truth.moments, result.error, result.principal
+    volume, mass = Fraction(result.volume), Fraction(result.mass)
+    tensor = [Fraction(x) for x in result.inertia.ravel().tolist()]
+    shift = [Fraction(a) - b for a, b in zip(result.center_of_mass.tolist(), exact.center_of_mass, strict=True)]
     off = [a - b for a, b in zip(tensor, (x for row in exact.inertia for x in row), strict=True)]
     moments, axes = [], []
     for k in range(3):

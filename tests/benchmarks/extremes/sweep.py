@@ -39,7 +39,7 @@ class Tally:
 
     def exceeded(self) -> int:
         """Return how many errors were above their bounds."""
-        return sum(ratio < 1 for found in self.ratios.values() for values in found.values() for ratio in values)
+        return sum(ratio < 1 for result in self.ratios.values() for values in result.values() for ratio in values)
 
 
 def sweep(seed: int, count: int) -> Tally:
@@ -52,11 +52,11 @@ def sweep(seed: int, count: int) -> Tally:
             moments = solid_moments(triangles, rung)
             tally.add(rung, ratios_before_rounding(moments, truth))
             try:
-                found = properties(moments, rung, MILLIMETRE, STEEL)
+                result = properties(moments, rung, MILLIMETRE, STEEL)
             except GeometryError:
                 tally.refused[rung] += 1
                 continue
-            tally.add(rung, ratios(found, body, STEEL))
+            tally.add(rung, ratios(result, body, STEEL))
     return tally
 
 

@@ -62,7 +62,7 @@ def exceeded(document: dict[str, Any]) -> int:
     answers = [row[rung] for row in rows for rung in RUNGS if isinstance(row[rung], dict)]
     swept = [row for rung in RUNGS for row in document["sweep"][rung].values()]
     swept += [row for size in document["growth"] for row in size["ratios"].values()]
-    beyond = sum(found["error"][name] > found["bound"][name] for found in answers for name in found["error"])
+    beyond = sum(result["error"][name] > result["bound"][name] for result in answers for name in result["error"])
     return beyond + sum(row["exceeded"] for row in swept)
 
 
@@ -71,8 +71,8 @@ def _glance(families: dict[str, list[Row]]) -> str:
     for name, rows in families.items():
         quantity = "smallest moment" if name in SLENDER else "tensor"
         ours = [row.get(row["default"], row["default"]) for row in rows]
-        answers = [found for found in ours if isinstance(found, dict)]
-        error, bound = (max(found[kind][quantity] for found in answers) for kind in ("error", "bound"))
+        answers = [result for result in ours if isinstance(result, dict)]
+        error, bound = (max(result[kind][quantity] for result in answers) for kind in ("error", "bound"))
         lost = [row["lost"][quantity] for row in rows if "lost" in row]
         lines.append(
             [
@@ -85,16 +85,16 @@ def _glance(families: dict[str, list[Row]]) -> str:
     return as_table(["largest error of", "lost in the file", "inertia", *PROGRAMS], lines)
 
 
-def _largest(found: list[dict[str, float] | str], quantity: str) -> str:
+def _largest(result: list[dict[str, float] | str], quantity: str) -> str:
     """Return the largest error; a program that gives only the volume counts by that."""
-    values = [row.get(quantity, row["volume"]) for row in found if isinstance(row, dict)]
-    return f"{as_number(max(values)) if values else ''}{_without(found)}".removeprefix(", ")
+    values = [row.get(quantity, row["volume"]) for row in result if isinstance(row, dict)]
+    return f"{as_number(max(values)) if values else ''}{_without(result)}".removeprefix(", ")
 
 
-def _without(found: list[Any]) -> str:
+def _without(result: list[Any]) -> str:
     """Return in how many cases there was no answer."""
-    missing = sum(isinstance(row, str) for row in found)
-    return f", none in {missing} of {len(found)}" if missing else ""
+    missing = sum(isinstance(row, str) for row in result)
+    return f", none in {missing} of {len(result)}" if missing else ""
 
 
 def _family(name: str, rows: list[Row]) -> str:
@@ -145,16 +145,16 @@ def _sentences(rows: list[Row]) -> list[str]:
     return ["\n".join(lines)] if lines else []
 
 
-def _figure(found: dict[str, float] | str | None, quantity: str) -> str:
-    if isinstance(found, str):
-        return found
-    return "–" if found is None or quantity not in found else as_number(found[quantity])
+def _figure(result: dict[str, float] | str | None, quantity: str) -> str:
+    if isinstance(result, str):
+        return result
+    return "–" if result is None or quantity not in result else as_number(result[quantity])
 
 
-def _bounded(found: dict[str, dict[str, float]] | str, quantity: str) -> str:
-    if isinstance(found, str):
+def _bounded(result: dict[str, dict[str, float]] | str, quantity: str) -> str:
+    if isinstance(result, str):
         return "refuses"
-    return f"{as_number(found['error'][quantity])} ≤ {as_number(found['bound'][quantity])}"
+    return f"{as_number(result['error'][quantity])} ≤ {as_number(result['bound'][quantity])}"
 
 
 def _chosen(said: str) -> str:
@@ -167,9 +167,9 @@ def _axes(rows: list[Row]) -> str:
     for row in rows:
         ours = []
         for rung in RUNGS:
-            found = row[rung]
-            angle = "plane" if found["bound"] is None else f"{as_number(found['angle'])} ≤ {as_number(found['bound'])}"
-            ours.append(f"{found['class']}, {angle}")
+            cell = row[rung]
+            angle = "plane" if cell["bound"] is None else f"{as_number(cell['angle'])} ≤ {as_number(cell['bound'])}"
+            ours.append(f"{cell['class']}, {angle}")
         others = (row[name] if isinstance(row[name], str) else as_number(row[name]) for name in programs)
         lines.append([as_number(row["stored"]), *ours, *others])
     return as_table(["gap", *RUNGS, *programs], lines)
@@ -188,9 +188,9 @@ def _large(row: Row | None) -> str:
 
 def _sweep(counts: dict[str, Row]) -> str:
     lines = []
-    for quantity, found in counts.items():
-        figures = [as_number(found[key]) if key in found else "–" for key in ("median", "95 %", "largest")]
-        numbers = [f"{found[key]:,}" for key in ("compared", "exceeded", "without_error")]
+    for quantity, result in counts.items():
+        figures = [as_number(result[key]) if key in result else "–" for key in ("median", "95 %", "largest")]
+        numbers = [f"{result[key]:,}" for key in ("compared", "exceeded", "without_error")]
         lines.append([quantity, *numbers, *figures])
     return as_table(["", "compared", "exceeded", "no error", "median", "95 %", "largest"], lines)
 
@@ -210,17 +210,17 @@ def _typical(counts: dict[str, Row]) -> str:
 
 
 def _costs(kinds: dict[str, dict[str, list[float]]]) -> str:
-    medians = {kind: {name: median(runs) for name, runs in found.items()} for kind, found in kinds.items()}
+    medians = {kind: {name: median(runs) for name, runs in result.items()} for kind, result in kinds.items()}
     targets = {rung: (base, limit) for rung, base, limit in TARGETS}
     lines = []
     for name in next(iter(medians.values())):
-        cells = [name, *(f"{found[name]:.3g}" for found in medians.values())]
+        cells = [name, *(f"{result[name]:.3g}" for result in medians.values())]
         if name in targets:
             base, limit = targets[name]
-            ratio = max(found[name] / found[base] for found in medians.values())
+            ratio = max(result[name] / result[base] for result in medians.values())
             cells += [f"{ratio:.2g}× {base}", f"≤ {limit:g}×", "reached" if ratio <= limit else "missed"]
         elif name == "exact":
-            most = max(found[name] for found in medians.values())
+            most = max(result[name] for result in medians.values())
             cells += [f"{most:.3g} ns", f"≤ {TARGET_EXACT:g} ns", "reached" if most <= TARGET_EXACT else "missed"]
         else:
             cells += ["", "", ""]

@@ -66,20 +66,20 @@ class Truth:
             return float(mpmath.asin(min(mpmath.mpf(1), mpmath.norm(normal) / mpmath.norm(a))))
 
 
-def errors(found: Answer, truth: Truth) -> dict[str, float]:
+def errors(answer: Answer, truth: Truth) -> dict[str, float]:
     """Return the errors: of volume, tensor (Frobenius) and smallest moment relative, of the centre over the size."""
     exact = truth.moments
-    result = {"volume": float(abs(Fraction(found.volume) / exact.volume - 1))}
-    if found.center is not None:
+    result = {"volume": float(abs(Fraction(answer.volume) / exact.volume - 1))}
+    if answer.center is not None:
         size = Fraction(truth.size)
-        off = [(Fraction(a) - b) / size for a, b in zip(found.center.tolist(), exact.center_of_mass, strict=True)]
+        off = [(Fraction(a) - b) / size for a, b in zip(answer.center.tolist(), exact.center_of_mass, strict=True)]
         result["centre"] = _root(sum((k * k for k in off), Fraction(0)))
-    if found.inertia is not None:
+    if answer.inertia is not None:
         true = [x for row in exact.inertia for x in row]
-        off = [Fraction(a) - b for a, b in zip(found.inertia.ravel().tolist(), true, strict=True)]
+        off = [Fraction(a) - b for a, b in zip(answer.inertia.ravel().tolist(), true, strict=True)]
         result["tensor"] = _root(Fraction(sum(k * k for k in off), sum(k * k for k in true)))
-    if found.moments is not None:
-        result["smallest moment"] = float(truth.moment_error(float(found.moments[0]), 0) / truth.spectrum[0][0])
+    if answer.moments is not None:
+        result["smallest moment"] = float(truth.moment_error(float(answer.moments[0]), 0) / truth.spectrum[0][0])
     return result
 
 

@@ -26,18 +26,18 @@ def measure(say: Callable[[str], None], motions: tuple[Motion, ...] = MOTIONS) -
     """Return {motion: {revolutions: {method: [[setting, s, rad], …] or a reason}}}."""
     if hasattr(os, "sched_setaffinity"):
         os.sched_setaffinity(0, {max(os.sched_getaffinity(0))})
-    found: dict[str, Any] = {}
+    result: dict[str, Any] = {}
     for motion in motions:
         fitting = [contestant for contestant in CONTESTANTS if contestant.fits(motion)]
         per_revolution: dict[tuple[str, float], float] = {}
-        found[motion.name] = {}
+        result[motion.name] = {}
         for revolutions in motion.revolutions:
-            table = found[motion.name][str(revolutions)] = {}
+            table = result[motion.name][str(revolutions)] = {}
             for contestant in fitting:
                 runs = _runs(contestant, motion, revolutions, per_revolution)
                 table[contestant.name] = runs or f"over {LIMIT:.0f} s"
             say(f"{motion.name}, {revolutions} revolutions")
-    return found
+    return result
 
 
 def _runs(

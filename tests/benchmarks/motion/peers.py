@@ -25,8 +25,8 @@ def scipy(method: str) -> Callable[[Motion, float, float], Callable[[], Any]]:
         rates = _rates(motion)
 
         def call() -> Any:
-            found = solve_ivp(rates, (0.0, duration), start, method, [duration], rtol=tolerance, atol=tolerance)
-            return found.y[:4, -1]
+            result = solve_ivp(rates, (0.0, duration), start, method, [duration], rtol=tolerance, atol=tolerance)
+            return result.y[:4, -1]
 
         return call
 

@@ -120,8 +120,8 @@ def _fastest(motions: dict[str, Any]) -> str:
     rows = []
     for name, durations in motions.items():
         for revolutions, methods in durations.items():
-            found = [bettered_by(methods, accuracy) for accuracy in DECADES]
-            names = dict.fromkeys(other for each in found for other in each or ())
+            result = [bettered_by(methods, accuracy) for accuracy in DECADES]
+            names = dict.fromkeys(other for each in result for other in each or ())
             rows.append(
                 [
                     name,
@@ -144,8 +144,8 @@ def _motion(name: str, durations: dict[str, Any]) -> str:
             if isinstance(runs, str):
                 rows.append([method, *[""] * len(ACCURACIES), f"not run: {runs}"])
                 continue
-            found = [cheapest(runs, accuracy) for accuracy in ACCURACIES]
-            cells = ["–" if run is None else f"{1e3 * run[1]:.3g}" for run in found]
+            result = [cheapest(runs, accuracy) for accuracy in ACCURACIES]
+            cells = ["–" if run is None else f"{1e3 * run[1]:.3g}" for run in result]
             rows.append([method, *cells, f"{min(run[2] for run in runs):.1e}"])
         head = [f"{int(revolutions):,} revolutions", *(f"{accuracy:.0e}" for accuracy in ACCURACIES), "least"]
         lines.append(f"{_table(head, rows)}\n")
@@ -157,9 +157,9 @@ def _targets(document: dict[str, Any]) -> Iterator[list[str]]:
     on_front, all_of_them = 0, 0
     for durations in motions.values():
         for methods in durations.values():
-            found = [bettered_by(methods, accuracy) for accuracy in DECADES if _ratio(methods, accuracy) != "–"]
-            on_front += sum(each == [] for each in found)
-            all_of_them += len(found)
+            result = [bettered_by(methods, accuracy) for accuracy in DECADES if _ratio(methods, accuracy) != "–"]
+            on_front += sum(each == [] for each in result)
+            all_of_them += len(result)
     yield _row(
         "selected method on the Pareto front, 1e-3 … 1e-13 rad, of all motions and durations",
         f"{all_of_them} of {all_of_them}",

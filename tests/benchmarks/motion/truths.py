@@ -22,7 +22,7 @@ AGREED = 1e-31
 
 def main() -> None:
     """Make the file."""
-    found: dict[str, dict[str, list[str]]] = {}
+    result: dict[str, dict[str, list[str]]] = {}
     for motion in MOTIONS:
         if motion.free:
             continue
@@ -31,9 +31,9 @@ def main() -> None:
         if apart > AGREED:
             raise SystemExit(f"{motion.name}: quadruple precision and integers are {float(apart):.2g} apart")
         later = [revolutions for revolutions in motion.revolutions if revolutions > EXACT]
-        found[motion.name] = {str(revolutions): _end(motion, revolutions) for revolutions in later}
+        result[motion.name] = {str(revolutions): _end(motion, revolutions) for revolutions in later}
         print(f"{motion.name}: {float(apart):.1e} from the integers after {EXACT} revolutions", file=sys.stderr)
-    TRUTHS.write_text(json.dumps(found, indent=1) + "\n", encoding="utf-8")
+    TRUTHS.write_text(json.dumps(result, indent=1) + "\n", encoding="utf-8")
 
 
 def _end(motion: Motion, revolutions: int) -> list[str]:

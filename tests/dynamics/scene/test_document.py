@@ -119,21 +119,21 @@ def test_a_table_of_torques_is_read_from_csv(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize(
-    ("text", "said"),
+    ("text", "message"),
     [
         ("0,0,0,0\n", "has 1 rows"),
         ("0,0,0,0\n1,0,0\n", "line 2: 3 columns"),
         ("t,x,y,z\n0,0,0,0\n1,0,zero,0\n", "line 3: 'zero' is not a finite number"),
     ],
 )
-def test_a_table_that_is_wrong_says_where(tmp_path: Path, text: str, said: str) -> None:
+def test_a_table_that_is_wrong_says_where(tmp_path: Path, text: str, message: str) -> None:
     (tmp_path / "push.csv").write_text(text)
-    with pytest.raises(ReadError, match=f"push.csv.*{said}"):
+    with pytest.raises(ReadError, match=f"push.csv.*{message}"):
         Scene.from_dict(table(load=[{"kind": "torque", "table": "push.csv"}]), tmp_path)
 
 
 @pytest.mark.parametrize(
-    ("rows", "said"),
+    ("rows", "message"),
     [
         ([[0, 0, 0, 0], [9, 0, 0, 0]], "covers 0 … 9 s, but the run goes from 0 to 10 s"),
         ([[1, 0, 0, 0], [10, 0, 0, 0]], "covers 1 … 10 s"),
@@ -144,13 +144,13 @@ def test_a_table_that_is_wrong_says_where(tmp_path: Path, text: str, said: str) 
         ("none.csv", "must be rows of four numbers"),
     ],
 )
-def test_the_rows_of_a_table_are_checked(rows: list, said: str) -> None:
-    with pytest.raises(UsageError, match=rf"load(\[0\])?\.table .*{said}"):
+def test_the_rows_of_a_table_are_checked(rows: list, message: str) -> None:
+    with pytest.raises(UsageError, match=rf"load(\[0\])?\.table .*{message}"):
         Scene(scene().body, Start([0, 0, 1]), Settings(10.0), applied_loads=(Torque(table=rows),))
 
 
 @pytest.mark.parametrize(
-    ("changes", "said"),
+    ("changes", "words"),
     [
         ({"bodi": {}}, "bodi is unknown: did you mean body?"),
         ({"body__density": 1.0}, "body.density goes with no principal_moments"),
@@ -215,17 +215,17 @@ def test_the_rows_of_a_table_are_checked(rows: list, said: str) -> None:
         ({"run__model": ""}, "run.model is '': it must be text"),
     ],
 )
-def test_a_field_that_is_wrong_is_named(changes: dict, said: str) -> None:
+def test_a_field_that_is_wrong_is_named(changes: dict, words: str) -> None:
     with pytest.raises(UsageError) as caught:
         scene(**changes)
     message = str(caught.value)
     assert message.startswith("the scene: ")
-    assert said in message
+    assert words in message
     assert "\n" not in message
 
 
 @pytest.mark.parametrize(
-    ("base", "changes", "said"),
+    ("base", "changes", "message"),
     [
         (PLAIN, {"body__principal_moments": [1, 1, 3]}, "body.principal_moments: .* break the triangle rule"),
         (PLAIN, {"body__principal_moments": [1, 1, -1]}, "body.principal_moments: .* not all positive"),
@@ -235,13 +235,13 @@ def test_a_field_that_is_wrong_is_named(changes: dict, said: str) -> None:
         (TOP, {"constraint__point": [0, 0, 40]}, "constraint.point is 39.96 m from the centre of mass"),
     ],
 )
-def test_what_no_body_can_be_is_refused(base: dict, changes: dict, said: str) -> None:
-    with pytest.raises(GeometryError, match=f"^the scene: .*{said}"):
+def test_what_no_body_can_be_is_refused(base: dict, changes: dict, message: str) -> None:
+    with pytest.raises(GeometryError, match=f"^the scene: .*{message}"):
         scene(base, **changes)
 
 
 @pytest.mark.parametrize(
-    ("base", "changes", "said"),
+    ("base", "changes", "message"),
     [
         (TOP, {"body__mass": None, "load": []}, "body.mass is missing: the moments about the fixed point need it"),
         (TOP, {"load": [{"kind": "dissipation", "rate": 1}]}, r"load\[0\] is dissipation, which acts on a free body"),
@@ -249,8 +249,8 @@ def test_what_no_body_can_be_is_refused(base: dict, changes: dict, said: str) ->
         (DISC, {"load": [{"kind": "gravity"}, {"kind": "damping", "coefficient": 1}]}, "takes gravity only"),
     ],
 )
-def test_what_does_not_go_together_is_refused(base: dict, changes: dict, said: str) -> None:
-    with pytest.raises(UsageError, match=said):
+def test_what_does_not_go_together_is_refused(base: dict, changes: dict, message: str) -> None:
+    with pytest.raises(UsageError, match=message):
         scene(base, **changes)
 
 
@@ -271,7 +271,7 @@ def test_a_pendulum_may_start_at_rest() -> None:
 
 
 @pytest.mark.parametrize(
-    ("content", "kind", "said"),
+    ("content", "kind", "message"),
     [
         (b"schema = ", ReadError, "it is not TOML: invalid value"),
         (b"[body]\nmass = 1\nmass = 2\n", ReadError, "not TOML"),
@@ -284,10 +284,10 @@ def test_a_pendulum_may_start_at_rest() -> None:
         ),
     ],
 )
-def test_a_file_that_cannot_be_read_is_named(tmp_path: Path, content: bytes, kind: type, said: str) -> None:
+def test_a_file_that_cannot_be_read_is_named(tmp_path: Path, content: bytes, kind: type, message: str) -> None:
     file = tmp_path / "scene.toml"
     file.write_bytes(content)
-    with pytest.raises(InertiaError, match=said) as caught:
+    with pytest.raises(InertiaError, match=message) as caught:
         Scene.load(file)
     assert isinstance(caught.value, kind)
     assert str(tmp_path) in str(caught.value)

@@ -131,7 +131,7 @@ def test_the_report_and_the_document_tell_of_the_parts() -> None:
 
 
 @pytest.mark.parametrize(
-    ("table", "said"),
+    ("table", "words"),
     [
         (stool(body={"principal_moments": [1, 2, 3]}), "part is given beside [body]"),
         (stool(part={"name": "man"}), "part must be a list of tables: write [[part]]"),
@@ -164,24 +164,24 @@ def test_the_report_and_the_document_tell_of_the_parts() -> None:
         (stool(constraint={"kind": "fixed_point"}), 'constraint.kind is "fixed_point": a body that changes its shape'),
     ],
 )
-def test_a_field_of_a_part_that_is_wrong_is_named(table: dict[str, Any], said: str) -> None:
+def test_a_field_of_a_part_that_is_wrong_is_named(table: dict[str, Any], words: str) -> None:
     with pytest.raises(UsageError) as caught:
         Scene.from_dict(table)
     message = str(caught.value)
     assert message.startswith("the scene: ")
-    assert said in message
+    assert words in message
     assert "\n" not in message
 
 
 @pytest.mark.parametrize(
-    ("wheel", "said"),
+    ("wheel", "message"),
     [
         ({"principal_moments": [1, 1, 3]}, 'part "wheel".inertia is not physical: .*triangle rule'),
         ({"principal_moments": [1, -1, 1]}, 'part "wheel".inertia is not physical: .* not all positive'),
     ],
 )
-def test_what_no_part_can_be_is_refused(wheel: dict[str, Any], said: str) -> None:
-    with pytest.raises(GeometryError, match=f"^the scene: {said}"):
+def test_what_no_part_can_be_is_refused(wheel: dict[str, Any], message: str) -> None:
+    with pytest.raises(GeometryError, match=f"^the scene: {message}"):
         Scene.from_dict(stool(wheel=wheel))
 
 
@@ -197,16 +197,16 @@ def test_a_unit_that_is_unknown_is_said_of_the_part() -> None:
 
 
 @pytest.mark.parametrize(
-    ("run", "said"),
+    ("run", "message"),
     [
         ({"model": "symmetric top"}, "does not describe this scene: use one of 'deforming body'"),
         ({"method": "DOP853"}, "run.method is 'DOP853', but a deforming body has one method of its own"),
     ],
 )
-def test_there_is_one_model_of_a_body_that_changes_its_shape(run: dict[str, Any], said: str) -> None:
+def test_there_is_one_model_of_a_body_that_changes_its_shape(run: dict[str, Any], message: str) -> None:
     with pytest.raises(UsageError) as caught:
         plan(Scene.from_dict(stool(run={"duration": 1.0, **run})))
-    assert said in str(caught.value)
+    assert message in str(caught.value)
 
 
 def test_too_long_a_run_is_refused_with_the_name_of_the_scene() -> None:

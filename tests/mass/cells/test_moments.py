@@ -32,16 +32,16 @@ def distorted(kind, seed, amount=0.08):
 
 def assert_within_bounds(moments, exact, tight=1e-10):
     """Every moment is within its bound of the exact one, and the bound is small against the moments' size."""
-    wanted = exact.about(moments.origin)
-    assert abs(moments.zeroth - wanted.zeroth) <= moments.zeroth_bound <= tight * wanted.zeroth
+    expected = exact.about(moments.origin)
+    assert abs(moments.zeroth - expected.zeroth) <= moments.zeroth_bound <= tight * expected.zeroth
     for i in range(3):
-        assert abs(moments.first[i] - wanted.first[i]) <= moments.first_bound[i]
+        assert abs(moments.first[i] - expected.first[i]) <= moments.first_bound[i]
     for k in range(6):
-        assert abs(moments.second[k] - wanted.second[k]) <= moments.second_bound[k]
-    size = sum(wanted.second[:3])
+        assert abs(moments.second[k] - expected.second[k]) <= moments.second_bound[k]
+    size = sum(expected.second[:3])
     assert max(moments.second_bound) <= tight * size
     # What is stated as a bound is no guess: the actual error is rounding alone.
-    assert max(abs(a - b) for a, b in zip(moments.second, wanted.second, strict=True)) <= 1e-14 * size
+    assert max(abs(a - b) for a, b in zip(moments.second, expected.second, strict=True)) <= 1e-14 * size
 
 
 @pytest.mark.parametrize("kind", SOLIDS)
@@ -59,10 +59,10 @@ def test_bounds_hold_for_thin_cells_at_an_angle(kind):
     for thinness in (1e-3, 1e-6):
         cell = distorted(kind, 2) * [1.0, 1.0, thinness] @ turn
         integral = cell_moments(one_kind(kind, cell)).moments[0]
-        wanted = exact_moments(kind, cell).about(integral.origin)
-        assert abs(integral.zeroth - wanted.zeroth) <= integral.zeroth_bound <= 1e-5 * wanted.zeroth
+        expected = exact_moments(kind, cell).about(integral.origin)
+        assert abs(integral.zeroth - expected.zeroth) <= integral.zeroth_bound <= 1e-5 * expected.zeroth
         for k in range(6):
-            assert abs(integral.second[k] - wanted.second[k]) <= integral.second_bound[k]
+            assert abs(integral.second[k] - expected.second[k]) <= integral.second_bound[k]
 
 
 # Volume, centroid and central ∫x xᵀ of the undistorted cells, from textbooks.
@@ -423,9 +423,9 @@ def test_straight_wires_have_exact_moments():
     for i in range(3):
         assert abs(about.first[i] - first[i]) <= about.first_bound[i]
     central = moments.about((Fraction(10**6), Fraction(0), Fraction(0)))
-    wanted = (5 * Fraction(9, 3) + 12 * 9, 5 * Fraction(16, 3) + 12 * 16, 12 * Fraction(144, 3))
+    expected = (5 * Fraction(9, 3) + 12 * 9, 5 * Fraction(16, 3) + 12 * 16, 12 * Fraction(144, 3))
     for k in range(3):
-        assert abs(central.second[k] - wanted[k]) <= central.second_bound[k] <= 1e-12 * wanted[k]
+        assert abs(central.second[k] - expected[k]) <= central.second_bound[k] <= 1e-12 * expected[k]
 
 
 def test_a_parabola_has_its_arc_length():

@@ -18,10 +18,10 @@ ORIGIN = (Fraction(0),) * 3
 
 def assert_exact(triangles: Triangles) -> None:
     moments = exact_moments(triangles)
-    wanted = rational.moments(triangles.corners())
-    assert moments.zeroth == wanted.volume
+    expected = rational.moments(triangles.corners())
+    assert moments.zeroth == expected.volume
     about = moments.about(ORIGIN)
-    assert (about.first, about.second) == (wanted.first, wanted.second)
+    assert (about.first, about.second) == (expected.first, expected.second)
     assert (moments.zeroth_bound, moments.first_bound, moments.second_bound) == (0, ORIGIN, ORIGIN * 2)
 
 

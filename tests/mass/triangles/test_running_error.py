@@ -270,8 +270,8 @@ def test_moments_are_within_their_bounds_on_either_side_of_the_limit(
     exact = rational.moments(triangles.corners()).moved(*(-k for k in moments.origin))
     values = [moments.zeroth, *moments.first, *moments.second]
     true = [exact.volume, *exact.first, *exact.second]
-    for value, wanted, bound in zip(values, true, bounds_of(moments), strict=True):
-        assert abs(value - wanted) <= bound
+    for value, expected, bound in zip(values, true, bounds_of(moments), strict=True):
+        assert abs(value - expected) <= bound
 
 
 @pytest.mark.parametrize("overflown", [np.inf, np.nan], ids=str)

@@ -153,10 +153,10 @@ def test_second_order_nodes_of_gmsh_are_put_in_the_order_of_vtk(kind: str, versi
         )
     (block,) = read_text(tmp_path, "one.msh", text).geometry.blocks
     assert block.kind == kind
-    found = np.array(points)[block.nodes[0]]
-    assert np.array_equal(found[: len(corners)], corners)
+    result = np.array(points)[block.nodes[0]]
+    assert np.array_equal(result[: len(corners)], corners)
     expected = [corners[list(around)].mean(axis=0) for around in MIDDLES[kind]]
-    assert np.allclose(found[len(corners) :], expected, rtol=1e-12)
+    assert np.allclose(result[len(corners) :], expected, rtol=1e-12)
 
 
 @pytest.mark.parametrize("kind", ["hexahedron20", "wedge15", "tetra10"])

@@ -5,7 +5,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from tests.recording.kinds import FLOAT32, errors_seen, place, seen, series, tips, turn, written
+from tests.recording.kinds import FLOAT32, drawable, errors_seen, place, series, tips, turn, written
 from tests.recording.reading import Recorded
 
 from inertia import Run, Scene, simulate
@@ -140,7 +140,7 @@ def test_parts_with_a_file_are_shown_as_they_are(tmp_path: Path) -> None:
     np.testing.assert_allclose(turned, [0, 0, 1], atol=1e-6)
 
 
-@seen
+@drawable
 def test_the_viewer_shows_it_without_an_error(tmp_path: Path) -> None:
     scene = Scene.load(path("scenes/diver.toml"))
     run = simulate(replace(scene, run=replace(scene.run, duration=0.8)))

@@ -5,7 +5,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from tests.recording.kinds import FLOAT32, errors_seen, place, seen, series, tips, turn, written
+from tests.recording.kinds import FLOAT32, drawable, errors_seen, place, series, tips, turn, written
 from tests.recording.reading import Recorded
 
 from inertia import Run, Scene, simulate
@@ -94,6 +94,6 @@ def test_a_body_that_would_lift_off_says_when(tmp_path: Path) -> None:
     assert instant == pytest.approx(run.time[np.argmax(normal < 0)], abs=1e-3)
 
 
-@seen
+@drawable
 def test_the_viewer_shows_it_without_an_error(run: Run, tmp_path: Path) -> None:
     assert errors_seen(screen(run), tmp_path, 0.5) == []

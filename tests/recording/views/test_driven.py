@@ -5,7 +5,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from tests.recording.kinds import errors_seen, seen, series, tips, written
+from tests.recording.kinds import drawable, errors_seen, series, tips, written
 
 from inertia import Run, Scene, simulate
 from inertia.recording import entities
@@ -56,7 +56,7 @@ def test_the_samples_are_written_whole(name: str, tmp_path: Path) -> None:
     )  # its samples are far apart
 
 
-@seen
+@drawable
 def test_the_viewer_shows_it_without_an_error(tmp_path: Path) -> None:
     run = made([1.0, 2.0, 3.0], [0.1, 1.0, 0.2], [{"kind": "damping", "coefficient": 0.1}])
     assert errors_seen(screen(run), tmp_path, 5.0) == []

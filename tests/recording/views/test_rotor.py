@@ -5,7 +5,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from tests.recording.kinds import errors_seen, seen, series, turn, written
+from tests.recording.kinds import drawable, errors_seen, series, turn, written
 from tests.recording.reading import Recorded
 
 from inertia.balancing.balance import Balance, balance
@@ -131,6 +131,6 @@ def test_a_rotor_that_is_left_alone_has_one_state(tmp_path: Path) -> None:
     assert series(recording, f"/{entities.PLOT_BEARING_A}").shape[1] == 1
 
 
-@seen
+@drawable
 def test_the_viewer_shows_it_without_an_error(balanced: Balance, tmp_path: Path) -> None:
     assert errors_seen(screen(balanced), tmp_path, 0.1) == []

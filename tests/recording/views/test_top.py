@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
-from tests.recording.kinds import FLOAT32, errors_seen, place, seen, series, tips, turn, written
+from tests.recording.kinds import FLOAT32, drawable, errors_seen, place, series, tips, turn, written
 from tests.recording.reading import Recorded
 
 from inertia import Run, Scene, simulate
@@ -133,6 +133,6 @@ def test_a_top_whose_axis_stays_vertical_is_shown(attitude: list[float], spin: f
     np.testing.assert_allclose(axis, np.broadcast_to([0, 0, 1 if spin else -1], axis.shape), atol=1e-6)
 
 
-@seen
+@drawable
 def test_the_viewer_shows_it_without_an_error(run: Run, tmp_path: Path) -> None:
     assert errors_seen(screen(run), tmp_path, 0.5) == []

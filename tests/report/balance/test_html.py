@@ -90,7 +90,7 @@ def test_there_are_three_sheets_with_their_headings():
 def test_every_sheet_says_how_angles_are_seen_and_that_nothing_was_measured():
     for sheet in page(case_14()).findall(".//section"):
         head = text(sheet.find(".//header"))
-        for said in (
+        for piece in (
             "predicted from geometry – not a measurement",
             "View from bearing B looking toward bearing A",
             "0° toward (1, 0, 0) of the part's axes",
@@ -98,7 +98,7 @@ def test_every_sheet_says_how_angles_are_seen_and_that_nothing_was_measured():
             "Rotation counter-clockwise in this view",
             "two-disc rotor · serial 0001 · revision A 2024-02-29 · inertia",
         ):
-            assert said in head
+            assert piece in head
         assert sheet.find(".//header//svg") is not None
 
 
@@ -139,7 +139,7 @@ def test_initial_and_correction_make_up_the_residual():
 def test_identity_and_criterion_are_stated():
     document = page(case_14())
     first = text(document.find(".//section"))
-    for said in (
+    for piece in (
         "Mass 11.014 kg",
         "Centre of mass z = 150.607 mm",
         "Principal axis 0.299° from the shaft",
@@ -148,7 +148,7 @@ def test_identity_and_criterion_are_stated():
         "the speed is 0.25 of the critical one",
         "no keys",
     ):
-        assert said in first
+        assert piece in first
     hashes = [row[1] for row in rows(table(document, "Files"))]
     assert len(hashes) == 2
     assert all(re.fullmatch("[0-9a-f]{64}", k) for k in hashes)

@@ -39,9 +39,9 @@ def points(element):
     return np.array([list(map(float, pair.split(","))) for pair in element.get("points").split()])
 
 
-def place(picture, said):
+def place(picture, label):
     """Return where a text of a picture is."""
-    return number(next(k for k in tree(picture).iter("text") if k.text == said), "x", "y")
+    return number(next(k for k in tree(picture).iter("text") if k.text == label), "x", "y")
 
 
 def operation(name, angle, method="remove", plane="I"):
@@ -120,9 +120,9 @@ def test_a_forbidden_sector_through_0_is_drawn_at_both_ends():
 
 def test_crowded_labels_leave_out_their_angles_and_none_lies_on_another():
     works = [operation(f"I-{k}", 3.0 * k) for k in range(40)]
-    said = [k for k in tree(strip(PLANES, works)).iter("text") if re.fullmatch(r"I-\d+", k.text)]
-    assert len(said) == 40
-    places = [number(k, "x", "y") for k in said]
+    labels = [k for k in tree(strip(PLANES, works)).iter("text") if re.fullmatch(r"I-\d+", k.text)]
+    assert len(labels) == 40
+    places = [number(k, "x", "y") for k in labels]
     assert len(set(places)) == 40
     lonely = [k.text for k in tree(strip(PLANES, works[:1])).iter("text")]
     assert "I-0: 0.0°" in lonely
@@ -140,9 +140,9 @@ def bearing(name, z):
 def test_the_sketch_shows_distances_between_neighbouring_planes():
     outline = np.array([[0.0, 15.0], [300.0, 15.0]])
     picture = sketch(outline, 150.0, (bearing("A", 20.0), bearing("B", 280.0)), PLANES)
-    said = [k.text for k in tree(picture).iter("text")]
+    labels = [k.text for k in tree(picture).iter("text")]
     for expected in ("A: z 20", "I: z 90", "II: z 215", "B: z 280", "70", "125", "65", "A to B 260 mm", "G"):
-        assert expected in said
+        assert expected in labels
     assert place(picture, "A: z 20")[0] < place(picture, "I: z 90")[0] < place(picture, "B: z 280")[0]
 
 

@@ -111,8 +111,8 @@ def test_the_quadratures_agree_with_taylor_series():
 def test_energy_and_both_momenta_are_kept(name):
     mgh, attitude, omega, _ = STARTS[name]
     motion = solve_heavy_top(MOMENTS, mgh, attitude, omega, np.linspace(0.0, 1e4, 500))
-    for kept, values in motion.invariants.items():
-        assert np.abs(values - values[0]).max() <= 4e-15 * motion.scales[kept], kept
+    for name, values in motion.invariants.items():
+        assert np.abs(values - values[0]).max() <= 4e-15 * motion.scales[name], name
 
 
 @pytest.mark.parametrize("name", ["generic", "hanging", "through upright", "pendulum", "1e-12 from the separatrix"])

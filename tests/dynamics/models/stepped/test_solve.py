@@ -177,10 +177,10 @@ def near_separatrix(pull: float) -> RotationProblem:
 def test_nearly_free_body_near_its_separatrix_is_warned_of() -> None:
     """|2 T I₂ − L²|/L² = ω₁² I₁ (I₂ − I₁)/L² = 2.5e-11; λ = ω₂ √((I₂−I₁)(I₃−I₂)/(I₁I₃)) = 0.577/s."""
     motion = solve_stepped(near_separatrix(1e-9), [0.0, 5.0], 1e-6)
-    (said,) = motion.warnings
-    assert "2.5e-11 from its separatrix" in said
-    assert "growth rate 0.577 1/s" in said
-    assert "every 1.73 s" in said
+    (message,) = motion.warnings
+    assert "2.5e-11 from its separatrix" in message
+    assert "growth rate 0.577 1/s" in message
+    assert "every 1.73 s" in message
 
 
 @pytest.mark.parametrize("problem", [near_separatrix(1.0), case("free").problem, RotationProblem([1, 1, 2], [0, 1, 1])])
