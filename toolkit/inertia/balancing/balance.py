@@ -149,8 +149,8 @@ def balance(rotor: Rotor, *, progress: Progress | None = None) -> Balance:
         tool is too deep for the wall
 
     >>> from importlib.resources import files
-    >>> done = balance(Rotor.load(files("inertia_meshes") / "rotors" / "two_disc_rotor.toml"))
-    >>> done.verdict.outcome, [operation.id for operation in done.correction.operations]
+    >>> result = balance(Rotor.load(files("inertia_meshes") / "rotors" / "two_disc_rotor.toml"))
+    >>> result.verdict.outcome, [operation.id for operation in result.correction.operations]
     ('pass', ['I-1', 'II-1'])
     """
     require_kind(rotor, Rotor, "rotor", "inertia.Rotor.load(path)")

@@ -128,17 +128,17 @@ def _cut_short(corners: Float, layer: Float, depth: float) -> tuple[Float, Float
 
     A triangle is halved at the middle of the edge that climbs most.
     """
-    done = []
+    pieces = []
     while len(corners):
         climbs = np.abs(np.roll(corners, -1, axis=1)[:, :, 2] - corners[:, :, 2])
         steep = climbs.max(axis=1) > depth
-        done.append((corners[~steep], layer[~steep]))
+        pieces.append((corners[~steep], layer[~steep]))
         edge = climbs[steep].argmax(axis=1)
         a, b, c = (corners[steep][np.arange(len(edge)), (edge + k) % 3] for k in range(3))
         middle = 0.5 * (a + b)
         corners = np.concatenate([np.stack([a, middle, c], axis=1), np.stack([middle, b, c], axis=1)])
         layer = np.tile(0.5 * layer[steep], 2)
-    short, over = zip(*done, strict=True)
+    short, over = zip(*pieces, strict=True)
     return np.concatenate(short), np.concatenate(over)
 
 

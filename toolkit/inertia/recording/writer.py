@@ -53,8 +53,8 @@ class Recording:
         for block in blocks(len(time)):
             nanoseconds = np.round(_NANO * time[block]).astype("timedelta64[ns]")
             index = [rr.TimeColumn(TIMELINE, duration=nanoseconds)]
-            made = [column for make in columns for column in make(block)]
-            self._stream.send_columns(path, index, made)
+            chunk = [column for make in columns for column in make(block)]
+            self._stream.send_columns(path, index, chunk)
             self.flush()
 
     def scalars(

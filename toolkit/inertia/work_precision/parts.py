@@ -170,14 +170,14 @@ def _simpler_rows(
     rows: list[PartRow] = []
     levels = max(1.0, math.log2(triangles.count / FEWEST))
     meshes, share = halvings(triangles), 1
-    next_one, spent = _HALVING * triangles.count, 0.0
+    next_one, seconds = _HALVING * triangles.count, 0.0
     while watch.affords(next_one):
         try:
             next_one, mesh = watch.once(partial(next, meshes, None))
             if mesh is None:
                 return rows, [Skipped(_coarser(share), "no tolerance leaves a solid of so few triangles")]
-            spent += next_one
-            rows.append(_simpler_row(mesh, spent, reference, scale, watch))
+            seconds += next_one
+            rows.append(_simpler_row(mesh, seconds, reference, scale, watch))
         except (UsageError, GeometryError) as fault:
             return rows, [Skipped(_coarser(share), fault.sentence)]
         share = mesh.share
@@ -191,7 +191,7 @@ def _coarser(share: int) -> str:
     return f"meshes of about 1/{2 * share} of the triangles and fewer"
 
 
-def _simpler_row(mesh: Simplified, spent: float, reference: _Answer, scale: _Scale, watch: Stopwatch) -> PartRow:
+def _simpler_row(mesh: Simplified, seconds: float, reference: _Answer, scale: _Scale, watch: Stopwatch) -> PartRow:
     if closure(mesh.surface).open_edges:
         raise GeometryError(f"simplifying to {mesh.surface.count} triangles left the mesh open")
     run = partial(_integrated, mesh.surface, "float64")
@@ -205,7 +205,7 @@ def _simpler_row(mesh: Simplified, spent: float, reference: _Answer, scale: _Sca
         time=time,
         reached=error.worst + doubt,
         triangles=mesh.surface.count,
-        simplification=Simplification(mesh.share, float(mesh.tolerance * scale.metres), spent),
+        simplification=Simplification(mesh.share, float(mesh.tolerance * scale.metres), seconds),
         properties=properties,
         error=error,
         bound=scale.bound(properties),

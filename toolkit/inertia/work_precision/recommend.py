@@ -39,8 +39,8 @@ def part_recommendations(
         """Identify what the sentence is about: the row, and what it is compared with."""
         return id(cheapest(rows, decade)), id(cheapest(_whole(rows), decade))
 
-    def recommended(wanted: Sequence[Wanted]) -> Recommendation[PartRow]:
-        coarsest, finest = wanted[0], wanted[-1]
+    def recommended(decades: Sequence[Wanted]) -> Recommendation[PartRow]:
+        coarsest, finest = decades[0], decades[-1]
         row = cheapest(rows, finest)
         accuracies = f"For {_figure(coarsest)}" + (f" to {_figure(finest)}" if finest != coarsest else "")
         advice = _without_a_row(rows, skipped) if row is None else _with_a_row(rows, row, finest)
@@ -110,14 +110,14 @@ def _with_a_row(rows: Sequence[PartRow], row: PartRow, accuracy: Wanted) -> str:
     if row.simplification is None:
         return f"{row.method} over the whole mesh, {time}, within {row.reached:.2g} by its bound"
     mesh = f"{row.method} over the mesh at {row.mesh} ({row.triangles} triangles), {time}"
-    made = duration(row.simplification.seconds)
+    cost = duration(row.simplification.seconds)
     whole = cheapest(_whole(rows), accuracy)
     if whole is None:
-        return f"{mesh}, off by {row.reached:.2g}; making it took {made}"
+        return f"{mesh}, off by {row.reached:.2g}; making it took {cost}"
     pays = math.ceil(row.simplification.seconds / (_time(whole) - _time(row)))
     return (
         f"{mesh} instead of {duration(_time(whole))} for {whole.method} over the whole one, off by "
-        f"{row.reached:.2g}; making it took {made}, which pays after {counted(pays, 'integration')}"
+        f"{row.reached:.2g}; making it took {cost}, which pays after {counted(pays, 'integration')}"
     )
 
 

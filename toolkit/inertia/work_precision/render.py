@@ -215,15 +215,15 @@ def _whole_table(trade: PartTrade) -> Iterator[str]:
 
 def _simplified_table(trade: PartTrade) -> Iterator[str]:
     unit = trade.analysis.part.unit
-    made = {line: line.simplification for line in trade.rows if line.simplification}
+    simpler = {line: line.simplification for line in trade.rows if line.simplification}
     names: list[_Column[PartRow]] = [
         _Column("Mesh", 9, lambda line: line.mesh),
         _Column("Triangles", 9, lambda line: f"{line.triangles}"),
-        _Column(f"Tol., {unit.name}", 9, lambda line: f"{made[line].tolerance / float(unit.metres):.2g}"),
-        _Column("Made in", 9, lambda line: duration(made[line].seconds)),
+        _Column(f"Tol., {unit.name}", 9, lambda line: f"{simpler[line].tolerance / float(unit.metres):.2g}"),
+        _Column("Made in", 9, lambda line: duration(simpler[line].seconds)),
     ]
     over = f"{'error by simplifying':^27}{'arithmetic':>10}"
-    return _part_table("Simplified meshes, float64", names, list(made), over) if made else iter(())
+    return _part_table("Simplified meshes, float64", names, list(simpler), over) if simpler else iter(())
 
 
 def _scene_table(trade: SceneTrade) -> Iterator[str]:

@@ -65,7 +65,7 @@ def _again(previous: Arrangement, vector: complex) -> Arrangement | None:
         spread = _spread(previous.tool, vector, len(previous.places))
         if spread is not None and abs(spread.short) <= _EXACT * abs(vector):
             return spread
-    adjusted = _held(previous.tool, vector, [angle for angle, _ in previous.places])
+    adjusted = _set_places(previous.tool, vector, [angle for angle, _ in previous.places])
     return adjusted if abs(adjusted.short) <= _EXACT * abs(vector) else None
 
 
@@ -97,7 +97,7 @@ def _spread(tool: Tool, vector: complex, number: int | None = None) -> Arrangeme
     angles = [angle_of(cmath.rect(1.0, middle + (k - 0.5 * (number - 1)) * gap)) for k in range(number)]
     if any(tool.plane.forbids(angle, tool.half_angle) for angle in angles):
         return None
-    return _made(tool, vector, [(angle, setting) for angle in angles])
+    return _arrangement(tool, vector, [(angle, setting) for angle in angles])
 
 
 def _factor(number: int, gap: float) -> float:
@@ -166,10 +166,10 @@ def _picked(tool: Tool, vector: complex, candidates: Sequence[float]) -> Arrange
     within = np.array([float(best[rest]) + _LEEWAY])
     fewer = replace(program, radii=within, reach=np.zeros_like(remainder)[None]).least(number)
     picked = np.flatnonzero((best if fewer is None else fewer)[used]).tolist()
-    return _held(tool, vector, [candidates[k] for k in picked])
+    return _set_places(tool, vector, [candidates[k] for k in picked])
 
 
-def _held(tool: Tool, vector: complex, angles: Sequence[float]) -> Arrangement:
+def _set_places(tool: Tool, vector: complex, angles: Sequence[float]) -> Arrangement:
     """Set the places at these angles so that they leave the least of the vector."""
     size = abs(vector)
     if not angles or size == 0:
@@ -184,9 +184,9 @@ def _held(tool: Tool, vector: complex, angles: Sequence[float]) -> Arrangement:
     else:
         shares = [most] * len(angles)
     settings = [min(max(tool.setting(share * size), tool.least), tool.greatest) for share in shares]
-    return _made(tool, vector, list(zip(angles, settings, strict=True)))
+    return _arrangement(tool, vector, list(zip(angles, settings, strict=True)))
 
 
-def _made(tool: Tool, vector: complex, places: list[tuple[float, float]]) -> Arrangement:
+def _arrangement(tool: Tool, vector: complex, places: list[tuple[float, float]]) -> Arrangement:
     arrangement = Arrangement(tool, tuple(places), 0j)
     return replace(arrangement, short=vector - arrangement.vector)

@@ -52,23 +52,23 @@ def index_balancing(measured: ArrayLike, positions: ArrayLike) -> IndexBalance:
     >>> round(split.rotor.real.item(), 12), round(split.tooling.real.item(), 12)
     (3.0, 1.0)
     """
-    shown = complex_of(measured, "measured")
-    if shown.ndim == 0 or len(shown) < 2:
+    readings = complex_of(measured, "measured")
+    if readings.ndim == 0 or len(readings) < 2:
         raise UsageError(
             "one position is given: rotor and tooling are told apart by two or more, best a half turn apart"
         )
-    turned = array_of(positions, (len(shown),), "positions")
-    matrix = np.stack([np.exp(1j * turned), np.ones(len(turned))], axis=1)
+    angles = array_of(positions, (len(readings),), "positions")
+    matrix = np.stack([np.exp(1j * angles), np.ones(len(angles))], axis=1)
     singular = np.linalg.svd(matrix, compute_uv=False)
     if singular[1] < _APART * singular[0]:
         raise UsageError(
-            f"the positions {np.degrees(turned).round(3).tolist()}° are too close to tell rotor and tooling apart: "
+            f"the positions {np.degrees(angles).round(3).tolist()}° are too close to tell rotor and tooling apart: "
             "turn the rotor by more, best by a half turn"
         )
-    flat = shown.reshape(len(shown), -1)
+    flat = readings.reshape(len(readings), -1)
     solution = np.linalg.lstsq(matrix, flat, rcond=None)[0]
-    rotor, tooling = (k.reshape(shown.shape[1:]) for k in solution)
-    if len(shown) == 2:
+    rotor, tooling = (k.reshape(readings.shape[1:]) for k in solution)
+    if len(readings) == 2:
         return IndexBalance(rotor, tooling, None)
-    squares = np.sum(np.abs(flat - matrix @ solution) ** 2, axis=0) / (len(shown) - 2)
-    return IndexBalance(rotor, tooling, np.sqrt(squares).reshape(shown.shape[1:]))
+    squares = np.sum(np.abs(flat - matrix @ solution) ** 2, axis=0) / (len(readings) - 2)
+    return IndexBalance(rotor, tooling, np.sqrt(squares).reshape(readings.shape[1:]))

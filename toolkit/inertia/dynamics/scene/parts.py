@@ -83,7 +83,7 @@ def _joint(table: object, path: str) -> Joint:
     return Joint(**entries, path=path)
 
 
-def _tables(value: Any, path: str, written: str) -> Sequence[Any]:
+def _tables(value: Any, path: str, form: str) -> Sequence[Any]:
     if not isinstance(value, Sequence) or isinstance(value, str | Mapping):
-        raise FieldError(path, f"must be a list of tables: write {written} in double brackets")
+        raise FieldError(path, f"must be a list of tables: write {form} in double brackets")
     return value

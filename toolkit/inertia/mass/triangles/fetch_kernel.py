@@ -58,8 +58,8 @@ def transposer(number, size, alignment):
             z = ir.Constant(four, ir.Undefined)
             for k, point in enumerate(points):
                 z = builder.insert_element(z, load(point, 2 * size, number), index(k))
-            for axis, found in enumerate((mixed(even, odd, [0, 4, 2, 6]), mixed(even, odd, [1, 5, 3, 7]), z)):
-                widened = found if four == row else builder.fpext(found, row)
+            for axis, component in enumerate((mixed(even, odd, [0, 4, 2, 6]), mixed(even, odd, [1, 5, 3, 7]), z)):
+                widened = component if four == row else builder.fpext(component, row)
                 builder.store(widened, at(lane, axis * LANES * 8, row), align=8 * GROUP)
             return context.get_dummy_value()
 

@@ -75,8 +75,8 @@ def states_of(balance: Balance) -> list[State]:
     parts = [body.part for body in balance.bodies]
     states = [_state(balance, entities.AS_MODELLED, "As modelled", parts, balance.initial, ())]
     if correction is not None and correction.operations:
-        done = correction.operations
-        states.append(_state(balance, entities.CORRECTED, "Corrected", correction.parts, balance.residual, done))
+        operations = correction.operations
+        states.append(_state(balance, entities.CORRECTED, "Corrected", correction.parts, balance.residual, operations))
     return states
 
 
@@ -113,7 +113,7 @@ def _state(
         unbalance=unbalance.in_planes(*balance.tolerance_planes),
         permissible=balance.tolerance.permissible,
         forces=balance.forces(unbalance),
-        operations=tuple((_place(each, middle) / unit, f"{each.id}: {_done(each)}") for each in operations),
+        operations=tuple((_place(each, middle) / unit, f"{each.id}: {_description(each)}") for each in operations),
         notes=tuple(notes),
     )
 
@@ -135,7 +135,7 @@ def _place(operation: Operation, middle: float) -> Float:
     return np.array([radius * math.cos(angle), radius * math.sin(angle), operation.z - middle])
 
 
-def _done(operation: Operation) -> str:
+def _description(operation: Operation) -> str:
     """Return what is done in a few words."""
     if operation.tool_diameter is not None and operation.depth is not None:
         return f"Ø {1e3 * operation.tool_diameter:.4g}, {1e3 * operation.depth:.4g} mm deep"
