@@ -1,7 +1,7 @@
 """Eigenvalues and eigenvectors of a symmetric 3×3 matrix that is known within bounds, with bounds that hold.
 
 A needle's tensor holds its smallest moment as a difference of elements that are larger by the square of its
-slenderness: a solver in float64 gives noise for it where the rational elements still carry it. Here numpy's solver only
+slenderness: a solver in float64 gives noise for it where the rational elements still carry it. Here float64 only
 proposes a frame R. Its quaternion is rounded to integers, and the rotation of an integer quaternion is rational and
 *exactly* orthogonal (Euler and Rodrigues), so no departure from orthogonality enters the bounds. T = Rᵀ A R is formed
 in integers, and where it is not yet diagonal enough, Jacobi rotations, whose half-angle has a float64 tangent and is
@@ -37,6 +37,7 @@ _NOISE = 1 << 8
 """What the bits cut off may add up to, in units of the last one kept."""
 
 _SWEEPS = 12
+_SMALL = 2.0**-54
 _GUESS = 60
 _PAIRS = ((0, 1, 2), (1, 2, 0), (2, 0, 1))
 
@@ -105,12 +106,33 @@ def _unit(values: Sequence[Fraction]) -> Fraction:
 
 
 def _proposed(a: _Rows) -> _Quaternion:
-    """Return the quaternion (w, x, y, z), of any length, of the frame that the solver in float64 gives."""
+    """Return the quaternion (w, x, y, z), of any length, of the frame that Jacobi rotations in float64 give.
+
+    They add, multiply, divide and take roots only, so that the frame has the same bits on any processor.
+    """
     size = max(abs(x) for row in a for x in row) or 1
-    m: Float = np.linalg.eigh([[x / size for x in row] for row in a])[1]
-    if np.linalg.det(m) < 0:
-        m[:, 2] *= -1
-    (xx, xy, xz), (yx, yy, yz), (zx, zy, zz) = m.tolist()
+    t = [[x / size for x in row] for row in a]
+    r = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]]
+    for _ in range(_SWEEPS):
+        turned = False
+        for i, j, k in _PAIRS:
+            off, gap = t[i][j], t[i][i] - t[j][j]
+            if abs(off) <= _SMALL * min(abs(t[i][i]), abs(t[j][j])):
+                continue
+            turned = True
+            tangent = _tangent(off, gap)
+            cosine = 1.0 / math.sqrt(1.0 + tangent * tangent)
+            sine = tangent * cosine
+            t[i][i] += tangent * off
+            t[j][j] -= tangent * off
+            t[i][j] = t[j][i] = 0.0
+            t[i][k], t[j][k] = cosine * t[i][k] + sine * t[j][k], cosine * t[j][k] - sine * t[i][k]
+            t[k][i], t[k][j] = t[i][k], t[j][k]
+            for line in r:
+                line[i], line[j] = cosine * line[i] + sine * line[j], cosine * line[j] - sine * line[i]
+        if not turned:
+            break
+    (xx, xy, xz), (yx, yy, yz), (zx, zy, zz) = r
     # Four multiples of the quaternion; the one with the largest leading element loses nothing.
     rows = (
         (1 + xx + yy + zz, zy - yz, xz - zx, yx - xy),
@@ -158,12 +180,8 @@ def _negligible(t: _Rows, f: _Rows, i: int, j: int) -> bool:
 
 def _turned(q: _Quaternion, axis: int, off: int, gap: int) -> _Quaternion:
     """Return the quaternion with a Jacobi rotation about its own axis that takes `off` to zero."""
-    if abs(gap) > abs(off):
-        double = math.atan(2 * off / gap)
-    else:
-        cotangent = gap / (2 * off)
-        double = math.copysign(0.5 * math.pi, cotangent) - math.atan(cotangent)
-    tangent, one = math.tan(0.25 * double).as_integer_ratio()
+    tangent = _tangent(off, gap)
+    tangent, one = (tangent / (1.0 + math.sqrt(1.0 + tangent * tangent))).as_integer_ratio()
     w, x, y, z = q
     v = [0, 0, 0]
     v[axis] = tangent
@@ -176,6 +194,15 @@ def _turned(q: _Quaternion, axis: int, off: int, gap: int) -> _Quaternion:
     spare = max(0, max(abs(k) for k in product).bit_length() - _BITS)
     w, x, y, z = (k >> spare for k in product)
     return w, x, y, z
+
+
+def _tangent(off: float, gap: float) -> float:
+    """Return the tangent of the angle of a Jacobi rotation: that of twice the angle is 2 `off`/`gap`."""
+    if abs(gap) > abs(off):
+        double = 2 * off / gap
+        return double / (1.0 + math.sqrt(1.0 + double * double))
+    cotangent = gap / (2 * off)
+    return math.copysign(1.0, cotangent) / (abs(cotangent) + math.sqrt(1.0 + cotangent * cotangent))
 
 
 def _value_bounds(t: _Rows, f: _Rows, beta: int) -> list[int]:

@@ -139,7 +139,7 @@ def _above(bound: Fraction) -> float:
 
 def _nearest_axes(basis: Float) -> Float:
     """Return an orthonormal basis of the subspace of `basis` (3, k), built from x, y, z in that order of nearness."""
-    projector = basis @ basis.T
+    projector = np.einsum("ik,jk->ij", basis, basis)
     axes: list[Float] = []
     for _ in range(basis.shape[1]):
         rest = projector - sum((np.outer(c, c) for c in axes), np.zeros((3, 3)))

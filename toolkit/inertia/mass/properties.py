@@ -185,10 +185,11 @@ class MassProperties:
 
     def moments_within(self, relative: float) -> bool:
         """Whether each principal moment is certain to this part of itself."""
-        size = float(np.abs(self.inertia).max()) or 1.0
-        scaled = self.inertia / size
-        # No moment is off by more than the tensor, which is most often enough and costs no decomposition.
-        if 4 * self.error.inertia < relative * float(np.linalg.eigvalsh(scaled)[0]):
+        (xx, xy, xz), (_, yy, yz), (_, _, zz) = (self.inertia / (float(np.abs(self.inertia).max()) or 1.0)).tolist()
+        # No moment is off by more than the tensor, and the smallest is at least det I / (½ tr I)²: that is most often
+        # enough, and costs no decomposition.
+        determinant = xx * (yy * zz - yz * yz) - xy * (xy * zz - yz * xz) + xz * (xy * yz - yy * xz)
+        if self.error.inertia * (xx + yy + zz) ** 3 < relative * (determinant - 1e-14):
             return True
         return bool((self.principal.moment_bounds <= relative * self.principal.moments).all())
 

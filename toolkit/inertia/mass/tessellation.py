@@ -57,8 +57,8 @@ def _between(corners: Float, chord: Float) -> Float:
     perimeter = np.linalg.norm(edges, axis=2).sum(axis=1)
     volume = chord * area + 0.25 * math.pi * chord**2 * perimeter + 4.0 / 3.0 * math.pi * chord**3
     reach = np.abs(corners).max(axis=1) + chord[:, None]
-    first = [volume @ reach[:, axis] for axis in range(3)]
-    second = [(volume * reach[:, i]) @ reach[:, j] for i, j in PAIRS]
+    first = [(volume * reach[:, axis]).sum() for axis in range(3)]
+    second = [(volume * reach[:, i] * reach[:, j]).sum() for i, j in PAIRS]
     return np.array([volume.sum(), *first, *second])
 
 

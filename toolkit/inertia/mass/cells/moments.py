@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from inertia.arrays import Float, Int, Progress
 from inertia.errors import GeometryError, UsageError
-from inertia.mass.cells.quadrature import UNIT_ROUNDOFF, Chunk, integrate, moment_rows
+from inertia.mass.cells.quadrature import UNIT_ROUNDOFF, Chunk, combined, integrate, moment_rows
 from inertia.mass.cells.shape_functions import Table, table
 from inertia.mass.cells.shapes import KINDS, numbered_blocks, volume_blocks
 from inertia.mass.moments import Moments
@@ -161,7 +161,7 @@ def _determinants(shape: Table, chunk: Chunk) -> tuple[Float, Float]:
     positive, and six products of at most five roundings add at most (5/3) u Σ A m(A).
     """
     n, _, k = chunk.edges.shape
-    jacobian = (shape.slopes.reshape(-1, n) @ chunk.edges.reshape(n, 3 * k)).reshape(3, -1, 3, k)
+    jacobian = combined(shape.slopes.reshape(-1, n), chunk.edges).reshape(3, -1, 3, k)
     a, b, c = (jacobian[:, :, axis] for axis in range(3))
     determinant = (
         a[0] * (b[1] * c[2] - b[2] * c[1]) + b[0] * (c[1] * a[2] - c[2] * a[1]) + c[0] * (a[1] * b[2] - a[2] * b[1])
@@ -178,8 +178,8 @@ def _determinants(shape: Table, chunk: Chunk) -> tuple[Float, Float]:
 
 def _wire_rows(shape: Table, chunk: Chunk) -> Float:
     """Return the moments of each wire and their bounds; |dx/dξ| takes the place of the determinant."""
-    n, _, k = chunk.edges.shape
-    tangent = (shape.slopes[0] @ chunk.edges.reshape(n, 3 * k)).reshape(-1, 3, k)
+    n = len(chunk.edges)
+    tangent = combined(shape.slopes[0], chunk.edges)
     speed = np.sqrt((tangent**2).sum(axis=1))
     span = np.sqrt((chunk.half**2).sum(axis=0))
     error = UNIT_ROUNDOFF * ((n + 6) * shape.steep[0] * span + 4 * speed.max(axis=0))
@@ -214,4 +214,4 @@ def _area(points: Float, kind: str, nodes: Int) -> float:
     shape = table(kind)
     edges = points[nodes] - points[nodes[:, :1]]
     u, v = np.einsum("aqn,fnx->afqx", shape.slopes[:, : len(shape.weights)], edges)
-    return float((np.linalg.norm(np.cross(u, v), axis=2) @ shape.weights).sum())
+    return float((np.linalg.norm(np.cross(u, v), axis=2) * shape.weights).sum())

@@ -22,8 +22,8 @@ which they are widened at the end. What underflow can add is far below 2⁻⁹�
 is added.
 
 Order: the points of a cell and the cells of a chunk are added as binary trees, the chunks exactly
-(`math.fsum`). Chunks have a fixed number of cells, and one sum for each group in it. The sums over a cell's
-nodes are matrix products, whose order the bounds leave free.
+(`math.fsum`). Chunks have a fixed number of cells, and one sum for each group in it. The nodes of a cell are added
+in their order (`combined`). So the bits are the same on any number of threads.
 """
 
 from __future__ import annotations
@@ -117,7 +117,7 @@ def moment_rows(shape: Table, chunk: Chunk, density: Float, error: Float) -> Flo
     error : (k,) bound on the error of each `density`
     """
     n, _, k = chunk.edges.shape
-    x = (shape.values @ chunk.edges.reshape(n, 3 * k)).reshape(-1, 3, k)
+    x = combined(shape.values, chunk.edges)
     mass = shape.weights[:, None] * density
     zeroth = fold(mass)
     first_terms = mass[:, None] * x
@@ -135,6 +135,15 @@ def moment_rows(shape: Table, chunk: Chunk, density: Float, error: Float) -> Flo
         out[:, 4 + column] = second + (c[i] * first[j] + c[j] * (first[i] + zeroth * c[i]))
         out[:, 14 + column] = bound * reach[i] * reach[j]
     return out
+
+
+def combined(coefficients: Float, edges: Float) -> Float:
+    """Return Σ cᵢ xᵢ over the nodes, (r, 3, k), of coefficients (r, n) and nodes (n, 3, k), node by node.
+
+    A matrix product would leave the order, and so the last bits, to the BLAS library, its threads and the processor.
+    """
+    total: Float = np.einsum("rn,nik->rik", coefficients, edges)
+    return total
 
 
 def fold(values: Float) -> Float:

@@ -54,9 +54,9 @@ def running_bounds(triangles: Triangles, sums: Sums) -> Float:
         reach += w_error
         high, low, bound = split_product(d * w, w, size.max() * reach.max(axis=(1, 2)), reach.max(axis=(1, 2)))
         w_error *= size
-        within = _flat(reach) @ _flat(w_error).T
+        within = _product(_flat(reach), _flat(w_error))
         bound += within + within.T
-        bound += _flat((d_error + _U * size) * reach) @ _flat(reach).T
+        bound += _product(_flat((d_error + _U * size) * reach), _flat(reach))
         off = abs((_TIMES * sums.sums[:10] - high[_ROWS, _COLUMNS]) - low[_ROWS, _COLUMNS])
         bounds: Float = off + bound[_ROWS, _COLUMNS]
     return bounds
@@ -103,10 +103,10 @@ def split_product(y: Float, w: Float, y_most: Float, w_most: Float) -> tuple[Flo
     y_high, w_high = y + y_top[:, None], w + w_top[:, None]
     y_high -= y_top[:, None]
     w_high -= w_top[:, None]
-    low = y_high @ (w - w_high).T
-    low += (y - y_high) @ w.T
+    low = _product(y_high, w - w_high)
+    low += _product(y - y_high, w)
     bound = 2.0 ** (bits + 1) * (m + 4) ** 2 * _U * np.outer(_U * y_top, _U * w_top)
-    return y_high @ w_high.T, low, bound
+    return _product(y_high, w_high), low, bound
 
 
 def two_difference(x: Float, y: Float) -> tuple[Float, Float]:
@@ -122,6 +122,12 @@ def two_difference(x: Float, y: Float) -> tuple[Float, Float]:
 def _power(x: Float) -> Float:
     """Return the largest power of two that is not above |x|; a rounded result is off by at most u times that."""
     return (x.view(np.uint64) & _POWER).view(np.float64)
+
+
+def _product(x: Float, y: Float) -> Float:
+    """Return x yᵀ in one order of summation, which a matrix product would leave to the BLAS library."""
+    product: Float = np.einsum("im,jm->ij", x, y)
+    return product
 
 
 def _flat(x: Float) -> Float:
