@@ -199,7 +199,7 @@ def test_a_needle_askew_is_recommended_a_method_that_keeps_its_smallest_moment()
     (advice,) = cost.recommendations
     assert advice.row is not None
     assert not advice.row.properties.loses_smallest_moment
-    assert cost.analysis.properties.error.method == advice.row.properties.error.method
+    assert not cost.analysis.properties.loses_smallest_moment  # by whichever of the two is quicker on the day
 
 
 def plate(height: float) -> tuple[np.ndarray, np.ndarray]:
