@@ -1,4 +1,4 @@
-"""`check`: whether the volume of a part is an honest one, and if not, what is wrong and where."""
+"""`check`: whether a part bounds a volume (closed, wound, free of overlaps), and if not, what is wrong and where."""
 
 from __future__ import annotations
 
