@@ -8,6 +8,7 @@ import numpy as np
 
 from inertia.errors import require_kind
 from inertia.mesh.checks.cells import CellTopology
+from inertia.mesh.checks.crossings import to_be_examined
 from inertia.mesh.checks.findings import Finding, Report, Severity
 from inertia.mesh.checks.kinds import findings
 from inertia.mesh.checks.surface_topology import SurfaceTopology
@@ -17,13 +18,14 @@ from inertia.mesh.part import Cells, Part, Triangles
 _ORDER: tuple[Severity, ...] = ("error", "warning", "note")
 
 
-def check(part: Part, *, intersections: bool = False) -> Report:
+def check(part: Part, *, intersections: bool | None = None) -> Report:
     """Check a part; no geometry makes it raise, see `Report.require_fit` for that.
 
     Parameters
     ----------
     part : a surface or a mesh of cells
-    intersections : look also for triangles of one shell that cross each other, which is slow
+    intersections : whether to look for triangles of one shell that cross each other; without it, up to 200,000
+        triangles that bound a volume are looked through
 
     >>> part = Part.from_arrays([[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]],
     ...                         [[0, 2, 1], [0, 1, 3], [1, 2, 3]], unit="mm")
@@ -37,14 +39,17 @@ def check(part: Part, *, intersections: bool = False) -> Report:
     return _check_surface(part, part.geometry, intersections)
 
 
-def _check_surface(part: Part, triangles: Triangles, intersections: bool) -> Report:
+def _check_surface(part: Part, triangles: Triangles, intersections: bool | None) -> Report:
     if unusable := next(findings("triangles", triangles), None):
         return _nothing_to_measure(part, triangles.count, unusable)
     surface = SurfaceTopology.of(triangles, part.unit.name)
     remarks = [*findings("surface", surface)]
+    flat = [*findings("volume", surface)] if surface.bounds else []
     if surface.bounds:
-        remarks += [*findings("volume", surface)] or [*findings("shells", surface)]
-    if intersections:
+        remarks += flat or [*findings("shells", surface)]
+    bounds_volume = surface.bounds and not flat
+    examined = to_be_examined(triangles, intersections) and (bounds_volume or intersections is True)
+    if examined:
         remarks += findings("crossings", surface)
     return Report(
         source=part.source,
@@ -57,6 +62,7 @@ def _check_surface(part: Part, triangles: Triangles, intersections: bool) -> Rep
         shells=surface.shells,
         loops=surface.loops,
         findings=_by_severity(remarks),
+        crossings_examined=examined,
     )
 
 

@@ -7,14 +7,23 @@ from itertools import groupby
 
 import numpy as np
 
-from inertia.arrays import Float
+from inertia.arrays import Float, Int
 from inertia.mesh.checks.findings import Evidence, listed, middle
 from inertia.mesh.checks.surface_topology import SurfaceTopology
 from inertia.mesh.geometry.boxes import BoxTree, overlapping
 from inertia.mesh.geometry.shells import Body, absolute_orientation, bodies, members
-from inertia.mesh.part import Surface
+from inertia.mesh.geometry.winding import misplaced_volume
+from inertia.mesh.part import Surface, Triangles
+
+EXAMINED = 200_000
+"""Triangles up to which crossings are looked for without being asked: a tenth of a second."""
 
 _CROSSINGS = 10_000  # crossings looked for, before those between different shells are taken out
+
+
+def to_be_examined(triangles: Triangles, intersections: bool | None) -> bool:
+    """Say whether crossings are to be looked for: as is asked, or else in a surface of up to 200,000 triangles."""
+    return triangles.count <= EXAMINED if intersections is None else bool(intersections)
 
 
 def overlapping_bodies(surface: SurfaceTopology) -> Evidence | None:
@@ -84,8 +93,25 @@ def self_intersections(surface: SurfaceTopology) -> Evidence | None:
         return None
     pair, place = pairs.pairs[same], middle(pairs.points[same][:1])
     count = int(same.sum())
-    figures = {"at_least": "at least " if pairs.truncated else "", "one": pair[0, 0], "other": pair[0, 1]}
+    figures = {
+        "at_least": "at least " if pairs.truncated else "",
+        "one": pair[0, 0],
+        "other": pair[0, 1],
+        "doubt": _doubt(surface, np.unique(pair)) if surface.shells else "",
+    }
     return Evidence(count, listed(np.unique(pair)), place, figures)
+
+
+def _doubt(surface: SurfaceTopology, crossed: Int) -> str:
+    """Say how much of the volume is in doubt: what counts more than once, or less than not at all, by rays."""
+    corners = surface.vertices[_turned(surface).faces]
+    volume = abs(sum(shell.signed_volume for shell in surface.shells))
+    for near in (corners, corners[crossed]):
+        misplaced = misplaced_volume(corners, np.stack([near.min(axis=(0, 1)), near.max(axis=(0, 1))]))
+        if misplaced > 0:
+            share = f" ({100 * misplaced / volume:.2g} % of the stored volume)" if volume > 0 else ""
+            return f": about {misplaced:.2g} {surface.unit}³{share}"
+    return ": too little for rays to meet it"
 
 
 def _turned(surface: SurfaceTopology) -> Surface:

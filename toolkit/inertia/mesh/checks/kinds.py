@@ -23,8 +23,8 @@ from inertia.mesh.part import Surface, Triangles
 from inertia.mesh.repairs.weld import closing_distance
 
 Subject = Literal["triangles", "surface", "volume", "shells", "crossings", "nodes", "cells"]
-"""What is looked at: `Triangles`; `SurfaceTopology`, whole, where it bounds a volume, where that is one, on request for
-crossings; `CellTopology`, before and after its nodes are known to be usable."""
+"""What is looked at: `Triangles`; `SurfaceTopology`, whole, where it bounds a volume, where that is one, where
+crossings are looked for; `CellTopology`, before and after its nodes are known to be usable."""
 
 _CHUNK = 1 << 16
 _NOISE = 1e-13  # volume over the sum of the shells' volumes
@@ -262,8 +262,8 @@ KINDS = (
         "crossings", "self_intersection", "error",
         self_intersections,
         "self-intersection: {at_least}{count:pair} of triangles cross, the first {around} being triangles {one} and "
-        "{other}, so that what is enclosed twice counts twice",
-        ("repair the part where it was made",),
+        "{other}, so that what is enclosed twice counts twice{doubt}",
+        ("unite it with itself where it was made",),
     ),
     Kind(
         "shells", "zero_volume", "warning",

@@ -1,11 +1,11 @@
 """The compiled search for triangles that cross: boxes enclosed two by two, descended pair by pair, and exact signs.
 
-It yields the pairs that cross, and the few that it cannot decide; `inertia.mesh.geometry.intersect` says how it is used,
-`inertia.mesh.geometry.triangle_pairs` what a crossing is. Two triangles with one corner in common are mostly told apart
-by a plane through it. Floating point decides the remaining signs where its error bound allows; where it does not, a
-line in a projection may separate the triangles, and else the determinant is expanded into a sum of floating-point
-numbers without any rounding, which is distilled until its sign shows (T. Ogita, S. M. Rump and S. Oishi, "Accurate sum
-and dot product", SIAM Journal on Scientific Computing 26 (2005) 1955, algorithm 4.3).
+It yields the pairs that cross, and the few that it cannot decide; `inertia.mesh.geometry.intersect` says how it is
+used, `inertia.mesh.geometry.triangle_pairs` what a crossing is. Two triangles with one corner in common are mostly told
+apart by a plane through it. Floating point decides the remaining signs where its error bound allows; where it does
+not, a line in a projection may separate the triangles, and else the determinant is expanded into a sum of
+floating-point numbers without any rounding, which is distilled until its sign shows (T. Ogita, S. M. Rump and S. Oishi,
+"Accurate sum and dot product", SIAM Journal on Scientific Computing 26 (2005) 1955, algorithm 4.3).
 
 Imported only to be compiled (`inertia.native`).
 """
@@ -218,7 +218,7 @@ def sides(own, plane, triangle, shared, signs, at):
 
 @njit(error_model="numpy", forceinline=True)
 def orient(own, a, i, b, j, c, k, d, l):
-    """Return the sign of the determinant of corners i, j, k, l of triangles a, b, c, d, where floating point decides."""
+    """Return what `exact_sign` does, where floating point decides it."""
     ax, ay, az = own[a, 3 * i], own[a, 3 * i + 1], own[a, 3 * i + 2]
     ux, uy, uz = own[b, 3 * j] - ax, own[b, 3 * j + 1] - ay, own[b, 3 * j + 2] - az
     vx, vy, vz = own[c, 3 * k] - ax, own[c, 3 * k + 1] - ay, own[c, 3 * k + 2] - az
@@ -289,7 +289,7 @@ def apart_in_projection(own, one, other):
             beyond = True
             for corner in range(3):
                 side = turn(own, a, k, a, (k + 1) % 3, b, corner, x, y)
-                if side == UNSURE or side == own_side:
+                if side in (UNSURE, own_side):
                     beyond = False
                     break
             if beyond:
