@@ -3,6 +3,7 @@
 import math
 from fractions import Fraction
 
+import mpmath
 import numpy as np
 import pytest
 from hypothesis import given, settings
@@ -276,6 +277,34 @@ class TestAccuracy:
             assert document["center_of_mass"] == pair[0].tolist()
             assert document["center_of_mass_low"] == pair[1].tolist()
             assert document["error"]["center_of_mass_pair"] == bound
+
+    @pytest.mark.parametrize("name", ["sphere.stl", "torus.stl", "two_disc_rotor.stl"])
+    def test_a_shell_is_answered_to_the_last_digit(self, name):
+        part = inertia.read(path(name))
+        properties = inertia.mass_properties(part, 1.0, shell=1.0, accuracy=1.2e-16)
+        assert properties.error.method.startswith("double-double")
+        metres = float(part.unit.metres)
+        with mpmath.workdps(50):
+            area, first = mpmath.mpf(0), mpmath.matrix(3, 1)
+            for corners in part.triangles.corners().tolist():
+                a, b, c = (mpmath.matrix(corner) for corner in corners)
+                u, v = b - a, c - a
+                n = [u[i - 2] * v[i - 1] - u[i - 1] * v[i - 2] for i in range(3)]
+                size = mpmath.sqrt(sum(k * k for k in n)) / 2
+                area += size
+                first += size * (a + b + c) / 3
+            unit = mpmath.mpf(part.unit.metres.numerator) / part.unit.metres.denominator
+            mass = area * unit**3
+            assert abs(properties.mass - mass) <= properties.error.mass * mass
+            pair, bound = properties.center_of_mass_pair()
+            for k in range(3):
+                assert abs(mpmath.mpf(pair[0, k]) + pair[1, k] - first[k] / area * unit) <= bound <= 1e-16 * metres
+
+    @pytest.mark.parametrize("name", [name for name, about in SAMPLES.items() if not about["triangles"]])
+    def test_volume_meshes_are_answered_to_the_last_digit(self, name):
+        properties = inertia.mass_properties(inertia.read(path(name)), 1.0, accuracy=1.2e-16)
+        assert properties.error.method.startswith("double-double")
+        assert max(properties.error.volume, properties.error.inertia) <= 1.2e-16
 
     def test_an_accuracy_that_no_float64_has_is_refused(self):
         with pytest.raises(UsageError, match=r"accuracy is 1e-17, finer than .* 1\.2e-16: ask for 'exact'"):

@@ -65,6 +65,34 @@ def test_bounds_hold_for_thin_cells_at_an_angle(kind):
             assert abs(integral.second[k] - expected.second[k]) <= integral.second_bound[k]
 
 
+@pytest.mark.parametrize("kind", SOLIDS)
+def test_double_double_has_twice_the_digits_and_its_bounds_hold(kind):
+    turn = np.linalg.qr(np.random.default_rng(3).normal(size=(3, 3)))[0]
+    for thinness, far in ((1.0, 0.0), (1e-3, 10.0), (1e-6, 1e6)):
+        cells = [distorted(kind, seed) * [1.0, 1.0, thinness] @ turn + far for seed in range(3)]
+        cells[1] = cells[1] + 3.0
+        exact = exact_moments(kind, cells[0]) + exact_moments(kind, cells[1]) + exact_moments(kind, cells[2])
+        integral = cell_moments(one_kind(kind, *cells), arithmetic="double-double").moments[0]
+        wanted = exact.about(integral.origin)
+        assert abs(integral.zeroth - wanted.zeroth) <= integral.zeroth_bound <= 1e-19 * wanted.zeroth
+        for k in range(3):
+            assert abs(integral.first[k] - wanted.first[k]) <= integral.first_bound[k]
+        for k in range(6):
+            assert abs(integral.second[k] - wanted.second[k]) <= integral.second_bound[k]
+        assert max(integral.second_bound) <= 1e-18 * sum(wanted.second[:3])
+
+
+def test_double_double_keeps_groups_and_turned_cells_apart():
+    cell = distorted("wedge", 1)
+    mirrored = cell[[3, 4, 5, 0, 1, 2]]
+    cells = one_kind("wedge", cell, mirrored, cell + 2)
+    result = cell_moments(cells, np.array([0, 1, 1], np.int32), 2, arithmetic="double-double")
+    assert result.reversed == 1
+    one = exact_moments("wedge", cell)
+    for moments, wanted in zip(result.moments, (one, one + exact_moments("wedge", cell + 2)), strict=True):
+        assert abs(moments.zeroth - wanted.zeroth) <= moments.zeroth_bound <= 1e-25
+
+
 # Volume, centroid and central ∫x xᵀ of the undistorted cells, from textbooks.
 CLOSED = {
     "hexahedron": (8, (0, 0, 0), (Fraction(8, 3),) * 3 + (0, 0, 0)),

@@ -22,7 +22,7 @@ from numpy.typing import ArrayLike
 from inertia.arrays import Float, Orientation, Progress
 from inertia.errors import GeometryError, Remedy, UsageError, require_kind, reworded
 from inertia.mass.density import Densities, DensityFrom, densities
-from inertia.mass.integration import Integral, cell_integral, naming, surface_integrals, wire_integral
+from inertia.mass.integration import Integral, cell_integrals, naming, surface_integrals, wire_integral
 from inertia.mass.moments import ZERO, Moments, total
 from inertia.mass.principal import CLASS_TOLERANCE, Principal
 from inertia.mass.properties import CERTAIN, ErrorBound, MassProperties
@@ -213,7 +213,7 @@ def analyse(
         model, factor = "wire", f**3 * _length(wire, "wire cross-section", f"{part.unit.name}2")
         integrals = iter([wire_integral(part, stated.named, progress)])
     elif isinstance(part.geometry, Cells):
-        integrals = iter([cell_integral(part, stated.named, progress=progress)])
+        integrals = cell_integrals(part, stated.named, progress=progress)
     else:
         absolute = orientation == "absolute"
         integrals = surface_integrals(

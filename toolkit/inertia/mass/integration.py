@@ -7,6 +7,7 @@ from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from difflib import get_close_matches
 from fractions import Fraction
+from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,7 +15,7 @@ from numpy.typing import NDArray
 from inertia.arrays import Float, Int, Progress
 from inertia.errors import SHELL, GeometryError, Remedy, UsageError, placed
 from inertia.mass.moments import Moments
-from inertia.mass.triangles.arithmetic import METHODS, Arithmetic, arithmetics, solid_moments
+from inertia.mass.triangles.arithmetic import METHODS, Arithmetic, arithmetics, shell_moments, solid_moments
 from inertia.mass.triangles.moments_from_sums import moments_of
 from inertia.mass.triangles.sums import Sums, sum_triangles
 from inertia.mesh.check import check
@@ -28,6 +29,11 @@ from inertia.mesh.part import Cells, Facets, Part, Regions, Surface, Triangles
 
 _WIRE = Remedy("analyse", "wire", "AREA")
 _ANY_WIRE = Remedy("analyse", "wire")
+
+_CELL_METHODS: dict[Literal["float64", "double-double"], str] = {
+    "float64": "float64 quadrature exact for each cell's map, a-priori bound",
+    "double-double": "double-double quadrature exact for each cell's map, a-priori bound",
+}
 
 
 @dataclass(frozen=True)
@@ -101,7 +107,7 @@ def surface_integrals(
     if examined and crossings(triangles, limit=1).total:
         check(part, intersections=intersections).require_fit()
     integral = Integral(
-        groups=_shell_groups(part, named, moments_of(sums, surface=True)) if shell else (),
+        groups=(),
         method=METHODS["float64"],
         triangles=triangles.count,
         cells=0,
@@ -111,12 +117,14 @@ def surface_integrals(
         extents=extents,
         crossings_examined=examined,
     )
-    if shell:
-        yield integral
-        return
-    for k, arithmetic in enumerate(tries):
+    for k, arithmetic in enumerate(tries[:2] if shell else tries):
         start, stop = (summed + (1.0 - summed) * step / len(tries) for step in (k, k + 1))
-        whole = solid_moments(triangles, arithmetic, sums, _part_of(progress, start, stop))
+        further = _part_of(progress, start, stop)
+        if shell:
+            groups = _shell_groups(part, named, arithmetic, sums, further)
+            yield replace(integral, groups=groups, method=METHODS[arithmetic])
+            continue
+        whole = solid_moments(triangles, arithmetic, sums, further)
         if (k == 0 and pieces) or whole.zeroth < -whole.zeroth_bound:
             check(part, intersections=False).require_fit()
         if whole.zeroth > whole.zeroth_bound:
@@ -217,23 +225,25 @@ def _region_groups(part: Part, regions: Regions, integrate: Callable[[Triangles]
     return tuple(groups)
 
 
-def _shell_groups(part: Part, named: Collection[str], whole: Moments) -> tuple[Group, ...]:
+def _shell_groups(
+    part: Part, named: Collection[str], arithmetic: Arithmetic, sums: Sums, progress: Progress | None
+) -> tuple[Group, ...]:
     if not named:
-        return (Group("1", whole),)
+        return (Group("1", shell_moments(part.triangles, arithmetic, sums, progress)),)
     regions = part.regions
     _refuse_unknown(named, [], regions)
     assert regions is not None
     names, index = _named_regions(regions)
     surfaces = [part.triangles.select(np.flatnonzero(index == number)) for number in range(len(names))]
     return tuple(
-        Group(name, moments_of(sum_triangles(triangles, surface=True), surface=True))
+        Group(name, shell_moments(triangles, arithmetic))
         for name, triangles in zip(names, surfaces, strict=True)
         if triangles.count
     )
 
 
-def cell_integral(part: Part, named: Collection[str], *, progress: Progress | None = None) -> Integral:
-    """Integrate a volume mesh, region by region where densities are given by name."""
+def cell_integrals(part: Part, named: Collection[str], *, progress: Progress | None = None) -> Iterator[Integral]:
+    """Integrate a volume mesh, region by region where densities are given by name: in float64, then double-double."""
     from inertia.mass.cells.moments import boundary_area, cell_moments
 
     cells = part.geometry
@@ -246,25 +256,25 @@ def cell_integral(part: Part, named: Collection[str], *, progress: Progress | No
     if named:
         _refuse_unknown(named, [], regions)
     names, index = _named_regions(regions) if named and regions is not None else (("1",), None)
-    with naming(part):
-        result = cell_moments(cells, index, len(names), progress)
-    groups = tuple(
-        Group(name, moments) for name, moments in zip(names, result.moments, strict=True) if moments.zeroth != 0
-    )
-    notes = []
-    if result.reversed:
-        notes.append(f"{result.reversed} cells number their nodes the other way round: their volume counts positive")
-    return Integral(
-        groups=groups,
-        method="float64 quadrature exact for each cell's map, a-priori bound",
-        triangles=0,
-        cells=cells.count,
-        closed=True,
-        bodies=report.bodies,
-        area=boundary_area(cells),
-        extents=_extents(cells),
-        notes=tuple(notes),
-    )
+    area, extents = boundary_area(cells), _extents(cells)
+    for arithmetic in _CELL_METHODS:
+        with naming(part):
+            result = cell_moments(cells, index, len(names), progress, arithmetic)
+        groups = tuple(
+            Group(name, moments) for name, moments in zip(names, result.moments, strict=True) if moments.zeroth != 0
+        )
+        turned = f"{result.reversed} cells number their nodes the other way round: their volume counts positive"
+        yield Integral(
+            groups=groups,
+            method=_CELL_METHODS[arithmetic],
+            triangles=0,
+            cells=cells.count,
+            closed=True,
+            bodies=report.bodies,
+            area=area,
+            extents=extents,
+            notes=(turned,) if result.reversed else (),
+        )
 
 
 def wire_integral(part: Part, named: Collection[str], progress: Progress | None = None) -> Integral:

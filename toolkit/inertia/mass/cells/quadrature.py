@@ -39,6 +39,7 @@ from numpy.typing import NDArray
 from inertia.arrays import Float, Int, Progress
 from inertia.errors import GeometryError
 from inertia.mass.cells.shape_functions import Table, table
+from inertia.mass.double_words import Pair, folded, near_sum
 from inertia.mass.moments import PAIRS, Moments
 from inertia.mesh.part import CellBlock, Cells
 
@@ -55,7 +56,8 @@ class Chunk:
 
     `nodes` (k, n) are the node numbers, `edges` (n, 3, k) the nodes relative to the cells' middles, `half`
     (3, k) their largest magnitudes, `centre` (3, k) the middles relative to the origin. `first` is the number
-    of the first cell through all blocks.
+    of the first cell through all blocks. `places` (n, 3, k), `middles` (3, k) and `origin` (3,) are those that the
+    differences are taken of, as stored, and `scale` is what these are multiplied by.
     """
 
     kind: str
@@ -64,6 +66,16 @@ class Chunk:
     edges: Float
     half: Float
     centre: Float
+    places: Float
+    middles: Float
+    origin: Float
+    scale: float
+
+    def differences(self) -> tuple[Pair, Pair]:
+        """Return `edges` and `centre` without rounding."""
+        pairs = Pair.sum_of(self.places, -self.middles), Pair.sum_of(self.middles, -self.origin[:, None])
+        edges, centre = (Pair(pair.high * self.scale, pair.low * self.scale) for pair in pairs)
+        return edges, centre
 
 
 def integrate(
@@ -81,7 +93,8 @@ def integrate(
     Parameters
     ----------
     blocks : what to integrate, each with the number of its first cell
-    rows : from a chunk of k cells to (k, 20): moments 1, x, y, z, xx, yy, zz, yz, zx, xy and their bounds
+    rows : from a chunk of k cells to (k, 20): moments 1, x, y, z, xx, yy, zz, yz, zx, xy and their bounds; or (k, 30):
+        these and the low parts of double-doubles whose high parts the moments are
     groups : (number of cells,) the group of each cell; None: all are in group 0
     count : number of groups
     power : the zeroth moment's power of length
@@ -100,7 +113,7 @@ def integrate(
             member = np.zeros(len(nodes), np.int32) if groups is None else groups[number : number + len(nodes)]
             order = np.argsort(member, kind="stable")
             for part in np.split(order, np.flatnonzero(np.diff(member[order])) + 1):
-                sums[member[part[0]]].append(fold(block_rows[part]))
+                sums[member[part[0]]].append(_added(block_rows[part]))
                 sizes[member[part[0]]] += len(part)
             done += len(nodes)
             if progress is not None:
@@ -116,7 +129,7 @@ def moment_rows(shape: Table, chunk: Chunk, density: Float, error: Float) -> Flo
     density : (q, k), or (1, k) where it is constant: what the weights are multiplied with, J or |dx/dξ|
     error : (k,) bound on the error of each `density`
     """
-    n, _, k = chunk.edges.shape
+    k = chunk.edges.shape[2]
     x = combined(shape.values, chunk.edges)
     mass = shape.weights[:, None] * density
     zeroth = fold(mass)
@@ -126,14 +139,10 @@ def moment_rows(shape: Table, chunk: Chunk, density: Float, error: Float) -> Flo
     out = np.empty((k, 20))
     out[:, 0] = zeroth
     out[:, 1:4] = (first + zeroth * c).T
-    bound = shape.weights.sum() * error + (2 * n + 40) * UNIT_ROUNDOFF * zeroth
-    reach = shape.reach * chunk.half + np.abs(c)
-    out[:, 10] = bound
-    out[:, 11:14] = (bound * reach).T
     for column, (i, j) in enumerate(PAIRS):
         second = fold(first_terms[:, i] * x[:, j])
         out[:, 4 + column] = second + (c[i] * first[j] + c[j] * (first[i] + zeroth * c[i]))
-        out[:, 14 + column] = bound * reach[i] * reach[j]
+    out[:, 10:] = moment_bounds(shape, chunk, zeroth, error, UNIT_ROUNDOFF)
     return out
 
 
@@ -146,6 +155,33 @@ def combined(coefficients: Float, edges: Float) -> Float:
     return total
 
 
+def determinant_errors(shape: Table, chunk: Chunk, jacobian: Float, unit: float) -> Float:
+    """Return a bound on the error of each cell's determinants, (k,), where each operation is off by up to `unit`, u.
+
+    The slopes J = Σ (∂N/∂ξ) x, (3, r, 3, k), pass through n + 2 roundings, so that they are within
+    G = (n + 6) u L hᵀ of the true ones, L being the largest Σ|∂N/∂ξ| and h the largest distances from the cell's
+    middle (four to spare for what has been rounded in L and h, and for the terms of higher order). With
+    A = max |J| + G over the points, the determinant moves by at most Σ G m(A), m(A) being the minors of A with all
+    their signs positive, and six products of at most five roundings add at most (5/3) u Σ A m(A).
+    """
+    slack = (len(chunk.edges) + 6) * unit * shape.steep[:, None, None] * chunk.half
+    largest = np.abs(jacobian).max(axis=1) + slack
+    error = np.zeros(chunk.edges.shape[2])
+    for i in range(3):
+        for j in range(3):
+            (p, q), (r, s) = (largest[[i - 2, i - 1]][:, column] for column in (j - 2, j - 1))
+            error += (slack[i, j] + 2 * unit * largest[i, j]) * (p * s + q * r)
+    return error
+
+
+def moment_bounds(shape: Table, chunk: Chunk, zeroth: Float, error: Float, unit: float) -> Float:
+    """Return bounds on the moments of each cell, (k, 10), where each operation is off by up to `unit`."""
+    bound = shape.weights.sum() * error + (2 * len(chunk.edges) + 40) * unit * zeroth
+    reach = shape.reach * chunk.half + np.abs(chunk.centre)
+    pairs = [bound * reach[i] * reach[j] for i, j in PAIRS]
+    return np.stack([bound, *(bound * reach), *pairs], axis=1)
+
+
 def fold(values: Float) -> Float:
     """Add up along the first axis, as a binary tree: ⌈log₂ n⌉ roundings."""
     while len(values) > 1:
@@ -154,6 +190,14 @@ def fold(values: Float) -> Float:
         values = sums if len(values) % 2 == 0 else np.concatenate([sums, values[-1:]])
     total: Float = values[0]
     return total
+
+
+def _added(rows: Float) -> Float:
+    """Add up the rows of cells."""
+    if rows.shape[1] == 20:
+        return fold(rows)
+    total = folded(Pair(rows[:, :10], rows[:, 20:]))
+    return np.concatenate([total.high, fold(rows[:, 10:20]), total.low])
 
 
 def _frame(cells: Cells, blocks: list[tuple[int, CellBlock]]) -> tuple[Float, int]:
@@ -197,15 +241,18 @@ def _chunk(points: Float, kind: str, first: int, nodes: Int, origin: Float, scal
     low, high = places.min(axis=0), places.max(axis=0)
     middle = low + 0.5 * (high - low)
     edges = (places - middle) * scale
-    return Chunk(kind, first, nodes, edges, np.abs(edges).max(axis=0), (middle - origin[:, None]) * scale)
+    centre = (middle - origin[:, None]) * scale
+    return Chunk(kind, first, nodes, edges, np.abs(edges).max(axis=0), centre, places, middle, origin, scale)
 
 
 def _moments(parts: list[Float], size: int, origin: Float, exponent: int, power: int) -> Moments:
     """Add up the chunks' sums and take them out of the scaled frame."""
     columns = np.array(parts).T.tolist() if parts else [[]] * 20
-    totals = [Fraction(math.fsum(column)) for column in columns]
+    totals = [Fraction(math.fsum(column)) for column in columns[:20]]
+    if columns[20:]:
+        totals[:10] = [near_sum(high + low) for high, low in zip(columns[:10], columns[20:], strict=True)]
     v, fx, fy, fz, xx, yy, zz, yz, zx, xy = totals[:10]
-    bounds = [_WIDEN * k + size * _UNDERFLOW for k in totals[10:]]
+    bounds = [_WIDEN * k + size * _UNDERFLOW for k in totals[10:20]]
     bv, bfx, bfy, bfz, bxx, byy, bzz, byz, bzx, bxy = bounds
     unit = Fraction(2) ** -exponent
     ox, oy, oz = (Fraction(float(k)) / unit for k in origin)

@@ -20,6 +20,7 @@ from numpy.typing import NDArray
 
 from inertia.arrays import Float
 from inertia.mass.cells.shapes import KINDS, Kind, Point, Powers
+from inertia.mass.double_words import Pair
 
 _DIGITS = 60
 _HALF, _ONE = Decimal("0.5"), Decimal(1)
@@ -44,24 +45,42 @@ class Table:
 @lru_cache(maxsize=64)
 def table(name: str, points: tuple[int, ...] | None = None) -> Table:
     """Make the table of a kind, with its own number of Gauss points unless another is given."""
-    kind = KINDS[name]
-    with localcontext(prec=_DIGITS):
-        places, weights = _rule(kind, kind.points if points is None else points)
-        shapes = _decimals(_shape_functions(kind))
-        corners = [[_decimal(x) for x in place] for place in _corner_places(kind)]
-        values = (_monomials(places, kind.space) @ shapes).astype(np.float64)
-        slopes = np.stack(
-            [(_slopes(kind, axis, places + corners) @ shapes).astype(np.float64) for axis in range(len(kind.nodes[0]))]
-        )
+    weights, values, slopes = (array.astype(np.float64) for array in _entries(name, points))
     if (slopes == slopes[:, :1]).all():
         slopes = slopes[:, :1].copy()
     return Table(
-        np.array([float(w) for w in weights]),
+        weights,
         values,
         slopes,
         float(np.abs(values).sum(axis=1).max()),
         np.abs(slopes).sum(axis=2).max(axis=1),
     )
+
+
+@lru_cache(maxsize=64)
+def double_table(name: str) -> tuple[Pair, Pair, Pair]:
+    """Return the weights, values and slopes of `table` as double-doubles, each entry off by a part in 2¹⁰⁶."""
+    pairs = []
+    with localcontext(prec=_DIGITS):
+        for array in _entries(name, None):
+            high = array.astype(np.float64)
+            rest = [x - Decimal(y) for x, y in zip(array.ravel().tolist(), high.ravel().tolist(), strict=True)]
+            pairs.append(Pair(high, np.array([float(x) for x in rest]).reshape(high.shape)))
+    weights, values, slopes = pairs
+    return weights, values, slopes[:, : table(name).slopes.shape[1]]
+
+
+@lru_cache(maxsize=64)
+def _entries(name: str, points: tuple[int, ...] | None) -> tuple[NDArray[Any], NDArray[Any], NDArray[Any]]:
+    """Return the weights, values and slopes as decimals."""
+    kind = KINDS[name]
+    with localcontext(prec=_DIGITS):
+        places, weights = _rule(kind, kind.points if points is None else points)
+        shapes = _decimals(_shape_functions(kind))
+        corners = [[_decimal(x) for x in place] for place in _corner_places(kind)]
+        values = _monomials(places, kind.space) @ shapes
+        slopes = [_slopes(kind, axis, places + corners) @ shapes for axis in range(len(kind.nodes[0]))]
+        return np.array(weights, dtype=object), values, np.stack(slopes)
 
 
 def gauss(count: int, power: int) -> tuple[list[Decimal], list[Decimal]]:

@@ -50,3 +50,18 @@ def solid_moments(
         return moments_of(sums, running=running_bounds(triangles, sums) if triangles.count <= FEW else None)
     values = double_double.sum_in_double_double(triangles, sums, progress)
     return moments_with_bounds(values, sums, double_double.ROUNDINGS)
+
+
+def shell_moments(
+    triangles: Triangles,
+    arithmetic: Arithmetic,
+    sums: Sums | None = None,
+    progress: Progress | None = None,
+) -> Moments:
+    """Return the moments of the surface itself, whose zeroth is its area, as `solid_moments` does those of a solid."""
+    if sums is None:
+        sums = sum_triangles(triangles, surface=True)
+    if arithmetic == "float64":
+        return moments_of(sums, surface=True)
+    values = double_double.sum_in_double_double(triangles, sums, progress, surface=True)
+    return moments_with_bounds(values, sums, double_double.ROUNDINGS, surface=True)
