@@ -1,5 +1,7 @@
 """Small solids with known answers, for the tests of the mesh."""
 
+import itertools
+
 import numpy as np
 
 from inertia.mesh.part import FACET, Facets, Part, Source, Surface, Triangles
@@ -93,3 +95,47 @@ def facets(surface: Surface) -> Facets:
 def part(geometry: Triangles | Mesh, unit: str = "mm") -> Part:
     surface = joined(geometry) if isinstance(geometry, tuple) else geometry
     return Part(surface, length_unit(unit), "option", Source("bracket.stl", "stl"))
+
+
+def cells(*sides: tuple[int, int]) -> set[tuple[int, ...]]:
+    """Return the unit cells of a block, named by their low corners."""
+    return set(itertools.product(*(range(*side) for side in sides)))
+
+
+def blocks(*solids: set[tuple[int, ...]]) -> Surface:
+    """Return solids made of unit cells, every square cut along the same diagonal: where they meet, they share edges."""
+    corners = []
+    for solid in solids:
+        for cell, axis, way in itertools.product(sorted(solid), range(3), (0, 1)):
+            beside = tuple(x + (2 * way - 1) * (k == axis) for k, x in enumerate(cell))
+            if beside not in solid:
+                low = np.array(cell) + way * np.eye(3)[axis]
+                u, v = np.eye(3)[(axis + 1) % 3], np.eye(3)[(axis + 2) % 3]
+                square = [[low, low + u, low + u + v], [low, low + u + v, low + v]]
+                corners += square if way else [triangle[::-1] for triangle in square]
+    return Surface(np.array(corners).reshape(-1, 3), np.arange(3 * len(corners)).reshape(-1, 3))
+
+
+def beside_itself(angle: float) -> Surface:
+    """Return a cube of side 10 and a copy that is turned about an edge, which the two have in common."""
+    vertices, faces = box((0, 0, 0), (10, 10, 10))
+    c, s = np.cos(np.radians(angle)), np.sin(np.radians(angle))
+    turned = np.where(
+        vertices[:, :2].any(axis=1, keepdims=True), vertices @ [[c, s, 0], [-s, c, 0], [0, 0, 1]], vertices
+    )
+    return joined((vertices, faces), (turned, faces))
+
+
+def cylinder(height: float, radius: float, sides: int = 24) -> Mesh:
+    """Return a prism on the z axis, its ends fans around their middles."""
+    angle = 2 * np.pi * np.arange(sides) / sides
+    rim = np.stack([radius * np.cos(angle), radius * np.sin(angle), 0 * angle], axis=1)
+    here, beside = np.arange(sides), np.roll(np.arange(sides), -1)
+    faces = [
+        (beside, here, np.full(sides, 2 * sides)),
+        (here + sides, beside + sides, np.full(sides, 2 * sides + 1)),
+        (here, beside, beside + sides),
+        (here, beside + sides, here + sides),
+    ]
+    vertices = np.concatenate([rim, np.array([0, 0, height]) + rim, [[0, 0, 0], [0, 0, height]]])
+    return vertices, np.concatenate([np.column_stack(face) for face in faces])

@@ -1,9 +1,10 @@
-"""Pairing the edges: both paths against a dictionary of queues, on soups of every kind of defect."""
+"""Pairing the edges: both paths against fractions, on soups of every kind of defect."""
 
 import subprocess
 import sys
-from collections import deque
+from collections import Counter, defaultdict
 from collections.abc import Callable
+from fractions import Fraction
 
 import numpy as np
 import pytest
@@ -27,40 +28,118 @@ from inertia.native import LOAD_ABOVE
 PATHS = {"compiled": compiled_closure, "vectorised": vectorised_closure}
 
 
-def paired_by_queues(corners: list) -> tuple[int, list[int], int]:
-    """Return (open edges, labels, repeated): each directed edge meets the first opposite that waits."""
-    waiting: dict[tuple, deque[int]] = {}
-    label, repeated = list(range(len(corners))), 0
+def paired_by_angle(corners: list) -> tuple[int, list[int], int, int]:
+    """Return (open edges, labels, repeated, crowded), in fractions; see `inertia.mesh.geometry.edge_fans`."""
+    triangles = [[tuple(map(Fraction, corner)) for corner in triangle] for triangle in corners]
+    whole = [face for face, triangle in enumerate(triangles) if len(set(triangle)) == 3]
+    label = list(range(len(triangles)))
 
     def root(face: int) -> int:
         while label[face] != face:
             face = label[face]
         return face
 
-    for face, triangle in enumerate(corners):
-        a, b, c = (tuple(corner) for corner in triangle)
-        if len({a, b, c}) < 3:
-            label[face] = -1
-            repeated += 1
-            continue
-        for start, end in ((a, b), (b, c), (c, a)):
-            opposite = waiting.get((end, start))
-            if opposite:
-                one, other = sorted((root(face), root(opposite.popleft())))
-                label[other] = one
-            else:
-                waiting.setdefault((start, end), deque()).append(face)
-    roots = [-1 if label[face] < 0 else root(face) for face in range(len(corners))]
+    def link(members: list[int]) -> None:
+        for face in members:
+            one, other = sorted((root(face), root(members[0])))
+            label[other] = one
+
+    users = defaultdict(list)
+    for face in whole:
+        for k in range(3):
+            tail, head, apex = (triangles[face][(k + step) % 3] for step in range(3))
+            users[min(tail, head), max(tail, head)].append((face, 1 if tail < head else -1, apex))
+    for at in users.values():
+        if len(at) == 2 and sum(way for _, way, _ in at) == 0:
+            link([face for face, *_ in at])
+    pieces = {face: root(face) for face in whole}
+    ties = []
+    for edge, at in sorted(users.items()):
+        if len(at) > 2:
+            balance = Counter()
+            for face, way, _ in at:
+                balance[pieces[face]] += way
+            groups, slots = linked([use for use in at if balance[pieces[use[0]]]], edge)
+            groups.append(sheets(at, pieces, edge))
+            for members in groups:
+                link(members)
+            ties += slots
+    for opening, closing in ties:
+        pairs = [(one, other) for one in opening for other in closing]
+        one, other = next((pair for pair in pairs if root(pair[0]) == root(pair[1])), pairs[0])
+        opening.remove(one)
+        closing.remove(other)
+        link([one, other])
+    roots = [root(face) if face in pieces else -1 for face in range(len(triangles))]
     order = {first: number for number, first in enumerate(sorted(set(roots) - {-1}))}
-    return sum(map(len, waiting.values())), [order.get(first, -1) for first in roots], repeated
+    surplus = sum(abs(sum(way for _, way, _ in at)) for at in users.values())
+    crowded = sum(len(at) > 2 for at in users.values())
+    return surplus, [order.get(first, -1) for first in roots], len(triangles) - len(whole), crowded
 
 
-def assert_is(pairing: Closure, expected: tuple[int, list[int], int]) -> None:
-    open_edges, labels, repeated = expected
+def sheets(uses: list, pieces: dict[int, int], edge: tuple) -> list[int]:
+    """Return the faces of pieces whose two sides cancel in every half-plane at an edge."""
+    net: Counter = Counter()
+    for face, way, apex in uses:
+        plane = around(edge, apex, uses)
+        net[pieces[face], plane] += way if plane else 0
+    return [face for face, *_ in uses if not any(net[key] for key in net if key[0] == pieces[face])]
+
+
+def linked(uses: list, edge: tuple) -> tuple[list[list[int]], list[tuple[list[int], list[int]]]]:
+    """Return the groups of faces that belong together at an edge, and pairs of sets that have one pair each."""
+    uses = sorted(uses, key=lambda use: (use[2], use[0]))
+    directions = [(*use, around(edge, use[2], uses)) for use in uses]
+    flat = [face for face, _, _, angle in directions if angle is None]
+    solid = [use for use in directions if use[3] is not None]
+    if sum(way for _, way, _, _ in solid):
+        return [[face for face, *_ in uses]], []
+    planes = defaultdict(list)
+    for face, way, _, angle in solid:
+        planes[angle, way < 0].append(face)
+    ring = [(key, number) for key, faces in sorted(planes.items()) for number in range(len(faces))]
+    slots = []
+    while ring:
+        k = next(k for k in range(len(ring)) if ring[k - 1][0][1] and not ring[k][0][1])
+        slots.append((ring[k - 1], ring[k]))
+        ring = [use for use in ring if use not in slots[-1]]
+    slots = [(planes[one], planes[other]) for (one, _), (other, _) in sorted(slots)]
+    simple = [one + other for one, other in slots if len(one) == len(other) == 1]
+    return [flat, *simple] if flat else simple, [(a, b) for a, b in slots if len(a) > 1 or len(b) > 1]
+
+
+def around(edge: tuple, apex: tuple, uses: list) -> tuple | None:
+    """Return what is larger, the larger the angle of `apex` around the edge from the first use that has one."""
+
+    def dot(a: list, b: list) -> Fraction:
+        return sum(x * y for x, y in zip(a, b, strict=True))
+
+    def arm(point: tuple) -> list:
+        along = [b - a for a, b in zip(*edge, strict=True)]
+        off = [w - a for a, w in zip(edge[0], point, strict=True)]
+        share = dot(off, along) / dot(along, along)
+        return [x - share * y for x, y in zip(off, along, strict=True)]
+
+    if not any(arm(apex)):
+        return None
+    (x0, x1, x2), (e0, e1, e2) = (
+        next(filter(any, (arm(use[2]) for use in uses))),
+        (b - a for a, b in zip(*edge, strict=True)),
+    )
+    right = dot(arm(apex), [x0, x1, x2])
+    up = dot(arm(apex), [e1 * x2 - e2 * x1, e2 * x0 - e0 * x2, e0 * x1 - e1 * x0])
+    if up == 0:
+        return (0, 0) if right > 0 else (2, 0)
+    return (1 if up > 0 else 3, -right / up)
+
+
+def assert_is(pairing: Closure, expected: tuple[int, list[int], int, int]) -> None:
+    open_edges, labels, repeated, crowded = expected
     assert pairing.open_edges == open_edges
     assert pairing.labels.tolist() == labels
     assert pairing.components == max(labels, default=-1) + 1
     assert pairing.repeated == repeated
+    assert pairing.crowded == crowded
 
 
 @st.composite
@@ -78,8 +157,8 @@ def soups(draw: st.DrawFn) -> Surface:
 @pytest.mark.parametrize("path", PATHS)
 @settings(deadline=None, max_examples=200)
 @given(soup=soups())
-def test_soups_are_paired_first_come_first_served(path: str, soup: Surface) -> None:
-    expected = paired_by_queues(soup.corners().tolist())
+def test_soups_are_paired_by_the_angles_around_their_edges(path: str, soup: Surface) -> None:
+    expected = paired_by_angle(soup.corners().tolist())
     assert_is(PATHS[path](soup), expected)
     assert_is(PATHS[path](facets(soup)), expected)
 
@@ -94,7 +173,7 @@ def test_a_shuffled_surface_with_a_defect_of_each_kind(path: str, kind: type[Tri
     faces = np.random.default_rng(1).permutation(faces)
     broken = Surface(surface.vertices, faces)
     triangles = broken if kind is Surface else facets(broken)
-    assert_is(PATHS[path](triangles), paired_by_queues(triangles.corners().tolist()))
+    assert_is(PATHS[path](triangles), paired_by_angle(triangles.corners().tolist()))
 
 
 @pytest.mark.parametrize("path", PATHS)
@@ -216,7 +295,7 @@ def test_a_fan_cut_out_along_a_forged_hash_is_open(kind: type[Triangles], same: 
 def test_the_salt_changes_nothing(soup: Surface, seed: int) -> None:
     salt = np.random.default_rng(seed).integers(0, 2**64, 24, np.uint64)
     for triangles in (soup, facets(soup)):
-        assert_is(compiled_closure(triangles, salt=salt), paired_by_queues(soup.corners().tolist()))
+        assert_is(compiled_closure(triangles, salt=salt), paired_by_angle(soup.corners().tolist()))
 
 
 def test_each_process_has_its_own_salt() -> None:

@@ -7,23 +7,16 @@ from itertools import groupby
 
 import numpy as np
 
-from inertia.arrays import Float, Int
+from inertia.arrays import Bool, Float, Int
 from inertia.mesh.checks.findings import Evidence, listed, middle
 from inertia.mesh.checks.surface_topology import SurfaceTopology
 from inertia.mesh.geometry.boxes import BoxTree, overlapping
+from inertia.mesh.geometry.edges import Place
+from inertia.mesh.geometry.halfedges import half_edges
 from inertia.mesh.geometry.shells import Body, absolute_orientation, bodies, members
-from inertia.mesh.geometry.winding import misplaced_volume
-from inertia.mesh.part import Surface, Triangles
-
-EXAMINED = 200_000
-"""Triangles up to which crossings are looked for without being asked: a tenth of a second."""
+from inertia.mesh.part import Surface
 
 _CROSSINGS = 10_000  # crossings looked for, before those between different shells are taken out
-
-
-def to_be_examined(triangles: Triangles, intersections: bool | None) -> bool:
-    """Say whether crossings are to be looked for: as is asked, or else in a surface of up to 200,000 triangles."""
-    return triangles.count <= EXAMINED if intersections is None else bool(intersections)
 
 
 def overlapping_bodies(surface: SurfaceTopology) -> Evidence | None:
@@ -52,12 +45,55 @@ def overlapping_bodies(surface: SurfaceTopology) -> Evidence | None:
         # What lies above or below the other body matters for winding numbers, what lies beside it does not.
         a, b = (groups[k][meets[:, :2].all(axis=1)] for k, meets in zip((one, other), near, strict=True))
         place = overlap(turned.select(a), turned.select(b))
+        if place is None:
+            place = _place_at_edges(surface, np.concatenate([groups[one], groups[other]]), boxes[[one, other]])
         if place is not None:
             places.append(place)
             first += [groups[one][0], groups[other][0]]
     if not places:
         return None
     return Evidence(len(places), listed(np.array(first)), places[0])
+
+
+def overlap_at_edges(surface: SurfaceTopology) -> Evidence | None:
+    """Find edges around which material of one body lies on material of it: shells cannot tell which is which there.
+
+    Shells that are inside out are turned for it; one inside another of the same orientation is not.
+    """
+    if len(surface.duplicates[0]):  # which are an error by themselves
+        return None
+    body_of = np.full(len(surface.shells), -1)
+    for body in _turned_bodies(surface):
+        body_of[list(body.shells)] = body.number
+    which = surface.at_crowded_edges
+    labels = surface.closure.labels[which]
+    inverted = np.isin(labels, [shell.number for shell in surface.in_state("inverted")])
+    first, places = _layered(surface, which, body_of[labels], inverted, float(np.ptp(surface.box, axis=0).max()))
+    if len(first) == 0:
+        return None
+    return Evidence(len(first), listed(np.unique(first)), middle(places[np.lexsort(places.T)[:1]]))
+
+
+def _place_at_edges(surface: SurfaceTopology, which: Int, boxes: Float) -> Place | None:
+    """Return the middle of an edge that two bodies have in common and around which they share space."""
+    which = np.intersect1d(which, surface.at_crowded_edges)
+    turned = np.isin(surface.closure.labels[which], absolute_orientation(surface.shells))
+    size = float(np.ptp(boxes, axis=1).max(axis=1).min())
+    _, places = _layered(surface, which, np.zeros(len(which), np.int64), turned, size)
+    return middle(places[np.lexsort(places.T)[:1]]) if len(places) else None
+
+
+def _layered(surface: SurfaceTopology, which: Int, body: Int, turned: Bool, size: float) -> tuple[Int, Float]:
+    """Return a triangle at each edge around which the material of a body counts twice, and the middle of the edge."""
+    from inertia.mesh.geometry.edge_fans import crowded
+    from inertia.mesh.geometry.intersect import contact_depth
+
+    if len(which) == 0:
+        return np.empty(0, np.int64), np.empty((0, 3))
+    faces = surface.faces[which]
+    contact = contact_depth(surface.vertices, size)
+    first, places = crowded(surface.vertices, faces, half_edges(faces), body, turned, contact)
+    return which[first], places
 
 
 def crossing_cavities(surface: SurfaceTopology) -> Evidence | None:
@@ -82,36 +118,35 @@ def crossing_cavities(surface: SurfaceTopology) -> Evidence | None:
     return Evidence(total, listed(np.unique(pair)), place, {"one": pair[0, 0], "other": pair[0, 1]})
 
 
+def crossings_in_crowded_shells(surface: SurfaceTopology) -> Evidence | None:
+    """Find triangles that cross each other in a shell that has an edge of more than two triangles."""
+    shells = surface.crowded_shells
+    if len(shells) == 0:
+        return None
+    return _crossings_in_shells(surface, np.flatnonzero(np.isin(surface.closure.labels, shells)))
+
+
 def self_intersections(surface: SurfaceTopology) -> Evidence | None:
     """Find triangles of one shell (of any piece, where there are no shells) that cross each other."""
+    return _crossings_in_shells(surface, None)
+
+
+def _crossings_in_shells(surface: SurfaceTopology, which: Int | None) -> Evidence | None:
     from inertia.mesh.geometry.intersect import crossings
 
-    pairs = crossings(surface.triangles, limit=_CROSSINGS)
+    if which is None:
+        pairs = crossings(surface.triangles, limit=_CROSSINGS)
+    else:
+        pairs = crossings(surface.triangles.select(which), limit=_CROSSINGS)
+        pairs = replace(pairs, pairs=which[pairs.pairs])
     labels = surface.closure.labels[pairs.pairs]
     same = (labels[:, 0] == labels[:, 1]) | (not surface.shells)
     if not same.any():
         return None
     pair, place = pairs.pairs[same], middle(pairs.points[same][:1])
     count = int(same.sum())
-    figures = {
-        "at_least": "at least " if pairs.truncated else "",
-        "one": pair[0, 0],
-        "other": pair[0, 1],
-        "doubt": _doubt(surface, np.unique(pair)) if surface.shells else "",
-    }
+    figures = {"at_least": "at least " if pairs.truncated else "", "one": pair[0, 0], "other": pair[0, 1]}
     return Evidence(count, listed(np.unique(pair)), place, figures)
-
-
-def _doubt(surface: SurfaceTopology, crossed: Int) -> str:
-    """Say how much of the volume is in doubt: what counts more than once, or less than not at all, by rays."""
-    corners = surface.vertices[_turned(surface).faces]
-    volume = abs(sum(shell.signed_volume for shell in surface.shells))
-    for near in (corners, corners[crossed]):
-        misplaced = misplaced_volume(corners, np.stack([near.min(axis=(0, 1)), near.max(axis=(0, 1))]))
-        if misplaced > 0:
-            share = f" ({100 * misplaced / volume:.2g} % of the stored volume)" if volume > 0 else ""
-            return f": about {misplaced:.2g} {surface.unit}³{share}"
-    return ": too little for rays to meet it"
 
 
 def _turned(surface: SurfaceTopology) -> Surface:

@@ -14,7 +14,13 @@ import numpy as np
 
 from inertia.errors import ABSOLUTE, REPAIR, SHELL, WELD, Sentence, Word
 from inertia.mesh.checks.cells import CellTopology
-from inertia.mesh.checks.crossings import crossing_cavities, overlapping_bodies, self_intersections
+from inertia.mesh.checks.crossings import (
+    crossing_cavities,
+    crossings_in_crowded_shells,
+    overlap_at_edges,
+    overlapping_bodies,
+    self_intersections,
+)
 from inertia.mesh.checks.findings import Evidence, Finding, Severity, counted, listed, middle, usable
 from inertia.mesh.checks.surface_topology import SurfaceTopology
 from inertia.mesh.geometry.closure import repeated_corners
@@ -22,9 +28,10 @@ from inertia.mesh.geometry.edges import flat
 from inertia.mesh.part import Surface, Triangles
 from inertia.mesh.repairs.weld import closing_distance
 
-Subject = Literal["triangles", "surface", "volume", "shells", "crossings", "nodes", "cells"]
-"""What is looked at: `Triangles`; `SurfaceTopology`, whole, where it bounds a volume, where that is one, where
-crossings are looked for; `CellTopology`, before and after its nodes are known to be usable."""
+Subject = Literal["triangles", "surface", "volume", "shells", "crossings", "crowded", "nodes", "cells"]
+"""What is looked at: `Triangles`; `SurfaceTopology`, whole, where it bounds a volume, where that is one, on request for
+crossings, and else for those in shells with an edge of more than two triangles; `CellTopology`, before and after its
+nodes are known to be usable."""
 
 _CHUNK = 1 << 16
 _NOISE = 1e-13  # volume over the sum of the shells' volumes
@@ -151,6 +158,11 @@ def _cavities(surface: SurfaceTopology) -> Evidence | None:
     return surface.at_shells(cavities, (abs(shell.signed_volume) for shell in cavities))
 
 
+_CROSSING: tuple[tuple[Subject, Callable[[SurfaceTopology], Evidence | None]], ...] = (
+    ("crossings", self_intersections),
+    ("crowded", crossings_in_crowded_shells),
+)
+
 KINDS = (
     Kind(
         "triangles", "empty", "error",
@@ -239,6 +251,13 @@ KINDS = (
     ),
     Kind(
         "shells", "overlapping_bodies", "error",
+        overlap_at_edges,
+        "overlapping bodies: material lies on material around {count:edge} that more than two triangles share, the "
+        "first {around} at triangle {first}, so that it counts twice",
+        ("unite the bodies or move them apart",),
+    ),
+    Kind(
+        "shells", "overlapping_bodies", "error",
         lambda surface: surface.at_shells(surface.in_state("overlapping")),
         "overlapping bodies: {count:shell} inside another of the same orientation, the first {around} from triangle "
         "{first} on, so that the inside counts twice",
@@ -258,12 +277,15 @@ KINDS = (
         "triangles {one} and {other}, so that a cavity takes away what is not there",
         ("unite the cavities or close the wall",),
     ),
-    Kind(
-        "crossings", "self_intersection", "error",
-        self_intersections,
-        "self-intersection: {at_least}{count:pair} of triangles cross, the first {around} being triangles {one} and "
-        "{other}, so that what is enclosed twice counts twice{doubt}",
-        ("unite it with itself where it was made",),
+    *(
+        Kind(
+            subject, "self_intersection", "error",
+            evidence,
+            "self-intersection: {at_least}{count:pair} of triangles cross, the first {around} being triangles {one} "
+            "and {other}, so that what is enclosed twice counts twice",
+            ("repair the part where it was made",),
+        )
+        for subject, evidence in _CROSSING
     ),
     Kind(
         "shells", "zero_volume", "warning",

@@ -2,9 +2,10 @@
 
 A surface bounds a solid when its boundary chain is zero: every directed edge u→v is matched by an edge v→u.
 Edges are paired as the triangles stream by; only those that still wait for their partner are kept, so a file
-in any sensible order needs little memory. Triangles whose edges were paired belong to one component; where
-more than two triangles meet at an edge, the first to come are paired first. Vertices are equal when their
-stored coordinates are (−0 equals +0), which must be finite.
+in any sensible order needs a small table. Triangles whose edges were paired belong to one component. Where more
+than two triangles meet at an edge, the angles around it tell which belong together, so that nothing depends on
+the order of the triangles: then all edges are sorted. Vertices are equal when their stored coordinates are (−0
+equals +0), which must be finite.
 
 The compiled pass knows a vertex, and an edge, by a 64-bit key: the upper halves of two sums of random 64-bit numbers,
 one of them alone and one times each 32-bit word that it has. Whatever two things are given, their keys agree with a
@@ -25,18 +26,21 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from inertia.arrays import Bool, Int, Progress
+from inertia.arrays import Bool, Float, Int, Progress
+from inertia.mesh.geometry.edge_fans import links
+from inertia.mesh.geometry.halfedges import HalfEdges, half_edges
 from inertia.mesh.part import Facets, Surface, Triangles
 from inertia.native import Kernel
 
-FACETS = Kernel("inertia.mesh.geometry.edge_kernel", "pair_facets", "ppiippipipp")
-FACES = Kernel("inertia.mesh.geometry.edge_kernel", "pair_faces", "ppipiippipipp")
+FACETS = Kernel("inertia.mesh.geometry.edge_kernel", "pair_facets", "ppiippipippipipip")
+FACES = Kernel("inertia.mesh.geometry.edge_kernel", "pair_faces", "ppipiippipippipipip")
 KEYS = Kernel("inertia.mesh.geometry.edge_kernel", "key_vertices", "pipp")
 REHASH = Kernel("inertia.mesh.geometry.edge_kernel", "rehash", "ppippi")
 
 _SALTS = 24  # seven and seven for a vertex, five and five for an edge: see `edge_kernel`
 _CHUNK = 4096  # triangles a call: keeps the table of a well-ordered file inside the cache
 _RELEASE = 16 * _CHUNK
+_BIN = 16384
 
 
 @dataclass(frozen=True, eq=False)
@@ -50,12 +54,14 @@ class Closure:
     labels : (n,) int32, the component of each triangle, numbered as they appear in the file; −1 for one with
         a repeated corner
     repeated : triangles with a repeated corner (they have no area and take part in nothing)
+    crowded : edges that more than two triangles share
     """
 
     open_edges: int
     components: int
     labels: NDArray[np.int32]
     repeated: int
+    crowded: int
 
 
 @cache
@@ -91,7 +97,13 @@ def compiled_closure(
     salt = process_salt() if salt is None else salt
     count = triangles.count
     labels = np.empty(count, np.int32)
-    state = np.zeros(3, np.int64)
+    state = np.zeros(4, np.int64)
+    edges = 3 * count // 2
+    bins = 1 << min(max(edges // _BIN, 1).bit_length() - 1, 12)
+    room = edges // bins + 8 * int(np.sqrt(edges // bins)) + 64
+    log, sizes = np.empty(bins * room, np.uint64), np.zeros(bins, np.int64)
+    slots = np.empty(1 << (2 * room).bit_length(), np.int32)
+    crowded = 0
     capacity = 8 * _CHUNK
     keys, values = np.zeros(capacity, np.uint64), np.empty(capacity, np.int64)
     parent = np.empty(16 * _CHUNK, np.int32)
@@ -111,16 +123,21 @@ def compiled_closure(
             parent = np.concatenate([parent, np.empty_like(parent)])
         tables = (
             _address(keys), _address(values), capacity,
-            _address(parent), len(parent), _address(labels), _address(state),
+            _address(parent), len(parent), _address(labels),
+            _address(log), room, _address(sizes), bins,
+            _address(slots), len(slots) if stop == count else 0, _address(state),
         )  # fmt: skip
         if isinstance(triangles, Facets):
-            FACETS.function(_address(triangles.records), _address(salt), start, stop, *tables)
+            crowded = FACETS.function(_address(triangles.records), _address(salt), start, stop, *tables)
             if stop % _RELEASE == 0 or stop == count:
                 triangles.release(max(0, stop - _RELEASE - _CHUNK), stop)
         else:
-            FACES.function(_address(faces), _address(vertex_keys), len(vertices), _address(salt), start, stop, *tables)
+            own = _address(faces), _address(vertex_keys), len(vertices)
+            crowded = FACES.function(*own, _address(salt), start, stop, *tables)
         if progress is not None and start % _RELEASE == 0:
             progress(stop / count)
+    if crowded:
+        return vectorised_closure(triangles)
     roots = _roots(parent[: state[1]])
     components, number = np.unique(roots, return_inverse=True)
     if len(components) > 1:
@@ -128,7 +145,7 @@ def compiled_closure(
         labels[labelled] = number.astype(np.int32)[labels[labelled]]
     else:
         np.minimum(labels, 0, out=labels)
-    return Closure(int(state[0]), len(components), labels, int(state[2]))
+    return Closure(int(state[0]), len(components), labels, int(state[2]), 0)
 
 
 def _roots(parent: NDArray[np.int32]) -> NDArray[np.int32]:
@@ -186,31 +203,30 @@ def components(pairs: Int, count: int) -> Int:
         label = moved
 
 
+def pieces_of_surface(vertices: Float, faces: Int, edges: HalfEdges) -> Int:
+    """Return for each face (m, 3) the first of those that it hangs together with by paired edges.
+
+    Edges of two triangles that run opposite ways are paired; those of more as `inertia.mesh.geometry.edge_fans` says.
+    """
+    two = (edges.uses == 2) & (edges.surplus == 0)
+    pairs = edges.by_edge[two[edges.edge[edges.by_edge]]].reshape(-1, 2) // 3
+    piece = components(pairs, len(faces))
+    if (edges.uses > 2).any():
+        more = links(vertices, faces, edges, piece)
+        piece = components(np.concatenate([pairs, more]), len(faces))
+    return piece
+
+
 def vectorised_closure(triangles: Triangles) -> Closure:
     """Return what `closure` does, by sorting all edges."""
-    _, faces = merge_equal_vertices(triangles)
-    count = len(faces)
-    repeated = repeated_corners(faces)
-    owner = np.flatnonzero(~repeated)
-    tail, head = faces[owner].ravel(), np.roll(faces[owner], -1, axis=1).ravel()
-    forward = tail < head
-    low, high = np.minimum(tail, head), np.maximum(tail, head)
-    order = np.lexsort((forward, high, low))
-    low, high, forward, owner = low[order], high[order], forward[order], np.repeat(owner, 3)[order]
-    first = np.ones(len(low), bool)
-    first[1:] = (low[1:] != low[:-1]) | (high[1:] != high[:-1])
-    starts = np.flatnonzero(first)
-    uses = np.diff(np.append(starts, len(low)))
-    ahead = np.add.reduceat(forward, starts, dtype=np.int64) if len(starts) else uses
-    behind = uses - ahead
-    # First come, first served, as in the compiled pass: an edge's k-th use one way meets the k-th the other.
-    pairs = np.minimum(ahead, behind)
-    turn = np.arange(pairs.sum()) - np.repeat(np.cumsum(pairs) - pairs, pairs)
-    one = np.repeat(starts, pairs) + turn
-    other = one + np.repeat(behind, pairs)
-    label = components(np.column_stack([owner[one], owner[other]]), count)
-    label[repeated] = -1
-    roots, number = np.unique(label, return_inverse=True)
-    shift = 1 if repeated.any() else 0
-    labels = (number - shift).astype(np.int32)
-    return Closure(int(np.abs(ahead - behind).sum()), len(roots) - shift, labels, int(repeated.sum()))
+    vertices, faces = merge_equal_vertices(triangles)
+    whole = np.flatnonzero(~repeated_corners(faces))
+    labels = np.full(len(faces), -1, np.int32)
+    if len(whole) == 0:
+        return Closure(0, 0, labels, len(faces), 0)
+    edges = half_edges(faces[whole])
+    piece = pieces_of_surface(vertices, faces[whole], edges)
+    first, number = np.unique(piece, return_inverse=True)
+    labels[whole] = number
+    open_edges, many = int(np.abs(edges.surplus).sum()), int((edges.uses > 2).sum())
+    return Closure(open_edges, len(first), labels, len(faces) - len(whole), many)

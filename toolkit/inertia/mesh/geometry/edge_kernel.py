@@ -12,6 +12,7 @@ S29, S32 = np.uint64(29), np.uint64(32)
 LOW = np.uint64(0xFFFFFFFF)
 ONE = np.uint64(1)
 SIGN = np.uint64(0x80000000)
+BIN = np.uint64(52)
 
 VERTEX, EDGE = 7, 5
 """Salts of a sum over a vertex and over an edge: one alone, and one for each 32-bit word of three float64 (of three
@@ -100,10 +101,22 @@ def take(keys, values, mask, key, sign):
 
 
 @njit(inline="always")
-def pair(u, v, w, triangle, salt, keys, values, mask, parent, labels, state):
+def record(log, sizes, key, state):
+    """Append the key of a paired edge to its bin of the log; with no room left, state[3] says that it is not there."""
+    place = np.int64(key >> BIN) & (log.shape[0] - 1)
+    size = sizes[place]
+    if size < log.shape[1]:
+        log[place, size] = key
+        sizes[place] = size + 1
+    else:
+        state[3] = 1
+
+
+@njit(inline="always")
+def pair(u, v, w, triangle, salt, keys, values, mask, parent, labels, log, sizes, state):
     """Pair the three directed edges of one triangle with those that wait, and let the rest wait.
 
-    `state` is (edges waiting, labels given, triangles with a repeated corner).
+    `state` is (edges waiting, labels given, triangles with a repeated corner, paired edges left out of the log).
     """
     if u == v or v == w or w == u:  # its edges cancel among themselves
         state[2] += 1
@@ -125,6 +138,7 @@ def pair(u, v, w, triangle, salt, keys, values, mask, parent, labels, state):
         other = take(keys, values, mask, key, sign)
         if other >= 0:
             state[0] -= 1
+            record(log, sizes, key, state)
             other = find(parent, other)
             if label < 0:
                 label = other
@@ -156,22 +170,69 @@ def pair(u, v, w, triangle, salt, keys, values, mask, parent, labels, state):
     state[0] += pending
 
 
-def pair_facets(records, salt_at, start, stop, keys_at, values_at, capacity, parent_at, room, labels_at, state_at):
-    """Pair the edges of binary STL records `start:stop` (all the tables are carried from call to call)."""
+@njit(inline="always")
+def any_repeated(keys, log, sizes, slots, state):
+    """Say whether any edge was paired twice, or still waits and was used before: whether a key occurs twice."""
+    if state[0] > 0:
+        for slot in range(len(keys)):
+            if keys[slot] != 0:
+                record(log, sizes, keys[slot], state)
+    if state[3] != 0:
+        return 1
+    mask = len(slots) - 1
+    for place in range(len(sizes)):
+        slots[:] = -1
+        for at in range(sizes[place]):
+            key = log[place, at]
+            slot = home(key, mask)
+            while slots[slot] >= 0:
+                if log[place, slots[slot]] == key:
+                    return 1
+                slot = (slot + 1) & mask
+            slots[slot] = at
+    return 0
+
+
+def pair_facets(
+    records,
+    salt_at,
+    start,
+    stop,
+    keys_at,
+    values_at,
+    capacity,
+    parent_at,
+    room,
+    labels_at,
+    log_at,
+    logged,
+    sizes_at,
+    bins,
+    slots_at,
+    places,
+    state_at,
+):
+    """Pair the edges of binary STL records `start:stop` (all the tables are carried from call to call).
+
+    With room for `places`, as the last call has, it returns whether an edge is used more than twice.
+    """
     halves = carray(records, (stop * STRIDE_F4,), np.uint16)
     salt = carray(salt_at, (SALTS,), np.uint64)
     keys = carray(keys_at, (capacity,), np.uint64)
     values = carray(values_at, (capacity,), np.int64)
     parent = carray(parent_at, (room,), np.int32)
     labels = carray(labels_at, (stop,), np.int32)
-    state = carray(state_at, (3,), np.int64)
+    log = carray(log_at, (bins, logged), np.uint64)
+    sizes = carray(sizes_at, (bins,), np.int64)
+    slots = carray(slots_at, (places,), np.int32)
+    state = carray(state_at, (4,), np.int64)
     for triangle in range(start, stop):
         at = triangle * STRIDE_F4 + 6
         u = corner_key(halves, at, salt)
         v = corner_key(halves, at + 6, salt)
         w = corner_key(halves, at + 12, salt)
-        pair(u, v, w, triangle, salt, keys, values, capacity - 1, parent, labels, state)
-    return 0
+        pair(u, v, w, triangle, salt, keys, values, capacity - 1, parent, labels, log, sizes, state)
+    return any_repeated(keys, log, sizes, slots, state) if places > 0 else 0
 
 
 def pair_faces(
@@ -187,6 +248,12 @@ def pair_faces(
     parent_at,
     room,
     labels_at,
+    log_at,
+    logged,
+    sizes_at,
+    bins,
+    slots_at,
+    places,
     state_at,
 ):
     """Pair the edges of faces `start:stop`, whose vertices have the 64-bit keys `vertex_keys`."""
@@ -197,11 +264,14 @@ def pair_faces(
     values = carray(values_at, (capacity,), np.int64)
     parent = carray(parent_at, (room,), np.int32)
     labels = carray(labels_at, (stop,), np.int32)
-    state = carray(state_at, (3,), np.int64)
+    log = carray(log_at, (bins, logged), np.uint64)
+    sizes = carray(sizes_at, (bins,), np.int64)
+    slots = carray(slots_at, (places,), np.int32)
+    state = carray(state_at, (4,), np.int64)
     for triangle in range(start, stop):
         u, v, w = of[faces[triangle, 0]], of[faces[triangle, 1]], of[faces[triangle, 2]]
-        pair(u, v, w, triangle, salt, keys, values, capacity - 1, parent, labels, state)
-    return 0
+        pair(u, v, w, triangle, salt, keys, values, capacity - 1, parent, labels, log, sizes, state)
+    return any_repeated(keys, log, sizes, slots, state) if places > 0 else 0
 
 
 def key_vertices(vertices_at, count, salt_at, keys_at):

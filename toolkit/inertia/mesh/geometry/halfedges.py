@@ -50,14 +50,6 @@ class HalfEdges:
         same = np.diff(self.edge[self.by_edge]) == 0
         return np.column_stack([self.by_edge[:-1][same], self.by_edge[1:][same]])
 
-    def partners(self) -> Int:
-        """Return the pairs of opposite directed edges, (k, 2), of a closed surface.
-
-        Where more than two triangles have an edge, the first of either direction belong together.
-        """
-        up = self.direction[self.by_edge] > 0
-        return np.column_stack([self.by_edge[up], self.by_edge[~up]])
-
 
 def half_edges(faces: Int) -> HalfEdges:
     """List the directed edges of faces (m, 3), none of which repeats a corner.

@@ -243,10 +243,27 @@ def _nested(boxes: Float) -> Int:
     return np.unique(pairs[contains], axis=0)
 
 
+def _drawn(triangles: Triangles, members: Int) -> Int:
+    """Draw `_SAMPLES` of the numbered triangles by lot, which is cast by their corners and not by their order."""
+    lots = []
+    for start in range(0, len(members), _CHUNK):
+        corners = triangles.select(members[start : start + _CHUNK]).corners() + 0.0
+        lot = np.zeros(corners.shape[:2], np.uint64)
+        for axis in range(3):
+            lot = (lot ^ corners[..., axis].view(np.uint64)) * np.uint64(0x9E3779B97F4A7C15)
+            lot ^= lot >> np.uint64(32)
+        lots.append(lot.sum(axis=1) * np.uint64(0xBF58476D1CE4E5B9))
+    lot = np.concatenate(lots)
+    few = np.arange(len(lot))
+    if len(lot) > _SAMPLES:
+        few = np.flatnonzero(lot <= np.partition(lot, _SAMPLES - 1)[_SAMPLES - 1])
+    drawn = members[few[np.argsort(lot[few], kind="stable")]]
+    return np.resize(drawn, _SAMPLES)
+
+
 def _under(triangles: Triangles, shells: list[Int], local: Callable[[Float], Float]) -> Float:
     """Return `_SAMPLES` places for each shell, just under its surface on the side of the material."""
-    spread = np.linspace(0, 1, _SAMPLES)
-    sample = np.concatenate([members[(spread * (len(members) - 1)).astype(np.int64)] for members in shells])
+    sample = np.concatenate([_drawn(triangles, members) for members in shells])
     corners = local(triangles.select(sample).corners())
     normal = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
     length = np.linalg.norm(normal, axis=1, keepdims=True)

@@ -14,7 +14,7 @@ import numpy as np
 
 from inertia.arrays import Bool, Float, Int
 from inertia.errors import GeometryError
-from inertia.mesh.geometry.closure import components
+from inertia.mesh.geometry.closure import components, pieces_of_surface
 from inertia.mesh.geometry.halfedges import HalfEdges
 from inertia.mesh.geometry.triangle_pairs import unit_normals
 from inertia.mesh.geometry.winding import windings
@@ -90,7 +90,7 @@ class Nest:
 
 def nest(vertices: Float, faces: Int, edges: HalfEdges) -> Nest:
     """Take a closed surface apart into its shells."""
-    _, label = np.unique(components(edges.partners() // 3, len(faces)), return_inverse=True)
+    _, label = np.unique(pieces_of_surface(vertices, faces, edges), return_inverse=True)
     order = np.argsort(label, kind="stable")
     members = np.split(order, np.searchsorted(label[order], np.arange(1, label.max(initial=0) + 1)))
     low, high = vertices.min(axis=0), vertices.max(axis=0)

@@ -1,0 +1,308 @@
+"""Edges of more than two triangles: which of these belong together, by their angles around the edge, exactly.
+
+Around an edge each triangle is a half-plane: going round, it leads into material or out of it. One that leads in
+belongs to the next that leads out, as brackets pair: shells that are paired so never cross, whatever the order of the
+triangles. How deep the brackets nest is how often the material counts there; a sound solid has it once or not at all.
+
+On which side of one half-plane another lies, `inertia.mesh.geometry.triangle_pairs.orient3d` says without error.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from inertia.arrays import Bool, Float, Int
+from inertia.mesh.geometry.halfedges import HalfEdges
+from inertia.mesh.geometry.triangle_pairs import Sign, orient3d, unit
+
+_AT_ONCE = 1 << 18  # signs decided at a time
+
+
+@dataclass(frozen=True, eq=False)
+class Fans:
+    """Directed edges in groups, each group sorted by the angles of its triangles around the edge.
+
+    Attributes
+    ----------
+    half_edge : (k,), the numbers of the directed edges; triangles without area are not among them
+    group : (k,), ascending
+    plane : (k,), ascending; the same for triangles of one group that lie in one half-plane
+    opens : (k,), whether material begins behind the triangle as the angle grows
+    angle : (k,), rad, from the first triangle of the group on, rounded
+    height : (k,), distance of the triangle's third corner from the edge
+    """
+
+    half_edge: Int
+    group: Int
+    plane: Int
+    opens: Bool
+    angle: Float
+    height: Float
+
+    def select(self, which: Bool) -> Fans:
+        """Return the directed edges that a mask picks."""
+        return Fans(*(each[which] for each in vars(self).values()))
+
+
+_Tie = tuple[tuple[int, list[int]], tuple[int, list[int]]]
+"""Triangles in one half-plane that begin, and those in another that end, each with the number of the half-plane."""
+
+
+def fans(vertices: Float, faces: Int, edges: HalfEdges, half_edge: Int, group: Int) -> Fans:
+    """Sort directed edges by angle; those of one group (k,) run along one edge, one way or the other."""
+    x, y, z = vertices[_apex(faces, half_edge)].T
+    order = np.lexsort((z, y, x, group))
+    half_edge, group = half_edge[order], group[order]
+    tail, head = vertices[edges.tail[half_edge]], vertices[edges.head[half_edge]]
+    upwards = _precedes(tail, head)
+    u, v = np.where(upwards[:, None], tail, head), np.where(upwards[:, None], head, tail)
+    w = vertices[_apex(faces, half_edge)]
+    facing = _normal_signs(u, v, w)
+    solid = facing.any(axis=1)
+    half_edge, group, facing, upwards = half_edge[solid], group[solid], facing[solid], upwards[solid]
+    u, v, w = u[solid], v[solid], w[solid]
+    _, reference = _runs(group)
+    side = _orientation(u, v, w[reference], w)
+    with_reference = (facing == facing[reference]).all(axis=1)
+    quarter = np.choose(side + 1, [3, np.where(with_reference, 0, 2), 1])
+    angle, height = _angles(u, v, w, reference)
+    angle = np.clip(angle, *np.array([[0, 0], [0, np.pi], [np.pi, np.pi], [np.pi, 2 * np.pi]])[quarter].T)
+    order = np.lexsort((angle, quarter, group))
+    beyond = _sorted_exactly(order, group, quarter, u, v, w)
+    plane = np.concatenate([[0], np.cumsum(beyond)]) if len(order) else order
+    opens = ~upwards
+    # In one half-plane, what ends comes before what begins: bodies that touch there stay apart.
+    first = np.lexsort((opens[order], plane))
+    order, plane = order[first], plane[first]
+    return Fans(half_edge[order], group[order], plane, opens[order], angle[order], height[order])
+
+
+def links(vertices: Float, faces: Int, edges: HalfEdges, piece: Int) -> Int:
+    """Return pairs of triangles (k, 2) that belong together at edges of more than two triangles.
+
+    A piece of surface that has such an edge both ways equally often is closed there by itself, unless it is a sheet of
+    no thickness, as all such are one. The others are joined by angle, and of several in one half-plane those that hang
+    together already. Where that leaves an edge open, all of them are joined; so are triangles without area there.
+
+    Parameters
+    ----------
+    piece : (m,), the pieces of surface that hang together by edges of two triangles
+    """
+    member = edges.by_edge[(edges.uses > 2)[edges.edge[edges.by_edge]]]
+    edge, way = edges.edge[member], edges.direction[member]
+    around = fans(vertices, faces, edges, member, edge)
+    own = np.zeros(len(edges.tail), np.int64)
+    own[member] = _numbered(edge, piece[member // 3])
+    # The two sides of a sheet, which cancel in every half-plane, are one sheet with others that end at the edge.
+    plane = _numbered(own[around.half_edge], around.plane)
+    thick = np.bincount(plane, np.where(around.opens, 1, -1))[plane] != 0
+    has_thickness = np.zeros(own.max(initial=0) + 1, bool)
+    has_thickness[own[around.half_edge[thick]]] = True
+    sheet = ~has_thickness[own[member]]
+    unbalanced = np.bincount(own[member], way)[own[member]] != 0
+    sheets = _chain(member[sheet] // 3, edge[sheet])
+    member, edge = member[unbalanced], edge[unbalanced]
+    lies = np.zeros(len(edges.tail), bool)
+    lies[around.half_edge] = True
+    around = around.select(np.isin(around.half_edge, member))
+    surplus = np.bincount(around.group, np.where(around.opens, 1, -1), minlength=len(edges.uses))
+    entangled = surplus[edge] != 0
+    clumped = entangled | ~lies[member]
+    together = _chain(member[clumped] // 3, 2 * edge[clumped] + entangled[clumped])
+    pairs, ties = _brackets(vertices, faces, edges, around.select(surplus[around.group] == 0))
+    pairs = np.concatenate([sheets, together, pairs])
+    return np.concatenate([pairs, _untied(ties, pairs, piece)]) if ties else pairs
+
+
+def crowded(
+    vertices: Float, faces: Int, edges: HalfEdges, body: Int, turned: Bool, contact: float
+) -> tuple[Int, Float]:
+    """Find edges around which the material of one body counts twice.
+
+    Parameters
+    ----------
+    body : (m,), the body of each face; −1 leaves it out
+    turned : (m,), faces to be read with the opposite winding
+    contact : wedges of material that are no deeper than this do not count
+
+    Returns
+    -------
+    triangles, places : (k,) a face at each such edge, (k, 3) the middles of the edges
+    """
+    member = edges.by_edge[(edges.uses > 2)[edges.edge[edges.by_edge]]]
+    member = member[body[member // 3] >= 0]
+    around = fans(vertices, faces, edges, member, _numbered(edges.edge[member], body[member // 3]))
+    if len(around.group) == 0:
+        return np.empty(0, np.int64), np.empty((0, 3))
+    step = np.where(around.opens != turned[around.half_edge // 3], 1, -1)
+    planes, _ = _runs(around.plane)
+    groups, _ = _runs(around.group[planes])
+    count = np.diff(np.append(groups, len(planes)))
+    times = np.cumsum(np.add.reduceat(step, planes))
+    times -= np.repeat(np.append(0, times)[groups], count)
+    height, angle = np.maximum.reduceat(around.height, planes), around.angle[planes]
+    after = np.arange(1, len(planes) + 1)
+    after[groups + count - 1] = groups
+    width = np.where(after > np.arange(len(planes)), angle[after] - angle, angle[after] + 2 * np.pi - angle)
+    depth = np.sin(np.clip(width, 0, np.pi / 2)) * np.minimum(height, height[after])
+    deep = depth > contact
+    most = np.maximum.reduceat(np.where(deep, times, -len(times)), groups)
+    least = np.minimum.reduceat(np.where(deep, times, len(times)), groups)
+    half_edge = around.half_edge[planes[groups[most - least > 1]]]
+    ends = np.stack([vertices[edges.tail[half_edge]], vertices[edges.head[half_edge]]])
+    return half_edge // 3, ends[0] / 2 + ends[1] / 2
+
+
+def _apex(faces: Int, half_edge: Int) -> Int:
+    """Return the third corner of the triangle of each directed edge."""
+    apex: Int = faces.ravel()[half_edge // 3 * 3 + (half_edge + 2) % 3]
+    return apex
+
+
+def _precedes(a: Float, b: Float) -> Bool:
+    """Say which points (k, 3) come before others in the order of their coordinates."""
+    differs = a != b
+    first = differs.argmax(axis=1)[:, None]
+    before: Bool = (np.take_along_axis(a, first, 1) < np.take_along_axis(b, first, 1))[:, 0]
+    return before
+
+
+def _runs(values: Int) -> tuple[Int, Int]:
+    """Return where runs of equal numbers (k,) or rows (k, n) start, and for each place the start of its run."""
+    first = np.ones(len(values), bool)
+    differs = values[1:] != values[:-1]
+    first[1:] = differs if differs.ndim == 1 else differs.any(axis=1)
+    starts = np.flatnonzero(first)
+    return starts, starts[np.cumsum(first) - 1]
+
+
+def _orientation(a: Float, b: Float, c: Float, d: Float) -> Sign:
+    signs = [orient3d(*(p[k : k + _AT_ONCE] for p in (a, b, c, d))) for k in range(0, len(a), _AT_ONCE)]
+    return np.concatenate([np.empty(0, np.int8), *signs])
+
+
+def _normal_signs(u: Float, v: Float, w: Float) -> Sign:
+    """Return the signs of the components of (v − u) × (w − u), (k, 3); all zero where the points lie on a line."""
+    signs = []
+    for axis in range(3):
+        flat = [np.column_stack([p[:, (axis + 1) % 3], p[:, (axis + 2) % 3], np.zeros(len(p))]) for p in (u, v, w)]
+        # The fourth point is right above the first: what is left is the determinant in the plane.
+        signs.append(_orientation(flat[0], flat[1], flat[2], flat[0] + [0, 0, 1]))
+    return np.stack(signs, axis=1)
+
+
+def _angles(u: Float, v: Float, w: Float, reference: Int) -> tuple[Float, Float]:
+    """Return rounded angles of w around u→v from the one at `reference` on, 0 to 2π, and distances from the line."""
+    along = unit(v - u)
+    with np.errstate(over="ignore", under="ignore", invalid="ignore"):
+        arm = w - u
+        arm = arm - np.einsum("ij,ij->i", arm, along)[:, None] * along
+        x = unit(arm)[reference]
+        y = np.cross(along, x)
+        angle = np.arctan2(np.einsum("ij,ij->i", arm, y), np.einsum("ij,ij->i", arm, x))
+        height = np.linalg.norm(arm, axis=1)
+    return np.nan_to_num(angle % (2 * np.pi)), height
+
+
+def _sorted_exactly(order: Int, group: Int, quarter: Sign, u: Float, v: Float, w: Float) -> Bool:
+    """Mend an order (k,) that rounded angles gave, in place; say where the next triangle lies in another half-plane."""
+    before, after = order[:-1], order[1:]
+    beyond = (group[before] != group[after]) | (quarter[before] != quarter[after])
+    open_half = ~beyond & (quarter[before] % 2 == 1)
+    sign = np.zeros(len(beyond), np.int8)
+    check = np.flatnonzero(open_half)
+    while len(check):
+        i, j = order[check], order[check + 1]
+        sign[check] = _orientation(u[i], v[i], w[i], w[j])
+        wrong = np.flatnonzero(sign < 0)
+        # Of neighbouring exchanges every other one at a time.
+        _, start = _runs(wrong - np.arange(len(wrong)))
+        swap = wrong[(np.arange(len(wrong)) - start) % 2 == 0]
+        order[swap], order[swap + 1] = order[swap + 1], order[swap]
+        check = np.unique(np.concatenate([swap - 1, swap, swap + 1]))
+        check = check[(check >= 0) & (check < len(sign))]
+        check = check[open_half[check]]
+    apart: Bool = beyond | (sign > 0)
+    return apart
+
+
+def _numbered(one: Int, other: Int) -> Int:
+    """Number the different pairs of two arrays (k,)."""
+    number: Int = np.unique(np.column_stack([one, other]), axis=0, return_inverse=True)[1].ravel()
+    return number
+
+
+def _chain(triangle: Int, group: Int) -> Int:
+    """Return pairs that link all triangles of a group."""
+    order = np.argsort(group, kind="stable")
+    same = np.diff(group[order]) == 0
+    return np.column_stack([triangle[order][:-1][same], triangle[order][1:][same]])
+
+
+def _brackets(vertices: Float, faces: Int, edges: HalfEdges, around: Fans) -> tuple[Int, list[_Tie]]:
+    """Pair each triangle that opens with the one that closes it.
+
+    Returns
+    -------
+    pairs : (k, 2), triangles
+    ties : the pairs in which several triangles lie in one half-plane, in an order of their coordinates
+    """
+    # On each level what begins and what ends take turns, round and round.
+    level = np.cumsum(np.where(around.opens, 1, -1)) + ~around.opens
+    order = np.lexsort((level, around.group))
+    _, start = _runs(np.column_stack([around.group, level])[order])
+    last = np.append(start[1:] != start[:-1], True)[: len(order)]
+    partner = np.empty_like(order)
+    partner[order] = order[np.where(last, start, np.arange(1, len(order) + 1))]
+    triangle = around.half_edge // 3
+    alike = np.column_stack([around.plane, around.opens])
+    starts, run = _runs(alike)
+    several = np.diff(np.append(starts, len(run)))[np.searchsorted(starts, run)] > 1
+    opening = np.flatnonzero(around.opens)
+    tied = several[opening] | several[partner[opening]]
+    simple = opening[~tied]
+    pairs = np.column_stack([triangle[simple], triangle[partner[simple]]])
+    opening = opening[tied]
+    half_edge = around.half_edge[opening]
+    ends = vertices[edges.tail[half_edge]], vertices[edges.head[half_edge]]
+    closing_end, other_end = (end.T for end in ends)  # what opens runs downwards
+    ranked = np.lexsort((opening, *closing_end[::-1], *other_end[::-1]))
+    apex = vertices[_apex(faces, around.half_edge)]
+    stop = np.append(starts[1:], len(run))[np.searchsorted(starts, run)]
+
+    def candidates(place: int) -> tuple[int, list[int]]:
+        own = np.arange(run[place], stop[place])
+        return int(run[place]), triangle[own[np.lexsort(apex[own].T[::-1])]].tolist()
+
+    return pairs, [(candidates(place), candidates(partner[place])) for place in opening[ranked]]
+
+
+def _untied(ties: list[_Tie], pairs: Int, piece: Int) -> Int:
+    """Choose who belongs together in ties: those of one piece, if there are two, and else the first."""
+    root: dict[int, int] = {}
+
+    def find(number: int) -> int:
+        while (above := root.get(number, number)) != number:
+            root[number] = root.get(above, above)
+            number = above
+        return number
+
+    def join(a: int, b: int) -> None:
+        root[find(a)] = find(b)
+
+    for a, b in piece[pairs].tolist():
+        join(a, b)
+    left: dict[int, list[int]] = {}
+    chosen = []
+    for (first, opening), (second, closing) in ties:
+        ones, others = left.setdefault(first, opening), left.setdefault(second, closing)
+        one, other = next(
+            ((a, b) for a in ones for b in others if find(int(piece[a])) == find(int(piece[b]))), (ones[0], others[0])
+        )
+        ones.remove(one)
+        others.remove(other)
+        join(int(piece[one]), int(piece[other]))
+        chosen.append((one, other))
+    return np.array(chosen, np.int64).reshape(-1, 2)
