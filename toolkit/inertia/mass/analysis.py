@@ -218,7 +218,7 @@ def analyse(
         quantity, bound = missed
         raise GeometryError(
             f"{part.name}: the bound of the {quantity} reached by {integral.method} is {bound:.2g}, above the accuracy "
-            f"asked for, {accuracy:g}: ask for a larger figure"
+            f"asked for, {accuracy:g}{_rounded(part)}: ask for a larger figure"
         )
     tolerance = part.chord if chord is None else float(chord)
     tessellation = None if tolerance is None or model != "solid" else answer.tessellation(tolerance)
@@ -352,6 +352,14 @@ def sound_solids_only(why: str) -> Iterator[None]:
         if any(remedy.verb in ("analyse", "repair", "weld") for remedy in error.remedies):
             raise reworded(error, (*error.words, " (with ", _ANALYSE, f": {why})"), error.places) from None
         raise
+
+
+def _rounded(part: Part) -> str:
+    if part.rounding is None:
+        return ""
+    return (
+        f" (the file's decimals were rounded by up to {part.rounding.distance:.2g} {part.unit.name} when it was read)"
+    )
 
 
 def _require_accuracy(accuracy: Accuracy) -> None:

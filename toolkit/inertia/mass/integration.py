@@ -117,7 +117,7 @@ def surface_integrals(
             groups = _shell_groups(part, named, arithmetic, sums, further)
             yield replace(integral, groups=groups, method=METHODS[arithmetic])
             continue
-        whole = solid_moments(triangles, arithmetic, sums, further)
+        whole = solid_moments(triangles, arithmetic, sums, further, part.rounding)
         if (k == 0 and pieces) or whole.zeroth < -whole.zeroth_bound:
             check(part).require_fit()
         if whole.zeroth > whole.zeroth_bound:
@@ -178,7 +178,7 @@ def _solid_groups(
         return (Group("1", whole),)
 
     def integrate(triangles: Triangles) -> Moments:
-        return solid_moments(triangles, arithmetic)
+        return solid_moments(triangles, arithmetic, rounding=part.rounding)
 
     bodies = {str(body.number + 1): body.shells for body in bodies_of(pieces)} or {"1": ()}
     _refuse_unknown(named, bodies, part.regions)

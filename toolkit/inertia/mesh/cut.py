@@ -23,7 +23,7 @@ from inertia.mesh.check import check
 from inertia.mesh.geometry.closure import Closure, closure, merge_equal_vertices, repeated_corners
 from inertia.mesh.geometry.shells import bodies, members, shells
 from inertia.mesh.manifold import exponent_of, solid
-from inertia.mesh.part import Part, Regions, Surface
+from inertia.mesh.part import Part, Regions, Rounding, Surface
 from inertia.mesh.repairs.holes import around
 from inertia.mesh.repairs.weld import compact
 
@@ -139,7 +139,8 @@ class Stock:
         if regions_after is not None:
             regions_after = Regions(regions_after.names, np.concatenate(regions).astype(np.int32))
         chord = self.part.chord if self.part.chord is None else np.full(surface.count, self.part.chord.max())
-        return replace(self.part, geometry=surface, regions=regions_after, chord=chord)
+        rounding = self.part.rounding if self.part.rounding is None else Rounding(self.part.rounding.distance)
+        return replace(self.part, geometry=surface, regions=regions_after, chord=chord, rounding=rounding)
 
     def _cut_body(self, body: _Body, tools: list[Any]) -> tuple[Float, Int, Int]:
         """Return a body's vertices, faces and their regions, after cutting."""

@@ -14,7 +14,7 @@ from __future__ import annotations
 
 import contextlib
 import mmap
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
 from pathlib import Path
@@ -213,6 +213,18 @@ class Regions:
     index: NDArray[np.int32]
 
 
+@dataclass(frozen=True, eq=False)
+class Rounding:
+    """What reading rounded: the coordinates of the part are not those that the file writes, but the nearest float64.
+
+    `distance` is how far a vertex may be, in the file's unit, from where the file puts it; `remainder` returns how far
+    each is, (n, 3), to a part in 2⁵⁰ of that, where the file can be read exactly.
+    """
+
+    distance: float
+    remainder: Callable[[], Float] | None = None
+
+
 @dataclass(frozen=True)
 class Source:
     """Where a part came from: `path` (None for arrays in memory) and `format` (`"stl"`, `"vtk"`, ...)."""
@@ -250,6 +262,8 @@ class Part:
     """What reading had to decide, in sentences (parts of the file left out, faces split, ...)."""
     chord: Float | None = None
     """How far the true surface may be from each triangle (m,), in the unit, where reading made the triangles (STEP)."""
+    rounding: Rounding | None = None
+    """What reading rounded; None where every coordinate is a float64 in the file."""
 
     @classmethod
     def from_arrays(cls, vertices: ArrayLike, faces: ArrayLike, unit: str = "m") -> Part:

@@ -17,8 +17,9 @@ from collections.abc import Callable
 from importlib import import_module
 from pathlib import Path
 
+from inertia.arrays import Float
 from inertia.errors import ReadError, UsageError, placed
-from inertia.mesh.part import Part, Source
+from inertia.mesh.part import Part, Rounding, Source
 from inertia.mesh.readers.contents import Contents
 from inertia.mesh.readers.formats import FORMATS, HEAD, format_of_name, sniff
 from inertia.units import DEFAULT_UNIT, Unit, UnitFrom, length_unit
@@ -97,7 +98,23 @@ def read(
         contents.regions,
         tuple(notes),
         contents.chord,
+        contents.rounding and _named(contents.rounding, name),
     )
+
+
+def _named(rounding: Rounding, name: str) -> Rounding:
+    """Name the file in the errors of reading it a second time."""
+
+    def remainder() -> Float:
+        assert rounding.remainder is not None
+        try:
+            return rounding.remainder()
+        except ReadError as error:
+            raise placed(error, f"cannot read {name} a second time") from None
+        except OSError as error:
+            raise ReadError(f"cannot read {name} a second time: {error.strerror}") from None
+
+    return rounding if rounding.remainder is None else Rounding(rounding.distance, remainder)
 
 
 def _unit(override: Unit | None, of_file: Unit | None) -> tuple[Unit, UnitFrom]:

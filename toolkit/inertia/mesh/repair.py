@@ -29,7 +29,7 @@ from inertia.mesh.geometry.closure import components, merge_equal_vertices, repe
 from inertia.mesh.geometry.halfedges import half_edges
 from inertia.mesh.geometry.intersect import overlap
 from inertia.mesh.manifold import exponent_of, solid
-from inertia.mesh.part import Part, Regions, Surface, Triangles
+from inertia.mesh.part import Part, Regions, Rounding, Surface, Triangles
 from inertia.mesh.repairs.copies import copies, facing
 from inertia.mesh.repairs.holes import around, fill, rims
 from inertia.mesh.repairs.orientation import inconsistent, nest
@@ -155,7 +155,9 @@ def _rebuilt(part: Part, surface: Surface, origin: Int, changes: list[Change]) -
     if chord is not None:
         chord = chord[origin] + max(change.largest_move for change in changes)
     notes = (*part.notes, *(f"repaired: {change}" for change in changes))
-    return Repair(replace(part, geometry=surface, regions=regions, notes=notes, chord=chord), tuple(changes))
+    rounding = part.rounding if part.rounding is None else Rounding(part.rounding.distance)
+    mended = replace(part, geometry=surface, regions=regions, notes=notes, chord=chord, rounding=rounding)
+    return Repair(mended, tuple(changes))
 
 
 def _repaired(triangles: Triangles, regions: Regions | None, tolerance: float | None) -> _Step:

@@ -6,11 +6,12 @@ from typing import Literal
 
 from inertia.arrays import Progress
 from inertia.mass.moments import Moments
+from inertia.mass.rounding import as_written
 from inertia.mass.triangles import double_double, exact
 from inertia.mass.triangles.moments_from_sums import moments_of, moments_with_bounds
 from inertia.mass.triangles.running_error import FEW, running_bounds
 from inertia.mass.triangles.sums import Sums, sum_triangles
-from inertia.mesh.part import Triangles
+from inertia.mesh.part import Rounding, Triangles
 
 Arithmetic = Literal["float64", "double-double", "exact"]
 
@@ -34,6 +35,7 @@ def solid_moments(
     arithmetic: Arithmetic,
     sums: Sums | None = None,
     progress: Progress | None = None,
+    rounding: Rounding | None = None,
 ) -> Moments:
     """Return the moments of the solid inside a closed surface, in the file's unit, by one method.
 
@@ -41,7 +43,12 @@ def solid_moments(
     ----------
     sums : the float64 sums of the same triangles, where they are at hand
     progress : called with the fraction done
+    rounding : of the coordinates, when they were read
     """
+    if rounding is not None:
+        sums = sums or sum_triangles(triangles)
+        moments = solid_moments(triangles, arithmetic, sums, progress)
+        return as_written(moments, triangles, sums, rounding, exactly=arithmetic != "float64")
     if arithmetic == "exact":
         return exact.exact_moments(triangles, progress)
     if sums is None:

@@ -13,16 +13,29 @@ import contextlib
 import importlib
 import threading
 from collections.abc import Hashable, Iterable, Iterator
+from functools import cache
 from pathlib import Path
 from typing import Any, TypeVar
 from xml.etree.ElementTree import Element
 
 import numpy as np
 
-from inertia.arrays import Int
+from inertia.arrays import Float, Int
 from inertia.errors import ReadError, UsageError
 from inertia.mesh.readers.contents import Contents, check_indices, fan_note, numbers, plural, quietly, shown, was
-from inertia.mesh.readers.trimesh import Checked, Expansion, by_id, finite_numbers, load, parse_xml, remove, xml_text
+from inertia.mesh.readers.trimesh import (
+    Checked,
+    Expansion,
+    Extent,
+    by_id,
+    extent_of,
+    farthest,
+    finite_numbers,
+    load,
+    parse_xml,
+    remove,
+    xml_text,
+)
 from inertia.mesh.readers.zip import inflate
 from inertia.units import METRE, Unit, multiple_of
 
@@ -89,7 +102,39 @@ def _checked(root: Element) -> Checked:
     if scene is None:
         raise ReadError("it has no scene, so that nothing says where its meshes stand: export it again")
     triangles = Expansion(inside)(_target(scene, places))
-    return Checked("dae", xml_text(root), triangles, unit, tuple(notes), options={"ignore_broken": False})
+    rounding = _extent(root, scene, places).rounding
+    return Checked("dae", xml_text(root), triangles, rounding, unit, tuple(notes), options={"ignore_broken": False})
+
+
+def _extent(root: Element, scene: Element, places: dict[str, Element]) -> Extent:
+    """Return the extent of a scene without cycles, every mesh taken for as large as the largest."""
+    arrays = (numbers((array.text or "").encode(), np.float64, "an array") for array in root.iter("float_array"))
+    mesh = farthest(map(extent_of, arrays))
+
+    @cache
+    def extent(element: Element) -> Extent:
+        nodes = [*element.findall("node"), *(_target(each, places) for each in element.findall("instance_node"))]
+        inner = farthest([mesh, *map(extent, nodes)])
+        for each in reversed(element):
+            if each.tag in _TRANSFORMS:
+                inner = inner.placed(*_matrix_of(each))
+        return inner
+
+    return extent(_target(scene, places))
+
+
+def _matrix_of(transform: Element) -> tuple[Float, Float, float]:
+    """Return matrix, shift and roundings of a transform, of a rotation what no rotation is larger than."""
+    values = numbers((transform.text or "").encode(), np.float64, f"a {transform.tag}")
+    match transform.tag:
+        case "translate":
+            return np.eye(3), values, 1
+        case "scale":
+            return np.diag(values), np.zeros(3), 1
+        case "rotate":  # the angle is rounded as it becomes radians, and its cosine, sine and axis
+            return np.full((3, 3), 1.0), np.zeros(3), 20 + abs(float(values[3])) / 30
+        case _:
+            return values.reshape(4, 4)[:3, :3], values.reshape(4, 4)[:3, 3], 1
 
 
 def _target(instance: Element, table: dict[str, T]) -> T:

@@ -20,7 +20,7 @@ from numpy.typing import NDArray
 
 from inertia.arrays import Float, Int
 from inertia.errors import ReadError
-from inertia.mesh.part import Cells, Facets, Regions, Surface
+from inertia.mesh.part import Cells, Facets, Regions, Rounding, Surface
 from inertia.units import Unit
 
 UNNAMED = "default"
@@ -39,7 +39,7 @@ _LONE_SIGN = re.compile(rb"[-+](?!\d)")
 class Contents:
     """The geometry of a file, the file's own unit (None: it has none), its regions, and notes.
 
-    `chord` is that of `Part`.
+    `chord` and `rounding` are those of `Part`.
     """
 
     geometry: Facets | Surface | Cells
@@ -47,15 +47,17 @@ class Contents:
     regions: Regions | None = None
     notes: tuple[str, ...] = ()
     chord: Float | None = None
+    rounding: Rounding | None = None
 
 
 @dataclass(frozen=True, eq=False)
 class Piece:
-    """One instance in a scene: a mesh, placed, and its name (None: it has none)."""
+    """One instance in a scene: a mesh, placed, its name (None: it has none), and what reading and placing rounded."""
 
     name: str | None
     vertices: Float
     faces: Int
+    rounding: Rounding | None = None
 
 
 @contextlib.contextmanager
@@ -212,22 +214,8 @@ def label(runs: Iterable[tuple[str | None, int]]) -> Regions | None:
     return Regions(tuple(places), np.repeat(np.array(index, np.int32), lengths))
 
 
-def placed(vertices: Float, faces: Int, matrix: Float) -> tuple[Float, Int]:
-    """Return a mesh moved by a (4, 4) matrix that acts on columns; the identity keeps the bits.
-
-    A mirror image has its faces turned round, so that they still face outwards.
-    """
-    if np.array_equal(matrix, np.eye(4)):
-        return vertices, faces
-    with np.errstate(all="ignore"):  # an overflow is reported as a coordinate that is not finite
-        along = [vertices[:, i : i + 1] * matrix[:3, i] for i in range(3)]
-        moved = along[0] + along[1] + along[2] + matrix[:3, 3]
-        mirrored = np.linalg.det(matrix[:3, :3]) < 0
-    return moved, faces[:, ::-1] if mirrored else faces
-
-
-def assemble(pieces: Sequence[Piece]) -> tuple[Surface, Regions | None]:
-    """Return the pieces of a scene as one surface, and their names as regions."""
+def assemble(pieces: Sequence[Piece]) -> tuple[Surface, Regions | None, Rounding | None]:
+    """Return the pieces of a scene as one surface, their names as regions, and what was rounded."""
     if not pieces:
         raise ReadError("it holds no triangle mesh that is part of the scene: export the part as a mesh")
     for piece in pieces:
@@ -237,4 +225,22 @@ def assemble(pieces: Sequence[Piece]) -> tuple[Surface, Regions | None]:
         np.concatenate([piece.vertices for piece in pieces]),
         np.concatenate([piece.faces + start for piece, start in zip(pieces, first, strict=True)]),
     )
-    return whole, label((piece.name, len(piece.faces)) for piece in pieces)
+    return whole, label((piece.name, len(piece.faces)) for piece in pieces), _rounding(pieces)
+
+
+def _rounding(pieces: Sequence[Piece]) -> Rounding | None:
+    roundings = [piece.rounding for piece in pieces if piece.rounding is not None]
+    if not roundings:
+        return None
+
+    def remainder() -> Float:
+        parts = []
+        for piece in pieces:
+            if piece.rounding is None:
+                parts.append(np.zeros_like(piece.vertices))
+            elif piece.rounding.remainder is not None:
+                parts.append(piece.rounding.remainder())
+        return np.concatenate(parts)
+
+    known = all(rounding.remainder is not None for rounding in roundings)
+    return Rounding(max(rounding.distance for rounding in roundings), remainder if known else None)

@@ -11,6 +11,8 @@ import base64
 import binascii
 import json
 from collections.abc import Callable, Iterator
+from fractions import Fraction
+from functools import partial
 from pathlib import Path
 from typing import Any
 from urllib.parse import unquote, urlsplit
@@ -26,11 +28,12 @@ from inertia.mesh.readers.contents import (
     Piece,
     assemble,
     check_indices,
-    placed,
     plural,
     shown,
     was,
 )
+from inertia.mesh.readers.decimals import written
+from inertia.mesh.readers.placement import Exact, Placement
 from inertia.units import METRE
 
 _MAGIC = b"glTF"
@@ -53,18 +56,18 @@ def read_gltf(path: Path, measure: Measure | None = None) -> Contents:
     data = path.read_bytes()
     text, binary = _chunks(data) if data.startswith(_MAGIC) else (data, None)
     try:
-        scene = Scene(json.loads(text), binary, path.parent)
+        scene = Scene(json.loads(text, parse_float=_Written), binary, path.parent)
         pieces = list(scene.pieces(measure))
     except ReadError:
         raise
     except (KeyError, TypeError, ValueError, AttributeError, OverflowError, RecursionError) as error:
         fault = shown(f"{type(error).__name__}: {error}", 80)
         raise ReadError(f"its JSON is not that of a glTF 2.0 file ({fault}): export it again") from None
-    whole, regions = assemble(pieces)
+    whole, regions, rounding = assemble(pieces)
     left_out = scene.left_out
     notes = (f"{plural(left_out, 'set')} of lines or points {was(left_out)} left out",) if left_out else ()
     chord = np.concatenate(scene.chords) if scene.chords else None
-    return Contents(whole, METRE, regions, notes, chord)
+    return Contents(whole, METRE, regions, notes, chord, rounding)
 
 
 def _chunks(data: bytes) -> tuple[bytes, bytes | None]:
@@ -106,7 +109,7 @@ class Scene:
         """Yield every mesh of the scene, where its node puts it; what `measure` returns goes to `chords`."""
         total = 0
         visited: set[int] = set()
-        waiting = [(root, np.eye(4)) for root in reversed(self._roots())]
+        waiting = [(root, Placement.identity()) for root in reversed(self._roots())]
         while waiting:
             index, above = waiting.pop()
             node = self._item("nodes", index)
@@ -115,8 +118,8 @@ class Scene:
             visited.add(index)
             if "EXT_mesh_gpu_instancing" in node.get("extensions", {}):
                 raise ReadError(f"node {index} uses EXT_mesh_gpu_instancing: export it without instancing")
-            matrix = above @ _transform(node)
-            waiting += [(child, matrix) for child in reversed(node.get("children", []))]
+            place = above @ _placement(node)
+            waiting += [(child, place) for child in reversed(node.get("children", []))]
             if "mesh" not in node:
                 continue
             mesh = self._item("meshes", node["mesh"])
@@ -127,12 +130,12 @@ class Scene:
                     continue
                 vertices, faces = self._mesh(primitive)
                 if measure is not None:  # a matrix stretches a length at most by its largest singular value
-                    stretch = float(np.linalg.norm(matrix[:3, :3], 2))
+                    stretch = float(np.linalg.norm(place.matrix[:3, :3], 2))
                     self.chords.append(measure(self, primitive, vertices, faces) * stretch)
                 total += len(faces)
                 if total > EXPANDED_LIMIT:
                     raise ReadError(f"its instances make more than {EXPANDED_LIMIT} triangles: split the scene")
-                yield Piece(str(name), *placed(vertices, faces, matrix))
+                yield Piece(str(name), *place.move(vertices, faces, partial(map, Fraction, vertices.ravel().tolist())))
 
     def _roots(self) -> list[int]:
         if "scenes" in self.tree:
@@ -233,24 +236,65 @@ def _triangles(corners: Int, mode: int) -> Int:
     raise ReadError(f"a mesh has the mode {shown(str(mode))}, which glTF does not know: export it again")
 
 
-def _transform(node: dict[str, Any]) -> Float:
-    """Return the (4, 4) matrix of a node, which acts on columns: given, or translation · rotation · scale."""
+class _Written(float):
+    """A number of the JSON, with the decimal that the file writes."""
+
+    def __new__(cls, text: str) -> _Written:
+        number = super().__new__(cls, text)
+        number.text = text
+        return number
+
+    text: str
+
+
+def _placement(node: dict[str, Any]) -> Placement:
+    """Return the placement of a node: its matrix, or translation · rotation · scale."""
     if "matrix" in node:
         matrix = np.array(node["matrix"], np.float64).reshape(4, 4).T
         if not np.array_equal(matrix[3], [0, 0, 0, 1]):
             raise ReadError("a node has a matrix whose last row is not 0, 0, 0, 1: export it again")
-        return matrix
-    matrix = np.eye(4)
+        return Placement.of(matrix, lambda: _columns(_fractions(node["matrix"])))
+    if not node.keys() & {"rotation", "scale", "translation"}:
+        return Placement.identity()
+    matrix, size = np.eye(4), np.eye(4)
     with np.errstate(all="ignore"):
         x, y, z, w = np.array(node.get("rotation", [0, 0, 0, 1]), np.float64)
-        size = x * x + y * y + z * z + w * w
-        matrix[:3, :3] = np.eye(3) + 2 / size * np.array(
+        squares = x * x + y * y + z * z + w * w
+        matrix[:3, :3] = np.eye(3) + 2 / squares * np.array(
             [
                 [-y * y - z * z, x * y - z * w, x * z + y * w],
                 [x * y + z * w, -x * x - z * z, y * z - x * w],
                 [x * z - y * w, y * z + x * w, -x * x - y * y],
             ]
         )
-        matrix[:3, :3] *= np.array(node.get("scale", [1, 1, 1]), np.float64).reshape(3)
+        scale = np.array(node.get("scale", [1, 1, 1]), np.float64).reshape(3)
+        matrix[:3, :3] *= scale
         matrix[:3, 3] = np.array(node.get("translation", [0, 0, 0]), np.float64).reshape(3)
-    return matrix
+        size[:3, :3] = (np.eye(3) + 2) * np.abs(scale)  # |2 x y|, and the like, are at most the sum of the squares
+        size[:3, 3] = np.abs(matrix[:3, 3])
+    return Placement.of(matrix, lambda: _exactly(node), roundings=20, size=size)
+
+
+def _fractions(values: list[float]) -> list[Fraction]:
+    return [written(value.text) if isinstance(value, _Written) else Fraction(value) for value in values]
+
+
+def _columns(values: list[Fraction]) -> Exact:
+    return [values[row::4] for row in range(4)]
+
+
+def _exactly(node: dict[str, Any]) -> Exact:
+    """Return translation · rotation · scale in fractions; a quaternion is normalised as a ratio."""
+    x, y, z, w = _fractions(node.get("rotation", [0, 0, 0, 1]))
+    twice = 2 / (x * x + y * y + z * z + w * w)
+    rotation = [
+        [1 - twice * (y * y + z * z), twice * (x * y - z * w), twice * (x * z + y * w)],
+        [twice * (x * y + z * w), 1 - twice * (x * x + z * z), twice * (y * z - x * w)],
+        [twice * (x * z - y * w), twice * (y * z + x * w), 1 - twice * (x * x + y * y)],
+    ]
+    scale = _fractions(node.get("scale", [1, 1, 1]))
+    translation = _fractions(node.get("translation", [0, 0, 0]))
+    rows = [
+        [*(a * s for a, s in zip(row, scale, strict=True)), t] for row, t in zip(rotation, translation, strict=True)
+    ]
+    return [*rows, [Fraction(0), Fraction(0), Fraction(0), Fraction(1)]]

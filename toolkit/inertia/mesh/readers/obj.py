@@ -27,6 +27,7 @@ from inertia.mesh.readers.contents import (
     text_of,
     was,
 )
+from inertia.mesh.readers.decimals import rounding_of
 
 _KEYWORDS = frozenset(
     b"v vt vn vp f fo l p o g s mg mtllib usemtl usemap maplib bevel c_interp d_interp lod shadow_obj "
@@ -38,9 +39,7 @@ _AFTER_SLASH = re.compile(rb"/\S*")
 
 def read_obj(path: Path) -> Contents:
     """Read an OBJ file: its faces, and the object of each (or, in a file without objects, the group)."""
-    data = text_of(path)
-    if b"\\" in data:
-        data = data.replace(b"\\\r\n", b" ").replace(b"\\\n", b" ")
+    data = _text(path)
     points: list[bytes] = []
     polygons: list[bytes] = []
     before: list[int] = []  # vertices read before each face, from which its negative indices count
@@ -69,7 +68,20 @@ def read_obj(path: Path) -> Contents:
     if strays:
         notes += (f"{plural(strays, 'line or point element')} beside the faces {was(strays)} left out",)
     regions = _regions(names[b"o"] or names[b"g"], len(polygons), owner)
-    return Contents(surface(_points(points), faces), regions=regions, notes=notes)
+    vertices = _points(points)
+    rounding = rounding_of(vertices, b" ".join(points), lambda: _coordinates(path))
+    return Contents(surface(vertices, faces), regions=regions, notes=notes, rounding=rounding)
+
+
+def _text(path: Path) -> bytes:
+    data = text_of(path)
+    return data.replace(b"\\\r\n", b" ").replace(b"\\\n", b" ") if b"\\" in data else data
+
+
+def _coordinates(path: Path) -> list[bytes]:
+    """Return the coordinates of all vertices as the file writes them."""
+    rows = (line.split(None, 4) for line in _text(path).splitlines())
+    return [word for row in rows if row[:1] == [b"v"] for word in row[1:4]]
 
 
 def _points(lines: list[bytes]) -> Float:

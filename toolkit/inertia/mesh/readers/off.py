@@ -9,6 +9,7 @@ import numpy as np
 
 from inertia.errors import ReadError
 from inertia.mesh.readers.contents import Contents, fan, fan_note, numbers, shown, surface, text_of
+from inertia.mesh.readers.decimals import rounding_of
 
 _HEADER = re.compile(rb"\s*(?:#[^\n]*\n\s*)*((?:ST)?C?N?)(4?n?)OFF(?![A-Za-z])\s*(BINARY)?")
 """Texture, colour and normal may follow the coordinates of a vertex; `4` and `n` change the coordinates."""
@@ -39,7 +40,9 @@ def read_off(path: Path) -> Contents:
     other = next((i for i, row in enumerate(rows) if len(row) != len(rows[0])), None)
     if other is not None and not header[1]:  # a vertex may do without the colour that the header promises
         raise ReadError(f"vertex {other} has {len(rows[other])} numbers, and vertex 0 {len(rows[0])}: export it again")
-    vertices = numbers(b" ".join(word for row in rows for word in row[:3]), np.float64, "its vertices")
+    words = [word for row in rows for word in row[:3]]
+    text = b" ".join(words)
+    vertices = numbers(text, np.float64, "its vertices").reshape(-1, 3)
     sizes, corners = [], []
     for face, line in enumerate(lines[points + 1 :]):
         size, *rest = line.split()
@@ -49,4 +52,5 @@ def read_off(path: Path) -> Contents:
         corners += rest[: int(size)]
     of_face = np.array(sizes, np.int64)
     faces, _ = fan(of_face, numbers(b" ".join(corners), np.int64, "its faces"))
-    return Contents(surface(vertices.reshape(-1, 3), faces), notes=fan_note(int((of_face > 3).sum())))
+    rounding = rounding_of(vertices, text, lambda: words)
+    return Contents(surface(vertices, faces), notes=fan_note(int((of_face > 3).sum())), rounding=rounding)

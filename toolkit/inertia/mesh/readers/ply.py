@@ -8,6 +8,7 @@ Text is turned into float64 first, so that both kinds are rows of numbers of kno
 from __future__ import annotations
 
 import struct
+from collections.abc import Iterator
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
@@ -18,6 +19,7 @@ from numpy.typing import NDArray
 from inertia.arrays import Float, Int
 from inertia.errors import ReadError
 from inertia.mesh.readers.contents import Contents, fan, fan_note, numbers, shown, surface, text_of
+from inertia.mesh.readers.decimals import rounding_of
 
 _TYPES = {
     "char": "b", "int8": "b", "uchar": "B", "uint8": "B",
@@ -66,7 +68,8 @@ def read_ply(path: Path) -> Contents:
     encoding, elements = _header([line.decode("utf-8", "replace") for line in head[:end].splitlines()])
     order = _ORDERS[encoding] or "="
     if encoding == "ascii":
-        data = numbers(text_of(path)[body:], np.float64, "its rows").view(np.uint8)
+        text = text_of(path)[body:]
+        data = numbers(text, np.float64, "its rows").view(np.uint8)
         for column in (column for element in elements for column in element.properties):
             column.type, column.count = "d", column.count and "d"
     else:
@@ -84,7 +87,24 @@ def read_ply(path: Path) -> Contents:
         raise ReadError(f"it holds no faces{strips}: export the part as a surface mesh")
     counts, corners = _faces(tables["face"])
     faces, _ = fan(counts, corners)
-    return Contents(surface(_vertices(tables.get("vertex", {})), faces), notes=fan_note(int((counts > 3).sum())))
+    vertices = _vertices(tables.get("vertex", {}))
+    rounding = None
+    if encoding == "ascii":
+        rounding = rounding_of(vertices, text, lambda: _coordinates(text_of(path)[body:].split(), elements))
+    return Contents(surface(vertices, faces), notes=fan_note(int((counts > 3).sum())), rounding=rounding)
+
+
+def _coordinates(words: list[bytes], elements: list[_Element]) -> Iterator[bytes]:
+    """Yield the coordinates of all vertices as the words of a text file write them."""
+    at = 0
+    for element in elements:
+        for _ in range(element.rows):
+            row: dict[str, bytes] = {}
+            for column in element.properties:
+                row[column.name] = words[at]
+                at += 1 + int(float(words[at])) if column.count else 1
+            if element.name == "vertex":
+                yield from (row[axis] for axis in "xyz")
 
 
 def _header(lines: list[str]) -> tuple[str, list[_Element]]:

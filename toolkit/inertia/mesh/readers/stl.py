@@ -18,6 +18,7 @@ from inertia.arrays import Float
 from inertia.errors import ReadError
 from inertia.mesh.part import FACET, Facets
 from inertia.mesh.readers.contents import Contents, label, numbers, shown, surface, text_of
+from inertia.mesh.readers.decimals import rounding_of
 
 HEADER = 84
 TEXT_BLOCK = 2**22
@@ -101,7 +102,16 @@ def _read_text(path: Path) -> Contents:
     if not facets:
         raise ReadError("it holds no triangles: export the part as a solid")
     vertices = np.concatenate(corners).reshape(-1, 3)
-    return Contents(surface(vertices, np.arange(3 * facets).reshape(-1, 3)), regions=label(runs))
+    rounding = rounding_of(vertices, data, lambda: _coordinates(path))
+    return Contents(surface(vertices, np.arange(3 * facets).reshape(-1, 3)), regions=label(runs), rounding=rounding)
+
+
+def _coordinates(path: Path) -> list[bytes]:
+    """Return the coordinates of all corners as the file writes them: three words behind each `vertex` of a facet."""
+    lines = text_of(path).replace(b"\r", b"\n").split(b"\n")
+    names = (b"solid", b"endsolid")
+    words = [word for line in lines if not line.strip().lower().startswith(names) for word in line.split()]
+    return [word for at, here in enumerate(words) if here.lower() == b"vertex" for word in words[at + 1 : at + 4]]
 
 
 def _solid_lines(lower: bytes) -> Iterator[tuple[int, int, int]]:

@@ -8,15 +8,28 @@ from __future__ import annotations
 
 import io
 import zipfile
+from functools import cache
 from pathlib import Path
 from xml.etree.ElementTree import Element
 
 import numpy as np
 
-from inertia.arrays import Int
+from inertia.arrays import Float, Int
 from inertia.errors import ReadError
 from inertia.mesh.readers.contents import Contents, check_indices, numbers, shown
-from inertia.mesh.readers.trimesh import Checked, Expansion, by_id, finite_numbers, load, parse_xml, remove, xml_text
+from inertia.mesh.readers.trimesh import (
+    Checked,
+    Expansion,
+    Extent,
+    by_id,
+    extent_of,
+    farthest,
+    finite_numbers,
+    load,
+    parse_xml,
+    remove,
+    xml_text,
+)
 from inertia.mesh.readers.zip import inflate
 
 _IMAGES_AND_VIEWS = ("DefaultView", "CATMaterialRef", "CATMaterial", "SurfaceAttributes", "LineAttributes")
@@ -48,13 +61,15 @@ def _checked(members: dict[str, bytes]) -> Checked:
     entries = by_id(structure)
     parts = {"Manifest.xml": b"<Manifest><Root>root.3dxml</Root></Manifest>"}
     own: dict[str, int] = {}
+    extents: dict[str, Extent] = {}
+    matrices: dict[str, list[tuple[str, Float]]] = {name: [] for name in entries}
     inside: dict[str, list[str]] = {name: [] for name in entries}
     names: dict[str | None, str] = {}
     meshes_of: dict[str, int] = {}
     for name, entry in entries.items():
         match entry.tag:
             case "ReferenceRep":
-                own[name] = _representation(entry, members, parts)
+                own[name], extents[name] = _representation(entry, members, parts)
             case "Reference3D":
                 names[name] = entry.get("name") or f"part {name}"
                 entry.set("name", name)
@@ -71,27 +86,36 @@ def _checked(members: dict[str, bytes]) -> Checked:
                 if meshes_of[owner] > 1:  # trimesh would read the last of them in the place of each
                     raise ReadError(f"its part {shown(names.get(owner, owner))} has several representations: split it")
                 entry.set("name", name)
-                _check_relative_matrix(entry)
+                matrices[owner].append((target, _relative_matrix(entry)))
     start = structure.get("root", "")
     if start not in entries:
         raise ReadError(f"its root is {shown(start)}, which it does not hold: export it again")
     triangles = Expansion(lambda key: (own.get(str(key), 0), inside[str(key)]))(start)
+
+    @cache
+    def extent(name: str) -> Extent:
+        inner = (extent(target).placed(matrix[:9], matrix[9:]) for target, matrix in matrices[name])
+        return extents.get(name) or farthest(inner)
+
     parts["root.3dxml"] = xml_text(root)
     packed = io.BytesIO()
     with zipfile.ZipFile(packed, "w") as archive:
         for name, text in parts.items():
             archive.writestr(name, text)
-    return Checked("3dxml", packed.getvalue(), triangles, names=names)
+    return Checked("3dxml", packed.getvalue(), triangles, extent(start).rounding, names=names)
 
 
-def _check_relative_matrix(instance: Element) -> None:
+def _relative_matrix(instance: Element) -> Float:
+    """Return the nine numbers of the matrix of an instance and the three of its shift."""
     matrix = instance.find("RelativeMatrix")
-    if matrix is not None and len(finite_numbers(matrix, "the numbers of a RelativeMatrix")) != 12:
+    values = np.eye(4)[:, :3].ravel() if matrix is None else finite_numbers(matrix, "the numbers of a RelativeMatrix")
+    if len(values) != 12:
         raise ReadError("a RelativeMatrix has not twelve numbers: export it again")
+    return values
 
 
-def _representation(entry: Element, members: dict[str, bytes], parts: dict[str, bytes]) -> int:
-    """Return the triangles of a tessellated part, which is added to `parts`; coarser levels of detail are removed."""
+def _representation(entry: Element, members: dict[str, bytes], parts: dict[str, bytes]) -> tuple[int, Extent]:
+    """Return the triangles and the extent of a tessellated part, which is added to `parts`, the finest level alone."""
     name = entry.get("associatedFile", "").rpartition(":")[2].lower()
     if entry.get("format") != "TESSELLATED" or name not in members or not members[name].lstrip()[:1] == b"<":
         raise ReadError(f"its part {shown(name)} is not stored as triangles in XML: export it tessellated, as XML")
@@ -100,6 +124,7 @@ def _representation(entry: Element, members: dict[str, bytes], parts: dict[str, 
     remove(root, ["PolygonalLOD", "SurfaceAttributes", "TextureCoordinates"])
     parts[name] = xml_text(root)
     triangles = 0
+    extents = []
     for representation in root.iter("Rep"):
         positions = representation.findall("VertexBuffer/Positions")
         faces = list(representation.iter("Face"))
@@ -108,11 +133,13 @@ def _representation(entry: Element, members: dict[str, bytes], parts: dict[str, 
         if len(positions) > 1 or representation.find(".//Rep") is not None:
             raise ReadError(f"its part {shown(name)} has faces over several lists of vertices: export it again")
         positions[0].text = (positions[0].text or "").replace(",", " ")
-        count = len(finite_numbers(positions[0], f"the positions of {shown(name)}"))
+        coordinates = finite_numbers(positions[0], f"the positions of {shown(name)}")
+        extents.append(extent_of(coordinates))
+        count = len(coordinates)
         if count % 3:
             raise ReadError(f"its part {shown(name)} has {count} coordinates, not a multiple of 3: it was cut short")
         triangles += sum(_triangles(face, count // 3, shown(name)) for face in faces)
-    return triangles
+    return triangles, farthest(extents)
 
 
 def _triangles(face: Element, points: int, what: str) -> int:

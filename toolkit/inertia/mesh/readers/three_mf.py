@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
-from functools import cached_property
+from functools import cached_property, partial
 from pathlib import Path
 from xml.parsers import expat
 
@@ -16,17 +16,19 @@ import numpy as np
 
 from inertia.arrays import Float, Int
 from inertia.errors import ReadError
+from inertia.mesh.part import Rounding
 from inertia.mesh.readers.contents import (
     EXPANDED_LIMIT,
     Contents,
     Piece,
     assemble,
     check_indices,
-    placed,
     plural,
     shown,
     was,
 )
+from inertia.mesh.readers.decimals import rounding_of, written
+from inertia.mesh.readers.placement import Exact, Placement
 from inertia.mesh.readers.zip import inflate
 from inertia.units import Unit, length_unit
 
@@ -47,11 +49,11 @@ class _Object:
     type: str
     coordinates: list[str] = field(default_factory=list)
     corners: list[str] = field(default_factory=list)
-    components: list[tuple[_Key, Float]] = field(default_factory=list)
+    components: list[tuple[_Key, Placement]] = field(default_factory=list)
 
     @cached_property
-    def mesh(self) -> tuple[Float, Int]:
-        """Vertices and faces; every instance shares them."""
+    def mesh(self) -> tuple[Float, Int, Rounding | None]:
+        """Vertices, faces and what reading rounded; every instance shares them."""
         what = f"object {shown(self.name)}" if self.name else "an object"
         try:
             vertices = np.array(list(map(float, self.coordinates)), np.float64).reshape(-1, 3)
@@ -59,7 +61,8 @@ class _Object:
         except (ValueError, OverflowError) as error:
             raise ReadError(f"{what} has a faulty number ({error}): export it again") from None
         check_indices(faces, len(vertices), f"{what}, triangle")
-        return vertices, faces
+        words = self.coordinates
+        return vertices, faces, rounding_of(vertices, " ".join(words).encode(), lambda: words)
 
 
 @dataclass
@@ -68,20 +71,20 @@ class _Model:
 
     unit: Unit
     objects: dict[str, _Object] = field(default_factory=dict)
-    items: list[tuple[_Key, Float]] = field(default_factory=list)
+    items: list[tuple[_Key, Placement]] = field(default_factory=list)
 
 
 def read_3mf(path: Path) -> Contents:
     """Read the build of a 3MF file, in the unit that it states (millimetres where it states none)."""
     package = _Package(inflate(path, lambda name: name.endswith((".model", ".rels"))))
     model = package.model(package.root)
-    items = [(key, matrix) for key, matrix in model.items if package.object(key).type not in _HELPERS]
+    items = [(key, place) for key, place in model.items if package.object(key).type not in _HELPERS]
     if sum(package.count(key) for key, _ in items) > EXPANDED_LIMIT:
         raise ReadError(f"its components make more than {EXPANDED_LIMIT} triangles: split the build")
-    whole, regions = assemble([piece for key, matrix in items for piece in package.pieces(key, matrix)])
+    whole, regions, rounding = assemble([piece for key, place in items for piece in package.pieces(key, place)])
     left_out = len(model.items) - len(items)
     notes = (f"{plural(left_out, 'support')} {was(left_out)} left out",) if left_out else ()
-    return Contents(whole, model.unit, regions, notes)
+    return Contents(whole, model.unit, regions, notes, rounding=rounding)
 
 
 class _Package:
@@ -134,14 +137,16 @@ class _Package:
             self._counts[key] = max(1, inside + len(item.corners) // 3)
         return self._counts[key]
 
-    def pieces(self, key: _Key, matrix: Float, inherited: str | None = None) -> Iterator[Piece]:
-        """Yield every mesh in an object, put where `matrix` says."""
+    def pieces(self, key: _Key, place: Placement, inherited: str | None = None) -> Iterator[Piece]:
+        """Yield every mesh in an object, put where `place` says."""
         item = self.object(key)
         name = item.name or inherited
         if item.corners:
-            yield Piece(name or f"object {key[1]}", *placed(*item.mesh, matrix))
+            vertices, faces, own = item.mesh
+            exact = partial(map, written, item.coordinates)
+            yield Piece(name or f"object {key[1]}", *place.move(vertices, faces, exact, own))
         for component, inside in item.components:
-            yield from self.pieces(component, matrix @ inside, name)
+            yield from self.pieces(component, place @ inside, name)
 
 
 def _start_parts(relations: bytes) -> list[str]:
@@ -161,10 +166,10 @@ def _parse_model(part: str, data: bytes) -> _Model:
     inside: list[_Object] = []  # the object that is being read
     core = ""
 
-    def reference(attributes: dict[str, str]) -> tuple[_Key, Float]:
+    def reference(attributes: dict[str, str]) -> tuple[_Key, Placement]:
         other = next((value for name, value in attributes.items() if name.endswith(" path")), None)
         key = part if other is None else _part_name(other), attributes["objectid"]
-        return key, _matrix(attributes.get("transform"))
+        return key, _placement(attributes.get("transform"))
 
     def start(tag: str, attributes: dict[str, str]) -> None:
         nonlocal core
@@ -212,12 +217,19 @@ def _part_name(target: str) -> str:
     return target.lstrip("/").lower()
 
 
-def _matrix(text: str | None) -> Float:
-    """Return the (4, 4) matrix that acts on columns, from the twelve numbers of one that acts on rows."""
+def _placement(text: str | None) -> Placement:
+    """Return the placement that acts on columns, from the twelve numbers of one that acts on rows."""
+    if text is None:
+        return Placement.identity()
+    words = text.split()
     matrix = np.eye(4)
-    if text is not None:
-        try:
-            matrix[:3] = np.array(list(map(float, text.split()))).reshape(4, 3).T
-        except ValueError:
-            raise ReadError(f"the transform {shown(text)} is not twelve numbers: export it again") from None
-    return matrix
+    try:
+        matrix[:3] = np.array(list(map(float, words))).reshape(4, 3).T
+    except ValueError:
+        raise ReadError(f"the transform {shown(text)} is not twelve numbers: export it again") from None
+
+    def exact() -> Exact:
+        rows = [[written(word) for word in words[axis::3]] for axis in range(3)]
+        return [*rows, [written("0"), written("0"), written("0"), written("1")]]
+
+    return Placement.of(matrix, exact)

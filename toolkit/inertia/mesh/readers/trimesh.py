@@ -12,7 +12,7 @@ import importlib
 import io
 from collections.abc import Callable, Hashable, Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
-from typing import Any
+from typing import Any, NamedTuple
 from xml.etree import ElementTree
 from xml.etree.ElementTree import Element
 
@@ -20,17 +20,18 @@ import numpy as np
 
 from inertia.arrays import Float, Int
 from inertia.errors import ReadError
+from inertia.mesh.part import Rounding
 from inertia.mesh.readers.contents import (
     EXPANDED_LIMIT,
     Contents,
     Piece,
     assemble,
     numbers,
-    placed,
     plural,
     quietly,
     shown,
 )
+from inertia.mesh.readers.placement import Placement
 from inertia.units import Unit
 
 _DEPTH_LIMIT = 200
@@ -40,16 +41,46 @@ _DEPTH_LIMIT = 200
 class Checked:
     """A file that trimesh may see: its loader and bytes, and what has to come out of it.
 
-    `triangles` is their number; `names` tells the names of parts from those that trimesh is given.
+    `triangles` is their number; `names` tells the names of parts from those that trimesh is given. `rounding` is how
+    far a vertex may be from where the file puts it, once its numbers are float64 and the products of matrices rounded.
     """
 
     loader: str
     data: bytes
     triangles: int
+    rounding: float
     unit: Unit | None = None
     notes: tuple[str, ...] = ()
     names: Mapping[str | None, str] = field(default_factory=dict)
     options: Mapping[str, Any] = field(default_factory=dict)
+
+
+class Extent(NamedTuple):
+    """The largest coordinate there may be in a scene, matrices taken by their sizes, after how many roundings."""
+
+    reach: float
+    roundings: float
+
+    def placed(self, linear: Float, shift: Float, roundings: float = 1) -> Extent:
+        """Return the extent after a matrix (3, 3) and a shift, their entries off by so many roundings."""
+        reach = float(np.abs(linear).reshape(3, 3).sum(axis=1).max()) * self.reach + float(np.abs(shift).max())
+        return Extent(reach, self.roundings + roundings + 4)
+
+    @property
+    def rounding(self) -> float:
+        """How far a point may be from where the file puts it; twice what the roundings of three coordinates make."""
+        return 2.0**-51 * (self.roundings + 4) * self.reach
+
+
+def extent_of(coordinates: Float) -> Extent:
+    """Return the extent of points whose coordinates are decimals."""
+    return Extent(float(np.abs(coordinates).max(initial=0.0)), 1)
+
+
+def farthest(extents: Iterable[Extent]) -> Extent:
+    """Return an extent that covers all."""
+    several = [Extent(0.0, 0), *extents]
+    return Extent(max(each.reach for each in several), max(each.roundings for each in several))
 
 
 def load(file: Checked) -> Contents:
@@ -59,22 +90,25 @@ def load(file: Checked) -> Contents:
         with quietly("trimesh", file.loader):
             loaders = importlib.import_module("trimesh.exchange.load").mesh_loaders
             scene = loaders[file.loader](io.BytesIO(file.data), file_type=file.loader, resolver=None, **file.options)
-            pieces += [Piece(file.names.get(name, name), *mesh) for name, mesh in _placed(scene)]
+            pieces += [Piece(file.names.get(name, name), *mesh) for name, mesh in _placed(scene, file.rounding)]
     count = sum(len(piece.faces) for piece in pieces)
     if count != file.triangles:
         raise ReadError(f"it lists {plural(file.triangles, 'triangle')}, but trimesh read {count}: export it again")
-    whole, regions = assemble([piece for piece in pieces if len(piece.faces)])
-    return Contents(whole, file.unit, regions, file.notes)
+    whole, regions, rounding = assemble([piece for piece in pieces if len(piece.faces)])
+    return Contents(whole, file.unit, regions, file.notes, rounding=rounding)
 
 
-def _placed(scene: dict[str, Any]) -> Iterator[tuple[str | None, tuple[Float, Int]]]:
+def _placed(scene: dict[str, Any], rounding: float) -> Iterator[tuple[str | None, tuple[Float, Int, Rounding]]]:
     """Yield the meshes that a loader of trimesh returned, each where the scene puts it."""
     if "graph" not in scene:
-        yield None, _arrays(scene)
+        yield None, (*_arrays(scene), Rounding(rounding))
     for entry in scene.get("graph", ()):
         if "geometry" in entry:
             vertices, faces = _arrays(scene["geometry"][entry["geometry"]])
-            yield entry["geometry"], placed(vertices, faces, np.asarray(entry["matrix"], np.float64))
+            matrix = np.asarray(entry["matrix"], np.float64)
+            if not np.array_equal(matrix, np.eye(4)):
+                vertices, faces, _ = Placement.of(matrix, list).move(vertices, faces, list)
+            yield entry["geometry"], (vertices, faces, Rounding(rounding))
 
 
 def _arrays(mesh: dict[str, Any]) -> tuple[Float, Int]:

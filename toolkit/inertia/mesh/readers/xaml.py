@@ -12,7 +12,7 @@ import numpy as np
 
 from inertia.errors import ReadError
 from inertia.mesh.readers.contents import Contents, check_indices, numbers, shown
-from inertia.mesh.readers.trimesh import Checked, load, parse_xml, remove, xml_text
+from inertia.mesh.readers.trimesh import Checked, Extent, extent_of, farthest, load, parse_xml, remove, xml_text
 
 
 def read_xaml(path: Path) -> Contents:
@@ -25,6 +25,7 @@ def _checked(root: Element) -> Checked:
     """Check a page of XAML; trimesh applies the matrices of its visuals, and knows no other transform."""
     parents = {child: parent for parent in root.iter() for child in parent}
     triangles = 0
+    extents: list[Extent] = []
     for model in root.iter("GeometryModel3D"):
         if len(list(model.iter("MeshGeometry3D"))) != 1:
             raise ReadError("a GeometryModel3D in it has no mesh of its own, or several: write the mesh in its place")
@@ -45,8 +46,14 @@ def _checked(root: Element) -> Checked:
             raise ReadError(f"its TriangleIndices are {len(corners)} numbers: it was cut short, export it again")
         check_indices(corners.reshape(-1, 3), len(points) // 3, "triangle")
         triangles += len(corners) // 3
+        extent = extent_of(points)
+        for each in above:
+            for matrix in each.findall(f"{each.tag}.Transform/MatrixTransform3D"):
+                values = numbers(matrix.get("Matrix", "").encode(), np.float64, "a Matrix").reshape(4, 4)
+                extent = extent.placed(values[:3, :3], values[3, :3])
+        extents.append(extent)
     remove(root, ["GeometryModel3D.Material", "GeometryModel3D.BackMaterial"])
-    return Checked("xaml", xml_text(root), triangles)
+    return Checked("xaml", xml_text(root), triangles, farthest(extents).rounding)
 
 
 def _check_transforms(element: Element) -> None:

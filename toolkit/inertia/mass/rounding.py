@@ -1,0 +1,104 @@
+"""What reading rounded, in the moments: a bound for vertices moved by at most δ, or the first-order change and a bound.
+
+While the vertices of a closed surface move along d (linear over each triangle, |d| ≤ δ), the moments change by
+d/dt ∫ f dV = ∮ f d·n dA: with |n| dA for each triangle and all that f reaches, by δ A at most, and by the areas that
+grow with the edges on the way. To first order, with N twice the vector area, sums S over the corners and g = d·N there,
+
+    δV = Σ S_g/6,   δ∫x = Σ (S_x S_g + Σ x g)/24,
+    δ∫x y = Σ (S_x S_y S_g + S_g Σ x y + S_x Σ y g + S_y Σ x g + 2 Σ x y g)/120.
+"""
+
+from __future__ import annotations
+
+from fractions import Fraction
+
+import numpy as np
+
+from inertia.arrays import Float
+from inertia.mass.moments import PAIRS, ZERO, Moments, six, vector
+from inertia.mass.triangles.sums import Sums
+from inertia.mesh.part import Rounding, Surface, Triangles
+
+_CHUNK = 1 << 16
+_INFLATED = 1.0 + 1e-9  # more than the float64 sums of positive terms can lose
+_RELATIVE = 1e-13  # more than float64 loses of a sum of a chunk's terms, relative to their magnitudes
+
+
+def as_written(moments: Moments, triangles: Triangles, sums: Sums, rounding: Rounding, *, exactly: bool) -> Moments:
+    """Return the moments of the surface that the file writes: corrected, where that can be, or with a wider bound.
+
+    Parameters
+    ----------
+    moments : of the triangles as they are, in the file's unit
+    sums : of the same triangles
+    exactly : whether to correct them by the remainders, where these are at hand
+    """
+    if exactly and rounding.remainder is not None and isinstance(triangles, Surface):
+        return moments + _change(triangles, rounding.remainder(), sums, rounding.distance)
+    longest = 4.0 * float(_reach(sums).max())  # no edge is longer than 2 √3 times the reach
+    area = float(np.ldexp(sums.sums[11], -2 * sums.exponent)) / 2 * _INFLATED
+    area += _RELATIVE * sums.count * longest * longest  # of a needle, |n| is the difference of larger numbers
+    return moments + _within(sums, rounding.distance, area, 3.0 * longest * sums.count, first_order=1.0)
+
+
+def _reach(sums: Sums) -> Float:
+    reach: Float = np.maximum(np.abs(sums.high - sums.origin), np.abs(sums.low - sums.origin)) * _INFLATED
+    return reach
+
+
+def _within(sums: Sums, distance: float, area: float, edges: float, first_order: float) -> Moments:
+    """Return zero moments with the bounds for vertices moved by `distance`, of first order `first_order` times that.
+
+    The area grows by at most ½ δ for each unit of edge, and by 3 δ² for each triangle.
+    """
+    reach = _reach(sums) + distance
+    growth = distance * (0.5 * edges + 3.0 * distance * sums.count)
+    volume = distance * (first_order * area + growth) * _INFLATED
+    turn = 0.0 if first_order == 1.0 else distance * distance * (area + growth) * _INFLATED
+    return Moments(
+        vector(Fraction(float(k)) for k in sums.origin),
+        ZERO,
+        (ZERO, ZERO, ZERO),
+        (ZERO,) * 6,
+        Fraction(volume),
+        vector(Fraction(float(x * volume + turn)) for x in reach),
+        six(Fraction(float(reach[i] * reach[j] * volume + (reach[i] + reach[j]) * turn)) for i, j in PAIRS),
+    )
+
+
+def _change(surface: Surface, remainder: Float, sums: Sums, distance: float) -> Moments:
+    totals = np.zeros(10)
+    area = edges = 0.0
+    for start in range(0, surface.count, _CHUNK):
+        faces = surface.faces[start : start + _CHUNK]
+        corners = surface.vertices[faces]
+        u, v = corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]
+        lengths = np.linalg.norm(u, axis=1), np.linalg.norm(v, axis=1), np.linalg.norm(v - u, axis=1)
+        area += 0.5 * float(lengths[0] @ lengths[1])  # at least that, and the measure of what its own rounding does
+        edges += float(sum(map(np.sum, lengths)))
+        totals += _first_order(corners - sums.origin, np.einsum("kij,kj->ki", remainder[faces], np.cross(u, v)))
+    bound = _within(sums, distance, area * _INFLATED, edges * _INFLATED, first_order=_RELATIVE)
+    volume, *others = map(Fraction, totals.tolist())
+    return Moments(
+        bound.origin,
+        volume,
+        vector(others[:3]),
+        six(others[3:]),
+        bound.zeroth_bound,
+        bound.first_bound,
+        bound.second_bound,
+    )
+
+
+def _first_order(corners: Float, g: Float) -> Float:
+    """Return the ten sums over triangles with these corners (k, 3, 3) and values g (k, 3) there."""
+    sg, s = g.sum(axis=1), corners.sum(axis=1)
+    xg = np.einsum("kai,ka->ki", corners, g)
+    first = (s * sg[:, None] + xg).sum(axis=0) / 24.0
+    second = []
+    for i, j in PAIRS:
+        x, y = corners[:, :, i], corners[:, :, j]
+        product = x * y
+        terms = s[:, i] * s[:, j] * sg + sg * product.sum(axis=1) + s[:, i] * xg[:, j] + s[:, j] * xg[:, i]
+        second.append((terms + 2.0 * (product * g).sum(axis=1)).sum() / 120.0)
+    return np.array([sg.sum() / 6.0, *first, *second])
