@@ -6,7 +6,16 @@ import argparse
 from typing import TYPE_CHECKING, Any
 
 from inertia.errors import UsageError
-from inertia_cli.options import accuracy, add_density, add_input, add_orientation, by_name, decimal_triple, read_part
+from inertia_cli.options import (
+    accuracy,
+    add_density,
+    add_input,
+    add_intersections,
+    add_orientation,
+    by_name,
+    decimal_triple,
+    read_part,
+)
 from inertia_cli.printing import show
 from inertia_cli.progress import Progress
 from inertia_cli.wording import as_option
@@ -45,6 +54,7 @@ def add(parsers: Any) -> None:
         "--wire", type=float, metavar="AREA", help="the lines of the mesh, cross-section in --unit squared"
     )
     add_orientation(parser)
+    add_intersections(parser)
     mend = parser.add_argument_group("mending, never unasked")
     mend.add_argument("--weld", type=float, metavar="DISTANCE", help="merge vertices within DISTANCE, in --unit")
     mend.add_argument("--repair", action="store_true", help="close, turn and unite; every change is listed")
@@ -123,6 +133,7 @@ def _analysis(part: Part, options: argparse.Namespace) -> Analysis:
             shell=options.shell,
             wire=options.wire,
             orientation=options.orientation,
+            intersections=options.intersections,
             about=options.about,
             chord=options.chord,
             progress=progress,

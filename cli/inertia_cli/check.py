@@ -5,7 +5,7 @@ from __future__ import annotations
 import argparse
 from typing import Any
 
-from inertia_cli.options import add_input, add_orientation, read_part
+from inertia_cli.options import add_input, add_intersections, add_orientation, read_part
 from inertia_cli.printing import show
 from inertia_cli.wording import as_option
 
@@ -22,9 +22,7 @@ def add(parsers: Any) -> None:
     parser.set_defaults(run=run)
     add_input(parser)
     add_orientation(parser)
-    parser.add_argument(
-        "--intersections", action="store_true", help="look for triangles of one shell that cross each other (slow)"
-    )
+    add_intersections(parser)
     parser.add_argument("--json", action="store_true", help="print one JSON document (inertia/check/1)")
 
 

@@ -60,6 +60,15 @@ def add_orientation(parser: argparse.ArgumentParser) -> None:
     )
 
 
+def add_intersections(parser: Any) -> None:
+    """Add whether triangles that cross one another are looked for."""
+    parser.add_argument(
+        "--intersections",
+        action=argparse.BooleanOptionalAction,
+        help="look for triangles of one shell that cross each other, or do not (up to 200,000 triangles it is done)",
+    )
+
+
 def _named(text: str) -> tuple[str, str]:
     name, _, value = text.rpartition("=")
     if not value:

@@ -12,6 +12,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from tests.mesh.self_crossing import CROSSING
 
 import inertia
 from inertia_cli.main import main
@@ -64,7 +65,7 @@ def test_the_document_holds_the_contract(capsys: pytest.CaptureFixture[str]) -> 
     assert (result["source"]["path"], result["source"]["format"]) == (file, "stl")
     assert (result["unit"], result["unit_from"]) == ("mm", "assumed")
     assert (result["density"], result["density_from"]) == (7850.0, "option")
-    assert result["mesh"] == {"triangles": 5640, "closed": True, "bodies": 1}
+    assert result["mesh"] == {"triangles": 5640, "closed": True, "bodies": 1, "crossings_examined": True}
     assert result["class"] == "asymmetric"
     bounds = {"volume", "mass", "center_of_mass", "inertia", "principal_moments", "principal_axes"}
     assert set(result["error"]) == {"method", *bounds}
@@ -272,16 +273,28 @@ def test_the_document_of_a_check_says_where(capsys: pytest.CaptureFixture[str]) 
     assert result["findings"][0]["faces"] == [0]
 
 
-def test_check_finds_crossings_when_asked(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
+def test_crossings_are_looked_for_unless_that_is_declined(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
     cube = inertia.read(path("cube.stl")).triangles.corners()
     spike = np.where((cube == cube.max(axis=(0, 1))).all(axis=2, keepdims=True), cube - 30.0, cube)
     file = stl(tmp_path, spike)
     assert document(capsys, "check", str(path("cube.stl")), "--intersections")["findings"] == []
     codes = []
-    for options in ([], ["--intersections"]):
+    for options in (["--no-intersections"], []):
         main(["check", file, "--json", *options])
-        codes.append({finding["code"] for finding in json.loads(capsys.readouterr().out)["findings"]})
+        report = json.loads(capsys.readouterr().out)
+        assert report["crossings_examined"] == (not options)
+        codes.append({finding["code"] for finding in report["findings"]})
     assert codes[1] - codes[0] == {"self_intersection"}
+
+
+def test_analyse_refuses_a_solid_that_crosses_itself(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
+    vertices, faces = CROSSING["pentagram"]
+    file = stl(tmp_path, vertices[faces])
+    assert "about 0.35 mm³ (24 % of the stored volume)" in sentence(capsys, 4, "analyse", file)
+    assert not document(capsys, "analyse", file, "--no-intersections")["mesh"]["crossings_examined"]
+    for state, *arguments in (("not examined", file, "--no-intersections"), ("examined", str(path("cube.stl")))):
+        assert main(["analyse", *arguments]) == 0
+        assert f"closed, 1 body, crossings {state}\n" in capsys.readouterr().out
 
 
 def test_an_interrupt_is_no_traceback(capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch) -> None:

@@ -281,18 +281,20 @@ def test_unused_vertices_are_a_note() -> None:
     assert (codes(report), report.findings[0].count, report.vertices) == (["unused_vertices"], 1, 8)
 
 
-def test_self_intersections_are_found_when_asked_for() -> None:
+def test_a_shell_that_crosses_itself_is_found() -> None:
     vertices, faces = sphere(splits=2)
     tip = int(vertices[:, 2].argmax())
     pulled = vertices.copy()
     pulled[tip] = (0, 0, -2)  # through the opposite side
-    report = check(part((pulled, faces)), intersections=True)
+    report = check(part((pulled, faces)))
     finding = only(report, "self_intersection")
-    assert codes(check(part((pulled, faces)))) == []
+    assert report.crossings_examined
+    unexamined = check(part((pulled, faces)), intersections=False)
+    assert (codes(unexamined), unexamined.crossings_examined) == ([], False)
     assert set(np.flatnonzero((faces == tip).any(axis=1))) & set(finding.faces)
     pole, ring = np.unique(vertices[:, 2])[:2]  # the faces that the tip goes through lie between
     assert pole <= finding.place[2] <= ring
-    assert codes(check(part((vertices, faces)), intersections=True)) == []
+    assert codes(check(part((vertices, faces)))) == []
 
 
 def test_self_intersections_are_not_those_of_different_bodies() -> None:
@@ -303,6 +305,7 @@ def test_self_intersections_are_not_those_of_different_bodies() -> None:
 def test_open_pieces_that_cross_are_self_intersections() -> None:
     pieces = joined(changed(CUBE, without=(3,)), changed(cube((12, 9, 8), 10), without=(3,)))
     finding = only(check(part(pieces), intersections=True), "self_intersection")
+    assert not check(part(pieces)).crossings_examined
     assert min(finding.faces) < 11 <= max(finding.faces)
 
 

@@ -9,7 +9,7 @@ from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
 from inertia.mesh.geometry.boxes import BoxTree, overlapping
-from inertia.mesh.geometry.intersect import crossings, overlap
+from inertia.mesh.geometry.intersect import compiled_crossings, crossings, overlap, vectorised_crossings
 from inertia.mesh.geometry.triangle_pairs import UNSURE, orient3d, orient3d_filter
 from inertia.mesh.part import FACET, Facets, Surface
 from inertia_meshes.shapes import Corners, band, box, flipped, moved, revolved, sphere
@@ -212,6 +212,77 @@ class TestCrossings:
         crossings(surface(sphere(1, 60)), progress=fractions.append)
         assert fractions == sorted(fractions)
         assert fractions[-1] == pytest.approx(1)
+
+
+Places = tuple[list[list[int]], list[list[float]]]
+
+
+def listed(runs) -> Places:
+    """Return the pairs that cross, ascending, and the places where."""
+    entries = sorted(
+        (pair, place) for pairs, places, _ in runs for pair, place in zip(pairs.tolist(), places.tolist(), strict=True)
+    )
+    return [pair for pair, _ in entries], [place for _, place in entries]
+
+
+def soups() -> dict[str, Corners]:
+    """Triangles that cross, touch, share corners and lie in common planes, exactly and but for rounding."""
+    rng = np.random.default_rng(12)
+    grid, normal = rng.integers(-3, 4, (60, 3, 3)).astype(float), rng.normal(size=(60, 3, 3))
+    shared = rng.normal(size=(9, 3))[rng.integers(0, 9, (60, 3))]
+    tiny = np.where(rng.random(grid.shape) < 0.1, grid * 1e-250, grid)
+    return {
+        "grid": grid,
+        "turned grid": grid @ TILT,
+        "grid a last digit off": grid + rng.integers(-1, 2, grid.shape) * 2.0**-52,
+        "turned grid far off": grid @ TILT + 1e9,
+        "normal": normal,
+        "corners in common": shared,
+        "fine grid": (grid / 7).astype(np.float32).astype(float) + 0.1,
+        "numbers 1e250 apart": tiny,
+        "flat": grid * [1, 1, 0] @ TILT,
+    }
+
+
+class TestEngines:
+    @pytest.mark.parametrize("scale", [1e-30, 1.0, 1e30])
+    @pytest.mark.parametrize("name", soups())
+    def test_both_find_what_rational_clipping_finds(self, name, scale):
+        corners = soups()[name] * scale
+        rational = [[tuple(map(Fraction, point)) for point in one] for one in corners.tolist()]
+        expected = [
+            [i, j]
+            for i, j in itertools.combinations(range(len(corners)), 2)
+            if len({*rational[i]} & {*rational[j]}) < 2 and interiors_cross(rational[i], rational[j])
+        ]
+        by_kernel, by_numpy = (
+            listed(compiled_crossings(surface(corners))),
+            listed(vectorised_crossings(surface(corners))),
+        )
+        assert by_kernel[0] == expected
+        assert by_kernel == by_numpy
+
+    @pytest.mark.parametrize("seed", range(30))
+    def test_both_agree_to_the_last_bit(self, seed):
+        rng = np.random.default_rng(seed)
+        count = int(rng.integers(2, 400))
+        corners = rng.normal(size=(count, 1, 3)) + rng.normal(size=(count, 3, 3)) * 10.0 ** rng.uniform(-3, 0.5)
+        corners = corners.round(int(rng.integers(0, 5))) * 10.0 ** rng.uniform(-60, 60)
+        faces = np.arange(3 * count).reshape(-1, 3)
+        records = np.zeros(count, FACET)
+        both = Surface(corners.reshape(-1, 3), faces), Facets(records)
+        both[1].corners_f4()[:] = corners / np.abs(corners).max()
+        for triangles in both:
+            assert listed(compiled_crossings(triangles)) == listed(vectorised_crossings(triangles))
+
+    def test_a_fine_flat_surface_turned_in_space_does_not_cross_itself(self):
+        x, y = np.meshgrid(np.arange(40.0), np.arange(40.0), indexing="ij")
+        plane = np.stack([x, y, 0 * x], axis=-1)
+        low, right, across, up = plane[:-1, :-1], plane[1:, :-1], plane[1:, 1:], plane[:-1, 1:]
+        corners = np.stack([low, right, across, low, across, up], axis=2).reshape(-1, 3, 3) / 7 @ TILT + 3.3
+        assert (
+            listed(compiled_crossings(surface(corners)))[0] == listed(vectorised_crossings(surface(corners)))[0] == []
+        )
 
 
 SHIFTED = [

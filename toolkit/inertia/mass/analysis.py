@@ -71,6 +71,7 @@ class Analysis:
     about : (point in the part's unit, tensor about it), if asked for
     about_bound : relative bound of that tensor (Frobenius norm)
     notes : what was decided on the way, in sentences
+    crossings_examined : whether triangles of the solid that cross one another were looked for (there are none, then)
     """
 
     part: Part
@@ -91,6 +92,7 @@ class Analysis:
     about: tuple[tuple[float, ...], Float] | None
     about_bound: float | None
     notes: tuple[str, ...]
+    crossings_examined: bool
 
     @cached_property
     def principal(self) -> Principal:
@@ -108,6 +110,7 @@ def mass_properties(
     shell: float | None = None,
     wire: float | None = None,
     orientation: Orientation = "stored",
+    intersections: bool | None = None,
 ) -> MassProperties:
     """Integrate a part to its mass, centre of mass and inertia tensor.
 
@@ -128,6 +131,8 @@ def mass_properties(
     shell : thickness in the part's unit: the surface itself carries the mass (it may be open)
     wire : cross-section in the part's unit squared: the lines carry the mass
     orientation : "absolute" integrates an inward surface as if it faced outward
+    intersections : whether to look for triangles of a solid that cross one another, and refuse it then; without it, up
+        to 200,000 triangles are looked through
 
     Raises
     ------
@@ -151,6 +156,7 @@ def mass_properties(
         shell=shell,
         wire=wire,
         orientation=orientation,
+        intersections=intersections,
     ).properties
 
 
@@ -164,6 +170,7 @@ def analyse(
     shell: float | None = None,
     wire: float | None = None,
     orientation: Orientation = "stored",
+    intersections: bool | None = None,
     about: ArrayLike | Sequence[Fraction] | None = None,
     class_tolerance: float | None = None,
     chord: float | None = None,
@@ -209,7 +216,14 @@ def analyse(
         integrals = cell_integrals(part, stated.named, progress=progress)
     else:
         absolute = orientation == "absolute"
-        integrals = surface_integrals(part, stated.named, accuracy=accuracy, absolute=absolute, progress=progress)
+        integrals = surface_integrals(
+            part,
+            stated.named,
+            accuracy=accuracy,
+            absolute=absolute,
+            intersections=intersections,
+            progress=progress,
+        )
 
     limit = None if accuracy is None or isinstance(accuracy, str) else accuracy
     answer = _good_enough((_Weighed(part, integral, stated, factor) for integral in integrals), limit)
@@ -248,6 +262,7 @@ def analyse(
         about=there,
         about_bound=about_bound,
         notes=(*part.notes, *integral.notes),
+        crossings_examined=integral.crossings_examined,
     )
 
 

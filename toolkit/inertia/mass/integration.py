@@ -19,8 +19,10 @@ from inertia.mass.triangles.arithmetic import METHODS, Arithmetic, arithmetics, 
 from inertia.mass.triangles.moments_from_sums import moments_of
 from inertia.mass.triangles.sums import Sums, sum_triangles
 from inertia.mesh.check import check
+from inertia.mesh.checks.crossings import to_be_examined
 from inertia.mesh.checks.findings import around, middle, usable
 from inertia.mesh.geometry.closure import Closure, closure
+from inertia.mesh.geometry.intersect import crossings
 from inertia.mesh.geometry.shells import Shell, absolute_orientation, shells
 from inertia.mesh.geometry.shells import bodies as bodies_of
 from inertia.mesh.part import Cells, Facets, Part, Regions, Surface, Triangles
@@ -46,7 +48,8 @@ class Group:
 class Integral:
     """The moments of a part, group by group, and what was counted on the way; lengths in the file's unit.
 
-    `area` is the surface area, `extents` (2, 3) the smallest and largest coordinates, `method` the arithmetic.
+    `area` is the surface area, `extents` (2, 3) the smallest and largest coordinates, `method` the arithmetic;
+    `crossings_examined` says whether triangles that cross one another were looked for.
     """
 
     groups: tuple[Group, ...]
@@ -58,6 +61,7 @@ class Integral:
     area: float
     extents: Float
     notes: tuple[str, ...] = ()
+    crossings_examined: bool = False
 
 
 def surface_integrals(
@@ -67,6 +71,7 @@ def surface_integrals(
     shell: bool = False,
     accuracy: float | str | None = None,
     absolute: bool = False,
+    intersections: bool | None = None,
     progress: Progress | None = None,
 ) -> Iterator[Integral]:
     """Integrate a triangle surface as a solid, or as a `shell` (whose "volume" is its area).
@@ -75,7 +80,8 @@ def surface_integrals(
     one that is good enough asks for no further.
 
     Raises `GeometryError` where the surface does not bound a solid that faces outward; with `absolute` an inward
-    one, or one with inverted bodies, is integrated by its absolute orientation.
+    one, or one with inverted bodies, is integrated by its absolute orientation. A shell of a solid that crosses itself
+    is refused too, where `intersections` are asked for, or there are so few triangles that looking costs little.
     """
     triangles = part.triangles
     if triangles.count == 0:
@@ -89,17 +95,20 @@ def surface_integrals(
         sums = sum_triangles(triangles, surface=shell, progress=_part_of(progress, paired, summed))
     extents = np.array([sums.low, sums.high])
     if not usable(extents).all() or (topology.open_edges and not shell):
-        check(part).require_fit()
+        check(part, intersections=intersections).require_fit()
     several = topology.components != 1 or topology.crowded > 0
     pieces = shells(triangles, topology) if several and not shell else ()
     if absolute and not shell and len(wrong := _wrong(triangles, pieces, moments_of(sums))):
         if pieces:
-            check(part).require_fit("absolute")
+            check(part, intersections=intersections).require_fit("absolute")
         turned = replace(part, geometry=_turned(triangles, np.isin(topology.labels, wrong)))
         note = f"{len(wrong)} of {topology.components} shells turned, as absolute orientation was asked for"
-        for integral in surface_integrals(turned, named, accuracy=accuracy):
+        for integral in surface_integrals(turned, named, accuracy=accuracy, intersections=intersections):
             yield replace(integral, notes=(note,))
         return
+    examined = not shell and to_be_examined(triangles, intersections, topology.crowded)
+    if examined and crossings(triangles, limit=1).total:
+        check(part, intersections=intersections).require_fit()
     integral = Integral(
         groups=(),
         method=METHODS["float64"],
@@ -109,6 +118,7 @@ def surface_integrals(
         bodies=len(bodies_of(pieces)) if pieces else topology.components,
         area=_area(sums),
         extents=extents,
+        crossings_examined=examined,
     )
     for k, arithmetic in enumerate(tries[:2] if shell else tries):
         start, stop = (summed + (1.0 - summed) * step / len(tries) for step in (k, k + 1))
@@ -119,7 +129,7 @@ def surface_integrals(
             continue
         whole = solid_moments(triangles, arithmetic, sums, further, part.rounding)
         if (k == 0 and pieces) or whole.zeroth < -whole.zeroth_bound:
-            check(part).require_fit()
+            check(part, intersections=False).require_fit()
         if whole.zeroth > whole.zeroth_bound:
             groups = _solid_groups(part, named, topology, pieces, whole, arithmetic)
             yield replace(integral, groups=groups, method=METHODS[arithmetic])

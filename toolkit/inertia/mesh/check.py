@@ -1,4 +1,4 @@
-"""`check`: whether the volume of a part is an honest one, and if not, what is wrong and where."""
+"""`check`: whether a part bounds a volume (closed, wound, free of overlaps), and if not, what is wrong and where."""
 
 from __future__ import annotations
 
@@ -8,8 +8,9 @@ import numpy as np
 
 from inertia.errors import require_kind
 from inertia.mesh.checks.cells import CellTopology
+from inertia.mesh.checks.crossings import to_be_examined
 from inertia.mesh.checks.findings import Finding, Report, Severity
-from inertia.mesh.checks.kinds import Subject, findings
+from inertia.mesh.checks.kinds import findings
 from inertia.mesh.checks.surface_topology import SurfaceTopology
 from inertia.mesh.geometry.edges import pieces
 from inertia.mesh.part import Cells, Part, Triangles
@@ -17,14 +18,14 @@ from inertia.mesh.part import Cells, Part, Triangles
 _ORDER: tuple[Severity, ...] = ("error", "warning", "note")
 
 
-def check(part: Part, *, intersections: bool = False) -> Report:
+def check(part: Part, *, intersections: bool | None = None) -> Report:
     """Check a part; no geometry makes it raise, see `Report.require_fit` for that.
 
     Parameters
     ----------
     part : a surface or a mesh of cells
-    intersections : look also for triangles of one shell that cross each other, which is slow; without it, only
-        shells with an edge of more than two triangles are looked at
+    intersections : whether to look for triangles of one shell that cross each other; without it, up to 200,000
+        triangles that bound a volume are looked through, and any number where more than two share an edge
 
     >>> part = Part.from_arrays([[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]],
     ...                         [[0, 2, 1], [0, 1, 3], [1, 2, 3]], unit="mm")
@@ -38,15 +39,18 @@ def check(part: Part, *, intersections: bool = False) -> Report:
     return _check_surface(part, part.geometry, intersections)
 
 
-def _check_surface(part: Part, triangles: Triangles, intersections: bool) -> Report:
+def _check_surface(part: Part, triangles: Triangles, intersections: bool | None) -> Report:
     if unusable := next(findings("triangles", triangles), None):
         return _nothing_to_measure(part, triangles.count, unusable)
     surface = SurfaceTopology.of(triangles, part.unit.name)
     remarks = [*findings("surface", surface)]
+    flat = [*findings("volume", surface)] if surface.bounds else []
     if surface.bounds:
-        solid: list[Subject] = ["shells"] if intersections else ["shells", "crowded"]
-        remarks += [*findings("volume", surface)] or [fault for each in solid for fault in findings(each, surface)]
-    if intersections:
+        remarks += flat or [*findings("shells", surface)]
+    bounds_volume = surface.bounds and not flat
+    wanted = to_be_examined(triangles, intersections, surface.closure.crowded)
+    examined = wanted and (bounds_volume or intersections is True)
+    if examined:
         remarks += findings("crossings", surface)
     return Report(
         source=part.source,
@@ -59,6 +63,7 @@ def _check_surface(part: Part, triangles: Triangles, intersections: bool) -> Rep
         shells=surface.shells,
         loops=surface.loops,
         findings=_by_severity(remarks),
+        crossings_examined=examined,
     )
 
 

@@ -28,6 +28,7 @@ def check_document(
         "consistent": report.consistent,
         "outward": report.outward,
         "bodies": report.bodies,
+        "crossings_examined": report.crossings_examined,
         "shells": [
             {
                 "kind": shell.kind,
@@ -84,4 +85,5 @@ def _state(report: Report) -> list[str]:
         "consistently wound" if report.consistent else "wound inconsistently",
         *facing,
         counted(report.bodies, "body", "bodies"),
+        "crossings examined" if report.crossings_examined else "crossings not examined",
     ]

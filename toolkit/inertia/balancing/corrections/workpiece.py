@@ -71,7 +71,9 @@ class Workpiece:
 
     def _integrated(self, parts: Sequence[Part]) -> Unbalance:
         pairs = zip(parts, self.densities, strict=True)
-        return Unbalance.of(reduce(add, (mass_properties(part, density) for part, density in pairs)), self.shaft)
+        return Unbalance.of(
+            reduce(add, (mass_properties(part, density, intersections=False) for part, density in pairs)), self.shaft
+        )
 
 
 def changed(start: Unbalance, before: Unbalance, after: Unbalance) -> Unbalance:

@@ -1,4 +1,4 @@
-"""Torques in the one form that the series and the compiled steppers take."""
+"""`Terms`: torques polynomial in ω and in directions fixed in space, which Taylor series and compiled steppers take."""
 
 from __future__ import annotations
 

@@ -14,9 +14,21 @@ from inertia.mesh.geometry.boxes import BoxTree, overlapping
 from inertia.mesh.geometry.edges import Place
 from inertia.mesh.geometry.halfedges import half_edges
 from inertia.mesh.geometry.shells import Body, absolute_orientation, bodies, members
-from inertia.mesh.part import Surface
+from inertia.mesh.geometry.winding import misplaced_volume
+from inertia.mesh.part import Surface, Triangles
+
+EXAMINED = 200_000
+"""Triangles up to which crossings are looked for without being asked: a tenth of a second."""
 
 _CROSSINGS = 10_000  # crossings looked for, before those between different shells are taken out
+
+
+def to_be_examined(triangles: Triangles, intersections: bool | None, crowded: int = 0) -> bool:
+    """Say whether crossings are to be looked for: as is asked, or else in a surface of up to 200,000 triangles.
+
+    Where there are `crowded` edges, of more than two triangles, they are looked for in any.
+    """
+    return triangles.count <= EXAMINED or crowded > 0 if intersections is None else bool(intersections)
 
 
 def overlapping_bodies(surface: SurfaceTopology) -> Evidence | None:
@@ -118,35 +130,36 @@ def crossing_cavities(surface: SurfaceTopology) -> Evidence | None:
     return Evidence(total, listed(np.unique(pair)), place, {"one": pair[0, 0], "other": pair[0, 1]})
 
 
-def crossings_in_crowded_shells(surface: SurfaceTopology) -> Evidence | None:
-    """Find triangles that cross each other in a shell that has an edge of more than two triangles."""
-    shells = surface.crowded_shells
-    if len(shells) == 0:
-        return None
-    return _crossings_in_shells(surface, np.flatnonzero(np.isin(surface.closure.labels, shells)))
-
-
 def self_intersections(surface: SurfaceTopology) -> Evidence | None:
     """Find triangles of one shell (of any piece, where there are no shells) that cross each other."""
-    return _crossings_in_shells(surface, None)
-
-
-def _crossings_in_shells(surface: SurfaceTopology, which: Int | None) -> Evidence | None:
     from inertia.mesh.geometry.intersect import crossings
 
-    if which is None:
-        pairs = crossings(surface.triangles, limit=_CROSSINGS)
-    else:
-        pairs = crossings(surface.triangles.select(which), limit=_CROSSINGS)
-        pairs = replace(pairs, pairs=which[pairs.pairs])
+    pairs = crossings(surface.triangles, limit=_CROSSINGS)
     labels = surface.closure.labels[pairs.pairs]
     same = (labels[:, 0] == labels[:, 1]) | (not surface.shells)
     if not same.any():
         return None
     pair, place = pairs.pairs[same], middle(pairs.points[same][:1])
     count = int(same.sum())
-    figures = {"at_least": "at least " if pairs.truncated else "", "one": pair[0, 0], "other": pair[0, 1]}
+    figures = {
+        "at_least": "at least " if pairs.truncated else "",
+        "one": pair[0, 0],
+        "other": pair[0, 1],
+        "doubt": _doubt(surface, np.unique(pair)) if surface.shells else "",
+    }
     return Evidence(count, listed(np.unique(pair)), place, figures)
+
+
+def _doubt(surface: SurfaceTopology, crossed: Int) -> str:
+    """Say how much of the volume is in doubt: what counts more than once, or less than not at all, by rays."""
+    corners = surface.vertices[_turned(surface).faces]
+    volume = abs(sum(shell.signed_volume for shell in surface.shells))
+    for near in (corners, corners[crossed]):
+        misplaced = misplaced_volume(corners, np.stack([near.min(axis=(0, 1)), near.max(axis=(0, 1))]))
+        if misplaced > 0:
+            share = f" ({100 * misplaced / volume:.2g} % of the stored volume)" if volume > 0 else ""
+            return f": about {misplaced:.2g} {surface.unit}³{share}"
+    return ": too little for rays to meet it"
 
 
 def _turned(surface: SurfaceTopology) -> Surface:

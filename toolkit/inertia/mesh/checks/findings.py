@@ -66,6 +66,7 @@ class Report:
     shells : of a surface that bounds a volume
     loops : rims of the holes, the longest first
     findings : errors first, the most important first
+    crossings_examined : whether triangles of one shell that cross each other were looked for
     """
 
     source: Source
@@ -78,6 +79,7 @@ class Report:
     shells: tuple[Shell, ...]
     loops: tuple[Loop, ...]
     findings: tuple[Finding, ...]
+    crossings_examined: bool = False
 
     @property
     def fit(self) -> bool:

@@ -16,7 +16,6 @@ from inertia.errors import ABSOLUTE, REPAIR, SHELL, WELD, Sentence, Word
 from inertia.mesh.checks.cells import CellTopology
 from inertia.mesh.checks.crossings import (
     crossing_cavities,
-    crossings_in_crowded_shells,
     overlap_at_edges,
     overlapping_bodies,
     self_intersections,
@@ -28,10 +27,9 @@ from inertia.mesh.geometry.edges import flat
 from inertia.mesh.part import Surface, Triangles
 from inertia.mesh.repairs.weld import closing_distance
 
-Subject = Literal["triangles", "surface", "volume", "shells", "crossings", "crowded", "nodes", "cells"]
-"""What is looked at: `Triangles`; `SurfaceTopology`, whole, where it bounds a volume, where that is one, on request for
-crossings, and else for those in shells with an edge of more than two triangles; `CellTopology`, before and after its
-nodes are known to be usable."""
+Subject = Literal["triangles", "surface", "volume", "shells", "crossings", "nodes", "cells"]
+"""What is looked at: `Triangles`; `SurfaceTopology`, whole, where it bounds a volume, where that is one, where
+crossings are looked for; `CellTopology`, before and after its nodes are known to be usable."""
 
 _CHUNK = 1 << 16
 _NOISE = 1e-13  # volume over the sum of the shells' volumes
@@ -158,11 +156,6 @@ def _cavities(surface: SurfaceTopology) -> Evidence | None:
     return surface.at_shells(cavities, (abs(shell.signed_volume) for shell in cavities))
 
 
-_CROSSING: tuple[tuple[Subject, Callable[[SurfaceTopology], Evidence | None]], ...] = (
-    ("crossings", self_intersections),
-    ("crowded", crossings_in_crowded_shells),
-)
-
 KINDS = (
     Kind(
         "triangles", "empty", "error",
@@ -277,15 +270,12 @@ KINDS = (
         "triangles {one} and {other}, so that a cavity takes away what is not there",
         ("unite the cavities or close the wall",),
     ),
-    *(
-        Kind(
-            subject, "self_intersection", "error",
-            evidence,
-            "self-intersection: {at_least}{count:pair} of triangles cross, the first {around} being triangles {one} "
-            "and {other}, so that what is enclosed twice counts twice",
-            ("repair the part where it was made",),
-        )
-        for subject, evidence in _CROSSING
+    Kind(
+        "crossings", "self_intersection", "error",
+        self_intersections,
+        "self-intersection: {at_least}{count:pair} of triangles cross, the first {around} being triangles {one} and "
+        "{other}, so that what is enclosed twice counts twice{doubt}",
+        ("unite it with itself where it was made",),
     ),
     Kind(
         "shells", "zero_volume", "warning",

@@ -73,11 +73,6 @@ class SurfaceTopology:
         return shells.bodies(self.shells)
 
     @cached_property
-    def crowded_shells(self) -> Int:
-        """The numbers of the shells with an edge that more than two triangles share, ascending."""
-        return np.unique(self.closure.labels[self.at_crowded_edges])
-
-    @cached_property
     def at_crowded_edges(self) -> Int:
         """The triangles with an edge that more than two share, ascending."""
         return np.unique(self.edges.users[np.repeat(self.edges.non_manifold, self.edges.uses)])

@@ -16,7 +16,8 @@ from numpy.typing import NDArray
 from inertia.arrays import Float, Int
 
 _CHUNK = 1 << 16  # pairs of boxes opened at a time
-_BITS = 21  # of a Morton code, for each axis
+CELLS = 2**21 - 1
+"""The last cell of a Morton code along an axis."""
 
 
 class BoxTree:
@@ -96,7 +97,7 @@ def _morton(points: Float) -> NDArray[np.uint64]:
     """Return for points (n, 3) their place along a Z-order curve through their common box."""
     low = points.min(axis=0)
     extent = float((points.max(axis=0) - low).max())
-    cells = (points - low) * ((2**_BITS - 1) / extent if extent > 0 else 0.0)
+    cells = (points - low) * (CELLS / extent if extent > 0 else 0.0)
     code = np.zeros(len(points), np.uint64)
     for axis, cell in enumerate(cells.T.astype(np.uint64)):
         # Spread the bits, two free places after each.

@@ -10,16 +10,29 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from inertia.arrays import Float, Int, Progress
-from inertia.mesh.geometry.boxes import BoxTree, overlapping
+from inertia.mesh.geometry.boxes import CELLS, BoxTree, overlapping
 from inertia.mesh.geometry.closure import closure, merge_equal_vertices
 from inertia.mesh.geometry.triangle_pairs import crossing, unit, unit_normals
 from inertia.mesh.geometry.winding import windings
 from inertia.mesh.part import Surface, Triangles
+from inertia.native import Kernel
 
+_MODULE = "inertia.mesh.geometry.crossing_kernel"
+CODES = Kernel(_MODULE, "morton_codes", "pipidpp")
+ENCLOSE = Kernel(_MODULE, "enclose", "pippi" + "dddd" + "pp")
+COMPILED = Kernel(_MODULE, "find_crossings", "pppi" + "pppp" + "iip")
+
+_WORK = 5  # work on a triangle, over that of integrating it
+_STEPS = 1 << 22  # pairs of boxes opened in a call, and
+_CROSSED = 1 << 16  # crossings listed at most
+_SCRATCH = 18 + 192  # numbers, as `crossing_kernel.exact_sign` asks
+_LARGEST = 1000  # exponent of a power of two that coordinates are multiplied by
 _CONTACT = 1e-6  # depth below which bodies only touch, over the largest extent of the smaller one
 _LAST_DIGITS = 4  # the same, over the spacing of the stored numbers at the largest coordinate
 _AT_ONCE = 1 << 17  # places tried at a time
@@ -62,24 +75,83 @@ def crossings(
     >>> crossings(flat, upright).points
     array([[1.5, 1.5, 0. ]])
     """
-    if b is None:
-        vertices, faces = merge_equal_vertices(a)
-        numbers_a = numbers_b = np.arange(len(faces))
-        faces_a = faces_b = faces
+    if b is not None:
+        runs = _crossings_between(a, b)
+    elif COMPILED.worthwhile(_WORK * a.count):
+        runs = compiled_crossings(a)
     else:
-        numbers_a, numbers_b = _in_common_box(a, b)
-        vertices, faces_a, faces_b = _welded_together(a.select(numbers_a), b.select(numbers_b))
+        runs = vectorised_crossings(a)
     pairs, points, total = np.empty((0, 2), np.int64), np.empty((0, 3)), 0
-    for i, j, done in _candidates(vertices, faces_a, None if b is None else faces_b):
-        crossed, places = crossing(vertices, faces_a[i], faces_b[j])
+    for crossed, places, done in runs:
         total += len(crossed)
-        pairs = np.vstack([pairs, np.column_stack([numbers_a[i[crossed]], numbers_b[j[crossed]]])])
-        points = np.vstack([points, places])
+        pairs, points = np.vstack([pairs, crossed]), np.vstack([points, places])
         first = np.lexsort(pairs.T[::-1])[:limit]
         pairs, points = pairs[first], points[first]
         if progress is not None:
             progress(done)
     return Crossings(pairs, points, total, total > len(pairs))
+
+
+Crossed = Iterator[tuple[Int, Float, float]]
+"""Pairs (k, 2) of triangles that cross, the middles (k, 3) of their common segments, and the fraction done."""
+
+
+def vectorised_crossings(triangles: Triangles) -> Crossed:
+    """Yield the triangles that cross one another, by numpy."""
+    vertices, faces = merge_equal_vertices(triangles)
+    for i, j, done in _candidates(vertices, faces, None):
+        crossed, places = crossing(vertices, faces[i], faces[j])
+        yield np.column_stack([i[crossed], j[crossed]]), places, done
+
+
+def compiled_crossings(triangles: Triangles) -> Crossed:
+    """Yield what `vectorised_crossings` does, in another order, by the compiled kernel."""
+    count = triangles.count
+    if isinstance(triangles, Surface):
+        vertices, faces = triangles.vertices, triangles.faces
+    else:
+        vertices, faces = triangles.corners().reshape(-1, 3), np.arange(3 * count).reshape(-1, 3)
+    surface = _address(vertices), len(vertices), _address(faces)
+    box, codes = np.empty((2, 3)), np.empty(count, np.uint64)
+    CODES.function(*surface, count, CELLS, _address(box), _address(codes))
+    order = np.argsort(codes)
+    scale = 2.0 ** -min(max(int(np.frexp(np.abs(box).max())[1]), -_LARGEST), _LARGEST)
+    own, boxes = np.empty((count, 9)), np.empty((2 * count + 64, 6), np.float32)
+    middle = (scale * box[0] / 2 + scale * box[1] / 2).tolist()
+    if ENCLOSE.function(*surface, _address(order), count, *middle, scale, _address(own), _address(boxes)):
+        yield from vectorised_crossings(triangles)
+        return
+    del vertices, faces, codes
+    starts = np.zeros(64, np.int64)
+    levels, size = 0, count
+    while size > 0:
+        levels += 1
+        starts[levels] = starts[levels - 1] + size
+        size = (size + 1) // 2 if size > 1 else 0
+    stack, state = np.zeros((256, 3), np.int64), np.zeros(9, np.int64)
+    stack[0, 0], state[0] = levels - 1, 1
+    work, pairs = np.empty(_SCRATCH), np.empty((_CROSSED, 2), np.int64)
+    tables = (_address(own), _address(boxes), _address(order), count, _address(work), _address(stack), _address(starts))
+    while state[0]:
+        COMPILED.function(*tables, _address(pairs), _CROSSED, _STEPS, _address(state))
+        done = float(state[2] / count) if state[0] else 1.0
+        crossed = pairs[: state[1]]
+        vertices, faces = merge_equal_vertices(triangles.select(crossed.ravel()))
+        which, places = crossing(vertices, faces[0::2], faces[1::2])
+        yield crossed[which], places, done
+
+
+def _address(array: NDArray[Any]) -> int:
+    return int(array.ctypes.data)
+
+
+def _crossings_between(a: Triangles, b: Triangles) -> Crossed:
+    """Yield the triangles of `a` that cross triangles of `b`, by numpy."""
+    numbers_a, numbers_b = _in_common_box(a, b)
+    vertices, faces_a, faces_b = _welded_together(a.select(numbers_a), b.select(numbers_b))
+    for i, j, done in _candidates(vertices, faces_a, faces_b):
+        crossed, places = crossing(vertices, faces_a[i], faces_b[j])
+        yield np.column_stack([numbers_a[i[crossed]], numbers_b[j[crossed]]]), places, done
 
 
 def overlap(a: Triangles, b: Triangles, contact: float = 0.0) -> tuple[float, float, float] | None:

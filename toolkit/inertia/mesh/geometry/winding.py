@@ -16,6 +16,7 @@ import numpy as np
 
 from inertia.arrays import Float, Int
 
+_RAYS = 128  # along an axis of a box, for a volume
 _PAIRS = 1 << 20  # pairs of a triangle and a point looked at together
 
 
@@ -49,6 +50,59 @@ def windings(points: Float, corners: Float, margin: float) -> tuple[Int, Float]:
         near &= area > 0
         np.minimum.at(clearance, point[near], np.abs(volume[near]) / area[near])
     return winding, clearance
+
+
+def misplaced_volume(corners: Float, box: Float) -> float:
+    """Estimate ∫ |w − [w > 0]| dV, what a closed surface counts of places beyond once for the inside of its volume.
+
+    Parameters
+    ----------
+    corners : (t, 3, 3), a closed surface; w is its winding number
+    box : (2, 3); rays along z, 128 × 128 of them, pass through it and take all that lies above and below, and then as
+        many more where those met such places
+
+    >>> from inertia.mesh.cut import block
+    >>> once = block([0, 0, 0], np.eye(3)).corners()
+    >>> box = np.array([[0, 0, 0], [1.5, 1, 1]])
+    >>> misplaced_volume(once, box), round(misplaced_volume(np.concatenate([once, once + [0.5, 0, 0]]), box), 2)
+    (0.0, 0.5)
+    """
+    volume, hit = _misplaced(corners, box)
+    if hit is not None:
+        finer, _ = _misplaced(corners, hit)
+        volume = finer or volume
+    return volume
+
+
+def _misplaced(corners: Float, box: Float) -> tuple[float, Float | None]:
+    """Return the estimate, and the box of the rays that met such places, a ray's breadth wider."""
+    low, high = box[0, :2], box[1, :2]
+    steps = (np.arange(_RAYS) + 0.5) / _RAYS
+    points = np.zeros((_RAYS * _RAYS, 3))
+    points[:, 0] = np.repeat(low[0] + (high[0] - low[0]) * steps, _RAYS)
+    points[:, 1] = np.tile(low[1] + (high[1] - low[1]) * steps, _RAYS)
+    rays, heights, turns = [], [], []
+    for triangle, point in _candidates(points, corners.min(axis=1), corners.max(axis=1)):
+        a, b, c = (corners[triangle] - points[point, None]).transpose(1, 2, 0)
+        turn = _turns(a, b) + _turns(b, c) + _turns(c, a)
+        met = turn != 0
+        normal = _cross(b - a, c - a)[:, met]
+        rays.append(point[met])
+        heights.append((a[:, met] * normal).sum(axis=0) / normal[2])
+        turns.append(turn[met])
+    ray, height, turn = np.concatenate(rays), np.concatenate(heights), np.concatenate(turns)
+    order = np.lexsort((height, ray))
+    ray, height, winding = ray[order], height[order], -np.cumsum(turn[order])
+    # Each ray passes as many triangles outwards as inwards, so that the sum is zero where the next begins.
+    same = ray[1:] == ray[:-1]
+    stretch = np.where(same, height[1:] - height[:-1], 0.0)
+    excess = np.abs(winding[:-1] - (winding[:-1] > 0))
+    volume = float((stretch * excess).sum() * np.prod((high - low) / _RAYS))
+    hits = points[ray[:-1][stretch * excess > 0], :2]
+    if len(hits) == 0:
+        return 0.0, None
+    breadth = (high - low) / _RAYS
+    return volume, np.stack([hits.min(axis=0) - breadth, hits.max(axis=0) + breadth])
 
 
 def _candidates(points: Float, low: Float, high: Float) -> Iterator[tuple[Int, Int]]:

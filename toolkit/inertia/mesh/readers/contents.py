@@ -1,4 +1,4 @@
-"""What a reader hands back, and the few things that all readers do alike.
+"""`Contents`: what a reader returns; and what readers share: numbers from text, polygons as fans, names of regions.
 
 A reader is a function from a path to `Contents`. It raises `ReadError` with what is wrong and the remedy; the
 path is put in front by `inertia.mesh.read`.

@@ -20,6 +20,7 @@ def analysis_document(analysis: Analysis, repaired: Repaired | None = None) -> d
     """Return the analysis as ``inertia/analysis/1``; numbers are SI but for the points given in the part's unit."""
     part, properties, principal = analysis.part, analysis.properties, analysis.principal
     mesh: dict[str, Any] = {"triangles": analysis.triangles, "closed": analysis.closed, "bodies": analysis.bodies}
+    mesh["crossings_examined"] = analysis.crossings_examined
     if analysis.cells:
         mesh["cells"] = analysis.cells
     document: dict[str, Any] = {

@@ -62,6 +62,9 @@ def _source(analysis: Analysis, repaired: Repaired | None, wording: Wording) -> 
     elements = [f"{analysis.triangles} triangles"] if analysis.triangles else []
     elements += [f"{analysis.cells} cells"] if analysis.cells else []
     closed = [] if analysis.cells else ["closed" if analysis.closed else "open"]
+    crossings = (
+        [] if analysis.cells else ["crossings examined" if analysis.crossings_examined else "crossings not examined"]
+    )
     bodies = f"{analysis.bodies} {'body' if analysis.bodies == 1 else 'bodies'}"
     repairs = ["repaired"] if repaired and repaired.changes else []
     return [
@@ -69,7 +72,7 @@ def _source(analysis: Analysis, repaired: Repaired | None, wording: Wording) -> 
         *([row("SHA-256", part.source.sha256)] if part.source.sha256 else []),
         row("Unit", f"{part.unit.name} ({Sentence(_UNIT_FROM[part.unit_from]).worded(wording)})"),
         row("Density", f"{number(analysis.density)} kg/m³ ({_density_from(analysis, wording)})"),
-        row("Mesh", ", ".join([*elements, *closed, bodies, *repairs])),
+        row("Mesh", ", ".join([*elements, *closed, bodies, *crossings, *repairs])),
         *([row("Regions", _listed(part.regions.names))] if part.regions else []),
         *([row("Model", _MODEL[analysis.model])] if analysis.model != "solid" else []),
     ]
