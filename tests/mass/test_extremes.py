@@ -3,7 +3,9 @@
 The oracle is rational arithmetic on the coordinates as stored.
 """
 
+import re
 from fractions import Fraction
+from pathlib import Path
 from statistics import median
 
 import numpy as np
@@ -11,6 +13,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from tests.benchmarks.extremes.cases import Case, ball, cases, nearly_equal, refused
+from tests.benchmarks.extremes.commands import Question, measured_command, questions
 from tests.benchmarks.extremes.rungs import RUNGS, answer, properties, ratios, ratios_before_rounding
 from tests.benchmarks.extremes.sweep import MILLIMETRE, STEEL, sweep
 from tests.benchmarks.extremes.truth import Truth, errors
@@ -175,3 +178,15 @@ def test_bounds_hold_over_a_sweep_and_are_typically_near() -> None:
 @given(st.integers(0, 2**63 - 1))
 def test_bounds_hold_for_any_mesh_of_the_sweep(seed: int) -> None:
     assert sweep(seed, 4).exceeded() == 0
+
+
+@pytest.mark.parametrize("question", list(questions()), ids=lambda question: question.part)
+def test_the_command_line_answers_within_its_bounds_or_says_why_not(question: Question, tmp_path: Path) -> None:
+    row = measured_command(question, tmp_path)
+    if question.name in ("pentagram.obj", "crack.obj"):
+        assert row["code"] == 4
+        assert re.search("self-intersection|--weld", row["sentence"])
+    else:
+        assert row["code"] == 0, row
+        assert row.get("error", 0.0) <= row["volume"] <= 2e-16
+        assert row["inertia"] <= 2e-16

@@ -24,6 +24,7 @@ from ..measure import ROOT, python_module
 from ..meshes import wavy_torus
 from .answers import PROGRAMS, Answer, answered
 from .cases import Case, cases, nearly_equal, refused
+from .commands import measured_command, questions
 from .growth import growth
 from .rungs import RUNGS, answer, bounds, chosen, properties
 from .sweep import sweep
@@ -44,7 +45,15 @@ def main() -> None:
     parser.add_argument("--large", action="store_true", help="only ten million triangles (4 GB, some minutes)")
     parser.add_argument("--costs", action="store_true", help="only the costs (leave the machine to itself meanwhile)")
     parser.add_argument("--into", type=Path, default=ROOT / "docs", help="the folder to write to (docs)")
+    parser.add_argument(
+        "--parts", type=Path, metavar="FOLDER", help="only write the parts that are asked about to files"
+    )
     options = parser.parse_args()
+    if options.parts is not None:
+        options.parts.mkdir(parents=True, exist_ok=True)
+        for question in questions():
+            (options.parts / question.name).write_text(question.content, encoding="utf-8")
+        return
     path = options.into / "extremes.json"
     document = json.loads(path.read_text(encoding="utf-8")) if path.exists() else {}
     if options.large:
@@ -67,9 +76,16 @@ def small(meshes: int) -> dict[str, Any]:
         "cases": [measured(case) for case in cases()],
         "nearly_equal": [measured_axes(power, case) for power, case in nearly_equal()],
         "refused": [measured_refusal(case) for case in refused()],
+        "commands": commands(),
         "sweep": {"meshes": meshes, "refused": tally.refused} | {rung: summaries(tally.ratios[rung]) for rung in RUNGS},
         "growth": [row | {"ratios": summaries(row["ratios"])} for row in growth()],
     }
+
+
+def commands() -> list[dict[str, Any]]:
+    """Ask the command line about each part."""
+    with tempfile.TemporaryDirectory(prefix="inertia-parts-") as folder:
+        return [measured_command(question, Path(folder)) for question in questions()]
 
 
 def _versions() -> dict[str, str]:

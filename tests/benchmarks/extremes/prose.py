@@ -79,6 +79,14 @@ The volume or the tensor of these is above or below what float64 holds, or there
 
 {refusals}
 
+### On the command line
+
+Parts in millimetres, which `python -m tests.benchmarks.extremes --parts FOLDER` writes. Volume and tensor are relative;
+where the true volume is rational, its error stands before its bound. The centre of mass is the pair of numbers where an
+accuracy is asked for.
+
+{commands}
+
 {large}
 
 ## The bounds hold

@@ -43,6 +43,7 @@ def text(document: dict[str, Any]) -> str:
         families="\n\n".join(_family(name, rows) for name, rows in families.items()),
         axes=_axes(document["nearly_equal"]),
         refusals=_refusals(document["refused"]),
+        commands=_commands(document["commands"]),
         large=_large(document.get("large")),
         sweep="\n\n".join(f"{rung}:\n\n{_sweep(counts[rung])}" for rung in RUNGS),
         typical=", ".join(f"{rung} {_typical(counts[rung])}" for rung in RUNGS),
@@ -178,6 +179,21 @@ def _axes(rows: list[Row]) -> str:
 def _refusals(rows: list[Row]) -> str:
     lines = [[row["case"], row["inertia"].removeprefix("part: "), *(row[name] for name in PROGRAMS)] for row in rows]
     return as_table(["", "inertia", *PROGRAMS], lines, words=True)
+
+
+def _commands(rows: list[Row]) -> str:
+    lines = []
+    for row in rows:
+        if row["code"]:
+            answer = f"exit code {row['code']}: “{row['sentence']}”"
+        else:
+            error = f"{as_number(row['error'])} ≤ " if "error" in row else "≤ "
+            answer = (
+                f"volume {error}{as_number(row['volume'])}, tensor ≤ {as_number(row['inertia'])}, "
+                f"centre of mass ≤ {as_number(row['centre'])} m; {row['method']}"
+            )
+        lines.append([row["part"], f"`{row['command']}`", answer])
+    return as_table(["", "command", "answer"], lines, words=True)
 
 
 def _large(row: Row | None) -> str:

@@ -1,0 +1,137 @@
+"""Single parts at the edge of what has an answer, each written to a file and asked about on the command line."""
+
+from __future__ import annotations
+
+import json
+import subprocess
+import sys
+from collections.abc import Iterator
+from dataclasses import dataclass
+from fractions import Fraction
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from inertia_meshes import rational
+from inertia_meshes.shapes import Corners, box, flipped, mapped, moved
+
+from .cases import ball
+
+_TURN = np.array([[2, -1, 2], [2, 2, -1], [-1, 2, 2]]) / 3
+_NODES = 20  # of the hexahedron
+
+
+@dataclass(frozen=True, eq=False)
+class Question:
+    """A part, the name of its file, and what `inertia` is asked; `volume` is the true one, if there is one."""
+
+    part: str
+    name: str
+    content: str
+    options: tuple[str, ...] = ()
+    volume: Fraction | None = None
+
+
+def questions() -> Iterator[Question]:
+    """Yield every part with its question; coordinates are in millimetres, as the command assumes."""
+    yield _solid("a ball 10 diameters away", "away.obj", _ball() + 10, "--accuracy", "1e-15")
+    yield _solid("the same 1e8 diameters away", "far.obj", _ball() + 1e8, "--accuracy", "1e-15")
+    thin = [moved(mapped(box(1, 1e-7, 1e-7), _TURN), 0, 4 * k, 0)[:, [1, 2, 0]] for k in range(2)]
+    yield _solid("two slanted bars of 1 × 1e-7 × 1e-7", "bars.obj", np.concatenate(thin))
+    inward = flipped(mapped(box(1, 1e-9, 1e-9), _TURN))
+    turned = _volume(flipped(inward))
+    yield Question(
+        "a bar of 1 × 1e-9 × 1e-9, inside out", "bar.obj", _obj(inward), ("--orientation", "absolute"), turned
+    )
+    plate = mapped(box(1, 1, 1e-12), _TURN)
+    yield _solid("a slanted plate of 1 × 1 × 1e-12, nothing asked for", "plate.obj", plate)
+    yield Question(
+        "a ball's surface as a shell", "shell.obj", _obj(_ball()), ("--shell", "0.125", "--accuracy", "1.2e-16")
+    )
+    yield Question(
+        "a hexahedron of 20 nodes with curved edges", "brick.vtk", _curved_brick(), ("--accuracy", "1.2e-16")
+    )
+    yield Question("a pentagram, extruded: its shell crosses itself", "pentagram.obj", _obj(_pentagram()))
+    cracked = box(1.0, 1.0, 1.0).copy()
+    cracked[0, 0] += 1e-15
+    yield Question("a cube with a crack of 1e-15", "crack.obj", _obj(cracked))
+
+
+def measured_command(question: Question, folder: Path) -> dict[str, Any]:
+    """Return the command, its exit code, and the answer's volume, error and bounds, or the sentence that refuses."""
+    (folder / question.name).write_text(question.content, encoding="utf-8")
+    command = ["analyse", question.name, *question.options]
+    done = subprocess.run(
+        [
+            sys.executable,
+            "-c",
+            "import sys; from inertia_cli.main import main; sys.exit(main(sys.argv[1:]))",
+            *command,
+            "--json",
+        ],
+        cwd=folder,
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    row: dict[str, Any] = {"part": question.part, "command": " ".join(["inertia", *command]), "code": done.returncode}
+    if done.returncode:
+        return row | {"sentence": done.stderr.strip().splitlines()[-1].removeprefix("inertia: ")}
+    answer = json.loads(done.stdout)
+    if question.volume is not None:
+        true = question.volume / 10**9
+        row["error"] = _short(abs(float((Fraction(answer["volume"]) - true) / true)))
+    error = answer["error"]
+    row |= {name: _short(error[name]) for name in ("volume", "inertia")}
+    row["centre"] = _short(error.get("center_of_mass_pair", error["center_of_mass"]))
+    return row | {"method": error["method"]}
+
+
+def _short(value: float) -> float:
+    return float(f"{value:.1e}")
+
+
+def _solid(part: str, name: str, corners: Corners, *options: str) -> Question:
+    return Question(part, name, _obj(corners), options, _volume(corners))
+
+
+def _volume(corners: Corners) -> Fraction:
+    return rational.moments(corners).volume
+
+
+def _ball() -> Corners:
+    vertices, faces = ball()
+    return vertices[faces]
+
+
+def _pentagram() -> Corners:
+    """Return a prism over the five-pointed star that is drawn without lifting the pen."""
+    angle = 4 * np.pi * np.arange(5) / 5
+    low = np.stack([np.cos(angle), np.sin(angle), 0 * angle], axis=1)
+    up, middle = np.array([0, 0, 1]), np.zeros((5, 3))
+    along = np.roll(low, -1, axis=0)
+    high, after, top = low + up, along + up, middle + up
+    sides = ((low, along, high), (high, along, after), (middle, along, low), (top, high, after))
+    return np.concatenate([np.stack(side, axis=1) for side in sides])
+
+
+def _obj(corners: Corners) -> str:
+    points, faces = np.unique(corners.reshape(-1, 3), axis=0, return_inverse=True)
+    lines = [f"v {x!r} {y!r} {z!r}" for x, y, z in points.tolist()]
+    lines += [f"f {a + 1} {b + 1} {c + 1}" for a, b, c in faces.reshape(-1, 3).tolist()]
+    return "\n".join(lines) + "\n"
+
+
+def _curved_brick() -> str:
+    corners = [(x, y, z) for z in (-1, 1) for x, y in ((-1, -1), (1, -1), (1, 1), (-1, 1))]
+    ring = [(0, 1), (1, 2), (2, 3), (3, 0)]
+    edges = [*ring, *((a + 4, b + 4) for a, b in ring), *((k, k + 4) for k in range(4))]
+    nodes = np.array([*corners, *(np.mean([corners[a], corners[b]], axis=0) for a, b in edges)], float)
+    nodes += 0.05 * np.sin(7.0 * np.arange(3 * _NODES)).reshape(-1, 3)
+    points = "\n".join(f"{x!r} {y!r} {z!r}" for x, y, z in nodes.tolist())
+    numbers = " ".join(map(str, range(_NODES)))
+    return (
+        f"# vtk DataFile Version 3.0\nbrick\nASCII\nDATASET UNSTRUCTURED_GRID\nPOINTS {_NODES} double\n{points}\n"
+        f"CELLS 1 {_NODES + 1}\n{_NODES} {numbers}\nCELL_TYPES 1\n25\n"
+    )
