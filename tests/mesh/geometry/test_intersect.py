@@ -245,7 +245,7 @@ def soups() -> dict[str, Corners]:
 
 
 class TestEngines:
-    @pytest.mark.parametrize("scale", [1e-30, 1.0, 1e30])
+    @pytest.mark.parametrize("scale", [1e-310, 1e-30, 1.0, 1e30])
     @pytest.mark.parametrize("name", soups())
     def test_both_find_what_rational_clipping_finds(self, name, scale):
         corners = soups()[name] * scale

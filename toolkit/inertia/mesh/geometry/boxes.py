@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 from inertia.arrays import Float, Int
 
 _CHUNK = 1 << 16  # pairs of boxes opened at a time
+_LEAST = 1e-300  # size below which boxes stay in their order: that its inverse overflows must not matter
 CELLS = 2**21 - 1
 """The last cell of a Morton code along an axis."""
 
@@ -97,7 +98,7 @@ def _morton(points: Float) -> NDArray[np.uint64]:
     """Return for points (n, 3) their place along a Z-order curve through their common box."""
     low = points.min(axis=0)
     extent = float((points.max(axis=0) - low).max())
-    cells = (points - low) * (CELLS / extent if extent > 0 else 0.0)
+    cells = (points - low) * (CELLS / extent if extent > _LEAST else 0.0)
     code = np.zeros(len(points), np.uint64)
     for axis, cell in enumerate(cells.T.astype(np.uint64)):
         # Spread the bits, two free places after each.

@@ -52,7 +52,7 @@ def morton_codes(vertices_at, vertices, faces_at, count, cells, box_at, codes_at
         box[0, axis], box[1, axis] = low, high
     x, y, z = box[0, 0], box[0, 1], box[0, 2]
     extent = max(box[1, 0] - x, box[1, 1] - y, box[1, 2] - z)
-    factor = cells / extent if extent > 0 else 0.0
+    factor = cells / extent if extent > 1e-300 else 0.0
     for k in range(count):
         code = np.uint64(0)
         for axis in range(3):
