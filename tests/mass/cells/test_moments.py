@@ -4,6 +4,7 @@ import itertools
 import math
 from fractions import Fraction
 
+import mpmath
 import numpy as np
 import pytest
 from hypothesis import given, settings
@@ -438,6 +439,27 @@ def test_a_cylinder_of_wedge18_has_its_area():
 
 
 # Wires and points
+
+
+def test_straight_wires_in_double_double_have_twice_the_digits():
+    corners = np.random.default_rng(5).uniform(-1, 1, (9, 3)) + 1e3
+    wires = Cells(corners, (CellBlock("line", np.stack([np.arange(8), np.arange(1, 9)], axis=1)),))
+    moments = wire_moments(wires, "double-double").about(ORIGIN)
+    with mpmath.workdps(60):
+        ends = [[mpmath.mpf(x) for x in corner] for corner in corners.tolist()]
+        pairs = list(itertools.pairwise(ends))
+        lengths = [mpmath.sqrt(sum((x - y) ** 2 for x, y in zip(a, b, strict=True))) for a, b in pairs]
+
+        def off(value, true):
+            return abs(mpmath.mpf(value.numerator) / value.denominator - true)
+
+        assert off(moments.zeroth, sum(lengths)) <= moments.zeroth_bound <= 1e-25
+        for k, (i, j) in enumerate(PAIRS):
+            products = (
+                size * ((a[i] + b[i]) * (a[j] + b[j]) + a[i] * a[j] + b[i] * b[j]) / 6
+                for size, (a, b) in zip(lengths, pairs, strict=True)
+            )
+            assert off(moments.second[k], sum(products)) <= moments.second_bound[k] <= 1e-18
 
 
 def test_straight_wires_have_exact_moments():

@@ -22,7 +22,7 @@ from numpy.typing import ArrayLike
 from inertia.arrays import Float, Orientation, Progress
 from inertia.errors import GeometryError, Remedy, UsageError, require_kind, reworded
 from inertia.mass.density import Densities, DensityFrom, densities
-from inertia.mass.integration import Integral, cell_integrals, naming, surface_integrals, wire_integral
+from inertia.mass.integration import Integral, cell_integrals, naming, surface_integrals, wire_integrals
 from inertia.mass.moments import ZERO, Moments, total
 from inertia.mass.principal import CLASS_TOLERANCE, Principal
 from inertia.mass.properties import CERTAIN, ErrorBound, MassProperties
@@ -211,7 +211,7 @@ def analyse(
         integrals = surface_integrals(part, stated.named, shell=True, accuracy=accuracy, progress=progress)
     elif wire is not None:
         model, factor = "wire", f**3 * _length(wire, "wire cross-section", f"{part.unit.name}2")
-        integrals = iter([wire_integral(part, stated.named, progress)])
+        integrals = wire_integrals(part, stated.named, progress)
     elif isinstance(part.geometry, Cells):
         integrals = cell_integrals(part, stated.named, progress=progress)
     else:

@@ -35,6 +35,11 @@ _CELL_METHODS: dict[Literal["float64", "double-double"], str] = {
     "double-double": "double-double quadrature exact for each cell's map, a-priori bound",
 }
 
+_WIRE_METHODS: dict[Literal["float64", "double-double"], str] = {
+    "float64": "float64 quadrature, a-priori bound (an estimate for curved lines)",
+    "double-double": "double-double quadrature, a-priori bound",
+}
+
 
 @dataclass(frozen=True)
 class Group:
@@ -280,28 +285,32 @@ def cell_integrals(part: Part, named: Collection[str], *, progress: Progress | N
         )
 
 
-def wire_integral(part: Part, named: Collection[str], progress: Progress | None = None) -> Integral:
-    """Integrate the lines of a mesh as wires; the "volume" of the group is its length."""
+def wire_integrals(part: Part, named: Collection[str], progress: Progress | None = None) -> Iterator[Integral]:
+    """Integrate the lines of a mesh as wires, whose "volume" is their length; straight ones also in double-double."""
     from inertia.mass.cells.moments import wire_moments
 
     cells = part.geometry
     if not isinstance(cells, Cells) or not any(block.kind.startswith("line") for block in cells.blocks):
         raise GeometryError(f"{part.name} holds no lines for a wire: leave ", _ANY_WIRE, " out, or use ", SHELL)
     _refuse_unknown(named, ["1"], None)
-    with naming(part):
-        moments = wire_moments(cells)
-    if progress is not None:
-        progress(1.0)
-    return Integral(
-        groups=(Group("1", moments),),
-        method="float64 quadrature, a-priori bound (an estimate for curved lines)",
-        triangles=0,
-        cells=cells.count,
-        closed=False,
-        bodies=1,
-        area=0.0,
-        extents=_extents(cells),
-    )
+    methods = dict(_WIRE_METHODS)
+    if any(block.kind == "line3" for block in cells.blocks):
+        del methods["double-double"]
+    for arithmetic, method in methods.items():
+        with naming(part):
+            moments = wire_moments(cells, arithmetic)
+        if progress is not None:
+            progress(1.0)
+        yield Integral(
+            groups=(Group("1", moments),),
+            method=method,
+            triangles=0,
+            cells=cells.count,
+            closed=False,
+            bodies=1,
+            area=0.0,
+            extents=_extents(cells),
+        )
 
 
 def _named_regions(regions: Regions) -> tuple[tuple[str, ...], NDArray[np.int32]]:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import contextlib
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from functools import partial
@@ -89,9 +90,10 @@ class _Scale:
         )
 
     def bound(self, properties: MassProperties) -> Relative:
-        """Return the certified bounds on the arithmetic error."""
+        """Return the certified bounds on the arithmetic error, for the centre of mass as a pair of numbers."""
         error = properties.error
-        return Relative(error.volume, float(Fraction(error.center_of_mass) / self.size), error.inertia)
+        off = properties.center_of_mass_pair()[1]
+        return Relative(error.volume, float(Fraction(off) / self.size), error.inertia)
 
     def error(self, properties: MassProperties, truth: Moments) -> Relative:
         """Return the distance of mass properties from `truth`, the moments of volume in the file's unit."""
@@ -99,14 +101,16 @@ class _Scale:
         volume = self.metres**3 * truth.zeroth
         tensor = [value for row in inertia_tensor(exact.second) for value in row]
         stored = properties.inertia.ravel().tolist()
+        high, low = properties.center_of_mass_pair()[0].tolist()
+        center = [Fraction(a) + Fraction(b) for a, b in zip(high, low, strict=True)]
         return Relative(
             float(abs(Fraction(properties.volume) / volume - 1)),
-            float(_distance(properties.center_of_mass.tolist(), exact.origin) / self.size),
+            float(_distance(center, exact.origin) / self.size),
             float(_distance(stored, tensor) / _distance([0.0] * 9, tensor)),
         )
 
 
-def _distance(stored: list[float], exact: list[Fraction] | tuple[Fraction, ...]) -> Fraction:
+def _distance(stored: Sequence[float | Fraction], exact: list[Fraction] | tuple[Fraction, ...]) -> Fraction:
     return root_above(sum(((Fraction(a) - b) ** 2 for a, b in zip(stored, exact, strict=True)), ZERO))
 
 

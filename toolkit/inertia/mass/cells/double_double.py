@@ -9,7 +9,7 @@ from __future__ import annotations
 import numpy as np
 
 from inertia.arrays import Float
-from inertia.mass.cells.quadrature import Chunk, determinant_errors, moment_bounds
+from inertia.mass.cells.quadrature import Chunk, determinant_errors, moment_bounds, speed_errors
 from inertia.mass.cells.shape_functions import Table, double_table
 from inertia.mass.double_words import UNIT, Pair, folded
 from inertia.mass.moments import PAIRS
@@ -27,12 +27,21 @@ def double_determinants(shape: Table, chunk: Chunk) -> tuple[Pair, Float]:
     return determinant, determinant_errors(shape, chunk, jacobian, UNIT)
 
 
+def double_wire_rows(shape: Table, chunk: Chunk) -> Float:
+    """Return the moments of each straight wire, their bounds and low parts, (k, 30)."""
+    edges, _ = chunk.differences()
+    _, _, slopes = double_table(chunk.kind)
+    x, y, z = (_combined(slopes[0], edges[:, axis]) for axis in range(3))
+    speed = (x * x + y * y + z * z).root()
+    return double_moment_rows(shape, chunk, speed, speed_errors(shape, chunk, speed.high, UNIT))
+
+
 def double_moment_rows(shape: Table, chunk: Chunk, determinant: Pair, error: Float) -> Float:
     """Return the moments of each cell, their bounds and the moments' low parts, (k, 30).
 
     Parameters
     ----------
-    determinant : (r, k) at the points and then the corners, or (1, k) where it is constant; positive
+    determinant : (r, k) at the points and then the corners, or (1, k) where it is constant; positive; of a wire |dx/dξ|
     error : (k,) bound on the error of each
     """
     edges, c = chunk.differences()

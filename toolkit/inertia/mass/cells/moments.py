@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from inertia.arrays import Float, Int, Progress
 from inertia.errors import GeometryError, UsageError
-from inertia.mass.cells.double_double import double_determinants, double_moment_rows
+from inertia.mass.cells.double_double import double_determinants, double_moment_rows, double_wire_rows
 from inertia.mass.cells.quadrature import (
     UNIT_ROUNDOFF,
     Chunk,
@@ -24,6 +24,7 @@ from inertia.mass.cells.quadrature import (
     determinant_errors,
     integrate,
     moment_rows,
+    speed_errors,
 )
 from inertia.mass.cells.shape_functions import Table, table
 from inertia.mass.cells.shapes import KINDS, numbered_blocks, volume_blocks
@@ -114,12 +115,12 @@ def cell_moments(
     return CellIntegral(moments, turned)
 
 
-def wire_moments(cells: Cells) -> Moments:
+def wire_moments(cells: Cells, arithmetic: Literal["float64", "double-double"] = "float64") -> Moments:
     """Integrate 1, x and x xᵀ over the length of the `line` and `line3` cells of a mesh.
 
     Straight lines are exact but for rounding. The length of a curved one is no polynomial: it is taken by
     Gauss's rule with 20 points, and the difference from the rule with 12 is added to the bounds, as an
-    estimate.
+    estimate; these are in float64 always.
 
     >>> from inertia.mesh.part import CellBlock
     >>> points = np.array([[0, 0, 0], [3, 4, 0]], float)
@@ -128,6 +129,8 @@ def wire_moments(cells: Cells) -> Moments:
     """
 
     def rows(chunk: Chunk) -> Float:
+        if arithmetic == "double-double":
+            return double_wire_rows(table(chunk.kind), chunk)
         fine = _wire_rows(table(chunk.kind), chunk)
         if chunk.kind == "line3":
             coarse = _wire_rows(table(chunk.kind, _COARSE), chunk)
@@ -138,6 +141,8 @@ def wire_moments(cells: Cells) -> Moments:
     for number, block in blocks:
         if block.kind not in ("line", "line3"):
             raise GeometryError(f"cell {number} is of the kind {block.kind!r}: wires are of the kinds line and line3")
+    if any(block.kind == "line3" for _, block in blocks):
+        arithmetic = "float64"
     return integrate(cells, blocks, rows, groups=None, count=1, power=1)[0]
 
 
@@ -183,11 +188,8 @@ def _determinants(shape: Table, chunk: Chunk) -> tuple[Float, Float]:
 
 def _wire_rows(shape: Table, chunk: Chunk) -> Float:
     """Return the moments of each wire and their bounds; |dx/dξ| takes the place of the determinant."""
-    n = len(chunk.edges)
-    tangent = combined(shape.slopes[0], chunk.edges)
-    speed = np.sqrt((tangent**2).sum(axis=1))
-    span = np.sqrt((chunk.half**2).sum(axis=0))
-    error = UNIT_ROUNDOFF * ((n + 6) * shape.steep[0] * span + 4 * speed.max(axis=0))
+    speed = np.sqrt((combined(shape.slopes[0], chunk.edges) ** 2).sum(axis=1))
+    error = speed_errors(shape, chunk, speed, UNIT_ROUNDOFF)
     return moment_rows(shape, chunk, speed[: len(shape.weights)], error)
 
 

@@ -174,6 +174,13 @@ def determinant_errors(shape: Table, chunk: Chunk, jacobian: Float, unit: float)
     return error
 
 
+def speed_errors(shape: Table, chunk: Chunk, speed: Float, unit: float) -> Float:
+    """Return a bound on the error of |dx/dξ| of each wire, (k,), where each operation is off by up to `unit`."""
+    span = np.sqrt((chunk.half**2).sum(axis=0))
+    errors: Float = unit * ((len(chunk.edges) + 6) * shape.steep[0] * span + 4 * speed.max(axis=0))
+    return errors
+
+
 def moment_bounds(shape: Table, chunk: Chunk, zeroth: Float, error: Float, unit: float) -> Float:
     """Return bounds on the moments of each cell, (k, 10), where each operation is off by up to `unit`."""
     bound = shape.weights.sum() * error + (2 * len(chunk.edges) + 40) * unit * zeroth
