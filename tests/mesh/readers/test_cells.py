@@ -368,7 +368,8 @@ def test_the_smallest_abaqus_set_that_holds_a_cell_names_it(tmp_path: Path) -> N
         ("a.inp", ABAQUS.replace("2, 2,3,4,5", "2, 2,3,\x1f4,5"), "control character"),
         ("a.bdf", NASTRAN.replace("\n*       0.1", "\n*1.1\n*       0.1"), "has no fields"),
         ("a.bdf", NASTRAN.replace("1.1\n*", "1.\n1\n*"), "has no fields"),
-        ("a.bdf", NASTRAN.replace("*       0.1", "* $     0.1"), "a comment begins within"),
+        ("a.bdf", NASTRAN.replace("*       0.1", "* $     0.1"), "has no fields"),
+        ("a.bdf", NASTRAN.replace("1.1,1.1,1.1", "1.1,1.1,1.$1"), "a comment begins within a field"),
         ("a.bdf", NASTRAN.replace("CTETRA,2,8,2,3,4,5", ",8,1"), "continuation ',8,1' has no name"),
         ("a.su2", SU2.replace("0 0 0\n", "0 0\n"), "rows of its NPOIN are not alike"),
         ("a.su2", SU2.replace("10 0 1 2 3", "10 0 1 2"), "rows of its NELEM are not alike"),
@@ -376,7 +377,7 @@ def test_the_smallest_abaqus_set_that_holds_a_cell_names_it(tmp_path: Path) -> N
         ("a.su2", SU2.replace("1 1 1", "1 1 1e"), "'1e', which is not a number"),
         ("a.su2", SU2.replace("NPOIN= 5", "NPOIN= five"), "not a count"),
         ("a.mesh", MEDIT + "Tetrahedra\n1\n1 2 3 4 1\nEnd\n", "text follows its End"),
-        ("a.mesh", MEDIT.replace("End\n", ""), "has no End"),
+        ("a.mesh", MEDIT.replace("\nEnd\n", ""), "has no End"),
         ("a.mesh", MEDIT.replace("End\n", "Tetrahedra\n1\n1 2 3 4 1\nEnd\n"), "a table twice"),
     ],
 )
@@ -425,3 +426,27 @@ def test_xdmf_does_not_follow_references_to_raw_files(tmp_path: Path) -> None:
             "a.xdmf",
             text.replace('Format="XML" Precision="8">', 'Format="HDF" Precision="8">gone.h5:/a', 1),
         )
+
+
+@pytest.mark.parametrize("comment", ["  $ the last one", "\t$", " $ of two, 1.5 $ and more"])
+def test_comments_behind_the_fields_of_nastran_are_left_aside(comment: str, tmp_path: Path) -> None:
+    lines = NASTRAN.splitlines()
+    behind = [line + comment if line.startswith(("GRID", "*", "CTETRA")) else line for line in lines]
+    plain = read_text(tmp_path, "plain.bdf", NASTRAN)
+    part = read_text(tmp_path, "a.bdf", "\n".join(behind) + "\n")
+    assert isinstance(part.geometry, Cells)
+    assert isinstance(plain.geometry, Cells)
+    assert np.array_equal(part.geometry.points, plain.geometry.points)
+    assert [block.nodes.tolist() for block in part.geometry.blocks] == [
+        block.nodes.tolist() for block in plain.geometry.blocks
+    ]
+
+
+def test_medit_may_do_without_its_end(tmp_path: Path) -> None:
+    plain = read_text(tmp_path, "plain.mesh", MEDIT)
+    part = read_text(tmp_path, "a.mesh", MEDIT.replace("End\n", ""))
+    assert isinstance(part.geometry, Cells)
+    assert isinstance(plain.geometry, Cells)
+    assert np.array_equal(part.geometry.points, plain.geometry.points)
+    assert any("no End" in note for note in part.notes)
+    assert not plain.notes

@@ -387,6 +387,17 @@ def test_trimesh_writes_a_3mf_that_reads_back(tmp_path: Path) -> None:
     assert np.array_equal(read(tmp_path / "box.3mf").triangles.corners(), BOX)
 
 
+@pytest.mark.parametrize("colour", [" 255 0 0", " 0.5 0.25 0.1 1.0"])
+def test_off_vertices_may_be_coloured_or_not(colour: str, tmp_path: Path) -> None:
+    lines = off().splitlines()
+    first = lines.index(next(line for line in lines if line.startswith("0.1 ")))
+    lines[first + 1] += colour
+    lines[first + 3] += colour
+    lines[-1] += colour
+    part = read_bytes(tmp_path, "box.off", "\n".join(lines) + "\n")
+    assert np.array_equal(part.triangles.corners(), BOX)
+
+
 # STEP
 
 

@@ -8,6 +8,7 @@ with here.
 from __future__ import annotations
 
 import importlib
+import tempfile
 from pathlib import Path
 from typing import Any
 
@@ -17,8 +18,8 @@ from numpy.typing import NDArray
 from inertia.arrays import Int
 from inertia.errors import ReadError
 from inertia.mesh.readers.cells import Block, cell_contents
-from inertia.mesh.readers.contents import UNNAMED, Contents, plural, quietly, shown, was
-from inertia.mesh.readers.meshio_guards import cells_expected
+from inertia.mesh.readers.contents import UNNAMED, Contents, plural, quietly, shown, text_of, was
+from inertia.mesh.readers.meshio_guards import cells_expected, without_comments
 
 _TAGS = (
     "nastran:ref", "medit:ref", "netgen:index", "su2:tag", "avsucd:material", "gmsh:physical",
@@ -32,10 +33,20 @@ _FORGOTTEN = ("wedge15", "pyramid13", "hexahedron24")
 """Kinds that meshio 5.3.5 knows, but raises `KeyError` for want of their dimension."""
 
 
+_NO_END = "it has no End: it was read for the tables that are there"
+
+
 def read_with_meshio(path: Path, kind: str) -> Contents:
     """Read a file of the format that meshio calls `kind`."""
     expected = cells_expected(path, kind)
-    mesh = _mesh(path, kind)
+    notes = [_NO_END] if kind == "medit" and not _ends(path) else []
+    if kind == "nastran" and (text := without_comments(data := text_of(path))) != data:
+        with tempfile.TemporaryDirectory() as folder:
+            plain = Path(folder) / "part.bdf"
+            plain.write_bytes(text)
+            mesh = _mesh(plain, kind)
+    else:
+        mesh = _mesh(path, kind)
     if np.any(mesh.point_data.get("nastran:ref", 0)):
         raise ReadError("its grid points have a coordinate system of their own: write them in the basic one")
     nodes = [_nodes(block) for block in mesh.cells]
@@ -45,12 +56,16 @@ def read_with_meshio(path: Path, kind: str) -> Contents:
             f"it lists {plural(expected, 'cell')}, but meshio could read {count}: "
             "use cells of first or second order, and export the mesh again"
         )
-    names, regions, notes = _regions(mesh, [len(block) for block in nodes])
+    names, regions, of_sets = _regions(mesh, [len(block) for block in nodes])
     blocks: list[Block] = [
         (block.type, corners, region) for block, corners, region in zip(mesh.cells, nodes, regions, strict=True)
     ]
     contents = cell_contents(np.asarray(mesh.points), blocks, names)
-    return Contents(contents.geometry, None, contents.regions, (*contents.notes, *notes))
+    return Contents(contents.geometry, None, contents.regions, (*contents.notes, *notes, *of_sets))
+
+
+def _ends(path: Path) -> bool:
+    return any(line.split()[:1] == [b"End"] for line in path.read_bytes()[-4096:].splitlines())
 
 
 def _mesh(path: Path, kind: str) -> Any:

@@ -39,6 +39,7 @@ _NASTRAN_READ = frozenset(
 _NASTRAN_REFUSED = re.compile(rb"^(?:INCLUDE|GRDSET)\b", _LINES)
 
 _NASTRAN_COMMENT = re.compile(rb"^[^$\n][^\n]{0,71}\$", re.MULTILINE)
+_NASTRAN_TRAILING = re.compile(rb"^([^$\r\n][^$\r\n]*[ \t,])\$[^\r\n]*", re.MULTILINE)
 _NASTRAN_EMPTY = re.compile(rb"^(?:[*+][^\n,]{0,7}|(?![$#])(?=[ \t]?\S)[^\r\n]{1,2})[ \t]*\r?$", re.MULTILINE)
 
 _ABAQUS_NODES = re.compile(rb"^[ \t]*\*NODE[ \t]*(?:,[^\r\n]*)?\r?$", _LINES)
@@ -88,7 +89,7 @@ def cells_expected(path: Path, kind: str) -> int | None:
         case "vtu":
             return _vtu(path.read_bytes())
         case "nastran":
-            return _nastran(text_of(path))
+            return _nastran(without_comments(text_of(path)))
         case "abaqus":
             _abaqus(text_of(path) + b"\n")
         case "med":
@@ -131,10 +132,10 @@ def _vtu(data: bytes) -> int:
 
 def _medit(data: bytes) -> None:
     end = _MEDIT_END.search(data)
-    if end is None or data[end.end() :].strip():
-        raise ReadError(
-            f"{'text follows its' if end else 'it has no'} End: it was cut short or damaged, export it again"
-        )
+    if end is not None and data[end.end() :].strip():
+        raise ReadError("text follows its End: it was cut short or damaged, export it again")
+    if end is None and not data.endswith(b"\n"):
+        raise ReadError("it has no End, and its last line no end: it was cut short, export it again")
     tables = _MEDIT_TABLE.findall(data)
     if len(set(tables)) < len(tables):
         raise ReadError("it has a table twice: export it again")
@@ -171,6 +172,12 @@ def _su2(data: bytes) -> int:
     return cells
 
 
+def without_comments(data: bytes) -> bytes:
+    """Return Nastran's bulk data without the comments that stand behind the fields of a line."""
+    begin = data.find(b"BEGIN BULK")
+    return data[:begin] + _NASTRAN_TRAILING.sub(lambda line: line[1].rstrip(b" \t"), data[begin:])
+
+
 def _nastran(data: bytes) -> int:
     begin = re.search(rb"^[ \t]*BEGIN BULK", data, re.MULTILINE)
     end = re.compile(rb"^ENDDATA", re.MULTILINE).search(data, begin.end()) if begin else None
@@ -183,7 +190,9 @@ def _nastran(data: bytes) -> int:
         raise ReadError(f"its card {shown(refused[0])} is not read: write the bulk data out in full")
     comment = _NASTRAN_COMMENT.search(bulk)
     if comment:
-        raise ReadError(f"a comment begins within its line {shown(comment[0].strip())}: write it on a line of its own")
+        raise ReadError(
+            f"a comment begins within a field of its line {shown(comment[0].strip())}: write a space before it"
+        )
     empty = _NASTRAN_EMPTY.search(bulk)
     if empty:
         raise ReadError(f"its line {shown(empty[0].strip())} has no fields: it was cut short, or write it out in full")

@@ -15,6 +15,10 @@ _HEADER = re.compile(rb"\s*(?:#[^\n]*\n\s*)*((?:ST)?C?N?)(4?n?)OFF(?![A-Za-z])\s
 """Texture, colour and normal may follow the coordinates of a vertex; `4` and `n` change the coordinates."""
 
 
+_COLOURED = {3, 6, 7}
+"""Numbers of a vertex without colour, with red, green and blue, and with opacity too: these may stand side by side."""
+
+
 def read_off(path: Path) -> Contents:
     """Read a text OFF file of points in space; colours and normals are left aside."""
     data = text_of(path)
@@ -37,7 +41,8 @@ def read_off(path: Path) -> Contents:
     short = next((i for i, row in enumerate(rows) if len(row) < 3), None)
     if short is not None:
         raise ReadError(f"vertex {short} has fewer than three coordinates: export it again")
-    other = next((i for i, row in enumerate(rows) if len(row) != len(rows[0])), None)
+    widths = {len(rows[0]) if rows else 3} | (_COLOURED if rows and len(rows[0]) in _COLOURED else set())
+    other = next((i for i, row in enumerate(rows) if len(row) not in widths), None)
     if other is not None and not header[1]:  # a vertex may do without the colour that the header promises
         raise ReadError(f"vertex {other} has {len(rows[other])} numbers, and vertex 0 {len(rows[0])}: export it again")
     words = [word for row in rows for word in row[:3]]
