@@ -28,7 +28,9 @@ CODES = Kernel(_MODULE, "morton_codes", "pipidpp")
 ENCLOSE = Kernel(_MODULE, "enclose", "pippi" + "dddd" + "pp")
 COMPILED = Kernel(_MODULE, "find_crossings", "pppi" + "pppp" + "iip")
 
-_WORK = 5  # work on a triangle, over that of integrating it
+_WORK = (
+    4  # times what integrating a triangle costs: compiling, 6 s once for a machine, is for 100,000 triangles or more
+)
 _STEPS = 1 << 22  # pairs of boxes opened in a call, and
 _CROSSED = 1 << 16  # crossings listed at most
 _SCRATCH = 18 + 192  # numbers, as `crossing_kernel.exact_sign` asks
