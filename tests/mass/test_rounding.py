@@ -311,3 +311,19 @@ def test_nodes_of_gltf_are_placed_as_written(accuracy: str | None, tmp_path: Pat
         require_covered(
             inertia.read(file), put(inner, [[repr(float(word)) for word in row] for row in matrix]), accuracy
         )
+
+
+def test_a_shells_bound_covers_what_the_text_writes(tmp_path: Path) -> None:
+    """A right triangle far away: the area is half the product of its legs, and the mass lies in its middle."""
+    rng = random.Random(5)
+    file = tmp_path / "sheet.obj"
+    for _ in range(30):
+        x, y = (f"{rng.uniform(1e5, 1e7):.3f}" for _ in range(2))
+        a, b = (f"{float(k) + rng.uniform(1, 50):.3f}" for k in (x, y))
+        file.write_text(f"v {x} {y} 0.1\nv {a} {y} 0.1\nv {x} {b} 0.1\nf 1 2 3\n")
+        properties = inertia.mass_properties(inertia.read(file, unit="m"), 1.0, shell=1.0)
+        area = (Fraction(a) - Fraction(x)) * (Fraction(b) - Fraction(y)) / 2
+        assert abs(Fraction(properties.volume) - area) <= Fraction(properties.error.volume) * area
+        middle = ((2 * Fraction(x) + Fraction(a)) / 3, (2 * Fraction(y) + Fraction(b)) / 3, Fraction("0.1"))
+        off = sum((Fraction(float(p)) - q) ** 2 for p, q in zip(properties.center_of_mass, middle, strict=True))
+        assert off <= Fraction(properties.error.center_of_mass) ** 2

@@ -237,14 +237,14 @@ def _shell_groups(
     part: Part, named: Collection[str], arithmetic: Arithmetic, sums: Sums, progress: Progress | None
 ) -> tuple[Group, ...]:
     if not named:
-        return (Group("1", shell_moments(part.triangles, arithmetic, sums, progress)),)
+        return (Group("1", shell_moments(part.triangles, arithmetic, sums, progress, part.rounding)),)
     regions = part.regions
     _refuse_unknown(named, [], regions)
     assert regions is not None
     names, index = _named_regions(regions)
     surfaces = [part.triangles.select(np.flatnonzero(index == number)) for number in range(len(names))]
     return tuple(
-        Group(name, shell_moments(triangles, arithmetic))
+        Group(name, shell_moments(triangles, arithmetic, rounding=part.rounding))
         for name, triangles in zip(names, surfaces, strict=True)
         if triangles.count
     )

@@ -41,6 +41,18 @@ def as_written(moments: Moments, triangles: Triangles, sums: Sums, rounding: Rou
     return moments + _within(sums, rounding.distance, area, 3.0 * longest * sums.count, first_order=1.0)
 
 
+def shell_as_written(moments: Moments, triangles: Triangles, sums: Sums, rounding: Rounding) -> Moments:
+    """Return the moments of a surface that carries the mass, with a bound for the surface that the file writes."""
+    area = edges = 0.0
+    for start in range(0, triangles.count, _CHUNK):
+        corners = triangles.corners(start, min(start + _CHUNK, triangles.count))
+        lengths = np.linalg.norm(np.roll(corners, -1, axis=1) - corners, axis=2)
+        area += 0.5 * float(lengths[:, 0] @ lengths[:, 1])
+        edges += float(lengths.sum())
+    growth = rounding.distance * (0.5 * edges + 3.0 * rounding.distance * sums.count)
+    return moments + _bounds(sums, rounding.distance, growth, rounding.distance * (area + growth))
+
+
 def _reach(sums: Sums) -> Float:
     reach: Float = np.maximum(np.abs(sums.high - sums.origin), np.abs(sums.low - sums.origin)) * _INFLATED
     return reach
@@ -51,18 +63,23 @@ def _within(sums: Sums, distance: float, area: float, edges: float, first_order:
 
     The area grows by at most ½ δ for each unit of edge, and by 3 δ² for each triangle.
     """
-    reach = _reach(sums) + distance
     growth = distance * (0.5 * edges + 3.0 * distance * sums.count)
-    volume = distance * (first_order * area + growth) * _INFLATED
-    turn = 0.0 if first_order == 1.0 else distance * distance * (area + growth) * _INFLATED
+    volume = distance * (first_order * area + growth)
+    return _bounds(sums, distance, volume, 0.0 if first_order == 1.0 else distance * distance * (area + growth))
+
+
+def _bounds(sums: Sums, distance: float, zeroth: float, turn: float) -> Moments:
+    """Return zero moments with a bound on the zeroth; on the others it is what that and the arms (`turn`) make."""
+    zeroth, turn = zeroth * _INFLATED, turn * _INFLATED
+    reach = _reach(sums) + distance
     return Moments(
         vector(Fraction(float(k)) for k in sums.origin),
         ZERO,
         (ZERO, ZERO, ZERO),
         (ZERO,) * 6,
-        Fraction(volume),
-        vector(Fraction(float(x * volume + turn)) for x in reach),
-        six(Fraction(float(reach[i] * reach[j] * volume + (reach[i] + reach[j]) * turn)) for i, j in PAIRS),
+        Fraction(zeroth),
+        vector(Fraction(float(x * zeroth + turn)) for x in reach),
+        six(Fraction(float(reach[i] * reach[j] * zeroth + (reach[i] + reach[j]) * turn)) for i, j in PAIRS),
     )
 
 

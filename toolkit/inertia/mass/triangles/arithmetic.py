@@ -6,7 +6,7 @@ from typing import Literal
 
 from inertia.arrays import Progress
 from inertia.mass.moments import Moments
-from inertia.mass.rounding import as_written
+from inertia.mass.rounding import as_written, shell_as_written
 from inertia.mass.triangles import double_double, exact
 from inertia.mass.triangles.moments_from_sums import moments_of, moments_with_bounds
 from inertia.mass.triangles.running_error import FEW, running_bounds
@@ -64,10 +64,13 @@ def shell_moments(
     arithmetic: Arithmetic,
     sums: Sums | None = None,
     progress: Progress | None = None,
+    rounding: Rounding | None = None,
 ) -> Moments:
     """Return the moments of the surface itself, whose zeroth is its area, as `solid_moments` does those of a solid."""
     if sums is None:
         sums = sum_triangles(triangles, surface=True)
+    if rounding is not None:
+        return shell_as_written(shell_moments(triangles, arithmetic, sums, progress), triangles, sums, rounding)
     if arithmetic == "float64":
         return moments_of(sums, surface=True)
     values = double_double.sum_in_double_double(triangles, sums, progress, surface=True)

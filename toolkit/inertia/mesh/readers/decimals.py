@@ -26,13 +26,15 @@ _EXPONENT = re.compile(rb"[eE]([-+]?\d{1,9})(?!\d)")
 _POINT = ord(".")
 
 
-def rounding_of(points: Float, text: bytes, words: Callable[[], Iterable[bytes | str]]) -> Rounding | None:
+def rounding_of(
+    points: Float, text: Callable[[], bytes], words: Callable[[], Iterable[bytes | str]]
+) -> Rounding | None:
     """Return what turning decimals into float64 did to points; None where it did nothing.
 
     Parameters
     ----------
     points : (n, 3), the float64 nearest to each decimal
-    text : the decimals (and perhaps other numbers)
+    text : returns the decimals (and perhaps other numbers)
     words : returns the decimals, point by point, when they are to be read exactly
     """
     if not _rounded(points, text):
@@ -41,11 +43,14 @@ def rounding_of(points: Float, text: bytes, words: Callable[[], Iterable[bytes |
     return Rounding(distance, cache(lambda: remainders(points, map(written, words()), distance)))
 
 
-def _rounded(points: Float, text: bytes) -> bool:
-    scaled = np.ldexp(points, _MOST_DIGITS)
-    if not len(points) or (np.floor(scaled) != scaled).any():
-        return bool(len(points))
-    digits = _digits_after_point(text)
+def _rounded(points: Float, text: Callable[[], bytes]) -> bool:
+    for some in (points[:1000], points):  # most meshes tell at once
+        scaled = np.ldexp(some, _MOST_DIGITS)
+        if (np.floor(scaled) != scaled).any():
+            return True
+    if not len(points):
+        return False
+    digits = _digits_after_point(text())
     if digits > _MOST_DIGITS or 0.5 * np.spacing(np.abs(points).max()) * 10.0**digits > 0.9:
         return True
     scaled = np.ldexp(points, digits)

@@ -69,7 +69,7 @@ def read_obj(path: Path) -> Contents:
         notes += (f"{plural(strays, 'line or point element')} beside the faces {was(strays)} left out",)
     regions = _regions(names[b"o"] or names[b"g"], len(polygons), owner)
     vertices = _points(points)
-    rounding = rounding_of(vertices, b" ".join(points), lambda: _coordinates(path))
+    rounding = rounding_of(vertices, lambda: b" ".join(points), lambda: _coordinates(path))
     return Contents(surface(vertices, faces), regions=regions, notes=notes, rounding=rounding)
 
 

@@ -57,5 +57,5 @@ def read_off(path: Path) -> Contents:
         corners += rest[: int(size)]
     of_face = np.array(sizes, np.int64)
     faces, _ = fan(of_face, numbers(b" ".join(corners), np.int64, "its faces"))
-    rounding = rounding_of(vertices, text, lambda: words)
+    rounding = rounding_of(vertices, lambda: text, lambda: words)
     return Contents(surface(vertices, faces), notes=fan_note(int((of_face > 3).sum())), rounding=rounding)

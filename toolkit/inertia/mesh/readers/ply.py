@@ -90,7 +90,7 @@ def read_ply(path: Path) -> Contents:
     vertices = _vertices(tables.get("vertex", {}))
     rounding = None
     if encoding == "ascii":
-        rounding = rounding_of(vertices, text, lambda: _coordinates(text_of(path)[body:].split(), elements))
+        rounding = rounding_of(vertices, lambda: text, lambda: _coordinates(text_of(path)[body:].split(), elements))
     return Contents(surface(vertices, faces), notes=fan_note(int((counts > 3).sum())), rounding=rounding)
 
 

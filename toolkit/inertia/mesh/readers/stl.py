@@ -102,7 +102,7 @@ def _read_text(path: Path) -> Contents:
     if not facets:
         raise ReadError("it holds no triangles: export the part as a solid")
     vertices = np.concatenate(corners).reshape(-1, 3)
-    rounding = rounding_of(vertices, data, lambda: _coordinates(path))
+    rounding = rounding_of(vertices, lambda: data, lambda: _coordinates(path))
     return Contents(surface(vertices, np.arange(3 * facets).reshape(-1, 3)), regions=label(runs), rounding=rounding)
 
 

@@ -62,7 +62,7 @@ class _Object:
             raise ReadError(f"{what} has a faulty number ({error}): export it again") from None
         check_indices(faces, len(vertices), f"{what}, triangle")
         words = self.coordinates
-        return vertices, faces, rounding_of(vertices, " ".join(words).encode(), lambda: words)
+        return vertices, faces, rounding_of(vertices, lambda: " ".join(words).encode(), lambda: words)
 
 
 @dataclass
