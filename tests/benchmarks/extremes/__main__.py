@@ -52,7 +52,7 @@ def main() -> None:
     if options.parts is not None:
         options.parts.mkdir(parents=True, exist_ok=True)
         for question in questions():
-            (options.parts / question.name).write_text(question.content, encoding="utf-8")
+            (options.parts / question.name).write_bytes(question.content)
         return
     path = options.into / "extremes.json"
     document = json.loads(path.read_text(encoding="utf-8")) if path.exists() else {}

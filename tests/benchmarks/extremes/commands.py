@@ -28,39 +28,50 @@ class Question:
 
     part: str
     name: str
-    content: str
+    content: bytes
     options: tuple[str, ...] = ()
     volume: Fraction | None = None
 
 
 def questions() -> Iterator[Question]:
     """Yield every part with its question; coordinates are in millimetres, as the command assumes."""
-    yield _solid("a ball 10 diameters away", "away.obj", _ball() + 10, "--accuracy", "1e-15")
-    yield _solid("the same 1e8 diameters away", "far.obj", _ball() + 1e8, "--accuracy", "1e-15")
+    yield _solid("a ball 10 diameters away", "away.ply", _ball() + 10, "--accuracy", "1e-15")
+    yield _solid("the same 1e8 diameters away", "far.ply", _ball() + 1e8, "--accuracy", "1e-15")
     thin = [moved(mapped(box(1, 1e-7, 1e-7), _TURN), 0, 4 * k, 0)[:, [1, 2, 0]] for k in range(2)]
-    yield _solid("two slanted bars of 1 × 1e-7 × 1e-7", "bars.obj", np.concatenate(thin))
+    yield _solid("two slanted bars of 1 × 1e-7 × 1e-7", "bars.ply", np.concatenate(thin))
     inward = flipped(mapped(box(1, 1e-9, 1e-9), _TURN))
     turned = _volume(flipped(inward))
     yield Question(
-        "a bar of 1 × 1e-9 × 1e-9, inside out", "bar.obj", _obj(inward), ("--orientation", "absolute"), turned
+        "a bar of 1 × 1e-9 × 1e-9, inside out", "bar.ply", _ply(inward), ("--orientation", "absolute"), turned
     )
     plate = mapped(box(1, 1, 1e-12), _TURN)
-    yield _solid("a slanted plate of 1 × 1 × 1e-12, nothing asked for", "plate.obj", plate)
+    yield _solid("a slanted plate of 1 × 1 × 1e-12, nothing asked for", "plate.ply", plate)
     yield Question(
-        "a ball's surface as a shell", "shell.obj", _obj(_ball()), ("--shell", "0.125", "--accuracy", "1.2e-16")
+        "a ball's surface as a shell", "shell.ply", _ply(_ball()), ("--shell", "0.125", "--accuracy", "1.2e-16")
     )
     yield Question(
         "a hexahedron of 20 nodes with curved edges", "brick.vtk", _curved_brick(), ("--accuracy", "1.2e-16")
     )
-    yield Question("a pentagram, extruded: its shell crosses itself", "pentagram.obj", _obj(_pentagram()))
+    yield Question("a pentagram, extruded: its shell crosses itself", "pentagram.ply", _ply(_pentagram()))
+    yield Question(
+        "a box from 1000000.1 to 1000000.2, in decimals",
+        "decimals.obj",
+        _decimals("1000000.1", "1000000.2"),
+        ("--accuracy", "1e-15"),
+        Fraction(1, 1000),
+    )
+    cube = moved(box(1, 1, 1), -0.5, 0.5, 0)
+    cubes = np.concatenate([cube, mapped(cube, [[0.8, -0.6, 0], [0.6, 0.8, 0], [0, 0, 1]])])
+    order = np.argsort(cubes[:, :, 2].mean(axis=1), kind="stable")
+    yield Question("two cubes, one turned about a shared edge, sorted by height", "edge.ply", _ply(cubes[order]))
     cracked = box(1.0, 1.0, 1.0).copy()
     cracked[0, 0] += 1e-15
-    yield Question("a cube with a crack of 1e-15", "crack.obj", _obj(cracked))
+    yield Question("a cube with a crack of 1e-15", "crack.ply", _ply(cracked))
 
 
 def measured_command(question: Question, folder: Path) -> dict[str, Any]:
     """Return the command, its exit code, and the answer's volume, error and bounds, or the sentence that refuses."""
-    (folder / question.name).write_text(question.content, encoding="utf-8")
+    (folder / question.name).write_bytes(question.content)
     command = ["analyse", question.name, *question.options]
     done = subprocess.run(
         [
@@ -93,7 +104,7 @@ def _short(value: float) -> float:
 
 
 def _solid(part: str, name: str, corners: Corners, *options: str) -> Question:
-    return Question(part, name, _obj(corners), options, _volume(corners))
+    return Question(part, name, _ply(corners), options, _volume(corners))
 
 
 def _volume(corners: Corners) -> Fraction:
@@ -116,14 +127,29 @@ def _pentagram() -> Corners:
     return np.concatenate([np.stack(side, axis=1) for side in sides])
 
 
-def _obj(corners: Corners) -> str:
+def _ply(corners: Corners) -> bytes:
+    """Return a binary file, in which the coordinates stand as they are: decimals would round them once more."""
+    points, numbers = np.unique(corners.reshape(-1, 3), axis=0, return_inverse=True)
+    faces = np.zeros(len(corners), [("count", "u1"), ("corners", "<i4", 3)])
+    faces["count"], faces["corners"] = 3, numbers.reshape(-1, 3)
+    coordinates = "".join(f"property double {axis}\n" for axis in "xyz")
+    head = (
+        f"ply\nformat binary_little_endian 1.0\nelement vertex {len(points)}\n{coordinates}"
+        f"element face {len(faces)}\nproperty list uchar int vertex_indices\nend_header\n"
+    )
+    return head.encode() + points.astype("<f8").tobytes() + faces.tobytes()
+
+
+def _decimals(low: str, high: str) -> bytes:
+    """Return a cube as text, its coordinates as they are given."""
+    corners = box(1, 1, 1)
     points, faces = np.unique(corners.reshape(-1, 3), axis=0, return_inverse=True)
-    lines = [f"v {x!r} {y!r} {z!r}" for x, y, z in points.tolist()]
+    lines = [f"v {' '.join(low if x < 0 else high for x in point)}" for point in points.tolist()]
     lines += [f"f {a + 1} {b + 1} {c + 1}" for a, b, c in faces.reshape(-1, 3).tolist()]
-    return "\n".join(lines) + "\n"
+    return "\n".join(lines).encode()
 
 
-def _curved_brick() -> str:
+def _curved_brick() -> bytes:
     corners = [(x, y, z) for z in (-1, 1) for x, y in ((-1, -1), (1, -1), (1, 1), (-1, 1))]
     ring = [(0, 1), (1, 2), (2, 3), (3, 0)]
     edges = [*ring, *((a + 4, b + 4) for a, b in ring), *((k, k + 4) for k in range(4))]
@@ -134,4 +160,4 @@ def _curved_brick() -> str:
     return (
         f"# vtk DataFile Version 3.0\nbrick\nASCII\nDATASET UNSTRUCTURED_GRID\nPOINTS {_NODES} double\n{points}\n"
         f"CELLS 1 {_NODES + 1}\n{_NODES} {numbers}\nCELL_TYPES 1\n25\n"
-    )
+    ).encode()
