@@ -12,6 +12,7 @@ from inertia.errors import GeometryError
 from inertia.mesh.check import check
 from inertia.mesh.checks.findings import Finding, Report
 from inertia.mesh.part import Part, Surface
+from inertia.mesh.repair import repair
 
 CUBE = cube((5, 5, 5), size=10)
 
@@ -389,3 +390,24 @@ def test_moving_a_part_does_not_change_the_verdict(name: str, turn: tuple, move:
     assert state(after) == state(before)
     assert after.vertices == before.vertices
     assert [f.count for f in after.findings] == [f.count for f in before.findings]
+
+
+def test_a_cutter_that_sticks_out_is_no_body_to_be_turned() -> None:
+    original = part(joined(cube(size=2), inside_out(cube((1, 0, 0)))))
+    report = check(original)
+    assert report.findings[0].message.startswith("overlapping bodies: 1 pair of bodies, one of each facing inward")
+    assert [fault.code for fault in report.faults("absolute")] == ["overlapping_bodies"]
+    with pytest.raises(GeometryError, match="share space, and one of them faces inward"):
+        repair(original)
+
+
+def test_an_insert_too_large_for_its_cavity_is_not_made_a_cavity() -> None:
+    original = part(joined(cube(size=6), inside_out(cube(size=4)), cube(size=5)))
+    report = check(original)
+    (fault,) = report.faults("absolute")
+    assert (fault.code, fault.count, fault.remedies[0].verb) == ("overlapping_bodies", 2, "repair")
+    with pytest.raises(GeometryError, match="cavities among them"):
+        report.require_fit("absolute")
+    mended = repair(original).part
+    assert check(mended).fit
+    assert np.linalg.det(mended.triangles.corners()).sum() / 6 == pytest.approx(216, rel=1e-14)

@@ -32,7 +32,7 @@ from inertia.mesh.manifold import exponent_of, solid
 from inertia.mesh.part import Part, Regions, Rounding, Surface, Triangles
 from inertia.mesh.repairs.copies import copies, facing
 from inertia.mesh.repairs.holes import around, fill, rims
-from inertia.mesh.repairs.orientation import inconsistent, nest
+from inertia.mesh.repairs.orientation import Nest, inconsistent, nest
 from inertia.mesh.repairs.weld import (
     close_vertices,
     clusters,
@@ -272,8 +272,25 @@ def _turned_outward(mesh: _Mesh) -> _Step:
     turn = shells.to_turn()
     if not turn:
         return mesh, []
+    _refuse_cutters(mesh, shells, turn)
     which = np.concatenate([shells.members[shell] for shell in turn])
     return mesh.turned(which), [Change("inside-out shells turned", len(turn), mesh.at(which))]
+
+
+def _refuse_cutters(mesh: _Mesh, shells: Nest, turn: list[int]) -> None:
+    """Raise `GeometryError` where a shell to be turned outward shares space with another that is outward already."""
+    inward = [shell for shell in turn if shells.volumes[shell] < 0]
+    for one in inward:
+        cutter = Surface(mesh.vertices, mesh.faces[shells.members[one], ::-1])
+        for other in np.flatnonzero(shells.volumes > 0).tolist():
+            if other in shells.containers[one] or one in shells.containers[other] or other in turn:
+                continue
+            place = overlap(cutter, Surface(mesh.vertices, mesh.faces[shells.members[other]]))
+            if place is not None:
+                raise GeometryError(
+                    f"two bodies {around(np.array([place]))} share space, and one of them faces inward: it may be a "
+                    "cavity that sticks out or a body stored inside out, so cut or unite them where the part was made"
+                )
 
 
 def _united(mesh: _Mesh, regions: Regions | None) -> _Step:

@@ -32,12 +32,22 @@ def to_be_examined(triangles: Triangles, intersections: bool | None, crowded: in
 
 
 def overlapping_bodies(surface: SurfaceTopology) -> Evidence | None:
-    """Find bodies that share space, every shell being turned as its depth asks."""
+    """Find bodies that are wound alike and share space, every shell being turned as its depth asks."""
+    return _sharing_space(surface, alike=True)
+
+
+def cutters(surface: SurfaceTopology) -> Evidence | None:
+    """Find bodies wound inwards that share space with others that are wound outwards, as a cutter does."""
+    return _sharing_space(surface, alike=False)
+
+
+def _sharing_space(surface: SurfaceTopology, *, alike: bool) -> Evidence | None:
     from inertia.mesh.geometry.intersect import overlap
 
     parts = _turned_bodies(surface)
     boxes = np.array([surface.shells[body.shells[0]].box for body in parts])
-    meeting = _meeting(boxes)
+    outward = [surface.shells[body.shells[0]].kind == "outward" for body in parts]
+    meeting = [pair for pair in _meeting(boxes) if (outward[pair[0]] == outward[pair[1]]) == alike]
     if not meeting:
         return None
     triangles_of = members(surface.closure)

@@ -16,6 +16,7 @@ from inertia.errors import ABSOLUTE, REPAIR, SHELL, WELD, Sentence, Word
 from inertia.mesh.checks.cells import CellTopology
 from inertia.mesh.checks.crossings import (
     crossing_cavities,
+    cutters,
     overlap_at_edges,
     overlapping_bodies,
     self_intersections,
@@ -146,6 +147,11 @@ def _inverted(surface: SurfaceTopology) -> Evidence | None:
     return surface.at_shells(surface.in_state("inverted")) if surface.outward is not False else None
 
 
+def _doubled_cavities(surface: SurfaceTopology) -> bool:
+    """Say whether a cavity lies where material counts twice: then what is around it is no cavity, however turned."""
+    return any(shell.kind == "inward" for shell in surface.in_state("overlapping"))
+
+
 def _several_bodies(surface: SurfaceTopology) -> Evidence | None:
     outer = [surface.shells[body.shells[0]] for body in surface.bodies]
     return surface.at_shells(outer) if len(outer) > 1 else None
@@ -237,6 +243,13 @@ KINDS = (
         ("turn all triangles, or use ", ABSOLUTE),
     ),
     Kind(
+        "shells", "overlapping_bodies", "error",
+        cutters,
+        "overlapping bodies: {count:pair} of bodies, one of each facing inward, share space, the first {around} being "
+        "those from triangles {first} and {second} on, as a cavity that sticks out does, or a body stored inside out",
+        ("cut or unite them where the part was made",),
+    ),
+    Kind(
         "shells", "inverted_body", "error",
         _inverted,
         "{count:shell} inside out beside others that are not, the first {around} from triangle {first} on",
@@ -251,7 +264,14 @@ KINDS = (
     ),
     Kind(
         "shells", "overlapping_bodies", "error",
-        lambda surface: surface.at_shells(surface.in_state("overlapping")),
+        lambda surface: surface.at_shells(surface.in_state("overlapping")) if _doubled_cavities(surface) else None,
+        "overlapping bodies: {count:shell} inside another of the same orientation, cavities among them, the first "
+        "{around} from triangle {first} on, so that the inside counts twice",
+        ("unite the bodies, or use ", REPAIR),
+    ),
+    Kind(
+        "shells", "overlapping_bodies", "error",
+        lambda surface: None if _doubled_cavities(surface) else surface.at_shells(surface.in_state("overlapping")),
         "overlapping bodies: {count:shell} inside another of the same orientation, the first {around} from triangle "
         "{first} on, so that the inside counts twice",
         ("remove it, or use ", ABSOLUTE, " to make it a cavity"),
