@@ -4,7 +4,8 @@ A surface bounds a solid when its boundary chain is zero: every directed edge u�
 Edges are paired as the triangles stream by; only those that still wait for their partner are kept, so a file
 in any sensible order needs a small table. Triangles whose edges were paired belong to one component. Where more
 than two triangles meet at an edge, the angles around it tell which belong together, so that nothing depends on
-the order of the triangles: then all edges are sorted. Vertices are equal when their stored coordinates are (−0
+the order of the triangles: then all edges are sorted. Whether there is such an edge, the keys of all paired edges tell
+(12 bytes a triangle), as none may come twice. Vertices are equal when their stored coordinates are (−0
 equals +0), which must be finite.
 
 The compiled pass knows a vertex, and an edge, by a 64-bit key: the upper halves of two sums of random 64-bit numbers,
@@ -40,7 +41,7 @@ REHASH = Kernel("inertia.mesh.geometry.edge_kernel", "rehash", "ppippi")
 _SALTS = 24  # seven and seven for a vertex, five and five for an edge: see `edge_kernel`
 _CHUNK = 4096  # triangles a call: keeps the table of a well-ordered file inside the cache
 _RELEASE = 16 * _CHUNK
-_BIN = 16384
+_BIN = 16384  # paired edges whose keys are compared at a time
 
 
 @dataclass(frozen=True, eq=False)
