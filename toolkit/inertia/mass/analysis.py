@@ -64,6 +64,7 @@ class Analysis:
     extents : (2, 3) smallest and largest coordinates, m
     properties : `MassProperties`
     tessellation : bounds on what the triangles left out or added, if a chord tolerance was given or reading chose one
+    repair : bounds on what the fillings of holes are off by, where repair filled some
     accuracy : what was asked for: a relative figure, "exact" or None
     class_tolerance : relative tolerance within which principal moments count as equal
     principal : `Principal`, at that tolerance
@@ -86,6 +87,7 @@ class Analysis:
     extents: Float
     properties: MassProperties
     tessellation: ErrorBound | None
+    repair: ErrorBound | None
     accuracy: Accuracy
     class_tolerance: float
     shares: tuple[BodyShare, ...]
@@ -256,6 +258,7 @@ def analyse(
         extents=np.array([[float(Fraction(float(x)) * f) for x in row] for row in integral.extents]),
         properties=properties,
         tessellation=tessellation,
+        repair=None if part.guess is None or model != "solid" else answer.repair(),
         accuracy=accuracy,
         class_tolerance=class_tolerance,
         shares=answer.shares() if len(integral.groups) > 1 else (),
@@ -337,6 +340,13 @@ class _Weighed:
         """Return the bounds that follow from a chord tolerance, or from that of each triangle, in the part's unit."""
         mass = None if self.densities.mass is None else self.moments.zeroth
         return chord_error(self.part, chord, self.moments, self.volume, max(self.weights), mass)
+
+    def repair(self) -> ErrorBound:
+        """Return the bounds that follow from holes filled by a guess."""
+        from inertia.mass.repair import guess_error
+
+        mass = None if self.densities.mass is None else self.moments.zeroth
+        return guess_error(self.part, self.moments, self.volume, max(self.weights), mass)
 
     def shares(self) -> tuple[BodyShare, ...]:
         """Return what each group contributes."""

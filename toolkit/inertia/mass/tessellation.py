@@ -87,21 +87,31 @@ def chord_error(
     tolerance = f"{chord:g} {part.unit.name}" if isinstance(chord, float) else f"{chord.max():.3g} {part.unit.name}"
     source = "" if isinstance(chord, float) else " that reading chose"
     method = f"bounds from the chord tolerance {tolerance}{source}"
+    try:
+        return error_within(moments, volume, between, density, mass, method)
+    except GeometryError:
+        raise GeometryError(
+            f"{part.name}: a chord tolerance of {tolerance} leaves nothing certain of the volume, as that "
+            "much may lie between the mesh and the true surface: give the tolerance that the mesh was made with"
+        ) from None
+
+
+def error_within(
+    moments: Moments, volume: Fraction, between: Moments, density: Fraction, mass: Fraction | None, method: str
+) -> ErrorBound:
+    """Return the relative bounds where the moments may be off by the bounds of `between`, about the same origin.
+
+    Raises `GeometryError` where that leaves nothing certain of the volume; see `chord_error` for the rest.
+    """
     bounded = replace(
         moments,
         zeroth_bound=between.zeroth_bound,
         first_bound=between.first_bound,
         second_bound=between.second_bound,
     )
-    try:
-        if mass is not None and bounded.zeroth > bounded.zeroth_bound:
-            bounded = bounded.weighed(mass)
-        return MassProperties.from_moments(bounded, volume, between.zeroth_bound / density, method).error
-    except GeometryError:
-        raise GeometryError(
-            f"{part.name}: a chord tolerance of {tolerance} leaves nothing certain of the volume, as that "
-            "much may lie between the mesh and the true surface: give the tolerance that the mesh was made with"
-        ) from None
+    if mass is not None and bounded.zeroth > bounded.zeroth_bound:
+        bounded = bounded.weighed(mass)
+    return MassProperties.from_moments(bounded, volume, between.zeroth_bound / density, method).error
 
 
 def richardson(coarse: MassProperties, fine: MassProperties, ratio: float = 2.0, order: float = 2.0) -> ErrorBound:

@@ -14,7 +14,7 @@ from __future__ import annotations
 
 import contextlib
 import mmap
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
 from pathlib import Path
@@ -250,6 +250,34 @@ class Source:
 
 
 @dataclass(frozen=True, eq=False)
+class Guess:
+    """What may lie between a surface that was made up and the one that was lost, over k places of it; file units.
+
+    Attributes
+    ----------
+    places : (k, 3)
+    outward, inward : (k,), volumes that the solid may have more, and less
+    reach : (k,), root mean square of how far from its place that is, if it is all there
+    """
+
+    places: Float
+    outward: Float
+    inward: Float
+    reach: Float
+
+    @classmethod
+    def joined(cls, guesses: Iterable[Guess | None]) -> Guess | None:
+        """Return all of them together, if there are any."""
+        columns = [(one.places, one.outward, one.inward, one.reach) for one in guesses if one is not None]
+        return cls(*map(np.concatenate, zip(*columns, strict=True))) if columns else None
+
+    def either_way(self) -> Guess:
+        """Return the guess about a surface whose winding is not known."""
+        most = np.maximum(self.outward, self.inward)
+        return Guess(self.places, most, most, self.reach)
+
+
+@dataclass(frozen=True, eq=False)
 class Part:
     """A geometry as stored, its unit and its source."""
 
@@ -264,6 +292,8 @@ class Part:
     """How far the true surface may be from each triangle (m,), in the unit, where reading made the triangles (STEP)."""
     rounding: Rounding | None = None
     """What reading rounded; None where every coordinate is a float64 in the file."""
+    guess: Guess | None = None
+    """What the fillings of holes may be off by, where repair filled some."""
 
     @classmethod
     def from_arrays(cls, vertices: ArrayLike, faces: ArrayLike, unit: str = "m") -> Part:

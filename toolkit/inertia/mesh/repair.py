@@ -29,7 +29,8 @@ from inertia.mesh.geometry.closure import components, merge_equal_vertices, repe
 from inertia.mesh.geometry.halfedges import half_edges
 from inertia.mesh.geometry.intersect import overlap
 from inertia.mesh.manifold import exponent_of, solid
-from inertia.mesh.part import Part, Regions, Rounding, Surface, Triangles
+from inertia.mesh.part import Guess, Part, Regions, Rounding, Surface, Triangles
+from inertia.mesh.repairs.closures import guess
 from inertia.mesh.repairs.copies import copies, facing
 from inertia.mesh.repairs.holes import around, fill, rims
 from inertia.mesh.repairs.orientation import Nest, inconsistent, nest
@@ -83,6 +84,7 @@ class _Mesh:
     vertices: Float
     faces: Int
     origin: Int
+    guess: Guess | None = None
 
     def without(self, which: Int) -> _Mesh:
         remaining = np.ones(len(self.faces), bool)
@@ -129,7 +131,7 @@ def repair(part: Part, *, tolerance: float | None = None) -> Repair:
         mesh, changes = _repaired(triangles, part.regions, tolerance)
     except GeometryError as fault:
         raise placed(fault, f"{part.name} cannot be repaired") from None
-    return _rebuilt(part, Surface(*compact(mesh.vertices, mesh.faces)), mesh.origin, changes)
+    return _rebuilt(part, Surface(*compact(mesh.vertices, mesh.faces)), mesh.origin, changes, mesh.guess)
 
 
 def weld(part: Part, tolerance: float) -> Repair:
@@ -145,7 +147,7 @@ def weld(part: Part, tolerance: float) -> Repair:
     return _rebuilt(part, result.surface, result.remaining, [change])
 
 
-def _rebuilt(part: Part, surface: Surface, origin: Int, changes: list[Change]) -> Repair:
+def _rebuilt(part: Part, surface: Surface, origin: Int, changes: list[Change], guess: Guess | None = None) -> Repair:
     if not changes:
         return Repair(part, ())
     regions = part.regions
@@ -156,7 +158,8 @@ def _rebuilt(part: Part, surface: Surface, origin: Int, changes: list[Change]) -
         chord = chord[origin] + max(change.largest_move for change in changes)
     notes = (*part.notes, *(f"repaired: {change}" for change in changes))
     rounding = part.rounding if part.rounding is None else Rounding(part.rounding.distance)
-    mended = replace(part, geometry=surface, regions=regions, notes=notes, chord=chord, rounding=rounding)
+    guess = Guess.joined([part.guess, guess])
+    mended = replace(part, geometry=surface, regions=regions, notes=notes, chord=chord, rounding=rounding, guess=guess)
     return Repair(mended, tuple(changes))
 
 
@@ -263,7 +266,14 @@ def _without_holes(mesh: _Mesh) -> _Step:
     beside = [np.full(len(new), mesh.origin[loop[0] // 3]) for loop, new in zip(loops, fillings, strict=True)]
     largest = max(loops, key=len)
     where = f"of {len(largest)} edges {around(vertices[edges.head[largest]])}"
-    mesh = _Mesh(vertices, np.concatenate([mesh.faces, *fillings]), np.concatenate([mesh.origin, *beside]))
+    size = diagonal(mesh.vertices[np.unique(mesh.faces)])
+    guesses = (guess(vertices, mesh.faces, edges, *hole, size) for hole in zip(loops, fillings, strict=True))
+    mesh = _Mesh(
+        vertices,
+        np.concatenate([mesh.faces, *fillings]),
+        np.concatenate([mesh.origin, *beside]),
+        Guess.joined(guesses),
+    )
     return mesh, [Change("holes filled", len(loops), where if len(loops) == 1 else f"the largest {where}")]
 
 
@@ -274,7 +284,8 @@ def _turned_outward(mesh: _Mesh) -> _Step:
         return mesh, []
     _refuse_cutters(mesh, shells, turn)
     which = np.concatenate([shells.members[shell] for shell in turn])
-    return mesh.turned(which), [Change("inside-out shells turned", len(turn), mesh.at(which))]
+    mesh = replace(mesh.turned(which), guess=mesh.guess and mesh.guess.either_way())
+    return mesh, [Change("inside-out shells turned", len(turn), mesh.at(which))]
 
 
 def _refuse_cutters(mesh: _Mesh, shells: Nest, turn: list[int]) -> None:
@@ -312,7 +323,8 @@ def _united(mesh: _Mesh, regions: Regions | None) -> _Step:
     if not groups:
         return mesh, []
     rest = mesh.without(np.concatenate([body for group in groups for body in group]))
-    mesh = _Mesh(np.concatenate(vertices), np.concatenate([rest.faces, *faces]), np.concatenate([rest.origin, *origin]))
+    every = np.concatenate(vertices), np.concatenate([rest.faces, *faces]), np.concatenate([rest.origin, *origin])
+    mesh = _Mesh(*every, mesh.guess)
     return mesh, [Change("overlapping bodies united", sum(map(len, groups)), where)]
 
 

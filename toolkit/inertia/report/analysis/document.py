@@ -61,6 +61,9 @@ def analysis_document(analysis: Analysis, repaired: Repaired | None = None) -> d
         document["error"]["center_of_mass_pair"] = bound
     if analysis.tessellation is not None:
         document["error"]["tessellation"] = asdict(analysis.tessellation)
+    if analysis.repair is not None:
+        bounds = asdict(analysis.repair)
+        document["error"]["repair"] = {k: None if v == math.inf else v for k, v in bounds.items()}
     if analysis.about is not None:
         (point, tensor), relative = analysis.about, analysis.about_bound
         document["inertia_about"] = {
@@ -94,6 +97,7 @@ def analysis_document(analysis: Analysis, repaired: Repaired | None = None) -> d
             "volume_after": repaired.volume_after,
             "center_of_mass_shift": repaired.center_of_mass_shift,
             "inertia_change": repaired.inertia_change,
+            **({"volume_between": list(repaired.volume_between)} if repaired.volume_between else {}),
         }
     document["notes"] = list(analysis.notes)
     return document

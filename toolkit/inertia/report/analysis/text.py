@@ -103,6 +103,9 @@ def _repair(repaired: Repaired, unit: str) -> list[str]:
             f"centre of mass moved by {repaired.center_of_mass_shift:.3g} m, tensor changed by "
             f"{repaired.inertia_change:.3g} of its norm"
         )
+    if repaired.volume_between is not None:
+        least, most = map(number, repaired.volume_between)
+        effect.append(f"the filling is a guess: the rims admit volumes from {least} to {most} m³")
     return [row("" if k else "Repair", line) for k, line in enumerate([*changes, *effect])]
 
 
@@ -226,6 +229,11 @@ def _closing(analysis: Analysis, repaired: Repaired | None) -> Iterator[str]:
             "Tessellation", f"volume {chord.volume:.2g}, mass {chord.mass:.2g}, tensor {chord.inertia:.2g} (relative),"
         )
         yield row("", f"centre of mass {chord.center_of_mass:.2g} m; {chord.method}")
+    if (guess := analysis.repair) is not None:
+        mass, tensor = (f"{k:.2g}" if k < math.inf else "any" for k in (guess.mass, guess.inertia))
+        yield row("Filled holes", f"volume {guess.volume:.2g}, mass {mass}, tensor {tensor} (relative),")
+        com = f"{guess.center_of_mass:.2g} m" if guess.center_of_mass < math.inf else "anywhere"
+        yield row("", f"centre of mass {com}; {guess.method}")
     repairs = {f"repaired: {change}" for change in repaired.changes} if repaired else set()
     for note in analysis.notes:
         if note not in repairs:
