@@ -63,7 +63,8 @@ def guess(vertices: Float, faces: Int, edges: HalfEdges, loop: list[int], fillin
     spread = -float(np.einsum("ij,ij->", leaving, unit(np.cross(upward, along))))
     lean = min(spread / rise, _LEAN) if rise > 0 and spread > 0 else 0.0
 
-    weights = _places(min(_PARTS, max(1, round((_PLACES / len(filling)) ** 0.5))))
+    parts = min(_PARTS, max(1, round((_PLACES / len(filling)) ** 0.5)))
+    weights = _places(parts)
     places = np.einsum("sk,tkc->tsc", weights, corners).reshape(-1, 3)
     area = np.repeat(np.linalg.norm(areas, axis=1) / len(weights), len(weights))
     over = np.repeat(unit(areas), len(weights), axis=0)
@@ -84,7 +85,9 @@ def guess(vertices: Float, faces: Int, edges: HalfEdges, loop: list[int], fillin
     radius = np.sqrt(area.sum() / np.pi)
     wider = radius + size * lean
     outward *= (radius**2 + radius * wider + wider**2) / (3 * radius**2) if lean and radius else 1.0
-    reach = heights.max(axis=0) * (1 + lean if lean else 3**-0.5) + np.sqrt(area)
+    # Root mean squares: of a column's height, and of the distance from the centroid of a triangle with such sides.
+    spread_out = np.sqrt(((corners - np.roll(corners, 1, axis=1)) ** 2).sum(axis=(1, 2)) / 36) / parts
+    reach = heights.max(axis=0) * (1 + lean if lean else 3**-0.5) + np.repeat(spread_out, len(weights))
     return Guess(places, outward, inward, reach)
 
 
