@@ -48,8 +48,9 @@ def _check_surface(part: Part, triangles: Triangles, intersections: bool | None)
     if surface.bounds:
         remarks += flat or [*findings("shells", surface)]
     bounds_volume = surface.bounds and not flat
-    wanted = to_be_examined(triangles, intersections, surface.closure.crowded)
-    examined = wanted and (bounds_volume or intersections is True)
+    examined = to_be_examined(triangles, intersections, surface.closure.crowded) and (
+        bounds_volume or intersections is True
+    )
     if examined:
         remarks += findings("crossings", surface)
     return Report(

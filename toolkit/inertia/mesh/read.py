@@ -13,11 +13,10 @@ import errno
 import math
 import os
 import stat
-from collections.abc import Callable
 from importlib import import_module
 from pathlib import Path
 
-from inertia.arrays import Float
+from inertia.arrays import Float, Progress
 from inertia.errors import ReadError, UsageError, placed
 from inertia.mesh.part import Part, Rounding, Source
 from inertia.mesh.readers.contents import Contents
@@ -39,7 +38,7 @@ def read(
     *,
     format: str | None = None,
     coarser: float = 1.0,
-    progress: Callable[[float], None] | None = None,
+    progress: Progress | None = None,
 ) -> Part:
     """Read a mesh from a file.
 

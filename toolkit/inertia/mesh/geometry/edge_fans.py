@@ -294,15 +294,15 @@ def _untied(ties: list[_Tie], pairs: Int, piece: Int) -> Int:
 
     for a, b in piece[pairs].tolist():
         join(a, b)
-    left: dict[int, list[int]] = {}
-    chosen = []
+    unpaired: dict[int, list[int]] = {}
+    partners = []
     for (first, opening), (second, closing) in ties:
-        ones, others = left.setdefault(first, opening), left.setdefault(second, closing)
+        ones, others = unpaired.setdefault(first, opening), unpaired.setdefault(second, closing)
         one, other = next(
             ((a, b) for a in ones for b in others if find(int(piece[a])) == find(int(piece[b]))), (ones[0], others[0])
         )
         ones.remove(one)
         others.remove(other)
         join(int(piece[one]), int(piece[other]))
-        chosen.append((one, other))
-    return np.array(chosen, np.int64).reshape(-1, 2)
+        partners.append((one, other))
+    return np.array(partners, np.int64).reshape(-1, 2)
