@@ -116,12 +116,12 @@ def test_a_method_that_cannot_take_the_loads_says_so(monkeypatch: pytest.MonkeyP
 
 def test_a_rolling_body_has_two_methods_and_a_deforming_one_has_one() -> None:
     coin = Scene.load(path("scenes/rolling_disc.toml"))
-    rolling = trade(replace(coin, run=Settings(0.5, 3, 1e-7)), repeats=1, budget=4.0)
+    rolling = trade(replace(coin, run=Settings(0.5, 3, 1e-7)), repeats=1, budget=40.0)
     planned, chosen = ({row.method for row in rolling.rows if row.planned is own} for own in (True, False))
     assert any("nutation" in method for method in planned)
     assert chosen == {"DOP853 (order 8)"}
     cat = Scene.load(path("scenes/cat.toml"))
-    assert all(row.planned for row in trade(cat, repeats=1, budget=4.0).rows)
+    assert all(row.planned for row in trade(cat, repeats=1, budget=40.0).rows)
 
 
 def test_repeats_are_counted() -> None:
@@ -159,7 +159,7 @@ def test_an_accuracy_that_is_no_angle_is_refused(accuracy: Any) -> None:
 def test_a_scene_that_nothing_follows_is_refused() -> None:
     falling = scene(DISC, start__angular_velocity=[0.01, 0.0, 0.0], run__duration=20.0)
     with pytest.raises(GeometryError, match=r"the scene: .*flat"):
-        trade(falling, repeats=1, budget=4.0)
+        trade(falling, repeats=1, budget=40.0)
 
 
 def test_the_front_holds_what_no_other_row_betters(free: SceneTrade) -> None:

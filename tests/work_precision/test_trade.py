@@ -20,10 +20,10 @@ SCENE = {
 def test_one_verb_for_parts_and_scenes() -> None:
     scene = inertia.Scene.from_dict(SCENE)
     for subject in (part(cube()), scene):
-        cost = inertia.trade(subject, 1e-6, repeats=1, budget=1.0)
+        cost = inertia.trade(subject, 1e-6, repeats=1, budget=30.0)
         assert isinstance(cost, Trade)
         assert cost.reference in cost.rows
-        assert (cost.accuracy, cost.repeats, cost.budget) == (1e-6, 1, 1.0)
+        assert (cost.accuracy, cost.repeats, cost.budget) == (1e-6, 1, 30.0)
 
 
 @pytest.mark.parametrize("weight", [{"density": 5.0}, {"material": "steel"}])
