@@ -1,5 +1,7 @@
 """The cache of compiled kernels: it may be absent, damaged or read-only, and the answer stays the same."""
 
+import ctypes
+import platform
 import shutil
 import sys
 from collections.abc import Callable
@@ -44,6 +46,10 @@ def forbid_compiler(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setitem(sys.modules, "numba", None)
 
 
+def forbid_llvm(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setitem(sys.modules, "llvmlite.binding", None)
+
+
 @pytest.fixture
 def cache(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     """An empty cache, and no kernel loaded."""
@@ -79,6 +85,29 @@ def test_what_one_process_compiled_the_next_loads_without_the_compiler(
     forbid_compiler(monkeypatch)
     assert is_one_closed_piece(LARGE)
     assert file.read_bytes() == compiled.read_bytes()
+
+
+@pytest.mark.skipif(
+    sys.platform != "linux" or platform.machine() != "x86_64", reason="machine code that LLVM alone links"
+)
+def test_machine_code_is_linked_without_llvm(cache: Path, compiled: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    put(cache, compiled, compiled.read_bytes())
+    forbid_llvm(monkeypatch)
+    assert is_one_closed_piece(LARGE)
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="memory is made executable in another way")
+def test_llvm_links_where_memory_may_not_be_made_executable_here(
+    cache: Path, compiled: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    put(cache, compiled, compiled.read_bytes())
+    monkeypatch.setattr(ctypes.pythonapi, "mprotect", lambda *_: -1, raising=False)
+    forbid_compiler(monkeypatch)
+    assert is_one_closed_piece(LARGE)
+    forget_kernels(monkeypatch)
+    forbid_llvm(monkeypatch)
+    with pytest.raises(ImportError, match="llvmlite"):
+        closure.closure(LARGE)
 
 
 @pytest.mark.parametrize(
