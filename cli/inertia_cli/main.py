@@ -6,11 +6,12 @@ import argparse
 import io
 import os
 import sys
+import warnings
 from collections.abc import Sequence
-from typing import NoReturn
+from typing import NoReturn, TextIO
 
 import inertia
-from inertia.errors import InertiaError, UsageError
+from inertia.errors import CacheWarning, InertiaError, UsageError
 from inertia_cli import analyse, balance, check, play, simulate, trade, tumble
 from inertia_cli.wording import as_option
 
@@ -54,7 +55,26 @@ def run() -> None:
     for stream in (sys.stdout, sys.stderr):
         if isinstance(stream, io.TextIOWrapper):
             stream.reconfigure(errors="backslashreplace")  # a terminal without "³" gets the rest
+    warnings.showwarning = _note
     sys.exit(main(sys.argv[1:]))
+
+
+def _note(
+    message: Warning | str,
+    category: type[Warning],
+    filename: str,
+    lineno: int,
+    file: TextIO | None = None,
+    line: str | None = None,
+) -> None:
+    """Print a warning as a sentence, one a run for the cache; there are no others but for faults of this program."""
+    if sys.stderr is None:
+        return
+    if issubclass(category, CacheWarning):
+        warnings.simplefilter("ignore", CacheWarning)
+        print(f"inertia: {message}", file=sys.stderr)
+    else:
+        print(warnings.formatwarning(message, category, filename, lineno, line), file=sys.stderr, end="")
 
 
 def main(arguments: Sequence[str]) -> int:

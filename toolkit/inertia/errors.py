@@ -145,6 +145,10 @@ class GeometryError(InertiaError, ValueError):
     exit_code = 4
 
 
+class CacheWarning(UserWarning):
+    """Compiled kernels are not kept, or one was damaged: it costs time, not the answer."""
+
+
 def placed(error: InertiaError, *places: Place) -> InertiaError:
     """Return an error of the same kind that was met at a place: in a file, at a field; the outermost first."""
     return reworded(error, error.words, (*places, *error.places))

@@ -3,9 +3,10 @@
 Importing numba costs more CPU time than integrating ten million triangles, so it is imported only to compile; and
 importing llvmlite as much as integrating one million, and 55 MB, so that it links only what the lines here do not
 know: anything but ELF code for x86-64 (Linux).
-The machine code is kept in the user's cache folder (`INERTIA_CACHE`, else `XDG_CACHE_HOME`/inertia, else
-`~/.cache/inertia`), under a name that is a hash of the kernel's source, the versions and the processor; a file
-that does not carry the checksum of its own contents is made again.
+The machine code is kept in the user's cache folder (`inertia.user_cache`), under a name that is a hash of the kernel's
+source, the versions and the processor. It is loaded from the very bytes that were checked to be this user's own; what
+is damaged is made again, and where there is no cache to trust, the kernel is compiled for this process: one
+`CacheWarning` says so, and the answer is the same.
 
 A kernel is a Python function over pointers and numbers, in a module that imports nothing but numba, numpy and other
 kernels. It may not allocate, raise or call Python, and it returns an int64. What it calls must become part of it
@@ -22,15 +23,17 @@ import functools
 import importlib
 import importlib.util
 import itertools
-import json
 import mmap
 import os
 import struct
 import sys
-import zlib
+import warnings
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
+
+from inertia import user_cache
+from inertia.errors import CacheWarning
 
 COMPILE_ABOVE = 400_000
 """Triangles above which compiling (about 2 s, once for a machine) costs less than doing without."""
@@ -50,6 +53,9 @@ _ABSOLUTE_64, _RELATIVE_64 = 1, 24  # kinds of relocation, of x86-64
 _loaded: list[Any] = []
 """Memory and engines of LLVM that hold machine code, which lives as long as they do."""
 
+_UNUSED = "compiled kernels are not kept: {}: set INERTIA_CACHE to a folder of your own that can be written to"
+_DAMAGED = "a compiled kernel in the cache was damaged, or is not from here: it is compiled again"
+
 
 class Kernel:
     """A compiled function: `module` and `name` say where its Python source is, `abi` what it takes.
@@ -68,25 +74,39 @@ class Kernel:
             return False
         if "function" in self.__dict__:
             return True
-        return count >= COMPILE_ABOVE or (count >= LOAD_ABOVE and self._file.exists())
+        return count >= COMPILE_ABOVE or (count >= LOAD_ABOVE and self._load() is not None)
 
     @functools.cached_property
     def function(self) -> Callable[..., int]:
         """The C function; the first use on a machine compiles it."""
-        symbol, code = _read(self._file) or self._compile()
-        return _link(symbol, code, self.abi)
+        return _link(self._symbol, self._load() or self._compile(), self.abi)
+
+    @property
+    def _symbol(self) -> str:
+        return f"inertia_{self.name}"
+
+    def _load(self) -> bytes | None:
+        """Return the machine code in the cache, nothing (b"") where it is damaged, None where there is none to use."""
+        try:
+            code = user_cache.load(self._file)
+        except user_cache.CacheError as error:
+            _warn(_UNUSED.format(error))
+            return None
+        if code == b"":
+            _warn(_DAMAGED)
+        return code
 
     @functools.cached_property
-    def _file(self) -> Path:
+    def _file(self) -> str:
         spec = importlib.util.find_spec(self.module)
         if spec is None or spec.origin is None:
             raise ModuleNotFoundError(self.module)
         made_for = self.abi, self.fused, *_compiler_and_processor()
         sources = sorted(Path(spec.origin).parent.glob("*_kernel.py"))  # kernels share functions
         key = importlib.util.source_hash(b"".join(map(Path.read_bytes, sources)) + repr(made_for).encode())
-        return _cache_folder() / f"{self.name}-{key.hex()}.o"
+        return f"{self.name}-{key.hex()}.kernel"
 
-    def _compile(self) -> tuple[str, bytes]:
+    def _compile(self) -> bytes:
         import llvmlite.binding as llvm
         import numba
 
@@ -95,48 +115,24 @@ class Kernel:
         source = getattr(importlib.import_module(self.module), self.name)
         compiled = numba.cfunc(signature, error_model="numpy", fastmath={"contract"} if self.fused else False)(source)
         module, machine = llvm.parse_assembly(compiled.inspect_llvm()), _machine()
+        module.get_function(compiled.native_name).name = self._symbol
         if self.fused:
             _vectorise(module, machine)
-        code = machine.emit_object(module)
-        _write(self._file, compiled.native_name, code)
-        return compiled.native_name, code
+        code: bytes = machine.emit_object(module)
+        try:
+            user_cache.store(self._file, code)
+        except user_cache.CacheError as error:
+            _warn(_UNUSED.format(error))
+        return code
+
+
+def _warn(message: str) -> None:
+    warnings.warn(message, CacheWarning, stacklevel=2)
 
 
 def address(array: Any) -> int:
     """Return where a contiguous array that may be written to lies; five times as fast as the array's own attribute."""
     return ctypes.addressof(ctypes.c_char.from_buffer(array))
-
-
-def _cache_folder() -> Path:
-    if folder := os.environ.get("INERTIA_CACHE"):
-        return Path(folder)
-    base = os.environ.get("XDG_CACHE_HOME") or os.environ.get("LOCALAPPDATA")
-    return (Path(base) if base else Path.home() / ".cache") / "inertia"
-
-
-def _read(file: Path) -> tuple[str, bytes] | None:
-    try:
-        head, code = file.read_bytes().split(b"\n", 1)
-        record = json.loads(head)
-        if zlib.crc32(code) == record["crc32"]:
-            return record["symbol"], code
-    except (OSError, ValueError, KeyError, TypeError):
-        pass
-    return None
-
-
-def _write(file: Path, symbol: str, code: bytes) -> None:
-    import tempfile
-
-    head = json.dumps({"symbol": symbol, "crc32": zlib.crc32(code)}).encode()
-    with contextlib.suppress(OSError):  # a cache that cannot be written costs time, not the answer
-        file.parent.mkdir(parents=True, exist_ok=True)
-        with tempfile.NamedTemporaryFile(dir=file.parent, delete=False) as beside:
-            beside.write(head + b"\n" + code)
-        try:
-            Path(beside.name).replace(file)
-        finally:
-            Path(beside.name).unlink(missing_ok=True)
 
 
 def _machine() -> Any:
