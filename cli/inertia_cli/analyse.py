@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import argparse
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from inertia.errors import UsageError
+from inertia.output import require_writable, write_whole
 from inertia_cli.options import (
     accuracy,
     add_density,
@@ -32,6 +34,7 @@ _EXAMPLES = """examples:
   inertia analyse part.stl --unit in --mass 1.25 --about 0,0,-1.5 --json
   inertia analyse assembly.3mf --material housing=aluminium --material shaft=steel
   inertia analyse sheet.obj --shell 1.5 --material steel
+  inertia analyse link.stl --mass 0.85 --as urdf -o link.urdf
 """
 
 
@@ -79,6 +82,15 @@ def add(parsers: Any) -> None:
         action="store_true",
         help="mesh a STEP file twice, and estimate what that left out",
     )
+    result.add_argument(
+        "--as",
+        dest="target",
+        metavar="FORMAT",
+        help="print for another program: urdf, sdf, mjcf, usd, modelica, simscape, nastran, adams, abaqus, drake, csv",
+    )
+    result.add_argument("--name", metavar="NAME", help="of the body in what --as prints: the file's, if not given")
+    result.add_argument("-o", "--output", metavar="FILE", help="write what --as prints to FILE")
+    result.add_argument("--force", action="store_true", help="write over FILE where it exists")
     result.add_argument("--json", action="store_true", help="print one JSON document (inertia/analysis/1)")
 
 
@@ -91,6 +103,7 @@ def run(options: argparse.Namespace) -> int:
 
     if options.richardson and options.chord is not None:
         raise UsageError("--chord and --richardson are two answers to one question: give one")
+    output = _output(options)
     part, hashing = read_part(options)
     repaired = _repair(part, options)
     analysis = _analysis(part if repaired is None else repaired.part, options)
@@ -103,12 +116,45 @@ def run(options: argparse.Namespace) -> int:
         estimate = richardson(coarser.properties, analysis.properties, _COARSER)
         analysis = replace(analysis, tessellation=estimate)
     hashing.join()
+    if options.target is not None:
+        text = _exported(analysis, repaired, options)
+        if output is None:
+            print(text, end="")
+        else:
+            write_whole(output, text.encode())
+        return 0
     show(
         options.json,
         lambda: analysis_document(analysis, repaired),
         lambda: analysis_text(analysis, repaired, wording=as_option),
     )
     return 0
+
+
+def _output(options: argparse.Namespace) -> Path | None:
+    """Return the file that is written for another program, if any; refuse before the work what cannot be had."""
+    if options.target is None:
+        for option in ("output", "name"):
+            if getattr(options, option) is not None:
+                raise UsageError(f"--{option} goes with what is written for another program: name that with --as")
+        return None
+    for option in ("json", "about"):
+        if getattr(options, option):
+            raise UsageError(f"--as has no room for --{option}: leave one of them out")
+    from inertia.exchange.export import require_writer
+
+    require_writer(options.target)
+    return None if options.output is None else require_writable(options.output, force=options.force)
+
+
+def _exported(analysis: Analysis, repaired: Repaired | None, options: argparse.Namespace) -> str:
+    from inertia.exchange.export import export
+    from inertia.report.analysis.text import omission_lines, source_lines
+
+    named = source_lines(analysis, repaired, wording=lambda word: str(word).partition("=")[0])
+    comments = (*named, *omission_lines(analysis))
+    name = Path(options.part).stem if options.name is None else options.name
+    return export(analysis.properties, options.target, name=name, comments=comments)
 
 
 def _repair(part: Part, options: argparse.Namespace) -> Repaired | None:

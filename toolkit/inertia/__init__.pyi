@@ -35,6 +35,9 @@ from inertia.mass.tessellation import richardson as richardson
 from inertia.work_precision.trade import trade as trade
 from inertia.work_precision.trade import Trade as Trade
 
+# Mass properties go out to other programs' files.
+from inertia.exchange.export import export as export
+
 # Bodies without a mesh, and the algebra of tensors.
 from inertia.mass.elements import point_masses as point_masses
 from inertia.mass.elements import wire as wire

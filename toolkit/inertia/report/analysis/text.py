@@ -45,7 +45,7 @@ _CLASS = {
 def analysis_text(analysis: Analysis, repaired: Repaired | None = None, *, wording: Wording = str) -> str:
     """Return the analysis as lines of text; what its error bound cannot tell from zero is set as 0."""
     blocks = [
-        _source(analysis, repaired, wording),
+        source_lines(analysis, repaired, wording=wording),
         _repair(repaired, analysis.part.unit.name) if repaired else [],
         list(_results(analysis)),
         _tensor(analysis),
@@ -57,7 +57,8 @@ def analysis_text(analysis: Analysis, repaired: Repaired | None = None, *, wordi
     return "\n\n".join("\n".join(block) for block in blocks if block)
 
 
-def _source(analysis: Analysis, repaired: Repaired | None, wording: Wording) -> list[str]:
+def source_lines(analysis: Analysis, repaired: Repaired | None = None, *, wording: Wording = str) -> list[str]:
+    """Return the lines that say what was analysed: file, unit, density, mesh, and who said so."""
     part = analysis.part
     elements = [f"{analysis.triangles} triangles"] if analysis.triangles else []
     elements += [f"{analysis.cells} cells"] if analysis.cells else []
@@ -224,6 +225,15 @@ def _closing(analysis: Analysis, repaired: Repaired | None) -> Iterator[str]:
     if analysis.about_bound is not None:
         yield row("", f"tensor about the point {analysis.about_bound:.2g} (relative)")
     yield row("", f"{error.method}; for the mesh as stored, its tessellation apart")
+    yield from omission_lines(analysis)
+    repairs = {f"repaired: {change}" for change in repaired.changes} if repaired else set()
+    for note in analysis.notes:
+        if note not in repairs:
+            yield row("Note", note)
+
+
+def omission_lines(analysis: Analysis) -> Iterator[str]:
+    """Yield the lines on what the arithmetic's bounds do not cover: tessellation, and holes filled by a guess."""
     if (chord := analysis.tessellation) is not None:
         yield row(
             "Tessellation", f"volume {chord.volume:.2g}, mass {chord.mass:.2g}, tensor {chord.inertia:.2g} (relative),"
@@ -234,7 +244,3 @@ def _closing(analysis: Analysis, repaired: Repaired | None) -> Iterator[str]:
         yield row("Filled holes", f"volume {guess.volume:.2g}, mass {mass}, tensor {tensor} (relative),")
         com = f"{guess.center_of_mass:.2g} m" if guess.center_of_mass < math.inf else "anywhere"
         yield row("", f"centre of mass {com}; {guess.method}")
-    repairs = {f"repaired: {change}" for change in repaired.changes} if repaired else set()
-    for note in analysis.notes:
-        if note not in repairs:
-            yield row("Note", note)

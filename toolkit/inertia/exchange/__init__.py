@@ -1,0 +1,1 @@
+"""Mass properties in the files of other programs: one module a format, one table of conventions."""

@@ -1,0 +1,43 @@
+"""MJCF, the models of MuJoCo: the `<inertial>` of bodies."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from inertia.exchange.conventions import CONVENTIONS
+from inertia.exchange.rotations import quaternion_of
+from inertia.exchange.writing import Body, attribute, heading, number, numbers, triangular, xml_comment
+
+_CONVENTION = CONVENTIONS["mjcf"]
+
+
+def write(bodies: Sequence[Body], comments: Sequence[str]) -> str:
+    """Return a model of one free body each, by principal moments and the quaternion of their axes.
+
+    MuJoCo diagonalises `fullinertia` to a few parts in 10¹⁵ of the largest moment, and refuses flat bodies whose
+    moments break I1 + I2 ≥ I3 by rounding; principal moments are kept as they are written. The six elements stand in a
+    comment, in the order of `fullinertia`.
+    """
+    name = bodies[0].name if len(bodies) == 1 else "assembly"
+    lines = [
+        xml_comment(heading(bodies, _CONVENTION, comments)),
+        f"<mujoco model={attribute(name)}>",
+        "  <worldbody>",
+    ]
+    for body in bodies:
+        properties = body.properties
+        lines += [
+            f"    <body name={attribute(_free(body.name))}>",
+            "      <freejoint/>",
+            f'      <!-- fullinertia="{numbers(_CONVENTION.elements(properties.inertia))}" -->',
+            f'      <inertial pos="{numbers(properties.center_of_mass.tolist())}" '
+            f'quat="{numbers(quaternion_of(properties.principal_axes))}" mass="{number(properties.mass)}"',
+            f'                diaginertia="{numbers(triangular(properties.principal_moments).tolist())}"/>',
+            "    </body>",
+        ]
+    return "\n".join([*lines, "  </worldbody>", "</mujoco>", ""])
+
+
+def _free(name: str) -> str:
+    """Return a name that is not that of the body which MuJoCo has already."""
+    return "world_" if name == "world" else name
