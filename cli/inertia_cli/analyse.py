@@ -125,7 +125,7 @@ def run(options: argparse.Namespace) -> int:
         return 0
     show(
         options.json,
-        lambda: analysis_document(analysis, repaired),
+        lambda: analysis_document(analysis, repaired, wording=as_option),
         lambda: analysis_text(analysis, repaired, wording=as_option),
     )
     return 0
@@ -152,7 +152,7 @@ def _exported(analysis: Analysis, repaired: Repaired | None, options: argparse.N
     from inertia.report.analysis.text import omission_lines, source_lines
 
     named = source_lines(analysis, repaired, wording=lambda word: str(word).partition("=")[0])
-    comments = (*named, *omission_lines(analysis))
+    comments = (*named, *omission_lines(analysis, wording=as_option))
     name = Path(options.part).stem if options.name is None else options.name
     return export(analysis.properties, options.target, name=name, comments=comments)
 

@@ -9,7 +9,7 @@ import math
 import sys
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from fractions import Fraction
 from functools import cached_property
 from numbers import Real
@@ -20,8 +20,9 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from inertia.arrays import Float, Orientation, Progress
-from inertia.errors import GeometryError, Remedy, UsageError, require_kind, reworded
+from inertia.errors import CHECK, GeometryError, Remedy, UsageError, Word, require_kind, reworded
 from inertia.mass.density import Densities, DensityFrom, densities
+from inertia.mass.doubt import FILLED, doubt_bounds, doubt_error
 from inertia.mass.integration import Integral, cell_integrals, naming, surface_integrals, wire_integrals
 from inertia.mass.moments import ZERO, Moments, total
 from inertia.mass.principal import CLASS_TOLERANCE, Principal
@@ -29,7 +30,8 @@ from inertia.mass.properties import CERTAIN, ErrorBound, MassProperties
 from inertia.mass.tensor import exact_point
 from inertia.mass.tessellation import chord_error
 from inertia.mass.triangles.arithmetic import FINEST
-from inertia.mesh.part import Cells, Part
+from inertia.mesh.checks.findings import Finding
+from inertia.mesh.part import Cells, Doubt, Part
 
 _ANALYSE = Remedy("analyse")
 
@@ -71,6 +73,7 @@ class Analysis:
     shares : one entry a body or region, where there are several densities
     about : (point in the part's unit, tensor about it), if asked for
     about_bound : relative bound of that tensor (Frobenius norm)
+    doubts : what leaves some of the volume in doubt, as findings of the check; it is in all bounds
     notes : what was decided on the way, in sentences
     crossings_examined : whether triangles of the solid that cross one another were looked for (there are none, then)
     """
@@ -95,6 +98,7 @@ class Analysis:
     about_bound: float | None
     notes: tuple[str, ...]
     crossings_examined: bool
+    doubts: tuple[Finding, ...] = ()
 
     @cached_property
     def principal(self) -> Principal:
@@ -234,7 +238,9 @@ def analyse(
         quantity, bound = missed
         raise GeometryError(
             f"{part.name}: the bound of the {quantity} reached by {integral.method} is {bound:.2g}, above the accuracy "
-            f"asked for, {accuracy:g}{_rounded(part)}: ask for a larger figure"
+            f"asked for, {accuracy:g}{_rounded(part)}",
+            *_doubted(answer),
+            ": ask for a larger figure",
         )
     tolerance = part.chord if chord is None else float(chord)
     tessellation = None if tolerance is None or model != "solid" else answer.tessellation(tolerance)
@@ -258,7 +264,7 @@ def analyse(
         extents=np.array([[float(Fraction(float(x)) * f) for x in row] for row in integral.extents]),
         properties=properties,
         tessellation=tessellation,
-        repair=None if part.guess is None or model != "solid" else answer.repair(),
+        repair=None if part.filling is None or model != "solid" else answer.repair(),
         accuracy=accuracy,
         class_tolerance=class_tolerance,
         shares=answer.shares() if len(integral.groups) > 1 else (),
@@ -266,6 +272,7 @@ def analyse(
         about_bound=about_bound,
         notes=(*part.notes, *integral.notes),
         crossings_examined=integral.crossings_examined,
+        doubts=integral.doubts,
     )
 
 
@@ -295,12 +302,25 @@ class _Weighed:
         return weights
 
     @cached_property
+    def room(self) -> Moments | None:
+        """Moments of zero with the bounds of what is in doubt, in the part's unit."""
+        doubt = Doubt.joined(finding.doubt for finding in self.integral.doubts)
+        return None if doubt is None else doubt_bounds(doubt, self.integral.groups[0].moments.origin)
+
+    @property
+    def undoubted(self) -> _Weighed:
+        """The same without what is in doubt, which no arithmetic makes less."""
+        return replace(self, integral=replace(self.integral, doubts=())) if self.integral.doubts else self
+
+    @cached_property
     def moments(self) -> Moments:
         """The moments of mass, kg and m."""
         moments = total(
             group.moments.in_unit(self.part.unit.metres).scaled(self.factor * weight)
             for group, weight in zip(self.integral.groups, self.weights, strict=True)
         )
+        if self.room is not None:
+            moments += self.room.in_unit(self.part.unit.metres).scaled(self.factor * max(self.weights))
         if self.densities.mass is not None and moments.zeroth > moments.zeroth_bound:
             return moments.weighed(Fraction(self.densities.mass))
         return moments
@@ -314,6 +334,8 @@ class _Weighed:
     def properties(self) -> MassProperties:
         """The mass properties."""
         volume_bound = self.factor * sum((group.moments.zeroth_bound for group in self.integral.groups), ZERO)
+        if self.room is not None:
+            volume_bound += self.factor * self.room.zeroth_bound
         with naming(self.part):
             return MassProperties.from_moments(self.moments, self.volume, volume_bound, self.integral.method)
 
@@ -343,10 +365,10 @@ class _Weighed:
 
     def repair(self) -> ErrorBound:
         """Return the bounds that follow from holes filled by a guess."""
-        from inertia.mass.repair import guess_error
-
+        assert self.part.filling is not None
         mass = None if self.densities.mass is None else self.moments.zeroth
-        return guess_error(self.part, self.moments, self.volume, max(self.weights), mass)
+        density = max(self.weights)
+        return doubt_error(self.part.filling, self.part.unit, self.moments, self.volume, density, FILLED, mass)
 
     def shares(self) -> tuple[BodyShare, ...]:
         """Return what each group contributes."""
@@ -361,8 +383,9 @@ class _Weighed:
 def _good_enough(answers: Iterable[_Weighed], limit: float | None) -> _Weighed:
     """Return the first answer within the limit, the volume and principal moments certain, or the last there is."""
     for answer in answers:
-        properties = answer.properties
-        bound = properties.error.volume if limit is None else max(answer.bounds.values())
+        arithmetic = answer.undoubted
+        properties = arithmetic.properties
+        bound = properties.error.volume if limit is None else max(arithmetic.bounds.values())
         if bound <= (limit or CERTAIN) and properties.moments_within(max(limit or CERTAIN, CERTAIN)):
             break
     return answer
@@ -385,6 +408,12 @@ def _rounded(part: Part) -> str:
     return (
         f" (the file's decimals were rounded by up to {part.rounding.distance:.2g} {part.unit.name} when it was read)"
     )
+
+
+def _doubted(answer: _Weighed) -> tuple[Word, ...]:
+    if answer.room is None:
+        return ()
+    return f" (up to {float(answer.room.zeroth_bound):.2g} {answer.part.unit.name}3 is in doubt, see ", CHECK, ")"
 
 
 def _require_accuracy(accuracy: Accuracy) -> None:

@@ -20,7 +20,7 @@ from inertia.mass.triangles.moments_from_sums import moments_of
 from inertia.mass.triangles.sums import Sums, sum_triangles
 from inertia.mesh.check import check
 from inertia.mesh.checks.crossings import to_be_examined
-from inertia.mesh.checks.findings import around, middle, usable
+from inertia.mesh.checks.findings import Finding, Report, around, middle, usable
 from inertia.mesh.geometry.closure import Closure, closure
 from inertia.mesh.geometry.intersect import crossings
 from inertia.mesh.geometry.shells import Shell, absolute_orientation, shells
@@ -54,7 +54,8 @@ class Integral:
     """The moments of a part, group by group, and what was counted on the way; lengths in the file's unit.
 
     `area` is the surface area, `extents` (2, 3) the smallest and largest coordinates, `method` the arithmetic;
-    `crossings_examined` says whether triangles that cross one another were looked for.
+    `crossings_examined` says whether triangles that cross one another were looked for, `doubts` what leaves some of
+    the volume in doubt: that is not in the moments' bounds.
     """
 
     groups: tuple[Group, ...]
@@ -67,6 +68,7 @@ class Integral:
     extents: Float
     notes: tuple[str, ...] = ()
     crossings_examined: bool = False
+    doubts: tuple[Finding, ...] = ()
 
 
 def surface_integrals(
@@ -112,8 +114,9 @@ def surface_integrals(
             yield replace(integral, notes=(note,))
         return
     examined = not shell and to_be_examined(triangles, intersections, topology.crowded)
+    report = None
     if examined and crossings(triangles, limit=1).total:
-        check(part, intersections=intersections).require_fit()
+        report = _sound(part, intersections)
     integral = Integral(
         groups=(),
         method=METHODS["float64"],
@@ -133,13 +136,20 @@ def surface_integrals(
             yield replace(integral, groups=groups, method=METHODS[arithmetic])
             continue
         whole = solid_moments(triangles, arithmetic, sums, further, part.rounding)
-        if (k == 0 and pieces) or whole.zeroth < -whole.zeroth_bound:
-            check(part, intersections=False).require_fit()
+        if report is None and (pieces or whole.zeroth < -whole.zeroth_bound):
+            report = _sound(part, False)
         if whole.zeroth > whole.zeroth_bound:
             groups = _solid_groups(part, named, topology, pieces, whole, arithmetic)
-            yield replace(integral, groups=groups, method=METHODS[arithmetic])
+            doubts = () if report is None else report.doubts
+            yield replace(integral, groups=groups, method=METHODS[arithmetic], doubts=doubts)
         elif arithmetic == tries[-1]:
             _refuse_flat(part, whole, extents)
+
+
+def _sound(part: Part, intersections: bool | None) -> Report:
+    report = check(part, intersections=intersections)
+    report.require_fit()
+    return report
 
 
 @contextmanager

@@ -8,18 +8,14 @@ from fractions import Fraction
 
 import numpy as np
 
-from inertia.errors import GeometryError
-from inertia.mass.moments import PAIRS, ZERO, Moments, Vector, inertia_tensor, six, vector
+from inertia.mass.doubt import FILLED, doubt_error
+from inertia.mass.moments import Moments, inertia_tensor
 from inertia.mass.properties import ErrorBound
-from inertia.mass.tessellation import error_within
 from inertia.mass.triangles.moments_from_sums import moments_of
 from inertia.mass.triangles.sums import sum_triangles
 from inertia.mesh import repair as mesh_repair
-from inertia.mesh.part import Guess, Part
+from inertia.mesh.part import Part
 from inertia.mesh.repair import Change, Repair
-
-_METHOD = "bounds over the closures that the rims of the filled holes admit"
-_ROUNDED_UP = Fraction(1) + Fraction(1, 10**9)  # more than float64 sums of positive terms can lose
 
 
 @dataclass(frozen=True)
@@ -95,52 +91,13 @@ def _with_effect(part: Part, repair: Repair) -> Repaired:
     after = moments_of(sum_triangles(repair.part.triangles)) if repair.changes else before
     unit = part.unit.metres
     result = _compared(repair, before, after, unit)
-    if (guess := repair.part.guess) is None:
+    if (filling := repair.part.filling) is None:
         return result
     volume = unit**3 * after.zeroth
-    error = guess_error(repair.part, after.in_unit(unit).scaled(unit**3), volume, Fraction(1))
-    less, more = (float(unit) ** 3 * float(side.sum()) for side in (guess.inward, guess.outward))
+    error = doubt_error(filling, repair.part.unit, after.in_unit(unit).scaled(unit**3), volume, Fraction(1), FILLED)
+    less, more = (float(unit) ** 3 * float(side.sum()) for side in (filling.inward, filling.outward))
     between = max(result.volume_after - less, 0.0), result.volume_after + more
     return replace(result, volume_between=between, error=error)
-
-
-def guess_error(
-    part: Part, moments: Moments, volume: Fraction, density: Fraction, mass: Fraction | None = None
-) -> ErrorBound:
-    """Return the relative bounds that the closures admitted by the rims of filled holes leave.
-
-    Parameters
-    ----------
-    part : with its `guess`
-    moments : of mass, kg and m
-    volume : m³
-    density : kg/m³, the largest of any body
-    mass : kg, where it was weighed: then it has no error of this kind
-    """
-    assert part.guess is not None
-    f = part.unit.metres
-    central = moments.about(moments.centroid)
-    origin = vector(k / f for k in central.origin)
-    between = _room(part.guess, origin).in_unit(f).scaled(f**3 * density)
-    try:
-        return error_within(central, volume, between, density, mass, _METHOD)
-    except GeometryError:
-        share = float(between.zeroth_bound / density / volume) if volume > 0 else math.inf
-        return ErrorBound(_METHOD, share, share if mass is None else 0.0, math.inf, math.inf)
-
-
-def _room(guess: Guess, origin: Vector) -> Moments:
-    """Return bounds on the moments of the room that the rims leave; in file units."""
-    away = np.abs(guess.places - [float(k) for k in origin]) + guess.reach[:, None]
-    either = guess.outward + guess.inward
-    first = (_up(float(either @ away[:, axis])) for axis in range(3))
-    second = (_up(float((either * away[:, i]) @ away[:, j])) for i, j in PAIRS)
-    volume = _up(float(max(guess.outward.sum(), guess.inward.sum())))
-    return Moments(origin, ZERO, (ZERO,) * 3, (ZERO,) * 6, volume, vector(first), six(second))
-
-
-def _up(value: float) -> Fraction:
-    return Fraction(value) * _ROUNDED_UP
 
 
 def _compared(repair: Repair, before: Moments, after: Moments, unit: Fraction) -> Repaired:

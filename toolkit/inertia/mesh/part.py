@@ -250,8 +250,10 @@ class Source:
 
 
 @dataclass(frozen=True, eq=False)
-class Guess:
-    """What may lie between a surface that was made up and the one that was lost, over k places of it; file units.
+class Doubt:
+    """Volume that a solid may have or not have, around k places; file units.
+
+    It is what lies between a surface that was made up and the one that was lost, or what counts more than once.
 
     Attributes
     ----------
@@ -266,15 +268,26 @@ class Guess:
     reach: Float
 
     @classmethod
-    def joined(cls, guesses: Iterable[Guess | None]) -> Guess | None:
+    def joined(cls, doubts: Iterable[Doubt | None]) -> Doubt | None:
         """Return all of them together, if there are any."""
-        columns = [(one.places, one.outward, one.inward, one.reach) for one in guesses if one is not None]
+        columns = [(one.places, one.outward, one.inward, one.reach) for one in doubts if one is not None]
         return cls(*map(np.concatenate, zip(*columns, strict=True))) if columns else None
 
-    def either_way(self) -> Guess:
-        """Return the guess about a surface whose winding is not known."""
+    @classmethod
+    def within(cls, box: Float, outward: float, inward: float) -> Doubt:
+        """Return the doubt about volumes somewhere in a box (2, 3)."""
+        half = (box[1] - box[0]) / 2
+        return cls((box[0] + half)[None], np.array([outward]), np.array([inward]), np.array([np.linalg.norm(half)]))
+
+    @property
+    def volume(self) -> float:
+        """The volume that there may be more or less, in all."""
+        return float(max(self.outward.sum(), self.inward.sum()))
+
+    def either_way(self) -> Doubt:
+        """Return the doubt about a surface whose winding is not known."""
         most = np.maximum(self.outward, self.inward)
-        return Guess(self.places, most, most, self.reach)
+        return Doubt(self.places, most, most, self.reach)
 
 
 @dataclass(frozen=True, eq=False)
@@ -292,7 +305,7 @@ class Part:
     """How far the true surface may be from each triangle (m,), in the unit, where reading made the triangles (STEP)."""
     rounding: Rounding | None = None
     """What reading rounded; None where every coordinate is a float64 in the file."""
-    guess: Guess | None = None
+    filling: Doubt | None = None
     """What the fillings of holes may be off by, where repair filled some."""
 
     @classmethod

@@ -29,8 +29,8 @@ from inertia.mesh.geometry.closure import components, merge_equal_vertices, repe
 from inertia.mesh.geometry.halfedges import half_edges
 from inertia.mesh.geometry.intersect import overlap
 from inertia.mesh.manifold import exponent_of, solid
-from inertia.mesh.part import Guess, Part, Regions, Rounding, Surface, Triangles
-from inertia.mesh.repairs.closures import guess
+from inertia.mesh.part import Doubt, Part, Regions, Rounding, Surface, Triangles
+from inertia.mesh.repairs.closures import closures
 from inertia.mesh.repairs.copies import copies, facing
 from inertia.mesh.repairs.holes import around, fill, rims
 from inertia.mesh.repairs.orientation import Nest, inconsistent, nest
@@ -84,7 +84,7 @@ class _Mesh:
     vertices: Float
     faces: Int
     origin: Int
-    guess: Guess | None = None
+    filling: Doubt | None = None
 
     def without(self, which: Int) -> _Mesh:
         remaining = np.ones(len(self.faces), bool)
@@ -131,7 +131,7 @@ def repair(part: Part, *, tolerance: float | None = None) -> Repair:
         mesh, changes = _repaired(triangles, part.regions, tolerance)
     except GeometryError as fault:
         raise placed(fault, f"{part.name} cannot be repaired") from None
-    return _rebuilt(part, Surface(*compact(mesh.vertices, mesh.faces)), mesh.origin, changes, mesh.guess)
+    return _rebuilt(part, Surface(*compact(mesh.vertices, mesh.faces)), mesh.origin, changes, mesh.filling)
 
 
 def weld(part: Part, tolerance: float) -> Repair:
@@ -147,7 +147,7 @@ def weld(part: Part, tolerance: float) -> Repair:
     return _rebuilt(part, result.surface, result.remaining, [change])
 
 
-def _rebuilt(part: Part, surface: Surface, origin: Int, changes: list[Change], guess: Guess | None = None) -> Repair:
+def _rebuilt(part: Part, surface: Surface, origin: Int, changes: list[Change], filling: Doubt | None = None) -> Repair:
     if not changes:
         return Repair(part, ())
     regions = part.regions
@@ -158,8 +158,10 @@ def _rebuilt(part: Part, surface: Surface, origin: Int, changes: list[Change], g
         chord = chord[origin] + max(change.largest_move for change in changes)
     notes = (*part.notes, *(f"repaired: {change}" for change in changes))
     rounding = part.rounding if part.rounding is None else Rounding(part.rounding.distance)
-    guess = Guess.joined([part.guess, guess])
-    mended = replace(part, geometry=surface, regions=regions, notes=notes, chord=chord, rounding=rounding, guess=guess)
+    filling = Doubt.joined([part.filling, filling])
+    mended = replace(
+        part, geometry=surface, regions=regions, notes=notes, chord=chord, rounding=rounding, filling=filling
+    )
     return Repair(mended, tuple(changes))
 
 
@@ -267,12 +269,12 @@ def _without_holes(mesh: _Mesh) -> _Step:
     largest = max(loops, key=len)
     where = f"of {len(largest)} edges {around(vertices[edges.head[largest]])}"
     size = diagonal(mesh.vertices[np.unique(mesh.faces)])
-    guesses = (guess(vertices, mesh.faces, edges, *hole, size) for hole in zip(loops, fillings, strict=True))
+    doubts = (closures(vertices, mesh.faces, edges, *hole, size) for hole in zip(loops, fillings, strict=True))
     mesh = _Mesh(
         vertices,
         np.concatenate([mesh.faces, *fillings]),
         np.concatenate([mesh.origin, *beside]),
-        Guess.joined(guesses),
+        Doubt.joined(doubts),
     )
     return mesh, [Change("holes filled", len(loops), where if len(loops) == 1 else f"the largest {where}")]
 
@@ -284,7 +286,7 @@ def _turned_outward(mesh: _Mesh) -> _Step:
         return mesh, []
     _refuse_cutters(mesh, shells, turn)
     which = np.concatenate([shells.members[shell] for shell in turn])
-    mesh = replace(mesh.turned(which), guess=mesh.guess and mesh.guess.either_way())
+    mesh = replace(mesh.turned(which), filling=mesh.filling and mesh.filling.either_way())
     return mesh, [Change("inside-out shells turned", len(turn), mesh.at(which))]
 
 
@@ -324,7 +326,7 @@ def _united(mesh: _Mesh, regions: Regions | None) -> _Step:
         return mesh, []
     rest = mesh.without(np.concatenate([body for group in groups for body in group]))
     every = np.concatenate(vertices), np.concatenate([rest.faces, *faces]), np.concatenate([rest.origin, *origin])
-    mesh = _Mesh(*every, mesh.guess)
+    mesh = _Mesh(*every, mesh.filling)
     return mesh, [Change("overlapping bodies united", sum(map(len, groups)), where)]
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import replace
 from itertools import groupby
 
@@ -15,7 +16,7 @@ from inertia.mesh.geometry.edges import Place
 from inertia.mesh.geometry.halfedges import half_edges
 from inertia.mesh.geometry.shells import Body, absolute_orientation, bodies, members
 from inertia.mesh.geometry.winding import misplaced_volume
-from inertia.mesh.part import Surface, Triangles
+from inertia.mesh.part import Doubt, Surface, Triangles
 
 EXAMINED = 200_000
 """Triangles up to which crossings are looked for without being asked: a tenth of a second."""
@@ -41,40 +42,86 @@ def cutters(surface: SurfaceTopology) -> Evidence | None:
     return _sharing_space(surface, alike=False)
 
 
+def contacts(surface: SurfaceTopology) -> Evidence | None:
+    """Measure what bodies share that are wound alike, in columns; where it is no fault, it is in doubt."""
+    from inertia.mesh.geometry.common_volume import common_volume
+    from inertia.mesh.geometry.intersect import CONTACT, contact_depth, crossings, touching
+
+    doubts, first, places = [], [], []
+    for turned, groups, near, boxes in _near_bodies(surface, alike=True):
+        a, b = (turned.select(group[meets.all(axis=1)]) for group, meets in zip(groups, near, strict=True))
+        if not touching(a, b):
+            continue
+        measured = common_volume(*(turned.vertices[turned.faces[group]] for group in groups))
+        if measured is None:
+            depth = contact_depth(surface.vertices, float(np.ptp(boxes, axis=1).max(axis=1).min()))
+            volume = _within(depth, np.concatenate([a.corners(), b.corners()]))
+        elif measured[0] > measured[1] or crossings(a, b, limit=1).total:
+            volume = max(measured[0], 0.0) + measured[1]
+        else:
+            continue
+        common = np.stack([boxes[:, 0].max(axis=0), boxes[:, 1].min(axis=0)])
+        doubts.append(Doubt.within(common, 0.0, volume))
+        first += [group[0] for group in groups]
+        places.append(middle(common))
+    doubt = Doubt.joined(doubts)
+    if doubt is None:
+        return None
+    figures = {"tolerance": CONTACT, "volume": doubt.volume, "unit": surface.unit}
+    return Evidence(len(doubts), listed(np.array(first)), places[0], figures, doubt=doubt)
+
+
+def _within(depth: float, corners: Float) -> float:
+    """Return the volume of all that is no farther than a depth from triangles, at most."""
+    sides = np.roll(corners, -1, axis=1) - corners
+    area = np.linalg.norm(np.cross(sides[:, 0], sides[:, 1]), axis=1).sum()
+    perimeter = np.linalg.norm(sides, axis=2).sum()
+    return float(depth * area + np.pi * depth**2 * perimeter / 2 + 4 / 3 * np.pi * depth**3 * len(corners))
+
+
 def _sharing_space(surface: SurfaceTopology, *, alike: bool) -> Evidence | None:
     from inertia.mesh.geometry.intersect import overlap
 
+    places, first = [], []
+    for turned, groups, near, boxes in _near_bodies(surface, alike=alike):
+        # What lies above or below the other body matters for winding numbers, what lies beside it does not.
+        a, b = (group[meets[:, :2].all(axis=1)] for group, meets in zip(groups, near, strict=True))
+        place = overlap(turned.select(a), turned.select(b))
+        if place is None:
+            place = _place_at_edges(surface, np.concatenate(groups), boxes)
+        if place is not None:
+            places.append(place)
+            first += [group[0] for group in groups]
+    if not places:
+        return None
+    return Evidence(len(places), listed(np.array(first)), places[0])
+
+
+def _near_bodies(surface: SurfaceTopology, *, alike: bool) -> Iterator[tuple[Surface, list[Int], list[Bool], Float]]:
+    """Yield pairs of bodies that come near each other, wound alike or not.
+
+    Yields the surface with every shell turned as its depth asks, the triangles of both, along which axes (k, 3) they
+    reach into the other's box, and both boxes (2, 2, 3).
+    """
     parts = _turned_bodies(surface)
     boxes = np.array([surface.shells[body.shells[0]].box for body in parts])
     outward = [surface.shells[body.shells[0]].kind == "outward" for body in parts]
     meeting = [pair for pair in _meeting(boxes) if (outward[pair[0]] == outward[pair[1]]) == alike]
     if not meeting:
-        return None
+        return
     triangles_of = members(surface.closure)
     groups = [np.concatenate([triangles_of[number] for number in body.shells]) for body in parts]
     turned = _turned(surface)
     corners = surface.vertices[surface.faces]
     low, high = corners.min(axis=1), corners.max(axis=1)
-    places, first = [], []
     for one, other in meeting:
         near = [
             (low[group] <= box[1]) & (box[0] <= high[group])
             for group, box in ((groups[one], boxes[other]), (groups[other], boxes[one]))
         ]
         # Where no triangle of one comes near the other, they are apart or nested, which their shells show.
-        if not all(meets.all(axis=1).any() for meets in near):
-            continue
-        # What lies above or below the other body matters for winding numbers, what lies beside it does not.
-        a, b = (groups[k][meets[:, :2].all(axis=1)] for k, meets in zip((one, other), near, strict=True))
-        place = overlap(turned.select(a), turned.select(b))
-        if place is None:
-            place = _place_at_edges(surface, np.concatenate([groups[one], groups[other]]), boxes[[one, other]])
-        if place is not None:
-            places.append(place)
-            first += [groups[one][0], groups[other][0]]
-    if not places:
-        return None
-    return Evidence(len(places), listed(np.array(first)), places[0])
+        if all(meets.all(axis=1).any() for meets in near):
+            yield turned, [groups[one], groups[other]], near, boxes[[one, other]]
 
 
 def overlap_at_edges(surface: SurfaceTopology) -> Evidence | None:

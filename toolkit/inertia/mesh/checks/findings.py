@@ -12,7 +12,7 @@ from inertia.arrays import Bool, Float, Int, Orientation
 from inertia.errors import CHECK, GeometryError, Remedy, Sentence, Word
 from inertia.mesh.geometry.edges import Loop, Place
 from inertia.mesh.geometry.shells import Shell
-from inertia.mesh.part import Source
+from inertia.mesh.part import Doubt, Source
 
 Severity = Literal["error", "warning", "note"]
 
@@ -33,6 +33,7 @@ class Finding:
     faces : numbers of the first ten triangles (or cells) concerned
     place : where the first or largest is, in file units
     turnable : True where turning shells to their absolute orientation removes it
+    doubt : the volume that is in doubt for it, where it leaves an answer
     """
 
     code: str
@@ -42,6 +43,7 @@ class Finding:
     faces: tuple[int, ...] = ()
     place: Place | None = None
     turnable: bool = False
+    doubt: Doubt | None = None
 
     @property
     def remedies(self) -> tuple[Remedy, ...]:
@@ -86,6 +88,11 @@ class Report:
         """Whether the volume as stored is an honest one: there is no error."""
         return not self.faults()
 
+    @property
+    def doubts(self) -> tuple[Finding, ...]:
+        """What leaves an answer, but some of its volume in doubt."""
+        return tuple(f for f in self.findings if f.doubt is not None)
+
     def faults(self, orientation: Orientation = "stored") -> tuple[Finding, ...]:
         """Return the errors; `"absolute"` leaves out those that turning the shells removes."""
         forgiven = orientation == "absolute"
@@ -111,6 +118,7 @@ class Evidence:
     place : where the first or largest is, in file units
     figures : more that the sentence states, by name
     advice : what to do in this very case, before what the kind advises
+    doubt : the volume that is in doubt
     """
 
     count: int
@@ -118,6 +126,7 @@ class Evidence:
     place: Place | None = None
     figures: Mapping[str, object] = field(default_factory=dict)
     advice: tuple[Word, ...] = ()
+    doubt: Doubt | None = None
 
 
 def usable(coordinates: Float) -> Bool:

@@ -15,6 +15,7 @@ import numpy as np
 from inertia.errors import ABSOLUTE, REPAIR, SHELL, WELD, Sentence, Word
 from inertia.mesh.checks.cells import CellTopology
 from inertia.mesh.checks.crossings import (
+    contacts,
     crossing_cavities,
     cutters,
     overlap_at_edges,
@@ -68,7 +69,16 @@ class Kind:
         remedy = (": ", *evidence.advice, *self.remedy) if self.remedy else ()
         message = Sentence(self.sentence.format_map(figures), *remedy)
         turnable = ABSOLUTE in self.remedy
-        return Finding(self.code, self.severity, message, evidence.count, evidence.faces, evidence.place, turnable)
+        return Finding(
+            self.code,
+            self.severity,
+            message,
+            evidence.count,
+            evidence.faces,
+            evidence.place,
+            turnable,
+            evidence.doubt,
+        )
 
 
 def findings(subject: Subject, part: Triangles | SurfaceTopology | CellTopology) -> Iterator[Finding]:
@@ -302,6 +312,13 @@ KINDS = (
         _sheets,
         "{count:shell} without volume beside the bodies, the first {around} from triangle {first} on",
         ("remove what adds no mass, or give it a thickness",),
+    ),
+    Kind(
+        "shells", "contact", "note",
+        contacts,
+        "contact: {count:pair} of bodies share space no deeper than the contact tolerance ({tolerance:g} of the "
+        "smaller body), the first {around} being those from triangles {first} and {second} on, so that up to "
+        "{volume:.2g} {unit}³ count twice: that is in the bounds",
     ),
     Kind("shells", "several_bodies", "note", _several_bodies, "{count} separate bodies"),
     Kind(

@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 from inertia.arrays import Float, Int, Progress
 from inertia.mesh.geometry.boxes import CELLS, BoxTree, overlapping
 from inertia.mesh.geometry.closure import closure, merge_equal_vertices
-from inertia.mesh.geometry.triangle_pairs import crossing, unit, unit_normals
+from inertia.mesh.geometry.triangle_pairs import crossing, orient3d_filter, unit, unit_normals
 from inertia.mesh.geometry.winding import windings
 from inertia.mesh.part import Surface, Triangles
 from inertia.native import Kernel
@@ -35,7 +35,9 @@ _STEPS = 1 << 22  # pairs of boxes opened in a call, and
 _CROSSED = 1 << 16  # crossings listed at most
 _SCRATCH = 18 + 192  # numbers, as `crossing_kernel.exact_sign` asks
 _LARGEST = 1000  # exponent of a power of two that coordinates are multiplied by
-_CONTACT = 1e-6  # depth below which bodies only touch, over the largest extent of the smaller one
+CONTACT = 1e-6
+"""Depth below which bodies only touch, over the largest extent of the smaller one."""
+
 _LAST_DIGITS = 4  # the same, over the spacing of the stored numbers at the largest coordinate
 _AT_ONCE = 1 << 17  # places tried at a time
 _FACING = 0.02  # |sum of two unit normals| below which two faces face each other
@@ -196,9 +198,23 @@ def overlap(a: Triangles, b: Triangles, contact: float = 0.0) -> tuple[float, fl
     return None
 
 
+def touching(a: Triangles, b: Triangles) -> bool:
+    """Say whether there are triangles of two surfaces that neither's plane holds apart, as far as float64 can tell."""
+    vertices, faces_a, faces_b = _welded_together(a, b)
+    for i, j, _ in _candidates(vertices, faces_a, faces_b, touching=True):
+        apart = np.zeros(len(i), bool)
+        for points, planes in ((faces_a[i], faces_b[j]), (faces_b[j], faces_a[i])):
+            plane = vertices[planes]
+            side = orient3d_filter(plane[:, None, 0], plane[:, None, 1], plane[:, None, 2], vertices[points])
+            apart |= (side == 1).all(axis=1) | (side == -1).all(axis=1)
+        if not apart.all():
+            return True
+    return False
+
+
 def contact_depth(vertices: Float, size: float) -> float:
     """Return the depth below which bodies only touch, the smaller of them being of this size."""
-    return max(_CONTACT * size, _LAST_DIGITS * _last_digit(vertices))
+    return max(CONTACT * size, _LAST_DIGITS * _last_digit(vertices))
 
 
 def _above_and_below(vertices: Float, faces: Int, low: Float, high: Float) -> Int:

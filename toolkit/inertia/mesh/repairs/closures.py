@@ -23,7 +23,7 @@ import numpy as np
 from inertia.arrays import Float, Int
 from inertia.mesh.geometry.halfedges import HalfEdges
 from inertia.mesh.geometry.triangle_pairs import unit
-from inertia.mesh.part import Guess
+from inertia.mesh.part import Doubt
 
 _PARTS = 6  # in which the sides of a triangle are split, its parts being the places where the room is measured
 _PLACES = 5_000  # places of a filling, about, at most
@@ -34,7 +34,7 @@ _LEAN = 1.5  # tangent of the angle, at most, by which walls lean outward
 _FLAT = 1e-9  # area of a rim triangle without a normal, over its rim edge squared
 
 
-def guess(vertices: Float, faces: Int, edges: HalfEdges, loop: list[int], filling: Int, size: float) -> Guess:
+def closures(vertices: Float, faces: Int, edges: HalfEdges, loop: list[int], filling: Int, size: float) -> Doubt:
     """Return the room that the rim of one filled hole leaves to other closures.
 
     Parameters
@@ -88,7 +88,7 @@ def guess(vertices: Float, faces: Int, edges: HalfEdges, loop: list[int], fillin
     # Root mean squares: of a column's height, and of the distance from the centroid of a triangle with such sides.
     spread_out = np.sqrt(((corners - np.roll(corners, 1, axis=1)) ** 2).sum(axis=(1, 2)) / 36) / parts
     reach = heights.max(axis=0) * (1 + lean if lean else 3**-0.5) + np.repeat(spread_out, len(weights))
-    return Guess(places, outward, inward, reach)
+    return Doubt(places, outward, inward, reach)
 
 
 def _places(parts: int) -> Float:

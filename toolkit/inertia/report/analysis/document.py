@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from inertia.errors import Sentence, Wording
 from inertia.mass.analysis import Analysis
 from inertia.mass.principal import Principal
 
@@ -16,7 +17,9 @@ if TYPE_CHECKING:
     from inertia.mass.repair import Repaired  # what it mends with is slow to import, and seldom needed
 
 
-def analysis_document(analysis: Analysis, repaired: Repaired | None = None) -> dict[str, Any]:
+def analysis_document(
+    analysis: Analysis, repaired: Repaired | None = None, *, wording: Wording = str
+) -> dict[str, Any]:
     """Return the analysis as ``inertia/analysis/1``; numbers are SI but for the points given in the part's unit."""
     part, properties, principal = analysis.part, analysis.properties, analysis.principal
     mesh: dict[str, Any] = {"triangles": analysis.triangles, "closed": analysis.closed, "bodies": analysis.bodies}
@@ -99,6 +102,18 @@ def analysis_document(analysis: Analysis, repaired: Repaired | None = None) -> d
             "inertia_change": repaired.inertia_change,
             **({"volume_between": list(repaired.volume_between)} if repaired.volume_between else {}),
         }
+    if analysis.doubts:
+        document["doubts"] = [
+            {
+                "code": finding.code,
+                "message": Sentence(finding.message).worded(wording),
+                "count": finding.count,
+                "volume": finding.doubt.volume * float(part.unit.metres) ** 3,
+                "place": None if finding.place is None else list(finding.place),
+            }
+            for finding in analysis.doubts
+            if finding.doubt is not None
+        ]
     document["notes"] = list(analysis.notes)
     return document
 

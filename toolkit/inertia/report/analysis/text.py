@@ -52,7 +52,7 @@ def analysis_text(analysis: Analysis, repaired: Repaired | None = None, *, wordi
         _principal(analysis),
         _about(analysis),
         _shares(analysis),
-        list(_closing(analysis, repaired)),
+        list(_closing(analysis, repaired, wording)),
     ]
     return "\n\n".join("\n".join(block) for block in blocks if block)
 
@@ -210,7 +210,7 @@ def _name(name: str) -> str:
     return name or "(the rest)"
 
 
-def _closing(analysis: Analysis, repaired: Repaired | None) -> Iterator[str]:
+def _closing(analysis: Analysis, repaired: Repaired | None, wording: Wording) -> Iterator[str]:
     error = analysis.properties.error
     yield row(
         "Error bound", f"volume {error.volume:.2g}, mass {error.mass:.2g}, tensor {error.inertia:.2g} (relative),"
@@ -225,15 +225,15 @@ def _closing(analysis: Analysis, repaired: Repaired | None) -> Iterator[str]:
     if analysis.about_bound is not None:
         yield row("", f"tensor about the point {analysis.about_bound:.2g} (relative)")
     yield row("", f"{error.method}; for the mesh as stored, its tessellation apart")
-    yield from omission_lines(analysis)
+    yield from omission_lines(analysis, wording=wording)
     repairs = {f"repaired: {change}" for change in repaired.changes} if repaired else set()
     for note in analysis.notes:
         if note not in repairs:
             yield row("Note", note)
 
 
-def omission_lines(analysis: Analysis) -> Iterator[str]:
-    """Yield the lines on what the arithmetic's bounds do not cover: tessellation, and holes filled by a guess."""
+def omission_lines(analysis: Analysis, *, wording: Wording = str) -> Iterator[str]:
+    """Yield the lines on what no arithmetic makes less: tessellation, holes filled by a guess, volume in doubt."""
     if (chord := analysis.tessellation) is not None:
         yield row(
             "Tessellation", f"volume {chord.volume:.2g}, mass {chord.mass:.2g}, tensor {chord.inertia:.2g} (relative),"
@@ -244,3 +244,5 @@ def omission_lines(analysis: Analysis) -> Iterator[str]:
         yield row("Filled holes", f"volume {guess.volume:.2g}, mass {mass}, tensor {tensor} (relative),")
         com = f"{guess.center_of_mass:.2g} m" if guess.center_of_mass < math.inf else "anywhere"
         yield row("", f"centre of mass {com}; {guess.method}")
+    for finding in analysis.doubts:
+        yield row("In doubt", Sentence(finding.message).worded(wording))

@@ -1,0 +1,73 @@
+"""The volume that two surfaces share, against boxes in closed form and convex hulls of their common corners."""
+
+import numpy as np
+import pytest
+from scipy.spatial import ConvexHull, HalfspaceIntersection
+from scipy.spatial.transform import Rotation
+from tests.mesh.solids import box, ring, sphere
+
+from inertia.mesh.geometry import common_volume as module
+from inertia.mesh.geometry.common_volume import common_volume
+
+
+def corners(mesh: tuple[np.ndarray, np.ndarray]) -> np.ndarray:
+    return mesh[0][mesh[1]]
+
+
+@pytest.mark.parametrize("seed", range(60))
+def test_boxes_in_any_attitude_share_their_common_box(seed: int) -> None:
+    rng = np.random.default_rng(seed)
+    low = rng.uniform(-0.5, 0.9, 3)
+    high = low + rng.uniform(0.05, 1, 3)
+    if seed % 2:  # sunk in by next to nothing
+        low[2], high[2] = 1 - 10.0 ** rng.uniform(-12, 0), 1.5
+    turned = Rotation.random(rng=rng).as_matrix() if seed % 3 else np.eye(3)
+    away = rng.normal(size=3) * 10 ** rng.uniform(-1, 3)
+    volume, rounding = common_volume(
+        *(corners(solid) @ turned.T + away for solid in (box((0, 0, 0), (1, 1, 1)), box(tuple(low), tuple(high))))
+    )
+    # What the coordinates lose when they are turned is up to their last digit times the area.
+    lost = 8 * np.spacing(np.abs(away).max() + 2)
+    assert abs(volume - np.prod(np.maximum(np.minimum(high, 1) - np.maximum(low, 0), 0))) <= rounding + lost
+    assert rounding < 1e-8
+
+
+@pytest.mark.parametrize("seed", range(20))
+def test_convex_bodies_share_the_hull_of_their_common_corners(seed: int) -> None:
+    rng = np.random.default_rng(seed)
+    bodies, planes = [], []
+    for k in range(2):
+        points = rng.normal((0.8 * k, 0, 0), size=(60, 3))
+        hull = ConvexHull(points)
+        normals = np.cross(*(points[hull.simplices[:, i]] - points[hull.simplices[:, 0]] for i in (1, 2)))
+        inward = (normals * hull.equations[:, :3]).sum(axis=1) < 0
+        faces = np.where(inward[:, None], hull.simplices[:, ::-1], hull.simplices)
+        bodies.append(points[faces])
+        planes.append(hull.equations)
+    shared = HalfspaceIntersection(np.concatenate(planes), np.array([0.4, 0, 0]))
+    volume, rounding = common_volume(*bodies)
+    assert volume == pytest.approx(ConvexHull(shared.intersections).volume, rel=1e-9)
+    assert rounding < 1e-9 * volume
+
+
+def test_order_of_triangles_and_of_their_corners_does_not_matter() -> None:
+    rng = np.random.default_rng(0)
+    one, other = corners(sphere(splits=3)), corners(ring(24, 8, 1.0, 0.3))
+    volume, rounding = common_volume(one, other)
+    for _ in range(5):
+        shuffled = [np.roll(body[rng.permutation(len(body))], rng.integers(3), axis=1) for body in (one, other)]
+        assert abs(common_volume(*shuffled)[0] - volume) <= 2 * rounding
+
+
+def test_surfaces_that_only_touch_share_nothing() -> None:
+    turned = Rotation.from_rotvec([0.3, 0.5, -0.2]).as_matrix()
+    ball = corners(sphere(splits=3)) @ turned.T
+    shell = np.concatenate([corners(sphere(radius=2, splits=3)) @ turned.T, ball[:, ::-1]])
+    volume, rounding = common_volume(ball, shell)
+    assert abs(volume) <= rounding < 1e-9
+
+
+def test_too_many_pairs_are_not_begun(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(module, "MOST_PAIRS", 100)
+    ball = corners(sphere(splits=3))
+    assert common_volume(ball, ball + 0.1) is None
