@@ -12,13 +12,13 @@ from typing import NoReturn, TextIO
 
 import inertia
 from inertia.errors import CacheWarning, InertiaError, UsageError
-from inertia_cli import analyse, balance, check, play, simulate, trade, tumble
+from inertia_cli import analyse, audit, balance, check, play, simulate, trade, tumble
 from inertia_cli.wording import as_option
 
 FAULT = 1
 INTERRUPTED = 130
 _SIGNED = ("--about", "--spin", "--axis", "--through", "--zero-mark", "--bearings", "--planes")  # may be negative
-_COMMANDS = (analyse, check, trade, simulate, tumble, play, balance)
+_COMMANDS = (analyse, check, trade, simulate, tumble, play, balance, audit)
 _CODES = """exit codes:
   0  done
   1  a fault of this program, or the result could not be written

@@ -33,7 +33,7 @@ def add_density(parser: argparse.ArgumentParser) -> None:
         "--density",
         action="append",
         default=[],
-        type=_named_number,
+        type=named_number,
         metavar="[NAME=]KG/M3",
         help="of the part, or of the region or body NAME (repeat it); 1000 is assumed without it",
     )
@@ -76,7 +76,8 @@ def _named(text: str) -> tuple[str, str]:
     return name, value
 
 
-def _named_number(text: str) -> tuple[str, float]:
+def named_number(text: str) -> tuple[str, float]:
+    """Return NAME and a number from ``NAME=KG/M3``, "" without a name."""
     name, value = _named(text)
     try:
         return name, float(value)

@@ -38,6 +38,10 @@ from inertia.work_precision.trade import Trade as Trade
 # Mass properties go out to other programs' files.
 from inertia.exchange.export import export as export
 
+# What a robot's file states is compared with its meshes.
+from inertia.auditing.audit import audit as audit
+from inertia.auditing.audit import Audit as Audit
+
 # Bodies without a mesh, and the algebra of tensors.
 from inertia.mass.elements import point_masses as point_masses
 from inertia.mass.elements import wire as wire

@@ -1,0 +1,189 @@
+"""Whole files audited: what is stated is written with and without mistakes, and the verdict follows."""
+
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+import pytest
+from tests.auditing.shapes import pair, skewed
+
+import inertia
+from inertia.arrays import Float
+from inertia.auditing.audit import Audit
+
+Writer = Callable[..., Path]
+
+
+def stl(path: Path, corners: Float) -> inertia.Part:
+    lines = ["solid s"]
+    for triangle in corners:
+        points = "".join(f"vertex {x!r} {y!r} {z!r}\n" for x, y, z in triangle.tolist())
+        lines.append(f"facet normal 0 0 0\nouter loop\n{points}endloop\nendfacet")
+    path.write_text("\n".join([*lines, "endsolid s", ""]))
+    return inertia.read(path, "m")
+
+
+def inertial(mass: float, center: Float, tensor: Float) -> str:
+    (xx, xy, xz), (_, yy, yz), (_, _, zz) = tensor.tolist()
+    return (
+        f'<inertial><origin xyz="{" ".join(map(repr, center.tolist()))}"/><mass value="{mass!r}"/>'
+        f'<inertia ixx="{xx!r}" ixy="{xy!r}" ixz="{xz!r}" iyy="{yy!r}" iyz="{yz!r}" izz="{zz!r}"/></inertial>'
+    )
+
+
+def link(name: str, stated: str, *visual: str, collision: str = "") -> str:
+    shapes = "".join(f"<visual><geometry>{each}</geometry></visual>" for each in visual)
+    shapes += f"<collision><geometry>{collision}</geometry></collision>" if collision else ""
+    return f'<link name="{name}">{stated}{shapes}</link>'
+
+
+def mesh(name: str) -> str:
+    return f'<mesh filename="{name}"/>'
+
+
+@pytest.fixture
+def props(tmp_path: Path) -> inertia.MassProperties:
+    parts = [stl(tmp_path / shape.name, shape.corners) for shape in pair()]
+    return inertia.mass_properties(parts[0], 7850.0) + inertia.mass_properties(parts[1], 7850.0)
+
+
+@pytest.fixture
+def audited(tmp_path: Path) -> Callable[..., Audit]:
+    def run(*links: str, joints: str = "", **options: object) -> Audit:
+        path = tmp_path / "robot.urdf"
+        path.write_text(f'<robot name="r">{"".join(links)}{joints}</robot>')
+        return inertia.audit(path, **options)  # type: ignore[arg-type]
+
+    return run
+
+
+MESHES = [mesh("upper.stl"), mesh("lower.stl")]
+
+
+def test_what_is_right_is_consistent(props: inertia.MassProperties, audited: Callable[..., Audit]) -> None:
+    audit = audited(link("arm", inertial(props.mass, props.center_of_mass, props.inertia), *MESHES))
+    assert audit.verdict == "consistent"
+    (arm,) = audit.links
+    assert arm.findings == ()
+    assert arm.densities == pytest.approx((7850.0, 7850.0), rel=1e-12)
+    assert arm.difference is not None
+    assert arm.difference.inertia < 1e-14
+    assert arm.computed is not None
+    assert arm.computed.error.inertia < 1e-12
+
+
+def test_a_mistake_is_found(props: inertia.MassProperties, audited: Callable[..., Audit]) -> None:
+    diagonal = np.diag(props.principal_moments[::-1])
+    audit = audited(link("arm", inertial(props.mass, props.center_of_mass, diagonal), *MESHES))
+    assert audit.verdict == "inconsistent"
+    assert [finding.code for finding in audit.links[0].findings] == ["principal_moments_as_diagonal"]
+
+
+def test_densities_are_inverted(tmp_path: Path, props: inertia.MassProperties, audited: Callable[..., Audit]) -> None:
+    parts = [inertia.read(tmp_path / shape.name, "m") for shape in pair()]
+    mixed = inertia.mass_properties(parts[0], 1040.0) + inertia.mass_properties(parts[1], 7850.0)
+    stated = inertial(mixed.mass, mixed.center_of_mass, mixed.inertia)
+    audit = audited(link("arm", stated, *MESHES))
+    assert audit.verdict == "consistent"
+    assert audit.links[0].densities == pytest.approx((1040.0, 7850.0), rel=1e-6)
+    assert [finding.code for finding in audit.links[0].findings] == ["densities"]
+    assert audited(link("arm", stated, *MESHES), densities=7850.0).verdict == "inconsistent"
+    named = audited(link("arm", stated, *MESHES), densities={"upper.stl": 1040.0, "": 7850.0})
+    assert named.verdict == "consistent"
+
+
+def test_impossible_tensors_are_unphysical(props: inertia.MassProperties, audited: Callable[..., Audit]) -> None:
+    audit = audited(link("arm", inertial(1.0, props.center_of_mass, np.diag([1.0, 1.0, 3.0])), *MESHES))
+    assert audit.links[0].state == "unphysical"
+    assert audit.links[0].findings[0].code == "unphysical"
+
+
+def test_placeholders(props: inertia.MassProperties, audited: Callable[..., Audit]) -> None:
+    stated = inertial(props.mass, props.center_of_mass, 0.1 * np.eye(3))
+    right = inertial(props.mass, props.center_of_mass, props.inertia)
+    audit = audited(link("arm", stated, *MESHES), link("a", right, *MESHES), link("b", right, MESHES[0]))
+    assert [each.findings[-1].code if each.findings else "" for each in audit.links] == [
+        "placeholder",
+        "",
+        "placeholder",
+    ]
+
+
+def test_links_without_anything_are_unjudged(props: inertia.MassProperties, audited: Callable[..., Audit]) -> None:
+    stated = inertial(props.mass, props.center_of_mass, props.inertia)
+    audit = audited(link("a", "", *MESHES), link("b", stated), link("c", '<inertial><mass value="0"/></inertial>'))
+    assert [(each.state, each.findings[0].code) for each in audit.links] == [
+        ("unjudged", "nothing_stated"),
+        ("unjudged", "no_geometry"),
+        ("unjudged", "nothing_stated"),
+    ]
+    assert audit.verdict == "undecided"
+
+
+@pytest.mark.parametrize(
+    ("shape", "mass", "moments"),
+    [
+        ('<box size="0.2 0.4 0.6"/>', 3.0, [3 / 12 * 0.52, 3 / 12 * 0.4, 3 / 12 * 0.2]),
+        ('<sphere radius="0.3"/>', 2.0, [0.4 * 2 * 0.09] * 3),
+        ('<cylinder radius="0.1" length="0.6"/>', 5.0, [5 / 12 * (0.03 + 0.36)] * 2 + [0.025]),
+    ],
+)
+def test_primitives(audited: Callable[..., Audit], shape: str, mass: float, moments: list[float]) -> None:
+    audit = audited(link("a", inertial(mass, np.zeros(3), np.diag(moments)), shape))
+    assert audit.verdict == "consistent"
+    assert audit.links[0].difference is not None
+    assert audit.links[0].difference.inertia < 1e-14
+
+
+def test_a_capsule_is_a_cylinder_and_a_ball(audited: Callable[..., Audit]) -> None:
+    radius, length, density = 0.1, 0.5, 1000.0
+    barrel, half = np.pi * radius**2 * length * density, 2 / 3 * np.pi * radius**3 * density
+    along = barrel * radius**2 / 2 + 2 * half * 2 / 5 * radius**2
+    # Of a half ball about its own centre, 3r/8 from its face: 83/320 m r².
+    across = barrel * (radius**2 / 4 + length**2 / 12)
+    across += 2 * half * (83 / 320 * radius**2 + (length / 2 + 3 / 8 * radius) ** 2)
+    stated = inertial(barrel + 2 * half, np.zeros(3), np.diag([across, across, along]))
+    audit = audited(link("a", stated, f'<capsule radius="{radius}" length="{length}"/>'))
+    assert audit.links[0].difference is not None
+    assert audit.links[0].difference.inertia < 1e-14
+
+
+def test_open_meshes_are_mended_or_replaced_aloud(tmp_path: Path, audited: Callable[..., Audit]) -> None:
+    shape = skewed()
+    part = stl(tmp_path / "upper.stl", shape.corners)
+    right = inertia.mass_properties(part, 7850.0)
+    stated = inertial(right.mass, right.center_of_mass, right.inertia)
+    stl(tmp_path / "open.stl", shape.corners[1:])
+    (mended,) = audited(link("a", stated, mesh("open.stl"))).links
+    assert [finding.code for finding in mended.findings] == ["mesh_mended"]
+    assert "open.stl: open" in mended.findings[0].sentence
+    stl(tmp_path / "sheet.stl", shape.corners[:1])
+    (hopeless,) = audited(link("a", stated, mesh("sheet.stl"))).links
+    assert (hopeless.state, hopeless.findings[0].code) == ("unjudged", "mesh_unusable")
+    (replaced,) = audited(link("a", stated, mesh("sheet.stl"), collision=mesh("upper.stl"))).links
+    assert replaced.state == "consistent"
+    assert replaced.findings[0].code == "collision_weighed"
+
+
+def test_fixed_joints_are_lumped(props: inertia.MassProperties, audited: Callable[..., Audit]) -> None:
+    stated = inertial(props.mass, props.center_of_mass, props.inertia)
+    links = link("a", stated, *MESHES), link("b", stated, *MESHES)
+    joints = (
+        '<joint name="j" type="fixed"><parent link="a"/><child link="b"/><origin xyz="0 1 0" rpy="0.3 0 0"/></joint>'
+    )
+    audit = audited(*links, joints=joints, lump=True)
+    (whole,) = audit.links
+    assert whole.state == "consistent"
+    assert whole.stated is not None
+    turn = np.array([[1, 0, 0], [0, np.cos(0.3), -np.sin(0.3)], [0, np.sin(0.3), np.cos(0.3)]])
+    other = props.expressed_in(turn.T, -turn.T @ [0, 1, 0])
+    assert whole.stated.inertia == pytest.approx((props + other).inertia, rel=1e-12)
+
+
+def test_arguments_are_checked(tmp_path: Path, audited: Callable[..., Audit]) -> None:
+    with pytest.raises(inertia.UsageError, match="between 0 and 1"):
+        inertia.audit(tmp_path / "x.urdf", tolerance=2.0)
+    stl(tmp_path / "upper.stl", skewed().corners)
+    stated = inertial(1.0, np.zeros(3), np.eye(3))
+    with pytest.raises(inertia.UsageError, match=r"no density is given for upper\.stl"):
+        audited(link("a", stated, mesh("upper.stl")), densities={"other.stl": 1.0})

@@ -1,0 +1,1 @@
+"""Stated mass properties against those computed from the meshes, and the mistakes that explain a difference."""

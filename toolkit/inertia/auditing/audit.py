@@ -1,0 +1,191 @@
+"""A robot's stated mass properties audited, link by link, against those of its meshes."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from hashlib import sha256
+from pathlib import Path
+from typing import Literal
+
+import numpy as np
+
+from inertia.arrays import Progress
+from inertia.auditing.bodies import Body, together
+from inertia.auditing.claim import Statement
+from inertia.auditing.judge import Finding, LinkAudit, Subject, Weighed, judge
+from inertia.auditing.search import EXPLAINED
+from inertia.auditing.shapes import Scales, cause
+from inertia.errors import InertiaError, UsageError
+from inertia.exchange.robots.links import Geometry, Link, Placement, Robot
+from inertia.exchange.robots.read import read_robot
+
+Verdict = Literal["consistent", "inconsistent", "undecided"]
+
+
+@dataclass(frozen=True, eq=False)
+class Audit:
+    """Stated against computed mass properties, link by link.
+
+    Attributes
+    ----------
+    robot : what was read
+    sha256 : of the file
+    tolerance : relative difference up to which stated and computed agree
+    verdict : "inconsistent" if a link is inconsistent or unphysical, else "consistent" if one is, else "undecided"
+    links : in the file's order
+    """
+
+    robot: Robot
+    sha256: str
+    tolerance: float
+    links: tuple[LinkAudit, ...]
+
+    @property
+    def verdict(self) -> Verdict:
+        """What follows from the links."""
+        states = {link.state for link in self.links}
+        if states & {"inconsistent", "unphysical"}:
+            return "inconsistent"
+        return "consistent" if "consistent" in states else "undecided"
+
+
+def audit(
+    path: str | Path,
+    *,
+    densities: float | Mapping[str, float] | None = None,
+    tolerance: float = EXPLAINED,
+    lump: bool = False,
+    progress: Progress | None = None,
+) -> Audit:
+    """Compare the mass properties that a robot's file states with those of the meshes of each link.
+
+    A link's meshes are taken for solids of one density that reproduces the stated mass, unless densities are given.
+    Where stated and computed differ, the mistakes are searched for that lead from one to the other.
+
+    Parameters
+    ----------
+    path : a URDF file
+    densities : kg/m³ of all meshes, or of each by its file's name ("" is the rest)
+    tolerance : relative difference (mass, tensor, centre of mass over the size of the link) up to which they agree
+    lump : links that hang together by fixed joints count as one, as simulators merge them
+
+    Raises
+    ------
+    ReadError : the file cannot be read
+    UsageError : an argument is not usable
+    """
+    if not 0 < tolerance < 1:
+        raise UsageError(f"the tolerance is {tolerance:g}: it must lie between 0 and 1")
+    robot = read_robot(path)
+    scales = Scales()
+    subjects = []
+    for number, link in enumerate(robot.links):
+        subjects.append(_subject(link, scales, densities))
+        if progress is not None:
+            progress((number + 1) / len(robot.links))
+    if lump:
+        subjects = list(_lumped(robot, subjects))
+    links = tuple(
+        judge(subject, [other for other in subjects if other is not subject], tolerance) for subject in subjects
+    )
+    return Audit(robot, sha256(Path(path).read_bytes()).hexdigest(), tolerance, links)
+
+
+def _subject(link: Link, scales: Scales, densities: float | Mapping[str, float] | None) -> Subject:
+    stated = None
+    if link.inertial is not None:
+        rotation = link.inertial.placement.rotation
+        inertia = rotation @ link.inertial.inertia @ rotation.T
+        body = Body(link.inertial.mass, link.inertial.placement.origin, inertia)
+        stated = Statement(body, rotation, link.inertial.decimals)
+    by_role: dict[str, list[Geometry]] = {"visual": [], "collision": []}
+    for geometry in link.geometries:
+        by_role[geometry.role].append(geometry)
+    visual, obstacles = _weighed(by_role["visual"], scales)
+    collision, others = _weighed(by_role["collision"], scales)
+    if (obstacles.blocking or not by_role["visual"]) and collision and not others.blocking:
+        words = "the visual meshes cannot be weighed" if by_role["visual"] else "it has no visual geometry"
+        note = Finding("collision_weighed", f"{words}: the collision geometry is weighed in their place")
+        weights = _weights(by_role["collision"], densities)
+        notes = (note, *obstacles.blocking, *others.notes)
+        return Subject(link.name, stated, collision, (), weights, (), notes, substitute=bool(by_role["visual"]))
+    weights = _weights(by_role["visual"], densities)
+    return Subject(link.name, stated, visual, collision, weights, obstacles.blocking, obstacles.notes)
+
+
+@dataclass(frozen=True)
+class _Obstacles:
+    """What keeps shapes from being weighed, and what had to be done to those that were."""
+
+    blocking: tuple[Finding, ...]
+    notes: tuple[Finding, ...]
+
+
+def _weighed(geometries: Sequence[Geometry], scales: Scales) -> tuple[list[Weighed], _Obstacles]:
+    weighed, blocking, notes = [], [], []
+    for geometry in geometries:
+        try:
+            shape, note = scales.weigh(geometry)
+        except InertiaError as error:
+            blocking.append(Finding("mesh_unusable", f"{geometry.name}: {cause(error)}"))
+            continue
+        weighed.append(shape)
+        if note is not None:
+            notes.append(note)
+    return weighed, _Obstacles(tuple(blocking), tuple(notes))
+
+
+def _weights(geometries: Sequence[Geometry], densities: float | Mapping[str, float] | None) -> tuple[float, ...] | None:
+    if densities is None:
+        return None
+    if not isinstance(densities, Mapping):
+        return (float(densities),) * len(geometries)
+    missing = [geometry.name for geometry in geometries if geometry.name not in densities and "" not in densities]
+    if missing:
+        raise UsageError(f"no density is given for {missing[0]}: name it, or the rest by ''")
+    return tuple(float(densities.get(geometry.name, densities.get("", 0.0))) for geometry in geometries)
+
+
+def _lumped(robot: Robot, subjects: Sequence[Subject]) -> Iterator[Subject]:
+    """Yield the links with those that hang from them by fixed joints, Steiner terms included."""
+    by_name = {subject.name: subject for subject in subjects}
+    places = {link.name: _root(robot, link) for link in robot.links}
+    for root in (link for link in robot.links if places[link.name][0] == link.name):
+        members = [(name, where) for name, (top, where) in places.items() if top == root.name]
+        if len(members) == 1:
+            yield by_name[root.name]
+            continue
+        stated = [
+            _moved(subject.stated.body, where)
+            for name, where in members
+            if (subject := by_name[name]).stated is not None and subject.stated.body.mass > 0
+        ]
+        groups = [(by_name[name], where) for name, where in members]
+        weights = [subject.densities for subject, _ in groups]
+        known = None if any(each is None for each in weights) else tuple(w for each in weights for w in each or ())
+        yield Subject(
+            root.name,
+            Statement(together(stated), np.eye(3)) if stated else None,
+            [each.moved(where) for subject, where in groups for each in subject.shapes],
+            [each.moved(where) for subject, where in groups for each in subject.collisions],
+            known,
+            [finding for subject, _ in groups for finding in subject.obstacles],
+            [finding for subject, _ in groups for finding in subject.notes],
+        )
+
+
+def _root(robot: Robot, link: Link) -> tuple[str, Placement]:
+    by_name = {each.name: each for each in robot.links}
+    where, seen = Placement(), {link.name}
+    while link.parent in by_name and link.parent not in seen:
+        where = link.placement.then(where)
+        link = by_name[link.parent]
+        seen.add(link.name)
+    return link.name, where
+
+
+def _moved(body: Body, where: Placement) -> Body:
+    return Body(
+        body.mass, where.rotation @ body.center + where.origin, where.rotation @ body.inertia @ where.rotation.T
+    )

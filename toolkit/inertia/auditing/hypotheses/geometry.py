@@ -1,0 +1,68 @@
+"""Other shapes weighed than the link has: one left out or counted twice, shell, hull, box, mirror image."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import replace
+from functools import partial
+
+from inertia.auditing.bodies import Body
+from inertia.auditing.claim import Claim, Context, Mistake
+
+_ALL = 12
+"""Shapes of a link up to which leaving out and counting twice are tried for each."""
+
+
+def mistakes(context: Context) -> Iterator[Mistake]:
+    """Yield what else may have been weighed in place of the shapes of the link."""
+    shapes, known = context.shapes, context.densities is not None
+
+    def of(code: str, words: str, remedy: str, bodies: Sequence[Body]) -> Mistake:
+        if known and len(bodies) == len(shapes):
+            weights = context.densities or ()
+            bodies = [body.weighed(density) for body, density in zip(bodies, weights, strict=True)]
+        return Mistake(code, 0, words, remedy, partial(_with, tuple(bodies)))
+
+    weigh = "weigh the meshes as solids"
+    if not known:
+        yield of("shell_for_solid", _shell(context), weigh, [shape.shell for shape in shapes])
+    yield of("hull_for_mesh", "it is that of the convex hulls of the meshes", weigh, [s.hull_solid for s in shapes])
+    yield of("hull_for_mesh", "it is that of the boxes around the meshes", weigh, [s.box_solid for s in shapes])
+    if context.collisions and not known:
+        bodies = [shape.solid for shape in context.collisions]
+        yield of("hull_for_mesh", "it is that of the collision geometry", "weigh the visual meshes", bodies)
+    if 1 < len(shapes) <= _ALL:
+        for k, shape in enumerate(shapes):
+            words, remedy = f"{shape.name} is left out", f"count {shape.name} in"
+            yield Mistake("mesh_left_out", 1, words, remedy, partial(_without, k))
+            words, remedy = f"{shape.name} is counted twice", f"count {shape.name} once"
+            yield Mistake("mesh_counted_twice", 1, words, remedy, partial(_twice, k))
+    for axis, name in enumerate("xyz"):
+        words = f"it is that of the twin mirrored in {name}"
+        yield Mistake("mirrored", 1, words, "weigh this side's own meshes", partial(_mirrored, axis))
+
+
+def _shell(context: Context) -> str:
+    mass = context.stated.body.mass
+    area = sum(shape.shell.mass for shape in context.shapes)
+    thickness = 1e3 * mass / area
+    return (
+        "it is that of thin shells, not of solids (of the stated mass if they are "
+        f"{thickness / 1040:.2g} mm thick in ABS, {thickness / 2700:.2g} mm in aluminium)"
+    )
+
+
+def _with(bodies: tuple[Body, ...], claim: Claim) -> Claim:
+    return replace(claim, bodies=bodies, copies=(1,) * len(bodies))
+
+
+def _without(number: int, claim: Claim) -> Claim:
+    return replace(claim, copies=tuple(0 if k == number else n for k, n in enumerate(claim.copies)))
+
+
+def _twice(number: int, claim: Claim) -> Claim:
+    return replace(claim, copies=tuple(2 if k == number else n for k, n in enumerate(claim.copies)))
+
+
+def _mirrored(axis: int, claim: Claim) -> Claim:
+    return replace(claim, bodies=tuple(body.mirrored(axis) for body in claim.bodies))

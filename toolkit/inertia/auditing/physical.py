@@ -1,0 +1,142 @@
+"""Whether stated mass properties can belong to any body, and to one within the hull of given meshes.
+
+Decided in rational arithmetic on the numbers as they are stated, along the axes in which the file writes them: a
+tensor is that of a body exactly if ½ tr(J) δ − J, the second moments ∫ r rᵀ dm, has no negative eigenvalue (which is
+the triangle rule of the principal moments).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from fractions import Fraction
+from itertools import combinations
+
+import numpy as np
+
+from inertia.arrays import Float
+from inertia.auditing.claim import Statement
+
+_SLACK = 1e-9  # of the size of the hull: where the planes of a hull are rounded to
+
+
+@dataclass(frozen=True)
+class Fault:
+    """What no body, or none within the hull, can have: a sentence, and by how much the limit is passed (relative)."""
+
+    sentence: str
+    excess: float
+    within_hull: bool = False
+
+
+def margin(stated: Statement) -> float:
+    """Return the margin of the triangle rule, (I1 + I2 − I3) / I3 of ascending principal moments; negative: broken.
+
+    >>> round(margin(_statement(np.diag([1.0, 2.0, 2.5]))), 3)
+    0.2
+    """
+    least, middle, greatest = np.linalg.eigvalsh(stated.body.inertia)
+    return float((least + middle - greatest) / greatest) if greatest > 0 else -np.inf
+
+
+def faults(stated: Statement) -> Iterator[Fault]:
+    """Yield why no body can have the stated mass properties.
+
+    A triangle rule that is broken by no more than the last decimal written is passed over.
+
+    >>> [fault.sentence for fault in faults(_statement(np.diag([1.0, 1.0, 3.0])))]
+    ['the principal moments 1, 1, 3 break the triangle rule: the greatest is 50 % above the sum of the others']
+    """
+    body = stated.body
+    if not body.mass > 0:
+        yield Fault(f"the mass is {body.mass:.6g} kg: it must be positive", np.inf)
+    written = stated.written
+    if not np.isfinite(written).all():
+        yield Fault("the tensor is not finite", np.inf)
+        return
+    moments = np.linalg.eigvalsh(written)
+    names = ", ".join(f"{moment:.4g}" for moment in moments)
+    if not _positive_definite(_exact(written)):
+        yield Fault(f"the tensor is not positive definite: its principal moments are {names}", 1.0)
+        return
+    slack = 0 if stated.decimals[2] is None else Fraction(3, 2) / 10 ** stated.decimals[2]
+    slack += Fraction(float(np.trace(written))) * Fraction(1, 2**50)
+    rows = _exact(written)
+    half = (rows[0][0] + rows[1][1] + rows[2][2] + 2 * slack) / 2
+    second = [[(half if i == j else 0) - rows[i][j] for j in range(3)] for i in range(3)]
+    if not _no_negative_eigenvalue(second):
+        excess = -margin(stated) * moments[2] / (moments[0] + moments[1]) if moments[0] + moments[1] > 0 else np.inf
+        yield Fault(
+            f"the principal moments {names} break the triangle rule: the greatest is {100 * excess:.2g} % above the "
+            "sum of the others",
+            float(excess),
+        )
+
+
+def outside(stated: Statement, hull: Float) -> Iterator[Fault]:
+    """Yield why no body within a convex hull (triangles (k, 3, 3), m, link axes) can have what is stated.
+
+    The centre of mass lies within, and along each principal axis the mean square distance from the centre is at most
+    the product of the ways from the centre to the hull's two ends (Bhatia and Davis, Am. Math. Monthly 107, 2000).
+    """
+    body = stated.body
+    size = float(np.ptp(hull, axis=(0, 1)).max())
+    normals = np.cross(hull[:, 1] - hull[:, 0], hull[:, 2] - hull[:, 0])
+    lengths = np.linalg.norm(normals, axis=1)
+    flat = lengths <= _SLACK * size**2
+    heights = np.einsum("ij,ij->i", normals, body.center - hull[:, 0])[~flat] / lengths[~flat]
+    if (beyond := float(heights.max(initial=-np.inf))) > _SLACK * size:
+        yield Fault(
+            f"the centre of mass lies {1e3 * beyond:.3g} mm outside the convex hull of the meshes", beyond / size, True
+        )
+        return
+    second = (np.trace(body.inertia) / 2 * np.eye(3) - body.inertia) / body.mass
+    squares, axes = np.linalg.eigh(second)
+    ways = (hull.reshape(-1, 3) - body.center) @ axes
+    limits = ways.max(axis=0) * -ways.min(axis=0)
+    k = int(np.argmax(squares - limits))
+    if squares[k] > limits[k] * (1 + _SLACK):
+        radius, limit = np.sqrt(squares[k]), np.sqrt(max(limits[k], 0.0))
+        yield Fault(
+            f"the mass would lie {1e3 * radius:.3g} mm (root mean square) from its centre along one axis, where the "
+            f"hull of the meshes allows {1e3 * limit:.3g} mm at most",
+            float(radius / limit - 1) if limit else np.inf,
+            True,
+        )
+
+
+def _exact(matrix: Float) -> list[list[Fraction]]:
+    return [[Fraction(float(value)) for value in row] for row in (matrix + matrix.T) / 2]
+
+
+def _positive_definite(matrix: list[list[Fraction]]) -> bool:
+    """Say whether the leading principal minors are above zero (Sylvester's criterion)."""
+    return all(_determinant([row[:count] for row in matrix[:count]]) > 0 for count in (1, 2, 3))
+
+
+def _no_negative_eigenvalue(matrix: list[list[Fraction]]) -> bool:
+    """Say whether all principal minors are at least zero, which decides it for a symmetric matrix."""
+    for count in (1, 2, 3):
+        for rows in combinations(range(3), count):
+            if _determinant([[matrix[i][j] for j in rows] for i in rows]) < 0:
+                return False
+    return True
+
+
+def _determinant(matrix: list[list[Fraction]]) -> Fraction:
+    if len(matrix) == 1:
+        return matrix[0][0]
+    return sum(
+        (
+            (-1) ** k * matrix[0][k] * _determinant([row[:k] + row[k + 1 :] for row in matrix[1:]])
+            for k in range(len(matrix))
+        ),
+        Fraction(0),
+    )
+
+
+def _statement(inertia: Float) -> Statement:
+    """Return a statement of 1 kg at the origin, for the examples."""
+    from inertia.auditing.bodies import Body
+
+    return Statement(Body(1.0, np.zeros(3), inertia), np.eye(3))

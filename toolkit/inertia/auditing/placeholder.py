@@ -1,0 +1,40 @@
+"""Tensors that nobody computed: multiples of the identity, one figure for all moments, those of another link."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+
+import numpy as np
+
+from inertia.auditing.claim import Context, Statement
+
+_FEW = 2  # significant digits of a figure that somebody typed
+_ALIKE = 0.05  # moments that the meshes themselves have as equal as that are no placeholder
+
+
+def placeholder(context: Context, others: Iterable[tuple[str, Statement, Context | None]]) -> str | None:
+    """Return in what way a stated tensor looks like a placeholder, or None.
+
+    Parameters
+    ----------
+    others : the other links of the file: name, statement, and what it is stated about where that is known
+    """
+    tensor = context.stated.written
+    moments = np.diag(tensor)
+    truth = np.linalg.eigvalsh(context.truth.body.inertia)
+    round_body = float(np.ptp(truth)) <= _ALIKE * truth[2]
+    if not (tensor - np.diag(moments)).any() and np.ptp(moments) == 0 and _typed(float(moments[0])) and not round_body:
+        return f"all moments are {moments[0]:g} kg m² and the products 0, as where nobody computed them"
+    for name, other, about in others:
+        same = np.array_equal(other.written, tensor) and np.array_equal(other.body.center, context.stated.body.center)
+        if same and about is not None:
+            own, its = context.truth.body.inertia / context.stated.body.mass, about.truth.body.inertia
+            its = its / about.stated.body.mass
+            if np.linalg.norm(own - its) > _ALIKE * np.linalg.norm(own):
+                return f"centre of mass and tensor are those of {name}, whose meshes are others"
+    return None
+
+
+def _typed(value: float) -> bool:
+    digits = f"{value:.15e}".partition("e")[0].rstrip("0").replace(".", "")
+    return len(digits) <= _FEW

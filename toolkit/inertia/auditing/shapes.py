@@ -1,0 +1,163 @@
+"""Meshes and primitives of a link weighed at 1 kg/m³ in the axes of the link."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+from fractions import Fraction
+from itertools import pairwise
+from pathlib import Path
+
+import numpy as np
+
+from inertia.arrays import Float
+from inertia.auditing.bodies import Body, Shape
+from inertia.auditing.judge import Finding, Weighed, placed
+from inertia.errors import GeometryError, InertiaError
+from inertia.exchange.robots.links import Geometry, Primitive
+from inertia.mass.analysis import mass_properties
+from inertia.mass.properties import ErrorBound, MassProperties
+from inertia.mesh.part import Part, Surface
+from inertia.mesh.read import read
+from inertia.mesh.repair import repair
+from inertia.units import METRE, Unit
+
+_FACETS = 48  # of the outline of a primitive, for its hull alone
+_ROUNDOFF = 2.0**-50
+
+
+@dataclass(frozen=True, eq=False)
+class _Mesh:
+    """A mesh in its own axes: mass properties at 1 kg/m³, triangles (m, 3, 3) in m, and what had to be done to it."""
+
+    properties: MassProperties
+    corners: Float
+    note: Finding | None
+
+
+class Scales:
+    """Weighs geometries, each mesh once."""
+
+    def __init__(self) -> None:
+        self._meshes: dict[tuple[Path, object], _Mesh | InertiaError] = {}
+
+    def weigh(self, geometry: Geometry) -> tuple[Weighed, Finding | None]:
+        """Return a geometry weighed, and what had to be done to it; raise as `inertia.read` and `mass_properties`."""
+        mesh = _primitive(geometry.shape) if isinstance(geometry.shape, Primitive) else self._mesh(geometry)
+        where = geometry.placement
+        properties = placed(mesh.properties, where)
+        corners = mesh.corners @ where.rotation.T + where.origin
+        solid = Body(properties.mass, properties.center_of_mass, properties.inertia)
+        note = mesh.note and Finding(mesh.note.code, f"{geometry.name}: {mesh.note.sentence}")
+        return Weighed(Shape(geometry.name, corners, solid, where.rotation, where.origin), properties), note
+
+    def _mesh(self, geometry: Geometry) -> _Mesh:
+        assert isinstance(geometry.shape, Path)
+        key = geometry.shape, geometry.scale
+        if key not in self._meshes:
+            try:
+                self._meshes[key] = _weighed(_scaled(read(geometry.shape), geometry.scale))
+            except InertiaError as error:
+                self._meshes[key] = error
+        mesh = self._meshes[key]
+        if isinstance(mesh, InertiaError):
+            raise mesh
+        return mesh
+
+
+def _scaled(part: Part, scale: tuple[Fraction, Fraction, Fraction] | None) -> Part:
+    """Return the part with coordinates that count as metres times `scale`, or in its file's own unit."""
+    base = part.unit if part.unit_from == "file" else METRE
+    x, y, z = scale or (Fraction(1),) * 3
+    if x == y == z > 0:
+        metres = base.metres * x
+        return replace(part, unit=base if x == 1 else Unit(f"{float(x):g} {base.name}", metres), unit_from="file")
+    if 0 in (x, y, z):
+        raise GeometryError(f"{part.name} is scaled by {float(x):g} {float(y):g} {float(z):g}: nothing is left of it")
+    corners = part.triangles.corners() * np.array([float(x), float(y), float(z)])
+    if x * y * z < 0:
+        corners = corners[:, ::-1]
+    surface = Surface(corners.reshape(-1, 3), np.arange(3 * len(corners)).reshape(-1, 3))
+    return replace(part, geometry=surface, unit=base, unit_from="file", rounding=None, regions=None)
+
+
+def _weighed(part: Part) -> _Mesh:
+    note = None
+    try:
+        properties = mass_properties(part, 1.0)
+    except GeometryError as error:
+        try:
+            mended = repair(part)
+            properties = mass_properties(mended.part, 1.0)
+        except GeometryError:
+            raise error from None
+        what = "; ".join(f"{change.what} ({change.count})" for change in mended.changes)
+        note = Finding("mesh_mended", f"{cause(error)}; weighed as repaired: {what}")
+        part = mended.part
+    return _Mesh(properties, part.triangles.corners() * float(part.unit.metres), note)
+
+
+def cause(error: InertiaError) -> str:
+    """Return what an error says is the matter with a mesh, without its place and its remedy."""
+    words = str(error.words[0]) if error.words else str(error)
+    return words.rpartition(": ")[0] or words
+
+
+def _primitive(shape: Primitive) -> _Mesh:
+    """Return a primitive of density 1 about its own centre, in closed form."""
+    sizes = np.array(shape.sizes)
+    if not (sizes > 0).all():
+        raise GeometryError(f"a {shape.kind} of {', '.join(f'{size:g}' for size in sizes)} m encloses nothing")
+    if shape.kind == "box":
+        squares = sizes**2 / 12
+        volume, corners = float(np.prod(sizes)), _box(sizes / 2)
+    elif shape.kind in ("sphere", "ellipsoid"):
+        axes = sizes if len(sizes) == 3 else np.full(3, sizes[0])
+        squares = axes**2 / 5
+        volume, corners = 4 / 3 * np.pi * float(np.prod(axes)), _revolved(np.linspace(-1, 1, 13), None) * axes
+    elif shape.kind == "cylinder":
+        radius, length = sizes
+        squares = np.array([radius**2 / 4, radius**2 / 4, length**2 / 12])
+        volume = np.pi * radius**2 * length
+        corners = _revolved(np.array([-1.0, 1.0]), np.ones(2)) * [radius, radius, length / 2]
+    else:
+        radius, length = sizes
+        barrel, ball = np.pi * radius**2 * length, 4 / 3 * np.pi * radius**3
+        volume = barrel + ball
+        beside = (barrel * radius**2 / 4 + ball * radius**2 / 5) / volume
+        # Two half balls, each 3r/8 beyond its face: ∫z² of a half ball about the middle of the barrel.
+        along = (barrel * length**2 / 12 + ball * (radius**2 / 5 + length**2 / 4 + 3 / 8 * length * radius)) / volume
+        squares = np.array([beside, beside, along])
+        ends = _revolved(np.linspace(-1, 1, 13), None) * radius
+        corners = ends + np.sign(ends[..., 2:]) * np.array([0, 0, length / 2])
+    inertia = volume * (squares.sum() * np.eye(3) - np.diag(squares))
+    error = ErrorBound("closed form", _ROUNDOFF, _ROUNDOFF, 0.0, _ROUNDOFF)
+    return _Mesh(MassProperties(float(volume), float(volume), np.zeros(3), inertia, error), corners, None)
+
+
+def _box(half: Float) -> Float:
+    corners = np.array([[x, y, z] for x in (-1, 1) for y in (-1, 1) for z in (-1, 1)]) * half
+    faces = [[0, 1, 3], [0, 3, 2], [4, 6, 7], [4, 7, 5], [0, 4, 5], [0, 5, 1]]
+    faces += [[2, 3, 7], [2, 7, 6], [0, 2, 6], [0, 6, 4], [1, 5, 7], [1, 7, 3]]
+    return np.asarray(corners[np.array(faces)], float)
+
+
+def _revolved(heights: Float, radii: Float | None) -> Float:
+    """Return the triangles of a body of revolution about z, of the unit ball where no radii are given."""
+    if radii is None:
+        angles = np.arcsin(heights)
+        heights, radii = np.sin(angles), np.cos(angles)
+    turns = np.linspace(0, 2 * np.pi, _FACETS, endpoint=False)
+    ring = np.stack([np.cos(turns), np.sin(turns), np.zeros_like(turns)], axis=1)
+    rings = [ring * radius + [0, 0, height] for height, radius in zip(heights, radii, strict=True)]
+    return np.concatenate(
+        list(_bands([np.tile([0, 0, heights[0]], (_FACETS, 1)), *rings]))
+        + list(_bands([rings[-1], np.tile([0, 0, heights[-1]], (_FACETS, 1))]))
+    )
+
+
+def _bands(rings: list[Float]) -> Iterator[Float]:
+    for below, above in pairwise(rings):
+        next_below, next_above = np.roll(below, -1, axis=0), np.roll(above, -1, axis=0)
+        yield np.stack([below, next_below, next_above], axis=1)
+        yield np.stack([below, next_above, above], axis=1)

@@ -1,0 +1,105 @@
+"""`Robot`, `Link`, `Inertial` and `Geometry`: what a file says of a robot, in SI units and the axes of each link."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from fractions import Fraction
+from pathlib import Path
+from typing import Literal
+
+import numpy as np
+
+from inertia.arrays import Float
+
+Role = Literal["visual", "collision"]
+
+
+@dataclass(frozen=True, eq=False)
+class Placement:
+    """Where a frame lies in another: x = `rotation` x' + `origin`, (3, 3) and (3,) m."""
+
+    rotation: Float = field(default_factory=lambda: np.eye(3))
+    origin: Float = field(default_factory=lambda: np.zeros(3))
+
+    def then(self, inner: Placement) -> Placement:
+        """Return where a frame lies that is placed in this one."""
+        return Placement(self.rotation @ inner.rotation, self.rotation @ inner.origin + self.origin)
+
+
+@dataclass(frozen=True, eq=False)
+class Inertial:
+    """Mass properties as a file states them.
+
+    Attributes
+    ----------
+    mass : kg
+    placement : of the frame at the centre of mass in which the tensor is written
+    inertia : (3, 3) kg m² about the centre of mass along the axes of that frame, tensor signs
+    decimals : places after the point that mass, centre and tensor are written with; None where that says nothing
+    """
+
+    mass: float
+    placement: Placement
+    inertia: Float
+    decimals: tuple[int | None, int | None, int | None] = (None, None, None)
+
+
+@dataclass(frozen=True)
+class Primitive:
+    """A shape without a mesh: ``box`` (x, y, z), ``sphere`` (r), ``cylinder`` or ``capsule`` (r, length along z),
+
+    ``ellipsoid`` (half axes); m.
+    """
+
+    kind: Literal["box", "sphere", "cylinder", "capsule", "ellipsoid"]
+    sizes: tuple[float, ...]
+
+
+@dataclass(frozen=True, eq=False)
+class Geometry:
+    """A shape of a link.
+
+    Attributes
+    ----------
+    name : for messages, different for each geometry of the link
+    role : what the file has it for
+    shape : a mesh's file, or a primitive
+    placement : of its own axes in those of the link
+    scale : what the coordinates in the mesh's file are multiplied by to be metres, along its x, y and z; None where
+        the file's own unit, or else the metre, counts
+    """
+
+    name: str
+    role: Role
+    shape: Path | Primitive
+    placement: Placement = field(default_factory=Placement)
+    scale: tuple[Fraction, Fraction, Fraction] | None = None
+
+
+@dataclass(frozen=True, eq=False)
+class Link:
+    """A rigid body of a robot.
+
+    Attributes
+    ----------
+    inertial : what is stated of it; None where nothing is
+    parent : the link it hangs from by a joint that does not move; None otherwise
+    placement : of its axes in those of `parent`
+    """
+
+    name: str
+    inertial: Inertial | None
+    geometries: tuple[Geometry, ...]
+    parent: str | None = None
+    placement: Placement = field(default_factory=Placement)
+
+
+@dataclass(frozen=True, eq=False)
+class Robot:
+    """What a file holds: its links, in its order, and what reading had to decide, in sentences."""
+
+    path: Path
+    format: str
+    name: str
+    links: tuple[Link, ...]
+    notes: tuple[str, ...] = ()

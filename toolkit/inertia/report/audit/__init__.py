@@ -1,0 +1,1 @@
+"""`Audit` → text, JSON and HTML."""

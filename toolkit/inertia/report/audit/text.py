@@ -1,0 +1,67 @@
+"""`Audit` → the text that the command prints: one row a link, then what was found."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Iterator
+
+from inertia.auditing.audit import Audit
+from inertia.auditing.judge import Finding, LinkAudit
+
+_HEAD = ("link", "stated", "mass", "centre", "tensor", "")
+
+
+def audit_text(audit: Audit) -> str:
+    """Return the audit as text."""
+    return "\n".join(_lines(audit)) + "\n"
+
+
+def _lines(audit: Audit) -> Iterator[str]:
+    counts = Counter(link.state for link in audit.links)
+    states = ", ".join(f"{counts[state]} {state}" for state in sorted(counts))
+    yield f"{audit.robot.path} ({audit.robot.format}): {audit.verdict}: {states}"
+    yield f"Stated against computed, link by link; they agree within {100 * audit.tolerance:g} %."
+    yield ""
+    rows = [_HEAD, *(_row(link) for link in audit.links)]
+    widths = [max(len(row[k]) for row in rows) for k in range(len(_HEAD))]
+    for row in rows:
+        cells = (
+            cell.ljust(width) if k in (0, 5) else cell.rjust(width)
+            for k, (cell, width) in enumerate(zip(row, widths, strict=True))
+        )
+        yield "  ".join(cells).rstrip()
+    for link in audit.links:
+        if link.findings and link.state != "consistent":
+            yield ""
+            yield f"{link.name}: {link.state}"
+            yield from (f"  {sentence(finding)}" for finding in link.findings)
+    named = [(link.name, finding) for link in audit.links if link.state == "consistent" for finding in link.findings]
+    if named:
+        yield ""
+        yield from (f"{name}: {sentence(finding)}" for name, finding in named)
+    yield from audit.robot.notes
+
+
+def sentence(finding: Finding) -> str:
+    """Return a finding as a line: what it is, what remains when it is undone, and what mends it."""
+    remains = "" if finding.residual is None else f" ({percent(finding.residual)} remain)"
+    remedy = f": {finding.remedy}" if finding.remedy else ""
+    return f"{finding.sentence}{remains}{remedy} [{finding.code}]"
+
+
+def percent(value: float) -> str:
+    """Return a relative difference as a percentage of two digits.
+
+    >>> percent(0.4312), percent(1e-9), percent(3.2e-4)
+    ('43 %', '0 %', '0.032 %')
+    """
+    return "0 %" if value < 5e-7 else f"{100 * value:.2g} %" if value < 0.995 else f"{100 * value:.0f} %"
+
+
+def _row(link: LinkAudit) -> tuple[str, ...]:
+    mass = "-" if link.stated is None else f"{link.stated.mass:.6g} kg"
+    if link.difference is None:
+        return link.name, mass, "-", "-", "-", link.state
+    difference = link.difference
+    center = f"{1e3 * difference.center_of_mass:.3g} mm"
+    return link.name, mass, percent(difference.mass), center, percent(difference.inertia), link.state
