@@ -162,7 +162,6 @@ def _corners(bodies: Sequence[RotorBody], shaft: Shaft) -> Iterator[Float]:
         triangles, metres = body.part.triangles, float(body.part.unit.metres)
         for start in range(0, triangles.count, _CHUNK):
             yield shaft.to_shaft(triangles.corners(start, start + _CHUNK) * metres)
-            triangles.release(start, start + _CHUNK)
 
 
 @dataclass(frozen=True, eq=False)

@@ -45,7 +45,6 @@ def chord_bound(triangles: Triangles, chord: float | Float, origin: Vector) -> M
         stop = min(start + _CHUNK, triangles.count)
         corners = triangles.corners(start, stop) - center
         sums += _between(corners, np.broadcast_to(chord, triangles.count)[start:stop])
-        triangles.release(start, stop)
     volume, x, y, z, *second = (Fraction(k) * _ROUNDED_UP for k in sums.tolist())
     xx, yy, zz, yz, zx, xy = second
     return Moments(origin, ZERO, (ZERO,) * 3, (ZERO,) * 6, volume, (x, y, z), (xx, yy, zz, yz, zx, xy))

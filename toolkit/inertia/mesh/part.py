@@ -2,7 +2,7 @@
 
 A part holds one of three geometries:
 
-* `Facets`: the 50-byte records of a binary STL file, usually still in the file (memory-mapped);
+* `Facets`: the 50-byte records of a binary STL file, in memory or, of a large one, still in the file;
 * `Surface`: vertices and triangles;
 * `Cells`: a volume mesh (or wires and points) as blocks of cells, with meshio's names and node order.
 
@@ -12,8 +12,9 @@ triangles needs not know where they lie. Coordinates are never multiplied by a u
 
 from __future__ import annotations
 
-import contextlib
-import mmap
+import os
+import threading
+import weakref
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
@@ -24,7 +25,8 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from inertia.arrays import Float, Int
-from inertia.errors import GeometryError, ReadError, UsageError
+from inertia.errors import GeometryError, ReadError, UsageError, placed
+from inertia.mesh.version import CHANGED, Version
 from inertia.units import DEFAULT_UNIT, Unit, UnitFrom, length_unit, multiple_of
 
 FACET = np.dtype(
@@ -48,35 +50,41 @@ _NAMES_IN_TRIMESH = {
 }
 """What trimesh calls the units that it knows under another name than `inertia.units`."""
 _SCANNED = 65_536  # triangles looked at together
+_GAP = 512  # triangles that are read along with their neighbours rather than passed over
 
 
 class Facets:
-    """Triangles as binary STL records, in memory or mapped from a file.
+    """Triangles as binary STL records in memory.
 
     Parameters
     ----------
     records : (n,) array of `FACET`
-    mapping : the memory map that `records` is a view of, if it is one
-    offset : byte at which the records begin in `mapping`
     """
 
-    def __init__(self, records: NDArray[Any], mapping: mmap.mmap | None = None, offset: int = 0) -> None:
-        self.records = records
-        self._mapping = mapping
-        self._offset = offset
+    def __init__(self, records: NDArray[Any]) -> None:
+        self._records = records
 
     @property
     def count(self) -> int:
         """Number of triangles."""
-        return len(self.records)
+        return len(self._records)
+
+    @property
+    def records(self) -> NDArray[Any]:
+        """All records, (n,)."""
+        return self.block(0, self.count)
+
+    def block(self, start: int, stop: int) -> NDArray[Any]:
+        """Return the records of triangles `start:stop`."""
+        return self._records[start:stop]
 
     def corners_f4(self, start: int = 0, stop: int | None = None) -> NDArray[np.float32]:
-        """Return the stored corners of triangles `start:stop`, (k, 3, 3) float32, as a view."""
-        part = self.records[start:stop]
-        if len(part) == 0:
+        """Return the stored corners of triangles `start:stop`, (k, 3, 3) float32, as a view of a block."""
+        block = self.block(start, self.count if stop is None else min(stop, self.count))
+        if len(block) == 0:
             return np.empty((0, 3, 3), "<f4")
         return np.ndarray(
-            (len(part), 3, 3), "<f4", buffer=part, offset=_CORNERS_OFFSET, strides=(FACET.itemsize, 12, 4)
+            (len(block), 3, 3), "<f4", buffer=block, offset=_CORNERS_OFFSET, strides=(FACET.itemsize, 12, 4)
         )
 
     def corners(self, start: int = 0, stop: int | None = None) -> Float:
@@ -85,29 +93,71 @@ class Facets:
 
     def sample(self, count: int) -> Float:
         """Return the corners of at least `count` triangles (or all), evenly spread, (k, 3, 3)."""
-        places = np.arange(0, self.count, max(1, self.count // count))
-        corners = []
-        for few in np.array_split(places, 8):  # a touch of a mapped file may bring in 2 MB of it
-            corners.append(self.select(few).corners())
-            self.release(0, self.count)
-        return np.concatenate(corners)
+        return self.select(np.arange(0, self.count, max(1, self.count // count))).corners()
 
     def select(self, index: NDArray[Any]) -> Facets:
         """Return the triangles picked by an index or mask array, as a copy in memory."""
-        return Facets(self.records[index])
+        return Facets(self._records[index])
 
-    def release(self, start: int, stop: int) -> None:
-        """Tell the system that the pages of triangles `start:stop` are done with.
 
-        It keeps the process small: only the pages in use stay resident. They are read again when touched.
-        """
-        if self._mapping is None or not hasattr(mmap, "MADV_DONTNEED"):
-            return
-        first = -(-(self._offset + start * FACET.itemsize) // mmap.PAGESIZE) * mmap.PAGESIZE
-        last = (self._offset + stop * FACET.itemsize) // mmap.PAGESIZE * mmap.PAGESIZE
-        if last > first:
-            with contextlib.suppress(OSError):
-                self._mapping.madvise(mmap.MADV_DONTNEED, first, last - first)
+class FacetsInFile(Facets):
+    """Triangles as binary STL records in a file, read block by block where they are used.
+
+    They are not mapped: to touch a page of a file that was cut short meanwhile ends the process. Each block is known
+    to be that of the version of the file that was opened; `ReadError` says so where it has changed.
+
+    Parameters
+    ----------
+    path : the file
+    count : of triangles
+    offset : byte at which the records begin
+    """
+
+    def __init__(self, path: Path, count: int, offset: int) -> None:
+        self._name, self._version, self._count, self._offset = str(path), Version(path), count, offset
+        self._file = os.open(path, os.O_RDONLY | getattr(os, "O_BINARY", 0))
+        self._seeking = threading.Lock()
+        weakref.finalize(self, os.close, self._file)
+
+    @property
+    def count(self) -> int:
+        """Number of triangles."""
+        return self._count
+
+    def block(self, start: int, stop: int) -> NDArray[Any]:
+        """Return the records of triangles `start:stop`; raises `ReadError` where the file has changed."""
+        size, at = FACET.itemsize * (stop - start), self._offset + FACET.itemsize * start
+        try:
+            data = self._read(size, at)
+            self._version.require(os.fstat(self._file), links=False)
+            if len(data) < size:
+                raise ReadError(CHANGED)
+        except OSError as error:
+            raise ReadError(f"cannot read {self._name}: {error.strerror}: check the disk") from error
+        except ReadError as error:
+            raise placed(error, f"cannot read {self._name}") from None
+        return np.frombuffer(data, FACET)
+
+    def select(self, index: NDArray[Any]) -> Facets:
+        """Return the triangles picked by an index or mask array, as a copy in memory."""
+        places = np.flatnonzero(index) if index.dtype == bool else index
+        order = np.argsort(places, kind="stable")
+        ordered = places[order]
+        records = np.empty(len(places), FACET)
+        ends = np.flatnonzero(np.diff(ordered, append=self._count + _GAP) >= _GAP) + 1
+        for first, last in zip([0, *ends[:-1].tolist()], ends.tolist(), strict=True):
+            for some in range(first, last, _SCANNED):
+                run = ordered[some : min(some + _SCANNED, last)]
+                block = self.block(int(run[0]), int(run[-1]) + 1)
+                records[order[some : some + len(run)]] = block[run - run[0]]
+        return Facets(records)
+
+    def _read(self, size: int, at: int) -> bytes:
+        if hasattr(os, "pread"):
+            return os.pread(self._file, size, at)
+        with self._seeking:
+            os.lseek(self._file, at, os.SEEK_SET)
+            return os.read(self._file, size)
 
 
 class Surface:
@@ -152,9 +202,6 @@ class Surface:
         """Return the triangles picked by an index or mask array; the vertices are shared."""
         return Surface(self.vertices, self.faces[index])
 
-    def release(self, start: int, stop: int) -> None:
-        """Do nothing: these triangles are in memory."""
-
 
 Triangles = Facets | Surface
 
@@ -171,7 +218,6 @@ def first_non_finite(triangles: Triangles) -> tuple[int, int] | None:
     for start in range(0, triangles.count, _SCANNED):
         stop = min(start + _SCANNED, triangles.count)
         finite = np.isfinite(corners(start, stop)).all(axis=2)
-        triangles.release(start, stop)
         if not finite.all():
             face, corner = np.argwhere(~finite)[0]
             return start + int(face), int(corner)
@@ -231,22 +277,23 @@ class Source:
 
     path: str | None
     format: str
+    version: Version | None = field(default=None, repr=False, compare=False)
+    """The file as it was when it was read."""
 
     @cached_property
     def sha256(self) -> str | None:
         """SHA-256 of the file, in hexadecimal; None for arrays in memory.
 
-        Raises `ReadError` where the file is no longer there.
+        Raises `ReadError` where the file is no longer there, or no longer the one that was read.
         """
         if self.path is None:
             return None
-        import hashlib  # loads OpenSSL: 6 ms and 4 MB
-
         try:
-            with Path(self.path).open("rb") as file:
-                return hashlib.file_digest(file, "sha256").hexdigest()
+            return (self.version or Version(Path(self.path))).sha256
         except OSError as error:
             raise ReadError(f"cannot read {self.path} a second time, for its SHA-256: {error.strerror}") from error
+        except ReadError as error:
+            raise placed(error, f"cannot read {self.path}") from None
 
 
 @dataclass(frozen=True, eq=False)

@@ -21,6 +21,7 @@ from inertia.errors import ReadError, UsageError, placed
 from inertia.mesh.part import Part, Rounding, Source
 from inertia.mesh.readers.contents import Contents
 from inertia.mesh.readers.formats import FORMATS, HEAD, format_of_name, sniff
+from inertia.mesh.version import Version, unchanged
 from inertia.units import DEFAULT_UNIT, Unit, UnitFrom, length_unit
 
 _REASONS = {
@@ -77,7 +78,7 @@ def read(
         raise UsageError(f"unknown format {format!r}: use one of {', '.join(FORMATS)}")
     name = os.fspath(path)
     try:
-        kind, contents = _contents(name, format, coarser)
+        kind, contents, version = _contents(name, format, coarser)
     except ReadError as error:
         raise placed(error, f"cannot read {name if name.isprintable() else ascii(name)}") from error
     notes = list(contents.notes)
@@ -93,21 +94,23 @@ def read(
     return Part(
         contents.geometry,
         *_unit(override, contents.unit),
-        Source(name, kind),
+        Source(name, kind, version),
         contents.regions,
         tuple(notes),
         contents.chord,
-        contents.rounding and _named(contents.rounding, name),
+        contents.rounding and _named(contents.rounding, version, name),
     )
 
 
-def _named(rounding: Rounding, name: str) -> Rounding:
-    """Name the file in the errors of reading it a second time."""
+def _named(rounding: Rounding, version: Version, name: str) -> Rounding:
+    """Name the file in the errors of reading it a second time, which has to find the same version of it."""
 
     def remainder() -> Float:
         assert rounding.remainder is not None
         try:
-            return rounding.remainder()
+            exact = rounding.remainder()
+            version.require_contents()
+            return exact
         except ReadError as error:
             raise placed(error, f"cannot read {name} a second time") from None
         except OSError as error:
@@ -122,8 +125,8 @@ def _unit(override: Unit | None, of_file: Unit | None) -> tuple[Unit, UnitFrom]:
     return (DEFAULT_UNIT, "assumed") if of_file is None else (of_file, "file")
 
 
-def _contents(name: str, format: str | None, coarser: float) -> tuple[str, Contents]:
-    """Return the kind of a file and what is in it."""
+def _contents(name: str, format: str | None, coarser: float) -> tuple[str, Contents, Version]:
+    """Return the kind of a file, what is in it, and the version of it that was read."""
     path = Path(name)
     if "\0" in name:
         raise ReadError(_REASONS[errno.ENOENT])
@@ -133,14 +136,15 @@ def _contents(name: str, format: str | None, coarser: float) -> tuple[str, Conte
             raise ReadError("it is a directory: give a file in it")
         if not stat.S_ISREG(status.st_mode):
             raise ReadError("it is not a regular file but a pipe, socket or device: copy its contents into a file")
-        with path.open("rb") as file:
-            head = file.read(HEAD)
-        if not head:
-            raise ReadError("it is empty: export the part again")
-        kind = format or sniff(path, head, status.st_size)
-        if coarser != 1.0 and kind != "step":
-            raise UsageError(f"{name} is {kind}, whose triangles are in the file: only STEP can be meshed coarser")
-        return kind, _read_as(kind, path, coarser)
+        with unchanged(path) as version:
+            with path.open("rb") as file:
+                head = file.read(HEAD)
+            if not head:
+                raise ReadError("it is empty: export the part again")
+            kind = format or sniff(path, head, version.size)
+            if coarser != 1.0 and kind != "step":
+                raise UsageError(f"{name} is {kind}, whose triangles are in the file: only STEP can be meshed coarser")
+            return kind, _read_as(kind, path, coarser), version
     except OSError as error:
         reason = _REASONS.get(error.errno or 0, f"{error.strerror or error}: check the path and the disk")
         raise ReadError(reason) from error

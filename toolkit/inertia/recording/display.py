@@ -205,7 +205,6 @@ def shown_triangles(part: Part, center: Float, most: int = MOST) -> tuple[Float,
         for start in range(0, triangles.count, _BLOCK):
             stop = min(start + _BLOCK, triangles.count)
             yield metres * (triangles.corners(start, stop) - center / metres)
-            triangles.release(start, stop)
 
     if triangles.count <= most:
         return np.concatenate([np.empty((0, 3, 3)), *corners()]), triangles.count

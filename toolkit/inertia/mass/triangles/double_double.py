@@ -63,7 +63,6 @@ def _vectorised(triangles: Triangles, origin: Float, exponent: int, surface: boo
     for start in range(0, triangles.count, _CHUNK):
         stop = min(start + _CHUNK, triangles.count)
         corners = triangles.corners(start, stop).reshape(-1, 9)
-        triangles.release(start, stop)
         padded = np.empty((-(-len(corners) // BLOCK) * BLOCK, 9))
         padded[: len(corners)] = corners
         padded[len(corners) :] = np.tile(corners[0, :3], 3)

@@ -97,7 +97,6 @@ def _chunks(triangles: Triangles) -> Iterator[tuple[int, Float]]:
     for start in range(0, triangles.count, CHUNK):
         stop = min(start + CHUNK, triangles.count)
         corners = np.ascontiguousarray(triangles.corners(start, stop).reshape(-1, 9).T)
-        triangles.release(start, stop)
         yield stop, corners
 
 

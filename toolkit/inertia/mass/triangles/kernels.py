@@ -15,7 +15,7 @@ LANES, DEPTH = 32, 32
 BLOCK = LANES * DEPTH
 """Triangles whose sums become one row."""
 
-_FACETS_CHUNK, _FACES_CHUNK = 32 * BLOCK, 256 * BLOCK  # records are released as they are read
+_FACETS_CHUNK, _FACES_CHUNK = 32 * BLOCK, 256 * BLOCK  # records may be read from the file
 
 
 @dataclass(frozen=True)
@@ -40,15 +40,14 @@ class BlockKernel:
         out = table.ctypes.data
         fixed: tuple[int, ...]
         if isinstance(triangles, Facets):
-            kernel, rows, fixed, chunk = self.facets, triangles.records, (), _FACETS_CHUNK
+            kernel, fixed, chunk = self.facets, (), _FACETS_CHUNK
         else:
-            kernel, rows, fixed, chunk = self.faces, triangles.faces, (triangles.vertices.ctypes.data,), _FACES_CHUNK
-        at, size = rows.ctypes.data, rows.strides[0]
+            kernel, fixed, chunk = self.faces, (triangles.vertices.ctypes.data,), _FACES_CHUNK
         for start in range(0, count, chunk):
             stop = min(start + chunk, count)
+            rows = triangles.block(start, stop) if isinstance(triangles, Facets) else triangles.faces[start:stop]
             first = start // BLOCK
             kernel.function(
-                *fixed, at + start * size, stop - start, *frame, scratch.ctypes.data, out + first * table.strides[0]
+                *fixed, rows.ctypes.data, len(rows), *frame, scratch.ctypes.data, out + first * table.strides[0]
             )
-            triangles.release(start, stop)
             yield stop, table[first : -(-stop // BLOCK)]

@@ -129,7 +129,6 @@ def vectorised_rows(triangles: Triangles, origin: Float, exponent: int, surface:
     for start in range(0, triangles.count, _NUMPY_CHUNK):
         stop = min(start + _NUMPY_CHUNK, triangles.count)
         corners = triangles.corners(start, stop)
-        triangles.release(start, stop)
         rows = _blocks(np.ldexp(corners, exponent), np.ldexp(origin, exponent), surface)
         rows[:, SUMS:] = np.ldexp(rows[:, SUMS:], -exponent)
         yield stop, rows

@@ -40,7 +40,7 @@ REHASH = Kernel("inertia.mesh.geometry.edge_kernel", "rehash", "ppippi")
 
 _SALTS = 24  # seven and seven for a vertex, five and five for an edge: see `edge_kernel`
 _CHUNK = 4096  # triangles a call: keeps the table of a well-ordered file inside the cache
-_RELEASE = 16 * _CHUNK
+_REPORTED = 16 * _CHUNK
 _BIN = 16384  # paired edges whose keys are compared at a time
 
 
@@ -129,13 +129,13 @@ def compiled_closure(
             _address(slots), len(slots) if stop == count else 0, _address(state),
         )  # fmt: skip
         if isinstance(triangles, Facets):
-            crowded = FACETS.function(_address(triangles.records), _address(salt), start, stop, *tables)
-            if stop % _RELEASE == 0 or stop == count:
-                triangles.release(max(0, stop - _RELEASE - _CHUNK), stop)
+            block = triangles.block(start, stop)
+            records = _address(block) - start * block.itemsize  # the kernel counts from the first triangle
+            crowded = FACETS.function(records, _address(salt), start, stop, *tables)
         else:
             own = _address(faces), _address(vertex_keys), len(vertices)
             crowded = FACES.function(*own, _address(salt), start, stop, *tables)
-        if progress is not None and start % _RELEASE == 0:
+        if progress is not None and start % _REPORTED == 0:
             progress(stop / count)
     if crowded:
         return vectorised_closure(triangles)

@@ -1,4 +1,4 @@
-"""STL: a binary file stays where it is, as a view of the mapped records; a text file is parsed.
+"""STL: the records of a binary file as they are, in memory or, of a large one, in the file; a text file is parsed.
 
 A file is binary when its size is that of a header of 84 bytes and as many records of 50 bytes as the header
 counts, whatever the header begins with. Text is `solid`, facets of 21 words each, `endsolid`; several solids in one
@@ -7,7 +7,6 @@ file are regions. Source: M. Burns, "Automated Fabrication", 1993, section 6.5.
 
 from __future__ import annotations
 
-import mmap
 import os
 from collections.abc import Iterator
 from pathlib import Path
@@ -16,13 +15,16 @@ import numpy as np
 
 from inertia.arrays import Float
 from inertia.errors import ReadError
-from inertia.mesh.part import FACET, Facets
+from inertia.mesh.part import FACET, Facets, FacetsInFile
 from inertia.mesh.readers.contents import Contents, label, numbers, shown, surface, text_of
 from inertia.mesh.readers.decimals import rounding_of
+from inertia.mesh.version import CHANGED
 
 HEADER = 84
 TEXT_BLOCK = 2**22
 """Bytes of a text file that are split into words at a time."""
+IN_MEMORY = 2**24
+"""Bytes of a binary file beyond which its records stay there."""
 
 _WORDS = 21
 _KEYWORDS = {
@@ -34,7 +36,7 @@ _COORDINATES = tuple(at for vertex in (7, 11, 15) for at in range(vertex + 1, ve
 
 
 def read_stl(path: Path) -> Contents:
-    """Read a binary STL file as `Facets`, without touching the records, or a text one as `Surface`."""
+    """Read a binary STL file as `Facets`, or a text one as `Surface`."""
     with path.open("rb") as file:
         size = os.fstat(file.fileno()).st_size
         head = file.read(4096)
@@ -42,8 +44,13 @@ def read_stl(path: Path) -> Contents:
             count = triangle_count(head)
             if count == 0:
                 raise ReadError("it holds no triangles: export the part as a solid")
-            mapping = mmap.mmap(file.fileno(), 0, access=mmap.ACCESS_READ)
-            return Contents(Facets(np.frombuffer(mapping, FACET, count, HEADER), mapping, HEADER))
+            if size > IN_MEMORY:
+                return Contents(FacetsInFile(path, count, HEADER))
+            file.seek(HEADER)
+            records = np.frombuffer(file.read(count * FACET.itemsize), FACET)
+            if len(records) < count:
+                raise ReadError(CHANGED)
+            return Contents(Facets(records))
     if is_text_stl(head):
         return _read_text(path)
     if size < HEADER:

@@ -12,7 +12,8 @@ from inertia.balancing.corrections.operation import Operation
 from inertia.balancing.rotor import Rotor
 from inertia.balancing.rotor_bodies import RotorBody
 from inertia.balancing.unbalance import Unbalance
-from inertia.mesh.part import Source as FileSource
+from inertia.errors import ReadError
+from inertia.mesh.version import CHANGED
 from inertia.report.balance.data import (
     MM,
     BearingRow,
@@ -74,7 +75,12 @@ def _file(rotor: Rotor) -> tuple[str, str] | None:
     """Return the rotor file's name and SHA-256; None where the rotor was not read from one."""
     if rotor.text is None or not Path(rotor.name).is_file():
         return None
-    return Path(rotor.name).name, FileSource(rotor.name, "toml").sha256 or ""
+    import hashlib
+
+    data = Path(rotor.name).read_bytes()
+    if data.decode("utf-8-sig", "replace") != rotor.text:
+        raise ReadError(f"cannot read {rotor.name}: {CHANGED}")
+    return Path(rotor.name).name, hashlib.sha256(data).hexdigest()
 
 
 def _body(body: RotorBody) -> BodyRow:
