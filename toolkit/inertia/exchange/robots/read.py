@@ -1,4 +1,4 @@
-"""A robot's file read by what it is: URDF."""
+"""A robot's file read by what it is: URDF, MJCF."""
 
 from __future__ import annotations
 
@@ -7,9 +7,13 @@ from pathlib import Path
 
 from inertia.errors import ReadError, placed
 from inertia.exchange.robots.links import Robot
+from inertia.exchange.robots.mjcf import read_mjcf
 from inertia.exchange.robots.urdf import read_urdf
 
-READERS: dict[str, tuple[bytes, Callable[[Path], Robot]]] = {"urdf": (b"<robot", read_urdf)}
+READERS: dict[str, tuple[bytes, Callable[[Path], Robot]]] = {
+    "urdf": (b"<robot", read_urdf),
+    "mjcf": (b"<mujoco", read_mjcf),
+}
 """Format → what its files hold near their beginning, and its reader."""
 
 _BEGINNING = 65_536  # bytes that are searched for what a file is; licences stand at the top of many

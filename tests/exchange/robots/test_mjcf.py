@@ -1,0 +1,217 @@
+"""MJCF against what MuJoCo compiles: stated inertials, shapes and where they lie."""
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from tests.exchange import solid
+
+import inertia
+from inertia.exchange.robots.links import Geometry, Primitive, Robot
+from inertia.exchange.robots.read import read_robot
+from inertia.exchange.rotations import rotation_of_quaternion
+
+ORIENTATIONS = [
+    "",
+    'quat="0.5 -0.1 0.7 0.3"',
+    'axisangle="1 -2 0.5 40"',
+    'euler="20 -50 75"',
+    'xyaxes="1 0.2 0 0.3 1 0.4"',
+    'zaxis="0.3 -0.2 -0.9"',
+]
+MODEL = """
+<mujoco model="arm">
+  <compiler meshdir="meshes" inertiafromgeom="auto"/>
+  <include file="defaults.xml"/>
+  <asset>
+    <mesh name="upper" file="upper arm.obj" scale="0.5 0.5 0.5" refpos="0.1 -0.2 0.3" refquat="0.5 -0.1 0.7 0.3"/>
+    <mesh file="upper arm.obj" class="tall" refpos="0.1 0.2 -0.1" name="tall"/>
+  </asset>
+  <worldbody>
+    <geom type="plane" size="1 1 1"/>
+    <body name="base" pos="0.1 0.2 0.3" childclass="visual">
+      <freejoint/>
+      <inertial pos="0.01 -0.02 0.03" mass="1.25" fullinertia="0.02 0.03 0.025 0.001 -0.002 0.003"/>
+      <geom mesh="upper" type="mesh" pos="0.3 0.1 -0.2" euler="10 20 30"/>
+      <geom class="collision" type="capsule" fromto="0.1 0.2 0.3 -0.4 0.5 0.1" size="0.05"/>
+      <frame pos="0.5 0 0" euler="0 0 90">
+        <geom name="tall" mesh="tall" type="mesh"/>
+        <geom class="collision" type="box" size="0.1 0.2 0.3" pos="0 0.3 0"/>
+        <body name="hand" pos="0 0 0.4" axisangle="0 1 0 30">
+          <inertial pos="0 0.1 0" quat="0.9 0.1 -0.2 0.3" mass="0.5" diaginertia="0.01 0.02 0.025"/>
+          <geom class="collision" type="ellipsoid" size="0.1 0.2 0.3" euler="30 0 0"/>
+          <geom type="cylinder" size="0.05 0.2"/>
+          <body name="finger" pos="0 0 0.1">
+            <joint axis="1 0 0"/>
+            <geom size="0.02"/>
+          </body>
+        </body>
+      </frame>
+    </body>
+  </worldbody>
+</mujoco>
+"""
+DEFAULTS = """
+<mujocoinclude>
+  <default>
+    <geom density="500"/>
+    <default class="visual">
+      <geom contype="0" conaffinity="0" group="2"/>
+      <default class="collision"><geom contype="1" group="3"/></default>
+    </default>
+    <default class="tall"><mesh scale="0.2 0.4 0.9"/></default>
+  </default>
+</mujocoinclude>
+"""
+
+
+@pytest.fixture
+def file(tmp_path: Path) -> Path:
+    (tmp_path / "meshes").mkdir()
+    solid.file(tmp_path / "meshes")
+    (tmp_path / "defaults.xml").write_text(DEFAULTS)
+    model = tmp_path / "arm.xml"
+    model.write_text(MODEL)
+    return model
+
+
+def compile_model(file: Path) -> Any:
+    return pytest.importorskip("mujoco").MjModel.from_xml_path(str(file))
+
+
+def extent(geometry: Geometry) -> np.ndarray:
+    """Return the least and largest coordinates of a mesh in the axes of its body."""
+    assert isinstance(geometry.shape, Path)
+    assert geometry.scale is not None
+    corners = inertia.read(geometry.shape, unit="m").triangles.corners().reshape(-1, 3)
+    corners = corners * [float(k) for k in geometry.scale] @ geometry.placement.rotation.T + geometry.placement.origin
+    return np.array([corners.min(axis=0), corners.max(axis=0)])
+
+
+def compare(robot: Robot, model: Any) -> None:
+    for link in robot.links:
+        body = model.body(link.name).id
+        if link.inertial is not None:
+            where = link.inertial.placement
+            turn = rotation_of_quaternion(model.body_iquat[body].tolist())
+            compiled = turn @ np.diag(model.body_inertia[body]) @ turn.T
+            stated = where.rotation @ link.inertial.inertia @ where.rotation.T
+            assert model.body_mass[body] == link.inertial.mass
+            assert model.body_ipos[body].tolist() == where.origin.tolist()
+            assert np.linalg.norm(compiled - stated) < 1e-14 * np.linalg.norm(stated)
+        numbers = [k for k in range(model.ngeom) if model.geom_bodyid[k] == body]
+        assert len(numbers) == len(link.geometries)
+        for k, geometry in zip(numbers, link.geometries, strict=True):
+            turn, place = rotation_of_quaternion(model.geom_quat[k].tolist()), model.geom_pos[k]
+            if isinstance(geometry.shape, Primitive):
+                assert np.allclose(geometry.placement.origin, place, rtol=0, atol=1e-15)
+                assert geometry.shape.kind == "sphere" or np.allclose(geometry.placement.rotation, turn, atol=1e-15)
+                compare_sizes(geometry.shape, model.geom_size[k])
+            else:
+                mesh = model.geom_dataid[k]
+                first = model.mesh_vertadr[mesh]
+                vertices = model.mesh_vert[first : first + model.mesh_vertnum[mesh]] @ turn.T + place
+                assert np.allclose([vertices.min(axis=0), vertices.max(axis=0)], extent(geometry), rtol=0, atol=3e-7)
+
+
+def compare_sizes(shape: Primitive, size: np.ndarray) -> None:
+    r, h = size[:2]
+    expected = {"sphere": [r], "capsule": [r, 2 * h], "cylinder": [r, 2 * h], "box": 2 * size, "ellipsoid": size}
+    assert shape.sizes == pytest.approx(list(expected[shape.kind]), rel=1e-15)
+
+
+def test_a_model_with_everything_is_what_mujoco_makes_of_it(file: Path) -> None:
+    robot = read_robot(file)
+    assert [link.name for link in robot.links] == ["base", "hand", "finger"]
+    compare(robot, compile_model(file))
+
+
+def test_what_is_drawn_and_what_touches_are_told_apart(file: Path) -> None:
+    base, hand, _ = read_robot(file).links
+    assert [geometry.role for geometry in base.geometries] == ["visual", "collision", "visual", "collision"]
+    assert [geometry.role for geometry in hand.geometries] == ["collision", "visual"]
+
+
+def test_a_body_without_a_joint_hangs_from_its_parent(file: Path) -> None:
+    base, hand, finger = read_robot(file).links
+    assert (base.parent, hand.parent, finger.parent) == (None, "base", None)
+    model = compile_model(file)
+    body = model.body("hand").id
+    assert np.allclose(hand.placement.origin, model.body_pos[body], atol=1e-15)
+    assert np.allclose(hand.placement.rotation, rotation_of_quaternion(model.body_quat[body].tolist()), atol=1e-15)
+
+
+def test_decimals_are_those_written(file: Path) -> None:
+    base, hand, _ = read_robot(file).links
+    assert base.inertial is not None
+    assert base.inertial.decimals == (2, 2, 3)
+    assert hand.inertial is not None
+    assert hand.inertial.decimals == (1, 1, 3)
+
+
+@pytest.mark.parametrize("orientation", ORIENTATIONS)
+@pytest.mark.parametrize("compiler", ['angle="degree"', 'angle="radian"', 'eulerseq="ZXy"', 'eulerseq="zyx"'])
+def test_every_orientation_is_mujoco_s(tmp_path: Path, orientation: str, compiler: str) -> None:
+    file = tmp_path / "turned.xml"
+    file.write_text(
+        f'<mujoco><compiler {compiler}/><worldbody><body name="a"><freejoint/>'
+        f'<inertial pos="0 0 0" mass="1" diaginertia="1 2 2.5" {orientation}/>'
+        f'<geom type="box" size="1 2 3" {orientation}/></body></worldbody></mujoco>'
+    )
+    compare(read_robot(file), compile_model(file))
+
+
+def body(inside: str, before: str = "") -> str:
+    return f'<mujoco>{before}<worldbody><body name="a"><freejoint/>{inside}</body></worldbody></mujoco>'
+
+
+@pytest.mark.parametrize(
+    ("text", "says"),
+    [
+        ("<mujoco><worldbody/></mujoco>", "it holds no body"),
+        (body('<inertial pos="0 0 0" diaginertia="1 1 1"/>'), "body 'a', inertial has no mass"),
+        (body('<inertial pos="0 0 0" mass="1"/>'), "has no diaginertia"),
+        (body('<inertial pos="0 0 0" mass="x" diaginertia="1 1 1"/>'), "mass is 'x': it must be numbers"),
+        (body('<geom type="box" size="1 1 1" class="nix"/>'), "default class 'nix' is not there"),
+        (body('<geom type="cone" size="1"/>'), "'cone' is no type"),
+        (body('<geom type="box" size="1 1 1" quat="0 0 0 0"/>'), "quat is zero"),
+        (body('<geom type="box" size="1 1 1" zaxis="0 0 0"/>'), "an axis of no length"),
+        (body("", '<include file="nix.xml"/>'), "included file 'nix.xml' is not there"),
+        (body("", '<include file="a.xml"/>'), "include one another"),
+        ('<!DOCTYPE mujoco [<!ENTITY a "b">]>' + body(""), "document type"),
+        (body("") + "x", "XML is damaged"),
+    ],
+)
+def test_what_is_no_model_is_refused(tmp_path: Path, text: str, says: str) -> None:
+    file = tmp_path / "a.xml"
+    file.write_text(text)
+    with pytest.raises(inertia.ReadError, match=says):
+        read_robot(file)
+
+
+@pytest.mark.parametrize(
+    ("text", "says"),
+    [
+        (body("", '<compiler inertiafromgeom="true"/>'), None),
+        (body('<inertial pos="0 0 0" mass="1" diaginertia="1 1 1"/>', '<compiler inertiafromgeom="true"/>'), "geoms"),
+        (body("", '<compiler boundmass="0.1"/>'), "boundmass is set"),
+        (body("", '<compiler boundmass="0"/>'), None),
+        (body('<geom type="mesh" mesh="m"/>', '<asset><mesh name="m" vertex="0 0 0"/></asset>'), "has no file"),
+        (body('<geom type="mesh" mesh="m"/>'), "'m' is not there"),
+        (body('<geom type="box" mesh="m"/>'), "fitted to a mesh"),
+        (
+            body(
+                '<geom type="mesh" mesh="m"/>',
+                '<asset><mesh name="m" file="m.stl" scale="1 2 3" refquat="1 1 0 0"/></asset>',
+            ),
+            "turned by refquat",
+        ),
+        (body('<composite type="cable"/>'), "composite is not read"),
+    ],
+)
+def test_what_is_decided_is_said(tmp_path: Path, text: str, says: str | None) -> None:
+    file = tmp_path / "a.xml"
+    file.write_text(text)
+    notes = read_robot(file).notes
+    assert (says is None and notes == ()) or (says is not None and says in " ".join(notes))
