@@ -12,7 +12,7 @@ import re
 import warnings
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
-from pathlib import Path
+from pathlib import Path, PureWindowsPath
 from typing import Any
 
 import numpy as np
@@ -83,6 +83,29 @@ def quietly(library: str, kind: str) -> Iterator[None]:
         raise ReadError(
             f"{library} cannot read it as {kind} ({shown(reason, 80)}): it is damaged, export the mesh again"
         ) from None
+
+
+def beneath(folder: Path, name: str) -> Path:
+    """Return the path of a file that a document in `folder` refers to: in that folder or beneath it, links followed.
+
+    A document comes from anywhere, and must not have files read that its author could not: `../../secret`, absolute
+    paths, and links that lead out of the folder are refused.
+    """
+    base = folder.resolve()
+    try:
+        path = (base / name).resolve()
+        outside = not path.is_relative_to(base) or bool(PureWindowsPath(name).drive)
+        missing = not outside and not path.is_file()
+    except (OSError, RuntimeError, ValueError):  # too long, links in a circle, a zero byte
+        outside, missing = False, True
+    if outside:
+        raise ReadError(
+            f"it refers to {shown(name)}, outside its folder, where nothing is read for it: put that file beside it "
+            "and export it again"
+        )
+    if missing:
+        raise ReadError(f"it needs the file {shown(name)} beside it, which is not there: keep them together")
+    return path
 
 
 def text_of(path: Path) -> bytes:

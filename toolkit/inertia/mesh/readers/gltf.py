@@ -10,11 +10,12 @@ from __future__ import annotations
 import base64
 import binascii
 import json
+import os
 from collections.abc import Callable, Iterator
 from fractions import Fraction
 from functools import partial
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 from urllib.parse import unquote, urlsplit
 
 import numpy as np
@@ -27,6 +28,7 @@ from inertia.mesh.readers.contents import (
     Contents,
     Piece,
     assemble,
+    beneath,
     check_indices,
     plural,
     shown,
@@ -53,8 +55,7 @@ def read_gltf(path: Path, measure: Measure | None = None) -> Contents:
 
     `measure` is given by whoever had the triangles made, and knows what they stand for.
     """
-    data = path.read_bytes()
-    text, binary = _chunks(data) if data.startswith(_MAGIC) else (data, None)
+    text, binary = _chunks(path)
     try:
         scene = Scene(json.loads(text, parse_float=_Written), binary, path.parent)
         pieces = list(scene.pieces(measure))
@@ -70,32 +71,65 @@ def read_gltf(path: Path, measure: Measure | None = None) -> Contents:
     return Contents(whole, METRE, regions, notes, chord, rounding)
 
 
-def _chunks(data: bytes) -> tuple[bytes, bytes | None]:
-    """Return the JSON and the binary chunk of a GLB file."""
-    stated = int.from_bytes(data[8:12], "little")
-    if stated != len(data):
-        raise ReadError(f"its header says {stated} bytes, but it holds {len(data)}: it was cut short or damaged")
-    chunks: dict[bytes, bytes] = {}
-    at = 12
-    while at < len(data):
-        length = int.from_bytes(data[at : at + 4], "little")
-        if at + 8 + length > len(data):
-            raise ReadError(f"its chunk at byte {at} runs past the end of the file: it is damaged, export it again")
-        chunks.setdefault(data[at + 4 : at + 8], data[at + 8 : at + 8 + length])
-        at += 8 + length
-    if _JSON not in chunks:
-        raise ReadError("it has no JSON chunk: it is damaged, export it again")
-    return chunks[_JSON], chunks.get(_BINARY)
+class Stored(NamedTuple):
+    """A buffer: its size, and what returns its bytes between two places; of a file, no others are read."""
+
+    size: int
+    between: Callable[[int, int], bytes | memoryview]
+
+
+def _in_memory(content: bytes) -> Stored:
+    view = memoryview(content)
+    return Stored(len(view), lambda start, end: view[start:end])
+
+
+def _in_file(path: Path, first: int, size: int) -> Stored:
+    def between(start: int, end: int) -> bytes:
+        with path.open("rb") as file:
+            file.seek(first + start)
+            content = file.read(end - start)
+        if len(content) < end - start:
+            raise ReadError(f"{path.name} became shorter while it was read: read it again once it is written")
+        return content
+
+    return Stored(size, between)
+
+
+def _chunks(path: Path) -> tuple[bytes, Stored | None]:
+    """Return the JSON of a file, and the binary chunk where it has one."""
+    with path.open("rb") as file:
+        head = file.read(12)
+        if not head.startswith(_MAGIC):
+            return head + file.read(), None
+        size = os.fstat(file.fileno()).st_size
+        stated = int.from_bytes(head[8:12], "little")
+        if stated != size:
+            raise ReadError(f"its header says {stated} bytes, but it holds {size}: it was cut short or damaged")
+        chunks: dict[bytes, tuple[int, int]] = {}
+        at = 12
+        while at < size:
+            file.seek(at)
+            head = file.read(8)
+            length = int.from_bytes(head[:4], "little")
+            if at + 8 + length > size:
+                raise ReadError(f"its chunk at byte {at} runs past the end of the file: it is damaged, export it again")
+            chunks.setdefault(head[4:], (at + 8, length))
+            at += 8 + length
+        if _JSON not in chunks:
+            raise ReadError("it has no JSON chunk: it is damaged, export it again")
+        start, length = chunks[_JSON]
+        file.seek(start)
+        return file.read(length), _in_file(path, *chunks[_BINARY]) if _BINARY in chunks else None
 
 
 class Scene:
     """The default scene of a glTF document."""
 
-    def __init__(self, tree: dict[str, Any], binary: bytes | None, folder: Path) -> None:
+    def __init__(self, tree: dict[str, Any], binary: Stored | None, folder: Path) -> None:
         self.tree = tree
         self.binary = binary
         self.folder = folder
-        self.buffers: dict[int, bytes] = {}
+        self.buffers: dict[int, Stored] = {}
         self.left_out = 0
         self.chords: list[Float] = []
         version = str(tree["asset"]["version"])
@@ -163,7 +197,7 @@ class Scene:
         return positions.astype(np.float64), faces
 
     def accessor(self, index: int) -> NDArray[Any]:
-        """Return the rows of an accessor, (count, components), as a view of its buffer."""
+        """Return the rows of an accessor, (count, components); no other bytes of its buffer are read."""
         accessor = self._item("accessors", index)
         if "sparse" in accessor or "bufferView" not in accessor:
             raise ReadError(f"accessor {index} is sparse or compressed, which is not read: export it uncompressed")
@@ -176,37 +210,35 @@ class Scene:
         end = start + _whole(view["byteLength"])
         start += _whole(accessor.get("byteOffset", 0))
         stride = _whole(view.get("byteStride", 0)) or row
-        if count == 0 or stride < row or start + (count - 1) * stride + row > min(end, len(buffer)):
+        stop = start + (count - 1) * stride + row
+        if count == 0 or stride < row or stop > min(end, buffer.size):
             raise ReadError(
                 f"accessor {index} does not fit in its buffer: it was cut short or damaged, export it again"
             )
-        return np.ndarray((count, width), dtype, buffer, start, (stride, dtype.itemsize))
+        return np.ndarray((count, width), dtype, buffer.between(start, stop), 0, (stride, dtype.itemsize))
 
-    def _buffer(self, index: int) -> bytes:
+    def _buffer(self, index: int) -> Stored:
         if index not in self.buffers:
             buffer = self._item("buffers", index)
             content = self.binary if index == 0 and "uri" not in buffer else self._fetch(buffer["uri"])
-            if content is None or len(content) < _whole(buffer["byteLength"]):
+            if content is None or content.size < _whole(buffer["byteLength"]):
                 raise ReadError(f"buffer {index} is shorter than it says: it was cut short, export it again")
             self.buffers[index] = content
         return self.buffers[index]
 
-    def _fetch(self, uri: str) -> bytes:
+    def _fetch(self, uri: str) -> Stored:
         if uri.startswith("data:"):
             header, _, payload = uri.partition(",")
             try:
-                return base64.b64decode(payload, validate=True) if header.endswith(";base64") else b""
+                return _in_memory(base64.b64decode(payload, validate=True) if header.endswith(";base64") else b"")
             except binascii.Error:
                 raise ReadError("a buffer in it is not valid base64: it is damaged, export it again") from None
-        beside = self.folder / unquote(uri)
-        try:
-            if urlsplit(uri).scheme or not beside.is_file():
-                raise OSError
-            return beside.read_bytes()
-        except OSError:
+        if urlsplit(uri).scheme:
             raise ReadError(
-                f"it needs the file {shown(uri)} beside it, which is not there: keep them together"
-            ) from None
+                f"it needs the file {shown(uri)}, which is not fetched: put it beside it, named by its path"
+            )
+        beside = beneath(self.folder, unquote(uri))
+        return _in_file(beside, 0, beside.stat().st_size)
 
     def _item(self, kind: str, index: int) -> dict[str, Any]:
         items = self.tree.get(kind, [])

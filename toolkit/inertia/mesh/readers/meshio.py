@@ -75,7 +75,13 @@ def _mesh(path: Path, kind: str) -> Any:
         for name in _FORGOTTEN:
             meshio._mesh.topological_dimension.setdefault(name, 3)
         meshio.vtu._vtu.vtk_cells_from_data = meshio.vtk._vtk_51.vtk_cells_from_data = _vtk_cells
+        meshio.abaqus._abaqus.read = _include
         return meshio.read(path, file_format=kind)
+
+
+def _include(file: Path) -> None:
+    """Refuse another file: meshio looks for it anywhere, and takes `IN*CLUDE` for the keyword too."""
+    raise ReadError(f"its *INCLUDE of {shown(file.name)} is not read: write nodes and elements out in full")
 
 
 def _vtk_cells(corners: Int, ends: Int, types: Int, cell_data: dict[str, Any]) -> Any:

@@ -10,11 +10,13 @@ import importlib.util
 import re
 from itertools import islice, pairwise
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
 from inertia.errors import ReadError
-from inertia.mesh.readers.contents import numbers, shown, text_of
+from inertia.mesh.readers.contents import beneath, numbers, shown, text_of
+from inertia.mesh.readers.trimesh import parse_xml
 
 _LINES = re.IGNORECASE | re.MULTILINE
 
@@ -54,9 +56,6 @@ _ABAQUS_CONTINUED = re.compile(rb",[ \t]*\r?\n")
 _ABAQUS_RANGE = re.compile(
     rb"^[ \t]*\*(?:EL|N)SET\b[^\n]*\bGENERATE\b[^\n]*\n[ \t]*(\d{1,18})[ \t]*,[ \t]*(\d{1,18})", _LINES
 )
-
-_XDMF_BINARY = re.compile(rb"\bFormat\s*=\s*[\"']Binary", re.IGNORECASE)
-_XDMF_FILE = re.compile(rb"\bFormat\s*=\s*[\"']HDF[\"'][^>]*>\s*([^<:]*):", re.IGNORECASE)
 
 _MEDIT_END = re.compile(rb"^[ \t]*End\b", re.MULTILINE)
 _MEDIT_TABLE = re.compile(rb"^[ \t]*([A-Z][A-Za-z]+)\s+\d", re.MULTILINE)
@@ -230,19 +229,27 @@ def _abaqus(data: bytes) -> None:
 
 
 def _hdf5(path: Path) -> None:
-    """Refuse a file whose data sets are out of all proportion to its size."""
+    """Refuse a file whose data sets are out of all proportion to its size, or lie in other files."""
     if importlib.util.find_spec("h5py") is None:
         raise ReadError("MED and XDMF need the package h5py: pip install 'inertia[med]'")
+    h5py = importlib.import_module("h5py")
     sizes: list[int] = []
 
-    def add(_: str, item: object) -> None:
-        shape, dtype = getattr(item, "shape", None), getattr(item, "dtype", None)
-        if shape is not None and dtype is not None:
-            sizes.append(int(getattr(item, "size", 0) or 0) * int(dtype.itemsize))
+    def add(name: str, item: Any) -> None:
+        for each in item if isinstance(item, h5py.Group) else ():
+            if isinstance(item.get(each, getlink=True), h5py.ExternalLink):
+                raise ReadError(f"its entry {shown(f'{name}/{each}')} lies in another file: {_TOGETHER}")
+        if isinstance(item, h5py.Dataset):
+            if item.external or item.is_virtual:
+                raise ReadError(f"its data set {shown(name)} lies in another file: {_TOGETHER}")
+            sizes.append(int(item.size or 0) * int(item.dtype.itemsize))
 
     try:
-        with importlib.import_module("h5py").File(path, "r") as file:
+        with h5py.File(path, "r") as file:
+            add("", file)
             file.visititems(add)
+    except ReadError:
+        raise
     except Exception as error:  # h5py passes on whatever a damaged file leads to
         raise ReadError(f"it is a damaged HDF5 file ({shown(str(error), 80)}): export it again") from None
     limit = max(_SPARSE_FREE, _SPARSE_RATIO * path.stat().st_size)
@@ -250,14 +257,20 @@ def _hdf5(path: Path) -> None:
         raise ReadError(f"its data sets unpack to {sum(sizes)} bytes, beyond the {limit} allowed: it is damaged")
 
 
+_TOGETHER = "write all of it into one HDF5 file"
+
+
 def _xdmf(path: Path) -> None:
+    """Refuse raw binary files, which meshio would read from anywhere, and HDF5 files outside the folder."""
     if importlib.util.find_spec("h5py") is None:
         raise ReadError("MED and XDMF need the package h5py: pip install 'inertia[med]'")
-    data = path.read_bytes()
-    if _XDMF_BINARY.search(data):
-        raise ReadError("it keeps its data in raw binary files, which are not read: use HDF5 or XML")
-    for name in _XDMF_FILE.findall(data):
-        beside = path.parent / name.decode("utf-8", "replace").strip()
-        if not beside.is_file():
-            raise ReadError(f"it needs the file {shown(name)} beside it, which is not there: keep them together")
-        _hdf5(beside)
+    checked: set[Path] = set()
+    for item in parse_xml(path.read_bytes()).iter():  # a `Reference` may make any element a data item
+        kind = item.get("Format", "").upper()
+        if kind == "BINARY":
+            raise ReadError("it keeps its data in raw binary files, which are not read: use HDF5 or XML")
+        if kind == "HDF":
+            beside = beneath(path.resolve().parent, (item.text or "").strip().partition(":")[0])
+            if beside not in checked:
+                _hdf5(beside)
+            checked.add(beside)
