@@ -9,6 +9,7 @@ cone, a sphere or a torus; elsewhere it is the tolerance that OpenCASCADE was as
 from __future__ import annotations
 
 import importlib.util
+import re
 import subprocess
 import sys
 import tempfile
@@ -21,7 +22,7 @@ import numpy as np
 from inertia.arrays import Float, Int
 from inertia.errors import ReadError
 from inertia.mesh.part import Surface
-from inertia.mesh.readers.contents import Contents
+from inertia.mesh.readers.contents import Contents, plural, was
 from inertia.mesh.readers.gltf import Scene, read_gltf
 
 _LINEAR, _ANGULAR = 0.001, 0.05  # sag relative to the length of an edge, angle in radians
@@ -36,6 +37,7 @@ except TypeError:  # an older cascadio, which does not name the faces
     status = cascadio.step_to_glb(source, target, float(linear), float(angular), True, use_parallel=False)
 sys.exit(status != 0)
 """
+_REFERENCE = re.compile(rb"\b(?:DOCUMENT_FILE|DCMFL)\b", re.IGNORECASE)
 _STORED = 2.0**-23  # of the largest coordinate: three float32 coordinates are off by √3/2 of that, and a fifth to spare
 _ON_FACE = 1e-5  # of the size: what lies farther from a face than this at its corners belongs to another one
 _BETWEEN_SAMPLES = 9 / 8
@@ -46,8 +48,9 @@ def read_step(path: Path, coarser: float = 1.0) -> Contents:
     if importlib.util.find_spec("cascadio") is None:
         raise ReadError("STEP needs the package cascadio: pip install 'inertia[step]'")
     with tempfile.TemporaryDirectory() as folder:
+        source, left_out = _by_itself(path, Path(folder))
         target = Path(folder) / "part.glb"
-        arguments = [str(path.absolute()), str(target), str(coarser**2 * _LINEAR), str(coarser * _ANGULAR)]
+        arguments = [str(source), str(target), str(coarser**2 * _LINEAR), str(coarser * _ANGULAR)]
         try:
             process = subprocess.run(
                 [sys.executable, "-P", "-c", _CONVERT, *arguments],
@@ -71,7 +74,23 @@ def read_step(path: Path, coarser: float = 1.0) -> Contents:
         f"curved STEP faces were replaced by triangles that turn by up to {coarser * _ANGULAR:g} rad and are up to "
         f"{chord.max():.2g} m off (a cylinder loses {coarser**2 * 1e-4:g} of its volume), with float32 coordinates"
     )
-    return replace(contents, notes=(*contents.notes, note), chord=chord)
+    notes = (f"{plural(left_out, 'file')} that it refers to {was(left_out)} left out",) if left_out else ()
+    return replace(contents, notes=(*contents.notes, *notes, note), chord=chord)
+
+
+def _by_itself(path: Path, folder: Path) -> tuple[Path, int]:
+    """Return a file without references to others, which OpenCASCADE would read from anywhere, and how many it had.
+
+    The entity that names a file (ISO 10303-41 `document_file`, also under its short name) is given a name of the same
+    length that OpenCASCADE does not know; what refers to it is passed over.
+    """
+    data = path.read_bytes()
+    count = len(_REFERENCE.findall(data))
+    if not count:
+        return path.absolute(), 0
+    alone = folder / "part.step"
+    alone.write_bytes(_REFERENCE.sub(lambda name: name[0][:-1] + b"_", data))
+    return alone, count
 
 
 def _distances(scene: Scene, primitive: dict[str, Any], vertices: Float, faces: Int) -> Float:
