@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+from pathlib import Path
 from typing import Any
 
 from inertia_cli.options import by_name, named_number
@@ -40,6 +41,11 @@ def add(parsers: Any) -> None:
         "--lump", action="store_true", help="count links that hang together by fixed joints as one, as simulators do"
     )
     parser.add_argument("--report", metavar="FILE.html", help="write a report with a picture of each link")
+    parser.add_argument(
+        "--fix",
+        metavar="OUT",
+        help="write the file with the mistaken links mended and nothing else changed (in place with --force)",
+    )
     parser.add_argument("--force", action="store_true", help="replace files that are there")
     parser.add_argument("--json", action="store_true", help="print one JSON document (inertia/audit/1)")
 
@@ -47,12 +53,14 @@ def add(parsers: Any) -> None:
 def run(options: argparse.Namespace) -> int:
     """Run ``inertia audit``."""
     from inertia.auditing.audit import audit
-    from inertia.output import require_writable
+    from inertia.output import require_writable, write_whole
     from inertia.report.audit.document import audit_document
     from inertia.report.audit.text import audit_text
 
     if options.report is not None:
         require_writable(options.report, ".html", force=options.force)
+    if options.fix is not None:
+        require_writable(options.fix, Path(options.part).suffix, force=options.force)
     result = audit(
         options.part,
         densities=by_name("density", options.density),
@@ -63,5 +71,7 @@ def run(options: argparse.Namespace) -> int:
         from inertia.report.audit.html import write_audit
 
         write_audit(result, options.report, force=options.force)
+    if options.fix is not None:
+        write_whole(Path(options.fix), result.fixed())
     show(options.json, lambda: audit_document(result), lambda: audit_text(result))
     return _CODES[result.verdict]

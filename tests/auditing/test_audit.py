@@ -187,3 +187,34 @@ def test_arguments_are_checked(tmp_path: Path, audited: Callable[..., Audit]) ->
     stated = inertial(1.0, np.zeros(3), np.eye(3))
     with pytest.raises(inertia.UsageError, match=r"no density is given for upper\.stl"):
         audited(link("a", stated, mesh("upper.stl")), densities={"other.stl": 1.0})
+
+
+def test_mistakes_are_mended_and_nothing_else_changes(
+    tmp_path: Path, props: inertia.MassProperties, audited: Callable[..., Audit]
+) -> None:
+    right = inertial(props.mass, props.center_of_mass, props.inertia)
+    wrong = inertial(props.mass, props.center_of_mass, np.diag(props.principal_moments[::-1]))
+    odd = inertial(props.mass, props.center_of_mass, props.inertia + 0.3 * np.trace(props.inertia) * np.diag([3, 1, 2]))
+    noise = "<!-- kept:  as it is -->\r\n\t<gazebo  reference='x' ></gazebo >"
+    audit = audited(link("a", right, *MESHES), noise, link("b", wrong, *MESHES), noise, link("c", odd, *MESHES))
+    assert [each.state for each in audit.links] == ["consistent", "inconsistent", "inconsistent"]
+    before, after = audit.robot.path.read_bytes().decode(), audit.fixed().decode()
+    inertial_of_b = before[before.index('<link name="b">') + 15 :].partition("<visual>")[0]
+    kept_before, kept_after = before.split(inertial_of_b), after.split("</inertial>")
+    assert after.startswith(kept_before[0])
+    assert after.endswith(kept_before[1])
+    assert "<!-- mended: the principal moments, descending, are written as ixx, iyy, izz" in kept_after[1]
+    (tmp_path / "robot.urdf").write_text(after)
+    assert [each.state for each in inertia.audit(tmp_path / "robot.urdf").links] == [
+        "consistent",
+        "consistent",
+        "inconsistent",
+    ]
+
+
+def test_a_mass_in_grams_is_mended(props: inertia.MassProperties, audited: Callable[..., Audit]) -> None:
+    audit = audited(link("a", inertial(1e3 * props.mass, props.center_of_mass, props.inertia), *MESHES))
+    assert [finding.sentence for finding in audit.links[0].findings] == ["the mass is in grams"]
+    assert audit.links[0].mended is not None
+    assert audit.links[0].mended.mass == pytest.approx(props.mass, rel=1e-14)
+    assert audit.links[0].mended.inertia == pytest.approx(props.inertia, rel=1e-12)

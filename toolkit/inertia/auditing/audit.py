@@ -18,6 +18,7 @@ from inertia.auditing.search import EXPLAINED
 from inertia.auditing.shapes import Scales, cause
 from inertia.errors import InertiaError, UsageError
 from inertia.exchange.robots.links import Geometry, Link, Placement, Robot
+from inertia.exchange.robots.mend import Mended, mend
 from inertia.exchange.robots.read import read_robot
 
 Verdict = Literal["consistent", "inconsistent", "undecided"]
@@ -48,6 +49,21 @@ class Audit:
         if states & {"inconsistent", "unphysical"}:
             return "inconsistent"
         return "consistent" if "consistent" in states else "undecided"
+
+    def fixed(self) -> bytes:
+        """Return the file with the mass properties of mistaken links mended, and nothing else changed.
+
+        Links whose difference no mistake explains, and those that were not judged by their own meshes, stay as they
+        are.
+
+        Raises `UsageError` where the format cannot be written into, or links were lumped.
+        """
+        if {link.name for link in self.robot.links} != {link.name for link in self.links}:
+            raise UsageError("links that were lumped are not those of the file: audit it without lumping to mend it")
+        mended = {
+            link.name: Mended(link.mended, link.findings[0].sentence) for link in self.links if link.mended is not None
+        }
+        return mend(self.robot, mended)
 
 
 def audit(

@@ -130,6 +130,8 @@ class Mistake:
     words : "the tensor is written about the link's origin, not about the centre of mass"
     remedy : what mends it, as an imperative
     make : what a claim becomes by it
+    mass : what the stated mass times is the right one
+    of_mesh : whether the meshes are wrong, and not what is stated
     """
 
     code: str
@@ -137,6 +139,8 @@ class Mistake:
     words: str
     remedy: str
     make: Callable[[Claim], Claim]
+    mass: float = 1.0
+    of_mesh: bool = False
 
 
 Kind = Callable[[Context], Iterable[Mistake]]

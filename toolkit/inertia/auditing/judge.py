@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from typing import Literal
@@ -66,6 +67,7 @@ class LinkAudit:
     findings : best first
     margin : of the triangle rule, (I1 + I2 − I3) / I3; None where nothing is stated
     shapes : what was weighed
+    mended : what the file should state; None where nothing is to be mended, or what is not known
     """
 
     name: str
@@ -77,6 +79,7 @@ class LinkAudit:
     findings: tuple[Finding, ...]
     margin: float | None = None
     shapes: tuple[Shape, ...] = ()
+    mended: MassProperties | None = None
 
 
 @dataclass(frozen=True, eq=False)
@@ -139,13 +142,11 @@ def judge(subject: Subject, others: Sequence[Subject], tolerance: float) -> Link
     others : the other links of the file, whose numbers may have been copied
     tolerance : relative difference up to which stated and computed agree
     """
-    stated = subject.stated
-    if stated is None:
-        missing = Finding("nothing_stated", "the file states no mass properties for it")
-        return LinkAudit(subject.name, "unjudged", None, None, (), None, (missing, *subject.obstacles))
-    if stated.body.mass == 0 and not stated.body.inertia.any():
-        frame = Finding("nothing_stated", "the file states a mass of 0 and no tensor: it counts as a frame")
-        return LinkAudit(subject.name, "unjudged", None, None, (), None, (frame,))
+    stated, name = subject.stated, subject.name
+    if stated is None or (stated.body.mass == 0 and not stated.body.inertia.any()):
+        words = "no mass properties for it" if stated is None else "a mass of 0 and no tensor: it counts as a frame"
+        missing = Finding("nothing_stated", f"the file states {words}")
+        return LinkAudit(name, "unjudged", None, None, (), None, (missing, *subject.obstacles))
     faults = [Finding("unphysical", fault.sentence) for fault in physical.faults(stated)]
     margin = physical.margin(stated)
     context = subject.context
@@ -153,62 +154,74 @@ def judge(subject: Subject, others: Sequence[Subject], tolerance: float) -> Link
         findings = (*faults, *subject.obstacles)
         if not subject.shapes and not subject.obstacles:
             findings = (*faults, Finding("no_geometry", "it has no mesh or primitive to compare with"))
-        state: State = "unphysical" if faults else "unjudged"
-        return LinkAudit(subject.name, state, stated.body, None, (), None, findings, margin)
-    computed, weights = _computed(subject, context)
-    faults += [Finding("outside_hull", fault.sentence) for fault in physical.outside(stated, _hull(subject))]
-    difference = _difference(stated.body, computed)
-    worst = max(difference.mass, difference.inertia, difference.center_of_mass / context.size)
-    doubt = max(computed.error.mass, computed.error.inertia, computed.error.center_of_mass / context.size)
-    named: list[Finding] = []
-    state = "consistent"
-    if worst > tolerance:
-        state, named, better = _explained(context, subject, others, tolerance)
-        if better is not None:
-            weights = better.values
-            computed = _sum(subject, weights)
-            difference = _difference(stated.body, computed)
-    elif implausible := _implausible(weights):
-        state, named = "inconsistent", [implausible]
-    if state == "inconsistent" and any(fault.code == "outside_hull" for fault in faults) and subject.substitute:
-        faults = [fault for fault in faults if fault.code != "outside_hull"]
-    if abs(worst - tolerance) <= doubt and state in {"consistent", "inconsistent"} and doubt > tolerance / 10:
-        state = "unjudged"
-        words = f"the meshes leave it open: the difference of {100 * worst:.2g} % has a bound of {100 * doubt:.2g} %"
-        named = [Finding("undecided", words), *named]
-    if state == "inconsistent" and subject.substitute and named[0].code in {"unexplained", "ambiguous"}:
-        state = "unjudged"  # the shapes themselves may agree with what is stated
-    named += subject.notes
+        return LinkAudit(name, "unphysical" if faults else "unjudged", stated.body, None, (), None, findings, margin)
+    if not subject.substitute:
+        faults += [Finding("outside_hull", fault.sentence) for fault in physical.outside(stated, _hull(subject))]
+    judgement = _judgement(subject, context, others, tolerance)
+    state, findings = judgement.state, (*faults, *judgement.findings, *subject.notes)
     if faults:
-        state = "unphysical" if any(fault.code == "unphysical" for fault in faults) else "inconsistent"
+        state = "unphysical" if faults[0].code == "unphysical" else "inconsistent"
+    mendable = judgement.mendable or (bool(faults) and not subject.substitute)
     return LinkAudit(
-        subject.name,
+        name,
         state,
         stated.body,
-        computed,
-        tuple(float(weight) for weight in weights),
-        difference,
-        (*faults, *named),
+        judgement.computed,
+        tuple(float(weight) for weight in judgement.weights),
+        _difference(stated.body, judgement.computed),
+        findings,
         margin,
         tuple(each.shape for each in subject.shapes),
+        judgement.computed if mendable and state != "consistent" else None,
     )
 
 
-def _explained(
-    context: Context, subject: Subject, others: Sequence[Subject], tolerance: float
-) -> tuple[State, list[Finding], inversion.Densities | None]:
-    """Return state and findings of a difference, and the densities that resolve it, if that is what does."""
-    about = ((other.name, other.stated, other.context) for other in others if other.stated is not None)
-    if words := placeholder(context, about):
-        return "inconsistent", [Finding("placeholder", words, None, "state what the meshes have")], None
+@dataclass(frozen=True, eq=False)
+class _Judgement:
+    """What a comparison leads to, with the mass properties and densities (kg/m³ a shape) that it ended with."""
+
+    state: State
+    findings: tuple[Finding, ...]
+    computed: MassProperties
+    weights: Float
+    mendable: bool = False
+
+
+def _judgement(subject: Subject, context: Context, others: Sequence[Subject], tolerance: float) -> _Judgement:
+    """Compare what is stated with what the shapes have, and look for what explains a difference."""
+    computed, weights = _computed(subject, context)
+    difference = _difference(context.stated.body, computed)
+    worst = max(difference.mass, difference.inertia, difference.center_of_mass / context.size)
+    error = computed.error
+    doubt = max(error.mass, error.inertia, error.center_of_mass / context.size)
+    if doubt > tolerance / 10 and abs(worst - tolerance) <= doubt:
+        words = f"the meshes leave it open: the difference of {100 * worst:.2g} % has a bound of {100 * doubt:.2g} %"
+        return _Judgement("unjudged", (Finding("undecided", words),), computed, weights)
+    if worst <= tolerance:
+        if implausible := _implausible(weights):
+            return _Judgement("inconsistent", (implausible,), computed, weights)
+        return _Judgement("consistent", (), computed, weights)
+    rest = ((other.name, other.stated, other.context) for other in others if other.stated is not None)
+    if why := placeholder(context, rest):
+        finding = Finding("placeholder", why, None, "state what the meshes have")
+        return _Judgement("inconsistent", (finding,), computed, weights, mendable=True)
     search = singles(context, tolerance)
     if search.named is None and context.densities is None:
         densities = inversion.invert(context)
         if densities is not None and densities.residual <= tolerance and densities.values.min() >= LIGHTEST:
-            return "consistent", [_inverted(densities, subject)], densities
+            finding = _inverted(densities, subject)
+            return _Judgement("consistent", (finding,), _sum(subject, densities.values), densities.values)
     if not search.candidates:
         search = pairs(context, tolerance)
-    return "inconsistent", list(_findings(search)), None
+    findings = tuple(_findings(search))
+    if search.named is None:
+        state: State = "unjudged" if subject.substitute else "inconsistent"  # what stands in for a mesh proves little
+        return _Judgement(state, findings, computed, weights)
+    factor = math.prod(mistake.mass for mistake in search.named.mistakes)
+    if factor != 1 and context.densities is None:
+        computed, weights = computed.with_mass(factor * computed.mass), factor * weights
+    mendable = not any(mistake.of_mesh for mistake in search.named.mistakes)
+    return _Judgement("inconsistent", findings, computed, weights, mendable)
 
 
 def _inverted(densities: inversion.Densities, subject: Subject) -> Finding:

@@ -15,6 +15,9 @@ EXPLAINED = 0.02
 _CLEARLY = 2.0
 """How many times closer than the next one an explanation must be where both are within `EXPLAINED`."""
 
+_WORTHWHILE = 3.0
+"""How many times smaller a difference must become by what explains it."""
+
 _SAME = 1e-6
 """Difference up to which two explanations say the same."""
 
@@ -63,13 +66,16 @@ def singles(context: Context, tolerance: float = EXPLAINED) -> Search:
 
 
 def pairs(context: Context, tolerance: float = EXPLAINED) -> Search:
-    """Search among two mistakes of different kinds, made in the order of their stages, or in both within one."""
+    """Search among two mistakes of different kinds, made in the order of their stages, or in both within one.
+
+    Rounding is not among them: with few decimals it explains anything.
+    """
     mistakes = [mistake for kind in KINDS for mistake in kind(context)]
     claims = (
         ((first, second), second.make(claim))
         for first, claim in _effective(context, tolerance)
         for second in mistakes
-        if second.stage >= first.stage and second.code != first.code
+        if second.stage >= first.stage and second.code != first.code and "rounded" not in (first.code, second.code)
     )
     return _ranked(claims, context, tolerance)
 
@@ -97,9 +103,10 @@ def _best_of_each_kind(
     claims: Iterable[tuple[tuple[Mistake, ...], Claim]], context: Context, tolerance: float
 ) -> tuple[Explanation, ...]:
     """Return the best explanation of each set of kinds, best first; of those that say the same, the first."""
+    limit = min(tolerance, context.truth.residual / _WORTHWHILE)
     best: dict[frozenset[str], Explanation] = {}
     for mistakes, claim in claims:
-        if claim.residual <= tolerance:
+        if claim.residual <= limit:
             explanation = Explanation(mistakes, claim.residual, claim.body)
             other = best.get(explanation.codes)
             if other is None or explanation.residual < other.residual - _SAME:

@@ -43,7 +43,13 @@ class Scales:
 
     def weigh(self, geometry: Geometry) -> tuple[Weighed, Finding | None]:
         """Return a geometry weighed, and what had to be done to it; raise as `inertia.read` and `mass_properties`."""
-        mesh = _primitive(geometry.shape) if isinstance(geometry.shape, Primitive) else self._mesh(geometry)
+        if isinstance(geometry.shape, str):
+            raise GeometryError(geometry.shape)
+        mesh = (
+            _primitive(geometry.shape)
+            if isinstance(geometry.shape, Primitive)
+            else self._mesh(geometry.shape, geometry.scale)
+        )
         where = geometry.placement
         properties = placed(mesh.properties, where)
         corners = mesh.corners @ where.rotation.T + where.origin
@@ -51,12 +57,11 @@ class Scales:
         note = mesh.note and Finding(mesh.note.code, f"{geometry.name}: {mesh.note.sentence}")
         return Weighed(Shape(geometry.name, corners, solid, where.rotation, where.origin), properties), note
 
-    def _mesh(self, geometry: Geometry) -> _Mesh:
-        assert isinstance(geometry.shape, Path)
-        key = geometry.shape, geometry.scale
+    def _mesh(self, file: Path, scale: tuple[Fraction, Fraction, Fraction] | None) -> _Mesh:
+        key = file, scale
         if key not in self._meshes:
             try:
-                self._meshes[key] = _weighed(_scaled(read(geometry.shape), geometry.scale))
+                self._meshes[key] = _weighed(_scaled(read(file), scale))
             except InertiaError as error:
                 self._meshes[key] = error
         mesh = self._meshes[key]

@@ -24,6 +24,7 @@ class _Factors(NamedTuple):
     mass: float
     center: float
     inertia: float
+    of_mesh: bool = False
 
 
 _FACTORS = (
@@ -33,14 +34,23 @@ _FACTORS = (
     _Factors("unit_scale", "the tensor is in g cm² where kg m² are wanted", "divide it by 1e7", 1, 1, 1e7),
     _Factors("unit_scale", "the tensor is divided by 1e6 once too often (mm² to m²)", "multiply it by 1e6", 1, 1, 1e-6),
     _Factors("unit_scale", "the tensor is divided by 1e9 once too often", "multiply it by 1e9", 1, 1, 1e-9),
-    _Factors("unit_scale", "the tensor is in kg in² where kg m² are wanted", "by 0.0254²", 1, 1, _INCH**2),
-    _Factors("unit_scale", "the tensor is in lb in² where kg m² are wanted", "", 1, 1, _INCH**2 * _POUND),
+    _Factors("unit_scale", "the tensor is in kg in² where kg m² are wanted", "multiply it by 0.0254²", 1, 1, _INCH**2),
+    _Factors(
+        "unit_scale",
+        "the tensor is in lb in² where kg m² are wanted",
+        "multiply it by 2.9264e-4",
+        1,
+        1,
+        _INCH**2 * _POUND,
+    ),
     _Factors("unit_scale", "centre and tensor are in millimetres", "state them in metres", 1, 1e3, 1e6),
     _Factors("unit_scale", "centre and tensor are in inches", "state them in metres", 1, _INCH, _INCH**2),
     _Factors("unit_scale", "the centre of mass is in millimetres", "state it in metres", 1, 1e3, 1),
-    _Factors("unit_scale", "the mesh is in millimetres and its scale is not stated", "scale it", 1, 1e-3, 1e-6),
-    _Factors("unit_scale", "the mesh is in inches and its scale is not stated", "scale it", 1, 0.0254, 0.0254**2),
-    _Factors("unit_scale", "the mesh is scaled from metres to millimetres once too often", "", 1, 1e3, 1e6),
+    _Factors("unit_scale", "the mesh is in millimetres and its scale is not stated", "scale it", 1, 1e-3, 1e-6, True),
+    _Factors("unit_scale", "the mesh is in inches and its scale is not stated", "scale it", 1, 0.0254, 0.0254**2, True),
+    _Factors(
+        "unit_scale", "the mesh is scaled from metres to millimetres once too often", "scale it back", 1, 1e3, 1e6, True
+    ),
     _Factors("mass_scale", "the tensor is in g m² where kg m² are wanted", "divide it by 1e3", 1, 1, 1e3),
     _Factors("mass_scale", "the mass is in grams", "divide it by 1e3", 1e3, 1, 1),
     _Factors("mass_scale", "the mass is in pounds", "multiply it by 0.45359237", _POUND, 1, 1),
@@ -51,7 +61,8 @@ _FACTORS = (
 def mistakes(context: Context) -> Iterator[Mistake]:
     """Yield mass, centre and tensor in units that are not the file's."""
     for factors in _FACTORS:
-        yield Mistake(factors.code, 5, factors.words, factors.remedy, partial(_scaled, factors))
+        make = partial(_scaled, factors)
+        yield Mistake(factors.code, 5, factors.words, factors.remedy, make, 1 / factors.mass, factors.of_mesh)
 
 
 def _scaled(factors: _Factors, claim: Claim) -> Claim:

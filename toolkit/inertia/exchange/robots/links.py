@@ -63,7 +63,7 @@ class Geometry:
     ----------
     name : for messages, different for each geometry of the link
     role : what the file has it for
-    shape : a mesh's file, or a primitive
+    shape : a mesh's file, a primitive, or why it is neither, in a sentence
     placement : of its own axes in those of the link
     scale : what the coordinates in the mesh's file are multiplied by to be metres, along its x, y and z; None where
         the file's own unit, or else the metre, counts
@@ -71,7 +71,7 @@ class Geometry:
 
     name: str
     role: Role
-    shape: Path | Primitive
+    shape: Path | Primitive | str
     placement: Placement = field(default_factory=Placement)
     scale: tuple[Fraction, Fraction, Fraction] | None = None
 

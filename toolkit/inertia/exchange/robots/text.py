@@ -55,7 +55,7 @@ def mesh_file(reference: str, folder: Path) -> Path:
     ``package://name/path`` is looked for in the folders above the description that are called `name`, contain one of
     that name, or are a package of any name; then in those of the environment's ROS_PACKAGE_PATH. ``model://`` alike.
 
-    Raises `ReadError` where there is no such file.
+    Where there is none, it is the first place that was looked at. Raises `ReadError` for what is no file's name.
     """
     scheme, _, rest = reference.partition("://")
     if not rest:
@@ -71,10 +71,7 @@ def mesh_file(reference: str, folder: Path) -> Path:
         places += [parent / path for parent in above]
     else:
         raise ReadError(f"the mesh {shown(reference)} is not a file: name it by package://, file:// or a path")
-    place = next((place for place in places if place.is_file()), None)
-    if place is None:
-        raise ReadError(f"the mesh {shown(reference)} is not there: looked for {places[0]}")
-    return place
+    return next((place for place in places if place.is_file()), places[0])
 
 
 def _paths(name: str) -> list[str]:

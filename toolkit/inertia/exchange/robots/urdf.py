@@ -26,10 +26,10 @@ _PAIRS = ("ixx", "iyy", "izz", "ixy", "ixz", "iyz")
 def read_urdf(path: Path) -> Robot:
     """Read a robot from a URDF file; raise `ReadError` where it is none."""
     data = path.read_bytes()
-    root = parse_xml(data)
+    root = parse_xml(data.lstrip())  # many begin with an empty line
     if root.tag != "robot":
         raise ReadError(f"it begins with {shown(root.tag)}, not with robot: it is no URDF file")
-    if b"<xacro:" in data or b"${" in data:
+    if b"<xacro:" in data or b"${" in data or b"$(" in data:
         raise ReadError("it holds macros of xacro: expand it first (xacro FILE > robot.urdf)")
     fixed = dict(_fixed_joints(root))
     links = []
@@ -114,7 +114,7 @@ def _scale(text: str, what: str) -> tuple[Fraction, Fraction, Fraction]:
     return x, y, z
 
 
-def _primitive(kind: Element, what: str) -> Primitive:
+def _primitive(kind: Element, what: str) -> Primitive | str:
     def number(key: str) -> float:
         return float(attribute(kind, key, 1, [0.0], what)[0])
 
@@ -126,4 +126,4 @@ def _primitive(kind: Element, what: str) -> Primitive:
         return Primitive("cylinder", (number("radius"), number("length")))
     if kind.tag == "capsule":
         return Primitive("capsule", (number("radius"), number("length")))
-    raise ReadError(f"{what}: {shown(kind.tag)} is no shape of URDF")
+    return f"{shown(kind.tag)} is no shape that can be weighed"
