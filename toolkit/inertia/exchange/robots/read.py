@@ -1,22 +1,26 @@
-"""A robot's file read by what it is: URDF, MJCF."""
+"""A robot's file read by what its first element is: URDF, MJCF, SDFormat."""
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable
 from pathlib import Path
 
 from inertia.errors import ReadError, placed
 from inertia.exchange.robots.links import Robot
 from inertia.exchange.robots.mjcf import read_mjcf
+from inertia.exchange.robots.sdf import read_sdf
 from inertia.exchange.robots.urdf import read_urdf
 
-READERS: dict[str, tuple[bytes, Callable[[Path], Robot]]] = {
-    "urdf": (b"<robot", read_urdf),
-    "mjcf": (b"<mujoco", read_mjcf),
+READERS: dict[str, tuple[str, Callable[[Path], Robot]]] = {
+    "urdf": ("robot", read_urdf),
+    "mjcf": ("mujoco", read_mjcf),
+    "sdf": ("sdf", read_sdf),
 }
-"""Format → what its files hold near their beginning, and its reader."""
+"""Format → the first element of its files, and its reader."""
 
 _BEGINNING = 65_536  # bytes that are searched for what a file is; licences stand at the top of many
+_NO_ELEMENT = re.compile(rb"(?s)\xef\xbb\xbf|<!--.*?-->|<\?.*?\?>|<!DOCTYPE[^\[>]*(?:\[.*?\]\s*)?>")
 
 
 def read_robot(path: str | Path) -> Robot:
@@ -30,8 +34,9 @@ def read_robot(path: str | Path) -> Robot:
             beginning = file.read(_BEGINNING)
     except OSError as error:
         raise ReadError(f"cannot read {path}: {error.strerror}") from error
-    for mark, reader in READERS.values():
-        if mark in beginning:
+    element = re.match(rb"\s*<([\w.-]+)", _NO_ELEMENT.sub(b"", beginning))
+    for name, reader in READERS.values():
+        if element and element[1] == name.encode():
             try:
                 return reader(path)
             except ReadError as error:

@@ -1,0 +1,223 @@
+"""SDFormat against Drake, and against poses that are multiplied out by hand."""
+
+from fractions import Fraction
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from tests.exchange import solid
+
+import inertia
+from inertia.exchange.robots.links import Link, Placement, Primitive
+from inertia.exchange.robots.read import read_robot
+
+MODEL = """<?xml version="1.0"?>
+<!-- <robot> is not what this is -->
+<sdf version="1.9">
+  <model name="arm">
+    <pose>9 9 9 0 0 1</pose>
+    <plugin name="p" filename="p.so"><robotNamespace>x</robotNamespace></plugin>
+    <frame name="bench"><pose>0 0 1 0 0 1.5707963267948966</pose></frame>
+    <frame name="bracket" attached_to="upper"><pose>0.5 0 0 0.3 -0.2 0.1</pose></frame>
+    <link name="base">
+      <inertial>
+        <pose>0.1 -0.02 0.3 0.4 -0.5 0.6</pose>
+        <mass>2.5</mass>
+        <inertia><ixx>0.01</ixx><ixy>0.001</ixy><ixz>-0.002</ixz><iyy>0.02</iyy><iyz>0.003</iyz><izz>0.025</izz></inertia>
+      </inertial>
+      <visual name="block"><geometry><box><size>0.1 0.2 0.3</size></box></geometry></visual>
+    </link>
+    <link name="upper">
+      <pose relative_to="bench">1 2 3 0.1 0.2 0.3</pose>
+      <inertial><mass>1</mass><inertia><ixx>0.1</ixx><iyy>0.12</iyy><izz>0.14</izz></inertia></inertial>
+      <visual name="on_bracket">
+        <pose relative_to="bracket">0 0.1 0 0 0 0.2</pose>
+        <geometry><cylinder><radius>0.05</radius><length>0.4</length></cylinder></geometry>
+      </visual>
+      <visual name="at_joint">
+        <pose relative_to="weld" degrees="true">0 0 0 0 90 0</pose>
+        <geometry><sphere><radius>0.07</radius></sphere></geometry>
+      </visual>
+      <collision name="turned">
+        <pose rotation_format="quat_xyzw">0 0 1 0.1 -0.2 0.3 0.9</pose>
+        <geometry><capsule><radius>0.02</radius><length>0.1</length></capsule></geometry>
+      </collision>
+      <collision name="egg">
+        <geometry><ellipsoid><radii>0.1 0.2 0.3</radii></ellipsoid></geometry>
+      </collision>
+    </link>
+    <joint name="weld" type="fixed">
+      <pose>0 0 0.25 0 0 0</pose><parent>base</parent><child>upper</child>
+    </joint>
+    <joint name="hinge" type="revolute">
+      <parent>upper</parent><child>hand::palm</child><axis><xyz>0 0 1</xyz></axis>
+    </joint>
+    <model name="hand">
+      <pose relative_to="upper">0 0 1 0 0 0.5</pose>
+      <link name="palm"><pose>0.1 0 0 0 0 0</pose></link>
+      <link name="finger"><pose relative_to="palm">0 0.2 0 0.3 0 0</pose></link>
+      <joint name="glue" type="fixed"><parent>palm</parent><child>finger</child></joint>
+    </model>
+  </model>
+</sdf>
+"""
+
+
+@pytest.fixture
+def file(tmp_path: Path) -> Path:
+    path = tmp_path / "arm.sdf"
+    path.write_text(MODEL)
+    return path
+
+
+def link(file: Path, name: str) -> Link:
+    return next(link for link in read_robot(file).links if link.name == name)
+
+
+def turn(axis: int, angle: float) -> np.ndarray:
+    c, s = np.cos(angle), np.sin(angle)
+    rotation = np.eye(4)
+    i, j = (axis + 1) % 3, (axis + 2) % 3
+    rotation[[i, i, j, j], [i, j, i, j]] = c, -s, s, c
+    return rotation
+
+
+def pose(x: float, y: float, z: float, roll: float, pitch: float, yaw: float) -> np.ndarray:
+    """Return the (4, 4) matrix of a pose: turns about the fixed x, y and z, then the shift."""
+    shift = np.eye(4)
+    shift[:3, 3] = x, y, z
+    return shift @ turn(2, yaw) @ turn(1, pitch) @ turn(0, roll)
+
+
+def same(placement: Placement, matrix: np.ndarray) -> bool:
+    return np.allclose(np.c_[placement.rotation, placement.origin], matrix[:3], rtol=0, atol=1e-15)
+
+
+def test_names_are_those_within_the_model(file: Path) -> None:
+    robot = read_robot(file)
+    assert (robot.format, robot.name) == ("sdf", "arm")
+    assert [link.name for link in robot.links] == ["base", "upper", "hand::palm", "hand::finger"]
+
+
+def test_what_is_stated(file: Path) -> None:
+    inertial = link(file, "base").inertial
+    assert inertial is not None
+    assert inertial.mass == 2.5
+    assert same(inertial.placement, pose(0.1, -0.02, 0.3, 0.4, -0.5, 0.6))
+    assert inertial.inertia.tolist() == [[0.01, 0.001, -0.002], [0.001, 0.02, 0.003], [-0.002, 0.003, 0.025]]
+    assert inertial.decimals == (1, 2, 3)
+    assert link(file, "hand::palm").inertial is None
+
+
+def test_shapes_lie_where_their_frames_are(file: Path) -> None:
+    on_bracket, at_joint, turned, egg = link(file, "upper").geometries
+    assert same(on_bracket.placement, pose(0.5, 0, 0, 0.3, -0.2, 0.1) @ pose(0, 0.1, 0, 0, 0, 0.2))
+    assert same(at_joint.placement, pose(0, 0, 0.25, 0, np.pi / 2, 0))
+    assert np.allclose(turned.placement.rotation @ [0.1, -0.2, 0.3], [0.1, -0.2, 0.3], atol=1e-15)
+    assert egg.shape == Primitive("ellipsoid", (0.1, 0.2, 0.3))
+    assert [each.role for each in (on_bracket, at_joint, turned, egg)] == ["visual"] * 2 + ["collision"] * 2
+
+
+def test_fixed_joints_keep_the_links_where_they_are(file: Path) -> None:
+    upper, finger = link(file, "upper"), link(file, "hand::finger")
+    assert upper.parent == "base"
+    assert same(upper.placement, pose(0, 0, 1, 0, 0, np.pi / 2) @ pose(1, 2, 3, 0.1, 0.2, 0.3))
+    assert finger.parent == "hand::palm"
+    assert same(finger.placement, pose(0, 0.2, 0, 0.3, 0, 0))
+    assert link(file, "hand::palm").parent is None
+
+
+def test_drake_agrees(file: Path) -> None:
+    plants = pytest.importorskip("pydrake.multibody.plant")
+    parsing = pytest.importorskip("pydrake.multibody.parsing")
+    graphs = pytest.importorskip("pydrake.geometry")
+    plant, scene = plants.MultibodyPlant(0.0), graphs.SceneGraph()
+    plant.RegisterAsSourceForSceneGraph(scene)
+    parser = parsing.Parser(plant)
+    parser.AddModels(str(file))
+    plant.Finalize()
+    inspector = scene.model_inspector()
+    for each in read_robot(file).links:
+        *models, name = each.name.split("::")
+        body = plant.GetBodyByName(name, plant.GetModelInstanceByName("::".join(["arm", *models])))
+        if each.inertial is not None:
+            compare_inertial(each, body.default_spatial_inertia())
+        for role, shapes in (
+            ("visual", plant.GetVisualGeometriesForBody(body)),
+            ("collision", plant.GetCollisionGeometriesForBody(body)),
+        ):
+            ours = [geometry for geometry in each.geometries if geometry.role == role]
+            assert len(ours) == len(shapes)
+            for geometry, shape in zip(ours, shapes, strict=True):
+                assert same(geometry.placement, inspector.GetPoseInFrame(shape).GetAsMatrix4())
+
+
+def compare_inertial(each: Link, spatial: Any) -> None:
+    assert each.inertial is not None
+    where = each.inertial.placement
+    central = spatial.Shift(spatial.get_com()).CalcRotationalInertia().CopyToFullMatrix3()
+    assert spatial.get_mass() == each.inertial.mass
+    assert np.allclose(spatial.get_com(), where.origin, rtol=0, atol=1e-15)
+    assert np.allclose(central, where.rotation @ each.inertial.inertia @ where.rotation.T, rtol=0, atol=1e-15)
+
+
+def test_meshes_are_found_and_scaled(tmp_path: Path) -> None:
+    (tmp_path / "arm" / "meshes").mkdir(parents=True)
+    mesh = solid.file(tmp_path / "arm" / "meshes")
+    file = tmp_path / "arm" / "model.sdf"
+    file.write_text(
+        '<sdf version="1.9"><world name="w"><model name="arm"><link name="a"><visual name="v"><geometry><mesh>'
+        "<uri>model://arm/meshes/upper arm.obj</uri><scale>0.001 0.001 0.001</scale><submesh><name>x</name></submesh>"
+        "</mesh></geometry></visual></link></model><model name='b'><link name='a'/></model></world></sdf>"
+    )
+    robot = read_robot(file)
+    assert [link.name for link in robot.links] == ["arm::a", "b::a"]
+    (geometry,) = robot.links[0].geometries
+    assert (geometry.shape, geometry.scale) == (mesh, (Fraction(1, 1000),) * 3)
+    assert "the whole of it is taken" in robot.notes[0]
+
+
+def text(inside: str) -> str:
+    return f'<sdf version="1.9"><model name="m">{inside}</model></sdf>'
+
+
+@pytest.mark.parametrize(
+    ("inside", "says"),
+    [
+        ("", "it holds no link"),
+        ('<link name="a"><inertial/></link>', "link 'a', inertial has no mass"),
+        ('<link name="a"><inertial><mass>x</mass></inertial></link>', "mass is 'x': it must be numbers"),
+        ('<link name="a"><pose>1 2 3</pose></link>', "link 'a', pose is '1 2 3': it must be 6 numbers"),
+        ('<link name="a"><pose relative_to="b"/></link>', "there is no frame 'b' in the model 'm'"),
+        (
+            '<link name="a"><pose relative_to="b"/></link><link name="b"><pose relative_to="a"/>'
+            '<visual name="v"><pose relative_to="a"/><geometry><sphere><radius>1</radius></sphere></geometry></visual>'
+            "</link>",
+            "counts from itself",
+        ),
+        ('<link name="a"><pose rotation_format="quat_xyzw">0 0 0 0 0 0 0</pose></link>', "quaternion of zero"),
+        (
+            '<link name="a"><visual name="v"><geometry><cone/></geometry></visual></link>',
+            "link 'a', visual 1: 'cone' is no shape",
+        ),
+    ],
+)
+def test_faults(tmp_path: Path, inside: str, says: str) -> None:
+    file = tmp_path / "a.sdf"
+    file.write_text(text(inside))
+    with pytest.raises(inertia.ReadError, match=f"cannot read {file}") as fault:
+        read_robot(file)
+    assert says in str(fault.value)
+
+
+def test_defaults_are_those_of_the_specification(tmp_path: Path) -> None:
+    file = tmp_path / "a.sdf"
+    file.write_text(text('<link name="a"><inertial><mass>2</mass></inertial></link><include><uri>x</uri></include>'))
+    robot = read_robot(file)
+    inertial = robot.links[0].inertial
+    assert inertial is not None
+    assert inertial.inertia.tolist() == np.eye(3).tolist()
+    assert "include is not read" in robot.notes[0]
+    file.write_text(text('<link name="a"><inertial auto="true"><density>1</density></inertial></link>'))
+    assert read_robot(file).links[0].inertial is None

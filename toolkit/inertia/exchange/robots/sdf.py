@@ -1,0 +1,241 @@
+"""SDFormat (Gazebo, Drake): links with their `<inertial>`, visual and collision shapes, poses relative to frames.
+
+The pose of `<inertial>` is that of a frame at the centre of mass, along whose axes the six elements are tensor
+elements (−∫xy dm). Poses follow the specification of SDFormat 1.7 and later, Pose Frame Semantics: a pose counts from
+`relative_to`, or from the model for a link, the child for a joint, the link for a shape, and what it is attached to for
+a frame; a name in a nested model is written model::name.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+from fractions import Fraction
+from pathlib import Path
+from xml.etree.ElementTree import Element
+
+import numpy as np
+
+from inertia.errors import ReadError
+from inertia.exchange.conventions import CONVENTIONS
+from inertia.exchange.robots.links import Geometry, Inertial, Link, Placement, Primitive, Robot, Role
+from inertia.exchange.robots.text import decimals, floats, mesh_file
+from inertia.exchange.rotations import rotation_of_quaternion, rotation_of_rpy
+from inertia.mesh.readers.contents import shown
+from inertia.mesh.readers.trimesh import parse_xml
+
+_CONVENTION = CONVENTIONS["sdf"]
+_MODEL = "__model__"
+_SHAPELESS = ("plane", "heightmap", "image", "empty", "polyline")
+
+
+@dataclass
+class _Frames:
+    """Where the frames of a file lie: each by its full name, the full name of the one it counts from, and its pose."""
+
+    poses: dict[str, tuple[str, Placement]] = field(default_factory=dict)
+    links: set[str] = field(default_factory=set)
+
+    def find(self, name: str, scope: str) -> str:
+        """Return the full name of a frame that is called `name` within a model."""
+        if name == "world":
+            return ""
+        for full in (scope + name, f"{scope}{name}::{_MODEL}"):
+            if full in self.poses:
+                return full
+        raise ReadError(f"there is no frame {shown(name)} in the model {shown(scope.removesuffix('::'))}")
+
+    def between(self, outer: str, inner: str) -> Placement:
+        """Return where one frame lies in another, by way of the nearest frame that both count from."""
+        up, down = self._path(outer), self._path(inner)
+        while up and down and up[-1] == down[-1]:
+            del up[-1], down[-1]
+        there, here = self._along(up), self._along(down)
+        return Placement(there.rotation.T, -there.rotation.T @ there.origin).then(here)
+
+    def _path(self, name: str) -> list[str]:
+        """Return a frame, the one it counts from, and so on to the world."""
+        path: list[str] = []
+        while name:
+            if name in path:
+                raise ReadError(f"the pose of {shown(name)} counts from itself")
+            path.append(name)
+            name = self.poses[name][0]
+        return path
+
+    def _along(self, path: list[str]) -> Placement:
+        where = Placement()
+        for name in reversed(path):
+            where = where.then(self.poses[name][1])
+        return where
+
+
+def read_sdf(path: Path) -> Robot:
+    """Read the links of all models in a file; raise `ReadError` where it is none."""
+    root = parse_xml(path.read_bytes())
+    if root.tag != "sdf":
+        raise ReadError(f"it begins with {shown(root.tag)}, not with sdf: it is no SDFormat file")
+    models = [*root.findall("model"), *(model for world in root.findall("world") for model in world.findall("model"))]
+    frames = _Frames()
+    notes: dict[str, None] = {}
+    scopes = [f"{model.get('name', '')}::" for model in models]
+    for model, scope in zip(models, scopes, strict=True):
+        _declare(model, scope, "", frames)
+    if any(True for _ in root.iter("include")):
+        notes["include is not read: the models that it names are left out"] = None
+    drop = scopes[0] if len(models) == 1 else ""  # with one model its name says nothing
+    links = [
+        link
+        for model, scope in zip(models, scopes, strict=True)
+        for link in _links(model, scope, frames, drop, path.parent, notes)
+    ]
+    if not links:
+        raise ReadError("it holds no link")
+    name = models[0].get("name", "") if len(models) == 1 else ""
+    return Robot(path, "sdf", name, tuple(links), tuple(notes))
+
+
+def _declare(model: Element, scope: str, outside: str, frames: _Frames) -> None:
+    """Gather where the frames of a model lie; `outside` is the scope that the model itself stands in."""
+    around = outside + _MODEL if outside else ""
+    frames.poses[scope + _MODEL] = around, _pose(model, f"model {shown(model.get('name', ''))}")
+    inner = [(child, f"{scope}{child.get('name', '')}::") for child in model.findall("model")]
+    for tag in ("link", "frame", "joint"):
+        for element in model.findall(tag):
+            name = element.get("name", "")
+            frames.poses[scope + name] = scope + _MODEL, _pose(element, f"{tag} {shown(name)}")
+            if tag == "link":
+                frames.links.add(scope + name)
+    for child, within in inner:
+        _declare(child, within, scope, frames)
+    # Now that every name is known, what each counts from.
+    for tag in ("link", "frame", "joint"):
+        for element in model.findall(tag):
+            full = scope + element.get("name", "")
+            usual = {"frame": element.get("attached_to"), "joint": element.findtext("child", "").strip()}.get(tag)
+            relative = _relative_to(element) or usual or _MODEL
+            frames.poses[full] = frames.find(relative, scope), frames.poses[full][1]
+    for child, within in inner:
+        if relative := _relative_to(child):
+            frames.poses[within + _MODEL] = frames.find(relative, scope), frames.poses[within + _MODEL][1]
+
+
+def _links(
+    model: Element, scope: str, frames: _Frames, drop: str, folder: Path, notes: dict[str, None]
+) -> Iterator[Link]:
+    fixed = dict(_fixed_joints(model, scope, frames))
+    for element in model.findall("link"):
+        full = scope + element.get("name", "")
+        name = full.removeprefix(drop)
+        parent, placement = fixed.get(full, (None, Placement()))
+        geometries = tuple(_geometries(element, full, name, scope, frames, folder, notes))
+        hangs = None if parent is None else parent.removeprefix(drop)
+        yield Link(name, _inertial(element, f"link {shown(name)}"), geometries, hangs, placement)
+    for child in model.findall("model"):
+        yield from _links(child, f"{scope}{child.get('name', '')}::", frames, drop, folder, notes)
+
+
+def _fixed_joints(model: Element, scope: str, frames: _Frames) -> Iterator[tuple[str, tuple[str, Placement]]]:
+    for joint in model.findall("joint"):
+        ends = [joint.findtext(tag, "").strip() for tag in ("parent", "child")]
+        if joint.get("type") == "fixed" and "world" not in ends:
+            parent, child = (frames.find(end, scope) for end in ends)
+            if {parent, child} <= frames.links:
+                yield child, (parent, frames.between(parent, child))
+
+
+def _inertial(link: Element, what: str) -> Inertial | None:
+    element = link.find("inertial")
+    if element is None or element.get("auto") == "true":
+        return None
+    what = f"{what}, inertial"
+    mass = element.findtext("mass")
+    if mass is None:
+        raise ReadError(f"{what} has no mass")
+    tensor = element.find("inertia")
+    words = [] if tensor is None else [tensor.findtext(f"i{pair}", "") for pair in _CONVENTION.order]
+    defaults = [1.0 if pair[0] == pair[1] else 0.0 for pair in _CONVENTION.order]  # as the specification has them
+    elements = [
+        floats(word, 1, f"{what}, i{pair}")[0] if word.strip() else default
+        for word, pair, default in zip(words or [""] * 6, _CONVENTION.order, defaults, strict=True)
+    ]
+    pose = element.findtext("pose", "")
+    return Inertial(
+        floats(mass, 1, f"{what}, mass")[0],
+        _pose(element, what),
+        _CONVENTION.tensor(elements),
+        (decimals([mass]), decimals(pose.split()[:3]), decimals(words)),
+    )
+
+
+def _geometries(
+    link: Element, full: str, name: str, scope: str, frames: _Frames, folder: Path, notes: dict[str, None]
+) -> Iterator[Geometry]:
+    roles: tuple[Role, ...] = ("visual", "collision")
+    for role in roles:
+        for number, element in enumerate(link.findall(role), 1):
+            what = f"link {shown(name)}, {role} {number}"
+            shape = element.find("geometry")
+            if shape is None or len(shape) == 0 or shape[0].tag in _SHAPELESS:
+                continue
+            placement = _pose(element, what)
+            if relative := _relative_to(element):
+                placement = frames.between(full, frames.find(relative, scope)).then(placement)
+            kind = shape[0]
+            if kind.tag == "mesh":
+                if kind.find("submesh") is not None:
+                    notes[f"{what} is a part of a mesh: the whole of it is taken"] = None
+                file = mesh_file(kind.findtext("uri", "").strip(), folder)
+                yield Geometry(file.name, role, file, placement, _scale(kind.findtext("scale"), what))
+            else:
+                label = element.get("name") or f"{kind.tag} {number}"
+                yield Geometry(label, role, _primitive(kind, what), placement)
+
+
+def _primitive(kind: Element, what: str) -> Primitive:
+    def sizes(key: str, count: int = 1) -> list[float]:
+        return floats(kind.findtext(key, ""), count, f"{what}, {key}")
+
+    if kind.tag == "box":
+        return Primitive("box", tuple(sizes("size", 3)))
+    if kind.tag == "sphere":
+        return Primitive("sphere", tuple(sizes("radius")))
+    if kind.tag == "cylinder":
+        return Primitive("cylinder", (*sizes("radius"), *sizes("length")))
+    if kind.tag == "capsule":
+        return Primitive("capsule", (*sizes("radius"), *sizes("length")))
+    if kind.tag == "ellipsoid":
+        return Primitive("ellipsoid", tuple(sizes("radii", 3)))
+    raise ReadError(f"{what}: {shown(kind.tag)} is no shape that is read")
+
+
+def _scale(text: str | None, what: str) -> tuple[Fraction, Fraction, Fraction] | None:
+    if text is None:
+        return None
+    try:
+        x, y, z = (Fraction(word) for word in text.split())
+    except ValueError:
+        raise ReadError(f"{what}, scale is {shown(text)}: it must be 3 numbers") from None
+    return x, y, z
+
+
+def _relative_to(element: Element) -> str:
+    pose = element.find("pose")
+    return "" if pose is None else pose.get("relative_to", "")
+
+
+def _pose(element: Element, what: str) -> Placement:
+    pose = element.find("pose")
+    if pose is None or not (pose.text or "").strip():
+        return Placement()
+    what = f"{what}, pose"
+    if pose.get("rotation_format", "euler_rpy") == "quat_xyzw":
+        *place, x, y, z, w = floats(pose.text or "", 7, what)
+        if not any((x, y, z, w)):
+            raise ReadError(f"{what} has a quaternion of zero")
+        return Placement(rotation_of_quaternion([w, x, y, z]), np.array(place))
+    *place, roll, pitch, yaw = floats(pose.text or "", 6, what)
+    if pose.get("degrees") == "true":
+        roll, pitch, yaw = (math.radians(angle) for angle in (roll, pitch, yaw))
+    return Placement(rotation_of_rpy(roll, pitch, yaw), np.array(place))
