@@ -141,8 +141,7 @@ The smallest moment is the one about the length. At 1 : 1e6 a tensor's float64 e
 1e8 on none: it takes moments that are diagonalised before they are rounded, and sums with more digits.""",
     "Plates": """The same with one thin direction: only the normal cancels, so less is lost.""",
     "Thin walls": """A cavity of the body's own shape. The volume is what outer and inner surface leave of each other:
-at 1e-12 and 1e-15 nearly nothing. Below some 1e-10 of the part the check which shell lies inside which cannot tell a
-cavity from a shell turned inside out, so that a part is refused though its sums (the other columns) are right.""",
+at 1e-12 and 1e-15 nearly nothing. Where floating point does not tell which shell lies in which, integers do.""",
     "Slivers": """Every triangle is split in three about a point next to one of its edges. The edge form of the
 determinant takes no harm.""",
     "Stored in float32": """As binary STL stores it: the file has lost more than any method does. The integration reads

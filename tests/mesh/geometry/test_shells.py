@@ -7,11 +7,12 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from scipy.spatial.transform import Rotation
 from tests.mesh.solids import box, cube, facets, inside_out, joined, ring, sphere
 
 from inertia.mesh.geometry.closure import closure
 from inertia.mesh.geometry.shells import Shell, absolute_orientation, bodies, members, shells
-from inertia.mesh.geometry.winding import windings
+from inertia.mesh.geometry.winding import windings, windings_under
 from inertia.mesh.part import Surface
 
 
@@ -253,3 +254,35 @@ def test_members_leave_out_triangles_with_a_repeated_corner() -> None:
     assert one.tolist() == [0, 1, 2, *range(4, 13)]
     assert other.tolist() == list(range(13, 25))
     assert [shell.triangles for shell in shells_of(broken)] == [12, 12]
+
+
+@pytest.mark.parametrize("wall", [1e-10, 1e-12, 1e-13, 1e-15])
+@pytest.mark.parametrize("turn", [None, [0.4, -0.3, 0.8]])
+@pytest.mark.parametrize("solid", [cube, sphere])
+def test_a_wall_as_thin_as_the_last_digits_is_a_wall(wall: float, turn: list[float] | None, solid: type) -> None:
+    vertices, faces = solid()
+    if turn is not None:
+        vertices = vertices @ Rotation.from_rotvec(turn).as_matrix().T
+        wall = max(wall, 1e-14)  # below that the turned faces cross
+    hollow = joined((vertices, faces), inside_out((vertices * (1 - wall), faces)))
+    assert nesting(hollow) == [("outward", 0, 0, None), ("inward", 1, 1, 0)]
+
+
+def test_a_body_and_one_that_lies_a_last_digit_beside_it_do_not_nest() -> None:
+    one, other = cube(), cube(size=0.5)
+    beside = other[0] + [0.75 + 2.0**-50, 0, 0], other[1]
+    assert nesting(joined(one, beside)) == [("outward", 0, 0, None)] * 2
+
+
+def test_winding_numbers_just_under_a_surface_are_those_of_its_inside() -> None:
+    points, faces = sphere()
+    corners = points[faces]
+    winding, decided = windings_under(corners, corners)
+    assert decided.all()
+    assert (winding == 1).all()
+    for shift, inside in ((2.0**-52, 1), (-(2.0**-52), 0)):
+        outer = corners * (1 + shift)
+        winding, decided = windings_under(corners, outer)
+        assert (winding[decided] == inside).all()
+    turned = corners[:, ::-1]
+    assert (windings_under(turned, corners)[0] == 0).all()

@@ -79,6 +79,7 @@ def surface_integrals(
     accuracy: float | str | None = None,
     absolute: bool = False,
     intersections: bool | None = None,
+    turned: bool = False,
     progress: Progress | None = None,
 ) -> Iterator[Integral]:
     """Integrate a triangle surface as a solid, or as a `shell` (whose "volume" is its area).
@@ -105,18 +106,21 @@ def surface_integrals(
         check(part, intersections=intersections).require_fit()
     several = topology.components != 1 or topology.crowded > 0
     pieces = shells(triangles, topology) if several and not shell else ()
-    if absolute and not shell and len(wrong := _wrong(triangles, pieces, moments_of(sums))):
+    if absolute and not turned and not shell and len(wrong := _wrong(triangles, pieces, moments_of(sums))):
         if pieces:
-            check(part, intersections=intersections).require_fit("absolute")
-        turned = replace(part, geometry=_turned(triangles, np.isin(topology.labels, wrong)))
+            check(part, intersections=intersections).require_fit("absolute", turned=True)
+        other = replace(part, geometry=_turned(triangles, np.isin(topology.labels, wrong)))
         note = f"{len(wrong)} of {topology.components} shells turned, as absolute orientation was asked for"
-        for integral in surface_integrals(turned, named, accuracy=accuracy, intersections=intersections):
+        again = surface_integrals(
+            other, named, accuracy=accuracy, absolute=True, intersections=intersections, turned=True
+        )
+        for integral in again:
             yield replace(integral, notes=(note,))
         return
     examined = not shell and to_be_examined(triangles, intersections, topology.crowded)
     report = None
     if examined and crossings(triangles, limit=1).total:
-        report = _sound(part, intersections)
+        report = _sound(part, intersections, absolute)
     integral = Integral(
         groups=(),
         method=METHODS["float64"],
@@ -137,7 +141,7 @@ def surface_integrals(
             continue
         whole = solid_moments(triangles, arithmetic, sums, further, part.rounding)
         if report is None and (pieces or whole.zeroth < -whole.zeroth_bound):
-            report = _sound(part, False)
+            report = _sound(part, False, absolute)
         if whole.zeroth > whole.zeroth_bound:
             groups = _solid_groups(part, named, topology, pieces, whole, arithmetic)
             doubts = () if report is None else report.doubts
@@ -146,9 +150,9 @@ def surface_integrals(
             _refuse_flat(part, whole, extents)
 
 
-def _sound(part: Part, intersections: bool | None) -> Report:
+def _sound(part: Part, intersections: bool | None, turned: bool) -> Report:
     report = check(part, intersections=intersections)
-    report.require_fit()
+    report.require_fit(turned=turned)
     return report
 
 

@@ -53,6 +53,8 @@ def _check_surface(part: Part, triangles: Triangles, intersections: bool | None)
     )
     if examined:
         remarks += findings("crossings", surface)
+    if bounds_volume and not any(finding.severity == "error" for finding in remarks):
+        remarks += findings("contacts", surface)
     return Report(
         source=part.source,
         triangles=triangles.count,

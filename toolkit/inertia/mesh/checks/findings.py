@@ -18,6 +18,7 @@ Severity = Literal["error", "warning", "note"]
 
 _LARGEST = 1e75  # the inertia of anything larger leaves float64, whatever the unit
 _LISTED = 10
+_HOWEVER_TURNED = ", however its shells are turned: unite the bodies or move them apart where the part was made"
 
 
 @dataclass(frozen=True)
@@ -33,6 +34,7 @@ class Finding:
     faces : numbers of the first ten triangles (or cells) concerned
     place : where the first or largest is, in file units
     turnable : True where turning shells to their absolute orientation removes it
+    statement : the sentence without the remedy
     doubt : the volume that is in doubt for it, where it leaves an answer
     """
 
@@ -43,6 +45,7 @@ class Finding:
     faces: tuple[int, ...] = ()
     place: Place | None = None
     turnable: bool = False
+    statement: str = ""
     doubt: Doubt | None = None
 
     @property
@@ -98,13 +101,16 @@ class Report:
         forgiven = orientation == "absolute"
         return tuple(f for f in self.findings if f.severity == "error" and not (forgiven and f.turnable))
 
-    def require_fit(self, orientation: Orientation = "stored") -> None:
-        """Raise `GeometryError` with the most important fault, if there is one."""
+    def require_fit(self, orientation: Orientation = "stored", *, turned: bool = False) -> None:
+        """Raise `GeometryError` with the most important fault, if there is one; where shells are `turned`, say so."""
         faults = self.faults(orientation)
         if faults:
             others = len(faults) - 1
             more = (" (", CHECK, f" lists {counted(others, 'more fault')})") if others else ()
-            raise GeometryError(faults[0].message, *more, places=(self.source.path or "the part",))
+            message: tuple[Word, ...] = (faults[0].message,)
+            if turned and faults[0].turnable:
+                message = (faults[0].statement, _HOWEVER_TURNED)
+            raise GeometryError(*message, *more, places=(self.source.path or "the part",))
 
 
 @dataclass(frozen=True)

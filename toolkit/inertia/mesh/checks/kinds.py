@@ -26,12 +26,13 @@ from inertia.mesh.checks.findings import Evidence, Finding, Severity, counted, l
 from inertia.mesh.checks.surface_topology import SurfaceTopology
 from inertia.mesh.geometry.closure import repeated_corners
 from inertia.mesh.geometry.edges import flat
+from inertia.mesh.geometry.shells import bounds_nothing
 from inertia.mesh.part import Surface, Triangles
 from inertia.mesh.repairs.weld import closing_distance
 
-Subject = Literal["triangles", "surface", "volume", "shells", "crossings", "nodes", "cells"]
+Subject = Literal["triangles", "surface", "volume", "shells", "crossings", "contacts", "nodes", "cells"]
 """What is looked at: `Triangles`; `SurfaceTopology`, whole, where it bounds a volume, where that is one, where
-crossings are looked for; `CellTopology`, before and after its nodes are known to be usable."""
+crossings are looked for, where there is no fault; `CellTopology`, before and after its nodes are known to be usable."""
 
 _CHUNK = 1 << 16
 _NOISE = 1e-13  # volume over the sum of the shells' volumes
@@ -77,6 +78,7 @@ class Kind:
             evidence.faces,
             evidence.place,
             turnable,
+            self.sentence.format_map(figures),
             evidence.doubt,
         )
 
@@ -137,6 +139,8 @@ def _no_volume(surface: SurfaceTopology) -> Evidence | None:
     turned = [(-1) ** shell.depth * abs(shell.signed_volume) for shell in solids]
     # The second sum tells a wall of no thickness from two bodies of which one is inside out.
     if max(abs(sum(volumes)), abs(sum(turned))) > _NOISE * sum(map(abs, volumes)):
+        return None
+    if len(solids) > 1 and not bounds_nothing(surface.triangles, surface.box):
         return None
     every = np.arange(len(surface.faces))
     return Evidence(len(every), listed(every), middle(surface.box))
@@ -314,7 +318,7 @@ KINDS = (
         ("remove what adds no mass, or give it a thickness",),
     ),
     Kind(
-        "shells", "contact", "note",
+        "contacts", "contact", "note",
         contacts,
         "contact: {count:pair} of bodies share space no deeper than the contact tolerance ({tolerance:g} of the "
         "smaller body), the first {around} being those from triangles {first} and {second} on, so that up to "

@@ -22,12 +22,13 @@ from numpy.typing import NDArray
 from inertia.arrays import Float, Int
 from inertia.mesh.geometry.boxes import BoxTree, overlapping
 from inertia.mesh.geometry.closure import Closure
-from inertia.mesh.geometry.winding import windings
+from inertia.mesh.geometry.winding import windings, windings_under
 from inertia.mesh.part import Triangles
 
 _CHUNK = 1 << 16
 _SAMPLES = 8  # places on a shell that are tried, for the one that is clearest of the other shell
 _UNDER = 1e-10  # how far under the surface those places are, over the size of the part
+_CLEAR = 2 * _UNDER  # of the surface around it: what is nearer is asked in integers
 _NOISE = 1e-13  # rounding of a volume, over the sum of its terms' largest magnitudes
 _STORED = 2.0**-50  # rounding of a stored coordinate, relative to it; what it can do to a volume is that times the area
 
@@ -147,6 +148,14 @@ def members(closure: Closure) -> list[Int]:
     return np.split(order, starts)[1:]
 
 
+def bounds_nothing(triangles: Triangles, box: Float) -> bool:
+    """Say whether the volume, in integers, is no more than the rounding of the coordinates can have made."""
+    exponent = int(np.frexp((box[1] / 2 - box[0] / 2).max())[1])
+    whole = np.zeros(triangles.count, np.int32)
+    volume, noise = _exact_volumes(triangles, whole, np.zeros(1, np.int64), exponent)
+    return bool(np.abs(volume) <= noise / 4)  # half a last digit along each axis is less than a quarter of `_STORED`
+
+
 def _boxes(triangles: Triangles, labels: NDArray[np.int32], count: int) -> Float:
     boxes = np.empty((count, 2, 3))
     boxes[:, 0], boxes[:, 1] = np.inf, -np.inf
@@ -224,7 +233,16 @@ def _containers(
             winding += more
             np.minimum(clearance, distance, out=clearance)
         clearest = clearance.reshape(-1, _SAMPLES).argmax(axis=1)
-        inside = winding.reshape(-1, _SAMPLES)[np.arange(len(inners)), clearest] != 0
+        winding = winding.reshape(-1, _SAMPLES)[np.arange(len(inners)), clearest]
+        clearance = clearance.reshape(-1, _SAMPLES)[np.arange(len(inners)), clearest]
+        if len(near := np.flatnonzero(clearance < _CLEAR)):
+            corners = triangles.select(order[outer]).corners()
+            for k in near:
+                exact, decided = windings_under(
+                    triangles.select(_drawn(triangles, order[inners[k]])).corners(), corners
+                )
+                winding[k] = exact[decided][0] if decided.any() else winding[k]
+        inside = winding != 0
         nestings.update((int(outer), int(inner)) for inner in inners[inside])
     around: list[list[int]] = [[] for _ in order]
     for outer, inner in sorted(nestings):

@@ -13,8 +13,9 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 import numpy as np
+from numpy.typing import NDArray
 
-from inertia.arrays import Float, Int
+from inertia.arrays import Bool, Float, Int
 
 _RAYS = 128  # along an axis of a box, for a volume
 _PAIRS = 1 << 20  # pairs of a triangle and a point looked at together
@@ -50,6 +51,50 @@ def windings(points: Float, corners: Float, margin: float) -> tuple[Int, Float]:
         near &= area > 0
         np.minimum.at(clearance, point[near], np.abs(volume[near]) / area[near])
     return winding, clearance
+
+
+def windings_under(triangles: Float, corners: Float) -> tuple[Int, Bool]:
+    """Return the winding numbers of a closed surface just under the middles of triangles, in integers.
+
+    Parameters
+    ----------
+    triangles : (p, 3, 3), of another surface or of the same
+    corners : (t, 3, 3), the closed surface
+
+    Returns
+    -------
+    winding : (p,)
+    decided : (p,), False where the ray passes through an edge, or a triangle stands upright on another
+    """
+    middles = triangles.mean(axis=1)
+    low, high = corners.min(axis=1), corners.max(axis=1)
+    margin = 8 * np.spacing(np.abs(corners).max())  # more than the middles are rounded by
+    winding, decided = np.zeros(len(triangles), np.int64), np.ones(len(triangles), bool)
+    for triangle, point in _candidates(middles, low - margin, high + margin):
+        whole = _integers(np.concatenate([triangles[point], corners[triangle]], axis=1))
+        own, other = whole[:, :3], whole[:, 3:]
+        a, b, c = (3 * other - own.sum(axis=1)[:, None]).transpose(1, 2, 0)
+        turns = np.zeros(len(point), np.int64)
+        for u, v in ((a, b), (b, c), (c, a)):
+            through = (u[0] * v[1] == u[1] * v[0]) & (u[0] * v[0] + u[1] * v[1] <= 0)
+            decided[point[through.astype(bool)]] = False
+            turns += _turns(u, v)
+        normal = _cross(b - a, c - a)
+        height = (a * normal).sum(axis=0)
+        facing = (normal * _cross(*(own[:, k].T - own[:, 0].T for k in (1, 2)))).sum(axis=0)
+        level = (height == 0).astype(bool) & (turns != 0)
+        decided[point[level & (facing == 0).astype(bool)]] = False
+        above = turns * np.where(level, facing, height) > 0
+        np.add.at(winding, point[above.astype(bool)], turns[above.astype(bool)])
+    return winding, decided
+
+
+def _integers(corners: Float) -> NDArray[np.object_]:
+    """Return coordinates (k, ...) as integers, over a power of two that is common to all."""
+    mantissa, exponent = np.frexp(corners)
+    shift = np.where(mantissa != 0, exponent - exponent[mantissa != 0].min(initial=2000), 0)
+    integers: NDArray[np.object_] = np.ldexp(mantissa, 53).astype(np.int64).astype(object) << shift.astype(object)
+    return integers
 
 
 def misplaced_volume(corners: Float, box: Float) -> float:
