@@ -1,4 +1,4 @@
-"""A robot's file read by what its first element is: URDF, MJCF, SDFormat."""
+"""A robot's file read by what its first element is: URDF, MJCF, SDFormat; or a list of parts, CSV or TOML."""
 
 from __future__ import annotations
 
@@ -6,18 +6,21 @@ import re
 from collections.abc import Callable
 from pathlib import Path
 
-from inertia.errors import ReadError, placed
+from inertia.errors import ReadError, UsageError, placed
 from inertia.exchange.robots.links import Robot
 from inertia.exchange.robots.mjcf import read_mjcf
 from inertia.exchange.robots.sdf import read_sdf
+from inertia.exchange.robots.table import read_csv, read_toml
 from inertia.exchange.robots.urdf import read_urdf
 
 READERS: dict[str, tuple[str, Callable[[Path], Robot]]] = {
-    "urdf": ("robot", read_urdf),
-    "mjcf": ("mujoco", read_mjcf),
-    "sdf": ("sdf", read_sdf),
+    "urdf": ("<robot", read_urdf),
+    "mjcf": ("<mujoco", read_mjcf),
+    "sdf": ("<sdf", read_sdf),
+    "csv": (".csv", read_csv),
+    "toml": (".toml", read_toml),
 }
-"""Format → the first element of its files, and its reader."""
+"""Format → the first element of its files, or the extension of their names; and its reader."""
 
 _BEGINNING = 65_536  # bytes that are searched for what a file is; licences stand at the top of many
 _NO_ELEMENT = re.compile(rb"(?s)\xef\xbb\xbf|<!--.*?-->|<\?.*?\?>|<!DOCTYPE[^\[>]*(?:\[.*?\]\s*)?>")
@@ -34,11 +37,12 @@ def read_robot(path: str | Path) -> Robot:
             beginning = file.read(_BEGINNING)
     except OSError as error:
         raise ReadError(f"cannot read {path}: {error.strerror}") from error
-    element = re.match(rb"\s*<([\w.-]+)", _NO_ELEMENT.sub(b"", beginning))
-    for name, reader in READERS.values():
-        if element and element[1] == name.encode():
+    element = re.match(rb"\s*(<[\w.-]+)", _NO_ELEMENT.sub(b"", beginning))
+    marks = {path.suffix.lower(), element[1].decode() if element else ""}
+    for mark, reader in READERS.values():
+        if mark in marks:
             try:
                 return reader(path)
-            except ReadError as error:
+            except (ReadError, UsageError) as error:
                 raise placed(error, f"cannot read {path}") from None
     raise ReadError(f"cannot read {path}: it is no robot of a known format ({', '.join(READERS)})")

@@ -1,0 +1,165 @@
+"""A list of parts with stated mass properties, as CSV or TOML.
+
+CSV has a line of names and a row a part: name, mass, com_x, com_y, com_z, ixx, iyy, izz, ixy, ixz, iyz, and if wanted
+mesh, unit and products; other columns are passed over, so that what `inertia.export` writes is read. TOML has a table
+``[[part]]`` each, with center_of_mass and inertia as lists. SI units; the tensor is about the centre of mass.
+"""
+
+from __future__ import annotations
+
+import csv
+import io
+import tomllib
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from fractions import Fraction
+from pathlib import Path
+from typing import Annotated, Any, ClassVar, Literal
+
+import numpy as np
+
+from inertia.arrays import Float
+from inertia.documents import FieldError, Section, choice, number, numbers, section_of, table_of, text
+from inertia.errors import ReadError, UsageError
+from inertia.exchange.robots.links import Geometry, Inertial, Link, Placement, Robot
+from inertia.exchange.robots.text import decimals
+from inertia.mesh.readers.contents import shown
+from inertia.units import length_unit
+
+_CENTER = ("com_x", "com_y", "com_z")
+_ELEMENTS = ("ixx", "iyy", "izz", "ixy", "ixz", "iyz")
+_OPTIONAL = ("mesh", "unit", "products")
+
+
+@dataclass(frozen=True, eq=False)
+class _Stated(Section):
+    """A part, and what is stated of it.
+
+    Attributes
+    ----------
+    name : of the part
+    mass : kg
+    inertia : kg m2, about the centre of mass, along the axes of the mesh
+    center_of_mass : m, in the axes of the mesh
+    mesh : its file, beside the list
+    unit : of length, of a mesh whose file has none; the metre without it
+    products : what stands off the diagonal: elements of the tensor, or positive integrals
+    """
+
+    section: ClassVar[str] = "part"
+
+    name: Annotated[str, text]
+    mass: Annotated[float, number("kg")]
+    inertia: Annotated[Float, numbers((3, 3), "kg m2")]
+    center_of_mass: Annotated[Float, numbers((3,), "m")] = (0.0, 0.0, 0.0)  # type: ignore[assignment]
+    mesh: Annotated[str | None, text] = None
+    unit: Annotated[str | None, text] = None
+    products: Annotated[Literal["elements", "integrals"], choice("elements", "integrals")] = "elements"
+
+
+def read_toml(path: Path) -> Robot:
+    """Read a list of parts from a TOML file; raise `ReadError` or `UsageError` where it is none."""
+    try:
+        document = tomllib.loads(_text(path))
+    except tomllib.TOMLDecodeError as error:
+        raise ReadError(f"it is not TOML: {error}") from None
+    parts = document.get("part")
+    if not isinstance(parts, list) or not parts:
+        raise ReadError("it holds no list of parts: give each as [[part]]")
+    tables = [table_of(table, f"part[{k}]") for k, table in enumerate(parts)]
+    return _robot(path, "toml", ((table, _decimals(table), f"part[{k}]") for k, table in enumerate(tables)))
+
+
+def read_csv(path: Path) -> Robot:
+    """Read a list of parts from a CSV file; raise `ReadError` or `UsageError` where it is none."""
+    rows = csv.DictReader(io.StringIO(_text(path)), skipinitialspace=True)
+    try:
+        names = [name.strip() for name in rows.fieldnames or []]
+        missing = [name for name in ("name", "mass", *_ELEMENTS) if name not in names]
+        if missing:
+            raise ReadError(f"its first line names no column {missing[0]}: it is no list of parts")
+        rows.fieldnames = names
+        return _robot(path, "csv", (_row(row, f"line {rows.line_num}") for row in rows))
+    except csv.Error as error:
+        raise ReadError(f"it is not CSV: {error}") from None
+
+
+def _robot(
+    path: Path, format: str, tables: Iterator[tuple[Mapping[str, Any], tuple[int | None, int | None, int | None], str]]
+) -> Robot:
+    links: dict[str, Link] = {}
+    for table, places, where in tables:
+        stated = section_of(_Stated, table, path=where)
+        if stated.name in links:
+            raise FieldError(f"{where}.name", f"is {shown(stated.name)}, as that of another part: names must differ")
+        links[stated.name] = Link(stated.name, _inertial(stated, places), tuple(_meshes(stated, path, where)))
+    if not links:
+        raise ReadError("it holds no part")
+    return Robot(path, format, path.stem, tuple(links.values()))
+
+
+def _inertial(stated: _Stated, places: tuple[int | None, int | None, int | None]) -> Inertial:
+    sign = np.where(np.eye(3) > 0, 1.0, 1.0 if stated.products == "elements" else -1.0)
+    return Inertial(stated.mass, Placement(np.eye(3), np.array(stated.center_of_mass)), sign * stated.inertia, places)
+
+
+def _meshes(stated: _Stated, path: Path, where: str) -> Iterator[Geometry]:
+    if stated.mesh is None:
+        return
+    scale: tuple[Fraction, Fraction, Fraction] | None = None
+    if stated.unit is not None:
+        try:
+            metres = length_unit(stated.unit).metres
+        except UsageError as error:
+            raise FieldError(f"{where}.unit", f"is not usable: {error}") from None
+        scale = metres, metres, metres
+    file = path.parent / stated.mesh
+    yield Geometry(file.name, "visual", file, scale=scale)
+
+
+def _row(
+    row: Mapping[str | None, Any], where: str
+) -> tuple[Mapping[str, Any], tuple[int | None, int | None, int | None], str]:
+    """Return a row of CSV laid out as a table of TOML, the decimals it has, and where it stands."""
+
+    def value(name: str) -> float:
+        word = (row.get(name) or "").strip()
+        try:
+            return float(word)
+        except ValueError:
+            raise FieldError(f"{where}.{name}", f"is {shown(word)}: it must be a number") from None
+
+    xx, yy, zz, xy, xz, yz = map(value, _ELEMENTS)
+    table: dict[str, Any] = {
+        "name": (row.get("name") or "").strip(),
+        "mass": value("mass"),
+        "inertia": [[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]],
+    }
+    given = [name for name in _CENTER if (row.get(name) or "").strip()]
+    if given:
+        table["center_of_mass"] = [value(name) for name in _CENTER]
+    table |= {name: row[name].strip() for name in _OPTIONAL if (row.get(name) or "").strip()}
+    words = {name: (row.get(name) or "").strip() for name in ("mass", *_CENTER, *_ELEMENTS)}
+    places = tuple(decimals([words[name] for name in names]) for names in (("mass",), given, _ELEMENTS))
+    return table, (places[0], places[1], places[2]), where
+
+
+def _decimals(table: Mapping[str, Any]) -> tuple[int | None, int | None, int | None]:
+    """Return the decimals of the shortest text of each number: TOML keeps no other."""
+
+    def words(value: object) -> Iterator[str]:
+        if isinstance(value, list):
+            for each in value:
+                yield from words(each)
+        elif isinstance(value, int | float):
+            yield repr(value)
+
+    mass, center, inertia = (decimals(words(table.get(key))) for key in ("mass", "center_of_mass", "inertia"))
+    return mass, center, inertia
+
+
+def _text(path: Path) -> str:
+    try:
+        return path.read_bytes().decode("utf-8-sig")
+    except UnicodeDecodeError:
+        raise ReadError("it is no text in UTF-8") from None
