@@ -12,7 +12,7 @@ from importlib.resources import files
 from pathlib import Path
 from typing import Any
 
-__all__ = ["catalogue", "names", "path", "rotors", "scenes"]
+__all__ = ["catalogue", "names", "path", "robots", "rotors", "scenes"]
 
 _FOLDER = Path(str(files(__name__)))
 
@@ -53,17 +53,22 @@ def rotors() -> tuple[str, ...]:
     return _in_folder("rotors")
 
 
-def _in_folder(folder: str) -> tuple[str, ...]:
-    return tuple(sorted(f"{folder}/{file.name}" for file in (_FOLDER / folder).glob("*.toml")))
+def robots() -> tuple[str, ...]:
+    """Return the file names of the sample robots, such as `"robots/arm.urdf"`."""
+    return _in_folder("robots", "*.urdf")
+
+
+def _in_folder(folder: str, pattern: str = "*.toml") -> tuple[str, ...]:
+    return tuple(sorted(f"{folder}/{file.name}" for file in (_FOLDER / folder).glob(pattern)))
 
 
 def path(name: str) -> Path:
-    """Return where the sample part, scene or rotor with this file name lies; raise `KeyError` for an unknown one.
+    """Return where the sample with this file name lies; raise `KeyError` for an unknown one.
 
     >>> path("t_handle.stl").name
     't_handle.stl'
     """
-    known = (*names(), *scenes(), *rotors())
+    known = (*names(), *scenes(), *rotors(), *robots())
     if name not in known:
         close = get_close_matches(name, known, n=3, cutoff=0.5)
         hint = f"did you mean {' or '.join(close)}" if close else f"use one of {', '.join(known)}"

@@ -21,6 +21,9 @@ from inertia.exchange.robots.links import Geometry, Link, Placement, Robot
 from inertia.exchange.robots.mend import Mended, mend
 from inertia.exchange.robots.read import read_robot
 
+_SAME_CENTER = 1e-4
+"""Of the largest radius of gyration: a centre of mass that is no farther off is left as it is written."""
+
 Verdict = Literal["consistent", "inconsistent", "undecided"]
 
 
@@ -61,7 +64,9 @@ class Audit:
         if {link.name for link in self.robot.links} != {link.name for link in self.links}:
             raise UsageError("links that were lumped are not those of the file: audit it without lumping to mend it")
         mended = {
-            link.name: Mended(link.mended, link.findings[0].sentence) for link in self.links if link.mended is not None
+            link.name: Mended(link.mended, link.findings[0].sentence, _center_agrees(link))
+            for link in self.links
+            if link.mended is not None
         }
         return mend(self.robot, mended)
 
@@ -106,6 +111,14 @@ def audit(
         judge(subject, [other for other in subjects if other is not subject], tolerance) for subject in subjects
     )
     return Audit(robot, sha256(Path(path).read_bytes()).hexdigest(), tolerance, links)
+
+
+def _center_agrees(link: LinkAudit) -> bool:
+    """Say whether the stated centre of mass is as good as the mended one: Steiner's term is of second order."""
+    if link.difference is None or link.mended is None:
+        return False
+    radius = float(link.mended.radii_of_gyration.max())
+    return link.difference.center_of_mass < _SAME_CENTER * radius
 
 
 def _subject(link: Link, scales: Scales, densities: float | Mapping[str, float] | None) -> Subject:

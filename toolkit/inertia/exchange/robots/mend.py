@@ -18,10 +18,11 @@ from inertia.mass.properties import MassProperties
 
 
 class Mended(NamedTuple):
-    """What a link should state, and why in a sentence."""
+    """What a link should state, why in a sentence, and whether the centre of mass may stay as it is written."""
 
     properties: MassProperties
     reason: str
+    center_agrees: bool = False
 
 
 @dataclass
@@ -85,6 +86,8 @@ def _urdf(data: bytes, inertial: _Tag, mended: Mended, indent: str) -> list[_Edi
         tag = inertial.child(name)
         if tag is None:
             edits.append(_Edit(inertial.end, inertial.end, f"\n{indent}  {text}"))
+        elif name == "origin" and mended.center_agrees and not any(map(float, tag.attributes.get("rpy", "").split())):
+            continue
         elif name != "mass" or float(tag.attributes.get("value", "nan")) != properties.mass:
             edits.append(_Edit(tag.start, tag.end, _closed_alike(data, tag, text)))
     return edits

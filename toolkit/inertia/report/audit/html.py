@@ -14,7 +14,7 @@ from inertia.auditing.audit import Audit
 from inertia.auditing.bodies import Body, Shape
 from inertia.auditing.judge import LinkAudit
 from inertia.output import require_writable, write_whole
-from inertia.report.audit.text import percent, sentence
+from inertia.report.audit.text import millimetres, percent, sentence
 from inertia.report.svg.canvas import Canvas
 
 _VIEWS = (("x", "y"), ("x", "z"), ("y", "z"))
@@ -34,7 +34,7 @@ def audit_html(audit: Audit) -> str:
         lstrip_blocks=True,
         undefined=jinja2.StrictUndefined,
     )
-    environment.filters.update(percent=percent, sentence=sentence, milli=lambda value: f"{1e3 * value:.3g}")
+    environment.filters.update(percent=percent, sentence=sentence, millimetres=millimetres)
     counts = Counter(link.state for link in audit.links)
     return environment.get_template("audit.html.j2").render(
         audit=audit,

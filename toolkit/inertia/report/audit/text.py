@@ -8,6 +8,7 @@ from collections.abc import Iterator
 from inertia.auditing.audit import Audit
 from inertia.auditing.judge import Finding, LinkAudit
 
+_LEAST_SHARE, _LEAST_LENGTH = 1e-4, 1e-6  # what is less matters to nobody
 _HEAD = ("link", "stated", "mass", "centre", "tensor", "")
 
 
@@ -52,10 +53,21 @@ def sentence(finding: Finding) -> str:
 def percent(value: float) -> str:
     """Return a relative difference as a percentage of two digits.
 
-    >>> percent(0.4312), percent(1e-9), percent(3.2e-4)
-    ('43 %', '0 %', '0.032 %')
+    >>> percent(0.4312), percent(1e-9), percent(3.2e-4), percent(0.0)
+    ('43 %', '< 0.01 %', '0.032 %', '0 %')
     """
-    return "0 %" if value < 5e-7 else f"{100 * value:.2g} %" if value < 0.995 else f"{100 * value:.0f} %"
+    if 0 < value < _LEAST_SHARE:
+        return f"< {100 * _LEAST_SHARE:g} %"
+    return f"{100 * value:.2g} %" if value < 0.995 else f"{100 * value:.0f} %"
+
+
+def millimetres(length: float) -> str:
+    """Return a length in mm, of three digits.
+
+    >>> millimetres(0.0123), millimetres(1e-12)
+    ('12.3 mm', '< 0.001 mm')
+    """
+    return f"{1e3 * length:.3g} mm" if not 0 < length < _LEAST_LENGTH else f"< {1e3 * _LEAST_LENGTH:g} mm"
 
 
 def _row(link: LinkAudit) -> tuple[str, ...]:
@@ -63,5 +75,5 @@ def _row(link: LinkAudit) -> tuple[str, ...]:
     if link.difference is None:
         return link.name, mass, "-", "-", "-", link.state
     difference = link.difference
-    center = f"{1e3 * difference.center_of_mass:.3g} mm"
+    center = millimetres(difference.center_of_mass)
     return link.name, mass, percent(difference.mass), center, percent(difference.inertia), link.state

@@ -1,0 +1,58 @@
+"""`inertia audit` as a user meets it."""
+
+import json
+from pathlib import Path
+
+import pytest
+
+from inertia_cli.main import main
+from inertia_meshes import path
+
+ARM = str(path("robots/arm.urdf"))
+
+
+def test_exit_codes(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["audit", ARM]) == 5
+    frame = tmp_path / "frame.urdf"
+    frame.write_text('<robot name="r"><link name="world"/></robot>')
+    assert main(["audit", str(frame)]) == 4
+    assert main(["audit", str(tmp_path / "nothing.urdf")]) == 3
+    assert main(["audit", ARM, "--tolerance", "3"]) == 2
+    capsys.readouterr()
+
+
+def test_one_document_on_standard_output(capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["audit", ARM, "--json"]) == 5
+    captured = capsys.readouterr()
+    assert json.loads(captured.out)["schema"] == "inertia/audit/1"
+    assert captured.err == ""
+
+
+def test_fix_and_report(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    for name in ("t_handle", "bent_wheel", "tetrahedron", "cone"):
+        (tmp_path / f"{name}.stl").write_bytes(path(f"{name}.stl").read_bytes())
+    robot = tmp_path / "robots" / "arm.urdf"
+    robot.parent.mkdir()
+    robot.write_bytes(Path(ARM).read_bytes())
+    fixed, report = robot.with_name("fixed.urdf"), tmp_path / "audit.html"
+    assert main(["audit", str(robot), "--fix", str(fixed), "--report", str(report)]) == 5
+    assert report.read_text(encoding="utf-8").startswith("<!doctype html>")
+    assert main(["audit", str(fixed)]) == 0
+    before, after = robot.read_text().splitlines(), fixed.read_text().splitlines()
+    changed = [line for line in after if line not in before]
+    assert all("<!-- mended: " in line or "<inertia " in line for line in changed)
+    assert len(changed) == 8
+    capsys.readouterr()
+    assert main(["audit", str(robot), "--fix", str(robot)]) == 2
+    assert "--force" in capsys.readouterr().err
+    assert main(["audit", str(robot), "--fix", str(robot), "--force"]) == 5
+    assert robot.read_bytes() == fixed.read_bytes()
+    assert main(["audit", str(robot), "--lump", "--fix", str(fixed), "--force"]) == 2
+
+
+def test_densities_are_taken(capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["audit", ARM, "--json", "--density", "2700", "--density", "cone.stl=1040"]) == 5
+    links = {link["name"]: link for link in json.loads(capsys.readouterr().out)["links"]}
+    assert links["base"]["state"] == "consistent"
+    assert links["tool"]["difference"]["mass"] < 1e-5
+    assert links["hand"]["state"] == "inconsistent"
