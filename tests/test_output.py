@@ -1,12 +1,14 @@
 """Files that are whole or not there."""
 
+import subprocess
 import sys
+from contextlib import suppress
 from pathlib import Path
 
 import pytest
 
 from inertia.errors import InertiaError, UsageError
-from inertia.output import require_writable, write_whole
+from inertia.output import require_writable, together, write_whole
 
 
 def test_a_file_that_is_there_is_kept_unless_forced(tmp_path: Path) -> None:
@@ -59,3 +61,75 @@ def test_a_fault_while_writing_leaves_the_file_as_it_was(tmp_path: Path) -> None
     with pytest.raises(InertiaError, match=r"cannot write .*folder: .*: name a place"):
         write_whole(tmp_path / "folder", b"new")
     assert list(tmp_path.iterdir()) == [tmp_path / "folder"]
+
+
+def test_files_that_belong_together_appear_together_or_not_at_all(tmp_path: Path) -> None:
+    one, other = tmp_path / "one", tmp_path / "other"
+    one.write_bytes(b"old")
+    with together():
+        write_whole(one, b"new")
+        write_whole(other, b"new")
+        assert one.read_bytes() == b"old"
+        assert not other.exists()
+    assert one.read_bytes() == other.read_bytes() == b"new"
+    with suppress(ZeroDivisionError), together():
+        write_whole(one, b"newer")
+        assert 1 / 0
+    assert one.read_bytes() == b"new"
+    assert sorted(tmp_path.iterdir()) == [one, other]
+
+
+def test_where_one_cannot_be_put_in_place_none_is(tmp_path: Path) -> None:
+    (tmp_path / "other").mkdir()
+
+    def write() -> None:
+        with together():
+            write_whole(tmp_path / "one", b"new")
+            write_whole(tmp_path / "other", b"new")
+
+    with pytest.raises(InertiaError, match=r"cannot write .*other: Is a directory"):
+        write()
+    assert list(tmp_path.iterdir()) == [tmp_path / "other"]
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="no locks of whole files")
+def test_files_of_a_run_that_died_are_removed_and_those_of_a_live_one_are_not(tmp_path: Path) -> None:
+    code = (
+        "import os, sys, time; from pathlib import Path; from inertia.output import whole\n"
+        "with whole(Path(sys.argv[1])) as beside:\n"
+        "    print(beside, flush=True); time.sleep(60)"
+    )
+    runs = [
+        subprocess.Popen([sys.executable, "-c", code, str(tmp_path / name)], stdout=subprocess.PIPE, text=True)
+        for name in ("dead.html", "live" * 60 + ".html")
+    ]
+    assert runs[0].stdout
+    assert runs[1].stdout
+    dead, live = (Path(run.stdout.readline().strip()) for run in runs if run.stdout)
+    runs[0].kill()
+    runs[0].wait()
+    mine = [tmp_path / name for name in (".notes.inertia", ".x.0123.inertia", "x.0123456789ab.inertia")]
+    for file in mine:
+        file.touch()
+    assert dead.exists()
+    write_whole(tmp_path / "new.html", b"new")
+    assert sorted(tmp_path.iterdir()) == sorted([*mine, live, tmp_path / "new.html"])
+    for run in runs:
+        run.kill()
+        run.communicate()
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="links need a privilege")
+def test_a_link_to_nothing_is_followed_and_one_to_itself_refused(tmp_path: Path) -> None:
+    (tmp_path / "link").symlink_to("file")
+    (tmp_path / "loop").symlink_to("loop")
+    write_whole(require_writable(tmp_path / "link"), b"new")
+    assert (tmp_path / "file").read_bytes() == b"new"
+    with pytest.raises(InertiaError, match=r"cannot write .*loop: Too many levels of symbolic links"):
+        require_writable(tmp_path / "loop", force=True)
+
+
+@pytest.mark.skipif(not Path("/dev/null").exists(), reason="no devices")
+def test_a_device_is_not_replaced() -> None:
+    with pytest.raises(UsageError, match="cannot write /dev/null: it is not a regular file"):
+        require_writable("/dev/null", force=True)

@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Any
 
 from inertia_cli.options import by_name, named_number
-from inertia_cli.printing import show
+from inertia_cli.printing import write_and_show
 
 _CODES = {"consistent": 0, "inconsistent": 5, "undecided": 4}
 
@@ -53,7 +53,7 @@ def add(parsers: Any) -> None:
 def run(options: argparse.Namespace) -> int:
     """Run ``inertia audit``."""
     from inertia.auditing.audit import audit
-    from inertia.output import require_writable, write_whole
+    from inertia.output import require_writable, together, write_whole
     from inertia.report.audit.document import audit_document
     from inertia.report.audit.text import audit_text
 
@@ -67,11 +67,15 @@ def run(options: argparse.Namespace) -> int:
         tolerance=options.tolerance,
         lump=options.lump,
     )
-    if options.report is not None:
-        from inertia.report.audit.html import write_audit
 
-        write_audit(result, options.report, force=options.force)
-    if options.fix is not None:
-        write_whole(Path(options.fix), result.fixed())
-    show(options.json, lambda: audit_document(result), lambda: audit_text(result))
+    def write() -> None:
+        with together():
+            if options.report is not None:
+                from inertia.report.audit.html import write_audit
+
+                write_audit(result, options.report, force=options.force)
+            if options.fix is not None:
+                write_whole(Path(options.fix), result.fixed())
+
+    write_and_show(write, options.json, lambda: audit_document(result), lambda: audit_text(result))
     return _CODES[result.verdict]

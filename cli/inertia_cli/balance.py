@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 from inertia.errors import GeometryError, ReadError, UsageError
 from inertia_cli.options import record, require_recordable, triple
-from inertia_cli.printing import print_document, show
+from inertia_cli.printing import print_document, write_and_show
 from inertia_cli.progress import Progress
 from inertia_cli.wording import with_options
 
@@ -142,25 +142,30 @@ def _balance(rotor: Rotor, options: argparse.Namespace) -> int:
     with Progress("balancing") as progress:
         result = balance_rotor(rotor, progress=progress)
     data = report_data(result)
-    _write(result, data, options)
-    show(options.json, lambda: balance_document(data), lambda: balance_text(data))
+    write_and_show(
+        lambda: _write(result, data, options),
+        options.json,
+        lambda: balance_document(data),
+        lambda: balance_text(data),
+    )
     return _CODES[result.verdict.outcome]
 
 
 def _write(balance: Balance, data: ReportData, options: argparse.Namespace) -> None:
-    """Write the files that were asked for."""
+    """Write the files that were asked for, all of them or none."""
     from inertia.mesh.write import write_stl
-    from inertia.output import write_whole
+    from inertia.output import together, write_whole
     from inertia.report.balance.document import balance_csv
     from inertia.report.balance.html import save_balance_html
 
-    if options.csv is not None:
-        write_whole(Path(options.csv), balance_csv(data).encode())
-    if options.report is not None:
-        save_balance_html(data, options.report, force=options.force)
-    record(balance, options)
-    if options.cut_part is not None and balance.correction is not None:
-        write_stl(balance.correction.parts, options.cut_part, balance.rotor.unit, force=options.force)
+    with together():
+        if options.csv is not None:
+            write_whole(Path(options.csv), balance_csv(data).encode())
+        if options.report is not None:
+            save_balance_html(data, options.report, force=options.force)
+        record(balance, options)
+        if options.cut_part is not None and balance.correction is not None:
+            write_stl(balance.correction.parts, options.cut_part, balance.rotor.unit, force=options.force)
 
 
 def _rotor(options: argparse.Namespace) -> Rotor:

@@ -1,22 +1,25 @@
-"""The entry point of the command `inertia`: run a command, and turn whatever goes wrong into a sentence."""
+"""Run a command, and turn whatever goes wrong into a sentence."""
 
 from __future__ import annotations
 
 import argparse
 import io
 import os
+import signal
 import sys
 import warnings
 from collections.abc import Sequence
+from pathlib import Path
 from typing import NoReturn, TextIO
 
 import inertia
 from inertia.errors import CacheWarning, InertiaError, UsageError
 from inertia_cli import analyse, audit, balance, check, play, simulate, trade, tumble
+from inertia_cli.interruption import interruption
+from inertia_cli.printing import abandon_output
 from inertia_cli.wording import as_option
 
 FAULT = 1
-INTERRUPTED = 130
 _SIGNED = ("--about", "--spin", "--axis", "--through", "--zero-mark", "--bearings", "--planes")  # may be negative
 _COMMANDS = (analyse, check, trade, simulate, tumble, play, balance, audit)
 _CODES = """exit codes:
@@ -52,11 +55,26 @@ def build_parser() -> argparse.ArgumentParser:
 
 def run() -> None:
     """Run the command line of this process and leave with its exit code."""
+    interruption.install()
+    _open_streams()
     for stream in (sys.stdout, sys.stderr):
         if isinstance(stream, io.TextIOWrapper):
             stream.reconfigure(errors="backslashreplace")  # a terminal without "³" gets the rest
     warnings.showwarning = _note
-    sys.exit(main(sys.argv[1:]))
+    code = main(sys.argv[1:])
+    interruption.finish()
+    sys.exit(code)
+
+
+def _open_streams() -> None:
+    """Let standard streams that are closed lead nowhere, so that no file that is opened takes their place."""
+    for number in range(3):
+        try:
+            os.fstat(number)
+        except OSError:
+            os.open(os.devnull, os.O_RDWR)
+    if sys.stderr is None:
+        sys.stderr = Path(os.devnull).open("w")  # noqa: SIM115  # until the end
 
 
 def _note(
@@ -85,6 +103,7 @@ def main(arguments: Sequence[str]) -> int:
     if sys.stdout is None:
         return _say("cannot write the result: standard output is closed", FAULT)
     try:
+        interruption.running = True
         code: int = options.run(options)
         sys.stdout.flush()
         return code
@@ -93,16 +112,17 @@ def main(arguments: Sequence[str]) -> int:
         placed = isinstance(error, UsageError) or options.part in message
         return _say(message if placed else f"{options.part}: {message}", error.exit_code)
     except KeyboardInterrupt:
-        return _say("interrupted", INTERRUPTED)
+        return _interrupted()
     except BrokenPipeError:
-        # The reader has gone: point the stream elsewhere, so that closing it at exit does not fail again.
-        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        abandon_output()
         return 0
     except MemoryError:
         return _say(f"{options.part} needs more memory than there is: split the part or use a larger machine", FAULT)
     except OSError as error:
         return _say(f"cannot write the result: {error.strerror or error}", FAULT)
     except Exception as error:
+        if interruption.signal:  # a library has made its own of it
+            return _interrupted()
         if os.environ.get("INERTIA_TRACEBACK") == "1":
             raise
         name = type(error).__name__
@@ -111,6 +131,11 @@ def main(arguments: Sequence[str]) -> int:
             "report what it prints",
             FAULT,
         )
+
+
+def _interrupted() -> int:
+    code = interruption.code
+    return _say("interrupted", code) if code == 128 + signal.SIGINT else code
 
 
 def _say(message: str, code: int) -> int:

@@ -7,6 +7,8 @@ import sys
 from collections.abc import Callable
 from typing import Any
 
+from inertia.errors import InertiaError
+
 _STYLES = {  # of text that stands in a report, by a pattern
     r"(?m)^\S.{0,15}?(?=  )": "bold",
     r"(?m)^error\b|\bFAIL(ED)?\b": "bold red",
@@ -23,6 +25,27 @@ def show(as_json: bool, document: Callable[[], dict[str, Any]], text: Callable[[
         _print_coloured(text())
     else:
         print(text())
+
+
+def write_and_show(
+    write: Callable[[], None], as_json: bool, document: Callable[[], dict[str, Any]], text: Callable[[], str]
+) -> None:
+    """Write files and print the result; it is told even where they cannot be written."""
+    try:
+        write()
+    except InertiaError:
+        try:
+            show(as_json, document, text)
+            sys.stdout.flush()
+        except OSError:  # what could not be written first is what is reported
+            abandon_output()
+        raise
+    show(as_json, document, text)
+
+
+def abandon_output() -> None:
+    """Let standard output lead nowhere, where nobody reads it any more: closing it at exit would fail again."""
+    os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
 
 
 def print_document(document: dict[str, Any]) -> None:

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 from inertia.errors import UsageError
 from inertia_cli.options import record, require_recordable
-from inertia_cli.printing import show
+from inertia_cli.printing import show, write_and_show
 from inertia_cli.wording import with_options
 
 if TYPE_CHECKING:
@@ -107,8 +107,7 @@ def follow(scene: Scene, options: argparse.Namespace) -> int:
         show(options.json, lambda: plan_document(scene, selection), lambda: plan_text(scene, selection))
         return 0
     motion = simulate_scene(scene)
-    try:
-        record(motion, options)
-    finally:  # what was computed is told even where it cannot be recorded
-        show(options.json, lambda: run_document(motion), lambda: run_text(motion))
+    write_and_show(
+        lambda: record(motion, options), options.json, lambda: run_document(motion), lambda: run_text(motion)
+    )
     return 0

@@ -7,7 +7,7 @@ from typing import Any
 
 from inertia.errors import UsageError
 from inertia_cli.options import accuracy, add_input, read_part
-from inertia_cli.printing import show
+from inertia_cli.printing import write_and_show
 from inertia_cli.progress import Progress
 from inertia_cli.wording import as_option
 
@@ -79,9 +79,15 @@ def run(options: argparse.Namespace) -> int:
         weight = {"density": options.density, "material": options.material}
         with sound_solids_only("a trade takes a sound solid only"), Progress("measuring") as progress:
             cost = measure(part, options.accuracy, progress=progress, **weight, **how)
-    try:
+
+    def draw() -> None:
         if options.plot is not None:
             plot(cost, options.plot, force=options.force)
-    finally:  # what took so long to measure is told even where the plot cannot be written
-        show(options.json, lambda: trade_document(cost, wording=as_option), lambda: trade_text(cost, wording=as_option))
+
+    write_and_show(
+        draw,
+        options.json,
+        lambda: trade_document(cost, wording=as_option),
+        lambda: trade_text(cost, wording=as_option),
+    )
     return 0

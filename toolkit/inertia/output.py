@@ -1,14 +1,28 @@
-"""Files that appear whole or not at all."""
+"""Files that appear whole or not at all, one by one or several together.
+
+A file is written beside its place, under a hidden name that ends in `.inertia`, reaches the disk, and is renamed.
+Several that belong `together` are renamed in a row when all of them are whole. Where a run dies, its temporary files
+stay; the next run that writes to the folder removes them: it knows them by the lock that a live run holds.
+"""
 
 from __future__ import annotations
 
 import errno
 import os
+import re
+import secrets
+import signal
+import stat
+import sys
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import ExitStack, contextmanager, suppress
+from contextvars import ContextVar
 from pathlib import Path
 
 from inertia.errors import FORCE, InertiaError, UsageError
+
+if sys.platform != "win32":
+    import fcntl
 
 _REMEDIES = {
     errno.ENOSPC: "make room on the disk, or name a place on another one",
@@ -17,6 +31,35 @@ _REMEDIES = {
     errno.ENOENT: "name a folder that is there",
     errno.ENOTDIR: "name a folder that is there",
 }
+_TEMPORARY = re.compile(r"\..+\.[0-9a-f]{12}\.inertia")
+_NAME = 50  # characters of the file's name in that of the temporary one, which has to fit into 255 bytes
+_DEFERRED = [signal.Signals[name] for name in ("SIGINT", "SIGTERM", "SIGHUP") if name in signal.Signals.__members__]
+
+
+class _Renames:
+    """The files that are whole and wait to be renamed, and what has to be closed before."""
+
+    def __init__(self) -> None:
+        self.stack = ExitStack()
+        self.pairs: list[tuple[Path, Path, Path]] = []
+
+    def run(self) -> None:
+        """Rename them in a row; an interruption waits until that is done."""
+        mask = signal.pthread_sigmask(signal.SIG_BLOCK, _DEFERRED) if hasattr(signal, "pthread_sigmask") else None
+        try:
+            for _, target, path in self.pairs:
+                with _faults(path):
+                    if target.is_dir():
+                        raise IsADirectoryError(errno.EISDIR, os.strerror(errno.EISDIR))
+            for beside, target, path in self.pairs:
+                with _faults(path):
+                    beside.replace(target)
+        finally:
+            if mask is not None:
+                signal.pthread_sigmask(signal.SIG_SETMASK, mask)
+
+
+_pending: ContextVar[_Renames | None] = ContextVar("pending", default=None)
 
 
 def require_writable(file: str | os.PathLike[str], *suffixes: str, force: bool = False) -> Path:
@@ -32,10 +75,12 @@ def require_writable(file: str | os.PathLike[str], *suffixes: str, force: bool =
         raise UsageError(f"cannot write {path}: its name must end in {' or '.join(suffixes)}")
     if path.is_dir():
         raise UsageError(f"cannot write {path}: it is a directory")
+    if path.exists() and not path.is_file():
+        raise UsageError(f"cannot write {path}: it is not a regular file but a pipe, socket or device")
     if path.exists() and not force:
         raise UsageError(f"{path} exists: give another name, or ", FORCE, " to write over it")
-    with _faults(path), _beside(path) as beside:
-        beside.touch()
+    with _faults(path), _beside(path):
+        pass
     return path
 
 
@@ -46,22 +91,102 @@ def write_whole(path: Path, content: bytes) -> None:
 
 
 @contextmanager
-def whole(path: Path) -> Iterator[Path]:
-    """Yield a path beside that of a file, renamed to it when the context is left without an error, else removed."""
-    with _faults(path), _beside(path) as beside:
-        yield beside
-        beside.replace(path.resolve())
+def together() -> Iterator[None]:
+    """Let all files that are written in the context appear when it is left, and none where an error leaves it.
+
+    >>> import tempfile
+    >>> with tempfile.TemporaryDirectory() as folder, suppress(ZeroDivisionError), together():
+    ...     write_whole(Path(folder) / "table.csv", b"1, 2")
+    ...     print(1 / 0, Path(folder) / "other.csv")
+    """
+    if _pending.get() is not None:
+        yield
+        return
+    renames = _Renames()
+    before = _pending.set(renames)
+    try:
+        with renames.stack:
+            yield
+            renames.run()
+    finally:
+        _pending.reset(before)
 
 
 @contextmanager
-def _beside(path: Path) -> Iterator[Path]:
-    """Yield a path of this process beside a file, or beside what a link leads to; nothing is there afterwards."""
-    path = path.resolve()
-    beside = path.with_name(f".{path.name}.{os.getpid()}")
-    try:
+def whole(path: Path) -> Iterator[Path]:
+    """Yield a path beside that of a file, renamed to it when the context is left without an error, else removed.
+
+    A link is followed: what it leads to is written, and the link stays.
+    """
+    with together(), _faults(path):
+        renames = _pending.get()
+        assert renames is not None
+        beside, target = renames.stack.enter_context(_beside(path))
         yield beside
+        with beside.open("rb") as file:
+            os.fsync(file.fileno())
+        renames.pairs.append((beside, target, path))
+
+
+@contextmanager
+def _beside(path: Path) -> Iterator[tuple[Path, Path]]:
+    """Yield an empty file of this run beside a file, or beside what a link leads to, and where it is to go.
+
+    It is gone afterwards, unless it was renamed.
+    """
+    target = _target(path)
+    _remove_left_behind(target.parent)
+    beside, lock = _new(target)
+    try:
+        yield beside, target
     finally:
-        beside.unlink(missing_ok=True)
+        with suppress(OSError):
+            beside.unlink(missing_ok=True)
+        if lock is not None:
+            os.close(lock)
+
+
+def _target(path: Path) -> Path:
+    """Return the file that a path leads to."""
+    try:
+        target = path.resolve()
+    except RuntimeError:  # what a link that leads back to itself raises before Python 3.13
+        target = path
+    if target.is_symlink():
+        raise OSError(errno.ELOOP, os.strerror(errno.ELOOP))
+    return target
+
+
+def _new(target: Path) -> tuple[Path, int | None]:
+    """Return a new empty file beside another, and the descriptor that holds its lock, where there are locks."""
+    while True:
+        beside = target.with_name(f".{target.name[:_NAME]}.{secrets.token_hex(6)}.inertia")
+        lock = os.open(beside, os.O_RDWR | os.O_CREAT | os.O_EXCL, 0o666)
+        if sys.platform == "win32":  # where an open file can be neither renamed nor removed
+            os.close(lock)
+            return beside, None
+        with suppress(OSError):  # a file system without locks, or another run that takes this one for dead
+            fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        if os.fstat(lock).st_nlink:
+            return beside, lock
+        os.close(lock)
+
+
+def _remove_left_behind(folder: Path) -> None:
+    """Remove the temporary files of runs that have died: nobody holds their locks."""
+    if sys.platform == "win32":
+        return
+    for file in folder.iterdir():
+        if not _TEMPORARY.fullmatch(file.name):
+            continue
+        with suppress(OSError):  # it is gone, a live run's, or another user's
+            lock = os.open(file, os.O_RDONLY | os.O_NONBLOCK | os.O_NOFOLLOW)
+            try:
+                fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
+                if stat.S_ISREG(os.fstat(lock).st_mode):
+                    file.unlink()
+            finally:
+                os.close(lock)
 
 
 @contextmanager
