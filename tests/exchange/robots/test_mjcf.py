@@ -197,16 +197,6 @@ def test_what_is_no_model_is_refused(tmp_path: Path, text: str, says: str) -> No
         (body('<inertial pos="0 0 0" mass="1" diaginertia="1 1 1"/>', '<compiler inertiafromgeom="true"/>'), "geoms"),
         (body("", '<compiler boundmass="0.1"/>'), "boundmass is set"),
         (body("", '<compiler boundmass="0"/>'), None),
-        (body('<geom type="mesh" mesh="m"/>', '<asset><mesh name="m" vertex="0 0 0"/></asset>'), "has no file"),
-        (body('<geom type="mesh" mesh="m"/>'), "'m' is not there"),
-        (body('<geom type="box" mesh="m"/>'), "fitted to a mesh"),
-        (
-            body(
-                '<geom type="mesh" mesh="m"/>',
-                '<asset><mesh name="m" file="m.stl" scale="1 2 3" refquat="1 1 0 0"/></asset>',
-            ),
-            "turned by refquat",
-        ),
         (body('<composite type="cable"/>'), "composite is not read"),
     ],
 )
@@ -215,3 +205,26 @@ def test_what_is_decided_is_said(tmp_path: Path, text: str, says: str | None) ->
     file.write_text(text)
     notes = read_robot(file).notes
     assert (says is None and notes == ()) or (says is not None and says in " ".join(notes))
+
+
+@pytest.mark.parametrize(
+    ("text", "says"),
+    [
+        (body('<geom type="mesh" mesh="m"/>', '<asset><mesh name="m" vertex="0 0 0"/></asset>'), "has no file"),
+        (body('<geom type="mesh" mesh="m"/>'), "'m' is not among the assets"),
+        (body('<geom type="box" mesh="m"/>'), "a box fitted to a mesh"),
+        (
+            body(
+                '<geom type="mesh" mesh="m"/>',
+                '<asset><mesh name="m" file="m.stl" scale="1 2 3" refquat="1 1 0 0"/></asset>',
+            ),
+            "turned by refquat",
+        ),
+    ],
+)
+def test_a_shape_that_cannot_be_weighed_says_why(tmp_path: Path, text: str, says: str) -> None:
+    file = tmp_path / "a.xml"
+    file.write_text("\n" + text)
+    (geometry,) = read_robot(file).links[0].geometries
+    assert isinstance(geometry.shape, str)
+    assert says in geometry.shape

@@ -168,14 +168,17 @@ def test_meshes_are_found_and_scaled(tmp_path: Path) -> None:
     file = tmp_path / "arm" / "model.sdf"
     file.write_text(
         '<sdf version="1.9"><world name="w"><model name="arm"><link name="a"><visual name="v"><geometry><mesh>'
-        "<uri>model://arm/meshes/upper arm.obj</uri><scale>0.001 0.001 0.001</scale><submesh><name>x</name></submesh>"
-        "</mesh></geometry></visual></link></model><model name='b'><link name='a'/></model></world></sdf>"
+        "<uri>model://arm/meshes/upper arm.obj</uri><scale>0.001 0.001 0.001</scale></mesh></geometry></visual>"
+        '<visual name="part"><geometry><mesh><uri>nix.obj</uri><submesh><name>x</name></submesh></mesh></geometry>'
+        '</visual><visual name="cone"><geometry><cone/></geometry></visual></link></model>'
+        '<model name="b"><link name="a"/></model></world></sdf>'
     )
     robot = read_robot(file)
     assert [link.name for link in robot.links] == ["arm::a", "b::a"]
-    (geometry,) = robot.links[0].geometries
+    geometry, part, cone = robot.links[0].geometries
     assert (geometry.shape, geometry.scale) == (mesh, (Fraction(1, 1000),) * 3)
-    assert "the whole of it is taken" in robot.notes[0]
+    assert part.shape == "a part of a mesh's file cannot be weighed"
+    assert cone.shape == "'cone' is no shape that can be weighed"
 
 
 def text(inside: str) -> str:
@@ -197,10 +200,6 @@ def text(inside: str) -> str:
             "counts from itself",
         ),
         ('<link name="a"><pose rotation_format="quat_xyzw">0 0 0 0 0 0 0</pose></link>', "quaternion of zero"),
-        (
-            '<link name="a"><visual name="v"><geometry><cone/></geometry></visual></link>',
-            "link 'a', visual 1: 'cone' is no shape",
-        ),
     ],
 )
 def test_faults(tmp_path: Path, inside: str, says: str) -> None:

@@ -2,7 +2,7 @@
 
 Read by the XML reference of MuJoCo's documentation: compiler, default, asset/mesh, body, body/inertial, body/geom and
 frame orientations. What has no pair in the other formats is left out and named in a note: plugins, composites,
-attached and replicated models, hulls fitted to meshes. A body without a joint hangs from its parent as by a fixed one.
+attached and replicated models. A body without a joint hangs from its parent as by a fixed one.
 """
 
 from __future__ import annotations
@@ -66,7 +66,7 @@ class _Model:
 
 def read_mjcf(path: Path) -> Robot:
     """Read the bodies of a model; raise `ReadError` where it is none."""
-    root = parse_xml(path.read_bytes())
+    root = parse_xml(path.read_bytes().lstrip())
     if root.tag != "mujoco":
         raise ReadError(f"it begins with {shown(root.tag)}, not with mujoco: it is no MJCF file")
     _include(root, path.parent, path.parent, 0)
@@ -104,7 +104,7 @@ def _include(element: Element, folder: Path, here: Path, depth: int) -> None:
         file = next((place for place in (folder / name, here / name) if place.is_file()), None)
         if file is None:
             raise ReadError(f"the included file {shown(name)} is not there: looked for {folder / name}")
-        other = parse_xml(file.read_bytes())
+        other = parse_xml(file.read_bytes().lstrip())
         _include(other, folder, file.parent, depth + 1)
         element[position : position + 1] = list(other)
 
@@ -224,13 +224,12 @@ def _geometry(attributes: Attributes, what: str, number: int, where: Placement, 
     if "mesh" not in attributes:
         placement, shape = _primitive(kind, attributes, what, model)
         return Geometry(attributes.get("name") or f"{kind} {number}", role, shape, where.then(placement))
+    name = attributes.get("name") or attributes["mesh"]
     if kind != "mesh":
-        model.note(f"{what} is a {kind} fitted to a mesh: it is left out")
-        return None
-    mesh = model.meshes.get(attributes["mesh"], f"the mesh {shown(attributes['mesh'])} is not there")
+        return Geometry(name, role, f"a {kind} fitted to a mesh is not read")
+    mesh = model.meshes.get(attributes["mesh"], f"the mesh {shown(attributes['mesh'])} is not among the assets")
     if isinstance(mesh, str):
-        model.note(f"{mesh}: {what} is left out")
-        return None
+        return Geometry(name, role, mesh)
     placement = where.then(_placement(attributes, what, model)).then(mesh.placement)
     return Geometry(attributes.get("name") or mesh.file.name, role, mesh.file, placement, mesh.scale)
 

@@ -73,27 +73,26 @@ class _Frames:
 
 def read_sdf(path: Path) -> Robot:
     """Read the links of all models in a file; raise `ReadError` where it is none."""
-    root = parse_xml(path.read_bytes())
+    root = parse_xml(path.read_bytes().lstrip())
     if root.tag != "sdf":
         raise ReadError(f"it begins with {shown(root.tag)}, not with sdf: it is no SDFormat file")
     models = [*root.findall("model"), *(model for world in root.findall("world") for model in world.findall("model"))]
     frames = _Frames()
-    notes: dict[str, None] = {}
     scopes = [f"{model.get('name', '')}::" for model in models]
     for model, scope in zip(models, scopes, strict=True):
         _declare(model, scope, "", frames)
-    if any(True for _ in root.iter("include")):
-        notes["include is not read: the models that it names are left out"] = None
+    unread = "include is not read: the models that it names are left out"
+    notes = (unread,) if root.find(".//include") is not None else ()
     drop = scopes[0] if len(models) == 1 else ""  # with one model its name says nothing
     links = [
         link
         for model, scope in zip(models, scopes, strict=True)
-        for link in _links(model, scope, frames, drop, path.parent, notes)
+        for link in _links(model, scope, frames, drop, path.parent)
     ]
     if not links:
         raise ReadError("it holds no link")
     name = models[0].get("name", "") if len(models) == 1 else ""
-    return Robot(path, "sdf", name, tuple(links), tuple(notes))
+    return Robot(path, "sdf", name, tuple(links), notes)
 
 
 def _declare(model: Element, scope: str, outside: str, frames: _Frames) -> None:
@@ -121,19 +120,17 @@ def _declare(model: Element, scope: str, outside: str, frames: _Frames) -> None:
             frames.poses[within + _MODEL] = frames.find(relative, scope), frames.poses[within + _MODEL][1]
 
 
-def _links(
-    model: Element, scope: str, frames: _Frames, drop: str, folder: Path, notes: dict[str, None]
-) -> Iterator[Link]:
+def _links(model: Element, scope: str, frames: _Frames, drop: str, folder: Path) -> Iterator[Link]:
     fixed = dict(_fixed_joints(model, scope, frames))
     for element in model.findall("link"):
         full = scope + element.get("name", "")
         name = full.removeprefix(drop)
         parent, placement = fixed.get(full, (None, Placement()))
-        geometries = tuple(_geometries(element, full, name, scope, frames, folder, notes))
+        geometries = tuple(_geometries(element, full, name, scope, frames, folder))
         hangs = None if parent is None else parent.removeprefix(drop)
         yield Link(name, _inertial(element, f"link {shown(name)}"), geometries, hangs, placement)
     for child in model.findall("model"):
-        yield from _links(child, f"{scope}{child.get('name', '')}::", frames, drop, folder, notes)
+        yield from _links(child, f"{scope}{child.get('name', '')}::", frames, drop, folder)
 
 
 def _fixed_joints(model: Element, scope: str, frames: _Frames) -> Iterator[tuple[str, tuple[str, Placement]]]:
@@ -169,9 +166,7 @@ def _inertial(link: Element, what: str) -> Inertial | None:
     )
 
 
-def _geometries(
-    link: Element, full: str, name: str, scope: str, frames: _Frames, folder: Path, notes: dict[str, None]
-) -> Iterator[Geometry]:
+def _geometries(link: Element, full: str, name: str, scope: str, frames: _Frames, folder: Path) -> Iterator[Geometry]:
     roles: tuple[Role, ...] = ("visual", "collision")
     for role in roles:
         for number, element in enumerate(link.findall(role), 1):
@@ -184,16 +179,18 @@ def _geometries(
                 placement = frames.between(full, frames.find(relative, scope)).then(placement)
             kind = shape[0]
             if kind.tag == "mesh":
-                if kind.find("submesh") is not None:
-                    notes[f"{what} is a part of a mesh: the whole of it is taken"] = None
                 file = mesh_file(kind.findtext("uri", "").strip(), folder)
-                yield Geometry(file.name, role, file, placement, _scale(kind.findtext("scale"), what))
+                scale = _scale(kind.findtext("scale"), what)
+                if kind.find("submesh") is not None:
+                    yield Geometry(file.name, role, "a part of a mesh's file cannot be weighed", placement, scale)
+                else:
+                    yield Geometry(file.name, role, file, placement, scale)
             else:
                 label = element.get("name") or f"{kind.tag} {number}"
                 yield Geometry(label, role, _primitive(kind, what), placement)
 
 
-def _primitive(kind: Element, what: str) -> Primitive:
+def _primitive(kind: Element, what: str) -> Primitive | str:
     def sizes(key: str, count: int = 1) -> list[float]:
         return floats(kind.findtext(key, ""), count, f"{what}, {key}")
 
@@ -207,7 +204,7 @@ def _primitive(kind: Element, what: str) -> Primitive:
         return Primitive("capsule", (*sizes("radius"), *sizes("length")))
     if kind.tag == "ellipsoid":
         return Primitive("ellipsoid", tuple(sizes("radii", 3)))
-    raise ReadError(f"{what}: {shown(kind.tag)} is no shape that is read")
+    return f"{shown(kind.tag)} is no shape that can be weighed"
 
 
 def _scale(text: str | None, what: str) -> tuple[Fraction, Fraction, Fraction] | None:
