@@ -298,6 +298,26 @@ def test_the_salt_changes_nothing(soup: Surface, seed: int) -> None:
         assert_is(compiled_closure(triangles, salt=salt), paired_by_angle(soup.corners().tolist()))
 
 
+@pytest.mark.parametrize("kind", [Surface, Facets])
+def test_one_edge_of_four_is_seen_wherever_its_triangles_are(kind: type[Triangles]) -> None:
+    everything = joined(cube((9, 0, 3)), ring(400, 200), cube((10, 1, 3)))
+    for order in (np.arange(everything.count), np.random.default_rng(5).permutation(everything.count)):
+        ordered = everything.select(order)
+        triangles = ordered if kind is Surface else facets(ordered)
+        pairing = compiled_closure(triangles)
+        assert (pairing.open_edges, pairing.components, pairing.crowded) == (0, 3, 1)
+
+
+def test_a_sound_surface_is_never_sorted(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Many keys agree in the few bits of them that are compared first, and none of them is repeated."""
+    monkeypatch.setattr("inertia.mesh.geometry.closure.vectorised_closure", None)
+    surface = joined(ring(400, 200))
+    for seed in range(20):
+        salt = np.random.default_rng(seed).integers(0, 2**64, 24, np.uint64)
+        pairing = compiled_closure(surface, salt=salt)
+        assert (pairing.open_edges, pairing.components, pairing.crowded) == (0, 1, 0)
+
+
 def test_each_process_has_its_own_salt() -> None:
     code = "from inertia.mesh.geometry.closure import process_salt; print(process_salt().tolist())"
     drawn = {subprocess.run([sys.executable, "-c", code], capture_output=True, check=True).stdout for _ in range(2)}

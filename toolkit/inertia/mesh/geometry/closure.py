@@ -33,13 +33,14 @@ from inertia.mesh.geometry.halfedges import HalfEdges, half_edges
 from inertia.mesh.part import Facets, Surface, Triangles
 from inertia.native import Kernel
 
-FACETS = Kernel("inertia.mesh.geometry.edge_kernel", "pair_facets", "ppiippipippipipip")
-FACES = Kernel("inertia.mesh.geometry.edge_kernel", "pair_faces", "ppipiippipippipipip")
+FACETS = Kernel("inertia.mesh.geometry.edge_kernel", "pair_facets", "ppiipippippipipip")
+FACES = Kernel("inertia.mesh.geometry.edge_kernel", "pair_faces", "ppipiipippippipipip")
 KEYS = Kernel("inertia.mesh.geometry.edge_kernel", "key_vertices", "pipp")
-REHASH = Kernel("inertia.mesh.geometry.edge_kernel", "rehash", "ppippi")
+REHASH = Kernel("inertia.mesh.geometry.edge_kernel", "rehash", "pipi")
 
 _SALTS = 24  # seven and seven for a vertex, five and five for an edge: see `edge_kernel`
 _CHUNK = 4096  # triangles a call: keeps the table of a well-ordered file inside the cache
+_BLOCK = 64  # triangles whose keys the kernel computes together
 _REPORTED = 16 * _CHUNK
 _BIN = 16384  # paired edges whose keys are compared at a time
 
@@ -103,10 +104,10 @@ def compiled_closure(
     bins = 1 << min(max(edges // _BIN, 1).bit_length() - 1, 12)
     room = edges // bins + 8 * int(np.sqrt(edges // bins)) + 64
     log, sizes = np.empty(bins * room, np.uint64), np.zeros(bins, np.int64)
-    slots = np.empty(1 << (2 * room).bit_length(), np.int32)
+    slots = np.empty(1 << (4 * room).bit_length(), np.uint16)
     crowded = 0
     capacity = 8 * _CHUNK
-    keys, values = np.zeros(capacity, np.uint64), np.empty(capacity, np.int64)
+    table, edge_keys = np.zeros((capacity, 2), np.uint64), np.empty(3 * _BLOCK, np.uint64)
     parent = np.empty(16 * _CHUNK, np.int32)
     if isinstance(triangles, Surface):
         vertices, faces = triangles.vertices, triangles.faces
@@ -115,15 +116,13 @@ def compiled_closure(
     for start in range(0, count, _CHUNK):
         stop = min(start + _CHUNK, count)
         if 2 * (state[0] + 3 * _CHUNK) > capacity:
-            larger = np.zeros(4 * capacity, np.uint64), np.empty(4 * capacity, np.int64)
-            old = _address(keys), _address(values), capacity
-            capacity *= 4
-            REHASH.function(*old, _address(larger[0]), _address(larger[1]), capacity)
-            keys, values = larger
+            larger = np.zeros((4 * capacity, 2), np.uint64)
+            REHASH.function(_address(table), capacity, _address(larger), 4 * capacity)
+            table, capacity = larger, 4 * capacity
         if state[1] + _CHUNK > len(parent):
             parent = np.concatenate([parent, np.empty_like(parent)])
         tables = (
-            _address(keys), _address(values), capacity,
+            _address(table), capacity, _address(edge_keys),
             _address(parent), len(parent), _address(labels),
             _address(log), room, _address(sizes), bins,
             _address(slots), len(slots) if stop == count else 0, _address(state),

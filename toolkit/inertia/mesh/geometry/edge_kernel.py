@@ -6,9 +6,11 @@ Imported only to be compiled (`inertia.native`).
 from __future__ import annotations
 
 import numpy as np
-from numba import carray, njit, uint64
+from llvmlite import ir
+from numba import carray, njit, types, uint64
+from numba.extending import intrinsic
 
-S29, S32 = np.uint64(29), np.uint64(32)
+S29, S32, S33 = np.uint64(29), np.uint64(32), np.uint64(33)
 LOW = np.uint64(0xFFFFFFFF)
 ONE = np.uint64(1)
 SIGN = np.uint64(0x80000000)
@@ -19,6 +21,12 @@ VERTEX, EDGE = 7, 5
 float32, the first of them), or of two keys. A key is made of two sums."""
 
 SALTS = 2 * (VERTEX + EDGE)
+
+BLOCK = 64
+"""Triangles whose edges' keys are computed together, which brings what the table has for them on its way."""
+
+ENTRY = 16
+"""Bytes of an entry of the table: the key of an edge that waits, its lowest bit 1, and 2 × its label + that bit."""
 
 STRIDE_F4 = 25
 """Half-words (uint16) in a binary STL record; its corners begin at half-word 6."""
@@ -42,15 +50,31 @@ def corner_key(halves, at, salt):
     return (high >> S32 << S32) | (low >> S32)
 
 
+@intrinsic
+def prefetch(context, base, offset):
+    """Bring what lies `offset` bytes after `base` into the cache, to be written to."""
+
+    def code(context, builder, signature, arguments):
+        index = ir.IntType(32)
+        kind = ir.FunctionType(ir.VoidType(), [arguments[0].type, index, index, index])
+        function = builder.module.declare_intrinsic("llvm.prefetch", [arguments[0].type], kind)
+        builder.call(function, [builder.gep(arguments[0], [arguments[1]]), index(1), index(3), index(1)])
+        return context.get_dummy_value()
+
+    return types.void(types.voidptr, types.int64), code
+
+
 @njit(inline="always")
 def edge_key(a, b, salt):
-    """Return the key of the edge between two vertices, by their keys in ascending order; it is odd."""
+    """Return the key of the edge between two vertices, by theirs; the lowest bit says which way it runs."""
+    way = uint64(a < b)
+    a, b = min(a, b), max(a, b)
     a0, a1, b0, b1 = a & LOW, a >> S32, b & LOW, b >> S32
     k = 2 * VERTEX
     high = salt[k] + a0 * salt[k + 1] + a1 * salt[k + 2] + b0 * salt[k + 3] + b1 * salt[k + 4]
     k = 2 * VERTEX + EDGE
     low = salt[k] + a0 * salt[k + 1] + a1 * salt[k + 2] + b0 * salt[k + 3] + b1 * salt[k + 4]
-    return (high >> S32 << S32) | (low >> S32) | ONE
+    return (high >> S32 << S32) | (low >> S33 << ONE) | way
 
 
 @njit(inline="always")
@@ -64,48 +88,60 @@ def find(parent, label):
 
 @njit(inline="always")
 def home(key, mask):
-    """Return the slot where the search for `key` begins (its lowest bit is always 1)."""
+    """Return the slot where the search for `key` begins."""
     return np.int64(key >> S29) & mask
 
 
 @njit(inline="always")
-def insert(keys, values, mask, key, value):
-    """Put an entry at its first free slot."""
-    slot = home(key, mask)
-    while keys[slot] != 0:
-        slot = (slot + 1) & mask
-    keys[slot] = key
-    values[slot] = value
+def edge_keys(u, v, w, salt, edges, place, table_at, mask):
+    """Write the keys of a triangle's edges, 0 where a corner is repeated, and send for what the table has for them."""
+    if u == v or v == w or w == u:
+        edges[place] = 0
+        return
+    edges[place], edges[place + 1], edges[place + 2] = edge_key(u, v, salt), edge_key(v, w, salt), edge_key(w, u, salt)
+    for side in range(3):
+        prefetch(table_at, home(edges[place + side], mask) * ENTRY)
 
 
 @njit(inline="always")
-def take(keys, values, mask, key, sign):
+def insert(table, mask, key, value):
+    """Put an entry at its first free slot."""
+    slot = home(key, mask)
+    while table[slot, 0] != 0:
+        slot = (slot + 1) & mask
+    table[slot, 0] = key
+    table[slot, 1] = value
+
+
+@njit(inline="always")
+def take(table, mask, key, sign):
     """Remove an entry of `key` with the opposite sign and return its label, or −1."""
     slot = home(key, mask)
-    while keys[slot] != 0:
-        if keys[slot] == key and (values[slot] & 1) != sign:
-            label = values[slot] >> 1
+    while table[slot, 0] != 0:
+        if table[slot, 0] == key and (table[slot, 1] & ONE) != sign:
+            label = np.int64(table[slot, 1] >> ONE)
             # Close the gap: move back every later entry that could not be found past an empty slot.
             hole = slot
             after = (slot + 1) & mask
-            while keys[after] != 0:
-                if ((after - home(keys[after], mask)) & mask) >= ((after - hole) & mask):
-                    keys[hole] = keys[after]
-                    values[hole] = values[after]
+            while table[after, 0] != 0:
+                if ((after - home(table[after, 0], mask)) & mask) >= ((after - hole) & mask):
+                    table[hole, 0] = table[after, 0]
+                    table[hole, 1] = table[after, 1]
                     hole = after
                 after = (after + 1) & mask
-            keys[hole] = 0
+            table[hole, 0] = 0
             return label
         slot = (slot + 1) & mask
     return np.int64(-1)
 
 
 @njit(inline="always")
-def record(log, sizes, key, state):
+def record(log_at, log, sizes, key, state):
     """Append the key of a paired edge to its bin of the log; with no room left, state[3] says that it is not there."""
     place = np.int64(key >> BIN) & (log.shape[0] - 1)
     size = sizes[place]
     if size < log.shape[1]:
+        prefetch(log_at, (place * log.shape[1] + size + 16) * 8)  # of so many bins the processor foresees none
         log[place, size] = key
         sizes[place] = size + 1
     else:
@@ -113,32 +149,24 @@ def record(log, sizes, key, state):
 
 
 @njit(inline="always")
-def pair(u, v, w, triangle, salt, keys, values, mask, parent, labels, log, sizes, state):
-    """Pair the three directed edges of one triangle with those that wait, and let the rest wait.
+def pair(edges, place, triangle, table, mask, parent, labels, log_at, log, sizes, state):
+    """Pair the three directed edges of a triangle, whose keys begin at `place`, with those that wait; the rest wait.
 
     `state` is (edges waiting, labels given, triangles with a repeated corner, paired edges left out of the log).
     """
-    if u == v or v == w or w == u:  # its edges cancel among themselves
+    if edges[place] == 0:  # its edges cancel among themselves
         state[2] += 1
         labels[triangle] = -1
         return
     label = np.int64(-1)
     pending = 0
-    k0 = k1 = k2 = np.uint64(0)
-    s0 = s1 = s2 = np.int64(0)
     for side in range(3):
-        if side == 0:
-            a, b = u, v
-        elif side == 1:
-            a, b = v, w
-        else:
-            a, b = w, u
-        sign = np.int64(a < b)
-        key = edge_key(min(a, b), max(a, b), salt)
-        other = take(keys, values, mask, key, sign)
+        key = edges[place + side] | ONE
+        sign = edges[place + side] & ONE
+        other = take(table, mask, key, sign)
         if other >= 0:
             state[0] -= 1
-            record(log, sizes, key, state)
+            record(log_at, log, sizes, key, state)
             other = find(parent, other)
             if label < 0:
                 label = other
@@ -149,47 +177,41 @@ def pair(u, v, w, triangle, salt, keys, values, mask, parent, labels, log, sizes
                     parent[label] = other
                     label = other
         else:
-            if pending == 0:
-                k0, s0 = key, sign
-            elif pending == 1:
-                k1, s1 = key, sign
-            else:
-                k2, s2 = key, sign
+            edges[place + pending] = edges[place + side]
             pending += 1
     if label < 0:
         label = state[1]
         parent[label] = label
         state[1] += 1
     labels[triangle] = label
-    if pending > 0:
-        insert(keys, values, mask, k0, label << 1 | s0)
-    if pending > 1:
-        insert(keys, values, mask, k1, label << 1 | s1)
-    if pending > 2:
-        insert(keys, values, mask, k2, label << 1 | s2)
+    for k in range(pending):
+        edge = edges[place + k]
+        insert(table, mask, edge | ONE, uint64(label) << ONE | (edge & ONE))
     state[0] += pending
 
 
 @njit(inline="always")
-def any_repeated(keys, log, sizes, slots, state):
+def any_repeated(table, log_at, log, sizes, slots, state):
     """Say whether any edge was paired twice, or still waits and was used before: whether a key occurs twice."""
     if state[0] > 0:
-        for slot in range(len(keys)):
-            if keys[slot] != 0:
-                record(log, sizes, keys[slot], state)
+        for slot in range(len(table)):
+            if table[slot, 0] != 0:
+                record(log_at, log, sizes, table[slot, 0], state)
     if state[3] != 0:
         return 1
     mask = len(slots) - 1
     for place in range(len(sizes)):
-        slots[:] = -1
+        slots[:] = 0
         for at in range(sizes[place]):
             key = log[place, at]
             slot = home(key, mask)
-            while slots[slot] >= 0:
-                if log[place, slots[slot]] == key:
-                    return 1
+            while slots[slot] != 0:
+                if slots[slot] == np.uint16(key):  # few bits of it (it is odd): nearly always another key
+                    for before in range(at):
+                        if log[place, before] == key:
+                            return 1
                 slot = (slot + 1) & mask
-            slots[slot] = at
+            slots[slot] = np.uint16(key)
     return 0
 
 
@@ -198,9 +220,9 @@ def pair_facets(
     salt_at,
     start,
     stop,
-    keys_at,
-    values_at,
+    table_at,
     capacity,
+    edges_at,
     parent_at,
     room,
     labels_at,
@@ -218,21 +240,26 @@ def pair_facets(
     """
     halves = carray(records, (stop * STRIDE_F4,), np.uint16)
     salt = carray(salt_at, (SALTS,), np.uint64)
-    keys = carray(keys_at, (capacity,), np.uint64)
-    values = carray(values_at, (capacity,), np.int64)
+    table = carray(table_at, (capacity, 2), np.uint64)
+    edges = carray(edges_at, (3 * BLOCK,), np.uint64)
     parent = carray(parent_at, (room,), np.int32)
     labels = carray(labels_at, (stop,), np.int32)
     log = carray(log_at, (bins, logged), np.uint64)
     sizes = carray(sizes_at, (bins,), np.int64)
-    slots = carray(slots_at, (places,), np.int32)
+    slots = carray(slots_at, (places,), np.uint16)
     state = carray(state_at, (4,), np.int64)
-    for triangle in range(start, stop):
-        at = triangle * STRIDE_F4 + 6
-        u = corner_key(halves, at, salt)
-        v = corner_key(halves, at + 6, salt)
-        w = corner_key(halves, at + 12, salt)
-        pair(u, v, w, triangle, salt, keys, values, capacity - 1, parent, labels, log, sizes, state)
-    return any_repeated(keys, log, sizes, slots, state) if places > 0 else 0
+    mask = capacity - 1
+    for first in range(start, stop, BLOCK):
+        count = min(BLOCK, stop - first)
+        for k in range(count):
+            at = (first + k) * STRIDE_F4 + 6
+            u = corner_key(halves, at, salt)
+            v = corner_key(halves, at + 6, salt)
+            w = corner_key(halves, at + 12, salt)
+            edge_keys(u, v, w, salt, edges, 3 * k, table_at, mask)
+        for k in range(count):
+            pair(edges, 3 * k, first + k, table, mask, parent, labels, log_at, log, sizes, state)
+    return any_repeated(table, log_at, log, sizes, slots, state) if places > 0 else 0
 
 
 def pair_faces(
@@ -242,9 +269,9 @@ def pair_faces(
     salt_at,
     start,
     stop,
-    keys_at,
-    values_at,
+    table_at,
     capacity,
+    edges_at,
     parent_at,
     room,
     labels_at,
@@ -260,18 +287,23 @@ def pair_faces(
     faces = carray(faces_at, (stop, 3), np.int64)
     of = carray(vertex_keys, (vertices,), np.uint64)
     salt = carray(salt_at, (SALTS,), np.uint64)
-    keys = carray(keys_at, (capacity,), np.uint64)
-    values = carray(values_at, (capacity,), np.int64)
+    table = carray(table_at, (capacity, 2), np.uint64)
+    edges = carray(edges_at, (3 * BLOCK,), np.uint64)
     parent = carray(parent_at, (room,), np.int32)
     labels = carray(labels_at, (stop,), np.int32)
     log = carray(log_at, (bins, logged), np.uint64)
     sizes = carray(sizes_at, (bins,), np.int64)
-    slots = carray(slots_at, (places,), np.int32)
+    slots = carray(slots_at, (places,), np.uint16)
     state = carray(state_at, (4,), np.int64)
-    for triangle in range(start, stop):
-        u, v, w = of[faces[triangle, 0]], of[faces[triangle, 1]], of[faces[triangle, 2]]
-        pair(u, v, w, triangle, salt, keys, values, capacity - 1, parent, labels, log, sizes, state)
-    return any_repeated(keys, log, sizes, slots, state) if places > 0 else 0
+    mask = capacity - 1
+    for first in range(start, stop, BLOCK):
+        count = min(BLOCK, stop - first)
+        for k in range(count):
+            u, v, w = of[faces[first + k, 0]], of[faces[first + k, 1]], of[faces[first + k, 2]]
+            edge_keys(u, v, w, salt, edges, 3 * k, table_at, mask)
+        for k in range(count):
+            pair(edges, 3 * k, first + k, table, mask, parent, labels, log_at, log, sizes, state)
+    return any_repeated(table, log_at, log, sizes, slots, state) if places > 0 else 0
 
 
 def key_vertices(vertices_at, count, salt_at, keys_at):
@@ -291,17 +323,15 @@ def key_vertices(vertices_at, count, salt_at, keys_at):
     return 0
 
 
-def rehash(old_keys_at, old_values_at, old_capacity, keys_at, values_at, capacity):
+def rehash(old_at, old_capacity, table_at, capacity):
     """Move all entries into a larger, empty table; those of one key stay in the order in which they came."""
-    old_keys = carray(old_keys_at, (old_capacity,), np.uint64)
-    old_values = carray(old_values_at, (old_capacity,), np.int64)
-    keys = carray(keys_at, (capacity,), np.uint64)
-    values = carray(values_at, (capacity,), np.int64)
+    old = carray(old_at, (old_capacity, 2), np.uint64)
+    table = carray(table_at, (capacity, 2), np.uint64)
     free = 0
-    while old_keys[free] != 0:
+    while old[free, 0] != 0:
         free += 1
     for step in range(old_capacity):
         slot = (free + step) & (old_capacity - 1)
-        if old_keys[slot] != 0:
-            insert(keys, values, capacity - 1, old_keys[slot], old_values[slot])
+        if old[slot, 0] != 0:
+            insert(table, capacity - 1, old[slot, 0], old[slot, 1])
     return 0
