@@ -65,7 +65,8 @@ def add_intersections(parser: Any) -> None:
     parser.add_argument(
         "--intersections",
         action=argparse.BooleanOptionalAction,
-        help="look for triangles of one shell that cross each other, or do not (up to 200,000 triangles it is done)",
+        help="look for triangles of one shell that cross each other, and for volume cells that share space, or do not "
+        "(up to 200,000 triangles, outer ones of a volume mesh, it is done)",
     )
 
 

@@ -10,7 +10,7 @@ import pytest
 
 from inertia.mass.cells.quadrature import combined
 from inertia.mass.cells.shape_functions import table
-from inertia.mass.cells.shapes import KINDS
+from inertia.mesh.geometry.cell_shapes import KINDS
 from inertia_meshes import path
 
 FILES = ("two_region_bar.vtk", "thin_plate.stl", "t_handle.stl", "ellipsoid.stl", "shaft_impeller.obj")
@@ -18,7 +18,7 @@ PRINTED = """
 import sys
 import numpy as np
 from inertia.mass.cells.moments import boundary_area, cell_moments
-from inertia.mass.cells.shapes import KINDS
+from inertia.mesh.geometry.cell_shapes import KINDS
 from inertia.mesh.part import CellBlock, Cells
 from inertia_cli.main import main
 

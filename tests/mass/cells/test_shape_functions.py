@@ -9,7 +9,7 @@ import pytest
 from tests.mass.cells.textbook_cells import shape_functions
 
 from inertia.mass.cells.shape_functions import gauss, table
-from inertia.mass.cells.shapes import KINDS
+from inertia.mesh.geometry.cell_shapes import KINDS
 
 
 @pytest.mark.parametrize("power", [0, 1, 2])

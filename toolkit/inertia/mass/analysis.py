@@ -219,7 +219,7 @@ def analyse(
         model, factor = "wire", f**3 * _length(wire, "wire cross-section", f"{part.unit.name}2")
         integrals = wire_integrals(part, stated.named, progress)
     elif isinstance(part.geometry, Cells):
-        integrals = cell_integrals(part, stated.named, progress=progress)
+        integrals = cell_integrals(part, stated.named, intersections=intersections, progress=progress)
     else:
         absolute = orientation == "absolute"
         integrals = surface_integrals(

@@ -264,7 +264,9 @@ def _shell_groups(
     )
 
 
-def cell_integrals(part: Part, named: Collection[str], *, progress: Progress | None = None) -> Iterator[Integral]:
+def cell_integrals(
+    part: Part, named: Collection[str], *, intersections: bool | None = None, progress: Progress | None = None
+) -> Iterator[Integral]:
     """Integrate a volume mesh, region by region where densities are given by name: in float64, then double-double."""
     from inertia.mass.cells.moments import boundary_area, cell_moments
 
@@ -272,7 +274,7 @@ def cell_integrals(part: Part, named: Collection[str], *, progress: Progress | N
     assert isinstance(cells, Cells)
     if all(block.kind in ("line", "line3", "vertex") for block in cells.blocks):
         raise GeometryError(f"{part.name} holds lines or points only, which have no volume: use ", _WIRE, " for lines")
-    report = check(part)
+    report = check(part, intersections=intersections)
     report.require_fit()
     regions = part.regions
     if named:
@@ -296,6 +298,7 @@ def cell_integrals(part: Part, named: Collection[str], *, progress: Progress | N
             area=area,
             extents=extents,
             notes=(turned,) if result.reversed else (),
+            crossings_examined=report.crossings_examined,
         )
 
 

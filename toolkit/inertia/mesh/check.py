@@ -10,11 +10,12 @@ from inertia.errors import require_kind
 from inertia.mesh.checks.cells import CellTopology
 from inertia.mesh.checks.crossings import to_be_examined
 from inertia.mesh.checks.findings import Finding, Report, Severity
-from inertia.mesh.checks.kinds import findings
+from inertia.mesh.checks.kinds import Subject, findings
 from inertia.mesh.checks.surface_topology import SurfaceTopology
 from inertia.mesh.geometry.edges import pieces
 from inertia.mesh.part import Cells, Part, Triangles
 
+_IN_TURN: tuple[Subject, ...] = ("maps", "sides", "space")
 _ORDER: tuple[Severity, ...] = ("error", "warning", "note")
 
 
@@ -25,7 +26,8 @@ def check(part: Part, *, intersections: bool | None = None) -> Report:
     ----------
     part : a surface or a mesh of cells
     intersections : whether to look for triangles of one shell that cross each other; without it, up to 200,000
-        triangles that bound a volume are looked through, and any number where more than two share an edge
+        triangles that bound a volume are looked through, and any number where more than two share an edge; for
+        volume cells that share space, which the triangles between the outer nodes of a mesh of cells show
 
     >>> part = Part.from_arrays([[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]],
     ...                         [[0, 2, 1], [0, 1, 3], [1, 2, 3]], unit="mm")
@@ -35,7 +37,7 @@ def check(part: Part, *, intersections: bool | None = None) -> Report:
     """
     require_kind(part, Part, "part", "inertia.read(path)")
     if isinstance(part.geometry, Cells):
-        return _check_cells(part, CellTopology(part.geometry))
+        return _check_cells(part, CellTopology(part.geometry, part.unit.name), intersections)
     return _check_surface(part, part.geometry, intersections)
 
 
@@ -70,20 +72,30 @@ def _check_surface(part: Part, triangles: Triangles, intersections: bool | None)
     )
 
 
-def _check_cells(part: Part, mesh: CellTopology) -> Report:
+def _check_cells(part: Part, mesh: CellTopology, intersections: bool | None) -> Report:
     if unusable := next(findings("nodes", mesh), None):
         return _nothing_to_measure(part, mesh.cells.count, unusable)
+    remarks = [*findings("cells", mesh)]
+    examined = False
+    for subject in _IN_TURN:
+        if any(finding.severity == "error" for finding in remarks):
+            break
+        if subject == "space":
+            examined = to_be_examined(mesh.boundary[0], intersections)
+        if subject != "space" or examined:
+            remarks += findings(subject, mesh)
     return Report(
         source=part.source,
         triangles=mesh.cells.count,
-        vertices=len(np.unique(mesh.merged[mesh.used])),
+        vertices=int(np.count_nonzero(np.bincount(mesh.merged[mesh.used]))),
         closed=True,
         consistent=True,
         outward=None,
         bodies=int(mesh.bodies.max()) + 1,
         shells=(),
         loops=(),
-        findings=_by_severity(findings("cells", mesh)),
+        findings=_by_severity(remarks),
+        crossings_examined=examined,
     )
 
 

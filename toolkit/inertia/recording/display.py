@@ -18,8 +18,8 @@ from inertia.dynamics.kinematics import quaternion
 from inertia.dynamics.models.deforming.jointed_body import JointedBody
 from inertia.dynamics.models.deforming.joints import JointedPart
 from inertia.dynamics.scene.body import SceneBody
-from inertia.mass.cells.shapes import KINDS, volume_blocks
 from inertia.mass.principal import principal
+from inertia.mesh.geometry.cell_shapes import KINDS, volume_blocks
 from inertia.mesh.geometry.closure import repeated_corners
 from inertia.mesh.geometry.edges import first_equal
 from inertia.mesh.part import Cells, Part, Surface, Triangles

@@ -1,8 +1,8 @@
 """Exact moments of the cells of a volume mesh and of wires, and the area of the outside of the mesh.
 
-Each cell is what its own map makes of its reference shape (`shapes`), curved edges and warped faces included.
-The integrals ∫ det J, ∫ det J x, ∫ det J x xᵀ have polynomial integrands, so Gauss rules with enough points
-are exact but for rounding, and rounding has a bound (`quadrature`).
+Each cell is what its own map makes of its reference shape (`inertia.mesh.geometry.cell_shapes`), curved edges and
+warped faces included. The integrals ∫ det J, ∫ det J x, ∫ det J x xᵀ have polynomial integrands, so Gauss rules with
+enough points are exact but for rounding, and rounding has a bound (`quadrature`).
 """
 
 from __future__ import annotations
@@ -27,9 +27,9 @@ from inertia.mass.cells.quadrature import (
     speed_errors,
 )
 from inertia.mass.cells.shape_functions import Table, table
-from inertia.mass.cells.shapes import KINDS, numbered_blocks, volume_blocks
 from inertia.mass.double_words import Pair
 from inertia.mass.moments import Moments
+from inertia.mesh.geometry.cell_shapes import KINDS, numbered_blocks, volume_blocks
 from inertia.mesh.geometry.edges import first_equal
 from inertia.mesh.part import Cells
 

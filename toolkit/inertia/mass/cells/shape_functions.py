@@ -19,8 +19,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from inertia.arrays import Float
-from inertia.mass.cells.shapes import KINDS, Kind, Point, Powers
 from inertia.mass.double_words import Pair
+from inertia.mesh.geometry.cell_shapes import KINDS, Kind, Point, Powers, coefficients
 
 _DIGITS = 60
 _HALF, _ONE = Decimal("0.5"), Decimal(1)
@@ -76,7 +76,7 @@ def _entries(name: str, points: tuple[int, ...] | None) -> tuple[NDArray[Any], N
     kind = KINDS[name]
     with localcontext(prec=_DIGITS):
         places, weights = _rule(kind, kind.points if points is None else points)
-        shapes = _decimals(_shape_functions(kind))
+        shapes = _decimals(coefficients(kind.name))
         corners = [[_decimal(x) for x in place] for place in _corner_places(kind)]
         values = _monomials(places, kind.space) @ shapes
         slopes = [_slopes(kind, axis, places + corners) @ shapes for axis in range(len(kind.nodes[0]))]
@@ -159,41 +159,10 @@ def _corner_places(kind: Kind) -> list[Point]:
     return corners
 
 
-def _shape_functions(kind: Kind) -> NDArray[Any]:
-    """Solve for the coefficients (monomial, node) of the functions that are 1 at one node and 0 elsewhere."""
-    n = len(kind.nodes)
-    rows = [
-        [math.prod((x**p for x, p in zip(node, powers, strict=True)), start=Fraction(1)) for powers in kind.space]
-        + [Fraction(i == j) for j in range(n)]
-        for i, node in enumerate(kind.nodes)
-    ]
-    matrix = np.array(rows, dtype=object)
-    for i in range(n):
-        pivot = next(k for k in range(i, n) if matrix[k, i])
-        matrix[[i, pivot]] = matrix[[pivot, i]]
-        matrix[i] /= matrix[i, i]
-        for k in range(n):
-            if k != i and matrix[k, i]:
-                matrix[k] -= matrix[k, i] * matrix[i]
-    return matrix[:, n:]
-
-
 def _slopes(kind: Kind, axis: int, places: list[list[Decimal]]) -> NDArray[Any]:
-    """Return the monomials' derivatives at the places, (place, monomial).
-
-    On a pyramid ∂/∂ξ and ∂/∂η are divided by w, and ∂/∂w is negated: so they make up the determinant of the
-    map over that of the collapse, −w², and stay finite at the apex.
-    """
-    factors = [powers[axis] for powers in kind.space]
-    lower = [list(powers) for powers in kind.space]
-    for powers, factor in zip(lower, factors, strict=True):
-        if factor:
-            powers[axis] -= 1
-            if kind.reference == "pyramid" and axis < 2:
-                powers[2] -= 1
-    if kind.reference == "pyramid" and axis == 2:
-        factors = [-factor for factor in factors]
-    slopes: NDArray[Any] = _monomials(places, [tuple(p) for p in lower]) * np.array(factors, dtype=object)
+    """Return the monomials' derivatives at the places, (place, monomial)."""
+    factors, lower = kind.derivatives(axis)
+    slopes: NDArray[Any] = _monomials(places, lower) * np.array(factors, dtype=object)
     return slopes
 
 

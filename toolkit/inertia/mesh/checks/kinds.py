@@ -22,6 +22,7 @@ from inertia.mesh.checks.crossings import (
     overlapping_bodies,
     self_intersections,
 )
+from inertia.mesh.checks.doubled_cells import shared_space
 from inertia.mesh.checks.findings import Evidence, Finding, Severity, counted, listed, middle, usable
 from inertia.mesh.checks.surface_topology import SurfaceTopology
 from inertia.mesh.geometry.closure import repeated_corners
@@ -30,9 +31,13 @@ from inertia.mesh.geometry.shells import bounds_nothing
 from inertia.mesh.part import Surface, Triangles
 from inertia.mesh.repairs.weld import closing_distance
 
-Subject = Literal["triangles", "surface", "volume", "shells", "crossings", "contacts", "nodes", "cells"]
+Subject = Literal[
+    "triangles", "surface", "volume", "shells", "crossings", "contacts", "nodes", "cells", "maps", "sides", "space"
+]
 """What is looked at: `Triangles`; `SurfaceTopology`, whole, where it bounds a volume, where that is one, where
-crossings are looked for, where there is no fault; `CellTopology`, before and after its nodes are known to be usable."""
+crossings are looked for, where there is no fault; `CellTopology`, before and after its nodes are known to be usable,
+and then, as long as there is no error, the cells' maps, the sides of faces that they lie on, and the space they share.
+"""
 
 _CHUNK = 1 << 16
 _NOISE = 1e-13  # volume over the sum of the shells' volumes
@@ -362,6 +367,31 @@ KINDS = (
         "overlapping cells: {count:face} of more than two cells, the first {around} at cell {first}, so that the "
         "volume counts twice",
         ("remove what overlaps",),
+    ),
+    Kind(
+        "maps", "tangled_cell", "error",
+        CellTopology.tangled,
+        "{cell} is tangled: its Jacobian determinant has both signs, one reaching {share:.2g} of the other{others}",
+        ("give its nodes in VTK's order, or mesh it again",),
+    ),
+    Kind(
+        "maps", "flat_cell", "error",
+        CellTopology.without_volume,
+        "{cell} has no volume: its Jacobian determinant is 0{others}",
+        ("remove it, or mesh it again",),
+    ),
+    Kind(
+        "sides", "overlapping_cells", "error",
+        CellTopology.folds,
+        "overlapping cells: {count:face} with both cells on one side, the first {around} between cells {one} and "
+        "{other}, so that the volume counts twice",
+        ("mesh it again, or turn the cell inside out that is",),
+    ),
+    Kind(
+        "space", "overlapping_cells", "error",
+        shared_space,
+        "overlapping cells: {cells} cover the same place {around}, so that it counts twice{doubt}",
+        ("remove what overlaps, or mesh it again",),
     ),
     Kind("cells", "several_bodies", "note", CellTopology.several_bodies, "{count} separate bodies"),
     Kind("cells", "unused_vertices", "note", CellTopology.unused, "{count:node} that no cell uses"),

@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 
 from inertia.arrays import Float, Int
 from inertia.errors import ReadError
+from inertia.mesh.geometry.cell_shapes import FLAT_TRIANGLES
 from inertia.mesh.part import CellBlock, Cells, Regions
 from inertia.mesh.readers.contents import (
     UNNAMED,
@@ -35,18 +36,6 @@ _NODES = {
     "wedge": 6, "wedge15": 15, "wedge18": 18, "pyramid": 5, "pyramid13": 13, "pyramid14": 14,
 }  # fmt: skip
 """Nodes of the kinds that `Cells` may hold, under meshio's names."""
-
-_TRIANGLES = {
-    "triangle": [[0, 1, 2]],
-    "quad": [[0, 1, 2], [0, 2, 3]],
-    "triangle6": [[0, 3, 5], [3, 1, 4], [5, 4, 2], [3, 4, 5]],
-    "triangle7": [[6, 0, 3], [6, 3, 1], [6, 1, 4], [6, 4, 2], [6, 2, 5], [6, 5, 0]],
-    "quad8": [[0, 4, 7], [4, 1, 5], [5, 2, 6], [6, 3, 7], [4, 5, 6], [4, 6, 7]],
-    "quad9": [
-        [8, 0, 4], [8, 4, 1], [8, 1, 5], [8, 5, 2], [8, 2, 6], [8, 6, 3], [8, 3, 7], [8, 7, 0],
-    ],
-}  # fmt: skip
-"""The flat triangles between the nodes of a surface cell."""
 
 _DIMENSIONS = {"vertex": 0, "line": 1, "triangle": 2, "quad": 2, "polygon": 2}
 
@@ -116,7 +105,7 @@ def _flat(points: Float, blocks: Sequence[Block], regions: Regions | None, notes
         if kind == "polygon":
             triangles, owner = fan(np.full(len(nodes), nodes.shape[1]), nodes.reshape(-1))
         else:
-            pattern = np.array(_TRIANGLES.get(kind, [[-1] * 3]))
+            pattern = np.array(FLAT_TRIANGLES.get(kind, [[-1] * 3]))
             if nodes.shape[1] <= pattern.max() or pattern.min() < 0:
                 raise ReadError(f"its cells of the kind {shown(kind)} are not read: use triangles or quadrilaterals")
             triangles = nodes[:, pattern].reshape(-1, 3)

@@ -63,9 +63,8 @@ def source_lines(analysis: Analysis, repaired: Repaired | None = None, *, wordin
     elements = [f"{analysis.triangles} triangles"] if analysis.triangles else []
     elements += [f"{analysis.cells} cells"] if analysis.cells else []
     closed = [] if analysis.cells else ["closed" if analysis.closed else "open"]
-    crossings = (
-        [] if analysis.cells else ["crossings examined" if analysis.crossings_examined else "crossings not examined"]
-    )
+    no_solid = bool(analysis.cells) and analysis.model != "solid"
+    crossings = [] if no_solid else [f"crossings {'' if analysis.crossings_examined else 'not '}examined"]
     bodies = f"{analysis.bodies} {'body' if analysis.bodies == 1 else 'bodies'}"
     repairs = ["repaired"] if repaired and repaired.changes else []
     return [

@@ -22,10 +22,16 @@ without ξ² η² w² it is the 13-node one of Bedrosian (Int. J. Numer. Meth. E
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
+from functools import cache
 from itertools import product
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
 
 from inertia.errors import GeometryError
 from inertia.mesh.part import CellBlock, Cells
@@ -52,6 +58,24 @@ class Kind:
     space: tuple[Powers, ...]
     points: tuple[int, ...]
     faces: tuple[tuple[str, tuple[int, ...]], ...] = ()
+
+    def derivatives(self, axis: int) -> tuple[list[int], list[Powers]]:
+        """Return the factors and the powers of the monomials' derivatives along an axis.
+
+        On a pyramid ∂/∂ξ and ∂/∂η are divided by w, and ∂/∂w is negated: so they make up the determinant of the
+        map over that of the collapse, −w², and stay finite at the apex.
+        """
+        pyramid = self.reference == "pyramid"
+        factors, lower = [], []
+        for powers in self.space:
+            factor, less = powers[axis], list(powers)
+            if factor:
+                less[axis] -= 1
+                if pyramid and axis < 2:
+                    less[2] -= 1
+            factors.append(-factor if pyramid and axis == 2 else factor)
+            lower.append(tuple(less))
+        return factors, lower
 
 
 @dataclass(frozen=True)
@@ -211,6 +235,40 @@ of the collapsed coordinates that the points are laid out in; the collapse's own
 w², are the weight of Gauss–Jacobi rules (see `shape_functions`). Lengths and areas of curved wires and faces have
 no polynomial integrand: `points` are plenty for smooth ones.
 """
+
+
+FLAT_TRIANGLES = {
+    "triangle": [[0, 1, 2]],
+    "quad": [[0, 1, 2], [0, 2, 3]],
+    "triangle6": [[0, 3, 5], [3, 1, 4], [5, 4, 2], [3, 4, 5]],
+    "triangle7": [[6, 0, 3], [6, 3, 1], [6, 1, 4], [6, 4, 2], [6, 2, 5], [6, 5, 0]],
+    "quad8": [[0, 4, 7], [4, 1, 5], [5, 2, 6], [6, 3, 7], [4, 5, 6], [4, 6, 7]],
+    "quad9": [
+        [8, 0, 4], [8, 4, 1], [8, 1, 5], [8, 5, 2], [8, 2, 6], [8, 6, 3], [8, 3, 7], [8, 7, 0],
+    ],
+}  # fmt: skip
+"""The flat triangles between the nodes of a surface cell."""
+
+
+@cache
+def coefficients(name: str) -> NDArray[Any]:
+    """Return the coefficients (monomial, node), fractions, of the functions that are 1 at one node and 0 elsewhere."""
+    kind = KINDS[name]
+    n = len(kind.nodes)
+    rows = [
+        [math.prod((x**p for x, p in zip(node, powers, strict=True)), start=Fraction(1)) for powers in kind.space]
+        + [Fraction(i == j) for j in range(n)]
+        for i, node in enumerate(kind.nodes)
+    ]
+    matrix = np.array(rows, dtype=object)
+    for i in range(n):
+        pivot = next(k for k in range(i, n) if matrix[k, i])
+        matrix[[i, pivot]] = matrix[[pivot, i]]
+        matrix[i] /= matrix[i, i]
+        for k in range(n):
+            if k != i and matrix[k, i]:
+                matrix[k] -= matrix[k, i] * matrix[i]
+    return matrix[:, n:]
 
 
 def volume_blocks(cells: Cells) -> list[tuple[int, CellBlock]]:
