@@ -15,7 +15,7 @@ from inertia.mesh.checks.findings import Evidence, listed
 from inertia.mesh.geometry.boxes import BoxTree, overlapping
 from inertia.mesh.geometry.cell_maps import covering
 from inertia.mesh.geometry.cell_shapes import KINDS, volume_blocks
-from inertia.mesh.geometry.intersect import places_of_doubt
+from inertia.mesh.geometry.doubled_places import places_of_doubt
 from inertia.mesh.geometry.winding import misplaced_volume
 
 _PLACES = 1 << 14  # at a time

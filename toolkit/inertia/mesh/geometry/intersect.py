@@ -39,9 +39,9 @@ CONTACT = 1e-6
 """Depth below which bodies only touch, over the largest extent of the smaller one."""
 
 _LAST_DIGITS = 4  # the same, over the spacing of the stored numbers at the largest coordinate
-_DEPTHS = (1.0, 1e2, 1e4)  # at which a crossing is looked at, over that
 _AT_ONCE = 1 << 17  # places tried at a time
-_FACING = 0.02  # |sum of two unit normals| below which two faces face each other
+FACING = 0.02
+"""|Sum of two unit normals| below which two faces face each other."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -104,7 +104,7 @@ Crossed = Iterator[tuple[Int, Float, float]]
 def vectorised_crossings(triangles: Triangles) -> Crossed:
     """Yield the triangles that cross one another, by numpy."""
     vertices, faces = merge_equal_vertices(triangles)
-    for i, j, done in _candidates(vertices, faces, None):
+    for i, j, done in near_pairs(vertices, faces, None):
         crossed, places = crossing(vertices, faces[i], faces[j])
         yield np.column_stack([i[crossed], j[crossed]]), places, done
 
@@ -154,7 +154,7 @@ def _crossings_between(a: Triangles, b: Triangles) -> Crossed:
     """Yield the triangles of `a` that cross triangles of `b`, by numpy."""
     numbers_a, numbers_b = _in_common_box(a, b)
     vertices, faces_a, faces_b = _welded_together(a.select(numbers_a), b.select(numbers_b))
-    for i, j, done in _candidates(vertices, faces_a, faces_b):
+    for i, j, done in near_pairs(vertices, faces_a, faces_b):
         crossed, places = crossing(vertices, faces_a[i], faces_b[j])
         yield np.column_stack([numbers_a[i[crossed]], numbers_b[j[crossed]]]), places, done
 
@@ -202,7 +202,7 @@ def overlap(a: Triangles, b: Triangles, contact: float = 0.0) -> tuple[float, fl
 def touching(a: Triangles, b: Triangles) -> bool:
     """Say whether there are triangles of two surfaces that neither's plane holds apart, as far as float64 can tell."""
     vertices, faces_a, faces_b = _welded_together(a, b)
-    for i, j, _ in _candidates(vertices, faces_a, faces_b, touching=True):
+    for i, j, _ in near_pairs(vertices, faces_a, faces_b, touching=True):
         apart = np.zeros(len(i), bool)
         for points, planes in ((faces_a[i], faces_b[j]), (faces_b[j], faces_a[i])):
             plane = vertices[planes]
@@ -211,66 +211,6 @@ def touching(a: Triangles, b: Triangles) -> bool:
         if not apart.all():
             return True
     return False
-
-
-def places_of_doubt(triangles: Triangles, size: float) -> Iterator[Float]:
-    """Yield places (k, 3) just inside a closed, outward surface, one of which it encloses twice if it does so anywhere.
-
-    They lie in crossings, beside edges that lie in triangles, within triangles that lie on others, and in each piece of
-    the surface, if there are several; the last of these come last. Twice may mean no deeper than `contact_depth`.
-
-    Parameters
-    ----------
-    triangles : closed, facing outward, apart from cavities
-    size : the extent of what is bounded
-    """
-    vertices, faces = merge_equal_vertices(triangles)
-    depth = contact_depth(vertices, size)
-    normals = unit_normals(vertices[faces])
-    for i, j, _ in _candidates(vertices, faces, None, touching=True):
-        same = faces[i][:, :, None] == faces[j][:, None, :]
-        shared = same.sum(axis=(1, 2))
-        # Neighbours that share an edge one runs along as the other does have material on one side, both of them.
-        alike = (same & np.roll(same, (-1, -1), axis=(1, 2))).any(axis=(1, 2))
-        apart = (shared < 2) | ((shared == 2) & alike)
-        i, j, shared = i[apart], j[apart], shared[apart]
-        heights = [
-            np.einsum("kij,kj->ki", vertices[faces[b]] - vertices[faces[a][:, :1]], normals[a])
-            for a, b in ((i, j), (j, i))
-        ]
-        places = [np.empty((0, 3))]
-        cut = np.ones(len(i), bool)
-        for height in heights:  # what cuts less deep is no crossing that matters, and edges beside it are looked at
-            cut &= (height.min(axis=1) < -depth / 4) & (height.max(axis=1) > depth / 4)
-        pair = np.flatnonzero(cut & (shared < 2))
-        crossed, middles = crossing(vertices, faces[i[pair]], faces[j[pair]])
-        inwards = -(normals[i[pair[crossed]]] + normals[j[pair[crossed]]])
-        length = np.linalg.norm(inwards, axis=1, keepdims=True)
-        meets = length[:, 0] > _FACING
-        inwards = 2 * inwards[meets] / length[meets] ** 2
-        places += [middles[meets] + k * depth * inwards for k in _DEPTHS]
-        for (a, b), height in zip(((i, j), (j, i)), heights, strict=True):
-            lies = (np.abs(height) < depth / 2).sum(axis=1) >= 2
-            a, b = a[lies], b[lies]
-            places.append(_beside_edges(vertices, faces[a], normals[a], faces[b], depth))
-            covered = _under_centroid(vertices[faces[a]], vertices[faces[b]], normals[a], depth)
-            places.append(vertices[faces[b[covered]]].mean(axis=1) - depth * normals[b[covered]])
-        yield np.concatenate(places)
-    labels = closure(triangles).labels
-    pieces, first = np.unique(labels[labels >= 0], return_index=True)
-    if len(pieces) > 1:
-        tried = np.flatnonzero(labels >= 0)[first]
-        yield vertices[faces[tried]].mean(axis=1) - depth * normals[tried]
-
-
-def _under_centroid(corners: Float, others: Float, normals: Float, depth: float) -> Int:
-    """Return which triangles with these corners (k, 3, 3) and normals hold the centroids of others in their planes."""
-    centroids = others.mean(axis=1)
-    within = np.abs(np.einsum("kj,kj->k", centroids - corners[:, 0], normals)) < depth / 2
-    for k in range(3):
-        inwards = np.cross(normals, corners[:, (k + 1) % 3] - corners[:, k])
-        within &= np.einsum("kj,kj->k", centroids - corners[:, k], inwards) > 0
-    return np.flatnonzero(within)
 
 
 def contact_depth(vertices: Float, size: float) -> float:
@@ -312,7 +252,7 @@ def _welded_together(a: Triangles, b: Triangles) -> tuple[Float, Int, Int]:
     return vertices, faces[: a.count], faces[a.count :]
 
 
-def _candidates(
+def near_pairs(
     vertices: Float, faces_a: Int, faces_b: Int | None, *, touching: bool = False
 ) -> Iterator[tuple[Int, Int, float]]:
     """Yield pairs of faces whose boxes overlap, and the fraction done; see `overlapping`."""
@@ -333,16 +273,16 @@ def _places(vertices: Float, faces_a: Int, faces_b: Int, depth: float) -> Iterat
     normals_a, normals_b = unit_normals(vertices[faces_a]), unit_normals(vertices[faces_b])
     near_a, near_b = np.zeros(len(faces_a), bool), np.zeros(len(faces_b), bool)
     untried = [np.empty((0, 3))]
-    for i, j, _ in _candidates(vertices, faces_a, faces_b, touching=True):
+    for i, j, _ in near_pairs(vertices, faces_a, faces_b, touching=True):
         near_a[i] = near_b[j] = True
         crossed, middles = crossing(vertices, faces_a[i], faces_b[j])
         inwards = -(normals_a[i[crossed]] + normals_b[j[crossed]])
         size = np.linalg.norm(inwards, axis=1, keepdims=True)
-        apart = size[:, 0] > _FACING
+        apart = size[:, 0] > FACING
         untried += [
             middles[apart] + 2 * depth * inwards[apart] / size[apart] ** 2,
-            _beside_edges(vertices, faces_a[i], normals_a[i], faces_b[j], depth),
-            _beside_edges(vertices, faces_b[j], normals_b[j], faces_a[i], depth),
+            beside_edges(vertices, faces_a[i], normals_a[i], faces_b[j], depth),
+            beside_edges(vertices, faces_b[j], normals_b[j], faces_a[i], depth),
         ]
         if sum(map(len, untried)) > _AT_ONCE:
             yield np.concatenate(untried), depth / 2
@@ -356,7 +296,7 @@ def _places(vertices: Float, faces_a: Int, faces_b: Int, depth: float) -> Iterat
         yield vertices[faces[tried]].mean(axis=1) - depth * normals[tried], 0.0
 
 
-def _beside_edges(vertices: Float, faces: Int, normals: Float, others: Int, depth: float) -> Float:
+def beside_edges(vertices: Float, faces: Int, normals: Float, others: Int, depth: float) -> Float:
     """Return places under `faces`, on both sides of those edges of `others` that lie in and cut them."""
     corners = vertices[faces]
     places = []
