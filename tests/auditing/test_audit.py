@@ -157,6 +157,13 @@ def test_open_meshes_are_mended_or_replaced_aloud(tmp_path: Path, audited: Calla
     (mended,) = audited(link("a", stated, mesh("open.stl"))).links
     assert [finding.code for finding in mended.findings] == ["mesh_mended"]
     assert "open.stl: open" in mended.findings[0].sentence
+    assert mended.state == "consistent"
+    assert "the rims of its holes leave" in mended.findings[0].sentence
+    assert mended.room > 0.02
+    (other,) = audited(
+        link("a", inertial(1.0, 0.9 * right.center_of_mass, right.inertia * 1.3), mesh("open.stl"))
+    ).links
+    assert other.state == "unjudged"  # the hole may have been closed otherwise
     stl(tmp_path / "sheet.stl", shape.corners[:1])
     (hopeless,) = audited(link("a", stated, mesh("sheet.stl"))).links
     assert (hopeless.state, hopeless.findings[0].code) == ("unjudged", "mesh_unusable")

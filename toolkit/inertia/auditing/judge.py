@@ -67,6 +67,7 @@ class LinkAudit:
     findings : best first
     margin : of the triangle rule, (I1 + I2 − I3) / I3; None where nothing is stated
     shapes : what was weighed
+    room : what the repair of their meshes leaves open of mass and tensor, relative; may be infinite
     mended : what the file should state; None where nothing is to be mended, or what is not known
     """
 
@@ -79,19 +80,24 @@ class LinkAudit:
     findings: tuple[Finding, ...]
     margin: float | None = None
     shapes: tuple[Shape, ...] = ()
+    room: float = 0.0
     mended: MassProperties | None = None
 
 
 @dataclass(frozen=True, eq=False)
 class Weighed:
-    """A shape with its mass properties at 1 kg/m³ in the axes of the link, bounds included."""
+    """A shape with its mass properties at 1 kg/m³ in the axes of the link, bounds included.
+
+    `room` is what repair left open beyond these, relative.
+    """
 
     shape: Shape
     properties: MassProperties
+    room: float = 0.0
 
     def moved(self, where: Placement) -> Weighed:
         """Return it in the axes that those of the link are placed in."""
-        return Weighed(self.shape.moved(where.rotation, where.origin), placed(self.properties, where))
+        return Weighed(self.shape.moved(where.rotation, where.origin), placed(self.properties, where), self.room)
 
 
 def placed(properties: MassProperties, where: Placement) -> MassProperties:
@@ -172,6 +178,7 @@ def judge(subject: Subject, others: Sequence[Subject], tolerance: float) -> Link
         findings,
         margin,
         tuple(each.shape for each in subject.shapes),
+        max(each.room for each in subject.shapes),
         judgement.computed if mendable and state != "consistent" else None,
     )
 
@@ -215,7 +222,8 @@ def _judgement(subject: Subject, context: Context, others: Sequence[Subject], to
         search = pairs(context, tolerance)
     findings = tuple(_findings(search))
     if search.named is None:
-        state: State = "unjudged" if subject.substitute else "inconsistent"  # what stands in for a mesh proves little
+        doubtful = subject.substitute or any(each.room > tolerance / 10 for each in subject.shapes)
+        state: State = "unjudged" if doubtful else "inconsistent"
         return _Judgement(state, findings, computed, weights)
     factor = math.prod(mistake.mass for mistake in search.named.mistakes)
     if factor != 1 and context.densities is None:

@@ -15,7 +15,7 @@ from inertia.auditing.bodies import Body, Shape
 from inertia.auditing.judge import Finding, Weighed, placed
 from inertia.errors import GeometryError, InertiaError
 from inertia.exchange.robots.links import Geometry, Primitive
-from inertia.mass.analysis import mass_properties
+from inertia.mass.analysis import analyse, mass_properties
 from inertia.mass.properties import ErrorBound, MassProperties
 from inertia.mesh.part import Part, Surface
 from inertia.mesh.read import read
@@ -28,11 +28,16 @@ _ROUNDOFF = 2.0**-50
 
 @dataclass(frozen=True, eq=False)
 class _Mesh:
-    """A mesh in its own axes: mass properties at 1 kg/m³, triangles (m, 3, 3) in m, and what had to be done to it."""
+    """A mesh in its own axes.
+
+    Mass properties at 1 kg/m³, triangles (m, 3, 3) in m, what had to be done to it, and what that leaves open
+    (relative, of mass and tensor).
+    """
 
     properties: MassProperties
     corners: Float
-    note: Finding | None
+    note: Finding | None = None
+    room: float = 0.0
 
 
 class Scales:
@@ -55,7 +60,8 @@ class Scales:
         corners = mesh.corners @ where.rotation.T + where.origin
         solid = Body(properties.mass, properties.center_of_mass, properties.inertia)
         note = mesh.note and Finding(mesh.note.code, f"{geometry.name}: {mesh.note.sentence}")
-        return Weighed(Shape(geometry.name, corners, solid, where.rotation, where.origin), properties), note
+        shape = Shape(geometry.name, corners, solid, where.rotation, where.origin)
+        return Weighed(shape, properties, mesh.room), note
 
     def _mesh(self, file: Path, scale: tuple[Fraction, Fraction, Fraction] | None) -> _Mesh:
         key = file, scale
@@ -87,19 +93,23 @@ def _scaled(part: Part, scale: tuple[Fraction, Fraction, Fraction] | None) -> Pa
 
 
 def _weighed(part: Part) -> _Mesh:
-    note = None
+    note, room = None, 0.0
     try:
         properties = mass_properties(part, 1.0)
     except GeometryError as error:
         try:
             mended = repair(part)
-            properties = mass_properties(mended.part, 1.0)
+            analysis = analyse(mended.part, 1.0)
         except GeometryError:
             raise error from None
-        what = "; ".join(f"{change.what} ({change.count})" for change in mended.changes)
-        note = Finding("mesh_mended", f"{cause(error)}; weighed as repaired: {what}")
-        part = mended.part
-    return _Mesh(properties, part.triangles.corners() * float(part.unit.metres), note)
+        part, properties = mended.part, analysis.properties
+        words = "; ".join(f"{change.what} ({change.count})" for change in mended.changes)
+        if analysis.repair is not None:
+            room = max(analysis.repair.mass, analysis.repair.inertia)
+            words += f"; the rims of its holes leave {'it' if room < 1 else 'anything'} open"
+            words += f" to {100 * room:.2g} %" if room < 1 else ""
+        note = Finding("mesh_mended", f"{cause(error)}; weighed as repaired: {words}")
+    return _Mesh(properties, part.triangles.corners() * float(part.unit.metres), note, room)
 
 
 def cause(error: InertiaError) -> str:
@@ -137,7 +147,7 @@ def _primitive(shape: Primitive) -> _Mesh:
         corners = ends + np.sign(ends[..., 2:]) * np.array([0, 0, length / 2])
     inertia = volume * (squares.sum() * np.eye(3) - np.diag(squares))
     error = ErrorBound("closed form", _ROUNDOFF, _ROUNDOFF, 0.0, _ROUNDOFF)
-    return _Mesh(MassProperties(float(volume), float(volume), np.zeros(3), inertia, error), corners, None)
+    return _Mesh(MassProperties(float(volume), float(volume), np.zeros(3), inertia, error), corners)
 
 
 def _box(half: Float) -> Float:

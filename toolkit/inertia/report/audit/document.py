@@ -28,7 +28,7 @@ def audit_document(audit: Audit) -> dict[str, Any]:
 
 
 def _link(link: LinkAudit) -> dict[str, Any]:
-    computed = None if link.computed is None else _computed(link.computed, link.densities)
+    computed = None if link.computed is None else _computed(link.computed, link)
     return {
         "name": link.name,
         "state": link.state,
@@ -44,11 +44,14 @@ def _stated(body: Body) -> dict[str, Any]:
     return {"mass": body.mass, "center_of_mass": body.center.tolist(), "inertia": body.inertia.tolist()}
 
 
-def _computed(properties: MassProperties, densities: tuple[float, ...]) -> dict[str, Any]:
+def _computed(properties: MassProperties, link: LinkAudit) -> dict[str, Any]:
+    error = asdict(properties.error)
+    if link.room:
+        error["repair"] = link.room if np.isfinite(link.room) else None
     return {
         "mass": properties.mass,
         "center_of_mass": properties.center_of_mass.tolist(),
         "inertia": properties.inertia.tolist(),
-        "densities": [float(density) for density in densities],
-        "error": asdict(properties.error),
+        "densities": [float(density) for density in link.densities],
+        "error": error,
     }
