@@ -225,3 +225,13 @@ def test_a_mass_in_grams_is_mended(props: inertia.MassProperties, audited: Calla
     assert audit.links[0].mended is not None
     assert audit.links[0].mended.mass == pytest.approx(props.mass, rel=1e-14)
     assert audit.links[0].mended.inertia == pytest.approx(props.inertia, rel=1e-12)
+
+
+def test_another_density_is_named(props: inertia.MassProperties, audited: Callable[..., Audit]) -> None:
+    water = props.with_mass(props.mass * 1000.0 / 7850.0)
+    audit = audited(link("a", inertial(water.mass, water.center_of_mass, water.inertia), *MESHES), densities=7850.0)
+    (finding,) = audit.links[0].findings
+    assert finding.code == "other_density"
+    assert "1000 kg/m³ (the default of many programs, or water)" in finding.sentence
+    assert audit.links[0].mended is not None
+    assert audit.links[0].mended.mass == pytest.approx(props.mass, rel=1e-14)

@@ -4,6 +4,7 @@ from inertia.auditing.claim import Kind
 from inertia.auditing.hypotheses import (
     about_point,
     axes,
+    density,
     geometry,
     missing_steiner,
     principal_diagonal,
@@ -21,6 +22,7 @@ KINDS: tuple[Kind, ...] = (
     principal_diagonal.mistakes,
     axes.mistakes,
     units.mistakes,
+    density.mistakes,
     triangle_rule.mistakes,
     rounding.mistakes,
 )
