@@ -21,7 +21,7 @@ def add(parsers: Any) -> None:
         "name the mistake that explains a difference; exit code 5 if a link is inconsistent.",
     )
     parser.set_defaults(run=run)
-    parser.add_argument("part", metavar="FILE", help="URDF, MJCF, SDFormat, or a list of parts as CSV or TOML")
+    parser.add_argument("part", metavar="FILE", help="URDF, MJCF, SDFormat, USD, or a list of parts as CSV or TOML")
     parser.add_argument(
         "--density",
         action="append",

@@ -86,7 +86,7 @@ def audit(
 
     Parameters
     ----------
-    path : a robot: URDF, MJCF or SDFormat, or a list of parts as CSV or TOML
+    path : a robot: URDF, MJCF, SDFormat or USD, or a list of parts as CSV or TOML
     densities : kg/m³ of all meshes, or of each by its file's name ("" is the rest)
     tolerance : relative difference (mass, tensor, centre of mass over the size of the link) up to which they agree
     lump : links that hang together by fixed joints count as one, as simulators merge them

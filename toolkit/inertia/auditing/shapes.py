@@ -44,7 +44,7 @@ class Scales:
     """Weighs geometries, each mesh once."""
 
     def __init__(self) -> None:
-        self._meshes: dict[tuple[Path, object], _Mesh | InertiaError] = {}
+        self._meshes: dict[tuple[Path | Part, object], _Mesh | InertiaError] = {}
 
     def weigh(self, geometry: Geometry) -> tuple[Weighed, Finding | None]:
         """Return a geometry weighed, and what had to be done to it; raise as `inertia.read` and `mass_properties`."""
@@ -63,11 +63,12 @@ class Scales:
         shape = Shape(geometry.name, corners, solid, where.rotation, where.origin)
         return Weighed(shape, properties, mesh.room), note
 
-    def _mesh(self, file: Path, scale: tuple[Fraction, Fraction, Fraction] | None) -> _Mesh:
-        key = file, scale
+    def _mesh(self, source: Path | Part, scale: tuple[Fraction, Fraction, Fraction] | None) -> _Mesh:
+        key = source, scale
         if key not in self._meshes:
             try:
-                self._meshes[key] = _weighed(_scaled(read(file), scale))
+                part = source if isinstance(source, Part) else read(source)
+                self._meshes[key] = _weighed(_scaled(part, scale))
             except InertiaError as error:
                 self._meshes[key] = error
         mesh = self._meshes[key]

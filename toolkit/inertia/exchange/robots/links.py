@@ -10,6 +10,7 @@ from typing import Literal
 import numpy as np
 
 from inertia.arrays import Float
+from inertia.mesh.part import Part
 
 Role = Literal["visual", "collision"]
 
@@ -63,7 +64,7 @@ class Geometry:
     ----------
     name : for messages, different for each geometry of the link
     role : what the file has it for
-    shape : a mesh's file, a primitive, or why it is neither, in a sentence
+    shape : a mesh's file, or the mesh as a part, a primitive, or why it is none of them, in a sentence
     placement : of its own axes in those of the link
     scale : what the coordinates in the mesh's file are multiplied by to be metres, along its x, y and z; None where
         the file's own unit, or else the metre, counts
@@ -71,7 +72,7 @@ class Geometry:
 
     name: str
     role: Role
-    shape: Path | Primitive | str
+    shape: Path | Part | Primitive | str
     placement: Placement = field(default_factory=Placement)
     scale: tuple[Fraction, Fraction, Fraction] | None = None
 

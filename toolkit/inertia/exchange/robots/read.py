@@ -1,4 +1,4 @@
-"""A robot's file read by what its first element is: URDF, MJCF, SDFormat; or a list of parts, CSV or TOML."""
+"""A robot's file read by what its first element is: URDF, MJCF, SDFormat; USD; or a list of parts, CSV or TOML."""
 
 from __future__ import annotations
 
@@ -12,15 +12,17 @@ from inertia.exchange.robots.mjcf import read_mjcf
 from inertia.exchange.robots.sdf import read_sdf
 from inertia.exchange.robots.table import read_csv, read_toml
 from inertia.exchange.robots.urdf import read_urdf
+from inertia.exchange.robots.usd import read_usd
 
-READERS: dict[str, tuple[str, Callable[[Path], Robot]]] = {
-    "urdf": ("<robot", read_urdf),
-    "mjcf": ("<mujoco", read_mjcf),
-    "sdf": ("<sdf", read_sdf),
-    "csv": (".csv", read_csv),
-    "toml": (".toml", read_toml),
+READERS: dict[str, tuple[set[str], Callable[[Path], Robot]]] = {
+    "urdf": ({"<robot"}, read_urdf),
+    "mjcf": ({"<mujoco"}, read_mjcf),
+    "sdf": ({"<sdf"}, read_sdf),
+    "usd": ({".usd", ".usda", ".usdc", ".usdz"}, read_usd),
+    "csv": ({".csv"}, read_csv),
+    "toml": ({".toml"}, read_toml),
 }
-"""Format → the first element of its files, or the extension of their names; and its reader."""
+"""Format → the first element of its files, or the extensions of their names; and its reader."""
 
 _BEGINNING = 65_536  # bytes that are searched for what a file is; licences stand at the top of many
 _NO_ELEMENT = re.compile(rb"(?s)\xef\xbb\xbf|<!--.*?-->|<\?.*?\?>|<!DOCTYPE[^\[>]*(?:\[.*?\]\s*)?>")
@@ -39,8 +41,8 @@ def read_robot(path: str | Path) -> Robot:
         raise ReadError(f"cannot read {path}: {error.strerror}") from error
     element = re.match(rb"\s*(<[\w.-]+)", _NO_ELEMENT.sub(b"", beginning))
     marks = {path.suffix.lower(), element[1].decode() if element else ""}
-    for mark, reader in READERS.values():
-        if mark in marks:
+    for known, reader in READERS.values():
+        if known & marks:
             try:
                 return reader(path)
             except (ReadError, UsageError) as error:

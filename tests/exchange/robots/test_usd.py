@@ -1,0 +1,243 @@
+"""Stages of OpenUSD: units, frames, meshes and primitives; what is written comes back."""
+
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+from tests.exchange import solid
+
+import inertia
+from inertia.exchange.robots.links import Link, Primitive
+from inertia.exchange.robots.read import read_robot
+from inertia.mesh.part import Part
+from inertia_cli.main import main
+
+POINTS = "[(0, 0, 0), (2, 0, 0), (2, 1, 0), (0, 1, 0), (0, 0, 3), (2, 0, 3), (2, 1, 3), (0, 1, 3)]"
+QUADS = "[0, 3, 2, 1, 4, 5, 6, 7, 0, 1, 5, 4, 1, 2, 6, 5, 2, 3, 7, 6, 3, 0, 4, 7]"
+STAGE = f"""#usda 1.0
+(
+    defaultPrim = "arm"
+    metersPerUnit = 0.01
+    kilogramsPerUnit = 0.001
+)
+def Xform "arm"
+{{
+    double3 xformOp:translate = (5, 6, 7)
+    uniform token[] xformOpOrder = ["xformOp:translate"]
+    def Xform "base" (prepend apiSchemas = ["PhysicsRigidBodyAPI", "PhysicsMassAPI"])
+    {{
+        double3 xformOp:scale = (2, 2, 2)
+        double xformOp:rotateZ = 90
+        uniform token[] xformOpOrder = ["xformOp:rotateZ", "xformOp:scale"]
+        point3f physics:centerOfMass = (1, 0.5, 1.5)
+        float3 physics:diagonalInertia = (2, 3, 4)
+        float physics:mass = 500
+        quatf physics:principalAxes = (0.5, 0.5, 0.5, 0.5)
+        def Mesh "brick"
+        {{
+            int[] faceVertexCounts = [4, 4, 4, 4, 4, 4]
+            int[] faceVertexIndices = {QUADS}
+            point3f[] points = {POINTS}
+            uniform token subdivisionScheme = "none"
+        }}
+        def Mesh "mirrored"
+        {{
+            double3 xformOp:scale = (-1, 1, 1)
+            uniform token[] xformOpOrder = ["xformOp:scale"]
+            int[] faceVertexCounts = [4, 4, 4, 4, 4, 4]
+            int[] faceVertexIndices = {QUADS}
+            point3f[] points = {POINTS}
+        }}
+        def Mesh "inside_out"
+        {{
+            uniform token orientation = "leftHanded"
+            int[] faceVertexCounts = [4, 4, 4, 4, 4, 4]
+            int[] faceVertexIndices = [1, 2, 3, 0, 7, 6, 5, 4, 4, 5, 1, 0, 5, 6, 2, 1, 6, 7, 3, 2, 7, 4, 0, 3]
+            point3f[] points = {POINTS}
+        }}
+        def Xform "tip" (prepend apiSchemas = ["PhysicsRigidBodyAPI"])
+        {{
+            double3 xformOp:translate = (0, 0, 10)
+            uniform token[] xformOpOrder = ["xformOp:translate"]
+            def Cube "box" (prepend apiSchemas = ["PhysicsCollisionAPI"])
+            {{
+                double3 xformOp:translate = (1, 2, 3)
+                double3 xformOp:scale = (1, 2, 3)
+                uniform token[] xformOpOrder = ["xformOp:translate", "xformOp:scale"]
+                double size = 1
+            }}
+            def Sphere "egg"
+            {{
+                double3 xformOp:scale = (1, 2, 3)
+                uniform token[] xformOpOrder = ["xformOp:scale"]
+                double radius = 0.5
+            }}
+            def Sphere "ball"
+            {{
+                double radius = 0.5
+            }}
+            def Cylinder "pin"
+            {{
+                uniform token axis = "X"
+                double radius = 0.25
+                double height = 4
+            }}
+            def Capsule "pill"
+            {{
+                double3 xformOp:scale = (1, 2, 3)
+                uniform token[] xformOpOrder = ["xformOp:scale"]
+            }}
+            def Cone "hat"
+            {{
+            }}
+            def Sphere "handle"
+            {{
+                uniform token purpose = "guide"
+            }}
+        }}
+    }}
+    def PhysicsFixedJoint "glue"
+    {{
+        rel physics:body0 = </arm/base>
+        rel physics:body1 = </arm/base/tip>
+    }}
+}}
+"""
+
+
+@pytest.fixture(autouse=True)
+def _usd() -> None:
+    pytest.importorskip("pxr.Usd")
+
+
+@pytest.fixture
+def links(tmp_path: Path) -> list[Link]:
+    file = tmp_path / "arm.usda"
+    file.write_text(STAGE)
+    return list(read_robot(file).links)
+
+
+def test_what_is_stated_is_in_si(links: list[Link]) -> None:
+    base, tip = links
+    inertial = base.inertial
+    assert inertial is not None
+    assert inertial.mass == pytest.approx(0.5)
+    assert inertial.placement.origin == pytest.approx([0.02, 0.01, 0.03])  # scaled by 2, in metres, not turned
+    assert np.diag(inertial.inertia) == pytest.approx([2e-7, 3e-7, 4e-7])
+    turned = inertial.placement.rotation
+    assert np.allclose(turned, [[0, 0, 1], [1, 0, 0], [0, 1, 0]], atol=1e-7)
+    assert tip.inertial is None
+
+
+def test_meshes_are_in_the_axes_of_their_link(links: list[Link]) -> None:
+    for geometry, low, high in zip(
+        links[0].geometries, ([0, 0, 0], [-4, 0, 0], [0, 0, 0]), ([4, 2, 6], [0, 2, 6], [4, 2, 6]), strict=True
+    ):
+        assert isinstance(geometry.shape, Part)
+        assert geometry.scale is not None
+        assert float(geometry.scale[0]) == 0.01
+        corners = geometry.shape.triangles.corners().reshape(-1, 3)
+        assert np.allclose([corners.min(axis=0), corners.max(axis=0)], [low, high], atol=1e-12)
+        assert inertia.mass_properties(geometry.shape, 1.0).volume == pytest.approx(48)
+
+
+def test_primitives_and_where_they_lie(links: list[Link]) -> None:
+    box, egg, ball, pin, pill, hat = links[1].geometries
+    assert [each.role for each in links[1].geometries] == ["collision", *["visual"] * 5]
+    assert box.shape == Primitive("box", pytest.approx((0.02, 0.04, 0.06)))
+    assert box.placement.origin == pytest.approx([0.02, 0.04, 0.06])
+    assert egg.shape == Primitive("ellipsoid", pytest.approx((0.01, 0.02, 0.03)))
+    assert ball.shape == Primitive("sphere", pytest.approx((0.01,)))
+    assert pin.shape == Primitive("cylinder", pytest.approx((0.005, 0.08)))
+    assert pin.placement.rotation[:, 2] == pytest.approx([1, 0, 0])
+    assert pill.shape == "a Capsule of different scale along its axes cannot be weighed"
+    assert hat.shape == "a Cone cannot be weighed"
+
+
+def test_fixed_joints_hang_links_together(links: list[Link]) -> None:
+    base, tip = links
+    assert (base.parent, tip.parent) == (None, "base")
+    assert tip.placement.origin == pytest.approx([0, 0, 0.2])
+    assert np.allclose(tip.placement.rotation, np.eye(3), atol=1e-12)
+
+
+@pytest.mark.parametrize("suffix", [".usda", ".usdc", ".usd"])
+def test_what_is_written_is_read(tmp_path: Path, suffix: str) -> None:
+    body = solid.properties(tmp_path)
+    text, file = tmp_path / "text.usda", tmp_path / f"arm{suffix}"
+    text.write_text(inertia.export({"arm": body, "hand": body.with_mass(2.0)}, "usd"))
+    pytest.importorskip("pxr.Usd").Stage.Open(str(text)).Export(str(file))
+    arm, hand = read_robot(file).links
+    assert arm.inertial is not None
+    assert hand.inertial is not None
+    where = arm.inertial.placement
+    assert arm.inertial.mass == pytest.approx(float(solid.MASS), rel=1e-7)
+    assert hand.inertial.mass == 2.0
+    assert where.origin == pytest.approx([float(k) for k in solid.CENTRE], rel=1e-7)
+    assert solid.error(where.rotation @ arm.inertial.inertia @ where.rotation.T) < 4e-7
+
+
+def test_a_stage_goes_through_the_audit(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    # 2 × 1 × 3 units of 1 cm: 6 cm³; steel, doubled along each axis by the prim's scale: 0.3768 kg.
+    m, a, b, c = 7850 * 48e-6, 0.04, 0.02, 0.06
+    moments = [m / 12 * (b * b + c * c), m / 12 * (a * a + c * c), m / 12 * (a * a + b * b)]
+    stated = STAGE.replace("(2, 3, 4)", f"({', '.join(repr(k * 1e7) for k in moments)})")
+    stated = stated.replace("500", repr(m * 1000)).replace("(0.5, 0.5, 0.5, 0.5)", "(1, 0, 0, 0)")
+    for name in ("mirrored", "inside_out"):
+        stated = stated.replace(f'def Mesh "{name}"', f'def Xform "{name}"')
+    file = tmp_path / "arm.usda"
+    file.write_text(stated)
+    assert main(["audit", str(file), "--density", "7850"]) == 0
+    assert "base  0.3768 kg" in capsys.readouterr().out
+
+
+def test_gaps_are_said(tmp_path: Path) -> None:
+    file = tmp_path / "arm.usda"
+    file.write_text(STAGE.replace("float3 physics:diagonalInertia = (2, 3, 4)", ""))
+    robot = read_robot(file)
+    assert robot.links[0].inertial is None
+    assert "link 'base' states no tensor" in robot.notes
+    assert "meshes are taken as their points have them: no subdivision is applied" in robot.notes
+
+
+@pytest.mark.parametrize(
+    ("text", "says"),
+    [
+        (STAGE.replace("}", "", 1), "OpenUSD cannot open it: "),
+        ("#usda 1.0\n", "no prim of it has PhysicsRigidBodyAPI or PhysicsMassAPI"),
+        (STAGE.replace("metersPerUnit = 0.01", "metersPerUnit = 0"), "its units are 0 m"),
+    ],
+)
+def test_faults(tmp_path: Path, capfd: pytest.CaptureFixture[str], text: str, says: str) -> None:
+    file = tmp_path / "arm.usda"
+    file.write_text(text)
+    with pytest.raises(inertia.ReadError, match=f"cannot read {file}") as fault:
+        read_robot(file)
+    assert says in str(fault.value)
+    assert capfd.readouterr() == ("", "")
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "says"),
+    [
+        ("[4, 4, 4, 4, 4, 4]", "[4, 4, 4, 4, 4]", "do not add up"),
+        ("[4, 4, 4, 4, 4, 4]", "[4, 4, 4, 4, 4, 2, 2]", "do not add up"),
+        ("(2, 1, 3), (0, 1, 3)]", "(2, 1, 3)]", "beyond the 7 there are"),
+    ],
+)
+def test_a_broken_mesh_says_why(tmp_path: Path, old: str, new: str, says: str) -> None:
+    file = tmp_path / "arm.usda"
+    file.write_text(STAGE.replace(old, new))
+    shape = read_robot(file).links[0].geometries[0].shape
+    assert isinstance(shape, str)
+    assert says in shape
+
+
+def test_without_its_package_the_extra_is_named(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    file = tmp_path / "arm.usda"
+    file.write_text(STAGE)
+    monkeypatch.setitem(sys.modules, "pxr", None)
+    monkeypatch.setattr("importlib.util.find_spec", lambda name: None)
+    with pytest.raises(inertia.ReadError, match=r"pip install 'inertia\[usd\]'"):
+        read_robot(file)

@@ -1,0 +1,215 @@
+"""OpenUSD: rigid bodies with what `PhysicsMassAPI` states of them, the meshes and primitives below them.
+
+Read by usd-core. A link is a prim with `PhysicsRigidBodyAPI`, or where there is none one with `PhysicsMassAPI`; its
+axes are the prim's without their scale, in metres by the stage's `metersPerUnit`. Source: OpenUSD API documentation,
+UsdPhysics: what is zero, or not finite for the centre of mass, counts as not given.
+"""
+
+from __future__ import annotations
+
+import importlib.util
+from collections.abc import Iterator
+from fractions import Fraction
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from inertia.arrays import Float
+from inertia.errors import ReadError
+from inertia.exchange.robots.links import Geometry, Inertial, Link, Placement, Primitive, Robot, Role
+from inertia.exchange.rotations import rotation_of_quaternion
+from inertia.mesh.part import Part
+from inertia.mesh.readers.contents import shown
+
+_SOLIDS = ("Mesh", "Cube", "Sphere", "Cylinder", "Capsule", "Cone")
+_ONTO = {"X": [[0, 0, 1], [1, 0, 0], [0, 1, 0]], "Y": [[0, 1, 0], [0, 0, 1], [1, 0, 0]], "Z": np.eye(3)}
+"""The turn that takes z to an axis."""
+_SKEW = 1e-6  # of their lengths: axes at right angles to this are so up to what float32 stored of their matrix
+
+
+class _Stage:
+    """A stage: its prims, those of instances too, where they lie, and its units."""
+
+    def __init__(self, path: Path) -> None:
+        from pxr import Tf, Usd, UsdGeom, UsdPhysics, UsdUtils
+
+        quiet = UsdUtils.CoalescingDiagnosticDelegate()  # it would print to standard error
+        try:
+            stage = Usd.Stage.Open(str(path))
+        except Tf.ErrorException as error:
+            says = str(error).partition(" : '")[2].partition("'\n")[0].strip()
+            raise ReadError(f"OpenUSD cannot open it: {says}") from None
+        finally:
+            quiet.TakeUncoalescedDiagnostics()
+        self.physics, self.geometry, self.time = UsdPhysics, UsdGeom, Usd.TimeCode.EarliestTime()
+        self.metres = float(UsdGeom.GetStageMetersPerUnit(stage))
+        self.kilograms = float(UsdPhysics.GetStageKilogramsPerUnit(stage))
+        if not (self.metres > 0 and self.kilograms > 0):
+            raise ReadError(f"its units are {self.metres:g} m and {self.kilograms:g} kg: they must be positive")
+        self.name = stage.GetDefaultPrim().GetName() if stage.GetDefaultPrim() else path.stem
+        self._stage = stage  # prims die with it
+        self.prims = list(Usd.PrimRange.Stage(stage, Usd.TraverseInstanceProxies()))
+        self._transforms = UsdGeom.XformCache(self.time)
+        self.bodies = [prim for prim in self.prims if prim.HasAPI(UsdPhysics.RigidBodyAPI)]
+        self.bodies = self.bodies or [prim for prim in self.prims if prim.HasAPI(UsdPhysics.MassAPI)]
+        names = [prim.GetName() for prim in self.bodies]
+        self.labels: dict[str, str] = {
+            str(prim.GetPath()): name if names.count(name) == 1 else str(prim.GetPath())
+            for prim, name in zip(self.bodies, names, strict=True)
+        }
+
+    def body_of(self, path: str) -> str | None:
+        """Return the path of the body that a prim belongs to: itself, or the nearest above it."""
+        while path not in self.labels and path:
+            path = path.rpartition("/")[0]
+        return path or None
+
+    def place(self, prim: Any) -> tuple[Float, Float]:
+        """Return A, (3, 3), and b, (3,): a point p of a prim lies at A p + b in the stage, in its units."""
+        matrix = np.array(self._transforms.GetLocalToWorldTransform(prim))
+        return matrix[:3, :3].T, matrix[3, :3]
+
+
+def read_usd(path: Path) -> Robot:
+    """Read the rigid bodies of a stage; raise `ReadError` where it is none."""
+    if importlib.util.find_spec("pxr") is None:
+        raise ReadError("OpenUSD needs the package usd-core: pip install 'inertia[usd]'")
+    stage = _Stage(path)
+    if not stage.bodies:
+        raise ReadError("no prim of it has PhysicsRigidBodyAPI or PhysicsMassAPI")
+    notes: dict[str, None] = {}
+    hung = dict(_fixed_joints(stage))
+    links = []
+    for prim in stage.bodies:
+        name = stage.labels[str(prim.GetPath())]
+        parent, placement = hung.get(name, (None, Placement()))
+        geometries = tuple(_geometries(stage, prim, notes))
+        links.append(Link(name, _inertial(stage, prim, name, notes), geometries, parent, placement))
+    return Robot(path, "usd", stage.name, tuple(links), tuple(notes))
+
+
+def _rotation(matrix: Float) -> Float:
+    """Return the rotation nearest to a matrix; its columns at unit length where they are at right angles."""
+    lengths = np.linalg.norm(matrix, axis=0)
+    if _is_askew(matrix) or np.linalg.det(matrix) <= 0:
+        left, _, right = np.linalg.svd(matrix)
+        return np.asarray(left @ np.diag([1.0, 1.0, np.linalg.det(left @ right)]) @ right)
+    return np.asarray(matrix / lengths)
+
+
+def _is_askew(matrix: Float) -> bool:
+    lengths = np.linalg.norm(matrix, axis=0)
+    if not lengths.all():
+        return True
+    unit = matrix / lengths
+    return bool(np.abs(unit.T @ unit - np.eye(3)).max() > _SKEW)
+
+
+def _fixed_joints(stage: _Stage) -> Iterator[tuple[str, tuple[str, Placement]]]:
+    """Yield the name of each link that is fixed to another, that one's name, and where it lies in it."""
+    prims = {str(prim.GetPath()): prim for prim in stage.bodies}
+    for joint in stage.prims:
+        if not joint.IsA(stage.physics.FixedJoint):
+            continue
+        joint = stage.physics.FixedJoint(joint)
+        ends = [relation.GetTargets() for relation in (joint.GetBody0Rel(), joint.GetBody1Rel())]
+        bodies = [stage.body_of(str(end[0])) if end else None for end in ends]
+        if bodies[0] is None or bodies[1] is None or bodies[0] == bodies[1]:
+            continue
+        (a, p), (b, q) = (stage.place(prims[body]) for body in bodies if body)
+        there, here = _rotation(a), _rotation(b)
+        where = Placement(there.T @ here, there.T @ (q - p) * stage.metres)
+        yield stage.labels[bodies[1]], (stage.labels[bodies[0]], where)
+
+
+def _inertial(stage: _Stage, prim: Any, name: str, notes: dict[str, None]) -> Inertial | None:
+    if not prim.HasAPI(stage.physics.MassAPI):
+        return None
+    api = stage.physics.MassAPI(prim)
+    mass = float(api.GetMassAttr().Get(stage.time))
+    moments = np.array(api.GetDiagonalInertiaAttr().Get(stage.time), float)
+    center = np.array(api.GetCenterOfMassAttr().Get(stage.time), float)
+    axes = api.GetPrincipalAxesAttr().Get(stage.time)
+    quaternion = [axes.GetReal(), *axes.GetImaginary()]
+    missing = {"mass": not mass, "tensor": not moments.any(), "centre of mass": not np.isfinite(center).all()}
+    if any(missing.values()):
+        if not all(missing.values()):
+            notes[f"link {shown(name)} states no {' and no '.join(k for k, gap in missing.items() if gap)}"] = None
+        return None
+    matrix, _ = stage.place(prim)
+    place = _rotation(matrix).T @ matrix @ center * stage.metres
+    turn = rotation_of_quaternion(quaternion) if any(quaternion) else np.eye(3)
+    tensor = np.diag(moments) * (stage.kilograms * stage.metres**2)
+    return Inertial(mass * stage.kilograms, Placement(turn, place), tensor)
+
+
+def _geometries(stage: _Stage, body: Any, notes: dict[str, None]) -> Iterator[Geometry]:
+    path = str(body.GetPath())
+    matrix, origin = stage.place(body)
+    rotation = _rotation(matrix)
+    for prim in stage.prims:
+        kind, where = prim.GetTypeName(), str(prim.GetPath())
+        if kind not in _SOLIDS or stage.body_of(where) != path:
+            continue
+        role: Role = "collision" if prim.HasAPI(stage.physics.CollisionAPI) else "visual"
+        purpose = stage.geometry.Imageable(prim).ComputePurpose()
+        if role == "visual" and purpose == stage.geometry.Tokens.guide:
+            continue  # a mark for the eye of who edits
+        a, b = stage.place(prim)
+        inner, offset = rotation.T @ a, rotation.T @ (b - origin)
+        name = where.removeprefix(f"{path}/") if where != path else prim.GetName()
+        if kind == "Mesh":
+            if stage.geometry.Mesh(prim).GetSubdivisionSchemeAttr().Get() != stage.geometry.Tokens.none:
+                notes["meshes are taken as their points have them: no subdivision is applied"] = None
+            shape = _mesh(stage, prim, inner, offset)
+            scale = Fraction(repr(stage.metres))
+            yield Geometry(name, role, shape, scale=(scale, scale, scale))
+        else:
+            turn, solid = _primitive(stage, kind, prim, inner)
+            yield Geometry(name, role, solid, Placement(turn, offset * stage.metres))
+
+
+def _mesh(stage: _Stage, prim: Any, matrix: Float, offset: Float) -> Part | str:
+    """Return a mesh in the axes of its link, in units of the stage, its polygons as fans of triangles."""
+    mesh = stage.geometry.Mesh(prim)
+    points = np.array(mesh.GetPointsAttr().Get(stage.time) or np.empty((0, 3)), float).reshape(-1, 3)
+    counts = np.array(mesh.GetFaceVertexCountsAttr().Get(stage.time) or [], np.int64)
+    corners = np.array(mesh.GetFaceVertexIndicesAttr().Get(stage.time) or [], np.int64)
+    if not len(counts) or counts.min() < 3 or counts.sum() != len(corners):
+        return "its faces do not add up to its list of corners"
+    if corners.min() < 0 or corners.max() >= len(points):
+        return f"a face names a point beyond the {len(points)} there are"
+    first = np.repeat(np.cumsum(counts) - counts, counts - 2)
+    step = np.arange(len(first)) - np.repeat(np.cumsum(counts - 2) - (counts - 2), counts - 2)
+    faces = np.column_stack([corners[first], corners[first + step + 1], corners[first + step + 2]])
+    left_handed = mesh.GetOrientationAttr().Get() == stage.geometry.Tokens.leftHanded
+    if left_handed != (np.linalg.det(matrix) < 0):
+        faces = faces[:, ::-1]
+    return Part.from_arrays(points @ matrix.T + offset, faces, unit="m")
+
+
+def _primitive(stage: _Stage, kind: str, prim: Any, matrix: Float) -> tuple[Float, Primitive | str]:
+    """Return how a primitive is turned, and what it is; its transformation may scale it along its own axes."""
+    if _is_askew(matrix):
+        return np.eye(3), f"a {kind} that is sheared cannot be weighed"
+    x, y, z = (np.linalg.norm(matrix, axis=0) * stage.metres).tolist()
+    rotation = _rotation(matrix * np.sign(np.linalg.det(matrix)))  # all of them are their own mirror images
+    typed = getattr(stage.geometry, kind)(prim)
+    if kind == "Cube":
+        size = float(typed.GetSizeAttr().Get(stage.time))
+        return rotation, Primitive("box", (size * x, size * y, size * z))
+    if kind == "Cone":
+        return rotation, "a Cone cannot be weighed"
+    radius = float(typed.GetRadiusAttr().Get(stage.time))
+    if kind == "Sphere":
+        if x == y == z:
+            return rotation, Primitive("sphere", (radius * x,))
+        return rotation, Primitive("ellipsoid", (radius * x, radius * y, radius * z))
+    onto = np.array(_ONTO[typed.GetAxisAttr().Get()], float)
+    across, beside, along = (np.abs(onto.T) @ [x, y, z]).tolist()
+    if abs(across - beside) > _SKEW * across or (kind == "Capsule" and abs(across - along) > _SKEW * across):
+        return rotation, f"a {kind} of different scale along its axes cannot be weighed"
+    height = float(typed.GetHeightAttr().Get(stage.time))
+    sizes = radius * across, height * along
+    return rotation @ onto, Primitive("cylinder" if kind == "Cylinder" else "capsule", sizes)
