@@ -10,7 +10,6 @@ from __future__ import annotations
 import errno
 import os
 import re
-import secrets
 import signal
 import stat
 import sys
@@ -160,7 +159,7 @@ def _target(path: Path) -> Path:
 def _new(target: Path) -> tuple[Path, int | None]:
     """Return a new empty file beside another, and the descriptor that holds its lock, where there are locks."""
     while True:
-        beside = target.with_name(f".{target.name[:_NAME]}.{secrets.token_hex(6)}.inertia")
+        beside = target.with_name(f".{target.name[:_NAME]}.{os.urandom(6).hex()}.inertia")
         lock = os.open(beside, os.O_RDWR | os.O_CREAT | os.O_EXCL, 0o666)
         if sys.platform == "win32":  # where an open file can be neither renamed nor removed
             os.close(lock)
@@ -172,8 +171,30 @@ def _new(target: Path) -> tuple[Path, int | None]:
         os.close(lock)
 
 
+@contextmanager
+def temporary_folder() -> Iterator[Path]:
+    """Yield a folder of this run in the system's folder for temporary files; it is removed afterwards.
+
+    Those of runs that have died are removed before.
+    """
+    import tempfile
+
+    _remove_left_behind(Path(tempfile.gettempdir()))
+    with tempfile.TemporaryDirectory(prefix=".", suffix=f".{os.urandom(6).hex()}.inertia") as name:
+        folder = Path(name)
+        lock = None if sys.platform == "win32" else os.open(folder, os.O_RDONLY)
+        try:
+            if lock is not None:
+                with suppress(OSError):
+                    fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
+            yield folder
+        finally:
+            if lock is not None:
+                os.close(lock)
+
+
 def _remove_left_behind(folder: Path) -> None:
-    """Remove the temporary files of runs that have died: nobody holds their locks."""
+    """Remove the temporary files and folders of this user's runs that have died: nobody holds their locks."""
     if sys.platform == "win32":
         return
     for file in folder.iterdir():
@@ -183,8 +204,13 @@ def _remove_left_behind(folder: Path) -> None:
             lock = os.open(file, os.O_RDONLY | os.O_NONBLOCK | os.O_NOFOLLOW)
             try:
                 fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
-                if stat.S_ISREG(os.fstat(lock).st_mode):
+                status = os.fstat(lock)
+                if stat.S_ISREG(status.st_mode):
                     file.unlink()
+                elif stat.S_ISDIR(status.st_mode) and status.st_uid == os.geteuid():
+                    import shutil
+
+                    shutil.rmtree(file)
             finally:
                 os.close(lock)
 

@@ -8,7 +8,6 @@ with here.
 from __future__ import annotations
 
 import importlib
-import tempfile
 from pathlib import Path
 from typing import Any
 
@@ -20,6 +19,7 @@ from inertia.errors import ReadError
 from inertia.mesh.readers.cells import Block, cell_contents
 from inertia.mesh.readers.contents import UNNAMED, Contents, plural, quietly, shown, text_of, was
 from inertia.mesh.readers.meshio_guards import cells_expected, without_comments
+from inertia.output import temporary_folder
 
 _TAGS = (
     "nastran:ref", "medit:ref", "netgen:index", "su2:tag", "avsucd:material", "gmsh:physical",
@@ -41,8 +41,8 @@ def read_with_meshio(path: Path, kind: str) -> Contents:
     expected = cells_expected(path, kind)
     notes = [_NO_END] if kind == "medit" and not _ends(path) else []
     if kind == "nastran" and (text := without_comments(data := text_of(path))) != data:
-        with tempfile.TemporaryDirectory() as folder:
-            plain = Path(folder) / "part.bdf"
+        with temporary_folder() as folder:
+            plain = folder / "part.bdf"
             plain.write_bytes(text)
             mesh = _mesh(plain, kind)
     else:

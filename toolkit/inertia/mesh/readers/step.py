@@ -1,6 +1,8 @@
 """STEP: OpenCASCADE, through cascadio, puts triangles in the place of the exact faces and writes GLB.
 
-It runs in a process of its own, because a damaged file can end the process, and because it prints.
+It runs in a process of its own, because a damaged file can end the process, and because it prints. That process has
+limits of time and memory by the size of the file, as a damaged one may keep it busy for ever, and on Linux it ends with
+the one that started it.
 
 How far each triangle is from the face that it stands for follows from the face, where it is a plane, a cylinder, a
 cone, a sphere or a torus; elsewhere it is the tolerance that OpenCASCADE was asked for.
@@ -9,10 +11,12 @@ cone, a sphere or a torus; elsewhere it is the tolerance that OpenCASCADE was as
 from __future__ import annotations
 
 import importlib.util
+import math
+import os
 import re
+import signal
 import subprocess
 import sys
-import tempfile
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -20,16 +24,30 @@ from typing import Any
 import numpy as np
 
 from inertia.arrays import Float, Int
-from inertia.errors import ReadError
+from inertia.errors import ReadError, UsageError
 from inertia.mesh.part import Surface
 from inertia.mesh.readers.contents import Contents, plural, was
 from inertia.mesh.readers.gltf import Scene, read_gltf
+from inertia.output import temporary_folder
 
 _LINEAR, _ANGULAR = 0.001, 0.05  # sag relative to the length of an edge, angle in radians
-_SECONDS = 900
 _CONVERT = """
-import sys, cascadio
-source, target, linear, angular = sys.argv[1:]
+import os, sys
+source, target, linear, angular, seconds, size, parent = sys.argv[1:]
+try:
+    import resource
+    for name, most in (("CPU", int(seconds)), ("AS", int(size)), ("CORE", 0)):
+        kind = getattr(resource, "RLIMIT_" + name)
+        hard = resource.getrlimit(kind)[1]
+        resource.setrlimit(kind, (most if hard == resource.RLIM_INFINITY else min(most, hard), hard))
+except (ImportError, ValueError, OSError):  # Windows, and systems that do not limit one of them
+    pass
+if sys.platform == "linux":
+    import ctypes
+    ctypes.CDLL(None).prctl(1, 9)  # PR_SET_PDEATHSIG, SIGKILL
+    if os.getppid() != int(parent):
+        sys.exit(1)
+import cascadio
 options = {"use_parallel": False, "include_brep": True}
 try:
     status = cascadio.step_to_glb(source, target, float(linear), float(angular), True, **options)
@@ -37,6 +55,17 @@ except TypeError:  # an older cascadio, which does not name the faces
     status = cascadio.step_to_glb(source, target, float(linear), float(angular), True, use_parallel=False)
 sys.exit(status != 0)
 """
+SECONDS = "INERTIA_STEP_SECONDS"
+"""The variable of the environment that sets how long a conversion may take, in s of processor time."""
+GIB = "INERTIA_STEP_GIB"
+"""The variable of the environment that sets how much memory a conversion may take, in GiB."""
+_SECONDS, _SECONDS_A_MB = 120, 120  # a torus, a file of 3 kB, takes 7 s
+_GIB, _GIB_A_MB = (
+    4,
+    0.2,
+)  # it begins with 0.5 GiB, and takes some 40 times the size of a file
+_WAIT = 10  # times the processor time that may pass by the clock
+_EXHAUSTED = re.compile(rb"bad_alloc|OutOfMemory|MemoryError")
 _REFERENCE = re.compile(rb"\b(?:DOCUMENT_FILE|DCMFL)\b", re.IGNORECASE)
 _STORED = 2.0**-23  # of the largest coordinate: three float32 coordinates are off by √3/2 of that, and a fifth to spare
 _ON_FACE = 1e-5  # of the size: what lies farther from a face than this at its corners belongs to another one
@@ -47,22 +76,10 @@ def read_step(path: Path, coarser: float = 1.0) -> Contents:
     """Read a STEP file as triangles, in metres, by so much coarser than usual; its solids are regions."""
     if importlib.util.find_spec("cascadio") is None:
         raise ReadError("STEP needs the package cascadio: pip install 'inertia[step]'")
-    with tempfile.TemporaryDirectory() as folder:
-        source, left_out = _by_itself(path, Path(folder))
-        target = Path(folder) / "part.glb"
-        arguments = [str(source), str(target), str(coarser**2 * _LINEAR), str(coarser * _ANGULAR)]
-        try:
-            process = subprocess.run(
-                [sys.executable, "-P", "-c", _CONVERT, *arguments],
-                stdin=subprocess.DEVNULL,
-                capture_output=True,
-                check=False,
-                timeout=_SECONDS,
-            )
-        except subprocess.TimeoutExpired:
-            raise ReadError(f"OpenCASCADE took longer than {_SECONDS} s: export the part as STL or 3MF") from None
-        if process.returncode or not target.is_file():
-            raise ReadError(f"OpenCASCADE cannot convert it (status {process.returncode}): export the part again")
+    with temporary_folder() as folder:
+        source, left_out = _by_itself(path, folder)
+        target = folder / "part.glb"
+        _convert(source, target, coarser, path.stat().st_size / 1e6)
         contents = read_gltf(target, _distances)
     surface, chord = contents.geometry, contents.chord
     assert isinstance(surface, Surface)
@@ -76,6 +93,50 @@ def read_step(path: Path, coarser: float = 1.0) -> Contents:
     )
     notes = (f"{plural(left_out, 'file')} that it refers to {was(left_out)} left out",) if left_out else ()
     return replace(contents, notes=(*contents.notes, *notes, note), chord=chord)
+
+
+def _convert(source: Path, target: Path, coarser: float, size: float) -> None:
+    """Convert a STEP file of so many MB in a process of its own."""
+    seconds = _limit(SECONDS, _SECONDS + _SECONDS_A_MB * size)
+    gib = _limit(GIB, _GIB + _GIB_A_MB * size)
+    figures = (coarser**2 * _LINEAR, coarser * _ANGULAR, math.ceil(seconds), math.ceil(gib * 2**30), os.getpid())
+    try:
+        process = subprocess.run(
+            [sys.executable, "-P", "-c", _CONVERT, str(source), str(target), *map(str, figures)],
+            stdin=subprocess.DEVNULL,
+            capture_output=True,
+            check=False,
+            timeout=_WAIT * seconds,
+        )
+        late = process.returncode == -getattr(signal, "SIGXCPU", 0) != 0
+    except subprocess.TimeoutExpired:
+        late = True
+    if late:
+        raise ReadError(
+            f"OpenCASCADE took longer than {seconds:.0f} s of processor time, the limit for a file of its size: it may "
+            f"be damaged; export the part as STL or 3MF, or set {SECONDS} to more"
+        )
+    if process.returncode and (
+        _EXHAUSTED.search(process.stderr) or process.returncode == -getattr(signal, "SIGKILL", 0)
+    ):
+        raise ReadError(
+            f"OpenCASCADE needs more than {gib:.3g} GiB of memory, the limit for a file of its size, or than there is: "
+            f"it may be damaged; export the part as STL or 3MF, or set {GIB} to more"
+        )
+    if process.returncode or not target.is_file():
+        raise ReadError(f"OpenCASCADE cannot convert it (status {process.returncode}): export the part again")
+
+
+def _limit(name: str, usual: float) -> float:
+    """Return a limit: that of the environment, or the usual one."""
+    value = os.environ.get(name, "")
+    try:
+        limit = float(value) if value else usual
+    except ValueError:
+        limit = 0.0
+    if not 0 < limit < 1e6:
+        raise UsageError(f"{name} is {value!r}: it must be a positive number below 1e6")
+    return limit
 
 
 def _by_itself(path: Path, folder: Path) -> tuple[Path, int]:
