@@ -7,7 +7,7 @@ are the first two triangles (or cells), `{around}` is the place in words, other 
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any, Literal
 
 import numpy as np
@@ -27,8 +27,8 @@ from inertia.mesh.checks.findings import Evidence, Finding, Severity, counted, l
 from inertia.mesh.checks.surface_topology import SurfaceTopology
 from inertia.mesh.geometry.closure import repeated_corners
 from inertia.mesh.geometry.edges import flat
-from inertia.mesh.geometry.shells import bounds_nothing
-from inertia.mesh.part import Surface, Triangles
+from inertia.mesh.geometry.shells import Shell, bounds_nothing
+from inertia.mesh.part import Doubt, Surface, Triangles
 from inertia.mesh.repairs.weld import closing_distance
 
 Subject = Literal[
@@ -152,7 +152,8 @@ def _no_volume(surface: SurfaceTopology) -> Evidence | None:
 
 
 def _sheets(surface: SurfaceTopology) -> Evidence | None:
-    sheets = surface.in_state("sheet")
+    slivers = surface.slivers
+    sheets = [shell for shell in surface.in_state("sheet") if shell not in slivers]
     return surface.at_shells(sheets) if len(sheets) < len(surface.shells) else None
 
 
@@ -164,6 +165,17 @@ def _inward(surface: SurfaceTopology) -> Evidence | None:
 
 def _inverted(surface: SurfaceTopology) -> Evidence | None:
     return surface.at_shells(surface.in_state("inverted")) if surface.outward is not False else None
+
+
+def _slivers(surface: SurfaceTopology) -> Evidence | None:
+    evidence = surface.at_shells(surface.slivers, (abs(shell.signed_volume) for shell in surface.slivers))
+    return evidence and replace(evidence, doubt=Doubt.joined(map(_either_way, surface.slivers)))
+
+
+def _either_way(shell: Shell) -> Doubt:
+    """Return what it does to the volume to turn a shell or to leave it out."""
+    twice = 2 * abs(shell.signed_volume)
+    return Doubt.within(shell.box, twice if shell.signed_volume < 0 else 0.0, twice if shell.signed_volume > 0 else 0.0)
 
 
 def _doubled_cavities(surface: SurfaceTopology) -> bool:
@@ -321,6 +333,12 @@ KINDS = (
         _sheets,
         "{count:shell} without volume beside the bodies, the first {around} from triangle {first} on",
         ("remove what adds no mass, or give it a thickness",),
+    ),
+    Kind(
+        "shells", "sliver", "warning",
+        _slivers,
+        "sliver: {count:shell} of {volume:.2g} {unit}³ in all wound against what is around, the first {around} from "
+        "triangle {first} on: counted or not, that is in the bounds",
     ),
     Kind(
         "contacts", "contact", "note",

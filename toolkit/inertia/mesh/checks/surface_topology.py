@@ -95,6 +95,12 @@ class SurfaceTopology:
         return [shell for shell in self.shells if _state(shell) == state]
 
     @cached_property
+    def slivers(self) -> list[Shell]:
+        """The sheets of some volume, more than rounding the whole's takes."""
+        least = 2.0**-53 * sum(abs(shell.signed_volume) for shell in self.shells)
+        return [shell for shell in self.shells if shell.kind == "sheet" and abs(shell.signed_volume) > least]
+
+    @cached_property
     def box(self) -> Float:
         """Least and greatest coordinates, (2, 3)."""
         return np.stack([self.vertices.min(axis=0), self.vertices.max(axis=0)])

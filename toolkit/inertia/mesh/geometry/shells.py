@@ -26,6 +26,9 @@ from inertia.mesh.geometry.winding import windings, windings_under
 from inertia.mesh.part import Triangles
 
 _CHUNK = 1 << 16
+SLIVER = 1e-9
+"""Volume, over that of all shells, up to which a shell that is wound wrongly does not keep a part from an answer."""
+
 _SAMPLES = 8  # places on a shell that are tried, for the one that is clearest of the other shell
 _UNDER = 1e-10  # how far under the surface those places are, over the size of the part
 _CLEAR = 2 * _UNDER  # of the surface around it: what is nearer is asked in integers
@@ -40,7 +43,8 @@ class Shell:
     Attributes
     ----------
     number : the component's number
-    kind : "outward" (positive volume), "inward" (negative) or "sheet" (none: its faces cancel)
+    kind : "outward" (positive volume), "inward" (negative) or "sheet": none, as its faces cancel, or next to none and
+        wound against its depth
     triangles : how many it has
     first : number of its first triangle
     signed_volume : in file units cubed
@@ -99,6 +103,10 @@ def shells(triangles: Triangles, closure: Closure) -> tuple[Shell, ...]:
         volumes[scarce], noise[scarce] = _exact_volumes(triangles, closure.labels, np.flatnonzero(scarce), exponent)
     signs = np.where(np.abs(volumes) > noise, np.sign(volumes), 0).astype(np.int64)
     around = _containers(triangles, order, local, boxes, signs)
+    slivers = set(_slivers(volumes, signs, around))
+    if slivers:
+        signs[list(slivers)] = 0
+        around = [[outer for outer in outside if outer not in slivers] for outside in around]
     with np.errstate(over="ignore", under="ignore"):
         stored = np.ldexp(volumes, 3 * exponent)
     return tuple(
@@ -154,6 +162,12 @@ def bounds_nothing(triangles: Triangles, box: Float) -> bool:
     whole = np.zeros(triangles.count, np.int32)
     volume, noise = _exact_volumes(triangles, whole, np.zeros(1, np.int64), exponent)
     return bool(np.abs(volume) <= noise / 4)  # half a last digit along each axis is less than a quarter of `_STORED`
+
+
+def _slivers(volumes: Float, signs: Int, around: list[list[int]]) -> list[int]:
+    """Return the shells of next to no volume that lie where, as they are wound, no body and no cavity can be."""
+    small = np.abs(volumes) <= SLIVER * np.abs(volumes).sum()
+    return [k for k in np.flatnonzero(small).tolist() if signs[k] and signs[around[k]].sum() != (signs[k] < 0)]
 
 
 def _boxes(triangles: Triangles, labels: NDArray[np.int32], count: int) -> Float:
