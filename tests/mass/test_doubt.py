@@ -1,11 +1,14 @@
-"""Volume in doubt: the bounds hold for the union of bodies that share a little of it, as for their sum."""
+"""Volume in doubt: the bounds hold for the union of what shares a little of it, as for the sum.
+
+Bodies in contact, shells of next to no volume that are wound wrongly, and shells that cross themselves a little.
+"""
 
 from fractions import Fraction
 
 import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
-from tests.mesh.solids import box, cube, joined, sphere
+from tests.mesh.solids import Mesh, box, cube, inside_out, joined, sphere
 
 import inertia
 from inertia import Part
@@ -96,7 +99,7 @@ def test_contact_is_stated_with_its_tolerance_and_place() -> None:
     (contact,) = analysis.doubts
     assert contact.code == "contact"
     assert contact.place == pytest.approx((0, 0, 0.5), abs=1e-6)
-    assert "no deeper than the contact tolerance (1e-06 of the smaller body)" in contact.message
+    assert "no deeper than the contact tolerance (1e-06 of the smaller body) or of less than 1e-09" in contact.message
     assert "up to 4e-07 mm³ count twice" in contact.message
     assert "In doubt          contact: 1 pair of bodies" in analysis_text(analysis)
     (entry,) = analysis_document(analysis)["doubts"]
@@ -143,3 +146,102 @@ def test_stored_in_float32_contact_is_in_the_bounds() -> None:
     )
     assert answer.volume == pytest.approx(alone, rel=1e-14)
     assert 1e-9 < answer.error.volume < 1e-6
+
+
+def hook(depth: float) -> Mesh:
+    """Return a hook whose point is sunk into its shank by a depth: at x from 1 − depth to 1, over 0.8 × 0.8."""
+    outline = [[0, 0], [4, 0], [4, 3], [1 - depth, 3], [1 - depth, 2.2], [3, 2], [3, 1], [1, 1], [1, 3.2], [0, 3]]
+    count = len(outline)
+    points = np.array([[x, y, z] for z in (0, 1) for x, y in outline], float)
+    points[[3, 4], 2], points[[13, 14], 2] = 0.1, 0.9
+    cap = np.array([[4, 3, 2], [5, 4, 2], [5, 2, 1], [6, 5, 1], [6, 1, 0], [7, 6, 0], [7, 0, 9], [9, 8, 7]])
+    here = np.arange(count)
+    after = (here + 1) % count
+    sides = np.column_stack([here, after, after + count]), np.column_stack([here, after + count, here + count])
+    return points, np.vstack([cap, cap[:, ::-1] + count, *sides])
+
+
+def of_mesh(vertices: np.ndarray, faces: np.ndarray) -> list[float]:
+    """Return the volume, ∫x and ∫x xᵀ of tetrahedra from the origin, added up."""
+    corners = vertices[faces]
+    volumes, sums = np.linalg.det(corners) / 6, corners.sum(axis=1)
+    squares = np.einsum("ti,tj->tij", sums, sums) + np.einsum("tki,tkj->tij", corners, corners)
+    return [volumes.sum(), *(volumes @ sums / 4), *(np.einsum("t,tij->ij", volumes, squares) / 20).ravel()]
+
+
+def central(volume: float, *rest: float) -> tuple[float, np.ndarray, np.ndarray]:
+    center = np.array(rest[:3], float) / float(volume)
+    second = np.array(rest[3:], float).reshape(3, 3) - float(volume) * np.outer(center, center)
+    return float(volume), center, np.trace(second) * np.eye(3) - second
+
+
+@pytest.mark.parametrize("seed", range(24))
+def test_union_of_a_shell_that_crosses_itself_a_little_is_within_the_bounds(seed: int) -> None:
+    rng = np.random.default_rng(seed)
+    depth = 10.0 ** rng.uniform(-13, -6)
+    vertices, faces = hook(depth)
+    turned = Rotation.random(rng=rng).as_matrix() if seed % 3 else np.eye(3)
+    shuffled = np.array([np.roll(face, rng.integers(3)) for face in rng.permutation(faces)])
+    analysis = inertia.analyse(Part.from_arrays(vertices @ turned.T, shuffled))
+    shared = box_moments([Fraction(1 - depth), Fraction(2.2), Fraction(0.1)], [Fraction(1), Fraction(3), Fraction(0.9)])
+    volume, center, tensor = central(*(a - float(b) for a, b in zip(of_mesh(vertices, faces), shared, strict=True)))
+    answer, rounding = analysis.properties, 1e-13
+    assert [finding.code for finding in analysis.doubts] == ["self_intersection"]
+    assert abs(answer.volume - volume) <= (answer.error.volume + rounding) * volume
+    assert np.linalg.norm(answer.center_of_mass - turned @ center) <= answer.error.center_of_mass + rounding
+    off = np.linalg.norm(answer.inertia - 1000 * turned @ tensor @ turned.T)
+    assert off <= (answer.error.inertia + rounding) * 1000 * np.linalg.norm(tensor)
+    assert answer.error.volume < 0.1 * depth + 1e-10
+
+
+@pytest.mark.parametrize(("depth", "volume"), [(1e-4, "up to 6.4e-05"), (0.3, "about 0.2")])
+def test_a_shell_that_crosses_itself_deeply_is_refused_with_the_volume(depth: float, volume: str) -> None:
+    with pytest.raises(GeometryError, match=f"self-intersection: .* {volume} m³"):
+        inertia.analyse(Part.from_arrays(*hook(depth)))
+
+
+def test_a_shell_that_crosses_itself_by_the_rounding_of_float32_has_an_answer() -> None:
+    answers = 0
+    for seed in range(20):
+        turned = Rotation.random(rng=seed).as_matrix()
+        vertices = (hook(0.0)[0] @ turned.T * 30 + 50).astype(np.float32).astype(float)
+        analysis = inertia.analyse(Part.from_arrays(vertices, hook(0.0)[1], unit="mm"))
+        answers += bool(analysis.doubts)
+        assert analysis.properties.volume == pytest.approx(27e-6 * of_mesh(*hook(0.0))[0], rel=1e-6)
+        assert analysis.properties.error.volume < 1e-6
+    assert answers > 5
+
+
+def sliver(middle: tuple[float, float, float], size: float) -> Mesh:
+    return box(tuple(x - size / 2 for x in middle), tuple(x + size / 2 for x in middle))
+
+
+@pytest.mark.parametrize("middle", [(3, 0, 0), (0.5, 0.1, 0.2), (0, 0, 0), (0.5, 0.5, 0.5)])
+@pytest.mark.parametrize("wound", ["outward", "inward"])
+@pytest.mark.parametrize("size", [1e-6, 1e-5, 1e-4, 9e-4])
+def test_a_sliver_is_counted_either_way(middle: tuple[float, float, float], wound: str, size: float) -> None:
+    solid = sliver(middle, size)
+    mesh = joined(cube(), solid if wound == "outward" else inside_out(solid))
+    rng = np.random.default_rng(0)
+    exact = [[Fraction(x) for x in corner.tolist()] for corner in (solid[0].min(axis=0), solid[0].max(axis=0))]
+    whole, small = box_moments([Fraction(-1, 2)] * 3, [Fraction(1, 2)] * 3), box_moments(*exact)
+    for _ in range(3):
+        analysis = inertia.analyse(Part.from_arrays(mesh.vertices, rng.permutation(mesh.faces)), 1.0)
+        answer = analysis.properties
+        # Where it lies as it is wound, it is what it looks like; where it sticks out, what is shared may count once.
+        sound = middle == (3, 0, 0) if wound == "outward" else middle == (0, 0, 0)
+        truths = [(1 if wound == "outward" else -1, small)] if sound else [(k, small) for k in (-1, 0, 1)]
+        if wound == "outward" and 0.5 in middle:
+            shared = box_moments(exact[0], [min(x, Fraction(1, 2)) for x in exact[1]])
+            truths = [(1, small), (1, [a - b for a, b in zip(small, shared, strict=True)])]
+        for times, moments in truths:
+            volume, center, tensor = central(*(a + times * b for a, b in zip(whole, moments, strict=True)))
+            assert abs(answer.volume - volume) <= answer.error.volume * volume
+            assert np.linalg.norm(answer.center_of_mass - center) <= answer.error.center_of_mass
+            assert np.linalg.norm(answer.inertia - tensor) <= (answer.error.inertia + 1e-15) * np.linalg.norm(tensor)
+
+
+def test_a_larger_shell_that_is_inside_out_is_no_sliver() -> None:
+    mesh = joined(cube(), inside_out(sliver((3, 0, 0), 2e-3)))
+    with pytest.raises(GeometryError, match="1 shell inside out beside others"):
+        inertia.analyse(Part.from_arrays(mesh.vertices, mesh.faces))

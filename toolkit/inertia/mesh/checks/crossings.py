@@ -12,15 +12,17 @@ from inertia.arrays import Bool, Float, Int
 from inertia.mesh.checks.findings import Evidence, listed, middle
 from inertia.mesh.checks.surface_topology import SurfaceTopology
 from inertia.mesh.geometry.boxes import BoxTree, overlapping
+from inertia.mesh.geometry.closure import Closure, closure, components
 from inertia.mesh.geometry.edges import Place
 from inertia.mesh.geometry.halfedges import half_edges
-from inertia.mesh.geometry.shells import Body, absolute_orientation, bodies, members
+from inertia.mesh.geometry.shells import SLIVER, Body, absolute_orientation, bodies, members
 from inertia.mesh.geometry.winding import misplaced_volume
 from inertia.mesh.part import Doubt, Surface, Triangles
 
 EXAMINED = 200_000
 """Triangles up to which crossings are looked for without being asked: a tenth of a second."""
 
+_TRIED = 3  # places on a patch at which the winding number is asked for
 _CROSSINGS = 10_000  # crossings looked for, before those between different shells are taken out
 
 
@@ -67,7 +69,7 @@ def contacts(surface: SurfaceTopology) -> Evidence | None:
     doubt = Doubt.joined(doubts)
     if doubt is None:
         return None
-    figures = {"tolerance": CONTACT, "volume": doubt.volume, "unit": surface.unit}
+    figures = {"tolerance": CONTACT, "least": SLIVER, "volume": doubt.volume, "unit": surface.unit}
     return Evidence(len(doubts), listed(np.array(first)), places[0], figures, doubt=doubt)
 
 
@@ -83,7 +85,10 @@ def _sharing_space(surface: SurfaceTopology, *, alike: bool) -> Evidence | None:
     from inertia.mesh.geometry.intersect import overlap
 
     places, first = [], []
+    volumes = np.array([abs(shell.signed_volume) for shell in surface.shells])
     for turned, groups, near, boxes in _near_bodies(surface, alike=alike):
+        if volumes[[surface.closure.labels[group[0]] for group in groups]].min() <= SLIVER * volumes.sum():
+            continue
         # What lies above or below the other body matters for winding numbers, what lies beside it does not.
         a, b = (group[meets[:, :2].all(axis=1)] for group, meets in zip(groups, near, strict=True))
         place = overlap(turned.select(a), turned.select(b))
@@ -189,7 +194,7 @@ def crossing_cavities(surface: SurfaceTopology) -> Evidence | None:
 
 def self_intersections(surface: SurfaceTopology) -> Evidence | None:
     """Find triangles of one shell (of any piece, where there are no shells) that cross each other."""
-    from inertia.mesh.geometry.intersect import crossings
+    from inertia.mesh.geometry.intersect import CONTACT, crossings
 
     pairs = crossings(surface.triangles, limit=_CROSSINGS)
     labels = surface.closure.labels[pairs.pairs]
@@ -198,16 +203,88 @@ def self_intersections(surface: SurfaceTopology) -> Evidence | None:
         return None
     pair, place = pairs.pairs[same], middle(pairs.points[same][:1])
     count = int(same.sum())
-    figures = {
+    figures: dict[str, object] = {
         "at_least": "at least " if pairs.truncated else "",
         "one": pair[0, 0],
         "other": pair[0, 1],
-        "doubt": _doubt(surface, np.unique(pair)) if surface.shells else "",
     }
-    return Evidence(count, listed(np.unique(pair)), place, figures)
+    doubt = None if pairs.truncated or not surface.shells else _doubled(surface, pair)
+    if doubt is not None and _is_shallow(surface, np.unique(pair), doubt):
+        figures |= {"tolerance": CONTACT, "volume": doubt.volume, "unit": surface.unit}
+    else:
+        figures["doubt"] = _doubt(surface, np.unique(pair), doubt) if surface.shells else ""
+        doubt = None
+    return Evidence(count, listed(np.unique(pair)), place, figures, doubt=doubt)
 
 
-def _doubt(surface: SurfaceTopology, crossed: Int) -> str:
+def _doubled(surface: SurfaceTopology, pairs: Int) -> Doubt | None:
+    """Return what counts more than once, or less than not at all, where triangles cross; None where that takes long.
+
+    What else there is falls in patches at which the winding number does not change: where it is 1 just under them, all
+    that counts otherwise lies between the triangles that cross.
+    """
+    from inertia.mesh.geometry.common_volume import surplus_volume
+
+    corners = surface.vertices[surface.faces]
+    crossed = np.unique(pairs)
+    rest = np.delete(np.arange(len(corners)), crossed)
+    patches = closure(Surface(surface.vertices, surface.faces[rest]))
+    wrong = _wrong_patches(corners, rest, patches)
+    if len(wrong) > _CROSSINGS:
+        return None
+    suspects = np.concatenate([crossed, wrong])
+    tied = np.concatenate([np.searchsorted(crossed, pairs), _sharing_vertices(surface.faces[suspects])])
+    groups = components(tied, len(suspects))
+    doubts = []
+    for group in np.unique(groups):
+        own = corners[suspects[groups == group]]
+        box = np.stack([own.min(axis=(0, 1)), own.max(axis=(0, 1))])
+        measured = surplus_volume(corners, box)
+        if measured is None:
+            return None
+        volume = max(measured[0], 0.0) + measured[1]
+        doubts.append(Doubt.within(box, volume, volume))
+    return Doubt.joined(doubts)
+
+
+def _is_shallow(surface: SurfaceTopology, crossed: Int, doubt: Doubt) -> bool:
+    """Say whether a volume is no more than the contact tolerance times the area of the triangles that cross."""
+    from inertia.mesh.geometry.intersect import contact_depth
+
+    corners = surface.vertices[surface.faces[crossed]]
+    sides = corners[:, 1:] - corners[:, :1]
+    area = np.linalg.norm(np.cross(sides[:, 0], sides[:, 1]), axis=1).sum() / 2
+    size = min(float(np.ptp(surface.shells[k].box, axis=0).max()) for k in np.unique(surface.closure.labels[crossed]))
+    return bool(doubt.volume <= contact_depth(surface.vertices, size) * area)
+
+
+def _wrong_patches(corners: Float, rest: Int, patches: Closure) -> Int:
+    """Return the triangles of the patches under which the winding number is not, or cannot be told to be, 1."""
+    from inertia.mesh.geometry.winding import windings_under
+
+    order = np.argsort(patches.labels, kind="stable")
+    labels, first, count = np.unique(patches.labels[order], return_index=True, return_counts=True)
+    wrong = np.ones(len(labels), bool)
+    for place in range(_TRIED):
+        asked = np.flatnonzero(wrong & (labels >= 0))
+        if len(asked) == 0:
+            break
+        which = rest[order[first[asked] + count[asked] * place // _TRIED]]
+        winding, decided = windings_under(corners[which], corners)
+        wrong[asked] = ~decided | (winding != 1)
+        if (decided & (winding != 1)).any():
+            break
+    return rest[np.isin(patches.labels, labels[wrong & (labels >= 0)])]
+
+
+def _sharing_vertices(faces: Int) -> Int:
+    """Return pairs (k, 2) of faces that link all those with a vertex in common."""
+    order = np.argsort(faces.ravel(), kind="stable")
+    same = np.diff(faces.ravel()[order]) == 0
+    return np.column_stack([order[:-1][same], order[1:][same]]) // 3
+
+
+def _doubt(surface: SurfaceTopology, crossed: Int, doubt: Doubt | None) -> str:
     """Say how much of the volume is in doubt: what counts more than once, or less than not at all, by rays."""
     corners = surface.vertices[_turned(surface).faces]
     volume = abs(sum(shell.signed_volume for shell in surface.shells))
@@ -216,7 +293,7 @@ def _doubt(surface: SurfaceTopology, crossed: Int) -> str:
         if misplaced > 0:
             share = f" ({100 * misplaced / volume:.2g} % of the stored volume)" if volume > 0 else ""
             return f": about {misplaced:.2g} {surface.unit}³{share}"
-    return ": too little for rays to meet it"
+    return ": too little for rays to meet it" if doubt is None else f": up to {doubt.volume:.2g} {surface.unit}³"
 
 
 def _turned(surface: SurfaceTopology) -> Surface:

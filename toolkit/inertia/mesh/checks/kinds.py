@@ -54,6 +54,7 @@ class Kind:
     evidence : returns what shows it; None where all is well
     sentence : what, how much, where
     remedy : what to do about it, in words and arguments; () where nothing needs to be done
+    doubtful : the sentence where the evidence is of so little volume that it is only in doubt, and a warning
     """
 
     subject: Subject
@@ -62,6 +63,7 @@ class Kind:
     evidence: Callable[[Any], Evidence | None]
     sentence: str
     remedy: tuple[Word, ...] = ()
+    doubtful: str = ""
 
     def finding(self, subject: Triangles | SurfaceTopology | CellTopology) -> Finding | None:
         """Return the finding of this kind, if there is evidence of it."""
@@ -73,17 +75,21 @@ class Kind:
         if evidence.place is not None and isinstance(subject, SurfaceTopology | CellTopology):
             figures["around"] = subject.around(evidence.place)
         remedy = (": ", *evidence.advice, *self.remedy) if self.remedy else ()
-        message = Sentence(self.sentence.format_map(figures), *remedy)
+        statement, severity = self.sentence, self.severity
+        if self.doubtful and evidence.doubt is not None:
+            statement, severity, remedy = self.doubtful, "warning", ()
+        statement = statement.format_map(figures)
+        message = Sentence(statement, *remedy)
         turnable = ABSOLUTE in self.remedy
         return Finding(
             self.code,
-            self.severity,
+            severity,
             message,
             evidence.count,
             evidence.faces,
             evidence.place,
             turnable,
-            self.sentence.format_map(figures),
+            statement,
             evidence.doubt,
         )
 
@@ -327,6 +333,9 @@ KINDS = (
         "self-intersection: {at_least}{count:pair} of triangles cross, the first {around} being triangles {one} and "
         "{other}, so that what is enclosed twice counts twice{doubt}",
         ("unite it with itself where it was made",),
+        "self-intersection: {count:pair} of triangles cross, the first {around} being triangles {one} and {other}, but "
+        "what that encloses more than once is on average no deeper than the contact tolerance ({tolerance:g} of the "
+        "shell): up to {volume:.2g} {unit}³, which is in the bounds",
     ),
     Kind(
         "shells", "zero_volume", "warning",
@@ -344,8 +353,8 @@ KINDS = (
         "contacts", "contact", "note",
         contacts,
         "contact: {count:pair} of bodies share space no deeper than the contact tolerance ({tolerance:g} of the "
-        "smaller body), the first {around} being those from triangles {first} and {second} on, so that up to "
-        "{volume:.2g} {unit}³ count twice: that is in the bounds",
+        "smaller body) or of less than {least:g} of the volume, the first {around} being those from triangles {first} "
+        "and {second} on, so that up to {volume:.2g} {unit}³ count twice: that is in the bounds",
     ),
     Kind("shells", "several_bodies", "note", _several_bodies, "{count} separate bodies"),
     Kind(

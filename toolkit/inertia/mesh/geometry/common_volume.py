@@ -69,6 +69,65 @@ def common_volume(a: Float, b: Float) -> tuple[float, float] | None:
     return float(np.ldexp(volume, scale)), float(np.ldexp(rounding * _UP, scale))
 
 
+def surplus_volume(corners: Float, box: Float) -> tuple[float, float] | None:
+    """Return ∫ w (w − 1) / 2 dV over a box, and a bound on its rounding; None where that is too much work.
+
+    It is no less than ∫ |w − [w > 0]| dV: what counts beyond once for the inside of a surface, or less than not at all.
+
+    Parameters
+    ----------
+    corners : (n, 3, 3), a closed surface; w is its winding number
+    box : (2, 3)
+
+    >>> from inertia.mesh.cut import block
+    >>> once = block([0, 0, 0], np.eye(3)).corners()
+    >>> twice = np.concatenate([once, once + [0.75, 0.5, 0.5]])
+    >>> [surplus_volume(solid, np.array([[0, 0, 0], [2, 2, 2]]))[0] for solid in (once, twice)]
+    [0.0, 0.0625]
+    """
+    low, high = box
+    if (high <= low).any():
+        return 0.0, 0.0
+    axes = np.roll(np.arange(3), 2 - int(np.argmin(high - low)))
+    exponent = int(np.frexp((high - low).max())[1])
+    largest = float(np.ldexp(np.abs(corners).max(), -exponent)) + 2.0
+    within = (corners.min(axis=1) < high)[:, axes[:2]].all(axis=1) & (corners.max(axis=1) > low).all(axis=1)
+    local = np.ldexp(corners[within] - low, -exponent)[..., axes]
+    triangles = _cut_to(local, np.ldexp(high - low, -exponent)[axes])
+    if len(triangles) == 0:
+        return 0.0, 0.0
+    upward, signs = _upward(triangles)
+    volume = float(((1 - signs) * (signs != 0) * _integrals(upward, 2)).sum()) / 2
+    rounding = float(np.ptp(triangles, axis=1).sum()) * largest * _ROUNDING
+    pairs = 0
+    for i, j, _ in overlapping(BoxTree(*_rectangles(triangles))):
+        pairs += len(i)
+        if pairs > MOST_PAIRS:
+            return None
+        for start in range(0, len(i), _AT_ONCE):
+            part = slice(start, start + _AT_ONCE)
+            more, blur = _under_both(triangles[i[part]], triangles[j[part]], largest)
+            volume, rounding = volume + more, rounding + blur
+    scale = 3 * exponent
+    return float(np.ldexp(volume, scale)), float(np.ldexp(rounding * _UP, scale))
+
+
+def _cut_to(corners: Float, size: Float) -> Float:
+    """Return triangles as they are in columns through a box from the origin on, their heights kept within it."""
+    polygons = corners
+    for axis in range(2):
+        polygons, _ = _clipped(polygons, polygons[..., axis])
+        polygons, _ = _clipped(polygons, size[axis] - polygons[..., axis])
+    polygons, _ = _clipped(polygons, polygons[..., 2])
+    under = size[2] - polygons[..., 2]
+    through = (under < 0).any(axis=1)
+    pieces = _clipped(polygons, under)[0], _clipped(polygons[through], -under[through])[0]
+    fans = [piece[:, [0, k, k + 1]] for piece in pieces for k in range(1, piece.shape[1] - 1)]
+    fan = np.concatenate([np.empty((0, 3, 3)), *fans])
+    fan[..., 2] = np.clip(fan[..., 2], 0, size[2])
+    return fan
+
+
 def _rectangles(corners: Float) -> tuple[Float, Float]:
     low, high = corners.min(axis=1), corners.max(axis=1)
     low[:, 2], high[:, 2] = 0, 1
