@@ -283,7 +283,7 @@ def cell_integrals(
     area, extents = boundary_area(cells), _extents(cells)
     for arithmetic in _CELL_METHODS:
         with naming(part):
-            result = cell_moments(cells, index, len(names), progress, arithmetic)
+            result = cell_moments(cells, index, len(names), progress, arithmetic, part.rounding)
         groups = tuple(
             Group(name, moments) for name, moments in zip(names, result.moments, strict=True) if moments.zeroth != 0
         )
@@ -315,7 +315,7 @@ def wire_integrals(part: Part, named: Collection[str], progress: Progress | None
         del methods["double-double"]
     for arithmetic, method in methods.items():
         with naming(part):
-            moments = wire_moments(cells, arithmetic)
+            moments = wire_moments(cells, arithmetic, part.rounding)
         if progress is not None:
             progress(1.0)
         yield Integral(

@@ -9,12 +9,13 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from fractions import Fraction
 from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
 
-from inertia.arrays import Float, Int, Progress
+from inertia.arrays import Bool, Float, Int, Progress
 from inertia.errors import GeometryError, UsageError
 from inertia.mass.cells.double_double import double_determinants, double_moment_rows, double_wire_rows
 from inertia.mass.cells.quadrature import (
@@ -28,13 +29,18 @@ from inertia.mass.cells.quadrature import (
 )
 from inertia.mass.cells.shape_functions import Table, table
 from inertia.mass.double_words import Pair
-from inertia.mass.moments import Moments
+from inertia.mass.moments import PAIRS, ZERO, Moments, six, vector
 from inertia.mesh.geometry.cell_shapes import KINDS, numbered_blocks, volume_blocks
 from inertia.mesh.geometry.edges import first_equal
-from inertia.mesh.part import Cells
+from inertia.mesh.part import CellBlock, Cells, Rounding
 
 _COARSE = (12,)
 """Gauss points of the rule that a curved wire's rule is compared with."""
+
+_LEFT = 2.0**-50  # of what was rounded, when it is undone by the float64 nearest to it
+_LEBESGUE = 3.0  # the largest Σ|Nᵢ| on a face: that of a quadrilateral with nodes amid its edges, in its middle
+_GROWTH = 300.0  # twice the product of the largest Σ|∂Nᵢ/∂ξ| along both directions of a face, over its area
+_REACH = 3.0  # how far a face may be from the origin, over how far its nodes are
 
 _FACES = 4096  # of the outside, integrated at a time
 
@@ -53,6 +59,7 @@ def cell_moments(
     count: int = 1,
     progress: Progress | None = None,
     arithmetic: Literal["float64", "double-double"] = "float64",
+    rounding: Rounding | None = None,
 ) -> CellIntegral:
     """Integrate 1, x and x xᵀ over the volume cells of a mesh, group by group.
 
@@ -67,6 +74,7 @@ def cell_moments(
     count : number of groups
     progress : called with the fraction that is done
     arithmetic : double-double costs some three (tetrahedra) to twelve times (20 nodes) as much as float64
+    rounding : of the coordinates, when they were read: undone in double-double, where it can be, else in the bounds
 
     Raises
     ------
@@ -111,11 +119,58 @@ def cell_moments(
         positive = sign * determinant[: len(shape.weights)]
         return moment_rows(shape, chunk, positive, error)
 
-    moments = integrate(cells, volume_blocks(cells), rows, groups=groups, count=count, power=3, progress=progress)
+    blocks = volume_blocks(cells)
+    rests = None
+    if rounding is not None and rounding.remainder is not None and arithmetic == "double-double":
+        rests = rounding.remainder()
+    moments = integrate(cells, blocks, rows, groups=groups, count=count, power=3, progress=progress, rests=rests)
+    if rounding is not None:
+        distance = rounding.distance * (_LEFT if rests is not None else 1.0)
+        parts = (_group(cells, None if groups is None else groups == number) for number in range(count))
+        moments = tuple(cells_as_written(one, part, distance) for one, part in zip(moments, parts, strict=True))
     return CellIntegral(moments, turned)
 
 
-def wire_moments(cells: Cells, arithmetic: Literal["float64", "double-double"] = "float64") -> Moments:
+def _group(cells: Cells, member: Bool | None) -> Cells:
+    """Return the volume cells among those of a group, or all."""
+    blocks = [
+        CellBlock(block.kind, block.nodes if member is None else block.nodes[member[first : first + len(block.nodes)]])
+        for first, block in volume_blocks(cells)
+    ]
+    return Cells(cells.points, tuple(block for block in blocks if len(block.nodes)))
+
+
+def cells_as_written(moments: Moments, cells: Cells, distance: float) -> Moments:
+    """Return the moments of cells with bounds that hold if every node is moved by at most `distance`.
+
+    Only the outside moves the moments: by the distance times its area at most, and times what the shape functions of a
+    face add up to in magnitude; and the area grows with the distance.
+    """
+    if not moments.zeroth:
+        return moments
+    faces = sum(len(block.nodes) * len(KINDS[block.kind].faces) for block in cells.blocks)
+    points = cells.points[np.unique(np.concatenate([block.nodes.ravel() for block in cells.blocks]))]
+    middle = np.array([float(k) for k in moments.origin])
+    size = float(np.ptp(points, axis=0).max())
+    area = 1.01 * boundary_area(cells) + _GROWTH * distance * (size + distance) * faces
+    volume = _LEBESGUE * distance * area * 1.01
+    reach = _REACH * (np.abs(points - middle).max(axis=0) + distance)
+    return moments + Moments(
+        moments.origin,
+        ZERO,
+        (ZERO, ZERO, ZERO),
+        (ZERO,) * 6,
+        Fraction(volume),
+        vector(Fraction(float(x * volume)) for x in reach),
+        six(Fraction(float(reach[i] * reach[j] * volume)) for i, j in PAIRS),
+    )
+
+
+def wire_moments(
+    cells: Cells,
+    arithmetic: Literal["float64", "double-double"] = "float64",
+    rounding: Rounding | None = None,
+) -> Moments:
     """Integrate 1, x and x xᵀ over the length of the `line` and `line3` cells of a mesh.
 
     Straight lines are exact but for rounding. The length of a curved one is no polynomial: it is taken by
@@ -143,7 +198,36 @@ def wire_moments(cells: Cells, arithmetic: Literal["float64", "double-double"] =
             raise GeometryError(f"cell {number} is of the kind {block.kind!r}: wires are of the kinds line and line3")
     if any(block.kind == "line3" for _, block in blocks):
         arithmetic = "float64"
-    return integrate(cells, blocks, rows, groups=None, count=1, power=1)[0]
+    rests = None
+    if rounding is not None and rounding.remainder is not None and arithmetic == "double-double":
+        rests = rounding.remainder()
+    (moments,) = integrate(cells, blocks, rows, groups=None, count=1, power=1, rests=rests)
+    if rounding is None:
+        return moments
+    return _wires_as_written(moments, cells, rounding.distance * (_LEFT if rests is not None else 1.0))
+
+
+def _wires_as_written(moments: Moments, cells: Cells, distance: float) -> Moments:
+    """Return the moments of wires with bounds that hold if every node is moved by at most `distance`.
+
+    Its tangent grows by at most 4 for each unit of distance, over its parameter from −1 to 1; and what it is weighted
+    with moves.
+    """
+    used = [block.nodes for block in cells.blocks if block.kind.startswith("line")]
+    points = cells.points[np.unique(np.concatenate([nodes.ravel() for nodes in used]))]
+    middle = np.array([float(k) for k in moments.origin])
+    growth = 8.01 * distance * sum(map(len, used))
+    turn = 1.3 * distance * (float(moments.zeroth) + growth)
+    reach = 1.3 * (np.abs(points - middle).max(axis=0) + distance)
+    return moments + Moments(
+        moments.origin,
+        ZERO,
+        (ZERO, ZERO, ZERO),
+        (ZERO,) * 6,
+        Fraction(growth),
+        vector(Fraction(float(x * growth + turn)) for x in reach),
+        six(Fraction(float(reach[i] * reach[j] * growth + (reach[i] + reach[j]) * turn)) for i, j in PAIRS),
+    )
 
 
 def boundary_area(cells: Cells) -> float:

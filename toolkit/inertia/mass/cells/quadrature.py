@@ -57,7 +57,8 @@ class Chunk:
     `nodes` (k, n) are the node numbers, `edges` (n, 3, k) the nodes relative to the cells' middles, `half`
     (3, k) their largest magnitudes, `centre` (3, k) the middles relative to the origin. `first` is the number
     of the first cell through all blocks. `places` (n, 3, k), `middles` (3, k) and `origin` (3,) are those that the
-    differences are taken of, as stored, and `scale` is what these are multiplied by.
+    differences are taken of, as stored, and `scale` is what these are multiplied by. `rests` (n, 3, k) is what the file
+    writes beside `places`, where that is counted.
     """
 
     kind: str
@@ -70,10 +71,13 @@ class Chunk:
     middles: Float
     origin: Float
     scale: float
+    rests: Float | None = None
 
     def differences(self) -> tuple[Pair, Pair]:
         """Return `edges` and `centre` without rounding."""
-        pairs = Pair.sum_of(self.places, -self.middles), Pair.sum_of(self.middles, -self.origin[:, None])
+        pairs = [Pair.sum_of(self.places, -self.middles), Pair.sum_of(self.middles, -self.origin[:, None])]
+        if self.rests is not None:
+            pairs[0] = pairs[0] + Pair(self.rests, np.zeros_like(self.rests))
         edges, centre = (Pair(pair.high * self.scale, pair.low * self.scale) for pair in pairs)
         return edges, centre
 
@@ -87,6 +91,7 @@ def integrate(
     count: int,
     power: int,
     progress: Progress | None = None,
+    rests: Float | None = None,
 ) -> tuple[Moments, ...]:
     """Add up what `rows` finds for each chunk, and return the moments of each group.
 
@@ -98,6 +103,7 @@ def integrate(
     groups : (number of cells,) the group of each cell; None: all are in group 0
     count : number of groups
     power : the zeroth moment's power of length
+    rests : (number of points, 3) what the file writes beside the points, which `rows` takes from the chunk, if it does
     """
     origin, exponent = _frame(cells, blocks)
     scale = math.ldexp(1.0, exponent)
@@ -109,7 +115,7 @@ def integrate(
         for start in range(0, len(block.nodes), size):
             nodes = block.nodes[start : start + size]
             number = first + start
-            block_rows = rows(_chunk(cells.points, block.kind, number, nodes, origin, scale))
+            block_rows = rows(_chunk(cells.points, rests, block.kind, number, nodes, origin, scale))
             member = np.zeros(len(nodes), np.int32) if groups is None else groups[number : number + len(nodes)]
             order = np.argsort(member, kind="stable")
             for part in np.split(order, np.flatnonzero(np.diff(member[order])) + 1):
@@ -243,13 +249,14 @@ def _chunk_size(kind: str) -> int:
     return min(4096, 1 << ((_CHUNK_POINTS // points).bit_length() - 1))
 
 
-def _chunk(points: Float, kind: str, first: int, nodes: Int, origin: Float, scale: float) -> Chunk:
+def _chunk(points: Float, rests: Float | None, kind: str, first: int, nodes: Int, origin: Float, scale: float) -> Chunk:
     places = np.ascontiguousarray(points[nodes].transpose(1, 2, 0))
     low, high = places.min(axis=0), places.max(axis=0)
     middle = low + 0.5 * (high - low)
     edges = (places - middle) * scale
     centre = (middle - origin[:, None]) * scale
-    return Chunk(kind, first, nodes, edges, np.abs(edges).max(axis=0), centre, places, middle, origin, scale)
+    beside = None if rests is None else rests[nodes].transpose(1, 2, 0)
+    return Chunk(kind, first, nodes, edges, np.abs(edges).max(axis=0), centre, places, middle, origin, scale, beside)
 
 
 def _moments(parts: list[Float], size: int, origin: Float, exponent: int, power: int) -> Moments:

@@ -23,11 +23,15 @@ from inertia.mesh.readers.contents import shown
 _MOST_DIGITS = 22  # after the point, of decimals that are looked at; those of a float64 near 1 that is exact have fewer
 _LONGEST = 1000  # characters in a number that is read exactly
 _EXPONENT = re.compile(rb"[eE]([-+]?\d{1,9})(?!\d)")
+_BARE_EXPONENT = re.compile(rb"\.\d*[-+]\d")  # as Nastran writes it
 _POINT = ord(".")
 
 
 def rounding_of(
-    points: Float, text: Callable[[], bytes], words: Callable[[], Iterable[bytes | str]]
+    points: Float,
+    text: Callable[[], bytes],
+    words: Callable[[], Iterable[bytes | str]] | None = None,
+    precision: type[np.float64] | type[np.float32] = np.float64,
 ) -> Rounding | None:
     """Return what turning decimals into float64 did to points; None where it did nothing.
 
@@ -35,23 +39,27 @@ def rounding_of(
     ----------
     points : (n, 3), the float64 nearest to each decimal
     text : returns the decimals (and perhaps other numbers)
-    words : returns the decimals, point by point, when they are to be read exactly
+    words : returns the decimals, point by point, when they are to be read exactly; None where that cannot be
+    precision : of the numbers that the decimals became, if these were widened to float64 afterwards
     """
-    if not _rounded(points, text):
+    if not len(points):
         return None
-    distance = float(np.linalg.norm(0.5 * np.spacing(np.abs(points).max(axis=0)))) * (1 + 1e-15)
+    half = 0.5 * np.spacing(np.abs(points).max(axis=0).astype(precision)).astype(np.float64)
+    if not _rounded(points, text, float(half.max())):
+        return None
+    distance = float(np.linalg.norm(half)) * (1 + 1e-6 if precision is np.float32 else 1 + 1e-15)
+    if words is None:
+        return Rounding(distance)
     return Rounding(distance, cache(lambda: remainders(points, map(written, words()), distance)))
 
 
-def _rounded(points: Float, text: Callable[[], bytes]) -> bool:
+def _rounded(points: Float, text: Callable[[], bytes], half: float) -> bool:
     for some in (points[:1000], points):  # most meshes tell at once
         scaled = np.ldexp(some, _MOST_DIGITS)
         if (np.floor(scaled) != scaled).any():
             return True
-    if not len(points):
-        return False
     digits = _digits_after_point(text())
-    if digits > _MOST_DIGITS or 0.5 * np.spacing(np.abs(points).max()) * 10.0**digits > 0.9:
+    if digits > _MOST_DIGITS or half * 10.0**digits > 0.9:
         return True
     scaled = np.ldexp(points, digits)
     return bool((np.floor(scaled) != scaled).any())
@@ -63,6 +71,8 @@ def _digits_after_point(text: bytes) -> int:
     others = np.append(np.flatnonzero((letters < ord("0")) | (letters > ord("9"))), len(letters))
     runs = np.diff(others)[letters[others[:-1]] == _POINT]
     digits = int(runs.max()) - 1 if len(runs) else 0
+    if _BARE_EXPONENT.search(text):
+        return _MOST_DIGITS + 1
     if b"e" in text or b"E" in text:
         digits += max(0, -min((int(exponent) for exponent in set(_EXPONENT.findall(text))), default=0))
     return digits

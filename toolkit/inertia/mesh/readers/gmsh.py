@@ -8,6 +8,7 @@ names. Source: C. Geuzaine and J.-F. Remacle, "Gmsh Reference Manual" 4.13, sect
 from __future__ import annotations
 
 import re
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -16,6 +17,7 @@ from inertia.arrays import Float, Int
 from inertia.errors import ReadError
 from inertia.mesh.readers.cells import Block, cell_contents, dimension_of
 from inertia.mesh.readers.contents import UNNAMED, Contents, shown
+from inertia.mesh.readers.decimals import rounding_of
 from inertia.mesh.readers.gmsh_sections import FORMAT, TYPES, Group, MshFile, Section, nodes_of
 
 _OLD, _NEW = ("2", "2.1", "2.2"), ("4", "4.1")
@@ -49,7 +51,31 @@ def read_gmsh(path: Path) -> Contents:
         names = [titles.get((dimension_of(kind), tag), str(tag)) if tag else UNNAMED for tag in groups.tolist()]
         region = np.array([places.setdefault(name, len(places)) for name in names], np.int32)
         blocks.append((kind, _points(tags, order, corners[:, arrangement]), region[which]))
-    return cell_contents(points, blocks, tuple(places))
+    contents = cell_contents(points, blocks, tuple(places))
+    if file.binary:
+        return contents
+    rounding = rounding_of(points, lambda: file.section("Nodes") or b"", lambda: _coordinates(path))
+    return replace(contents, rounding=rounding)
+
+
+def _coordinates(path: Path) -> list[bytes]:
+    """Return the coordinates of all nodes as a text file writes them."""
+    data = path.read_bytes()
+    header = FORMAT.search(data)
+    words = (MshFile(data, header).section("Nodes") or b"").split() if header else []
+    if header is None or header[1].decode("ascii", "replace") in _OLD:
+        return [word for at, word in enumerate(words[1:]) if at % 4]
+    coordinates, at = [], 4
+    try:
+        while at < len(words):
+            dimension, _, parametric, count = map(int, words[at : at + 4])
+            width = 3 + (dimension if parametric else 0)
+            at += 4 + count
+            coordinates += [word for k in range(count) for word in words[at + k * width : at + k * width + 3]]
+            at += count * width
+    except ValueError:  # it has changed: what was read does not match, which is said
+        return []
+    return coordinates
 
 
 def _physical_names(file: MshFile) -> dict[tuple[int, int], str]:

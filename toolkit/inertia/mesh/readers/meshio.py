@@ -8,6 +8,8 @@ with here.
 from __future__ import annotations
 
 import importlib
+import re
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -16,8 +18,10 @@ from numpy.typing import NDArray
 
 from inertia.arrays import Int
 from inertia.errors import ReadError
+from inertia.mesh.part import Rounding
 from inertia.mesh.readers.cells import Block, cell_contents
 from inertia.mesh.readers.contents import UNNAMED, Contents, plural, quietly, shown, text_of, was
+from inertia.mesh.readers.decimals import rounding_of
 from inertia.mesh.readers.meshio_guards import cells_expected, without_comments
 from inertia.output import temporary_folder
 
@@ -32,6 +36,14 @@ _TAGS = (
 _FORGOTTEN = ("wedge15", "pyramid13", "hexahedron24")
 """Kinds that meshio 5.3.5 knows, but raises `KeyError` for want of their dimension."""
 
+
+_DECIMALS = {
+    "vtk": rb"\A[^\n]*\n[^\n]*\n\s*ASCII\b",
+    "vtu": rb"(?is)<Points>[^>]*?<DataArray[^>]*format=.ascii.",
+    "xdmf": rb"(?is)<Geometry\b.*?<DataItem[^>]*Format=.XML.",
+    **dict.fromkeys(("nastran", "abaqus", "medit", "netgen", "su2", "avsucd"), rb""),
+}
+"""What is in the files of a format that write points as decimals."""
 
 _NO_END = "it has no End: it was read for the tables that are there"
 
@@ -61,7 +73,23 @@ def read_with_meshio(path: Path, kind: str) -> Contents:
         (block.type, corners, region) for block, corners, region in zip(mesh.cells, nodes, regions, strict=True)
     ]
     contents = cell_contents(np.asarray(mesh.points), blocks, names)
-    return Contents(contents.geometry, None, contents.regions, (*contents.notes, *notes, *of_sets))
+    notes = [*contents.notes, *notes, *of_sets]
+    return replace(contents, notes=tuple(notes), rounding=_rounding(path, kind, mesh.points))
+
+
+def _rounding(path: Path, kind: str, stored: NDArray[Any]) -> Rounding | None:
+    """Return what was rounded of points in decimals, which meshio takes to the nearest number of the file's type."""
+    if stored.dtype.kind != "f" or not _writes_decimals(path, kind):
+        return None
+    points = np.zeros((len(stored), 3))
+    points[:, : stored.shape[1]] = stored
+    return rounding_of(points, path.read_bytes, precision=np.float32 if stored.dtype.itemsize == 4 else np.float64)
+
+
+def _writes_decimals(path: Path, kind: str) -> bool:
+    """Say whether a file holds its points as text."""
+    pattern = _DECIMALS.get(kind)
+    return pattern is not None and re.search(pattern, path.read_bytes()) is not None
 
 
 def _ends(path: Path) -> bool:
