@@ -13,7 +13,7 @@ from pathlib import Path
 from typing import NoReturn, TextIO
 
 import inertia
-from inertia.errors import CacheWarning, InertiaError, UsageError
+from inertia.errors import CacheWarning, InertiaError, UsageError, visible
 from inertia_cli import analyse, audit, balance, check, play, simulate, trade, tumble
 from inertia_cli.interruption import interruption
 from inertia_cli.printing import abandon_output
@@ -35,7 +35,7 @@ _CODES = """exit codes:
 class _Parser(argparse.ArgumentParser):
     def error(self, message: str) -> NoReturn:
         """Leave with one sentence and exit code 2."""
-        self.exit(2, f"{self.prog}: {message}; see `{self.prog} --help`\n")
+        self.exit(2, f"{self.prog}: {visible(message)}; see `{self.prog} --help`\n")
 
 
 def build_parser() -> argparse.ArgumentParser:
@@ -90,7 +90,7 @@ def _note(
         return
     if issubclass(category, CacheWarning):
         warnings.simplefilter("ignore", CacheWarning)
-        print(f"inertia: {message}", file=sys.stderr)
+        print(f"inertia: {visible(str(message))}", file=sys.stderr)
     else:
         print(warnings.formatwarning(message, category, filename, lineno, line), file=sys.stderr, end="")
 
@@ -109,7 +109,7 @@ def main(arguments: Sequence[str]) -> int:
         return code
     except InertiaError as error:
         message = error.sentence.worded(as_option)
-        placed = isinstance(error, UsageError) or options.part in message
+        placed = isinstance(error, UsageError) or visible(options.part) in message
         return _say(message if placed else f"{options.part}: {message}", error.exit_code)
     except KeyboardInterrupt:
         return _interrupted()
@@ -139,7 +139,7 @@ def _interrupted() -> int:
 
 
 def _say(message: str, code: int) -> int:
-    print(f"inertia: {message}", file=sys.stderr)
+    print(f"inertia: {visible(message)}", file=sys.stderr)
     return code
 
 

@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 import os
+import re
 import sys
 from collections.abc import Callable
 from typing import Any
 
-from inertia.errors import InertiaError
+from inertia.errors import InertiaError, visible
 
 _STYLES = {  # of text that stands in a report, by a pattern
     r"(?m)^\S.{0,15}?(?=  )": "bold",
@@ -21,10 +22,17 @@ def show(as_json: bool, document: Callable[[], dict[str, Any]], text: Callable[[
     """Print a result as one JSON document, or as text."""
     if as_json:
         print_document(document())
-    elif sys.stdout.isatty() and not os.environ.get("NO_COLOR"):
-        _print_coloured(text())
     else:
-        print(text())
+        print_text(text())
+
+
+def print_text(text: str) -> None:
+    """Print lines of text, in which a name from outside steers no terminal."""
+    lines = "\n".join(map(visible, text.split("\n")))
+    if sys.stdout.isatty() and not os.environ.get("NO_COLOR"):
+        _print_coloured(lines)
+    else:
+        print(lines)
 
 
 def write_and_show(
@@ -49,13 +57,25 @@ def abandon_output() -> None:
 
 
 def print_document(document: dict[str, Any]) -> None:
-    """Print one JSON document, a line for each of its fields."""
+    """Print one JSON document, a line for each of its fields; what a terminal obeys or cannot show is escaped."""
     import json
 
     def line(key: str, value: Any) -> str:
-        return f" {json.dumps(key)}: {json.dumps(value, ensure_ascii=False, allow_nan=False)}"
+        text = json.dumps(value, ensure_ascii=False, allow_nan=False)
+        return f" {json.dumps(key)}: {re.sub('[^ -~]', escaped, text)}"
+
+    def escaped(one: re.Match[str]) -> str:
+        return one[0] if one[0].isprintable() and _can_be_written(one[0]) else json.dumps(one[0])[1:-1]
 
     print("{\n" + ",\n".join(line(key, value) for key, value in document.items()) + "\n}")
+
+
+def _can_be_written(text: str) -> bool:
+    try:
+        text.encode(sys.stdout.encoding or "utf-8")
+    except UnicodeEncodeError:
+        return False
+    return True
 
 
 def _print_coloured(text: str) -> None:

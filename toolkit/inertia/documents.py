@@ -23,7 +23,7 @@ from typing import Any, ClassVar, Self, TypeVar, get_type_hints
 import numpy as np
 from numpy.typing import NDArray
 
-from inertia.errors import FieldPath, GeometryError, ReadError, UsageError, Word, placed
+from inertia.errors import FieldPath, GeometryError, ReadError, UsageError, Word, placed, visible
 
 Read = Callable[[Any, str], Any]
 
@@ -183,6 +183,7 @@ class Document(ABC):
         called = name or f"the {cls.noun}"
         try:
             layout_version(cls.version)(table_of(table, "").get("schema", cls.version), "schema")
+            _require_printable(table, "")
             return cls._from_table(table, Path(folder), text, called)
         except (UsageError, GeometryError) as error:
             raise placed(error, called) from None
@@ -201,6 +202,21 @@ class Document(ABC):
         """Make it from a dictionary whose version is right; errors need not name the document."""
 
 
+def _require_printable(value: object, path: str) -> None:
+    """Refuse what steers a terminal or turns text round, in names and in what they hold."""
+    if isinstance(value, str) and (shown := visible(value)) != value:
+        culprit = next(one for one in value if visible(one) != one)
+        raise FieldError(path, f'is "{shown}": leave out the control character U+{ord(culprit):04X}')
+    if isinstance(value, Mapping):
+        for key, entry in value.items():
+            where = joined(path, str(key))
+            _require_printable(str(key), where)
+            _require_printable(entry, where)
+    elif isinstance(value, list | tuple):
+        for k, entry in enumerate(value):
+            _require_printable(entry, f"{path}[{k}]")
+
+
 def toml_text(table: Mapping[str, Any]) -> str:
     """Return a dictionary of sections, fields and lists of sections as TOML; what is None or empty is left out.
 
@@ -213,7 +229,8 @@ def toml_text(table: Mapping[str, Any]) -> str:
     """
     import tomli_w
 
-    return tomli_w.dumps({key: value for key, value in plain(table).items() if value not in ({}, [])})
+    text = tomli_w.dumps({key: value for key, value in plain(table).items() if value not in ({}, [])})
+    return "\n".join(map(visible, text.split("\n")))
 
 
 def number(unit: str, *, positive: bool = False, negative: bool = True, below: float = math.inf) -> Reader:

@@ -6,9 +6,29 @@ library words it as an argument (``shell=THICKNESS``), and whoever has options i
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable, Iterable
 from itertools import chain
 from typing import NamedTuple, Self
+
+_UNPRINTABLE = re.compile(
+    "[\x00-\x1f\x7f-\x9f\u061c\u200e\u200f\u2028-\u202e\u2066-\u2069\ud800-\udfff\U000e0000-\U000e007f]"
+)
+"""What steers a terminal or turns text round: control characters, line ends, marks of direction, halves of pairs."""
+
+
+def visible(text: str) -> str:
+    r"""Return text from outside (names of files, regions, fields, what they hold) as it may stand in a line of output.
+
+    >>> print(visible("\x1b[31mred\r\n\u202etxt.\u9b5a"))
+    \u001b[31mred\u000d\u000a\u202etxt.魚
+    """
+    return text if text.isprintable() else _UNPRINTABLE.sub(_escaped, text)
+
+
+def _escaped(one: re.Match[str]) -> str:
+    code = ord(one[0])
+    return f"\\u{code:04x}" if code < 0x10000 else f"\\U{code:08x}"
 
 
 class Remedy(NamedTuple):
@@ -80,7 +100,9 @@ class Sentence(str):
 
     def __new__(cls, *words: Word) -> Self:
         """Join the words; sentences among them come with their own."""
-        flat = tuple(chain.from_iterable(word.words if isinstance(word, Sentence) else (word,) for word in words))
+        flat = tuple(
+            chain.from_iterable(word.words if isinstance(word, Sentence) else (_shown(word),) for word in words)
+        )
         sentence = super().__new__(cls, "".join(map(str, flat)))
         sentence.words = flat
         return sentence
@@ -93,6 +115,13 @@ class Sentence(str):
     def worded(self, wording: Wording) -> str:
         """Return the text with every remedy and field worded by `wording`."""
         return "".join(word if isinstance(word, str) else wording(word) for word in self.words)
+
+
+def _shown(word: Word) -> Word:
+    """Return a word of a sentence with nothing in it but what can be printed: it may be a name from outside."""
+    if isinstance(word, FieldPath):
+        return FieldPath(visible(word.path))
+    return visible(word) if isinstance(word, str) else word
 
 
 class InertiaError(Exception):

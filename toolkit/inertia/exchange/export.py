@@ -6,7 +6,7 @@ from collections.abc import Callable, Mapping, Sequence
 from difflib import get_close_matches
 from types import MappingProxyType
 
-from inertia.errors import UsageError, require_kind
+from inertia.errors import UsageError, require_kind, visible
 from inertia.exchange import abaqus, adams, csv, drake, mjcf, modelica, nastran, sdf, simscape, urdf, usd
 from inertia.exchange.conventions import CONVENTIONS
 from inertia.exchange.writing import Body
@@ -68,7 +68,7 @@ def export(
         require_kind(each, MassProperties, "properties", "inertia.mass_properties(part)")
         if not isinstance(body_name, str) or not body_name.strip():
             raise UsageError(f"name is {body_name!r}: give a name that can be read")
-    return WRITERS[target]([Body(key, each) for key, each in bodies.items()], comments)
+    return WRITERS[target]([Body(visible(key), each) for key, each in bodies.items()], comments)
 
 
 def require_writer(target: str) -> None:

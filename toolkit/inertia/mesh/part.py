@@ -25,7 +25,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from inertia.arrays import Float, Int
-from inertia.errors import GeometryError, ReadError, UsageError, placed
+from inertia.errors import GeometryError, ReadError, UsageError, placed, visible
 from inertia.mesh.version import CHANGED, Version
 from inertia.units import DEFAULT_UNIT, Unit, UnitFrom, length_unit, multiple_of
 
@@ -395,7 +395,7 @@ class Part:
         names = mesh.face_attributes.get("region") if hasattr(mesh, "face_attributes") else None
         if names is not None and len(names) == len(mesh.faces):
             titles, index = np.unique(np.asarray(names, str), return_inverse=True)
-            regions = Regions(tuple(titles.tolist()), index.astype(np.int32))
+            regions = Regions(tuple(map(visible, titles.tolist())), index.astype(np.int32))
         surface = Surface(np.array(mesh.vertices, np.float64), np.array(mesh.faces, np.int64))
         return cls(surface, size, unit_from, Source(None, "trimesh"), regions)
 
@@ -436,5 +436,5 @@ class Part:
 
     @property
     def name(self) -> str:
-        """The file's path as given, or `"the part"`."""
-        return self.source.path or "the part"
+        """The file's path as it may be printed, or `"the part"`."""
+        return visible(self.source.path or "the part")

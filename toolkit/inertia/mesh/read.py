@@ -13,11 +13,12 @@ import errno
 import math
 import os
 import stat
+from dataclasses import replace
 from importlib import import_module
 from pathlib import Path
 
 from inertia.arrays import Float, Progress
-from inertia.errors import ReadError, UsageError, placed
+from inertia.errors import ReadError, UsageError, placed, visible
 from inertia.mesh.part import Part, Rounding, Source
 from inertia.mesh.readers.contents import Contents
 from inertia.mesh.readers.formats import FORMATS, HEAD, format_of_name, sniff
@@ -80,7 +81,7 @@ def read(
     try:
         kind, contents, version = _contents(name, format, coarser)
     except ReadError as error:
-        raise placed(error, f"cannot read {name if name.isprintable() else ascii(name)}") from error
+        raise placed(error, f"cannot read {name}") from error
     notes = list(contents.notes)
     named = format_of_name(Path(name))
     if named not in (None, kind) and format is None:
@@ -95,7 +96,7 @@ def read(
         contents.geometry,
         *_unit(override, contents.unit),
         Source(name, kind, version),
-        contents.regions,
+        contents.regions and replace(contents.regions, names=tuple(map(visible, contents.regions.names))),
         tuple(notes),
         contents.chord,
         contents.rounding and _named(contents.rounding, version, name),

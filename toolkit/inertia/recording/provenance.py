@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import os
 import warnings
 from dataclasses import replace
@@ -14,7 +15,7 @@ from inertia.dynamics.run import Run
 from inertia.dynamics.scene.body import SceneBody
 from inertia.dynamics.scene.document import Scene
 from inertia.dynamics.scene.sections import Settings
-from inertia.errors import ReadError, UsageError
+from inertia.errors import ReadError, UsageError, visible
 from inertia.mesh.part import Part
 
 _SETTINGS = ("duration", "samples", "accuracy", "model", "method")
@@ -30,7 +31,7 @@ def properties_of(subject: Run | Balance, file: Path | None) -> dict[str, dict[s
 def _of_run(run: Run, file: Path | None) -> dict[str, dict[str, Any]]:
     scene = run.scene
     return {
-        "scene": {"name": scene.name, "text": _text(scene), "folder": _folder(scene.name, file)},
+        "scene": {"name": visible(scene.name), "text": _text(scene), "folder": _folder(scene.name, file)},
         "settings": {name: getattr(scene.run, name) for name in _SETTINGS},
         **{name: _source(part) for name, part in _source_sections(scene.body).items()},
         "accuracy": {
@@ -45,7 +46,7 @@ def _of_run(run: Run, file: Path | None) -> dict[str, dict[str, Any]]:
 def _of_balance(balance: Balance, file: Path | None) -> dict[str, dict[str, Any]]:
     rotor, error = balance.rotor, balance.properties.error
     return {
-        "rotor": {"name": rotor.name, "text": rotor.to_toml(), "folder": _folder(rotor.name, file)},
+        "rotor": {"name": visible(rotor.name), "text": rotor.to_toml(), "folder": _folder(rotor.name, file)},
         **{name: _source(part) for name, part in _numbered([body.whole for body in balance.bodies]).items()},
         "accuracy": {"method": error.method, "mass": error.mass, "inertia": error.inertia},
         "verdict": {"outcome": balance.verdict.outcome},
@@ -71,18 +72,21 @@ def _numbered(parts: list[Part]) -> dict[str, Part]:
 
 def _source(part: Part) -> dict[str, Any]:
     source = part.source
-    return {"path": source.path, "format": source.format, "unit": part.unit.name, "sha256": source.sha256}
+    return {
+        "path": source.path and visible(source.path),
+        "format": source.format,
+        "unit": part.unit.name,
+        "sha256": source.sha256,
+    }
 
 
 def _folder(name: str, file: Path | None) -> str:
     """Return where the files are that a scene or a rotor of this name refers to."""
-    folder = Path(name).resolve().parent
-    if file is None:
-        return str(folder)
-    try:
-        return os.path.relpath(folder, file.resolve().parent)
-    except ValueError:  # on another drive
-        return str(folder)
+    folder = str(Path(name).resolve().parent)
+    if file is not None:
+        with contextlib.suppress(ValueError):  # on another drive
+            folder = os.path.relpath(folder, file.resolve().parent)
+    return folder.encode("utf-8", "replace").decode()
 
 
 def scene_of(file: str | os.PathLike[str]) -> Scene:

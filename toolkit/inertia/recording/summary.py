@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterable, Iterator
 from itertools import zip_longest
 from pathlib import Path
 
 from inertia.arrays import Float
 from inertia.dynamics.run import Run
+from inertia.errors import visible
 
 
 def summary(run: Run, notes: Iterable[str]) -> str:
@@ -17,7 +19,16 @@ def summary(run: Run, notes: Iterable[str]) -> str:
 
 def title(run: Run) -> str:
     """Return what a viewer calls the recording: the scene's name, without its folder."""
-    return Path(run.scene.name).name
+    return visible(Path(run.scene.name).name)
+
+
+def markdown(name: str) -> str:
+    r"""Return a name as Markdown shows it: no link, picture, tag or cell of a table begins in it.
+
+    >>> print(markdown("![x](https://example.org/x.png)|<b>"))
+    !\[x\](https://example.org/x.png)\|\<b\>
+    """
+    return re.sub(r"[\\`\[\]<>|]", r"\\\g<0>", visible(name))
 
 
 def listed(values: Float) -> str:
@@ -28,9 +39,9 @@ def listed(values: Float) -> str:
 
 def _body(run: Run) -> Iterator[str]:
     scene, body = run.scene, run.scene.body
-    cells = [("Scene", title(run)), ("Duration", f"{scene.run.duration:g} s, {len(run.time)} samples")]
+    cells = [("Scene", markdown(title(run))), ("Duration", f"{scene.run.duration:g} s, {len(run.time)} samples")]
     if body.part is not None:
-        cells.append(("Part", f"{Path(body.part.name).name}, in {body.part.unit.name}"))
+        cells.append(("Part", f"{markdown(Path(body.part.name).name)}, in {body.part.unit.name}"))
     cells.append(("Class", body.principal.kind))
     if body.mass is not None:
         cells.append(("Mass", f"{body.mass:.6g} kg"))

@@ -6,6 +6,8 @@ import math
 import textwrap
 from collections.abc import Iterable, Iterator
 
+from inertia.errors import visible
+
 LABEL = 18
 """Width of the column of labels."""
 WIDTH = 120
@@ -44,7 +46,7 @@ def plain(value: float, decimals: int) -> str:
 
 def row(label: str, text: str) -> str:
     """Return one line: a label and what it says."""
-    return f"{label:<{LABEL}}{text}"
+    return f"{label:<{LABEL}}{visible(text)}"
 
 
 def wrapped(label: str, sentence: str) -> Iterator[str]:

@@ -1,4 +1,7 @@
-"""`Robot`, `Link`, `Inertial` and `Geometry`: what a file says of a robot, in SI units and the axes of each link."""
+"""`Robot`, `Link`, `Inertial` and `Geometry`: what a file says of a robot, in SI units and the axes of each link.
+
+Names are as they may be printed (`inertia.errors.visible`).
+"""
 
 from __future__ import annotations
 
@@ -10,6 +13,7 @@ from typing import Literal
 import numpy as np
 
 from inertia.arrays import Float
+from inertia.errors import visible
 from inertia.mesh.part import Part
 
 Role = Literal["visual", "collision"]
@@ -76,6 +80,9 @@ class Geometry:
     placement: Placement = field(default_factory=Placement)
     scale: tuple[Fraction, Fraction, Fraction] | None = None
 
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "name", visible(self.name))
+
 
 @dataclass(frozen=True, eq=False)
 class Link:
@@ -94,6 +101,10 @@ class Link:
     parent: str | None = None
     placement: Placement = field(default_factory=Placement)
 
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "name", visible(self.name))
+        object.__setattr__(self, "parent", self.parent and visible(self.parent))
+
 
 @dataclass(frozen=True, eq=False)
 class Robot:
@@ -104,3 +115,7 @@ class Robot:
     name: str
     links: tuple[Link, ...]
     notes: tuple[str, ...] = ()
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "name", visible(self.name))
+        object.__setattr__(self, "notes", tuple(map(visible, self.notes)))

@@ -11,7 +11,7 @@ from dataclasses import dataclass, field
 from typing import NamedTuple
 from xml.parsers import expat
 
-from inertia.errors import ReadError, UsageError
+from inertia.errors import ReadError, UsageError, visible
 from inertia.exchange.robots.links import Robot
 from inertia.exchange.writing import number, numbers, printable
 from inertia.mass.properties import MassProperties
@@ -59,7 +59,7 @@ def mend(robot: Robot, mended: Mapping[str, Mended]) -> bytes:
     edits: list[_Edit] = []
     done: set[str] = set()
     for tag in _all(_tags(data)):
-        name = tag.attributes.get("name", "")
+        name = visible(tag.attributes.get("name", ""))
         inertial = tag.child("inertial")
         if tag.name == link_tag and name in mended and name not in done and inertial is not None:
             done.add(name)

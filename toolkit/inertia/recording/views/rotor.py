@@ -17,11 +17,12 @@ from inertia.arrays import Float
 from inertia.balancing.balance import Balance
 from inertia.balancing.shop_units import in_degrees, in_gmm
 from inertia.balancing.unbalance import Unbalance
+from inertia.errors import visible
 from inertia.recording import entities
 from inertia.recording.drawing import COLORS, write_text
 from inertia.recording.playback import playback
 from inertia.recording.screen import Screen, camera, finished, plot, text_view
-from inertia.recording.summary import sentence
+from inertia.recording.summary import markdown, sentence
 from inertia.recording.views.rotor_state import State, states_of, write_state
 from inertia.recording.writer import Recording
 
@@ -57,7 +58,7 @@ def screen(balance: Balance) -> Screen:
         write_text(recording, _summary(balance, play.speed, notes))
 
     blueprint = _blueprint(balance, states, float(time[-1]), play.speed)
-    return Screen("inertia-balance", Path(balance.rotor.name).name, blueprint, write)
+    return Screen("inertia-balance", visible(Path(balance.rotor.name).name), blueprint, write)
 
 
 def _blueprint(balance: Balance, states: list[State], duration: float, speed: float) -> rrb.Blueprint:
@@ -158,7 +159,7 @@ def _summary(balance: Balance, speed: float, notes: Iterable[str]) -> str:
 
 
 def _verdict(balance: Balance) -> Iterator[str]:
-    yield f"**{Path(balance.rotor.name).name}: {balance.verdict.outcome.upper()}**"
+    yield f"**{markdown(Path(balance.rotor.name).name)}: {balance.verdict.outcome.upper()}**"
     if balance.verdict.outcome != balance.initial_verdict.outcome:
         yield f"after correction, {balance.initial_verdict.outcome.upper()} as modelled."
     yield f"{balance.tolerance.standard}. {' '.join(sentence(each) for each in balance.verdict.why)}"

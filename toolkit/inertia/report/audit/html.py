@@ -13,6 +13,7 @@ from inertia.arrays import Float
 from inertia.auditing.audit import Audit
 from inertia.auditing.bodies import Body, Shape
 from inertia.auditing.judge import LinkAudit
+from inertia.errors import visible
 from inertia.output import require_writable, write_whole
 from inertia.report.audit.text import millimetres, percent, sentence
 from inertia.report.svg.canvas import Canvas
@@ -30,6 +31,7 @@ def audit_html(audit: Audit) -> str:
     environment = jinja2.Environment(
         loader=jinja2.PackageLoader("inertia.report.audit"),
         autoescape=True,
+        finalize=lambda value: visible(value) if type(value) is str else value,
         trim_blocks=True,
         lstrip_blocks=True,
         undefined=jinja2.StrictUndefined,

@@ -6,8 +6,6 @@ are in mm, forces in N, masses in kg, of operations in g.
 
 from __future__ import annotations
 
-import csv
-import io
 import math
 from typing import Any
 
@@ -15,6 +13,7 @@ from inertia.balancing.axis.location import Candidate
 from inertia.balancing.shop_units import GRAM_MILLIMETRE, GRAM_SQUARE_MILLIMETRE, in_degrees, in_gmm
 from inertia.documents import plain
 from inertia.report.balance.data import MM, BodyRow, OperationRow, ReportData, State
+from inertia.tables import csv_text
 
 Document = dict[str, Any]
 
@@ -99,17 +98,12 @@ def balance_document(data: ReportData) -> Document:
 
 def balance_csv(data: ReportData) -> str:
     """Return two tables with a line of names each, an empty line between them: planes before and after, operations."""
-    text = io.StringIO()
-    rows = csv.writer(text, lineterminator="\n")
-    rows.writerow(_PLANES)
+    rows: list[list[object]] = [[*_PLANES]]
     for state in (data.initial, data.residual):
         for plane in (entry for entries in _by_plane(data, state).values() for entry in entries):
-            rows.writerow(_row(_PLANES, {"state": state.name, "plane": plane["id"]} | plane))
-    rows.writerow([])
-    rows.writerow(_OPERATIONS)
-    for work in data.operations:
-        rows.writerow(_row(_OPERATIONS, _operation(work)))
-    return text.getvalue()
+            rows.append(_row(_PLANES, {"state": state.name, "plane": plane["id"]} | plane))
+    rows += [[], [*_OPERATIONS], *(_row(_OPERATIONS, _operation(work)) for work in data.operations)]
+    return csv_text(rows)
 
 
 def _row(names: tuple[str, ...], entry: Document) -> list[object]:

@@ -24,6 +24,7 @@ from inertia.balancing.shop_units import (
     in_gmm,
 )
 from inertia.balancing.tolerance import Share
+from inertia.errors import visible
 from inertia.output import require_writable, write_whole
 from inertia.report.balance.data import KINDS, MM, TURNS, BodyRow, OperationRow, PlaneRow, ReportData
 from inertia.report.numerals import fixed, plain, significant
@@ -60,6 +61,7 @@ def balance_html(data: ReportData) -> str:
     environment = jinja2.Environment(
         loader=jinja2.PackageLoader("inertia.report.balance"),
         autoescape=True,
+        finalize=lambda value: visible(value) if type(value) is str else value,
         trim_blocks=True,
         lstrip_blocks=True,
         undefined=jinja2.StrictUndefined,
