@@ -9,7 +9,7 @@ from typing import Any, ClassVar
 import numpy as np
 import pytest
 
-from inertia.documents import Document, FieldError, toml_text
+from inertia.documents import Document, FieldError, number, numbers, toml_text
 from inertia.errors import ReadError, UsageError
 
 
@@ -63,3 +63,17 @@ def test_strings_and_figures_survive_toml() -> None:
     text = toml_text({"a b": 'say "x"\n\x7f', "body": body | {"mass": None}, "load": []})
     assert tomllib.loads(text) == {"a b": 'say "x"\n\x7f', "body": body | {"v": [1.0, 1e22]}}
     assert '"a b" = "say \\"x\\"\\n\\u007f"' in text
+
+
+@pytest.mark.parametrize("value", [1e-320, 1e-61, 1e61, 1.7e308, 10**400])
+def test_a_figure_out_of_all_proportion_is_refused(value: float) -> None:
+    with pytest.raises(FieldError, match=r"^mass is 1.*: (its size must be zero, or between|it must be finite)"):
+        number("kg", positive=True)(value, "mass")
+    with pytest.raises(FieldError, match=r"^place.* is "):
+        numbers((3,), "m")([0.0, value, 0.0], "place")
+
+
+def test_small_figures_beside_others_are_read() -> None:
+    assert numbers((2,), "m")([1.0, 1e-320], "place").tolist() == [1.0, 1e-320]
+    assert number("degrees")(-1e-100, "angle") == -1e-100
+    assert number("m", negative=False)(0, "radius") == 0.0

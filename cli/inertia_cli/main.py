@@ -13,7 +13,7 @@ from pathlib import Path
 from typing import NoReturn, TextIO
 
 import inertia
-from inertia.errors import CacheWarning, InertiaError, UsageError, visible
+from inertia.errors import CacheWarning, GeometryError, InertiaError, UsageError, visible
 from inertia_cli import analyse, audit, balance, check, play, simulate, trade, tumble
 from inertia_cli.interruption import interruption
 from inertia_cli.printing import abandon_output
@@ -99,18 +99,28 @@ def main(arguments: Sequence[str]) -> int:
     """Run one command line and return the exit code; see the table in ``inertia --help``."""
     # One thread is plenty for 3×3 matrices, and starting the others costs more than a small part.
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
-    options = build_parser().parse_args(_join_signed(arguments))
+    parser = build_parser()
+    for argument in arguments:
+        if argument.startswith("--") and argument.endswith("=--"):  # argparse would go on without the value
+            parser.error(f"argument {argument[:-3]}: expected one argument")
+    options = parser.parse_args(_join_signed(arguments))
     if sys.stdout is None:
         return _say("cannot write the result: standard output is closed", FAULT)
     try:
         interruption.running = True
-        code: int = options.run(options)
+        with warnings.catch_warnings():
+            # What numpy would warn of and go on with, an overflow most of all, is no ground for an answer.
+            warnings.simplefilter("error", RuntimeWarning)
+            code: int = options.run(options)
         sys.stdout.flush()
         return code
     except InertiaError as error:
         message = error.sentence.worded(as_option)
         placed = isinstance(error, UsageError) or visible(options.part) in message
         return _say(message if placed else f"{options.part}: {message}", error.exit_code)
+    except (RuntimeWarning, OverflowError) as beyond:
+        message = f"its figures lead beyond what float64 holds ({beyond}): check their sizes and units"
+        return _say(f"{options.part}: {message}", GeometryError.exit_code)
     except KeyboardInterrupt:
         return _interrupted()
     except BrokenPipeError:

@@ -20,6 +20,7 @@ _OPTIONS = {
     "accuracy": "--accuracy",
     "model": "--model",
     "method": "--method",
+    "time_limit": "--time-limit",
 }
 FIELDS = {f"run.{name}": option for name, option in _OPTIONS.items()} | {"start.angular_velocity": "--spin"}
 """The options that stand for fields of a scene."""
@@ -58,6 +59,7 @@ def add_settings(group: argparse._ArgumentGroup) -> None:
     group.add_argument("--accuracy", type=float, metavar="RAD", help="of the attitude at every instant")
     group.add_argument("--model", metavar="NAME", help="use this model, not the smallest one")
     group.add_argument("--method", metavar="NAME", help="integrate step by step, by this method")
+    group.add_argument("--time-limit", type=float, metavar="SECONDS", help="of computing, for the whole run (60)")
 
 
 def add_result(parser: argparse.ArgumentParser) -> None:
@@ -75,7 +77,7 @@ def run(options: argparse.Namespace) -> int:
     from inertia.dynamics.scene.document import Scene
     from inertia.mesh.readers.formats import format_of_name
 
-    if format_of_name(Path(options.part)) is not None:
+    if format_of_name(Path(options.part)) is not None and Path(options.part).exists():
         raise UsageError(f"{options.part} is a mesh and no scene: name a scene file, or use `inertia tumble`")
     if Path(options.part).suffix.lower() == ".rrd":
         from inertia.recording.provenance import scene_of

@@ -407,3 +407,54 @@ def test_progress_draws_nothing_elsewhere_or_where_work_is_short() -> None:
         with Progress("integrating", stream) as progress:
             progress(0.5)
         assert stream.getvalue() == ""
+
+
+@pytest.mark.parametrize("options", [["--repair"], ["--weld", "1e-9"], []])
+@pytest.mark.parametrize("size", [1e76, 1e150, 1e160, 1e307])
+def test_coordinates_beyond_what_is_computed_with_are_refused(
+    size: float, options: list[str], tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    corners, faces = [[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]], [[0, 2, 1], [0, 1, 3], [1, 2, 3], [0, 3, 2]]
+    file = tmp_path / "part.obj"
+    lines = [f"v {' '.join(repr(size * k) for k in corner)}" for corner in corners]
+    lines += [f"f {' '.join(str(k + 1) for k in face)}" for face in faces]
+    file.write_text("\n".join(lines))
+    assert "no usable number" in sentence(capsys, 4, "analyse", str(file), *options)
+
+
+def test_signalling_nans_are_refused_by_name(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    data = bytearray(path("cube.stl").read_bytes())
+    data[96:100] = b"\x01\x00\x80\x7f"
+    file = tmp_path / "part.stl"
+    file.write_bytes(data)
+    assert "not all finite" in sentence(capsys, 4, "analyse", str(file))
+    assert "no usable number" in sentence(capsys, 4, "analyse", str(file), "--repair")
+
+
+@pytest.mark.parametrize("chord", ["1e100", "1e300"])
+def test_a_chord_beyond_float64_leaves_nothing_certain(chord: str, capsys: pytest.CaptureFixture[str]) -> None:
+    assert "leaves nothing certain" in sentence(capsys, 4, "analyse", str(path("cube.stl")), "--chord", chord)
+
+
+def test_options_that_leave_float64_are_refused_or_answered(capsys: pytest.CaptureFixture[str]) -> None:
+    t_handle = str(path("t_handle.stl"))
+    assert main(["analyse", t_handle, "--density", "1e308"]) == 0
+    assert main(["analyse", t_handle, "--shell", "1e308"]) == 0
+    assert "more than 1.8e308 mm³" in capsys.readouterr().out
+    assert "--for is 1e+160" in sentence(capsys, 2, "tumble", t_handle, "--spin", "1,2,3", "--for", "1e160")
+
+
+def test_what_leaves_float64_is_one_sentence(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setattr("inertia_cli.analyse.read_part", lambda *_: np.float64(1e300) * np.float64(1e300))
+    assert "its figures lead beyond what float64 holds (overflow" in sentence(capsys, 4, "analyse", "part.stl")
+
+
+@pytest.mark.parametrize("option", ["--mass", "--density", "--unit", "--about"])
+def test_two_dashes_are_no_value(option: str, capsys: pytest.CaptureFixture[str]) -> None:
+    assert "expected one argument" in sentence(capsys, 2, "analyse", str(path("cube.stl")), f"{option}=--")
+
+
+def test_a_mesh_that_is_not_there_is_not_taken_for_one(capsys: pytest.CaptureFixture[str]) -> None:
+    assert "cannot read nothing.vtu: " in sentence(capsys, 3, "simulate", "nothing.vtu")

@@ -1,6 +1,7 @@
 """Runs: the motion in part axes, what it keeps, and the accuracy that is promised and held."""
 
 import math
+import time
 from dataclasses import replace
 from typing import Any
 
@@ -321,3 +322,25 @@ def test_one_component_of_the_angular_momentum_is_measured_by_all_of_it(monkeypa
     spoiled(monkeypatch, invariants={"angular momentum along (1, 0, 0) in space": along})
     (kept,) = run_of().invariants.values()
     assert kept.largest_relative_drift == pytest.approx(1e-11 / math.sqrt(0.3**2 + 2**2 + 6**2))
+
+
+def test_a_run_that_would_take_hours_is_refused_at_once() -> None:
+    near = {"kind": "gravity_gradient", "mu": 4e14, "position": [3.0, 0.0, 0.0]}
+    settings = {"duration": 11000.0, "samples": 1101, "accuracy": 1e-9, "time_limit": 3}
+    body = {"principal_moments": [20.0, 180.0, 190.0]}
+    begin = time.process_time()
+    with pytest.raises(GeometryError, match=r"the run (would take some|takes longer than 3 s).*limit.*run\.time_limit"):
+        run_of(body=body, start__angular_velocity=[0.1, 0.2, 0.3], load=[near], run=settings)
+    assert time.process_time() - begin < 10
+
+
+def test_a_limit_of_time_changes_no_answer() -> None:
+    load = [{"kind": "damping", "coefficient": 0.05}]
+    settings = {"duration": 2e4, "samples": 3, "accuracy": 1e-6}
+    runs = [run_of(load=load, run={**settings, "time_limit": limit}) for limit in (20, 60)]
+    assert np.array_equal(runs[0].attitude, runs[1].attitude)
+
+
+def test_a_body_without_thickness_is_refused() -> None:
+    with pytest.raises(GeometryError, match=r"the smallest principal moment is 1e-31 kg m²"):
+        run_of(body={"principal_moments": [1e-31, 1.0, 1.0]})

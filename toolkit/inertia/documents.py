@@ -27,6 +27,9 @@ from inertia.errors import FieldPath, GeometryError, ReadError, UsageError, Word
 
 Read = Callable[[Any, str], Any]
 
+SMALLEST, LARGEST = 1e-60, 1e60
+"""The sizes that figures other than zero may have: what is made of them then stays within float64, in any SI unit."""
+
 _COUNTS = {2: "two numbers", 3: "three numbers", 4: "four numbers"}
 
 
@@ -234,21 +237,23 @@ def toml_text(table: Mapping[str, Any]) -> str:
 
 
 def number(unit: str, *, positive: bool = False, negative: bool = True, below: float = math.inf) -> Reader:
-    """Read a finite number of some unit: any, none below zero, or positive only; and less than `below`."""
+    """Read a number of some unit: any, none below zero, or positive only; and less than `below`.
+
+    It is at most `LARGEST` in size, and where it cannot be negative, it is zero or at least `SMALLEST`.
+    """
+    finite = finite_number(unit)
     expected = f"a number of {unit}" if unit else "a number"
 
     def read(value: Any, path: str) -> float:
-        if isinstance(value, bool) or not isinstance(value, Real):
-            raise FieldError(path, f"is {short_repr(value)}: it must be {expected}")
-        figure = _float(value)
-        if not math.isfinite(figure):
-            raise FieldError(path, f"is {short_repr(value)}: it must be finite")
+        figure: float = finite(value, path)
         if positive and figure <= 0:
             raise FieldError(path, f"is {short_repr(value)}: it must be positive, {expected}")
         if not negative and figure < 0:
             raise FieldError(path, f"is {short_repr(value)}: it must not be negative, {expected}")
         if figure >= below:
             raise FieldError(path, f"is {short_repr(value)}: it must be below {below:g}, {expected}")
+        if abs(figure) > LARGEST or ((positive or not negative) and 0 < figure < SMALLEST):
+            raise _out_of_proportion(path, value)
         return figure
 
     schema: dict[str, Any] = {"type": "number"}
@@ -259,6 +264,26 @@ def number(unit: str, *, positive: bool = False, negative: bool = True, below: f
     if below < math.inf:
         schema["exclusiveMaximum"] = below
     return Reader(read, schema)
+
+
+def finite_number(unit: str) -> Reader:
+    """Read a finite number of some unit, of any size."""
+
+    def read(value: Any, path: str) -> float:
+        if isinstance(value, bool) or not isinstance(value, Real):
+            raise FieldError(path, f"is {short_repr(value)}: it must be a number" + (f" of {unit}" if unit else ""))
+        figure = _float(value)
+        if not math.isfinite(figure):
+            raise FieldError(path, f"is {short_repr(value)}: it must be finite")
+        return figure
+
+    return Reader(read, {"type": "number"})
+
+
+def _out_of_proportion(path: str, value: Any) -> FieldError:
+    return FieldError(
+        path, f"is {short_repr(value)}: its size must be zero, or between {SMALLEST:g} and {LARGEST:g}: check its unit"
+    )
 
 
 def _float(value: Real) -> float:
@@ -294,8 +319,11 @@ def integer(least: int, most: int) -> Reader:
 
 
 def numbers(shape: tuple[int, ...], unit: str) -> Reader:
-    """Read an array of finite numbers of this shape; an entry that is none is named by its index."""
-    single = number(unit)
+    """Read an array of finite numbers of this shape; an entry that is none is named by its index.
+
+    All are zero, or the size of the largest is between `SMALLEST` and `LARGEST`.
+    """
+    single = finite_number(unit)
     expected = f"{_COUNTS[shape[-1]]}" if len(shape) == 1 else f"{shape[0]} rows of {_COUNTS[shape[1]]}"
 
     def read(value: Any, path: str) -> NDArray[np.float64]:
@@ -312,6 +340,8 @@ def numbers(shape: tuple[int, ...], unit: str) -> Reader:
             return [entries(one, lengths[1:], f"{where}[{k}]") for k, one in enumerate(part)]
 
         array = np.array(entries(nested, shape, path), dtype=np.float64)
+        if array.any() and not SMALLEST <= np.abs(array).max() <= LARGEST:
+            raise _out_of_proportion(path, nested)
         array.setflags(write=False)
         return array
 

@@ -343,6 +343,15 @@ BAD = {
     ),
     "VTK out of range": ("a.vtk", VTK_TEXT.replace("4 1 2 3 4", "4 1 2 3 9"), "tetra cell 1 names vertex 9"),
     "VTK NaN": ("a.vtk", VTK_TEXT.replace("1.1 1.1 1.1", "1.1 1.1 nan"), "point 4"),
+    "PLY of one line": ("a.ply", "end_header\n", "its header does not begin with ply"),
+    **{
+        f"3MF in {name}": (
+            "a.3mf",
+            archive_3mf(model_3mf("", "").replace("utf-8", name).replace("UTF-8", name)),
+            "its XML cannot be decoded .*: export it as UTF-8",
+        )
+        for name in ("gb2312", "shift_jis", "utf9", "idna", "rot13", "zlib")
+    },
     # anything
     "text garbage": (
         "a.txt",

@@ -138,6 +138,9 @@ def _relative_rates(work: Operation, shop: ShopTolerance) -> dict[str, float]:
 
 
 def _rate(function: Callable[[float], float], at: float, half_width: float) -> float:
-    """Return the logarithmic derivative of a function by a central difference over its tolerance."""
+    """Return the logarithmic derivative of a function by a central difference over its tolerance; 0 where it is 0."""
+    value = function(at)
+    if value == 0.0 or at == 0.0:  # a depth that was rounded to none
+        return 0.0
     step = min(half_width, 0.5 * at) or 1e-6 * at
-    return (function(at + step) - function(at - step)) / (2.0 * step * function(at))
+    return (function(at + step) - function(at - step)) / (2.0 * step * value)

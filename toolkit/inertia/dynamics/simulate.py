@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from inertia.arrays import Float
+from inertia.dynamics.computing_time import limited
 from inertia.dynamics.kinematics import quaternion
 from inertia.dynamics.models.model import Problem
 from inertia.dynamics.motion import Motion
@@ -32,9 +33,21 @@ def simulate(scene: Scene) -> Run:
     ('spherical top', [0.0, 0.0, 3.0])
     """
     require_kind(scene, Scene, "scene", "inertia.Scene.load(path)")
-    run = _run(plan(scene))
+    with limited(scene.run.time_limit):
+        run = _in_time(scene)
     _require_accuracy(run)
     return run
+
+
+def _in_time(scene: Scene) -> Run:
+    try:
+        return _run(plan(scene))
+    except MemoryError:
+        raise GeometryError(
+            f"{scene.run.samples} samples need more memory than there is: ask for fewer ",
+            FieldPath("run.samples"),
+            places=(scene.name,),
+        ) from None
 
 
 def _run(plan: Plan) -> Run:

@@ -20,12 +20,12 @@ from inertia.mass.triangles.moments_from_sums import moments_of
 from inertia.mass.triangles.sums import Sums, sum_triangles
 from inertia.mesh.check import check
 from inertia.mesh.checks.crossings import to_be_examined
-from inertia.mesh.checks.findings import Finding, Report, around, middle, usable
+from inertia.mesh.checks.findings import Finding, Report, around, middle
 from inertia.mesh.geometry.closure import Closure, closure
 from inertia.mesh.geometry.intersect import crossings
 from inertia.mesh.geometry.shells import Shell, absolute_orientation, shells
 from inertia.mesh.geometry.shells import bodies as bodies_of
-from inertia.mesh.part import Cells, Facets, Part, Regions, Surface, Triangles
+from inertia.mesh.part import Cells, Facets, Part, Regions, Surface, Triangles, usable
 
 _WIRE = Remedy("analyse", "wire", "AREA")
 _ANY_WIRE = Remedy("analyse", "wire")

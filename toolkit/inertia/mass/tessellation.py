@@ -35,7 +35,8 @@ def chord_bound(triangles: Triangles, chord: float | Float, origin: Vector) -> M
     chord : h, or (m,) for each triangle its own, in the file's unit
     origin : the point about which the moments are bounded, in the file's unit
 
-    Returns moments that are zero, with these bounds, in the file's unit.
+    Returns moments that are zero, with these bounds, in the file's unit; raises `GeometryError` where they leave
+    float64.
     """
     if isinstance(chord, float) and not 0 < chord < math.inf:
         raise UsageError(f"the chord tolerance is {chord!r}: it must be positive and finite")
@@ -44,7 +45,10 @@ def chord_bound(triangles: Triangles, chord: float | Float, origin: Vector) -> M
     for start in range(0, triangles.count, _CHUNK):
         stop = min(start + _CHUNK, triangles.count)
         corners = triangles.corners(start, stop) - center
-        sums += _between(corners, np.broadcast_to(chord, triangles.count)[start:stop])
+        with np.errstate(over="ignore"):
+            sums += _between(corners, np.broadcast_to(chord, triangles.count)[start:stop])
+    if not np.isfinite(sums).all():
+        raise GeometryError("what a chord tolerance of that size leaves out is beyond 1.8e308: give a smaller one")
     volume, x, y, z, *second = (Fraction(k) * _ROUNDED_UP for k in sums.tolist())
     xx, yy, zz, yz, zx, xy = second
     return Moments(origin, ZERO, (ZERO,) * 3, (ZERO,) * 6, volume, (x, y, z), (xx, yy, zz, yz, zx, xy))
@@ -82,11 +86,11 @@ def chord_error(
     """
     f = part.unit.metres
     origin = (moments.origin[0] / f, moments.origin[1] / f, moments.origin[2] / f)
-    between = chord_bound(part.triangles, chord, origin).in_unit(f).scaled(f**3 * density)
     tolerance = f"{chord:g} {part.unit.name}" if isinstance(chord, float) else f"{chord.max():.3g} {part.unit.name}"
     source = "" if isinstance(chord, float) else " that reading chose"
     method = f"bounds from the chord tolerance {tolerance}{source}"
     try:
+        between = chord_bound(part.triangles, chord, origin).in_unit(f).scaled(f**3 * density)
         return error_within(moments, volume, between, density, mass, method)
     except GeometryError:
         raise GeometryError(

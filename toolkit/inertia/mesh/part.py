@@ -24,7 +24,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from inertia.arrays import Float, Int
+from inertia.arrays import Bool, Float, Int
 from inertia.errors import GeometryError, ReadError, UsageError, placed, visible
 from inertia.mesh.version import CHANGED, Version
 from inertia.units import DEFAULT_UNIT, Unit, UnitFrom, length_unit, multiple_of
@@ -89,7 +89,8 @@ class Facets:
 
     def corners(self, start: int = 0, stop: int | None = None) -> Float:
         """Return the corners of triangles `start:stop`, (k, 3, 3), widened exactly to float64."""
-        return self.corners_f4(start, stop).astype(np.float64)
+        with np.errstate(invalid="ignore"):  # a signalling NaN becomes a quiet one
+            return self.corners_f4(start, stop).astype(np.float64)
 
     def sample(self, count: int) -> Float:
         """Return the corners of at least `count` triangles (or all), evenly spread, (k, 3, 3)."""
@@ -204,6 +205,16 @@ class Surface:
 
 
 Triangles = Facets | Surface
+
+
+LARGEST = 1e75
+"""The largest coordinate that is computed with: the inertia of anything larger leaves float64, whatever the unit."""
+
+
+def usable(coordinates: Float) -> Bool:
+    """Say which coordinates are numbers that a volume can be computed from."""
+    with np.errstate(invalid="ignore"):  # a signalling NaN
+        return np.abs(coordinates) <= LARGEST
 
 
 def first_non_finite(triangles: Triangles) -> tuple[int, int] | None:

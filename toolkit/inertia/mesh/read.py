@@ -17,6 +17,8 @@ from dataclasses import replace
 from importlib import import_module
 from pathlib import Path
 
+import numpy as np
+
 from inertia.arrays import Float, Progress
 from inertia.errors import ReadError, UsageError, placed, visible
 from inertia.mesh.part import Part, Rounding, Source
@@ -24,6 +26,8 @@ from inertia.mesh.readers.contents import Contents
 from inertia.mesh.readers.formats import FORMATS, HEAD, format_of_name, sniff
 from inertia.mesh.version import Version, unchanged
 from inertia.units import DEFAULT_UNIT, Unit, UnitFrom, length_unit
+
+_SMALL = 10_000_000  # bytes
 
 _REASONS = {
     errno.ENOENT: "there is no such file: check the path",
@@ -152,6 +156,9 @@ def _contents(name: str, format: str | None, coarser: float) -> tuple[str, Conte
     except UnicodeEncodeError as error:
         raise ReadError(_REASONS[errno.ENOENT]) from error
     except MemoryError as error:
+        if status.st_size < _SMALL:
+            says = f"its counts ask for more memory than there is, though it has {status.st_size} bytes only: "
+            raise ReadError(f"{says}it is damaged, export it again") from error
         raise ReadError("it needs more memory than there is: split the part or use a larger machine") from error
 
 
@@ -159,5 +166,6 @@ def _read_as(kind: str, path: Path, coarser: float) -> Contents:
     """Read a file with the reader of its kind; the readers are imported when they are used."""
     _, _, module, function = FORMATS[kind]
     options = (kind,) if module == "meshio" else (coarser,) if kind == "step" else ()
-    contents: Contents = getattr(import_module(f"inertia.mesh.readers.{module}"), function)(path, *options)
+    with np.errstate(all="ignore"):  # what is not finite is refused by name
+        contents: Contents = getattr(import_module(f"inertia.mesh.readers.{module}"), function)(path, *options)
     return contents

@@ -61,7 +61,7 @@ def arrange(tools: Sequence[Tool], vector: complex, previous: Arrangement | None
 
 
 def _again(previous: Arrangement, vector: complex) -> Arrangement | None:
-    if previous.tool.plane.angles == "free":
+    if previous.tool.plane.angles == "free" and previous.places:
         spread = _spread(previous.tool, vector, len(previous.places))
         if spread is not None and abs(spread.short) <= _EXACT * abs(vector):
             return spread
@@ -162,7 +162,8 @@ def _picked(tool: Tool, vector: complex, candidates: Sequence[float]) -> Arrange
         rows=rows,
     )
     best = program.least(remainder)
-    assert best is not None, "no places at all are always a choice"
+    if best is None:  # out of all proportion to what the tool can do
+        return Arrangement(tool, (), vector)
     within = np.array([float(best[rest]) + _LEEWAY])
     fewer = replace(program, radii=within, reach=np.zeros_like(remainder)[None]).least(number)
     picked = np.flatnonzero((best if fewer is None else fewer)[used]).tolist()

@@ -17,6 +17,7 @@ from typing import NamedTuple
 import numpy as np
 
 from inertia.arrays import Float, Int
+from inertia.dynamics.computing_time import Watch
 from inertia.dynamics.integrators.rotation import RotationProblem, power_of_two
 from inertia.dynamics.integrators.terms import HEAD, VECTOR
 from inertia.dynamics.kinematics import quaternion
@@ -25,6 +26,12 @@ from inertia.native import Kernel, address
 
 MAX_STEPS = 200_000_000
 """The most steps of a run (a minute or more): one that needs more is refused, or stops."""
+
+_FIRST_LOOK = 150_000
+"""Steps of a kernel after which it is asked how far it has come; it then begins again."""
+
+_STEP = 2e-5
+"""s, what a step of a kernel takes at most."""
 
 EPS = float(np.finfo(np.float64).eps)
 
@@ -223,34 +230,48 @@ class Integrator(ABC):
 
     def _in_kernel(self, piece: Piece, call: Call, rows: Float) -> int:
         """Write the rows of a piece by a kernel; return the steps."""
-        units = piece.units
-        steps = call.kernel.function(
-            *units.addresses,
-            units.vectors,
-            address(piece.time) + 8 * piece.first,
-            piece.last - piece.first,
-            piece.start,
-            piece.end,
-            piece.problem.rate,
-            MAX_STEPS,
-            address(rows) + 56 * piece.first,
-            *call.arguments,
-        )
-        if steps < 0:
-            raise self._stopped()
-        return steps
+        units, watch = piece.units, Watch()
+        state = rows[piece.first].copy()
+        radians = 3.0 * (piece.end - piece.start) * piece.problem.rate
+        expected = int(radians) if radians < watch.left / _STEP else 0
+        most = max(_FIRST_LOOK, expected) if watch.limits else MAX_STEPS
+        while True:
+            rows[piece.first + 1 : piece.last + 1, 0] = np.nan  # until a sample is reached
+            steps = call.kernel.function(
+                *units.addresses,
+                units.vectors,
+                address(piece.time) + 8 * piece.first,
+                piece.last - piece.first,
+                piece.start,
+                piece.end,
+                piece.problem.rate,
+                most,
+                address(rows) + 56 * piece.first,
+                *call.arguments,
+            )
+            if steps >= 0:
+                return steps
+            if steps == -1 or most == MAX_STEPS:
+                raise self._stopped("where the motion leaves float64" if steps == -1 else None)
+            ahead = piece.first + int(np.isfinite(rows[piece.first + 1 : piece.last + 1, 0]).sum()) + 1
+            reached = (piece.time[ahead] if ahead < piece.last else piece.end) - piece.start
+            watch.require(min(float(reached / (piece.end - piece.start)), 0.99))
+            rows[piece.first] = state
+            most = min(16 * most, int(0.5 * watch.left * most / watch.elapsed), MAX_STEPS)
 
     def _in_python(self, piece: Piece, control: float, level: int, rows: Float) -> int:
         """Do the same a step at a time."""
+        watch = Watch()
         unit = np.array([1.0] * 4 + [piece.problem.rate] * 3)
         stepper = self.stepper(piece, rows[piece.first] / unit, control, level)
         targets, samples = np.unique(piece.targets, return_inverse=True)
         values = np.empty((len(targets), 7))
-        done = 0
+        done, end = 0, float(targets[-1])
         while done < len(targets):
             reason = stepper.step(float(targets[done]))
             if reason or stepper.steps > MAX_STEPS:
                 raise self._stopped(reason)
+            watch.require(stepper.time / end)
             last = done + int(targets[done:].searchsorted(stepper.time, side="right"))
             if last > done:
                 values[done:last] = stepper.values(targets[done:last])
@@ -260,7 +281,7 @@ class Integrator(ABC):
         return stepper.steps
 
     def _stopped(self, reason: str | None = None) -> GeometryError:
-        reason = reason or f"after {MAX_STEPS:.2g} steps, or where the motion leaves float64"
+        reason = reason or f"after {MAX_STEPS:.2g} steps"
         return GeometryError(
             f"{self.name} stopped {reason}: check the loads, ask for a shorter run or use another method"
         )

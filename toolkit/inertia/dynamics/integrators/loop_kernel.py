@@ -29,7 +29,7 @@ def through(inline, clock_at_start, aim, short, step, value):
     def follow(work, piece):
         """Take the state in the first row of `rows` (samples + 1, 7) to each sample and to the end, a row each.
 
-        Return the steps, or −1.
+        Return the steps; −1 where one cannot be taken, −2 where they are more than `limit`.
         """
         times_at, samples, start, end, rate, limit, rows_at = piece
         times = carray(times_at, (samples,), np.float64)
@@ -44,8 +44,10 @@ def through(inline, clock_at_start, aim, short, step, value):
             while short(clock, target):
                 clock, state, fine = step(work, clock, state)
                 steps += 1
-                if not fine or steps > limit:
+                if not fine:
                     return -1
+                if steps > limit:
+                    return -2
             x, y, z, w, p, q, r = value(work, clock, state, target)
             row = rows[sample]
             row[0], row[1], row[2], row[3] = x, y, z, w

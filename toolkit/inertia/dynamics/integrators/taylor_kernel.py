@@ -286,7 +286,8 @@ def taylor(simple):
         work = moments, terms, count, order, tolerance, table
         steps = follow(work, (times_at, samples, start, end, rate, limit, rows_at))
         last = carray(rows_at, (samples + 1, 7), np.float64)[samples]
-        return steps if abs(last[0]) + abs(last[4]) + abs(last[5]) + abs(last[6]) < np.inf else -1
+        finite = abs(last[0]) + abs(last[4]) + abs(last[5]) + abs(last[6]) < np.inf
+        return steps if steps < 0 or finite else -1
 
     return advance
 

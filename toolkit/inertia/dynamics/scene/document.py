@@ -26,6 +26,7 @@ from inertia.errors import FieldPath, GeometryError
 
 _SECTIONS = ("schema", "body", "part", "start", "constraint", "load", "run")
 _FAR = 10.0  # sizes of the body
+_NO_THICKNESS = 1e-30  # of the largest moment: less is no body, and its axis turns faster than can be followed
 
 
 @dataclass(frozen=True, eq=False)
@@ -130,8 +131,8 @@ class Scene(Document):
 
 def _require_sense(scene: Scene) -> None:
     """Raise `UsageError` where fields contradict each other or one is lacking, `GeometryError` for what cannot be."""
-    least = scene.body.principal.moments[0]
-    if not least > 0:
+    least, _, largest = scene.body.principal.moments
+    if not least > _NO_THICKNESS * largest:
         raise GeometryError(
             f"the smallest principal moment is {least:.3g} kg m², and about an axis that no mass is away from there "
             "is no rotation to follow: give the body a thickness"

@@ -156,6 +156,7 @@ class Settings(Section):
     accuracy : rad, of the attitude at every sample
     model : the model to use, in place of the one that `plan` picks
     method : the integrator to use, which makes the run a stepped one
+    time_limit : s of computing that the run may take; one that would take much more is refused as soon as that shows
     """
 
     section: ClassVar[str] = "run"
@@ -165,6 +166,7 @@ class Settings(Section):
     accuracy: Annotated[float, number("rad", positive=True)] = 1e-10
     model: Annotated[str | None, text] = None
     method: Annotated[str | None, text] = None
+    time_limit: Annotated[float, number("seconds", positive=True)] = 60.0
 
     def require_sense(self, path: str) -> None:
         """Raise `FieldError` where the accuracy is none that can be reached."""

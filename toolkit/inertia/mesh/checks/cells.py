@@ -14,12 +14,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from inertia.arrays import Bool, Int
-from inertia.mesh.checks.findings import Evidence, around, counted, listed, middle, usable
+from inertia.mesh.checks.findings import Evidence, around, counted, listed, middle
 from inertia.mesh.geometry.cell_maps import TANGLED, Jacobians, jacobians
 from inertia.mesh.geometry.cell_shapes import FLAT_TRIANGLES, KINDS, numbered_blocks
 from inertia.mesh.geometry.closure import components, repeated_corners
 from inertia.mesh.geometry.edges import Place, first_equal
-from inertia.mesh.part import Cells, Surface
+from inertia.mesh.part import Cells, Surface, usable
 
 
 class _Faces(NamedTuple):

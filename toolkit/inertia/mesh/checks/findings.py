@@ -8,7 +8,7 @@ from typing import Literal
 
 import numpy as np
 
-from inertia.arrays import Bool, Float, Int, Orientation
+from inertia.arrays import Float, Int, Orientation
 from inertia.errors import CHECK, GeometryError, Remedy, Sentence, Word
 from inertia.mesh.geometry.edges import Loop, Place
 from inertia.mesh.geometry.shells import Shell
@@ -16,7 +16,6 @@ from inertia.mesh.part import Doubt, Source
 
 Severity = Literal["error", "warning", "note"]
 
-_LARGEST = 1e75  # the inertia of anything larger leaves float64, whatever the unit
 _LISTED = 10
 _HOWEVER_TURNED = ", however its shells are turned: unite the bodies or move them apart where the part was made"
 
@@ -133,11 +132,6 @@ class Evidence:
     figures: Mapping[str, object] = field(default_factory=dict)
     advice: tuple[Word, ...] = ()
     doubt: Doubt | None = None
-
-
-def usable(coordinates: Float) -> Bool:
-    """Say which coordinates are numbers that a volume can be computed from."""
-    return np.abs(coordinates) <= _LARGEST
 
 
 def listed(which: Int) -> tuple[int, ...]:

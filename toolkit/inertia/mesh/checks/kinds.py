@@ -23,12 +23,12 @@ from inertia.mesh.checks.crossings import (
     self_intersections,
 )
 from inertia.mesh.checks.doubled_cells import shared_space
-from inertia.mesh.checks.findings import Evidence, Finding, Severity, counted, listed, middle, usable
+from inertia.mesh.checks.findings import Evidence, Finding, Severity, counted, listed, middle
 from inertia.mesh.checks.surface_topology import SurfaceTopology
 from inertia.mesh.geometry.closure import repeated_corners
 from inertia.mesh.geometry.edges import flat
 from inertia.mesh.geometry.shells import Shell, bounds_nothing
-from inertia.mesh.part import Doubt, Surface, Triangles
+from inertia.mesh.part import Doubt, Surface, Triangles, usable
 from inertia.mesh.repairs.weld import closing_distance
 
 Subject = Literal[

@@ -17,7 +17,7 @@ import numpy as np
 
 from inertia.arrays import Float
 from inertia.errors import ReadError
-from inertia.mesh.part import Rounding
+from inertia.mesh.part import Rounding, usable
 from inertia.mesh.readers.contents import shown
 
 _MOST_DIGITS = 22  # after the point, of decimals that are looked at; those of a float64 near 1 that is exact have fewer
@@ -42,7 +42,7 @@ def rounding_of(
     words : returns the decimals, point by point, when they are to be read exactly; None where that cannot be
     precision : of the numbers that the decimals became, if these were widened to float64 afterwards
     """
-    if not len(points):
+    if not len(points) or not usable(points).all():
         return None
     half = 0.5 * np.spacing(np.abs(points).max(axis=0).astype(precision)).astype(np.float64)
     if not _rounded(points, text, float(half.max())):

@@ -108,6 +108,8 @@ def _coordinates(words: list[bytes], elements: list[_Element]) -> Iterator[bytes
 
 
 def _header(lines: list[str]) -> tuple[str, list[_Element]]:
+    if not lines or lines[0].strip() != "ply":
+        raise ReadError("its header does not begin with ply and a format: export it again")
     encoding = ""
     elements: list[_Element] = []
     for line in lines[1:]:
@@ -124,7 +126,7 @@ def _header(lines: list[str]) -> tuple[str, list[_Element]]:
                 pass
             case _:
                 raise ReadError(f"its header has the line {shown(line)}, which PLY does not know: export it again")
-    if lines[0].strip() != "ply" or not encoding:
+    if not encoding:
         raise ReadError("its header does not begin with ply and a format: export it again")
     return encoding, elements
 

@@ -211,6 +211,10 @@ def _parse(data: bytes, start: Callable[[str, dict[str, str]], None]) -> None:
         raise ReadError(f"its XML is damaged ({error}): export it again") from None
     except KeyError as missing:
         raise ReadError(f"its XML lacks the attribute {missing} at line {parser.CurrentLineNumber}") from None
+    except ReadError:  # it is a ValueError too
+        raise
+    except (LookupError, ValueError) as error:  # an encoding that Python does not know, or not for XML
+        raise ReadError(f"its XML cannot be decoded ({error}): export it as UTF-8") from None
 
 
 def _part_name(target: str) -> str:

@@ -16,13 +16,14 @@ from inertia.arrays import Float, Int
 from inertia.errors import GeometryError, UsageError
 from inertia.mesh.geometry.closure import closure, components, merge_equal_vertices, repeated_corners
 from inertia.mesh.geometry.edges import duplicates
-from inertia.mesh.part import Surface, Triangles, first_non_finite
+from inertia.mesh.part import LARGEST, Surface, Triangles, usable
 
 _LARGEST = 0.1  # tolerance, over the diagonal of the part's box
 _CRACK = 1e-3  # width of a crack, over the diagonal of the part's box
 _EDGES = 100_000  # open edges that are matched in a second or two
 _SHRUNK = 0.01  # length of the rim of a crack that may shrink to points, over all of it
 _THREE_DIGITS = Context(prec=3, rounding=ROUND_CEILING)
+_SCANNED = 65_536  # triangles looked at together
 _ABOVE = 1 + 1e-12  # the tree of `clusters` compares distances as rounded
 _PAIRS = 50_000_000  # close vertices found at most: one gigabyte
 
@@ -166,12 +167,15 @@ def _closing(vertices: Float, numbers: Int, ends: Int, surplus: Int, limit: floa
 
 
 def require_finite(triangles: Triangles) -> None:
-    """Raise `GeometryError` where a coordinate is NaN or infinite."""
-    where = first_non_finite(triangles)
-    if where is not None:
-        raise GeometryError(
-            f"triangle {where[0]} has at corner {where[1]} a coordinate that is not finite: export it again"
-        )
+    """Raise `GeometryError` where a coordinate is NaN, infinite or too large to compute with."""
+    for start in range(0, triangles.count, _SCANNED):
+        fine = usable(triangles.corners(start, start + _SCANNED)).all(axis=2)
+        if not fine.all():
+            face, corner = (int(k) for k in np.argwhere(~fine)[0])
+            raise GeometryError(
+                f"triangle {start + face} has at corner {corner} a coordinate that is no usable number (NaN, infinite "
+                f"or beyond {LARGEST:.0e}): export it again"
+            )
 
 
 def diagonal(vertices: Float) -> float:

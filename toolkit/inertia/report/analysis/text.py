@@ -112,15 +112,20 @@ def _repair(repaired: Repaired, unit: str) -> list[str]:
 def _results(analysis: Analysis) -> Iterator[str]:
     properties, unit = analysis.properties, analysis.part.unit
 
+    def in_unit(value: float, exponent: int) -> str:
+        try:
+            return number(float(Fraction(value) / unit.metres**exponent))
+        except OverflowError:
+            return "more than 1.8e308"
+
     def scalar(label: str, value: float, exponent: int) -> str:
-        scaled = number(float(Fraction(value) / unit.metres**exponent))
-        beside = "" if unit.metres == 1 else f"   = {scaled} {power(unit.name, exponent)}"
+        beside = "" if unit.metres == 1 else f"   = {in_unit(value, exponent)} {power(unit.name, exponent)}"
         return row(label, f"{number(value)} {power('m', exponent)}{beside}")
 
     def vector(label: str, values: list[float]) -> Iterator[str]:
         yield row(label, f"{', '.join(map(number, values))} m")
         if unit.metres != 1:
-            scaled = (number(float(Fraction(value) / unit.metres)) for value in values)
+            scaled = (in_unit(value, 1) for value in values)
             yield row("", f"= {', '.join(scaled)} {unit.name}")
 
     low, high = analysis.extents.tolist()

@@ -17,6 +17,7 @@ import numpy as np
 from numpy.polynomial.legendre import leggauss, legvander
 
 from inertia.arrays import Float
+from inertia.dynamics.computing_time import Watch
 from inertia.dynamics.kinematics import quaternion
 
 NODES = 12
@@ -76,6 +77,7 @@ def collocate(
     slopes = np.empty((len(lengths), NODES, 4))
     attitude = np.empty((len(edges), 4))
     attitude[0] = q = start
+    watch = Watch()
     for first in range(0, len(lengths), _TOGETHER):
         some = slice(first, first + _TOGETHER)
         times = edges[:-1][some, None] + lengths[some, None] * nodes
@@ -85,6 +87,7 @@ def collocate(
             slopes[k] = _settle(q, length * inner, turn, b, c)
             q = q + length * (full @ slopes[k])
             attitude[k + 1] = q = q / np.sqrt(q @ q)
+        watch.require((first + _TOGETHER) / len(lengths))
     return Trajectory(edges, attitude, slopes)
 
 

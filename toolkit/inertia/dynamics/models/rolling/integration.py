@@ -16,6 +16,7 @@ from typing import Any
 import numpy as np
 
 from inertia.arrays import Float
+from inertia.dynamics.computing_time import Watch
 from inertia.dynamics.models.rolling.equations import RollingBody, angular_acceleration
 from inertia.errors import GeometryError
 
@@ -93,11 +94,12 @@ def follow(body: RollingBody, start: Float, end: float, repeat: bool, tolerance:
     solver = DOP853(_equations(body), 0.0, start, end, rtol=tolerance, atol=absolute)
     times, pieces = [0.0], []
     side = 1.0 if start[0] > 0.5 * math.pi else -1.0
-    first, nutation, flat = None, None, None
+    first, nutation, flat, watch = None, None, None, Watch()
     while solver.status == "running" and nutation is None and flat is None:
         was = solver.y
         if message := solver.step():
             raise GeometryError(f"the rolling body cannot be followed beyond t = {solver.t:.6g} s: {message.lower()}")
+        watch.require(solver.t / end)
         solver.h_abs *= share
         piece = solver.dense_output()
         times.append(float(solver.t))
