@@ -34,8 +34,7 @@ def assert_admits(mesh: Mesh, missing: np.ndarray | list[int]) -> float:
     least, most = repaired.volume_between
     assert least <= volume * (1 + 1e-12)
     assert volume <= most * (1 + 1e-12)
-    # A filling of many edges may cross the part a little, which an analysis refuses unless it does not look.
-    filled, error = inertia.mass_properties(repaired.part, 1.0, intersections=False), repaired.error
+    filled, error = inertia.mass_properties(repaired.part, 1.0), repaired.error
     assert abs(filled.volume - volume) <= (error.volume + 1e-12) * filled.volume
     assert np.linalg.norm(filled.center_of_mass - center) <= error.center_of_mass + 1e-12
     assert np.linalg.norm(filled.inertia - tensor) <= (error.inertia + 1e-12) * np.linalg.norm(filled.inertia)
@@ -256,3 +255,16 @@ def test_what_is_repaired_twice_keeps_the_bound():
     once = inertia.repair(Part.from_arrays(vertices, faces[1:])).part
     again = inertia.repair(inertia.weld(once, 1e-9).part).part
     assert inertia.analyse(again).repair == inertia.analyse(once).repair
+
+
+@pytest.mark.parametrize(("mesh", "count", "start"), [(rough(0.1), 250, 1111), (lumpy(2), 400, 777)])
+def test_a_filling_that_crosses_the_part_has_an_answer(mesh: Mesh, count: int, start: int) -> None:
+    open_part = Part.from_arrays(mesh[0], np.delete(mesh[1], patch(mesh, start, count), axis=0))
+    analysis = inertia.analyse(inertia.repair(open_part).part)
+    (crossing,) = analysis.doubts
+    assert crossing.code == "self_intersection"
+    assert "is less than the fillings of the holes leave open" in crossing.message
+    volume = moments(mesh)[0]
+    answer = analysis.properties
+    assert abs(answer.volume - volume) <= (analysis.repair.volume + answer.error.volume) * answer.volume
+    assert answer.error.volume < analysis.repair.volume

@@ -44,7 +44,7 @@ def check(part: Part, *, intersections: bool | None = None) -> Report:
 def _check_surface(part: Part, triangles: Triangles, intersections: bool | None) -> Report:
     if unusable := next(findings("triangles", triangles), None):
         return _nothing_to_measure(part, triangles.count, unusable)
-    surface = SurfaceTopology.of(triangles, part.unit.name)
+    surface = SurfaceTopology.of(triangles, part.unit.name, part.filling.volume if part.filling else 0.0)
     remarks = [*findings("surface", surface)]
     flat = [*findings("volume", surface)] if surface.bounds else []
     if surface.bounds:

@@ -209,8 +209,11 @@ def self_intersections(surface: SurfaceTopology) -> Evidence | None:
         "other": pair[0, 1],
     }
     doubt = None if pairs.truncated or not surface.shells else _doubled(surface, pair)
-    if doubt is not None and _is_shallow(surface, np.unique(pair), doubt):
-        figures |= {"tolerance": CONTACT, "volume": doubt.volume, "unit": surface.unit}
+    shallow = doubt is not None and _is_shallow(surface, np.unique(pair), doubt)
+    if doubt is not None and (shallow or doubt.volume <= surface.room):
+        depth = f"is on average no deeper than the contact tolerance ({CONTACT:g} of the shell)"
+        within = depth if shallow else "is less than the fillings of the holes leave open"
+        figures |= {"within": within, "volume": doubt.volume, "unit": surface.unit}
     else:
         figures["doubt"] = _doubt(surface, np.unique(pair), doubt) if surface.shells else ""
         doubt = None

@@ -334,8 +334,7 @@ KINDS = (
         "{other}, so that what is enclosed twice counts twice{doubt}",
         ("unite it with itself where it was made",),
         "self-intersection: {count:pair} of triangles cross, the first {around} being triangles {one} and {other}, but "
-        "what that encloses more than once is on average no deeper than the contact tolerance ({tolerance:g} of the "
-        "shell): up to {volume:.2g} {unit}³, which is in the bounds",
+        "what that encloses more than once {within}: up to {volume:.2g} {unit}³, which is in the bounds",
     ),
     Kind(
         "shells", "zero_volume", "warning",

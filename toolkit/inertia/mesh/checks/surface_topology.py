@@ -29,7 +29,10 @@ _STATES: dict[tuple[str, int], State] = {
 
 @dataclass(frozen=True, eq=False)
 class SurfaceTopology:
-    """A surface with usable coordinates, and how it hangs together; `shells` is empty where it bounds no volume."""
+    """A surface with usable coordinates, and how it hangs together; `shells` is empty where it bounds no volume.
+
+    `room` is the volume that the fillings of its holes may be off by.
+    """
 
     triangles: Triangles
     unit: str
@@ -38,14 +41,15 @@ class SurfaceTopology:
     edges: Edges
     closure: Closure
     shells: tuple[Shell, ...]
+    room: float = 0.0
 
     @classmethod
-    def of(cls, triangles: Triangles, unit: str) -> SurfaceTopology:
+    def of(cls, triangles: Triangles, unit: str, room: float = 0.0) -> SurfaceTopology:
         """Merge equal vertices, pair the edges, and nest the shells."""
         vertices, faces = merge_equal_vertices(triangles)
         pairs, pieces = edges.pair_edges(faces), closure(triangles)
         nested = shells.shells(triangles, pieces) if pairs.balanced.all() else ()
-        return cls(triangles, unit, vertices, faces, pairs, pieces, nested)
+        return cls(triangles, unit, vertices, faces, pairs, pieces, nested, room)
 
     @property
     def closed(self) -> bool:
