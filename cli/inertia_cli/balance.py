@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from inertia.errors import GeometryError, ReadError, UsageError
-from inertia_cli.options import record, require_recordable, triple
+from inertia_cli.options import names_document, record, require_recordable, triple
 from inertia_cli.printing import print_document, write_and_show
 from inertia_cli.progress import Progress
 from inertia_cli.wording import with_options
@@ -63,7 +63,12 @@ def add(parsers: Any) -> None:
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )
     parser.set_defaults(run=run)
-    parser.add_argument("part", nargs="?", metavar="ROTOR | PART", help="a rotor file (.toml), or a mesh or STEP file")
+    parser.add_argument(
+        "part",
+        nargs="?",
+        metavar="ROTOR | PART",
+        help="a rotor file (.toml), or a mesh or STEP file; - for standard input",
+    )
     _add_short_form(parser)
     result = parser.add_argument_group("result")
     result.add_argument("--json", action="store_true", help="print one JSON document (inertia/balance/1)")
@@ -115,7 +120,7 @@ def run(options: argparse.Namespace) -> int:
         return 0
     if options.part is None:
         raise UsageError("no rotor is named: give a rotor file or a part, see `inertia balance --help`")
-    if Path(options.part).suffix.lower() == ".toml":
+    if names_document(options):
         return _balance(_rotor(options), options)
     try:
         return _balance(_rotor_of_part(options), options)

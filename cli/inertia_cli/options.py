@@ -9,7 +9,9 @@ import threading
 from fractions import Fraction
 from typing import TYPE_CHECKING, Any, TypeVar
 
-from inertia.errors import InertiaError, UsageError
+from inertia.errors import InertiaError, ReadError, UsageError
+from inertia.standard_input import NAME as STANDARD_INPUT
+from inertia.standard_input import file_of
 
 if TYPE_CHECKING:
     from inertia.mesh.part import Part
@@ -20,7 +22,9 @@ T = TypeVar("T")
 def add_input(parser: argparse.ArgumentParser) -> None:
     """Add the part and how to read it."""
     parser.add_argument(
-        "part", metavar="PART", help="STL, OBJ, PLY, OFF, glTF, 3MF, Collada, STEP, VTK, Gmsh, Nastran, Abaqus, ..."
+        "part",
+        metavar="PART",
+        help="STL, OBJ, PLY, OFF, glTF, 3MF, Collada, STEP, VTK, Gmsh, Nastran, Abaqus, ...; - for standard input",
     )
     parser.add_argument("--unit", metavar="UNIT", help="length unit of the coordinates: mm (assumed), m, in, ...")
     parser.add_argument("--format", metavar="KIND", help="kind of file, where its contents should not decide")
@@ -136,6 +140,26 @@ def read_part(options: argparse.Namespace, coarser: float = 1.0) -> tuple[Part, 
     hashing = threading.Thread(target=digest, daemon=True)
     hashing.start()
     return part, hashing
+
+
+def names_document(options: argparse.Namespace) -> bool:
+    """Say whether what is named is a TOML file, and no mesh; of standard input, the contents decide."""
+    name: str = options.part
+    if name != STANDARD_INPUT:
+        return name.lower().endswith(".toml")
+    if getattr(options, "format", None) is not None:
+        return False
+    from inertia.mesh.readers.formats import HEAD, sniff
+
+    try:
+        path = file_of(name)
+        with path.open("rb") as file:
+            head = file.read(HEAD)
+        if head:
+            sniff(path, head, path.stat().st_size)
+        return False
+    except ReadError:
+        return True
 
 
 def require_recordable(options: argparse.Namespace) -> None:

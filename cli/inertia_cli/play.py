@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import Any
 
 from inertia.errors import InertiaError
+from inertia.standard_input import file_of
 
 _LOCAL = ["--bind", "127.0.0.1"]
 _WEB = ["--web-viewer", "--web-viewer-port", "0", "--port", "auto"]
@@ -23,7 +24,9 @@ def add(parsers: Any) -> None:
         description="Open a recording in Rerun's viewer, which listens on this machine only.",
     )
     parser.set_defaults(run=run)
-    parser.add_argument("part", metavar="RUN", help="a recording, as `inertia simulate -o run.rrd` writes it")
+    parser.add_argument(
+        "part", metavar="RUN", help="a recording, as `inertia simulate -o run.rrd` writes it; - for standard input"
+    )
     parser.add_argument("--web", action="store_true", help="in a browser of this machine; Ctrl-C ends it")
 
 
@@ -33,13 +36,14 @@ def run(options: argparse.Namespace) -> int:
 
     from inertia.recording.provenance import properties
 
-    properties(options.part)
+    recording = str(file_of(options.part))
+    properties(recording)
     if not options.web and not _has_screen():
         raise InertiaError(
             "there is no screen to open the viewer on: play the recording in a browser of this machine by --web, or "
             "copy it to a machine with a screen"
         )
-    command = [_viewer(), options.part, *_LOCAL, *(_WEB if options.web else [])]
+    command = [_viewer(), recording, *_LOCAL, *(_WEB if options.web else [])]
     try:
         code = subprocess.run(command, check=False).returncode
     except KeyboardInterrupt:  # the way to end a server

@@ -45,7 +45,9 @@ def add(parsers: Any) -> None:
     )
     parser.set_defaults(run=run)
     parser.add_argument(
-        "part", metavar="SCENE", help="a TOML file of body, start, constraint, load and run; or a recording"
+        "part",
+        metavar="SCENE",
+        help="a TOML file of body, start, constraint, load and run (- for standard input); or a recording",
     )
     overrides = parser.add_argument_group("in place of what the scene says")
     overrides.add_argument("--for", dest="duration", type=float, metavar="SECONDS", help="how long to follow the body")

@@ -6,7 +6,7 @@ import argparse
 from typing import Any
 
 from inertia.errors import UsageError
-from inertia_cli.options import accuracy, add_input, read_part
+from inertia_cli.options import accuracy, add_input, names_document, read_part
 from inertia_cli.printing import write_and_show
 from inertia_cli.progress import Progress
 from inertia_cli.wording import as_option
@@ -60,7 +60,7 @@ def run(options: argparse.Namespace) -> int:
     from inertia.work_precision.trade import PartTrade, SceneTrade
     from inertia.work_precision.trade import trade as measure
 
-    scene = options.part.lower().endswith(".toml")
+    scene = names_document(options)
     for name in ("unit", "format", "density", "material"):
         if scene and getattr(options, name) is not None:
             raise UsageError(f"--{name} goes with a part: {options.part} says itself what its body is")

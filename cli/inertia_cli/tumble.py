@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import Any
 
 from inertia.errors import GeometryError, UsageError
+from inertia.standard_input import NAME as STANDARD_INPUT
 from inertia_cli.options import add_density, add_input, by_name, triple
 from inertia_cli.simulate import FIELDS, add_result, add_settings, follow
 from inertia_cli.wording import with_options
@@ -65,7 +66,7 @@ def _text(options: argparse.Namespace) -> str | None:
     from inertia.documents import toml_text
 
     density, material = dict(options.density), dict(options.material)
-    if options.format is not None or any(name for name in (*density, *material)):
+    if options.part == STANDARD_INPUT or options.format is not None or any(name for name in (*density, *material)):
         return None
     body = {
         "part": Path(options.part).name,

@@ -24,6 +24,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from inertia.errors import FieldPath, GeometryError, ReadError, UsageError, Word, placed, visible
+from inertia.standard_input import file_of
 
 Read = Callable[[Any, str], Any]
 
@@ -144,10 +145,15 @@ class Document(ABC):
 
     @classmethod
     def load(cls, path: str | os.PathLike[str]) -> Self:
-        """Read a file; the files that it names are looked for beside it. Raises `ReadError`, `UsageError`."""
+        """Read a file, `-` for standard input; the files that it names are looked for beside it.
+
+        Raises `ReadError`, `UsageError`.
+        """
         name = os.fspath(path)
         try:
-            text = Path(path).read_bytes().decode("utf-8-sig")
+            text = file_of(name).read_bytes().decode("utf-8-sig")
+        except ReadError as error:
+            raise placed(error, f"cannot read {name}") from None
         except OSError as error:
             raise ReadError(f"cannot read {name}: {error.strerror or error}: check the path") from None
         except (UnicodeDecodeError, ValueError):

@@ -25,6 +25,7 @@ from inertia.mesh.part import Part, Rounding, Source
 from inertia.mesh.readers.contents import Contents
 from inertia.mesh.readers.formats import FORMATS, HEAD, format_of_name, sniff
 from inertia.mesh.version import Version, unchanged
+from inertia.standard_input import file_of
 from inertia.units import DEFAULT_UNIT, Unit, UnitFrom, length_unit
 
 _SMALL = 10_000_000  # bytes
@@ -50,7 +51,7 @@ def read(
 
     Parameters
     ----------
-    path : the file; its contents decide what kind it is, and its name only where they do not
+    path : the file, `-` for standard input; its contents decide what kind it is, and its name only where they do not
     unit : the unit of length of the coordinates, in place of the file's own; without either, millimetres are
         assumed
     format : the kind of file (`"stl"`, `"obj"`, ...), where it is not to be found out
@@ -132,10 +133,10 @@ def _unit(override: Unit | None, of_file: Unit | None) -> tuple[Unit, UnitFrom]:
 
 def _contents(name: str, format: str | None, coarser: float) -> tuple[str, Contents, Version]:
     """Return the kind of a file, what is in it, and the version of it that was read."""
-    path = Path(name)
     if "\0" in name:
         raise ReadError(_REASONS[errno.ENOENT])
     try:
+        path = file_of(name)
         status = path.stat()
         if stat.S_ISDIR(status.st_mode):
             raise ReadError("it is a directory: give a file in it")

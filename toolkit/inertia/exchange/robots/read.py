@@ -13,6 +13,7 @@ from inertia.exchange.robots.sdf import read_sdf
 from inertia.exchange.robots.table import read_csv, read_toml
 from inertia.exchange.robots.urdf import read_urdf
 from inertia.exchange.robots.usd import read_usd
+from inertia.standard_input import NAME as STANDARD_INPUT
 
 READERS: dict[str, tuple[set[str], Callable[[Path], Robot]]] = {
     "urdf": ({"<robot"}, read_urdf),
@@ -33,6 +34,8 @@ def read_robot(path: str | Path) -> Robot:
 
     Raises `ReadError` where the file is missing, damaged or of another format.
     """
+    if str(path) == STANDARD_INPUT:
+        raise ReadError("cannot read -: a robot's file names meshes beside it: save it to a file")
     path = Path(path)
     try:
         with path.open("rb") as file:

@@ -1,0 +1,104 @@
+"""`-` in place of a file: every command reads standard input."""
+
+import hashlib
+import json
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from inertia_meshes import path
+
+_RUN = [sys.executable, "-c", "from inertia_cli.__main__ import run; run()"]
+_SCENE = """
+[body]
+mass = 1.0
+inertia = [[1.0, 0, 0], [0, 2.0, 0], [0, 0, 3.0]]
+[start]
+angular_velocity = [0.1, 2, 0.1]
+[run]
+duration = 1.0
+"""
+
+
+def run(*arguments: str, data: bytes = b"", folder: Path | None = None) -> subprocess.CompletedProcess[bytes]:
+    return subprocess.run([*_RUN, *arguments], input=data, capture_output=True, cwd=folder)
+
+
+@pytest.mark.parametrize("name", ["cube.stl", "cube_ascii.stl", "shaft_impeller.obj", "two_region_bar.vtk"])
+def test_a_part_is_told_by_its_contents(name: str) -> None:
+    data = path(name).read_bytes()
+    there, piped = run("analyse", str(path(name)), "--json"), run("analyse", "-", "--json", data=data)
+    assert piped.stderr == b""
+    expected, result = json.loads(there.stdout), json.loads(piped.stdout)
+    assert result["source"] == {**expected["source"], "path": "-", "sha256": hashlib.sha256(data).hexdigest()}
+    result.pop("source")
+    expected.pop("source")
+    assert result == expected
+
+
+_TUMBLE = ("--spin", "1,2,3", "--for", "1")
+_BALANCE = ("--axis", "z", "--bearings", "20,280", "--planes", "90,215", "--rpm", "3000", "--grade", "6.3")
+
+
+@pytest.mark.parametrize(
+    ("arguments", "name", "code"),
+    [
+        (("check", "-"), "cube.stl", 0),
+        (("check", "-"), "broken/missing_face.stl", 4),
+        (("analyse", "-", "--accuracy", "exact"), "cube_ascii.stl", 0),
+        (("analyse", "-", "--repair"), "cube.stl", 0),
+        (("analyse", "-", "--format", "stl"), "cube.stl", 0),
+        (("trade", "-", "--repeats", "1", "--budget", "0.1"), "cube.stl", 0),
+        (("tumble", "-", *_TUMBLE), "box.stl", 0),
+        (("balance", "-", *_BALANCE), "two_disc_rotor.stl", 5),
+        (("balance", "-", "--to-toml"), "rotors/disc.toml", 0),
+    ],
+)
+def test_every_command_reads_it(arguments: tuple[str, ...], name: str, code: int, tmp_path: Path) -> None:
+    result = run(*arguments, data=path(name).read_bytes(), folder=path(name).parent)
+    assert (result.returncode, result.stderr) == (code, b"")
+    assert result.stdout
+
+
+def test_a_scene_may_come_in() -> None:
+    result = run("simulate", "-", data=_SCENE.encode())
+    assert (result.returncode, result.stderr) == (0, b"")
+
+
+def test_a_recording_of_what_came_in(tmp_path: Path) -> None:
+    data = path("box.stl").read_bytes()
+    result = run("tumble", "-", *_TUMBLE, "-o", "run.rrd", data=data, folder=tmp_path)
+    assert (result.returncode, result.stderr) == (0, b"")
+    assert [file.name for file in tmp_path.iterdir()] == ["run.rrd"]
+
+
+@pytest.mark.parametrize(
+    ("arguments", "data", "code", "says"),
+    [
+        (("analyse", "-"), b"", 3, "cannot read -: it is empty: export the part again"),
+        (("analyse", "-"), b"nothing", 3, "cannot read -: neither its contents nor its name tell what it is"),
+        (("balance", "-"), b"\xff", 3, "cannot read -: it is no text in UTF-8"),
+        (("trade", "-"), b"start = ", 3, "cannot read -: it is not TOML"),
+        (("simulate", "-"), b"x", 3, "cannot read -: it is not TOML"),
+        (("audit", "-"), b"<robot/>", 3, "cannot read -: a robot's file names meshes beside it: save it to a file"),
+        (("play", "-"), b"x", 3, "it is no whole Rerun recording"),
+    ],
+)
+def test_what_cannot_be_read(arguments: tuple[str, ...], data: bytes, code: int, says: str) -> None:
+    result = run(*arguments, data=data)
+    assert result.returncode == code
+    assert says in result.stderr.decode()
+    assert result.stderr.count(b"\n") == 1
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="descriptors")
+def test_it_is_closed() -> None:
+    import os
+
+    result = subprocess.run([*_RUN, "check", "-"], preexec_fn=lambda: os.close(0), capture_output=True)
+    assert (result.returncode, result.stderr) == (
+        3,
+        b"inertia: cannot read -: standard input is closed: name a file\n",
+    )

@@ -1,0 +1,41 @@
+"""Standard input as a file: what `-` stands for where a file is named."""
+
+from __future__ import annotations
+
+import atexit
+import sys
+from contextlib import ExitStack
+from functools import cache
+from pathlib import Path
+
+from inertia.errors import ReadError
+from inertia.output import temporary_folder
+
+NAME = "-"
+"""What stands for standard input; a file of that name is `./-`."""
+
+
+def file_of(name: str) -> Path:
+    """Return the file that a name stands for: of `-` one that holds all of standard input, until the process ends."""
+    return _spooled() if name == NAME else Path(name)
+
+
+@cache
+def _spooled() -> Path:
+    if sys.stdin is None:
+        raise ReadError("standard input is closed: name a file")
+    import shutil  # loads what packs and unpacks archives
+
+    stack = ExitStack()
+    try:
+        path = stack.enter_context(temporary_folder()) / "input"
+        atexit.register(stack.close)
+        with path.open("wb") as file:
+            shutil.copyfileobj(sys.stdin.buffer, file, 2**20)
+    except OSError as error:
+        where = "" if error.filename is None else f" ({error.filename})"
+        raise ReadError(
+            f"standard input cannot be put into a temporary file{where}: {error.strerror}: make room there, or name "
+            "another folder for such files by TMPDIR"
+        ) from error
+    return path
