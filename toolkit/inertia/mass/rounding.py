@@ -1,11 +1,13 @@
-"""What reading rounded, in the moments: a bound for vertices moved by at most δ, or the first-order change and a bound.
+"""What reading rounded, in the moments: a bound for vertices moved by at most δ, or the change and a bound.
 
 While the vertices of a closed surface move along d (linear over each triangle, |d| ≤ δ), the moments change by
 d/dt ∫ f dV = ∮ f d·n dA: with |n| dA for each triangle and all that f reaches, by δ A at most, and by the areas that
-grow with the edges on the way. To first order, with N twice the vector area, sums S over the corners and g = d·N there,
+grow with the edges on the way. With N twice the vector area, sums S over the corners and g = d·N there, on the way
 
-    δV = Σ S_g/6,   δ∫x = Σ (S_x S_g + Σ x g)/24,
-    δ∫x y = Σ (S_x S_y S_g + S_g Σ x y + S_x Σ y g + S_y Σ x g + 2 Σ x y g)/120.
+    dV = Σ S_g/6,   d∫x = Σ (S_x S_g + Σ x g)/24,
+    d∫x y = Σ (S_x S_y S_g + S_g Σ x y + S_x Σ y g + S_y Σ x g + 2 Σ x y g)/120.
+
+These are polynomials in t of degree 4 at most, so that Gauss's rule with three points gives the whole change.
 """
 
 from __future__ import annotations
@@ -21,6 +23,7 @@ from inertia.mesh.part import Rounding, Surface, Triangles
 
 _CHUNK = 1 << 16
 _INFLATED = 1.0 + 1e-9  # more than the float64 sums of positive terms can lose
+_GAUSS = ((0.5 - 0.15**0.5, 5 / 18), (0.5, 8 / 18), (0.5 + 0.15**0.5, 5 / 18))
 _RELATIVE = 1e-13  # more than float64 loses of a sum of a chunk's terms, relative to their magnitudes
 
 
@@ -38,7 +41,7 @@ def as_written(moments: Moments, triangles: Triangles, sums: Sums, rounding: Rou
     longest = 4.0 * float(_reach(sums).max())  # no edge is longer than 2 √3 times the reach
     area = float(np.ldexp(sums.sums[11], -2 * sums.exponent)) / 2 * _INFLATED
     area += _RELATIVE * sums.count * longest * longest  # of a needle, |n| is the difference of larger numbers
-    return moments + _within(sums, rounding.distance, area, 3.0 * longest * sums.count, first_order=1.0)
+    return moments + _within(sums, rounding.distance, area, 3.0 * longest * sums.count, share=1.0)
 
 
 def shell_as_written(moments: Moments, triangles: Triangles, sums: Sums, rounding: Rounding) -> Moments:
@@ -58,14 +61,13 @@ def _reach(sums: Sums) -> Float:
     return reach
 
 
-def _within(sums: Sums, distance: float, area: float, edges: float, first_order: float) -> Moments:
-    """Return zero moments with the bounds for vertices moved by `distance`, of first order `first_order` times that.
+def _within(sums: Sums, distance: float, area: float, edges: float, share: float) -> Moments:
+    """Return zero moments with the bounds for vertices moved by `distance`, times `share`.
 
     The area grows by at most ½ δ for each unit of edge, and by 3 δ² for each triangle.
     """
     growth = distance * (0.5 * edges + 3.0 * distance * sums.count)
-    volume = distance * (first_order * area + growth)
-    return _bounds(sums, distance, volume, 0.0 if first_order == 1.0 else distance * distance * (area + growth))
+    return _bounds(sums, distance, share * distance * (area + growth), 0.0)
 
 
 def _bounds(sums: Sums, distance: float, zeroth: float, turn: float) -> Moments:
@@ -93,8 +95,12 @@ def _change(surface: Surface, remainder: Float, sums: Sums, distance: float) -> 
         lengths = np.linalg.norm(u, axis=1), np.linalg.norm(v, axis=1), np.linalg.norm(v - u, axis=1)
         area += 0.5 * float(lengths[0] @ lengths[1])  # at least that, and the measure of what its own rounding does
         edges += float(sum(map(np.sum, lengths)))
-        totals += _first_order(corners - sums.origin, np.einsum("kij,kj->ki", remainder[faces], np.cross(u, v)))
-    bound = _within(sums, distance, area * _INFLATED, edges * _INFLATED, first_order=_RELATIVE)
+        d, local = remainder[faces], corners - sums.origin
+        du, dv = d[:, 1] - d[:, 0], d[:, 2] - d[:, 0]
+        for t, weight in _GAUSS:
+            g = np.einsum("kij,kj->ki", d, np.cross(u + t * du, v + t * dv))
+            totals += weight * _rates(local + t * d, g)
+    bound = _within(sums, distance, area * _INFLATED, edges * _INFLATED, share=_RELATIVE)
     volume, *others = map(Fraction, totals.tolist())
     return Moments(
         bound.origin,
@@ -107,7 +113,7 @@ def _change(surface: Surface, remainder: Float, sums: Sums, distance: float) -> 
     )
 
 
-def _first_order(corners: Float, g: Float) -> Float:
+def _rates(corners: Float, g: Float) -> Float:
     """Return the ten sums over triangles with these corners (k, 3, 3) and values g (k, 3) there."""
     sg, s = g.sum(axis=1), corners.sum(axis=1)
     xg = np.einsum("kai,ka->ki", corners, g)
