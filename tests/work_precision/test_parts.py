@@ -272,3 +272,29 @@ def test_a_part_far_from_the_origin_reaches_what_a_near_one_does():
     choice = trade(part((vertices + 1e6, faces)), accuracy=1e-12, repeats=1).recommendations[0]
     assert choice.row is not None
     assert choice.row.reached <= 1e-12
+
+
+@pytest.mark.parametrize(("far", "least"), [("1000", 1e-15), ("1000000", 1e-12)])
+def test_errors_and_bounds_are_against_the_decimals_that_the_file_writes(
+    far: str, least: float, tmp_path: Path
+) -> None:
+    corners = [
+        (f"{far}.1", "0.1", "0.2"),
+        (f"{far}.7", "0.2", "0.1"),
+        (f"{far}.2", "0.9", "0.3"),
+        (f"{far}.3", "0.4", "0.8"),
+    ]
+    file = tmp_path / "part.obj"
+    file.write_text("".join(f"v {' '.join(c)}\n" for c in corners) + "f 1 3 2\nf 1 2 4\nf 2 3 4\nf 1 4 3\n")
+    result = trade(inertia.read(file, unit="m"), density=1.0, repeats=1)
+    a, b, c = ([Fraction(p) - Fraction(q) for p, q in zip(corners[k], corners[0], strict=True)] for k in (1, 2, 3))
+    cross = [b[1] * c[2] - b[2] * c[1], b[2] * c[0] - b[0] * c[2], b[0] * c[1] - b[1] * c[0]]
+    volume = abs(sum((x * y for x, y in zip(a, cross, strict=True)), Fraction(0))) / 6
+    whole = {row.method: row for row in result.rows if row.mesh == "whole"}
+    for row in whole.values():
+        off = abs(Fraction(row.properties.volume) / volume - 1)
+        assert row.error is not None
+        assert row.error.volume == pytest.approx(float(off), rel=1e-6, abs=1e-18)
+        assert row.error.volume <= row.bound.volume
+    assert whole["float64"].bound.volume > least
+    assert whole["exact"].bound.volume < 2e-16

@@ -19,7 +19,7 @@ from inertia.mass.properties import MassProperties
 from inertia.mass.triangles.arithmetic import METHODS, Arithmetic, solid_moments
 from inertia.mass.triangles.sums import sum_triangles
 from inertia.mesh.geometry.closure import closure
-from inertia.mesh.part import Part, Triangles
+from inertia.mesh.part import Part, Rounding, Triangles
 from inertia.mesh.read import read
 from inertia.mesh.repairs.simplify import FEWEST, Simplified, halvings
 from inertia.native import COMPILE_ABOVE
@@ -37,20 +37,20 @@ def measure_part(analysis: Analysis, watch: Stopwatch, progress: Progress) -> Me
 
     Raises `UsageError` where the budget of the watch allows no method that can tell the volume from zero.
     """
-    part, triangles = analysis.part, analysis.part.triangles
+    part = analysis.part
     size = Fraction(float(np.ptp(analysis.extents, axis=0).max()))
     scale = _Scale(part.unit.metres, Fraction(analysis.density), size)
     steps = _steps_beside(part, watch)
-    answers, skipped = _answers(triangles, scale, watch, lambda done: progress(_WHOLE_MESH * done))
+    answers, skipped = _answers(part, scale, watch, lambda done: progress(_WHOLE_MESH * done))
     if not answers:
         raise UsageError(
             f"no method that can tell the volume of {part.name} from zero fits into the budget of {watch.budget:g} s: "
             "give a larger budget"
         )
     steps["results"], _ = watch.timed(lambda: scale.properties(answers[0].moments, answers[0].method))
-    whole = _whole_rows(triangles, answers, scale)
+    whole = _whole_rows(part, answers, scale)
     simpler, left_out = _simpler_rows(
-        triangles, answers[-1], scale, watch, lambda done: progress(_WHOLE_MESH + (1.0 - _WHOLE_MESH) * done)
+        part, answers[-1], scale, watch, lambda done: progress(_WHOLE_MESH + (1.0 - _WHOLE_MESH) * done)
     )
     progress(1.0)
     return Measurement((*whole, *simpler), whole[-1], (*skipped, *left_out), steps)
@@ -124,17 +124,15 @@ class _Answer:
     time: Timing
 
 
-def _answers(
-    triangles: Triangles, scale: _Scale, watch: Stopwatch, progress: Progress
-) -> tuple[list[_Answer], list[Skipped]]:
+def _answers(part: Part, scale: _Scale, watch: Stopwatch, progress: Progress) -> tuple[list[_Answer], list[Skipped]]:
     """Integrate the whole mesh by every method that the budget allows; by float64 in any case."""
     answers, skipped = [], []
     for k, method in enumerate(METHODS):
-        seconds = _estimate(triangles, method, watch)
+        seconds = _estimate(part, method, watch)
         if method != "float64" and not watch.affords(seconds):
             skipped.append(Skipped(f"{method} over the whole mesh", "it does not fit into the budget", seconds))
             continue
-        time, moments = watch.timed(partial(_integrated, triangles, method))
+        time, moments = watch.timed(partial(_integrated, part.triangles, method, part.rounding))
         try:
             answers.append(_Answer(method, moments, scale.properties(moments, METHODS[method]), time))
         except GeometryError as fault:
@@ -143,18 +141,23 @@ def _answers(
     return answers, skipped
 
 
-def _whole_rows(triangles: Triangles, answers: list[_Answer], scale: _Scale) -> list[PartRow]:
+def _known(part: Part, answer: _Answer) -> bool:
+    """Say whether an answer is the true one of the mesh that the file writes, but for the rounding of results."""
+    return answer.method == "exact" and (part.rounding is None or part.rounding.remainder is not None)
+
+
+def _whole_rows(part: Part, answers: list[_Answer], scale: _Scale) -> list[PartRow]:
     """Compare the answers for the whole mesh with the last of them, which is the most accurate one."""
     rows = []
     for answer in answers:
         bound = scale.bound(answer.properties)
-        known = answer is not answers[-1] or answer.method == "exact"
+        known = answer is not answers[-1] or _known(part, answer)
         rows.append(
             PartRow(
                 method=answer.method,
                 time=answer.time,
                 reached=bound.worst,
-                triangles=triangles.count,
+                triangles=part.triangles.count,
                 simplification=None,
                 properties=answer.properties,
                 error=scale.error(answer.properties, answers[-1].moments) if known else None,
@@ -165,13 +168,15 @@ def _whole_rows(triangles: Triangles, answers: list[_Answer], scale: _Scale) -> 
 
 
 def _simpler_rows(
-    triangles: Triangles, reference: _Answer, scale: _Scale, watch: Stopwatch, progress: Progress
+    part: Part, reference: _Answer, scale: _Scale, watch: Stopwatch, progress: Progress
 ) -> tuple[list[PartRow], list[Skipped]]:
     """Halve the mesh again and again, and integrate each by float64.
 
     It ends where the mesh cannot be halved, where the error makes it useless, or where the budget is used up.
     """
     rows: list[PartRow] = []
+    triangles = part.triangles
+    doubt = 0.0 if _known(part, reference) else scale.bound(reference.properties).worst
     levels = max(1.0, math.log2(triangles.count / FEWEST))
     meshes, share = halvings(triangles), 1
     next_one, seconds = _HALVING * triangles.count, 0.0
@@ -181,7 +186,7 @@ def _simpler_rows(
             if mesh is None:
                 return rows, [Skipped(_coarser(share), "no tolerance leaves a solid of so few triangles")]
             seconds += next_one
-            rows.append(_simpler_row(mesh, seconds, reference, scale, watch))
+            rows.append(_simpler_row(mesh, seconds, reference, doubt, scale, watch))
         except (UsageError, GeometryError) as fault:
             return rows, [Skipped(_coarser(share), fault.sentence)]
         share = mesh.share
@@ -195,7 +200,9 @@ def _coarser(share: int) -> str:
     return f"meshes of about 1/{2 * share} of the triangles and fewer"
 
 
-def _simpler_row(mesh: Simplified, seconds: float, reference: _Answer, scale: _Scale, watch: Stopwatch) -> PartRow:
+def _simpler_row(
+    mesh: Simplified, seconds: float, reference: _Answer, doubt: float, scale: _Scale, watch: Stopwatch
+) -> PartRow:
     if closure(mesh.surface).open_edges:
         raise GeometryError(f"simplifying to {mesh.surface.count} triangles left the mesh open")
     run = partial(_integrated, mesh.surface, "float64")
@@ -203,7 +210,6 @@ def _simpler_row(mesh: Simplified, seconds: float, reference: _Answer, scale: _S
     time, moments = watch.timed(run)
     properties = scale.properties(moments, METHODS["float64"])
     error = scale.error(properties, reference.moments)
-    doubt = 0.0 if reference.method == "exact" else scale.bound(reference.properties).worst
     return PartRow(
         method="float64",
         time=time,
@@ -216,17 +222,18 @@ def _simpler_row(mesh: Simplified, seconds: float, reference: _Answer, scale: _S
     )
 
 
-def _integrated(triangles: Triangles, method: Arithmetic) -> Moments:
+def _integrated(triangles: Triangles, method: Arithmetic, rounding: Rounding | None = None) -> Moments:
     """Integrate as an analysis does, which begins with the float64 sums whatever method is asked for."""
-    return solid_moments(triangles, method, sum_triangles(triangles))
+    return solid_moments(triangles, method, sum_triangles(triangles), rounding=rounding)
 
 
-def _estimate(triangles: Triangles, method: Arithmetic, watch: Stopwatch) -> float:
+def _estimate(part: Part, method: Arithmetic, watch: Stopwatch) -> float:
     """Return the seconds that a method needs for all triangles, as measured on a sample after a first use."""
+    triangles = part.triangles
     first = COMPILE_ABOVE if triangles.count >= COMPILE_ABOVE else _SAMPLE
-    _integrated(_sample(triangles, first), method)
+    _integrated(_sample(triangles, first), method, part.rounding)
     sample = _sample(triangles, _SAMPLE)
-    seconds, _ = watch.once(partial(_integrated, sample, method))
+    seconds, _ = watch.once(partial(_integrated, sample, method, part.rounding))
     return seconds * triangles.count / sample.count
 
 

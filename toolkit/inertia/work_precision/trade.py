@@ -113,8 +113,8 @@ def trade(
 
     Of a part, the time of a row is the wall time of the integration alone, by this one method (and the float64 sums
     that every analysis begins with); a first run, which may compile or load code, does not count. Its error is the
-    distance of the result from the exact answer for the whole mesh: of the arithmetic over the whole mesh, of the
-    geometry over a simplified one.
+    distance of the result from the exact answer for the whole mesh as its file writes it: of the arithmetic over the
+    whole mesh, decimals that reading rounded among it, of the geometry over a simplified one.
 
     Of a scene, every row is a whole `inertia.simulate` for a stated accuracy: planning, the motion, and the estimate of
     its error, in CPU time. A first run counts only where there is no time for a second one. The error is the largest
