@@ -61,6 +61,9 @@ def add(parsers: Any) -> None:
     mend = parser.add_argument_group("mending, never unasked")
     mend.add_argument("--weld", type=float, metavar="DISTANCE", help="merge vertices within DISTANCE, in --unit")
     mend.add_argument("--repair", action="store_true", help="close, turn and unite; every change is listed")
+    mend.add_argument(
+        "--union", action="store_true", help="count once what bodies, or a shell that crosses itself, enclose twice"
+    )
     result = parser.add_argument_group("result")
     result.add_argument(
         "--about", type=decimal_triple, metavar="X,Y,Z", help="give the tensor about this point too, in --unit"
@@ -169,7 +172,7 @@ def _analysis(part: Part, options: argparse.Namespace) -> Analysis:
     from inertia.mass.analysis import analyse as analyse_part
 
     tolerance = {} if options.class_tolerance is None else {"class_tolerance": options.class_tolerance}
-    with Progress("integrating") as progress:
+    with Progress("uniting" if options.union else "integrating") as progress:
         return analyse_part(
             part,
             by_name("density", options.density),
@@ -180,6 +183,7 @@ def _analysis(part: Part, options: argparse.Namespace) -> Analysis:
             wire=options.wire,
             orientation=options.orientation,
             intersections=options.intersections,
+            union=options.union,
             about=options.about,
             chord=options.chord,
             progress=progress,

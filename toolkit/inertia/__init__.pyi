@@ -23,6 +23,8 @@ from inertia.mesh.checks.findings import Report as Report
 from inertia.mass.repair import repair as repair
 from inertia.mass.repair import weld as weld
 from inertia.mass.repair import Repaired as Repaired
+from inertia.mesh.unite import unite as unite
+from inertia.mesh.unite import Union as Union
 from inertia.mesh.repairs.simplify import halvings as halvings
 
 # A part is integrated to its mass properties.

@@ -41,8 +41,10 @@ class Remedy(NamedTuple):
     value : what to give: True, a word, or what stands for a figure in capitals; ... where any value may do, and None
         where the argument is only named
 
-    >>> print(SHELL, ABSOLUTE, UNIT, REPAIR, WELD, Remedy("trade", "budget"), sep=", ")
-    shell=THICKNESS, orientation='absolute', unit=..., inertia.repair(part), inertia.weld(part, DISTANCE), budget
+    >>> print(SHELL, ABSOLUTE, UNION, UNIT, REPAIR, Remedy("trade", "budget"), sep=", ")
+    shell=THICKNESS, orientation='absolute', union=True, unit=..., inertia.repair(part), budget
+    >>> print(WELD)
+    inertia.weld(part, DISTANCE)
     """
 
     verb: str
@@ -67,6 +69,7 @@ REPAIR = Remedy("repair")
 WELD = Remedy("weld", "tolerance", "DISTANCE")
 SHELL = Remedy("analyse", "shell", "THICKNESS")
 ABSOLUTE = Remedy("analyse", "orientation", "absolute")
+UNION = Remedy("analyse", "union", True)
 UNIT = Remedy("read", "unit", ...)
 FORCE = Remedy("", "force", True)
 

@@ -14,7 +14,7 @@ from fractions import Fraction
 from functools import cached_property
 from numbers import Real
 from operator import itemgetter
-from typing import Literal
+from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -32,6 +32,9 @@ from inertia.mass.tessellation import chord_error
 from inertia.mass.triangles.arithmetic import FINEST
 from inertia.mesh.checks.findings import Finding
 from inertia.mesh.part import Cells, Doubt, Part
+
+if TYPE_CHECKING:
+    from inertia.mesh.unite import Union  # slow to import, and seldom needed
 
 _ANALYSE = Remedy("analyse")
 
@@ -76,6 +79,7 @@ class Analysis:
     doubts : what leaves some of the volume in doubt, as findings of the check; it is in all bounds
     notes : what was decided on the way, in sentences
     crossings_examined : whether triangles of the solid that cross one another were looked for (there are none, then)
+    union : what was united, where that was asked for
     """
 
     part: Part
@@ -99,6 +103,7 @@ class Analysis:
     notes: tuple[str, ...]
     crossings_examined: bool
     doubts: tuple[Finding, ...] = ()
+    union: Union | None = None
 
     @cached_property
     def principal(self) -> Principal:
@@ -117,6 +122,7 @@ def mass_properties(
     wire: float | None = None,
     orientation: Orientation = "stored",
     intersections: bool | None = None,
+    union: bool = False,
 ) -> MassProperties:
     """Integrate a part to its mass, centre of mass and inertia tensor.
 
@@ -139,6 +145,8 @@ def mass_properties(
     orientation : "absolute" integrates an inward surface as if it faced outward
     intersections : whether to look for triangles of a solid that cross one another, and refuse it then; without it, up
         to 200,000 triangles are looked through
+    union : whether to integrate the union of the bodies, and of each shell with itself: all places of winding number 1
+        or more, each once (see `inertia.unite`)
 
     Raises
     ------
@@ -163,6 +171,7 @@ def mass_properties(
         wire=wire,
         orientation=orientation,
         intersections=intersections,
+        union=union,
     ).properties
 
 
@@ -177,6 +186,7 @@ def analyse(
     wire: float | None = None,
     orientation: Orientation = "stored",
     intersections: bool | None = None,
+    union: bool = False,
     about: ArrayLike | Sequence[Fraction] | None = None,
     class_tolerance: float | None = None,
     chord: float | None = None,
@@ -209,6 +219,16 @@ def analyse(
     if chord is not None and (shell is not None or wire is not None or isinstance(part.geometry, Cells)):
         raise UsageError("a chord tolerance bounds the error of the surface of a solid only: leave it out")
 
+    united = None
+    if union:
+        if shell is not None or wire is not None or isinstance(part.geometry, Cells):
+            raise UsageError("a union is one of the solids that a surface bounds: leave it out")
+        if orientation == "absolute":
+            raise UsageError("a union and an absolute orientation are two answers to one question: give one")
+        from inertia.mass.union import united_for
+
+        united, stated = united_for(part, stated, _part_of(progress, 0.0, 0.8))
+        part, progress = united.part, _part_of(progress, 0.8, 1.0)
     f = part.unit.metres
     model: Literal["solid", "shell", "wire"] = "solid"
     factor = f**3
@@ -271,8 +291,9 @@ def analyse(
         about=there,
         about_bound=about_bound,
         notes=(*part.notes, *integral.notes),
-        crossings_examined=integral.crossings_examined,
+        crossings_examined=integral.crossings_examined or united is not None,
         doubts=integral.doubts,
+        union=united,
     )
 
 
@@ -400,6 +421,10 @@ def sound_solids_only(why: str) -> Iterator[None]:
         if any(remedy.verb in ("analyse", "repair", "weld") for remedy in error.remedies):
             raise reworded(error, (*error.words, " (with ", _ANALYSE, f": {why})"), error.places) from None
         raise
+
+
+def _part_of(progress: Progress | None, start: float, stop: float) -> Progress | None:
+    return None if progress is None else lambda done: progress(start + done * (stop - start))
 
 
 def _rounded(part: Part) -> str:

@@ -25,7 +25,7 @@ from inertia.mesh.geometry.closure import Closure, closure
 from inertia.mesh.geometry.intersect import crossings
 from inertia.mesh.geometry.shells import Shell, absolute_orientation, shells
 from inertia.mesh.geometry.shells import bodies as bodies_of
-from inertia.mesh.part import Cells, Facets, Part, Regions, Surface, Triangles, usable
+from inertia.mesh.part import Cells, Facets, Part, Regions, Surface, Triangles, counts_once, usable
 
 _WIRE = Remedy("analyse", "wire", "AREA")
 _ANY_WIRE = Remedy("analyse", "wire")
@@ -106,7 +106,9 @@ def surface_integrals(
         check(part, intersections=intersections).require_fit()
     several = topology.components != 1 or topology.crowded > 0
     pieces = shells(triangles, topology) if several and not shell else ()
-    if absolute and not turned and not shell and len(wrong := _wrong(triangles, pieces, moments_of(sums))):
+    proven = counts_once(triangles)
+    wrong = _wrong(triangles, pieces, moments_of(sums)) if absolute and not (turned or shell or proven) else ()
+    if len(wrong):
         if pieces:
             check(part, intersections=intersections).require_fit("absolute", turned=True)
         other = replace(part, geometry=_turned(triangles, np.isin(topology.labels, wrong)))
@@ -119,7 +121,7 @@ def surface_integrals(
         return
     examined = not shell and to_be_examined(triangles, intersections, topology.crowded)
     report = None
-    if examined and crossings(triangles, limit=1).total:
+    if examined and not proven and crossings(triangles, limit=1).total:
         report = _sound(part, intersections, absolute)
     integral = Integral(
         groups=(),
@@ -130,7 +132,7 @@ def surface_integrals(
         bodies=len(bodies_of(pieces)) if pieces else topology.components,
         area=_area(sums),
         extents=extents,
-        crossings_examined=examined,
+        crossings_examined=examined or (proven and not shell),
     )
     for k, arithmetic in enumerate(tries[:2] if shell else tries):
         start, stop = (summed + (1.0 - summed) * step / len(tries) for step in (k, k + 1))
@@ -140,7 +142,7 @@ def surface_integrals(
             yield replace(integral, groups=groups, method=METHODS[arithmetic])
             continue
         whole = solid_moments(triangles, arithmetic, sums, further, part.rounding)
-        if report is None and (pieces or whole.zeroth < -whole.zeroth_bound):
+        if report is None and ((pieces and not proven) or whole.zeroth < -whole.zeroth_bound):
             report = _sound(part, False, absolute)
         if whole.zeroth > whole.zeroth_bound:
             groups = _solid_groups(part, named, topology, pieces, whole, arithmetic)

@@ -13,7 +13,7 @@ from inertia.mesh.checks.findings import Finding, Report, Severity
 from inertia.mesh.checks.kinds import Subject, findings
 from inertia.mesh.checks.surface_topology import SurfaceTopology
 from inertia.mesh.geometry.edges import pieces
-from inertia.mesh.part import Cells, Part, Triangles
+from inertia.mesh.part import Cells, Part, Triangles, counts_once
 
 _IN_TURN: tuple[Subject, ...] = ("maps", "sides", "space")
 _ORDER: tuple[Severity, ...] = ("error", "warning", "note")
@@ -50,12 +50,15 @@ def _check_surface(part: Part, triangles: Triangles, intersections: bool | None)
     if surface.bounds:
         remarks += flat or [*findings("shells", surface)]
     bounds_volume = surface.bounds and not flat
+    proven = surface.bounds and counts_once(triangles)
     examined = to_be_examined(triangles, intersections, surface.closure.crowded) and (
         bounds_volume or intersections is True
     )
-    if examined:
+    if examined and not proven:
         remarks += findings("crossings", surface)
-    if bounds_volume and not any(finding.severity == "error" for finding in remarks):
+    if proven:  # what is left of errors is the rounding of its vertices
+        remarks = [finding for finding in remarks if finding.severity != "error"]
+    elif bounds_volume and not any(finding.severity == "error" for finding in remarks):
         remarks += findings("contacts", surface)
     return Report(
         source=part.source,
@@ -68,7 +71,7 @@ def _check_surface(part: Part, triangles: Triangles, intersections: bool | None)
         shells=surface.shells,
         loops=surface.loops,
         findings=_by_severity(remarks),
-        crossings_examined=examined,
+        crossings_examined=examined or proven,
     )
 
 

@@ -168,7 +168,13 @@ class Surface:
     ----------
     vertices : (n, 3) float64
     faces : (m, 3) int64, indices into `vertices`; counter-clockwise seen from outside
+
+    Attributes
+    ----------
+    counts_once : whether it is known to go around each place once or not at all, but for the rounding of its vertices
     """
+
+    counts_once = False
 
     def __init__(self, vertices: ArrayLike, faces: ArrayLike) -> None:
         self.vertices: Float = np.ascontiguousarray(vertices, dtype=np.float64)
@@ -215,6 +221,11 @@ def usable(coordinates: Float) -> Bool:
     """Say which coordinates are numbers that a volume can be computed from."""
     with np.errstate(invalid="ignore"):  # a signalling NaN
         return np.abs(coordinates) <= LARGEST
+
+
+def counts_once(triangles: Triangles) -> bool:
+    """Say whether triangles are known to go around each place once or not at all, but for rounding."""
+    return isinstance(triangles, Surface) and triangles.counts_once
 
 
 def first_non_finite(triangles: Triangles) -> tuple[int, int] | None:

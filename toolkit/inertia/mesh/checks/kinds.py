@@ -12,7 +12,7 @@ from typing import Any, Literal
 
 import numpy as np
 
-from inertia.errors import ABSOLUTE, REPAIR, SHELL, WELD, Sentence, Word
+from inertia.errors import ABSOLUTE, REPAIR, SHELL, UNION, WELD, Sentence, Word
 from inertia.mesh.checks.cells import CellTopology
 from inertia.mesh.checks.crossings import (
     contacts,
@@ -284,7 +284,7 @@ KINDS = (
         cutters,
         "overlapping bodies: {count:pair} of bodies, one of each facing inward, share space, the first {around} being "
         "those from triangles {first} and {second} on, as a cavity that sticks out does, or a body stored inside out",
-        ("cut or unite them where the part was made",),
+        ("cut or unite them where the part was made, or use ", UNION, " to cut out what faces inward"),
     ),
     Kind(
         "shells", "inverted_body", "error",
@@ -297,28 +297,28 @@ KINDS = (
         overlap_at_edges,
         "overlapping bodies: material lies on material around {count:edge} that more than two triangles share, the "
         "first {around} at triangle {first}, so that it counts twice",
-        ("unite the bodies or move them apart",),
+        ("move the bodies apart, or use ", UNION),
     ),
     Kind(
         "shells", "overlapping_bodies", "error",
         lambda surface: surface.at_shells(surface.in_state("overlapping")) if _doubled_cavities(surface) else None,
         "overlapping bodies: {count:shell} inside another of the same orientation, cavities among them, the first "
         "{around} from triangle {first} on, so that the inside counts twice",
-        ("unite the bodies, or use ", REPAIR),
+        ("use ", UNION),
     ),
     Kind(
         "shells", "overlapping_bodies", "error",
         lambda surface: None if _doubled_cavities(surface) else surface.at_shells(surface.in_state("overlapping")),
         "overlapping bodies: {count:shell} inside another of the same orientation, the first {around} from triangle "
         "{first} on, so that the inside counts twice",
-        ("remove it, or use ", ABSOLUTE, " to make it a cavity"),
+        ("use ", UNION, " to count it once, or ", ABSOLUTE, " to make it a cavity"),
     ),
     Kind(
         "shells", "overlapping_bodies", "error",
         overlapping_bodies,
         "overlapping bodies: {count:pair} of bodies share space, the first {around} being those from triangles {first} "
         "and {second} on, so that it counts twice",
-        ("unite the bodies or move them apart",),
+        ("move them apart, or use ", UNION),
     ),
     Kind(
         "shells", "overlapping_bodies", "error",
@@ -332,7 +332,7 @@ KINDS = (
         self_intersections,
         "self-intersection: {at_least}{count:pair} of triangles cross, the first {around} being triangles {one} and "
         "{other}, so that what is enclosed twice counts twice{doubt}",
-        ("unite it with itself where it was made",),
+        ("use ", UNION),
         "self-intersection: {count:pair} of triangles cross, the first {around} being triangles {one} and {other}, but "
         "what that encloses more than once {within}: up to {volume:.2g} {unit}³, which is in the bounds",
     ),

@@ -38,7 +38,7 @@ def windings(points: Float, corners: Float, margin: float) -> tuple[Int, Float]:
     winding = np.zeros(len(points), np.int64)
     clearance = np.full(len(points), np.inf)
     low, high = corners.min(axis=1) - margin, corners.max(axis=1) + margin
-    for triangle, point in _candidates(points, low, high):
+    for triangle, point in candidates(points, low, high):
         a, b, c = (corners[triangle] - points[point, None]).transpose(1, 2, 0)
         turns = _turns(a, b) + _turns(b, c) + _turns(c, a)
         normal = _cross(b - a, c - a)
@@ -127,7 +127,7 @@ def _misplaced(corners: Float, box: Float) -> tuple[float, Float | None]:
     points[:, 0] = np.repeat(low[0] + (high[0] - low[0]) * steps, _RAYS)
     points[:, 1] = np.tile(low[1] + (high[1] - low[1]) * steps, _RAYS)
     rays, heights, turns = [], [], []
-    for triangle, point in _candidates(points, corners.min(axis=1), corners.max(axis=1)):
+    for triangle, point in candidates(points, corners.min(axis=1), corners.max(axis=1)):
         a, b, c = (corners[triangle] - points[point, None]).transpose(1, 2, 0)
         turn = _turns(a, b) + _turns(b, c) + _turns(c, a)
         met = turn != 0
@@ -150,7 +150,7 @@ def _misplaced(corners: Float, box: Float) -> tuple[float, Float | None]:
     return volume, np.stack([hits.min(axis=0) - breadth, hits.max(axis=0) + breadth])
 
 
-def _candidates(points: Float, low: Float, high: Float) -> Iterator[tuple[Int, Int]]:
+def candidates(points: Float, low: Float, high: Float) -> Iterator[tuple[Int, Int]]:
     """Yield pairs (triangle, point) in which the triangle's box meets the point's line along z."""
     order = np.argsort(points[:, 0], kind="stable")
     x = points[order, 0]

@@ -26,6 +26,13 @@ def analysis_document(
     mesh["crossings_examined"] = analysis.crossings_examined
     if analysis.cells:
         mesh["cells"] = analysis.cells
+    if (union := analysis.union) is not None:
+        cubic = part.unit.metres**3
+        mesh["union"] = {
+            "crossings": union.crossings,
+            "counted_more_than_once": float(Fraction(union.more_than_once) * cubic),
+            "counted_negative": float(Fraction(union.negative) * cubic),
+        }
     document: dict[str, Any] = {
         "schema": "inertia/analysis/1",
         "source": {"path": part.source.path, "sha256": part.source.sha256, "format": part.source.format},

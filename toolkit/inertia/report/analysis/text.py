@@ -47,6 +47,7 @@ def analysis_text(analysis: Analysis, repaired: Repaired | None = None, *, wordi
     blocks = [
         source_lines(analysis, repaired, wording=wording),
         _repair(repaired, analysis.part.unit.name) if repaired else [],
+        _union(analysis),
         list(_results(analysis)),
         _tensor(analysis),
         _principal(analysis),
@@ -67,6 +68,7 @@ def source_lines(analysis: Analysis, repaired: Repaired | None = None, *, wordin
     crossings = [] if no_solid else [f"crossings {'' if analysis.crossings_examined else 'not '}examined"]
     bodies = f"{analysis.bodies} {'body' if analysis.bodies == 1 else 'bodies'}"
     repairs = ["repaired"] if repaired and repaired.changes else []
+    repairs += ["united"] if analysis.union and analysis.union.changed else []
     return [
         row("Part", f"{part.name} ({part.source.format})"),
         *([row("SHA-256", part.source.sha256)] if part.source.sha256 else []),
@@ -107,6 +109,21 @@ def _repair(repaired: Repaired, unit: str) -> list[str]:
         least, most = map(number, repaired.volume_between)
         effect.append(f"the filling is a guess: the rims admit volumes from {least} to {most} m³")
     return [row("" if k else "Repair", line) for k, line in enumerate([*changes, *effect])]
+
+
+def _union(analysis: Analysis) -> list[str]:
+    union, unit = analysis.union, analysis.part.unit
+    if union is None:
+        return []
+    volumes = [(union.more_than_once, "counted more than once"), (union.negative, "counted less than not at all")]
+    parts = [
+        f"{number(float(Fraction(volume) * unit.metres**3))} m³ of the stored volume {what}"
+        for volume, what in volumes
+        if volume
+    ]
+    if not parts:
+        return [row("Union", "nothing to unite: all of the volume counts once already")]
+    return [row("" if k else "Union", line) for k, line in enumerate(parts)]
 
 
 def _results(analysis: Analysis) -> Iterator[str]:

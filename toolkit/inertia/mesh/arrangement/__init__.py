@@ -1,0 +1,1 @@
+"""How triangles divide one another and the space around them, exactly."""

@@ -1,0 +1,294 @@
+"""Union of a solid with itself: all places that its surface goes around at least once, each counted once.
+
+The triangles that meet others are divided where they do, into convex cells, in integers. On either side of each cell
+the surface goes around the places so many times (the winding number), and so it does on either side of each patch of
+triangles that meet none. What parts the places around which it goes at least once from the others is the surface of
+the union. Its vertices are rounded to float64 once, and how far is known (`Rounding`).
+
+Triangles are put in an order that depends on their coordinates alone, so that the union does too.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import NamedTuple
+
+import numpy as np
+
+from inertia.arrays import Bool, Float, Int, Progress
+from inertia.errors import REPAIR, GeometryError
+from inertia.mesh.arrangement.boundary import Polygon, Vertices, closed_surface, is_closed
+from inertia.mesh.arrangement.cells import Cell, Division, Segment, divide
+from inertia.mesh.arrangement.contacts import contacts, edge_name
+from inertia.mesh.arrangement.integers import Triangles, side, through
+from inertia.mesh.arrangement.windings import Probe, Sides, probe, sides
+from inertia.mesh.check import check
+from inertia.mesh.geometry.closure import components, repeated_corners
+from inertia.mesh.geometry.halfedges import half_edges
+from inertia.mesh.part import Part, Regions, Rounding, Surface, counts_once, usable
+
+_EPSILON = 2.0**-53
+_FLAT = 16 * _EPSILON  # more than the rounding of a cross product, over its terms
+
+
+@dataclass(frozen=True, eq=False)
+class Union:
+    """A part whose inside counts once.
+
+    Attributes
+    ----------
+    part : the united part; the one given where all counted once already
+    crossings : pairs of triangles that cross or lie on one another
+    more_than_once : ∫ max(w − 1, 0) dV over the winding number w, what counting more than once added to the volume, in
+        file units cubed
+    negative : ∫ max(−w, 0) dV, what counting less than not at all took from it
+    """
+
+    part: Part
+    crossings: int
+    more_than_once: float
+    negative: float
+
+    @property
+    def changed(self) -> bool:
+        """Whether anything counted more than once, or less than not at all."""
+        return self.more_than_once > 0 or self.negative > 0
+
+
+class _Face(NamedTuple):
+    """A cell of a triangle, and its neighbourhood."""
+
+    triangle: int
+    cell: Cell
+    division: Division
+    sides: Sides
+
+
+def unite(part: Part, progress: Progress | None = None) -> Union:
+    """Unite the bodies of a part with one another, and its shells with themselves.
+
+    Parameters
+    ----------
+    progress : called with the fraction done
+
+    Raises
+    ------
+    GeometryError : the surface is open or wound inconsistently, or faces inward everywhere
+
+    >>> from inertia.mesh.cut import block
+    >>> corners = np.concatenate([block([0, 0, 0], np.eye(3)).corners(), block([0.5, 0, 0], np.eye(3)).corners()])
+    >>> union = unite(Part.from_arrays(corners.reshape(-1, 3), np.arange(72).reshape(-1, 3)))
+    >>> union.more_than_once, check(union.part).fit
+    (0.5, True)
+    """
+    if counts_once(part.triangles):
+        return Union(part, 0, 0.0, 0.0)
+    vertices, faces, origin = _in_order(part)
+    triangles = Triangles(vertices, faces)
+    solid = np.flatnonzero(~_flat(triangles))
+    meetings = contacts(triangles, solid, _part_of(progress, 0.0, 0.4))
+    free = np.zeros(len(faces), bool)
+    free[solid] = True
+    free[list(meetings.segments)] = False
+    patch, leaders = _patches(triangles, solid, free, meetings.touched)
+    divisions: dict[int, Division] = {}
+    probes: list[Probe] = []
+    cells: list[tuple[int, Cell]] = []
+    for number in [*leaders.tolist(), *sorted(meetings.segments)]:
+        division = _divided(triangles, number, meetings.segments.get(number, []))
+        divisions[number] = division
+        for cell in division.cells:
+            cells.append((number, cell))
+            probes.append(probe(triangles, number, cell, division.lines))
+    around = sides(triangles, probes, _part_of(progress, 0.5, 0.9))
+    if all({at.above, at.below} <= {0, 1} for at in around):
+        return Union(part, meetings.crossings, 0.0, 0.0)
+    facing_up = np.array([triangles.plane(k).normal[triangles.plane(k).axis] > 0 for k in leaders.tolist()], bool)
+    front, behind = np.zeros((2, len(faces)), np.int64)
+    for k, (leader, at) in enumerate(zip(leaders.tolist(), around, strict=False)):
+        members = patch == leader
+        front[members], behind[members] = (at.above, at.below) if facing_up[k] else (at.below, at.above)
+    divided = [
+        _Face(number, cell, divisions[number], at)
+        for (number, cell), at in zip(cells[len(leaders) :], around[len(leaders) :], strict=True)
+        if at.first == number
+    ]
+    whole = patch >= 0
+    more, negative = (
+        _counted(triangles, faces[whole], front[whole], behind[whole], divided, beyond) for beyond in (1, -1)
+    )
+    keeps, turns = (behind > 0) & (front <= 0) & whole, (front > 0) & (behind <= 0) & whole
+    faces = np.where(turns[:, None], faces[:, ::-1], faces)
+    stays = np.flatnonzero(keeps | turns)
+    surface = _surface(triangles, faces[stays], stays, divided)
+    if surface is None:
+        raise GeometryError(
+            f"{part.name}: its surface goes around no place outwards, so that it has no union: turn all triangles, or "
+            "use ",
+            REPAIR,
+        )
+    return Union(_rebuilt(part, *surface, origin), meetings.crossings, more, negative)
+
+
+def _in_order(part: Part) -> tuple[Float, Int, Int]:
+    """Return the vertices and triangles in an order of their coordinates, and which triangle each was.
+
+    Raises `GeometryError` where they do not bound anything, so that winding numbers could not be counted.
+    """
+    points = part.triangles.corners().reshape(-1, 3) + 0.0
+    if len(points) == 0 or not usable(points).all():
+        check(part).require_fit()
+    order = np.lexsort(points.T[::-1])
+    first = np.ones(len(points), bool)
+    first[1:] = (points[order][1:] != points[order][:-1]).any(axis=1)
+    numbers = np.empty(len(points), np.int64)
+    numbers[order] = np.cumsum(first) - 1
+    faces = numbers.reshape(-1, 3)
+    faces = np.take_along_axis(faces, (faces.argmin(axis=1)[:, None] + np.arange(3)) % 3, axis=1)
+    origin = np.flatnonzero(~repeated_corners(faces))
+    region = np.zeros(len(faces), np.int32) if part.regions is None else part.regions.index
+    a, b, c = faces[origin].T
+    origin = origin[np.lexsort((region[origin], c, b, a))]
+    if not is_closed(faces[origin]):
+        check(part, intersections=False).require_fit()
+    return points[order[first]], faces[origin], origin
+
+
+def _flat(triangles: Triangles) -> Bool:
+    """Say which triangles have no area, exactly."""
+    a, b, c = triangles.vertices[triangles.faces].transpose(1, 2, 0)
+    u, v = b - a, c - a
+    flat = np.ones(len(triangles.faces), bool)
+    with np.errstate(over="ignore", under="ignore", invalid="ignore"):
+        for i, j in ((1, 2), (2, 0), (0, 1)):
+            left, right = u[i] * v[j], u[j] * v[i]
+            flat &= ~(np.abs(left - right) > _FLAT * (np.abs(left) + np.abs(right)) + 2.0**-1000)
+    for number in np.flatnonzero(flat).tolist():
+        flat[number] = not any(triangles.plane(number).normal)
+    return flat
+
+
+def _patches(triangles: Triangles, solid: Int, free: Bool, touched: set[tuple[int, int]]) -> tuple[Int, Int]:
+    """Return for each triangle the first of its patch (−1 where it is not free), and the largest of each patch."""
+    faces = triangles.faces[solid]
+    edges = half_edges(faces)
+    ordinary = (edges.uses == 2) & (edges.surplus == 0)
+    if touched:
+        low, high = np.array(sorted(touched)).T
+        base = len(triangles.vertices)
+        keys = np.minimum(edges.tail, edges.head) * base + np.maximum(edges.tail, edges.head)
+        ordinary[edges.edge[np.isin(keys, low * base + high)]] = False
+    pairs = edges.by_edge[ordinary[edges.edge[edges.by_edge]]].reshape(-1, 2) // 3
+    pairs = pairs[free[solid[pairs]].all(axis=1)]
+    corners = triangles.vertices[faces]
+    scale = np.ldexp(1.0, -int(np.frexp(np.abs(corners).max(initial=0.0))[1]))
+    area = np.linalg.norm(
+        np.cross(scale * (corners[:, 1] - corners[:, 0]), scale * (corners[:, 2] - corners[:, 0])), axis=1
+    )
+    label = components(pairs, len(solid))
+    order = np.lexsort((solid, -area, label))
+    order = order[free[solid[order]]]
+    leads = np.ones(len(order), bool)
+    leads[1:] = label[order][1:] != label[order][:-1]
+    leaders = solid[order[leads]]
+    patch = np.full(len(triangles.faces), -1)
+    patch[solid[order]] = leaders[np.cumsum(leads) - 1]
+    return patch, leaders
+
+
+def _divided(triangles: Triangles, number: int, segments: list[Segment]) -> Division:
+    ends, corners = triangles.faces[number].tolist(), triangles.seen(number)
+    if side(through(corners[0], corners[1]), corners[2]) < 0:
+        corners, ends = (corners[0], corners[2], corners[1]), [ends[0], ends[2], ends[1]]
+    around = [(k, (k + 1) % 3) for k in range(3)]
+    lines = [through(corners[i], corners[j]) for i, j in around]
+    names = [edge_name(min(ends[i], ends[j]), max(ends[i], ends[j])) for i, j in around]
+    return divide(corners, lines, names, segments)
+
+
+def _counted(triangles: Triangles, faces: Int, front: Int, behind: Int, divided: list[_Face], beyond: int) -> float:
+    """Return ∫ max(w − 1, 0) dV, or for −1 ∫ max(−w, 0) dV, over the winding number w."""
+
+    def excess(winding: Int) -> Int:
+        return np.maximum(winding - 1, 0) if beyond > 0 else np.maximum(-winding, 0)
+
+    middle = triangles.vertices.min(axis=0) / 2 + triangles.vertices.max(axis=0) / 2
+    step = excess(behind) - excess(front)
+    a, b, c = (triangles.vertices[faces[step != 0]] - middle).transpose(1, 0, 2)
+    total = float((step[step != 0] * np.einsum("ki,ki->k", a, np.cross(b, c))).sum())
+    for face in divided:
+        above, below = excess(np.array([face.sides.above, face.sides.below])).tolist()
+        if above == below:
+            continue
+        points = np.array([triangles.rounded(triangles.place(face.triangle, p))[0] for p in face.cell.corners]) - middle
+        total += (below - above) * float((points[0] * np.cross(points[1:-1], points[2:])).sum())
+    return max(total / 6, 0.0)
+
+
+def _surface(
+    triangles: Triangles, faces: Int, origins: Int, divided: list[_Face]
+) -> tuple[Float, Float, Int, Int] | None:
+    """Return vertices, what their rounding took from them, triangles, and which triangle each of these comes from."""
+    vertices = Vertices(triangles)
+    for vertex in np.unique(triangles.faces[[face.triangle for face in divided]]).tolist() if divided else ():
+        vertices.know(vertex)
+    polygons = []
+    for face in divided:
+        if (face.sides.above > 0) == (face.sides.below > 0):
+            continue
+        loop = [vertices.number(triangles.place(face.triangle, corner)) for corner in face.cell.corners]
+        names = [face.division.names[line] for line in face.cell.lines]
+        if face.sides.above > 0:
+            loop, names = loop[::-1], names[-2::-1] + names[-1:]
+        polygons.append(Polygon(loop, names, face.triangle))
+    if len(faces) + len(polygons) == 0:
+        return None
+    faces, origins = closed_surface(vertices, faces, origins, polygons)
+    if not is_closed(faces):
+        raise RuntimeError("the cells of an arrangement do not close a surface")
+    used, numbers = np.unique(faces, return_inverse=True)
+    coordinates = np.empty((len(used), 3))
+    rests = np.zeros((len(used), 3))
+    old = used < vertices.first
+    coordinates[old] = triangles.vertices[used[old]]
+    for k in np.flatnonzero(~old).tolist():
+        coordinates[k], rests[k] = triangles.rounded(vertices.place(int(used[k])))
+    return coordinates, rests, numbers.reshape(-1, 3), origins
+
+
+def _rebuilt(part: Part, vertices: Float, rests: Float, faces: Int, sources: Int, origin: Int) -> Part:
+    surface = Surface(vertices, faces)
+    surface.counts_once = True
+    distance = float(np.linalg.norm(rests, axis=1).max()) * (1 + 8 * _EPSILON)
+    rounding = Rounding(distance, lambda: rests) if distance else None
+    more = _grown(part, surface)
+    if part.rounding is not None:
+        rounding = Rounding(distance + more * part.rounding.distance)
+    chord = part.chord
+    if chord is not None:
+        chord = np.full(len(faces), more * float(chord.max()) + distance)
+    regions = part.regions
+    if regions is not None:
+        regions = Regions(regions.names, regions.index[origin[sources]])
+    return replace(part, geometry=surface, regions=regions, rounding=rounding, chord=chord)
+
+
+def _grown(part: Part, surface: Surface) -> float:
+    """Return how much farther all vertices may seem to be off, so that a bound for the union holds for what it hides.
+
+    Where the surface that was given is off, what is hidden or folds back on itself may come to light.
+    """
+    sizes = []
+    for triangles in (part.triangles, surface):
+        corners = triangles.corners()
+        extent = np.ptp(corners, axis=(0, 1))
+        sides = np.linalg.norm(np.roll(corners, -1, axis=1) - corners, axis=2)
+        area = np.linalg.norm(np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]), axis=1).sum()
+        sizes.append((extent, sides.sum(), area, float(triangles.count)))
+    (extent, *given), (smaller, *left) = sizes
+    reach = 1.0 if (extent == smaller).all() else 2.0 * float((extent / smaller).max())
+    return (1 + 1e-9) * reach**3 * max(1.0, *(float(a / b) for a, b in zip(given, left, strict=True)))
+
+
+def _part_of(progress: Progress | None, start: float, stop: float) -> Progress | None:
+    return None if progress is None else lambda done: progress(start + done * (stop - start))
