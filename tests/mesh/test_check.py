@@ -405,7 +405,7 @@ def test_an_insert_too_large_for_its_cavity_is_not_made_a_cavity() -> None:
     original = part(joined(cube(size=6), inside_out(cube(size=4)), cube(size=5)))
     report = check(original)
     (fault,) = report.faults("absolute")
-    assert (fault.code, fault.count, fault.remedies[0].verb) == ("overlapping_bodies", 2, "repair")
+    assert (fault.code, fault.count, fault.remedies[0].argument) == ("overlapping_bodies", 2, "union")
     with pytest.raises(GeometryError, match="cavities among them"):
         report.require_fit("absolute")
     mended = repair(original).part

@@ -325,7 +325,7 @@ KINDS = (
         crossing_cavities,
         "crossing cavities: {count:pair} of triangles of different shells of one body cross, the first {around} being "
         "triangles {one} and {other}, so that a cavity takes away what is not there",
-        ("unite the cavities or close the wall",),
+        ("unite the cavities, close the wall, or use ", UNION),
     ),
     Kind(
         "crossings", "self_intersection", "error",

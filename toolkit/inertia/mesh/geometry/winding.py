@@ -70,7 +70,7 @@ def windings_under(triangles: Float, corners: Float) -> tuple[Int, Bool]:
     low, high = corners.min(axis=1), corners.max(axis=1)
     margin = 8 * np.spacing(np.abs(corners).max())  # more than the middles are rounded by
     winding, decided = np.zeros(len(triangles), np.int64), np.ones(len(triangles), bool)
-    for triangle, point in _candidates(middles, low - margin, high + margin):
+    for triangle, point in candidates(middles, low - margin, high + margin):
         whole = _integers(np.concatenate([triangles[point], corners[triangle]], axis=1))
         own, other = whole[:, :3], whole[:, 3:]
         a, b, c = (3 * other - own.sum(axis=1)[:, None]).transpose(1, 2, 0)
