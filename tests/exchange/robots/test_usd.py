@@ -201,9 +201,18 @@ def test_gaps_are_said(tmp_path: Path) -> None:
     assert "meshes are taken as their points have them: no subdivision is applied" in robot.notes
 
 
+def test_what_openusd_warns_of_is_a_note(tmp_path: Path, capfd: pytest.CaptureFixture[str]) -> None:
+    file = tmp_path / "arm.usda"
+    file.write_text(STAGE.replace('def Mesh "brick"', 'def Mesh "brick" (references = @nix.usda@)'))
+    assert "OpenUSD warns: " in " ".join(read_robot(file).notes)
+    assert capfd.readouterr() == ("", "")
+
+
 @pytest.mark.parametrize(
     ("text", "says"),
     [
+        (STAGE.replace("float physics:mass = 500", "float physics:mass = nan"), "what /arm/base states is not finite"),
+        (STAGE.replace("float physics:mass = 500", 'string physics:mass = "x"'), "another type than its schema"),
         (STAGE.replace("}", "", 1), "OpenUSD cannot open it: "),
         ("#usda 1.0\n", "no prim of it has PhysicsRigidBodyAPI or PhysicsMassAPI"),
         (STAGE.replace("metersPerUnit = 0.01", "metersPerUnit = 0"), "its units are 0 m"),

@@ -168,15 +168,19 @@ def printable(line: str) -> str:
 
 
 def xml_comment(lines: Iterable[str], indent: str = "") -> str:
-    """Return lines as a comment of XML, in which no two hyphens may stand together.
+    """Return lines as a comment of XML.
 
     >>> print(xml_comment(["a --> b"]))
     <!--
       a - -> b
     -->
     """
-    apart = (re.sub(r"-(?=-)", "- ", line) for line in lines)
-    return "\n".join([f"{indent}<!--", *(f"{indent}  {line}" for line in apart), f"{indent}-->"])
+    return "\n".join([f"{indent}<!--", *(f"{indent}  {hyphens_apart(line)}" for line in lines), f"{indent}-->"])
+
+
+def hyphens_apart(line: str) -> str:
+    """Return a line in which no two hyphens stand together, as a comment of XML wants it."""
+    return re.sub(r"-(?=-)", "- ", line)
 
 
 def _above(bound: float) -> str:

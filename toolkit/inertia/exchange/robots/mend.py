@@ -1,6 +1,6 @@
 """Mended mass properties written into a robot's file: its bytes stay as they are but for the tags that change.
 
-An element that changes has a comment before it that says why. Works on URDF and MJCF.
+An element that changes has a comment before it that says why. Works on URDF, MJCF and SDFormat.
 """
 
 from __future__ import annotations
@@ -12,8 +12,9 @@ from typing import NamedTuple
 from xml.parsers import expat
 
 from inertia.errors import ReadError, UsageError, visible
+from inertia.exchange.conventions import CONVENTIONS
 from inertia.exchange.robots.links import Robot
-from inertia.exchange.writing import number, numbers, printable
+from inertia.exchange.writing import hyphens_apart, number, numbers, printable
 from inertia.mass.properties import MassProperties
 
 
@@ -27,12 +28,13 @@ class Mended(NamedTuple):
 
 @dataclass
 class _Tag:
-    """An element of a file: its name, attributes, the bytes of its start tag, and its children."""
+    """An element of a file: its name, attributes, the bytes of its start tag, where its end tag is, its children."""
 
     name: str
     attributes: dict[str, str]
     start: int
     end: int = 0
+    close: int = 0
     children: list[_Tag] = field(default_factory=list)
 
     def child(self, name: str) -> _Tag | None:
@@ -58,8 +60,9 @@ def mend(robot: Robot, mended: Mapping[str, Mended]) -> bytes:
     link_tag, edits_of = _FORMATS[robot.format]
     edits: list[_Edit] = []
     done: set[str] = set()
-    for tag in _all(_tags(data)):
-        name = visible(tag.attributes.get("name", ""))
+    only_model = f"{robot.name}::" if robot.name else ""  # its name is none of the links'
+    for tag, scope in _all(_tags(data)):
+        name = visible(f"{scope}{tag.attributes.get('name', '')}").removeprefix(only_model)
         inertial = tag.child("inertial")
         if tag.name == link_tag and name in mended and name not in done and inertial is not None:
             done.add(name)
@@ -106,11 +109,56 @@ def _mjcf(data: bytes, inertial: _Tag, mended: Mended, indent: str) -> list[_Edi
     ]
 
 
-_FORMATS = {"urdf": ("link", _urdf), "mjcf": ("body", _mjcf)}
+def _sdf(data: bytes, inertial: _Tag, mended: Mended, indent: str) -> list[_Edit]:
+    properties = mended.properties
+    edits = [_comment(inertial, mended, indent)]
+    pose, mass, inertia = (inertial.child(name) for name in ("pose", "mass", "inertia"))
+    elements = zip(_SDF.order, _SDF.elements(properties.inertia), strict=True)
+    if not (mended.center_agrees and _is_unturned(data, pose)):
+        place = f"{numbers(properties.center_of_mass.tolist())} 0 0 0"
+        edits.append(_said(inertial, pose, "pose", place, indent, data))
+    if mass is None or float(_text(data, mass)) != properties.mass:
+        edits.append(_said(inertial, mass, "mass", number(properties.mass), indent, data))
+    if inertia is None or inertia.close <= inertia.end:
+        text = "".join(f"<i{pair}>{number(value)}</i{pair}>" for pair, value in elements)
+        edits.append(_said(inertial, inertia, "inertia", text, indent, data))
+    else:
+        edits += [
+            _said(inertia, inertia.child(f"i{pair}"), f"i{pair}", number(value), f"{indent}  ", data)
+            for pair, value in elements
+        ]
+    return edits
+
+
+def _is_unturned(data: bytes, pose: _Tag | None) -> bool:
+    """Whether a pose of an inertial is none, or a shift alone as it is usually written."""
+    if pose is None:
+        return True
+    return not pose.attributes and not any(map(float, _text(data, pose).split()[3:]))
+
+
+def _said(parent: _Tag, tag: _Tag | None, name: str, text: str, indent: str, data: bytes) -> _Edit:
+    """Return the edit after which an element holds a text; where there is none yet, it comes first in its parent."""
+    if tag is None:
+        return _Edit(parent.end, parent.end, f"\n{indent}  <{name}>{text}</{name}>")
+    if tag.attributes or tag.close <= tag.end:  # a format of its own, or closed in itself
+        end = data.index(b">", tag.close) + 1 if tag.close > tag.end else tag.end
+        return _Edit(tag.start, end, f"<{name}>{text}</{name}>")
+    return _Edit(tag.end, tag.close, text)
+
+
+def _text(data: bytes, tag: _Tag) -> str:
+    return re.sub(r"(?s)<!--.*?-->", "", data[tag.end : max(tag.end, tag.close)].decode())
+
+
+_SDF = CONVENTIONS["sdf"]
+_FORMATS = {"urdf": ("link", _urdf), "mjcf": ("body", _mjcf), "sdf": ("link", _sdf)}
 
 
 def _comment(inertial: _Tag, mended: Mended, indent: str) -> _Edit:
-    return _Edit(inertial.start, inertial.start, f"<!-- mended: {printable(mended.reason)} -->\n{indent}")
+    return _Edit(
+        inertial.start, inertial.start, f"<!-- mended: {hyphens_apart(printable(mended.reason))} -->\n{indent}"
+    )
 
 
 def _closed_alike(data: bytes, tag: _Tag, text: str) -> str:
@@ -143,7 +191,7 @@ def _tags(data: bytes) -> _Tag:
         stack.append(tag)
 
     def end(_name: str) -> None:
-        stack.pop()
+        stack.pop().close = parser.CurrentByteIndex + lead
 
     parser.StartElementHandler, parser.EndElementHandler = start, end
     try:
@@ -153,10 +201,13 @@ def _tags(data: bytes) -> _Tag:
     return root
 
 
-def _all(tag: _Tag) -> list[_Tag]:
-    every, stack = [], [tag]
+def _all(root: _Tag) -> list[tuple[_Tag, str]]:
+    """Return every element, and the names of the models of SDFormat around it: ``model::inner::``."""
+    every, stack = [], [(root, "")]
     while stack:
-        tag = stack.pop()
-        every.append(tag)
-        stack.extend(reversed(tag.children))
+        tag, scope = stack.pop()
+        every.append((tag, scope))
+        if tag.name == "model":
+            scope += f"{tag.attributes.get('name', '')}::"
+        stack.extend((child, scope) for child in reversed(tag.children))
     return every

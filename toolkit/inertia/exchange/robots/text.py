@@ -71,7 +71,14 @@ def mesh_file(reference: str, folder: Path) -> Path:
         places += [parent / path for parent in above]
     else:
         raise ReadError(f"the mesh {shown(reference)} is not a file: name it by package://, file:// or a path")
-    return next((place for place in places if place.is_file()), places[0])
+    return next((place for place in places if _is_file(place)), places[0])
+
+
+def _is_file(place: Path) -> bool:
+    try:
+        return place.is_file()
+    except OSError:  # the name is too long
+        return False
 
 
 def _paths(name: str) -> list[str]:

@@ -25,6 +25,7 @@ from inertia.mesh.readers.contents import shown
 _SOLIDS = ("Mesh", "Cube", "Sphere", "Cylinder", "Capsule", "Cone")
 _ONTO = {"X": [[0, 0, 1], [1, 0, 0], [0, 1, 0]], "Y": [[0, 1, 0], [0, 0, 1], [1, 0, 0]], "Z": np.eye(3)}
 """The turn that takes z to an axis."""
+_LONGEST = 300  # characters of what OpenUSD says
 _SKEW = 1e-6  # of their lengths: axes at right angles to this are so up to what float32 stored of their matrix
 
 
@@ -34,15 +35,14 @@ class _Stage:
     def __init__(self, path: Path) -> None:
         from pxr import Tf, Usd, UsdGeom, UsdPhysics, UsdUtils
 
-        quiet = UsdUtils.CoalescingDiagnosticDelegate()  # it would print to standard error
+        self._diagnostics = UsdUtils.CoalescingDiagnosticDelegate()  # without it they go to standard error
         try:
             stage = Usd.Stage.Open(str(path))
         except Tf.ErrorException as error:
-            says = str(error).partition(" : '")[2].partition("'\n")[0].strip()
-            raise ReadError(f"OpenUSD cannot open it: {says}") from None
-        finally:
-            quiet.TakeUncoalescedDiagnostics()
+            says = " ".join(str(error).partition(" : '")[2].partition("'\n")[0].split())
+            raise ReadError(f"OpenUSD cannot open it: {says[:_LONGEST]}") from None
         self.physics, self.geometry, self.time = UsdPhysics, UsdGeom, Usd.TimeCode.EarliestTime()
+        self.fault: type[Exception] = Tf.ErrorException
         self.metres = float(UsdGeom.GetStageMetersPerUnit(stage))
         self.kilograms = float(UsdPhysics.GetStageKilogramsPerUnit(stage))
         if not (self.metres > 0 and self.kilograms > 0):
@@ -59,6 +59,11 @@ class _Stage:
             for prim, name in zip(self.bodies, names, strict=True)
         }
 
+    def warnings(self) -> Iterator[str]:
+        """Yield what OpenUSD warned of, a sentence each."""
+        for warning in self._diagnostics.TakeUncoalescedDiagnostics():
+            yield f"OpenUSD warns: {' '.join(warning.commentary.split())[:_LONGEST]}"
+
     def body_of(self, path: str) -> str | None:
         """Return the path of the body that a prim belongs to: itself, or the nearest above it."""
         while path not in self.labels and path:
@@ -67,7 +72,12 @@ class _Stage:
 
     def place(self, prim: Any) -> tuple[Float, Float]:
         """Return A, (3, 3), and b, (3,): a point p of a prim lies at A p + b in the stage, in its units."""
-        matrix = np.array(self._transforms.GetLocalToWorldTransform(prim))
+        try:
+            matrix = np.array(self._transforms.GetLocalToWorldTransform(prim))
+        except self.fault:
+            raise ReadError(f"the transformation of {prim.GetPath()} cannot be used") from None
+        if not np.isfinite(matrix).all():
+            raise ReadError(f"the transformation of {prim.GetPath()} is not finite")
         return matrix[:3, :3].T, matrix[3, :3]
 
 
@@ -84,9 +94,21 @@ def read_usd(path: Path) -> Robot:
     for prim in stage.bodies:
         name = stage.labels[str(prim.GetPath())]
         parent, placement = hung.get(name, (None, Placement()))
-        geometries = tuple(_geometries(stage, prim, notes))
-        links.append(Link(name, _inertial(stage, prim, name, notes), geometries, parent, placement))
-    return Robot(path, "usd", stage.name, tuple(links), tuple(notes))
+        try:
+            geometries = tuple(_geometries(stage, prim, notes))
+            inertial = _inertial(stage, prim, name, notes)
+        except ReadError:
+            raise
+        except (
+            TypeError,
+            ValueError,
+            OverflowError,
+            KeyError,
+            stage.fault,
+        ):  # what is against the schema is handed out
+            raise ReadError(f"an attribute in {prim.GetPath()} has another type than its schema") from None
+        links.append(Link(name, inertial, geometries, parent, placement))
+    return Robot(path, "usd", stage.name, tuple(links), (*notes, *dict.fromkeys(stage.warnings())))
 
 
 def _rotation(matrix: Float) -> Float:
@@ -137,6 +159,8 @@ def _inertial(stage: _Stage, prim: Any, name: str, notes: dict[str, None]) -> In
         if not all(missing.values()):
             notes[f"link {shown(name)} states no {' and no '.join(k for k, gap in missing.items() if gap)}"] = None
         return None
+    if not np.isfinite([mass, *moments, *quaternion]).all():
+        raise ReadError(f"what {prim.GetPath()} states is not finite")
     matrix, _ = stage.place(prim)
     place = _rotation(matrix).T @ matrix @ center * stage.metres
     turn = rotation_of_quaternion(quaternion) if any(quaternion) else np.eye(3)
@@ -180,6 +204,8 @@ def _mesh(stage: _Stage, prim: Any, matrix: Float, offset: Float) -> Part | str:
         return "its faces do not add up to its list of corners"
     if corners.min() < 0 or corners.max() >= len(points):
         return f"a face names a point beyond the {len(points)} there are"
+    if not np.isfinite(points).all():
+        return "a point of it is not finite"
     first = np.repeat(np.cumsum(counts) - counts, counts - 2)
     step = np.arange(len(first)) - np.repeat(np.cumsum(counts - 2) - (counts - 2), counts - 2)
     faces = np.column_stack([corners[first], corners[first + step + 1], corners[first + step + 2]])
