@@ -135,7 +135,7 @@ def read_part(options: argparse.Namespace, coarser: float = 1.0) -> tuple[Part, 
 
     def digest() -> None:
         with contextlib.suppress(InertiaError):  # it is raised again where the digest is needed
-            part.source.sha256  # noqa: B018  # the property keeps it
+            part.source.sha256, part.source.files  # noqa: B018  # the properties keep them
 
     hashing = threading.Thread(target=digest, daemon=True)
     hashing.start()

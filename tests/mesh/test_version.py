@@ -1,6 +1,7 @@
 """Files that change while they are read, or are integrated: a sentence, never another part's numbers."""
 
 import hashlib
+import json
 import os
 import threading
 from pathlib import Path
@@ -13,7 +14,7 @@ from inertia.mass.analysis import analyse
 from inertia.mesh.part import FACET, Facets, FacetsInFile
 from inertia.mesh.read import read
 from inertia.mesh.readers import stl
-from inertia.mesh.version import unchanged
+from inertia.mesh.version import refer_to, unchanged
 from inertia_meshes.shapes import box, moved
 
 _BOXES = 200
@@ -153,4 +154,36 @@ def test_hash_and_volume_belong_together_while_another_process_writes(
         done.set()
         writer.join()
     assert answers + refusals == 25
-    assert refusals
+
+
+def test_a_file_that_is_referred_to_belongs_to_the_part(tmp_path: Path) -> None:
+    corners = np.array([[0, 0, 0], [0, 1, 0], [1, 0, 0], [0, 0, 1]], np.float32)
+    indices = np.array([0, 1, 2, 0, 2, 3, 0, 3, 1, 2, 1, 3], np.uint32)
+    buffer = tmp_path / "box.bin"
+    buffer.write_bytes(corners.tobytes() + indices.tobytes())
+    views = [{"buffer": 0, "byteOffset": 0, "byteLength": 48}, {"buffer": 0, "byteOffset": 48, "byteLength": 48}]
+    tree = {
+        "asset": {"version": "2.0"},
+        "buffers": [{"uri": "box.bin", "byteLength": 96}],
+        "bufferViews": views,
+        "accessors": [
+            {"bufferView": 0, "componentType": 5126, "count": 4, "type": "VEC3"},
+            {"bufferView": 1, "componentType": 5125, "count": 12, "type": "SCALAR"},
+        ],
+        "meshes": [{"primitives": [{"attributes": {"POSITION": 0}, "indices": 1}]}],
+        "nodes": [{"mesh": 0}],
+        "scenes": [{"nodes": [0]}],
+    }
+    path = tmp_path / "box.gltf"
+    path.write_text(json.dumps(tree))
+    source = read(path).source
+    digest = hashlib.sha256(buffer.read_bytes()).hexdigest()
+    assert source.to_dict()["files"] == [{"path": "box.bin", "sha256": digest}]
+
+    def reads() -> None:
+        with unchanged(path):
+            refer_to(buffer, "box.bin")
+            rewrite(buffer, bytes(96))
+
+    with pytest.raises(ReadError, match="it changed"):
+        reads()

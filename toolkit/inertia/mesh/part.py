@@ -308,14 +308,27 @@ class Source:
 
         Raises `ReadError` where the file is no longer there, or no longer the one that was read.
         """
-        if self.path is None:
-            return None
-        try:
-            return (self.version or Version(Path(self.path))).sha256
-        except OSError as error:
-            raise ReadError(f"cannot read {self.path} a second time, for its SHA-256: {error.strerror}") from error
-        except ReadError as error:
-            raise placed(error, f"cannot read {self.path}") from None
+        return None if self.path is None else _hash(Path(self.path), self.version)
+
+    @cached_property
+    def files(self) -> dict[str, str]:
+        """SHA-256 of the files that the file refers to, by the names that it has for them; raises as `sha256`."""
+        others = {} if self.version is None else self.version.others
+        return {name: _hash(other.path, other) for name, other in others.items()}
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return what outputs say of it."""
+        files = {"files": [{"path": name, "sha256": digest} for name, digest in self.files.items()]}
+        return {"path": self.path, "sha256": self.sha256, "format": self.format, **(files if self.files else {})}
+
+
+def _hash(path: Path, version: Version | None) -> str:
+    try:
+        return (version or Version(path)).sha256
+    except OSError as error:
+        raise ReadError(f"cannot read {path} a second time, for its SHA-256: {error.strerror}") from error
+    except ReadError as error:
+        raise placed(error, f"cannot read {path}") from None
 
 
 @dataclass(frozen=True, eq=False)

@@ -2,7 +2,8 @@
 
 A reader opens a file more than once, and a large one is read while it is integrated. What was read belongs together
 when the file was the same before the first look and after the last. A file system gives the same time to two changes
-within a tick of its clock, so a file that changed just now is compared by its contents too.
+within a tick of its clock, so a file that changed just now is compared by its contents too. The files that it refers to
+belong to it.
 """
 
 from __future__ import annotations
@@ -11,6 +12,7 @@ import os
 import time
 from collections.abc import Iterator
 from contextlib import contextmanager
+from contextvars import ContextVar
 from functools import cached_property
 from pathlib import Path
 
@@ -26,6 +28,8 @@ class Version:
 
     def __init__(self, path: Path) -> None:
         self.path = path
+        self.others: dict[str, Version] = {}
+        """The files that it refers to, by the names that it has for them."""
         self._status = _status(path.stat())
         self._recent = abs(time.time() - max(self._status[3:]) / 1e9) < _TICK
         if self._recent and self.size > _AT_ONCE:
@@ -59,12 +63,17 @@ class Version:
         self.require(self.path.stat())
         if self._recent and self._hashed() != self._digest:
             raise ReadError(CHANGED)
+        for other in self.others.values():
+            other.require_contents()
 
     def _hashed(self) -> str:
         import hashlib  # loads OpenSSL: 6 ms and 4 MB
 
         with self.path.open("rb") as file:
             return hashlib.file_digest(file, "sha256").hexdigest()
+
+
+_reading: ContextVar[Version | None] = ContextVar("reading", default=None)
 
 
 @contextmanager
@@ -74,12 +83,22 @@ def unchanged(path: Path) -> Iterator[Version]:
     What goes wrong in the context while the file changes is put down to that.
     """
     version = Version(path)
+    before = _reading.set(version)
     try:
         yield version
     except ReadError:
         version.require_contents()
         raise
+    finally:
+        _reading.reset(before)
     version.require_contents()
+
+
+def refer_to(path: Path, name: str) -> None:
+    """Let a file that the one being read refers to belong to its version."""
+    version = _reading.get()
+    if version is not None and name not in version.others:
+        version.others[name] = Version(path)
 
 
 def _status(status: os.stat_result) -> tuple[int, ...]:

@@ -77,7 +77,13 @@ def _source(part: Part) -> dict[str, Any]:
         "format": source.format,
         "unit": part.unit.name,
         "sha256": source.sha256,
+        "files": _files(part),
     }
+
+
+def _files(part: Part) -> str | None:
+    """Return the files that the part's file refers to, as `sha256sum` lists them."""
+    return "\n".join(f"{digest}  {visible(name)}" for name, digest in part.source.files.items()) or None
 
 
 def _folder(name: str, file: Path | None) -> str:
@@ -112,7 +118,13 @@ def scene_of(file: str | os.PathLike[str]) -> Scene:
     folder = Path(name).resolve().parent / table["folder"]
     scene = Scene.loads(table["text"], folder, name)
     for section, part in _source_sections(scene.body).items():
-        _require_same_part(name, part, sections.get(section, {}).get("sha256"))
+        recorded = sections.get(section, {})
+        _require_same_part(name, part, recorded.get("sha256"))
+        if recorded.get("files") not in (None, _files(part)):
+            raise ReadError(
+                f"{name} was made when {part.name} referred to other files, or they held something else: bring them "
+                "back as they were, or simulate the scene anew"
+            )
     return replace(scene, run=Settings(**{key: settings[key] for key in _SETTINGS if key in settings}))
 
 

@@ -17,7 +17,7 @@ def check_document(
     """Return what a check found as ``inertia/check/1``; lengths and places are in the part's unit."""
     return {
         "schema": "inertia/check/1",
-        "source": {"path": part.source.path, "sha256": part.source.sha256, "format": part.source.format},
+        "source": part.source.to_dict(),
         "unit": part.unit.name,
         "unit_from": part.unit_from,
         "fit": not report.faults(orientation),

@@ -33,7 +33,7 @@ def trade_document(trade: PartTrade | SceneTrade, *, wording: Wording = str) -> 
         analysis, part = trade.analysis, trade.analysis.part
         return {
             "schema": "inertia/trade/1",
-            "source": {"path": part.source.path, "sha256": part.source.sha256, "format": part.source.format},
+            "source": part.source.to_dict(),
             "unit": part.unit.name,
             "unit_from": part.unit_from,
             "density": analysis.density,

@@ -21,6 +21,7 @@ from numpy.typing import NDArray
 from inertia.arrays import Float, Int
 from inertia.errors import ReadError
 from inertia.mesh.part import Cells, Facets, Regions, Rounding, Surface
+from inertia.mesh.version import refer_to
 from inertia.units import Unit
 
 UNNAMED = "default"
@@ -105,6 +106,7 @@ def beneath(folder: Path, name: str) -> Path:
         )
     if missing:
         raise ReadError(f"it needs the file {shown(name)} beside it, which is not there: keep them together")
+    refer_to(path, name)
     return path
 
 

@@ -35,7 +35,7 @@ def analysis_document(
         }
     document: dict[str, Any] = {
         "schema": "inertia/analysis/1",
-        "source": {"path": part.source.path, "sha256": part.source.sha256, "format": part.source.format},
+        "source": part.source.to_dict(),
         "unit": part.unit.name,
         "unit_from": part.unit_from,
         "density": analysis.density,
