@@ -1,8 +1,10 @@
 """The cache of compiled kernels: it may be absent, damaged or read-only, and the answer stays the same."""
 
 import ctypes
+import os
 import platform
 import shutil
+import subprocess
 import sys
 from collections.abc import Callable
 from pathlib import Path
@@ -145,9 +147,26 @@ def test_a_cache_that_others_may_write_to_is_not_loaded_from(
     cache.chmod(0o777)
     with pytest.warns(CacheWarning, match="others may write to"):
         assert not closure.FACES.worthwhile(LOAD_ABOVE)
+    with pytest.warns(CacheWarning, match="others may write to"):
+        assert is_one_closed_piece(LARGE)
+
+
+def test_without_a_compiler_the_answer_is_the_same(cache: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     forbid_compiler(monkeypatch)
-    with pytest.raises(ImportError), pytest.warns(CacheWarning):
-        is_one_closed_piece(LARGE)
+    with pytest.warns(CacheWarning, match="kernels are not compiled, which costs time: numba cannot be imported"):
+        assert is_one_closed_piece(LARGE)
+
+
+def test_kernels_are_compiled_where_numba_is_switched_off_for_other_code(tmp_path: Path) -> None:
+    program = """if True:
+        import numpy
+        from inertia.native import Kernel
+        kernel = Kernel("inertia.mesh.geometry.edge_kernel", "rehash", "pipi")
+        print(callable(kernel.function), __import__("numba").config.DISABLE_JIT)
+    """
+    environment = {**os.environ, "NUMBA_DISABLE_JIT": "1", "INERTIA_CACHE": str(tmp_path / "cache")}
+    run = subprocess.run([sys.executable, "-c", program], env=environment, capture_output=True, text=True, check=True)
+    assert run.stdout == "True 1\n"
 
 
 def test_native_0_does_without_compiled_kernels(cache: Path, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -178,7 +178,7 @@ class GeometryError(InertiaError, ValueError):
 
 
 class CacheWarning(UserWarning):
-    """Compiled kernels are not kept, or one was damaged: it costs time, not the answer."""
+    """Compiled kernels are not kept, not intact, or not made: it costs time, not the answer."""
 
 
 def placed(error: InertiaError, *places: Place) -> InertiaError:

@@ -74,7 +74,10 @@ class Kernel:
             return False
         if "function" in self.__dict__:
             return True
-        return count >= COMPILE_ABOVE or (count >= LOAD_ABOVE and self._load() is not None)
+        if count < LOAD_ABOVE:
+            return False
+        code = self._load()
+        return bool(code) or ((code is not None or count >= COMPILE_ABOVE) and _has_compiler())
 
     @functools.cached_property
     def function(self) -> Callable[..., int]:
@@ -112,8 +115,13 @@ class Kernel:
 
         kinds = {"p": numba.types.voidptr, "i": numba.types.int64, "d": numba.types.float64}
         signature = numba.types.int64(*(kinds[letter] for letter in self.abi))
-        source = getattr(importlib.import_module(self.module), self.name)
-        compiled = numba.cfunc(signature, error_model="numpy", fastmath={"contract"} if self.fused else False)(source)
+        disabled, numba.config.DISABLE_JIT = numba.config.DISABLE_JIT, 0  # by the user's setting, for other code
+        try:
+            source = getattr(importlib.import_module(self.module), self.name)
+            contract = {"contract"} if self.fused else False
+            compiled = numba.cfunc(signature, error_model="numpy", fastmath=contract)(source)
+        finally:
+            numba.config.DISABLE_JIT = disabled
         module, machine = llvm.parse_assembly(compiled.inspect_llvm()), _machine()
         module.get_function(compiled.native_name).name = self._symbol
         if self.fused:
@@ -124,6 +132,15 @@ class Kernel:
         except user_cache.CacheError as error:
             _warn(_UNUSED.format(error))
         return code
+
+
+def _has_compiler() -> bool:
+    try:
+        import numba  # noqa: F401  # it refuses a numpy that is newer than itself
+    except ImportError as error:
+        _warn(f"kernels are not compiled, which costs time: numba cannot be imported ({error}): install it again")
+        return False
+    return True
 
 
 def _warn(message: str) -> None:
