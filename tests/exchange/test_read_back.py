@@ -64,6 +64,19 @@ def test_mujoco_keeps_the_principal_moments(body: inertia.MassProperties) -> Non
     assert sorted(model.body_inertia[1].tolist()) == body.principal_moments.tolist()
 
 
+def test_what_mujoco_refuses_for_its_size_is_said(body: inertia.MassProperties) -> None:
+    mujoco = pytest.importorskip("mujoco")
+    for mass in (1e-12, 1e-14):
+        text = inertia.export(body.with_mass(mass), "mjcf", name="dust")
+        smallest = body.with_mass(mass).principal_moments[0]
+        assert ("MuJoCo refuses dust" in text) == (smallest < 1e-15)
+        if smallest < 1e-15:
+            with pytest.raises(ValueError, match="mjMINVAL"):
+                mujoco.MjModel.from_xml_string(text)
+        else:
+            mujoco.MjModel.from_xml_string(text)
+
+
 def test_mujoco_reads_urdf(body: inertia.MassProperties) -> None:
     # A root becomes the world, and what is fixed to it is merged into it: let it float.
     text = inertia.export({"arm": body, "hand": body.with_mass(1.0)}, "urdf").replace('"fixed"', '"floating"')

@@ -6,9 +6,10 @@ from collections.abc import Sequence
 
 from inertia.exchange.conventions import CONVENTIONS
 from inertia.exchange.rotations import quaternion_of
-from inertia.exchange.writing import Body, attribute, heading, number, numbers, triangular, xml_comment
+from inertia.exchange.writing import Body, attribute, heading, number, numbers, printable, triangular, xml_comment
 
 _CONVENTION = CONVENTIONS["mjcf"]
+_LEAST = 1e-15  # mjMINVAL
 
 
 def write(bodies: Sequence[Body], comments: Sequence[str]) -> str:
@@ -19,8 +20,13 @@ def write(bodies: Sequence[Body], comments: Sequence[str]) -> str:
     comment, in the order of `fullinertia`.
     """
     name = bodies[0].name if len(bodies) == 1 else "assembly"
+    small = [
+        f"MuJoCo refuses {body.name} with a joint: its mass or a moment is below {_LEAST:g}."
+        for body in bodies
+        if min(body.properties.mass, *body.properties.principal_moments.tolist()) < _LEAST
+    ]
     lines = [
-        xml_comment(heading(bodies, _CONVENTION, comments)),
+        xml_comment([*heading(bodies, _CONVENTION, comments), *map(printable, small)]),
         f"<mujoco model={attribute(name)}>",
         "  <worldbody>",
     ]
