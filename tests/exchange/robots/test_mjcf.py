@@ -228,3 +228,12 @@ def test_a_shape_that_cannot_be_weighed_says_why(tmp_path: Path, text: str, says
     (geometry,) = read_robot(file).links[0].geometries
     assert isinstance(geometry.shape, str)
     assert says in geometry.shape
+
+
+def test_files_that_include_two_others_each_end(tmp_path: Path) -> None:
+    for k in range(30):
+        twice = f'<include file="{k + 1}.xml"/>' * 2
+        (tmp_path / f"{k}.xml").write_text(f"<mujoco>{twice}<worldbody/></mujoco>")
+    (tmp_path / "30.xml").write_text("<mujoco/>")
+    with pytest.raises(inertia.ReadError, match="more than 1000 files are included"):
+        read_robot(tmp_path / "0.xml")

@@ -212,11 +212,64 @@ def test_faults(tmp_path: Path, inside: str, says: str) -> None:
 
 def test_defaults_are_those_of_the_specification(tmp_path: Path) -> None:
     file = tmp_path / "a.sdf"
-    file.write_text(text('<link name="a"><inertial><mass>2</mass></inertial></link><include><uri>x</uri></include>'))
+    file.write_text(text('<link name="a"><inertial><mass>2</mass></inertial></link>'))
     robot = read_robot(file)
     inertial = robot.links[0].inertial
     assert inertial is not None
     assert inertial.inertia.tolist() == np.eye(3).tolist()
-    assert "include is not read" in robot.notes[0]
     file.write_text(text('<link name="a"><inertial auto="true"><density>1</density></inertial></link>'))
     assert read_robot(file).links[0].inertial is None
+
+
+@pytest.fixture
+def world(tmp_path: Path) -> Path:
+    """A world that includes a model twice, which includes a hand; each lies in a folder of its own."""
+    hand, arm = tmp_path / "models" / "hand", tmp_path / "models" / "arm"
+    hand.mkdir(parents=True)
+    arm.mkdir()
+    (hand / "model.config").write_text("<model><name>hand</name><sdf version='1.9'>the hand.sdf</sdf></model>")
+    (hand / "the hand.sdf").write_text(
+        '<sdf version="1.9"><model name="hand"><link name="palm"><visual name="v"><geometry><mesh>'
+        "<uri>model://hand/palm.stl</uri></mesh></geometry></visual></link></model></sdf>"
+    )
+    (hand / "palm.stl").write_bytes(b"")
+    (arm / "model.sdf").write_text(
+        '<sdf version="1.9"><model name="arm"><pose>9 9 9 0 0 0</pose><link name="upper"/>'
+        "<include><uri>model://hand</uri><name>grip</name><pose relative_to='upper'>0 0 1 0 0 0</pose></include>"
+        '<joint name="weld" type="fixed"><parent>upper</parent><child>grip::palm</child></joint></model></sdf>'
+    )
+    file = tmp_path / "models" / "world.sdf"
+    file.write_text(
+        '<sdf version="1.9"><world name="w"><include><uri>model://arm</uri><pose>1 0 0 0 0 0</pose></include>'
+        "<include><uri>model://arm</uri><name>second</name></include><include><uri>model://nix</uri></include>"
+        "<include merge='true'><uri>model://arm</uri></include></world></sdf>"
+    )
+    return file
+
+
+def test_included_models_are_read(world: Path) -> None:
+    robot = read_robot(world)
+    names = ["arm::upper", "arm::grip::palm", "second::upper", "second::grip::palm"]
+    assert [link.name for link in robot.links] == names
+    palm = robot.links[1]
+    assert palm.parent == "arm::upper"
+    assert same(palm.placement, pose(0, 0, 1, 0, 0, 0))
+    assert palm.geometries[0].shape == world.parent / "hand" / "palm.stl"
+    assert "'model://nix' is not read: it is not there" in robot.notes[0]
+    assert "'model://arm' is not read: it is merged" in robot.notes[1]
+
+
+def test_models_that_include_themselves_are_refused(world: Path) -> None:
+    arm = world.parent / "arm" / "model.sdf"
+    arm.write_text(arm.read_text().replace("model://hand", "model://arm"))
+    with pytest.raises(inertia.ReadError, match="include one another"):
+        read_robot(world)
+
+
+def test_models_that_include_two_others_each_end(tmp_path: Path) -> None:
+    for k in range(30):
+        twice = f"<include><uri>{k + 1}.sdf</uri></include>" * 2
+        (tmp_path / f"{k}.sdf").write_text(f'<sdf version="1.9"><model name="m{k}">{twice}</model></sdf>')
+    (tmp_path / "30.sdf").write_text(text('<link name="a"/>'))
+    with pytest.raises(inertia.ReadError, match="more than 1000 models are included"):
+        read_robot(tmp_path / "0.sdf")

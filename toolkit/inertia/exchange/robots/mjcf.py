@@ -31,6 +31,7 @@ _UNREAD = ("composite", "flexcomp", "attach", "replicate", "plugin")
 _CHANGES = ("balanceinertia", "boundmass", "boundinertia", "settotalmass")  # what MuJoCo does to what is stated
 _NO_SOLID = ("plane", "hfield", "sdf")
 _DEEPEST = 32  # files that include one another
+_MOST = 1000  # files that are included in all: two in each would be 2³²
 
 
 @dataclass(frozen=True)
@@ -69,7 +70,7 @@ def read_mjcf(path: Path) -> Robot:
     root = parse_xml(path.read_bytes().lstrip())
     if root.tag != "mujoco":
         raise ReadError(f"it begins with {shown(root.tag)}, not with mujoco: it is no MJCF file")
-    _include(root, path.parent, path.parent, 0)
+    _include(root, path.parent, path.parent, [], 0)
     model = _Model(path)
     for compiler in root.findall("compiler"):
         model.compiler.update(compiler.attrib)
@@ -92,20 +93,23 @@ def read_mjcf(path: Path) -> Robot:
     return Robot(path, "mjcf", root.get("model", ""), tuple(links), tuple(model.notes))
 
 
-def _include(element: Element, folder: Path, here: Path, depth: int) -> None:
+def _include(element: Element, folder: Path, here: Path, files: list[Path], depth: int) -> None:
     """Replace every ``<include file>`` below an element by what the file holds."""
     if depth > _DEEPEST:
         raise ReadError(f"files include one another more than {_DEEPEST} deep")
     for position, child in reversed(list(enumerate(element))):
         if child.tag != "include":
-            _include(child, folder, here, depth)
+            _include(child, folder, here, files, depth)
             continue
         name = child.get("file", "")
         file = next((place for place in (folder / name, here / name) if place.is_file()), None)
         if file is None:
             raise ReadError(f"the included file {shown(name)} is not there: looked for {folder / name}")
+        files.append(file)
+        if len(files) > _MOST:
+            raise ReadError(f"more than {_MOST} files are included")
         other = parse_xml(file.read_bytes().lstrip())
-        _include(other, folder, file.parent, depth + 1)
+        _include(other, folder, file.parent, files, depth + 1)
         element[position : position + 1] = list(other)
 
 

@@ -9,7 +9,7 @@ a frame; a name in a nested model is written model::name.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 from fractions import Fraction
 from pathlib import Path
@@ -27,15 +27,21 @@ from inertia.mesh.readers.trimesh import parse_xml
 
 _CONVENTION = CONVENTIONS["sdf"]
 _MODEL = "__model__"
+_DEEPEST = 32  # models that include one another
+_MOST = 1000  # models that are included in all: two in each would be 2³²
 _SHAPELESS = ("plane", "heightmap", "image", "empty", "polyline")
 
 
 @dataclass
 class _Frames:
-    """Where the frames of a file lie: each by its full name, the full name of the one it counts from, and its pose."""
+    """Where the frames of a file lie: each by its full name, the full name of the one it counts from, and its pose.
+
+    `links` are those of them that are links; `fixed` is what each link hangs from by a fixed joint, and where.
+    """
 
     poses: dict[str, tuple[str, Placement]] = field(default_factory=dict)
     links: set[str] = field(default_factory=set)
+    fixed: dict[str, tuple[str, Placement]] = field(default_factory=dict)
 
     def find(self, name: str, scope: str) -> str:
         """Return the full name of a frame that is called `name` within a model."""
@@ -76,23 +82,66 @@ def read_sdf(path: Path) -> Robot:
     root = parse_xml(path.read_bytes().lstrip())
     if root.tag != "sdf":
         raise ReadError(f"it begins with {shown(root.tag)}, not with sdf: it is no SDFormat file")
+    folders: dict[Element, Path] = {}
+    notes: dict[str, None] = {}
+    for place in (root, *root.findall("world")):
+        _include(place, path.parent, folders, notes, 0)
     models = [*root.findall("model"), *(model for world in root.findall("world") for model in world.findall("model"))]
     frames = _Frames()
     scopes = [f"{model.get('name', '')}::" for model in models]
     for model, scope in zip(models, scopes, strict=True):
         _declare(model, scope, "", frames)
-    unread = "include is not read: the models that it names are left out"
-    notes = (unread,) if root.find(".//include") is not None else ()
+    for model, scope in zip(models, scopes, strict=True):
+        _weld(model, scope, frames)
     drop = scopes[0] if len(models) == 1 else ""  # with one model its name says nothing
     links = [
         link
         for model, scope in zip(models, scopes, strict=True)
-        for link in _links(model, scope, frames, drop, path.parent)
+        for link in _links(model, scope, frames, drop, path.parent, folders)
     ]
     if not links:
         raise ReadError("it holds no link")
     name = models[0].get("name", "") if len(models) == 1 else ""
-    return Robot(path, "sdf", name, tuple(links), notes)
+    return Robot(path, "sdf", name, tuple(links), tuple(notes))
+
+
+def _include(place: Element, folder: Path, folders: dict[Element, Path], notes: dict[str, None], depth: int) -> None:
+    """Replace every ``<include>`` in a world or model by the model that it names, and keep where that one's file is."""
+    if depth > _DEEPEST:
+        raise ReadError(f"models include one another more than {_DEEPEST} deep")
+    for position, child in enumerate(list(place)):
+        if child.tag == "model":
+            _include(child, folder, folders, notes, depth + 1)
+        if child.tag != "include":
+            continue
+        uri = child.findtext("uri", "").strip()
+        model, file = _included(uri, folder)
+        if model is None or child.get("merge") == "true":
+            notes[f"the included model {shown(uri)} is not read: {'it is merged' if model else 'it is not there'}"] = (
+                None
+            )
+            continue
+        model.set("name", child.findtext("name", model.get("name", "")).strip())
+        if (pose := child.find("pose")) is not None:
+            for own in model.findall("pose"):
+                model.remove(own)
+            model.append(pose)
+        folders[model] = file.parent
+        if len(folders) > _MOST:
+            raise ReadError(f"more than {_MOST} models are included")
+        place[position] = model
+        _include(model, file.parent, folders, notes, depth + 1)
+
+
+def _included(uri: str, folder: Path) -> tuple[Element | None, Path]:
+    """Return the model that a file, or a folder with a model.config, holds, and the file."""
+    file = mesh_file(uri, folder)
+    if not file.is_file():
+        config = mesh_file(f"{uri}/model.config", folder)
+        named = parse_xml(config.read_bytes().lstrip()).findtext("sdf", "").strip() if config.is_file() else "model.sdf"
+        file = mesh_file(f"{uri}/{named}", folder)
+    model = parse_xml(file.read_bytes().lstrip()).find("model") if file.is_file() else None
+    return model, file
 
 
 def _declare(model: Element, scope: str, outside: str, frames: _Frames) -> None:
@@ -120,26 +169,31 @@ def _declare(model: Element, scope: str, outside: str, frames: _Frames) -> None:
             frames.poses[within + _MODEL] = frames.find(relative, scope), frames.poses[within + _MODEL][1]
 
 
-def _links(model: Element, scope: str, frames: _Frames, drop: str, folder: Path) -> Iterator[Link]:
-    fixed = dict(_fixed_joints(model, scope, frames))
+def _links(
+    model: Element, scope: str, frames: _Frames, drop: str, folder: Path, folders: Mapping[Element, Path]
+) -> Iterator[Link]:
+    folder = folders.get(model, folder)
     for element in model.findall("link"):
         full = scope + element.get("name", "")
         name = full.removeprefix(drop)
-        parent, placement = fixed.get(full, (None, Placement()))
+        parent, placement = frames.fixed.get(full, (None, Placement()))
         geometries = tuple(_geometries(element, full, name, scope, frames, folder))
         hangs = None if parent is None else parent.removeprefix(drop)
         yield Link(name, _inertial(element, f"link {shown(name)}"), geometries, hangs, placement)
     for child in model.findall("model"):
-        yield from _links(child, f"{scope}{child.get('name', '')}::", frames, drop, folder)
+        yield from _links(child, f"{scope}{child.get('name', '')}::", frames, drop, folder, folders)
 
 
-def _fixed_joints(model: Element, scope: str, frames: _Frames) -> Iterator[tuple[str, tuple[str, Placement]]]:
+def _weld(model: Element, scope: str, frames: _Frames) -> None:
+    """Gather what hangs together by fixed joints."""
     for joint in model.findall("joint"):
         ends = [joint.findtext(tag, "").strip() for tag in ("parent", "child")]
         if joint.get("type") == "fixed" and "world" not in ends:
             parent, child = (frames.find(end, scope) for end in ends)
             if {parent, child} <= frames.links:
-                yield child, (parent, frames.between(parent, child))
+                frames.fixed[child] = parent, frames.between(parent, child)
+    for child_model in model.findall("model"):
+        _weld(child_model, f"{scope}{child_model.get('name', '')}::", frames)
 
 
 def _inertial(link: Element, what: str) -> Inertial | None:
