@@ -6,7 +6,7 @@ import argparse
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from inertia.errors import UsageError
+from inertia.errors import REPAIR, GeometryError, UsageError
 from inertia.output import require_writable, write_whole
 from inertia_cli.options import (
     accuracy,
@@ -20,7 +20,7 @@ from inertia_cli.options import (
 )
 from inertia_cli.printing import show
 from inertia_cli.progress import Progress
-from inertia_cli.wording import as_option
+from inertia_cli.wording import as_option, tried
 
 if TYPE_CHECKING:
     from inertia.mass.analysis import Analysis
@@ -109,7 +109,10 @@ def run(options: argparse.Namespace) -> int:
     output = _output(options)
     part, hashing = read_part(options)
     repaired = _repair(part, options)
-    analysis = _analysis(part if repaired is None else repaired.part, options)
+    try:
+        analysis = _analysis(part if repaired is None else repaired.part, options)
+    except GeometryError as error:
+        raise tried(error, REPAIR) if options.repair and REPAIR in error.remedies else error from None
     if options.richardson:
         from inertia.mass.tessellation import richardson
 

@@ -27,6 +27,7 @@ def add_input(parser: argparse.ArgumentParser) -> None:
         help="STL, OBJ, PLY, OFF, glTF, 3MF, Collada, STEP, VTK, Gmsh, Nastran, Abaqus, ...; - for standard input",
     )
     parser.add_argument("--unit", metavar="UNIT", help="length unit of the coordinates: mm (assumed), m, in, ...")
+    parser.add_argument("--unpack-limit", type=float, metavar="GIB", help="that a compressed file may unpack to (2)")
     parser.add_argument("--format", metavar="KIND", help="kind of file, where its contents should not decide")
 
 
@@ -131,7 +132,8 @@ def read_part(options: argparse.Namespace, coarser: float = 1.0) -> tuple[Part, 
     """Read the part, and begin to hash its file beside the work that follows."""
     from inertia.mesh.read import read
 
-    part = read(options.part, options.unit, format=options.format, coarser=coarser)
+    limit = {} if options.unpack_limit is None else {"unpack_limit": options.unpack_limit}
+    part = read(options.part, options.unit, format=options.format, coarser=coarser, **limit)
 
     def digest() -> None:
         with contextlib.suppress(InertiaError):  # it is raised again where the digest is needed

@@ -50,7 +50,8 @@ def run(options: argparse.Namespace) -> int:
     from inertia.mass.analysis import analyse, sound_solids_only
     from inertia.mesh.read import read
 
-    part = read(options.part, options.unit, format=options.format)
+    limit = {} if options.unpack_limit is None else {"unpack_limit": options.unpack_limit}
+    part = read(options.part, options.unit, format=options.format, **limit)
     density, material = by_name("density", options.density), by_name("material", options.material)
     with sound_solids_only("tumbling takes a sound solid only"):
         analysis = analyse(part, density, material=material, mass=options.mass)

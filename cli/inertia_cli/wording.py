@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Mapping
 from typing import TypeVar
 
-from inertia.errors import REPAIR, WELD, FieldPath, InertiaError, Remedy, Word, reworded
+from inertia.errors import REPAIR, WELD, FieldPath, InertiaError, Remedy, Sentence, Word, reworded
+
+_BEFORE_REMEDY = re.compile(r"(?:,? or)?(?: use| with)? $")
 
 W = TypeVar("W", bound=Word)
 
@@ -24,6 +27,24 @@ def as_option(word: Remedy | FieldPath) -> str:
         return f"--weld {word.value}"
     option = f"--{word.argument.replace('_', '-')}"
     return f"{option} {word.value}" if isinstance(word.value, str) else option
+
+
+def tried(error: InertiaError, remedy: Remedy) -> InertiaError:
+    """Return the error without the remedy that has been followed already.
+
+    >>> from inertia.errors import GeometryError
+    >>> tried(GeometryError("open: close the mesh, or use ", WELD, " or ", REPAIR), REPAIR).sentence
+    'open: close the mesh, or use inertia.weld(part, DISTANCE); the repair that was asked for leaves this'
+    >>> tried(GeometryError("two bodies overlap: unite the bodies, or use ", REPAIR), REPAIR).sentence
+    'two bodies overlap: unite the bodies; the repair that was asked for leaves this'
+    """
+    words: list[Word] = []
+    for word in Sentence(*error.words).words:
+        if word != remedy:
+            words.append(word)
+        elif words and isinstance(words[-1], str):
+            words[-1] = _BEFORE_REMEDY.sub("", words[-1])
+    return reworded(error, [*words, "; the repair that was asked for leaves this"], error.places)
 
 
 def with_options(error: InertiaError, fields: Mapping[str, str], *, part: str = "") -> InertiaError:

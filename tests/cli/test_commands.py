@@ -7,6 +7,7 @@ import re
 import shlex
 import subprocess
 import sys
+from dataclasses import replace
 from fractions import Fraction
 from pathlib import Path
 
@@ -458,3 +459,15 @@ def test_two_dashes_are_no_value(option: str, capsys: pytest.CaptureFixture[str]
 
 def test_a_mesh_that_is_not_there_is_not_taken_for_one(capsys: pytest.CaptureFixture[str]) -> None:
     assert "cannot read nothing.vtu: " in sentence(capsys, 3, "simulate", "nothing.vtu")
+
+
+def test_a_repair_that_was_asked_for_is_not_advised(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    missing = str(path("broken/missing_face.stl"))
+    assert "or --repair" in sentence(capsys, 4, "analyse", missing)
+    left = inertia.repair(inertia.read(path("cube.stl")))
+    monkeypatch.setattr("inertia.mass.repair.repair", lambda part, *_: replace(left, part=part))  # the hole stays
+    said = sentence(capsys, 4, "analyse", missing, "--repair")
+    assert "--repair" not in said
+    assert said.endswith("or use --shell THICKNESS; the repair that was asked for leaves this\n")

@@ -22,13 +22,16 @@ import numpy as np
 from inertia.arrays import Float, Progress
 from inertia.errors import ReadError, UsageError, placed, visible
 from inertia.mesh.part import Part, Rounding, Source
+from inertia.mesh.readers.compressed import UNPACK_LIMIT, packed_as, unpacked
 from inertia.mesh.readers.contents import Contents
 from inertia.mesh.readers.formats import FORMATS, HEAD, format_of_name, sniff
-from inertia.mesh.version import Version, unchanged
+from inertia.mesh.version import CHANGED, Version, unchanged
 from inertia.standard_input import file_of
 from inertia.units import DEFAULT_UNIT, Unit, UnitFrom, length_unit
 
 _SMALL = 10_000_000  # bytes
+
+_ZIPPED = ("3mf", "3dxml", "zae")  # formats that are zip archives themselves
 
 _REASONS = {
     errno.ENOENT: "there is no such file: check the path",
@@ -45,6 +48,7 @@ def read(
     *,
     format: str | None = None,
     coarser: float = 1.0,
+    unpack_limit: float = UNPACK_LIMIT,
     progress: Progress | None = None,
 ) -> Part:
     """Read a mesh from a file.
@@ -57,6 +61,7 @@ def read(
     format : the kind of file (`"stl"`, `"obj"`, ...), where it is not to be found out
     coarser : by how much coarser than usual the triangles are that replace curved faces, where reading makes them
         (STEP): for an estimate of what they leave out, see `inertia.richardson`
+    unpack_limit : GiB that a compressed file (gzip, bzip2, xz, zip, tar) may unpack to; it holds one mesh
     progress : called with the fraction of the work that is done; a file is read in one step
 
     Raises
@@ -82,9 +87,11 @@ def read(
         raise UsageError(f"coarser is {coarser!r}: it must be positive and finite")
     if format is not None and format not in FORMATS:
         raise UsageError(f"unknown format {format!r}: use one of {', '.join(FORMATS)}")
+    if not 0 < unpack_limit < math.inf:
+        raise UsageError(f"unpack_limit is {unpack_limit!r}: it must be positive and finite, in GiB")
     name = os.fspath(path)
     try:
-        kind, contents, version = _contents(name, format, coarser)
+        kind, contents, version = _contents(name, format, coarser, unpack_limit)
     except ReadError as error:
         raise placed(error, f"cannot read {name}") from error
     notes = list(contents.notes)
@@ -131,7 +138,7 @@ def _unit(override: Unit | None, of_file: Unit | None) -> tuple[Unit, UnitFrom]:
     return (DEFAULT_UNIT, "assumed") if of_file is None else (of_file, "file")
 
 
-def _contents(name: str, format: str | None, coarser: float) -> tuple[str, Contents, Version]:
+def _contents(name: str, format: str | None, coarser: float, unpack_limit: float) -> tuple[str, Contents, Version]:
     """Return the kind of a file, what is in it, and the version of it that was read."""
     if "\0" in name:
         raise ReadError(_REASONS[errno.ENOENT])
@@ -145,12 +152,10 @@ def _contents(name: str, format: str | None, coarser: float) -> tuple[str, Conte
         with unchanged(path) as version:
             with path.open("rb") as file:
                 head = file.read(HEAD)
-            if not head:
-                raise ReadError("it is empty: export the part again")
-            kind = format or sniff(path, head, version.size)
-            if coarser != 1.0 and kind != "step":
-                raise UsageError(f"{name} is {kind}, whose triangles are in the file: only STEP can be meshed coarser")
-            return kind, _read_as(kind, path, coarser), version
+            packed = None if format in _ZIPPED else packed_as(path, head)
+            if packed is None:
+                return *_sniffed(path, head, version.size, format, coarser, name), version
+            return *_unpacked(path, packed, format, coarser, unpack_limit), version
     except OSError as error:
         reason = _REASONS.get(error.errno or 0, f"{error.strerror or error}: check the path and the disk")
         raise ReadError(reason) from error
@@ -161,6 +166,42 @@ def _contents(name: str, format: str | None, coarser: float) -> tuple[str, Conte
             says = f"its counts ask for more memory than there is, though it has {status.st_size} bytes only: "
             raise ReadError(f"{says}it is damaged, export it again") from error
         raise ReadError("it needs more memory than there is: split the part or use a larger machine") from error
+
+
+def _sniffed(
+    path: Path, head: bytes, size: int, format: str | None, coarser: float, called: str
+) -> tuple[str, Contents]:
+    if not head:
+        raise ReadError("it is empty: export the part again")
+    kind = format or sniff(path, head, size)
+    if coarser != 1.0 and kind != "step":
+        raise UsageError(f"{called} is {kind}, whose triangles are in the file: only STEP can be meshed coarser")
+    return kind, _read_as(kind, path, coarser)
+
+
+def _unpacked(path: Path, packed: str, format: str | None, coarser: float, limit: float) -> tuple[str, Contents]:
+    """Return the kind of the mesh in a compressed file, and what is in it."""
+    with unpacked(path, packed, limit) as member:
+        try:
+            with member.path.open("rb") as file:
+                head = file.read(HEAD)
+            kind, contents = _sniffed(
+                member.path, head, member.path.stat().st_size, format, coarser, f"{member.name} in {path}"
+            )
+        except ReadError as error:
+            raise placed(error, f"{member.name} in it") from None
+    rounding = contents.rounding
+
+    def remainder() -> Float:
+        with unpacked(path, packed, limit) as member:
+            again = _read_as(kind, member.path, coarser).rounding
+            if again is None or again.remainder is None:
+                raise ReadError(CHANGED)
+            return again.remainder()
+
+    if rounding is not None and rounding.remainder is not None:
+        rounding = Rounding(rounding.distance, remainder)
+    return kind, replace(contents, notes=(member.note, *contents.notes), rounding=rounding)
 
 
 def _read_as(kind: str, path: Path, coarser: float) -> Contents:

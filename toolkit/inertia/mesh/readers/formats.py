@@ -11,6 +11,7 @@ from typing import NamedTuple
 
 from inertia.errors import ReadError
 from inertia.mesh.readers.stl import is_binary_stl, is_text_stl
+from inertia.mesh.readers.strangers import stranger
 
 
 class Format(NamedTuple):
@@ -67,7 +68,9 @@ def sniff(path: Path, head: bytes, size: int) -> str:
     text = head.removeprefix(b"\xef\xbb\xbf")
     for name, entry in FORMATS.items():
         if entry.begins is not None and re.match(entry.begins, text):
-            return _format_of_zip(path) if name == "3mf" else name
+            return (format_of_zip(path) or "3mf") if name == "3mf" else name
+    if (other := stranger(head)) is not None:
+        raise ReadError(other)
     suffix = format_of_name(path)
     if suffix is None:
         raise ReadError(
@@ -83,8 +86,8 @@ def format_of_name(path: Path) -> str | None:
     return next((name for name, extensions in EXTENSIONS.items() if suffix in extensions), None)
 
 
-def _format_of_zip(path: Path) -> str:
-    """Return the format of a zip archive: by its members, else by its name."""
+def format_of_zip(path: Path) -> str | None:
+    """Return the format of a zip archive: by its members, else by its name; None where it is none."""
     import zipfile
 
     try:
@@ -96,4 +99,4 @@ def _format_of_zip(path: Path) -> str:
         if any(member.endswith(ending) for member in members):
             return name
     suffix = format_of_name(path)
-    return suffix if suffix in ("zae", "3dxml") else "3mf"
+    return suffix if suffix in ("zae", "3dxml", "3mf") else None

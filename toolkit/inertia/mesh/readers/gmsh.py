@@ -20,7 +20,7 @@ from inertia.mesh.readers.contents import UNNAMED, Contents, shown
 from inertia.mesh.readers.decimals import rounding_of
 from inertia.mesh.readers.gmsh_sections import FORMAT, TYPES, Group, MshFile, Section, nodes_of
 
-_OLD, _NEW = ("2", "2.1", "2.2"), ("4", "4.1")
+_OLD, _NEW = ("2", "2.1", "2.2"), ("4.1",)
 _NAME = re.compile(rb'(\d)\s+(\d{1,9})\s+"([^"\r\n]*)"')
 
 
@@ -32,7 +32,8 @@ def read_gmsh(path: Path) -> Contents:
         raise ReadError("its $MeshFormat section is damaged: export it again")
     version = header[1].decode("ascii", "replace")
     if version not in (*_OLD, *_NEW):
-        raise ReadError(f"it is MSH {shown(version)}, but 2.2 and 4.1 are read: save it as one of these")
+        named = "4.0" if version == "4" else version
+        raise ReadError(f"it is MSH {shown(named)}, but 2.2 and 4.1 are read: save it as one of these")
     file = MshFile(data, header)
     old = version in _OLD
     tags, points = _nodes_2(file) if old else _nodes_4(file)

@@ -104,7 +104,7 @@ class _Package:
         models = [name for name in self._members if name.endswith(".model")]
         named = [name for name in (*targets, _ROOT_NAME, *models[:1]) if name in models]
         if not named:
-            raise ReadError("it is a zip archive without a 3D model: it is no 3MF file")
+            raise ReadError("it is a zip archive without a 3D model, which 3MF holds as .model: export it again")
         return named[0]
 
     def model(self, part: str) -> _Model:

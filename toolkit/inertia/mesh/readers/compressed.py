@@ -1,0 +1,169 @@
+"""Compressed files and archives: the one mesh in a gzip, bzip2, xz, zip or tar file is unpacked, within a limit.
+
+Nothing of an archive is trusted but the bytes of that member: it is written under a name of our own, into a folder of
+this run that goes when it has been read. An archive within an archive is not opened, nor are several meshes.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from pathlib import Path, PurePosixPath
+from typing import IO, Any, NamedTuple
+
+from inertia.errors import ReadError, Remedy, visible
+from inertia.mesh.readers.formats import EXTENSIONS, format_of_zip
+from inertia.output import temporary_folder
+
+UNPACK_LIMIT = 2.0
+"""GiB that a compressed file may unpack to, unless told."""
+
+_MEMBERS = 10_000  # entries of an archive that are looked at
+_BLOCK = 2**20
+_NAMED = 5
+_STREAMS = {b"\x1f\x8b": ("gzip", "gzip"), b"BZh": ("bzip2", "bz2"), b"\xfd7zXZ\x00": ("xz", "lzma")}
+_MORE = Remedy("read", "unpack_limit", "GIB")
+
+
+class Unpacked(NamedTuple):
+    """A file that was unpacked: where it is, what it was called, and the note that says so."""
+
+    path: Path
+    name: str
+    note: str
+
+
+def packed_as(path: Path, head: bytes) -> str | None:
+    """Return what a file that begins with `head` is packed as: "gzip", "zip", ...; None where it is not.
+
+    3MF, 3DXML and zipped Collada are formats of their own.
+    """
+    for magic, (kind, _) in _STREAMS.items():
+        if head.startswith(magic):
+            return kind
+    if re.match(rb"PK(?:\x03\x04|\x05\x06)", head) and format_of_zip(path) is None:
+        return "zip"
+    return "tar" if _is_tar(head) else None
+
+
+@contextmanager
+def unpacked(path: Path, kind: str, limit: float) -> Iterator[Unpacked]:
+    """Yield the mesh in a file that is packed as `kind`; it is gone when the context is left.
+
+    Parameters
+    ----------
+    limit : GiB that it may unpack to
+
+    Raises `ReadError` where it is damaged or encrypted, unpacks to more, or holds no mesh or several.
+    """
+    bytes_left = limit * 2**30
+    with temporary_folder() as folder, _damage(kind):
+        source, name, how = path, path.name, kind
+        if kind not in ("zip", "tar"):
+            module = next(module for other, module in _STREAMS.values() if other == kind)
+            opened: Callable[[Path], IO[bytes]] = __import__(module).open
+            source, name = folder / "stream", re.sub(r"(?i)\.(gz|bz2|xz|gzip|lzma)$", "", path.name)
+            with opened(path) as stream:
+                _copy(stream, source, bytes_left)
+            with source.open("rb") as file:
+                head = file.read(512)
+            if name.lower().endswith((".tgz", ".tbz", ".tbz2", ".txz")) or _is_tar(head):
+                how, name = f"{kind} and tar", ""
+            elif inner := packed_as(source, head):
+                raise ReadError(f"it is {kind} of {inner}, and archives in archives are not opened: unpack it")
+        if how == "zip":
+            source, name = _from_zip(source, folder / "part", bytes_left)
+        elif how.endswith("tar"):
+            source, name = _from_tar(source, folder / "part", bytes_left)
+            (folder / "stream").unlink(missing_ok=True)
+        suffix = PurePosixPath(name).suffix.lower()
+        if suffix in _MESHES:
+            source = source.rename(folder / f"part{suffix}")
+        yield Unpacked(source, visible(name), f"unpacked from {how}: {visible(name)}, {source.stat().st_size} bytes")
+
+
+def _is_tar(head: bytes) -> bool:
+    return head[257:262] == b"ustar"
+
+
+def _from_zip(path: Path, to: Path, limit: float) -> tuple[Path, str]:
+    import zipfile
+
+    with zipfile.ZipFile(path) as archive:
+        files = {info.filename: info for info in archive.infolist() if not info.is_dir()}
+        info = files[_mesh_among(files)]
+        if info.flag_bits & 1:
+            raise ReadError("it is encrypted: unpack it and give the mesh in it")
+        with archive.open(info) as stream:
+            return _copy(stream, to, limit), info.filename
+
+
+def _from_tar(path: Path, to: Path, limit: float) -> tuple[Path, str]:
+    import tarfile
+
+    with tarfile.open(path, "r:") as archive:
+        files: dict[str, Any] = {}
+        for number, member in enumerate(archive):
+            if number >= _MEMBERS:
+                raise ReadError(f"it has more than {_MEMBERS} entries: unpack it and give the mesh in it")
+            if member.isreg():
+                files[member.name] = member
+        name = _mesh_among(files)
+        stream = archive.extractfile(files[name])
+        assert stream is not None  # it is a regular file
+        with stream:
+            return _copy(stream, to, limit), name
+
+
+_MESHES = frozenset(suffix for suffixes in EXTENSIONS.values() for suffix in suffixes)
+
+
+def _mesh_among(names: dict[str, Any]) -> str:
+    """Return the name of the only mesh, or of the only file."""
+    if len(names) > _MEMBERS:
+        raise ReadError(f"it has more than {_MEMBERS} entries: unpack it and give the mesh in it")
+    seen = [name for name in names if not PurePosixPath(name).name.startswith(".") and "__MACOSX" not in name]
+    meshes = [name for name in seen if PurePosixPath(name).suffix.lower() in _MESHES]
+    if len(meshes) == 1 or (not meshes and len(seen) == 1):
+        return (meshes or seen)[0]
+    listed = ", ".join(visible(name) for name in (meshes or seen)[:_NAMED])
+    more = f" and {len(meshes or seen) - _NAMED} more" if len(meshes or seen) > _NAMED else ""
+    if meshes:
+        raise ReadError(f"it holds {len(meshes)} meshes, {listed}{more}: unpack it and give the one that is meant")
+    raise ReadError(f"it holds no mesh, but {listed + more if seen else 'nothing'}: give a mesh")
+
+
+def _copy(stream: IO[bytes], to: Path, limit: float) -> Path:
+    """Write a stream to a file, and stop at the limit."""
+    size = 0
+    with to.open("xb") as file:
+        while block := stream.read(_BLOCK):
+            size += len(block)
+            if size > limit:
+                raise ReadError(
+                    f"it unpacks to more than {limit / 2**30:g} GiB: it is a decompression bomb, or give ", _MORE
+                )
+            file.write(block)
+    return to
+
+
+@contextmanager
+def _damage(kind: str) -> Iterator[None]:
+    """Turn what the decompressors raise into a `ReadError`."""
+    import lzma
+    import tarfile
+    import zipfile
+    import zlib
+
+    damage = (EOFError, zlib.error, lzma.LZMAError, tarfile.TarError, zipfile.BadZipFile, zipfile.LargeZipFile)
+    try:
+        yield
+    except damage as error:
+        raise ReadError(f"it is a damaged {kind} file ({visible(str(error))}): pack it again") from None
+    except (NotImplementedError, RuntimeError) as error:
+        raise ReadError(f"it is a {kind} file that is not read ({visible(str(error))}): unpack it") from None
+    except OSError as error:
+        if error.errno is not None:
+            raise
+        raise ReadError(f"it is a damaged {kind} file ({visible(str(error))}): pack it again") from None
