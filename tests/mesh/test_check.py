@@ -8,6 +8,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from tests.mesh.solids import Mesh, cube, facets, inside_out, joined, moebius, part, sphere
 
+import inertia
 from inertia.errors import GeometryError
 from inertia.mesh.check import check
 from inertia.mesh.checks.findings import Finding, Report
@@ -411,3 +412,37 @@ def test_an_insert_too_large_for_its_cavity_is_not_made_a_cavity() -> None:
     mended = repair(original).part
     assert check(mended).fit
     assert np.linalg.det(mended.triangles.corners()).sum() / 6 == pytest.approx(216, rel=1e-14)
+
+
+def klein_bottle(around: int = 24, along: int = 12) -> Mesh:
+    """Return the figure-8 immersion: a figure 8 that makes half a turn on its way around, wound alike but at a seam."""
+    u, v = np.meshgrid(np.arange(around), np.arange(along), indexing="ij")
+    a, b = 2 * np.pi * u / around, 2 * np.pi * (v + 0.25) / along
+    from_axis = 3 + np.cos(a / 2) * np.sin(b) - np.sin(a / 2) * np.sin(2 * b)
+    height = np.sin(a / 2) * np.sin(b) + np.cos(a / 2) * np.sin(2 * b)
+    points = np.stack([from_axis * np.cos(a), from_axis * np.sin(a), height], axis=-1).reshape(-1, 3)
+    faces = []
+    for i in range(around):
+        for j in range(along):
+            seam = i + 1 == around
+            # After a whole turn the curve is run through in the opposite sense, half a turn on.
+            first, second = ((-j - k) % along if seam else (j + k) % along for k in (0, 1))
+            here, above = i * along + j, i * along + (j + 1) % along
+            beside, across = ((i + 1) % around * along + k for k in (first, second))
+            faces += [[here, beside, across], [here, across, above]]
+    return points, np.array(faces)
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_a_klein_bottle_is_closed_but_encloses_nothing(seed: int) -> None:
+    vertices, faces = klein_bottle()
+    bottle = part((vertices, np.random.default_rng(seed).permutation(faces) if seed else faces))
+    report = check(bottle)
+    assert (report.closed, report.consistent, report.fit) == (True, False, False)
+    assert report.findings[0].code == "inconsistent_winding"
+    with pytest.raises(GeometryError, match=r"inconsistent winding: the two triangles at 12 edges run the same way"):
+        inertia.analyse(bottle)
+    with pytest.raises(GeometryError, match="inconsistent winding"):
+        inertia.analyse(bottle, orientation="absolute")
+    with pytest.raises(GeometryError, match="one-sided"):
+        inertia.repair(bottle)

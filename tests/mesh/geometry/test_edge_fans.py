@@ -1,0 +1,95 @@
+"""Triangles around an edge, sorted by exact angles: against cross products in fractions."""
+
+from fractions import Fraction
+from functools import cmp_to_key
+from itertools import pairwise
+
+import numpy as np
+import pytest
+
+from inertia.mesh.geometry.closure import closure
+from inertia.mesh.geometry.edge_fans import fans
+from inertia.mesh.geometry.halfedges import half_edges
+from inertia.mesh.part import Surface
+
+
+def sorted_by_angle(points: np.ndarray) -> list[int]:
+    """Sort points (k, 2) by angle from the first on, by the signs of cross and dot products in fractions."""
+    exact = [[Fraction(x) for x in point] for point in points.tolist()]
+
+    def half(k: int) -> int:
+        (a, b), (x, y) = exact[0], exact[k]
+        cross, dot = a * y - b * x, a * x + b * y
+        return 0 if cross > 0 or (cross == 0 and dot > 0) else 1
+
+    def compare(i: int, j: int) -> int:
+        if half(i) != half(j):
+            return half(i) - half(j)
+        cross = exact[i][0] * exact[j][1] - exact[i][1] * exact[j][0]
+        return -1 if cross > 0 else int(cross < 0)
+
+    return [0, *sorted(range(1, len(exact)), key=cmp_to_key(compare))]
+
+
+def around(points: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Return vertices and faces of triangles from the edge along z to points in the plane beside it."""
+    vertices = np.vstack([[0, 0, 0], [0, 0, 1], np.column_stack([points, np.full(len(points), 0.5)])])
+    return vertices, np.array([[0, 1, k + 2] if k % 2 else [1, 0, k + 2] for k in range(len(points))])
+
+
+def order(points: np.ndarray, seed: int) -> tuple[list[int], int]:
+    """Return the points as they are sorted around the edge, from the first on, and the number of half-planes."""
+    vertices, faces = around(points)
+    faces = np.random.default_rng(seed).permutation(faces)
+    edges = half_edges(faces)
+    member = np.flatnonzero(edges.uses[edges.edge] > 2)
+    result = fans(vertices, faces, edges, member, edges.edge[member])
+    assert len(set(result.group.tolist())) == 1
+    at = (faces.max(axis=1)[result.half_edge // 3] - 2).tolist()
+    start = at.index(0)
+    return at[start:] + at[:start], len(set(result.plane.tolist()))
+
+
+@pytest.mark.parametrize("seed", range(5))
+@pytest.mark.parametrize("turn", [(1.0, 0.0), (-3.0, 4.0), (0.6, -0.7), (-1.0, -1e-9)])
+def test_angles_that_differ_by_less_than_float64_holds_are_told_apart(turn: tuple[float, float], seed: int) -> None:
+    """Twelve half-planes 1e-17 rad apart, opposite to another one, and four more anywhere."""
+    rng = np.random.default_rng(seed)
+    x, y = turn
+    grid = 2.0**-52
+    close = np.array([[-x * (1 + k * grid), -y] for k in range(6)] + [[-x, -y * (1 + k * grid)] for k in range(6)])
+    points = np.vstack([[x, y], close, rng.normal(size=(4, 2))])
+    points = np.unique(points, axis=0)
+    points = points[np.argsort(np.abs(points - [x, y]).sum(axis=1), kind="stable")]
+    expected = sorted_by_angle(points)
+    exact = [[Fraction(v) for v in point] for point in points.tolist()]
+    different = len({_direction(point) for point in exact})
+    found, planes = order(points, seed)
+    assert planes == different
+    position = {k: expected.index(k) for k in range(len(points))}
+    for i, j in pairwise(found):
+        alike = exact[i][0] * exact[j][1] == exact[i][1] * exact[j][0]
+        assert alike or position[i] < position[j]
+
+
+def _direction(point: list[Fraction]) -> tuple[Fraction | None, bool]:
+    x, y = point
+    return (None, y > 0) if x == 0 else (y / x, x > 0)
+
+
+@pytest.mark.parametrize("seed", range(6))
+def test_wedges_of_1e_17_rad_at_one_edge_are_bodies_apart(seed: int) -> None:
+    """Four tetrahedra as thin as that, with gaps as thin between them, all at one edge."""
+    vertices = [[0.0, 0, -1], [0, 0, 1]] + [[1.0, k * 2.0**-57, 0] for k in range(8)]
+    faces = []
+    for k in range(2, 10, 2):
+        faces += [[0, 1, k + 1], [1, 0, k], [0, k + 1, k], [1, k, k + 1]]
+    rng = np.random.default_rng(seed)
+    shuffled = rng.permutation(np.array(faces))
+    surface = Surface(vertices, np.take_along_axis(shuffled, (rng.integers(0, 3, (16, 1)) + np.arange(3)) % 3, axis=1))
+    result = closure(surface)
+    assert (result.open_edges, result.components, result.crowded) == (0, 4, 1)
+    for component in range(4):
+        tips = np.unique(surface.faces[result.labels == component])[2:]
+        assert tips[0] % 2 == 0
+        assert tips[1] == tips[0] + 1
