@@ -5,9 +5,11 @@ from __future__ import annotations
 import json
 import subprocess
 import sys
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from decimal import Decimal
 from fractions import Fraction
+from itertools import product
 from pathlib import Path
 from typing import Any
 
@@ -60,6 +62,24 @@ def questions() -> Iterator[Question]:
         ("--accuracy", "1e-15"),
         Fraction(1, 1000),
     )
+    ball_in_decimals, volume = _far_ball()
+    yield Question(
+        "the ball 1e8 diameters away, in decimals", "far.obj", ball_in_decimals, ("--accuracy", "1e-15"), volume
+    )
+    low, high = "1000000.1", "1000000.2"
+    corner = [(low, low, low), (high, low, low), (low, high, low), (low, low, high)]
+    yield Question(
+        "a tetrahedron from 1000000.1 to 1000000.2, in decimals of Gmsh",
+        "decimals.msh",
+        _gmsh(corner, 4, [range(4)]),
+        ("--accuracy", "1e-15"),
+        Fraction(1, 6000),
+    )
+    tetra = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]]
+    two = [*tetra, *([x + 0.125 for x in point] for point in tetra)]
+    yield Question("two tetrahedra that share space", "two.msh", _gmsh(two, 4, [range(4), range(4, 8)]))
+    yield Question("a hexahedron inside a block of 64", "inside.msh", _block_with_a_brick_inside())
+    yield Question("a hexahedron of 20 nodes that folds beside its corner", "folded.msh", _folded_brick())
     cube = moved(box(1, 1, 1), -0.5, 0.5, 0)
     cubes = np.concatenate([cube, mapped(cube, [[0.8, -0.6, 0], [0.6, 0.8, 0], [0, 0, 1]])])
     order = np.argsort(cubes[:, :, 2].mean(axis=1), kind="stable")
@@ -154,10 +174,56 @@ def _curved_brick() -> bytes:
     ring = [(0, 1), (1, 2), (2, 3), (3, 0)]
     edges = [*ring, *((a + 4, b + 4) for a, b in ring), *((k, k + 4) for k in range(4))]
     nodes = np.array([*corners, *(np.mean([corners[a], corners[b]], axis=0) for a, b in edges)], float)
-    nodes += 0.05 * np.sin(7.0 * np.arange(3 * _NODES)).reshape(-1, 3)
+    # Coordinates whose decimals float64 holds: those of VTK's text are not read exactly.
+    nodes += np.round(2**10 * 0.05 * np.sin(7.0 * np.arange(3 * _NODES))).reshape(-1, 3) / 2**10
     points = "\n".join(f"{x!r} {y!r} {z!r}" for x, y, z in nodes.tolist())
     numbers = " ".join(map(str, range(_NODES)))
     return (
         f"# vtk DataFile Version 3.0\nbrick\nASCII\nDATASET UNSTRUCTURED_GRID\nPOINTS {_NODES} double\n{points}\n"
         f"CELLS 1 {_NODES + 1}\n{_NODES} {numbers}\nCELL_TYPES 1\n25\n"
     ).encode()
+
+
+def _far_ball() -> tuple[bytes, Fraction]:
+    """Return a ball 1e8 diameters away as text with twelve digits after the point, and its volume."""
+    whole = np.rint(_ball() * 1e12)
+    points, faces = np.unique(whole.reshape(-1, 3), axis=0, return_inverse=True)
+    lines = [f"v {' '.join(str(Decimal(10**20 + int(x)).scaleb(-12)) for x in point)}" for point in points.tolist()]
+    lines += [f"f {a + 1} {b + 1} {c + 1}" for a, b, c in faces.reshape(-1, 3).tolist()]
+    return "\n".join(lines).encode(), _volume(whole) / 10**36
+
+
+def _gmsh(points: Sequence[Sequence[float | str]], kind: int, cells: Sequence[Sequence[int]]) -> bytes:
+    """Return cells of one of Gmsh's types as text."""
+    nodes = "\n".join(f"{k} {' '.join(map(str, point))}" for k, point in enumerate(points, 1))
+    rows = "\n".join(f"{k} {kind} 0 {' '.join(str(node + 1) for node in cell)}" for k, cell in enumerate(cells, 1))
+    return (
+        f"$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$Nodes\n{len(points)}\n{nodes}\n$EndNodes\n"
+        f"$Elements\n{len(cells)}\n{rows}\n$EndElements\n"
+    ).encode()
+
+
+def _bricks(steps: int) -> tuple[list[list[float]], list[list[int]]]:
+    """Return the points and hexahedra of a cube of `steps`³ cubes."""
+    side = steps + 1
+    points = [[float(x), float(y), float(z)] for x in range(side) for y in range(side) for z in range(side)]
+    at = {tuple(point): k for k, point in enumerate(points)}
+    corners = [(x, y, z) for z in (0, 1) for x, y in ((0, 0), (1, 0), (1, 1), (0, 1))]
+    cubes = product(range(steps), repeat=3)
+    return points, [[at[x + a, y + b, z + c] for a, b, c in corners] for x, y, z in cubes]
+
+
+def _block_with_a_brick_inside() -> bytes:
+    points, bricks = _bricks(4)
+    inner, (brick,) = _bricks(1)
+    points += [[x / 2 + 1.25 for x in point] for point in inner]
+    return _gmsh(points, 5, [*bricks, [node + 125 for node in brick]])
+
+
+def _folded_brick() -> bytes:
+    """Return a hexahedron of 20 nodes, one middle node pulled in: at all corners and Gauss points it looks sound."""
+    corners = [(x, y, z) for z in (-1, 1) for x, y in ((-1, -1), (1, -1), (1, 1), (-1, 1))]
+    edges = [(0, 1), (0, 3), (0, 4), (1, 2), (1, 5), (2, 3), (2, 6), (3, 7), (4, 5), (4, 7), (5, 6), (6, 7)]
+    nodes = [*corners, *(np.mean([corners[a], corners[b]], axis=0).tolist() for a, b in edges)]
+    nodes[8] = [0.0, 0.25, 0.25]
+    return _gmsh(nodes, 17, [list(range(_NODES))])

@@ -38,9 +38,9 @@ _COARSE = (12,)
 """Gauss points of the rule that a curved wire's rule is compared with."""
 
 _LEFT = 2.0**-50  # of what was rounded, when it is undone by the float64 nearest to it
-_LEBESGUE = 3.0  # the largest Σ|Nᵢ| on a face: that of a quadrilateral with nodes amid its edges, in its middle
+_LEBESGUE = 3.0  # of cells of second order, the largest Σ|Nᵢ| on a face: of 8 nodes, in its middle
 _GROWTH = 300.0  # twice the product of the largest Σ|∂Nᵢ/∂ξ| along both directions of a face, over its area
-_REACH = 3.0  # how far a face may be from the origin, over how far its nodes are
+_REACH = 3.0  # of the same, how far a face may be from the origin, over how far its nodes are
 
 _FACES = 4096  # of the outside, integrated at a time
 
@@ -153,8 +153,9 @@ def cells_as_written(moments: Moments, cells: Cells, distance: float) -> Moments
     middle = np.array([float(k) for k in moments.origin])
     size = float(np.ptp(points, axis=0).max())
     area = 1.01 * boundary_area(cells) + _GROWTH * distance * (size + distance) * faces
-    volume = _LEBESGUE * distance * area * 1.01
-    reach = _REACH * (np.abs(points - middle).max(axis=0) + distance)
+    curved = any(block.nodes.shape[1] > KINDS[block.kind].corners for block in cells.blocks)
+    volume = (_LEBESGUE if curved else 1.0) * distance * area * 1.01
+    reach = (_REACH if curved else 1.01) * (np.abs(points - middle).max(axis=0) + distance)
     return moments + Moments(
         moments.origin,
         ZERO,
