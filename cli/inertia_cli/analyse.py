@@ -14,6 +14,7 @@ from inertia_cli.options import (
     add_input,
     add_intersections,
     add_orientation,
+    add_parts,
     by_name,
     decimal_triple,
     read_part,
@@ -58,6 +59,7 @@ def add(parsers: Any) -> None:
     )
     add_orientation(parser)
     add_intersections(parser)
+    add_parts(parser)
     mend = parser.add_argument_group("mending, never unasked")
     mend.add_argument("--weld", type=float, metavar="DISTANCE", help="merge vertices within DISTANCE, in --unit")
     mend.add_argument("--repair", action="store_true", help="close, turn and unite; every change is listed")
@@ -187,6 +189,7 @@ def _analysis(part: Part, options: argparse.Namespace) -> Analysis:
             orientation=options.orientation,
             intersections=options.intersections,
             union=options.union,
+            parts=options.parts,
             about=options.about,
             chord=options.chord,
             progress=progress,

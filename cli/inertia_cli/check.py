@@ -5,7 +5,7 @@ from __future__ import annotations
 import argparse
 from typing import Any
 
-from inertia_cli.options import add_input, add_intersections, add_orientation, read_part
+from inertia_cli.options import add_input, add_intersections, add_orientation, add_parts, read_part
 from inertia_cli.printing import show
 from inertia_cli.wording import as_option
 
@@ -23,6 +23,7 @@ def add(parsers: Any) -> None:
     add_input(parser)
     add_orientation(parser)
     add_intersections(parser)
+    add_parts(parser)
     parser.add_argument("--json", action="store_true", help="print one JSON document (inertia/check/1)")
 
 
@@ -32,7 +33,7 @@ def run(options: argparse.Namespace) -> int:
     from inertia.report.check import check_document, check_text
 
     part, hashing = read_part(options)
-    report = check_part(part, intersections=options.intersections)
+    report = check_part(part, intersections=options.intersections, parts=options.parts)
     hashing.join()
     show(
         options.json,

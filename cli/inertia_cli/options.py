@@ -65,6 +65,16 @@ def add_orientation(parser: argparse.ArgumentParser) -> None:
     )
 
 
+def add_parts(parser: Any) -> None:
+    """Add whether bodies are taken one by one."""
+    parser.add_argument(
+        "--parts",
+        choices=["together", "separate"],
+        default="together",
+        help="separate: integrate each body by itself; what bodies share is in the bounds then, and no fault",
+    )
+
+
 def add_intersections(parser: Any) -> None:
     """Add whether triangles that cross one another are looked for."""
     parser.add_argument(

@@ -57,7 +57,7 @@ def test_no_refusal_under_absolute_orientation_asks_for_it(first: int) -> None:
 
 
 def test_what_no_orientation_mends_is_said() -> None:
-    with pytest.raises(GeometryError, match="however its shells are turned: unite the bodies"):
+    with pytest.raises(GeometryError, match="however its shells are turned: move the bodies apart, or use union"):
         inertia.analyse(pile(169), orientation="absolute")
 
 

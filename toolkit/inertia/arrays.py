@@ -17,3 +17,6 @@ Progress = Callable[[float], None]
 
 Orientation = Literal["stored", "absolute"]
 """Whether the sign of a shell's volume follows from the winding of its triangles, or from how shells are nested."""
+
+Parts = Literal["together", "separate"]
+"""Whether the bodies of a part are one solid, in which nothing may count twice, or each is integrated by itself."""

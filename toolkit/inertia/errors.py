@@ -70,6 +70,7 @@ WELD = Remedy("weld", "tolerance", "DISTANCE")
 SHELL = Remedy("analyse", "shell", "THICKNESS")
 ABSOLUTE = Remedy("analyse", "orientation", "absolute")
 UNION = Remedy("analyse", "union", True)
+SEPARATE = Remedy("analyse", "parts", "separate")
 UNIT = Remedy("read", "unit", ...)
 FORCE = Remedy("", "force", True)
 

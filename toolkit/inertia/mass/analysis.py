@@ -19,7 +19,7 @@ from typing import TYPE_CHECKING, Literal
 import numpy as np
 from numpy.typing import ArrayLike
 
-from inertia.arrays import Float, Orientation, Progress
+from inertia.arrays import Float, Orientation, Parts, Progress
 from inertia.errors import CHECK, GeometryError, Remedy, UsageError, Word, require_kind, reworded
 from inertia.mass.density import Densities, DensityFrom, densities
 from inertia.mass.doubt import FILLED, doubt_bounds, doubt_error
@@ -123,6 +123,7 @@ def mass_properties(
     orientation: Orientation = "stored",
     intersections: bool | None = None,
     union: bool = False,
+    parts: Parts = "together",
 ) -> MassProperties:
     """Integrate a part to its mass, centre of mass and inertia tensor.
 
@@ -147,6 +148,7 @@ def mass_properties(
         to 200,000 triangles are looked through
     union : whether to integrate the union of the bodies, and of each shell with itself: all places of winding number 1
         or more, each once (see `inertia.unite`)
+    parts : "separate" integrates each body by itself, also where bodies share space, which then is in the bounds
 
     Raises
     ------
@@ -172,6 +174,7 @@ def mass_properties(
         orientation=orientation,
         intersections=intersections,
         union=union,
+        parts=parts,
     ).properties
 
 
@@ -187,6 +190,7 @@ def analyse(
     orientation: Orientation = "stored",
     intersections: bool | None = None,
     union: bool = False,
+    parts: Parts = "together",
     about: ArrayLike | Sequence[Fraction] | None = None,
     class_tolerance: float | None = None,
     chord: float | None = None,
@@ -211,6 +215,10 @@ def analyse(
     point = None if about is None else exact_point(about, "about")
     if orientation not in ("stored", "absolute"):
         raise UsageError(f"orientation is {orientation!r}: use 'stored' or 'absolute'")
+    if parts not in ("together", "separate"):
+        raise UsageError(f"parts is {parts!r}: use 'together' or 'separate'")
+    if parts == "separate" and union:
+        raise UsageError("both separate bodies and their union are asked for: give one")
     if shell is not None and wire is not None:
         raise UsageError("both a shell and a wire are asked for: give one")
     if accuracy == "exact" and (wire is not None or isinstance(part.geometry, Cells)):
@@ -242,12 +250,14 @@ def analyse(
         integrals = cell_integrals(part, stated.named, intersections=intersections, progress=progress)
     else:
         absolute = orientation == "absolute"
+        stated_chord = part if chord is None else replace(part, chord=np.full(part.triangles.count, float(chord)))
         integrals = surface_integrals(
-            part,
+            stated_chord,
             stated.named,
             accuracy=accuracy,
             absolute=absolute,
             intersections=intersections,
+            parts=parts,
             progress=progress,
         )
 

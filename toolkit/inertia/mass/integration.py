@@ -12,7 +12,7 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from inertia.arrays import Float, Int, Progress
+from inertia.arrays import Float, Int, Parts, Progress
 from inertia.errors import SHELL, GeometryError, Remedy, UsageError, placed
 from inertia.mass.moments import Moments
 from inertia.mass.triangles.arithmetic import METHODS, Arithmetic, arithmetics, shell_moments, solid_moments
@@ -79,6 +79,7 @@ def surface_integrals(
     accuracy: float | str | None = None,
     absolute: bool = False,
     intersections: bool | None = None,
+    parts: Parts = "together",
     turned: bool = False,
     progress: Progress | None = None,
 ) -> Iterator[Integral]:
@@ -110,11 +111,11 @@ def surface_integrals(
     wrong = _wrong(triangles, pieces, moments_of(sums)) if absolute and not (turned or shell or proven) else ()
     if len(wrong):
         if pieces:
-            check(part, intersections=intersections).require_fit("absolute", turned=True)
+            check(part, intersections=intersections, parts=parts).require_fit("absolute", turned=True)
         other = replace(part, geometry=_turned(triangles, np.isin(topology.labels, wrong)))
         note = f"{len(wrong)} of {topology.components} shells turned, as absolute orientation was asked for"
         again = surface_integrals(
-            other, named, accuracy=accuracy, absolute=True, intersections=intersections, turned=True
+            other, named, accuracy=accuracy, absolute=True, intersections=intersections, parts=parts, turned=True
         )
         for integral in again:
             yield replace(integral, notes=(note,))
@@ -122,7 +123,7 @@ def surface_integrals(
     examined = not shell and to_be_examined(triangles, intersections, topology.crowded)
     report = None
     if examined and not proven and crossings(triangles, limit=1).total:
-        report = _sound(part, intersections, absolute)
+        report = _sound(part, intersections, parts, absolute)
     integral = Integral(
         groups=(),
         method=METHODS["float64"],
@@ -143,7 +144,7 @@ def surface_integrals(
             continue
         whole = solid_moments(triangles, arithmetic, sums, further, part.rounding)
         if report is None and ((pieces and not proven) or whole.zeroth < -whole.zeroth_bound):
-            report = _sound(part, False, absolute)
+            report = _sound(part, False, parts, absolute)
         if whole.zeroth > whole.zeroth_bound:
             groups = _solid_groups(part, named, topology, pieces, whole, arithmetic)
             doubts = () if report is None else report.doubts
@@ -152,8 +153,8 @@ def surface_integrals(
             _refuse_flat(part, whole, extents)
 
 
-def _sound(part: Part, intersections: bool | None, turned: bool) -> Report:
-    report = check(part, intersections=intersections)
+def _sound(part: Part, intersections: bool | None, parts: Parts, turned: bool) -> Report:
+    report = check(part, intersections=intersections, parts=parts)
     report.require_fit(turned=turned)
     return report
 

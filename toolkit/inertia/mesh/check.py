@@ -6,7 +6,8 @@ from collections.abc import Iterable
 
 import numpy as np
 
-from inertia.errors import require_kind
+from inertia.arrays import Parts
+from inertia.errors import UsageError, require_kind
 from inertia.mesh.checks.cells import CellTopology
 from inertia.mesh.checks.crossings import to_be_examined
 from inertia.mesh.checks.findings import Finding, Report, Severity
@@ -19,7 +20,7 @@ _IN_TURN: tuple[Subject, ...] = ("maps", "sides", "space")
 _ORDER: tuple[Severity, ...] = ("error", "warning", "note")
 
 
-def check(part: Part, *, intersections: bool | None = None) -> Report:
+def check(part: Part, *, intersections: bool | None = None, parts: Parts = "together") -> Report:
     """Check a part; no geometry makes it raise, see `Report.require_fit` for that.
 
     Parameters
@@ -28,6 +29,7 @@ def check(part: Part, *, intersections: bool | None = None) -> Report:
     intersections : whether to look for triangles of one shell that cross each other; without it, up to 200,000
         triangles that bound a volume are looked through, and any number where more than two share an edge; for
         volume cells that share space, which the triangles between the outer nodes of a mesh of cells show
+    parts : "separate" takes each body of a surface by itself: what they share is no fault, but in doubt
 
     >>> part = Part.from_arrays([[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]],
     ...                         [[0, 2, 1], [0, 1, 3], [1, 2, 3]], unit="mm")
@@ -36,19 +38,21 @@ def check(part: Part, *, intersections: bool | None = None) -> Report:
     (False, 'open', 3)
     """
     require_kind(part, Part, "part", "inertia.read(path)")
+    if parts not in ("together", "separate"):
+        raise UsageError(f"parts is {parts!r}: use 'together' or 'separate'")
     if isinstance(part.geometry, Cells):
         return _check_cells(part, CellTopology(part.geometry, part.unit.name), intersections)
-    return _check_surface(part, part.geometry, intersections)
+    return _check_surface(part, part.geometry, intersections, parts == "separate")
 
 
-def _check_surface(part: Part, triangles: Triangles, intersections: bool | None) -> Report:
+def _check_surface(part: Part, triangles: Triangles, intersections: bool | None, separate: bool) -> Report:
     if unusable := next(findings("triangles", triangles), None):
         return _nothing_to_measure(part, triangles.count, unusable)
-    surface = SurfaceTopology.of(triangles, part.unit.name, part.filling.volume if part.filling else 0.0)
+    surface = SurfaceTopology.of(part, separate=separate)
     remarks = [*findings("surface", surface)]
     flat = [*findings("volume", surface)] if surface.bounds else []
     if surface.bounds:
-        remarks += flat or [*findings("shells", surface)]
+        remarks += flat or [f for f in findings("shells", surface) if not (separate and f.separable)]
     bounds_volume = surface.bounds and not flat
     proven = surface.bounds and counts_once(triangles)
     examined = to_be_examined(triangles, intersections, surface.closure.crowded) and (

@@ -9,13 +9,14 @@ from itertools import groupby
 import numpy as np
 
 from inertia.arrays import Bool, Float, Int
+from inertia.errors import SEPARATE, Word
 from inertia.mesh.checks.findings import Evidence, listed, middle
 from inertia.mesh.checks.surface_topology import SurfaceTopology
 from inertia.mesh.geometry.boxes import BoxTree, overlapping
 from inertia.mesh.geometry.closure import Closure, closure, components
 from inertia.mesh.geometry.edges import Place
 from inertia.mesh.geometry.halfedges import half_edges
-from inertia.mesh.geometry.shells import SLIVER, Body, absolute_orientation, bodies, members
+from inertia.mesh.geometry.shells import SLIVER, Body, absolute_orientation, bodies, bodies_apart, members
 from inertia.mesh.geometry.winding import misplaced_volume
 from inertia.mesh.part import Doubt, Surface, Triangles
 
@@ -52,12 +53,14 @@ def contacts(surface: SurfaceTopology) -> Evidence | None:
     doubts, first, places = [], [], []
     for turned, groups, near, boxes in _near_bodies(surface, alike=True):
         a, b = (turned.select(group[meets.all(axis=1)]) for group, meets in zip(groups, near, strict=True))
-        if not touching(a, b):
+        if not surface.separate and not touching(a, b):
             continue
         measured = common_volume(*(turned.vertices[turned.faces[group]] for group in groups))
         if measured is None:
             depth = contact_depth(surface.vertices, float(np.ptp(boxes, axis=1).max(axis=1).min()))
-            volume = _within(depth, np.concatenate([a.corners(), b.corners()]))
+            volume = _smaller(surface, groups)
+            if not surface.separate:
+                volume = min(volume, _within(depth, np.concatenate([a.corners(), b.corners()])))
         elif measured[0] > measured[1] or crossings(a, b, limit=1).total:
             volume = max(measured[0], 0.0) + measured[1]
         else:
@@ -85,9 +88,10 @@ def _sharing_space(surface: SurfaceTopology, *, alike: bool) -> Evidence | None:
     from inertia.mesh.geometry.intersect import overlap
 
     places, first = [], []
-    volumes = np.array([abs(shell.signed_volume) for shell in surface.shells])
+    volume = sum(abs(shell.signed_volume) for shell in surface.shells)
+    depths = []
     for turned, groups, near, boxes in _near_bodies(surface, alike=alike):
-        if volumes[[surface.closure.labels[group[0]] for group in groups]].min() <= SLIVER * volumes.sum():
+        if _smaller(surface, groups) <= SLIVER * volume:
             continue
         # What lies above or below the other body matters for winding numbers, what lies beside it does not.
         a, b = (group[meets[:, :2].all(axis=1)] for group, meets in zip(groups, near, strict=True))
@@ -97,9 +101,30 @@ def _sharing_space(surface: SurfaceTopology, *, alike: bool) -> Evidence | None:
         if place is not None:
             places.append(place)
             first += [group[0] for group in groups]
+            depths.append(_chord_depth(surface, turned.select(a), turned.select(b), groups))
     if not places:
         return None
-    return Evidence(len(places), listed(np.array(first)), places[0])
+    advice: tuple[Word, ...] = ()
+    if alike and min(depths) > 0:
+        depth = f"{max(depths):.2g} {surface.unit}"
+        advice = "use ", SEPARATE, f", as they share it no deeper than their triangles' chord tolerances, {depth}, or "
+    return Evidence(len(places), listed(np.array(first)), places[0], advice=advice)
+
+
+def _chord_depth(surface: SurfaceTopology, a: Surface, b: Surface, groups: list[Int]) -> float:
+    """Return the depth that the chord tolerances of two bodies explain; 0 where they share space deeper than that."""
+    from inertia.mesh.geometry.intersect import overlap
+
+    if surface.chord is None:
+        return 0.0
+    depth = float(sum(surface.chord[group].max() for group in groups))
+    return depth if overlap(a, b, depth) is None else 0.0
+
+
+def _smaller(surface: SurfaceTopology, groups: list[Int]) -> float:
+    """Return the volume of the outer shell of the smaller of two bodies."""
+    volumes = [surface.shells[surface.closure.labels[group[0]]].signed_volume for group in groups]
+    return float(min(map(abs, volumes)))
 
 
 def _near_bodies(surface: SurfaceTopology, *, alike: bool) -> Iterator[tuple[Surface, list[Int], list[Bool], Float]]:
@@ -125,7 +150,7 @@ def _near_bodies(surface: SurfaceTopology, *, alike: bool) -> Iterator[tuple[Sur
             for group, box in ((groups[one], boxes[other]), (groups[other], boxes[one]))
         ]
         # Where no triangle of one comes near the other, they are apart or nested, which their shells show.
-        if all(meets.all(axis=1).any() for meets in near):
+        if surface.separate or all(meets.all(axis=1).any() for meets in near):
             yield turned, [groups[one], groups[other]], near, boxes[[one, other]]
 
 
@@ -300,7 +325,9 @@ def _doubt(surface: SurfaceTopology, crossed: Int, doubt: Doubt | None) -> str:
 
 
 def _turned(surface: SurfaceTopology) -> Surface:
-    """Return the triangles with every shell turned as its depth asks."""
+    """Return the triangles with every shell turned as its depth asks; as they are, where bodies are separate."""
+    if surface.separate:
+        return Surface(surface.vertices, surface.faces)
     faces = surface.faces.copy()
     wrong = np.isin(surface.closure.labels, absolute_orientation(surface.shells))
     faces[wrong] = faces[wrong, ::-1]
@@ -308,7 +335,9 @@ def _turned(surface: SurfaceTopology) -> Surface:
 
 
 def _turned_bodies(surface: SurfaceTopology) -> tuple[Body, ...]:
-    """Return the bodies that there are when every shell is turned as its depth asks."""
+    """Return the bodies that there are when every shell is turned as its depth asks; else those of their own."""
+    if surface.separate:
+        return bodies_apart(surface.shells)
     return bodies(
         [
             shell if shell.kind == "sheet" else replace(shell, kind=("outward", "inward")[shell.depth % 2])

@@ -9,7 +9,7 @@ from typing import Literal
 import numpy as np
 
 from inertia.arrays import Float, Int, Orientation
-from inertia.errors import CHECK, GeometryError, Remedy, Sentence, Word
+from inertia.errors import CHECK, UNION, GeometryError, Remedy, Sentence, Word
 from inertia.mesh.geometry.edges import Loop, Place
 from inertia.mesh.geometry.shells import Shell
 from inertia.mesh.part import Doubt, Source
@@ -17,7 +17,7 @@ from inertia.mesh.part import Doubt, Source
 Severity = Literal["error", "warning", "note"]
 
 _LISTED = 10
-_HOWEVER_TURNED = ", however its shells are turned: unite the bodies or move them apart where the part was made"
+_HOWEVER_TURNED = ", however its shells are turned: move the bodies apart, or use "
 
 
 @dataclass(frozen=True)
@@ -33,6 +33,7 @@ class Finding:
     faces : numbers of the first ten triangles (or cells) concerned
     place : where the first or largest is, in file units
     turnable : True where turning shells to their absolute orientation removes it
+    separable : True where integrating each body by itself removes it
     statement : the sentence without the remedy
     doubt : the volume that is in doubt for it, where it leaves an answer
     """
@@ -44,6 +45,7 @@ class Finding:
     faces: tuple[int, ...] = ()
     place: Place | None = None
     turnable: bool = False
+    separable: bool = False
     statement: str = ""
     doubt: Doubt | None = None
 
@@ -108,7 +110,7 @@ class Report:
             more = (" (", CHECK, f" lists {counted(others, 'more fault')})") if others else ()
             message: tuple[Word, ...] = (faults[0].message,)
             if turned and faults[0].turnable:
-                message = (faults[0].statement, _HOWEVER_TURNED)
+                message = (faults[0].statement, _HOWEVER_TURNED, UNION)
             raise GeometryError(*message, *more, places=(self.source.path or "the part",))
 
 

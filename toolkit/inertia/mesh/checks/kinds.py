@@ -54,6 +54,7 @@ class Kind:
     evidence : returns what shows it; None where all is well
     sentence : what, how much, where
     remedy : what to do about it, in words and arguments; () where nothing needs to be done
+    separable : whether it is no fault where each body is integrated by itself
     doubtful : the sentence where the evidence is of so little volume that it is only in doubt, and a warning
     """
 
@@ -63,6 +64,7 @@ class Kind:
     evidence: Callable[[Any], Evidence | None]
     sentence: str
     remedy: tuple[Word, ...] = ()
+    separable: bool = False
     doubtful: str = ""
 
     def finding(self, subject: Triangles | SurfaceTopology | CellTopology) -> Finding | None:
@@ -89,6 +91,7 @@ class Kind:
             evidence.faces,
             evidence.place,
             turnable,
+            self.separable,
             statement,
             evidence.doubt,
         )
@@ -305,6 +308,7 @@ KINDS = (
         "overlapping bodies: {count:shell} inside another of the same orientation, cavities among them, the first "
         "{around} from triangle {first} on, so that the inside counts twice",
         ("use ", UNION),
+        separable=True,
     ),
     Kind(
         "shells", "overlapping_bodies", "error",
@@ -312,6 +316,7 @@ KINDS = (
         "overlapping bodies: {count:shell} inside another of the same orientation, the first {around} from triangle "
         "{first} on, so that the inside counts twice",
         ("use ", UNION, " to count it once, or ", ABSOLUTE, " to make it a cavity"),
+        separable=True,
     ),
     Kind(
         "shells", "overlapping_bodies", "error",
@@ -319,6 +324,7 @@ KINDS = (
         "overlapping bodies: {count:pair} of bodies share space, the first {around} being those from triangles {first} "
         "and {second} on, so that it counts twice",
         ("move them apart, or use ", UNION),
+        separable=True,
     ),
     Kind(
         "shells", "overlapping_bodies", "error",
@@ -333,8 +339,8 @@ KINDS = (
         "self-intersection: {at_least}{count:pair} of triangles cross, the first {around} being triangles {one} and "
         "{other}, so that what is enclosed twice counts twice{doubt}",
         ("use ", UNION),
-        "self-intersection: {count:pair} of triangles cross, the first {around} being triangles {one} and {other}, but "
-        "what that encloses more than once {within}: up to {volume:.2g} {unit}³, which is in the bounds",
+        doubtful="self-intersection: {count:pair} of triangles cross, the first {around} being triangles {one} and "
+        "{other}, but what that encloses more than once {within}: up to {volume:.2g} {unit}³, which is in the bounds",
     ),
     Kind(
         "shells", "zero_volume", "warning",
@@ -350,10 +356,17 @@ KINDS = (
     ),
     Kind(
         "contacts", "contact", "note",
-        contacts,
+        lambda surface: None if surface.separate else contacts(surface),
         "contact: {count:pair} of bodies share space no deeper than the contact tolerance ({tolerance:g} of the "
         "smaller body) or of less than {least:g} of the volume, the first {around} being those from triangles {first} "
         "and {second} on, so that up to {volume:.2g} {unit}³ count twice: that is in the bounds",
+    ),
+    Kind(
+        "contacts", "shared_space", "warning",
+        lambda surface: contacts(surface) if surface.separate else None,
+        "shared space: {count:pair} of bodies share up to {volume:.2g} {unit}³, the first {around} being those from "
+        "triangles {first} and {second} on: each is integrated by itself, so that this counts twice and is in the "
+        "bounds",
     ),
     Kind("shells", "several_bodies", "note", _several_bodies, "{count} separate bodies"),
     Kind(

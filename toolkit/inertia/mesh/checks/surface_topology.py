@@ -15,7 +15,7 @@ from inertia.mesh.geometry import edges, shells
 from inertia.mesh.geometry.closure import Closure, closure, merge_equal_vertices
 from inertia.mesh.geometry.edges import Edges, Loop, Place
 from inertia.mesh.geometry.shells import Body, Shell
-from inertia.mesh.part import Triangles
+from inertia.mesh.part import Part, Triangles
 
 State = Literal["sheet", "sound", "inverted", "overlapping"]
 _STATES: dict[tuple[str, int], State] = {
@@ -31,7 +31,11 @@ _STATES: dict[tuple[str, int], State] = {
 class SurfaceTopology:
     """A surface with usable coordinates, and how it hangs together; `shells` is empty where it bounds no volume.
 
-    `room` is the volume that the fillings of its holes may be off by.
+    Attributes
+    ----------
+    room : the volume that the fillings of its holes may be off by
+    chord : (m,), how far the true surface may be from each triangle, where that is known
+    separate : whether each body is taken by itself
     """
 
     triangles: Triangles
@@ -41,15 +45,19 @@ class SurfaceTopology:
     edges: Edges
     closure: Closure
     shells: tuple[Shell, ...]
-    room: float = 0.0
+    room: float
+    chord: Float | None
+    separate: bool
 
     @classmethod
-    def of(cls, triangles: Triangles, unit: str, room: float = 0.0) -> SurfaceTopology:
+    def of(cls, part: Part, *, separate: bool = False) -> SurfaceTopology:
         """Merge equal vertices, pair the edges, and nest the shells."""
+        triangles = part.triangles
         vertices, faces = merge_equal_vertices(triangles)
         pairs, pieces = edges.pair_edges(faces), closure(triangles)
         nested = shells.shells(triangles, pieces) if pairs.balanced.all() else ()
-        return cls(triangles, unit, vertices, faces, pairs, pieces, nested, room)
+        room = part.filling.volume if part.filling else 0.0
+        return cls(triangles, part.unit.name, vertices, faces, pairs, pieces, nested, room, part.chord, separate)
 
     @property
     def closed(self) -> bool:

@@ -143,6 +143,18 @@ def bodies(shells: Sequence[Shell]) -> tuple[Body, ...]:
     return tuple(Body(number, tuple(group)) for number, group in enumerate(sorted(groups.values())))
 
 
+def bodies_apart(shells: Sequence[Shell]) -> tuple[Body, ...]:
+    """Group shells into bodies, however these lie in one another: outward ones, with the inward ones next inside."""
+    groups = {shell.number: [shell.number] for shell in shells if shell.kind == "outward"}
+    for shell in shells:
+        outer = shell.parent
+        while outer is not None and outer not in groups:
+            outer = shells[outer].parent
+        if shell.kind == "inward":
+            groups.setdefault(shell.number if outer is None else outer, []).append(shell.number)
+    return tuple(Body(number, tuple(group)) for number, group in enumerate(sorted(groups.values())))
+
+
 def absolute_orientation(shells: Sequence[Shell]) -> Int:
     """Return the numbers of the shells to turn so that even depths are outward and odd depths inward."""
     wrong = ("inward", "outward")  # by depth modulo 2
