@@ -11,6 +11,9 @@ import numpy as np
 from inertia.arrays import Float
 from inertia.auditing.bodies import Body, Shape, together
 
+_SMALL = 0.02
+"""Of the largest: elements that are smaller count as if they were as large."""
+
 Step = Callable[["Context", Body], Body]
 """What is made of a body as it is written down."""
 
@@ -51,10 +54,12 @@ class Context:
 
     @cached_property
     def size(self) -> float:
-        """Length of the diagonal of the box around the shapes, or the stated way to the centre if that is longer, m."""
+        """Length of the diagonal of the box around the shapes, or the way from it to the stated centre if longer, m."""
         low, high = (np.array(ends) for ends in zip(*(shape.box for shape in self.shapes), strict=True))
-        diagonal = float(np.linalg.norm(high.max(axis=0) - low.min(axis=0)))
-        return max(diagonal, float(np.linalg.norm(self.stated.body.center)))
+        low, high = low.min(axis=0), high.max(axis=0)
+        center = self.stated.body.center
+        beyond = np.maximum(low - center, center - high).clip(min=0)
+        return max(float(np.linalg.norm(high - low)), float(np.linalg.norm(beyond)))
 
     @cached_property
     def truth(self) -> Claim:
@@ -106,6 +111,23 @@ class Claim:
         Of the masses; of the tensors (Frobenius norm, over the larger one); of the centres, over the size of the link.
         """
         return difference(self.context, self.body, self.context.stated.body)
+
+
+def mismatch(context: Context, body: Body) -> float:
+    """Return how badly a body fits what is stated, by the root mean square of elements each over its own size.
+
+    Small elements count for more than in `difference`: a product of inertia with the wrong sign is told from one with
+    the right sign even where it is 1 % of the tensor.
+    """
+    stated = context.stated.body
+    worst = []
+    for one, other, size in (
+        (body.inertia, stated.inertia, float(np.linalg.norm(stated.inertia))),
+        (body.center, stated.center, context.size),
+    ):
+        worst.append((one - other) / (np.abs(other) + _SMALL * max(size, np.finfo(float).tiny)))
+    every = np.concatenate([each.ravel() for each in worst])
+    return float(np.sqrt(np.mean(every**2)))
 
 
 def difference(context: Context, one: Body, other: Body) -> float:

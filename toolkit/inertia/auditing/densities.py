@@ -14,6 +14,16 @@ from inertia.auditing.claim import Context, difference
 DENSEST = 25_000.0
 """kg/m³ that no part of a machine exceeds (tungsten has 19,300)."""
 
+PLAUSIBLE = (1.0, DENSEST)
+"""kg/m³ of what robots are made of, thin covers that are modelled as solids included."""
+
+_FREE = 5
+"""Densities that may be chosen to fit ten numbers: with six, one in fifty wrong statements is fitted, too."""
+
+_SPARE = 2
+"""Numbers that have to come out right by themselves."""
+
+_SAME, _DIGITS = 1e-3, 3  # of a link's size: moments that differ by less, as by symmetry, say one thing
 _RANK = 1e-6  # singular value over the largest, from which on a combination of densities is seen in the numbers
 
 
@@ -26,12 +36,14 @@ class Densities:
     values : (n,) kg/m³
     residual : what remains, as `inertia.auditing.claim.difference` has it
     unique : whether no others reproduce what is stated as well
+    telling : whether so few densities are chosen that a wrong statement would not be reproduced by any
     body : the shapes with these densities, together
     """
 
     values: Float
     residual: float
     unique: bool
+    telling: bool
     body: Body
 
 
@@ -46,7 +58,8 @@ def invert(context: Context) -> Densities | None:
     shapes, stated = context.shapes, context.stated.body
     if len(shapes) < 2:
         return None
-    scale = np.array([1.0, *[context.size] * 3, *[np.linalg.norm(stated.inertia) / stated.mass] * 6])
+    square = max(float(np.linalg.norm(stated.inertia)) / stated.mass, (_SAME * context.size) ** 2)
+    scale = np.array([1.0, *[context.size] * 3, *[square] * 6])
     columns = np.array([_moments(shape.solid, stated.center) / scale for shape in shapes]).T
     target = _moments(stated, stated.center) / scale / stated.mass
     weights = columns[0].copy()  # unknowns are shares of the mass
@@ -58,7 +71,9 @@ def invert(context: Context) -> Densities | None:
     body = together([shape.solid.weighed(value) for shape, value in zip(shapes, values, strict=True) if value > 0])
     singular = np.linalg.svd(matrix, compute_uv=False)
     unique = len(shapes) <= 10 and bool(singular[-1] > _RANK * singular[0])
-    return Densities(values, difference(context, body, stated), unique, body)
+    numbers = np.unique(matrix[np.abs(matrix).max(axis=1) > _SAME].round(_DIGITS), axis=0)
+    telling = len(shapes) <= min(_FREE, len(numbers) - _SPARE)
+    return Densities(values, difference(context, body, stated), unique, telling, body)
 
 
 def _moments(body: Body, point: Float) -> Float:

@@ -21,6 +21,9 @@ from inertia.mass.properties import MassProperties
 
 State = Literal["consistent", "inconsistent", "unphysical", "unjudged"]
 
+_EXACTLY = 1e-3
+"""Residual at which a mesh that weighs twice as much as the others is taken to be counted twice."""
+
 LIGHTEST = 10.0
 """kg/m³, below which nothing that carries a load lies."""
 
@@ -161,13 +164,14 @@ def judge(subject: Subject, others: Sequence[Subject], tolerance: float) -> Link
         if not subject.shapes and not subject.obstacles:
             findings = (*faults, Finding("no_geometry", "it has no mesh or primitive to compare with"))
         return LinkAudit(name, "unphysical" if faults else "unjudged", stated.body, None, (), None, findings, margin)
-    if not subject.substitute:
-        faults += [Finding("outside_hull", fault.sentence) for fault in physical.outside(stated, _hull(subject))]
     judgement = _judgement(subject, context, others, tolerance)
+    if not subject.substitute and judgement.state != "consistent":
+        faults += [Finding("outside_hull", fault.sentence) for fault in physical.outside(stated, _hull(subject))]
     state, findings = judgement.state, (*faults, *judgement.findings, *subject.notes)
     if faults:
         state = "unphysical" if faults[0].code == "unphysical" else "inconsistent"
-    mendable = judgement.mendable or (bool(faults) and not subject.substitute)
+    sound = not subject.substitute and all(each.room <= tolerance for each in subject.shapes)
+    mendable = sound and (judgement.mendable or bool(faults))
     return LinkAudit(
         name,
         state,
@@ -213,13 +217,15 @@ def _judgement(subject: Subject, context: Context, others: Sequence[Subject], to
         finding = Finding("placeholder", why, None, "state what the meshes have")
         return _Judgement("inconsistent", (finding,), computed, weights, mendable=True)
     search = singles(context, tolerance)
-    if search.named is None and context.densities is None:
-        densities = inversion.invert(context)
-        if densities is not None and densities.residual <= tolerance and densities.values.min() >= LIGHTEST:
-            finding = _inverted(densities, subject)
-            return _Judgement("consistent", (finding,), _sum(subject, densities.values), densities.values)
+    densities = _densities(context, search, tolerance)
+    if densities is not None and densities.telling:
+        finding = _inverted(densities, subject)
+        return _Judgement("consistent", (finding,), _sum(subject, densities.values), densities.values)
     if not search.candidates:
         search = pairs(context, tolerance)
+    if search.named is None and densities is not None:
+        words = "densities that differ from mesh to mesh reproduce it, but so many can be made to fit almost anything"
+        return _Judgement("unjudged", (Finding("undecided", words, densities.residual),), computed, weights)
     findings = tuple(_findings(search))
     if search.named is None:
         doubtful = subject.substitute or any(each.room > tolerance / 10 for each in subject.shapes)
@@ -230,6 +236,19 @@ def _judgement(subject: Subject, context: Context, others: Sequence[Subject], to
         computed, weights = computed.with_mass(factor * computed.mass), factor * weights
     mendable = not any(mistake.of_mesh for mistake in search.named.mistakes)
     return _Judgement("inconsistent", findings, computed, weights, mendable)
+
+
+def _densities(context: Context, search: Search, tolerance: float) -> inversion.Densities | None:
+    """Return densities of the shapes that reproduce what is stated, unless one mistake does it as well."""
+    if context.densities is not None:
+        return None
+    named = search.named
+    if named is not None and (named.residual <= _EXACTLY or named.codes != {"mesh_counted_twice"}):
+        return None
+    densities = inversion.invert(context)
+    if densities is None or densities.residual > tolerance or densities.values.min() < LIGHTEST:
+        return None
+    return densities if named is None or densities.residual < named.residual / 2 else None
 
 
 def _inverted(densities: inversion.Densities, subject: Subject) -> Finding:
@@ -243,24 +262,27 @@ def _findings(search: Search) -> Iterator[Finding]:
     if search.named is not None:
         for mistake in search.named.mistakes:
             yield Finding(mistake.code, mistake.words, search.named.residual, mistake.remedy)
+        if search.named.alike:
+            words = ", or ".join(_words(each) for each in search.named.alike[:2])
+            yield Finding("alike", f"with this link it comes to the same that {words}")
     elif search.candidates:
-        words = ", or ".join(_words(candidate) for candidate in search.candidates[:3])
+        words = ", or ".join(f"{_words(each)} ({100 * each.residual:.2g} % remain)" for each in search.candidates[:3])
         yield Finding("ambiguous", f"more than one mistake explains it: {words}", search.candidates[0].residual)
     else:
         yield Finding("unexplained", "it differs from solids of one density, by no mistake known here")
 
 
 def _words(explanation: Explanation) -> str:
-    words = " and ".join(mistake.words for mistake in explanation.mistakes)
-    return f"{words} ({100 * explanation.residual:.2g} % remain)"
+    return " and ".join(mistake.words for mistake in explanation.mistakes)
 
 
 def _implausible(weights: Float) -> Finding | None:
     heaviest, lightest = float(max(weights)), float(min(weights))
-    if heaviest > inversion.DENSEST:
+    least, greatest = inversion.PLAUSIBLE
+    if heaviest > greatest:
         words = f"the mass asks for a density of {heaviest:.3g} kg/m³, which no material has: grams for kilograms?"
         return Finding("mass_scale", words, None, "state mass and tensor in kilograms")
-    if lightest < LIGHTEST / 10:
+    if lightest < least:
         words = f"the mass asks for a density of {lightest:.3g} kg/m³, lighter than any material"
         return Finding("mass_scale", words, None, "check the unit of the mass, and the scale of the meshes")
     return None

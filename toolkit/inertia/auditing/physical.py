@@ -18,6 +18,8 @@ from inertia.arrays import Float
 from inertia.auditing.claim import Statement
 
 _SLACK = 1e-9  # of the size of the hull: where the planes of a hull are rounded to
+_COARSE = 0.01  # of a tensor: decimals that leave more open are no figures at all
+_SINGLE = 1e-6  # of a tensor: what figures of single precision leave open
 
 
 @dataclass(frozen=True)
@@ -76,16 +78,20 @@ def faults(stated: Statement) -> Iterator[Fault]:
 def outside(stated: Statement, hull: Float) -> Iterator[Fault]:
     """Yield why no body within a convex hull (triangles (k, 3, 3), m, link axes) can have what is stated.
 
+    What the last decimals that are written leave open is passed over.
+
     The centre of mass lies within, and along each principal axis the mean square distance from the centre is at most
     the product of the ways from the centre to the hull's two ends (Bhatia and Davis, Am. Math. Monthly 107, 2000).
     """
     body = stated.body
     size = float(np.ptp(hull, axis=(0, 1)).max())
+    _, center_decimals, decimals = stated.decimals
+    blur = _SLACK * size + (0.0 if center_decimals is None else 10.0**-center_decimals)
     normals = np.cross(hull[:, 1] - hull[:, 0], hull[:, 2] - hull[:, 0])
     lengths = np.linalg.norm(normals, axis=1)
     flat = lengths <= _SLACK * size**2
     heights = np.einsum("ij,ij->i", normals, body.center - hull[:, 0])[~flat] / lengths[~flat]
-    if (beyond := float(heights.max(initial=-np.inf))) > _SLACK * size:
+    if (beyond := float(heights.max(initial=-np.inf))) > blur:
         yield Fault(
             f"the centre of mass lies {1e3 * beyond:.3g} mm outside the convex hull of the meshes", beyond / size, True
         )
@@ -93,9 +99,11 @@ def outside(stated: Statement, hull: Float) -> Iterator[Fault]:
     second = (np.trace(body.inertia) / 2 * np.eye(3) - body.inertia) / body.mass
     squares, axes = np.linalg.eigh(second)
     ways = (hull.reshape(-1, 3) - body.center) @ axes
-    limits = ways.max(axis=0) * -ways.min(axis=0)
+    limits = (ways.max(axis=0) + blur) * (blur - ways.min(axis=0))
+    trace = float(np.trace(body.inertia))
+    slack = _SINGLE * trace + (0.0 if decimals is None else min(1.5 * 10.0**-decimals, _COARSE * trace))
     k = int(np.argmax(squares - limits))
-    if squares[k] > limits[k] * (1 + _SLACK):
+    if squares[k] > limits[k] + slack / body.mass:
         radius, limit = np.sqrt(squares[k]), np.sqrt(max(limits[k], 0.0))
         yield Fault(
             f"the mass would lie {1e3 * radius:.3g} mm (root mean square) from its centre along one axis, where the "

@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from typing import NamedTuple
 
 from inertia.auditing.bodies import Body
-from inertia.auditing.claim import Claim, Context, Mistake, difference
+from inertia.auditing.claim import Claim, Context, Mistake, difference, mismatch
 from inertia.auditing.hypotheses import KINDS
 
 EXPLAINED = 0.02
@@ -19,16 +20,23 @@ _WORTHWHILE = 3.0
 """How many times smaller a difference must become by what explains it."""
 
 _SAME = 1e-6
-"""Difference up to which two explanations say the same."""
+"""Difference up to which two explanations of one kind say the same."""
+
+_ALIKE = 1e-3
+"""Difference up to which explanations of different kinds come to the same."""
 
 
 @dataclass(frozen=True)
 class Explanation:
-    """Mistakes, one or two, the residual that is left when they are undone, and what they lead to."""
+    """Mistakes, one or two, the residual that is left when they are undone, and what they lead to.
+
+    `alike` are mistakes of other kinds that come to the same with this link.
+    """
 
     mistakes: tuple[Mistake, ...]
     residual: float
     body: Body
+    alike: tuple[Explanation, ...] = ()
 
     @property
     def codes(self) -> frozenset[str]:
@@ -62,57 +70,78 @@ def explain(context: Context, tolerance: float = EXPLAINED) -> Search:
 
 def singles(context: Context, tolerance: float = EXPLAINED) -> Search:
     """Search among single mistakes."""
-    return _ranked((((mistake,), claim) for mistake, claim in _effective(context, tolerance)), context, tolerance)
+    limit = _limit(context.truth, tolerance)
+    attempts = (
+        _Attempt((mistake,), claim, limit)
+        for mistake, claim in _alone(context)
+        if difference(context, claim.body, context.truth.body) > tolerance / 2
+    )
+    return _ranked(attempts, context)
 
 
 def pairs(context: Context, tolerance: float = EXPLAINED) -> Search:
     """Search among two mistakes of different kinds, made in the order of their stages, or in both within one.
 
-    Rounding is not among them: with few decimals it explains anything.
+    Each must make the difference much smaller than the other alone does. Rounding is not among them: with few
+    decimals it explains anything.
     """
-    mistakes = [mistake for kind in KINDS for mistake in kind(context)]
-    claims = (
-        ((first, second), second.make(claim))
-        for first, claim in _effective(context, tolerance)
-        for second in mistakes
-        if second.stage >= first.stage and second.code != first.code and "rounded" not in (first.code, second.code)
+    alone = [(mistake, claim, _limit(claim, tolerance)) for mistake, claim in _alone(context)]
+    alone = [each for each in alone if each[0].code != "rounded"]
+    whole = _limit(context.truth, tolerance)
+    attempts = (
+        _Attempt((first, second), second.make(claim), min(whole, limit, other))
+        for first, claim, limit in alone
+        if difference(context, claim.body, context.truth.body) > tolerance / 2
+        for second, _, other in alone
+        if second.stage >= first.stage and second.code != first.code
     )
-    return _ranked(claims, context, tolerance)
+    return _ranked(attempts, context)
 
 
-def _effective(context: Context, tolerance: float) -> Iterator[tuple[Mistake, Claim]]:
-    """Yield the mistakes that change something here: what changes nothing explains nothing."""
-    truth = context.truth
+class _Attempt(NamedTuple):
+    """Mistakes, what they lead to, and the residual that they may leave."""
+
+    mistakes: tuple[Mistake, ...]
+    claim: Claim
+    limit: float
+
+
+def _limit(without: Claim, tolerance: float) -> float:
+    """Return what a mistake may leave that is worth while beside a claim without it."""
+    return min(tolerance, without.residual / _WORTHWHILE)
+
+
+def _alone(context: Context) -> Iterator[tuple[Mistake, Claim]]:
     for kind in KINDS:
         for mistake in kind(context):
-            claim = mistake.make(truth)
-            if difference(context, claim.body, truth.body) > tolerance / 2:
-                yield mistake, claim
+            yield mistake, mistake.make(context.truth)
 
 
-def _ranked(claims: Iterable[tuple[tuple[Mistake, ...], Claim]], context: Context, tolerance: float) -> Search:
-    candidates = _best_of_each_kind(claims, context, tolerance)
+def _ranked(attempts: Iterable[_Attempt], context: Context) -> Search:
+    """Name the best explanation, unless others do nearly as well and come to something else."""
+    candidates = _best_of_each_kind(attempts)
     if not candidates:
         return Search(None, ())
-    first = candidates[0]
-    clear = len(candidates) == 1 or candidates[1].residual > _CLEARLY * first.residual
-    return Search(first if clear else None, candidates)
+    scores = {id(each): mismatch(context, each.body) for each in candidates}
+    best = min(candidates, key=lambda each: scores[id(each)])
+    reach = max(_CLEARLY * scores[id(best)], _SAME)
+    rivals = [each for each in candidates if scores[id(each)] <= reach]
+    others = sorted((each for each in candidates if scores[id(each)] > reach), key=lambda each: each.residual)
+    alike = all(difference(context, each.body, best.body) <= _ALIKE for each in rivals)
+    if alike:  # the first in the order of the kinds
+        first = replace(rivals[0], alike=tuple(rivals[1:]))
+        return Search(first, (first, *others))
+    rivals.sort(key=lambda explanation: explanation.residual)
+    return Search(None, (*rivals, *others))
 
 
-def _best_of_each_kind(
-    claims: Iterable[tuple[tuple[Mistake, ...], Claim]], context: Context, tolerance: float
-) -> tuple[Explanation, ...]:
-    """Return the best explanation of each set of kinds, best first; of those that say the same, the first."""
-    limit = min(tolerance, context.truth.residual / _WORTHWHILE)
+def _best_of_each_kind(attempts: Iterable[_Attempt]) -> list[Explanation]:
+    """Return the best explanation of each set of kinds that explains it, in the order of the kinds."""
     best: dict[frozenset[str], Explanation] = {}
-    for mistakes, claim in claims:
+    for mistakes, claim, limit in attempts:
         if claim.residual <= limit:
             explanation = Explanation(mistakes, claim.residual, claim.body)
             other = best.get(explanation.codes)
             if other is None or explanation.residual < other.residual - _SAME:
                 best[explanation.codes] = explanation
-    ranked: list[Explanation] = []
-    for explanation in best.values():
-        if all(difference(context, explanation.body, other.body) > _SAME for other in ranked):
-            ranked.append(explanation)
-    return tuple(sorted(ranked, key=lambda explanation: explanation.residual))
+    return list(best.values())

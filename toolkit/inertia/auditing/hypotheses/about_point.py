@@ -34,6 +34,14 @@ def mistakes(context: Context) -> Iterator[Mistake]:
         lambda claim: claim.then(_at_origin),
     )
 
+    yield Mistake(
+        "center_at_origin",
+        3,
+        "the centre of mass is left at the link's origin; the tensor is that about the centre of mass",
+        "state the centre of mass",
+        lambda claim: claim.then(lambda _context, body: body._replace(center=np.zeros(3))),
+    )
+
 
 def _mistake(words: str, point: Float, sign: float) -> Mistake:
     return Mistake("about_origin", 3, words, _REMEDY, partial(_about, point, sign))

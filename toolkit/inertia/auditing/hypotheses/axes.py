@@ -39,6 +39,11 @@ def mistakes(context: Context) -> Iterator[Mistake]:
         words = f"the rotation of {name} is taken the wrong way round"
         twice = rotation @ rotation if name == "the inertial frame" else (rotation @ rotation).T
         yield Mistake(_CODE, 4, words, "invert the rotation", partial(_by, twice))
+    for shape in context.shapes[:3]:
+        if abs(shape.rotation - np.eye(3)).max() > _TURNED or np.linalg.norm(shape.origin) > _TURNED * context.size:
+            words = f"centre and tensor stand in the frame of {shape.name}, not in the link's"
+            make = partial(_within, shape.rotation, shape.origin)
+            yield Mistake("mesh_frame", 4, words, f"place them as {shape.name} is placed", make)
 
 
 def _permuted(turn: Float, claim: Claim) -> Claim:
@@ -47,6 +52,13 @@ def _permuted(turn: Float, claim: Claim) -> Claim:
         return body._replace(inertia=axes @ turn @ axes.T @ body.inertia @ axes @ turn.T @ axes.T)
 
     return claim.then(written)
+
+
+def _within(rotation: Float, origin: Float, claim: Claim) -> Claim:
+    def placed(_context: Context, body: Body) -> Body:
+        return Body(body.mass, rotation.T @ (body.center - origin), rotation.T @ body.inertia @ rotation)
+
+    return claim.then(placed)
 
 
 def _by(turn: Float, claim: Claim) -> Claim:

@@ -6,7 +6,9 @@ from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from functools import partial
 
-from inertia.auditing.bodies import Body
+import numpy as np
+
+from inertia.auditing.bodies import Body, Shape, cuboid
 from inertia.auditing.claim import Claim, Context, Mistake
 
 _ALL = 12
@@ -28,6 +30,8 @@ def mistakes(context: Context) -> Iterator[Mistake]:
         yield of("shell_for_solid", _shell(context), weigh, [shape.shell for shape in shapes])
     yield of("hull_for_mesh", "it is that of the convex hulls of the meshes", weigh, [s.hull_solid for s in shapes])
     yield of("hull_for_mesh", "it is that of the boxes around the meshes", weigh, [s.box_solid for s in shapes])
+    if len(shapes) > 1 and not known:
+        yield of("hull_for_mesh", "it is that of one box around all meshes", weigh, [_box(shapes)])
     if context.collisions and not known:
         bodies = [shape.solid for shape in context.collisions]
         yield of("hull_for_mesh", "it is that of the collision geometry", "weigh the visual meshes", bodies)
@@ -35,11 +39,16 @@ def mistakes(context: Context) -> Iterator[Mistake]:
         for k, shape in enumerate(shapes):
             words, remedy = f"{shape.name} is left out", f"count {shape.name} in"
             yield Mistake("mesh_left_out", 1, words, remedy, partial(_without, k))
-            words, remedy = f"{shape.name} is counted twice", f"count {shape.name} once"
+            words, remedy = f"{shape.name} is counted twice, or twice as dense", f"count {shape.name} once"
             yield Mistake("mesh_counted_twice", 1, words, remedy, partial(_twice, k))
     for axis, name in enumerate("xyz"):
         words = f"it is that of the twin mirrored in {name}"
         yield Mistake("mirrored", 1, words, "weigh this side's own meshes", partial(_mirrored, axis))
+
+
+def _box(shapes: Sequence[Shape]) -> Body:
+    low, high = zip(*(shape.box for shape in shapes), strict=True)
+    return cuboid(np.min(low, axis=0), np.max(high, axis=0))
 
 
 def _shell(context: Context) -> str:
@@ -57,11 +66,17 @@ def _with(bodies: tuple[Body, ...], claim: Claim) -> Claim:
 
 
 def _without(number: int, claim: Claim) -> Claim:
-    return replace(claim, copies=tuple(0 if k == number else n for k, n in enumerate(claim.copies)))
+    return _counted(number, 0, claim)
 
 
 def _twice(number: int, claim: Claim) -> Claim:
-    return replace(claim, copies=tuple(2 if k == number else n for k, n in enumerate(claim.copies)))
+    return _counted(number, 2, claim)
+
+
+def _counted(number: int, count: int, claim: Claim) -> Claim:
+    if len(claim.copies) != len(claim.context.shapes):  # others were weighed in their place
+        return claim
+    return replace(claim, copies=tuple(count if k == number else n for k, n in enumerate(claim.copies)))
 
 
 def _mirrored(axis: int, claim: Claim) -> Claim:

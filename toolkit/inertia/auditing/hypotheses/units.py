@@ -8,11 +8,10 @@ from typing import NamedTuple
 
 from inertia.auditing.bodies import Body
 from inertia.auditing.claim import Claim, Context, Mistake
+from inertia.auditing.densities import PLAUSIBLE
 
 _INCH = 1 / 0.0254
 _POUND = 1 / 0.45359237
-_PLAUSIBLE = (1.0, 25_000.0)
-"""Densities of what robots are made of, foam to tungsten, kg/m³."""
 
 
 class _Factors(NamedTuple):
@@ -52,6 +51,7 @@ _FACTORS = (
         "unit_scale", "the mesh is scaled from metres to millimetres once too often", "scale it back", 1, 1e3, 1e6, True
     ),
     _Factors("mass_scale", "the tensor is in g m² where kg m² are wanted", "divide it by 1e3", 1, 1, 1e3),
+    _Factors("mass_scale", "the tensor is divided by 1e3 once too often (g to kg)", "multiply it by 1e3", 1, 1, 1e-3),
     _Factors("mass_scale", "the mass is in grams", "divide it by 1e3", 1e3, 1, 1),
     _Factors("mass_scale", "the mass is in pounds", "multiply it by 0.45359237", _POUND, 1, 1),
     _Factors("mass_scale", "the mass is divided by 1e3 once too often", "multiply it by 1e3", 1e-3, 1, 1),
@@ -59,10 +59,24 @@ _FACTORS = (
 
 
 def mistakes(context: Context) -> Iterator[Mistake]:
-    """Yield mass, centre and tensor in units that are not the file's."""
+    """Yield mass, centre and tensor in units that are not the file's.
+
+    Where no densities are given, the mass tells a mesh in the wrong unit from numbers in the wrong unit: the density
+    that it asks for must be plausible when the mistake is undone, and must not be before if mass or mesh are wrong.
+    """
+    density = context.stated.body.mass / sum(shape.solid.mass for shape in context.shapes)
     for factors in _FACTORS:
+        if context.densities is None and not _plausible(factors, density):
+            continue
         make = partial(_scaled, factors)
         yield Mistake(factors.code, 5, factors.words, factors.remedy, make, 1 / factors.mass, factors.of_mesh)
+
+
+def _plausible(factors: _Factors, density: float) -> bool:
+    least, greatest = PLAUSIBLE
+    undone = density / factors.mass / (factors.center**3 if factors.of_mesh else 1.0)
+    gross = factors.of_mesh or factors.mass in (1e3, 1e-3)
+    return least <= undone <= greatest and not (gross and least <= density <= greatest)
 
 
 def _scaled(factors: _Factors, claim: Claim) -> Claim:
@@ -70,6 +84,9 @@ def _scaled(factors: _Factors, claim: Claim) -> Claim:
         if context.densities is None:  # the bodies are already of the mass that is stated, wrong as it is
             inertia = body.inertia * (factors.inertia / factors.mass)
             return Body(body.mass, body.center * factors.center, inertia)
-        return Body(body.mass * factors.mass, body.center * factors.center, body.inertia * factors.inertia)
+        volume = factors.center**3 if factors.of_mesh else 1.0
+        return Body(
+            body.mass * factors.mass * volume, body.center * factors.center, body.inertia * factors.inertia * volume
+        )
 
     return claim.then(written)
