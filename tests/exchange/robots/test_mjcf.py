@@ -237,3 +237,13 @@ def test_files_that_include_two_others_each_end(tmp_path: Path) -> None:
     (tmp_path / "30.xml").write_text("<mujoco/>")
     with pytest.raises(inertia.ReadError, match="more than 1000 files are included"):
         read_robot(tmp_path / "0.xml")
+
+
+def test_bodies_nested_through_many_files_are_refused(tmp_path: Path) -> None:
+    for k in range(30):
+        inside = f'<include file="{k + 1}.xml"/>'
+        nest = "<body>" * 150 + inside + "</body>" * 150
+        (tmp_path / f"{k}.xml").write_text(f"<mujoco>{nest if k else f'<worldbody>{nest}</worldbody>'}</mujoco>")
+    (tmp_path / "30.xml").write_text("<mujoco/>")
+    with pytest.raises(inertia.ReadError, match="nested deeper than 200"):
+        read_robot(tmp_path / "0.xml")

@@ -31,6 +31,7 @@ _UNREAD = ("composite", "flexcomp", "attach", "replicate", "plugin")
 _CHANGES = ("balanceinertia", "boundmass", "boundinertia", "settotalmass")  # what MuJoCo does to what is stated
 _NO_SOLID = ("plane", "hfield", "sdf")
 _DEEPEST = 32  # files that include one another
+_NESTED = 200  # elements in one another
 _MOST = 1000  # files that are included in all: two in each would be 2³²
 
 
@@ -70,7 +71,7 @@ def read_mjcf(path: Path) -> Robot:
     root = parse_xml(path.read_bytes().lstrip())
     if root.tag != "mujoco":
         raise ReadError(f"it begins with {shown(root.tag)}, not with mujoco: it is no MJCF file")
-    _include(root, path.parent, path.parent, [], 0)
+    _include(root, path.parent, path.parent, [], 0, 0)
     model = _Model(path)
     for compiler in root.findall("compiler"):
         model.compiler.update(compiler.attrib)
@@ -93,13 +94,15 @@ def read_mjcf(path: Path) -> Robot:
     return Robot(path, "mjcf", root.get("model", ""), tuple(links), tuple(model.notes))
 
 
-def _include(element: Element, folder: Path, here: Path, files: list[Path], depth: int) -> None:
+def _include(element: Element, folder: Path, here: Path, files: list[Path], depth: int, level: int) -> None:
     """Replace every ``<include file>`` below an element by what the file holds."""
     if depth > _DEEPEST:
         raise ReadError(f"files include one another more than {_DEEPEST} deep")
+    if level > _NESTED:
+        raise ReadError(f"its elements are nested deeper than {_NESTED}")
     for position, child in reversed(list(enumerate(element))):
         if child.tag != "include":
-            _include(child, folder, here, files, depth)
+            _include(child, folder, here, files, depth, level + 1)
             continue
         name = child.get("file", "")
         file = next((place for place in (folder / name, here / name) if place.is_file()), None)
@@ -109,7 +112,7 @@ def _include(element: Element, folder: Path, here: Path, files: list[Path], dept
         if len(files) > _MOST:
             raise ReadError(f"more than {_MOST} files are included")
         other = parse_xml(file.read_bytes().lstrip())
-        _include(other, folder, file.parent, files, depth + 1)
+        _include(other, folder, file.parent, files, depth + 1, level)
         element[position : position + 1] = list(other)
 
 
