@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import NamedTuple
 
 from inertia.errors import ReadError
+from inertia.mesh.readers.msh import is_mujoco_msh
 from inertia.mesh.readers.stl import is_binary_stl, is_text_stl
 from inertia.mesh.readers.strangers import stranger
 
@@ -39,6 +40,7 @@ FORMATS = {
     "vtk": Format((".vtk",), rb"# vtk DataFile", "meshio", "read_with_meshio"),
     "vtu": Format((".vtu",), rb"(?s)\s*<(?:.*<)?VTKFile\b", "meshio", "read_with_meshio"),
     "gmsh": Format((".msh",), rb"(?s)\s*(?:\$Comments\b.*?\$EndComments\s*)?\$MeshFormat\b", "gmsh", "read_gmsh"),
+    "mujoco": Format((".msh",), None, "msh", "read_mujoco_msh"),  # known by its size; by its name it is Gmsh
     "nastran": Format((".nas", ".bdf", ".fem"), rb"(?s)(?:.*\n)?[ \t]*BEGIN BULK\b", "meshio", "read_with_meshio"),
     "abaqus": Format(
         (".inp",),
@@ -65,6 +67,8 @@ def sniff(path: Path, head: bytes, size: int) -> str:
     """Return the format of a file that begins with `head` (its first `HEAD` bytes) and has `size` bytes."""
     if is_binary_stl(head, size) or is_text_stl(head):
         return "stl"
+    if is_mujoco_msh(head, size):
+        return "mujoco"
     text = head.removeprefix(b"\xef\xbb\xbf")
     for name, entry in FORMATS.items():
         if entry.begins is not None and re.match(entry.begins, text):
