@@ -2,13 +2,14 @@
 
 import subprocess
 import sys
+import tempfile
 from contextlib import suppress
 from pathlib import Path
 
 import pytest
 
 from inertia.errors import InertiaError, UsageError
-from inertia.output import require_writable, together, write_whole
+from inertia.output import require_writable, temporary_folder, together, write_whole
 
 
 def test_a_file_that_is_there_is_kept_unless_forced(tmp_path: Path) -> None:
@@ -133,3 +134,10 @@ def test_a_link_to_nothing_is_followed_and_one_to_itself_refused(tmp_path: Path)
 def test_a_device_is_not_replaced() -> None:
     with pytest.raises(UsageError, match="cannot write /dev/null: it is not a regular file"):
         require_writable("/dev/null", force=True)
+
+
+def test_that_no_folder_takes_temporary_files_is_a_sentence(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(tempfile, "tempdir", str(tmp_path / "gone"))
+    says = "no folder for temporary files can be written to .*: set TMPDIR to one"
+    with pytest.raises(InertiaError, match=says), temporary_folder():
+        pass

@@ -175,12 +175,19 @@ def _new(target: Path) -> tuple[Path, int | None]:
 def temporary_folder() -> Iterator[Path]:
     """Yield a folder of this run in the system's folder for temporary files; it is removed afterwards.
 
-    Those of runs that have died are removed before.
+    Those of runs that have died are removed before. Raises `InertiaError` where no such folder can be written to.
     """
     import tempfile
 
-    _remove_left_behind(Path(tempfile.gettempdir()))
-    with tempfile.TemporaryDirectory(prefix=".", suffix=f".{os.urandom(6).hex()}.inertia") as name:
+    try:
+        with suppress(PermissionError):  # it may be one that nobody can list
+            _remove_left_behind(Path(tempfile.gettempdir()))
+        temporary = tempfile.TemporaryDirectory(prefix=".", suffix=f".{os.urandom(6).hex()}.inertia")
+    except OSError as error:
+        raise InertiaError(
+            f"no folder for temporary files can be written to ({error.strerror}): set TMPDIR to one"
+        ) from None
+    with temporary as name:
         folder = Path(name)
         lock = None if sys.platform == "win32" else os.open(folder, os.O_RDONLY)
         try:

@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 import io
+import logging
 import math
 import os
 import warnings
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
 from itertools import groupby
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -52,7 +54,8 @@ def require_plottable(file: str | os.PathLike[str], *, force: bool = False) -> P
     """
     path = require_writable(file, *_FORMATS, force=force)
     try:
-        import matplotlib  # noqa: F401
+        with _quiet_matplotlib():
+            import matplotlib  # noqa: F401
     except ImportError:
         raise UsageError("plotting needs matplotlib: install it by pip install 'inertia[plot]'") from None
     return path
@@ -66,10 +69,22 @@ def plot(trade: PartTrade | SceneTrade, file: str | os.PathLike[str], *, force: 
     kind = path.suffix.lower()[1:]
     image = io.BytesIO()
     style = mpl.rc_context({"svg.fonttype": "none", "svg.hashsalt": "inertia", "font.size": 10.0})
-    with style, warnings.catch_warnings():
+    with _quiet_matplotlib(), style, warnings.catch_warnings():
         warnings.filterwarnings("ignore", "Glyph .* missing")  # a name in a script that the font lacks
         _figure(trade).savefig(image, format=kind, metadata={"Date": None} if kind == "svg" else None)
     write_whole(path, image.getvalue())
+
+
+@contextmanager
+def _quiet_matplotlib() -> Iterator[None]:
+    """Let matplotlib keep to itself that it has no home for its cache, and that it looks for fonts."""
+    logger = logging.getLogger("matplotlib")
+    level = logger.level
+    logger.setLevel(logging.ERROR)
+    try:
+        yield
+    finally:
+        logger.setLevel(level)
 
 
 def _figure(trade: PartTrade | SceneTrade) -> Figure:
