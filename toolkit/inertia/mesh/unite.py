@@ -20,7 +20,7 @@ from inertia.errors import REPAIR, GeometryError
 from inertia.mesh.arrangement.boundary import Polygon, Vertices, closed_surface, is_closed
 from inertia.mesh.arrangement.cells import Cell, Division, Segment, divide
 from inertia.mesh.arrangement.contacts import contacts, edge_name
-from inertia.mesh.arrangement.integers import Triangles, side, through
+from inertia.mesh.arrangement.integers import Triangles, scaled, side, through
 from inertia.mesh.arrangement.windings import Probe, Sides, probe, sides
 from inertia.mesh.check import check
 from inertia.mesh.geometry.closure import components, repeated_corners
@@ -93,13 +93,16 @@ def unite(part: Part, progress: Progress | None = None) -> Union:
     patch, leaders = _patches(triangles, solid, free, meetings.touched)
     divisions: dict[int, Division] = {}
     probes: list[Probe] = []
-    cells: list[tuple[int, Cell]] = []
+    cells: list[tuple[int, Cell, int]] = []
     for number in [*leaders.tolist(), *sorted(meetings.segments)]:
         division = _divided(triangles, number, meetings.segments.get(number, []))
         divisions[number] = division
-        for cell in division.cells:
-            cells.append((number, cell))
-            probes.append(probe(triangles, number, cell, division.lines))
+        largest: dict[int, Cell] = {}
+        for cell, group in zip(division.cells, division.group, strict=True):
+            largest[group] = max(cell, largest.get(group, cell), key=lambda cell: cell.area(triangles.exponent))
+        places = {group: len(probes) + k for k, group in enumerate(largest)}
+        probes += [probe(triangles, number, cell, division.lines) for cell in largest.values()]
+        cells += [(number, cell, places[group]) for cell, group in zip(division.cells, division.group, strict=True)]
     around = sides(triangles, probes, _part_of(progress, 0.5, 0.9))
     if all({at.above, at.below} <= {0, 1} for at in around):
         return Union(part, meetings.crossings, 0.0, 0.0)
@@ -109,14 +112,12 @@ def unite(part: Part, progress: Progress | None = None) -> Union:
         members = patch == leader
         front[members], behind[members] = (at.above, at.below) if facing_up[k] else (at.below, at.above)
     divided = [
-        _Face(number, cell, divisions[number], at)
-        for (number, cell), at in zip(cells[len(leaders) :], around[len(leaders) :], strict=True)
-        if at.first == number
+        _Face(number, cell, divisions[number], around[place])
+        for number, cell, place in cells[len(leaders) :]
+        if around[place].first == number
     ]
     whole = patch >= 0
-    more, negative = (
-        _counted(triangles, faces[whole], front[whole], behind[whole], divided, beyond) for beyond in (1, -1)
-    )
+    more, negative = _beyond_once(triangles, faces[whole], front[whole], behind[whole], divided)
     keeps, turns = (behind > 0) & (front <= 0) & whole, (front > 0) & (behind <= 0) & whole
     faces = np.where(turns[:, None], faces[:, ::-1], faces)
     stays = np.flatnonzero(keeps | turns)
@@ -203,26 +204,33 @@ def _divided(triangles: Triangles, number: int, segments: list[Segment]) -> Divi
     around = [(k, (k + 1) % 3) for k in range(3)]
     lines = [through(corners[i], corners[j]) for i, j in around]
     names = [edge_name(min(ends[i], ends[j]), max(ends[i], ends[j])) for i, j in around]
-    return divide(corners, lines, names, segments)
+    return divide(corners, lines, names, segments, triangles.exponent)
 
 
-def _counted(triangles: Triangles, faces: Int, front: Int, behind: Int, divided: list[_Face], beyond: int) -> float:
-    """Return ∫ max(w − 1, 0) dV, or for −1 ∫ max(−w, 0) dV, over the winding number w."""
-
-    def excess(winding: Int) -> Int:
-        return np.maximum(winding - 1, 0) if beyond > 0 else np.maximum(-winding, 0)
-
-    middle = triangles.vertices.min(axis=0) / 2 + triangles.vertices.max(axis=0) / 2
-    step = excess(behind) - excess(front)
-    a, b, c = (triangles.vertices[faces[step != 0]] - middle).transpose(1, 0, 2)
-    total = float((step[step != 0] * np.einsum("ki,ki->k", a, np.cross(b, c))).sum())
+def _beyond_once(
+    triangles: Triangles, faces: Int, front: Int, behind: Int, divided: list[_Face]
+) -> tuple[float, float]:
+    """Return ∫ max(w − 1, 0) dV and ∫ max(−w, 0) dV over the winding number w, by the divergence theorem."""
+    low = triangles.vertices.min(axis=0)
+    corners = [triangles.vertices[faces] - low]
+    before, beyond = [front], [behind]
     for face in divided:
-        above, below = excess(np.array([face.sides.above, face.sides.below])).tolist()
-        if above == below:
-            continue
-        points = np.array([triangles.rounded(triangles.place(face.triangle, p))[0] for p in face.cell.corners]) - middle
-        total += (below - above) * float((points[0] * np.cross(points[1:-1], points[2:])).sum())
-    return max(total / 6, 0.0)
+        normal, offset, k = triangles.plane(face.triangle)
+        plane = scaled(offset, normal[k], triangles.exponent), normal[k - 2] / normal[k], normal[k - 1] / normal[k]
+        points = np.empty((len(face.cell.corners), 3))
+        points[:, [k - 2, k - 1]] = face.cell.points(triangles.exponent)
+        points[:, k] = plane[0] - plane[1] * points[:, k - 2] - plane[2] * points[:, k - 1]
+        fan = np.stack([np.broadcast_to(points[0], points[2:].shape), points[1:-1], points[2:]], axis=1)
+        corners.append(fan)
+        before.append(np.full(len(fan), face.sides.above))
+        beyond.append(np.full(len(fan), face.sides.below))
+    a, b, c = (np.concatenate(corners) - np.ptp(triangles.vertices, axis=0) / 2).transpose(1, 0, 2)
+    volume = np.einsum("ki,ki->k", a, np.cross(b, c)) / 6
+    outside, inside = np.concatenate(before), np.concatenate(beyond)
+    more = np.maximum(inside - 1, 0) - np.maximum(outside - 1, 0)
+    negative = np.maximum(-inside, 0) - np.maximum(-outside, 0)
+    # Where nothing counts so, the sum is zero and not what rounding makes of it.
+    return max(float((more * volume).sum()), 0.0), max(float((negative * volume).sum()), 0.0)
 
 
 def _surface(

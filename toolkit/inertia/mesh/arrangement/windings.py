@@ -81,6 +81,8 @@ def sides(triangles: Triangles, probes: list[Probe], progress: Progress | None =
     first = np.array([each.triangle for each in probes])
     axes = np.array([triangles.plane(each.triangle).axis for each in probes])
     stored = np.array([each.stored is not None for each in probes])
+    plane = _planes(triangles, set(first.tolist()))
+    own = plane[first]
     seen = 0
     for axis in range(3):
         frame = [(axis + 1) % 3, (axis + 2) % 3, axis]
@@ -94,11 +96,13 @@ def sides(triangles: Triangles, probes: list[Probe], progress: Progress | None =
                 # What is not stored exactly is at most one rounding off.
                 aside = safe * 4 * _EPSILON * np.abs(points).max(initial=0.0)
                 for triangle, point in candidates(points, low - aside, high + aside):
-                    turn, unsure = _crossed(corners[triangle], points[point])
                     number = some[point]
+                    turn, here, unsure = _crossed(corners[triangle], points[point], plane[triangle] == own[number])
                     if safe:
-                        turn[:], unsure[:] = 0, True
+                        turn[:], here[:], unsure[:] = 0, 0, True
                     np.add.at(above, number, turn)
+                    np.add.at(at, number, here)
+                    np.minimum.at(first, number[here != 0], triangle[here != 0])
                     for s, k in zip(triangle[unsure].tolist(), number[unsure].tolist(), strict=True):
                         turned, height = _crossed_exactly(triangles, probes[k], s)
                         if height > 0:
@@ -128,10 +132,25 @@ def _spatial(triangles: Triangles, at: Probe) -> tuple[float, float, float]:
     return u, v, scaled(above, below, exponent)
 
 
-def _crossed(corners: Float, points: Float) -> tuple[Int, Bool]:
+def _planes(triangles: Triangles, which: set[int]) -> Int:
+    """Return a number for each triangle, the same for those of `which` that lie in one plane; −1 for all others."""
+    numbers: dict[tuple[int, ...], int] = {}
+    plane = np.full(len(triangles.faces), -1)
+    for triangle in sorted(which):
+        normal, offset, axis = triangles.plane(triangle)
+        way = 1 if normal[axis] > 0 else -1
+        plane[triangle] = numbers.setdefault((*(way * k for k in normal), way * offset), len(numbers))
+    return plane
+
+
+def _crossed(corners: Float, points: Float, coplanar: Bool) -> tuple[Int, Int, Bool]:
     """Return how rays from points (k, 3) cross triangles (k, 3, 3), upwards 1 or downwards −1, and what is unsure.
 
     The last coordinate of the points is rounded; what is unsure is 0.
+
+    Parameters
+    ----------
+    coplanar : which triangles lie in the plane of their point: if so, what they are crossed by comes second
     """
     with np.errstate(over="ignore", under="ignore", invalid="ignore"):
         arms = (corners - points[:, None]).transpose(1, 2, 0)
@@ -151,9 +170,10 @@ def _crossed(corners: Float, points: Float) -> tuple[Int, Bool]:
             rounded = np.abs(points[:, 2]) if i == 2 else 0.0
             size += (np.abs(arms[0][i]) + rounded) * (np.abs(left) + np.abs(right))
         bound = _HEIGHT * size + _UNDERFLOW
-        unsure |= (turn != 0) & ~(np.abs(value) > bound)
-    turn[unsure | (turn * value < 0)] = 0
-    return turn, unsure
+        here = np.where(coplanar & ~unsure, turn, 0)
+        unsure |= (turn != 0) & ~coplanar & ~(np.abs(value) > bound)
+    turn[unsure | coplanar | (turn * value < 0)] = 0
+    return turn, here, unsure
 
 
 def _crossed_exactly(triangles: Triangles, at: Probe, number: int) -> tuple[int, int]:
