@@ -1,4 +1,4 @@
-"""Solids of manifold3d from closed surfaces, for cutting, uniting and simplifying: scaled so that nothing overflows."""
+"""Solids of manifold3d from closed surfaces, for cutting and simplifying: scaled so that nothing overflows."""
 
 from __future__ import annotations
 

@@ -9,9 +9,9 @@ What is right is left alone: a sound part comes back as it went in, bit for bit.
 4. triangles are turned until neighbours agree, the fewer ones in each piece;
 5. holes are filled (see `inertia.mesh.repairs.holes`);
 6. shells that are inside out are turned;
-7. bodies that overlap are united.
+7. bodies that overlap are united (see `inertia.mesh.unite`).
 
-A shell that crosses itself stays as it is.
+A shell that crosses itself stays as it is: `inertia.mesh.unite` unites it with itself.
 """
 
 from __future__ import annotations
@@ -22,13 +22,12 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from inertia.arrays import Float, Int
-from inertia.errors import GeometryError, placed
+from inertia.errors import UNION, GeometryError, placed
 from inertia.mesh.checks.findings import counted
 from inertia.mesh.geometry.boxes import BoxTree, overlapping
 from inertia.mesh.geometry.closure import components, merge_equal_vertices, repeated_corners
 from inertia.mesh.geometry.halfedges import half_edges
 from inertia.mesh.geometry.intersect import overlap
-from inertia.mesh.manifold import exponent_of, solid
 from inertia.mesh.part import Doubt, Part, Regions, Rounding, Surface, Triangles
 from inertia.mesh.repairs.closures import closures
 from inertia.mesh.repairs.copies import copies, facing
@@ -42,6 +41,7 @@ from inertia.mesh.repairs.weld import (
     require_finite,
     weld_within,
 )
+from inertia.mesh.unite import unite
 
 _CRACK = 1e-6  # width of a crack that is closed unasked, over the diagonal of the part's box
 _NAMED = 5  # triangles named in a change
@@ -79,12 +79,16 @@ class Repair:
 
 @dataclass(frozen=True, eq=False)
 class _Mesh:
-    """A surface under repair; each face comes from, or was put beside, the given triangle `origin`."""
+    """A surface under repair; each face comes from, or was put beside, the given triangle `origin`.
+
+    `rounding` is how far vertices may be from where uniting puts them, in file units.
+    """
 
     vertices: Float
     faces: Int
     origin: Int
     filling: Doubt | None = None
+    rounding: float = 0.0
 
     def without(self, which: Int) -> _Mesh:
         remaining = np.ones(len(self.faces), bool)
@@ -131,7 +135,11 @@ def repair(part: Part, *, tolerance: float | None = None) -> Repair:
         mesh, changes = _repaired(triangles, part.regions, tolerance)
     except GeometryError as fault:
         raise placed(fault, f"{part.name} cannot be repaired") from None
-    return _rebuilt(part, Surface(*compact(mesh.vertices, mesh.faces)), mesh.origin, changes, mesh.filling)
+    result = _rebuilt(part, Surface(*compact(mesh.vertices, mesh.faces)), mesh.origin, changes, mesh.filling)
+    if mesh.rounding == 0.0:
+        return result
+    read = 0.0 if part.rounding is None else part.rounding.distance
+    return replace(result, part=replace(result.part, rounding=Rounding(read + mesh.rounding)))
 
 
 def weld(part: Part, tolerance: float) -> Repair:
@@ -302,14 +310,17 @@ def _refuse_cutters(mesh: _Mesh, shells: Nest, turn: list[int]) -> None:
             if place is not None:
                 raise GeometryError(
                     f"two bodies {around(np.array([place]))} share space, and one of them faces inward: it may be a "
-                    "cavity that sticks out or a body stored inside out, so cut or unite them where the part was made"
+                    "cavity that sticks out or a body stored inside out, so cut or unite them where the part was made, "
+                    "or use ",
+                    UNION,
+                    ", which cuts",
                 )
 
 
 def _united(mesh: _Mesh, regions: Regions | None) -> _Step:
     bodies = nest(mesh.vertices, mesh.faces, half_edges(mesh.faces)).bodies()
     groups, where = _overlapping_groups(mesh.vertices, mesh.faces, bodies)
-    vertices, faces, origin = [mesh.vertices], [], []
+    vertices, faces, origin, rounding = [mesh.vertices], [], [], 0.0
     for group in groups:
         sources = mesh.origin[np.concatenate(group)]
         if regions is not None and len(several := np.unique(regions.index[sources])) > 1:
@@ -318,15 +329,17 @@ def _united(mesh: _Mesh, regions: Regions | None) -> _Step:
                 f"bodies of the regions {names} overlap {where}, and which of them is to have that place is "
                 "not known: cut one out of the other"
             )
-        points, corners = union(mesh.vertices, mesh.faces, group)
+        union = unite(Part(Surface(mesh.vertices, mesh.faces[np.concatenate(group)]))).part
+        own, corners = merge_equal_vertices(union.triangles)
         faces.append(corners + sum(map(len, vertices)))
-        vertices.append(points)
+        vertices.append(own)
         origin.append(np.full(len(corners), sources.min()))
+        rounding = max(rounding, 0.0 if union.rounding is None else union.rounding.distance)
     if not groups:
         return mesh, []
     rest = mesh.without(np.concatenate([body for group in groups for body in group]))
     every = np.concatenate(vertices), np.concatenate([rest.faces, *faces]), np.concatenate([rest.origin, *origin])
-    mesh = _Mesh(*every, mesh.filling)
+    mesh = _Mesh(*every, mesh.filling, rounding)
     return mesh, [Change("overlapping bodies united", sum(map(len, groups)), where)]
 
 
@@ -349,22 +362,3 @@ def _overlapping_groups(vertices: Float, faces: Int, bodies: list[Int]) -> tuple
     first = components(np.array(pairs), len(bodies))
     groups = [np.flatnonzero(first == body) for body in np.unique(first[np.array(pairs)])]
     return [[bodies[body] for body in group] for group in groups], around(np.array(places[:1]))
-
-
-def union(vertices: Float, faces: Int, bodies: list[Int]) -> tuple[Float, Int]:
-    """Return the vertices and faces of the union of bodies (their faces).
-
-    Raises
-    ------
-    GeometryError : it does not take a body, because an edge of it has more than two triangles, for instance
-    """
-    from manifold3d import Manifold, OpType
-
-    exponent = exponent_of(vertices)
-    solids = []
-    for body in bodies:
-        own, corners = compact(vertices, faces[body])
-        fault = f"the body {around(own)} overlaps another and cannot be united with it"
-        solids.append(solid(own, corners, exponent, fault, ["unite them where the part was made"]))
-    mesh = Manifold.batch_boolean(solids, OpType.Add).to_mesh64()
-    return np.ldexp(mesh.vert_properties[:, :3], exponent), mesh.tri_verts.astype(np.int64)

@@ -25,7 +25,7 @@ from inertia.mesh.arrangement.windings import Probe, Sides, probe, sides
 from inertia.mesh.check import check
 from inertia.mesh.geometry.closure import components, repeated_corners
 from inertia.mesh.geometry.halfedges import half_edges
-from inertia.mesh.part import Part, Regions, Rounding, Surface, counts_once, usable
+from inertia.mesh.part import Part, Regions, Rounding, Surface, counts_once
 
 _EPSILON = 2.0**-53
 _FLAT = 16 * _EPSILON  # more than the rounding of a cross product, over its terms
@@ -137,7 +137,7 @@ def _in_order(part: Part) -> tuple[Float, Int, Int]:
     Raises `GeometryError` where they do not bound anything, so that winding numbers could not be counted.
     """
     points = part.triangles.corners().reshape(-1, 3) + 0.0
-    if len(points) == 0 or not usable(points).all():
+    if len(points) == 0 or not np.isfinite(points).all():
         check(part).require_fit()
     order = np.lexsort(points.T[::-1])
     first = np.ones(len(points), bool)
