@@ -13,7 +13,7 @@ from pathlib import Path
 from typing import NoReturn, TextIO
 
 import inertia
-from inertia.errors import CacheWarning, GeometryError, InertiaError, UsageError, visible
+from inertia.errors import CacheWarning, GeometryError, InertiaError, UsageError, WriteError, visible
 from inertia_cli import analyse, audit, balance, check, play, simulate, trade, tumble
 from inertia_cli.interruption import interruption
 from inertia_cli.printing import abandon_output
@@ -116,7 +116,7 @@ def main(arguments: Sequence[str]) -> int:
         return code
     except InertiaError as error:
         message = error.sentence.worded(as_option)
-        placed = isinstance(error, UsageError) or visible(options.part) in message
+        placed = isinstance(error, UsageError | WriteError) or visible(options.part) in message
         return _say(message if placed else f"{options.part}: {message}", error.exit_code)
     except (RuntimeWarning, OverflowError) as beyond:
         message = f"its figures lead beyond what float64 holds ({beyond}): check their sizes and units"

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import argparse
 import os
+import signal
 import sys
 from importlib.util import find_spec
 from pathlib import Path
@@ -11,6 +12,7 @@ from typing import Any
 
 from inertia.errors import InertiaError
 from inertia.standard_input import file_of
+from inertia_cli.interruption import interruption
 
 _LOCAL = ["--bind", "127.0.0.1"]
 _WEB = ["--web-viewer", "--web-viewer-port", "0", "--port", "auto"]
@@ -47,6 +49,8 @@ def run(options: argparse.Namespace) -> int:
     try:
         code = subprocess.run(command, check=False).returncode
     except KeyboardInterrupt:  # the way to end a server
+        if interruption.code != 128 + signal.SIGINT:
+            raise
         return 0
     if code:
         remedy = "see what it printed above" if options.web else "see what it printed above, or try --web"

@@ -13,6 +13,7 @@ from inertia.errors import InertiaError as InertiaError
 from inertia.errors import ReadError as ReadError
 from inertia.errors import Remedy as Remedy
 from inertia.errors import UsageError as UsageError
+from inertia.errors import WriteError as WriteError
 
 # A file becomes a part; a part is checked and repaired.
 from inertia.mesh.read import read as read

@@ -166,6 +166,10 @@ class UsageError(InertiaError, ValueError):
     exit_code = 2
 
 
+class WriteError(InertiaError):
+    """A file cannot be written (exit code 1)."""
+
+
 class ReadError(InertiaError, ValueError):
     """A file cannot be read (exit code 3)."""
 
@@ -189,7 +193,7 @@ def placed(error: InertiaError, *places: Place) -> InertiaError:
 
 def reworded(error: InertiaError, words: Iterable[Word], places: Iterable[Place]) -> InertiaError:
     """Return an error of the same kind with other words and places."""
-    kind = next(k for k in (UsageError, ReadError, GeometryError, InertiaError) if isinstance(error, k))
+    kind = next(k for k in (UsageError, WriteError, ReadError, GeometryError, InertiaError) if isinstance(error, k))
     return kind(*words, places=tuple(places))
 
 

@@ -18,7 +18,7 @@ from contextlib import ExitStack, contextmanager, suppress
 from contextvars import ContextVar
 from pathlib import Path
 
-from inertia.errors import FORCE, InertiaError, UsageError
+from inertia.errors import FORCE, UsageError, WriteError
 
 if sys.platform != "win32":
     import fcntl
@@ -67,7 +67,7 @@ def require_writable(file: str | os.PathLike[str], *suffixes: str, force: bool =
     Raises
     ------
     UsageError : its name ends in none of `suffixes`, it is a directory, or it exists and `force` is not set
-    InertiaError : its folder cannot be written to
+    WriteError : its folder cannot be written to
     """
     path = Path(file)
     if suffixes and path.suffix.lower() not in suffixes:
@@ -229,4 +229,4 @@ def _faults(path: Path) -> Iterator[None]:
         yield
     except OSError as error:
         remedy = _REMEDIES.get(error.errno or 0, "name a place that can be written to")
-        raise InertiaError(f"cannot write {path}: {error.strerror or error}: {remedy}") from error
+        raise WriteError(f"cannot write {path}: {error.strerror or error}: {remedy}") from error
