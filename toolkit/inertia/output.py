@@ -184,7 +184,7 @@ def temporary_folder() -> Iterator[Path]:
             _remove_left_behind(Path(tempfile.gettempdir()))
         temporary = tempfile.TemporaryDirectory(prefix=".", suffix=f".{os.urandom(6).hex()}.inertia")
     except OSError as error:
-        raise InertiaError(
+        raise WriteError(
             f"no folder for temporary files can be written to ({error.strerror}): set TMPDIR to one"
         ) from None
     with temporary as name:
