@@ -161,7 +161,9 @@ def _exported(analysis: Analysis, repaired: Repaired | None, options: argparse.N
 
     named = source_lines(analysis, repaired, wording=lambda word: str(word).partition("=")[0])
     comments = (*named, *omission_lines(analysis, wording=as_option))
-    name = Path(options.part).stem if options.name is None else options.name
+    name = options.name
+    if name is None:
+        name = "part" if options.part == "-" else Path(options.part).stem  # standard input has no name
     return export(analysis.properties, options.target, name=name, comments=comments)
 
 

@@ -93,6 +93,12 @@ def test_what_cannot_be_read(arguments: tuple[str, ...], data: bytes, code: int,
     assert result.stderr.count(b"\n") == 1
 
 
+def test_what_is_written_for_another_program_has_a_name() -> None:
+    result = run("analyse", "-", "--as", "urdf", data=path("cube.stl").read_bytes())
+    assert result.stderr == b""
+    assert b'<link name="part">' in result.stdout
+
+
 @pytest.mark.skipif(sys.platform == "win32", reason="descriptors")
 def test_it_is_closed() -> None:
     import os

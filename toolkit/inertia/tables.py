@@ -24,6 +24,15 @@ def csv_text(rows: Iterable[Iterable[object]]) -> str:
     return text.getvalue()
 
 
+def cell_text(cell: str) -> str:
+    """Return the text that `csv_text` wrote into a cell.
+
+    >>> cell_text("'=x"), cell_text("'x'")
+    ('=x', "'x'")
+    """
+    return cell[1:] if cell[:1] == "'" and _no_formula(cell[1:]) == cell else cell
+
+
 def _no_formula(cell: object) -> object:
     if not isinstance(cell, str) or cell.lstrip(" ")[:1] not in {*"=+-@\t\r\n＝＋－＠"}:
         return cell

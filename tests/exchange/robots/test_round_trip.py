@@ -15,7 +15,7 @@ EXACT = {"urdf": "arm.urdf", "sdf": "arm.sdf", "csv": "arm.csv"}  # the others h
 @pytest.mark.parametrize(("target", "name"), [*EXACT.items(), ("mjcf", "arm.xml")])
 def test_bodies_come_back(tmp_path: Path, target: str, name: str) -> None:
     body = solid.properties(tmp_path)
-    bodies = {"upper arm": body, 'a "b" & <c>': body.with_mass(0.3), "world": body.with_mass(7.0)}
+    bodies = {"upper arm": body, 'a "b" & <c>': body.with_mass(0.3), "=1+1": body, "world": body.with_mass(7.0)}
     file = tmp_path / name
     file.write_text(inertia.export(bodies, target))
     links = [link for link in read_robot(file).links if link.inertial is not None]

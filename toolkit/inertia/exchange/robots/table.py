@@ -24,6 +24,7 @@ from inertia.errors import ReadError, UsageError
 from inertia.exchange.robots.links import Geometry, Inertial, Link, Placement, Robot
 from inertia.exchange.robots.text import decimals
 from inertia.mesh.readers.contents import shown
+from inertia.tables import cell_text
 from inertia.units import length_unit
 
 _CENTER = ("com_x", "com_y", "com_z")
@@ -131,7 +132,7 @@ def _row(
 
     xx, yy, zz, xy, xz, yz = map(value, _ELEMENTS)
     table: dict[str, Any] = {
-        "name": (row.get("name") or "").strip(),
+        "name": cell_text((row.get("name") or "").strip()),
         "mass": value("mass"),
         "inertia": [[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]],
     }
