@@ -176,3 +176,42 @@ def test_what_is_not_examined_says_so() -> None:
     answer = inertia.analyse(part(mesh), intersections=False)
     assert not answer.crossings_examined
     assert answer.properties.volume == pytest.approx(1e-9 / 3)
+
+
+def interiors_meet(one: list[list[int]], other: list[list[int]]) -> bool:
+    """Say whether two tetrahedra with whole coordinates share space: no axis of theirs separates them."""
+
+    def cross(a: list[int], b: list[int]) -> tuple[int, int, int]:
+        return a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]
+
+    def edges(corners: list[list[int]]) -> list[list[int]]:
+        return [[q - p for p, q in zip(a, b, strict=True)] for a, b in itertools.combinations(corners, 2)]
+
+    axes = [
+        cross(a, b)
+        for pair in ((one, one), (other, other), (one, other))
+        for a in edges(pair[0])
+        for b in edges(pair[1])
+    ]
+    for axis in axes:
+        low, high = ([sum(x * y for x, y in zip(axis, p, strict=True)) for p in corners] for corners in (one, other))
+        if any(axis) and (max(low) <= min(high) or max(high) <= min(low)):
+            return False
+    return True
+
+
+@pytest.mark.parametrize("size", [3, 4, 20])
+def test_any_two_tetrahedra_are_judged_as_separating_axes_judge_them(size: int) -> None:
+    rng = np.random.default_rng(size)
+    verdicts = []
+    while len(verdicts) < 40:
+        corners = rng.integers(0, size, (8, 3))
+        shared = rng.integers(0, 4)
+        corners[4 : 4 + shared] = corners[:shared]
+        if any(round(float(np.linalg.det(c[1:] - c[0]))) == 0 for c in (corners[:4], corners[4:])):
+            continue
+        points = Rotation.random(rng=rng).apply(corners) if len(verdicts) % 2 else corners.astype(float)
+        verdicts.append(interiors_meet(corners[:4].tolist(), corners[4:].tolist()))
+        at = np.r_[:4, :shared, 4 + shared : 8]  # what is shared keeps its bits
+        assert checked(cells(points[at], tetra=[[0, 1, 2, 3], [4, 5, 6, 7]])).fit != verdicts[-1]
+    assert 5 < sum(verdicts) < 38

@@ -88,7 +88,8 @@ def _check_cells(part: Part, mesh: CellTopology, intersections: bool | None) -> 
         if any(finding.severity == "error" for finding in remarks):
             break
         if subject == "space":
-            examined = to_be_examined(mesh.boundary[0], intersections)
+            outside, _ = mesh.boundary
+            examined = outside.count > 0 and to_be_examined(outside, intersections)
         if subject != "space" or examined:
             remarks += findings(subject, mesh)
     return Report(

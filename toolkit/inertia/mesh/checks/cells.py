@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from inertia.arrays import Bool, Int
 from inertia.mesh.checks.findings import Evidence, around, counted, listed, middle
 from inertia.mesh.geometry.cell_maps import TANGLED, Jacobians, jacobians
-from inertia.mesh.geometry.cell_shapes import FLAT_TRIANGLES, KINDS, numbered_blocks
+from inertia.mesh.geometry.cell_shapes import FLAT_TRIANGLES, KINDS, known_volume_blocks, numbered_blocks
 from inertia.mesh.geometry.closure import components, repeated_corners
 from inertia.mesh.geometry.edges import Place, first_equal
 from inertia.mesh.part import Cells, Surface, usable
@@ -82,10 +82,8 @@ class CellTopology:
     def _volume_cells(self) -> _Faces:
         corners = np.full((self.cells.count, 8), -1)
         rows, owners, turns = [np.empty((0, 4), np.int64)], [np.empty(0, np.int64)], [np.empty(0, np.int8)]
-        for start, block in numbered_blocks(self.cells):
-            kind = KINDS.get(block.kind)
-            if kind is None or not kind.faces:
-                continue
+        for start, block in known_volume_blocks(self.cells):
+            kind = KINDS[block.kind]
             owner = np.arange(start, start + len(block.nodes))
             nodes = self.merged[block.nodes[:, : kind.corners]]
             corners[owner, : kind.corners] = nodes
@@ -125,9 +123,8 @@ class CellTopology:
         single = np.zeros(len(volume.area), bool)
         single[volume.area] = self._uses[self._first] == 1
         triangles, owners, at = [np.empty((0, 3), np.int64)], [np.empty(0, np.int64)], 0
-        for start, block in numbered_blocks(self.cells):
-            kind = KINDS.get(block.kind)
-            for face_kind, face in () if kind is None else kind.faces:
+        for start, block in known_volume_blocks(self.cells):
+            for face_kind, face in KINDS[block.kind].faces:
                 which = np.flatnonzero(single[at : at + len(block.nodes)])
                 at += len(block.nodes)
                 pattern = FLAT_TRIANGLES[face_kind]

@@ -14,7 +14,7 @@ from inertia.mesh.checks.cells import CellTopology
 from inertia.mesh.checks.findings import Evidence, listed
 from inertia.mesh.geometry.boxes import BoxTree, overlapping
 from inertia.mesh.geometry.cell_maps import covering
-from inertia.mesh.geometry.cell_shapes import KINDS, volume_blocks
+from inertia.mesh.geometry.cell_shapes import KINDS, known_volume_blocks
 from inertia.mesh.geometry.doubled_places import places_of_doubt
 from inertia.mesh.geometry.winding import misplaced_volume
 
@@ -50,7 +50,7 @@ def shared_space(mesh: CellTopology) -> Evidence | None:
 def _boxes(mesh: CellTopology) -> tuple[Float, Float, Int]:
     """Return low and high corners of boxes around the volume cells, and the cells' numbers."""
     low, high, number = [], [], []
-    for start, block in volume_blocks(mesh.cells):
+    for start, block in known_volume_blocks(mesh.cells):
         nodes = mesh.cells.points[block.nodes]
         least, most = nodes.min(axis=1), nodes.max(axis=1)
         more = 0.0 if block.nodes.shape[1] == KINDS[block.kind].corners else (_REACH - 1) / 2

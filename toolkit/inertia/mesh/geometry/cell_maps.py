@@ -20,7 +20,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from inertia.arrays import Bool, Float, Int
-from inertia.mesh.geometry.cell_shapes import KINDS, Kind, Powers, coefficients, volume_blocks
+from inertia.mesh.geometry.cell_shapes import KINDS, Kind, Powers, coefficients, known_volume_blocks
 from inertia.mesh.geometry.triangle_pairs import orient3d
 from inertia.mesh.part import Cells
 
@@ -253,7 +253,7 @@ def covering(cells: Cells, places: Float, pairs: Int) -> Bool:
     on the cell's faces is not covered.
     """
     covered = np.zeros(len(pairs), bool)
-    for first, block in volume_blocks(cells):
+    for first, block in known_volume_blocks(cells):
         here = np.flatnonzero((pairs[:, 1] >= first) & (pairs[:, 1] < first + len(block.nodes)))
         for start in range(0, len(here), _CELLS):
             some = here[start : start + _CELLS]

@@ -289,6 +289,13 @@ def volume_blocks(cells: Cells) -> list[tuple[int, CellBlock]]:
     return numbered
 
 
+def known_volume_blocks(cells: Cells) -> list[tuple[int, CellBlock]]:
+    """Return the blocks of volume cells whose kind has a map here, each with the number of its first cell."""
+    return [
+        (first, block) for first, block in numbered_blocks(cells) if block.kind in KINDS and KINDS[block.kind].faces
+    ]
+
+
 def numbered_blocks(cells: Cells) -> list[tuple[int, CellBlock]]:
     """Return all blocks, each with the number of its first cell."""
     sizes = [len(block.nodes) for block in cells.blocks]

@@ -6,7 +6,7 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from inertia.arrays import Float, Int
+from inertia.arrays import Bool, Float, Int
 from inertia.mesh.geometry.closure import closure, merge_equal_vertices
 from inertia.mesh.geometry.intersect import FACING, beside_edges, contact_depth, near_pairs
 from inertia.mesh.geometry.triangle_pairs import crossing, unit_normals
@@ -54,6 +54,12 @@ def places_of_doubt(triangles: Triangles, size: float) -> Iterator[Float]:
         for (a, b), height in zip(((i, j), (j, i)), heights, strict=True):
             lies = (np.abs(height) < depth / 2).sum(axis=1) >= 2
             a, b = a[lies], b[lies]
+            for one, other in ((0, 1), (1, 0)):  # sides of either may hold them apart, as of neighbours in one plane
+                pair = a, b
+                meets = ~_beside(
+                    vertices[faces[pair[one]]], vertices[faces[pair[other]]], normals[pair[one]], depth / 2
+                )
+                a, b = a[meets], b[meets]
             places.append(beside_edges(vertices, faces[a], normals[a], faces[b], depth))
             covered = _under_centroid(vertices[faces[a]], vertices[faces[b]], normals[a], depth)
             places.append(vertices[faces[b[covered]]].mean(axis=1) - depth * normals[b[covered]])
@@ -63,6 +69,16 @@ def places_of_doubt(triangles: Triangles, size: float) -> Iterator[Float]:
     if len(pieces) > 1:
         tried = np.flatnonzero(labels >= 0)[first]
         yield vertices[faces[tried]].mean(axis=1) - depth * normals[tried]
+
+
+def _beside(corners: Float, others: Float, normals: Float, slack: float) -> Bool:
+    """Say which triangles with these corners (k, 3, 3) and normals have a side beyond which the others lie."""
+    beside = np.zeros(len(corners), bool)
+    for k in range(3):
+        edge = corners[:, (k + 1) % 3] - corners[:, k]
+        reach = np.einsum("kij,kj->ki", others - corners[:, k, None], np.cross(normals, edge)).max(axis=1)
+        beside |= reach <= slack * np.linalg.norm(edge, axis=1)
+    return beside
 
 
 def _under_centroid(corners: Float, others: Float, normals: Float, depth: float) -> Int:
