@@ -55,9 +55,9 @@ def places_of_doubt(triangles: Triangles, size: float) -> Iterator[Float]:
             lies = (np.abs(height) < depth / 2).sum(axis=1) >= 2
             a, b = a[lies], b[lies]
             for one, other in ((0, 1), (1, 0)):  # sides of either may hold them apart, as of neighbours in one plane
-                pair = a, b
+                both = a, b
                 meets = ~_beside(
-                    vertices[faces[pair[one]]], vertices[faces[pair[other]]], normals[pair[one]], depth / 2
+                    vertices[faces[both[one]]], vertices[faces[both[other]]], normals[both[one]], depth / 2
                 )
                 a, b = a[meets], b[meets]
             places.append(beside_edges(vertices, faces[a], normals[a], faces[b], depth))
