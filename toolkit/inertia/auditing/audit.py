@@ -16,7 +16,7 @@ from inertia.auditing.claim import Statement
 from inertia.auditing.judge import Finding, LinkAudit, Subject, Weighed, judge
 from inertia.auditing.search import EXPLAINED
 from inertia.auditing.shapes import Scales, cause
-from inertia.errors import InertiaError, UsageError
+from inertia.errors import InertiaError, ReadError, UsageError
 from inertia.exchange.robots.links import Geometry, Link, Placement, Robot
 from inertia.exchange.robots.mend import Mended, mend
 from inertia.exchange.robots.read import read_robot
@@ -211,6 +211,8 @@ def _root(robot: Robot, link: Link) -> tuple[str, Placement]:
         where = link.placement.then(where)
         link = by_name[link.parent]
         seen.add(link.name)
+    if link.parent in seen:
+        raise ReadError(f"{robot.path}: link {link.name!r} hangs from itself by fixed joints: turn one of them round")
     return link.name, where
 
 

@@ -67,12 +67,12 @@ def faults(stated: Statement) -> Iterator[Fault]:
     half = (rows[0][0] + rows[1][1] + rows[2][2] + 2 * slack) / 2
     second = [[(half if i == j else 0) - rows[i][j] for j in range(3)] for i in range(3)]
     if not _no_negative_eigenvalue(second):
-        excess = -margin(stated) * moments[2] / (moments[0] + moments[1]) if moments[0] + moments[1] > 0 else np.inf
-        yield Fault(
-            f"the principal moments {names} break the triangle rule: the greatest is {100 * excess:.2g} % above the "
-            "sum of the others",
-            float(excess),
+        excess = float(-margin(stated) * moments[2] / (moments[0] + moments[1]))
+        words = f"{100 * excess:.2g} % above" if excess < 1 else f"{1 + excess:.2g} times"
+        sentence = (
+            f"the principal moments {names} break the triangle rule: the greatest is {words} the sum of the others"
         )
+        yield Fault(sentence, excess)
 
 
 def outside(stated: Statement, hull: Float) -> Iterator[Fault]:

@@ -70,8 +70,9 @@ def mend(robot: Robot, mended: Mapping[str, Mended]) -> bytes:
             edits += edits_of(data, inertial, mended[name], indent)
     if missing := sorted(set(mended) - done):
         raise ReadError(f"{robot.path} states nothing of {missing[0]!r} itself: mend the file that it includes")
+    line_end = b"\r\n" if b"\r\n" in data else b"\n"
     for edit in sorted(edits, reverse=True):
-        data = data[: edit.start] + edit.text.encode() + data[edit.end :]
+        data = data[: edit.start] + edit.text.encode().replace(b"\n", line_end) + data[edit.end :]
     return data
 
 

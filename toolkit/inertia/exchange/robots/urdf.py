@@ -7,6 +7,7 @@ be expanded.
 
 from __future__ import annotations
 
+from collections import Counter
 from fractions import Fraction
 from pathlib import Path
 from xml.etree.ElementTree import Element
@@ -39,6 +40,9 @@ def read_urdf(path: Path) -> Robot:
             continue  # of a joint or a gazebo extension
         parent, placement = fixed.get(name, (None, Placement()))
         links.append(Link(name, _inertial(element, name), tuple(_geometries(element, name, path)), parent, placement))
+    twice = [name for name, count in Counter(each.get("name") for each in root.findall("link")).items() if count > 1]
+    if twice:
+        raise ReadError(f"more than one link is called {shown(str(twice[0]))}: their names must differ")
     if not links:
         raise ReadError("it holds no link")
     return Robot(path, "urdf", root.get("name", ""), tuple(links))
