@@ -235,3 +235,13 @@ def test_another_density_is_named(props: inertia.MassProperties, audited: Callab
     assert "1000 kg/m³ (the default of many programs, or water)" in finding.sentence
     assert audit.links[0].mended is not None
     assert audit.links[0].mended.mass == pytest.approx(props.mass, rel=1e-14)
+
+
+def test_fixed_joints_in_a_circle_are_refused(props: inertia.MassProperties, audited: Callable[..., Audit]) -> None:
+    stated = inertial(props.mass, props.center_of_mass, props.inertia)
+    joints = "".join(
+        f'<joint name="{one}" type="fixed"><parent link="{one}"/><child link="{other}"/></joint>'
+        for one, other in ("ab", "ba", "bc")
+    )
+    with pytest.raises(inertia.ReadError, match="hangs from itself"):
+        audited(*(link(name, stated, *MESHES) for name in "abc"), joints=joints, lump=True)

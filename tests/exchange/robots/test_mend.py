@@ -82,3 +82,28 @@ def test_what_cannot_be_written_into_is_refused(tmp_path: Path, right: inertia.M
     file.write_text(inertia.export(right, "csv", name="a"))
     with pytest.raises(inertia.UsageError, match="files of format csv are not written into"):
         mend(read_robot(file), {"a": Mended(right, "x")})
+
+
+@pytest.mark.parametrize(
+    ("head", "encoding", "line_end"),
+    [
+        ("", "utf-8", "\r\n"),
+        ("\ufeff", "utf-8", "\n"),
+        ('<?xml version="1.0" encoding="iso-8859-1"?>', "latin-1", "\n"),
+    ],
+)
+def test_line_ends_marks_and_encodings_stay(
+    tmp_path: Path, right: inertia.MassProperties, head: str, encoding: str, line_end: str
+) -> None:
+    file = tmp_path / "arm.urdf"
+    text = head + (
+        '<robot name="Füße">\n<link name="arm">\n  <inertial>\n    <mass value="1"/>\n  </inertial>\n</link>\n</robot>'
+    )
+    before = text.replace("\n", line_end).encode(encoding)
+    file.write_bytes(before)
+    after = mend(read_robot(file), {"arm": Mended(right, "∫xy dm is −Ixy")})
+    assert after.count(b"\r\n") == (after.count(b"\n") if line_end == "\r\n" else 0)
+    opcodes = difflib.SequenceMatcher(None, before, after, autojunk=False).get_opcodes()
+    assert all(kind in ("equal", "insert") or before[i:j] == b"1" for kind, i, j, _, _ in opcodes)
+    file.write_bytes(after)
+    assert stated(file, "arm").mass == right.mass

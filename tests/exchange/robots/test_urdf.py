@@ -95,3 +95,10 @@ def test_other_files_are_no_robot(tmp_path: Path) -> None:
         read_robot(tmp_path / "part.stl")
     with pytest.raises(ReadError, match="No such file"):
         read_robot(tmp_path / "nothing.urdf")
+
+
+def test_two_links_of_one_name_are_refused(tmp_path: Path) -> None:
+    file = tmp_path / "arm.urdf"
+    file.write_text('<robot name="r"><link name="a"/><link name="a"/></robot>')
+    with pytest.raises(ReadError, match="more than one link is called 'a'"):
+        read_robot(file)

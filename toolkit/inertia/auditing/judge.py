@@ -323,6 +323,8 @@ def _difference(stated: Body, computed: MassProperties) -> Difference:
 def _hull(subject: Subject) -> Float:
     """Return the triangles of the convex hull of all shapes, those for collisions included."""
     every = [*subject.shapes, *subject.collisions]
+    if len(every) == 1 and every[0].shape.hull is not None:
+        return every[0].shape.hull
     corners = np.concatenate([(e.shape.corners if e.shape.hull is None else e.shape.hull) for e in every])
     whole = Shape("all", corners, Body(0.0, np.zeros(3), np.zeros((3, 3))), np.eye(3), np.zeros(3))
     return corners if whole.hull is None else whole.hull
