@@ -55,10 +55,9 @@ def write(bodies: Sequence[Body], comments: Sequence[str]) -> str:
 def _single(value: float, body: Body, what: str, *, zero: bool = False) -> np.float32:
     with np.errstate(over="ignore"):
         single = np.float32(value)
-    if not np.isfinite(single) or (single == 0 and not zero):
+    if not np.isfinite(single) or (single < np.finfo(np.float32).tiny and not zero):
         raise UsageError(
-            f"the {what} of {body.name}, {value:.3g}, is no positive float32, which is what USD keeps: "
-            "choose a target with more digits"
+            f"the {what} of {body.name}, {value:.3g}, is beyond float32, which is what USD keeps: choose another target"
         )
     return single + np.float32(0)
 
