@@ -1,5 +1,6 @@
 """Files that are whole or not there."""
 
+import os
 import subprocess
 import sys
 import tempfile
@@ -141,3 +142,34 @@ def test_that_no_folder_takes_temporary_files_is_a_sentence(tmp_path: Path, monk
     says = "no folder for temporary files can be written to .*: set TMPDIR to one"
     with pytest.raises(InertiaError, match=says), temporary_folder():
         pass
+
+
+@pytest.mark.skipif(sys.platform == "win32" or os.geteuid() == 0, reason="root lists every folder")
+def test_a_folder_that_cannot_be_listed_can_be_written_to(tmp_path: Path) -> None:
+    tmp_path.chmod(0o300)
+    write_whole(tmp_path / "new", b"new")
+    tmp_path.chmod(0o700)
+    assert (tmp_path / "new").read_bytes() == b"new"
+
+
+def test_an_interruption_waits_until_all_are_in_place(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    replace, done = Path.replace, []
+
+    def interrupted(self: Path, target: Path) -> Path:
+        done.append(target)
+        result = replace(self, target)
+        if len(done) == 1:
+            raise KeyboardInterrupt
+        return result
+
+    monkeypatch.setattr(Path, "replace", interrupted)
+
+    def write() -> None:
+        with together():
+            for name in "abc":
+                write_whole(tmp_path / name, b"new")
+
+    with pytest.raises(KeyboardInterrupt):
+        write()
+    assert [file.name for file in done] == ["a", "b", "c"]
+    assert sorted(file.name for file in tmp_path.iterdir()) == ["a", "b", "c"]
