@@ -6,7 +6,7 @@ import json
 import subprocess
 import sys
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from decimal import Decimal
 from fractions import Fraction
 from itertools import product
@@ -84,6 +84,29 @@ def questions() -> Iterator[Question]:
     cubes = np.concatenate([cube, mapped(cube, [[0.8, -0.6, 0], [0.6, 0.8, 0], [0, 0, 1]])])
     order = np.argsort(cubes[:, :, 2].mean(axis=1), kind="stable")
     yield Question("two cubes, one turned about a shared edge, sorted by height", "edge.ply", _ply(cubes[order]))
+    for power in (12, 15):
+        walls = np.concatenate([_ball(), flipped(_ball() * (1 - 10.0**-power))])
+        yield _solid(f"a ball with a wall of 1e-{power} of its size", f"wall{power}.ply", walls)
+    sunk = 1 - 4e-7
+    stack = np.concatenate([moved(box(1, 1, 1), 0, 0, -0.5), moved(box(1, 1, 1), 0, 0, sunk - 0.5)])
+    union = _volume(stack) + Fraction(float(stack[12:, :, 2].min()))
+    yield Question("a cube that is sunk 4e-7 into another; their union", "sunk.ply", _ply(stack), (), union)
+    speck = moved(box(1e-5, 1e-5, 1e-5), 3, 0, 0)
+    yield Question(
+        "a cube beside an inverted one of 1e-5",
+        "speck.ply",
+        _ply(np.concatenate([cube, flipped(speck)])),
+        (),
+        Fraction(1),
+    )
+    pin = _fitted(32)
+    yield _solid("a pin in its bore, its facets turned", "pin.ply", pin, "--parts", "separate", "--chord", "0.01")
+    middles = _ball().mean(axis=1)
+    far = np.argsort(np.linalg.norm(middles - middles[0], axis=1), kind="stable")[24:]
+    patched = Question(
+        "a ball without 24 of its triangles, filled", "hole.ply", _ply(_ball()[np.sort(far)]), ("--repair",)
+    )
+    yield replace(patched, volume=_volume(_ball()))
     cracked = box(1.0, 1.0, 1.0).copy()
     cracked[0, 0] += 1e-15
     yield Question("a cube with a crack of 1e-15", "crack.ply", _ply(cracked))
@@ -113,10 +136,11 @@ def measured_command(question: Question, folder: Path) -> dict[str, Any]:
     if question.volume is not None:
         true = question.volume / 10**9
         row["error"] = _short(abs(float((Fraction(answer["volume"]) - true) / true)))
-    error = answer["error"]
+    error = answer["error"].get("repair", answer["error"])
     row |= {name: _short(error[name]) for name in ("volume", "inertia")}
     row["centre"] = _short(error.get("center_of_mass_pair", error["center_of_mass"]))
-    return row | {"method": error["method"]}
+    doubts = "".join(f"; in doubt: {doubt['code'].replace('_', ' ')}" for doubt in answer.get("doubts", []))
+    return row | {"method": error["method"] + doubts}
 
 
 def _short(value: float) -> float:
@@ -134,6 +158,29 @@ def _volume(corners: Corners) -> Fraction:
 def _ball() -> Corners:
     vertices, faces = ball()
     return vertices[faces]
+
+
+def _fitted(sides: int) -> Corners:
+    """Return a disc with a bore of half its radius, and a pin whose facets are turned by half of one."""
+    step = 2 * np.pi / sides
+    inner, outer, pin = (
+        radius * np.stack([np.cos(angle), np.sin(angle), 0 * angle], axis=1)
+        for radius, angle in (
+            (1, step * np.arange(sides)),
+            (2, step * np.arange(sides)),
+            (1, step * (np.arange(sides) + 0.5)),
+        )
+    )
+    up = np.array([0, 0, 1.0])
+    (a, b, c, d), (e, f, g, h), (i, j), (k, m) = (
+        [turn(ring + height) for ring in rings for height in (0 * up, up)]
+        for rings in ((inner, outer), (pin,))
+        for turn in (lambda points: points, lambda points: np.roll(points, -1, axis=0))
+    )
+    low, high = np.zeros((sides, 3)), np.zeros((sides, 3)) + up
+    disc = [(a, f, e), (a, b, f), (c, g, h), (c, h, d), (b, h, f), (b, d, h), (a, e, g), (a, g, c)]
+    rod = [(k, i, low), (j, m, high), (i, k, m), (i, m, j)]
+    return np.concatenate([np.stack(face, axis=1) for face in [*disc, *rod]])
 
 
 def _pentagram() -> Corners:
