@@ -54,7 +54,13 @@ def _run(name: str, options: argparse.Namespace) -> Result:
         if sys.stderr.isatty():
             print(f"\r{name}: {tally.counts.total():,} of {count:,}", end="\r", file=sys.stderr)
 
-    tally = run_cases(campaign.with_seed(options.seed), numbers(), processes=options.processes, report=report)
+    tally = run_cases(
+        campaign.with_seed(options.seed),
+        numbers(),
+        processes=options.processes,
+        together=campaign.together,
+        report=report,
+    )
     result = Result(name, campaign, tally, time.monotonic() - began)
     print(result, flush=True)
     for number, fault in sorted(tally.faults.items()):

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
 
-from . import documents, meshes, options
+from . import cache_flips, changing, documents, full_disk, kills, meshes, options
 from .workers import Case, Outcome
 
 
@@ -18,6 +18,8 @@ class Campaign:
     title: str
     cases: int
     case: Callable[[int, int, Path], Outcome]
+    together: int = 50
+    """Cases that a worker is given at a time."""
 
     def with_seed(self, seed: int) -> Case:
         """Return what runs a case by its number."""
@@ -32,4 +34,8 @@ CAMPAIGNS = {
     "meshes": Campaign("damaged mesh files of every format", 1_000_000, meshes.case),
     "documents": Campaign("damaged scenes and rotors (TOML)", 100_000, documents.case),
     "options": Campaign("command lines with odd values", 10_000, options.case),
+    "kills": Campaign("runs that are killed while they write", 2_000, kills.case, 1),
+    "cache_flips": Campaign("damaged kernels in the cache", 2_000, cache_flips.case, 1),
+    "full_disk": Campaign("a disk that is full from the n-th write on", 2_000, full_disk.case, 1),
+    "changing": Campaign("parts that change while they are read", 5_000, changing.case, 1),
 }

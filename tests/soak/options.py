@@ -14,7 +14,7 @@ from .command import outcome_of
 from .documents import ROOT
 from .workers import Outcome
 
-_COMMANDS = ("analyse", "check", "trade", "simulate", "tumble", "balance", "play")
+_COMMANDS = ("analyse", "check", "trade", "simulate", "tumble", "balance", "play", "audit")
 _PARTS = (
     "cube.stl",
     "t_handle.stl",
@@ -26,9 +26,10 @@ _PARTS = (
 _INPUTS = {
     "simulate": ("scenes/t_handle.toml", "scenes/spinning_top.toml", "scenes/cube.toml", "cube.stl"),
     "balance": ("rotors/disc.toml", "two_disc_rotor.stl", "disc.stl", "cube.stl"),
+    "audit": ("robots/arm.urdf", "cube.stl"),
     "play": ("cube.stl",),
 }
-_NOT = {"--help", "--live", "--web", "--repeats"}  # a viewer; and what only takes time
+_NOT = {"--help", "--live", "--web", "--repeats", "--fix"}  # a viewer; and what only takes time
 _NUMBERS = (
     *("0", "-0", "1", "-1", "2", "0.5", "1e-3", "1e-9", "1e-15", "1e-16", "1e-60", "1e-100", "1e-160", "1e-300"),
     *("1e-308", "1e-320", "5e-324", "1e-400", "1e3", "1e6", "1e9", "9e18", "1e30", "1e60", "1e75", "1e100", "1e154"),

@@ -84,6 +84,7 @@ def run_cases(
     *,
     processes: int = 1,
     memory: int = MEMORY_LIMIT,
+    together: int = _CHUNK,
     report: Callable[[Tally], Any] = lambda _: None,
 ) -> Tally:
     """Run `case(number)` for every number in worker processes; `report` is called about once a second."""
@@ -92,7 +93,7 @@ def run_cases(
     waiting: list[list[int]] = []
 
     def chunk() -> list[int]:
-        return waiting.pop() if waiting else list(itertools.islice(source, _CHUNK))
+        return waiting.pop() if waiting else list(itertools.islice(source, together))
 
     workers: list[_Worker] = []
     for _ in range(processes):
