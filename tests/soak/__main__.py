@@ -9,7 +9,7 @@ import time
 from pathlib import Path
 
 from .campaigns import CAMPAIGNS
-from .page import Result, machine, write
+from .page import Result, write
 from .workers import Outcome, Tally, run_cases
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -25,7 +25,7 @@ def main(arguments: list[str]) -> int:
     parser.add_argument("--case", type=int, metavar="N", help="run this case alone, in this process")
     parser.add_argument("--processes", type=int, default=os.cpu_count() or 1)
     parser.add_argument("--time", type=float, default=float("inf"), metavar="SECONDS", help="for each campaign")
-    parser.add_argument("--write", action="store_true", help="write docs/reliability.md")
+    parser.add_argument("--write", action="store_true", help="put the figures into docs/reliability.md and .json")
     options = parser.parse_args(arguments)
     unknown = {*options.campaigns} - {*CAMPAIGNS}
     if unknown:
@@ -35,7 +35,7 @@ def main(arguments: list[str]) -> int:
         return _one(names, options.seed, options.case)
     results = [_run(name, options) for name in names]
     if options.write:
-        write(ROOT / "docs" / "reliability.md", results, options.seed, machine())
+        write(ROOT / "docs", results, options.seed)
     return 1 if any(result.tally.faults for result in results) else 0
 
 
@@ -54,13 +54,8 @@ def _run(name: str, options: argparse.Namespace) -> Result:
         if sys.stderr.isatty():
             print(f"\r{name}: {tally.counts.total():,} of {count:,}", end="\r", file=sys.stderr)
 
-    tally = run_cases(
-        campaign.with_seed(options.seed),
-        numbers(),
-        processes=options.processes,
-        together=campaign.together,
-        report=report,
-    )
+    case, together = campaign.with_seed(options.seed), campaign.together
+    tally = run_cases(case, numbers(), processes=options.processes, together=together, report=report)
     result = Result(name, campaign, tally, time.monotonic() - began)
     print(result, flush=True)
     for number, fault in sorted(tally.faults.items()):

@@ -143,6 +143,11 @@ def _collect(worker: _Worker, tally: Tally) -> str | None:
     return None
 
 
+def _computed() -> float:
+    """Return the seconds of computing of this process and those that it has waited for."""
+    return sum(os.times()[:4])
+
+
 def _serve(case: Case, memory: int, connection: Connection) -> None:
     os.setpgid(0, 0)
     resource.setrlimit(resource.RLIMIT_AS, (memory, memory))
@@ -154,13 +159,13 @@ def _serve(case: Case, memory: int, connection: Connection) -> None:
         size = 0
         while numbers := connection.recv():
             for number in numbers:
-                began = time.process_time()
+                began = _computed()
                 try:
                     outcome = case(number)
                 except Exception as error:  # any at all is a fault of what is tested, or of the case
                     outcome = Outcome("fault", f"{type(error).__name__}: {error}")
                 if (now := os.fstat(1).st_size) > size:
                     outcome, size = Outcome("fault", f"{now - size} bytes printed past Python"), now
-                if (seconds := time.process_time() - began) > TIME_LIMIT:
+                if (seconds := _computed() - began) > TIME_LIMIT:
                     outcome = Outcome("fault", f"{seconds:.0f} s of computing")
                 connection.send((number, outcome, seconds))
