@@ -9,14 +9,14 @@ from tests.soak.campaigns import CAMPAIGNS
 from tests.soak.command import fault_in
 from tests.soak.workers import Outcome, run_cases
 
-SHORT = {"meshes": 300, "documents": 40, "options": 60}
+SHORT = {"meshes": 300, "documents": 40, "options": 60, "kills": 2, "cache_flips": 2, "full_disk": 1, "changing": 3}
 
 
 @pytest.mark.parametrize("name", CAMPAIGNS)
 def test_no_case_ends_in_a_fault(name: str) -> None:
-    tally = run_cases(CAMPAIGNS[name].with_seed(0), range(SHORT.get(name, 10)))
+    tally = run_cases(CAMPAIGNS[name].with_seed(0), range(SHORT[name]))
     assert tally.faults == {}
-    assert tally.counts.total() == SHORT.get(name, 10)
+    assert tally.counts.total() == SHORT[name]
 
 
 def _odd(number: int) -> Outcome:
