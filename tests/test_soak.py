@@ -9,7 +9,7 @@ from tests.soak.campaigns import CAMPAIGNS
 from tests.soak.command import fault_in
 from tests.soak.workers import Outcome, run_cases
 
-SHORT = {"meshes": 300, "documents": 40, "options": 60, "kills": 2, "cache_flips": 2, "full_disk": 1, "changing": 3}
+SHORT = {"meshes": 150, "documents": 16, "options": 40, "kills": 1, "cache_flips": 2, "full_disk": 1, "changing": 2}
 
 
 @pytest.mark.parametrize("name", CAMPAIGNS)
