@@ -255,3 +255,42 @@ def test_a_one_sided_surface_and_an_open_one_are_refused() -> None:
 def test_a_surface_that_faces_inward_has_no_union() -> None:
     with pytest.raises(inertia.GeometryError, match=r"goes around no place outwards.*inertia\.repair"):
         inertia.unite(solids.part(BAD["inside out"]))
+
+
+def block(low: list[int], high: list[int], inward: bool) -> np.ndarray:
+    """Return the triangles (12, 3, 3) of a box."""
+    corners = np.array([[x, y, z] for x in (0, 1) for y in (0, 1) for z in (0, 1)])
+    faces = [[0, 1, 3], [0, 3, 2], [4, 6, 7], [4, 7, 5], [0, 4, 5], [0, 5, 1]]
+    faces += [[2, 3, 7], [2, 7, 6], [0, 2, 6], [0, 6, 4], [1, 5, 7], [1, 7, 3]]
+    triangles = (np.array(low) + corners * (np.array(high) - low))[np.array(faces)]
+    return triangles[:, ::-1] if inward else triangles
+
+
+@pytest.mark.parametrize("seed", range(40))
+def test_boxes_on_a_grid_are_counted_cell_by_cell(seed: int) -> None:
+    """Boxes of either winding with corners on a grid share faces, edges and corners in every way there is; so do they
+    after any integer map. Their winding numbers are those of the grid's cells."""
+    rng = np.random.default_rng(seed)
+    windings, triangles = np.zeros((6, 6, 6), int), []
+    for number in range(int(rng.integers(2, 7))):
+        low = rng.integers(0, 5, 3)
+        high = np.minimum(low + rng.integers(1, 4, 3), 6)
+        inward = number > 0 and rng.random() < 0.3
+        windings[low[0] : high[0], low[1] : high[1], low[2] : high[2]] += -1 if inward else 1
+        triangles.append(block(low.tolist(), high.tolist(), inward))
+    cells = int((windings >= 1).sum())
+    linear = np.eye(3)
+    while seed % 2 and round(np.linalg.det(linear := rng.integers(-3, 4, (3, 3)).astype(float))) == 0:
+        pass
+    scale = round(np.linalg.det(linear))
+    corners = np.concatenate(triangles) @ linear.T
+    corners = (corners if scale > 0 else corners[:, ::-1])[rng.permutation(len(corners))]
+    part = Part.from_arrays(corners.reshape(-1, 3), np.arange(3 * len(corners)).reshape(-1, 3))
+    if cells == 0:
+        with pytest.raises(inertia.GeometryError, match="no place outwards"):
+            inertia.mass_properties(part, union=True)
+        return
+    result = inertia.mass_properties(part, 1.0, union=True)
+    assert abs(Fraction(result.volume) - cells * abs(scale)) <= Fraction(result.error.volume) * cells * abs(scale)
+    centre = (np.argwhere(windings >= 1) + 0.5).mean(axis=0) @ linear.T
+    assert np.allclose(result.center_of_mass, centre, rtol=0, atol=1e-12)

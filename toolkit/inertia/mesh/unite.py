@@ -104,7 +104,7 @@ def unite(part: Part, progress: Progress | None = None) -> Union:
         probes += [probe(triangles, number, cell, division.lines) for cell in largest.values()]
         cells += [(number, cell, places[group]) for cell, group in zip(division.cells, division.group, strict=True)]
     around = sides(triangles, probes, _part_of(progress, 0.5, 0.9))
-    if all({at.above, at.below} <= {0, 1} for at in around):
+    if all({at.above, at.below} <= {0, 1} for at in around) and check(part, intersections=False).fit:
         return Union(part, meetings.crossings, 0.0, 0.0)
     facing_up = np.array([triangles.plane(k).normal[triangles.plane(k).axis] > 0 for k in leaders.tolist()], bool)
     front, behind = np.zeros((2, len(faces)), np.int64)
@@ -121,7 +121,8 @@ def unite(part: Part, progress: Progress | None = None) -> Union:
     keeps, turns = (behind > 0) & (front <= 0) & whole, (front > 0) & (behind <= 0) & whole
     faces = np.where(turns[:, None], faces[:, ::-1], faces)
     stays = np.flatnonzero(keeps | turns)
-    surface = _surface(triangles, faces[stays], stays, divided)
+    met = np.unique(triangles.faces[sorted(meetings.segments)])
+    surface = _surface(triangles, faces[stays], stays, divided, met)
     if surface is None:
         raise GeometryError(
             f"{part.name}: its surface goes around no place outwards, so that it has no union: turn all triangles, or "
@@ -234,11 +235,14 @@ def _beyond_once(
 
 
 def _surface(
-    triangles: Triangles, faces: Int, origins: Int, divided: list[_Face]
+    triangles: Triangles, faces: Int, origins: Int, divided: list[_Face], met: Int
 ) -> tuple[Float, Float, Int, Int] | None:
-    """Return vertices, what their rounding took from them, triangles, and which triangle each of these comes from."""
+    """Return vertices, what their rounding took from them, triangles, and which triangle each of these comes from.
+
+    `met` are the vertices of triangles that others meet: corners of cells may lie there.
+    """
     vertices = Vertices(triangles)
-    for vertex in np.unique(triangles.faces[[face.triangle for face in divided]]).tolist() if divided else ():
+    for vertex in met.tolist():
         vertices.know(vertex)
     polygons = []
     for face in divided:
