@@ -30,18 +30,23 @@ def _odd(number: int) -> Outcome:
             Path("/proc/self/fd/1").write_text("x")
         case 4:
             time.sleep(100)
+        case 5:
+            while True:
+                pass
     return Outcome("answered")
 
 
 def test_crashes_and_hangs_are_told_of_their_own_case(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("tests.soak.workers.TIME_LIMIT", 0.5)
+    monkeypatch.setattr("tests.soak.workers.PATIENCE", 8.0)
     tally = run_cases(_odd, range(130))
-    assert sorted(tally.faults) == [1, 2, 3, 4]
+    assert sorted(tally.faults) == [1, 2, 3, 4, 5]
     assert tally.counts.total() == 130
     assert "RuntimeError" in tally.faults[1]
     assert "ended with 7" in tally.faults[2]
     assert "printed past Python" in tally.faults[3]
-    assert "no answer" in tally.faults[4]
+    assert "no answer in 8 s" in tally.faults[4]
+    assert "of computing" in tally.faults[5]
 
 
 @pytest.mark.parametrize(
