@@ -1,10 +1,12 @@
 """Bodies integrated each by itself: pins in bores and balls that touch as exact solids, and bodies that share space."""
 
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
+from tests.mesh.readers.step_sample import step_of_several, step_sphere, step_torus
 from tests.mesh.solids import Mesh, cube, inside_out, joined, sphere
 
 import inertia
@@ -87,6 +89,19 @@ def test_the_option_is_named_where_the_chord_tolerance_explains_it() -> None:
         with pytest.raises(GeometryError, match="overlapping bodies") as refusal:
             inertia.analyse(part, chord=chord)
         assert (SEPARATE in refusal.value.remedies) == named
+
+
+def test_a_ball_in_a_ring_of_step_has_the_sum_of_both(tmp_path: Path) -> None:
+    (tmp_path / "bearing.step").write_text(step_of_several(step_sphere(9.0), step_torus(20.0, 11.0)))
+    part = inertia.read(tmp_path / "bearing.step", coarser=5.0)
+    with pytest.raises(GeometryError, match="overlapping bodies: 1 pair") as refusal:
+        inertia.analyse(part)
+    assert SEPARATE in refusal.value.remedies
+    analysis = inertia.analyse(part, parts="separate")
+    answer = analysis.properties
+    volume = (4 / 3 * np.pi * 9**3 + 2 * np.pi**2 * 20 * 11**2) * 1e-9
+    assert abs(answer.volume - volume) <= (answer.error.volume + analysis.tessellation.volume) * answer.volume
+    assert 0 < answer.error.volume < 1e-6
 
 
 def test_facets_that_meet_are_not_in_doubt() -> None:

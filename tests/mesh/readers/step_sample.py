@@ -1,5 +1,6 @@
 """STEP files (AP214): a solid with plane faces, written from its corners and polygons, and solids of revolution."""
 
+import re
 from collections.abc import Sequence
 
 import numpy as np
@@ -117,6 +118,16 @@ def step_cone(low: float, high: float, height: float) -> str:
         _face(w, [(rims[0], "F")], w.add(f"PLANE('',{w.axes((0, 0, 0), (0, 0, -1), (1, 0, 0))})")),
     ]
     return _file(w, "Frustum", faces, shape, context)
+
+
+def step_of_several(*files: str) -> str:
+    """One file with the solids of several."""
+    head, data, last = files[0].partition("DATA;\n")[0], "", 0
+    for file in files:
+        entities = file.partition("DATA;\n")[2].partition("ENDSEC;")[0]
+        data += re.sub(r"#(\d+)", lambda number, before=last: f"#{int(number[1]) + before}", entities)
+        last += max(map(int, re.findall(r"^#(\d+)", entities, re.MULTILINE)))
+    return f"{head}DATA;\n{data}ENDSEC;\nEND-ISO-10303-21;\n"
 
 
 def _face(w: _Writer, edges: Sequence[tuple[str, str]], surface: str) -> str:
