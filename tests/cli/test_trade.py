@@ -4,7 +4,6 @@ import json
 from pathlib import Path
 
 import pytest
-from matplotlib.figure import Figure
 
 from inertia.dynamics.integrators import methods
 from inertia_cli.main import main
@@ -78,10 +77,10 @@ def test_a_scene_is_measured_by_the_same_command(
 def test_what_was_measured_is_told_where_the_plot_fails(
     capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch, tmp_path: Path
 ) -> None:
-    def full(self: Figure, *_: object, **__: object) -> None:
+    def full(_: int) -> None:
         raise OSError(28, "No space left on device")
 
-    monkeypatch.setattr(Figure, "savefig", full)
+    monkeypatch.setattr("inertia.output.os.fsync", full)
     code, out, err = run(capsys, TORUS, "--repeats", "1", "--plot", str(tmp_path / "trade.png"))
     assert code == 1
     assert "Recommended" in out
