@@ -214,6 +214,30 @@ def test_a_ring_with_overlapping_ends_is_as_the_sweep_says() -> None:
     require_within_bounds(Part.from_arrays(*ring(6.6)), prisms.moments(shapes), "exact")
 
 
+def tangle(seed: int) -> tuple[np.ndarray, np.ndarray]:
+    """Return bodies whose vertices were shaken, some to places of a lattice, so that their shells cross anyhow."""
+    rng = np.random.default_rng(seed)
+    vertices, faces = [], []
+    for points, triangles in (solids.sphere(splits=1), solids.cylinder(1, 2, sides=7), solids.cube()):
+        shaken = 2 * points / np.abs(points).max() + rng.normal(size=points.shape) * 0.4 + rng.integers(-1, 2, 3)
+        vertices.append(np.round(shaken) if rng.random() < 0.5 else shaken)
+        faces.append(triangles + sum(map(len, vertices[:-1])))
+    return np.concatenate(vertices), np.concatenate(faces)
+
+
+@pytest.mark.parametrize("scale", [1.0, 1e-60, 1e60])
+@pytest.mark.parametrize("seed", range(5))
+def test_what_counted_more_than_once_makes_up_the_stored_volume(seed: int, scale: float) -> None:
+    vertices, faces = tangle(seed)
+    union = inertia.unite(Part.from_arrays(scale * vertices, faces))
+    corners = vertices[faces]
+    united = union.part.triangles.corners() / scale
+    stored, left = (np.linalg.det(points - vertices.min(axis=0)).sum() / 6 for points in (corners, united))
+    added = (union.more_than_once - union.negative) / scale**3
+    assert left > 0
+    assert stored == pytest.approx(left + added, rel=1e-12, abs=1e-12)
+
+
 @pytest.mark.parametrize("name", SOUND)
 def test_a_sound_part_is_its_own_union(name: str) -> None:
     part = Part.from_arrays(*SOUND[name])

@@ -92,7 +92,7 @@ def test_a_tolerance_that_melts_the_part_is_refused():
 
 
 def test_coordinates_must_be_finite():
-    with pytest.raises(GeometryError, match="triangle 1 has at corner 2 a coordinate that is not finite"):
+    with pytest.raises(GeometryError, match="triangle 1 has at corner 2 a coordinate that is no usable number"):
         weld_within(soup([[[0, 0, 0], [1, 0, 0], [0, 1, 0]], [[0, 0, 0], [1, 0, 0], [0, np.inf, 0]]]), 0.1)
 
 

@@ -13,6 +13,7 @@ These are polynomials in t of degree 4 at most, so that Gauss's rule with three 
 from __future__ import annotations
 
 from fractions import Fraction
+from math import isfinite
 
 import numpy as np
 
@@ -81,8 +82,15 @@ def _bounds(sums: Sums, distance: float, zeroth: float, turn: float) -> Moments:
         (ZERO,) * 6,
         Fraction(zeroth),
         vector(Fraction(float(x * zeroth + turn)) for x in reach),
-        six(Fraction(float(reach[i] * reach[j] * zeroth + (reach[i] + reach[j]) * turn)) for i, j in PAIRS),
+        six(_second(float(reach[i]), float(reach[j]), zeroth, turn) for i, j in PAIRS),
     )
+
+
+def _second(a: float, b: float, zeroth: float, turn: float) -> Fraction:
+    bound = a * b * zeroth + (a + b) * turn
+    if isfinite(bound):
+        return Fraction(bound)
+    return Fraction(a) * Fraction(b) * Fraction(zeroth) + (Fraction(a) + Fraction(b)) * Fraction(turn)
 
 
 def _change(surface: Surface, remainder: Float, sums: Sums, distance: float) -> Moments:
@@ -99,8 +107,12 @@ def _change(surface: Surface, remainder: Float, sums: Sums, distance: float) -> 
         du, dv = d[:, 1] - d[:, 0], d[:, 2] - d[:, 0]
         for t, weight in _GAUSS:
             g = np.einsum("kij,kj->ki", d, np.cross(u + t * du, v + t * dv))
-            totals += weight * _rates(local + t * d, g)
-    bound = _within(sums, distance, area * _INFLATED, edges * _INFLATED, share=_RELATIVE)
+            with np.errstate(over="ignore", invalid="ignore"):
+                totals += weight * _rates(local + t * d, g)
+    share = _RELATIVE
+    if not np.isfinite(totals).all():  # coordinates so large that the second moments leave float64
+        totals, share = np.zeros(10), 1.0
+    bound = _within(sums, distance, area * _INFLATED, edges * _INFLATED, share)
     volume, *others = map(Fraction, totals.tolist())
     return Moments(
         bound.origin,

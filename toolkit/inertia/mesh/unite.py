@@ -25,6 +25,7 @@ from inertia.mesh.arrangement.windings import Probe, Sides, probe, sides
 from inertia.mesh.check import check
 from inertia.mesh.geometry.closure import components, repeated_corners
 from inertia.mesh.geometry.halfedges import half_edges
+from inertia.mesh.manifold import exponent_of
 from inertia.mesh.part import Part, Regions, Rounding, Surface, counts_once
 
 _EPSILON = 2.0**-53
@@ -121,8 +122,7 @@ def unite(part: Part, progress: Progress | None = None) -> Union:
     keeps, turns = (behind > 0) & (front <= 0) & whole, (front > 0) & (behind <= 0) & whole
     faces = np.where(turns[:, None], faces[:, ::-1], faces)
     stays = np.flatnonzero(keeps | turns)
-    met = np.unique(triangles.faces[sorted(meetings.segments)])
-    surface = _surface(triangles, faces[stays], stays, divided, met)
+    surface = _surface(triangles, faces[stays], stays, divided)
     if surface is None:
         raise GeometryError(
             f"{part.name}: its surface goes around no place outwards, so that it has no union: turn all triangles, or "
@@ -235,15 +235,10 @@ def _beyond_once(
 
 
 def _surface(
-    triangles: Triangles, faces: Int, origins: Int, divided: list[_Face], met: Int
+    triangles: Triangles, faces: Int, origins: Int, divided: list[_Face]
 ) -> tuple[Float, Float, Int, Int] | None:
-    """Return vertices, what their rounding took from them, triangles, and which triangle each of these comes from.
-
-    `met` are the vertices of triangles that others meet: corners of cells may lie there.
-    """
+    """Return vertices, what their rounding took from them, triangles, and which triangle each of these comes from."""
     vertices = Vertices(triangles)
-    for vertex in met.tolist():
-        vertices.know(vertex)
     polygons = []
     for face in divided:
         if (face.sides.above > 0) == (face.sides.below > 0):
@@ -291,8 +286,9 @@ def _grown(part: Part, surface: Surface) -> float:
     Where the surface that was given is off, what is hidden or folds back on itself may come to light.
     """
     sizes = []
+    scale = exponent_of(part.triangles.corners())
     for triangles in (part.triangles, surface):
-        corners = triangles.corners()
+        corners = np.ldexp(triangles.corners(), -scale)
         extent = np.ptp(corners, axis=(0, 1))
         sides = np.linalg.norm(np.roll(corners, -1, axis=1) - corners, axis=2)
         area = np.linalg.norm(np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]), axis=1).sum()

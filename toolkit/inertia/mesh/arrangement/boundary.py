@@ -39,15 +39,15 @@ class Vertices:
         self._numbers: dict[Place, int] = {}
 
     def number(self, place: Place) -> int:
-        """Return the number of a place that is no vertex of a triangle, or of one that `know` was told."""
-        number = self._numbers.setdefault(place, self.first + len(self.places))
-        if number == self.first + len(self.places):
-            self.places.append(place)
+        """Return the number of a place."""
+        number = self._numbers.get(place)
+        if number is None:
+            number = self.triangles.vertex(place)
+            if number is None:
+                number = self.first + len(self.places)
+                self.places.append(place)
+            self._numbers[place] = number
         return number
-
-    def know(self, vertex: int) -> None:
-        """Let the place of a vertex have its number."""
-        self._numbers.setdefault((*self.triangles.point(vertex), 1), vertex)
 
     def place(self, number: int) -> Place:
         """Return where a vertex is."""

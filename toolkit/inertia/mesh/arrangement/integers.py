@@ -34,7 +34,7 @@ class Plane(NamedTuple):
 
 
 class Triangles:
-    """Triangles (m, 3) over different vertices (n, 3), and what follows from them in integers.
+    """Triangles (m, 3) over different vertices (n, 3) in lexicographic order, and what follows from them in integers.
 
     Attributes
     ----------
@@ -120,6 +120,17 @@ class Triangles:
         if w < 0:
             divisor = -divisor
         return values[0] // divisor, values[1] // divisor, values[2] // divisor, w // divisor
+
+    def vertex(self, place: Place) -> int | None:
+        """Return the number of the vertex at a place, if there is one."""
+        coordinates, rests = self.rounded(place)
+        if place[3] != 1 or any(rests):
+            return None
+        start, stop = 0, len(self.vertices)
+        for axis, value in enumerate(coordinates):
+            column = self.vertices[start:stop, axis]
+            start, stop = (start + int(np.searchsorted(column, value, end)) for end in ("left", "right"))
+        return start if start < stop else None
 
     def rounded(self, place: Place) -> tuple[list[float], list[float]]:
         """Return the nearest float64 coordinates of a place, and what the rounding took from them."""
