@@ -9,11 +9,13 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from decimal import Decimal
 from fractions import Fraction
-from itertools import product
+from itertools import pairwise, product
 from pathlib import Path
 from typing import Any
 
 import numpy as np
+from tests.mesh.prisms import moments
+from tests.mesh.self_crossing import hairpin, ring, spring
 
 from inertia_meshes import rational
 from inertia_meshes.shapes import Corners, box, flipped, mapped, moved
@@ -91,6 +93,7 @@ def questions() -> Iterator[Question]:
     stack = np.concatenate([moved(box(1, 1, 1), 0, 0, -0.5), moved(box(1, 1, 1), 0, 0, sunk - 0.5)])
     union = _volume(stack) + Fraction(float(stack[12:, :, 2].min()))
     yield Question("a cube that is sunk 4e-7 into another; their union", "sunk.ply", _ply(stack), (), union)
+    yield Question("the same, united", "sunk.ply", _ply(stack), ("--union",), union)
     speck = moved(box(1e-5, 1e-5, 1e-5), 3, 0, 0)
     yield Question(
         "a cube beside an inverted one of 1e-5",
@@ -107,9 +110,50 @@ def questions() -> Iterator[Question]:
         "a ball without 24 of its triangles, filled", "hole.ply", _ply(_ball()[np.sort(far)]), ("--repair",)
     )
     yield replace(patched, volume=_volume(_ball()))
+    yield from _unions(cubes)
     cracked = box(1.0, 1.0, 1.0).copy()
     cracked[0, 0] += 1e-15
     yield Question("a cube with a crack of 1e-15", "crack.ply", _ply(cracked))
+
+
+def _unions(turned: Corners) -> Iterator[Question]:
+    """Yield parts that count places more than once, of which the union is asked for."""
+    union = ("--union",)
+    star = [(float(x), float(y)) for x, y in _pentagram()[:5, 0, :2]]
+    yield Question("the pentagram", "pentagram.ply", _ply(_pentagram()), union, moments([(star, 0, 1)])["1"])
+    for name, part, (vertices, faces), volume in (
+        ("hairpin", "a bent bar whose end goes through its beginning", hairpin(6.0), Fraction(70)),
+        ("ring", "a ring whose ends overlap", ring(6.6), _ring_volume(6.6)),
+        ("spring", "a spring whose coils overlap", spring(1.7), None),
+    ):
+        yield Question(part, f"{name}.ply", _ply(vertices[faces]), union, volume)
+    squares = [[(x, y) for x, y, _ in bottom] for bottom in (_bottom(turned[:12]), _bottom(turned[12:]))]
+    volume = moments([(square, 0, 1) for square in squares])["1"]
+    yield Question("the two cubes, one turned about a shared edge", "edge.ply", _ply(turned), union, volume)
+    inside = [moved(box(size, size, size), place, place, place) for size, place in ((4, 0), (1, 0.5), (2, 1))]
+    yield Question(
+        "two inserts in a cube, one on a corner of the other",
+        "inserts.ply",
+        _ply(np.concatenate(inside)),
+        union,
+        Fraction(64),
+    )
+    cutter = flipped(moved(box(1, 1, 1), 1, 0, 0))
+    cut = np.concatenate([box(2, 2, 2), cutter])
+    yield Question("a cutter that faces inward and sticks out", "cutter.ply", _ply(cut), union, Fraction(15, 2))
+
+
+def _bottom(corners: Corners) -> list[tuple[float, float, float]]:
+    """Return the lowest corners of an upright prism, around their middle."""
+    points = np.unique(corners.reshape(-1, 3), axis=0)
+    points = points[points[:, 2] == points[:, 2].min()]
+    x, y, _ = (points - points.mean(axis=0)).T
+    return [(float(a), float(b), float(c)) for a, b, c in points[np.argsort(np.arctan2(y, x))]]
+
+
+def _ring_volume(turn: float) -> Fraction:
+    sections = ring(turn)[0].reshape(-1, 4, 3)[:, :2, :2].tolist()
+    return moments([([*here, *there[::-1]], -1, 1) for here, there in pairwise(sections)])["1"]
 
 
 def measured_command(question: Question, folder: Path) -> dict[str, Any]:
