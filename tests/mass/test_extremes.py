@@ -192,8 +192,9 @@ def test_the_command_line_answers_within_its_bounds_or_says_why_not(question: Qu
         assert row["code"] == 4
         assert re.search("self-intersection|--weld|overlap|is tangled", row["sentence"])
         return
-    widest = 1e-14 if united else _WIDEST.get(question.name, 1e-16)
+    volume, inertia = _WIDEST.get(question.name, 1e-15), 10 * _WIDEST.get(question.name, 1e-16)
+    if united:
+        volume = inertia = 1e-13
     assert row["code"] == 0, row
-    assert row.get("error", 0.0) <= row["volume"]
-    assert row["volume"] <= max(10 * widest if united else widest, 1e-15)
-    assert row["inertia"] <= 10 * widest
+    assert row.get("error", 0.0) <= row["volume"] <= volume
+    assert row["inertia"] <= inertia
