@@ -127,7 +127,8 @@ def main(arguments: Sequence[str]) -> int:
         abandon_output()
         return 0
     except MemoryError:
-        return _say(f"{options.part} needs more memory than there is: split the part or use a larger machine", FAULT)
+        message = f"{options.part} needs more memory than there is: split the part or use a larger machine"
+        return _say(message, GeometryError.exit_code)
     except OSError as error:
         return _say(f"cannot write the result: {error.strerror or error}", FAULT)
     except Exception as error:

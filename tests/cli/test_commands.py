@@ -471,3 +471,24 @@ def test_a_repair_that_was_asked_for_is_not_advised(
     said = sentence(capsys, 4, "analyse", missing, "--repair")
     assert "--repair" not in said
     assert said.endswith("or use --shell THICKNESS; the repair that was asked for leaves this\n")
+
+
+def test_what_needs_more_memory_is_no_fault(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    def large(*_: object) -> None:
+        raise MemoryError
+
+    monkeypatch.setattr("inertia_cli.analyse.read_part", large)
+    assert "part.stl needs more memory than there is" in sentence(capsys, 4, "analyse", "part.stl")
+
+
+def test_counts_that_ask_for_more_memory_than_there_is_are_damage(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    def large(*_: object) -> None:
+        raise MemoryError
+
+    monkeypatch.setattr("inertia.mesh.readers.stl.read_stl", large)
+    said = sentence(capsys, 3, "analyse", str(path("cube.stl")))
+    assert "its counts ask for more memory than there is, though it has 684 bytes only: it is damaged" in said
