@@ -56,3 +56,11 @@ def test_densities_are_taken(capsys: pytest.CaptureFixture[str]) -> None:
     assert links["base"]["state"] == "consistent"
     assert links["tool"]["difference"]["mass"] < 1e-5
     assert links["hand"]["state"] == "inconsistent"
+
+
+@pytest.mark.parametrize("density", ["-1", "0", "nan", "inf", "-inf", "base.stl=-1"])
+def test_a_density_that_is_none_is_refused(density: str, capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["audit", ARM, f"--density={density}"]) == 2
+    captured = capsys.readouterr()
+    assert "it must be positive and finite" in captured.err
+    assert captured.out == ""

@@ -5,9 +5,10 @@ from __future__ import annotations
 import contextlib
 import io
 import json
+import re
 import warnings
 from collections.abc import Sequence
-from typing import Any, NoReturn
+from typing import NoReturn
 
 from inertia_cli.main import main
 
@@ -40,7 +41,7 @@ def fault_in(code: int, out: str, err: str, json_asked: bool) -> str:
     said = ascii(err[:400])
     if code not in CODES:
         return f"exit code {code}: {said}"
-    if "Warning" in err or "Traceback" in err:
+    if re.search(r"\wWarning\b|Traceback", err):  # of Python; what a library calls one may be quoted
         return f"more than a sentence: {said}"
     if any(not (character.isprintable() or character == "\n") for character in err):
         return f"a character that no terminal should see: {said}"
@@ -62,7 +63,3 @@ def fault_in(code: int, out: str, err: str, json_asked: bool) -> str:
 
 def _refuse(constant: str) -> NoReturn:
     raise ValueError(f"it holds {constant}")
-
-
-def dump(value: Any) -> str:
-    return json.dumps(value, indent=1, sort_keys=True)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from hashlib import sha256
@@ -16,7 +17,7 @@ from inertia.auditing.claim import Statement
 from inertia.auditing.judge import Finding, LinkAudit, Subject, Weighed, judge
 from inertia.auditing.search import EXPLAINED
 from inertia.auditing.shapes import Scales, cause
-from inertia.errors import InertiaError, ReadError, UsageError
+from inertia.errors import InertiaError, ReadError, UsageError, visible
 from inertia.exchange.robots.links import Geometry, Link, Placement, Robot
 from inertia.exchange.robots.mend import Mended, mend
 from inertia.exchange.robots.read import read_robot
@@ -98,6 +99,10 @@ def audit(
     """
     if not 0 < tolerance < 1:
         raise UsageError(f"the tolerance is {tolerance:g}: it must lie between 0 and 1")
+    for name, density in (densities if isinstance(densities, Mapping) else {"": densities}).items():
+        if density is not None and not 0 < density < math.inf:
+            of = f" of {visible(name)!r}" if name else ""
+            raise UsageError(f"the density{of} is {density:g} kg/m³: it must be positive and finite")
     robot = read_robot(path)
     scales = Scales()
     subjects = []
