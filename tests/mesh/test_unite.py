@@ -58,6 +58,11 @@ SHAPES: dict[str, list[prisms.Prism]] = {
     "star {11/4}, and another half inside": [(star(11, 4), 0, 1), (star(7, 3), 0.5, 2)],
     "bow tie, of which one half counts negative": [([(0, 0), (2, 2), (2, 0), (0, 2.5)], 0, 1)],
     "a cutter that sticks out": [(rectangle(0, 0, 2, 2), 0, 2), (rectangle(1, 0.5, 3, 1.5)[::-1], 0.5, 1.5)],
+    "a cutter that sticks out, and a body that fills it": [
+        (rectangle(0, 0, 2, 2), 0, 2),
+        (rectangle(1, 0.5, 3, 1.5)[::-1], 0.5, 1.5),
+        (rectangle(1, 0.5, 3, 1.5), 0.5, 1.5),
+    ],
     "squares turned about a common corner": [
         (rectangle(0, 0, 1, 1), 0, 1),
         ([(0, 0), (0.75**0.5, 0.5), (0.75**0.5 - 0.5, 0.5 + 0.75**0.5), (-0.5, 0.75**0.5)], 0, 1),

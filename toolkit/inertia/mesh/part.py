@@ -61,6 +61,9 @@ class Facets:
     records : (n,) array of `FACET`
     """
 
+    counts_once = False
+    """As of `Surface`."""
+
     def __init__(self, records: NDArray[Any]) -> None:
         self._records = records
 
@@ -225,7 +228,7 @@ def usable(coordinates: Float) -> Bool:
 
 def counts_once(triangles: Triangles) -> bool:
     """Say whether triangles are known to go around each place once or not at all, but for rounding."""
-    return isinstance(triangles, Surface) and triangles.counts_once
+    return triangles.counts_once
 
 
 def first_non_finite(triangles: Triangles) -> tuple[int, int] | None:

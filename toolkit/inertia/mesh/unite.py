@@ -105,7 +105,8 @@ def unite(part: Part, progress: Progress | None = None) -> Union:
         probes += [probe(triangles, number, cell, division.lines) for cell in largest.values()]
         cells += [(number, cell, places[group]) for cell, group in zip(division.cells, division.group, strict=True)]
     around = sides(triangles, probes, _part_of(progress, 0.5, 0.9))
-    if all({at.above, at.below} <= {0, 1} for at in around) and check(part, intersections=False).fit:
+    if all({at.above, at.below} <= {0, 1} for at in around):
+        part.triangles.counts_once = True
         return Union(part, meetings.crossings, 0.0, 0.0)
     facing_up = np.array([triangles.plane(k).normal[triangles.plane(k).axis] > 0 for k in leaders.tolist()], bool)
     front, behind = np.zeros((2, len(faces)), np.int64)
