@@ -245,3 +245,17 @@ def test_fixed_joints_in_a_circle_are_refused(props: inertia.MassProperties, aud
     )
     with pytest.raises(inertia.ReadError, match="hangs from itself"):
         audited(*(link(name, stated, *MESHES) for name in "abc"), joints=joints, lump=True)
+
+
+def test_the_round_moments_of_a_sphere_are_no_placeholder(audited: Callable[..., Audit]) -> None:
+    stated = inertial(0.06, np.zeros(3), 9.6e-6 * np.eye(3))  # 2/5 · 0.06 kg · (20 mm)²
+    (toe,) = audited(link("toe", stated, '<sphere radius="0.0165"/>', collision='<sphere radius="0.02"/>')).links
+    assert [finding.code for finding in toe.findings] == ["hull_for_mesh"]
+
+
+def test_a_mesh_whose_bodies_overlap_is_not_united(tmp_path: Path, audited: Callable[..., Audit]) -> None:
+    corners = skewed().corners
+    stl(tmp_path / "both.stl", np.concatenate([corners, corners + 0.003]))
+    (both,) = audited(link("a", inertial(1.0, corners.mean(axis=(0, 1)), 0.01 * np.eye(3)), mesh("both.stl"))).links
+    assert both.state == "unjudged"
+    assert "overlapping bodies" in both.findings[0].sentence

@@ -33,6 +33,8 @@ from .measure import ROOT
 
 KINDS_OF_FILES = ("*.urdf", "*.xml", "*.sdf", "*.usda")
 MARKS = (b"<robot", b"<mujoco", b"<sdf", b"#usda")
+BY_HAND = "## Examined by hand"
+"""Heading of the page's section that stays when the page is written again."""
 NOISE = (0.0, 0.001, 0.01)
 SEEN = 3 * EXPLAINED
 """A mistake that changes less cannot be told from noise at the tolerance, and is not made."""
@@ -51,6 +53,7 @@ def main() -> None:
     parser.add_argument("--alike", type=int, default=60, help="files of one folder that are audited, at most")
     parser.add_argument("--mutations", type=int, default=12, help="mistakes made a consistent link and noise")
     parser.add_argument("--into", type=Path, default=ROOT / "docs" / "robots.md")
+    parser.add_argument("--results", type=Path, help="write what each file gave to this JSON file")
     parser.add_argument("--one", action="store_true", help="audit one file and print the result as JSON")
     options = parser.parse_args()
     if options.one:
@@ -59,9 +62,11 @@ def main() -> None:
     files = sorted(_files(options.folders, options.alike))
     with ThreadPoolExecutor(options.jobs) as pool:
         results = list(pool.map(lambda file: _apart(file, options), files))
-    text = page(results, sys.argv[1:])
+    if options.results is not None:
+        options.results.write_text(json.dumps(results), encoding="utf-8")
+    before = options.into.read_text(encoding="utf-8") if options.into.exists() else ""
+    text = page(results) + before[before.find(BY_HAND) :] * (BY_HAND in before)
     options.into.write_text(text, encoding="utf-8")
-    options.into.with_suffix(".json").write_text(json.dumps(results), encoding="utf-8")
     print(text)
 
 
@@ -72,9 +77,10 @@ def _files(folders: list[Path], alike: int) -> Iterator[Path]:
         for pattern in KINDS_OF_FILES:
             for file in sorted(folder.rglob(pattern)):
                 with file.open("rb") as opened:
-                    if any(mark in opened.read(65_536) for mark in MARKS):
-                        key = file.parents[1] if "random_urdfs" in file.parts else file.parent
-                        by_folder.setdefault(key, []).append(file)
+                    beginning = opened.read(65_536)
+                if any(mark in beginning for mark in MARKS):
+                    key = file.parents[1] if "random_urdfs" in file.parts else file.parent
+                    by_folder.setdefault(key, []).append(file)
     for files in by_folder.values():
         yield from files if len(files) <= alike else random.Random(1).sample(files, alike)
 
@@ -239,8 +245,8 @@ def _outcome(context: Context, search: Search, codes: set[str], body: Body) -> s
     return "ambiguous" if search.candidates else "unexplained"
 
 
-def page(results: list[dict[str, Any]], arguments: list[str]) -> str:
-    """Return the page of what was found."""
+def page(results: list[dict[str, Any]]) -> str:
+    """Return the page of what was found, but for what is written by hand."""
     audited = [each for each in results if "links" in each]
     links = [link for each in audited for link in each["links"]]
     states = Counter(link["state"] for link in links)

@@ -22,7 +22,7 @@ from inertia.mass.properties import MassProperties
 State = Literal["consistent", "inconsistent", "unphysical", "unjudged"]
 
 _EXACTLY = 1e-3
-"""Residual at which a mesh that weighs twice as much as the others is taken to be counted twice."""
+"""Residual at which a mistake is no coincidence: twice the mass is counted twice, round moments are a sphere's."""
 
 LIGHTEST = 10.0
 """kg/m³, below which nothing that carries a load lies."""
@@ -213,10 +213,11 @@ def _judgement(subject: Subject, context: Context, others: Sequence[Subject], to
             return _Judgement("inconsistent", (implausible,), computed, weights)
         return _Judgement("consistent", (), computed, weights)
     rest = ((other.name, other.stated, other.context) for other in others if other.stated is not None)
-    if why := placeholder(context, rest):
+    search = singles(context, tolerance)
+    exactly = search.named is not None and search.named.residual <= _EXACTLY  # the moments of a sphere may be round
+    if not exactly and (why := placeholder(context, rest)):
         finding = Finding("placeholder", why, None, "state what the meshes have")
         return _Judgement("inconsistent", (finding,), computed, weights, mendable=True)
-    search = singles(context, tolerance)
     densities = _densities(context, search, tolerance)
     if densities is not None and densities.telling:
         finding = _inverted(densities, subject)

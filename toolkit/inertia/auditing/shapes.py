@@ -99,7 +99,7 @@ def _weighed(part: Part) -> _Mesh:
         properties = mass_properties(part, 1.0)
     except GeometryError as error:
         try:
-            mended = repair(part)
+            mended = repair(part, unite=False)  # the bodies of a robot's mesh may take minutes to unite
             analysis = analyse(mended.part, 1.0)
         except GeometryError:
             raise error from None

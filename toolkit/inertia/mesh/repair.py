@@ -111,12 +111,13 @@ class _Mesh:
 _Step = tuple[_Mesh, list[Change]]
 
 
-def repair(part: Part, *, tolerance: float | None = None) -> Repair:
+def repair(part: Part, *, tolerance: float | None = None, unite: bool = True) -> Repair:
     """Repair the surface of a part, and say what was changed.
 
     Parameters
     ----------
     tolerance : vertices within this distance of each other, in file units, become one
+    unite : whether bodies that overlap are united, which takes most of the time where there are many
 
     Raises
     ------
@@ -132,7 +133,7 @@ def repair(part: Part, *, tolerance: float | None = None) -> Repair:
     """
     triangles = part.triangles
     try:
-        mesh, changes = _repaired(triangles, part.regions, tolerance)
+        mesh, changes = _repaired(triangles, part.regions, tolerance, unite)
     except GeometryError as fault:
         raise placed(fault, f"{part.name} cannot be repaired") from None
     result = _rebuilt(part, Surface(*compact(mesh.vertices, mesh.faces)), mesh.origin, changes, mesh.filling)
@@ -173,7 +174,7 @@ def _rebuilt(part: Part, surface: Surface, origin: Int, changes: list[Change], f
     return Repair(mended, tuple(changes))
 
 
-def _repaired(triangles: Triangles, regions: Regions | None, tolerance: float | None) -> _Step:
+def _repaired(triangles: Triangles, regions: Regions | None, tolerance: float | None, unite: bool) -> _Step:
     require_finite(triangles)
     mesh, joined = _joined(triangles)
     changes: list[Change] = []
@@ -185,7 +186,7 @@ def _repaired(triangles: Triangles, regions: Regions | None, tolerance: float | 
         _wound_alike,
         _without_holes,
         _turned_outward,
-        lambda mesh: _united(mesh, regions),
+        lambda mesh: _united(mesh, regions) if unite else (mesh, []),
     ]
     for step in steps:
         mesh, made = step(mesh)
