@@ -71,6 +71,18 @@ _WORDS = (
     ),
     *("\x1b]0;title\x07", "a\nb", "../../etc/passwd", "=cmd|x", "-", "--", "é" * 300),
 )
+_PART = str(ROOT / "t_handle.stl")
+KNOWN = (
+    ["analyse", _PART, "--chord", "1e100"],
+    ["analyse", _PART, "--shell", "1e308"],
+    ["analyse", _PART, "--density", "1e308"],
+    ["analyse", _PART, "--density=--"],
+    ["tumble", _PART, "--spin", "1,2,3", "--for", "1e160"],
+    ["simulate", "nothing.vtu"],
+    ["audit", str(ROOT / "robots" / "arm.urdf"), "--density=-1"],
+)
+"""Command lines that have been faults once."""
+
 _FILES = {"--output": ".rrd", "--csv": ".csv", "--report": ".html", "--cut-part": ".stl", "--plot": ".svg"}
 
 
@@ -83,7 +95,9 @@ def _options(command: str) -> list[argparse.Action]:
 
 
 def arguments_of(seed: int, number: int, folder: Path) -> list[str]:
-    """Return the command line of a case."""
+    """Return the command line of a case; the first are those of `KNOWN`."""
+    if number < len(KNOWN):
+        return KNOWN[number]
     rng = np.random.default_rng([seed, number])
 
     def pick(several: tuple[str, ...]) -> str:
