@@ -1,5 +1,7 @@
 """What looks alike is told apart, or said to be alike; what merely can be fitted is not called consistent."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from tests.auditing.shapes import STEEL, context, pair, skewed, tetrahedron
@@ -165,3 +167,11 @@ def test_a_thin_plate_written_to_three_figures_may_have_its_mass_within_it() -> 
 
 def test_steel_is_steel() -> None:
     assert judge(subject(pair(), context(pair()).truth.body), [], 0.02).densities == pytest.approx([STEEL] * 2)
+
+
+def test_a_multiple_of_the_identity_is_one_along_turned_axes_too() -> None:
+    turn = skewed().rotation
+    body = Body(1.0, context(pair()).truth.body.center, turn @ (0.1 * np.eye(3)) @ turn.T)
+    stated = Statement(body, turn)
+    result = judge(replace(subject(pair(), body), stated=stated), [], 0.02)
+    assert "placeholder" in [finding.code for finding in result.findings]

@@ -9,6 +9,7 @@ import numpy as np
 from inertia.auditing.claim import Context, Statement
 
 _FEW = 2  # significant digits of a figure that somebody typed
+_ROUNDOFF = 1e-12  # relative: what turning a tensor back and forth takes
 _ALIKE = 0.05  # tensors a kilogram of two links that differ by less are of equal links
 
 
@@ -20,9 +21,10 @@ def placeholder(context: Context, others: Iterable[tuple[str, Statement, Context
     others : the other links of the file: name, statement, and what it is stated about where that is known
     """
     tensor = context.stated.written
-    moments = np.diag(tensor)
-    if not (tensor - np.diag(moments)).any() and np.ptp(moments) == 0 and _typed(float(moments[0])):
-        return f"all moments are {moments[0]:g} kg m² and the products 0, as where nobody computed them"
+    moment = float(np.trace(tensor)) / 3
+    equal = np.abs(tensor - moment * np.eye(3)).max() <= _ROUNDOFF * abs(moment)
+    if equal and _typed(moment):
+        return f"all moments are {moment:g} kg m² and the products 0, as where nobody computed them"
     for name, other, about in others:
         same = np.array_equal(other.written, tensor) and np.array_equal(other.body.center, context.stated.body.center)
         if same and about is not None:
@@ -34,5 +36,5 @@ def placeholder(context: Context, others: Iterable[tuple[str, Statement, Context
 
 
 def _typed(value: float) -> bool:
-    digits = f"{value:.15e}".partition("e")[0].rstrip("0").replace(".", "")
+    digits = f"{value:.12e}".partition("e")[0].rstrip("0").replace(".", "")
     return len(digits) <= _FEW
