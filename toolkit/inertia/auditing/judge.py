@@ -214,7 +214,8 @@ def _judgement(subject: Subject, context: Context, others: Sequence[Subject], to
         return _Judgement("consistent", (), computed, weights)
     rest = ((other.name, other.stated, other.context) for other in others if other.stated is not None)
     search = singles(context, tolerance)
-    exactly = search.named is not None and search.named.residual <= _EXACTLY  # the moments of a sphere may be round
+    named = search.named  # the moments of a sphere may be round, and zeros may be what rounding leaves
+    exactly = named is not None and named.residual <= _EXACTLY and named.codes != {"rounded"}
     if not exactly and (why := placeholder(context, rest)):
         finding = Finding("placeholder", why, None, "state what the meshes have")
         return _Judgement("inconsistent", (finding,), computed, weights, mendable=True)
