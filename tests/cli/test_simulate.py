@@ -244,7 +244,15 @@ def test_a_fault_on_the_command_line_is_one_sentence_and_a_code(
 
 
 @pytest.mark.parametrize("extension", [each for extensions in EXTENSIONS.values() for each in extensions])
-def test_a_mesh_is_no_scene_whatever_its_format(capsys: pytest.CaptureFixture[str], extension: str) -> None:
-    status, out, err = run(capsys, "simulate", f"part{extension.upper()}")
+def test_a_mesh_is_no_scene_whatever_its_format(
+    capsys: pytest.CaptureFixture[str], tmp_path: Path, extension: str
+) -> None:
+    mesh = tmp_path / f"part{extension.upper()}"
+    mesh.touch()
+    status, out, err = run(capsys, "simulate", str(mesh))
     assert (status, out) == (2, "")
-    assert f"part{extension.upper()} is a mesh and no scene" in err
+    assert f"{mesh.name} is a mesh and no scene" in err
+    mesh.unlink()
+    status, out, err = run(capsys, "simulate", str(mesh))
+    assert (status, out) == (3, "")
+    assert "No such file" in err

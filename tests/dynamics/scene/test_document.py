@@ -156,7 +156,7 @@ def test_the_rows_of_a_table_are_checked(rows: list, message: str) -> None:
         ({"body__density": 1.0}, "body.density goes with no principal_moments"),
         ({"body__masss": 1.0}, "body.masss is unknown: did you mean mass?"),
         ({"start__angular_velocty": 1.0}, "start.angular_velocty is unknown: did you mean angular_velocity?"),
-        ({"run__time": 1.0}, "run.time is unknown: use duration, samples, accuracy, model, method"),
+        ({"run__seconds": 1.0}, "run.seconds is unknown: use duration, samples, accuracy, model, method, time_limit"),
         ({"constraint__kid": "free"}, "constraint.kid is unknown: did you mean kind?"),
         ({"load": [{"kind": "gravity", "accel": [0, 0, 1]}]}, "load[0].accel is unknown: did you mean acceleration?"),
         ({"schema": 2}, "schema is 2"),
