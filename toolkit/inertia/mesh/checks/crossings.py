@@ -24,6 +24,7 @@ EXAMINED = 200_000
 """Triangles up to which crossings are looked for without being asked: a tenth of a second."""
 
 _TRIED = 3  # places on a patch at which the winding number is asked for
+_CLEAR = 100.0  # how many times deeper than a contact rays must find a crossing, to leave no doubt that it is one
 _CROSSINGS = 10_000  # crossings looked for, before those between different shells are taken out
 
 
@@ -233,16 +234,21 @@ def self_intersections(surface: SurfaceTopology) -> Evidence | None:
         "one": pair[0, 0],
         "other": pair[0, 1],
     }
-    doubt = None if pairs.truncated or not surface.shells else _doubled(surface, pair)
-    shallow = doubt is not None and _is_shallow(surface, np.unique(pair), doubt)
-    if doubt is not None and (shallow or doubt.volume <= surface.room):
+    crossed = np.unique(pair)
+    if not surface.shells:
+        return Evidence(count, listed(crossed), place, figures | {"doubt": ""})
+    limit, about = _shallow(surface, crossed), _misplaced(surface, crossed)
+    # What rays find far too deep needs no exact measure, which takes ten times as long.
+    clear = pairs.truncated or about > max(_CLEAR * limit, 2 * surface.room)
+    doubt = None if clear else _doubled(surface, pair)
+    if doubt is not None and doubt.volume <= max(limit, surface.room):
         depth = f"is on average no deeper than the contact tolerance ({CONTACT:g} of the shell)"
-        within = depth if shallow else "is less than the fillings of the holes leave open"
+        within = depth if doubt.volume <= limit else "is less than the fillings of the holes leave open"
         figures |= {"within": within, "volume": doubt.volume, "unit": surface.unit}
     else:
-        figures["doubt"] = _doubt(surface, np.unique(pair), doubt) if surface.shells else ""
+        figures["doubt"] = _in_words(surface, about, doubt)
         doubt = None
-    return Evidence(count, listed(np.unique(pair)), place, figures, doubt=doubt)
+    return Evidence(count, listed(crossed), place, figures, doubt=doubt)
 
 
 def _doubled(surface: SurfaceTopology, pairs: Int) -> Doubt | None:
@@ -275,15 +281,15 @@ def _doubled(surface: SurfaceTopology, pairs: Int) -> Doubt | None:
     return Doubt.joined(doubts)
 
 
-def _is_shallow(surface: SurfaceTopology, crossed: Int, doubt: Doubt) -> bool:
-    """Say whether a volume is no more than the contact tolerance times the area of the triangles that cross."""
+def _shallow(surface: SurfaceTopology, crossed: Int) -> float:
+    """Return the contact tolerance times the area of the triangles that cross: a volume that counts as a contact."""
     from inertia.mesh.geometry.intersect import contact_depth
 
     corners = surface.vertices[surface.faces[crossed]]
     sides = corners[:, 1:] - corners[:, :1]
     area = np.linalg.norm(np.cross(sides[:, 0], sides[:, 1]), axis=1).sum() / 2
     size = min(float(np.ptp(surface.shells[k].box, axis=0).max()) for k in np.unique(surface.closure.labels[crossed]))
-    return bool(doubt.volume <= contact_depth(surface.vertices, size) * area)
+    return float(contact_depth(surface.vertices, size) * area)
 
 
 def _wrong_patches(corners: Float, rest: Int, patches: Closure) -> Int:
@@ -312,15 +318,22 @@ def _sharing_vertices(faces: Int) -> Int:
     return np.column_stack([order[:-1][same], order[1:][same]]) // 3
 
 
-def _doubt(surface: SurfaceTopology, crossed: Int, doubt: Doubt | None) -> str:
-    """Say how much of the volume is in doubt: what counts more than once, or less than not at all, by rays."""
+def _misplaced(surface: SurfaceTopology, crossed: Int) -> float:
+    """Return about how much volume counts more than once, or less than not at all, by rays; 0 if they meet none."""
     corners = surface.vertices[_turned(surface).faces]
-    volume = abs(sum(shell.signed_volume for shell in surface.shells))
     for near in (corners, corners[crossed]):
         misplaced = misplaced_volume(corners, np.stack([near.min(axis=(0, 1)), near.max(axis=(0, 1))]))
         if misplaced > 0:
-            share = f" ({100 * misplaced / volume:.2g} % of the stored volume)" if volume > 0 else ""
-            return f": about {misplaced:.2g} {surface.unit}³{share}"
+            return misplaced
+    return 0.0
+
+
+def _in_words(surface: SurfaceTopology, about: float, doubt: Doubt | None) -> str:
+    """Say how much of the volume is in doubt."""
+    if about > 0:
+        volume = abs(sum(shell.signed_volume for shell in surface.shells))
+        share = f" ({100 * about / volume:.2g} % of the stored volume)" if volume > 0 else ""
+        return f": about {about:.2g} {surface.unit}³{share}"
     return ": too little for rays to meet it" if doubt is None else f": up to {doubt.volume:.2g} {surface.unit}³"
 
 
