@@ -7,7 +7,7 @@ from scipy.spatial.transform import Rotation
 from tests.mesh.solids import box, ring, sphere
 
 from inertia.mesh.geometry import common_volume as module
-from inertia.mesh.geometry.common_volume import common_volume
+from inertia.mesh.geometry.common_volume import common_volume, surplus_volume
 
 
 def corners(mesh: tuple[np.ndarray, np.ndarray]) -> np.ndarray:
@@ -71,3 +71,6 @@ def test_too_many_pairs_are_not_begun(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(module, "MOST_PAIRS", 100)
     ball = corners(sphere(splits=3))
     assert common_volume(ball, ball + 0.1) is None
+    monkeypatch.setattr(module, "MOST_OF_ITSELF", 100)
+    both = np.concatenate([ball, ball + 0.1])
+    assert surplus_volume(both, np.array([both.min(axis=(0, 1)), both.max(axis=(0, 1))])) is None

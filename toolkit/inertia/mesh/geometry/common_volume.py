@@ -19,7 +19,10 @@ from inertia.arrays import Float, Int
 from inertia.mesh.geometry.boxes import BoxTree, overlapping
 
 MOST_PAIRS = 1 << 21
-"""Pairs of triangles that are gone through: some ten seconds."""
+"""Pairs of triangles of two bodies that are gone through: some ten seconds."""
+
+MOST_OF_ITSELF = 1 << 18
+"""Pairs of triangles of one surface that are: a second or two; few that take longer cross by rounding alone."""
 
 _AT_ONCE = 1 << 15
 _ROUNDING = 2.0**-49  # of an area or a height, over the breadth of a pair times the largest coordinate: 16 roundings
@@ -99,11 +102,12 @@ def surplus_volume(corners: Float, box: Float) -> tuple[float, float] | None:
     upward, signs = _upward(triangles)
     volume = float(((1 - signs) * (signs != 0) * _integrals(upward, 2)).sum()) / 2
     rounding = float(np.ptp(triangles, axis=1).sum()) * largest * _ROUNDING
-    pairs = 0
+    pairs = []
     for i, j, _ in overlapping(BoxTree(*_rectangles(triangles))):
-        pairs += len(i)
-        if pairs > MOST_PAIRS:
+        pairs.append((i, j))
+        if sum(len(i) for i, _ in pairs) > MOST_OF_ITSELF:
             return None
+    for i, j in pairs:
         for start in range(0, len(i), _AT_ONCE):
             part = slice(start, start + _AT_ONCE)
             more, blur = _under_both(triangles[i[part]], triangles[j[part]], largest)
