@@ -28,6 +28,12 @@ figures.report_data = slowly
 """
 
 
+def heard() -> None:
+    """Let signals through that whoever runs the tests ignores: nohup, or a shell in the background."""
+    for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
+        signal.signal(number, signal.SIG_DFL)
+
+
 def command(*arguments: str, code: str = _RUN) -> list[str]:
     return [sys.executable, "-c", code, *arguments]
 
@@ -45,7 +51,11 @@ def test_a_signal_ends_a_command_quietly_and_leaves_nothing(
 ) -> None:
     arguments = ("balance", str(path("rotors/disc.toml")), "--csv", str(tmp_path / "planes.csv"))
     run = subprocess.Popen(
-        command(*arguments, code=_SLOWLY + _RUN), stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True
+        command(*arguments, code=_SLOWLY + _RUN),
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+        preexec_fn=heard,
     )
     assert run.stdout
     assert run.stdout.readline() == "ready\n"
@@ -60,7 +70,10 @@ def test_ctrl_c_is_quiet_whenever_it_comes() -> None:
     code = "from inertia_cli.interruption import interruption; interruption.install(); print(flush=True); " + _RUN
     for delay in (0, 0.01, 0.02, 0.03, 0.04, 0.06, 0.08, 0.1, 0.15, 0.2):
         run = subprocess.Popen(
-            command("analyse", str(path("sphere.stl")), code=code), stdout=subprocess.PIPE, stderr=subprocess.PIPE
+            command("analyse", str(path("sphere.stl")), code=code),
+            stdout=subprocess.PIPE,
+            stderr=subprocess.PIPE,
+            preexec_fn=heard,
         )
         assert run.stdout
         run.stdout.readline()

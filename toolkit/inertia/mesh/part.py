@@ -18,6 +18,7 @@ import weakref
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
+from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
@@ -149,7 +150,7 @@ class FacetsInFile(Facets):
         ordered = places[order]
         records = np.empty(len(places), FACET)
         ends = np.flatnonzero(np.diff(ordered, append=self._count + _GAP) >= _GAP) + 1
-        for first, last in zip([0, *ends[:-1].tolist()], ends.tolist(), strict=True):
+        for first, last in pairwise([0, *ends.tolist()]):
             for some in range(first, last, _SCANNED):
                 run = ordered[some : min(some + _SCANNED, last)]
                 block = self.block(int(run[0]), int(run[-1]) + 1)

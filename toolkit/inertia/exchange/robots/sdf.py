@@ -117,9 +117,9 @@ def _include(place: Element, folder: Path, folders: dict[Element, Path], notes: 
         uri = child.findtext("uri", "").strip()
         model, file = _included(uri, folder)
         if model is None or child.get("merge") == "true":
-            notes[f"the included model {shown(uri)} is not read: {'it is merged' if model else 'it is not there'}"] = (
-                None
-            )
+            notes[
+                f"the included model {shown(uri)} is not read: {'it is not there' if model is None else 'it is merged'}"
+            ] = None
             continue
         model.set("name", child.findtext("name", model.get("name", "")).strip())
         if (pose := child.find("pose")) is not None:
