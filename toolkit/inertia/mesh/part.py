@@ -27,6 +27,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from inertia.arrays import Bool, Float, Int
 from inertia.errors import GeometryError, ReadError, UsageError, placed, visible
+from inertia.mesh.shape import Shape
 from inertia.mesh.version import CHANGED, Version
 from inertia.units import DEFAULT_UNIT, Unit, UnitFrom, length_unit, multiple_of
 
@@ -393,6 +394,8 @@ class Part:
     """What reading rounded; None where every coordinate is a float64 in the file."""
     filling: Doubt | None = None
     """What the fillings of holes may be off by, where repair filled some."""
+    shape: Shape | None = None
+    """The true shape, in the unit, that the triangles stand for, where the file stores it (STEP)."""
 
     @classmethod
     def from_arrays(cls, vertices: ArrayLike, faces: ArrayLike, unit: str = "m") -> Part:
