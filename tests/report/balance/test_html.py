@@ -3,6 +3,7 @@
 Figures are those of worked case 14, whose closed forms give 247.2 and 970.4 g·mm at the bearings.
 """
 
+import csv
 import math
 import re
 import tomllib
@@ -19,6 +20,7 @@ from inertia.balancing.balance import balance
 from inertia.balancing.rotor import Rotor
 from inertia.errors import InertiaError, UsageError
 from inertia.report.balance.data import PlaneRow
+from inertia.report.balance.document import balance_csv, balance_document
 from inertia.report.balance.figures import report_data
 from inertia.report.balance.html import balance_html, save_balance_html
 
@@ -166,14 +168,46 @@ def test_clamped_shares_are_shown():
 def test_the_shop_sheet_says_where_what_and_how_deep():
     document = page(case_14())
     first, second = rows(table(document, "Operations"))
-    assert first[:10] == [
-        "I-1", "90.00", "outside", "REMOVE", "radial hole", "210.0°", "100.00", "10.00", "118°", "14.20 ± 0.10",
+    assert first[:11] == [
+        "1", "I-1", "90.00", "outside", "REMOVE", "radial hole", "210.0°", "100.00", "10.00", "118°", "14.20 ± 0.10",
     ]  # fmt: skip
-    assert second[0] == "II-1"
-    assert second[5] == "20.0°"
+    assert second[1] == "II-1"
+    assert second[6] == "20.0°"
     assert first[-2:] == second[-2:] == ["", ""]
-    degree = math.radians(1.0) * float(first[11]) * (280.0 - 90.0) / 260.0  # a degree moves U sideways; the lever to A
-    assert float(first[15]) == pytest.approx(degree, rel=1e-3)
+    degree = math.radians(1.0) * float(first[12]) * (280.0 - 90.0) / 260.0  # a degree moves U sideways; the lever to A
+    assert float(first[16]) == pytest.approx(degree, rel=1e-3)
+
+
+def test_the_work_is_a_list_of_numbered_steps_with_a_view_of_each_plane():
+    document = page(case_14())
+    first, second = map(text, document.findall(".//ol[@class='steps']/li"))
+    assert first == (
+        "plane I (z 90.00 mm, outside) at 210.0° : REMOVE radial hole Ø10, 14.20 mm deep, radius 100.00 mm, 9.353 g"
+    )
+    assert second.startswith("plane II (z 215.00 mm, outside) at 20.0°")
+    titles = [k.text for k in document.iter("title")]
+    assert [k for k in titles if k.endswith("with the work at scale")] == [
+        f"plane {k} seen from B, with the work at scale" for k in ("I", "II")
+    ]
+    assert sum("strip to tape round" in k for k in titles) == 6
+
+
+def test_the_work_is_in_the_angles_of_the_machine():
+    data = edited(report="[report]\nmachine_angles = 'cw'")
+    document = page(data)
+    assert "at 150.0° of the machine (210.0° in this report)" in text(document.find(".//ol[@class='steps']/li"))
+    assert rows(table(document, "Operations"))[0][6:8] == ["210.0°", "150.0°"]
+    assert "The machine counts angles clockwise in this view" in text(document)
+    lines = list(csv.DictReader(balance_csv(data).split("\n\n")[1].splitlines()))
+    assert [(k["step"], float(k["machine_angle_deg"])) for k in lines] == [
+        ("1", pytest.approx(150.0)),
+        ("2", pytest.approx(340.0)),
+    ]
+    assert [k["machine_angle_deg"] for k in balance_document(data)["corrections"]] == pytest.approx([150.0, 340.0])
+
+
+def test_every_heading_of_a_table_says_what_it_heads():
+    assert {k.get("scope") for k in page(case_14()).iter("th")} == {"col", "colgroup", "row"}
 
 
 def test_sensitivities_are_those_that_matter_most():
@@ -263,7 +297,7 @@ def test_hostile_names_stay_text():
     document = page(hostile())
     assert not list(document.iter("script", "img"))
     assert text(document.find(".//title")) == f"Balancing report: {HOSTILE}"
-    assert rows(table(document, "Operations"))[0][0] == HOSTILE
+    assert rows(table(document, "Operations"))[0][1] == HOSTILE
     assert rows(table(document, "Files"))[0][0] == HOSTILE
 
 
@@ -282,7 +316,7 @@ def test_a_long_list_of_operations_is_one_table_whose_head_comes_again_on_every_
     works = tuple(replace(data.operations[0], id=f"I-{k}", angle=6.0 * k) for k in range(60))
     content = balance_html(replace(data, operations=works))
     grid = table(lxml.html.document_fromstring(content), "Operations")
-    assert [row[0] for row in rows(grid)] == [f"I-{k}" for k in range(60)]
+    assert [row[1] for row in rows(grid)] == [f"I-{k}" for k in range(60)]
     assert len(grid.findall("thead")) == 1
     assert re.search(r"\bthead \{ display: table-header-group;", content)
     assert re.search(r"\btr \{ break-inside: avoid;", content)

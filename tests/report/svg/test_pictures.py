@@ -1,6 +1,8 @@
 """The report's pictures: vectors point where they should, the strip reads as the surface does, the outline is true."""
 
+import math
 import re
+from dataclasses import replace
 from xml.etree import ElementTree
 
 import numpy as np
@@ -11,10 +13,13 @@ from inertia.balancing.axis.shaft import Shaft
 from inertia.report.balance.data import BearingRow, OperationRow, PlaneRow
 from inertia.report.svg.canvas import Canvas, levels
 from inertia.report.svg.convention import convention
+from inertia.report.svg.end_view import end_view
 from inertia.report.svg.polar import Arrow, Mark, polar
+from inertia.report.svg.section import section
 from inertia.report.svg.silhouette import silhouette
 from inertia.report.svg.sketch import sketch
 from inertia.report.svg.strip import strip
+from inertia.report.svg.wrap import wrap
 from inertia_meshes import path
 
 PLANES = (
@@ -138,7 +143,7 @@ def bearing(name, z):
 
 
 def test_the_sketch_shows_distances_between_neighbouring_planes():
-    outline = np.array([[0.0, 15.0], [300.0, 15.0]])
+    outline = np.array([[0.0, 15.0, -15.0], [300.0, 15.0, -15.0]])
     picture = sketch(outline, 150.0, (bearing("A", 20.0), bearing("B", 280.0)), PLANES)
     labels = [k.text for k in tree(picture).iter("text")]
     for expected in ("A: z 20", "I: z 90", "II: z 215", "B: z 280", "70", "125", "65", "A to B 260 mm", "G"):
@@ -147,7 +152,7 @@ def test_the_sketch_shows_distances_between_neighbouring_planes():
 
 
 def test_an_overhung_plane_is_on_the_sketch():
-    outline = np.array([[0.0, 15.0], [100.0, 15.0]])
+    outline = np.array([[0.0, 15.0, -15.0], [100.0, 15.0, -15.0]])
     planes = [PlaneRow("I", -40.0, "drill_radial", 50.0)]
     picture = sketch(outline, 10.0, (bearing("A", 20.0), bearing("B", 80.0)), planes)
     assert 0 < place(picture, "I: z -40")[0] < place(picture, "A: z 20")[0]
@@ -158,7 +163,8 @@ def test_the_outline_of_the_two_disc_rotor_has_its_radii():
     outline = silhouette([part], Shaft([0, 0, 0.02], [0, 0, 0.28], [1, 0, 0]))
     assert outline[[0, -1], 0] == pytest.approx([0.0, 0.3])
     for z, radius in ((0.05, 0.015), (0.09, 0.1), (0.15, 0.015), (0.215, 0.08), (0.29, 0.015)):
-        assert np.interp(z, *outline.T) == pytest.approx(radius, rel=1e-3)
+        for reach, expected in ((outline[:, 1], radius), (outline[:, 2], -radius)):
+            assert np.interp(z, outline[:, 0], reach) == pytest.approx(expected, rel=1e-3)
     assert len(outline) < 50
 
 
@@ -166,7 +172,95 @@ def test_the_outline_runs_along_the_shaft_whichever_way_it_points():
     part = inertia.read(path("two_disc_rotor.stl"), unit="mm")
     outline = silhouette([part], Shaft([0, 0, 0.28], [0, 0, 0.02], [1, 0, 0]))
     assert outline[[0, -1], 0] == pytest.approx([-0.3, 0.0])
-    assert np.interp(-0.215, *outline.T) == pytest.approx(0.08, rel=1e-3)
+    assert np.interp(-0.215, *outline[:, :2].T) == pytest.approx(0.08, rel=1e-3)
+
+
+def crank():
+    """Return a shaft of Ø 20 with a web that reaches to 50 mm on one side, 80 < z < 100, as two bodies."""
+    import trimesh
+
+    shaft = trimesh.creation.cylinder(10.0, 200.0, sections=64)
+    shaft.apply_translation([0, 0, 100])
+    web = trimesh.creation.box((60.0, 12.0, 20.0))
+    web.apply_translation([20, 0, 90])
+    return [inertia.Part.from_trimesh(k, unit="mm") for k in (shaft, web)]
+
+
+@pytest.mark.parametrize(("mark", "up", "down"), [([1, 0, 0], 0.05, -0.01), ([-1, 0, 0], 0.01, -0.05)])
+def test_a_crank_is_drawn_with_its_throw_to_one_side(mark, up, down):
+    outline = silhouette(crank(), Shaft([0, 0, 0.01], [0, 0, 0.19], mark))
+    at = [np.interp(0.09, outline[:, 0], outline[:, k]) for k in (1, 2)]
+    assert at == pytest.approx([up, down], rel=1e-3)
+    assert np.interp(0.15, outline[:, 0], outline[:, 1]) == pytest.approx(0.01, rel=1e-3)
+    assert np.abs(outline[:, 1:]).min() > 0.0099, "no notch where nothing is cut"
+
+
+def area(loop):
+    x, y = loop.T
+    return 0.5 * float(x @ np.roll(y, -1) - y @ np.roll(x, -1))
+
+
+def test_a_section_has_the_area_of_the_cut_with_its_holes():
+    """The disc at z = 90 mm is a 512-gon of radius 100 mm with a bore of Ø 10 at 75 mm."""
+    part = inertia.read(path("two_disc_rotor.stl"), unit="mm")
+    disc, hole = section([part], Shaft([0, 0, 0.02], [0, 0, 0.28], [1, 0, 0]), 0.09)
+    assert area(disc) == pytest.approx(math.pi * 0.1**2, rel=2e-4)
+    assert area(hole) == pytest.approx(-math.pi * 0.005**2, rel=1e-3)
+    assert np.allclose(hole.mean(axis=0), 0.07 * np.array([math.cos(math.pi / 6), math.sin(math.pi / 6)]), atol=1e-4)
+
+
+def test_a_section_through_corners_and_along_faces_closes():
+    part = inertia.read(path("cube.stl"), unit="mm")
+    extents = inertia.analyse(part).extents[:, 2]
+    shaft = Shaft([0, 0, 0], [0, 0, 1], [1, 0, 0])
+    (loop,) = section([part], shaft, float(extents[1]))
+    side = float(np.ptp(inertia.analyse(part).extents, axis=0)[0])
+    assert area(loop) == pytest.approx(side**2)
+    assert section([part], shaft, float(extents[1]) * 1.01 + 1.0) == []
+
+
+def test_the_end_view_draws_holes_where_they_are_and_as_large_as_they_are():
+    circle = 100.0 * np.column_stack([np.cos(np.linspace(0, 6.28, 200)), np.sin(np.linspace(0, 6.28, 200))])
+    work = replace(operation("I-1", 90.0), depth=20.0, point=180.0)
+    picture = end_view(PLANES[0], [circle], [(7, work)])
+    (hole,) = styled(picture, "polygon", "removed")
+    (ruler,) = styled(picture, "line", "rim")
+    label = next(k for k in tree(picture).iter("text") if k.text.endswith(" mm") and k.text[0].isdigit())
+    start, stop = number(ruler, "x1", "x2")
+    scale = (stop - start) / float(label.text.split()[0])
+    wide, tall = np.ptp(points(hole), axis=0)
+    assert (wide, tall) == pytest.approx((10.0 * scale, 20.0 * scale), abs=0.03)
+    assert "7" in [k.text for k in tree(picture).iter("text")]
+    spots = [number(k, "x", "y") for k in tree(picture).iter("text") if k.text == "90°"]
+    assert points(hole)[:, 1].min() > spots[0][1], "90° is on top"
+
+
+@pytest.mark.parametrize("kind", ["drill_axial", "mill_flat", "weight"])
+def test_the_end_view_draws_every_kind_of_work(kind):
+    work = replace(operation("I-1", 0.0, "add" if kind == "weight" else "remove"), kind=kind, depth=5.0)
+    shapes = [*tree(end_view(PLANES[0], [], [(1, work)]))]
+    assert any({"added", "removed"} & set(k.get("class", "").split()) for k in shapes)
+
+
+@pytest.mark.parametrize(("radius", "pieces"), [(20.0, 1), (100.0, 3), (318.0, 8), (319.0, 0)])
+def test_strips_are_as_long_as_the_rim(radius, pieces):
+    plane = replace(PLANES[0], radius=radius)
+    strips = wrap(plane, [], lambda angle: angle)
+    assert len(strips) == pieces
+    long = [number(styled(k, "rect", "cut")[0], "width")[0] for k in strips]
+    assert sum(long) == pytest.approx(2 * math.pi * radius if pieces else 0.0, abs=0.01 * 8)
+    for picture in strips:
+        assert tree(picture).get("style") == f"width:{tree(picture).get('viewBox').split()[2]}mm", "one to one"
+
+
+def test_a_hole_is_on_the_strip_where_its_angle_is_and_named_as_the_machine_counts():
+    plane, work = replace(PLANES[0], radius=30.0), replace(operation("I-1", 90.0), radius=30.0)
+    (picture,) = wrap(plane, [(3, work)], lambda angle: -angle % 360.0)
+    (edge,) = styled(picture, "rect", "cut")
+    (hole,) = styled(picture, "circle", "bore")
+    x, radius = number(hole, "cx", "r")
+    assert (x - number(edge, "x")[0], radius) == pytest.approx((0.25 * 2 * math.pi * 30.0, 5.0), abs=0.01)
+    assert "3: 270.0°" in [k.text for k in tree(picture).iter("text")]
 
 
 def test_the_outline_does_not_depend_on_how_many_triangles_are_taken_at_once():

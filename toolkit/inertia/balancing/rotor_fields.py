@@ -253,6 +253,7 @@ class ReportFields(Section):
     Attributes
     ----------
     part, serial, revision, customer, remark : as the shop writes them
+    machine_angles : which way the balancing machine counts angles, seen from B looking to A; of the work alone
     """
 
     section: ClassVar[str] = "report"
@@ -262,6 +263,7 @@ class ReportFields(Section):
     revision: Annotated[str | None, text] = None
     customer: Annotated[str | None, text] = None
     remark: Annotated[str | None, text] = None
+    machine_angles: Annotated[Literal["ccw", "cw"], choice("ccw", "cw")] = "ccw"
 
 
 @dataclass(frozen=True, eq=False)

@@ -7,6 +7,7 @@ toward A.
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
@@ -158,6 +159,7 @@ class OperationRow:
     method, kind : whether it adds or removes mass, and how
     z, radius : mm
     angle : degrees
+    machine_angle : degrees, as the balancing machine counts them
     diameter, point : mm and degrees, of a drill
     depth, depth_tolerance, width : mm
     mass : g
@@ -188,6 +190,7 @@ class OperationRow:
     item: str | None = None
     per_tenth: float | None = None
     per_degree: float | None = None
+    machine_angle: float = math.nan
 
 
 @dataclass(frozen=True, eq=False)
@@ -267,9 +270,26 @@ class ReportData:
         """The rotor before, what the correction does to it, and what is left: the first two make up the third."""
         return self.initial, self.correction, self.residual
 
+    @property
+    def turns_back(self) -> bool:
+        """Whether the balancing machine counts angles the other way round."""
+        return self.head.machine_angles == "cw"
+
+    def steps(self, plane: PlaneRow) -> list[tuple[int, OperationRow]]:
+        """Return the operations of a plane, each with the number of its step."""
+        return [(k, work) for k, work in enumerate(self.operations, 1) if work.plane == plane.id]
+
+    def section(self, plane: PlaneRow) -> list[Float]:
+        """Return the loops (k, 2) mm of the rotor's section at a correction plane; under its face, for axial work."""
+        from inertia.report.svg.section import section
+
+        deep = max((work.depth or 0.0 for _, work in self.steps(plane)), default=0.0)
+        inward = {"a": 0.5, "b": -0.5}.get(plane.face or "", 0.0)
+        return [MM * loop for loop in section(self.parts, self.axis.shaft, (plane.z + inward * deep) / MM)]
+
     @cached_property
     def outline(self) -> Float:
-        """The largest radius at each place along the shaft, (n, 2) mm: z and radius."""
+        """How the rotor looks from the side, (n, 3) mm: z, and how far it reaches up and down there."""
         from inertia.report.svg.silhouette import silhouette
 
         return MM * silhouette(self.parts, self.axis.shaft)

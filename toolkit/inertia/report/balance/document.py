@@ -19,8 +19,9 @@ Document = dict[str, Any]
 
 _PLANES = ("state", "plane", "z_mm", "unbalance_gmm", "unbalance_deg", "permissible_gmm", "bearing_force_N")
 _OPERATIONS = (
-    "id", "plane", "method", "kind", "z_mm", "angle_deg", "radius_mm", "tool_diameter_mm", "point_angle_deg",
-    "depth_mm", "width_mm", "mass_g", "unbalance_gmm", "unbalance_deg", "remaining_wall_mm", "pieces", "item",
+    "step", "id", "plane", "method", "kind", "z_mm", "angle_deg", "machine_angle_deg", "radius_mm", "tool_diameter_mm",
+    "point_angle_deg", "depth_mm", "width_mm", "mass_g", "unbalance_gmm", "unbalance_deg", "remaining_wall_mm",
+    "pieces", "item",
 )  # fmt: skip
 
 
@@ -76,7 +77,7 @@ def balance_document(data: ReportData) -> Document:
         "initial_verdict": data.initial.outcome,
         "verdict": data.outcome,
         "why": list(data.verdict),
-        "corrections": [_operation(work) for work in data.operations],
+        "corrections": [_operation(*numbered) for numbered in enumerate(data.operations, 1)],
         "correction": {
             "why": data.ending,
             "within": data.within,
@@ -102,7 +103,11 @@ def balance_csv(data: ReportData) -> str:
     for state in (data.initial, data.residual):
         for plane in (entry for entries in _by_plane(data, state).values() for entry in entries):
             rows.append(_row(_PLANES, {"state": state.name, "plane": plane["id"]} | plane))
-    rows += [[], [*_OPERATIONS], *(_row(_OPERATIONS, _operation(work)) for work in data.operations)]
+    rows += [
+        [],
+        [*_OPERATIONS],
+        *(_row(_OPERATIONS, _operation(*numbered)) for numbered in enumerate(data.operations, 1)),
+    ]
     return csv_text(rows)
 
 
@@ -186,14 +191,16 @@ def _plane(name: str, z: float, unbalance: complex, permissible: float | None, f
     }
 
 
-def _operation(work: OperationRow) -> Document:
+def _operation(step: int, work: OperationRow) -> Document:
     return {
+        "step": step,
         "id": work.id,
         "plane": work.plane,
         "method": work.method,
         "kind": work.kind,
         "z_mm": work.z,
         "angle_deg": work.angle,
+        "machine_angle_deg": work.machine_angle,
         "radius_mm": work.radius,
         "mass_g": work.mass,
         "unbalance": _vector(work.unbalance),

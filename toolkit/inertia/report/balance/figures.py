@@ -161,6 +161,7 @@ def _change(first: Vectors, last: Vectors, speed: float) -> Vectors:
 
 
 def _operation(balance: Balance, work: Operation) -> OperationRow:
+    angle = math.degrees(work.angle)
     rates = {line.name: float(line.per_step.max()) for line in balance.scatter.sensitivities}
     depth = rates.get(f"{work.id}: depth")
     return OperationRow(
@@ -169,7 +170,8 @@ def _operation(balance: Balance, work: Operation) -> OperationRow:
         method=work.method,
         kind=work.kind,
         z=MM * work.z,
-        angle=math.degrees(work.angle),
+        angle=angle,
+        machine_angle=angle if balance.rotor.fields.report.machine_angles == "ccw" else -angle % 360.0,
         radius=MM * work.radius,
         mass=1e3 * work.mass,
         unbalance=work.unbalance,

@@ -30,12 +30,15 @@ from inertia.report.balance.data import KINDS, MM, TURNS, BodyRow, OperationRow,
 from inertia.report.numerals import fixed, plain, significant
 from inertia.report.svg.canvas import rectangular
 from inertia.report.svg.convention import convention
+from inertia.report.svg.end_view import end_view
 from inertia.report.svg.polar import STYLES, Arrow, Mark, key, polar
 from inertia.report.svg.sketch import sketch
 from inertia.report.svg.strip import strip
+from inertia.report.svg.wrap import wrap
 
 _IN_LINE = 3  # correction planes that the table has room for
 _LISTED = 8  # lines of the sensitivity table
+_FEW = 5  # steps that stand beside the views
 _LEAST_SHARE = 5e-4  # of the variance: below it an input does not matter
 _SIGN = {"add": 1, "remove": -1}
 _METHODS = {
@@ -81,6 +84,8 @@ def balance_html(data: ReportData) -> str:
         tool=_tool,
         what=_what,
     )
+    wraps = list(_wraps(data))
+    unwrapped = [plane for plane, pieces in wraps if not pieces]
     sensitivities = [line for line in data.scatter.sensitivities if line.share.max() > _LEAST_SHARE]
     return environment.get_template("balance.html.j2").render(
         data=data,
@@ -98,7 +103,11 @@ def balance_html(data: ReportData) -> str:
         sketch=sketch(data.outline, data.initial.z, data.bearings, data.planes),
         plots=_plots(data),
         keys={style: key(style) for style in STYLES},
-        strip=strip(data.planes, data.operations),
+        few=_FEW,
+        steps=list(map(_step, data.operations)),
+        end_views=[end_view(k, data.section(k), data.steps(k)) for k in data.planes if data.steps(k)],
+        strip=strip(unwrapped, data.operations) if unwrapped else None,
+        wraps=[piece for _, pieces in wraps for piece in pieces],
         in_line=0 < len(data.planes) <= _IN_LINE,
         forbidden=any(plane.forbidden for plane in data.planes),
     )
@@ -226,6 +235,26 @@ def _tool(work: OperationRow) -> str:
         return f"{work.pieces} × {work.item}"
     width = "" if work.width is None else f", {plain(work.width, 2)} mm wide"
     return f"{KINDS[work.kind]}{width}"
+
+
+def _step(work: OperationRow) -> str:
+    """Return what is done in one step, in words, but for its angle."""
+    deep = "" if work.depth is None else f", {fixed(work.depth, 2)} mm deep"
+    if work.method == "remove":
+        bit = "" if work.diameter is None else f" Ø{plain(work.diameter, 2)}"
+        what = f"{KINDS[work.kind]}{bit}{deep}"
+    else:
+        what = _tool(work)
+    return f"{what}, radius {fixed(work.radius, 2)} mm, {significant(work.mass, 4, 3)} g"
+
+
+def _wraps(data: ReportData) -> Iterator[tuple[PlaneRow, list[Markup]]]:
+    """Yield the planes that are worked on, each with its strip in true size, where it is worked on from outside."""
+    for plane in data.planes:
+        if steps := data.steps(plane):
+            outside = plane.method != "drill_axial"
+            shown = (lambda angle: -angle % 360.0) if data.turns_back else lambda angle: angle
+            yield plane, wrap(plane, steps, shown) if outside else []
 
 
 def _total(bounds: Mapping[Source, float]) -> float:

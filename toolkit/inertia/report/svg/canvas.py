@@ -50,6 +50,12 @@ class Canvas:
         """Draw a closed polygon."""
         SubElement(self._root, "polygon", {"points": _points(points), "class": style})
 
+    def path(self, loops: Iterable[Iterable[Point]], style: str) -> None:
+        """Draw closed loops as one area, in which every second one is a hole."""
+        way = "".join("M" + "L".join(f"{_mm(x)} {_mm(y)}" for x, y in loop) + "Z" for loop in loops)
+        if way:
+            SubElement(self._root, "path", {"d": way, "fill-rule": "evenodd", "class": style})
+
     def polyline(self, points: Iterable[Point], style: str) -> None:
         """Draw an open polyline."""
         SubElement(self._root, "polyline", {"points": _points(points), "class": style})

@@ -1,4 +1,4 @@
-"""The sketch of the rotor from the side: outline, bearings, tolerance and correction planes with their distances."""
+"""The rotor from the side, 0° on top: outline, bearings, tolerance and correction planes with their distances."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from inertia.report.svg.canvas import Canvas, levels, text_width
 
 _WIDTH = 186.0
 _SIDE = 24.0
-_HALF = 26.0  # mm on paper, the largest half height
+_HALF = 21.0  # mm on paper, the largest half height
 _TEXT = 2.7
 _LEVEL = 3.6
 _GAP = 0.5  # mm on paper: planes closer than this share a mark
@@ -35,7 +35,7 @@ def sketch(outline: Float, center: float, bearings: Sequence[BearingRow], planes
 
     Parameters
     ----------
-    outline : (n, 2) mm, as `ReportData.outline`
+    outline : (n, 3) mm, as `ReportData.outline`
     center : mm, the centre of mass
     bearings, planes : what is marked
     """
@@ -43,7 +43,7 @@ def sketch(outline: Float, center: float, bearings: Sequence[BearingRow], planes
     places.sort(key=lambda k: k.z)
     low = min(float(outline[0, 0]), places[0].z)
     high = max(float(outline[-1, 0]), places[-1].z)
-    largest = float(outline[:, 1].max())
+    largest = float(np.abs(outline[:, 1:]).max())
     scale = min((_WIDTH - 2 * _SIDE) / (high - low), _HALF / largest)
     left = 0.5 * (_WIDTH - scale * (high - low)) - scale * low
     texts = [f"{k.label}: z {plain(k.z, 2)}" for k in places]
@@ -54,8 +54,8 @@ def sketch(outline: Float, center: float, bearings: Sequence[BearingRow], planes
     bottom = axis + scale * largest + 7.0
     canvas = Canvas(_WIDTH, bottom + _LEVEL * 2 + 4.5, "the rotor from the side, with its planes")
 
-    upper = [(left + scale * z, axis - scale * r) for z, r in outline.tolist()]
-    lower = [(x, 2 * axis - y) for x, y in reversed(upper)]
+    upper = [(left + scale * z, axis - scale * top) for z, top, _ in outline.tolist()]
+    lower = [(left + scale * z, axis - scale * base) for z, _, base in reversed(outline.tolist())]
     canvas.polygon([*upper, *lower], "rotor")
     ends = left + scale * low - 8.0, left + scale * high + 8.0
     canvas.line((ends[0], axis), (ends[1], axis), "centre")
@@ -64,7 +64,7 @@ def sketch(outline: Float, center: float, bearings: Sequence[BearingRow], planes
         style = "tolerance-plane" if place.bearing else "correction-plane"
         canvas.line((x, top), (x, bottom + 1.0), style)
         if place.bearing:
-            tip = axis + scale * _radius(outline, place.z)
+            tip = axis + scale * _depth(outline, place.z)
             canvas.polygon([(x, tip), (x - 2.4, tip + 4.2), (x + 2.4, tip + 4.2)], "bearing")
     for x, text, level in zip(at, texts, deep, strict=True):
         canvas.text((x, axis - scale * largest - 4.0 - _LEVEL * level), text, size=_TEXT, style="strong halo")
@@ -120,6 +120,6 @@ def _eye(canvas: Canvas, x: float, y: float) -> None:
     canvas.text((x + 4.5, y + 3.4), "view", size=_TEXT)
 
 
-def _radius(outline: Float, z: float) -> float:
-    """Return the outline's radius at z, mm; 0 beyond its ends."""
-    return float(np.interp(z, outline[:, 0], outline[:, 1], left=0.0, right=0.0))
+def _depth(outline: Float, z: float) -> float:
+    """Return how far the outline reaches below the axis at z, mm; 0 beyond its ends."""
+    return max(0.0, -float(np.interp(z, outline[:, 0], outline[:, 2], left=0.0, right=0.0)))

@@ -1,0 +1,107 @@
+"""Strips in the size of the rim, to be taped round the rotor: where each operation goes, a strip a correction plane."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Sequence
+from itertools import pairwise
+
+from markupsafe import Markup
+
+from inertia.report.balance.data import OperationRow, PlaneRow
+from inertia.report.numerals import fixed, plain
+from inertia.report.svg.canvas import Canvas
+
+_WIDTH = 270.0
+_LENGTH = 250.0  # of rim on one piece
+_HEIGHT, _TOP, _BAND = 31.0, 7.0, 19.0
+_LEFT = 10.0
+_MOST = 8  # pieces of a strip
+_RULER = 100.0
+_TEXT = 2.6
+_TICKS = (1, 2, 5, 10, 30)  # degrees
+_CLOSEST = 2.5  # mm between ticks
+_LABEL = 17.0  # mm, of a step with its angle
+_BESIDE = 9.0  # mm between their labels
+
+
+def wrap(
+    plane: PlaneRow, operations: Sequence[tuple[int, OperationRow]], shown: Callable[[float], float]
+) -> list[Markup]:
+    """Return the pieces of a strip, as seen from outside with bearing B on top, in millimetres of the rim.
+
+    There are none where it would take more than eight.
+
+    Parameters
+    ----------
+    plane : with its radius
+    operations : those of the plane, each with the number of its step
+    shown : what the machine calls an angle, degrees
+    """
+    radius = plane.radius or 0.0
+    around = 2.0 * math.pi * radius
+    count = math.ceil(around / _LENGTH)
+    if not 0 < count <= _MOST:
+        return []
+    return [_piece(plane, operations, shown, number, count) for number in range(count)]
+
+
+def _piece(
+    plane: PlaneRow,
+    operations: Sequence[tuple[int, OperationRow]],
+    shown: Callable[[float], float],
+    number: int,
+    count: int,
+) -> Markup:
+    degree = math.radians(plane.radius or 0.0)  # mm
+    start, stop = 360.0 * degree * number / count, 360.0 * degree * (number + 1) / count
+    canvas = Canvas(_WIDTH, _HEIGHT, f"strip to tape round plane {plane.id}, piece {number + 1} of {count}")
+    top, bottom, middle = _TOP, _TOP + _BAND, _TOP + 0.5 * _BAND
+    canvas.rectangle((_LEFT, top), stop - start, _BAND, "cut")
+    canvas.line((_LEFT, middle), (_LEFT + stop - start, middle), "centre")
+    tick = next(k for k in _TICKS if k * degree > _CLOSEST or k == _TICKS[-1])
+    named = next((k for k in (10, 30, 90, 180) if k * degree > _BESIDE), 360)
+    for angle in range(0, 361, tick):
+        at = angle * degree - start
+        if not -1e-9 <= at <= stop - start + 1e-9:
+            continue
+        tall = 4.0 if angle % named == 0 else 2.0
+        canvas.line((_LEFT + at, bottom), (_LEFT + at, bottom - tall), "rim" if angle % named == 0 else "spoke")
+        if angle % named == 0:
+            canvas.text((_LEFT + at, bottom + 3.0), f"{shown(angle):g}°", size=_TEXT, style="strong")
+    for low, high in plane.forbidden:
+        for first, last in [(low, high)] if low <= high else [(low, 360.0), (0.0, high)]:
+            a, b = max(first * degree, start), min(last * degree, stop)
+            if a < b:
+                canvas.rectangle((_LEFT + a - start, top), b - a, _BAND, "forbidden")
+    here = [(step, work) for step, work in operations if start <= work.angle * degree < stop]
+    places = sorted(work.angle * degree for _, work in here)
+    roomy = all(b - a > _LABEL for a, b in pairwise(places))
+    for step, work in here:
+        label = f"{step}: {fixed(shown(work.angle), 1)}°" if roomy else str(step)
+        _mark(canvas, label, work, (_LEFT + work.angle * degree - start, middle))
+    title = f"plane {plane.id}, z {plain(plane.z, 2)} mm, Ø {plain(2 * (plane.radius or 0.0), 2)} mm"
+    pieces = "" if count == 1 else f", piece {number + 1} of {count}"
+    canvas.text((_LEFT, top - 2.0), f"B end ↑   {title}{pieces}", size=_TEXT, anchor="start", style="strong")
+    if number == 0:
+        _ruler(canvas)
+    return canvas.markup()
+
+
+def _mark(canvas: Canvas, label: str, work: OperationRow, at: tuple[float, float]) -> None:
+    x, y = at
+    radius = 0.5 * work.diameter if work.diameter and work.kind == "drill_radial" else 1.2
+    canvas.circle(at, min(radius, 0.5 * _BAND), "added" if work.method == "add" else "bore")
+    canvas.line((x - radius - 1.5, y), (x + radius + 1.5, y), "thin")
+    canvas.line((x, _TOP), (x, _TOP + _BAND), "thin")
+    canvas.text((x + 1.0, _TOP + 3.2), label, size=_TEXT, anchor="start", style="strong halo")
+
+
+def _ruler(canvas: Canvas) -> None:
+    """Draw a line to be measured on the paper."""
+    start, y = _WIDTH - _RULER - 2.0, 3.6
+    canvas.line((start, y), (start + _RULER, y), "rim")
+    for x in (start, start + _RULER):
+        canvas.line((x, y - 1.2), (x, y + 1.2), "rim")
+    text = f"measures {_RULER:g} mm where it was printed at 100 %"
+    canvas.text((start + 0.5 * _RULER, y - 0.9), text, size=2.2, style="halo")
