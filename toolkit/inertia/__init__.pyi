@@ -34,6 +34,9 @@ from inertia.mass.analysis import analyse as analyse
 from inertia.mass.analysis import Analysis as Analysis
 from inertia.mass.properties import MassProperties as MassProperties
 from inertia.mass.properties import ErrorBound as ErrorBound
+from inertia.mass.gradient import gradient as gradient
+from inertia.mass.gradient import Gradient as Gradient
+from inertia.estimate import Estimate as Estimate
 from inertia.mass.tessellation import richardson as richardson
 from inertia.work_precision.trade import trade as trade
 from inertia.work_precision.trade import Trade as Trade

@@ -9,7 +9,7 @@ import math
 import sys
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from fractions import Fraction
 from functools import cached_property
 from numbers import Real
@@ -23,6 +23,7 @@ from inertia.arrays import Float, Orientation, Parts, Progress
 from inertia.errors import CHECK, GeometryError, Remedy, UsageError, Word, require_kind, reworded
 from inertia.mass.density import Densities, DensityFrom, densities
 from inertia.mass.doubt import FILLED, doubt_bounds, doubt_error
+from inertia.mass.integrand import Integrand
 from inertia.mass.integration import Integral, cell_integrals, naming, surface_integrals, wire_integrals
 from inertia.mass.moments import ZERO, Moments, total
 from inertia.mass.principal import CLASS_TOLERANCE, Principal
@@ -80,6 +81,7 @@ class Analysis:
     notes : what was decided on the way, in sentences
     crossings_examined : whether triangles of the solid that cross one another were looked for (there are none, then)
     union : what was united, where that was asked for
+    integrand : the elements and densities behind the properties
     """
 
     part: Part
@@ -104,6 +106,7 @@ class Analysis:
     crossings_examined: bool
     doubts: tuple[Finding, ...] = ()
     union: Union | None = None
+    integrand: Integrand = field(repr=False, kw_only=True)
 
     @cached_property
     def principal(self) -> Principal:
@@ -304,6 +307,7 @@ def analyse(
         crossings_examined=integral.crossings_examined or united is not None,
         doubts=integral.doubts,
         union=united,
+        integrand=answer.integrand(model),
     )
 
 
@@ -369,6 +373,12 @@ class _Weighed:
             volume_bound += self.factor * self.room.zeroth_bound
         with naming(self.part):
             return MassProperties.from_moments(self.moments, self.volume, volume_bound, self.integral.method)
+
+    def integrand(self, model: Literal["solid", "shell", "wire"]) -> Integrand:
+        """Return the elements and densities that the properties are of."""
+        weighed, weights = self.densities.mass is not None, tuple(self.weights)
+        groups, turned = self.integral.groups, self.integral.turned
+        return Integrand(self.part, model, self.factor, groups, weights, turned, self.properties, weighed)
 
     @property
     def bounds(self) -> dict[str, float]:

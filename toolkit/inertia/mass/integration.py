@@ -12,7 +12,7 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from inertia.arrays import Float, Int, Parts, Progress
+from inertia.arrays import Bool, Float, Int, Parts, Progress
 from inertia.errors import SHELL, GeometryError, Remedy, UsageError, placed
 from inertia.mass.moments import Moments
 from inertia.mass.triangles.arithmetic import METHODS, Arithmetic, arithmetics, shell_moments, solid_moments
@@ -43,10 +43,14 @@ _WIRE_METHODS: dict[Literal["float64", "double-double"], str] = {
 
 @dataclass(frozen=True)
 class Group:
-    """A body or region of one density: its name and its moments in the file's unit."""
+    """A body or region of one density: its name, its moments in the file's unit, and which elements it is.
+
+    `members` are the numbers of its triangles or cells; None where it has all of them.
+    """
 
     name: str
     moments: Moments
+    members: Int | None = None
 
 
 @dataclass(frozen=True, eq=False)
@@ -55,7 +59,8 @@ class Integral:
 
     `area` is the surface area, `extents` (2, 3) the smallest and largest coordinates, `method` the arithmetic;
     `crossings_examined` says whether triangles that cross one another were looked for, `doubts` what leaves some of
-    the volume in doubt: that is not in the moments' bounds.
+    the volume in doubt: that is not in the moments' bounds. `turned` says which triangles were integrated with their
+    winding reversed, if some were.
     """
 
     groups: tuple[Group, ...]
@@ -69,6 +74,7 @@ class Integral:
     notes: tuple[str, ...] = ()
     crossings_examined: bool = False
     doubts: tuple[Finding, ...] = ()
+    turned: Bool | None = None
 
 
 def surface_integrals(
@@ -112,13 +118,14 @@ def surface_integrals(
     if len(wrong):
         if pieces:
             check(part, intersections=intersections, parts=parts).require_fit("absolute", turned=True)
-        other = replace(part, geometry=_turned(triangles, np.isin(topology.labels, wrong)))
+        turn = np.isin(topology.labels, wrong)
+        other = replace(part, geometry=_turned(triangles, turn))
         note = f"{len(wrong)} of {topology.components} shells turned, as absolute orientation was asked for"
         again = surface_integrals(
             other, named, accuracy=accuracy, absolute=True, intersections=intersections, parts=parts, turned=True
         )
         for integral in again:
-            yield replace(integral, notes=(note,))
+            yield replace(integral, notes=(note,), turned=turn)
         return
     examined = not shell and to_be_examined(triangles, intersections, topology.crowded)
     report = None
@@ -223,15 +230,16 @@ def _solid_groups(
         )
     if not pieces:
         return (Group("1", whole),)
-    surfaces = [part.triangles.select(np.flatnonzero(np.isin(topology.labels, body))) for body in bodies.values()]
-    return tuple(Group(name, integrate(surface)) for name, surface in zip(bodies, surfaces, strict=True))
+    members = {name: np.flatnonzero(np.isin(topology.labels, body)) for name, body in bodies.items()}
+    return tuple(Group(name, integrate(part.triangles.select(which)), which) for name, which in members.items())
 
 
 def _region_groups(part: Part, regions: Regions, integrate: Callable[[Triangles], Moments]) -> tuple[Group, ...]:
     groups = []
     names, index = _named_regions(regions)
     for number, name in enumerate(names):
-        surface = part.triangles.select(np.flatnonzero(index == number))
+        members = np.flatnonzero(index == number)
+        surface = part.triangles.select(members)
         if surface.count == 0:
             continue
         if (edges := closure(surface).open_edges) != 0:
@@ -246,7 +254,7 @@ def _region_groups(part: Part, regions: Regions, integrate: Callable[[Triangles]
                 f"{part.unit.name}3 by itself, as the wall of a cavity has: give one density for the part, or number "
                 "its bodies"
             )
-        groups.append(Group(name, moments))
+        groups.append(Group(name, moments, members))
     return tuple(groups)
 
 
@@ -259,11 +267,11 @@ def _shell_groups(
     _refuse_unknown(named, [], regions)
     assert regions is not None
     names, index = _named_regions(regions)
-    surfaces = [part.triangles.select(np.flatnonzero(index == number)) for number in range(len(names))]
+    members = (np.flatnonzero(index == number) for number in range(len(names)))
     return tuple(
-        Group(name, shell_moments(triangles, arithmetic, rounding=part.rounding))
-        for name, triangles in zip(names, surfaces, strict=True)
-        if triangles.count
+        Group(name, shell_moments(part.triangles.select(which), arithmetic, rounding=part.rounding), which)
+        for name, which in zip(names, members, strict=True)
+        if len(which)
     )
 
 
@@ -288,7 +296,9 @@ def cell_integrals(
         with naming(part):
             result = cell_moments(cells, index, len(names), progress, arithmetic, part.rounding)
         groups = tuple(
-            Group(name, moments) for name, moments in zip(names, result.moments, strict=True) if moments.zeroth != 0
+            Group(name, moments, None if index is None else np.flatnonzero(index == number))
+            for number, (name, moments) in enumerate(zip(names, result.moments, strict=True))
+            if moments.zeroth != 0
         )
         turned = f"{result.reversed} cells number their nodes the other way round: their volume counts positive"
         yield Integral(

@@ -1,0 +1,66 @@
+"""`Estimate`: a number with its standard uncertainty, as ``7850±50`` is read (JCGM 100:2008, GUM)."""
+
+from __future__ import annotations
+
+import math
+import re
+from typing import Self
+
+from inertia.errors import UsageError
+
+_SIGN = re.compile(r"\s*(?:±|\+/-|\+-)\s*")
+
+
+class Estimate(float):
+    """A number with its standard uncertainty u: everywhere a number is taken, it counts as that number.
+
+    A tolerance of half-width a, of which nothing more is known, has u = a/√3 (GUM 4.3.7).
+
+    Parameters
+    ----------
+    value : the number
+    uncertainty : u, in the same unit
+
+    >>> steel = Estimate.parse("7850±0.5%")
+    >>> steel, steel.uncertainty
+    (Estimate(7850.0, 39.25), 39.25)
+    >>> steel + 0.0
+    7850.0
+    """
+
+    uncertainty: float
+
+    def __new__(cls, value: float, uncertainty: float = 0.0) -> Self:
+        """Make one; raise `UsageError` where the uncertainty is none."""
+        estimate = super().__new__(cls, value)
+        if not 0 <= uncertainty < math.inf:
+            raise UsageError(f"a standard uncertainty is {uncertainty!r}: it must be finite and not negative")
+        estimate.uncertainty = float(uncertainty)
+        return estimate
+
+    @classmethod
+    def parse(cls, text: str) -> Self:
+        """Read ``7850``, ``7850±50``, ``7850+-50``, ``7850 +/- 50`` or ``7850±0.6%``; raise `UsageError` for others."""
+        number, sign, after = (_SIGN.sub("±", text.strip(), count=1)).partition("±")
+        try:
+            value = float(number)
+            share = after.endswith("%")
+            size = float(after.removesuffix("%")) if sign else 0.0
+        except ValueError:
+            raise UsageError(f"{text!r} is no number, nor one with its standard uncertainty as 7850±50") from None
+        return cls(value, abs(value) * size / 100 if share else size)
+
+    def __repr__(self) -> str:
+        """Return the call that makes it."""
+        return f"Estimate({float(self)!r}, {self.uncertainty!r})"
+
+    __str__ = float.__repr__
+
+    def __getnewargs__(self) -> tuple[float, float]:  # type: ignore[override]  # so that copies keep the uncertainty
+        """Return what a copy is made of."""
+        return float(self), self.uncertainty
+
+
+def uncertainty_of(number: float | None) -> float:
+    """Return the standard uncertainty of a number: 0 of one that states none."""
+    return number.uncertainty if isinstance(number, Estimate) else 0.0
