@@ -21,7 +21,11 @@ def add(parsers: Any) -> None:
         "name the mistake that explains a difference; exit code 5 if a link is inconsistent.",
     )
     parser.set_defaults(run=run)
-    parser.add_argument("part", metavar="FILE", help="URDF, MJCF, SDFormat, USD, or a list of parts as CSV or TOML")
+    parser.add_argument(
+        "part",
+        metavar="FILE",
+        help="URDF, MJCF, SDFormat, USD, or a list of parts as CSV or TOML; - is standard input",
+    )
     parser.add_argument(
         "--density",
         action="append",
@@ -60,7 +64,8 @@ def run(options: argparse.Namespace) -> int:
     if options.report is not None:
         require_writable(options.report, ".html", force=options.force)
     if options.fix is not None:
-        require_writable(options.fix, Path(options.part).suffix, force=options.force)
+        suffixes = filter(None, [Path(options.part).suffix.lower()])
+        require_writable(options.fix, *suffixes, force=options.force)
     result = audit(
         options.part,
         densities=by_name("density", options.density),

@@ -82,7 +82,6 @@ def test_a_recording_of_what_came_in(tmp_path: Path) -> None:
         (("balance", "-"), b"\xff", 3, "cannot read -: it is no text in UTF-8"),
         (("trade", "-"), b"start = ", 3, "cannot read -: it is not TOML"),
         (("simulate", "-"), b"x", 3, "cannot read -: it is not TOML"),
-        (("audit", "-"), b"<robot/>", 3, "cannot read -: a robot's file names meshes beside it: save it to a file"),
         (("play", "-"), b"x", 3, "it is no whole Rerun recording"),
     ],
 )
@@ -108,3 +107,27 @@ def test_it_is_closed() -> None:
         3,
         b"inertia: cannot read -: standard input is closed: name a file\n",
     )
+
+
+def test_a_robot_is_told_by_its_contents(tmp_path: Path) -> None:
+    arm = path("robots/arm.urdf")
+    there = run("audit", str(arm), "--json")
+    piped = run("audit", "-", "--json", "--fix", str(tmp_path / "fixed"), data=arm.read_bytes(), folder=arm.parent)
+    assert (there.returncode, piped.returncode, piped.stderr) == (5, 5, b"")
+    expected, result = json.loads(there.stdout), json.loads(piped.stdout)
+    assert result["source"] == {**expected["source"], "path": "-"}
+    assert result["links"] == expected["links"]
+    assert (tmp_path / "fixed").read_bytes().count(b"<!-- mended: ") == 4
+
+
+@pytest.mark.parametrize(
+    "data",
+    [
+        b"name,mass,ixx,iyy,izz,ixy,ixz,iyz,mesh,unit\ncube,1,1,1,1,0,0,0,cube.stl,mm\n",
+        b'# parts\n[[part]]\nname = "cube"\nmass = 1\ninertia = [[1, 0, 0], [0, 1, 0], [0, 0, 1]]\nmesh = "cube.stl"\n',
+    ],
+)
+def test_a_list_of_parts_is_told_by_its_contents(data: bytes) -> None:
+    result = run("audit", "-", "--json", data=data, folder=path("cube.stl").parent)
+    assert [link["name"] for link in json.loads(result.stdout)["links"]] == ["cube"]
+    assert run("audit", "-", data=b"nothing").returncode == 3

@@ -8,6 +8,7 @@ import pytest
 from tests.exchange import solid
 
 import inertia
+from inertia.errors import ReadError
 from inertia.exchange.robots.links import Geometry, Primitive, Robot
 from inertia.exchange.robots.read import read_robot
 from inertia.exchange.rotations import rotation_of_quaternion
@@ -247,3 +248,10 @@ def test_bodies_nested_through_many_files_are_refused(tmp_path: Path) -> None:
     (tmp_path / "30.xml").write_text("<mujoco/>")
     with pytest.raises(inertia.ReadError, match="nested deeper than 200"):
         read_robot(tmp_path / "0.xml")
+
+
+def test_global_coordinates_are_refused_as_mujoco_refuses_them(tmp_path: Path) -> None:
+    file = tmp_path / "m.xml"
+    file.write_text('<mujoco><compiler coordinate="global"/><worldbody><body/></worldbody></mujoco>')
+    with pytest.raises(ReadError, match="its coordinates are global"):
+        read_robot(file)

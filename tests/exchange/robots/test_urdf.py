@@ -68,13 +68,13 @@ def test_geometries(robot: Path) -> None:
 @pytest.mark.parametrize(
     ("old", "new", "words"),
     [
-        ('value="2.50"', 'value="two"', "link 'upper', inertial, value is 'two': it must be numbers"),
-        ('ixx="0.010"', 'ixx="nan"', "link 'upper', inertial, ixx is 'nan': it must be finite"),
-        ('xyz="0.1 -0.02 0.3"', 'xyz="0.1 0.3"', "origin, xyz is '0.1 0.3': it must be 3 numbers"),
-        ("package://", "http://", "is not a file"),
+        ('xyz="0 0 0.5"', 'xyz="zero"', "joint 'fix', origin, xyz is 'zero': it must be numbers"),
+        ('mass value="2.50"', 'mass value="${m}"', "holds macros of xacro"),
         ('<link name="base"/>', '<xacro:include filename="a"/>', "holds macros of xacro"),
         ("</robot>", "", "its XML is damaged"),
-        ('<?xml version="1.0"?>', '<!DOCTYPE robot SYSTEM "x">', "document type"),
+        ('<?xml version="1.0"?>', '<!-- first --><?xml version="1.0"?>', "stands before its XML declaration"),
+        ("</robot>", "</robot> text", "its XML is damaged"),
+        ('<mass value="2.50"/>', '<mass value="2.50" value="3"/>', "duplicate attribute"),
     ],
 )
 def test_faults(robot: Path, old: str, new: str, words: str) -> None:
@@ -82,6 +82,111 @@ def test_faults(robot: Path, old: str, new: str, words: str) -> None:
     with pytest.raises(ReadError, match=f"cannot read {robot}") as fault:
         read_robot(robot)
     assert words in str(fault.value)
+
+
+@pytest.mark.parametrize(
+    ("old", "new"),
+    [
+        ("</robot>", "</robot>\0"),
+        ("</robot>", "</robot>\n<robot/>"),
+        ("a comment", "a -- comment \x01"),
+        ('name="pin"', 'name="p&n <1>"'),
+        ('name="pin"', 'name="p\udce9"'),  # Latin-1
+        ("</robot>", "<gazebo:reference of:x='1'/></robot>"),
+        ('<?xml version="1.0"?>', '<?xml version="1.0" encoding="utf-16"?>'),
+        ('<?xml version="1.0"?>', '<?xml version="1.0"?><?xml version="1.0"?>'),
+        ('<?xml version="1.0"?>', '<!DOCTYPE robot SYSTEM "x">'),
+    ],
+)
+def test_text_that_is_no_xml_is_read_where_the_parser_of_most_programs_reads_it(
+    robot: Path, old: str, new: str
+) -> None:
+    """Tried with urdfdom 6.0, Bullet 3.2.7, MuJoCo 4.0 and Drake 1.51: all four read each of these."""
+    sound = read_robot(robot)
+    robot.write_bytes(ROBOT.replace(old, new).encode(errors="surrogateescape"))
+    read = read_robot(robot)
+    assert len(read.notes) == 1
+    assert not sound.notes
+    assert [link.name for link in read.links] == [link.name for link in sound.links]
+    stated, before = read.links[1].inertial, sound.links[1].inertial
+    assert stated is not None
+    assert before is not None
+    assert np.array_equal(stated.inertia, before.inertia)
+    assert len(read.links[1].geometries) == 3
+
+
+def test_a_byte_order_mark_and_utf_16(robot: Path) -> None:
+    robot.write_bytes(ROBOT.encode("utf-8-sig"))
+    assert read_robot(robot).notes == ()
+    robot.write_bytes(ROBOT.encode("utf-16"))
+    with pytest.raises(ReadError, match="text in UTF-16, which no program for robots reads: save it as UTF-8"):
+        read_robot(robot)
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "note"),
+    [
+        ('rpy="0 0 1.5707963267948966"', 'rpy="0 0 1.5707963267948966 9"', "read as 0 0 1.5708, as Bullet does"),
+        ('xyz="0.1 -0.02 0.3"', 'xyz="0.1, -0.02, 0.3"', "inertial, origin, xyz is '0.1, -0.02, 0.3': read as 0.1"),
+        ('value="2.50"', 'value="2.50kg"', "inertial, value is '2.50kg': read as 2.5"),
+        ('ixx="0.010"', 'ixx="0.010f"', "ixx is '0.010f': read as 0.01"),
+        ('scale="0.001 0.001 0.001"', 'scale="0.001"', "visual 1, scale is '0.001': read as 0.001 0.001 0.001"),
+        ('scale="0.001 0.001 0.001"', 'scale="0.001 0.001 0.001 1"', "read as 0.001 0.001 0.001"),
+        ('xyz="0 0 0.5" rpy="0 0 0"', 'xyz="0 0 0.5" rpy="0"', "joint 'fix', origin, rpy is '0': read as 0 0 0"),
+    ],
+)
+def test_slips_are_read_as_bullet_reads_them(robot: Path, old: str, new: str, note: str) -> None:
+    sound = read_robot(robot).links[1]
+    robot.write_text(ROBOT.replace(old, new))
+    read = read_robot(robot)
+    assert len(read.notes) == 1
+    assert note in read.notes[0]
+    link = read.links[1]
+    assert link.inertial is not None
+    assert sound.inertial is not None
+    assert link.inertial.mass == sound.inertial.mass
+    assert np.array_equal(link.inertial.inertia, sound.inertial.inertia)
+    assert np.array_equal(link.inertial.placement.origin, sound.inertial.placement.origin)
+    assert np.array_equal(link.inertial.placement.rotation, sound.inertial.placement.rotation)
+    assert link.geometries[0].scale == sound.geometries[0].scale
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "words"),
+    [
+        ('value="2.50"', 'value="two"', "link 'upper', inertial, value is 'two': it must be numbers"),
+        ('ixx="0.010"', 'ixx="nan"', "link 'upper', inertial, ixx is 'nan': it must be finite"),
+        ('<mass value="2.50"/>', "<mass>2.50</mass>", "link 'upper', inertial has no mass"),
+    ],
+)
+def test_what_no_program_reads_is_a_fault_of_the_link(robot: Path, old: str, new: str, words: str) -> None:
+    robot.write_text(ROBOT.replace(old, new))
+    base, upper = read_robot(robot).links
+    assert (base.fault, upper.inertial, upper.fault) == ("", None, words)
+
+
+def test_shapes_that_cannot_be_read_say_so(robot: Path) -> None:
+    robot.write_text(ROBOT.replace("package://", "http://").replace('size="0.1 0.2 0.3"', 'size="0.1"'))
+    mesh, pin, box = read_robot(robot).links[1].geometries
+    assert "is not a file" in str(mesh.shape)
+    assert pin.name == "pin"
+    assert "size is '0.1': it must be 3 numbers" in str(box.shape)
+
+
+def test_macros_in_comments_and_extensions_are_none_of_the_links(robot: Path) -> None:
+    robot.write_text(
+        ROBOT.replace("a comment", "from $(find arm)/arm.xacro <xacro:macro>").replace(
+            "</robot>", "<gazebo><plugin>${prefix}</plugin></gazebo></robot>"
+        )
+    )
+    assert len(read_robot(robot).links) == 2
+
+
+def test_a_package_above_the_folder_one_stands_in(robot: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(robot.parent)
+    shape = read_robot(robot.name).links[1].geometries[0].shape
+    assert isinstance(shape, Path)
+    assert shape.is_file()
 
 
 def test_unknown_shapes_say_so(robot: Path) -> None:

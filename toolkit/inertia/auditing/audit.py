@@ -21,6 +21,7 @@ from inertia.errors import InertiaError, ReadError, UsageError, visible
 from inertia.exchange.robots.links import Geometry, Link, Placement, Robot
 from inertia.exchange.robots.mend import Mended, mend
 from inertia.exchange.robots.read import read_robot
+from inertia.standard_input import file_of
 
 _SAME_CENTER = 1e-4
 """Of the largest radius of gyration: a centre of mass that is no farther off is left as it is written."""
@@ -115,7 +116,7 @@ def audit(
     links = tuple(
         judge(subject, [other for other in subjects if other is not subject], tolerance) for subject in subjects
     )
-    return Audit(robot, sha256(Path(path).read_bytes()).hexdigest(), tolerance, links)
+    return Audit(robot, sha256(file_of(str(robot.path)).read_bytes()).hexdigest(), tolerance, links)
 
 
 def _center_agrees(link: LinkAudit) -> bool:
@@ -143,9 +144,10 @@ def _subject(link: Link, scales: Scales, densities: float | Mapping[str, float] 
         note = Finding("collision_weighed", f"{words}: the collision geometry is weighed in their place")
         weights = _weights(by_role["collision"], densities)
         notes = (note, *obstacles.blocking, *others.notes)
-        return Subject(link.name, stated, collision, (), weights, (), notes, substitute=bool(by_role["visual"]))
+        substitute = bool(by_role["visual"])
+        return Subject(link.name, stated, collision, (), weights, (), notes, substitute, link.fault)
     weights = _weights(by_role["visual"], densities)
-    return Subject(link.name, stated, visual, collision, weights, obstacles.blocking, obstacles.notes)
+    return Subject(link.name, stated, visual, collision, weights, obstacles.blocking, obstacles.notes, fault=link.fault)
 
 
 @dataclass(frozen=True)
@@ -206,6 +208,7 @@ def _lumped(robot: Robot, subjects: Sequence[Subject]) -> Iterator[Subject]:
             known,
             [finding for subject, _ in groups for finding in subject.obstacles],
             [finding for subject, _ in groups for finding in subject.notes],
+            fault=next((by_name[name].fault for name, _ in members if by_name[name].fault), ""),
         )
 
 

@@ -123,6 +123,7 @@ class Subject:
     obstacles : what kept shapes from being weighed
     notes : what had to be done to weigh them
     substitute : whether the shapes stand in for others that could not be weighed
+    fault : why what is stated cannot be read, a sentence; "" where it can
     """
 
     name: str
@@ -133,6 +134,7 @@ class Subject:
     obstacles: Sequence[Finding] = ()
     notes: Sequence[Finding] = ()
     substitute: bool = False
+    fault: str = ""
 
     @property
     def context(self) -> Context | None:
@@ -152,6 +154,9 @@ def judge(subject: Subject, others: Sequence[Subject], tolerance: float) -> Link
     tolerance : relative difference up to which stated and computed agree
     """
     stated, name = subject.stated, subject.name
+    if subject.fault:
+        unreadable = Finding("unreadable", subject.fault, None, "no program takes it: state it anew")
+        return LinkAudit(name, "inconsistent", None, None, (), None, (unreadable, *subject.obstacles))
     if stated is None or (stated.body.mass == 0 and not stated.body.inertia.any()):
         words = "no mass properties for it" if stated is None else "a mass of 0 and no tensor: it counts as a frame"
         missing = Finding("nothing_stated", f"the file states {words}")

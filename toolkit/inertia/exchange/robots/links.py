@@ -93,6 +93,7 @@ class Link:
     inertial : what is stated of it; None where nothing is
     parent : the link it hangs from by a joint that does not move; None otherwise
     placement : of its axes in those of `parent`
+    fault : why what is stated of it cannot be read, a sentence; "" where it can
     """
 
     name: str
@@ -100,6 +101,7 @@ class Link:
     geometries: tuple[Geometry, ...]
     parent: str | None = None
     placement: Placement = field(default_factory=Placement)
+    fault: str = ""
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "name", visible(self.name))

@@ -16,6 +16,7 @@ from inertia.exchange.conventions import CONVENTIONS
 from inertia.exchange.robots.links import Robot
 from inertia.exchange.writing import hyphens_apart, number, numbers, printable
 from inertia.mass.properties import MassProperties
+from inertia.standard_input import file_of
 
 
 class Mended(NamedTuple):
@@ -54,7 +55,7 @@ def mend(robot: Robot, mended: Mapping[str, Mended]) -> bytes:
 
     Raises `UsageError` where the format cannot be written into, and `ReadError` where the file is no longer that robot.
     """
-    data = robot.path.read_bytes()
+    data = file_of(str(robot.path)).read_bytes()
     if robot.format not in _FORMATS:
         raise UsageError(f"files of format {robot.format} are not written into: mend {robot.path} by hand")
     link_tag, edits_of = _FORMATS[robot.format]

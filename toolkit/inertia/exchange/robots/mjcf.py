@@ -20,10 +20,10 @@ from inertia.arrays import Float
 from inertia.errors import ReadError
 from inertia.exchange.conventions import CONVENTIONS
 from inertia.exchange.robots.links import Geometry, Inertial, Link, Placement, Primitive, Robot, Role
-from inertia.exchange.robots.text import decimals, floats
+from inertia.exchange.robots.text import decimals, floats, robot_xml
 from inertia.exchange.rotations import rotation_of_quaternion
 from inertia.mesh.readers.contents import shown
-from inertia.mesh.readers.trimesh import parse_xml
+from inertia.standard_input import file_of
 
 Attributes = Mapping[str, str]
 
@@ -68,13 +68,17 @@ class _Model:
 
 def read_mjcf(path: Path) -> Robot:
     """Read the bodies of a model; raise `ReadError` where it is none."""
-    root = parse_xml(path.read_bytes().lstrip())
+    root, notes = robot_xml(file_of(str(path)).read_bytes())
     if root.tag != "mujoco":
         raise ReadError(f"it begins with {shown(root.tag)}, not with mujoco: it is no MJCF file")
     _include(root, path.parent, path.parent, [], 0, 0)
-    model = _Model(path)
+    model = _Model(path, notes=dict.fromkeys(notes))
     for compiler in root.findall("compiler"):
         model.compiler.update(compiler.attrib)
+    if model.compiler.get("coordinate") == "global":
+        raise ReadError(
+            "its coordinates are global, which MuJoCo reads no longer: load it with MuJoCo 2.3.3 or older and save it"
+        )
     model.classes["main"] = {}
     for default in root.findall("default"):
         _defaults(default, default.get("class", "main"), {}, model.classes)
@@ -111,7 +115,7 @@ def _include(element: Element, folder: Path, here: Path, files: list[Path], dept
         files.append(file)
         if len(files) > _MOST:
             raise ReadError(f"more than {_MOST} files are included")
-        other = parse_xml(file.read_bytes().lstrip())
+        other, _ = robot_xml(file.read_bytes())
         _include(other, folder, file.parent, files, depth + 1, level)
         element[position : position + 1] = list(other)
 

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import codecs
+import os
 import re
 from collections.abc import Callable
 from pathlib import Path
@@ -14,6 +16,7 @@ from inertia.exchange.robots.table import read_csv, read_toml
 from inertia.exchange.robots.urdf import read_urdf
 from inertia.exchange.robots.usd import read_usd
 from inertia.standard_input import NAME as STANDARD_INPUT
+from inertia.standard_input import file_of
 
 READERS: dict[str, tuple[set[str], Callable[[Path], Robot]]] = {
     "urdf": ({"<robot"}, read_urdf),
@@ -26,24 +29,31 @@ READERS: dict[str, tuple[set[str], Callable[[Path], Robot]]] = {
 """Format → the first element of its files, or the extensions of their names; and its reader."""
 
 _BEGINNING = 65_536  # bytes that are searched for what a file is; licences stand at the top of many
+_UTF_16 = (codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE, b"<\0", b"\0<")
 _NO_ELEMENT = re.compile(rb"(?s)\xef\xbb\xbf|<!--.*?-->|<\?.*?\?>|<!DOCTYPE[^\[>]*(?:\[.*?\]\s*)?>")
 
 
 def read_robot(path: str | Path) -> Robot:
-    """Read the links of a robot, and what is stated of each.
+    """Read the links of a robot, and what is stated of each; of ``-``, from standard input, with meshes in this folder.
 
     Raises `ReadError` where the file is missing, damaged or of another format.
     """
-    if str(path) == STANDARD_INPUT:
-        raise ReadError("cannot read -: a robot's file names meshes beside it: save it to a file")
-    path = Path(path)
+    name = os.fspath(path)
+    path = Path(name)
+    if name != STANDARD_INPUT and str(path) == STANDARD_INPUT:
+        path = path.absolute()  # a file of that name
     try:
-        with path.open("rb") as file:
+        with file_of(str(path)).open("rb") as file:
             beginning = file.read(_BEGINNING)
     except OSError as error:
         raise ReadError(f"cannot read {path}: {error.strerror}") from error
+    if beginning.startswith(_UTF_16):
+        raise ReadError(
+            f"cannot read {path}: it is text in UTF-16, which no program for robots reads: save it as UTF-8"
+        )
     element = re.match(rb"\s*(<[\w.-]+)", _NO_ELEMENT.sub(b"", beginning))
-    marks = {path.suffix.lower(), element[1].decode() if element else ""}
+    suffix = path.suffix.lower() if name != STANDARD_INPUT else _suffix(beginning)
+    marks = {suffix, element[1].decode() if element else ""}
     for known, reader in READERS.values():
         if known & marks:
             try:
@@ -51,3 +61,14 @@ def read_robot(path: str | Path) -> Robot:
             except (ReadError, UsageError) as error:
                 raise placed(error, f"cannot read {path}") from None
     raise ReadError(f"cannot read {path}: it is no robot of a known format ({', '.join(READERS)})")
+
+
+def _suffix(beginning: bytes) -> str:
+    """Return how the name of what came by standard input would end."""
+    if beginning.startswith((b"#usda", b"PXR-USDC")):
+        return ".usd"
+    if beginning.startswith(b"PK\x03\x04"):
+        return ".usdz"
+    if re.search(rb"(?m)^\s*\[\[part\]\]", beginning):
+        return ".toml"
+    return ".csv" if re.match(rb"[^<\n]*\bname\b[^<\n]*,", beginning) else ""

@@ -20,10 +20,10 @@ import numpy as np
 from inertia.errors import ReadError
 from inertia.exchange.conventions import CONVENTIONS
 from inertia.exchange.robots.links import Geometry, Inertial, Link, Placement, Primitive, Robot, Role
-from inertia.exchange.robots.text import decimals, floats, mesh_file
+from inertia.exchange.robots.text import decimals, floats, mesh_file, robot_xml
 from inertia.exchange.rotations import rotation_of_quaternion, rotation_of_rpy
 from inertia.mesh.readers.contents import shown
-from inertia.mesh.readers.trimesh import parse_xml
+from inertia.standard_input import file_of
 
 _CONVENTION = CONVENTIONS["sdf"]
 _MODEL = "__model__"
@@ -79,11 +79,11 @@ class _Frames:
 
 def read_sdf(path: Path) -> Robot:
     """Read the links of all models in a file; raise `ReadError` where it is none."""
-    root = parse_xml(path.read_bytes().lstrip())
+    root, faults = robot_xml(file_of(str(path)).read_bytes())
     if root.tag != "sdf":
         raise ReadError(f"it begins with {shown(root.tag)}, not with sdf: it is no SDFormat file")
     folders: dict[Element, Path] = {}
-    notes: dict[str, None] = {}
+    notes: dict[str, None] = dict.fromkeys(faults)
     for place in (root, *root.findall("world")):
         _include(place, path.parent, folders, notes, 0)
     models = [*root.findall("model"), *(model for world in root.findall("world") for model in world.findall("model"))]
@@ -138,9 +138,9 @@ def _included(uri: str, folder: Path) -> tuple[Element | None, Path]:
     file = mesh_file(uri, folder)
     if not file.is_file():
         config = mesh_file(f"{uri}/model.config", folder)
-        named = parse_xml(config.read_bytes().lstrip()).findtext("sdf", "").strip() if config.is_file() else "model.sdf"
+        named = robot_xml(config.read_bytes())[0].findtext("sdf", "").strip() if config.is_file() else "model.sdf"
         file = mesh_file(f"{uri}/{named}", folder)
-    model = parse_xml(file.read_bytes().lstrip()).find("model") if file.is_file() else None
+    model = robot_xml(file.read_bytes())[0].find("model") if file.is_file() else None
     return model, file
 
 

@@ -24,6 +24,7 @@ from inertia.errors import ReadError, UsageError
 from inertia.exchange.robots.links import Geometry, Inertial, Link, Placement, Robot
 from inertia.exchange.robots.text import decimals
 from inertia.mesh.readers.contents import shown
+from inertia.standard_input import file_of
 from inertia.tables import cell_text
 from inertia.units import length_unit
 
@@ -161,6 +162,6 @@ def _decimals(table: Mapping[str, Any]) -> tuple[int | None, int | None, int | N
 
 def _text(path: Path) -> str:
     try:
-        return path.read_bytes().decode("utf-8-sig")
+        return file_of(str(path)).read_bytes().decode("utf-8-sig")
     except UnicodeDecodeError:
         raise ReadError("it is no text in UTF-8") from None

@@ -1,19 +1,70 @@
-"""Numbers and places in the XML of robots: attributes in SI, decimals as written, where a mesh's file lies."""
+"""XML of robots: its elements, numbers, decimals as written, and where a mesh's file lies.
+
+Text that is no XML is read where the parser of the programs that own these formats reads it (TinyXML2, as urdfdom,
+Bullet, MuJoCo and Drake have it; tried with each).
+"""
 
 from __future__ import annotations
 
+import codecs
 import math
 import os
-from collections.abc import Iterable, Sequence
+import re
+from collections.abc import Iterable
 from pathlib import Path
 from urllib.parse import unquote, urlsplit
 from xml.etree.ElementTree import Element
 
-import numpy as np
-
-from inertia.arrays import Float
 from inertia.errors import ReadError
 from inertia.mesh.readers.contents import shown
+from inertia.mesh.readers.trimesh import parse_xml
+
+_PREAMBLE = re.compile(r"(?:\s*<\?.*?\?>)*\s*", re.DOTALL)
+_PASSED_OVER = re.compile(r"<!--.*?-->|<!DOCTYPE[^>]*>|[\x01-\x08\x0b\x0c\x0e-\x1f]", re.DOTALL)
+_NO_ENTITY = re.compile(r"&(?!(?:amp|lt|gt|quot|apos|#\d+|#x[0-9a-fA-F]+);)")
+_PREFIX = re.compile(r"""(</?|\s)([\w.-]+):(?=[\w.-]+(?:\s*=\s*["']|[\s/>]))""")
+_VALUE = re.compile(r"""=\s*("[^"]*"|'[^']*')""")
+_DECIMAL = re.compile(r"[+-]?\d*(?:\.(\d*))?(?:[eE]([+-]?\d+))?")
+_FIRST = re.compile(r"<([\w.-]+)")
+
+
+def robot_xml(data: bytes) -> tuple[Element, tuple[str, ...]]:
+    """Return the root of a robot's XML text, and a note where it is none but is read as TinyXML2 reads it.
+
+    That passes over what XML forbids: ``--`` in a comment, control characters, a bare ``&``, ``<`` in an attribute,
+    names with an undeclared prefix, bytes of another encoding, a document type, whatever follows the first element.
+    Raises `ReadError` for what it refuses as well.
+    """
+    try:
+        return parse_xml(data.lstrip()), ()
+    except ReadError as error:
+        text = _as_tinyxml(data)
+        if "<?xml" in text:
+            words = "something stands before its XML declaration, and programs for robots refuse that: take it away"
+            raise ReadError(words) from None
+        try:
+            root = parse_xml(text.encode())
+        except ReadError:
+            raise error from None
+        fault = str(error).rpartition(": ")[0] or str(error)
+        return root, (f"{fault}: it is read as programs for robots read it, whose parser passes over that",)
+
+
+def _as_tinyxml(data: bytes) -> str:
+    """Return a text as XML where TinyXML2 takes it for such."""
+    data = data.removeprefix(codecs.BOM_UTF8).partition(b"\0")[0]
+    try:
+        text = data.decode()
+    except UnicodeDecodeError:
+        text = data.decode("latin-1")
+    text = _PASSED_OVER.sub("", text[_PREAMBLE.match(text).end() :])  # type: ignore[union-attr]
+    text = _VALUE.sub(lambda value: value[0].replace("<", "&lt;"), _NO_ENTITY.sub("&amp;", text))
+    text = _PREFIX.sub(r"\1\2.", text)
+    if first := _FIRST.search(text):
+        end = re.compile(rf"</{re.escape(first[1])}\s*>").search(text)
+        if end is not None and text[end.end() :].lstrip().startswith("<"):
+            return text[: end.end()]
+    return text
 
 
 def floats(text: str, count: int, what: str) -> list[float]:
@@ -29,12 +80,6 @@ def floats(text: str, count: int, what: str) -> list[float]:
     return values
 
 
-def attribute(element: Element | None, name: str, count: int, default: Sequence[float], what: str) -> Float:
-    """Return the numbers in an attribute, (count,), or the default where it is not there."""
-    text = None if element is None else element.get(name)
-    return np.array(default if text is None else floats(text, count, f"{what}, {name}"), float)
-
-
 def decimals(words: Iterable[str]) -> int | None:
     """Return how many places after the point the longest of some decimals has; None without any.
 
@@ -45,8 +90,8 @@ def decimals(words: Iterable[str]) -> int | None:
 
 
 def _decimals(word: str) -> int:
-    mantissa, _, exponent = word.lower().partition("e")
-    return max(0, len(mantissa.partition(".")[2]) - int(exponent or 0))
+    parts = _DECIMAL.match(word)  # what follows a number was passed over
+    return 0 if parts is None else max(0, len(parts[1] or "") - int(parts[2] or 0))
 
 
 def mesh_file(reference: str, folder: Path) -> Path:
@@ -64,6 +109,7 @@ def mesh_file(reference: str, folder: Path) -> Path:
         places = [Path(unquote(urlsplit(reference).path))]
     elif scheme in ("package", "model"):
         package, _, path = rest.partition("/")
+        folder = folder.absolute()  # as it is named, it may have no parents
         above = [folder, *folder.parents]
         roots = [Path(root) for name in ("ROS_PACKAGE_PATH", "GZ_SIM_RESOURCE_PATH") for root in _paths(name)]
         places = [parent / path for parent in above if parent.name == package]

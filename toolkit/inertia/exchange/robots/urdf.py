@@ -2,75 +2,132 @@
 
 The pose of `<inertial>` is that of a frame at the centre of mass, along whose axes the six elements are tensor
 elements (−∫xy dm). Source: the URDF XML specification, wiki.ros.org/urdf/XML, link and joint. Macros (xacro) have to
-be expanded.
+be expanded. Slips are read where a program reads them, with a note: too many or too few numbers, and what follows a
+number, as Bullet does; what no program reads is the fault of the shape or of the link, as with urdfdom.
 """
 
 from __future__ import annotations
 
+import re
 from collections import Counter
+from collections.abc import Iterator
 from fractions import Fraction
 from pathlib import Path
 from xml.etree.ElementTree import Element
 
 import numpy as np
 
+from inertia.arrays import Float
 from inertia.errors import ReadError
 from inertia.exchange.robots.links import Geometry, Inertial, Link, Placement, Primitive, Robot, Role
-from inertia.exchange.robots.text import attribute, decimals, mesh_file
+from inertia.exchange.robots.text import decimals, floats, mesh_file, robot_xml
 from inertia.exchange.rotations import rotation_of_rpy
 from inertia.mesh.readers.contents import shown
-from inertia.mesh.readers.trimesh import parse_xml
+from inertia.standard_input import file_of
 
 _PAIRS = ("ixx", "iyy", "izz", "ixy", "ixz", "iyz")
+_NUMERAL = re.compile(r"[+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?")
+_MACROS = "it holds macros of xacro: expand it first (xacro FILE > robot.urdf)"
+
+
+class _Attributes:
+    """Reads the numbers in attributes, and keeps what had to be decided in `notes`."""
+
+    def __init__(self, notes: tuple[str, ...]) -> None:
+        self.notes = dict.fromkeys(notes)
+
+    def numbers(self, element: Element | None, key: str, count: int, what: str) -> Float:
+        """Return the numbers in an attribute, (count,), or zeros where it is not there."""
+        text = None if element is None else element.get(key)
+        if text is None:
+            return np.zeros(count)
+        try:
+            return np.array(floats(text, count, f"{what}, {key}"))
+        except ReadError:
+            if "${" in text or "$(" in text:
+                raise ReadError(_MACROS) from None
+            numerals = [_NUMERAL.match(word) for word in text.split()]
+            values = [float(numeral[0]) for numeral in numerals if numeral is not None]
+            if len(values) < len(numerals) or not np.isfinite(values).all():
+                raise
+            if len(values) < count:
+                if key not in ("xyz", "rpy", "scale") or (key == "scale" and not values):
+                    raise
+                values = values[:1] * 3 if key == "scale" else [0.0] * count
+            words = " ".join(f"{value:g}" for value in values[:count])
+            self.notes[f"{what}, {key} is {shown(text)}: read as {words}, as Bullet does; most programs refuse it"] = (
+                None
+            )
+            return np.array(values[:count])
+
+    def number(self, element: Element | None, key: str, what: str) -> float:
+        """Return the number in an attribute, or 0 where it is not there."""
+        return float(self.numbers(element, key, 1, what)[0])
+
+    def placement(self, element: Element, what: str) -> Placement:
+        """Return what the ``<origin>`` of an element says."""
+        origin = element.find("origin")
+        rpy, xyz = (self.numbers(origin, key, 3, f"{what}, origin") for key in ("rpy", "xyz"))
+        return Placement(rotation_of_rpy(*rpy.tolist()), xyz)
 
 
 def read_urdf(path: Path) -> Robot:
     """Read a robot from a URDF file; raise `ReadError` where it is none."""
-    data = path.read_bytes()
-    root = parse_xml(data.lstrip())  # many begin with an empty line
+    data = file_of(str(path)).read_bytes()
+    root, notes = robot_xml(data)
     if root.tag != "robot":
         raise ReadError(f"it begins with {shown(root.tag)}, not with robot: it is no URDF file")
-    if b"<xacro:" in data or b"${" in data or b"$(" in data:
-        raise ReadError("it holds macros of xacro: expand it first (xacro FILE > robot.urdf)")
-    fixed = dict(_fixed_joints(root))
-    links = []
-    for element in root.iter("link"):
-        name = element.get("name")
-        if name is None:
-            continue  # of a joint or a gazebo extension
-        parent, placement = fixed.get(name, (None, Placement()))
-        links.append(Link(name, _inertial(element, name), tuple(_geometries(element, name, path)), parent, placement))
-    twice = [name for name, count in Counter(each.get("name") for each in root.findall("link")).items() if count > 1]
+    if re.search(rb"<xacro:(?!property|arg)", re.sub(rb"(?s)<!--.*?-->", b"", data)):
+        raise ReadError(_MACROS)
+    attributes = _Attributes(notes)
+    fixed = dict(_fixed_joints(root, attributes))
+    elements = [element for element in root.findall("link") if element.get("name") is not None]
+    links = [_link(element, element.get("name", ""), path, fixed, attributes) for element in elements]
+    twice = [name for name, count in Counter(link.name for link in links).items() if count > 1]
     if twice:
-        raise ReadError(f"more than one link is called {shown(str(twice[0]))}: their names must differ")
+        raise ReadError(f"more than one link is called {shown(twice[0])}: their names must differ")
     if not links:
         raise ReadError("it holds no link")
-    return Robot(path, "urdf", root.get("name", ""), tuple(links))
+    return Robot(path, "urdf", root.get("name", ""), tuple(links), tuple(attributes.notes))
 
 
-def _fixed_joints(root: Element) -> list[tuple[str, tuple[str, Placement]]]:
+def _fixed_joints(root: Element, attributes: _Attributes) -> list[tuple[str, tuple[str, Placement]]]:
     joints = []
     for joint in root.findall("joint"):
         parent, child = joint.find("parent"), joint.find("child")
         if joint.get("type") == "fixed" and parent is not None and child is not None:
-            where = _placement(joint, f"joint {shown(joint.get('name', ''))}")
+            where = attributes.placement(joint, f"joint {shown(joint.get('name', ''))}")
             joints.append((child.get("link", ""), (parent.get("link", ""), where)))
     return joints
 
 
-def _inertial(link: Element, name: str) -> Inertial | None:
+def _link(
+    element: Element, name: str, path: Path, fixed: dict[str, tuple[str, Placement]], attributes: _Attributes
+) -> Link:
+    parent, placement = fixed.get(name, (None, Placement()))
+    try:
+        inertial, fault = _inertial(element, f"link {shown(name)}, inertial", attributes), ""
+    except ReadError as error:
+        if str(error) == _MACROS:
+            raise
+        inertial, fault = None, str(error)
+    return Link(name, inertial, tuple(_geometries(element, name, path, attributes)), parent, placement, fault)
+
+
+def _inertial(link: Element, what: str, attributes: _Attributes) -> Inertial | None:
     element = link.find("inertial")
     if element is None:
         return None
-    what = f"link {shown(name)}, inertial"
     mass, tensor, origin = element.find("mass"), element.find("inertia"), element.find("origin")
     if mass is None or mass.get("value") is None:
         raise ReadError(f"{what} has no mass")
-    xx, yy, zz, xy, xz, yz = (float(attribute(tensor, key, 1, [0.0], what)[0]) for key in _PAIRS)
+    if absent := [key for key in _PAIRS if tensor is None or tensor.get(key) is None]:
+        attributes.notes[f"{what} has no {', '.join(absent)}: 0, as in Drake; most programs refuse it"] = None
+    xx, yy, zz, xy, xz, yz = (attributes.number(tensor, key, what) for key in _PAIRS)
     words = [] if tensor is None else [tensor.get(key, "") for key in _PAIRS]
     return Inertial(
-        float(attribute(mass, "value", 1, [0.0], what)[0]),
-        _placement(element, what),
+        attributes.number(mass, "value", what),
+        attributes.placement(element, what),
         np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]]),
         (
             decimals([mass.get("value", "")]),
@@ -80,54 +137,43 @@ def _inertial(link: Element, name: str) -> Inertial | None:
     )
 
 
-def _placement(element: Element, what: str) -> Placement:
-    origin = element.find("origin")
-    rpy, xyz = (attribute(origin, key, 3, [0.0] * 3, f"{what}, origin") for key in ("rpy", "xyz"))
-    return Placement(rotation_of_rpy(*rpy.tolist()), xyz)
-
-
-def _geometries(link: Element, name: str, path: Path) -> list[Geometry]:
+def _geometries(link: Element, name: str, path: Path, attributes: _Attributes) -> Iterator[Geometry]:
     roles: tuple[Role, ...] = ("visual", "collision")
-    result = []
     for role in roles:
         for number, element in enumerate(link.findall(role), 1):
-            what = f"link {shown(name)}, {role} {number}"
             shape = element.find("geometry")
             if shape is None or len(shape) == 0:
                 continue
+            what = f"link {shown(name)}, {role} {number}"
             kind = shape[0]
             label = element.get("name") or f"{kind.tag} {number}"
-            placement = _placement(element, what)
-            if kind.tag == "mesh":
-                reference = kind.get("filename", "")
-                scale = kind.get("scale")
-                file = mesh_file(reference, path.parent)
-                result.append(
-                    Geometry(file.name, role, file, placement, None if scale is None else _scale(scale, what))
-                )
-            else:
-                result.append(Geometry(label, role, _primitive(kind, what), placement))
-    return result
+            try:
+                placement = attributes.placement(element, what)
+                if kind.tag != "mesh":
+                    yield Geometry(label, role, _primitive(kind, what, attributes), placement)
+                    continue
+                file = mesh_file(kind.get("filename", ""), path.parent)
+                yield Geometry(file.name, role, file, placement, _scale(kind, what, attributes))
+            except ReadError as error:
+                if str(error) == _MACROS:
+                    raise
+                yield Geometry(label, role, str(error))
 
 
-def _scale(text: str, what: str) -> tuple[Fraction, Fraction, Fraction]:
-    try:
-        x, y, z = (Fraction(word) for word in text.split())
-    except ValueError:
-        raise ReadError(f"{what}, scale is {shown(text)}: it must be 3 numbers") from None
+def _scale(mesh: Element, what: str, attributes: _Attributes) -> tuple[Fraction, Fraction, Fraction] | None:
+    if mesh.get("scale") is None:
+        return None
+    x, y, z = (Fraction(repr(value)) for value in attributes.numbers(mesh, "scale", 3, what).tolist())
     return x, y, z
 
 
-def _primitive(kind: Element, what: str) -> Primitive | str:
-    def number(key: str) -> float:
-        return float(attribute(kind, key, 1, [0.0], what)[0])
-
+def _primitive(kind: Element, what: str, attributes: _Attributes) -> Primitive | str:
     if kind.tag == "box":
-        return Primitive("box", tuple(attribute(kind, "size", 3, [0.0] * 3, what).tolist()))
+        return Primitive("box", tuple(attributes.numbers(kind, "size", 3, what).tolist()))
     if kind.tag == "sphere":
-        return Primitive("sphere", (number("radius"),))
+        return Primitive("sphere", (attributes.number(kind, "radius", what),))
     if kind.tag == "cylinder":
-        return Primitive("cylinder", (number("radius"), number("length")))
+        return Primitive("cylinder", (attributes.number(kind, "radius", what), attributes.number(kind, "length", what)))
     if kind.tag == "capsule":
-        return Primitive("capsule", (number("radius"), number("length")))
+        return Primitive("capsule", (attributes.number(kind, "radius", what), attributes.number(kind, "length", what)))
     return f"{shown(kind.tag)} is no shape that can be weighed"

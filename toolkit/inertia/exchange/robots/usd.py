@@ -21,6 +21,8 @@ from inertia.exchange.robots.links import Geometry, Inertial, Link, Placement, P
 from inertia.exchange.rotations import rotation_of_quaternion
 from inertia.mesh.part import Part
 from inertia.mesh.readers.contents import shown
+from inertia.standard_input import NAME as STANDARD_INPUT
+from inertia.standard_input import file_of
 
 _SOLIDS = ("Mesh", "Cube", "Sphere", "Cylinder", "Capsule", "Cone")
 _ONTO = {"X": [[0, 0, 1], [1, 0, 0], [0, 1, 0]], "Y": [[0, 1, 0], [0, 0, 1], [1, 0, 0]], "Z": np.eye(3)}
@@ -37,7 +39,7 @@ class _Stage:
 
         self._diagnostics = UsdUtils.CoalescingDiagnosticDelegate()  # without it they go to standard error
         try:
-            stage = Usd.Stage.Open(str(path))
+            stage = Usd.Stage.Open(_file(path))
         except Tf.ErrorException as error:
             says = " ".join(str(error).partition(" : '")[2].partition("'\n")[0].split())
             raise ReadError(f"OpenUSD cannot open it: {says[:_LONGEST]}") from None
@@ -79,6 +81,17 @@ class _Stage:
         if not np.isfinite(matrix).all():
             raise ReadError(f"the transformation of {prim.GetPath()} is not finite")
         return matrix[:3, :3].T, matrix[3, :3]
+
+
+def _file(path: Path) -> str:
+    """Return the name of a stage's file; OpenUSD goes by how it ends, which standard input has not."""
+    if str(path) != STANDARD_INPUT:
+        return str(path)
+    spool = file_of(STANDARD_INPUT)
+    with spool.open("rb") as file:
+        named = spool.with_name("input.usdz" if file.read(2) == b"PK" else "input.usd")
+    named.write_bytes(spool.read_bytes())
+    return str(named)
 
 
 def read_usd(path: Path) -> Robot:

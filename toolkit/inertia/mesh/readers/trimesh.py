@@ -123,7 +123,7 @@ class _Builder(ElementTree.TreeBuilder):
     depth = 0
 
     def doctype(self, name: str, public: str | None, system: str | None) -> None:
-        raise ReadError("it declares a document type, which no mesh needs: export it again")
+        raise ReadError("it declares a document type, which nothing here needs: export it again")
 
     def start(self, tag: str, attributes: dict[str, str]) -> Element:
         self.depth += 1
@@ -142,6 +142,8 @@ def parse_xml(data: bytes) -> ElementTree.Element:
     try:
         parser.feed(data)
         root: ElementTree.Element = parser.close()
+    except ReadError:
+        raise
     except ElementTree.ParseError as error:
         raise ReadError(f"its XML is damaged ({error}): export it again") from None
     except (LookupError, ValueError) as error:  # an encoding that Python does not know
