@@ -344,7 +344,7 @@ def test_the_sag_of_a_prism_is_estimated(tmp_path: Path, sides: int) -> None:
 
 
 def test_the_reader_of_step_states_the_tolerance(tmp_path: Path) -> None:
-    pytest.importorskip("cascadio")
+    pytest.importorskip("OCP")
     (tmp_path / "disc.step").write_text(step_cone(30.0, 30.0, 20.0))
     fields = described(body=[{"file": "disc.step", "density": STEEL}])
     answer = balance(Rotor.from_dict(fields, tmp_path))

@@ -12,7 +12,7 @@ from inertia_meshes import path
 
 
 def test_the_estimate_is_near_the_error_of_the_ball(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    pytest.importorskip("cascadio")
+    pytest.importorskip("OCP")
     file = tmp_path / "ball.step"
     file.write_text(step_sphere(20.0))
     assert main(["analyse", str(file), "--density", "1000", "--richardson", "--json"]) == 0

@@ -92,7 +92,7 @@ def test_the_option_is_named_where_the_chord_tolerance_explains_it() -> None:
 
 
 def test_a_ball_in_a_ring_of_step_has_the_sum_of_both(tmp_path: Path) -> None:
-    pytest.importorskip("cascadio")
+    pytest.importorskip("OCP")
     (tmp_path / "bearing.step").write_text(step_of_several(step_sphere(9.0), step_torus(20.0, 11.0)))
     part = inertia.read(tmp_path / "bearing.step", coarser=3.0)
     with pytest.raises(GeometryError, match="overlapping bodies: 1 pair") as refusal:

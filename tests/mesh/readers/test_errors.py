@@ -502,14 +502,14 @@ def test_components_that_multiply_are_refused_unexpanded(tmp_path: Path) -> None
 # STEP
 
 
-def test_step_without_cascadio_names_the_remedy(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_step_without_opencascade_names_the_remedy(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     (tmp_path / "a.step").write_text("ISO-10303-21;\n")
     monkeypatch.setattr(importlib.util, "find_spec", lambda name: None)
     refused(tmp_path / "a.step", r"pip install 'inertia\[step\]'")
 
 
 def test_a_damaged_step_file_is_refused_in_silence(tmp_path: Path, capfd: pytest.CaptureFixture[str]) -> None:
-    pytest.importorskip("cascadio")
+    pytest.importorskip("OCP")
     text = step_solid(CORNERS, QUADS.tolist(), "Block")
     for damaged in (text[:60], text[: len(text) // 2]):
         (tmp_path / "a.step").write_text(damaged)
@@ -540,7 +540,7 @@ def test_the_first_coordinate_that_is_not_finite_is_found(tmp_path: Path) -> Non
 
 
 def test_importing_the_reader_imports_no_other_reader() -> None:
-    others = ("trimesh", "meshio", "scipy", "h5py", "cascadio", "numba", "json", "zipfile")
+    others = ("trimesh", "meshio", "scipy", "h5py", "OCP", "numba", "json", "zipfile")
     code = "import sys, inertia.mesh.read; print([m for m in sys.argv[1:] if m in sys.modules])"
     done = subprocess.run([sys.executable, "-c", code, *others], capture_output=True, text=True, check=True)
     assert done.stdout.strip() == "[]"

@@ -103,7 +103,7 @@ def test_mutated_files_are_refused_or_read_as_a_second_reader_does(
 
 
 def test_mutated_step_files_are_read_or_refused(tmp_path: Path, capfd: pytest.CaptureFixture[str]) -> None:
-    pytest.importorskip("cascadio")
+    pytest.importorskip("OCP")
     data = step_solid(CORNERS, QUADS.tolist(), "Block").encode()
     rng = np.random.default_rng(0)
     for _ in range(max(4, MUTATIONS // 500)):

@@ -217,7 +217,7 @@ def test_abaqus_includes_no_file(places: tuple[Path, Path], keyword: str) -> Non
 
 @pytest.mark.parametrize("entity", ["DOCUMENT_FILE", "DOCUMENT_FILE/* */", "DCMFL", "document_file"])
 def test_step_reads_no_other_file(places: tuple[Path, Path], entity: str) -> None:
-    pytest.importorskip("cascadio")
+    pytest.importorskip("OCP")
     folder, outside = places
     text = step_solid(CORNERS, QUADS, "box")
     outside.write_text("no part")

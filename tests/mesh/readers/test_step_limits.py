@@ -12,7 +12,7 @@ from tests.mesh.readers.step_sample import step_sphere
 from inertia.errors import ReadError, UsageError
 from inertia.mesh.read import read
 
-pytest.importorskip("cascadio")
+pytest.importorskip("OCP")
 pytestmark = pytest.mark.skipif(sys.platform != "linux", reason="limits of a process, and its death with its parent")
 
 
@@ -25,7 +25,7 @@ def sphere(tmp_path: Path) -> Path:
 
 def convert_by(work: str, folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """Let the converter do something else."""
-    (folder / "cascadio.py").write_text(f"def step_to_glb(*_, **__):\n    {work}\n")
+    (folder / "OCP.py").write_text(work)
     monkeypatch.setenv("PYTHONPATH", str(folder))
 
 
@@ -94,6 +94,6 @@ def test_the_converter_ends_with_whoever_started_it_and_what_it_left_is_removed(
         pytest.fail("the converter is still there")
     assert len(list((tmp_path / "tmp").iterdir())) == 1
     monkeypatch.setenv("INERTIA_STEP_SECONDS", "1")
-    (tmp_path / "cascadio.py").write_text("def step_to_glb(*_, **__):\n    return 1\n")
+    (tmp_path / "OCP.py").write_text("raise ValueError")
     subprocess.run([sys.executable, "-c", code, str(sphere)], env=environment, check=False, stderr=subprocess.DEVNULL)
     assert list((tmp_path / "tmp").iterdir()) == []

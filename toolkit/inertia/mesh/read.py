@@ -112,6 +112,7 @@ def read(
         tuple(notes),
         contents.chord,
         contents.rounding and _named(contents.rounding, version, name),
+        shape=contents.shape,
     )
 
 

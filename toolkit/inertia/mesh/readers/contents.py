@@ -21,6 +21,7 @@ from numpy.typing import NDArray
 from inertia.arrays import Float, Int
 from inertia.errors import ReadError
 from inertia.mesh.part import Cells, Facets, Regions, Rounding, Surface
+from inertia.mesh.shape import Shape
 from inertia.mesh.version import refer_to
 from inertia.units import Unit
 
@@ -40,7 +41,7 @@ _LONE_SIGN = re.compile(rb"[-+](?!\d)")
 class Contents:
     """The geometry of a file, the file's own unit (None: it has none), its regions, and notes.
 
-    `chord` and `rounding` are those of `Part`.
+    `chord`, `rounding` and `shape` are those of `Part`.
     """
 
     geometry: Facets | Surface | Cells
@@ -49,6 +50,7 @@ class Contents:
     notes: tuple[str, ...] = ()
     chord: Float | None = None
     rounding: Rounding | None = None
+    shape: Shape | None = None
 
 
 @dataclass(frozen=True, eq=False)

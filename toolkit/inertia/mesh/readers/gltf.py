@@ -46,19 +46,12 @@ _HARMLESS = ("KHR_materials_", "KHR_texture_", "KHR_lights_", "KHR_xmp", "EXT_te
 """Extensions, by how their names begin, that leave the shape alone even where a file requires them."""
 
 
-Measure = Callable[["Scene", dict[str, Any], Float, Int], Float]
-"""From a primitive of a scene, its vertices and faces to how far the true surface may be from each triangle."""
-
-
-def read_gltf(path: Path, measure: Measure | None = None) -> Contents:
-    """Read a glTF file of either kind; the unit is the metre, as the format has it.
-
-    `measure` is given by whoever had the triangles made, and knows what they stand for.
-    """
+def read_gltf(path: Path) -> Contents:
+    """Read a glTF file of either kind; the unit is the metre, as the format has it."""
     text, binary = _chunks(path)
     try:
         scene = Scene(json.loads(text, parse_float=_Written), binary, path.parent)
-        pieces = list(scene.pieces(measure))
+        pieces = list(scene.pieces())
     except ReadError:
         raise
     except (KeyError, TypeError, ValueError, AttributeError, OverflowError, RecursionError) as error:
@@ -67,8 +60,7 @@ def read_gltf(path: Path, measure: Measure | None = None) -> Contents:
     whole, regions, rounding = assemble(pieces)
     left_out = scene.left_out
     notes = (f"{plural(left_out, 'set')} of lines or points {was(left_out)} left out",) if left_out else ()
-    chord = np.concatenate(scene.chords) if scene.chords else None
-    return Contents(whole, METRE, regions, notes, chord, rounding)
+    return Contents(whole, METRE, regions, notes, rounding=rounding)
 
 
 class Stored(NamedTuple):
@@ -131,7 +123,6 @@ class Scene:
         self.folder = folder
         self.buffers: dict[int, Stored] = {}
         self.left_out = 0
-        self.chords: list[Float] = []
         version = str(tree["asset"]["version"])
         if not version.startswith("2."):
             raise ReadError(f"it is glTF {shown(version)}, but only version 2 is read: export it as glTF 2.0")
@@ -139,8 +130,8 @@ class Scene:
         if unknown:
             raise ReadError(f"it requires the extension {shown(str(unknown[0]))}: export it without compression")
 
-    def pieces(self, measure: Measure | None = None) -> Iterator[Piece]:
-        """Yield every mesh of the scene, where its node puts it; what `measure` returns goes to `chords`."""
+    def pieces(self) -> Iterator[Piece]:
+        """Yield every mesh of the scene, where its node puts it."""
         total = 0
         visited: set[int] = set()
         waiting = [(root, Placement.identity()) for root in reversed(self._roots())]
@@ -163,9 +154,6 @@ class Scene:
                     self.left_out += 1
                     continue
                 vertices, faces = self._mesh(primitive)
-                if measure is not None:  # a matrix stretches a length at most by its largest singular value
-                    stretch = float(np.linalg.norm(place.matrix[:3, :3], 2))
-                    self.chords.append(measure(self, primitive, vertices, faces) * stretch)
                 total += len(faces)
                 if total > EXPANDED_LIMIT:
                     raise ReadError(f"its instances make more than {EXPANDED_LIMIT} triangles: split the scene")

@@ -1,0 +1,1 @@
+"""What runs in the process that OpenCASCADE has for itself: STEP in, plain arrays out."""

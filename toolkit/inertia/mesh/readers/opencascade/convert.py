@@ -1,0 +1,169 @@
+"""From a STEP file to triangles and the true shape, in the unit of the file; run as a process of its own.
+
+A solid that is in the tree of products more than once is taken over once.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+import sys
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from inertia.arrays import Float, Int
+from inertia.mesh.shape import Face, Patch, Shape, Solid
+
+
+def main() -> None:
+    """Convert a STEP file into a folder (sag relative to an edge, angle; s, bytes; the process that started this)."""
+    source, target, linear, angular, seconds, size, parent = sys.argv[1:]
+    _limit(int(seconds), int(size), int(parent))
+    _convert(source, Path(target), float(linear), float(angular))
+
+
+def _limit(seconds: int, size: int, parent: int) -> None:
+    try:
+        import resource
+
+        for name, most in (("CPU", seconds), ("AS", size), ("CORE", 0)):
+            kind = getattr(resource, "RLIMIT_" + name)
+            hard = resource.getrlimit(kind)[1]
+            resource.setrlimit(kind, (most if hard == resource.RLIM_INFINITY else min(most, hard), hard))
+    except (ImportError, ValueError, OSError):  # Windows, and systems that do not limit one of them
+        pass
+    if sys.platform == "linux":
+        import ctypes
+
+        ctypes.CDLL(None).prctl(1, 9)  # PR_SET_PDEATHSIG, SIGKILL
+        if os.getppid() != parent:
+            sys.exit(1)
+
+
+@dataclass(frozen=True, eq=False)
+class _Body:
+    """A solid, or faces that belong to none, as it is in its own frame."""
+
+    vertices: Float
+    triangles: Int
+    distances: Float
+    faces: tuple[Face, ...]
+    closed: bool
+
+
+def _convert(source: str, target: Path, linear: float, angular: float) -> None:
+    from inertia.mesh.readers.opencascade.document import Document
+    from inertia.mesh.readers.opencascade.plain import Pool, shape_to_json
+
+    document = Document(source)
+    bodies = _Bodies(linear, angular)
+    for piece in document.pieces():
+        bodies.add(piece)
+    pool = Pool()
+    answer = {
+        "millimetres": document.millimetres,
+        "units": document.units,
+        "loose": document.loose,
+        "runs": bodies.runs,
+        "without_triangles": bodies.without_triangles,
+        "fault": bodies.fault,
+        "shape": shape_to_json(Shape(tuple(bodies.solids), np.array(bodies.tolerances)), pool),
+    }
+    vertices, triangles, distances = bodies.surface()
+    np.savez(target / "arrays.npz", vertices=vertices, faces=triangles, distances=distances, numbers=pool.numbers())
+    (target / "part.json").write_text(json.dumps(answer))
+
+
+class _Bodies:
+    """Solids and open surfaces, each where the tree of products puts it.
+
+    Attributes
+    ----------
+    solids : true shapes
+    tolerances : of edges
+    runs : name and count of triangles, one a solid
+    without_triangles : faces that OpenCASCADE could not mesh
+    fault : why the true shape cannot be stated, if so
+    """
+
+    def __init__(self, linear: float, angular: float) -> None:
+        from inertia.mesh.readers.opencascade.kernel import shape_map
+
+        self._sag = linear, angular
+        self._known = shape_map()
+        self._bodies: dict[tuple[int, Any], _Body] = {}
+        self._surfaces: list[tuple[Float, Int, Float]] = []
+        self._count = self._faces = 0
+        self.solids: list[Solid] = []
+        self.tolerances: list[float] = []
+        self.runs: list[tuple[str | None, int]] = []
+        self.without_triangles = 0
+        self.fault: str | None = None
+
+    def add(self, piece: Any) -> None:
+        """Take over a piece of the document."""
+        from OCP import BRepBuilderAPI
+
+        from inertia.mesh.readers.opencascade.facets import matrix, placed
+
+        shape, motion = piece.shape, piece.location.Transformation()
+        placement = matrix(motion)
+        if motion.IsNegative() or abs(motion.ScaleFactor() - 1) > 1e-12:
+            shape = BRepBuilderAPI.BRepBuilderAPI_Transform(shape, motion, True).Shape()
+            placement = np.eye(3, 4)
+        key = int(self._known.Add(shape)), shape.Orientation()
+        if key not in self._bodies:
+            self._bodies[key] = self._body(shape)
+        body = self._bodies[key]
+        name = piece.name or str(len(self.solids) + 1)
+        self.solids.append(Solid(name, body.faces, placement, body.closed, piece.colour, piece.path))
+        self.runs.append((piece.name, len(body.triangles)))
+        self._surfaces.append((placed(body.vertices, placement), body.triangles + self._count, body.distances))
+        self._count += len(body.vertices)
+
+    def surface(self) -> tuple[Float, Int, Float]:
+        """Return the vertices (n, 3), triangles (m, 3) and their distances from the true faces (m,) of all."""
+        if not self._surfaces:
+            return np.empty((0, 3)), np.empty((0, 3), np.int64), np.empty(0)
+        vertices, triangles, distances = map(np.concatenate, zip(*self._surfaces, strict=True))
+        return vertices, triangles, distances
+
+    def _body(self, shape: Any) -> _Body:
+        from OCP import TopAbs, TopExp
+
+        from inertia.mesh.readers.opencascade.facets import triangulated
+        from inertia.mesh.readers.opencascade.kernel import bounds_something, cast, shape_map
+        from inertia.mesh.readers.opencascade.surfaces import Edges, face_data
+
+        walk, faces = TopExp.TopExp_Explorer(shape, TopAbs.TopAbs_FACE), []
+        while walk.More():
+            if bounds_something(walk.Current()):
+                faces.append(cast(walk.Current(), "Face"))
+            walk.Next()
+        edges = Edges(len(self.tolerances), shape_map())
+        data: list[Face] = []
+        for face in faces:
+            self._faces += 1
+            try:
+                data.append(face_data(face, edges, self._faces))
+            except Exception as error:  # the kernel's own, of many kinds
+                self.fault = self.fault or f"face {self._faces}: {error}"
+        self.tolerances += edges.tolerances
+        whole = len(data) == len(faces)
+        patches: list[Patch | None] = [face.patch for face in data] if whole else [None] * len(faces)
+        vertices, triangles, distances, missing = triangulated(shape, faces, patches, *self._sag)
+        self.without_triangles += missing
+        return _Body(vertices, triangles, distances, tuple(data), _closed(data, edges.points))
+
+
+def _closed(faces: list[Face], points: set[int]) -> bool:
+    """Whether each edge is walked as often one way as the other, but for those that are points."""
+    balance: dict[int, int] = {}
+    for face in faces:
+        for trim in (trim for loop in face.loops for trim in loop if trim.edge not in points):
+            ahead = (trim.start < trim.stop) != face.inward
+            balance[trim.edge] = balance.get(trim.edge, 0) + (1 if ahead else -1)
+    return not any(balance.values())
