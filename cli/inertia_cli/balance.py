@@ -16,9 +16,9 @@ from inertia_cli.wording import with_options
 if TYPE_CHECKING:
     from inertia.balancing.balance import Balance
     from inertia.balancing.rotor import Rotor
+    from inertia.balancing.verdict import Verdict
     from inertia.report.balance.data import ReportData
 
-_CODES = {"pass": 0, "fail": 5, "undecided": 4}
 _ROMAN = ("I", "II", "III", "IV", "V", "VI", "VII", "VIII", "IX", "X")
 FIELDS = {  # fields of a rotor file, by their path without numbers, and what stands for them on the command line
     "axis.bearing_a and bearing_b": "--bearings",
@@ -49,7 +49,8 @@ _EXAMPLES = """examples:
   inertia balance part.stl --rpm 3000 --grade 6.3              # lists what the axis might be
   inertia balance --schema > rotor.schema.json
 
-exit codes: 0 passed, 5 failed, 4 undecided or no honest answer; others as `inertia --help` has them
+exit codes: 0 passed, 5 failed or fewer than half of the parts within tolerance, 4 conditional, undecided or no honest
+answer; others as `inertia --help` has them
 """
 
 
@@ -153,7 +154,13 @@ def _balance(rotor: Rotor, options: argparse.Namespace) -> int:
         lambda: balance_document(data),
         lambda: balance_text(data),
     )
-    return _CODES[result.verdict.outcome]
+    return _code(result.verdict)
+
+
+def _code(verdict: Verdict) -> int:
+    if verdict.outcome == "conditional":
+        return 5 if verdict.within is not None and verdict.within < 0.5 else 4
+    return {"pass": 0, "fail": 5, "undecided": 4}[verdict.outcome]
 
 
 def _write(balance: Balance, data: ReportData, options: argparse.Namespace) -> None:

@@ -27,8 +27,8 @@ _CODES = """exit codes:
   1  a fault of this program, or the result could not be written
   2  the command line is not usable
   3  the file cannot be read
-  4  the mesh or the data cannot give an honest answer; of `balance`: undecided
-  5  judged, and out of tolerance
+  4  the mesh or the data cannot give an honest answer; of `balance`: undecided, or conditional
+  5  judged, and out of tolerance; of `balance` too: fewer than half of the parts within it
 """
 
 

@@ -6,6 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from scipy import stats
 from tests.balancing.rotors import on_z
 
 from inertia import MassProperties, UsageError
@@ -13,7 +14,7 @@ from inertia.balancing import bounds
 from inertia.balancing.axis.shaft import Shaft
 from inertia.balancing.corrections.operation import Operation
 from inertia.balancing.monte_carlo import Term, monte_carlo
-from inertia.balancing.monte_carlo_terms import ShopTolerance, operation_terms, rotor_terms
+from inertia.balancing.monte_carlo_terms import ShopTolerance, Spread, operation_terms, rotor_terms
 from inertia.balancing.unbalance import Unbalance
 
 PLANES = (0.02, 0.28)
@@ -158,7 +159,7 @@ class Lumps:
 
 
 RADIAL, RELATIVE = 1e-5, 0.02
-SHOP = ShopTolerance()
+SHOP = ShopTolerance().separately
 
 
 def direct(lumps, works, random):
@@ -173,7 +174,8 @@ def direct(lumps, works, random):
     vectors = []
     for work in works:
         off = {
-            k: random.uniform(-1, 1) * getattr(SHOP, k) for k in ("depth", "diameter", "radius", "mass", "angle", "z")
+            k: random.uniform(-1, 1) * getattr(SHOP, k).separate
+            for k in ("depth", "diameter", "radius", "mass", "angle", "z")
         }
         if work.kind in ("drill_radial", "mill_flat"):
             off["radius"] = 0.0
@@ -252,3 +254,91 @@ def test_a_bound_moves_every_plane_by_no_more_than_itself():
 def test_bad_input_is_refused_by_name(call, text):
     with pytest.raises(UsageError, match=text):
         call()
+
+
+class TestTheShareWithinTolerance:
+    """Against closed forms of what is normal, uniform and a disc."""
+
+    @pytest.mark.parametrize(
+        ("start", "terms", "limit", "share"),
+        [
+            (0.3, [term("normal", 2.0, 0.25)], 1.0, stats.norm.cdf(1.4) - stats.norm.cdf(-2.6)),
+            (0.3, [term("uniform", 2.0, 0.5)], 1.0, 0.85),
+            (0.0, [term("disc", 2.0, 1.0)], 1.0, 0.25),
+            # √(x² + y²) of two normal ones about a point beside the middle: Rice's distribution
+            (0.8, [term("normal", 1.0, 0.4), term("normal", 1.0, 0.4j)], 1.0, stats.ncx2.cdf(6.25, 2, 4.0)),
+        ],
+    )
+    def test_is_that_of_the_closed_form(self, start, terms, limit, share):
+        scatter = monte_carlo([start], terms, permissible=[limit], draws=200_000)
+        low, high = scatter.within_range
+        assert low < share < high
+        assert high - low < 0.01
+
+    def test_its_range_is_that_of_wilson(self):
+        scatter = monte_carlo([0.0], [term("uniform", 1.0, 1.0)], permissible=[0.9], draws=10_000)
+        test = stats.binomtest(round(1e4 * scatter.within), 10_000)
+        expected = test.proportion_ci(0.999, "wilson")
+        assert scatter.within_range == pytest.approx((expected.low, expected.high), rel=1e-9)
+
+    def test_near_the_edge_more_draws_are_made(self):
+        terms = [term("uniform", 1.0, 1.0)]
+        assert monte_carlo([0.0], terms, permissible=[0.96], draws=1000).draws > 1000
+        edge = monte_carlo([0.0], terms, permissible=[0.9501], draws=1000)
+        assert edge.draws == 256_000
+        assert edge.within_range[0] < 0.95 < edge.within_range[1]
+        assert monte_carlo([0.0], terms, permissible=[0.8], draws=1000).draws == 1000
+
+    def test_one_drill_is_drawn_once_for_all_its_holes(self):
+        holes = [
+            replace(planned()[0], id=f"I-{k}", angle=a, unbalance=cmath.rect(1.0, a)) for k, a in enumerate((0, 0.1))
+        ]
+        rotor = Unbalance(10.0, 0.13, 0.0, 0.0)
+        shop = ShopTolerance(*[Spread()] * 6)
+        (together,) = operation_terms(holes, rotor, PLANES, replace(shop, diameter=Spread(common=1e-4)))
+        apart = operation_terms(holes, rotor, PLANES, replace(shop, diameter=Spread(separate=1e-4)))
+        assert together.name == "drill Ø12: diameter"
+        assert together.sensitivities == pytest.approx(sum(k.sensitivities for k in apart))
+        both = operation_terms(holes, rotor, PLANES, replace(shop, diameter=Spread(1e-4, 5e-5)))
+        assert [k.spread for k in both] == [5e-5, 5e-5, 1e-4]
+
+    @pytest.mark.parametrize(
+        ("name", "groups"),
+        [
+            ("depth", {"drill Ø12", "drill Ø14", "plane III"}),
+            ("angle", {"zero mark"}),
+            ("z", {"plane I", "plane II", "plane III", "plane IV"}),
+            ("mass", {"weights 5 g"}),
+        ],
+    )
+    def test_what_is_common_goes_by_tool_zero_mark_and_plane(self, name, groups):
+        works = [replace(k, item="5 g") if k.kind == "weight" else k for k in planned()]
+        shop = replace(ShopTolerance(*[Spread()] * 6), **{name: Spread(common=1e-3)})
+        terms = operation_terms(works, Unbalance(10.0, 0.13, 0.0, 0.0), PLANES, shop)
+        assert {k.name for k in terms} == {f"{group}: {name}" for group in groups}
+
+    def test_eight_holes_of_one_drill_scatter_as_one(self):
+        """The share of eight holes side by side against the quadrature of one input, and of eight."""
+        hole = planned()[0]
+        angles = 0.12 * (np.arange(8) - 3.5)
+        works = [
+            replace(hole, id=f"I-{k}", angle=a, unbalance=-cmath.rect(taken(hole), a)) for k, a in enumerate(angles)
+        ]
+        rotor = Unbalance(10.0, 0.09, 0.0, 0.0)
+        start = np.array(rotor.in_planes(*PLANES))
+        half = 1e-4
+
+        def left(off):  # of all holes together, at bearing A
+            change = np.array([taken(hole, diameter=k) for k in np.atleast_1d(off)]) - taken(hole)
+            return change * abs(np.exp(1j * angles).sum())
+
+        arm = (PLANES[1] - hole.unbalance_z) / (PLANES[1] - PLANES[0])
+        limit = 0.7 * float(left(half)[0]) * arm
+        offs = np.linspace(-half, half, 2001)
+        expected = np.mean(np.abs(left(offs) * arm) <= limit)
+        shop = ShopTolerance(*[Spread()] * 6)
+        limits = [limit, 1.0]
+        one = operation_terms(works, rotor, PLANES, replace(shop, diameter=Spread(common=half)))
+        each = operation_terms(works, rotor, PLANES, replace(shop, diameter=Spread(separate=half)))
+        assert monte_carlo(start, one, permissible=limits).within == pytest.approx(expected, abs=0.02)
+        assert monte_carlo(start, each, permissible=limits).within > 0.99

@@ -114,8 +114,15 @@ def test_criteria_by_plane(tolerance: dict, gmm: float) -> None:
 
 def test_what_the_shop_holds_is_in_the_files_unit() -> None:
     shop = rotor(unit="in", uncertainty={"depth": 0.004, "angle": 1, "mass": 0.02}).shop
-    assert shop.depth == pytest.approx(0.004 * 0.0254, rel=1e-15)
-    assert (shop.angle, shop.mass) == (math.radians(1), 0.02)
+    assert shop.depth.common == pytest.approx(0.004 * 0.0254, rel=1e-15)
+    assert (shop.depth.separate, shop.angle.common, shop.mass.separate) == (0.0, math.radians(1), 0.02)
+    shop = rotor(uncertainty={"depth": {"common": 0.2, "separate": 0.1}, "mass": {"common": 0.01}}).shop
+    assert (shop.depth.common, shop.depth.separate) == pytest.approx((2e-4, 1e-4))
+    assert (shop.mass.common, shop.mass.separate) == (0.01, 0.0)
+    with pytest.raises(UsageError, match=r"uncertainty\.depth\.separate is -1"):
+        rotor(uncertainty={"depth": {"separate": -1}})
+    with pytest.raises(UsageError, match=r"uncertainty\.depth is 'x'"):
+        rotor(uncertainty={"depth": "x"})
     assert shop.diameter == rotor().shop.diameter
 
 

@@ -93,6 +93,37 @@ class TestOutcome:
         verdict = judge(rotor, tolerance(), PLANES, rigid_limit(70, 100))
         assert verdict.outcome == "undecided"
         assert "bends too much" in verdict.why[-1]
+        assert "not known without the modes" in verdict.why[-1]
+
+    def test_near_the_critical_speed_too_much_of_a_rigid_unbalance_fails(self):
+        verdict = judge(residual(5600, 1), tolerance(), PLANES, rigid_limit(75, 100))
+        assert verdict.outcome == "fail"
+        assert "bends too much" in verdict.why[-1]
+
+
+class TestTheAxisTakenAsExact:
+    """What radial error turns a verdict over, against verdicts with that much of it in their bounds."""
+
+    @pytest.mark.parametrize(
+        ("a", "b", "outcome"), [(20, 60, "pass"), (10, 1, "pass"), (300, 150, "fail"), (1, 101, "fail")]
+    )
+    def test_turns_over_at_the_radius_that_it_says(self, a, b, outcome):
+        rotor = residual(a, b, tessellation=(0.5, 1e-5))
+        modes = ((-1.0, 0.2), (0.7, -0.1), (0.0, 0.05))  # of 1 m
+        exact = judge(rotor, tolerance(), PLANES, axis=Uncertainty("axis", modes, 1.0))
+        assert exact.outcome == outcome
+        assert exact.axis_exact
+        assert "with the axis taken as exact: a radial error of" in exact.headline
+        for factor, after in ((0.999, outcome), (1.001, "undecided")):
+            radius = factor * exact.turned_over_by
+            scaled_modes = tuple((radius * g, radius * h) for g, h in modes)
+            bounded = rotor.with_uncertainties(Uncertainty("axis", scaled_modes, radius))
+            assert judge(bounded, tolerance(), PLANES).outcome == after
+
+    def test_is_not_said_where_it_is_in_the_bounds(self):
+        verdict = judge(residual(1, 1, axis=(5, 1e-5)), tolerance(), PLANES)
+        assert verdict.headline == "PASS"
+        assert not verdict.axis_exact
 
 
 class TestUndecided:

@@ -62,7 +62,9 @@ def test_the_document_holds_the_contract(capsys: pytest.CaptureFixture[str]) -> 
 def test_a_rotor_that_is_corrected_passes(capsys: pytest.CaptureFixture[str]) -> None:
     code, out, err = run(capsys, ROTOR)
     assert (code, err) == (0, "")
-    assert "Verdict           PASS\n" in out
+    assert "Verdict           PASS; over 99.8 % of parts within tolerance, 95 % asked for" in "\n".join(
+        out.split("\n")[:2]
+    )
     assert "as modelled, before any correction: FAIL" in out
     assert "counter-clockwise seen from B looking toward A" in out
     assert "predicted from geometry, not measured" in out
@@ -71,7 +73,7 @@ def test_a_rotor_that_is_corrected_passes(capsys: pytest.CaptureFixture[str]) ->
 def test_the_short_form_fails_where_nothing_is_corrected(capsys: pytest.CaptureFixture[str]) -> None:
     code, out, err = run(capsys, *SHORT)
     assert (code, err) == (5, "")
-    assert "Verdict           FAIL\n" in out
+    assert "Verdict           FAIL; 0.0 % of parts within tolerance" in out
     assert "the density is assumed to be 1000 kg/m³" in out
 
 
@@ -118,7 +120,39 @@ def test_every_sample_gets_a_verdict_and_nothing_else_on_standard_output(name: s
     done = subprocess.run(command, capture_output=True, text=True, check=False)
     result = json.loads(done.stdout)
     assert done.stderr == ""
-    assert done.returncode == {"pass": 0, "fail": 5, "undecided": 4}[result["verdict"]]
+    less = 5 if result["scatter"]["within"] < 0.5 else 4
+    assert done.returncode == {"pass": 0, "fail": 5, "undecided": 4, "conditional": less}[result["verdict"]]
+
+
+@pytest.mark.parametrize(
+    ("tolerances", "code", "verdict", "share"),
+    [
+        ("depth = 1\nangle = 5\ndiameter = 0.2", 4, "conditional", (0.8, 0.85)),
+        ("depth = 3\nangle = 15", 5, "conditional", (0.1, 0.2)),
+        ("angle = 10\nconfidence = 0.5", 0, "pass", (0.55, 0.7)),
+        ("depth = 0.05", 0, "pass", (0.999, 1.0)),
+    ],
+)
+def test_the_verdict_counts_what_the_file_states_of_the_shop(
+    capsys: pytest.CaptureFixture[str],
+    tmp_path: Path,
+    tolerances: str,
+    code: int,
+    verdict: str,
+    share: tuple[float, float],
+) -> None:
+    file = tmp_path / "rotor.toml"
+    text = path("rotors/two_disc_rotor.toml").read_text().replace("../two_disc_rotor.stl", MESH)
+    file.write_text(f"{text}\n[uncertainty]\n{tolerances}\n")
+    done, out, _ = run(capsys, str(file))
+    assert done == code
+    first = " ".join(" ".join(out.split("\n")[1:3]).split())
+    assert first.startswith(f"Verdict {verdict.upper()};")
+    assert "of parts within tolerance" in first
+    result = document(capsys, str(file))
+    assert result["verdict"] == verdict
+    assert share[0] <= result["scatter"]["within"] <= share[1]
+    assert list(result)[2:4] == ["verdict", "scatter"]
 
 
 UNINSTALLED = """

@@ -18,6 +18,7 @@ import pytest
 
 from inertia.balancing.balance import balance
 from inertia.balancing.rotor import Rotor
+from inertia.balancing.verdict import Verdict
 from inertia.errors import InertiaError, UsageError
 from inertia.report.balance.data import PlaneRow
 from inertia.report.balance.document import balance_csv, balance_document
@@ -220,9 +221,11 @@ def test_sensitivities_are_those_that_matter_most():
     assert text(grid.find("tfoot")) == "and 12 that matter less"
 
 
-@pytest.mark.parametrize("outcome", ["pass", "fail", "undecided"])
+@pytest.mark.parametrize("outcome", ["pass", "fail", "undecided", "conditional"])
 def test_the_verdict_is_a_word_and_a_frame_of_its_own(outcome):
-    data = replace(case_14(), residual=replace(case_14().residual, outcome=outcome), verdict=("because & so",))
+    data = case_14()
+    verdict = Verdict(outcome, data.verdict.planes, ("because & so",))
+    data = replace(data, residual=replace(data.residual, outcome=outcome), verdict=verdict)
     box = page(data).find(".//section//div[@class='verdict " + outcome + "']")
     assert text(box) == f"{outcome.upper()} because & so"
     assert f".verdict.{outcome}" in balance_html(data) or outcome == "pass"
@@ -286,7 +289,7 @@ def hostile():
         bodies=(replace(data.bodies[0], name=HOSTILE, path=HOSTILE),),
         file=(HOSTILE, "0" * 64),
         tolerance=replace(data.tolerance, standard=HOSTILE, rule=HOSTILE),
-        verdict=(HOSTILE,),
+        verdict=replace(case_14().verdict, why=(HOSTILE,)),
         notes=(HOSTILE,),
         planes=planes,
         operations=works,

@@ -12,9 +12,11 @@ from functools import reduce
 from operator import add
 
 from inertia.arrays import Progress
+from inertia.balancing import bounds
 from inertia.balancing.axis.location import Axis, rotor_axis
 from inertia.balancing.axis.shaft import Shaft
 from inertia.balancing.axis.tilt import Tilt, principal_tilt
+from inertia.balancing.bounds import Uncertainty
 from inertia.balancing.correction_loop import Correction, correct
 from inertia.balancing.corrections.correction_plane import CorrectionPlane
 from inertia.balancing.forces import RigidLimit, axle_torque, bearing_forces, rigid_limit
@@ -31,7 +33,7 @@ from inertia.balancing.rotor_bodies import (
 )
 from inertia.balancing.tolerance import Planes, Tolerance, achieved_grade, allocate
 from inertia.balancing.unbalance import Unbalance
-from inertia.balancing.verdict import Verdict, judge
+from inertia.balancing.verdict import Verdict, count_the_shop, judge
 from inertia.errors import GeometryError, UsageError, placed, require_kind
 from inertia.mass.properties import MassProperties
 
@@ -176,9 +178,18 @@ def balance(rotor: Rotor, *, progress: Progress | None = None) -> Balance:
     terms = rotor_terms(residual, at)
     if correction is not None:
         terms += operation_terms(correction.operations, residual, at, rotor.shop)
+    exact = None if rotor.radial_uncertainty else bounds.axis(shaft.resolve(properties), shaft.span, 1.0)
+    initial_verdict = _judged(initial, tolerance, axis, rigid, exact)
+    verdict = initial_verdict if correction is None else _judged(residual, tolerance, axis, rigid, exact)
     settings = rotor.fields.uncertainty
-    initial_verdict = _judged(initial, tolerance, axis, rigid)
-    verdict = initial_verdict if correction is None else _judged(residual, tolerance, axis, rigid)
+    scatter = monte_carlo(
+        [plane.residual for plane in verdict.planes],
+        terms,
+        permissible=tolerance.permissible,
+        confidence=settings.confidence,
+        draws=settings.draws,
+        seed=settings.seed,
+    )
     return Balance(
         rotor=rotor,
         bodies=bodies,
@@ -190,17 +201,11 @@ def balance(rotor: Rotor, *, progress: Progress | None = None) -> Balance:
         correction_planes=planes,
         planes=_in_planes(rotor, initial, residual),
         correction=correction,
-        verdict=verdict,
+        verdict=count_the_shop(verdict, scatter) if axis.confirmed else verdict,
         initial_verdict=initial_verdict,
         rigid=rigid,
         tilt=principal_tilt(properties, shaft),
-        scatter=monte_carlo(
-            [plane.residual for plane in verdict.planes],
-            terms,
-            permissible=tolerance.permissible,
-            draws=settings.draws,
-            seed=settings.seed,
-        ),
+        scatter=scatter,
         notes=tuple(_notes(rotor, bodies)),
     )
 
@@ -259,9 +264,11 @@ def _in_planes(rotor: Rotor, initial: Unbalance, residual: Unbalance) -> tuple[P
     )
 
 
-def _judged(unbalance: Unbalance, tolerance: Tolerance, axis: Axis, rigid: RigidLimit | None) -> Verdict:
+def _judged(
+    unbalance: Unbalance, tolerance: Tolerance, axis: Axis, rigid: RigidLimit | None, exact: Uncertainty | None
+) -> Verdict:
     """Judge an unbalance; about an axis that nobody confirmed there is no verdict."""
-    verdict = judge(unbalance, tolerance, (axis.shaft.z_a, axis.shaft.z_b), rigid)
+    verdict = judge(unbalance, tolerance, (axis.shaft.z_a, axis.shaft.z_b), rigid, exact if axis.confirmed else None)
     if axis.confirmed:
         return verdict
     why = f"the axis was {axis.obtained}; write bearing_a and bearing_b into the rotor file to have a verdict"
@@ -302,7 +309,7 @@ def _notes(rotor: Rotor, bodies: Sequence[RotorBody]) -> list[str]:
         if body.chord_from == "estimated" and body.chord
     ]
     if not rotor.radial_uncertainty:
-        notes.append("the axis counts as exact, as no radial_uncertainty is given")
+        notes.append("the axis is taken as exact, as no radial_uncertainty is given")
     if rotor.fields.service.critical_rpm is None:
         notes.append("the rotor counts as rigid, as no critical_rpm is given")
     return notes

@@ -98,7 +98,8 @@ class RigidLimit:
     Attributes
     ----------
     ratio : speed over critical speed
-    amplification : bearing force over that of the rigid rotor
+    amplification : bearing force over that of the rigid rotor, of a disc in the middle of a massless shaft; of any
+        other rotor it takes the modes, which a mesh does not have
     level : "rigid", "note" from a ratio of 0.3, "warn" from 0.5, "flexible" from 0.7: no rigid verdict any more
     text : the same in a sentence
     """
@@ -129,12 +130,20 @@ def rigid_limit(speed: float, critical: float) -> RigidLimit:
     says = "the rotor counts as rigid"
     if ratio >= _REFUSE:
         level = "flexible"
-        says = f"from {_REFUSE:g} on it bends too much for a verdict as a rigid rotor: balance it as a flexible one"
+        says = (
+            f"from {_REFUSE:g} on it bends too much to pass as a rigid rotor: balance it as a flexible one, mode by "
+            "mode (ISO 21940-12)"
+        )
     elif ratio >= _WARN:
         level, says = "warn", "bearing forces are far from those of a rigid rotor: balance at service speed"
     elif ratio >= _NOTE:
         level, says = "note", "bearing forces begin to exceed those of a rigid rotor"
-    text = f"the speed is {ratio:.3g} of the critical one, which takes bearing forces times {grows:.3g}: {says}"
+    text = f"the speed is {ratio:.3g} of the critical one: {says}"
+    if level != "rigid":
+        text += (
+            f". By how much they grow is not known without the modes: times {grows:.3g} for a disc in the middle of a "
+            "massless shaft; of this rotor, mode shapes and modal masses would tell, or a run at that speed"
+        )
     return RigidLimit(ratio, grows, level, text)
 
 

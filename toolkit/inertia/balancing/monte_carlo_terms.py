@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 
 import numpy as np
 
@@ -20,8 +20,24 @@ _AXIS = ("axis at bearing A", "axis at bearing B", "axis tilt, uneven transverse
 
 
 @dataclass(frozen=True)
+class Spread:
+    """Half-widths of a tolerance: of what operations have in common, and of what each has by itself."""
+
+    common: float = 0.0
+    separate: float = 0.0
+
+    @property
+    def total(self) -> float:
+        """The most that a single operation may be off by."""
+        return self.common + self.separate
+
+
+@dataclass(frozen=True)
 class ShopTolerance:
     """What the shop holds, as half-widths; 0 for what is exact.
+
+    What is common is drawn once for all operations that share it: depth and diameter for those of one tool, radius and
+    z for those in one plane, the angle, which is that of the zero mark, for all of them, the mass for equal weights.
 
     Attributes
     ----------
@@ -30,12 +46,17 @@ class ShopTolerance:
     mass : relative, of a weight
     """
 
-    depth: float = 1e-4
-    diameter: float = 5e-5
-    radius: float = 1e-4
-    z: float = 1e-4
-    angle: float = math.radians(0.5)
-    mass: float = 0.005
+    depth: Spread = Spread(common=1e-4)
+    diameter: Spread = Spread(common=5e-5)
+    radius: Spread = Spread(common=1e-4)
+    z: Spread = Spread(common=1e-4)
+    angle: Spread = Spread(common=math.radians(0.5))
+    mass: Spread = Spread(separate=0.005)
+
+    @property
+    def separately(self) -> ShopTolerance:
+        """The same with nothing in common: every operation has terms of its own."""
+        return ShopTolerance(**{k.name: Spread(separate=getattr(self, k.name).total) for k in fields(self)})
 
 
 _STEPS = {
@@ -66,9 +87,10 @@ def rotor_terms(rotor: Unbalance, zs: Sequence[float]) -> tuple[Term, ...]:
 def operation_terms(
     operations: Sequence[Operation], rotor: Unbalance, zs: Sequence[float], shop: ShopTolerance
 ) -> tuple[Term, ...]:
-    """Return the terms of the shop's work: depth, diameter, radius, place and angle of every operation.
+    """Return the terms of the shop's work: depth, diameter, radius, place, angle and mass.
 
-    The unbalance taken is f(depth, diameter, radius), whose derivatives are central differences over the tolerance.
+    A part that operations have in common is one term, whose sensitivities are the sums of theirs. The unbalance
+    taken is f(depth, diameter, radius), whose derivatives are central differences over the tolerance.
 
     Parameters
     ----------
@@ -79,16 +101,35 @@ def operation_terms(
     """
     p, q = plane_weights(rotor.z, zs)
     terms = []
+    together: dict[tuple[str, str], Complex] = {}
     for work in operations:
         arm = work.unbalance_z - rotor.z
         moved = {"angle": 1j * work.unbalance}
         moved |= {name: work.unbalance * rate for name, rate in _relative_rates(work, shop).items()}
         modes = {name: (vector, vector * arm) for name, vector in moved.items()} | {"z": (0j, work.unbalance)}
         for name, vectors in zip(modes, _in_planes(tuple(modes.values()), p, q), strict=True):
-            half_width = getattr(shop, name)
-            if half_width > 0:
-                terms.append(Term(f"{work.id}: {name}", "uniform", half_width, vectors, *_STEPS[name]))
+            spread: Spread = getattr(shop, name)
+            if spread.common:
+                key = (name, _shared(name, work))
+                together[key] = together.get(key, np.zeros(len(zs))) + vectors
+            if spread.separate:
+                terms.append(Term(f"{work.id}: {name}", "uniform", spread.separate, vectors, *_STEPS[name]))
+    terms += [
+        Term(f"{shared}: {name}", "uniform", getattr(shop, name).common, vectors, *_STEPS[name])
+        for (name, shared), vectors in together.items()
+    ]
     return tuple(terms)
+
+
+def _shared(name: str, work: Operation) -> str:
+    """Return what an operation has an input in common with others by: the zero mark, its tool, or its plane."""
+    if name == "angle":
+        return "zero mark"
+    if name == "mass" and work.item is not None:
+        return f"weights {work.item}"
+    if name in ("depth", "diameter") and work.tool_diameter is not None:
+        return f"drill Ø{1e3 * work.tool_diameter:.6g}"
+    return f"plane {work.plane}"
 
 
 def _of_source(uncertainty: Uncertainty, p: Float, q: Float) -> list[Term]:
@@ -122,17 +163,19 @@ def _relative_rates(work: Operation, shop: ShopTolerance) -> dict[str, float]:
     match work.kind:
         case "drill_radial":
             return {
-                "depth": _rate(lambda x: radial_unbalance(1.0, radius, diameter, x, point), depth, shop.depth),
-                "diameter": _rate(lambda x: radial_unbalance(1.0, radius, x, depth, point), diameter, shop.diameter),
+                "depth": _rate(lambda x: radial_unbalance(1.0, radius, diameter, x, point), depth, shop.depth.total),
+                "diameter": _rate(
+                    lambda x: radial_unbalance(1.0, radius, x, depth, point), diameter, shop.diameter.total
+                ),
             }
         case "drill_axial":
             return {
-                "depth": _rate(lambda x: axial_volume(diameter, x, point), depth, shop.depth),
-                "diameter": _rate(lambda x: axial_volume(x, depth, point), diameter, shop.diameter),
+                "depth": _rate(lambda x: axial_volume(diameter, x, point), depth, shop.depth.total),
+                "diameter": _rate(lambda x: axial_volume(x, depth, point), diameter, shop.diameter.total),
                 "radius": 1.0 / radius,
             }
         case "mill_flat":
-            return {"depth": _rate(lambda x: flat_unbalance(1.0, radius, width, x), depth, shop.depth)}
+            return {"depth": _rate(lambda x: flat_unbalance(1.0, radius, width, x), depth, shop.depth.total)}
         case _:
             return {"mass": 1.0, "radius": 1.0 / radius}
 

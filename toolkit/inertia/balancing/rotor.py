@@ -18,8 +18,8 @@ from inertia.balancing import tolerance as tolerances
 from inertia.balancing.axis.shaft import Shaft
 from inertia.balancing.correction_fields import EvenAngles, PlaneFields
 from inertia.balancing.corrections.correction_plane import CorrectionPlane, KitWeight, Sector, evenly
-from inertia.balancing.monte_carlo_terms import ShopTolerance
-from inertia.balancing.rotor_fields import RotorFields
+from inertia.balancing.monte_carlo_terms import ShopTolerance, Spread
+from inertia.balancing.rotor_fields import HalfWidths, RotorFields
 from inertia.balancing.shop_units import angular_speed
 from inertia.balancing.tolerance import GRADES, Planes, Tolerance
 from inertia.balancing.unbalance import PointMass, Unbalance
@@ -131,9 +131,15 @@ class Rotor(Document):
     def shop(self) -> ShopTolerance:
         """What the shop holds."""
         fields, scales = self.fields.uncertainty, {"angle": math.radians(1.0), "mass": 1.0}
-        names = ("depth", "diameter", "radius", "z", "angle", "mass")
-        values = {name: value for name in names if (value := getattr(fields, name)) is not None}
-        return ShopTolerance(**{name: scales.get(name, self._metres) * value for name, value in values.items()})
+        spreads = {}
+        for name in ("depth", "diameter", "radius", "z", "angle", "mass"):
+            if (value := getattr(fields, name)) is None:
+                continue
+            if not isinstance(value, HalfWidths):
+                value = HalfWidths(separate=value) if name == "mass" else HalfWidths(common=value)
+            scale = scales.get(name, self._metres)
+            spreads[name] = Spread(scale * value.common, scale * value.separate)
+        return ShopTolerance(**spreads)
 
     def tolerance(self, rotor: Unbalance, planes: Planes) -> Tolerance:
         """Return what is permissible in the tolerance planes (A, B) m, for a rotor of this mass and centre of mass."""

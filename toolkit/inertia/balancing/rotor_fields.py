@@ -6,6 +6,7 @@ into SI units and radians; angles and signs are those of `inertia.balancing.unba
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Annotated, Any, ClassVar, Literal, get_args
 
@@ -21,6 +22,8 @@ from inertia.documents import (
     layout_version,
     number,
     numbers,
+    schema_of,
+    section_of,
     several,
     table,
     tables,
@@ -220,28 +223,61 @@ class ToleranceFields(Section):
 
 
 @dataclass(frozen=True, eq=False)
+class HalfWidths(Section):
+    """A half-width in two parts.
+
+    Attributes
+    ----------
+    common : drawn once for all that has it in common
+    separate : drawn for each operation by itself
+    """
+
+    section: ClassVar[str] = "half-width"
+
+    common: Annotated[float, number("the same unit", negative=False)] = 0.0
+    separate: Annotated[float, number("the same unit", negative=False)] = 0.0
+
+
+def _half_width(unit: str, **limits: Any) -> Reader:
+    """Read a half-width: a number, or a table of its common and separate parts."""
+    single = number(unit, negative=False, **limits)
+
+    def read(value: Any, path: str) -> float | HalfWidths:
+        if isinstance(value, Mapping | HalfWidths):
+            return section_of(HalfWidths, value, path=path) if isinstance(value, Mapping) else value
+        width: float = single(value, path)
+        return width
+
+    return Reader(read, {"oneOf": [single.schema, schema_of(HalfWidths)]})
+
+
+@dataclass(frozen=True, eq=False)
 class UncertaintyFields(Section):
     """The section ``[uncertainty]``: how well the inputs are known and what the shop holds, as half-widths.
 
     Attributes
     ----------
     density : of each body's density, as a part of it; not of bodies that were weighed
-    depth, diameter, radius, z : of the shop's holes, flats and weights
-    angle : degrees
-    mass : of a weight, as a part of it
-    draws : of the Monte Carlo
+    depth, diameter : of the shop's holes and flats; a number, or {common, separate}; a number is common to all that
+        one tool does
+    radius, z : the same of where holes and weights are, common in a plane
+    angle : the same in degrees, common to all, as an error of the zero mark is
+    mass : the same of a weight, as a part of it; a number is separate
+    confidence : the share of parts that has to be within tolerance for PASS
+    draws : of the Monte Carlo; four times as many where they do not tell
     seed : of its random numbers
     """
 
     section: ClassVar[str] = "uncertainty"
 
     density: Annotated[float, number("", negative=False, below=1.0)] = 0.0
-    depth: Annotated[float | None, number(_LENGTH, negative=False)] = None
-    diameter: Annotated[float | None, number(_LENGTH, negative=False)] = None
-    radius: Annotated[float | None, number(_LENGTH, negative=False)] = None
-    z: Annotated[float | None, number(_LENGTH, negative=False)] = None
-    angle: Annotated[float | None, number("degrees", negative=False)] = None
-    mass: Annotated[float | None, number("", negative=False, below=1.0)] = None
+    depth: Annotated[float | HalfWidths | None, _half_width(_LENGTH)] = None
+    diameter: Annotated[float | HalfWidths | None, _half_width(_LENGTH)] = None
+    radius: Annotated[float | HalfWidths | None, _half_width(_LENGTH)] = None
+    z: Annotated[float | HalfWidths | None, _half_width(_LENGTH)] = None
+    angle: Annotated[float | HalfWidths | None, _half_width("degrees")] = None
+    mass: Annotated[float | HalfWidths | None, _half_width("", below=1.0)] = None
+    confidence: Annotated[float, number("", positive=True, below=1.0)] = 0.95
     draws: Annotated[int, integer(100, _MOST_DRAWS)] = 10_000
     seed: Annotated[int, integer(0, 2**31)] = 0
 

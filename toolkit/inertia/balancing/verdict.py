@@ -1,18 +1,23 @@
-"""Verdict on a residual unbalance against its tolerance, PASS, FAIL or UNDECIDED, with all that is uncertain of it."""
+"""Verdict on a residual unbalance against its tolerance: PASS, CONDITIONAL, FAIL or UNDECIDED.
+
+PASS and FAIL hold whatever is uncertain of the rotor. PASS becomes CONDITIONAL where too few parts would be within the
+tolerance, once the shop's work scatters as stated.
+"""
 
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Literal
 
-from inertia.balancing.bounds import Source
+from inertia.balancing.bounds import Source, Uncertainty
 from inertia.balancing.forces import RigidLimit
+from inertia.balancing.monte_carlo import Scatter
 from inertia.balancing.shop_units import GRAM_MILLIMETRE
 from inertia.balancing.tolerance import Planes, Tolerance
-from inertia.balancing.unbalance import Unbalance
+from inertia.balancing.unbalance import Unbalance, plane_weights
 
-Outcome = Literal["pass", "fail", "undecided"]
+Outcome = Literal["pass", "fail", "undecided", "conditional"]
 
 _ASKS: dict[Source, str] = {
     "tessellation": "a chord tolerance of {:.2g} mm or less",
@@ -74,15 +79,51 @@ class Verdict:
     outcome : of the whole rotor
     planes : (A, B)
     why : in sentences
+    turned_over_by : m, the radial error of the bearing centres that would turn it over, where the axis is taken as
+        exact; None where its uncertainty is in the bounds, or where nothing is decided
+    axis_exact : whether the axis is taken as exact
+    within : the share of parts within tolerance, where the shop's work has been counted
+    share : the same in words, with the share that was asked for
     """
 
     outcome: Outcome
     planes: tuple[PlaneVerdict, PlaneVerdict]
     why: tuple[str, ...]
+    turned_over_by: float | None = None
+    axis_exact: bool = False
+    within: float | None = None
+    share: str = ""
+
+    @property
+    def headline(self) -> str:
+        """The verdict, the share of parts within tolerance, and what it takes for granted."""
+        return "; ".join([self.outcome.upper(), *self.qualified])
+
+    @property
+    def qualified(self) -> tuple[str, ...]:
+        """The share of parts within tolerance, and that the axis is taken as exact, where it is."""
+        parts = [self.share] if self.share else []
+        if self.axis_exact:
+            over = self.turned_over_by
+            radius = "" if over is None else f"{_floored(1e3 * over) if over > 0 else 0.0:.2g}"
+            parts.append(
+                "with the axis taken as exact"
+                + (f": a radial error of {radius} mm at the bearings could turn it over" if radius else "")
+            )
+        return tuple(parts)
 
 
-def judge(residual: Unbalance, tolerance: Tolerance, planes: Planes, rigid: RigidLimit | None = None) -> Verdict:
+def judge(
+    residual: Unbalance,
+    tolerance: Tolerance,
+    planes: Planes,
+    rigid: RigidLimit | None = None,
+    axis: Uncertainty | None = None,
+) -> Verdict:
     """Judge a residual unbalance in its tolerance planes.
+
+    A rotor that runs near its critical speed fails where its unbalance as a rigid body is too large already; it does
+    not pass for having little of that.
 
     Parameters
     ----------
@@ -90,6 +131,7 @@ def judge(residual: Unbalance, tolerance: Tolerance, planes: Planes, rigid: Rigi
     tolerance : what is permissible in each plane
     planes : (A, B) m, the tolerance planes
     rigid : how near the critical speed is, if that is known
+    axis : what an axis leaves uncertain whose bearing centres are known to within 1 m, where it is taken as exact
 
     >>> from inertia.balancing.tolerance import specific_unbalance
     >>> rotor = Unbalance(10.0, 0.2, static=1e-5, couple=0.0)
@@ -106,8 +148,59 @@ def judge(residual: Unbalance, tolerance: Tolerance, planes: Planes, rigid: Rigi
     outcome: Outcome = "fail" if "fail" in outcomes else "undecided" if "undecided" in outcomes else "pass"
     why: tuple[str, ...] = (first.why, second.why)
     if rigid is not None and rigid.level == "flexible":
-        outcome, why = "undecided", (*why, rigid.text)
-    return Verdict(outcome, (first, second), why)
+        outcome, why = "fail" if outcome == "fail" else "undecided", (*why, rigid.text)
+    over = None if axis is None else _turned_over(outcome, (first, second), residual, planes, axis)
+    return Verdict(outcome, (first, second), why, over, axis is not None)
+
+
+def count_the_shop(verdict: Verdict, scatter: Scatter) -> Verdict:
+    """Return the verdict with the share of parts within tolerance: PASS takes the share that is asked for.
+
+    It has to be reached with 99.9 % confidence, so that other draws do not turn it over.
+
+    Parameters
+    ----------
+    verdict : on the residual as planned
+    scatter : of the residual as made, with what is permissible
+    """
+    if scatter.within is None or scatter.within_range is None:
+        return verdict
+    low, high = scatter.within_range
+    wanted = f"{100.0 * scatter.confidence:g} %"
+    share = f"{scatter.within_text} of parts within tolerance, {wanted} asked for"
+    outcome, why = verdict.outcome, verdict.why
+    if outcome == "pass" and low < scatter.confidence:
+        outcome = "conditional"
+        why = (
+            *why,
+            f"as made, {scatter.within_text} of parts are within tolerance where axis, densities and the shop's work "
+            f"scatter as stated, and {wanted} is asked for{_tightest(scatter)}",
+        )
+    if low < scatter.confidence < high or low < 0.5 < high:
+        edge = wanted if low < scatter.confidence < high else "one half"
+        share += f" (too near {edge} to be told by {scatter.draws} draws: {100 * low:.2f} to {100 * high:.2f} %)"
+    return replace(verdict, outcome=outcome, why=why, within=scatter.within, share=share)
+
+
+def _tightest(scatter: Scatter) -> str:
+    """Return what has to be held tighter first."""
+    return next((f": what matters most is {k.name}" for k in scatter.sensitivities if k.at_spread.any()), "")
+
+
+def _turned_over(
+    outcome: Outcome, verdicts: tuple[PlaneVerdict, ...], residual: Unbalance, planes: Planes, axis: Uncertainty
+) -> float | None:
+    """Return the radius of uncertainty of the bearing centres (m) from which on a verdict holds no more."""
+    p, q = plane_weights(residual.z, planes)
+    rates = [axis.bound(float(p[k]), float(q[k])) for k in range(len(verdicts))]
+    room = [
+        abs(k.permissible - abs(k.residual)) - math.fsum(k.bounds.values()) if k.outcome == outcome else None
+        for k in verdicts
+    ]
+    radii = [left / rate for left, rate in zip(room, rates, strict=True) if left is not None and rate > 0]
+    if outcome == "pass":
+        return min(radii, default=None)
+    return max(radii, default=None) if outcome == "fail" else None
 
 
 def _causes(residual: Unbalance) -> dict[Source, float | None]:

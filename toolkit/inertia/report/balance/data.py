@@ -25,7 +25,7 @@ from inertia.balancing.rotor_bodies import ChordFrom
 from inertia.balancing.rotor_fields import ReportFields, ServiceFields
 from inertia.balancing.tolerance import Share, Tolerance
 from inertia.balancing.unbalance import Kind as UnbalanceKind
-from inertia.balancing.verdict import Outcome
+from inertia.balancing.verdict import Outcome, Verdict
 from inertia.mesh.part import Part
 
 MM = 1e3
@@ -220,7 +220,7 @@ class ReportData:
     corrected : whether a plane has a method of correction
     cuts, within, limits_hit, ending : how the search for the operations went
     scatter : how the residual may turn out, and what matters most first
-    verdict : on the residual, in sentences
+    verdict : on the residual
     notes : what else has to be known, in sentences
     """
 
@@ -252,7 +252,7 @@ class ReportData:
     limits_hit: tuple[str, ...]
     ending: str
     scatter: Scatter
-    verdict: tuple[str, ...]
+    verdict: Verdict
     notes: tuple[str, ...]
 
     @property

@@ -34,6 +34,10 @@ def balance_document(data: ReportData) -> Document:
     return {
         "schema": "inertia/balance/1",
         "rotor": data.rotor,
+        "verdict": data.outcome,
+        "scatter": _scatter(data),
+        "why": list(data.verdict.why),
+        "axis_taken_as_exact": _axis_taken_as_exact(data),
         "report": plain(data.head),
         "bodies": [_body(body) for body in data.bodies],
         "axis": {
@@ -75,8 +79,6 @@ def balance_document(data: ReportData) -> Document:
         },
         **_by_plane(data, data.initial),
         "initial_verdict": data.initial.outcome,
-        "verdict": data.outcome,
-        "why": list(data.verdict),
         "corrections": [_operation(*numbered) for numbered in enumerate(data.operations, 1)],
         "correction": {
             "why": data.ending,
@@ -92,7 +94,6 @@ def balance_document(data: ReportData) -> Document:
             **_whole(data.residual),
             **_by_plane(data, data.residual),
         },
-        "scatter": _scatter(data),
         "notes": list(data.notes),
     }
 
@@ -137,6 +138,13 @@ def _body(body: BodyRow) -> Document:
         "chord_tolerance_mm": body.chord,
         "chord_from": body.chord_from,
     }
+
+
+def _axis_taken_as_exact(data: ReportData) -> Document | None:
+    if not data.verdict.axis_exact:
+        return None
+    radius = data.verdict.turned_over_by
+    return {"turned_over_by_mm": None if radius is None else MM * radius}
 
 
 def _candidate(candidate: Candidate) -> Document:
@@ -215,10 +223,13 @@ def _operation(step: int, work: OperationRow) -> Document:
 
 
 def _scatter(data: ReportData) -> Document:
+    within = data.scatter.within_range
     return {
+        "within": data.scatter.within,
+        "within_range": None if within is None else list(within),
+        "confidence": data.scatter.confidence,
         "draws": data.scatter.draws,
         "residual_95_gmm": [in_gmm(bearing.residual_95) for bearing in data.bearings],
-        "within": data.scatter.within,
         "sensitivities": [
             {
                 "name": line.name,

@@ -4,11 +4,15 @@ from __future__ import annotations
 
 import datetime
 import math
+from collections.abc import Mapping
 from pathlib import Path
+
+import numpy as np
 
 from inertia import __version__
 from inertia.balancing.balance import Balance
 from inertia.balancing.corrections.operation import Operation
+from inertia.balancing.monte_carlo_terms import operation_terms
 from inertia.balancing.rotor import Rotor
 from inertia.balancing.rotor_bodies import RotorBody
 from inertia.balancing.unbalance import Unbalance
@@ -59,14 +63,14 @@ def report_data(balance: Balance, date: str | None = None) -> ReportData:
         initial=initial,
         correction=_change(initial, residual, balance.rotor.speed),
         residual=residual,
-        operations=() if correction is None else tuple(_operation(balance, work) for work in correction.operations),
+        operations=_operations(balance),
         corrected=correction is not None,
         cuts=0 if correction is None else correction.iterations,
         within=correction is not None and correction.within,
         limits_hit=() if correction is None else correction.limits_hit,
         ending="" if correction is None else correction.why,
         scatter=balance.scatter,
-        verdict=balance.verdict.why,
+        verdict=balance.verdict,
         notes=balance.notes,
     )
 
@@ -160,9 +164,17 @@ def _change(first: Vectors, last: Vectors, speed: float) -> Vectors:
     )
 
 
-def _operation(balance: Balance, work: Operation) -> OperationRow:
+def _operations(balance: Balance) -> tuple[OperationRow, ...]:
+    if balance.correction is None:
+        return ()
+    works, shop = balance.correction.operations, balance.rotor.shop.separately
+    terms = operation_terms(works, balance.residual, balance.tolerance_planes, shop)
+    rates = {term.name: float(np.abs(term.sensitivities).max()) * term.step for term in terms}
+    return tuple(_operation(balance, work, rates) for work in works)
+
+
+def _operation(balance: Balance, work: Operation, rates: Mapping[str, float]) -> OperationRow:
     angle = math.degrees(work.angle)
-    rates = {line.name: float(line.per_step.max()) for line in balance.scatter.sensitivities}
     depth = rates.get(f"{work.id}: depth")
     return OperationRow(
         id=work.id,
@@ -178,7 +190,7 @@ def _operation(balance: Balance, work: Operation) -> OperationRow:
         diameter=_mm(work.tool_diameter),
         point=None if work.point_angle is None else math.degrees(work.point_angle),
         depth=_mm(work.depth),
-        depth_tolerance=None if work.depth is None else MM * balance.rotor.shop.depth,
+        depth_tolerance=None if work.depth is None else MM * balance.rotor.shop.depth.total,
         width=_mm(work.width),
         wall=_mm(work.remaining_wall),
         pieces=work.pieces,

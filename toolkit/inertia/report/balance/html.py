@@ -189,11 +189,10 @@ def _notes(data: ReportData) -> Iterator[str]:
     yield from data.notes
     if data.corrected:
         yield f"correction: {data.ending}"
-    if data.scatter.within is not None:
-        share = plain(100.0 * data.scatter.within, 2)
+    if data.verdict.share:
         yield (
-            f"{share} % of {data.scatter.draws} draws over axis, tessellation, densities and the shop's tolerances "
-            "stay within what is permissible"
+            f"the share of parts within tolerance is that of {data.scatter.draws} draws over axis, tessellation, "
+            "densities and the shop's tolerances"
         )
     for candidate in data.axis.candidates:
         a, b = (_listed(MM * point) for point in (candidate.bearing_a, candidate.bearing_b))

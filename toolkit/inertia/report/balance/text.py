@@ -37,6 +37,7 @@ def _head(data: ReportData) -> Iterator[str]:
     named = ((head.part, ""), (head.serial, "serial "), (head.revision, "revision "), (head.customer, "for "))
     names = ", ".join(f"{word}{value}" for value, word in named if value is not None)
     yield row("Rotor", data.rotor + (f" ({names})" if names else ""))
+    yield from wrapped("Verdict", data.verdict.headline)
     for k, body in enumerate(data.bodies):
         yield from wrapped("" if k else "Bodies", _body(body))
         yield row("", f"SHA-256 {body.sha256}")
@@ -182,8 +183,8 @@ def _closing(data: ReportData) -> Iterator[str]:
     if data.corrected:
         grades.append(f"{significant(data.residual.grade)} as corrected")
     yield row("Achieved", f"balance quality grade G {', '.join(grades)} (mm/s)")
-    yield row("Verdict", data.outcome.upper())
-    for sentence in data.verdict:
+    yield from wrapped("Verdict", data.verdict.headline)
+    for sentence in data.verdict.why:
         yield from wrapped("", sentence)
     if data.operations:
         yield row("", f"as modelled, before any correction: {data.initial.outcome.upper()}")
