@@ -48,6 +48,47 @@ def test_loads_that_have_no_closed_form_are_integrated(loads: list, noun: str) -
     assert f"There is no closed form for {noun}:" in selection.why[-1]
 
 
+NO_TORQUE = {"kind": "torque", "torque": [0, 0, 0]}
+
+
+@pytest.mark.parametrize(
+    "loads",
+    [
+        [NO_TORQUE],
+        [{"kind": "torque", "table": [[0, 0, 0, 0], [1e9, 0, 0, 0]]}],
+        [{"kind": "damping", "coefficient": 0.0}],
+        [{"kind": "dissipation", "rate": 0.0}],
+        [{"kind": "gravity", "acceleration": [0, 0, 0]}],
+        [{"kind": "torque", "torque": [0.1, 0.2, 0.3]}, {"kind": "torque", "torque": [-0.1, -0.2, -0.3]}],
+        [
+            {"kind": "torque", "torque": [1, 0, 0], "frame": "space"},
+            {"kind": "torque", "torque": [-1, 0, 0], "frame": "space"},
+        ],
+    ],
+)
+def test_loads_that_are_zero_are_none(loads: list) -> None:
+    selection = plan(scene(load=loads, run__duration=1e5))
+    assert selection.model == "asymmetric top"
+    assert "no torque acts (the loads are zero, or add up to zero)" in selection.why[0]
+
+
+@pytest.mark.parametrize(
+    "loads",
+    [
+        [{"kind": "torque", "torque": [1, 0, 0]}, {"kind": "torque", "torque": [-1, 0, 0], "frame": "space"}],
+        [{"kind": "torque", "torque": [0, 0, 1e-60]}],
+        [{"kind": "torque", "torque": lambda time, attitude, spin: [0.0, 0.0, 0.0]}],
+    ],
+)
+def test_loads_that_may_be_something_are_integrated(loads: list) -> None:
+    assert plan(scene(load=loads)).model == "Euler equations"
+
+
+def test_a_body_at_rest_under_no_torque_is_refused() -> None:
+    with pytest.raises(UsageError, match="nothing makes the body turn"):
+        scene(start__angular_velocity=[0, 0, 0], load=[NO_TORQUE])
+
+
 def test_gravity_leaves_the_rotation_of_a_free_body_alone() -> None:
     selection = plan(scene(load=[{"kind": "gravity"}]))
     assert selection.model == "asymmetric top"

@@ -42,6 +42,11 @@ class Gravity(Load):
 
     acceleration: Annotated[Float, numbers((3,), "m/s²")] = STANDARD_GRAVITY  # type: ignore[assignment]
 
+    @property
+    def idle(self) -> bool:
+        """Whether the acceleration is zero."""
+        return not np.any(self.acceleration)
+
     def torque_at(self, time: float, attitude: Float, angular_velocity: Float, body: TurningBody) -> Float:
         """Return c × m Rᵀg."""
         return np.cross(body.arm, body.mass * quaternion.to_body(attitude, self.acceleration))

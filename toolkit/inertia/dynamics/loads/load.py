@@ -70,6 +70,11 @@ class Load(Section, ABC):
         """Instants (k,) in s at which the torque has a kink or a jump."""
         return np.empty(0)
 
+    @property
+    def idle(self) -> bool:
+        """Whether it is zero whatever the body does."""
+        return False
+
     @abstractmethod
     def torque_at(self, time: float, attitude: Float, angular_velocity: Float, body: TurningBody) -> Float:
         """Return the torque (…, 3) in N m along the axes of the body."""

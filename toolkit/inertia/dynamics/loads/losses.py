@@ -23,6 +23,11 @@ class Damping(Load):
 
     coefficient: Annotated[float, number("N m s", negative=False)]
 
+    @property
+    def idle(self) -> bool:
+        """Whether the coefficient is zero."""
+        return self.coefficient == 0
+
     def torque_at(self, time: float, attitude: Float, angular_velocity: Float, body: TurningBody) -> Float:
         """Return −d ω."""
         return -self.coefficient * np.asarray(angular_velocity)
@@ -60,6 +65,11 @@ class Dissipation(Load):
     free_bodies_only = True
 
     rate: Annotated[float, number("kg m² s", negative=False)]
+
+    @property
+    def idle(self) -> bool:
+        """Whether the rate is zero."""
+        return self.rate == 0
 
     @property
     def dissipation(self) -> float:

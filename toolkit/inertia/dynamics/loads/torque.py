@@ -132,6 +132,18 @@ class Torque(Load):
         """The instants of the rows of a table."""
         return np.empty(0) if self.table is None else self.table.breaks
 
+    @property
+    def constant(self) -> bool:
+        """Whether it is one vector."""
+        return self.table is None and not callable(self.torque)
+
+    @property
+    def idle(self) -> bool:
+        """Whether the vector, or each row of the table, is zero."""
+        if self.table is not None:
+            return not self.table.torques.any()
+        return self.constant and not np.asarray(self.torque).any()
+
     def torque_at(self, time: float, attitude: Float, angular_velocity: Float, body: TurningBody) -> Float:
         """Return N, or RᵀN."""
         if self.table is not None:

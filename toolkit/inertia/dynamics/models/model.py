@@ -102,17 +102,13 @@ class Problem:
 
     @cached_property
     def torques(self) -> tuple[Load, ...]:
-        """The loads other than gravity."""
-        return tuple(load for load in self.scene.applied_loads if not isinstance(load, Gravity))
+        """The loads that act, other than gravity."""
+        return tuple(load for load in self.scene.acting_loads if not isinstance(load, Gravity))
 
     @property
     def acting(self) -> tuple[Load, ...]:
         """The loads that turn the body: without gravity where it has no arm."""
-        return tuple(
-            load
-            for load in self.scene.applied_loads
-            if not isinstance(load, Gravity) or (self.weight and load.acceleration.any())
-        )
+        return tuple(load for load in self.scene.acting_loads if self.weight or not isinstance(load, Gravity))
 
     @property
     def why(self) -> list[str]:
@@ -128,10 +124,12 @@ class Problem:
         elif kind == "fixed_point":
             where = ", ".join(f"{x + 0.0:.6g}" for x in self.reference)
             reason = f"The body is held at ({where}) m of the part axes, and its moments are taken there (Steiner)."
-        elif len(self.torques) < len(self.scene.applied_loads):
+        elif self.scene.gravity.any():
             reason = "Gravity pulls at the centre of mass: it makes the path a parabola and leaves the rotation free."
-        elif not self.scene.applied_loads:
-            reason = "The body is free and no torque acts: it turns about its centre of mass, whose path is straight."
+        elif not self.torques:
+            free = "it turns about its centre of mass, whose path is straight"
+            zero = " (the loads are zero, or add up to zero)" if self.scene.applied_loads else ""
+            reason = f"The body is free and no torque acts{zero}: {free}."
         else:
             return rigid
         return [*rigid, reason]

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, fields
+from functools import cached_property
 from pathlib import Path
 from typing import Any, ClassVar
 
@@ -16,7 +17,7 @@ import numpy as np
 from inertia.arrays import Float
 from inertia.documents import Document, FieldError, require_known, section_of
 from inertia.dynamics.kinematics import quaternion
-from inertia.dynamics.loads.catalogue import load_of
+from inertia.dynamics.loads.catalogue import acting, load_of
 from inertia.dynamics.loads.gravity import Gravity
 from inertia.dynamics.loads.load import Load
 from inertia.dynamics.scene.body import SceneBody, build
@@ -113,6 +114,11 @@ class Scene(Document):
         """Angular velocity at t = 0, (3,) rad/s, part axes."""
         return self.in_part_axes(self.start.angular_velocity, self.start.frame)
 
+    @cached_property
+    def acting_loads(self) -> tuple[Load, ...]:
+        """The loads without those that are zero, or add up to zero."""
+        return acting(self.applied_loads)
+
     @property
     def gravity(self) -> Float:
         """Acceleration of gravity, (3,) m/s², space axes."""
@@ -151,7 +157,7 @@ def _require_sense(scene: Scene) -> None:
 
 def _is_turned(scene: Scene) -> bool:
     """Whether a load can set a body in motion that is at rest."""
-    if scene.body.deforms or any(load.starts_motion for load in scene.applied_loads):
+    if scene.body.deforms or any(load.starts_motion for load in scene.acting_loads):
         return True
     arm = scene.constraint.fixed_point - scene.body.center_of_mass
     return scene.constraint.kind != "free" and bool(scene.gravity.any() and arm.any())
