@@ -17,7 +17,9 @@ from inertia_cli.options import (
     add_parts,
     by_name,
     decimal_triple,
+    estimate,
     read_part,
+    scale,
 )
 from inertia_cli.printing import show
 from inertia_cli.progress import Progress
@@ -36,6 +38,7 @@ _EXAMPLES = """examples:
   inertia analyse assembly.3mf --material housing=aluminium --material shaft=steel
   inertia analyse sheet.obj --shell 1.5 --material steel
   inertia analyse link.stl --mass 0.85 --as urdf -o link.urdf
+  inertia analyse scan.stl --sigma 0.02 --density 7850±50 --scale 1±0.001
 """
 
 
@@ -51,11 +54,11 @@ def add(parsers: Any) -> None:
     )
     parser.set_defaults(run=run)
     add_input(parser)
-    add_density(parser)
+    add_density(parser, uncertain=True)
     model = parser.add_argument_group("what carries the mass")
-    model.add_argument("--shell", type=float, metavar="THICKNESS", help="the surface, which may be open, in --unit")
+    model.add_argument("--shell", type=estimate, metavar="THICKNESS", help="the surface, which may be open, in --unit")
     model.add_argument(
-        "--wire", type=float, metavar="AREA", help="the lines of the mesh, cross-section in --unit squared"
+        "--wire", type=estimate, metavar="AREA", help="the lines of the mesh, cross-section in --unit squared"
     )
     add_orientation(parser)
     add_intersections(parser)
@@ -65,6 +68,16 @@ def add(parsers: Any) -> None:
     mend.add_argument("--repair", action="store_true", help="close, turn and unite; every change is listed")
     mend.add_argument(
         "--union", action="store_true", help="count once what bodies, or a shell that crosses itself, enclose twice"
+    )
+    uncertain = parser.add_argument_group("uncertain input, beside ± in densities, masses, thicknesses (GUM)")
+    uncertain.add_argument(
+        "--sigma", type=float, metavar="LENGTH", help="standard deviation of every vertex coordinate, in --unit"
+    )
+    uncertain.add_argument(
+        "--scale", type=scale, metavar="1±U", help="standard uncertainty of a factor common to all coordinates"
+    )
+    uncertain.add_argument(
+        "--coverage", type=float, metavar="K", help="state the expanded uncertainties U = k u too, as 2"
     )
     result = parser.add_argument_group("result")
     result.add_argument(
@@ -157,10 +170,10 @@ def _output(options: argparse.Namespace) -> Path | None:
 
 def _exported(analysis: Analysis, repaired: Repaired | None, options: argparse.Namespace) -> str:
     from inertia.exchange.export import export
-    from inertia.report.analysis.text import omission_lines, source_lines
+    from inertia.report.analysis.text import omission_lines, source_lines, uncertainty_lines
 
     named = source_lines(analysis, repaired, wording=lambda word: str(word).partition("=")[0])
-    comments = (*named, *omission_lines(analysis, wording=as_option))
+    comments = (*named, *omission_lines(analysis, wording=as_option), *uncertainty_lines(analysis))
     name = options.name
     if name is None:
         name = "part" if options.part == "-" else Path(options.part).stem  # standard input has no name
@@ -194,6 +207,9 @@ def _analysis(part: Part, options: argparse.Namespace) -> Analysis:
             parts=options.parts,
             about=options.about,
             chord=options.chord,
+            sigma=options.sigma,
+            scale=options.scale,
+            coverage=options.coverage,
             progress=progress,
             **tolerance,
         )

@@ -10,6 +10,7 @@ from fractions import Fraction
 from typing import TYPE_CHECKING, Any, TypeVar
 
 from inertia.errors import InertiaError, ReadError, UsageError
+from inertia.estimate import Estimate
 from inertia.standard_input import NAME as STANDARD_INPUT
 from inertia.standard_input import file_of
 
@@ -31,16 +32,17 @@ def add_input(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--format", metavar="KIND", help="kind of file, where its contents should not decide")
 
 
-def add_density(parser: argparse.ArgumentParser) -> None:
-    """Add what says how heavy the part is."""
+def add_density(parser: argparse.ArgumentParser, *, uncertain: bool = False) -> None:
+    """Add what says how heavy the part is, where asked for with its uncertainty."""
     density = parser.add_argument_group("density")
     density.add_argument(
         "--density",
         action="append",
         default=[],
-        type=named_number,
+        type=named_estimate if uncertain else named_number,
         metavar="[NAME=]KG/M3",
-        help="of the part, or of the region or body NAME (repeat it); 1000 is assumed without it",
+        help="of the part, or of the region or body NAME (repeat it)"
+        f"{', as 7850 or 7850±50' if uncertain else ''}; 1000 is assumed without it",
     )
     density.add_argument(
         "--material",
@@ -51,7 +53,10 @@ def add_density(parser: argparse.ArgumentParser) -> None:
         help="take the density from the table of materials: steel, aluminium, abs, ...",
     )
     density.add_argument(
-        "--mass", type=float, metavar="KG", help="the total as weighed; densities are proportions then"
+        "--mass",
+        type=estimate if uncertain else float,
+        metavar="KG",
+        help=f"the total as weighed{', as 1.2±0.001' if uncertain else ''}; densities are proportions then",
     )
 
 
@@ -99,6 +104,28 @@ def named_number(text: str) -> tuple[str, float]:
         return name, float(value)
     except ValueError:
         raise argparse.ArgumentTypeError(f"{value!r} is no number of kg/m³") from None
+
+
+def named_estimate(text: str) -> tuple[str, Estimate]:
+    """Return the same with its uncertainty, from ``NAME=KG/M3±U``."""
+    name, value = _named(text)
+    try:
+        return name, Estimate.parse(value)
+    except UsageError:
+        raise argparse.ArgumentTypeError(f"{value!r} is no number of kg/m³, as 7850 or 7850±50") from None
+
+
+def estimate(text: str) -> Estimate:
+    """Return a number, with its standard uncertainty where that is written behind it."""
+    try:
+        return Estimate.parse(text)
+    except UsageError as error:
+        raise argparse.ArgumentTypeError(str(error)) from None
+
+
+def scale(text: str) -> Estimate:
+    """Return the scale 1 with its uncertainty, from ``1±0.001`` or ``±0.1%``."""
+    return estimate(text if text.strip()[:1].isdigit() else f"1{text}")
 
 
 def decimal_triple(text: str) -> tuple[Fraction, ...]:

@@ -21,6 +21,7 @@ from numpy.typing import ArrayLike
 
 from inertia.arrays import Float, Orientation, Parts, Progress
 from inertia.errors import CHECK, GeometryError, Remedy, UsageError, Word, require_kind, reworded
+from inertia.estimate import uncertainty_of
 from inertia.mass.density import Densities, DensityFrom, densities
 from inertia.mass.doubt import FILLED, doubt_bounds, doubt_error
 from inertia.mass.integrand import Integrand
@@ -35,6 +36,7 @@ from inertia.mesh.checks.findings import Finding
 from inertia.mesh.part import Cells, Doubt, Part
 
 if TYPE_CHECKING:
+    from inertia.mass.uncertainty import StandardUncertainty
     from inertia.mesh.unite import Union  # slow to import, and seldom needed
 
 _ANALYSE = Remedy("analyse")
@@ -82,6 +84,7 @@ class Analysis:
     crossings_examined : whether triangles of the solid that cross one another were looked for (there are none, then)
     union : what was united, where that was asked for
     integrand : the elements and densities behind the properties
+    uncertainty : standard uncertainties of the properties, where an input was given with its own
     """
 
     part: Part
@@ -107,6 +110,7 @@ class Analysis:
     doubts: tuple[Finding, ...] = ()
     union: Union | None = None
     integrand: Integrand = field(repr=False, kw_only=True)
+    uncertainty: StandardUncertainty | None = None
 
     @cached_property
     def principal(self) -> Principal:
@@ -197,9 +201,15 @@ def analyse(
     about: ArrayLike | Sequence[Fraction] | None = None,
     class_tolerance: float | None = None,
     chord: float | None = None,
+    sigma: float | None = None,
+    scale: float | None = None,
+    coverage: float | None = None,
     progress: Progress | None = None,
 ) -> Analysis:
     """Integrate a part and gather what a report states; parameters as for `mass_properties`, and these.
+
+    A density, mass, thickness or cross-section given as an `Estimate` is uncertain, and so are then the results; see
+    `inertia.mass.uncertainty`.
 
     Parameters
     ----------
@@ -208,6 +218,9 @@ def analyse(
         tensor that follows from the chord tolerance of a reader that made the triangles
     chord : the tolerance that the mesh was made with, in the part's unit: how far the true surface may be from it;
         without it, what the reader states that made the triangles (`Part.chord`)
+    sigma : standard deviation of each coordinate of each vertex, in the part's unit, independent of all others
+    scale : 1 with the standard uncertainty of a factor common to all coordinates, as ``Estimate(1, 0.001)``
+    coverage : the factor k of the expanded uncertainties that are stated beside the standard ones
     progress : called with the fraction done
     """
     require_kind(part, Part, "part", "inertia.read(path)")
@@ -230,6 +243,7 @@ def analyse(
     if chord is not None and (shell is not None or wire is not None or isinstance(part.geometry, Cells)):
         raise UsageError("a chord tolerance bounds the error of the surface of a solid only: leave it out")
 
+    _require_uncertain(part, sigma, scale, coverage)
     united = None
     if union:
         if shell is not None or wire is not None or isinstance(part.geometry, Cells):
@@ -239,6 +253,11 @@ def analyse(
         from inertia.mass.union import united_for
 
         united, stated = united_for(part, stated, _part_of(progress, 0.0, 0.8))
+        if sigma and united.changed:
+            raise UsageError(
+                f"{part.name}: vertices of a union lie where triangles cross, and their noise is not that of "
+                "the vertices measured: give sigma for each body by itself"
+            )
         part, progress = united.part, _part_of(progress, 0.8, 1.0)
     f = part.unit.metres
     model: Literal["solid", "shell", "wire"] = "solid"
@@ -284,7 +303,7 @@ def analyse(
     if point is not None:
         tensor, about_bound = properties.about_with_bound([k * f for k in point])
         there = tuple(map(float, point)), tensor
-    return Analysis(
+    analysis = Analysis(
         part=part,
         model=model,
         density=float(answer.mean_density),
@@ -309,6 +328,24 @@ def analyse(
         union=united,
         integrand=answer.integrand(model),
     )
+    thickness = shell if shell is not None else wire
+    named = *stated.named.values(), stated.default, stated.mass, thickness, scale
+    if not sigma and not any(map(uncertainty_of, named)):
+        if coverage is not None:
+            raise UsageError("expanded uncertainties are asked for, and no input is uncertain: give one with its own")
+        return analysis
+    from inertia.mass.uncertainty import standard_uncertainty
+
+    uncertainty = standard_uncertainty(
+        analysis.integrand,
+        analysis.principal,
+        stated,
+        sigma=sigma or 0.0,
+        scale=uncertainty_of(scale),
+        thickness=uncertainty_of(thickness) / thickness if thickness else 0.0,
+        coverage=coverage,
+    )
+    return replace(analysis, uncertainty=uncertainty)
 
 
 @dataclass(frozen=True, eq=False)
@@ -471,6 +508,23 @@ def _require_accuracy(accuracy: Accuracy) -> None:
             f"accuracy is {accuracy:g}, finer than results in float64 can be, {FINEST:g}: ask for 'exact', which "
             "rounds each number once"
         )
+
+
+def _require_uncertain(part: Part, sigma: float | None, scale: float | None, coverage: float | None) -> None:
+    """Raise `UsageError` where what is said to be uncertain cannot be."""
+    if sigma is not None and not (isinstance(sigma, Real) and 0 < sigma < math.inf):
+        raise UsageError(f"sigma is {sigma!r} {part.unit.name}: it must be positive and finite")
+    if sigma is not None and (part.shape is not None or part.chord is not None):
+        raise UsageError(
+            f"the vertices of {part.name} were made from its true shape when it was read, and have no noise of their "
+            "own: give the uncertainty of its scale, density or mass"
+        )
+    if scale is not None and scale != 1:
+        raise UsageError(
+            f"the scale is {scale:g}: coordinates are taken as stored, so that it is 1 with an uncertainty, as 1±0.001"
+        )
+    if coverage is not None and not (isinstance(coverage, Real) and 0 < coverage < math.inf):
+        raise UsageError(f"the coverage factor is {coverage!r}: it must be positive and finite, as 2")
 
 
 def _length(value: float, name: str, unit: str) -> Fraction:

@@ -13,6 +13,7 @@ from difflib import get_close_matches
 from typing import Literal, TypeVar
 
 from inertia.errors import UsageError
+from inertia.estimate import Estimate
 
 T = TypeVar("T")
 DensityFrom = Literal["option", "material", "mass", "file", "assumed"]
@@ -68,8 +69,8 @@ _ALIASES = {
 class Densities:
     """Densities, kg/m³: `default` for what `named` does not list, and the total `mass`, kg, if it was weighed.
 
-    With a mass the densities count as proportions only. `default` is None where densities are given by name and
-    none for the rest.
+    Those given as an `Estimate` keep its uncertainty. With a mass the densities count as proportions only. `default`
+    is None where densities are given by name and none for the rest.
     """
 
     default: float | None
@@ -120,7 +121,7 @@ def _mapping(value: T | Mapping[str, T] | None) -> Mapping[str, T]:
 
 def _positive(value: float, name: str, unit: str) -> float:
     try:
-        number = float(value)
+        number = value if isinstance(value, Estimate) else float(value)
     except (TypeError, ValueError):
         raise UsageError(f"{name} is {value!r}: it must be a number of {unit}") from None
     if not (number > 0 and math.isfinite(number)):

@@ -104,8 +104,9 @@ def gradient(
         part = replace(part, shape=None)
     analysis = analyse(part, density, material=material, mass=mass, shell=shell, wire=wire, orientation=orientation)
     integrand = analysis.integrand
-    vertices, rows = integrand.rows
+    (vertices, rows), weighing = integrand.rows, integrand.weighing
     responses = np.empty((len(vertices), 3, 11))
     for first, volume, moments in integrand.blocks():
-        responses[first : first + len(volume)] = integrand.responses(volume, np.swapaxes(moments, 1, 2))
+        some = integrand.responses(volume, np.swapaxes(moments, 1, 2))
+        responses[first : first + len(volume)] = some @ weighing.T if integrand.weighed else some
     return Gradient(vertices, rows, responses, analysis.principal)

@@ -24,6 +24,7 @@ from numpy.typing import NDArray
 from inertia.arrays import Bool, Float, Int
 from inertia.errors import GeometryError
 from inertia.mass.integration import Group
+from inertia.mass.moments import PAIRS
 from inertia.mass.principal import Principal
 from inertia.mass.properties import MassProperties
 from inertia.mesh.geometry.edges import first_equal
@@ -175,19 +176,24 @@ class Integrand:
         Parameters
         ----------
         volume : (…,) m³
-        moments : (…, 10) of mass about the centre of mass, as in `blocks`; where the mass was given, their sum is
-            brought back to it
+        moments : (…, 10) of mass about the centre of mass, as in `blocks`, before `weighing`
         """
-        mass = self.properties.mass
-        total, first, second = moments[..., 0], moments[..., 1:4], moments[..., 4:]
         result = np.empty((*volume.shape, 11))
-        result[..., 0], result[..., 1], result[..., 2:5] = volume, total, first / mass
+        result[..., 0], result[..., 1] = volume, moments[..., 0]
+        result[..., 2:5] = moments[..., 1:4] / self.properties.mass
+        second = moments[..., 4:]
         result[..., 5:8] = second[..., :3].sum(axis=-1, keepdims=True) - second[..., :3]
         result[..., 8:] = -second[..., 3:]
-        if self.weighed:
-            result[..., 1] = 0.0
-            result[..., 5:] -= (total / mass)[..., None] * six_of(self.properties.inertia)
         return result
+
+    @property
+    def weighing(self) -> Float:
+        """What the total mass that was given makes of `responses`, (11, 11): it stays, the tensor in proportion."""
+        matrix = np.eye(11)
+        if self.weighed:
+            matrix[5:, 1] = -six_of(self.properties.inertia) / self.properties.mass
+            matrix[1, 1] = 0.0
+        return matrix
 
 
 def six_of(tensor: Float) -> Float:
@@ -203,21 +209,23 @@ def matrix_of(elements: Float) -> Float:
     return result
 
 
+def principal_elements(axes: Float) -> Float:
+    """Return the matrix (6, 6) from the six elements of a tensor to those in its axes: 11, 22, 33, 23, 31, 12."""
+    e = axes
+    return np.array([[e[a, i] * e[b, j] + (a != b) * e[b, i] * e[a, j] for a, b in ELEMENTS] for i, j in PAIRS])
+
+
 def principal_rates(principal: Principal) -> Float:
     """Return what a change of the six elements of a tensor does to its principal moments and axes, (6, 6).
 
     The first three rows give δIₖ = eₖ·δI eₖ, the others the angles about axis 1, 2, 3 by which the axes turn:
     δθₖ = eᵢ·δI eⱼ/(Iᵢ − Iⱼ) with i, j, k in cyclic order; nan where Iᵢ and Iⱼ are equal.
     """
-    e, moments = principal.axes, principal.moments
-    same = {frozenset((i, j)) for group in principal.equal for i in group for j in group}
-    rows = []
-    for i, j in ((0, 0), (1, 1), (2, 2), (1, 2), (2, 0), (0, 1)):
-        row = np.array([e[a, i] * e[b, j] + (a != b) * e[b, i] * e[a, j] for a, b in ELEMENTS])
-        if i != j:
-            row = row * np.nan if frozenset((i, j)) in same else row / (moments[i] - moments[j])
-        rows.append(row)
-    return np.array(rows)
+    rates = principal_elements(principal.axes)
+    for row, (i, j) in enumerate(PAIRS[3:], 3):
+        same = any(i in group and j in group for group in principal.equal)
+        rates[row] *= np.nan if same else 1.0 / (principal.moments[i] - principal.moments[j])
+    return rates
 
 
 def _distinct(points: NDArray[np.floating]) -> tuple[Int, Int]:

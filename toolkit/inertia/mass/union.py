@@ -8,6 +8,7 @@ import numpy as np
 
 from inertia.arrays import Progress
 from inertia.errors import GeometryError, placed
+from inertia.estimate import uncertainty_of
 from inertia.mass.density import Densities
 from inertia.mesh.part import Part, Regions, Rounding, Surface
 from inertia.mesh.unite import Union, unite
@@ -28,7 +29,8 @@ def united_for(part: Part, stated: Densities, progress: Progress | None = None) 
     named = {name: stated.of(name) for name in stated.named}
     if named and stated.default is not None:
         named[""] = stated.default
-    if len({*named.values()}) == 1 and (stated.default is not None or part.regions is None):
+    certain = len(named) == 1 or not any(map(uncertainty_of, named.values()))
+    if len({*named.values()}) == 1 and certain and (stated.default is not None or part.regions is None):
         stated = replace(stated, default=next(iter(named.values())), named={})
     if not stated.named:
         return unite(part, progress), stated

@@ -9,12 +9,15 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from inertia.arrays import Float
 from inertia.errors import Sentence, Wording
 from inertia.mass.analysis import Analysis
+from inertia.mass.integrand import matrix_of
 from inertia.mass.principal import Principal
 
 if TYPE_CHECKING:
     from inertia.mass.repair import Repaired  # what it mends with is slow to import, and seldom needed
+    from inertia.mass.uncertainty import StandardUncertainty
 
 
 def analysis_document(
@@ -74,6 +77,8 @@ def analysis_document(
     if analysis.repair is not None:
         bounds = asdict(analysis.repair)
         document["error"]["repair"] = {k: None if v == math.inf else v for k, v in bounds.items()}
+    if analysis.uncertainty is not None:
+        document["uncertainty"] = _uncertainty(analysis.uncertainty)
     if analysis.about is not None:
         (point, tensor), relative = analysis.about, analysis.about_bound
         document["inertia_about"] = {
@@ -123,6 +128,38 @@ def analysis_document(
         ]
     document["notes"] = list(analysis.notes)
     return document
+
+
+def _uncertainty(uncertainty: StandardUncertainty) -> dict[str, Any]:
+    """Return standard uncertainties, what each input contributes, the covariance, and expanded uncertainties."""
+
+    def eleven(u: Float) -> dict[str, Any]:
+        return {
+            "volume": float(u[0]),
+            "mass": float(u[1]),
+            "center_of_mass": u[2:5].tolist(),
+            "inertia": matrix_of(u[5:]).tolist(),
+        }
+
+    def all_of(k: float) -> dict[str, Any]:
+        angles = (k * uncertainty.principal_axes).tolist()
+        return {
+            **eleven(k * uncertainty.of()),
+            "principal_moments": (k * uncertainty.principal_moments).tolist(),
+            "principal_axes": [angle if math.isfinite(angle) else None for angle in angles],
+        }
+
+    return {
+        "inputs": dict(uncertainty.inputs),
+        **all_of(1.0),
+        "undetermined": [list(group) for group in uncertainty.principal.equal],
+        "components": {name: eleven(uncertainty.of(name)) for name in uncertainty.components},
+        "covariance": uncertainty.covariance.tolist(),
+        **({} if uncertainty.bias is None else {"inertia_bias": uncertainty.bias.tolist()}),
+        **({} if uncertainty.coverage is None else {"coverage": uncertainty.coverage}),
+        **({} if uncertainty.coverage is None else {"expanded": all_of(uncertainty.coverage)}),
+        "remarks": list(uncertainty.remarks),
+    }
 
 
 def relative_bounds(principal: Principal) -> list[float]:

@@ -7,6 +7,7 @@ from collections.abc import Iterator
 from fractions import Fraction
 from typing import TYPE_CHECKING
 
+from inertia.arrays import Float
 from inertia.errors import UNIT, Remedy, Sentence, Wording
 from inertia.mass.analysis import Analysis
 from inertia.mass.principal import radii_of_gyration
@@ -246,6 +247,7 @@ def _closing(analysis: Analysis, repaired: Repaired | None, wording: Wording) ->
     if analysis.about_bound is not None:
         yield row("", f"tensor about the point {analysis.about_bound:.2g} (relative)")
     yield row("", f"{error.method}; for the mesh as stored, its tessellation apart")
+    yield from uncertainty_lines(analysis)
     yield from omission_lines(analysis, wording=wording)
     repairs = {f"repaired: {change}" for change in repaired.changes} if repaired else set()
     for note in analysis.notes:
@@ -267,3 +269,44 @@ def omission_lines(analysis: Analysis, *, wording: Wording = str) -> Iterator[st
         yield row("", f"centre of mass {com}; {guess.method}")
     for finding in analysis.doubts:
         yield row("In doubt", Sentence(finding.message).worded(wording))
+
+
+_INPUTS = {"vertices": "m a coordinate", "mass": "kg", "thickness": "m", "section": "m²", "scale": "(relative)"}
+
+
+def uncertainty_lines(analysis: Analysis) -> Iterator[str]:
+    """Yield the lines on standard uncertainties, and expanded ones, where inputs have some."""
+    uncertainty = analysis.uncertainty
+    if uncertainty is None:
+        return
+    properties, principal = analysis.properties, analysis.principal
+    inputs = (f"{name} {u:.2g} {_INPUTS.get(name, 'kg/m³')}" for name, u in uncertainty.inputs.items())
+    yield row("Uncertainty", f"u (standard uncertainty, GUM) for u of {', '.join(inputs)}:")
+    for k in (1.0, *((uncertainty.coverage,) if uncertainty.coverage else ())):
+        if k == uncertainty.coverage:
+            yield row("", f"U = k u (expanded uncertainty), k = {k:g}:")
+        volume, mass = k * uncertainty.volume, k * uncertainty.mass
+        shares = _share(volume, properties.volume), _share(mass, properties.mass)
+        yield row("", f"volume {volume:.2g} m³ ({shares[0]}), mass {mass:.2g} kg ({shares[1]}),")
+        yield row("", f"centre of mass {_each(k * uncertainty.center_of_mass)} m,")
+        yield row("", f"tensor xx, yy, zz, xy, xz, yz {_each(k * uncertainty.of()[5:])} kg m²,")
+        moments = zip((k * uncertainty.principal_moments).tolist(), principal.moments.tolist(), strict=True)
+        angles = (k * uncertainty.principal_axes).tolist()
+        axes = (f"{u:.2g} rad" if math.isfinite(u) else "any" for u in angles)
+        yield row("", f"principal moments {', '.join(_share(*pair) for pair in moments)}, axes {', '.join(axes)}")
+    for group in uncertainty.principal.equal:
+        *others, last = (f"I{index + 1}" for index in group)
+        which = "all axes" if len(group) == 3 else f"axes {group[0] + 1} and {group[1] + 1}"
+        why = f"{', '.join(others)} and {last} are within 2 u of each other"
+        yield row("", f"{which} are undetermined, {'but for their plane, ' if len(group) == 2 else ''}as {why}")
+    for remark in uncertainty.remarks:
+        yield row("", remark)
+
+
+def _each(values: Float) -> str:
+    return ", ".join(f"{value:.2g}" for value in values.tolist())
+
+
+def _share(u: float, value: float) -> str:
+    """Return an uncertainty as a share of the value."""
+    return f"{100 * u / value:.2g} %" if value else f"{u:.2g}"
