@@ -1,7 +1,8 @@
 """Balancing from vibration readings: influence coefficients for one plane, two or more, at any speeds and sensors.
 
 The vibration of a linear machine at a given speed is V = V₀ + A w, with w the unbalance added in each correction
-plane. Trial runs give A; the weights to mount are those that make Σ pₖ |Vₖ|² least, each within the limit of its plane.
+plane. Trial runs give A; the weights to mount are those that make Σ pₖ |Vₖ|² least (least squares), or the largest of
+√pₖ |Vₖ| (min-max), each within the limit of its plane.
 
 Readings and weights are complex, and their angles must run in the same sense (`inertia.balancing.measured.readings`).
 Weights are in kg·m, or in any other unit, as long as it is the same in the trial runs and the limits.
@@ -12,15 +13,20 @@ Goodman, T. P. (1964), A least-squares method for computing balance corrections,
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Literal, get_args
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from inertia.arrays import Float
 from inertia.balancing.measured.bounded_least_squares import least_squares_in_discs
+from inertia.balancing.measured.min_max import min_max_in_discs
 from inertia.balancing.measured.readings import complex_of
 from inertia.balancing.unbalance import Complex
 from inertia.errors import GeometryError, UsageError
+
+Criterion = Literal["least squares", "min-max"]
+"""What the weights make least: the sum of the squares of the readings, or the largest of them."""
 
 CONDITION_WARNING = 10.0
 """Condition above which readings good to 2 % leave the weights uncertain by a fifth."""
@@ -40,6 +46,7 @@ class InfluenceCorrection:
     condition : of the coefficients with each plane's column scaled to unit length: relative errors of the readings may
         show in the weights up to this many times larger
     limited : planes whose weight is at its limit
+    gap : by how much the largest reading may at most be above the least possible, relative; of min-max, else 0
     notes : what the shop should know, in sentences
     """
 
@@ -47,6 +54,7 @@ class InfluenceCorrection:
     residual: Complex
     condition: float
     limited: tuple[int, ...]
+    gap: float
     notes: tuple[str, ...]
 
 
@@ -94,8 +102,11 @@ def influence_correction(
     *,
     importance: ArrayLike | None = None,
     limits: ArrayLike | None = None,
+    criterion: Criterion = "least squares",
 ) -> InfluenceCorrection:
     """Return the weights that leave the least vibration, min Σ pₖ |V₀ₖ + Σⱼ Aₖⱼ wⱼ|² with |wⱼ| ≤ limitⱼ.
+
+    By min-max it is min maxₖ √pₖ |V₀ₖ + Σⱼ Aₖⱼ wⱼ|: no reading is left above the others where weights can lower it.
 
     Parameters
     ----------
@@ -103,6 +114,7 @@ def influence_correction(
     coefficients : (..., n), see `influence_coefficients`; they may come from an earlier job
     importance : (...) pₖ of each reading, not negative; 1 where it is not given
     limits : (n,) or one number: the largest weight for each plane; none where it is not given
+    criterion : "least squares" or "min-max"
 
     Raises `UsageError` where there are fewer readings than planes, `GeometryError` where the readings do not tell the
     planes apart.
@@ -110,7 +122,12 @@ def influence_correction(
     >>> correction = influence_correction([1.0, 3.0], [[2.0, 0.0], [0.0, 4.0]], limits=0.6)
     >>> correction.unbalance.real.round(9).tolist(), correction.residual.real.round(9).tolist(), correction.limited
     ([-0.5, -0.6], [0.0, 0.6], (1,))
+    >>> even = influence_correction([1.0, 3.0], [[1.0], [1.0]], criterion="min-max")
+    >>> even.unbalance.real.round(6).tolist(), even.residual.real.round(6).tolist()
+    ([-2.0], [-1.0, 1.0])
     """
+    if criterion not in get_args(Criterion):
+        raise UsageError(f"criterion is {criterion!r}: use one of {', '.join(map(repr, get_args(Criterion)))}")
     before = complex_of(initial, "initial")
     matrix = complex_of(coefficients, "coefficients")
     if matrix.shape[:-1] != before.shape or matrix.shape[-1] == 0:
@@ -134,10 +151,16 @@ def influence_correction(
             f"the coefficients of {planes} planes have condition {condition:.3g}, above {_SINGULAR:g}: the readings do "
             "not tell the planes apart; add a speed or a sensor, or leave a plane out"
         )
-    weights = least_squares_in_discs(weighted, root * before.ravel(), largest)
+    target, gap = root * before.ravel(), 0.0
+    if criterion == "min-max":
+        weights, least = min_max_in_discs(weighted, target, largest)
+        top = float(np.abs(target + weighted @ weights).max())
+        gap = (top - least) / top if least else 0.0
+    else:
+        weights = least_squares_in_discs(weighted, target, largest)
     limited = tuple(np.flatnonzero(np.abs(weights) >= largest * (1.0 - _AT_LIMIT)).tolist())
     residual = before + matrix @ weights
-    return InfluenceCorrection(weights, residual, condition, limited, _notes(condition, limited, largest))
+    return InfluenceCorrection(weights, residual, condition, limited, gap, _notes(condition, limited, largest))
 
 
 def _notes(condition: float, limited: tuple[int, ...], largest: Float) -> tuple[str, ...]:
