@@ -1,4 +1,4 @@
-"""Sample parts with known exact answers, scenes to let them move in, and rotors to balance.
+"""Sample parts with known exact answers, scenes to let them move in, rotors to balance and readings of them.
 
 `catalogue()` tells of each file what it is, the exact answer of the true solid and that of the stored mesh.
 The files are written by `python -m inertia_meshes.make`.
@@ -12,7 +12,7 @@ from importlib.resources import files
 from pathlib import Path
 from typing import Any
 
-__all__ = ["catalogue", "names", "path", "robots", "rotors", "scenes"]
+__all__ = ["catalogue", "jobs", "names", "path", "robots", "rotors", "scenes"]
 
 _FOLDER = Path(str(files(__name__)))
 
@@ -53,6 +53,11 @@ def rotors() -> tuple[str, ...]:
     return _in_folder("rotors")
 
 
+def jobs() -> tuple[str, ...]:
+    """Return the file names of the sample balancing jobs, such as `"jobs/fan.toml"`."""
+    return _in_folder("jobs")
+
+
 def robots() -> tuple[str, ...]:
     """Return the file names of the sample robots, such as `"robots/arm.urdf"`."""
     return _in_folder("robots", "*.urdf")
@@ -68,7 +73,7 @@ def path(name: str) -> Path:
     >>> path("t_handle.stl").name
     't_handle.stl'
     """
-    known = (*names(), *scenes(), *rotors(), *robots())
+    known = (*names(), *scenes(), *rotors(), *jobs(), *robots())
     if name not in known:
         close = get_close_matches(name, known, n=3, cutoff=0.5)
         hint = f"did you mean {' or '.join(close)}" if close else f"use one of {', '.join(known)}"

@@ -62,6 +62,9 @@ from inertia.balancing.balance import balance as balance
 from inertia.balancing.balance import Balance as Balance
 from inertia.balancing.rotor import Rotor as Rotor
 from inertia.balancing.axis.journals import axis_candidates as axis_candidates
+from inertia.balancing.measured.measure import measure as measure
+from inertia.balancing.measured.measure import Measurement as Measurement
+from inertia.balancing.measured.job import Job as Job
 from inertia.balancing.measured.readings import readings as readings
 from inertia.balancing.measured.trial_weights import trial_weight as trial_weight
 from inertia.balancing.measured.trial_weights import trial_response as trial_response
@@ -70,6 +73,7 @@ from inertia.balancing.measured.trial_weights import unbalance_for_change as unb
 from inertia.balancing.measured.influence import influence_coefficients as influence_coefficients
 from inertia.balancing.measured.influence import influence_correction as influence_correction
 from inertia.balancing.measured.index_balancing import index_balancing as index_balancing
+from inertia.balancing.measured.amplitudes import amplitude_balance as amplitude_balance
 
 # A scene is followed by the smallest model that it needs, and recorded.
 from inertia.dynamics.scene.document import Scene as Scene

@@ -131,7 +131,12 @@ class Balance:
         return achieved_grade(unbalance.in_planes(*at), shares, self.initial.mass, self.rotor.speed)
 
 
-def balance(rotor: Rotor, *, progress: Progress | None = None) -> Balance:
+def balance(
+    rotor: Rotor,
+    *,
+    measured: Sequence[tuple[float, complex, float]] | None = None,
+    progress: Progress | None = None,
+) -> Balance:
     """Balance a rotor.
 
     Its bodies are read and integrated about the shaft; the unbalance is judged in the tolerance planes, which are the
@@ -141,6 +146,8 @@ def balance(rotor: Rotor, *, progress: Progress | None = None) -> Balance:
     Parameters
     ----------
     rotor : what `Rotor.load` returned
+    measured : the unbalance as a machine showed it, in place of that of the meshes: (z in m, vector in kg m from the
+        zero mark, bound of its error in kg m) of each plane; what is cut still comes from the meshes
     progress : called with the fraction done
 
     Raises
@@ -166,7 +173,7 @@ def balance(rotor: Rotor, *, progress: Progress | None = None) -> Balance:
     _require_places(rotor, bodies, shaft)
     properties: MassProperties = reduce(add, (body.analysis.properties for body in bodies))
     together = Unbalance.of(properties, shaft, radial_uncertainty=rotor.radial_uncertainty)
-    initial = unbalance_of(rotor, bodies, shaft, together)
+    initial = unbalance_of(rotor, bodies, shaft, together) if measured is None else _as_measured(together, measured)
     tell(0.5)
     tolerance = rotor.tolerance(initial, at)
     critical = rotor.fields.service.critical_rpm
@@ -178,7 +185,7 @@ def balance(rotor: Rotor, *, progress: Progress | None = None) -> Balance:
     terms = rotor_terms(residual, at)
     if correction is not None:
         terms += operation_terms(correction.operations, residual, at, rotor.shop)
-    exact = None if rotor.radial_uncertainty else bounds.axis(shaft.resolve(properties), shaft.span, 1.0)
+    exact = None if rotor.radial_uncertainty or measured else bounds.axis(shaft.resolve(properties), shaft.span, 1.0)
     initial_verdict = _judged(initial, tolerance, axis, rigid, exact)
     verdict = initial_verdict if correction is None else _judged(residual, tolerance, axis, rigid, exact)
     settings = rotor.fields.uncertainty
@@ -206,8 +213,16 @@ def balance(rotor: Rotor, *, progress: Progress | None = None) -> Balance:
         rigid=rigid,
         tilt=principal_tilt(properties, shaft),
         scatter=scatter,
-        notes=tuple(_notes(rotor, bodies)),
+        notes=tuple(_notes(rotor, bodies, measured is not None)),
     )
+
+
+def _as_measured(modelled: Unbalance, measured: Sequence[tuple[float, complex, float]]) -> Unbalance:
+    """Return the unbalance that a machine showed, on the mass and the centre of mass of the meshes."""
+    bare = replace(modelled, static=0j, couple=0j, uncertainties=())
+    shown = bare.with_vectors([(z, vector) for z, vector, _ in measured])
+    modes = tuple((complex(off), off * (z - modelled.z)) for z, _, off in measured)
+    return shown.with_uncertainties(Uncertainty("measurement", modes))
 
 
 def _correction_planes(rotor: Rotor, bodies: Sequence[RotorBody], shaft: Shaft) -> tuple[CorrectionPlane, ...]:
@@ -292,9 +307,9 @@ def _require_places(rotor: Rotor, bodies: Sequence[RotorBody], shaft: Shaft) -> 
             )
 
 
-def _notes(rotor: Rotor, bodies: Sequence[RotorBody]) -> list[str]:
+def _notes(rotor: Rotor, bodies: Sequence[RotorBody], measured: bool) -> list[str]:
     """Return what was decided on the way."""
-    notes = ["predicted from geometry, not measured"]
+    notes = ["measured; what the corrections do is predicted" if measured else "predicted from geometry, not measured"]
     notes += [
         f"{body.name}: the density is assumed to be {body.density:g} kg/m³: masses and forces are in proportion to it, "
         "the verdict is not"
@@ -308,7 +323,7 @@ def _notes(rotor: Rotor, bodies: Sequence[RotorBody]) -> list[str]:
         for body in bodies
         if body.chord_from == "estimated" and body.chord
     ]
-    if not rotor.radial_uncertainty:
+    if not rotor.radial_uncertainty and not measured:
         notes.append("the axis is taken as exact, as no radial_uncertainty is given")
     if rotor.fields.service.critical_rpm is None:
         notes.append("the rotor counts as rigid, as no critical_rpm is given")

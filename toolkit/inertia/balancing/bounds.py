@@ -15,7 +15,7 @@ from typing import Literal
 from inertia.errors import UsageError
 from inertia.mass.properties import ErrorBound, MassProperties
 
-Source = Literal["arithmetic", "tessellation", "axis", "density"]
+Source = Literal["arithmetic", "tessellation", "axis", "density", "measurement"]
 
 _ROUNDOFF = 2.0**-53
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from typing import Literal
 
 from inertia.balancing.forces import carried_masses
 from inertia.balancing.unbalance import Unbalance
@@ -242,6 +243,24 @@ def achieved_grade(vectors: tuple[complex, complex], shares: tuple[Share, Share]
     """
     worst = max(abs(vector) / share.used for vector, share in zip(vectors, shares, strict=True))
     return 1e3 * speed * worst / mass
+
+
+def accepted(size: float, permissible: float, uncertainty: float) -> Literal["pass", "fail", "undecided"]:
+    """Return whether a *measured* unbalance is accepted: |U| ≤ U_per − ΔU, and failed where |U| > U_per + ΔU.
+
+    In between, this measurement decides nothing. Source: ISO 21940-14, acceptance of measured residual unbalance.
+
+    Parameters
+    ----------
+    size, permissible : |U| and U_per, in one unit
+    uncertainty : ΔU, expanded, in the same unit
+
+    >>> accepted(8.0, 10.0, 1.0), accepted(9.5, 10.0, 1.0), accepted(11.5, 10.0, 1.0)
+    ('pass', 'undecided', 'fail')
+    """
+    if size <= permissible - uncertainty:
+        return "pass"
+    return "fail" if size > permissible + uncertainty else "undecided"
 
 
 def _allocated(

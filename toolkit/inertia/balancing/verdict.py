@@ -24,6 +24,7 @@ _ASKS: dict[Source, str] = {
     "axis": "bearing centres known to {:.2g} mm or better",
     "density": "densities known to {:.2g} % or better",
     "arithmetic": "exact arithmetic",
+    "measurement": "a smaller uncertainty of the measurement",
 }
 _SCALES: dict[Source, float] = {"tessellation": 1e3, "axis": 1e3, "density": 1e2, "arithmetic": 1.0}
 _MILD, _SMALL = 0.05, 0.01

@@ -1,0 +1,132 @@
+"""Balancing jobs as files: what is refused, in one sentence with the field's path or the table's line."""
+
+import copy
+import shutil
+
+import pytest
+
+from inertia import Job, ReadError, UsageError, measure
+from inertia_meshes import jobs, path
+
+BASE = {
+    "rpm": 1500,
+    "conventions": {"angles": "with rotation", "phase": "lag"},
+    "sensor": [{"id": "A", "unit": "mm/s"}],
+    "plane": [{"id": "I", "radius": 100}],
+    "run": [
+        {"id": "0", "readings": [{"sensor": "A", "amplitude": 5.0, "phase": 30.0}]},
+        {
+            "id": "1",
+            "weights": [{"plane": "I", "mass_g": 5.0, "angle": 0.0}],
+            "readings": [{"sensor": "A", "amplitude": 8.0, "phase": 60.0}],
+        },
+    ],
+}
+
+
+def changed(*steps, value):
+    table = copy.deepcopy(BASE)
+    place = table
+    for step in steps[:-1]:
+        place = place[step]
+    if value is None:
+        del place[steps[-1]]
+    else:
+        place[steps[-1]] = value
+    return table
+
+
+@pytest.mark.parametrize("name", jobs())
+def test_the_samples_say_the_same_after_a_round_trip(name):
+    job = Job.load(path(name))
+    again = Job.loads(job.to_toml(), job.folder)
+    first, second = measure(job), measure(again)
+    assert [plane.unbalance for plane in first.planes] == [plane.unbalance for plane in second.planes]
+    assert first.why == second.why
+
+
+@pytest.mark.parametrize(
+    ("steps", "value", "words"),
+    [
+        (("conventions",), None, "conventions is missing"),
+        (("conventions", "angles"), "cw", "conventions.angles is 'cw': use one of 'with rotation', 'against rotation'"),
+        (("conventions", "phase"), None, 'conventions.phase is missing: say whether phases "lag" or "lead"'),
+        (("conventions", "shows"), "unbalance", "conventions.shows is that of a balancing machine"),
+        (("sensor",), None, "sensor is missing"),
+        (("sensor", 0, "unit"), "furlong", r"sensor\[0\].unit is 'furlong': use one of µm, mil, mm/s"),
+        (("sensor",), [{"id": "A", "unit": "mil"}] * 2, r"sensor\[1\].id is 'A', as that of sensor\[0\]"),
+        (("run", 1, "id"), "0", r"run\[1\].id is '0', as that of run\[0\]"),
+        (("run", 1, "weights", 0, "plane"), "X", r"run\[1\].weights\[0\].plane is 'X': use one of I"),
+        (("run", 1, "weights", 0, "mass_g"), 0, r"run\[1\].weights\[0\].mass_g is 0: leave the weight out"),
+        (("run", 1, "readings"), [], r"run\[1\].readings lack sensor A at 1500 r/min, which every run has to read"),
+        (("run", 1, "readings", 0, "sensor"), "B", r"run\[1\].readings\[0\].sensor is 'B': use one of A"),
+        (("run", 1, "readings", 0, "rpm"), 900, r"run\[1\].readings lack sensor A at 1500 r/min"),
+        (("run", 1, "readings", 0, "phase"), None, r"run\[1\].readings\[0\].phase is missing"),
+        (
+            ("run", 1, "readings", 0, "amplitude"),
+            -1,
+            r"run\[1\].readings\[0\].amplitude is -1: it must not be",
+        ),
+        (("rpm",), None, r"run\[0\].readings\[0\].rpm is missing: give it, or rpm at the top"),
+        (("plane", 0, "kit"), [{"mass_g": 5}], r"plane\[0\].kit goes with positions"),
+        (("plane", 0, "bolt"), 5, r"plane\[0\].bolt is unknown"),
+        (("plane",), [{"id": "I"}, {"id": "II"}], "2 runs do not tell 2 planes apart"),
+        (("tolerance",), {"grade": 6.3, "rpm": 3000}, "tolerance.mass is missing: a grade permits"),
+        (("method",), "balancing machine", "sensor goes with no balancing machine"),
+        (("coefficients",), "none.toml", "cannot read none.toml: No such file"),
+        (("rotor",), "none.toml", "cannot read none.toml: No such file"),
+        (("readings",), "none.csv", "cannot read none.csv: No such file"),
+    ],
+)
+def test_what_is_wrong_is_named_by_its_path(steps, value, words):
+    with pytest.raises((UsageError, ReadError), match=words):
+        measure(Job.from_dict(changed(*steps, value=value)))
+
+
+def test_a_plane_without_radius_has_no_limit_in_gmm():
+    table = changed("plane", value=[{"id": "I", "permissible_gmm": 5.0}])
+    with pytest.raises(UsageError, match=r"plane\[0\].radius is missing: what is permissible is in g·mm"):
+        measure(Job.from_dict(table))
+    (plane,) = measure(Job.from_dict(changed("plane", value=[{"id": "I"}]))).planes
+    with_radius = measure(Job.from_dict(BASE)).planes[0]
+    assert plane.unbalance * 0.1 == pytest.approx(with_radius.unbalance)
+
+
+@pytest.mark.parametrize(
+    ("text", "words"),
+    [
+        ("run,sensor,amplitude,phase\n0,A,5,x\n", "line 2: phase is 'x': it must be a number, with a point"),
+        ("run,sensor,amplitude,phase\n0,A,5\n", "line 2: it has 3 cells, and the first line 4"),
+        ("run,sensor,phase\n", "no column amplitude"),
+        ("run,sensor,amplitude,phase,colour\n", "the column 'colour' is unknown"),
+        ("run,sensor,amplitude,phase\n7,A,5,6\n", "line 2: run is '7', which the job does not have"),
+        ("run,sensor,amplitude,phase\n0,A,-5,6\n", "line 2: amplitude is -5.0: it must not be negative"),
+        (
+            "run,sensor,amplitude,phase\n0,A,5,6\n0,A,5,6\n",
+            "reads A at 1500 r/min a second time in run '0'",
+        ),
+        ("run;sensor;amplitude;phase\n0;A;5,5;6\n", "line 2: amplitude is '5,5': it must be a number, with a point"),
+    ],
+)
+def test_tables_of_readings_name_the_line(text, words, tmp_path):
+    table = copy.deepcopy(BASE)
+    for run in table["run"]:
+        del run["readings"]
+    (tmp_path / "r.csv").write_text(text, encoding="utf-8")
+    with pytest.raises((UsageError, ReadError), match=words):
+        Job.from_dict(table | {"readings": "r.csv"}, tmp_path)
+
+
+def test_a_table_with_semicolons_and_comments_is_read(tmp_path):
+    table = copy.deepcopy(BASE)
+    for run in table["run"]:
+        del run["readings"]
+    text = "\ufeffRun;Sensor;Amplitude;Phase\n# trial\n0;A;5.0;30\n\n1;A;8.0;60\n"
+    (tmp_path / "r.csv").write_text(text, encoding="utf-8")
+    job = Job.from_dict(table | {"readings": "r.csv"}, tmp_path)
+    assert measure(job).planes[0].unbalance == measure(Job.from_dict(BASE)).planes[0].unbalance
+
+
+def test_a_job_is_found_with_its_files(tmp_path):
+    folder = shutil.copytree(path("jobs/fan.toml").parent, tmp_path / "jobs")
+    assert measure(Job.load(folder / "fan.toml")).outcome == "pass"

@@ -1,0 +1,395 @@
+"""Balancing jobs on simulated machines whose unbalance is known, and published cases with their figures."""
+
+import cmath
+import math
+
+import numpy as np
+import pytest
+
+from inertia import GeometryError, UsageError
+from inertia.balancing.measured.job import Job
+from inertia.balancing.measured.measure import measure
+
+EXACT = {"amplitude": 0.0, "phase": 0.0, "mass": 0.0, "angle": 0.0}
+
+
+def polar(size, degrees):
+    return cmath.rect(size, math.radians(degrees))
+
+
+def degrees(vector):
+    return math.degrees(cmath.phase(vector)) % 360
+
+
+class Machine:
+    """A linear machine: V = A (u + w), A in mm/s per g mm, for planes at radius 100 mm."""
+
+    def __init__(self, seed, planes, channels, size=500.0, angles="with rotation", phase="lead"):
+        self.random = np.random.default_rng(seed)
+        shape = (channels, planes)
+        self.matrix = 1e-2 * (self.random.normal(size=shape) + 1j * self.random.normal(size=shape))
+        self.unbalance = size * (self.random.normal(size=planes) + 1j * self.random.normal(size=planes))
+        self.angles, self.phase = angles, phase
+
+    @property
+    def mirrored(self):
+        return (self.angles == "with rotation") != (self.phase == "lead")
+
+    def readings(self, mounted, noise=0.0):
+        """What the instrument shows, in its own sense of phase; angles of weights are the job's."""
+        motion = self.matrix @ (self.unbalance + mounted)
+        motion = motion * (
+            1 + noise * (self.random.normal(size=motion.shape) + 1j * self.random.normal(size=motion.shape))
+        )
+        shown = motion.conj() if self.mirrored else motion
+        return [
+            {"sensor": f"S{k}", "amplitude": float(abs(v)), "phase": degrees(v)} for k, v in enumerate(shown.tolist())
+        ]
+
+    def job(self, runs, noise=0.0, stated=EXACT, **more):
+        """A job of runs, each a list of (plane, g, degrees, stays)."""
+        remaining = np.zeros(len(self.unbalance), complex)
+        entries = []
+        for number, run in enumerate(runs):
+            mounted = remaining.copy()
+            weights = []
+            for plane, mass, angle, stays in run:
+                mounted[plane] += 100.0 * polar(mass, angle)
+                if stays:
+                    remaining[plane] += 100.0 * polar(mass, angle)
+                weights.append({"plane": f"P{plane}", "mass_g": mass, "angle": angle, "stays": stays})
+            entries.append({"id": str(number), "weights": weights, "readings": self.readings(mounted, noise)})
+        more = dict(more)
+        plane = more.pop("plane", {})
+        return Job.from_dict(
+            {
+                "rpm": 3000,
+                "conventions": {"angles": self.angles, "phase": self.phase},
+                "uncertainty": stated,
+                "sensor": [{"id": f"S{k}", "unit": "mm/s"} for k in range(len(self.matrix))],
+                "plane": [{"id": f"P{k}", "radius": 100} | plane for k in range(len(self.unbalance))],
+                "run": entries,
+                **more,
+            }
+        )
+
+
+def trials(planes, *, stays=False):
+    return [[], *([(k, 5.0, 30.0 * k, stays)] for k in range(planes))]
+
+
+@pytest.mark.parametrize(("planes", "channels"), [(1, 1), (1, 3), (2, 2), (2, 6), (3, 4), (5, 8)])
+@pytest.mark.parametrize("stays", [False, True])
+def test_the_unbalance_of_a_linear_machine_is_recovered(planes, channels, stays):
+    machine = Machine(7, planes, channels)
+    result = measure(machine.job(trials(planes, stays=stays)))
+    now = 1e-6 * machine.unbalance
+    if stays:
+        now = now + [1e-6 * 100 * polar(5.0, 30.0 * k) for k in range(planes)]
+    assert [plane.unbalance for plane in result.planes] == pytest.approx(now, rel=1e-9)
+    assert np.abs(result.predicted).max() < 1e-9 * np.abs(result.present).max()
+    assert result.outcome is None
+    assert result.estimate.uncertainty.max() == 0.0
+    assert result.estimate.coefficients == pytest.approx(1e6 * machine.matrix, rel=1e-9)
+
+
+@pytest.mark.parametrize("angles", ["with rotation", "against rotation"])
+@pytest.mark.parametrize("phase", ["lead", "lag"])
+def test_angles_and_phases_are_counted_as_the_job_says(angles, phase):
+    machine = Machine(8, 2, 2, angles=angles, phase=phase)
+    result = measure(machine.job(trials(2)))
+    for plane, unbalance in zip(result.planes, machine.unbalance.tolist(), strict=True):
+        assert plane.unbalance == pytest.approx(1e-6 * unbalance, rel=1e-9)
+
+
+def test_a_trim_run_is_predicted_and_corrects_the_rest():
+    machine = Machine(9, 2, 4)
+    first = measure(machine.job(trials(2)))
+    weights = [
+        (k, 1e3 * piece.mass * 0.9, math.degrees(piece.angle), True)
+        for k, plane in enumerate(first.planes)
+        for piece in plane.pieces
+    ]
+    trimmed = measure(machine.job([*trials(2), weights]))
+    assert trimmed.runs[-1].predicted == pytest.approx(trimmed.runs[-1].readings, rel=1e-9)
+    for before, after in zip(first.planes, trimmed.planes, strict=True):
+        assert after.unbalance == pytest.approx(0.1 * before.unbalance, rel=1e-9)
+
+
+def test_coefficients_are_written_and_used_again(tmp_path):
+    machine = Machine(10, 2, 3)
+    earlier = measure(machine.job(trials(2)))
+    file = tmp_path / "fan.toml"
+    file.write_text(earlier.coefficients().to_toml(), encoding="utf-8")
+    machine.unbalance = machine.unbalance[::-1] * 1j
+    job = machine.job([[]], coefficients=str(file))
+    later = measure(job)
+    assert [plane.unbalance for plane in later.planes] == pytest.approx(1e-6 * machine.unbalance, rel=1e-9)
+    assert any("the coefficients are those of" in note for note in later.notes)
+
+
+def test_stored_coefficients_serve_a_job_that_counts_angles_the_other_way(tmp_path):
+    machine = Machine(11, 2, 2)
+    file = tmp_path / "fan.toml"
+    file.write_text(measure(machine.job(trials(2))).coefficients().to_toml(), encoding="utf-8")
+    job = machine.job([[]], coefficients=str(file))
+    table = job.to_dict()
+    table["conventions"]["angles"] = "against rotation"
+    mirrored = measure(Job.from_dict(table))
+    assert [plane.unbalance for plane in mirrored.planes] == pytest.approx(1e-6 * machine.unbalance.conj(), rel=1e-9)
+
+
+def test_stored_coefficients_come_in_another_unit_of_the_same_quantity(tmp_path):
+    machine = Machine(12, 1, 1)
+    file = tmp_path / "fan.toml"
+    file.write_text(measure(machine.job(trials(1))).coefficients().to_toml(), encoding="utf-8")
+    table = machine.job([[]], coefficients=str(file)).to_dict()
+    table["sensor"][0]["unit"] = "in/s peak"
+    (reading,) = table["run"][0]["readings"]
+    reading["amplitude"] *= math.sqrt(2.0) / 25.4
+    (plane,) = measure(Job.from_dict(table)).planes
+    assert plane.unbalance == pytest.approx(1e-6 * machine.unbalance[0], rel=1e-9)
+    table["sensor"][0]["unit"] = "mil pp"
+    with pytest.raises(UsageError, match=r"coefficient\[0\]\.unit is mm/s rms, a velocity, and the job reads mil pp"):
+        measure(Job.from_dict(table))
+
+
+def test_the_stated_uncertainty_is_that_of_repeated_measurements():
+    # Half-widths a count as a/√3: noise of 1 % in either direction is stated as √3 %.
+    stated = {"amplitude": 0.01 * math.sqrt(3), "phase": math.degrees(0.01 * math.sqrt(3)), "mass": 0.0, "angle": 0.0}
+    machine = Machine(20, 2, 3)
+    repeats = [measure(machine.job(trials(2), noise=0.01, stated=stated)) for _ in range(100)]
+    for k in range(2):
+        errors = np.array([result.planes[k].unbalance - 1e-6 * machine.unbalance[k] for result in repeats])
+        mean = np.sqrt(np.mean([np.trace(result.estimate.covariance[k]) for result in repeats]))
+        assert np.sqrt(np.mean(np.abs(errors) ** 2)) == pytest.approx(mean, rel=0.15)
+        lengths = [abs(abs(result.planes[k].unbalance) - 1e-6 * abs(machine.unbalance[k])) for result in repeats]
+        inside = np.mean([off <= result.planes[k].expanded for off, result in zip(lengths, repeats, strict=True)])
+        assert inside > 0.9
+
+
+def test_min_max_lowers_the_largest_reading():
+    machine = Machine(13, 2, 9)
+    machine.unbalance = machine.random.normal(size=2) * 500 + 0j
+    noisy = machine.job(trials(2), noise=0.05)
+    squares = measure(noisy)
+    table = noisy.to_dict() | {"criterion": "min-max"}
+    even = measure(Job.from_dict(table))
+    assert np.abs(even.predicted).max() < np.abs(squares.predicted).max()
+    assert np.linalg.norm(even.predicted) > np.linalg.norm(squares.predicted)
+    assert 0 <= even.gap < 2e-7
+
+
+def test_weights_stay_within_their_limit_and_at_their_positions():
+    machine = Machine(14, 2, 2)
+    result = measure(
+        machine.job(trials(2), plane={"max_mass_g": 2.0, "positions": [0, 90, 180, 270], "mass_step_g": 0.1})
+    )
+    for plane in result.planes:
+        assert abs(plane.correction) <= 2e-3 * 0.1 * (1 + 1e-9)
+        assert {round(math.degrees(piece.angle)) % 360 for piece in plane.pieces} <= {0, 90, 180, 270}
+        assert all(abs(1e4 * piece.mass - round(1e4 * piece.mass)) < 1e-6 for piece in plane.pieces)
+        assert abs(plane.left) < 0.1e-3 * 0.1
+    assert sum("is at its limit of 2 g" in note for note in result.notes) == 2
+
+
+def test_planes_that_act_alike_are_named():
+    machine = Machine(15, 2, 3)
+    machine.matrix[:, 1] = machine.matrix[:, 0] * 1.1 + 1e-4 * machine.matrix[:, 1]
+    notes = measure(machine.job(trials(2))).notes
+    assert any("planes P0 and P1 act alike" in note for note in notes)
+    assert any("have condition" in note for note in notes)
+
+
+def test_planes_that_cannot_be_told_apart_are_refused():
+    machine = Machine(16, 2, 3)
+    machine.matrix[:, 1] = machine.matrix[:, 0]
+    with pytest.raises(GeometryError, match="do not tell the planes apart"):
+        measure(machine.job(trials(2)))
+
+
+def test_a_trial_weight_that_drowns_is_named():
+    machine = Machine(17, 1, 1)
+    stated = {"amplitude": 0.02, "phase": 2.0}
+    job = machine.job([[], [(0, 0.05, 0.0, False)]], stated=stated)
+    assert any("run 1: what the weight changed is" in note and "drowns" in note for note in measure(job).notes)
+    job = machine.job([[], [(0, 1.0, 0.0, False)]], stated={"amplitude": 1e-4, "phase": 0.01})
+    assert any("less than 30 % and 30°: repeat with" in note for note in measure(job).notes)
+
+
+def test_runs_that_contradict_each_other_are_named():
+    machine = Machine(18, 1, 2)
+    job = machine.job([[], [(0, 5.0, 0.0, False)], [(0, 5.0, 120.0, False)]], stated={"amplitude": 0.01, "phase": 1.0})
+    assert not any("contradict" in note for note in measure(job).notes)
+    table = job.to_dict()
+    table["run"][1]["readings"][0]["amplitude"] *= 1.3
+    assert any(
+        "the runs contradict each other: S0 at 3000 r/min" in note for note in measure(Job.from_dict(table)).notes
+    )
+
+
+def test_without_phase_four_runs_do():
+    machine = Machine(19, 1, 1)
+    runs = [[], *([(0, 5.0, angle, False)] for angle in (0.0, 120.0, 240.0))]
+    table = machine.job(runs, method="without phase").to_dict()
+    for run in table["run"]:
+        del run["readings"][0]["phase"]
+    result = measure(Job.from_dict(table))
+    assert result.planes[0].unbalance == pytest.approx(1e-6 * machine.unbalance[0], rel=1e-6)
+    del table["run"][3]
+    open_ = measure(Job.from_dict(table))
+    assert len(open_.estimate.fits) == 2
+    assert any("two places of the heavy spot explain the amplitudes" in note for note in open_.notes)
+
+
+def machine_job(runs, **more):
+    return Job.from_dict(
+        {
+            "method": "balancing machine",
+            "conventions": {"angles": "with rotation", "shows": "unbalance"},
+            "uncertainty": EXACT,
+            "plane": [{"id": "I", "radius": 50, "permissible_gmm": 20}],
+            "run": [
+                {"id": str(k), "indexed": turn, "readings": [{"sensor": "I", "amplitude": size, "phase": angle}]}
+                for k, (size, angle, turn) in enumerate(runs)
+            ],
+            **more,
+        }
+    )
+
+
+def test_case_13_turned_by_half_a_turn_the_tooling_is_told_from_the_rotor():
+    result = measure(machine_job([(32.460, 90.73, 0), (50.954, 236.97, 180)]))
+    (plane,) = result.planes
+    assert 1e6 * abs(plane.unbalance) == pytest.approx(40.0, abs=2e-3)
+    assert degrees(plane.unbalance) == pytest.approx(70.0, abs=2e-3)
+    assert 1e6 * abs(result.estimate.tooling[0]) == pytest.approx(15.0, abs=2e-3)
+    assert degrees(result.estimate.tooling[0]) == pytest.approx(200.0, abs=5e-3)
+    assert result.outcome == "fail"
+
+
+@pytest.mark.parametrize(
+    ("size", "floor", "outcome"),
+    [(15.0, 0.0, "pass"), (19.5, 2.0, "undecided"), (19.5, 0.1, "pass"), (25.0, 2.0, "fail")],
+)
+def test_what_is_measured_passes_by_its_uncertainty(size, floor, outcome):
+    # ISO 21940-14: |U| <= U_per - ΔU, here with ΔU = 2 · floor/√3 and U_per = 20 g·mm.
+    result = measure(machine_job([(size, 10.0, 0)], machine={"floor": floor}))
+    assert 1e6 * result.planes[0].expanded == pytest.approx(2 * floor / math.sqrt(3), rel=1e-6)
+    assert result.outcome == outcome
+
+
+def test_a_machine_that_shows_the_correction_shows_the_light_spot():
+    conventions = {"angles": "with rotation", "shows": "correction"}
+    (plane,) = measure(machine_job([(10.0, 30.0, 0)], conventions=conventions)).planes
+    assert degrees(plane.unbalance) == pytest.approx(210.0)
+    assert [(round(math.degrees(k.angle)), round(1e3 * k.mass, 9)) for k in plane.pieces] == [(30, 0.2)]
+
+
+# The test cases of hsbalance 0.5.5 (test/config.yaml), and where they were published. Each correction is compared as
+# closely as its figures are printed; Σ|V|² never exceeds that of the published weights.
+HSBALANCE = {
+    "B&K 17-227, example 6": (["78.26@58 18.26@140", "9.48@10 32.96@142"], "170@112 53@78", "1.96@-122 1.06@121", 0.02),
+    "Goodman (1964)": (["3@0 2@180", "5@0 2@180", "5@0 3@180"], "1@0 1@180 0@0", "0.81@0 1.48@0", 0.06),
+    "Kelm, Kelm and Pavelek (2016)": (
+        ["0.04@58 0.029@47.9", "0.034@123.3 0.051@358", "0.039@31.8 0.025@115.4", "0.046@311.5 0.034@57.0"],
+        "0.97@175 2.2@168 0.84@327 0.58@318.5",
+        "17.5@230 30.3@-9",
+        0.05,
+    ),
+}
+
+
+def vectors(text):
+    return np.array([polar(*map(float, one.split("@"))) for one in text.split()])
+
+
+@pytest.mark.parametrize("case", HSBALANCE)
+def test_published_coefficients_give_the_published_weights(case, tmp_path):
+    rows, initial, published, tolerance = HSBALANCE[case]
+    matrix, before = np.array([vectors(row) for row in rows]), vectors(initial)
+    file = tmp_path / "published.toml"
+    entries = "\n".join(
+        f'[[coefficient]]\nsensor = "S{k}"\nrpm = 3000\nplane = "P{j}"\nunit = "mil pp"\n'
+        f"amplitude = {abs(value)!r}\nphase = {degrees(value)!r}"
+        for k, row in enumerate(matrix.tolist())
+        for j, value in enumerate(row)
+    )
+    file.write_text(f'weights = "g"\n{entries}\n', encoding="utf-8")
+    job = Job.from_dict(
+        {
+            "rpm": 3000,
+            "conventions": {"angles": "with rotation", "phase": "lead"},
+            "coefficients": str(file),
+            "sensor": [{"id": f"S{k}", "unit": "mil pp"} for k in range(len(before))],
+            "plane": [{"id": f"P{j}"} for j in range(matrix.shape[1])],
+            "run": [
+                {
+                    "id": "initial",
+                    "readings": [
+                        {"sensor": f"S{k}", "amplitude": float(abs(v)), "phase": degrees(v)}
+                        for k, v in enumerate(before.tolist())
+                    ],
+                }
+            ],
+        }
+    )
+    result = measure(job)
+    found = np.array([1e3 * plane.correction for plane in result.planes])
+    assert np.abs(found - vectors(published)).max() <= tolerance * np.abs(found).max()
+    assert np.linalg.norm(result.predicted) <= np.linalg.norm(before + matrix @ vectors(published)) * (1 + 1e-9)
+
+
+def simple_job(runs, weights, stays, unit="mil pp"):
+    """A job with weights in grams, of runs of (amplitude, phase)."""
+    planes = len(weights)
+    entries = [{"id": "initial"}, *({"id": f"trial {k + 1}", "weights": []} for k in range(planes))]
+    for k, (mass, angle) in enumerate(weights):
+        entries[k + 1]["weights"] = [{"plane": f"P{k}", "mass_g": mass, "angle": angle, "stays": stays}]
+    for entry, shown in zip(entries, runs, strict=True):
+        entry["readings"] = [{"sensor": f"S{k}", "amplitude": a, "phase": p} for k, (a, p) in enumerate(shown)]
+    return Job.from_dict(
+        {
+            "rpm": 3000,
+            "conventions": {"angles": "with rotation", "phase": "lead"},
+            "sensor": [{"id": f"S{k}", "unit": unit} for k in range(len(runs[0]))],
+            "plane": [{"id": f"P{k}"} for k in range(planes)],
+            "run": entries,
+        }
+    )
+
+
+def test_feese_and_grazier_balance_with_trial_weights_that_stay():
+    # Balance This! (2004): 15.3 at 3 degrees and 6.6 at 113 degrees in all. hsbalance 0.5.5, which has the readings,
+    # takes the first figure for a misprint (5.4 at -137 degrees); with both weights left on it is none.
+    job = simple_job(
+        [
+            [(0.68, 32), (0.56, 86), (1.94, 231), (2.07, 335)],
+            [(1.31, 1), (1.25, 75), (0.93, 251), (1.0, 342)],
+            [(0.54, 9), (0.52, 75), (0.81, 196), (0.9, 296)],
+        ],
+        [(11.1, 35), (3.7, 135)],
+        True,
+    )
+    corrections = [1e3 * plane.correction for plane in measure(job).planes]
+    aft, forward = (a + b for a, b in zip(corrections, [polar(11.1, 35), polar(3.7, 135)], strict=True))
+    assert (abs(aft), degrees(aft)) == (pytest.approx(15.3, abs=0.05), pytest.approx(3, abs=0.5))
+    assert (abs(forward), degrees(forward)) == (pytest.approx(6.6, abs=0.05), pytest.approx(113, abs=0.5))
+
+
+def test_pyprb_in_one_plane():
+    # pyPRB 1.0.0, first example: 2.01 g at -30.8 degrees on the rotor.
+    job = simple_job([[(3.4, 116)], [(1.8, 42)]], [(2.0, 0)], False)
+    (plane,) = measure(job).planes
+    assert 1e3 * abs(plane.correction) == pytest.approx(2.01, abs=5e-3)
+    assert degrees(plane.correction) == pytest.approx(-30.8 % 360, abs=0.05)
+
+
+def test_pyprb_in_two_planes():
+    # pyPRB 1.0.0, second example: 2.95 g at 50.2 degrees and 2.84 g at -81.9 degrees.
+    job = simple_job(
+        [[(7.2, 238), (13.5, 296)], [(4.9, 114), (9.2, 347)], [(4.0, 79), (12.0, 292)]], [(2.5, 0), (2.5, 0)], False
+    )
+    sizes = [(1e3 * abs(plane.correction), degrees(plane.correction)) for plane in measure(job).planes]
+    assert sizes[0] == (pytest.approx(2.95, abs=5e-3), pytest.approx(50.2, abs=0.05))
+    assert sizes[1] == (pytest.approx(2.84, abs=5e-3), pytest.approx(-81.9 % 360, abs=0.05))

@@ -1,0 +1,241 @@
+"""The unbalance that the runs of a job show, with its standard uncertainty.
+
+The readings of every run are V = A (u + w), with u the rotor's unbalance at the start and w what is mounted. Runs with
+different weights give A and u together by least squares; stored coefficients, or a balancing machine, whose A is one,
+give u from the last run. Without phase see `inertia.balancing.measured.amplitudes`; where the rotor was turned on its
+tooling, `inertia.balancing.measured.index_balancing` tells the two apart.
+
+Half-widths a of readings and weights count as standard uncertainties a/√3 and are carried through the whole
+calculation numerically, one after the other (JCGM 100:2008, 4.3.7 and note 2 to 5.1.3).
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from inertia.arrays import Float
+from inertia.balancing.measured.amplitudes import AmplitudeFit, amplitude_balance
+from inertia.balancing.measured.index_balancing import index_balancing
+from inertia.balancing.measured.influence import influence_correction
+from inertia.balancing.measured.job import Job
+from inertia.balancing.measured.readings import complex_of
+from inertia.balancing.unbalance import Complex
+from inertia.errors import GeometryError, UsageError
+
+COVERAGE = 2.0
+"""Of the standard uncertainty, for about 95 % of the magnitude of an unbalance."""
+
+_RECTANGLE = math.sqrt(3.0)
+_SAME = 1e-9  # of the largest weight: what is mounted in two runs is the same
+_SINGULAR = 1e10
+_SAME_FIT = 0.02  # misfit, relative, up to which a second place without phase counts as one too
+
+
+@dataclass(frozen=True, eq=False)
+class Estimate:
+    """What the runs say.
+
+    Attributes
+    ----------
+    mounted : (runs, n) kg m or kg, what is on the rotor in each run beside itself
+    remaining : (n,) what of it stays on after the last run
+    coefficients : (channels, n) vibration per unit of weight; None without phase
+    coefficient_uncertainty : (channels, n) standard
+    unbalance : (n,) the heavy spots as the rotor is now, with what stays on it
+    covariance : (n, 2, 2) of its parts along 0° and 90°
+    present : (channels,) what the machine would show now
+    tooling : (n,) of indexed runs, what belongs to the tooling; None without them
+    fits : without phase, the unbalances at the start that explain the amplitudes, the best first
+    """
+
+    mounted: Complex
+    remaining: Complex
+    coefficients: Complex | None
+    coefficient_uncertainty: Float
+    unbalance: Complex
+    covariance: Float
+    present: Complex
+    tooling: Complex | None
+    fits: tuple[AmplitudeFit, ...]
+
+    @property
+    def ambiguous(self) -> bool:
+        """Whether two unbalances explain the amplitudes without phase."""
+        return len(self.fits) > 1 and self.fits[1].misfit <= max(_SAME_FIT, 3.0 * self.fits[0].misfit)
+
+    @property
+    def uncertainty(self) -> Float:
+        """Standard uncertainty (n,) of each plane's vector in the direction in which it is largest."""
+        spread: Float = np.sqrt(np.maximum(np.linalg.eigvalsh(self.covariance)[:, -1], 0.0))
+        return spread
+
+
+@dataclass(frozen=True, eq=False)
+class _Inputs:
+    """What the calculation starts from: readings (runs, channels), weights (entries,), coefficients of their own."""
+
+    readings: Complex
+    weights: Complex
+    stored: Complex | None
+
+
+def estimate(job: Job, stored: tuple[Complex, Float] | None = None) -> Estimate:
+    """Return the unbalance that a job's runs show.
+
+    Parameters
+    ----------
+    job : as it is
+    stored : coefficients (channels, n) of an earlier job, and their standard uncertainties
+
+    Raises `UsageError` where the runs do not tell the planes apart, `GeometryError` where the readings do not.
+    """
+    matrix, errors = (None, None) if stored is None else stored
+    if job.by_machine:
+        matrix = np.eye(len(job.planes), dtype=complex)
+    readings = job.vibrations if job.by_phase else job.amplitudes.astype(complex)
+    inputs = _Inputs(readings, complex_of([weight for _, _, weight, _ in job.weights], "weights"), matrix)
+    nominal = _calculated(job, inputs)
+    parts = [_parts(job, nominal)]
+    parts += [
+        0.5 * (_parts(job, _calculated(job, up, nominal)) - _parts(job, _calculated(job, down, nominal)))
+        for up, down in _moved(job, inputs, errors)
+    ]
+    moves = np.array(parts[1:]).reshape(-1, len(parts[0]))
+    planes = len(job.planes)
+    sides = np.stack([moves[:, :planes].real, moves[:, :planes].imag], axis=-1)
+    spread = np.sqrt((np.abs(moves[:, planes:]) ** 2).sum(axis=0) / 2.0)
+    return replace(
+        nominal,
+        covariance=np.einsum("ipa,ipb->pab", sides, sides),
+        coefficient_uncertainty=spread.reshape(len(job.channels), planes) if spread.size else np.zeros((0, planes)),
+    )
+
+
+def _parts(job: Job, answer: Estimate) -> Complex:
+    """Return what uncertainty is carried to: the unbalance, then the coefficients."""
+    coefficients = answer.coefficients
+    return answer.unbalance if coefficients is None else np.concatenate([answer.unbalance, coefficients.ravel()])
+
+
+def _moved(job: Job, inputs: _Inputs, errors: Float | None) -> Iterator[tuple[_Inputs, _Inputs]]:
+    """Yield the inputs with each of them moved up and down by its standard uncertainty."""
+
+    def pair(name: str, index: tuple[int, ...], move: complex) -> tuple[_Inputs, _Inputs]:
+        both = []
+        for sign in (1.0, -1.0):
+            array = getattr(inputs, name).copy()
+            array[index] += sign * move
+            both.append(replace(inputs, **{name: array}))
+        return both[0], both[1]
+
+    amplitudes, phases = job.half_widths
+    for run, row in enumerate(inputs.readings.tolist()):
+        for k, reading in enumerate(row):
+            size = abs(reading)
+            toward = reading / size if size else 1.0 + 0j
+            along = math.hypot(amplitudes[k] * size, job.noise[k]) / _RECTANGLE
+            across = math.hypot(phases[k] * size, job.noise[k]) / _RECTANGLE if job.by_phase else 0.0
+            for move in (toward * along, 1j * toward * across):
+                if move:
+                    yield pair("readings", (run, k), move)
+    stated = job.fields.uncertainty
+    for k, weight in enumerate(inputs.weights.tolist()):
+        for move in (weight * stated.mass, 1j * weight * math.radians(stated.angle)):
+            if move:
+                yield pair("weights", (k,), move / _RECTANGLE)
+    if errors is not None:
+        for channel, plane in np.argwhere(errors > 0).tolist():
+            for move in (errors[channel, plane], 1j * errors[channel, plane]):
+                yield pair("stored", (channel, plane), move)
+
+
+def _calculated(job: Job, inputs: _Inputs, near: Estimate | None = None) -> Estimate:
+    """Return the answer from inputs, without its uncertainty; of several, that near another."""
+    mounted, remaining = mounted_weights(job, inputs.weights)
+    planes = len(job.planes)
+    empty = np.zeros((planes, 2, 2))
+    answer = Estimate(
+        mounted, remaining, None, np.zeros((0, planes)), np.zeros(planes, complex), empty, inputs.readings[-1], None, ()
+    )
+    if not job.by_phase:
+        fits = amplitude_balance(inputs.readings[:, 0].real, mounted[:, 0])
+        if near is not None:
+            fits = (min(fits, key=lambda fit: abs(fit.unbalance - near.fits[0].unbalance)),)
+        now = fits[0].unbalance + remaining[0]
+        return replace(
+            answer, unbalance=np.array([now]), present=np.array([fits[0].sensitivity * abs(now) + 0j]), fits=fits
+        )
+    matrix = _fitted(inputs.readings, mounted) if inputs.stored is None else inputs.stored
+    present = _present(inputs.readings, mounted, remaining, matrix)
+    answer = replace(answer, coefficients=matrix, present=present)
+    if any(run.indexed for run in job.runs):
+        return _indexed(job, inputs, answer, matrix)
+    return replace(answer, unbalance=_solved(job, matrix, present))
+
+
+def _indexed(job: Job, inputs: _Inputs, answer: Estimate, matrix: Complex) -> Estimate:
+    """Tell the rotor's unbalance from that of its tooling; weights turn with the rotor."""
+    positions = np.radians([run.indexed for run in job.runs])
+    turns = np.exp(1j * positions)[:, None]
+    shown = np.array([_solved(job, matrix, row) for row in inputs.readings]) - turns * answer.mounted
+    split = index_balancing(shown, positions)
+    unbalance = split.rotor + answer.remaining
+    return replace(answer, unbalance=unbalance, present=matrix @ unbalance, tooling=split.tooling)
+
+
+def mounted_weights(job: Job, weights: Complex) -> tuple[Complex, Complex]:
+    """Return what is on the rotor in each run (runs, n), and what stays on it after the last (n,)."""
+    remaining = np.zeros(len(job.planes), complex)
+    mounted = np.zeros((len(job.runs), len(job.planes)), complex)
+    entries = list(zip(job.weights, weights.tolist(), strict=True))
+    for run in range(len(job.runs)):
+        mounted[run] = remaining
+        for (number, plane, _, stays), weight in entries:
+            if number == run:
+                mounted[run, plane] += weight
+                if stays:
+                    remaining[plane] += weight
+    return mounted, remaining
+
+
+def _fitted(readings: Complex, mounted: Complex) -> Complex:
+    """Return the coefficients (channels, n) of runs whose first readings are not known any better than the others."""
+    rows = mounted - mounted.mean(axis=0)
+    sizes = np.linalg.norm(rows, axis=0)
+    if not sizes.all() or _condition(rows / sizes) > _SINGULAR:
+        raise UsageError(
+            f"{len(mounted)} runs do not tell {mounted.shape[1]} planes apart: mount a trial weight in every plane, in "
+            "runs that are not multiples of each other, or name a file of coefficients"
+        )
+    change = readings - readings.mean(axis=0)
+    return complex_of(np.linalg.lstsq(rows, change, rcond=None)[0].T, "coefficients")
+
+
+def _present(readings: Complex, mounted: Complex, remaining: Complex, matrix: Complex) -> Complex:
+    """Return the readings of the last run with only on the rotor what stays there, or what they come to then."""
+    largest = float(np.abs(mounted).max(initial=0.0))
+    same = np.flatnonzero(np.abs(mounted - remaining).max(axis=1) <= _SAME * largest)
+    return complex_of(
+        readings[same[-1]] if len(same) else readings[-1] + matrix @ (remaining - mounted[-1]), "readings"
+    )
+
+
+def _solved(job: Job, matrix: Complex, readings: Complex) -> Complex:
+    """Return the unbalance that readings come from, by least squares."""
+    if len(readings) < matrix.shape[1]:
+        raise GeometryError(
+            f"{len(readings)} readings a run do not tell {matrix.shape[1]} planes apart: measure at as many sensors "
+            "and speeds as there are planes"
+        )
+    return -influence_correction(readings, matrix, importance=job.importance).unbalance
+
+
+def _condition(matrix: Complex) -> float:
+    if matrix.shape[0] < matrix.shape[1]:
+        return math.inf
+    singular = np.linalg.svd(matrix, compute_uv=False)
+    return float(singular[0] / singular[-1]) if singular[-1] else math.inf

@@ -1,0 +1,390 @@
+"""`Job`: a rotor on a machine, the runs that were made with it, and what was read; from TOML, and readings from CSV.
+
+Weights and readings become complex numbers whose angles run in the job's own sense
+(`inertia.balancing.measured.readings`); `to_rotor` turns them into the sense of a rotor file.
+"""
+
+from __future__ import annotations
+
+import csv
+import math
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, field, replace
+from functools import cached_property
+from pathlib import Path
+from typing import Any, ClassVar, TypeVar
+
+import numpy as np
+
+from inertia.arrays import Float
+from inertia.balancing.measured.job_fields import JobFields, MeasuredPlaneFields, ReadingFields, RunFields, SensorFields
+from inertia.balancing.measured.readings import readings
+from inertia.balancing.rotor import Rotor
+from inertia.balancing.shop_units import GRAM_MILLIMETRE, OUNCE_INCH
+from inertia.balancing.unbalance import Complex
+from inertia.documents import Document, FieldError, Section, document_schema, plain, section_of
+from inertia.errors import InertiaError, ReadError, UsageError, placed
+from inertia.tables import cell_text
+from inertia.units import length_unit
+
+AMPLITUDE, PHASE = 0.02, 2.0
+"""Half-widths of a reading, as a part of it and in degrees, where the job states none."""
+
+_COLUMNS = ("run", "sensor", "rpm", "amplitude", "phase")
+
+Named = TypeVar("Named", MeasuredPlaneFields, SensorFields, RunFields)
+
+
+@dataclass(frozen=True)
+class Channel:
+    """What is read in every run: a sensor at a speed (r/min; None where none is stated)."""
+
+    sensor: str
+    rpm: float | None
+
+    def __str__(self) -> str:
+        return self.sensor if self.rpm is None else f"{self.sensor} at {self.rpm:g} r/min"
+
+
+@dataclass(frozen=True)
+class Plane:
+    """Where weights are mounted: its name, and z and radius in m where they are known."""
+
+    id: str
+    z: float | None
+    radius: float | None
+
+
+@dataclass(frozen=True, eq=False)
+class Job(Document):
+    """A balancing job as its file describes it.
+
+    Attributes
+    ----------
+    fields : what the file says, in its own units
+    folder : where the files are that it names
+    text : the file as it was read; None without one
+    name : the file's path, or "the job"
+    runs : those of the file, with the readings of the table added
+
+    Raises `UsageError` naming the field.
+
+    >>> job = Job.from_dict({
+    ...     "conventions": {"angles": "with rotation", "phase": "lag"},
+    ...     "rpm": 1500,
+    ...     "sensor": [{"id": "A", "unit": "mm/s"}],
+    ...     "plane": [{"id": "I", "radius": 100}],
+    ...     "run": [{"id": "initial", "readings": [{"sensor": "A", "amplitude": 5.0, "phase": 30.0}]}],
+    ... })
+    >>> job.channels[0].sensor, job.channels[0].rpm
+    ('A', 1500.0)
+    """
+
+    noun: ClassVar[str] = "job"
+
+    fields: JobFields
+    folder: Path = Path()
+    text: str | None = None
+    name: str = "the job"
+    runs: tuple[RunFields, ...] = field(init=False)
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "runs", self.fields.run)
+        for name in ("plane", "sensor", "run"):
+            _require_different(getattr(self.fields, name), name)
+        if self.fields.readings is not None:
+            object.__setattr__(self, "runs", self._with_table(self.folder / self.fields.readings))
+        self._require_sense()
+
+    @classmethod
+    def _from_table(cls, table: Mapping[str, Any], folder: Path, text: str | None, name: str) -> Job:
+        return cls(section_of(JobFields, table), folder, text, name)
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return the job as a dictionary laid out as the file is; what is at its default is left out."""
+        return {"schema": self.fields.schema, "unit": self.fields.unit, **plain(self.fields)}
+
+    @property
+    def by_machine(self) -> bool:
+        """Whether the readings are unbalances, of a balancing machine."""
+        return self.fields.method == "balancing machine"
+
+    @property
+    def by_phase(self) -> bool:
+        """Whether the readings have phases."""
+        return self.fields.method != "without phase"
+
+    @cached_property
+    def rotor(self) -> Rotor | None:
+        """The rotor that is to be corrected; None where the job names none."""
+        return None if self.fields.rotor is None else Rotor.load(self.folder / self.fields.rotor)
+
+    @cached_property
+    def planes(self) -> tuple[Plane, ...]:
+        """The planes, with what the rotor file says of those of the same name."""
+        known = {} if self.rotor is None else {plane.id: plane for plane in self.rotor.fields.plane}
+        metres = float(length_unit(self.fields.unit).metres)
+        other = 1.0 if self.rotor is None else float(self.rotor.unit.metres)
+        planes = []
+        for plane in self.fields.plane:
+            places: dict[str, float | None] = {}
+            for name in ("z", "radius"):
+                own, theirs = getattr(plane, name), getattr(known.get(plane.id), name, None)
+                places[name] = metres * own if own is not None else None if theirs is None else other * theirs
+            planes.append(Plane(plane.id, **places))
+        return tuple(planes)
+
+    @property
+    def weighed_alone(self) -> bool:
+        """Whether weights are in kg, as no radius of theirs is known, in place of kg m."""
+        return any(plane.radius is None for plane in self.planes) and not self.by_machine
+
+    @cached_property
+    def channels(self) -> tuple[Channel, ...]:
+        """What every run reads, in the order of the first; of a balancing machine the planes."""
+        if self.by_machine:
+            return tuple(Channel(plane.id, self.fields.rpm) for plane in self.fields.plane)
+        return tuple(dict.fromkeys(self._channel(reading) for reading in self.runs[0].readings))
+
+    @cached_property
+    def amplitudes(self) -> Float:
+        """What was read, (runs, channels), in the units of the sensors, or kg m of a balancing machine."""
+        return np.array([[self._reading(run, channel).amplitude for channel in self.channels] for run in self.runs]) * (
+            self._machine_unit if self.by_machine else 1.0
+        )
+
+    @cached_property
+    def vibrations(self) -> Complex:
+        """The same with phases, as complex numbers that are linear in the unbalance."""
+        phases = [[self._reading(run, channel).phase or 0.0 for channel in self.channels] for run in self.runs]
+        conventions = self.fields.conventions
+        if self.by_machine:
+            heavy = readings(self.amplitudes, phases)
+            return -heavy if conventions.shows == "correction" else heavy
+        return readings(
+            self.amplitudes,
+            phases,
+            phase=conventions.phase or "lead",
+            rotation="ccw" if conventions.angles == "with rotation" else "cw",
+        )
+
+    @cached_property
+    def half_widths(self) -> tuple[Float, Float]:
+        """What each reading may be off by: (channels,) as a part of it and rad, beside its sensor's noise."""
+        sensors, general = {sensor.id: sensor for sensor in self.fields.sensor}, self.fields.uncertainty
+        both = []
+        for channel in self.channels:
+            sensor = sensors.get(channel.sensor)
+            both.append(
+                [
+                    _first(getattr(sensor, name, None), getattr(general, name), usual)
+                    for name, usual in (("amplitude", AMPLITUDE), ("phase", PHASE))
+                ]
+            )
+        sizes, angles = np.array(both).T
+        return sizes, np.radians(angles)
+
+    @cached_property
+    def noise(self) -> Float:
+        """Half-width of the noise of each channel, in its unit, or kg m of a balancing machine."""
+        if self.by_machine:
+            return np.full(len(self.channels), self.fields.machine.floor * self._machine_unit)
+        floors = {sensor.id: sensor.floor for sensor in self.fields.sensor}
+        return np.array([floors.get(channel.sensor, 0.0) for channel in self.channels])
+
+    @cached_property
+    def importance(self) -> Float:
+        """What the readings of each channel count."""
+        weights = {sensor.id: sensor.importance for sensor in self.fields.sensor}
+        return np.array([weights.get(channel.sensor, 1.0) for channel in self.channels])
+
+    def unit_of(self, channel: Channel) -> str:
+        """Return the unit of a channel's readings."""
+        if self.by_machine:
+            return self.fields.machine.unit
+        return next(sensor.unit for sensor in self.fields.sensor if sensor.id == channel.sensor)
+
+    @cached_property
+    def weights(self) -> tuple[tuple[int, int, complex, bool], ...]:
+        """What was mounted: (run, plane, weight in kg m or kg, whether it stays)."""
+        numbers = {plane.id: k for k, plane in enumerate(self.fields.plane)}
+        entries = []
+        for k, run in enumerate(self.runs):
+            for weight in run.weights:
+                number = numbers[weight.plane]
+                size = 1e-3 * weight.mass_g * self.per_mass(number)
+                entries.append((k, number, size * np.exp(1j * np.radians(weight.angle)), weight.stays))
+        return tuple(entries)
+
+    def per_mass(self, plane: int) -> float:
+        """Return what a mass of 1 kg counts in a plane: its radius in m, or 1 where weights are in kg."""
+        radius = self.planes[plane].radius
+        return 1.0 if self.weighed_alone or radius is None else radius
+
+    def to_rotor(self, vector: complex) -> complex:
+        """Return a vector of the job in the angles of its rotor file."""
+        assert self.rotor is not None
+        with_rotation = self.fields.conventions.angles == "with rotation"
+        same = with_rotation == (self.rotor.fields.axis.rotation == "ccw")
+        turned = vector if same else vector.conjugate()
+        return complex(turned * np.exp(1j * math.radians(self.fields.conventions.zero)))
+
+    @property
+    def _machine_unit(self) -> float:
+        return OUNCE_INCH if self.fields.machine.unit == "oz·in" else GRAM_MILLIMETRE
+
+    def _channel(self, reading: ReadingFields) -> Channel:
+        return Channel(reading.sensor, self.fields.rpm if reading.rpm is None else reading.rpm)
+
+    def _reading(self, run: RunFields, channel: Channel) -> ReadingFields:
+        if self.by_machine:
+            return next(reading for reading in run.readings if reading.sensor == channel.sensor)
+        return next(reading for reading in run.readings if self._channel(reading) == channel)
+
+    def _with_table(self, file: Path) -> tuple[RunFields, ...]:
+        """Return the runs with the readings of the table."""
+        more: dict[str, list[ReadingFields]] = {run.id: [] for run in self.fields.run}
+        for where, name, reading in _table(file):
+            if name not in more:
+                raise UsageError(f"{where}: run is {name!r}, which the job does not have: add a [[run]] of that id")
+            more[name].append(reading)
+        return tuple(replace(run, readings=(*run.readings, *more[run.id]), path="run") for run in self.fields.run)
+
+    def _require_sense(self) -> None:
+        fields, conventions = self.fields, self.fields.conventions
+        if self.by_machine:
+            self._require_machine()
+        elif not fields.sensor:
+            raise FieldError("sensor", "is missing: name the pickups, with their units, as [[sensor]]")
+        if not self.by_machine and conventions.shows is not None:
+            raise FieldError("conventions.shows", "is that of a balancing machine: leave it out")
+        if self.by_phase and not self.by_machine and conventions.phase is None:
+            raise FieldError("conventions.phase", 'is missing: say whether phases "lag" or "lead"')
+        planes = {plane.id for plane in fields.plane}
+        for k, run in enumerate(self.runs):
+            for j, weight in enumerate(run.weights):
+                if weight.plane not in planes:
+                    raise FieldError(
+                        f"run[{k}].weights[{j}].plane", f"is {weight.plane!r}: use one of {_listed(planes)}"
+                    )
+        for k, run in enumerate(self.runs):
+            self._require_readings(f"run[{k}]", run)
+        if not self.by_phase and (len(fields.plane) > 1 or len(self.channels) > 1):
+            raise FieldError(
+                "method",
+                f'is "without phase", which takes one plane and one sensor at one speed, not {len(fields.plane)} and '
+                f"{len(self.channels)}: measure phases",
+            )
+        if fields.coefficients is not None and fields.method != "influence coefficients":
+            raise FieldError("coefficients", f'goes with no method "{fields.method}": leave it out')
+        if fields.rotor is not None:
+            self._require_places()
+
+    def _require_machine(self) -> None:
+        fields = self.fields
+        if fields.sensor:
+            raise FieldError("sensor", "goes with no balancing machine, which reads by plane: leave it out")
+        if fields.conventions.shows is None:
+            raise FieldError(
+                "conventions.shows",
+                'is missing: say whether the machine shows the angle of the "unbalance" or of the "correction"',
+            )
+
+    def _require_readings(self, path: str, run: RunFields) -> None:
+        """Refuse a run whose readings are of nothing known, twice there, or not those of the first run."""
+        names = {entry.id for entry in (self.fields.plane if self.by_machine else self.fields.sensor)}
+        noun = "plane" if self.by_machine else "sensor"
+        different: set[Channel] = set()
+        for k, reading in enumerate(run.readings):
+            where = f"{path}.readings[{k}]"
+            if reading.sensor not in names:
+                raise FieldError(f"{where}.sensor", f"is {reading.sensor!r}: use one of {_listed(names)}")
+            if self.by_phase and reading.phase is None:
+                raise FieldError(f"{where}.phase", 'is missing: give it, or use method = "without phase"')
+            if reading.rpm is None and self.fields.rpm is None and not self.by_machine:
+                raise FieldError(f"{where}.rpm", "is missing: give it, or rpm at the top for all readings")
+            channel = Channel(reading.sensor, None) if self.by_machine else self._channel(reading)
+            if channel in different:
+                raise FieldError(where, f"reads {channel} a second time in run {run.id!r}: give their mean")
+            different.add(channel)
+        wanted = {Channel(name, None) for name in names} if self.by_machine else set(self.channels)
+        if missing := sorted(map(str, wanted - different)):
+            raise FieldError(f"{path}.readings", f"lack {noun} {missing[0]}, which every run has to read")
+        if further := sorted(map(str, different - wanted)):
+            raise FieldError(f"{path}.readings", f"have {noun} {further[0]}, which the first run does not read")
+
+    def _require_places(self) -> None:
+        """Refuse planes whose place on the rotor is not known."""
+        for k, plane in enumerate(self.planes):
+            for name in ("z", "radius") if not self.by_machine else ("z",):
+                if getattr(plane, name) is None:
+                    raise FieldError(
+                        f"plane[{k}].{name}", f"is missing: the rotor file has no {name} of a plane {plane.id!r} either"
+                    )
+
+
+def json_schema() -> dict[str, Any]:
+    """Return the JSON Schema of a job."""
+    return document_schema(JobFields, "Job of inertia balance measure")
+
+
+def _table(file: Path) -> Iterator[tuple[str, str, ReadingFields]]:
+    """Yield where each line of a table of readings is, its run and its reading."""
+    try:
+        lines = file.read_text(encoding="utf-8-sig").splitlines()
+    except OSError as error:
+        raise ReadError(f"cannot read {file}: {error.strerror or error}: check the path") from None
+    except UnicodeDecodeError:
+        raise ReadError(f"cannot read {file}: it is no text in UTF-8: save the table as CSV in UTF-8") from None
+    first = next((line for line in lines if line.strip()), "")
+    rows = csv.reader(lines, delimiter=";" if ";" in first else ",")
+    head: list[str] = []
+    for row in rows:
+        cells = [cell.strip() for cell in row]
+        if not any(cells) or cells[0].startswith("#"):
+            continue
+        if not head:
+            head = [cell.lower() for cell in cells]
+            for name in ("run", "sensor", "amplitude"):
+                if name not in head:
+                    raise ReadError(
+                        f"cannot read {file}: no column {name}: its first line must name {_listed(_COLUMNS)}"
+                    )
+            if unknown := [name for name in head if name not in _COLUMNS]:
+                raise ReadError(f"cannot read {file}: the column {unknown[0]!r} is unknown: use {_listed(_COLUMNS)}")
+            continue
+        where = f"{file}: line {rows.line_num}"
+        if len(cells) != len(head):
+            raise ReadError(f"cannot read {where}: it has {len(cells)} cells, and the first line {len(head)}")
+        entry: dict[str, Any] = {name: cell for name, cell in zip(head, cells, strict=True) if cell}
+        for name in ("rpm", "amplitude", "phase"):
+            if name in entry:
+                entry[name] = _float(entry[name], f"{where}: {name}")
+        run = cell_text(entry.pop("run", ""))
+        entry["sensor"] = cell_text(entry.get("sensor", ""))
+        try:
+            yield where, run, section_of(ReadingFields, entry, path="")
+        except InertiaError as error:
+            raise placed(error, where) from None
+
+
+def _float(cell: str, where: str) -> float:
+    try:
+        return float(cell)
+    except ValueError:
+        raise ReadError(f"cannot read {where} is {cell!r}: it must be a number, with a point for decimals") from None
+
+
+def _require_different(entries: tuple[Section, ...], name: str) -> None:
+    ids = [getattr(entry, "id") for entry in entries]  # noqa: B009  # each of them has one
+    for k, one in enumerate(ids):
+        if one in ids[:k]:
+            raise FieldError(f"{name}[{k}].id", f"is {one!r}, as that of {name}[{ids.index(one)}]: give it its own")
+
+
+def _first(*values: float | None) -> float:
+    return next(value for value in values if value is not None)
+
+
+def _listed(names: Any) -> str:
+    return ", ".join(names if isinstance(names, tuple) else sorted(names))

@@ -1,0 +1,334 @@
+"""`measure`: from the readings of a balancing job to weights or holes, and to the verdict on what is left.
+
+The unbalance as measured (`inertia.balancing.measured.estimate`) is judged with its uncertainty: it passes where
+|U| ≤ U_per − ΔU and fails where |U| > U_per + ΔU (ISO 21940-14), ΔU being twice the standard uncertainty. What is to be
+mounted is found by influence coefficients, within limits and at positions; where the job names a rotor file, holes and
+weights come from the planner of `inertia.balance`, by the measured unbalance and the real geometry.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from inertia.arrays import Progress
+from inertia.balancing.balance import Balance, balance
+from inertia.balancing.corrections.correction_plane import KitWeight
+from inertia.balancing.measured.estimate import COVERAGE, Estimate, estimate
+from inertia.balancing.measured.influence import InfluenceCorrection, influence_correction
+from inertia.balancing.measured.job import Channel, Job, Plane
+from inertia.balancing.measured.positions import Piece, split_among
+from inertia.balancing.measured.remarks import remarks
+from inertia.balancing.measured.stored_coefficients import StoredCoefficients
+from inertia.balancing.shop_units import GRAM_MILLIMETRE, angular_speed
+from inertia.balancing.tolerance import accepted
+from inertia.balancing.unbalance import Complex
+from inertia.balancing.verdict import Outcome
+from inertia.documents import FieldError
+from inertia.errors import GeometryError, UsageError, placed, require_kind
+
+_GRAVEST = ("fail", "undecided", "conditional", "pass")
+
+
+@dataclass(frozen=True, eq=False)
+class MeasuredRun:
+    """A run as the log has it.
+
+    Attributes
+    ----------
+    id, time, remark : as the job has them
+    mounted : (n,) kg m or kg, what was on the rotor beside itself
+    readings : (channels,) complex where there are phases
+    predicted : (channels,) what the runs before it said it would show; None where they could not
+    unbalance : (n,) what the readings show, what was mounted included; None without phase
+    """
+
+    id: str
+    time: str | None
+    remark: str | None
+    mounted: Complex
+    readings: Complex
+    predicted: Complex | None
+    unbalance: Complex | None
+
+
+@dataclass(frozen=True)
+class MeasuredPlane:
+    """A plane as it is now, and what to do there.
+
+    Attributes
+    ----------
+    plane : its name and place
+    unbalance : kg m or kg, the heavy spot
+    uncertainty : standard, of the vector, in the direction in which it is largest
+    correction : what to add, of the least of the criterion within the limits
+    pieces : the masses to mount, at their angles
+    left : what they leave of the correction
+    permissible : kg m; None where nothing says
+    outcome : of this plane; None where nothing is permissible
+    """
+
+    plane: Plane
+    unbalance: complex
+    uncertainty: float
+    correction: complex
+    pieces: tuple[Piece, ...]
+    left: complex
+    permissible: float | None
+    outcome: Outcome | None
+
+    @property
+    def expanded(self) -> float:
+        """ΔU: twice the standard uncertainty, for about 95 %."""
+        return COVERAGE * self.uncertainty
+
+
+@dataclass(frozen=True, eq=False)
+class Measurement:
+    """What a job has come to.
+
+    Attributes
+    ----------
+    job : as described
+    runs : the log
+    channels : what each run read
+    planes : unbalance and correction of each
+    estimate : what the runs say, with coefficients and uncertainties
+    condition : of the coefficients; None without phase
+    present, predicted : (channels,) what the machine shows now, and what it should show with the pieces mounted
+    gap : of min-max, see `InfluenceCorrection`
+    balance : of the rotor file, by the measured unbalance; None where the job names none
+    outcome : the verdict on the rotor as it is now; None where nothing says what is permissible
+    why : the verdict in sentences
+    notes : what else has to be known, in sentences
+    """
+
+    job: Job
+    runs: tuple[MeasuredRun, ...]
+    channels: tuple[Channel, ...]
+    planes: tuple[MeasuredPlane, ...]
+    estimate: Estimate
+    condition: float | None
+    present: Complex
+    predicted: Complex
+    gap: float
+    balance: Balance | None
+    outcome: Outcome | None
+    why: tuple[str, ...]
+    notes: tuple[str, ...]
+
+    def coefficients(self) -> StoredCoefficients:
+        """Return the influence coefficients as a file, for a later job; raise `UsageError` where there are none."""
+        if self.estimate.coefficients is None or self.job.by_machine:
+            raise UsageError(f"{self.job.name}: the method {self.job.fields.method!r} has no influence coefficients")
+        return StoredCoefficients.of(self.job, self.estimate.coefficients, self.estimate.coefficient_uncertainty)
+
+
+def measure(job: Job, *, progress: Progress | None = None) -> Measurement:
+    """Evaluate a balancing job.
+
+    Parameters
+    ----------
+    job : what `Job.load` returned
+    progress : called with the fraction done
+
+    Raises
+    ------
+    ReadError : a file cannot be read
+    UsageError : a field is not usable, or the runs do not tell the planes apart
+    GeometryError : the readings do not tell the planes apart, or the rotor file's bodies give no honest answer
+
+    >>> from importlib.resources import files
+    >>> result = measure(Job.load(files("inertia_meshes") / "jobs" / "fan.toml"))
+    >>> result.outcome, [round(1e6 * abs(plane.unbalance)) for plane in result.planes]
+    ('pass', [68, 43])
+    """
+    require_kind(job, Job, "job", "inertia.Job.load(path)")
+    try:
+        return _measured(job, progress)
+    except (UsageError, GeometryError) as error:
+        raise placed(error, job.name) if job.name not in error.places else error from None
+
+
+def _measured(job: Job, progress: Progress | None) -> Measurement:
+    fields = job.fields
+    stored = None
+    if fields.coefficients is not None:
+        stored = StoredCoefficients.load(job.folder / fields.coefficients).matrix(job)
+    result = estimate(job, stored)
+    correction = _correction(job, result)
+    permissible = _permissible(job)
+    planes = tuple(
+        _plane(job, k, result, -result.unbalance[k] if correction is None else correction.unbalance[k], permissible[k])
+        for k in range(len(job.planes))
+    )
+    predicted = _after(job, result, planes)
+    notes = remarks(job, result, correction, stored is not None)
+    if any(plane.pieces for plane in planes) and not _lower(job, predicted, result.present):
+        planes = tuple(replace(plane, pieces=(), left=plane.correction) for plane in planes)
+        predicted = result.present
+        notes.append("no weights at these positions and steps lower the readings: none are proposed")
+    rotor = None if job.rotor is None else _balance(job, result, progress)
+    outcome, why = _judged(job, result, planes, rotor)
+    return Measurement(
+        job=job,
+        runs=_log(job, result, stored is not None or job.by_machine),
+        channels=job.channels,
+        planes=planes,
+        estimate=result,
+        condition=None if correction is None else correction.condition,
+        present=result.present,
+        predicted=predicted,
+        gap=0.0 if correction is None else correction.gap,
+        balance=rotor,
+        outcome=outcome,
+        why=why,
+        notes=tuple(notes),
+    )
+
+
+def _correction(job: Job, result: Estimate) -> InfluenceCorrection | None:
+    if result.coefficients is None:
+        return None
+    limits = [
+        math.inf if plane.max_mass_g is None else 1e-3 * plane.max_mass_g * job.per_mass(k)
+        for k, plane in enumerate(job.fields.plane)
+    ]
+    return influence_correction(
+        result.present,
+        result.coefficients,
+        importance=job.importance,
+        limits=limits,
+        criterion=job.fields.criterion,
+    )
+
+
+def _after(job: Job, result: Estimate, planes: tuple[MeasuredPlane, ...]) -> Complex:
+    """Return what the machine should show with the pieces mounted."""
+    added = np.array([plane.correction - plane.left for plane in planes])
+    if result.coefficients is None:
+        return np.array([result.fits[0].sensitivity * abs(result.unbalance[0] + added[0]) + 0j])
+    predicted: Complex = result.present + result.coefficients @ added
+    return predicted
+
+
+def _lower(job: Job, after: Complex, before: Complex) -> bool:
+    """Return whether readings are lower by the criterion of the job."""
+    order = np.inf if job.fields.criterion == "min-max" else 2
+    root = np.sqrt(job.importance)
+    return bool(np.linalg.norm(root * after, order) < np.linalg.norm(root * before, order))
+
+
+def _plane(job: Job, number: int, result: Estimate, correction: complex, permissible: float | None) -> MeasuredPlane:
+    fields, per_mass = job.fields.plane[number], job.per_mass(number)
+    if fields.max_mass_g is not None and not job.by_phase:
+        cap = 1e-3 * fields.max_mass_g * per_mass
+        correction *= min(1.0, cap / abs(correction)) if correction else 1.0
+    pieces: tuple[Piece, ...] = ()
+    if not (job.by_machine and job.planes[number].radius is None):
+        pieces = split_among(
+            complex(correction / per_mass),
+            None if fields.positions is None else [math.radians(angle) for angle in fields.positions],
+            most=math.inf if fields.position_max_g is None else 1e-3 * fields.position_max_g,
+            step=1e-3 * fields.mass_step_g,
+            kit=[KitWeight(k.name or f"{k.mass_g:g} g", 1e-3 * k.mass_g, k.stock) for k in fields.kit],
+            most_pieces=fields.most_per_position,
+        )
+    added = sum((piece.vector for piece in pieces), 0j) * per_mass
+    unbalance, uncertainty = complex(result.unbalance[number]), float(result.uncertainty[number])
+    outcome = None if permissible is None else accepted(abs(unbalance), permissible, COVERAGE * uncertainty)
+    return MeasuredPlane(
+        job.planes[number],
+        unbalance,
+        uncertainty,
+        complex(correction),
+        pieces,
+        complex(correction - added),
+        permissible,
+        outcome,
+    )
+
+
+def _permissible(job: Job) -> list[float | None]:
+    """Return what is permissible in each plane, kg m, where the job itself says so."""
+    tolerance = job.fields.tolerance
+    shared = None
+    if tolerance.grade is not None and tolerance.mass is not None and tolerance.rpm is not None:
+        shared = 1e-3 * tolerance.grade * tolerance.mass / angular_speed(tolerance.rpm) / len(job.planes)
+    limits = []
+    for k, plane in enumerate(job.fields.plane):
+        limit = shared if plane.permissible_gmm is None else GRAM_MILLIMETRE * plane.permissible_gmm
+        if limit is not None and job.weighed_alone:
+            raise FieldError(f"plane[{k}].radius", "is missing: what is permissible is in g·mm, not in g")
+        limits.append(limit)
+    return limits
+
+
+def _balance(job: Job, result: Estimate, progress: Progress | None) -> Balance:
+    """Correct the rotor of the file by the measured unbalance."""
+    assert job.rotor is not None
+    vectors = [
+        (plane.z or 0.0, job.to_rotor(vector), COVERAGE * float(uncertainty))
+        for plane, vector, uncertainty in zip(job.planes, result.unbalance.tolist(), result.uncertainty, strict=True)
+    ]
+    return balance(job.rotor, measured=vectors, progress=progress)
+
+
+def _judged(
+    job: Job, result: Estimate, planes: tuple[MeasuredPlane, ...], rotor: Balance | None
+) -> tuple[Outcome | None, tuple[str, ...]]:
+    outcomes: list[Outcome] = []
+    why: list[str] = []
+    for plane in planes:
+        if plane.outcome is not None and plane.permissible is not None:
+            outcomes.append(plane.outcome)
+            size, expanded, limit = (
+                f"{k / GRAM_MILLIMETRE:.4g}" for k in (abs(plane.unbalance), plane.expanded, plane.permissible)
+            )
+            why.append(
+                f"plane {plane.plane.id}: {size} ± {expanded} g·mm against {limit} g·mm: {plane.outcome.upper()}"
+            )
+    if rotor is not None:
+        verdict = rotor.initial_verdict
+        outcomes.append(verdict.outcome)
+        why += verdict.why
+    greatest = job.fields.tolerance.vibration
+    if greatest is not None and not job.by_machine:
+        for k, channel in enumerate(job.channels):
+            reading = float(abs(result.present[k]))
+            off = math.hypot(float(job.half_widths[0][k]) * reading, float(job.noise[k]))
+            outcomes.append(accepted(reading, greatest, off))
+            unit, said = job.unit_of(channel), outcomes[-1].upper()
+            why.append(f"{channel}: {reading:.4g} ± {off:.2g} {unit} against {greatest:g}: {said}")
+    if outcomes and result.ambiguous:
+        outcomes.append("undecided")
+    return min(outcomes, key=_GRAVEST.index, default=None), tuple(why)
+
+
+def _log(job: Job, result: Estimate, known: bool) -> tuple[MeasuredRun, ...]:
+    readings = job.vibrations if job.by_phase else job.amplitudes.astype(complex)
+    runs = []
+    for k, run in enumerate(job.runs):
+        unbalance = None
+        if result.coefficients is not None:
+            unbalance = -influence_correction(readings[k], result.coefficients, importance=job.importance).unbalance
+        predicted = _predicted(readings[:k], result, result.mounted[: k + 1], known) if not run.indexed else None
+        runs.append(MeasuredRun(run.id, run.time, run.remark, result.mounted[k], readings[k], predicted, unbalance))
+    return tuple(runs)
+
+
+def _predicted(before: Complex, result: Estimate, mounted: Complex, known: bool) -> Complex | None:
+    """Return what a run should show by the runs before it: by the last of them, and coefficients that they give."""
+    if result.coefficients is None or not len(before):
+        return None
+    matrix = result.coefficients
+    if not known:
+        rows = mounted[:-1] - mounted[:-1].mean(axis=0)
+        if np.linalg.matrix_rank(rows) < rows.shape[1]:
+            return None
+        matrix = np.linalg.lstsq(rows, before - before.mean(axis=0), rcond=None)[0].T
+    nearest = int(np.argmin(np.abs(mounted[:-1] - mounted[-1]).sum(axis=1)))
+    predicted: Complex = before[nearest] + matrix @ (mounted[-1] - mounted[nearest])
+    return predicted

@@ -1,0 +1,133 @@
+"""What a balancing job has to be told: trial weights that did too little, planes that act alike, runs that disagree."""
+
+from __future__ import annotations
+
+import math
+from itertools import combinations
+
+import numpy as np
+
+from inertia.arrays import Float
+from inertia.balancing.measured.estimate import Estimate
+from inertia.balancing.measured.influence import CONDITION_WARNING, InfluenceCorrection
+from inertia.balancing.measured.job import AMPLITUDE, PHASE, Job
+from inertia.balancing.measured.trial_weights import trial_response
+from inertia.balancing.measured.vibration_units import vibration_unit
+from inertia.balancing.shop_units import in_degrees
+from inertia.balancing.unbalance import Complex
+
+_DROWNED = 3.0  # standard uncertainties that a trial weight's effect should exceed
+_ALIKE = math.radians(15.0)  # angle between the effects of two planes below which they are hardly told apart
+_STRAY = 3.0  # standard uncertainties by which a run may be off the others
+
+
+def remarks(
+    job: Job,
+    result: Estimate,
+    correction: InfluenceCorrection | None,
+    reused: bool,
+) -> list[str]:
+    """Return what a job has to be told, in sentences.
+
+    Parameters
+    ----------
+    job, result : the readings, and what they say
+    correction : by influence coefficients; None without phase
+    reused : whether the coefficients are those of an earlier job
+    """
+    notes = _on_readings(job)
+    if reused:
+        notes.append(f"the coefficients are those of {job.fields.coefficients}: its marks have to be where they were")
+    elif not job.by_machine:
+        notes += _on_trials(job, result)
+    if correction is not None and not job.by_machine:
+        notes += _on_coefficients(job, result, correction)
+    for k in () if correction is None else correction.limited:
+        notes.append(f"plane {job.planes[k].id} is at its limit of {job.fields.plane[k].max_mass_g:g} g")
+    if result.ambiguous:
+        places = " and ".join(f"{in_degrees(fit.unbalance):.1f}°" for fit in result.fits[:2])
+        notes.append(
+            f"two places of the heavy spot explain the amplitudes, {places}: mount the correction of the first, and "
+            "add the run; it tells which"
+        )
+    if job.fields.tolerance.grade is not None and len(job.planes) > 1:
+        notes.append(
+            "the permissible unbalance is shared equally among the planes: name a rotor file to have it shared by the "
+            "centre of mass"
+        )
+    return notes
+
+
+def _on_readings(job: Job) -> list[str]:
+    notes = []
+    stated = job.fields.uncertainty
+    if stated.amplitude is None and any(sensor.amplitude is None for sensor in job.fields.sensor or (stated,)):
+        notes.append(
+            f"readings are assumed to be good to {100 * AMPLITUDE:g} % and {PHASE:g}°, as the job states no uncertainty"
+        )
+    quantities = {vibration_unit(sensor.unit).name for sensor in job.fields.sensor}
+    if len(quantities) > 1 and len({sensor.importance for sensor in job.fields.sensor}) == 1:
+        notes.append(f"readings in {' and '.join(sorted(quantities))} count alike, number by number: give importance")
+    return notes
+
+
+def _on_trials(job: Job, result: Estimate) -> list[str]:
+    """Say where a trial weight did too little to be seen."""
+    notes: list[str] = []
+    readings = job.vibrations if job.by_phase else job.amplitudes.astype(complex)
+    spread = _standard(job, readings)
+    for k in range(1, len(job.runs)):
+        moved = result.mounted[k] != result.mounted[:k]
+        change = np.abs(result.mounted[:k] - result.mounted[k]).sum(axis=1)
+        if not moved.any() or not change.all():
+            continue
+        base = int(np.argmin(change))
+        effect = np.abs(readings[k] - readings[base]) / np.maximum(np.hypot(spread[k], spread[base]), 1e-300)
+        if effect.max() < _DROWNED:
+            notes.append(
+                f"run {job.runs[k].id}: what the weight changed is {effect.max():.2g} times the uncertainty of the "
+                "readings: its effect drowns in the noise, mount a larger one"
+            )
+        elif job.by_phase and readings[base].all():
+            response = trial_response(readings[base], readings[k])
+            if not response.enough:
+                notes.append(f"run {job.runs[k].id}: {response.note}")
+    return notes
+
+
+def _on_coefficients(job: Job, result: Estimate, correction: InfluenceCorrection) -> list[str]:
+    notes = []
+    assert result.coefficients is not None
+    weighted = np.sqrt(job.importance)[:, None] * result.coefficients
+    for i, j in combinations(range(len(job.planes)), 2):
+        first, second = weighted[:, i], weighted[:, j]
+        cosine = abs(complex(np.vdot(first, second))) / float(np.linalg.norm(first) * np.linalg.norm(second))
+        apart = math.acos(min(1.0, cosine))
+        if apart < _ALIKE:
+            notes.append(
+                f"planes {job.planes[i].id} and {job.planes[j].id} act alike on the readings, within "
+                f"{math.degrees(apart):.2g}°: they are hardly told apart; leave one out, or add a sensor or a speed"
+            )
+    if correction.condition > CONDITION_WARNING:
+        notes.append(
+            f"the coefficients have condition {correction.condition:.3g}, above {CONDITION_WARNING:g}: errors of the "
+            "readings may show in the weights so many times larger"
+        )
+    readings = job.vibrations
+    spread = _standard(job, readings)
+    base = readings[-1] - result.coefficients @ result.mounted[-1]
+    stray = np.abs(readings - base - result.mounted @ result.coefficients.T)[:-1] / np.maximum(spread[:-1], 1e-300)
+    if not any(run.indexed for run in job.runs) and stray.size and stray.max() > _STRAY * math.sqrt(2.0):
+        run, channel = np.unravel_index(int(stray.argmax()), stray.shape)
+        notes.append(
+            f"the runs contradict each other: {job.channels[channel]} of run {job.runs[run].id} is off by "
+            f"{stray.max():.2g} standard uncertainties; the machine is not linear, or something has moved"
+        )
+    return notes
+
+
+def _standard(job: Job, readings: Complex) -> Float:
+    """Return the standard uncertainty of each reading, as a vector."""
+    sizes, (amplitude, phase) = np.abs(readings), job.half_widths
+    across = phase if job.by_phase else 0.0
+    return np.sqrt(sizes**2 * (amplitude**2 + across**2) / 2.0 + job.noise**2) / math.sqrt(3.0)
