@@ -24,6 +24,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from inertia.errors import FieldPath, GeometryError, ReadError, UsageError, Word, placed, visible
+from inertia.estimate import Estimate
 from inertia.standard_input import file_of
 
 Read = Callable[[Any, str], Any]
@@ -272,6 +273,22 @@ def number(unit: str, *, positive: bool = False, negative: bool = True, below: f
     return Reader(read, schema)
 
 
+def estimate(unit: str) -> Reader:
+    """Read a positive number of some unit, or text of it with its standard uncertainty, as ``"7850±50"``."""
+    single = number(unit, positive=True)
+
+    def read(value: Any, path: str) -> float:
+        if isinstance(value, str):
+            try:
+                value = Estimate.parse(value)
+            except UsageError as error:
+                raise FieldError(path, "is no number: ", error.sentence) from None
+        figure: float = single(value, path)
+        return value if isinstance(value, Estimate) else figure
+
+    return Reader(read, {"oneOf": [single.schema, {"type": "string", "pattern": "±|\\+/?-"}]})
+
+
 def finite_number(unit: str) -> Reader:
     """Read a finite number of some unit, of any size."""
 
@@ -470,6 +487,8 @@ def plain(value: Any) -> Any:
         return {key: plain(one) for key, one in value.items() if one is not None}
     if isinstance(value, np.ndarray | np.generic):
         return value.tolist()
+    if isinstance(value, Estimate):
+        return f"{value}±{value.uncertainty}" if value.uncertainty else float(value)
     return [plain(one) for one in value] if isinstance(value, tuple | list) else value
 
 

@@ -12,11 +12,18 @@ from collections.abc import Iterable
 from dataclasses import dataclass, replace
 from typing import Literal
 
+import numpy as np
+
+from inertia.arrays import Float
+from inertia.balancing.axis.shaft import Shaft
 from inertia.errors import UsageError
+from inertia.mass.integrand import principal_elements
 from inertia.mass.properties import ErrorBound, MassProperties
 
-Source = Literal["arithmetic", "tessellation", "axis", "density", "measurement"]
+Source = Literal["arithmetic", "tessellation", "axis", "density", "measurement", "input"]
 
+_COVERAGE = 2.0  # the factor k of the expanded uncertainty U = k u (GUM 6.2.1) that counts as a bound
+_NOTHING = 1e-9  # of the largest mode
 _ROUNDOFF = 2.0**-53
 
 
@@ -27,10 +34,12 @@ class Uncertainty:
     Attributes
     ----------
     source : its name
-    modes : pairs (g, h): how far it can move the static unbalance, kg m, and the couple, kg m², each mode by itself
+    modes : pairs (g, h): how far it can move the static unbalance, kg m, and the couple, kg m², each mode by itself; of
+        the source "input" what one standard deviation of each of several independent normal numbers does
     cause : the size of the input that the modes are in proportion to: m of chord or radius, or a relative density;
         None where no input makes it smaller
-    bodies : of a rotor with several, those that it is of: for a density one for each mode
+    bodies : of a rotor with several, those that it is of: for a density one for each mode; of the source "input" the
+        input's name
     """
 
     source: Source
@@ -39,7 +48,9 @@ class Uncertainty:
     bodies: tuple[str, ...] = ()
 
     def bound(self, p: float, q: float) -> float:
-        """Return how far p U + q D may be off, with p a number and q in 1/m: kg m."""
+        """Return how far p U + q D may be off, with p a number and q in 1/m: kg m; of an input, two deviations."""
+        if self.source == "input":
+            return _COVERAGE * math.sqrt(math.fsum(abs(p * g + q * h) ** 2 for g, h in self.modes))
         return math.fsum(abs(p * g + q * h) for g, h in self.modes)
 
     def about(self, shift: float) -> Uncertainty:
@@ -123,6 +134,36 @@ def density(bodies: Iterable[tuple[complex, complex]], relative: float) -> Uncer
     if not 0 <= relative < 1:
         raise UsageError(f"the relative uncertainty of the density is {relative!r}: it must be at least 0 and below 1")
     return Uncertainty("density", tuple((relative * u, relative * d) for u, d in bodies), relative)
+
+
+def propagated(name: str, covariance: Float, properties: MassProperties, shaft: Shaft, z: float) -> Uncertainty:
+    """Return what an uncertain input of a body leaves uncertain of the unbalance: law of propagation, GUM 5.2.2.
+
+    δU = δm u + m δu with u = x + i y, and δD = −(δI_xz + i δI_yz) + δU (z_G − z) + m u δz_G about the plane z.
+
+    Parameters
+    ----------
+    name : what the input is called
+    covariance : (11, 11), as of `inertia.mass.uncertainty`, that the input contributes
+    properties : of the body, in part axes
+    shaft : in part axes
+    z : m, the plane that the couple is about
+    """
+    x, y, height = shaft.to_shaft(properties.center_of_mass).tolist()
+    place = np.array([[x], [y]])
+    moved = np.zeros((3, 11))  # the centre of mass, in shaft axes
+    moved[:, 2:5] = properties.mass * shaft.axes.T
+    static = place * np.eye(11)[1] + moved[:2]
+    couple = static * (height - z) + place * moved[2]
+    couple[:, 5:] -= principal_elements(shaft.axes)[[4, 3]]  # xz and yz
+    rows = np.concatenate([static, couple / shaft.span])
+    values, vectors = np.linalg.eigh(rows @ covariance @ rows.T)
+    modes = (np.sqrt(np.maximum(values, 0.0)) * vectors).T
+    pairs = (
+        (complex(a, b), shaft.span * complex(c, d))
+        for a, b, c, d in modes[np.abs(modes).max(axis=1) > _NOTHING * np.abs(modes).max()].tolist()
+    )
+    return Uncertainty("input", tuple(pairs), bodies=(name,))
 
 
 def _norm(body: MassProperties) -> float:

@@ -9,6 +9,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
+from operator import itemgetter
 from typing import Literal
 
 import numpy as np
@@ -218,12 +219,17 @@ def _wilson(share: float, draws: int) -> tuple[float, float]:
 
 
 def _table(terms: Sequence[Term], limits: Float) -> tuple[Sensitivity, ...]:
-    """Return the table, sorted by the worst plane's deviation over its limit."""
+    """Return the table, sorted by the worst plane's deviation over its limit; normal terms of one name are one line."""
     variance = sum((term.deviation**2 for term in terms), np.zeros(len(limits)))
 
-    def line(term: Term) -> Sensitivity:
-        size = np.abs(term.sensitivities)
-        share = np.divide(term.deviation**2, variance, out=np.zeros_like(variance), where=variance > 0)
-        return Sensitivity(term.name, term.step_text, size * term.step, size * term.spread, share)
+    def line(some: Sequence[Term]) -> tuple[float, Sensitivity]:
+        first, square = some[0], sum((term.deviation**2 for term in some), np.zeros(len(limits)))
+        size = np.abs(first.sensitivities) if len(some) == 1 else np.sqrt(square) / first.spread
+        share = np.divide(square, variance, out=np.zeros_like(variance), where=variance > 0)
+        table_line = Sensitivity(first.name, first.step_text, size * first.step, size * first.spread, share)
+        return -float((np.sqrt(square) / limits).max()), table_line
 
-    return tuple(line(term) for term in sorted(terms, key=lambda term: -float((term.deviation / limits).max())))
+    inputs: dict[object, list[Term]] = {}
+    for k, term in enumerate(terms):
+        inputs.setdefault(term.name if term.distribution == "normal" else k, []).append(term)
+    return tuple(entry for _, entry in sorted(map(line, inputs.values()), key=itemgetter(0)))

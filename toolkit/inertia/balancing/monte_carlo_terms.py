@@ -70,10 +70,11 @@ _STEPS = {
 
 
 def rotor_terms(rotor: Unbalance, zs: Sequence[float]) -> tuple[Term, ...]:
-    """Return the terms of a rotor's own uncertainties: densities, axis, tessellation and arithmetic.
+    """Return the terms of a rotor's own uncertainties: inputs, densities, axis, tessellation and arithmetic.
 
-    A density is uniform over its tolerance, a bearing centre over its disc. A bound (tessellation, arithmetic) is taken
-    as a disc of that radius in each plane, all at once in one direction, as nothing is known of how its parts combine.
+    An input with a standard uncertainty is normal, in as many terms as it has ways to move the unbalance. A density is
+    uniform over its tolerance, a bearing centre over its disc. A bound (tessellation, arithmetic) is taken as a disc of
+    that radius in each plane, all at once in one direction, as nothing is known of how its parts combine.
 
     Parameters
     ----------
@@ -134,6 +135,11 @@ def _shared(name: str, work: Operation) -> str:
 
 def _of_source(uncertainty: Uncertainty, p: Float, q: Float) -> list[Term]:
     cause = uncertainty.cause
+    if uncertainty.source == "input":
+        return [
+            Term(uncertainty.bodies[0], "normal", 1.0, vectors, 1.0, "its u")
+            for vectors in _in_planes(uncertainty.modes, p, q)
+        ]
     of_bodies = [f"{uncertainty.source} of {body}" for body in uncertainty.bodies]
     names = of_bodies or [uncertainty.source] * max(1, len(uncertainty.modes))
     if cause and uncertainty.source == "density":

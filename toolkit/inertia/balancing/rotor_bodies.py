@@ -94,7 +94,8 @@ def _read(rotor: Rotor, fields: BodyFields) -> RotorBody:
     if isinstance(whole.geometry, Cells):
         raise GeometryError(f"{whole.name} is a mesh of cells: give the surface of the body, as STL or STEP")
     part = whole if fields.region is None else _region(whole, fields.region)
-    analysis = analyse(part, fields.density, material=fields.material, mass=fields.mass)
+    sigma = None if fields.sigma is None else fields.sigma * float(rotor.unit.metres / part.unit.metres)
+    analysis = analyse(part, fields.density, material=fields.material, mass=fields.mass, sigma=sigma)
     name = fields.name or fields.region or Path(fields.file).name
     if fields.chord_tolerance is None and part.chord is not None:
         return RotorBody(name, whole, part, analysis, float(part.chord.max()) * float(part.unit.metres), "read")
@@ -149,6 +150,13 @@ def unbalance_of(rotor: Rotor, bodies: Sequence[RotorBody], shaft: Shaft, togeth
     ]
     relative = rotor.fields.uncertainty.density
     unweighed = [body for body in bodies if body.analysis.density_from != "mass"]
+    for body in bodies:
+        if (known := body.analysis.uncertainty) is not None:
+            more += [
+                bounds.propagated(f"{name} of {body.name}", covariance, known.properties, shaft, unbalance.z)
+                for name, covariance in known.components.items()
+            ]
+            unweighed = [each for each in unweighed if each is not body or "density" not in known.inputs]
     if relative and unweighed:
         alone = [Unbalance.of(body.analysis.properties, shaft) for body in unweighed]
         spread = bounds.density([(k.static, k.couple_about(unbalance.z)) for k in alone], relative)

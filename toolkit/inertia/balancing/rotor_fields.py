@@ -17,6 +17,7 @@ from inertia.documents import (
     Reader,
     Section,
     choice,
+    estimate,
     flag,
     integer,
     layout_version,
@@ -73,9 +74,10 @@ class BodyFields(Section):
     region : the region of the file that is the body, where it is not all of it
     name : what the report calls it; the file's name without it
     unit : of the mesh's coordinates; without it the one that the file states, else that of the rotor file
-    density : kg/m³; a single body may leave it out, as 1000 is then assumed
+    density : kg/m³; a single body may leave it out, as 1000 is then assumed; with its standard uncertainty as "7850±50"
     material : a name in the table of materials, in place of a density
-    mass : kg as weighed, in place of a density
+    mass : kg as weighed, in place of a density; with its standard uncertainty as "1.2±0.001"
+    sigma : standard deviation of the noise of every coordinate of the mesh
     chord_tolerance : how far the true surface may be from the mesh; 0 where the mesh is the true shape; estimated from
         the mesh without it
     """
@@ -86,9 +88,10 @@ class BodyFields(Section):
     region: Annotated[str | None, text] = None
     name: Annotated[str | None, text] = None
     unit: Annotated[str | None, unit] = None
-    density: Annotated[float | None, number("kg/m³", positive=True)] = None
+    density: Annotated[float | None, estimate("kg/m³")] = None
     material: Annotated[str | None, material] = None
-    mass: Annotated[float | None, number("kg", positive=True)] = None
+    mass: Annotated[float | None, estimate("kg")] = None
+    sigma: Annotated[float | None, number(_LENGTH, positive=True)] = None
     chord_tolerance: Annotated[float | None, number(_LENGTH, negative=False)] = None
 
     def require_sense(self, path: str) -> None:
