@@ -130,6 +130,28 @@ def step_of_several(*files: str) -> str:
     return f"{head}DATA;\n{data}ENDSEC;\nEND-ISO-10303-21;\n"
 
 
+def step_placed(text: str, scale: float, axis: int) -> str:
+    """The solid of a file, put elsewhere by an operator: scaled, its x along y, its z along z or against it."""
+    last = max(map(int, re.findall(r"^#(\d+) =", text, re.MULTILINE)))
+    own = re.search(r"#(\d+) = ADVANCED_BREP_SHAPE_REPRESENTATION\('',\(#(\d+),#\d+\),#(\d+)\)", text)
+    link = re.search(r"#\d+ = SHAPE_DEFINITION_REPRESENTATION\((#\d+),#\d+\);\n", text)
+    assert own is not None
+    assert link is not None
+    entities = (
+        "DIRECTION('',(0.,1.,0.))",
+        "DIRECTION('',(-1.,0.,0.))",
+        f"DIRECTION('',(0.,0.,{axis}.))",
+        "CARTESIAN_POINT('',(1.,2.,3.))",
+        f"CARTESIAN_TRANSFORMATION_OPERATOR_3D('','','',#{last + 1},#{last + 2},#{last + 4},{scale!r},#{last + 3})",
+        f"REPRESENTATION_MAP(#{own[2]},#{own[1]})",
+        f"MAPPED_ITEM('',#{last + 6},#{last + 5})",
+        f"SHAPE_REPRESENTATION('',(#{last + 7}),#{own[3]})",
+        f"SHAPE_DEFINITION_REPRESENTATION({link[1]},#{last + 8})",
+    )
+    lines = "".join(f"#{last + k} = {entity};\n" for k, entity in enumerate(entities, 1))
+    return text.replace(link[0], "").replace("ENDSEC;\nEND-ISO", f"{lines}ENDSEC;\nEND-ISO")
+
+
 def _face(w: _Writer, edges: Sequence[tuple[str, str]], surface: str) -> str:
     ring = [w.add(f"ORIENTED_EDGE('',*,*,{edge},.{sense}.)") for edge, sense in edges]
     loop = w.add(f"EDGE_LOOP('',({','.join(ring)}))")

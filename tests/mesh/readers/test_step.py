@@ -94,7 +94,7 @@ def test_every_output_states_the_tolerance(tmp_path: Path, capsys: pytest.Captur
     assert main(["check", str(file)]) == 0
     assert f"{chord.max():.2g} mm off" in capsys.readouterr().out
     assert main(["analyse", str(file), "--chord", "1e-5"]) == 0
-    assert "bounds from the chord tolerance 1e-05 m\n" in capsys.readouterr().out
+    assert "bounds from the chord tolerance 1e-05 mm\n" in capsys.readouterr().out
 
 
 def test_plane_faces_are_off_by_rounding_alone(tmp_path: Path) -> None:

@@ -18,7 +18,8 @@ revolution   profile(v), turned by the angle u about the axis through o along z
 offset       basis(u, v) + a n, n the unit normal along ∂x/∂u × ∂x/∂v
 ===========  ======================================================================================
 
-with the origin o and the axes x, y, z of the frame, and the sizes (a, b). A frame may be left-handed.
+with the origin o and the axes x, y, z of the frame, and the sizes (a, b). A frame may be left-handed; the axes of a
+surface are of unit length and at right angles, those of a curve need not be.
 """
 
 from __future__ import annotations

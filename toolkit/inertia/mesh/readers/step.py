@@ -19,7 +19,7 @@ from pathlib import Path
 
 import numpy as np
 
-from inertia.errors import ReadError, UsageError
+from inertia.errors import ReadError, UsageError, visible
 from inertia.mesh.readers.contents import Contents, label, plural, shown, surface, was
 from inertia.mesh.readers.opencascade.plain import shape_from_json
 from inertia.output import temporary_folder
@@ -67,10 +67,16 @@ def read_step(path: Path, coarser: float = 1.0) -> Contents:
         notes.append(f"{plural(count, 'face')} could not be meshed and {was(count)} left out")
     if document["units"] > 1:
         notes.append(f"it has {document['units']} units of length, and was read in that of most shapes, {unit.name}")
-    if document["fault"]:
-        notes.append(f"its true shape cannot be taken over ({shown(document['fault'], 120)})")
-    shape = None if document["fault"] else shape_from_json(document["shape"], arrays["numbers"])
-    return Contents(triangles, unit, label(document["runs"]), tuple(notes), chord, shape=shape)
+    if document["faults"]:
+        first = shown(document["faults"][0], 120)
+        notes.append(
+            f"OpenCASCADE left out what has a fault ({plural(len(document['faults']), 'fault')}, first {first})"
+        )
+    if document["untrue"]:
+        notes.append(f"its true shape cannot be stated ({shown(document['untrue'], 120)})")
+    shape = None if document["untrue"] else shape_from_json(document["shape"], arrays["numbers"])
+    runs = [(name and visible(name), length) for name, length in document["runs"]]
+    return Contents(triangles, unit, label(runs), tuple(notes), chord, shape=shape)
 
 
 def _unit(millimetres: float) -> Unit:
@@ -110,6 +116,9 @@ def _convert(source: Path, folder: Path, coarser: float, size: float) -> None:
             f"OpenCASCADE needs more than {gib:.3g} GiB of memory, the limit for a file of its size, or than there is: "
             f"it may be damaged; export the part as STL or 3MF, or set {GIB} to more"
         )
+    refusal = folder / "refusal.txt"
+    if refusal.is_file():
+        raise ReadError(refusal.read_text())
     if process.returncode or not (folder / "part.json").is_file():
         raise ReadError(f"OpenCASCADE cannot convert it (status {process.returncode}): export the part again")
 

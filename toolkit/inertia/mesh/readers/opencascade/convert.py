@@ -22,7 +22,10 @@ def main() -> None:
     """Convert a STEP file into a folder (sag relative to an edge, angle; s, bytes; the process that started this)."""
     source, target, linear, angular, seconds, size, parent = sys.argv[1:]
     _limit(int(seconds), int(size), int(parent))
-    _convert(source, Path(target), float(linear), float(angular))
+    try:
+        _convert(source, Path(target), float(linear), float(angular))
+    except ValueError as error:
+        (Path(target) / "refusal.txt").write_text(str(error))
 
 
 def _limit(seconds: int, size: int, parent: int) -> None:
@@ -59,7 +62,7 @@ def _convert(source: str, target: Path, linear: float, angular: float) -> None:
     from inertia.mesh.readers.opencascade.plain import Pool, shape_to_json
 
     document = Document(source)
-    bodies = _Bodies(linear, angular)
+    bodies = _Bodies(linear, angular, document.scale)
     for piece in document.pieces():
         bodies.add(piece)
     pool = Pool()
@@ -69,7 +72,8 @@ def _convert(source: str, target: Path, linear: float, angular: float) -> None:
         "loose": document.loose,
         "runs": bodies.runs,
         "without_triangles": bodies.without_triangles,
-        "fault": bodies.fault,
+        "faults": document.faults,
+        "untrue": bodies.fault,
         "shape": shape_to_json(Shape(tuple(bodies.solids), np.array(bodies.tolerances)), pool),
     }
     vertices, triangles, distances = bodies.surface()
@@ -89,10 +93,10 @@ class _Bodies:
     fault : why the true shape cannot be stated, if so
     """
 
-    def __init__(self, linear: float, angular: float) -> None:
+    def __init__(self, linear: float, angular: float, scale: float) -> None:
         from inertia.mesh.readers.opencascade.kernel import shape_map
 
-        self._sag = linear, angular
+        self._sag, self._scale = (linear, angular), scale
         self._known = shape_map()
         self._bodies: dict[tuple[int, Any], _Body] = {}
         self._surfaces: list[tuple[Float, Int, Float]] = []
@@ -118,6 +122,7 @@ class _Bodies:
         if key not in self._bodies:
             self._bodies[key] = self._body(shape)
         body = self._bodies[key]
+        placement[:, 3] *= self._scale
         name = piece.name or str(len(self.solids) + 1)
         self.solids.append(Solid(name, body.faces, placement, body.closed, piece.colour, piece.path))
         self.runs.append((piece.name, len(body.triangles)))
@@ -136,7 +141,7 @@ class _Bodies:
 
         from inertia.mesh.readers.opencascade.facets import triangulated
         from inertia.mesh.readers.opencascade.kernel import bounds_something, cast, shape_map
-        from inertia.mesh.readers.opencascade.surfaces import Edges, face_data
+        from inertia.mesh.readers.opencascade.surfaces import Edges, face_data, scaled_face
 
         walk, faces = TopExp.TopExp_Explorer(shape, TopAbs.TopAbs_FACE), []
         while walk.More():
@@ -151,12 +156,13 @@ class _Bodies:
                 data.append(face_data(face, edges, self._faces))
             except Exception as error:  # the kernel's own, of many kinds
                 self.fault = self.fault or f"face {self._faces}: {error}"
-        self.tolerances += edges.tolerances
+        self.tolerances += [self._scale * tolerance for tolerance in edges.tolerances]
         whole = len(data) == len(faces)
         patches: list[Patch | None] = [face.patch for face in data] if whole else [None] * len(faces)
         vertices, triangles, distances, missing = triangulated(shape, faces, patches, *self._sag)
         self.without_triangles += missing
-        return _Body(vertices, triangles, distances, tuple(data), _closed(data, edges.points))
+        true = tuple(scaled_face(face, self._scale) for face in data)
+        return _Body(self._scale * vertices, triangles, self._scale * distances, true, _closed(data, edges.points))
 
 
 def _closed(faces: list[Face], points: set[int]) -> bool:

@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Any
 
+import numpy as np
 from OCP import (
     TDF,
     IFSelect,
@@ -43,26 +45,31 @@ class Document:
     Attributes
     ----------
     millimetres : the unit
+    scale : the unit of the shapes in that of the file, a power of two, so that scaling costs no digit
     units : how many different ones the file has
     loose : points, edges and wires that belong to no face
+    faults : what the kernel could not take over, in its words
     """
 
     def __init__(self, source: str) -> None:
         Interface.Interface_Static.SetIVal_s("read.stepcaf.subshapes.name", 1)
+        XCAFDoc.XCAFDoc_ShapeTool.SetAutoNaming_s(False)
         reader = STEPCAFControl.STEPCAFControl_Reader()
-        reader.SetNameMode(True)
-        reader.SetColorMode(True)
         if reader.ReadFile(source) != IFSelect.IFSelect_RetDone:
             raise ValueError("it is no STEP file")
-        factors = _factors(reader.ChangeReader().StepModel())
+        model = reader.ChangeReader().StepModel()
+        _require_rigid(model)
+        factors = _factors(model)
         self.units = len(set(factors))
         self.millimetres = max(factors, key=factors.count, default=1.0)
+        self.scale = 2.0 ** -round(math.log2(self.millimetres))  # the kernel's tolerances are meant for millimetres
         self.loose = 0
         self._document = TDocStd.TDocStd_Document(TCollection.TCollection_ExtendedString("XmlXCAF"))
-        XCAFDoc.XCAFDoc_DocumentTool.SetLengthUnit_s(self._document, self.millimetres / 1000)
-        reader.ChangeReader().SetSystemLengthUnit(self.millimetres)
+        XCAFDoc.XCAFDoc_DocumentTool.SetLengthUnit_s(self._document, self.millimetres * self.scale / 1000)
+        reader.ChangeReader().SetSystemLengthUnit(self.millimetres * self.scale)
         if not reader.Transfer(self._document):
             raise ValueError("nothing in it can be taken over")
+        self.faults = list(_faults(reader.ChangeReader().WS()))
         self._shapes = XCAFDoc.XCAFDoc_DocumentTool.ShapeTool_s(self._document.Main())
         self._tree = XCAFDoc.XCAFDoc_ShapeTool
 
@@ -74,32 +81,35 @@ class Document:
             yield from self._below(root, TopLoc.TopLoc_Location(), (), None)
 
     def _below(self, label: Any, location: Any, path: tuple[str, ...], colour: Colour | None) -> Iterator[Piece]:
+        name = None
         if self._tree.IsReference_s(label):
             location = location.Multiplied(self._tree.GetLocation_s(label))
             colour = _colour(label) or colour
             product = TDF.TDF_Label()
             self._tree.GetReferredShape_s(label, product)
-            label = product
+            name, label = _name(label), product
+        name = _name(label) or name
         if not self._tree.IsAssembly_s(label):
-            yield from self._within(label, location, path, colour)
+            yield from self._within(label, location, name, path, colour)
             return
         if len(path) == _DEEP:
             raise ValueError(f"its assemblies are nested more than {_DEEP} deep")
         components = labels()
         self._tree.GetComponents_s(label, components, False)
-        name = _name(label)
         for component in components:
             yield from self._below(
                 component, location, path if name is None else (*path, name), colour or _colour(label)
             )
 
-    def _within(self, label: Any, location: Any, path: tuple[str, ...], colour: Colour | None) -> Iterator[Piece]:
-        shape, name = self._tree.GetShape_s(label), _name(label)
+    def _within(
+        self, label: Any, location: Any, name: str | None, path: tuple[str, ...], colour: Colour | None
+    ) -> Iterator[Piece]:
+        shape = self._tree.GetShape_s(label)
         several = sum(1 for _ in _solids(shape)) > 1
         for piece in self._pieces_of(shape):
             own = TDF.TDF_Label()
             known = self._shapes.FindSubShape(label, piece, own)
-            title = (_name(own) if known and several else None) or name
+            title = (_name(own) if known and several else None) or name or (path[-1] if path else None)
             shade = colour or (_colour(own) if known else None) or _colour(label)
             where = location.Multiplied(piece.Location())
             yield Piece(piece.Located(TopLoc.TopLoc_Location()), where, title, path, shade)
@@ -124,9 +134,10 @@ def _solids(shape: Any) -> Iterator[Any]:
 
 
 def _name(label: Any) -> str | None:
-    attribute = TDataStd.TDataStd_Name()
-    if not label.FindAttribute(TDataStd.TDataStd_Name.GetID_s(), attribute):
+    kind, attribute = TDataStd.TDataStd_Name.GetID_s(), TDataStd.TDataStd_Name()
+    if not label.IsAttribute(kind):  # of which the binding does not survive the search
         return None
+    label.FindAttribute(kind, attribute)
     return str(attribute.Get().ToExtString()).strip() or None
 
 
@@ -137,6 +148,37 @@ def _colour(label: Any) -> Colour | None:
             red, green, blue = colour.Values(Quantity.Quantity_TOC_sRGB)
             return round(red, 6), round(green, 6), round(blue, 6)  # the kernel holds float32
     return None
+
+
+def _require_rigid(model: Any) -> None:
+    """Refuse what places shapes by a scale or a mirror, of which the kernel (7.8, 8.0) makes something else."""
+    for number in range(1, model.NbEntities() + 1):
+        target = model.Value(number)
+        target = target.MappingTarget() if hasattr(target, "MappingTarget") else None
+        if target is None or not hasattr(target, "Axis3"):
+            continue
+        axes = [
+            axis and [axis.DirectionRatiosValue(k) for k in (1, 2, 3)]
+            for axis in (target.Axis1(), target.Axis2(), target.Axis3())
+        ]
+        mirrored = all(axes) and np.linalg.det(axes) < 0
+        if mirrored or (target.HasScale() and abs(target.Scale() - 1) > 1e-12):
+            what = "mirrors" if mirrored else f"scales by {target.Scale():g}"
+            raise ValueError(f"it {what} a shape that it places, which is not read: export it with that carried out")
+
+
+def _faults(session: Any) -> Iterator[str]:
+    checks = session.TransferReader().TransientProcess().CheckList(False)
+    checks.Start()
+    while checks.More():
+        check = checks.Value()
+        words = [check.CFail(k, True) for k in range(1, check.NbFails() + 1)]
+        words += [check.CWarning(k, True) for k in range(1, check.NbWarnings() + 1)]
+        lost = [word.strip() for word in words[: check.NbFails()]]
+        lost += [word.strip() for word in words[check.NbFails() :] if word.strip().endswith("ignored")]
+        if lost:
+            yield lost[0]
+        checks.Next()
 
 
 def _factors(model: Any) -> list[float]:

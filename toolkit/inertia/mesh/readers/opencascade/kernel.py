@@ -9,12 +9,12 @@ from typing import Any
 from OCP import TopAbs, TopoDS
 
 
-def collection(new: str, module: str, old: str) -> Any:
-    """Return an empty collection by its name in version 8, or by its module and name in version 7."""
+def collection(new: str, module: str, old: str, *size: int) -> Any:
+    """Return a collection by its name in version 8, or by its module and name in version 7."""
     try:
-        return getattr(importlib.import_module("OCP.collections"), new)()
+        return getattr(importlib.import_module("OCP.collections"), new)(*size)
     except ImportError:
-        return getattr(importlib.import_module(f"OCP.{module}"), old)()
+        return getattr(importlib.import_module(f"OCP.{module}"), old)(*size)
 
 
 def shape_map() -> Any:

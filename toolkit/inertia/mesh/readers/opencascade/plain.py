@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 
 from inertia.arrays import Float
+from inertia.errors import visible
 from inertia.mesh.shape import Curve, Face, Patch, Shape, Solid, Spline, Trim
 
 _CLASSES = {kind.__name__: kind for kind in (Curve, Face, Patch, Spline, Trim)}
@@ -48,7 +49,7 @@ def shape_from_json(document: dict[str, Any], numbers: Float) -> Shape:
     """Return the shape that `shape_to_json` described."""
     bodies = [tuple(_rich(face, numbers) for face in faces) for faces in document["bodies"]]
     solids = tuple(
-        Solid(name, bodies[body], np.array(placement), closed, colour and tuple(colour), tuple(path))
+        Solid(visible(name), bodies[body], np.array(placement), closed, colour and tuple(colour), tuple(path))
         for name, body, placement, closed, colour, path in document["solids"]
     )
     return Shape(solids, _array(document["tolerances"], numbers))

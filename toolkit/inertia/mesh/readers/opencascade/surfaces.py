@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -73,6 +74,44 @@ def face_data(face: Any, edges: Edges, number: int) -> Face:
             loop.append(Trim(plane, *ends, at))
         loops.append(tuple(loop))
     return Face(patch, tuple(loops), inward, number)
+
+
+def scaled_face(face: Face, scale: float) -> Face:
+    """Return a face in another unit of length; the parameters of edges remain, in those of surfaces lengths change."""
+    if scale == 1.0:
+        return face
+    patch = _scaled_patch(face.patch, scale)
+    stretch = _stretch(face.patch, scale)
+    loops = tuple(
+        tuple(replace(trim, curve=_scaled_curve(trim.curve, stretch)) for trim in loop) for loop in face.loops
+    )
+    return replace(face, patch=patch, loops=loops)
+
+
+def _scaled_patch(patch: Patch, scale: float) -> Patch:
+    frame, sizes, profile = patch.frame.copy(), tuple(scale * size for size in patch.sizes), patch.profile
+    frame[0] *= scale
+    if patch.kind == "cone":
+        sizes = (sizes[0], patch.sizes[1])
+    if profile is not None:
+        profile = (_scaled_curve(profile[0], np.full(3, scale)), *profile[1:])
+    basis = None if patch.basis is None else _scaled_patch(patch.basis, scale)
+    spline = None if patch.spline is None else replace(patch.spline, poles=scale * patch.spline.poles)
+    return Patch(patch.kind, frame, sizes, profile, basis, spline)
+
+
+def _stretch(patch: Patch, scale: float) -> Float:
+    """Return by what the parameters of a surface change with the unit of length."""
+    if patch.basis is not None:
+        return _stretch(patch.basis, scale)
+    lengths = {"plane": (True, True), "cylinder": (False, True), "cone": (False, True), "extrusion": (False, True)}
+    return np.where(lengths.get(patch.kind, (False, False)), scale, 1.0)
+
+
+def _scaled_curve(curve: Curve, stretch: Float) -> Curve:
+    """Return a curve stretched along the axes of coordinates: its formula, and its parameter, remain."""
+    spline = None if curve.spline is None else replace(curve.spline, poles=stretch * curve.spline.poles)
+    return replace(curve, frame=stretch * curve.frame, spline=spline)
 
 
 def _ordered(wire: Any, face: Any) -> list[Any]:
