@@ -14,14 +14,14 @@ from typing import NoReturn, TextIO
 
 import inertia
 from inertia.errors import CacheWarning, GeometryError, InertiaError, UsageError, WriteError, visible
-from inertia_cli import analyse, audit, balance, check, play, simulate, trade, tumble
+from inertia_cli import analyse, audit, balance, check, measure, play, simulate, trade, tumble
 from inertia_cli.interruption import interruption
 from inertia_cli.printing import abandon_output
 from inertia_cli.wording import as_option
 
 FAULT = 1
 _SIGNED = ("--about", "--spin", "--axis", "--through", "--zero-mark", "--bearings", "--planes")  # may be negative
-_COMMANDS = (analyse, check, trade, simulate, tumble, play, balance, audit)
+_COMMANDS = (analyse, check, trade, simulate, tumble, play, balance, measure, audit)
 _CODES = """exit codes:
   0  done
   1  a fault of this program, or the result could not be written
@@ -103,7 +103,7 @@ def main(arguments: Sequence[str]) -> int:
     for argument in arguments:
         if argument.startswith("--") and argument.endswith("=--"):  # argparse would go on without the value
             parser.error(f"argument {argument[:-3]}: expected one argument")
-    options = parser.parse_args(_join_signed(arguments))
+    options = parser.parse_args(_join_names(_join_signed(arguments)))
     if sys.stdout is None:
         return _say("cannot write the result: standard output is closed", FAULT)
     try:
@@ -152,6 +152,11 @@ def _interrupted() -> int:
 def _say(message: str, code: int) -> int:
     print(f"inertia: {visible(message)}", file=sys.stderr)
     return code
+
+
+def _join_names(words: list[str]) -> list[str]:
+    """Join the two words of ``inertia balance measure``, which is a command of its own."""
+    return [measure.NAME, *words[2:]] if words[:2] == measure.NAME.split() else words
 
 
 def _join_signed(arguments: Sequence[str]) -> list[str]:

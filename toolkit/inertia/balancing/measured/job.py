@@ -20,7 +20,7 @@ from inertia.arrays import Float
 from inertia.balancing.measured.job_fields import JobFields, MeasuredPlaneFields, ReadingFields, RunFields, SensorFields
 from inertia.balancing.measured.readings import readings
 from inertia.balancing.rotor import Rotor
-from inertia.balancing.shop_units import GRAM_MILLIMETRE, OUNCE_INCH
+from inertia.balancing.shop_units import GRAM_MILLIMETRE, OUNCE_INCH, in_degrees
 from inertia.balancing.unbalance import Complex
 from inertia.documents import Document, FieldError, Section, document_schema, plain, section_of
 from inertia.errors import InertiaError, ReadError, UsageError, placed
@@ -168,6 +168,22 @@ class Job(Document):
             rotation="ccw" if conventions.angles == "with rotation" else "cw",
         )
 
+    def as_read(self, run: int) -> list[tuple[float, float | None]]:
+        """Return amplitude and phase, degrees, of each channel of a run, as the job has them."""
+        entries = (self._reading(self.runs[run], channel) for channel in self.channels)
+        return [(entry.amplitude, entry.phase if self.by_phase else None) for entry in entries]
+
+    def shown(self, reading: complex) -> tuple[float, float | None]:
+        """Return the amplitude and the phase, degrees, that the instrument shows for one of `vibrations`."""
+        size = abs(reading) / (self._machine_unit if self.by_machine else 1.0)
+        if not self.by_phase:
+            return size, None
+        conventions = self.fields.conventions
+        if self.by_machine:
+            return size, in_degrees(-reading if conventions.shows == "correction" else reading)
+        turns = (conventions.phase == "lead") == (conventions.angles == "with rotation")
+        return size, in_degrees(reading if turns else reading.conjugate())
+
     @cached_property
     def half_widths(self) -> tuple[Float, Float]:
         """What each reading may be off by: (channels,) as a part of it and rad, beside its sensor's noise."""
@@ -212,7 +228,10 @@ class Job(Document):
         for k, run in enumerate(self.runs):
             for weight in run.weights:
                 number = numbers[weight.plane]
-                size = 1e-3 * weight.mass_g * self.per_mass(number)
+                if weight.mass_g is None:
+                    size = GRAM_MILLIMETRE * (weight.gmm or 0.0)
+                else:
+                    size = 1e-3 * weight.mass_g * self.per_mass(number)
                 entries.append((k, number, size * np.exp(1j * np.radians(weight.angle)), weight.stays))
         return tuple(entries)
 
@@ -221,13 +240,25 @@ class Job(Document):
         radius = self.planes[plane].radius
         return 1.0 if self.weighed_alone or radius is None else radius
 
+    def _radius(self, plane: str) -> float | None:
+        return next(one.radius for one in self.planes if one.id == plane)
+
     def to_rotor(self, vector: complex) -> complex:
         """Return a vector of the job in the angles of its rotor file."""
+        turned = vector if self._counts_as_the_rotor else vector.conjugate()
+        return complex(turned * np.exp(1j * math.radians(self.fields.conventions.zero)))
+
+    def from_rotor(self, degrees: float) -> float:
+        """Return an angle of the rotor file, degrees, as the job counts it."""
+        angle = degrees - self.fields.conventions.zero
+        return (angle if self._counts_as_the_rotor else -angle) % 360.0
+
+    @property
+    def _counts_as_the_rotor(self) -> bool:
+        """Whether angles run the same way as those of the rotor file."""
         assert self.rotor is not None
         with_rotation = self.fields.conventions.angles == "with rotation"
-        same = with_rotation == (self.rotor.fields.axis.rotation == "ccw")
-        turned = vector if same else vector.conjugate()
-        return complex(turned * np.exp(1j * math.radians(self.fields.conventions.zero)))
+        return with_rotation == (self.rotor.fields.axis.rotation == "ccw")
 
     @property
     def _machine_unit(self) -> float:
@@ -266,6 +297,12 @@ class Job(Document):
                 if weight.plane not in planes:
                     raise FieldError(
                         f"run[{k}].weights[{j}].plane", f"is {weight.plane!r}: use one of {_listed(planes)}"
+                    )
+                if weight.gmm is not None and self.weighed_alone:
+                    raise FieldError(f"run[{k}].weights[{j}].gmm", "goes with a radius of every plane: give mass_g")
+                if weight.mass_g is not None and self.by_machine and self._radius(weight.plane) is None:
+                    raise FieldError(
+                        f"run[{k}].weights[{j}].mass_g", "goes with a radius of its plane: give that, or gmm"
                     )
         for k, run in enumerate(self.runs):
             self._require_readings(f"run[{k}]", run)

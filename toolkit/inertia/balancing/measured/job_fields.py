@@ -172,7 +172,8 @@ class MountedFields(Section):
     Attributes
     ----------
     plane : where
-    mass_g : grams; negative where mass was taken away there
+    mass_g : grams at the plane's radius; negative where mass was taken away
+    gmm : what it adds to the unbalance, g·mm, in place of a mass; negative where it was drilled away
     angle : degrees
     stays : whether it stays on for the runs that follow; a trial weight does not
     """
@@ -180,14 +181,18 @@ class MountedFields(Section):
     section: ClassVar[str] = "weights"
 
     plane: Annotated[str, text]
-    mass_g: Annotated[float, number("g")]
+    mass_g: Annotated[float | None, number("g")] = None
+    gmm: Annotated[float | None, number("g·mm")] = None
     angle: Annotated[float, number("degrees")] = 0.0
     stays: Annotated[bool, flag] = False
 
     def require_sense(self, path: str) -> None:
-        """Raise `FieldError` where there is no weight."""
-        if not self.mass_g:
-            raise FieldError(f"{path}.mass_g", "is 0: leave the weight out")
+        """Raise `FieldError` where there is no weight, or two."""
+        if (self.mass_g is None) == (self.gmm is None):
+            raise FieldError(path, "says what was mounted twice or not at all: give one of mass_g and gmm")
+        for name in ("mass_g", "gmm"):
+            if getattr(self, name) == 0:
+                raise FieldError(f"{path}.{name}", "is 0: leave the weight out")
 
 
 @dataclass(frozen=True, eq=False)

@@ -261,6 +261,13 @@ class ReportData:
         return self.head.part or Path(self.rotor).stem
 
     @property
+    def basis(self) -> str:
+        """What the unbalance comes from: meshes, or a machine."""
+        if "measurement" in self.initial.bearing_bounds[0]:
+            return "unbalance as measured – what the corrections do is predicted"
+        return "predicted from geometry – not a measurement"
+
+    @property
     def outcome(self) -> Outcome:
         """The verdict."""
         return self.residual.outcome

@@ -1,0 +1,178 @@
+"""``inertia balance measure`` as a user meets it."""
+
+import cmath
+import csv
+import io
+import json
+import math
+import shutil
+from pathlib import Path
+
+import pytest
+
+import inertia
+from inertia.balancing.measured.job import json_schema
+from inertia_cli.main import main
+from inertia_meshes import jobs, path
+
+FAN, ROTOR = str(path("jobs/fan.toml")), str(path("jobs/two_disc_rotor.toml"))
+DOCS = Path(__file__).parents[2] / "docs"
+
+
+def run(capsys: pytest.CaptureFixture[str], *arguments: str) -> tuple[int, str, str]:
+    try:
+        code = main(["balance", "measure", *arguments])
+    except SystemExit as leaving:
+        code = leaving.code
+    captured = capsys.readouterr()
+    return code, captured.out, captured.err
+
+
+def test_the_verdict_stands_first(capsys: pytest.CaptureFixture[str]) -> None:
+    code, out, err = run(capsys, FAN)
+    assert (code, err) == (0, "")
+    assert out.startswith("Verdict           PASS\n")
+    assert "16.99 g = 4247 g·mm at 219.3°" in out
+
+
+def test_the_document_holds_what_was_read_and_found(capsys: pytest.CaptureFixture[str]) -> None:
+    code, out, err = run(capsys, FAN, "--json")
+    assert (code, err) == (0, "")
+    result = json.loads(out)
+    assert result["schema"] == "inertia/measurement/1"
+    assert [entry["id"] for entry in result["runs"]] == ["initial", "trial I", "trial II", "corrected"]
+    table = csv.DictReader(path("jobs/fan.toml").with_suffix(".csv").read_text(encoding="utf-8").splitlines())
+    stated = [(float(row["amplitude"]), float(row["phase"])) for row in table]
+    shown = [(k["amplitude"], k["phase_deg"]) for entry in result["runs"] for k in entry["readings"]]
+    assert shown == stated
+    assert result["verdict"] == "pass"
+    assert len(result["coefficients"]) == 4
+    assert all(plane["expanded_uncertainty_gmm"] > 0 for plane in result["planes"])
+
+
+def test_what_was_measured_is_drilled_out_of_the_rotor(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
+    cut, report = tmp_path / "cut.stl", tmp_path / "shop.html"
+    code, out, _ = run(capsys, ROTOR, "--json", "--cut-part", str(cut), "--report", str(report))
+    result = json.loads(out)
+    assert (code, result["verdict"]) == (5, "fail")
+    assert [work["id"] for work in result["corrections"]] == ["I-1", "II-1"]
+    for work, plane in zip(result["corrections"], result["planes"], strict=True):
+        assert work["angle_deg"] == pytest.approx(plane["unbalance"]["deg"], abs=0.3)
+        assert work["unbalance_gmm"] == pytest.approx(plane["unbalance"]["gmm"], rel=0.003)
+    assert result["corrected"]["verdict"] == "pass"
+    page = report.read_text(encoding="utf-8")
+    assert "unbalance as measured" in page
+    assert "not a measurement" not in page
+    mesh = inertia.read(cut, unit="mm")
+    moment = inertia.mass_properties(mesh, density=7850.0)
+    whole = inertia.mass_properties(inertia.read(path("two_disc_rotor.stl"), unit="mm"), density=7850.0)
+    lost = whole.mass * whole.center_of_mass[:2] - moment.mass * moment.center_of_mass[:2]
+    vectors = (cmath.rect(k["gmm"], math.radians(k["deg"])) for k in (one["unbalance"] for one in result["planes"]))
+    assert 1e6 * complex(*lost) == pytest.approx(sum(vectors), rel=3e-3)
+
+
+def test_a_job_that_counts_against_rotation_drills_at_the_mirrored_angle(
+    capsys: pytest.CaptureFixture[str], tmp_path: Path
+) -> None:
+    folder = shutil.copytree(path(jobs()[0]).parents[1], tmp_path / "samples")
+    job = folder / "jobs" / "two_disc_rotor.toml"
+    text = job.read_text(encoding="utf-8")
+    text = (
+        text.replace('"with rotation"', '"against rotation"\nzero = 30')
+        .replace("211.0", "179.0")
+        .replace("19.5", "10.5")
+    )
+    job.write_text(text, encoding="utf-8")
+    mirrored = json.loads(run(capsys, str(job), "--json")[1])
+    straight = json.loads(run(capsys, ROTOR, "--json")[1])
+    for one, other in zip(mirrored["corrections"], straight["corrections"], strict=True):
+        assert one["angle_deg"] == pytest.approx(other["angle_deg"], abs=0.3)
+        assert one["job_angle_deg"] == pytest.approx((30 - other["angle_deg"]) % 360, abs=0.3)
+
+
+def test_a_run_after_the_work_verifies_it(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
+    folder = shutil.copytree(path(jobs()[0]).parents[1], tmp_path / "samples")
+    job = folder / "jobs" / "two_disc_rotor.toml"
+    text = job.read_text(encoding="utf-8").replace(
+        "[report]",
+        """[[run]]
+id = "drilled"
+weights = [
+  { plane = "I", gmm = -869.1, angle = 211, stays = true },
+  { plane = "II", gmm = -1610, angle = 19.5, stays = true },
+]
+readings = [
+  { sensor = "I", amplitude = 6.1, phase = 80 },
+  { sensor = "II", amplitude = 8.4, phase = 255 },
+]
+
+[report]""",
+    )
+    job.write_text(text, encoding="utf-8")
+    code, out, _ = run(capsys, str(job))
+    assert code == 0
+    assert out.startswith("Verdict           PASS\n")
+    assert "To do             nothing" in out
+
+
+def test_the_certificate_says_who_what_and_with_what(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
+    file = tmp_path / "certificate.html"
+    assert run(capsys, FAN, "--certificate", str(file))[0] == 0
+    page = file.read_text(encoding="utf-8")
+    for words in (
+        "PASS", "fan wheel 630", "two-channel analyser", "2026-03-02, valid for a year", "1480 r/min", "N. N.",
+        "67.67 g·mm at 174.6°", "24.52", "914.6", "trial I", "weights screwed on and secured", "0.042 ∠ 205.0°",
+    ):  # fmt: skip
+        assert words in page, words
+    assert "<script" not in page
+    assert 'scope="row"' in page
+    code, _, err = run(capsys, FAN, "--certificate", str(file))
+    assert (code, err.count("\n")) == (2, 1)
+
+
+def test_log_and_coefficients_are_written(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
+    log, coefficients = tmp_path / "log.csv", tmp_path / "coefficients.toml"
+    assert run(capsys, FAN, "--log", str(log), "--coefficients", str(coefficients))[0] == 0
+    rows = list(csv.DictReader(io.StringIO(log.read_text(encoding="utf-8"))))
+    assert [row["run"] for row in rows[::2]] == ["initial", "trial I", "trial II", "corrected"]
+    folder = shutil.copytree(path(jobs()[0]).parent, tmp_path / "jobs")
+    text = (folder / "fan.toml").read_text(encoding="utf-8")
+    head, _, runs = text.partition('[[run]]\nid = "initial"')
+    job = folder / "again.toml"
+    job.write_text(
+        head.replace('readings = "fan.csv"', f'coefficients = "{coefficients}"')
+        + '[[run]]\nid = "a year later"\nreadings = [{ sensor = "A", amplitude = 2.1, phase = 300 }, '
+        '{ sensor = "B", amplitude = 1.7, phase = 20 }]\n',
+        encoding="utf-8",
+    )
+    assert runs
+    code, out, err = run(capsys, str(job), "--json")
+    assert (code, err) == (5, "")
+    predicted = json.loads(out)["predicted"]
+    assert max(reading["amplitude"] for reading in predicted) < 0.2
+
+
+@pytest.mark.parametrize(
+    ("arguments", "code", "words"),
+    [
+        ((), 2, "no job is named"),
+        (("nothing.toml",), 3, "cannot read nothing.toml"),
+        ((FAN, "--report", "x.html"), 2, "--report is of a rotor file, and the job names none"),
+        ((FAN, "--log", "x.txt"), 2, "its name must end in .csv"),
+        ((ROTOR, "--coefficients", "x.toml"), 2, "has no influence coefficients"),
+    ],
+)
+def test_what_cannot_be_done_is_one_sentence(
+    capsys: pytest.CaptureFixture[str], arguments: tuple[str, ...], code: int, words: str, tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:  # fmt: skip
+    monkeypatch.chdir(tmp_path)
+    status, _, err = run(capsys, *arguments)
+    assert status == code
+    assert words in err
+    assert err.count("\n") == 1
+
+
+def test_the_schema_is_the_one_in_the_documentation(capsys: pytest.CaptureFixture[str]) -> None:
+    assert json.loads(run(capsys, "--schema")[1]) == json_schema()
+    assert json.loads((DOCS / "job.schema.json").read_text(encoding="utf-8")) == json_schema()

@@ -1,0 +1,161 @@
+"""`Measurement` → lines of text."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import Any
+
+from inertia.balancing.measured.measure import Measurement
+from inertia.report.measurement.document import Document, measurement_document
+from inertia.report.numerals import fixed, row, significant, wrapped
+
+_NAMED = (("part", ""), ("serial", "serial "), ("revision", "revision "), ("customer", "for "))
+_MACHINE = (
+    ("name", ""), ("serial", "serial "), ("calibration", "calibrated "), ("operator", "operator "), ("place", "at "),
+    ("date", "on "), ("remark", ""),
+)  # fmt: skip
+
+
+def measurement_text(result: Measurement) -> str:
+    """Return the measurement as lines of text; angles are counted as the job says."""
+    document = measurement_document(result)
+    blocks = [
+        _head(document),
+        _log(document),
+        _planes(document),
+        _work(document),
+        _closing(document),
+    ]
+    return "\n\n".join("\n".join(lines) for block in blocks if (lines := list(block)))
+
+
+def _head(document: Document) -> Iterator[str]:
+    yield from wrapped("Verdict", (document["verdict"] or "nothing says what is permissible").upper())
+    yield ""
+    named = ", ".join(f"{word}{document['report'][name]}" for name, word in _NAMED if name in document["report"])
+    yield row("Job", document["job"] + (f" ({named})" if named else ""))
+    machine = ", ".join(f"{word}{document['machine'][name]}" for name, word in _MACHINE if name in document["machine"])
+    if machine:
+        yield from wrapped("Machine", machine)
+    yield from wrapped("Method", method_text(document))
+    yield from wrapped("Angles", conventions_text(document))
+
+
+def method_text(document: Document) -> str:
+    """Return how the weights were found."""
+    if document["method"] != "influence coefficients":
+        return str(document["method"])
+    how = f"influence coefficients, {document['criterion']}, condition {significant(document['condition'])}"
+    if document["criterion"] == "min-max":
+        how += f", the largest reading within {max(document['gap'], 1e-9):.0e} of the least possible"
+    return how
+
+
+def conventions_text(document: Document) -> str:
+    """Return in which sense angles and phases are counted."""
+    conventions = document["conventions"]
+    text = f"counted {conventions['angles']}, from the job's own mark; of an unbalance that of the heavy spot"
+    return text + (f"; phases {conventions['phase']}" if "phase" in conventions else "")
+
+
+def reading_text(reading: Document) -> str:
+    """Return a reading as it is shown."""
+    phase = reading["phase_deg"]
+    return significant(reading["amplitude"]) + ("" if phase is None else f" ∠ {fixed(phase, 1)}°")
+
+
+def weight_text(weight: Document) -> str:
+    """Return a weight, or an unbalance, at its angle."""
+    sizes = [
+        f"{significant(weight[name])} {unit}"
+        for name, unit in (("g", "g"), ("gmm", "g·mm"))
+        if weight[name] is not None
+    ]
+    return f"{' = '.join(sizes)} at {fixed(weight['deg'], 1)}°"
+
+
+def mounted_text(run: Document) -> str:
+    """Return what was mounted in a run."""
+    return ", ".join(f"{k['plane']}: {weight_text(k)}" for k in run["mounted"]) or "–"
+
+
+def _log(document: Document) -> Iterator[str]:
+    width = max(14, *(len(str(run["id"])) + 2 for run in document["runs"]))
+    names = [_channel(reading) for reading in document["runs"][0]["readings"]]
+    column = max(24, *(len(name) + 2 for name in names))
+    yield f"{'Run':<{width}}{'':<{column}}{'as read':<22}predicted"
+    for run in document["runs"]:
+        predicted = run["predicted"] or [None] * len(names)
+        for k, (name, reading) in enumerate(zip(names, run["readings"], strict=True)):
+            expected = "" if predicted[k] is None else reading_text(predicted[k])
+            yield f"{'' if k else run['id']:<{width}}{name:<{column}}{reading_text(reading):<22}{expected}".rstrip()
+        if run["mounted"]:
+            yield f"{'':<{width}}with {mounted_text(run)}"
+
+
+def _channel(reading: Document) -> str:
+    speed = "" if reading["rpm"] is None else f" {reading['rpm']:g} r/min"
+    return f"{reading['sensor']}{speed}, {reading['unit']}"
+
+
+def _planes(document: Document) -> Iterator[str]:
+    unit = "gmm" if document["planes"][0]["unbalance"]["gmm"] is not None else "g"
+    shown = "g·mm" if unit == "gmm" else "g"
+    yield f"{'Plane':<14}{f'unbalance, {shown}':>18}{'at':>9}{'± (95 %)':>11}{'limit':>11}  to add"
+    for plane in document["planes"]:
+        found = plane["unbalance"]
+        limit = "" if plane["permissible_gmm"] is None else significant(plane["permissible_gmm"])
+        yield (
+            f"{plane['id']:<14}{significant(found[unit]):>18}{fixed(found['deg'], 1) + '°':>9}"
+            f"{significant(plane[f'expanded_uncertainty_{unit}']):>11}{limit:>11}  {weight_text(plane['correction'])}"
+        )
+    for k, tooling in enumerate(document["tooling"] or ()):
+        yield row("Tooling" if not k else "", f"plane {document['planes'][k]['id']}: {weight_text(tooling)}")
+
+
+def pieces_text(plane: Document) -> str:
+    """Return what is to be mounted in a plane."""
+    masses = []
+    for piece in plane["pieces"]:
+        what = f"{piece['pieces']} × {piece['item']}" if piece["item"] else f"{significant(piece['g'])} g"
+        masses.append(f"{what} at {fixed(piece['deg'], 1)}°")
+    return ", ".join(masses) or "nothing"
+
+
+def work_text(work: Document) -> str:
+    """Return an operation on the rotor."""
+    size = f"{significant(work['mass_g'])} g = {significant(work['unbalance_gmm'])} g·mm"
+    item = "" if work["item"] is None else f" ({work['pieces']} × {work['item']})"
+    where = (
+        f"{fixed(work['job_angle_deg'], 1)}°, radius {significant(work['radius_mm'])} mm, z {fixed(work['z_mm'], 2)} mm"
+    )
+    tool = "" if work["tool_diameter_mm"] is None else f", Ø{significant(work['tool_diameter_mm'])}"
+    depth = "" if work["depth_mm"] is None else f", {fixed(work['depth_mm'], 2)} mm deep"
+    return f"{work['id']}: {work['method']} {size}{item} at {where}{tool}{depth}"
+
+
+def _work(document: Document) -> Iterator[str]:
+    if document["corrected"] is not None:
+        for k, work in enumerate(document["corrections"]):
+            yield row("" if k else "To do", work_text(work))
+        if not document["corrections"]:
+            yield row("To do", "nothing")
+        for k, sentence in enumerate(document["corrected"]["why"]):
+            yield from wrapped("" if k else "Then, predicted", sentence)
+        return
+    if not any(plane["pieces"] for plane in document["planes"]):
+        return
+    for k, plane in enumerate(document["planes"]):
+        yield row("" if k else "To mount", f"plane {plane['id']}: {pieces_text(plane)}")
+    yield from wrapped("Then, predicted", ", ".join(_then(k) for k in document["predicted"]))
+
+
+def _then(reading: Document) -> str:
+    return f"{reading['sensor']} {significant(reading['amplitude'])} {reading['unit']}"
+
+
+def _closing(document: dict[str, Any]) -> Iterator[str]:
+    for k, sentence in enumerate(document["why"]):
+        yield from wrapped("" if k else "Why", sentence)
+    for k, note in enumerate(document["notes"]):
+        yield from wrapped("" if k else "Notes", note)
