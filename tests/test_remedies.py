@@ -47,7 +47,7 @@ def remedies() -> set[Remedy]:
     return {Remedy(*map(ast.literal_eval, call.args)) for call in calls}
 
 
-COMMANDS = {parser.prog.split()[-1] for parser in PARSERS.values()}
+COMMANDS = {parser.prog.partition(" ")[2] for parser in PARSERS.values()}
 OPTIONS = {option for command in COMMANDS for option in actions(command) if option.startswith("--")}
 NAMED = re.compile(rf"(?<![\w-])({'|'.join(sorted(OPTIONS, key=len, reverse=True))})(?![\w-])")
 
