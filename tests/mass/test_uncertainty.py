@@ -75,6 +75,18 @@ def test_noise_turns_the_axes_and_moves_the_moments_as_stated() -> None:
     assert u.principal.equal == ()
 
 
+def test_a_tensor_about_another_point_shares_its_noise_with_the_centre() -> None:
+    vertices, faces = ellipsoid()
+    sigma, point = 0.01, np.array([2.0, -1.0, 0.5])
+    u = inertia.analyse(Part.from_arrays(vertices, faces), 1.0, sigma=sigma).uncertainty
+    rows = drawn(vertices, faces, sigma)
+    b = rows[:, 1:4] - point
+    shift = (b * b).sum(axis=1)[:, None, None] * np.eye(3) - b[:, :, None] * b[:, None]
+    about = tensors(rows) + rows[:, 0, None, None] * shift
+    np.testing.assert_allclose(u.about(point), about.std(axis=0), rtol=0.03)
+    np.testing.assert_allclose(u.about(u.properties.center_of_mass), u.inertia, rtol=1e-12)
+
+
 @pytest.mark.parametrize("weighed", [False, True])
 def test_noise_makes_a_computed_tensor_larger_on_average_by_the_bias_stated(weighed: bool) -> None:
     vertices, faces = ellipsoid(0)

@@ -54,6 +54,31 @@ def test_a_file_is_read_as_the_contract_says(tmp_path: Path) -> None:
     assert example.body.part.triangles.count == catalogue()["t_handle.stl"]["triangles"]
 
 
+def test_what_the_moments_are_uncertain_by_is_noted() -> None:
+    part = str(path("t_handle.stl"))
+    example = scene(body={"part": part, "unit": "mm", "density": "7850±78.5"})
+    (note,) = (k for k in example.body.notes if "standard uncertainties" in k)
+    plain = scene(body={"part": part, "unit": "mm", "density": 7850})
+    hundredths = ", ".join(f"{0.01 * k:.2g}" for k in plain.body.principal.moments.tolist())
+    assert f"standard uncertainties of {hundredths} kg m², for those of density;" in note
+    noisy = scene(body={"part": part, "unit": "mm", "mass": "0.05±0.001", "sigma": 0.02})
+    assert any("for those of vertices and mass" in k for k in noisy.body.notes)
+    assert example.body.inertia.tolist() == plain.body.inertia.tolist()
+
+
+@pytest.mark.parametrize(
+    ("body", "said"),
+    [
+        ({"principal_moments": [1, 2, 3], "mass": "1±0.1"}, "body.mass"),
+        ({"principal_moments": [1, 2, 3], "sigma": 0.1}, "body.sigma"),
+        ({"part": "t_handle.stl", "density": "7850±"}, "body.density"),
+    ],
+)
+def test_an_uncertainty_that_goes_with_nothing_is_refused(body: dict, said: str) -> None:
+    with pytest.raises(UsageError, match=said):
+        scene(body=body)
+
+
 def test_what_is_left_out_has_a_default() -> None:
     example = scene()
     assert example.start.frame == "principal"

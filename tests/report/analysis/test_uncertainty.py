@@ -32,6 +32,13 @@ def test_the_document_holds_what_the_library_says() -> None:
     assert sum(k * k for k in contributions) == pytest.approx(u.mass**2)
 
 
+def test_the_tensor_about_a_point_has_its_own_uncertainty() -> None:
+    analysis = cone(about=(10, 0, 0))
+    stated = analysis_document(analysis)["inertia_about"]["uncertainty"]
+    assert stated == analysis.uncertainty.about([0.01, 0, 0]).tolist()
+    assert stated[1][1] > analysis.uncertainty.inertia[1, 1]
+
+
 def test_nothing_is_said_where_nothing_is_uncertain() -> None:
     analysis = inertia.analyse(inertia.read(path("cone.stl"), unit="mm"), 7850)
     assert "uncertainty" not in analysis_document(analysis)

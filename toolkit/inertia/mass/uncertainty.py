@@ -9,12 +9,13 @@ are common to all that they are of.
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from fractions import Fraction
 from functools import cached_property
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from inertia.arrays import Float
 from inertia.estimate import uncertainty_of
@@ -28,6 +29,7 @@ from inertia.mass.integrand import (
 )
 from inertia.mass.principal import Principal
 from inertia.mass.properties import MassProperties
+from inertia.mass.tensor import exact_point, point_inertia
 from inertia.mesh.part import Cells
 
 _ORDER = (0, 1, 2, 5, 4, 3)  # of `ELEMENTS` among the second moments of `inertia.mass.moments`
@@ -68,7 +70,7 @@ class StandardUncertainty:
 
     def of(self, component: str | None = None) -> Float:
         """Return u of the eleven quantities of `covariance`, or what one input contributes."""
-        return np.sqrt((self.covariance if component is None else self.components[component]).diagonal())
+        return _root((self.covariance if component is None else self.components[component]).diagonal())
 
     @property
     def volume(self) -> float:
@@ -90,6 +92,20 @@ class StandardUncertainty:
         """u of the tensor's elements, (3, 3) kg m²."""
         return matrix_of(self.of()[5:])
 
+    def about(self, point: ArrayLike | Sequence[Fraction]) -> Float:
+        """Return u of the tensor's elements about `point` (3,) m, (3, 3) kg m²: Steiner's theorem with all covariances.
+
+        δI_P = δI + δm (b² − b bᵀ) + m (2 b·δG − δG bᵀ − b δGᵀ), b = G − P.
+        """
+        mass, center = self.properties.mass, self.properties.center_of_mass
+        b = center - np.array([float(k) for k in exact_point(point, "point")])
+        rates = np.zeros((6, 11))
+        rates[:, 5:] = np.eye(6)
+        rates[:, 1] = six_of(point_inertia(1.0, b))
+        for axis, e in enumerate(np.eye(3)):
+            rates[:, 2 + axis] = mass * six_of(2.0 * b[axis] * np.eye(3) - np.outer(e, b) - np.outer(b, e))
+        return matrix_of(_root(np.einsum("ik,kl,il->i", rates, self.covariance, rates)))
+
     @property
     def principal_moments(self) -> Float:
         """u of the principal moments, (3,) kg m²; of moments that count as equal, the root mean square of theirs.
@@ -103,14 +119,14 @@ class StandardUncertainty:
             across = [row for row, pair in enumerate(((1, 2), (2, 0), (0, 1)), 3) if set(pair) <= set(group)]
             shared = (covariance.diagonal()[list(group)].sum() + 2 * covariance.diagonal()[across].sum()) / len(group)
             squares[list(group)] = shared
-        return np.sqrt(squares[:3])
+        return _root(squares[:3])
 
     @property
     def principal_axes(self) -> Float:
         """Root mean square angle between each axis and the true one, (3,) rad; nan where moments may be equal."""
         rates = principal_rates(self.principal)[3:]
         turns = np.einsum("ki,ij,kj->k", rates, self.covariance[5:, 5:], rates)
-        return np.sqrt([turns[k - 2] + turns[k - 1] for k in range(3)])
+        return _root([turns[k - 2] + turns[k - 1] for k in range(3)])
 
 
 def standard_uncertainty(
@@ -171,6 +187,12 @@ def standard_uncertainty(
         remarks = list(_second_order(integrand, raw, bias, sigma * metres))
     principal = replace(principal, equal=_may_be_equal(principal, covariance[5:, 5:]))
     return StandardUncertainty(inputs, components, properties, principal, bias, tuple(remarks), coverage)
+
+
+def _root(variance: Float) -> Float:
+    """Return standard deviations; rounding makes no variance negative."""
+    root: Float = np.sqrt(np.maximum(variance, 0.0))
+    return root
 
 
 def _square(response: Float) -> Float:
@@ -256,7 +278,7 @@ def _second_order(integrand: Integrand, raw: Float, bias: Float | None, sigma: f
     remarks: list[str] = []
     covariance = integrand.weighing @ raw @ integrand.weighing.T
     if bias is not None:
-        norm, u = float(np.linalg.norm(bias)), float(np.linalg.norm(matrix_of(np.sqrt(covariance.diagonal()[5:]))))
+        norm, u = float(np.linalg.norm(bias)), float(np.linalg.norm(matrix_of(_root(covariance.diagonal()[5:]))))
         if norm > _SHOWN * u:
             remarks.append(
                 f"noise of that size makes a computed tensor larger by {norm:.2g} kg m² on average, {norm / u:.2g} of "
@@ -276,14 +298,14 @@ def _second_order(integrand: Integrand, raw: Float, bias: Float | None, sigma: f
     if integrand.model == "shell":
         metre_squared = growth * sigma * sigma
         thickness = float(integrand.factor / integrand.part.unit.metres**2)
-        u = math.sqrt(raw[0, 0])
+        u = math.sqrt(max(raw[0, 0], 0.0))
         if metre_squared * thickness > _SHOWN * u:
             remarks.append(
                 f"noise of that size makes a computed area larger by {metre_squared:.2g} m² on average (second order), "
                 "and all that is in proportion to it: that is not in u"
             )
         return remarks
-    more = math.sqrt(1.0 + sigma**4 * edges / 12.0 / raw[0, 0]) - 1.0 if raw[0, 0] else math.inf
+    more = math.sqrt(1.0 + sigma**4 * edges / 12.0 / raw[0, 0]) - 1.0 if raw[0, 0] > 0 else math.inf
     if more > 0.5 * _SHOWN:
         remarks.append(
             "the noise is not small beside the edges of the triangles: terms of second order add up to "

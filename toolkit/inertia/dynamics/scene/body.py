@@ -87,6 +87,12 @@ class SceneBody:
             notes.append("the unit of the part is assumed to be mm")
         if analysis.density_from == "assumed":
             notes.append("the density of the part is assumed to be 1000 kg/m³")
+        if (uncertainty := analysis.uncertainty) is not None:
+            each = ", ".join(f"{u:.2g}" for u in uncertainty.principal_moments.tolist())
+            notes.append(
+                f"the principal moments have standard uncertainties of {each} kg m², for those of "
+                f"{' and '.join(uncertainty.inputs)}; the motion is that of the moments as they are"
+            )
         return cls.of(analysis.properties, analysis.part, tuple(notes))
 
     @classmethod
@@ -154,7 +160,7 @@ def integrated(source: BodySource, folder: Path, path: str) -> SceneBody:
     """Read and integrate a part file in `folder`; `path` is the table that names it."""
     try:
         part = read(folder / str(source.part), source.unit)
-        analysis = analyse(part, source.density, material=source.material, mass=source.mass)
+        analysis = analyse(part, source.density, material=source.material, mass=source.mass, sigma=source.sigma)
     except UsageError as error:
         raise placed(error, FieldPath(path)) from None
     return SceneBody.of_analysis(analysis)

@@ -8,8 +8,9 @@ from typing import Annotated, Any, ClassVar, Literal
 import numpy as np
 
 from inertia.arrays import Float
-from inertia.documents import FieldError, Section, choice, integer, number, numbers, text
+from inertia.documents import FieldError, Section, choice, estimate, integer, number, numbers, text
 from inertia.dynamics.kinematics import quaternion
+from inertia.estimate import uncertainty_of
 
 Frame = Literal["principal", "part", "space"]
 Kind = Literal["free", "fixed_point", "rolling"]
@@ -19,7 +20,7 @@ FINEST = 1e-15
 
 _MOST_SAMPLES = 10_000_000
 _SOURCES = ("part", "inertia", "principal_moments")
-_FOR_PART = ("unit", "density", "material")
+_FOR_PART = ("unit", "density", "material", "sigma")
 _UNIT_LENGTH = 1e-6
 
 
@@ -55,6 +56,8 @@ class BodySource(Section):
     unit : length unit of its coordinates; millimetres are assumed where neither this nor the file says one
     density, material : kg/m³, or a name in the table of materials; 1000 kg/m³ is assumed without them
     mass : kg; with a part, as weighed
+    sigma : standard deviation of the noise of every coordinate of the part, in its unit; with it, and with a density or
+        mass as "7850±50", the standard uncertainties of the principal moments are noted
     inertia : (3, 3) kg m² about the centre of mass, part axes
     principal_moments : (3,) kg m²; the part axes are then the principal axes, in this order
     center_of_mass : (3,) m, part axes; with inertia or principal_moments
@@ -64,9 +67,10 @@ class BodySource(Section):
 
     part: Annotated[str | None, text] = None
     unit: Annotated[str | None, text] = None
-    density: Annotated[float | None, number("kg/m³", positive=True)] = None
+    density: Annotated[float | None, estimate("kg/m³")] = None
     material: Annotated[str | None, text] = None
-    mass: Annotated[float | None, number("kg", positive=True)] = None
+    mass: Annotated[float | None, estimate("kg")] = None
+    sigma: Annotated[float | None, number("the part's unit", positive=True)] = None
     inertia: Annotated[Float | None, numbers((3, 3), "kg m²")] = None
     principal_moments: Annotated[Float | None, numbers((3,), "kg m²")] = None
     center_of_mass: Annotated[Float | None, numbers((3,), "m")] = None
@@ -77,6 +81,8 @@ class BodySource(Section):
         if len(sources) != 1:
             fault = f"has both {' and '.join(sources)}" if sources else "has no tensor"
             raise FieldError(path, f"{fault}: give one of {', '.join(_SOURCES)}")
+        if not self.part and uncertainty_of(self.mass):
+            raise FieldError(f"{path}.mass", "has an uncertainty, which goes with a part only: give the mass alone")
         stray = ("center_of_mass",) if self.part else _FOR_PART
         for name in stray:
             if getattr(self, name) is not None:
