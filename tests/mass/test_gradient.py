@@ -117,6 +117,13 @@ def test_derivatives_are_si_whatever_the_unit() -> None:
         )
 
 
+def test_far_from_the_origin_no_digits_are_lost() -> None:
+    vertices, faces = bumpy()
+    near = inertia.gradient(Part.from_arrays(vertices, faces))
+    far = inertia.gradient(Part.from_arrays(vertices + np.array([2.0**38, -(2.0**37), 2.0**36]), faces))
+    np.testing.assert_allclose(far.inertia, near.inertia, rtol=0, atol=1e-13 * np.abs(near.inertia).max())
+
+
 def test_regions_count_with_their_densities_and_share_the_vertices_where_they_touch() -> None:
     mesh = joined(cube((0, 0, 0)), cube((1, 0, 0)))
     names = Regions(("a", "b"), np.repeat(np.arange(2, dtype=np.int32), 12))

@@ -11,7 +11,7 @@ from tests.mesh.solids import cube, joined, sphere
 import inertia
 from inertia import Estimate
 from inertia.arrays import Float
-from inertia.errors import UsageError
+from inertia.errors import GeometryError, UsageError
 from inertia.mesh.part import Part, Regions
 from inertia.units import length_unit
 from inertia_meshes import path
@@ -238,6 +238,14 @@ def test_refusals_say_what_to_give_instead() -> None:
     with pytest.raises(UsageError, match="vertices of a union"):
         inertia.analyse(overlapping, union=True, sigma=0.01)
     inertia.analyse(overlapping, Estimate(10, 1), union=True)
+
+
+@pytest.mark.parametrize("size", [1e-30, 1e30])
+def test_what_leaves_float64_is_refused(size: float) -> None:
+    vertices, faces = ellipsoid(0)
+    part = Part.from_arrays(vertices * size, faces)
+    with pytest.raises(GeometryError, match="covariances leave float64"):
+        inertia.analyse(part, Estimate(1, 0.1))
 
 
 def test_the_results_themselves_do_not_change() -> None:

@@ -69,10 +69,10 @@ class Integrand:
         return {"solid": 3, "shell": 2, "wire": 1}[self.model]
 
     @cached_property
-    def center(self) -> Float:
-        """The centre of mass in the part's unit, (3,)."""
-        center = self.properties.center_of_mass.tolist()
-        return np.array([float(Fraction(k) / self.part.unit.metres) for k in center])
+    def center(self) -> list[Fraction]:
+        """The centre of mass in the part's unit, to twice the digits of a float64."""
+        high, low = self.properties.center_of_mass_pair()[0].tolist()
+        return [(Fraction(a) + Fraction(b)) / self.part.unit.metres for a, b in zip(high, low, strict=True)]
 
     @cached_property
     def rows(self) -> tuple[Float, Int]:
@@ -96,7 +96,10 @@ class Integrand:
         are in metres, the coordinates too.
         """
         vertices, rows = self.rows
-        local = vertices - self.center
+        center = np.array([float(k) for k in self.center])
+        local = (vertices - center) - [
+            float(k - Fraction(c)) for k, c in zip(self.center, center.tolist(), strict=True)
+        ]
         exponent = int(np.frexp(np.abs(local).max(initial=0.0))[1])
         metres, size = self.part.unit.metres, Fraction(2) ** exponent
         local = np.ldexp(local, -exponent)

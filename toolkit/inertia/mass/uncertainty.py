@@ -18,6 +18,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from inertia.arrays import Float
+from inertia.errors import UNIT, GeometryError
 from inertia.estimate import uncertainty_of
 from inertia.mass.density import Densities
 from inertia.mass.integrand import (
@@ -36,6 +37,7 @@ _ORDER = (0, 1, 2, 5, 4, 3)  # of `ELEMENTS` among the second moments of `inerti
 _APART = 2.0  # standard uncertainties of the difference of two moments, below which they may be equal
 _SHOWN = 0.1  # of u: what second order adds, above which it is said
 _CHUNK = 1 << 16
+_LEAST = 1e-120  # of volume, mass and tensor: less, squared and a small part of that, leaves float64
 
 
 @dataclass(frozen=True, eq=False)
@@ -126,7 +128,7 @@ class StandardUncertainty:
         """Root mean square angle between each axis and the true one, (3,) rad; nan where moments may be equal."""
         rates = principal_rates(self.principal)[3:]
         turns = np.einsum("ki,ij,kj->k", rates, self.covariance[5:, 5:], rates)
-        return _root([turns[k - 2] + turns[k - 1] for k in range(3)])
+        return _root(np.array([turns[k - 2] + turns[k - 1] for k in range(3)]))
 
 
 def standard_uncertainty(
@@ -150,8 +152,17 @@ def standard_uncertainty(
     scale : u of a factor that is common to all coordinates, about the file's origin
     thickness : relative u of a shell's thickness, or of a wire's cross-section
     coverage : k
+
+    Raises `GeometryError` where the part is so large or so small that covariances leave float64.
     """
     properties, metres = integrand.properties, float(integrand.part.unit.metres)
+    sizes = properties.volume, properties.mass, float(np.abs(properties.inertia).max())
+    if min(k for k in sizes if k) < _LEAST or max(sizes) > 1 / _LEAST:
+        raise GeometryError(
+            f"{integrand.part.name}: volume, mass or tensor is beyond 1e±120 in SI units, so that covariances leave "
+            "float64: give the coordinates in another unit with ",
+            UNIT,
+        )
     weighing, tensor = integrand.weighing, six_of(properties.inertia)
     inputs: dict[str, float] = {}
     responses: dict[str, Float] = {}
@@ -217,7 +228,7 @@ def _vertex_covariance(integrand: Integrand) -> Float:
 def _density_response(integrand: Integrand, stated: Densities, name: str) -> Float:
     """Return the change of the eleven quantities for one kg/m³ of the density stated under a name."""
     metres = integrand.part.unit.metres
-    com = [Fraction(k) for k in integrand.properties.center_of_mass.tolist()]
+    com = [metres * k for k in integrand.center]
     total = np.zeros(10)
     for group, weight in zip(integrand.groups, integrand.weights, strict=True):
         if _named(stated, group.name) == name:
