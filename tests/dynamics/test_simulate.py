@@ -344,3 +344,13 @@ def test_a_limit_of_time_changes_no_answer() -> None:
 def test_a_body_without_thickness_is_refused() -> None:
     with pytest.raises(GeometryError, match=r"the smallest principal moment is 1e-31 kg m²"):
         run_of(body={"principal_moments": [1e-31, 1.0, 1.0]})
+
+
+@pytest.mark.parametrize(("spin", "duration"), [([0.3, 5.0, 0.2], 186.2), ([1.0, 2.0, 30.0], 28.6)])
+def test_the_accuracy_that_a_closed_form_asks_for_is_reached(spin: list, duration: float) -> None:
+    """The figure is rounded up."""
+    changes = {"body": {"principal_moments": [1, 2, 2.7]}, "start__angular_velocity": spin, "run__duration": duration}
+    with pytest.raises(GeometryError, match="ask for that") as refusal:
+        simulate(scene(**changes, run__accuracy=1e-15))
+    advice = float(str(refusal.value).split("reaches ")[1].split(" rad")[0])
+    assert simulate(scene(**changes, run__accuracy=advice)).error.reached <= advice

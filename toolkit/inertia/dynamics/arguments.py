@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from typing import Any
 
 import numpy as np
@@ -9,6 +10,18 @@ from numpy.typing import ArrayLike, NDArray
 
 from inertia.arrays import Float
 from inertia.errors import GeometryError, UsageError
+
+
+def rounded_up(value: float) -> str:
+    """Return a positive number with two digits, that is not below it.
+
+    >>> rounded_up(3.41e-15), rounded_up(0.1), rounded_up(9.99)
+    ('3.5e-15', '0.1', '10')
+    """
+    text = f"{value:.2g}"
+    if not float(text) < value:
+        return text
+    return f"{float(text) + 10.0 ** (math.floor(math.log10(value)) - 1):.2g}"
 
 
 def vectors(value: ArrayLike, name: str, size: int = 3) -> Float:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from inertia.arrays import Float
+from inertia.dynamics.arguments import rounded_up
 from inertia.dynamics.computing_time import limited
 from inertia.dynamics.kinematics import quaternion
 from inertia.dynamics.models.model import Problem
@@ -121,7 +122,8 @@ def _require_accuracy(run: Run) -> None:
     if not error.reached <= error.requested:
         raise GeometryError(
             FieldPath("run.accuracy"),
-            f" asks for {error.requested:g} rad, but the model ({error.method}) reaches {error.reached:.2g} rad over "
+            f" asks for {error.requested:g} rad, but the model ({error.method}) reaches "
+            f"{rounded_up(error.reached)} rad over "
             f"{scene.run.duration:g} s: ask for that, or for a shorter ",
             FieldPath("run.duration"),
             places=(scene.name,),

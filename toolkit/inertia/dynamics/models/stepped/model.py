@@ -7,7 +7,7 @@ from collections.abc import Mapping
 from inertia.arrays import Float
 from inertia.dynamics.models.model import Candidate, Model, Problem
 from inertia.dynamics.motion import Motion
-from inertia.errors import FieldPath, UsageError, placed
+from inertia.errors import FieldPath, GeometryError, UsageError, placed
 
 
 class EulerEquations(Model):
@@ -53,7 +53,7 @@ class EulerEquations(Model):
         )
         try:
             return solve_stepped(rotation, time, scene.run.accuracy, method)
-        except UsageError as error:
+        except (UsageError, GeometryError) as error:
             raise placed(error, scene.name, FieldPath("run")) from None
 
     def view(self, problem: Problem) -> str:

@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from inertia.arrays import Float
+from inertia.dynamics.arguments import rounded_up
 from inertia.dynamics.integrators import methods
 from inertia.dynamics.integrators.error_control import rounding
 from inertia.dynamics.integrators.loop import Integrator, States
@@ -19,6 +20,11 @@ from inertia.errors import GeometryError, UsageError
 
 ATTEMPTS = 8
 """Controls that are tried for one accuracy."""
+
+ATTITUDE_LOST = 0.1
+"""The error in rad from which on no accuracy is advised."""
+
+_LONG = 1e5  # rad, of a run that is not made again to find what can be reached
 
 STIFF = 1e4
 """Decay times of the damping in a run above which an implicit method is taken, if nothing else is as fast."""
@@ -42,7 +48,7 @@ def solve_stepped(problem: RotationProblem, time: ArrayLike, accuracy: float, me
     Motion along the principal axes of the problem, with the invariants of its loads.
 
     Raises `UsageError` for times, an accuracy or a method that cannot be used, `GeometryError` where float64 or the
-    method does not reach the accuracy.
+    method does not reach the accuracy, with one that it does.
 
     >>> from inertia.dynamics.loads.torque import Torque
     >>> spun = RotationProblem([1.0, 1.0, 2.0], [0.0, 0.0, 0.0], loads=(Torque([0.0, 0.0, 4.0]),))
@@ -55,14 +61,11 @@ def solve_stepped(problem: RotationProblem, time: ArrayLike, accuracy: float, me
     instants = _instants(problem, time)
     if not accuracy > 0:
         raise UsageError(f"accuracy is {accuracy}: give an angle in rad above zero")
-    least = rounding(problem.angular_velocity, instants[-1] - problem.start)
-    if accuracy < least:
-        raise GeometryError(
-            f"accuracy {accuracy:.2g} rad is beyond float64: rounding alone costs {least:.2g} rad over "
-            f"{instants[-1]:.6g} s; ask for less, or for a shorter run"
-        )
     integrator = _select(problem, method, float(instants[-1]))
-    states, reached = _refine(integrator, problem, instants, accuracy)
+    least = rounding(problem.angular_velocity, instants[-1] - problem.start)
+    states, reached = _refine(integrator, problem, instants, accuracy) if accuracy >= least else (None, least)
+    if states is None:
+        raise _unreachable(integrator, problem, instants, accuracy, reached)
     invariants = problem.invariants(states.attitude, states.angular_velocity)
     start = problem.moments * problem.angular_velocity
     momentum = float(np.linalg.norm(start))
@@ -124,7 +127,10 @@ def _select(problem: RotationProblem, method: str | None, end: float) -> Integra
     return methods.METHODS["LSODA" if stiff else "Taylor"]
 
 
-def _refine(integrator: Integrator, problem: RotationProblem, time: Float, accuracy: float) -> tuple[States, float]:
+def _refine(
+    integrator: Integrator, problem: RotationProblem, time: Float, accuracy: float
+) -> tuple[States | None, float]:
+    """Return the first run whose estimate is within the accuracy, and the estimate; None and the least without one."""
     control = integrator.first(problem, time, accuracy)
     best = np.inf
     for _ in range(ATTEMPTS):
@@ -135,10 +141,25 @@ def _refine(integrator: Integrator, problem: RotationProblem, time: Float, accur
         if finer >= control or 0.9 * best < estimate < 0.1:
             break
         best, control = min(best, estimate), finer
-    raise GeometryError(
-        f"{integrator.name} reached {min(best, estimate):.2g} rad over {time[-1]:.6g} s, not the {accuracy:.2g} rad "
-        "asked: this is beyond float64 or beyond the method; ask for less, a shorter run or another method"
-    )
+    return None, min(best, estimate)
+
+
+def _unreachable(
+    integrator: Integrator, problem: RotationProblem, time: Float, accuracy: float, reached: float
+) -> GeometryError:
+    """Return what is wrong with an accuracy that is beyond float64 or the method, and one that has been tried."""
+    goal, within = 2.0 * reached, None
+    while goal < ATTITUDE_LOST and within is None:
+        if problem.rate * (time[-1] - problem.start) > _LONG:
+            goal = within = 50.0 * goal
+        elif _refine(integrator, problem, time, float(rounded_up(goal)))[0] is not None:
+            within = goal
+        else:
+            goal *= 5.0
+    wish = f"{integrator.name} does not reach {accuracy:.2g} rad over {time[-1]:.6g} s in float64"
+    if within is None or within > ATTITUDE_LOST:
+        return GeometryError(f"{wish}, nor {ATTITUDE_LOST:g} rad: ask for a shorter run, or for another method")
+    return GeometryError(f"{wish}: ask for {rounded_up(within)} rad, a shorter run or another method")
 
 
 def _warnings(problem: RotationProblem) -> tuple[str, ...]:
