@@ -11,6 +11,7 @@ from inertia.output import require_writable, write_whole
 from inertia_cli.options import (
     accuracy,
     add_density,
+    add_faults,
     add_input,
     add_intersections,
     add_orientation,
@@ -69,6 +70,7 @@ def add(parsers: Any) -> None:
     mend.add_argument(
         "--union", action="store_true", help="count once what bodies, or a shell that crosses itself, enclose twice"
     )
+    add_faults(mend)
     uncertain = parser.add_argument_group("uncertain input, beside ± in densities, masses, thicknesses (GUM)")
     uncertain.add_argument(
         "--sigma", type=float, metavar="LENGTH", help="standard deviation of every vertex coordinate, in --unit"
@@ -205,6 +207,7 @@ def _analysis(part: Part, options: argparse.Namespace) -> Analysis:
             intersections=options.intersections,
             union=options.union,
             parts=options.parts,
+            allow_faults=options.allow_faults,
             about=options.about,
             chord=options.chord,
             sigma=options.sigma,

@@ -3,11 +3,16 @@
 from __future__ import annotations
 
 import argparse
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
-from inertia_cli.options import add_input, add_intersections, add_orientation, add_parts, read_part
+from inertia.errors import GeometryError
+from inertia_cli.options import add_faults, add_input, add_intersections, add_orientation, add_parts, read_part
 from inertia_cli.printing import show
 from inertia_cli.wording import as_option
+
+if TYPE_CHECKING:
+    from inertia.mass.analysis import Analysis
+    from inertia.mesh.part import Part
 
 _UNFIT = 4
 
@@ -24,6 +29,7 @@ def add(parsers: Any) -> None:
     add_orientation(parser)
     add_intersections(parser)
     add_parts(parser)
+    add_faults(parser)
     parser.add_argument("--json", action="store_true", help="print one JSON document (inertia/check/1)")
 
 
@@ -34,10 +40,28 @@ def run(options: argparse.Namespace) -> int:
 
     part, hashing = read_part(options)
     report = check_part(part, intersections=options.intersections, parts=options.parts)
+    faulty = bool(report.faults(options.orientation))
+    allowed = None if options.allow_faults is None or not faulty else _allowed(part, options)
     hashing.join()
     show(
         options.json,
-        lambda: check_document(part, report, options.orientation, wording=as_option),
-        lambda: check_text(part, report, options.orientation, wording=as_option),
+        lambda: check_document(part, report, options.orientation, allowed=allowed, wording=as_option),
+        lambda: check_text(part, report, options.orientation, allowed=allowed, wording=as_option),
     )
-    return _UNFIT if report.faults(options.orientation) else 0
+    return _UNFIT if faulty and (allowed is None or isinstance(allowed, GeometryError)) else 0
+
+
+def _allowed(part: Part, options: argparse.Namespace) -> Analysis | GeometryError:
+    """Return the answer that allowing for the faults leads to, or why there is none."""
+    from inertia.mass.analysis import analyse
+
+    try:
+        return analyse(
+            part,
+            orientation=options.orientation,
+            intersections=options.intersections,
+            parts=options.parts,
+            allow_faults=options.allow_faults,
+        )
+    except GeometryError as refusal:
+        return refusal

@@ -80,6 +80,24 @@ def add_parts(parser: Any) -> None:
     )
 
 
+def add_faults(parser: Any) -> None:
+    """Add how much small faults of the mesh may leave open."""
+    parser.add_argument(
+        "--allow-faults",
+        type=_share,
+        metavar="REL",
+        help="answer for a mesh with small faults, with bounds that cover them, of at most REL, as 0.01 or 1%%",
+    )
+
+
+def _share(text: str) -> float:
+    """Return a relative figure, which may be written in percent."""
+    try:
+        return float(text[:-1]) / 100 if text.endswith("%") else float(text)
+    except ValueError:
+        raise argparse.ArgumentTypeError(f"{text!r} is no number, as 0.01 or 1%") from None
+
+
 def add_intersections(parser: Any) -> None:
     """Add whether triangles that cross one another are looked for."""
     parser.add_argument(

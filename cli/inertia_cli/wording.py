@@ -26,7 +26,7 @@ def as_option(word: Remedy | FieldPath) -> str:
     if word.verb == WELD.verb:
         return f"--weld {word.value}"
     option = f"--{word.argument.replace('_', '-')}"
-    return f"{option} {word.value}" if isinstance(word.value, str) else option
+    return f"{option} {word.value}" if isinstance(word.value, str | float) else option
 
 
 def tried(error: InertiaError, remedy: Remedy) -> InertiaError:

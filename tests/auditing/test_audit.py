@@ -14,6 +14,18 @@ from inertia.auditing.audit import Audit
 Writer = Callable[..., Path]
 
 
+def split(corners: Float, times: int) -> Float:
+    """Return triangles, each split in four, so many times."""
+    for _ in range(times):
+        halves = (corners + np.roll(corners, -1, axis=1)) / 2
+        a, b, c = corners.transpose(1, 0, 2)
+        ab, bc, ca = halves.transpose(1, 0, 2)
+        corners = (
+            np.stack([[a, ab, ca], [ab, b, bc], [ca, bc, c], [ab, bc, ca]]).transpose(2, 0, 1, 3).reshape(-1, 3, 3)
+        )
+    return corners
+
+
 def stl(path: Path, corners: Float) -> inertia.Part:
     lines = ["solid s"]
     for triangle in corners:
@@ -153,17 +165,24 @@ def test_open_meshes_are_mended_or_replaced_aloud(tmp_path: Path, audited: Calla
     part = stl(tmp_path / "upper.stl", shape.corners)
     right = inertia.mass_properties(part, 7850.0)
     stated = inertial(right.mass, right.center_of_mass, right.inertia)
-    stl(tmp_path / "open.stl", shape.corners[1:])
+    stl(tmp_path / "open.stl", split(shape.corners, 3)[1:])
     (mended,) = audited(link("a", stated, mesh("open.stl"))).links
     assert [finding.code for finding in mended.findings] == ["mesh_mended"]
     assert "open.stl: open" in mended.findings[0].sentence
+    assert "repaired: holes filled: 1 (of 3 edges" in mended.findings[0].sentence
+    assert "that leaves it open to" in mended.findings[0].sentence
     assert mended.state == "consistent"
-    assert "the rims of its holes leave" in mended.findings[0].sentence
-    assert mended.room > 0.02
-    (other,) = audited(
-        link("a", inertial(1.0, 0.9 * right.center_of_mass, right.inertia * 1.3), mesh("open.stl"))
+    assert 0 < mended.room < 0.02
+    assert mended.room < mended.computed.error.inertia < 1.2 * mended.room  # the mass is stated
+    stl(tmp_path / "gaping.stl", split(shape.corners, 3)[4:])
+    (exactly,) = audited(link("a", stated, mesh("gaping.stl"))).links
+    assert exactly.room > 0.02
+    assert exactly.state == "consistent"  # so it was computed, from this very mesh
+    (nearly,) = audited(
+        link("a", inertial(right.mass, right.center_of_mass, right.inertia * 1.01), mesh("gaping.stl"))
     ).links
-    assert other.state == "unjudged"  # the hole may have been closed otherwise
+    assert nearly.state == "unjudged"  # the hole may have been closed otherwise
+    assert "the meshes leave it open" in nearly.findings[0].sentence
     stl(tmp_path / "sheet.stl", shape.corners[:1])
     (hopeless,) = audited(link("a", stated, mesh("sheet.stl"))).links
     assert (hopeless.state, hopeless.findings[0].code) == ("unjudged", "mesh_unusable")

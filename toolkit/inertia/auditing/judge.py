@@ -70,7 +70,7 @@ class LinkAudit:
     findings : best first
     margin : of the triangle rule, (I1 + I2 − I3) / I3; None where nothing is stated
     shapes : what was weighed
-    room : what the repair of their meshes leaves open of mass and tensor, relative; may be infinite
+    room : what the faults of their meshes leave open, relative; it is in the bounds of `computed`
     mended : what the file should state; None where nothing is to be mended, or what is not known
     """
 
@@ -91,7 +91,7 @@ class LinkAudit:
 class Weighed:
     """A shape with its mass properties at 1 kg/m³ in the axes of the link, bounds included.
 
-    `room` is what repair left open beyond these, relative.
+    `room` is what the faults of its mesh leave open, relative; it is in these bounds.
     """
 
     shape: Shape
@@ -210,7 +210,7 @@ def _judgement(subject: Subject, context: Context, others: Sequence[Subject], to
     worst = max(difference.mass, difference.inertia, difference.center_of_mass / context.size)
     error = computed.error
     doubt = max(error.mass, error.inertia, error.center_of_mass / context.size)
-    if doubt > tolerance / 10 and abs(worst - tolerance) <= doubt:
+    if doubt > tolerance / 10 and abs(worst - tolerance) <= doubt and worst > _EXACTLY:
         words = f"the meshes leave it open: the difference of {100 * worst:.2g} % has a bound of {100 * doubt:.2g} %"
         return _Judgement("unjudged", (Finding("undecided", words),), computed, weights)
     if worst <= tolerance:

@@ -15,15 +15,16 @@ from inertia.auditing.bodies import Body, Shape
 from inertia.auditing.judge import Finding, Weighed, placed
 from inertia.errors import GeometryError, InertiaError
 from inertia.exchange.robots.links import Geometry, Primitive
-from inertia.mass.analysis import analyse, mass_properties
+from inertia.mass.analysis import analyse
+from inertia.mass.faults import widths
 from inertia.mass.properties import ErrorBound, MassProperties
 from inertia.mesh.part import Part, Surface
 from inertia.mesh.read import read
-from inertia.mesh.repair import repair
 from inertia.units import METRE, Unit
 
 _FACETS = 48  # of the outline of a primitive, for its hull alone
 _ROUNDOFF = 2.0**-50
+_ALLOWED = 0.999  # for faults: what is more leaves nothing certain
 
 
 @dataclass(frozen=True, eq=False)
@@ -94,23 +95,16 @@ def _scaled(part: Part, scale: tuple[Fraction, Fraction, Fraction] | None) -> Pa
 
 
 def _weighed(part: Part) -> _Mesh:
-    note, room = None, 0.0
-    try:
-        properties = mass_properties(part, 1.0)
-    except GeometryError as error:
-        try:
-            mended = repair(part, unite=False)  # the bodies of a robot's mesh may take minutes to unite
-            analysis = analyse(mended.part, 1.0)
-        except GeometryError:
-            raise error from None
-        part, properties = mended.part, analysis.properties
-        words = "; ".join(f"{change.what} ({change.count})" for change in mended.changes)
-        if analysis.repair is not None:
-            room = max(analysis.repair.mass, analysis.repair.inertia)
-            words += f"; the rims of its holes leave {'it' if room < 1 else 'anything'} open"
-            words += f" to {100 * room:.2g} %" if room < 1 else ""
-        note = Finding("mesh_mended", f"{cause(error)}; weighed as repaired: {words}")
-    return _Mesh(properties, part.triangles.corners() * float(part.unit.metres), note, room)
+    """Weigh a mesh, small faults allowed for: what they leave open is in the bounds."""
+    analysis = analyse(part, 1.0, allow_faults=_ALLOWED)
+    corners = analysis.part.triangles.corners() * float(part.unit.metres)
+    if analysis.refusal is None:
+        return _Mesh(analysis.properties, corners)
+    size = float(np.ptp(analysis.extents, axis=0).max())
+    room = max(widths(analysis.properties.error, size).values())
+    changes = "; ".join(analysis.part.notes[len(part.notes) :]) or "each body counted by itself"
+    words = f"{cause(analysis.refusal)}; weighed nevertheless, {changes}; that leaves it open to {100 * room:.2g} %"
+    return _Mesh(analysis.properties, corners, Finding("mesh_mended", words), room)
 
 
 def cause(error: InertiaError) -> str:

@@ -7,8 +7,8 @@ from __future__ import annotations
 
 import math
 import sys
-from collections.abc import Iterable, Iterator, Mapping, Sequence
-from contextlib import contextmanager
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from contextlib import contextmanager, suppress
 from dataclasses import dataclass, field, replace
 from fractions import Fraction
 from functools import cached_property
@@ -20,13 +20,24 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from inertia.arrays import Float, Orientation, Parts, Progress
-from inertia.errors import CHECK, GeometryError, Remedy, UsageError, Word, require_kind, reworded
+from inertia.errors import (
+    ALLOW_FAULTS,
+    CHECK,
+    REPAIR,
+    UNION,
+    GeometryError,
+    Remedy,
+    UsageError,
+    Word,
+    require_kind,
+    reworded,
+)
 from inertia.estimate import uncertainty_of
 from inertia.mass.density import Densities, DensityFrom, densities
 from inertia.mass.doubt import FILLED, doubt_bounds, doubt_error
 from inertia.mass.integrand import Integrand
 from inertia.mass.integration import Integral, cell_integrals, naming, surface_integrals, wire_integrals
-from inertia.mass.moments import ZERO, Moments, total
+from inertia.mass.moments import ZERO, Moments, nearby, total, vector
 from inertia.mass.principal import CLASS_TOLERANCE, Principal
 from inertia.mass.properties import CERTAIN, ErrorBound, MassProperties
 from inertia.mass.tensor import exact_point
@@ -40,6 +51,10 @@ if TYPE_CHECKING:
     from inertia.mesh.unite import Union  # slow to import, and seldom needed
 
 _ANALYSE = Remedy("analyse")
+_MENDABLE = (REPAIR, UNION)
+_LOOKED_THROUGH = 20_000  # triangles up to which a refusal says how wide the bound of an answer would be: a second
+_ALLOW = " gives an answer whose bound covers the faults"
+_BOUNDLESS = "; what its faults leave open cannot be bounded"
 
 Accuracy = float | Literal["exact"] | None
 
@@ -85,6 +100,8 @@ class Analysis:
     union : what was united, where that was asked for
     integrand : the elements and densities behind the properties
     uncertainty : standard uncertainties of the properties, where an input was given with its own
+    allowed_faults : the relative bound up to which faults were allowed for, where that was asked for
+    refusal : what is said of the part without that, if it is refused
     """
 
     part: Part
@@ -111,6 +128,8 @@ class Analysis:
     union: Union | None = None
     integrand: Integrand = field(repr=False, kw_only=True)
     uncertainty: StandardUncertainty | None = None
+    allowed_faults: float | None = None
+    refusal: GeometryError | None = None
 
     @cached_property
     def principal(self) -> Principal:
@@ -131,6 +150,7 @@ def mass_properties(
     intersections: bool | None = None,
     union: bool = False,
     parts: Parts = "together",
+    allow_faults: float | None = None,
 ) -> MassProperties:
     """Integrate a part to its mass, centre of mass and inertia tensor.
 
@@ -156,6 +176,10 @@ def mass_properties(
     union : whether to integrate the union of the bodies, and of each shell with itself: all places of winding number 1
         or more, each once (see `inertia.unite`)
     parts : "separate" integrates each body by itself, also where bodies share space, which then is in the bounds
+    allow_faults : relative figure, between 0 and 1, that the bounds of volume, mass, tensor and, over the size of the
+        part, centre of mass may reach for faults of the mesh (open, wound inconsistently, overlapping): they cover
+        what the faults leave open (see `inertia.mass.faults`), and a part of which that is more is refused;
+        `accuracy` is then that of the arithmetic alone
 
     Raises
     ------
@@ -182,6 +206,7 @@ def mass_properties(
         intersections=intersections,
         union=union,
         parts=parts,
+        allow_faults=allow_faults,
     ).properties
 
 
@@ -198,6 +223,7 @@ def analyse(
     intersections: bool | None = None,
     union: bool = False,
     parts: Parts = "together",
+    allow_faults: float | None = None,
     about: ArrayLike | Sequence[Fraction] | None = None,
     class_tolerance: float | None = None,
     chord: float | None = None,
@@ -242,14 +268,84 @@ def analyse(
 
     if chord is not None and (shell is not None or wire is not None or isinstance(part.geometry, Cells)):
         raise UsageError("a chord tolerance bounds the error of the surface of a solid only: leave it out")
-
     _require_uncertain(part, sigma, scale, coverage)
-    united = None
     if union:
         if shell is not None or wire is not None or isinstance(part.geometry, Cells):
             raise UsageError("a union is one of the solids that a surface bounds: leave it out")
         if orientation == "absolute":
             raise UsageError("a union and an absolute orientation are two answers to one question: give one")
+    if allow_faults is not None:
+        from inertia.mass.faults import require_allowance  # it mends: slow to import, and seldom needed
+
+        require_allowance(allow_faults)
+        if shell is not None or wire is not None:
+            raise UsageError("faults are allowed for in the surface of a solid only: leave that out")
+
+    def answer(part: Part, parts: Parts, doubts: tuple[Finding, ...] = (), allowance: float = 0.0) -> Analysis:
+        return _answer(
+            part,
+            stated,
+            accuracy=accuracy,
+            shell=shell,
+            wire=wire,
+            orientation=orientation,
+            intersections=intersections,
+            union=union,
+            parts=parts,
+            point=point,
+            class_tolerance=class_tolerance,
+            chord=chord,
+            sigma=sigma,
+            scale=scale,
+            coverage=coverage,
+            progress=progress,
+            doubts=doubts,
+            allowance=allowance,
+            faults_apart=allow_faults is not None,
+        )
+
+    if shell is not None or wire is not None or isinstance(part.geometry, Cells):
+        return answer(part, parts)
+    if allow_faults is None:
+        try:
+            return answer(part, parts)
+        except GeometryError as fault:
+            raise _with_allowance(part, parts, answer, fault) from None
+    return _allowing(part, parts, answer, allow_faults)
+
+
+def _answer(
+    part: Part,
+    stated: Densities,
+    *,
+    accuracy: Accuracy,
+    shell: float | None,
+    wire: float | None,
+    orientation: Orientation,
+    intersections: bool | None,
+    union: bool,
+    parts: Parts,
+    point: list[Fraction] | None,
+    class_tolerance: float | None,
+    chord: float | None,
+    sigma: float | None,
+    scale: float | None,
+    coverage: float | None,
+    progress: Progress | None,
+    doubts: tuple[Finding, ...],
+    allowance: float,
+    faults_apart: bool,
+) -> Analysis:
+    """Return the analysis of a part as it is; parameters as for `analyse`, and these.
+
+    Parameters
+    ----------
+    doubts : what is in doubt of the part before it is integrated
+    allowance : volume, in the part's unit, that a shell may enclose twice and be in doubt only
+    faults_apart : whether doubts count for the accuracy that is asked for
+    """
+    united = None
+    if union:
         from inertia.mass.union import united_for
 
         united, stated = united_for(part, stated, _part_of(progress, 0.0, 0.8))
@@ -280,13 +376,16 @@ def analyse(
             absolute=absolute,
             intersections=intersections,
             parts=parts,
+            allowance=allowance,
             progress=progress,
         )
+    integrals = (replace(integral, doubts=(*doubts, *integral.doubts)) for integral in integrals)
 
     limit = None if accuracy is None or isinstance(accuracy, str) else accuracy
     answer = _good_enough((_Weighed(part, integral, stated, factor) for integral in integrals), limit)
     integral, properties = answer.integral, answer.properties
-    if limit is not None and (missed := max(answer.bounds.items(), key=itemgetter(1)))[1] > limit:
+    reached = answer.undoubted if faults_apart else answer
+    if limit is not None and (missed := max(reached.bounds.items(), key=itemgetter(1)))[1] > limit:
         quantity, bound = missed
         raise GeometryError(
             f"{part.name}: the bound of the {quantity} reached by {integral.method} is {bound:.2g}, above the accuracy "
@@ -316,7 +415,7 @@ def analyse(
         extents=np.array([[float(Fraction(float(x)) * f) for x in row] for row in integral.extents]),
         properties=properties,
         tessellation=tessellation,
-        repair=None if part.filling is None or model != "solid" else answer.repair(),
+        repair=None if part.filling is None or model != "solid" or faults_apart else answer.repair(),
         accuracy=accuracy,
         class_tolerance=class_tolerance,
         shares=answer.shares() if len(integral.groups) > 1 else (),
@@ -348,6 +447,56 @@ def analyse(
     return replace(analysis, uncertainty=uncertainty)
 
 
+def _allowing(part: Part, parts: Parts, answer: Callable[..., Analysis], allowed: float) -> Analysis:
+    """Answer for a part whose faults may leave no more open than is allowed."""
+    from inertia.mass.faults import left_open, too_wide, widths
+
+    try:
+        analysis = answer(part, parts, left_open(part))
+    except GeometryError as fault:
+        analysis = _mended(part, parts, answer, fault, allowed)
+        analysis = replace(analysis, refusal=fault)
+    size = float(np.ptp(analysis.extents, axis=0).max())
+    error = analysis.properties.error
+    if analysis.doubts and max(widths(error, size).values()) > allowed:
+        raise too_wide(part, error, size, allowed)
+    return replace(analysis, allowed_faults=allowed)
+
+
+def _mended(
+    part: Part, parts: Parts, answer: Callable[..., Analysis], fault: GeometryError, allowed: float
+) -> Analysis:
+    """Answer for a part that is refused as it is, its faults mended and what they leave open in the bounds."""
+    from inertia.mass.faults import mended, nested, room
+
+    try:
+        mend = mended(part)
+        if mend.part is not part:
+            with suppress(GeometryError):
+                return answer(mend.part, parts, mend.doubts)
+        doubts = (*mend.doubts, *nested(mend.part))
+        return answer(mend.part, "separate", doubts, allowed * room(mend.part))
+    except GeometryError:
+        raise reworded(fault, (*fault.words, _BOUNDLESS), fault.places) from None
+
+
+def _with_allowance(part: Part, parts: Parts, answer: Callable[..., Analysis], fault: GeometryError) -> GeometryError:
+    """Return a refusal with what would have to be allowed for an answer, if there is one."""
+    if not any(remedy in _MENDABLE for remedy in fault.remedies):
+        return fault
+    remedy: Remedy | None = ALLOW_FAULTS
+    if part.triangles.count <= _LOOKED_THROUGH:
+        from inertia.mass.faults import allowance, widths
+
+        try:
+            analysis = _mended(part, parts, answer, fault, 1.0)
+        except GeometryError:
+            return fault
+        size = float(np.ptp(analysis.extents, axis=0).max())
+        remedy = allowance(max(widths(analysis.properties.error, size).values()))
+    return fault if remedy is None else GeometryError(*fault.words, "; ", remedy, _ALLOW, places=fault.places)
+
+
 @dataclass(frozen=True, eq=False)
 class _Weighed:
     """The integral of a part with its densities; `factor` is the volume, m³, of a unit of the integral's."""
@@ -375,9 +524,12 @@ class _Weighed:
 
     @cached_property
     def room(self) -> Moments | None:
-        """Moments of zero with the bounds of what is in doubt, in the part's unit."""
+        """Moments of zero with the bounds of what is in doubt about the centroid, in the part's unit."""
         doubt = Doubt.joined(finding.doubt for finding in self.integral.doubts)
-        return None if doubt is None else doubt_bounds(doubt, self.integral.groups[0].moments.origin)
+        if doubt is None:
+            return None
+        whole = total(group.moments for group in self.integral.groups)
+        return doubt_bounds(doubt, vector(map(nearby, whole.centroid)) if whole.zeroth else whole.origin)
 
     @property
     def undoubted(self) -> _Weighed:
@@ -392,7 +544,8 @@ class _Weighed:
             for group, weight in zip(self.integral.groups, self.weights, strict=True)
         )
         if self.room is not None:
-            moments += self.room.in_unit(self.part.unit.metres).scaled(self.factor * max(self.weights))
+            room = self.room.in_unit(self.part.unit.metres).scaled(self.factor * max(self.weights))
+            moments = moments.about(room.origin) + room  # shifting the room would make it larger
         if self.densities.mass is not None and moments.zeroth > moments.zeroth_bound:
             return moments.weighed(Fraction(self.densities.mass))
         return moments

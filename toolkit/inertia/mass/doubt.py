@@ -5,6 +5,8 @@ from __future__ import annotations
 import math
 from fractions import Fraction
 
+import numpy as np
+
 from inertia.errors import GeometryError
 from inertia.mass.moments import PAIRS, ZERO, Moments, Vector, six, vector
 from inertia.mass.properties import ErrorBound
@@ -17,12 +19,17 @@ _ROUNDED_UP = Fraction(1) + Fraction(1, 10**9)  # more than float64 sums of posi
 
 
 def doubt_bounds(doubt: Doubt, origin: Vector) -> Moments:
-    """Return moments of zero about a point, with what the volume in doubt adds to the bounds; in file units."""
-    away = abs(doubt.places - [float(k) for k in origin]) + doubt.reach[:, None]
-    either = doubt.outward + doubt.inward
-    first = (_up(float(either @ away[:, axis])) for axis in range(3))
-    second = (_up(float((either * away[:, i]) @ away[:, j])) for i, j in PAIRS)
-    return Moments(origin, ZERO, (ZERO,) * 3, (ZERO,) * 6, _up(doubt.volume), vector(first), six(second))
+    """Return moments of zero about a point, with what the volume in doubt adds to the bounds; in file units.
+
+    The tensor of a mass m at a distance r has the norm √2 m r².
+    """
+    way = doubt.places - [float(k) for k in origin]
+    away = abs(way) + doubt.reach[:, None]
+    far = np.linalg.norm(way, axis=1) + doubt.reach
+    norms = _up(float(doubt.either @ far)), _up(math.sqrt(2) * float(doubt.either @ far**2))
+    first = (_up(float(doubt.either @ away[:, axis])) for axis in range(3))
+    second = (_up(float((doubt.either * away[:, i]) @ away[:, j])) for i, j in PAIRS)
+    return Moments(origin, ZERO, (ZERO,) * 3, (ZERO,) * 6, _up(doubt.volume), vector(first), six(second), norms)
 
 
 def doubt_error(

@@ -86,6 +86,7 @@ def surface_integrals(
     absolute: bool = False,
     intersections: bool | None = None,
     parts: Parts = "together",
+    allowance: float = 0.0,
     turned: bool = False,
     progress: Progress | None = None,
 ) -> Iterator[Integral]:
@@ -117,12 +118,21 @@ def surface_integrals(
     wrong = _wrong(triangles, pieces, moments_of(sums)) if absolute and not (turned or shell or proven) else ()
     if len(wrong):
         if pieces:
-            check(part, intersections=intersections, parts=parts).require_fit("absolute", turned=True)
+            check(part, intersections=intersections, parts=parts, allowance=allowance).require_fit(
+                "absolute", turned=True
+            )
         turn = np.isin(topology.labels, wrong)
         other = replace(part, geometry=_turned(triangles, turn))
         note = f"{len(wrong)} of {topology.components} shells turned, as absolute orientation was asked for"
         again = surface_integrals(
-            other, named, accuracy=accuracy, absolute=True, intersections=intersections, parts=parts, turned=True
+            other,
+            named,
+            accuracy=accuracy,
+            absolute=True,
+            intersections=intersections,
+            parts=parts,
+            allowance=allowance,
+            turned=True,
         )
         for integral in again:
             yield replace(integral, notes=(note,), turned=turn)
@@ -130,7 +140,7 @@ def surface_integrals(
     examined = not shell and to_be_examined(triangles, intersections, topology.crowded)
     report = None
     if examined and not proven and crossings(triangles, limit=1).total:
-        report = _sound(part, intersections, parts, absolute)
+        report = _sound(part, intersections, parts, allowance, absolute)
     integral = Integral(
         groups=(),
         method=METHODS["float64"],
@@ -151,7 +161,7 @@ def surface_integrals(
             continue
         whole = solid_moments(triangles, arithmetic, sums, further, part.rounding)
         if report is None and ((pieces and not proven) or whole.zeroth < -whole.zeroth_bound):
-            report = _sound(part, False, parts, absolute)
+            report = _sound(part, False, parts, allowance, absolute)
         if whole.zeroth > whole.zeroth_bound:
             groups = _solid_groups(part, named, topology, pieces, whole, arithmetic)
             doubts = () if report is None else report.doubts
@@ -160,8 +170,8 @@ def surface_integrals(
             _refuse_flat(part, whole, extents)
 
 
-def _sound(part: Part, intersections: bool | None, parts: Parts, turned: bool) -> Report:
-    report = check(part, intersections=intersections, parts=parts)
+def _sound(part: Part, intersections: bool | None, parts: Parts, allowance: float, turned: bool) -> Report:
+    report = check(part, intersections=intersections, parts=parts, allowance=allowance)
     report.require_fit(turned=turned)
     return report
 

@@ -111,6 +111,7 @@ def error_within(
         zeroth_bound=between.zeroth_bound,
         first_bound=between.first_bound,
         second_bound=between.second_bound,
+        norms=between.norms,
     )
     if mass is not None and bounded.zeroth > bounded.zeroth_bound:
         bounded = bounded.weighed(mass)

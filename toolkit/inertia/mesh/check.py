@@ -20,7 +20,9 @@ _IN_TURN: tuple[Subject, ...] = ("maps", "sides", "space")
 _ORDER: tuple[Severity, ...] = ("error", "warning", "note")
 
 
-def check(part: Part, *, intersections: bool | None = None, parts: Parts = "together") -> Report:
+def check(
+    part: Part, *, intersections: bool | None = None, parts: Parts = "together", allowance: float = 0.0
+) -> Report:
     """Check a part; no geometry makes it raise, see `Report.require_fit` for that.
 
     Parameters
@@ -30,6 +32,7 @@ def check(part: Part, *, intersections: bool | None = None, parts: Parts = "toge
         triangles that bound a volume are looked through, and any number where more than two share an edge; for
         volume cells that share space, which the triangles between the outer nodes of a mesh of cells show
     parts : "separate" takes each body of a surface by itself: what they share is no fault, but in doubt
+    allowance : volume, in the part's unit, that a shell that crosses itself may enclose twice and be in doubt only
 
     >>> part = Part.from_arrays([[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]],
     ...                         [[0, 2, 1], [0, 1, 3], [1, 2, 3]], unit="mm")
@@ -42,13 +45,15 @@ def check(part: Part, *, intersections: bool | None = None, parts: Parts = "toge
         raise UsageError(f"parts is {parts!r}: use 'together' or 'separate'")
     if isinstance(part.geometry, Cells):
         return _check_cells(part, CellTopology(part.geometry, part.unit.name), intersections)
-    return _check_surface(part, part.geometry, intersections, parts == "separate")
+    return _check_surface(part, part.geometry, intersections, parts == "separate", allowance)
 
 
-def _check_surface(part: Part, triangles: Triangles, intersections: bool | None, separate: bool) -> Report:
+def _check_surface(
+    part: Part, triangles: Triangles, intersections: bool | None, separate: bool, allowance: float
+) -> Report:
     if unusable := next(findings("triangles", triangles), None):
         return _nothing_to_measure(part, triangles.count, unusable)
-    surface = SurfaceTopology.of(part, separate=separate)
+    surface = SurfaceTopology.of(part, separate=separate, room=allowance)
     remarks = [*findings("surface", surface)]
     flat = [*findings("volume", surface)] if surface.bounds else []
     if surface.bounds:

@@ -26,15 +26,17 @@ from inertia.errors import UNION, GeometryError, placed
 from inertia.mesh.checks.findings import counted
 from inertia.mesh.geometry.boxes import BoxTree, overlapping
 from inertia.mesh.geometry.closure import components, merge_equal_vertices, repeated_corners
+from inertia.mesh.geometry.edges import pair_edges
 from inertia.mesh.geometry.halfedges import half_edges
 from inertia.mesh.geometry.intersect import overlap
 from inertia.mesh.part import Doubt, Part, Regions, Rounding, Surface, Triangles
-from inertia.mesh.repairs.closures import closures
+from inertia.mesh.repairs.closures import breadth, closures, displaced, hull
 from inertia.mesh.repairs.copies import copies, facing
-from inertia.mesh.repairs.holes import around, fill, rims
+from inertia.mesh.repairs.holes import around, fill, refuse_sheets, rims, sheets
 from inertia.mesh.repairs.orientation import Nest, inconsistent, nest
 from inertia.mesh.repairs.weld import (
     close_vertices,
+    closing_distance,
     clusters,
     compact,
     diagonal,
@@ -57,12 +59,16 @@ class Change:
     count : to how many
     where : the first triangles concerned, by their numbers in the part as given, or a place in file units
     largest_move : the longest way that a vertex went, in file units
+    doubt : the volume that there may be more or less for it, where it is a guess
+    code : of what is mended where there is a doubt: "crack", "sheet", "hole" or "inverted_body"
     """
 
     what: str
     count: int
     where: str
     largest_move: float = 0.0
+    doubt: Doubt | None = None
+    code: str = ""
 
     def __str__(self) -> str:
         moved = f", moved by at most {self.largest_move:.3g}" if self.largest_move else ""
@@ -111,13 +117,16 @@ class _Mesh:
 _Step = tuple[_Mesh, list[Change]]
 
 
-def repair(part: Part, *, tolerance: float | None = None, unite: bool = True) -> Repair:
+def repair(part: Part, *, tolerance: float | None = None, unite: bool = True, bounded: bool = False) -> Repair:
     """Repair the surface of a part, and say what was changed.
 
     Parameters
     ----------
     tolerance : vertices within this distance of each other, in file units, become one
     unite : whether bodies that overlap are united, which takes most of the time where there are many
+    bounded : whether cracks are merged that are wider, of up to a thousandth of the diagonal of the part's box, if that
+        closes the surface, and shells are turned though they share space with others: what that leaves open is the
+        doubt of the change
 
     Raises
     ------
@@ -133,7 +142,7 @@ def repair(part: Part, *, tolerance: float | None = None, unite: bool = True) ->
     """
     triangles = part.triangles
     try:
-        mesh, changes = _repaired(triangles, part.regions, tolerance, unite)
+        mesh, changes = _repaired(triangles, part.regions, tolerance, unite, bounded)
     except GeometryError as fault:
         raise placed(fault, f"{part.name} cannot be repaired") from None
     result = _rebuilt(part, Surface(*compact(mesh.vertices, mesh.faces)), mesh.origin, changes, mesh.filling)
@@ -174,18 +183,22 @@ def _rebuilt(part: Part, surface: Surface, origin: Int, changes: list[Change], f
     return Repair(mended, tuple(changes))
 
 
-def _repaired(triangles: Triangles, regions: Regions | None, tolerance: float | None, unite: bool) -> _Step:
+def _repaired(
+    triangles: Triangles, regions: Regions | None, tolerance: float | None, unite: bool, bounded: bool
+) -> _Step:
     require_finite(triangles)
     mesh, joined = _joined(triangles)
     changes: list[Change] = []
     steps: list[Callable[[_Mesh], _Step]] = [
         lambda mesh: _without(mesh, _repeating(mesh.faces), "triangles with a repeated corner removed"),
         _without_cracks if tolerance is None else lambda mesh: _welded(mesh, tolerance),
+        _without_wide_cracks if bounded else lambda mesh: (mesh, []),
         lambda mesh: _without(mesh, copies(mesh.faces), "copies of triangles removed"),
         _without_doubles_and_fins,
         _wound_alike,
-        _without_holes,
-        _turned_outward,
+        _without_sheets if bounded else lambda mesh: (mesh, []),
+        lambda mesh: _without_holes(mesh, bounded),
+        lambda mesh: _turned_outward(mesh, bounded),
         lambda mesh: _united(mesh, regions) if unite else (mesh, []),
     ]
     for step in steps:
@@ -237,6 +250,16 @@ def _without_cracks(mesh: _Mesh) -> _Step:
     return _merged(mesh, into, "vertices at cracks merged")
 
 
+def _without_wide_cracks(mesh: _Mesh) -> _Step:
+    edges = pair_edges(mesh.faces)
+    if edges.balanced.all():
+        return mesh, []
+    distance = closing_distance(
+        Surface(mesh.vertices, mesh.faces), mesh.vertices, edges.ends, edges.forward - edges.backward
+    )
+    return (mesh, []) if distance is None else _merged(mesh, clusters(mesh.vertices, distance), "cracks merged")
+
+
 def _welded(mesh: _Mesh, tolerance: float) -> _Step:
     return _merged(mesh, close_vertices(mesh.vertices, tolerance), "vertices within the tolerance merged")
 
@@ -249,8 +272,10 @@ def _merged(mesh: _Mesh, into: Int, what: str) -> _Step:
     faces = into[mesh.faces]
     where = mesh.at(np.flatnonzero((faces != mesh.faces).any(axis=1)))
     move = float(np.linalg.norm(mesh.vertices - mesh.vertices[into], axis=1).max())
+    moves = np.where(np.bincount(into, minlength=len(into))[into] > 1, move, 0.0)
+    doubt = displaced(mesh.vertices, mesh.faces, moves)
     mesh, lost = _without(replace(mesh, faces=faces), _repeating(faces), "triangles that collapsed removed")
-    return mesh, [Change(what, count, where, move), *lost]
+    return mesh, [Change(what, count, where, move, doubt, "crack"), *lost]
 
 
 def _without_doubles_and_fins(mesh: _Mesh) -> _Step:
@@ -268,35 +293,74 @@ def _wound_alike(mesh: _Mesh) -> _Step:
     return mesh.turned(which), [Change(what, len(which), mesh.at(which))]
 
 
-def _without_holes(mesh: _Mesh) -> _Step:
+def _without_sheets(mesh: _Mesh) -> _Step:
+    """Leave out open pieces that are no solids: in doubt is all of the convex hull of each."""
+    doubts, count, origin = [], 0, [np.empty(0, np.int64)]
+    while True:
+        edges = half_edges(mesh.faces)
+        loops = rims(edges)
+        vertices, fillings = fill(mesh.vertices, mesh.faces, edges, loops)
+        pieces = sheets(vertices, mesh.faces, edges, loops, fillings)
+        if not pieces:
+            break
+        doubts += [hull(mesh.vertices[np.unique(mesh.faces[piece])]) for piece in pieces]
+        count += len(pieces)
+        origin.append(mesh.origin[np.concatenate(pieces)])
+        mesh = mesh.without(np.concatenate(pieces))
+    if count == 0:
+        return mesh, []
+    named = replace(mesh, origin=np.concatenate(origin)).at(np.arange(sum(map(len, origin))))
+    change = Change("open pieces that bound nothing left out", count, named, doubt=Doubt.joined(doubts), code="sheet")
+    return mesh, [change]
+
+
+def _without_holes(mesh: _Mesh, bounded: bool) -> _Step:
     edges = half_edges(mesh.faces)
     loops = rims(edges)
     if not loops:
         return mesh, []
     vertices, fillings = fill(mesh.vertices, mesh.faces, edges, loops)
+    if not bounded:
+        refuse_sheets(vertices, mesh.faces, edges, loops, fillings)
     beside = [np.full(len(new), mesh.origin[loop[0] // 3]) for loop, new in zip(loops, fillings, strict=True)]
     largest = max(loops, key=len)
     where = f"of {len(largest)} edges {around(vertices[edges.head[largest]])}"
     size = diagonal(mesh.vertices[np.unique(mesh.faces)])
-    doubts = (closures(vertices, mesh.faces, edges, *hole, size) for hole in zip(loops, fillings, strict=True))
-    mesh = _Mesh(
-        vertices,
-        np.concatenate([mesh.faces, *fillings]),
-        np.concatenate([mesh.origin, *beside]),
-        Doubt.joined(doubts),
-    )
-    return mesh, [Change("holes filled", len(loops), where if len(loops) == 1 else f"the largest {where}")]
+    doubts = [closures(vertices, mesh.faces, edges, *hole, size) for hole in zip(loops, fillings, strict=True)]
+    moves = np.zeros(len(vertices))
+    for loop, new in zip(loops, fillings, strict=True):
+        rim = edges.head[loop]
+        moves[rim] = np.maximum(moves[rim], breadth(vertices, rim, new))
+    doubt = Doubt.joined([*doubts, displaced(vertices, mesh.faces, moves)])
+    mesh = _Mesh(vertices, np.concatenate([mesh.faces, *fillings]), np.concatenate([mesh.origin, *beside]), doubt)
+    where = where if len(loops) == 1 else f"the largest {where}"
+    return mesh, [Change("holes filled", len(loops), where, doubt=doubt, code="hole")]
 
 
-def _turned_outward(mesh: _Mesh) -> _Step:
+def _turned_outward(mesh: _Mesh, bounded: bool) -> _Step:
     shells = nest(mesh.vertices, mesh.faces, half_edges(mesh.faces))
     turn = shells.to_turn()
     if not turn:
         return mesh, []
-    _refuse_cutters(mesh, shells, turn)
+    if not bounded:
+        _refuse_cutters(mesh, shells, turn)
     which = np.concatenate([shells.members[shell] for shell in turn])
     mesh = replace(mesh.turned(which), filling=mesh.filling and mesh.filling.either_way())
-    return mesh, [Change("inside-out shells turned", len(turn), mesh.at(which))]
+    change = Change("inside-out shells turned", len(turn), mesh.at(which))
+    if (shells.volumes <= 0).all():
+        return mesh, [change]
+    doubts = [_either_way(mesh, shells, shell) for shell in turn]
+    return mesh, [replace(change, doubt=Doubt.joined(doubts), code="inverted_body")]
+
+
+def _either_way(mesh: _Mesh, shells: Nest, shell: int) -> Doubt:
+    """Return the doubt about a shell that was turned: it may be material, a void, or nothing."""
+    points = mesh.vertices[mesh.faces[shells.members[shell]]]
+    box = np.stack([points.min(axis=(0, 1)), points.max(axis=(0, 1))])
+    corners = points - box.mean(axis=0)
+    twice = 2 * abs(float(np.linalg.det(corners).sum())) / 6
+    outward = shells.volumes[shell] < 0
+    return Doubt.within(box, 0.0 if outward else twice, twice if outward else 0.0)
 
 
 def _refuse_cutters(mesh: _Mesh, shells: Nest, turn: list[int]) -> None:

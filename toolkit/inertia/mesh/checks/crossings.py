@@ -243,7 +243,8 @@ def self_intersections(surface: SurfaceTopology) -> Evidence | None:
     doubt = None if clear else _doubled(surface, pair)
     if doubt is not None and doubt.volume <= max(limit, surface.room):
         depth = f"is on average no deeper than the contact tolerance ({CONTACT:g} of the shell)"
-        within = depth if doubt.volume <= limit else "is less than the fillings of the holes leave open"
+        room = "the faults that are allowed" if surface.allowed else "the fillings of the holes leave open"
+        within = depth if doubt.volume <= limit else f"is less than {room}"
         figures |= {"within": within, "volume": doubt.volume, "unit": surface.unit}
     else:
         figures["doubt"] = _in_words(surface, about, doubt)

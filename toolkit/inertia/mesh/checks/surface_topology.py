@@ -33,9 +33,10 @@ class SurfaceTopology:
 
     Attributes
     ----------
-    room : the volume that the fillings of its holes may be off by
+    room : the volume that the fillings of its holes may be off by, or that may be in doubt, if that is more
     chord : (m,), how far the true surface may be from each triangle, where that is known
     separate : whether each body is taken by itself
+    allowed : whether it is the caller who allows for the room
     """
 
     triangles: Triangles
@@ -48,16 +49,20 @@ class SurfaceTopology:
     room: float
     chord: Float | None
     separate: bool
+    allowed: bool
 
     @classmethod
-    def of(cls, part: Part, *, separate: bool = False) -> SurfaceTopology:
+    def of(cls, part: Part, *, separate: bool = False, room: float = 0.0) -> SurfaceTopology:
         """Merge equal vertices, pair the edges, and nest the shells."""
         triangles = part.triangles
         vertices, faces = merge_equal_vertices(triangles)
         pairs, pieces = edges.pair_edges(faces), closure(triangles)
         nested = shells.shells(triangles, pieces) if pairs.balanced.all() else ()
-        room = part.filling.volume if part.filling else 0.0
-        return cls(triangles, part.unit.name, vertices, faces, pairs, pieces, nested, room, part.chord, separate)
+        filled = part.filling.volume if part.filling else 0.0
+        allowed, room = room > filled, max(room, filled)
+        return cls(
+            triangles, part.unit.name, vertices, faces, pairs, pieces, nested, room, part.chord, separate, allowed
+        )
 
     @property
     def closed(self) -> bool:

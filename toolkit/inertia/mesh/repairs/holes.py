@@ -45,8 +45,7 @@ def fill(vertices: Float, faces: Int, edges: HalfEdges, loops: list[list[int]]) 
 
     Raises
     ------
-    GeometryError : a loop is longer than 300 edges and not flat or not star-shaped, or the filling would be
-        as large as what is there
+    GeometryError : a loop is longer than 300 edges and not flat or not star-shaped
     """
     fillings: list[Int] = []
     for loop in loops:
@@ -63,7 +62,6 @@ def fill(vertices: Float, faces: Int, edges: HalfEdges, loops: list[list[int]]) 
                 f"one of more than {_EDGES} edges must be: close it where the part was made"
             )
         fillings.append(fan)
-    _refuse_sheets(vertices, faces, edges, loops, fillings)
     return vertices, fillings
 
 
@@ -135,17 +133,36 @@ def _lies_flat(fan: Float) -> bool:
     return bool((normals @ normal > 0).all() and height <= _FLAT * length)
 
 
-def _refuse_sheets(vertices: Float, faces: Int, edges: HalfEdges, loops: list[list[int]], fillings: list[Int]) -> None:
-    piece = components(edges.neighbours() // 3, len(faces))
-    area = np.bincount(piece, _areas(vertices[faces]), len(faces))
-    for loop, new in zip(loops, fillings, strict=True):
-        share = _areas(vertices[new]).sum() / area[piece[loop[0] // 3]]
+def sheets(vertices: Float, faces: Int, edges: HalfEdges, loops: list[list[int]], fillings: list[Int]) -> list[Int]:
+    """Return the faces of each piece of surface that a filling is nearly as large as: it is a sheet, and no solid."""
+    piece, shares = _shares(vertices, faces, edges, loops, fillings)
+    which = {int(piece[loop[0] // 3]) for loop, share in zip(loops, shares, strict=True) if share > _SHEET}
+    return [np.flatnonzero(piece == number) for number in sorted(which)]
+
+
+def refuse_sheets(vertices: Float, faces: Int, edges: HalfEdges, loops: list[list[int]], fillings: list[Int]) -> None:
+    """Raise `GeometryError` where a filling is nearly as large as the surface around it."""
+    _, shares = _shares(vertices, faces, edges, loops, fillings)
+    for loop, share in zip(loops, shares, strict=True):
         if share > _SHEET:
             raise GeometryError(
                 f"the hole of {len(loop)} edges {around(vertices[edges.head[loop]])} is {share:.0%} as large "
                 f"as the surface around it, above the limit of {_SHEET:.0%} for a solid: remove this sheet, or use ",
                 SHELL,
             )
+
+
+def _shares(
+    vertices: Float, faces: Int, edges: HalfEdges, loops: list[list[int]], fillings: list[Int]
+) -> tuple[Int, list[float]]:
+    """Return the piece that each face is of, and the area of each filling over that of the piece around it."""
+    piece = components(edges.neighbours() // 3, len(faces))
+    area = np.bincount(piece, _areas(vertices[faces]), len(faces))
+    shares = []
+    for loop, new in zip(loops, fillings, strict=True):
+        own, whole = _areas(vertices[new]).sum(), area[piece[loop[0] // 3]]
+        shares.append(float(own / whole) if whole > 0 else np.inf if own > 0 else 0.0)
+    return piece, shares
 
 
 def _areas(corners: Float) -> Float:

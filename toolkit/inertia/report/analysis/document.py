@@ -29,6 +29,8 @@ def analysis_document(
     mesh["crossings_examined"] = analysis.crossings_examined
     if analysis.cells:
         mesh["cells"] = analysis.cells
+    if analysis.allowed_faults is not None:
+        mesh["allowed_faults"] = analysis.allowed_faults
     if (union := analysis.union) is not None:
         cubic = part.unit.metres**3
         mesh["union"] = {

@@ -70,6 +70,7 @@ def source_lines(analysis: Analysis, repaired: Repaired | None = None, *, wordin
     bodies = f"{analysis.bodies} {'body' if analysis.bodies == 1 else 'bodies'}"
     repairs = ["repaired"] if repaired and repaired.changes else []
     repairs += ["united"] if analysis.union and analysis.union.changed else []
+    repairs += [f"faults allowed for up to {analysis.allowed_faults:g}"] if analysis.allowed_faults else []
     return [
         row("Part", f"{part.name} ({part.source.format})"),
         *([row("SHA-256", part.source.sha256)] if part.source.sha256 else []),
