@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 from inertia.errors import GeometryError, ReadError, UsageError
 from inertia_cli.options import names_document, record, require_recordable, triple
-from inertia_cli.printing import print_document, write_and_show
+from inertia_cli.printing import print_document, print_text, write_and_show
 from inertia_cli.progress import Progress
 from inertia_cli.wording import with_options
 
@@ -46,6 +46,7 @@ _EXAMPLES = """examples:
   inertia balance rotor.toml --report report.html --cut-part corrected.stl
   inertia balance part.stl --axis z --bearings 20,280 --planes 90,215 --rpm 3000 --grade 6.3
   inertia balance part.stl --axis z --bearings 20,280 --planes 90,215 --rpm 3000 --grade 6.3 --drill 8,10,12
+  inertia balance part.stl                                     # says what else it takes, and proposes the axis
   inertia balance part.stl --rpm 3000 --grade 6.3              # lists what the axis might be
   inertia balance --schema > rotor.schema.json
 
@@ -123,10 +124,30 @@ def run(options: argparse.Namespace) -> int:
         raise UsageError("no rotor is named: give a rotor file or a part, see `inertia balance --help`")
     if names_document(options):
         return _balance(_rotor(options), options)
+    if _part_alone(options):
+        from inertia_cli import proposal
+
+        print_text(proposal.proposal(options))
+        return proposal.EXIT
     try:
         return _balance(_rotor_of_part(options), options)
     except (UsageError, GeometryError, ReadError) as error:
         raise with_options(error, FIELDS, part=options.part) from None
+
+
+def _part_alone(options: argparse.Namespace) -> bool:
+    """Whether nothing is said of the machine that a part belongs to, and a reader is there to be asked."""
+    unsaid = all(getattr(options, name) is None for name in ("rpm", "grade", "e_um", "axis", "bearings", "through"))
+    return unsaid and not (options.json or options.to_toml)
+
+
+def _missing(options: argparse.Namespace) -> list[str]:
+    """Return what is missing for planes in which nothing is done."""
+    if options.planes is None or options.drill is not None:
+        return []
+    return [
+        "nothing is done in the planes: --drill D,... drills there, a rotor file (--to-toml) takes other methods too"
+    ]
 
 
 def _balance(rotor: Rotor, options: argparse.Namespace) -> int:
@@ -135,6 +156,7 @@ def _balance(rotor: Rotor, options: argparse.Namespace) -> int:
     from inertia.report.balance.document import balance_document
     from inertia.report.balance.figures import report_data
     from inertia.report.balance.text import balance_text
+    from inertia.report.numerals import row
 
     if options.to_toml:
         print(rotor.to_toml(), end="")
@@ -152,7 +174,7 @@ def _balance(rotor: Rotor, options: argparse.Namespace) -> int:
         lambda: _write(result, data, options),
         options.json,
         lambda: balance_document(data),
-        lambda: balance_text(data),
+        lambda: "\n".join([balance_text(data), *(row("Missing", sentence) for sentence in _missing(options))]),
     )
     return _code(result.verdict)
 

@@ -3,6 +3,7 @@
 import csv
 import io
 import json
+import shlex
 import subprocess
 import sys
 from pathlib import Path
@@ -265,3 +266,38 @@ def test_a_fault_is_one_sentence_and_a_code(
     assert err.startswith("inertia")
     assert message in err
     assert "Traceback" not in err
+
+
+@pytest.mark.parametrize("name", ["two_disc_rotor.stl", "shaft_impeller.obj", "disc.stl", "bent_wheel.stl"])
+def test_a_part_alone_is_answered_with_a_command_that_runs(capsys: pytest.CaptureFixture[str], name: str) -> None:
+    code, out, err = run(capsys, str(path(name)))
+    assert (code, err) == (4, "")
+    assert "what is it? its kind says the grade" in out
+    assert "--grade 6.3: fans, pumps" in out
+    assert "counted from the origin of the part's coordinates" in out
+    (line,) = (line for line in out.splitlines() if line.startswith("Go on with"))
+    words = shlex.split(line.removeprefix("Go on with"))
+    assert words[:2] == ["inertia", "balance"]
+    status, text, complaint = run(capsys, *words[2:], "--to-toml")
+    assert (status, complaint) == (0, "")
+    assert 'method = "drill_radial"' in text
+
+
+def test_the_axis_of_a_part_alone_is_that_of_its_cylinders(capsys: pytest.CaptureFixture[str]) -> None:
+    out = run(capsys, MESH)[1]
+    assert "--axis z --bearings 40,265 --material steel --rpm 3000 --grade 6.3 --planes 90,215 --drill 8,10,12" in out
+    assert "say where" not in out
+    out = run(capsys, str(path("cube.stl")))[1]
+    assert "no cylinder was found" in out
+    assert "--bearings A,B" in out
+
+
+def test_planes_without_drills_say_what_is_missing(capsys: pytest.CaptureFixture[str]) -> None:
+    out = run(capsys, *SHORT)[1]
+    assert "Missing           nothing is done in the planes: --drill D,... drills there" in out
+    assert "Missing" not in run(capsys, *SHORT, "--drill", "10", "--material", "steel")[1]
+    assert "Missing" not in run(capsys, ROTOR)[1]
+
+
+def test_what_z_counts_from_is_said(capsys: pytest.CaptureFixture[str]) -> None:
+    assert "Places            z along the shaft from A to B, counted from the origin" in run(capsys, ROTOR)[1]

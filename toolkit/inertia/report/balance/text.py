@@ -63,6 +63,7 @@ def _axis(data: ReportData) -> Iterator[str]:
     shaft = data.axis.shaft
     yield row("Axis", data.axis.obtained)
     yield row("", f"A at {_point(shaft.bearing_a)}, B at {_point(shaft.bearing_b)}, {_mm(MM * shaft.span)} apart")
+    yield row("Places", "z along the shaft from A to B, counted from the origin of the part's coordinates")
     yield row("Angles", f"0° towards {_listed(shaft.axes[:, 0])}, counter-clockwise seen from B looking toward A")
     yield row("Speed", f"{number(data.service.rpm)} r/min, {TURNS[shaft.rotation]} seen from B looking toward A")
     if data.rigid is not None:
