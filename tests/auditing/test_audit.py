@@ -278,3 +278,34 @@ def test_a_mesh_whose_bodies_overlap_is_not_united(tmp_path: Path, audited: Call
     (both,) = audited(link("a", inertial(1.0, corners.mean(axis=(0, 1)), 0.01 * np.eye(3)), mesh("both.stl"))).links
     assert both.state == "unjudged"
     assert "overlapping bodies" in both.findings[0].sentence
+
+
+COLLADA = """<COLLADA xmlns="http://www.collada.org/2005/11/COLLADASchema" version="1.4.1">
+<asset><unit meter="0.01" name="centimeter"/><up_axis>Z_UP</up_axis></asset><library_geometries><geometry id="g"><mesh>
+<source id="p"><float_array id="a" count="12">0 0 0 30 0 0 0 20 0 0 0 10</float_array><technique_common>
+<accessor source="#a" count="4" stride="3"><param name="X" type="float"/><param name="Y" type="float"/>
+<param name="Z" type="float"/></accessor></technique_common></source>
+<vertices id="v"><input semantic="POSITION" source="#p"/></vertices>
+<triangles count="4"><input semantic="VERTEX" source="#v" offset="0"/><p>0 2 1 0 1 3 1 2 3 0 3 2</p></triangles>
+</mesh></geometry></library_geometries><library_visual_scenes><visual_scene id="s"><node id="n">
+<instance_geometry url="#g"/></node></visual_scene></library_visual_scenes>
+<scene><instance_visual_scene url="#s"/></scene></COLLADA>"""
+
+
+@pytest.mark.parametrize(("scale", "state"), [("1 1 1", "consistent"), ("0.01 0.01 0.01", "inconsistent")])
+def test_a_scale_beside_a_unit_of_the_mesh_s_own_file_is_said_and_named(tmp_path: Path, scale: str, state: str) -> None:
+    """By hand: a tetrahedron of 0.3, 0.2 and 0.1 m, ∫x² = V a²/10 about the corner, (3/80) V a² about the centre."""
+    (tmp_path / "a.dae").write_text(COLLADA)
+    squares = 0.4 * 3 / 80 * np.array([0.09, 0.04, 0.01])
+    xx, yy, zz = squares.sum() - squares
+    xy, xz, yz = (0.4 / 80 * a * b for a, b in ((0.3, 0.2), (0.3, 0.1), (0.2, 0.1)))
+    (tmp_path / "r.urdf").write_text(
+        f'''<robot name="r"><link name="a"><inertial><origin xyz="0.075 0.05 0.025"/><mass value="0.4"/>
+        <inertia ixx="{xx}" iyy="{yy}" izz="{zz}" ixy="{xy}" ixz="{xz}" iyz="{yz}"/></inertial>
+        <visual><geometry><mesh filename="a.dae" scale="{scale}"/></geometry></visual></link></robot>'''
+    )
+    (link,) = inertia.audit(tmp_path / "r.urdf").links
+    codes = [finding.code for finding in link.findings]
+    assert link.state == state
+    assert ("unit_and_scale" in codes) == ("unit_scale" in codes) == (state == "inconsistent")
+    assert link.mended is None

@@ -43,12 +43,25 @@ def counted(*copies: int) -> Body:
     return together(bodies).weighed(truth().mass / sum(body.mass for body in bodies))
 
 
+QUARTER = np.array([[1.0, 0.0, 0.0], [0.0, 0.0, -1.0], [0.0, 1.0, 0.0]])  # y up where z was
+
+
+def turned(turn: Float) -> Body:
+    bodies = []
+    for shape in pair():
+        way = shape.rotation @ turn @ shape.rotation.T
+        center = shape.origin + way @ (shape.solid.center - shape.origin)
+        bodies.append(Body(STEEL * shape.solid.mass, center, STEEL * way @ shape.solid.inertia @ way.T))
+    return together(bodies)
+
+
 SINGLE = {
     "product_signs": lambda: with_tensor(truth().inertia * PRODUCTS),
     "principal_moments_as_diagonal": lambda: with_tensor(np.diag(eigvalsh(truth().inertia)[::-1])),
     "missing_steiner": lambda: with_tensor(sum(STEEL * shape.solid.inertia for shape in pair())),
     "about_origin": lambda: with_tensor(truth().inertia + point_inertia(truth().mass, truth().center)),
     "axes_permuted": lambda: with_tensor(truth().inertia[[1, 2, 0]][:, [1, 2, 0]]),
+    "mesh_turned": lambda: turned(QUARTER),
     "unit_scale": lambda: with_tensor(1e6 * truth().inertia),
     "mass_scale": lambda: truth()._replace(mass=1e3 * truth().mass),
     "shell_for_solid": of_shell,
@@ -115,3 +128,40 @@ def test_rounding_to_few_decimals_is_named() -> None:
     named = explain(Context(stated, [shape])).named
     assert named is not None
     assert named.codes == {"rounded"}
+
+
+def test_axes_that_are_turned_and_not_only_permuted_are_named_whatever_axes_the_tensor_is_written_along() -> None:
+    axes = eigh(truth().inertia)[1]
+    axes = axes * [1, 1, np.linalg.det(axes)]
+    stated = with_tensor(QUARTER @ truth().inertia @ QUARTER.T)
+    for rotation in (np.eye(3), QUARTER @ axes):
+        named = explain(context(pair(), stated, rotation)).named
+        assert named is not None
+        kinds = [named, *named.alike]
+        (words,) = {each.mistakes[0].words for each in kinds if each.codes == {"axes_permuted"}}
+        assert "x -z y stand in the fields of x y z" in words
+
+
+def test_a_centre_is_left_at_the_origin_only_if_it_is_there() -> None:
+    named = explain(context(pair(), truth()._replace(center=np.zeros(3)))).named
+    assert named is not None
+    assert named.codes == {"center_at_origin"}
+    near = explain(context(pair(), truth()._replace(center=np.array([0.0, 6e-4, 4e-4]))))
+    assert all("center_at_origin" not in each.codes for each in near.candidates)
+
+
+def test_a_mass_and_lengths_in_wrong_units_are_two_mistakes() -> None:
+    body = truth()
+    stated = Body(1e3 * body.mass, 1e3 * body.center, 1e6 * body.inertia)
+    named = explain(context(pair(), stated)).named
+    assert named is not None
+    assert named.codes == {"mass_scale", "unit_scale"}
+    assert named.residual < 1e-9
+
+
+def test_the_order_of_mistakes_at_point_and_axes_does_not_matter() -> None:
+    at_origin = point_inertia(truth().mass, truth().center)
+    for tensor in (np.diag(eigvalsh(truth().inertia + at_origin)), np.diag(eigvalsh(truth().inertia)) + at_origin):
+        named = explain(context(pair(), with_tensor(tensor))).named
+        assert named is not None
+        assert named.codes == {"about_origin", "principal_moments_as_diagonal"}

@@ -167,6 +167,9 @@ def _weighed(geometries: Sequence[Geometry], scales: Scales) -> tuple[list[Weigh
             blocking.append(Finding("mesh_unusable", f"{geometry.name}: {cause(error)}"))
             continue
         weighed.append(shape)
+        if shape.shape.unit != 1:
+            words = f"its file's own unit ({shape.shape.unit:g} m) and the scale are both applied"
+            notes.append(Finding("unit_and_scale", f"{geometry.name}: {words}, as RViz, Gazebo and Bullet do"))
         if note is not None:
             notes.append(note)
     return weighed, _Obstacles(tuple(blocking), tuple(notes))

@@ -91,6 +91,7 @@ class Shape:
     corners : (m, 3, 3) m, its triangles in the axes of the link
     solid : of density 1, in the axes of the link
     rotation, origin : (3, 3), (3,) m: the axes of the mesh in those of the link, and where its origin lies there
+    unit : metres of its file's own unit, where the robot's file scales it besides; 1 elsewhere
     """
 
     name: str
@@ -98,12 +99,13 @@ class Shape:
     solid: Body
     rotation: Float
     origin: Float
+    unit: float = 1.0
 
     def moved(self, rotation: Float, origin: Float) -> Shape:
         """Return the shape in axes in which those of the link are placed so."""
         solid = Body(self.solid.mass, rotation @ self.solid.center + origin, rotation @ self.solid.inertia @ rotation.T)
         corners = self.corners @ rotation.T + origin
-        return Shape(self.name, corners, solid, rotation @ self.rotation, rotation @ self.origin + origin)
+        return Shape(self.name, corners, solid, rotation @ self.rotation, rotation @ self.origin + origin, self.unit)
 
     @cached_property
     def box(self) -> tuple[Float, Float]:
@@ -133,7 +135,8 @@ class Shape:
     @cached_property
     def hull_solid(self) -> Body:
         """The convex hull, of density 1."""
-        return self.solid if self.hull is None else solid_of(self.hull)
+        hull = None if self.hull is None else solid_of(self.hull)
+        return self.solid if hull is None or hull.mass < self.solid.mass else hull  # facets of what is round
 
     @cached_property
     def box_solid(self) -> Body:

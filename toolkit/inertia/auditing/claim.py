@@ -148,12 +148,13 @@ class Mistake:
     ----------
     code : of the kind of mistake, as in ``product_signs``
     stage : when it is made: 0 as the shapes are chosen, 1 as they are counted, 2 as they are put together, 3 at the
-        point, 4 at axes and signs, 5 at the units, 6 afterwards
+        point, axes and signs, 5 at the units, 6 afterwards
     words : "the tensor is written about the link's origin, not about the centre of mass"
     remedy : what mends it, as an imperative
     make : what a claim becomes by it
     mass : what the stated mass times is the right one
     of_mesh : whether the meshes are wrong, and not what is stated
+    density : what the density that the mass asks for times is the right one; None where it says nothing
     """
 
     code: str
@@ -163,6 +164,7 @@ class Mistake:
     make: Callable[[Claim], Claim]
     mass: float = 1.0
     of_mesh: bool = False
+    density: float | None = None
 
 
 Kind = Callable[[Context], Iterable[Mistake]]

@@ -47,6 +47,12 @@ class Densities:
     body: Body
 
 
+def is_plausible(context: Context, factor: float) -> bool:
+    """Whether the density that the stated mass asks of the shapes, times a factor, is one of materials."""
+    density = context.stated.body.mass / sum(shape.solid.mass for shape in context.shapes)
+    return PLAUSIBLE[0] <= factor * density <= PLAUSIBLE[1]
+
+
 def invert(context: Context) -> Densities | None:
     """Return the densities of the shapes that reproduce what is stated best; None where there is one shape only.
 

@@ -176,7 +176,7 @@ def judge(subject: Subject, others: Sequence[Subject], tolerance: float) -> Link
     if faults:
         state = "unphysical" if faults[0].code == "unphysical" else "inconsistent"
     sound = not subject.substitute and all(each.room <= tolerance for each in subject.shapes)
-    mendable = sound and (judgement.mendable or bool(faults))
+    mendable = sound and not judgement.of_mesh and (judgement.mendable or bool(faults))
     return LinkAudit(
         name,
         state,
@@ -194,13 +194,17 @@ def judge(subject: Subject, others: Sequence[Subject], tolerance: float) -> Link
 
 @dataclass(frozen=True, eq=False)
 class _Judgement:
-    """What a comparison leads to, with the mass properties and densities (kg/m³ a shape) that it ended with."""
+    """What a comparison leads to, with the mass properties and densities (kg/m³ a shape) that it ended with.
+
+    `of_mesh` is set where the meshes are wrong, so that nothing is to be mended by them.
+    """
 
     state: State
     findings: tuple[Finding, ...]
     computed: MassProperties
     weights: Float
     mendable: bool = False
+    of_mesh: bool = False
 
 
 def _judgement(subject: Subject, context: Context, others: Sequence[Subject], tolerance: float) -> _Judgement:
@@ -241,8 +245,8 @@ def _judgement(subject: Subject, context: Context, others: Sequence[Subject], to
     factor = math.prod(mistake.mass for mistake in search.named.mistakes)
     if factor != 1 and context.densities is None:
         computed, weights = computed.with_mass(factor * computed.mass), factor * weights
-    mendable = not any(mistake.of_mesh for mistake in search.named.mistakes)
-    return _Judgement("inconsistent", findings, computed, weights, mendable)
+    of_mesh = any(mistake.of_mesh for mistake in search.named.mistakes)
+    return _Judgement("inconsistent", findings, computed, weights, not of_mesh, of_mesh)
 
 
 def _densities(context: Context, search: Search, tolerance: float) -> inversion.Densities | None:

@@ -104,7 +104,7 @@ def outside(stated: Statement, hull: Float) -> Iterator[Fault]:
     slack = _SINGLE * trace + (0.0 if decimals is None else min(1.5 * 10.0**-decimals, _COARSE * trace))
     k = int(np.argmax(squares - limits))
     if squares[k] > limits[k] + slack / body.mass:
-        radius, limit = np.sqrt(squares[k]), np.sqrt(max(limits[k], 0.0))
+        radius, limit = np.sqrt(squares[k]), np.sqrt(max(0.0, limits[k]) + 0.0)  # no negative zero
         yield Fault(
             f"the mass would lie {1e3 * radius:.3g} mm (root mean square) from its centre along one axis, where the "
             f"hull of the meshes allows {1e3 * limit:.3g} mm at most",

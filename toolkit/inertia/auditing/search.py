@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, replace
 from typing import NamedTuple
 
 from inertia.auditing.bodies import Body
 from inertia.auditing.claim import Claim, Context, Mistake, difference, mismatch
+from inertia.auditing.densities import is_plausible
 from inertia.auditing.hypotheses import KINDS
 
 EXPLAINED = 0.02
@@ -23,7 +25,7 @@ _SAME = 1e-6
 """Difference up to which two explanations of one kind say the same."""
 
 _ALIKE = 1e-3
-"""Difference up to which explanations of different kinds come to the same."""
+"""Difference up to which explanations of different kinds come to the same, however little they leave."""
 
 
 @dataclass(frozen=True)
@@ -119,7 +121,7 @@ def _alone(context: Context) -> Iterator[tuple[Mistake, Claim]]:
 
 def _ranked(attempts: Iterable[_Attempt], context: Context) -> Search:
     """Name the best explanation, unless others do nearly as well and come to something else."""
-    candidates = _best_of_each_kind(attempts)
+    candidates = _best_of_each_kind(attempts, context)
     if not candidates:
         return Search(None, ())
     scores = {id(each): mismatch(context, each.body) for each in candidates}
@@ -127,7 +129,8 @@ def _ranked(attempts: Iterable[_Attempt], context: Context) -> Search:
     reach = max(_CLEARLY * scores[id(best)], _SAME)
     rivals = [each for each in candidates if scores[id(each)] <= reach]
     others = sorted((each for each in candidates if scores[id(each)] > reach), key=lambda each: each.residual)
-    alike = all(difference(context, each.body, best.body) <= _ALIKE for each in rivals)
+    same = max(_ALIKE, best.residual / 2)  # what differs by less than what is left anyhow says the same
+    alike = all(difference(context, each.body, best.body) <= same for each in rivals)
     if alike:  # the first in the order of the kinds
         first = replace(rivals[0], alike=tuple(rivals[1:]))
         return Search(first, (first, *others))
@@ -135,13 +138,19 @@ def _ranked(attempts: Iterable[_Attempt], context: Context) -> Search:
     return Search(None, (*rivals, *others))
 
 
-def _best_of_each_kind(attempts: Iterable[_Attempt]) -> list[Explanation]:
+def _best_of_each_kind(attempts: Iterable[_Attempt], context: Context) -> list[Explanation]:
     """Return the best explanation of each set of kinds that explains it, in the order of the kinds."""
     best: dict[frozenset[str], Explanation] = {}
     for mistakes, claim, limit in attempts:
-        if claim.residual <= limit:
+        if claim.residual <= limit and _weighs(mistakes, context):
             explanation = Explanation(mistakes, claim.residual, claim.body)
             other = best.get(explanation.codes)
             if other is None or explanation.residual < other.residual - _SAME:
                 best[explanation.codes] = explanation
     return list(best.values())
+
+
+def _weighs(mistakes: tuple[Mistake, ...], context: Context) -> bool:
+    """Whether the mass asks for a density of some material once mistakes that touch it are undone."""
+    factors = [mistake.density for mistake in mistakes if mistake.density is not None]
+    return not factors or context.densities is not None or is_plausible(context, math.prod(factors))

@@ -32,13 +32,14 @@ class _Mesh:
     """A mesh in its own axes.
 
     Mass properties at 1 kg/m³, triangles (m, 3, 3) in m, what had to be done to it, and what that leaves open
-    (relative, of mass and tensor).
+    (relative, of mass and tensor); the metres of its file's own unit, where a scale multiplies these once more.
     """
 
     properties: MassProperties
     corners: Float
     note: Finding | None = None
     room: float = 0.0
+    unit: float = 1.0
 
 
 class Scales:
@@ -61,7 +62,7 @@ class Scales:
         corners = mesh.corners @ where.rotation.T + where.origin
         solid = Body(properties.mass, properties.center_of_mass, properties.inertia)
         note = mesh.note and Finding(mesh.note.code, f"{geometry.name}: {mesh.note.sentence}")
-        shape = Shape(geometry.name, corners, solid, where.rotation, where.origin)
+        shape = Shape(geometry.name, corners, solid, where.rotation, where.origin, mesh.unit)
         return Weighed(shape, properties, mesh.room), note
 
     def _mesh(self, source: Path | Part, scale: tuple[Fraction, Fraction, Fraction] | None) -> _Mesh:
@@ -69,7 +70,14 @@ class Scales:
         if key not in self._meshes:
             try:
                 part = source if isinstance(source, Part) else read(source)
-                self._meshes[key] = _weighed(_scaled(part, scale))
+                twice = (
+                    part.unit_from == "file"
+                    and scale is not None
+                    and scale != (Fraction(1),) * 3
+                    and isinstance(source, Path)
+                )
+                unit = float(part.unit.metres) if twice else 1.0
+                self._meshes[key] = replace(_weighed(_scaled(part, scale)), unit=unit)
             except InertiaError as error:
                 self._meshes[key] = error
         mesh = self._meshes[key]

@@ -26,6 +26,8 @@ def mistakes(context: Context) -> Iterator[Mistake]:
     yield _mistake(
         "the Steiner term from the link's origin to the centre of mass is taken away twice", np.zeros(3), -1.0
     )
+    if context.stated.body.center.any():
+        return
     yield Mistake(
         "about_origin",
         3,
@@ -33,7 +35,6 @@ def mistakes(context: Context) -> Iterator[Mistake]:
         "state the centre of mass, and the tensor about it",
         lambda claim: claim.then(_at_origin),
     )
-
     yield Mistake(
         "center_at_origin",
         3,

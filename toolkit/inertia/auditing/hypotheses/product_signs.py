@@ -24,7 +24,7 @@ def mistakes(_context: Context) -> Iterator[Mistake]:
                 if len(names) == 3
                 else f"the sign of {' and '.join(names)} is turned"
             )
-            yield Mistake("product_signs", 4, words, f"turn the sign of {', '.join(names)}", partial(_turned, signs))
+            yield Mistake("product_signs", 3, words, f"turn the sign of {', '.join(names)}", partial(_turned, signs))
 
 
 def _turned(signs: Float, claim: Claim) -> Claim:

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from dataclasses import replace
 from functools import partial
 from typing import NamedTuple
 
-from inertia.auditing.bodies import Body
+from inertia.auditing.bodies import Body, Shape
 from inertia.auditing.claim import Claim, Context, Mistake
-from inertia.auditing.densities import PLAUSIBLE
+from inertia.auditing.densities import is_plausible
 
 _INCH = 1 / 0.0254
 _POUND = 1 / 0.45359237
@@ -62,21 +63,42 @@ def mistakes(context: Context) -> Iterator[Mistake]:
     """Yield mass, centre and tensor in units that are not the file's.
 
     Where no densities are given, the mass tells a mesh in the wrong unit from numbers in the wrong unit: the density
-    that it asks for must be plausible when the mistake is undone, and must not be before if mass or mesh are wrong.
+    that it asks for must be plausible when all mistakes are undone, and must not be before if mass or mesh are wrong.
     """
-    density = context.stated.body.mass / sum(shape.solid.mass for shape in context.shapes)
+    yield from _scale_alone(context)
+    plausible = context.densities is None and is_plausible(context, 1.0)
     for factors in _FACTORS:
-        if context.densities is None and not _plausible(factors, density):
+        gross = factors.of_mesh or factors.mass in (1e3, 1e-3)
+        if gross and plausible:
             continue
+        density = 1 / (factors.mass * (factors.center**3 if factors.of_mesh else 1.0))
         make = partial(_scaled, factors)
-        yield Mistake(factors.code, 5, factors.words, factors.remedy, make, 1 / factors.mass, factors.of_mesh)
+        yield Mistake(factors.code, 5, factors.words, factors.remedy, make, 1 / factors.mass, factors.of_mesh, density)
 
 
-def _plausible(factors: _Factors, density: float) -> bool:
-    least, greatest = PLAUSIBLE
-    undone = density / factors.mass / (factors.center**3 if factors.of_mesh else 1.0)
-    gross = factors.of_mesh or factors.mass in (1e3, 1e-3)
-    return least <= undone <= greatest and not (gross and least <= density <= greatest)
+def _scale_alone(context: Context) -> Iterator[Mistake]:
+    """Yield the meshes scaled as the robot's file has it, the units of their own files passed over."""
+    if all(shape.unit == 1 for shape in context.shapes):
+        return
+    bodies = tuple(_grown(shape, 1 / shape.unit) for shape in context.shapes)
+    old, new = sum(shape.solid.mass for shape in context.shapes), sum(body.mass for body in bodies)
+    if context.densities is not None:
+        bodies = tuple(body.weighed(density) for body, density in zip(bodies, context.densities, strict=True))
+    words = "it is that of meshes to which the scale alone is applied, and not the unit that stands in their files"
+    remedy = f"scale them so that unit and scale together are right ({(new / old) ** (1 / 3):.4g} times as large)"
+    make = partial(_instead, bodies)
+    yield Mistake("unit_scale", 0, words, remedy, make, of_mesh=True, density=old / new)
+
+
+def _grown(shape: Shape, factor: float) -> Body:
+    """Return the solid of a shape of which every length from its own origin is times a factor."""
+    solid = shape.solid
+    center = shape.origin + (solid.center - shape.origin) * factor
+    return Body(solid.mass * factor**3, center, solid.inertia * factor**5)
+
+
+def _instead(bodies: tuple[Body, ...], claim: Claim) -> Claim:
+    return replace(claim, bodies=bodies, copies=(1,) * len(bodies))
 
 
 def _scaled(factors: _Factors, claim: Claim) -> Claim:
