@@ -55,7 +55,7 @@ def add(parsers: Any) -> None:
     )
     parser.set_defaults(run=run)
     add_input(parser)
-    add_density(parser, uncertain=True)
+    add_density(parser)
     model = parser.add_argument_group("what carries the mass")
     model.add_argument("--shell", type=estimate, metavar="THICKNESS", help="the surface, which may be open, in --unit")
     model.add_argument(

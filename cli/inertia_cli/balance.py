@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from inertia.errors import GeometryError, ReadError, UsageError
-from inertia_cli.options import names_document, record, require_recordable, triple
+from inertia_cli.options import estimate, names_document, record, require_recordable, triple
 from inertia_cli.printing import print_document, print_text, write_and_show
 from inertia_cli.progress import Progress
 from inertia_cli.wording import with_options
@@ -33,12 +33,13 @@ FIELDS = {  # fields of a rotor file, by their path without numbers, and what st
     "body[0].chord_tolerance": "--chord",
     "body[0].density": "--density",
     "body[0].mass": "--mass",
+    "body[0].sigma": "--sigma",
     "body[0].unit": "--unit",
     "body[0]": "",
 }
 _SHORT = (
-    "unit", "density", "material", "mass", "chord", "axis", "through", "bearings", "axis_uncertainty", "zero_mark",
-    "rotation", "rpm", "critical_rpm", "grade", "e_um", "planes", "drill", "max_depth",
+    "unit", "density", "material", "mass", "sigma", "chord", "axis", "through", "bearings", "axis_uncertainty",
+    "zero_mark", "rotation", "rpm", "critical_rpm", "grade", "e_um", "planes", "drill", "max_depth",
 )  # fmt: skip
 _AXES = {"x": (1.0, 0.0, 0.0), "y": (0.0, 1.0, 0.0), "z": (0.0, 0.0, 1.0)}
 
@@ -89,9 +90,12 @@ def _add_short_form(parser: argparse.ArgumentParser) -> None:
     short = parser.add_argument_group("of a part, in place of a rotor file (lengths in --unit)")
     short.add_argument("--unit", metavar="UNIT", help="length unit of the coordinates and options: mm (assumed), ...")
     weight = short.add_mutually_exclusive_group()
-    weight.add_argument("--density", type=float, metavar="KG/M3", help="of the part; 1000 is assumed without it")
+    weight.add_argument(
+        "--density", type=estimate, metavar="KG/M3", help="of the part, as 7850±50; 1000 is assumed without it"
+    )
     weight.add_argument("--material", metavar="MATERIAL", help="take the density from the table of materials")
-    weight.add_argument("--mass", type=float, metavar="KG", help="as weighed")
+    weight.add_argument("--mass", type=estimate, metavar="KG", help="as weighed, as 1.2±0.001")
+    short.add_argument("--sigma", type=float, metavar="LENGTH", help="standard deviation of every vertex coordinate")
     short.add_argument("--chord", type=float, metavar="LENGTH", help="tolerance of the tessellation; estimated without")
     short.add_argument("--axis", type=_direction, metavar="x|y|z|X,Y,Z", help="direction of the shaft, from A to B")
     short.add_argument("--through", type=triple, metavar="X,Y,Z", help="a point on the shaft (0,0,0)")
@@ -222,6 +226,7 @@ def _rotor_of_part(options: argparse.Namespace) -> Rotor:
         "density": options.density,
         "material": options.material,
         "mass": options.mass,
+        "sigma": options.sigma,
         "chord_tolerance": options.chord,
     }
     axis = {"radial_uncertainty": options.axis_uncertainty, "rotation": options.rotation, **_axis(options)}

@@ -32,17 +32,16 @@ def add_input(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--format", metavar="KIND", help="kind of file, where its contents should not decide")
 
 
-def add_density(parser: argparse.ArgumentParser, *, uncertain: bool = False) -> None:
-    """Add what says how heavy the part is, where asked for with its uncertainty."""
+def add_density(parser: argparse.ArgumentParser) -> None:
+    """Add what says how heavy the part is, with its uncertainty."""
     density = parser.add_argument_group("density")
     density.add_argument(
         "--density",
         action="append",
         default=[],
-        type=named_estimate if uncertain else named_number,
+        type=_named_estimate,
         metavar="[NAME=]KG/M3",
-        help="of the part, or of the region or body NAME (repeat it)"
-        f"{', as 7850 or 7850±50' if uncertain else ''}; 1000 is assumed without it",
+        help="of the part, or of the region or body NAME (repeat it), as 7850 or 7850±50; 1000 is assumed without it",
     )
     density.add_argument(
         "--material",
@@ -53,10 +52,7 @@ def add_density(parser: argparse.ArgumentParser, *, uncertain: bool = False) -> 
         help="take the density from the table of materials: steel, aluminium, abs, ...",
     )
     density.add_argument(
-        "--mass",
-        type=estimate if uncertain else float,
-        metavar="KG",
-        help=f"the total as weighed{', as 1.2±0.001' if uncertain else ''}; densities are proportions then",
+        "--mass", type=estimate, metavar="KG", help="the total as weighed, as 1.2±0.001; densities are proportions then"
     )
 
 
@@ -124,7 +120,7 @@ def named_number(text: str) -> tuple[str, float]:
         raise argparse.ArgumentTypeError(f"{value!r} is no number of kg/m³") from None
 
 
-def named_estimate(text: str) -> tuple[str, Estimate]:
+def _named_estimate(text: str) -> tuple[str, Estimate]:
     """Return the same with its uncertainty, from ``NAME=KG/M3±U``."""
     name, value = _named(text)
     try:

@@ -1,6 +1,7 @@
 """Unbalance of bodies with noisy vertices, uncertain densities and masses, against Monte Carlo and closed forms."""
 
 import math
+import tomllib
 from pathlib import Path
 
 import numpy as np
@@ -14,6 +15,7 @@ from inertia.balancing.bounds import propagated
 from inertia.balancing.unbalance import Unbalance
 from inertia.errors import UsageError
 from inertia.mesh.part import Part
+from inertia_cli.main import main
 from inertia_meshes import path
 
 
@@ -152,3 +154,13 @@ def test_a_tolerance_of_all_densities_leaves_out_a_body_with_its_own(tmp_path: P
     common = inertia.balance(inertia.Rotor.load(write_rotor(tmp_path, "density = 7850", more)))
     assert math.isclose(common.initial.bounds_of(1.0, 0.0)["density"], 0.02 * abs(common.initial.static))
     assert "density" not in own.initial.bounds_of(1.0, 0.0)
+
+
+def test_the_options_of_the_command_say_the_same_as_a_file(capsys: pytest.CaptureFixture[str]) -> None:
+    part = str(path("two_disc_rotor.stl"))
+    shaft = ["--axis", "z", "--bearings", "20,280", "--rpm", "3000", "--grade", "6.3"]
+    assert main(["balance", part, *shaft, "--density", "7850±50", "--sigma", "0.01", "--to-toml"]) == 0
+    body = tomllib.loads(capsys.readouterr().out)["body"][0]
+    assert (body["density"], body["sigma"]) == ("7850.0±50.0", 0.01)
+    assert main(["balance", part, *shaft, "--sigma", "-1"]) == 2
+    assert "--sigma is -1.0" in capsys.readouterr().err
