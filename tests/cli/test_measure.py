@@ -60,6 +60,13 @@ def test_what_was_measured_is_drilled_out_of_the_rotor(capsys: pytest.CaptureFix
         assert work["angle_deg"] == pytest.approx(plane["unbalance"]["deg"], abs=0.3)
         assert work["unbalance_gmm"] == pytest.approx(plane["unbalance"]["gmm"], rel=0.003)
     assert result["corrected"]["verdict"] == "pass"
+    vectors = [cmath.rect(k["gmm"], math.radians(k["deg"])) for k in (one["unbalance"] for one in result["planes"])]
+    bearings = [
+        cmath.rect(k["gmm"], math.radians(k["deg"])) for k in (e["unbalance"] for e in result["tolerance_planes"])
+    ]
+    # A bearing at 20 and one at 280 mm see vectors at 90 and 215 mm by the lever rule.
+    assert bearings[1] == pytest.approx((70 * vectors[0] + 195 * vectors[1]) / 260, rel=1e-9)
+    assert bearings[0] == pytest.approx(sum(vectors) - bearings[1], rel=1e-9)
     page = report.read_text(encoding="utf-8")
     assert "unbalance as measured" in page
     assert "not a measurement" not in page
@@ -67,7 +74,6 @@ def test_what_was_measured_is_drilled_out_of_the_rotor(capsys: pytest.CaptureFix
     moment = inertia.mass_properties(mesh, density=7850.0)
     whole = inertia.mass_properties(inertia.read(path("two_disc_rotor.stl"), unit="mm"), density=7850.0)
     lost = whole.mass * whole.center_of_mass[:2] - moment.mass * moment.center_of_mass[:2]
-    vectors = (cmath.rect(k["gmm"], math.radians(k["deg"])) for k in (one["unbalance"] for one in result["planes"]))
     assert 1e6 * complex(*lost) == pytest.approx(sum(vectors), rel=3e-3)
 
 

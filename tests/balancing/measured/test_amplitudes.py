@@ -53,7 +53,7 @@ def test_noise_of_one_percent_costs_a_few_percent():
     errors = [
         abs(amplitude_balance(np.abs(unbalance + weights) * (1 + 0.01 * random.normal(size=4)), weights)[0].unbalance
             - unbalance)
-        for _ in range(200)
+        for _ in range(50)
     ]  # fmt: skip
     assert np.sqrt(np.mean(np.square(errors))) < 0.05
 

@@ -70,7 +70,7 @@ def test_the_samples_say_the_same_after_a_round_trip(name):
         (("rpm",), None, r"run\[0\].readings\[0\].rpm is missing: give it, or rpm at the top"),
         (("plane", 0, "kit"), [{"mass_g": 5}], r"plane\[0\].kit goes with positions"),
         (("plane", 0, "bolt"), 5, r"plane\[0\].bolt is unknown"),
-        (("plane",), [{"id": "I"}, {"id": "II"}], "2 runs do not tell 2 planes apart"),
+        (("plane",), [{"id": "I"}, {"id": "II"}], "2 runs cannot tell what a weight does in 2 planes"),
         (("tolerance",), {"grade": 6.3, "rpm": 3000}, "tolerance.mass is missing: a grade permits"),
         (("method",), "balancing machine", "sensor goes with no balancing machine"),
         (("coefficients",), "none.toml", "cannot read none.toml: No such file"),
@@ -81,6 +81,19 @@ def test_the_samples_say_the_same_after_a_round_trip(name):
 def test_what_is_wrong_is_named_by_its_path(steps, value, words):
     with pytest.raises((UsageError, ReadError), match=words):
         measure(Job.from_dict(changed(*steps, value=value)))
+
+
+def test_the_first_run_alone_asks_for_a_trial_weight_of_a_size():
+    # A tenth of 45 kg as force at 1480 r/min: 0.1 · 45 · 9.80665/154.985² kg m, at 250 mm 7.35 g.
+    table = {**BASE, "rpm": 1480, "run": BASE["run"][:1], "plane": [{"id": "I", "radius": 250}]}
+    table["tolerance"] = {"grade": 6.3, "mass": 45, "rpm": 1480}
+    with pytest.raises(UsageError, match=r"one run cannot tell .* a tenth of the weight as force is 7.35 g in I"):
+        measure(Job.from_dict(table))
+
+
+def test_dates_may_be_those_of_toml():
+    text = Job.from_dict(BASE).to_toml().replace("[conventions]", "[machine]\ndate = 2026-11-20\n\n[conventions]")
+    assert Job.loads(text).fields.machine.date == "2026-11-20"
 
 
 def test_a_plane_without_radius_has_no_limit_in_gmm():

@@ -242,6 +242,27 @@ def test_without_phase_four_runs_do():
     assert any("two places of the heavy spot explain the amplitudes" in note for note in open_.notes)
 
 
+def test_tooling_is_told_apart_by_vibration_and_known_coefficients(tmp_path):
+    machine = Machine(30, 2, 3)
+    file = tmp_path / "mandrel.toml"
+    file.write_text(measure(machine.job(trials(2))).coefficients().to_toml(), encoding="utf-8")
+    rotor, tooling = machine.unbalance, np.array([90.0 + 20j, -60j])
+    table = machine.job([[], [], []], coefficients=str(file)).to_dict()
+    for run, turn in zip(table["run"], (0.0, 120.0, 180.0), strict=True):
+        machine.unbalance = tooling + rotor * np.exp(1j * math.radians(turn))
+        run["readings"] = [reading | {"rpm": 3000} for reading in machine.readings(np.zeros(2))]
+        run["indexed"] = turn
+    result = measure(Job.from_dict(table))
+    assert [plane.unbalance for plane in result.planes] == pytest.approx(1e-6 * rotor, rel=1e-9)
+    assert result.estimate.tooling == pytest.approx(1e-6 * tooling, rel=1e-8)
+
+
+def test_forty_readings_of_ten_planes_take_no_time():
+    machine = Machine(31, 10, 40)
+    result = measure(machine.job(trials(10), stated={"amplitude": 0.01}))
+    assert [plane.unbalance for plane in result.planes] == pytest.approx(1e-6 * machine.unbalance, rel=1e-8)
+
+
 def machine_job(runs, **more):
     return Job.from_dict(
         {

@@ -23,6 +23,8 @@ from inertia.balancing.measured.index_balancing import index_balancing
 from inertia.balancing.measured.influence import influence_correction
 from inertia.balancing.measured.job import Job
 from inertia.balancing.measured.readings import complex_of
+from inertia.balancing.measured.trial_weights import unbalance_for_weight
+from inertia.balancing.shop_units import angular_speed
 from inertia.balancing.unbalance import Complex
 from inertia.errors import GeometryError, UsageError
 
@@ -169,7 +171,7 @@ def _calculated(job: Job, inputs: _Inputs, near: Estimate | None = None) -> Esti
         return replace(
             answer, unbalance=np.array([now]), present=np.array([fits[0].sensitivity * abs(now) + 0j]), fits=fits
         )
-    matrix = _fitted(inputs.readings, mounted) if inputs.stored is None else inputs.stored
+    matrix = _fitted(job, inputs.readings, mounted) if inputs.stored is None else inputs.stored
     present = _present(inputs.readings, mounted, remaining, matrix)
     answer = replace(answer, coefficients=matrix, present=present)
     if any(run.indexed for run in job.runs):
@@ -202,17 +204,32 @@ def mounted_weights(job: Job, weights: Complex) -> tuple[Complex, Complex]:
     return mounted, remaining
 
 
-def _fitted(readings: Complex, mounted: Complex) -> Complex:
+def _fitted(job: Job, readings: Complex, mounted: Complex) -> Complex:
     """Return the coefficients (channels, n) of runs whose first readings are not known any better than the others."""
     rows = mounted - mounted.mean(axis=0)
     sizes = np.linalg.norm(rows, axis=0)
     if not sizes.all() or _condition(rows / sizes) > _SINGULAR:
+        planes = _counted(mounted.shape[1], "plane")
         raise UsageError(
-            f"{len(mounted)} runs do not tell {mounted.shape[1]} planes apart: mount a trial weight in every plane, in "
-            "runs that are not multiples of each other, or name a file of coefficients"
+            f"{_counted(len(mounted), 'run')} cannot tell what a weight does in {planes}: mount a trial weight in "
+            f"every plane, in runs that are not multiples of each other, or name a file of coefficients{_trial(job)}"
         )
     change = readings - readings.mean(axis=0)
     return complex_of(np.linalg.lstsq(rows, change, rcond=None)[0].T, "coefficients")
+
+
+def _trial(job: Job) -> str:
+    """Return how large a trial weight should be, where the rotor's mass and speed are known."""
+    mass, rpm = job.fields.tolerance.mass, job.channels[0].rpm
+    if mass is None or rpm is None or job.weighed_alone:
+        return ""
+    unbalance = unbalance_for_weight(mass / len(job.planes), angular_speed(rpm))
+    masses = ", ".join(f"{1e3 * unbalance / job.per_mass(k):.3g} g in {plane.id}" for k, plane in enumerate(job.planes))
+    return f"; a tenth of the weight as force is {masses}"
+
+
+def _counted(number: int, noun: str) -> str:
+    return f"one {noun}" if number == 1 else f"{number} {noun}s"
 
 
 def _present(readings: Complex, mounted: Complex, remaining: Complex, matrix: Complex) -> Complex:

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from datetime import date, time
 from typing import Annotated, Any, ClassVar, Literal, get_args
 
 from inertia.balancing.correction_fields import EvenAngles, WeightFields
@@ -53,6 +54,13 @@ def _positions(value: Any, path: str) -> tuple[float, ...]:
     return listed
 
 
+def _moment(value: Any, path: str) -> str:
+    """Read a date or a time, as TOML has them or as text."""
+    said: str = text(value.isoformat() if isinstance(value, date | time) else value, path)
+    return said
+
+
+_MOMENT = Reader(_moment, text.schema)
 _DEGREES = several(number("degrees"))
 _POSITIONS = Reader(_positions, {"oneOf": [table(EvenAngles).schema, _DEGREES.schema]})
 
@@ -94,7 +102,7 @@ class MachineFields(Section):
     serial: Annotated[str | None, text] = None
     calibration: Annotated[str | None, text] = None
     operator: Annotated[str | None, text] = None
-    date: Annotated[str | None, text] = None
+    date: Annotated[str | None, _MOMENT] = None
     place: Annotated[str | None, text] = None
     remark: Annotated[str | None, text] = None
     unit: Annotated[Literal["g·mm", "oz·in"], choice("g·mm", "oz·in")] = "g·mm"
@@ -231,7 +239,7 @@ class RunFields(Section):
     section: ClassVar[str] = "run"
 
     id: Annotated[str, text]
-    time: Annotated[str | None, text] = None
+    time: Annotated[str | None, _MOMENT] = None
     remark: Annotated[str | None, text] = None
     weights: Annotated[tuple[MountedFields, ...], tables(MountedFields)] = ()
     readings: Annotated[tuple[ReadingFields, ...], tables(ReadingFields)] = ()

@@ -56,6 +56,7 @@ def measurement_document(result: Measurement) -> Document:
         if estimate.tooling is None
         else [_weight(result, k, vector) for k, vector in enumerate(estimate.tooling.tolist())],
         "places": [_weight(result, 0, fit.unbalance) | {"misfit": fit.misfit} for fit in estimate.fits],
+        "tolerance_planes": _tolerance_planes(result),
         "verdict": result.outcome,
         "why": list(result.why),
         "corrections": [_operation(result, work) for work in _operations(result)],
@@ -153,6 +154,24 @@ def _plane(result: Measurement, number: int, plane: MeasuredPlane) -> Document:
         ],
         "left": _weight(result, number, plane.left),
     }
+
+
+def _tolerance_planes(result: Measurement) -> list[Document]:
+    """Return what the bearings of the rotor file see of it, in the angles of that file."""
+    balance = result.balance
+    if balance is None:
+        return []
+    return [
+        {
+            "id": plane.name,
+            "z_mm": z / _MM,
+            "unbalance": {"gmm": abs(plane.residual) / GRAM_MILLIMETRE, "deg": in_degrees(plane.residual)},
+            "uncertainty_gmm": math.fsum(plane.bounds.values()) / GRAM_MILLIMETRE,
+            "permissible_gmm": plane.permissible / GRAM_MILLIMETRE,
+            "verdict": plane.outcome,
+        }
+        for plane, z in zip(balance.initial_verdict.planes, balance.tolerance_planes, strict=True)
+    ]
 
 
 def _coefficients(result: Measurement) -> list[Document]:

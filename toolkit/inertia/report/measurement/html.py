@@ -53,6 +53,7 @@ def certificate_html(result: Measurement) -> str:
     document = measurement_document(result)
     return environment.get_template("certificate.html.j2").render(
         document=document,
+        standard="" if result.balance is None else result.balance.tolerance.standard,
         unit="g" if result.job.weighed_alone else "g·mm",
         unit_key="g" if result.job.weighed_alone else "gmm",
         rotor_facts=list(_facts(document["report"])),
