@@ -1,6 +1,7 @@
 """Standard uncertainties against Monte Carlo (JCGM 101) of the moments of tetrahedra, and against closed forms."""
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -15,6 +16,7 @@ from inertia.errors import GeometryError, UsageError
 from inertia.mesh.part import Part, Regions
 from inertia.units import length_unit
 from inertia_meshes import path
+from inertia_meshes.rational import moments
 
 DRAWS = 20_000
 PAIRS = ((0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2))
@@ -234,10 +236,56 @@ def test_refusals_say_what_to_give_instead() -> None:
         inertia.analyse(part, scale=1.02)
     with pytest.raises(UsageError, match="no input is uncertain"):
         inertia.analyse(part, coverage=2)
-    overlapping = Part(joined(cube((0, 0, 0)), cube((0.5, 0, 0))), length_unit("m"), "option")
-    with pytest.raises(UsageError, match="vertices of a union"):
-        inertia.analyse(overlapping, union=True, sigma=0.01)
-    inertia.analyse(overlapping, Estimate(10, 1), union=True)
+    made = replace(part, chord=np.full(part.triangles.count, 0.01))
+    with pytest.raises(UsageError, match="made from its true shape"):
+        inertia.analyse(made, sigma=0.01)
+    assert inertia.analyse(made, Estimate(10, 1)).uncertainty.mass == pytest.approx(2)
+
+
+def cross(vertices: Float, faces: np.ndarray, middle: int) -> Float:
+    """Return the moments (10,) at unit density of the union of two solids, by manifold3d and rational arithmetic."""
+    from manifold3d import Manifold, Mesh64
+
+    def solid(some: np.ndarray) -> Manifold:
+        used, index = np.unique(some, return_inverse=True)
+        return Manifold(Mesh64(vertices[used], index.reshape(-1, 3).astype(np.uint64)))
+
+    mesh = (solid(faces[:middle]) + solid(faces[middle:])).to_mesh64()
+    m = moments(np.asarray(mesh.vert_properties)[np.asarray(mesh.tri_verts)])
+    return np.array([float(k) for k in (m.volume, *m.center_of_mass, *(m.inertia[i][j] for i, j in PAIRS))])
+
+
+def test_noise_of_bodies_that_are_united_is_that_of_what_is_not_hidden() -> None:
+    (a, faces_a), (b, faces_b) = sphere((0, 0, 0), 1.0, 1), sphere((0.9, 0.3, 0.2), 0.8, 1)
+    vertices = np.concatenate([np.asarray(a) * [1.0, 1.3, 0.8], b])
+    faces = np.concatenate([np.asarray(faces_a), np.asarray(faces_b) + len(a)])
+    part = Part.from_arrays(vertices, faces)
+    u = inertia.analyse(part, 1.0, union=True, sigma=0.01).uncertainty
+    h, jacobian = 1e-6, []
+    for k in range(vertices.size):
+        low, high = vertices.copy(), vertices.copy()
+        low.flat[k] -= h
+        high.flat[k] += h
+        jacobian.append((cross(high, faces, len(faces_a)) - cross(low, faces, len(faces_a))) / (2 * h))
+    rates = np.array(jacobian)
+    gradient = inertia.gradient(part, 1.0, union=True)
+    np.testing.assert_array_equal(gradient.vertices, vertices)
+    np.testing.assert_allclose(gradient.volume.ravel(), rates[:, 0], atol=1e-8)
+    np.testing.assert_allclose(u.of()[[0, *range(2, 11)]], 0.01 * np.sqrt((rates**2).sum(axis=0)), rtol=1e-5)
+    assert u.bias is None
+
+
+def test_regions_that_are_united_each_by_itself_keep_their_densities() -> None:
+    one = joined(cube((0, 0, 0)), cube((0.5, 0, 0)))
+    mesh = joined((one.vertices, one.faces), cube((4, 0, 0)))
+    regions = Regions(("a", "b"), np.repeat(np.arange(2, dtype=np.int32), [24, 12]))
+    part = Part(mesh, length_unit("m"), "option", regions=regions)
+    u = inertia.analyse(part, {"a": 2.0, "b": 3.0}, union=True, sigma=0.01).uncertainty
+    alone = [
+        inertia.analyse(Part(each, length_unit("m"), "option"), rho, union=True, sigma=0.01).uncertainty.mass
+        for each, rho in ((one, 2.0), (joined(cube()), 3.0))
+    ]
+    assert u.mass == pytest.approx(math.hypot(*alone))
 
 
 @pytest.mark.parametrize("size", [1e-30, 1e30])

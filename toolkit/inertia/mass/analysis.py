@@ -344,16 +344,12 @@ def _answer(
     allowance : volume, in the part's unit, that a shell may enclose twice and be in doubt only
     faults_apart : whether doubts count for the accuracy that is asked for
     """
-    united = None
+    united = origin = None
     if union:
         from inertia.mass.union import united_for
 
         united, stated = united_for(part, stated, _part_of(progress, 0.0, 0.8))
-        if sigma and united.changed:
-            raise UsageError(
-                f"{part.name}: vertices of a union lie where triangles cross, and their noise is not that of "
-                "the vertices measured: give sigma for each body by itself"
-            )
+        origin = None if united.origins is None else (part, united.origins)
         part, progress = united.part, _part_of(progress, 0.8, 1.0)
     f = part.unit.metres
     model: Literal["solid", "shell", "wire"] = "solid"
@@ -425,7 +421,7 @@ def _answer(
         crossings_examined=integral.crossings_examined or united is not None,
         doubts=integral.doubts,
         union=united,
-        integrand=answer.integrand(model),
+        integrand=replace(answer.integrand(model), origin=origin),
     )
     thickness = shell if shell is not None else wire
     named = *stated.named.values(), stated.default, stated.mass, thickness, scale

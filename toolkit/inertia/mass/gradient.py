@@ -78,6 +78,7 @@ def gradient(
     shell: float | None = None,
     wire: float | None = None,
     orientation: Orientation = "stored",
+    union: bool = False,
 ) -> Gradient:
     """Differentiate the mass properties of a part with respect to the coordinates of its vertices.
 
@@ -86,7 +87,8 @@ def gradient(
 
     Parameters
     ----------
-    part, density, material, mass, shell, wire, orientation : as of `mass_properties`
+    part, density, material, mass, shell, wire, orientation, union : as of `mass_properties`; of a union the vertices
+        are those of the part that is united
 
     Raises
     ------
@@ -102,7 +104,9 @@ def gradient(
     """
     if part.shape is not None:
         part = replace(part, shape=None)
-    analysis = analyse(part, density, material=material, mass=mass, shell=shell, wire=wire, orientation=orientation)
+    analysis = analyse(
+        part, density, material=material, mass=mass, shell=shell, wire=wire, orientation=orientation, union=union
+    )
     integrand = analysis.integrand
     (vertices, rows), weighing = integrand.rows, integrand.weighing
     responses = np.empty((len(vertices), 3, 11))

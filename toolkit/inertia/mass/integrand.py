@@ -52,6 +52,8 @@ class Integrand:
     turned : which triangles count with their winding reversed, if some do
     properties : the mass properties
     weighed : whether the mass was given, and the densities are proportions
+    origin : of a union the part that was united, whose vertices are those that move, and which of its triangles each
+        triangle lies in
     """
 
     part: Part
@@ -62,6 +64,7 @@ class Integrand:
     turned: Bool | None
     properties: MassProperties
     weighed: bool
+    origin: tuple[Part, Int] | None = None
 
     @property
     def dimension(self) -> int:
@@ -80,7 +83,7 @@ class Integrand:
 
         Vertices of the same coordinates are one: what moves one of them moves all.
         """
-        geometry = self.part.geometry
+        geometry = self.part.geometry if self.origin is None else self.origin[0].geometry
         if isinstance(geometry, Facets):
             points: NDArray[np.floating] = geometry.corners_f4().reshape(-1, 3)
             first, row = _distinct(points)
@@ -97,9 +100,8 @@ class Integrand:
         """
         vertices, rows = self.rows
         center = np.array([float(k) for k in self.center])
-        local = (vertices - center) - [
-            float(k - Fraction(c)) for k, c in zip(self.center, center.tolist(), strict=True)
-        ]
+        rest = np.array([float(k - Fraction(c)) for k, c in zip(self.center, center.tolist(), strict=True)])
+        local = (vertices - center) - rest
         exponent = int(np.frexp(np.abs(local).max(initial=0.0))[1])
         metres, size = self.part.unit.metres, Fraction(2) ** exponent
         local = np.ldexp(local, -exponent)
@@ -108,7 +110,10 @@ class Integrand:
             scale = np.array([float(self.factor * metres**k * size ** (self.dimension + k)) for k in powers])
         except OverflowError:
             raise GeometryError(f"{self.part.name}: a derivative is above 1.8e308 and leaves float64") from None
-        if self.model == "solid" and not isinstance(self.part.geometry, Cells):
+        if self.origin is not None:
+            pieces = np.ldexp((self.part.triangles.corners() - center) - rest, -exponent)
+            found = self._of_union(local, rows, pieces)
+        elif self.model == "solid" and not isinstance(self.part.geometry, Cells):
             found = self._of_triangles(local, rows, _solid_rates)
         elif self.model == "shell":
             found = self._of_triangles(local, rows, _shell_rates)
@@ -151,6 +156,27 @@ class Integrand:
             yield row, volume, moments
             row = stop
 
+    def _of_union(self, local: Float, rows: Int, pieces: Float) -> Iterator[tuple[int, Float, Float]]:
+        """Yield all at once: the corners of a piece (k, 3, 3) move with its triangle, by their barycentric coordinates.
+
+        What they do beyond that moves them along the triangle, which changes nothing.
+        """
+        assert self.origin is not None
+        part, origins = self.origin
+        faces = rows if rows.ndim == 2 else rows[part.triangles.faces]  # type: ignore[union-attr]
+        density = self._density(len(pieces))
+        volume, moments = np.zeros_like(local), np.zeros((len(local), 10, 3))
+        for start in range(0, len(pieces), _CORNERS):
+            corners, nodes = pieces[start : start + _CORNERS], faces[origins[start : start + _CORNERS]]
+            shares = _barycentric(corners, local[nodes])
+            columns = [np.ascontiguousarray(corners[:, k].T) for k in range(3)]
+            change = np.zeros((len(corners), 3, 10, 3))
+            for k in range(3):
+                rates = np.moveaxis(_solid_rates(columns[k], columns[k - 2], columns[k - 1]), 2, 0)
+                change += shares[:, k, :, None, None] * rates[:, None]
+            _scatter(nodes, change, density[start : start + len(corners)], volume, moments)
+        yield 0, volume, moments
+
     def _of_cells(self, local: Float, rows: Int) -> Iterator[tuple[int, Float, Float]]:
         from inertia.mesh.geometry.cell_shapes import numbered_blocks, volume_blocks
 
@@ -166,11 +192,7 @@ class Integrand:
                 nodes = rows[block.nodes[begin : begin + _CELLS]]
                 change = _cell_rates(block.kind, local[nodes])  # (k, n, 10, 3)
                 weight = density[number + begin : number + begin + len(nodes)]
-                order = np.argsort(nodes.ravel(), kind="stable")
-                some, starts = np.unique(nodes.ravel()[order], return_index=True)
-                volume[some] += np.add.reduceat(change[:, :, 0].reshape(-1, 3)[order], starts)
-                heavy = (change * weight[:, None, None, None]).reshape(-1, 10, 3)
-                moments[some] += np.add.reduceat(heavy[order], starts)
+                _scatter(nodes, change, weight, volume, moments)
         yield 0, volume, moments
 
     def responses(self, volume: Float, moments: Float) -> Float:
@@ -250,6 +272,25 @@ def _distinct(points: NDArray[np.floating]) -> tuple[Int, Int]:
     rank = np.empty_like(order)
     rank[order] = np.arange(len(order))
     return first[order], rank[row]
+
+
+def _scatter(nodes: Int, change: Float, density: Float, volume: Float, moments: Float) -> None:
+    """Add what elements of these densities (k,) change by their nodes (k, n), (k, n, 10, 3), up for all nodes."""
+    order = np.argsort(nodes.ravel(), kind="stable")
+    some, starts = np.unique(nodes.ravel()[order], return_index=True)
+    volume[some] += np.add.reduceat(change[:, :, 0].reshape(-1, 3)[order], starts)
+    heavy = (change * density[:, None, None, None]).reshape(-1, 10, 3)
+    moments[some] += np.add.reduceat(heavy[order], starts)
+
+
+def _barycentric(points: Float, triangles: Float) -> Float:
+    """Return the barycentric coordinates (k, n, 3) of points (k, n, 3) in triangles (k, 3, 3) that they lie in."""
+    a = triangles[:, :1]
+    u, v, w = triangles[:, 1:2] - a, triangles[:, 2:] - a, points - a
+    normal = np.cross(u, v)
+    square = (normal * normal).sum(axis=2)
+    second, third = ((np.cross(*pair) * normal).sum(axis=2) / square for pair in ((w, v), (u, w)))
+    return np.stack([1.0 - second - third, second, third], axis=2)
 
 
 def _cross(a: Float, b: Float) -> Float:

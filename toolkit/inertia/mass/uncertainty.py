@@ -255,6 +255,8 @@ def _may_be_equal(principal: Principal, covariance: Float) -> tuple[tuple[int, .
 
 def _straight(integrand: Integrand) -> bool:
     geometry = integrand.part.geometry
+    if integrand.origin is not None:
+        return False
     if isinstance(geometry, Cells):
         return integrand.model == "solid" and all(
             block.kind in ("tetra", "triangle", "quad", "line", "vertex") for block in geometry.blocks
@@ -263,7 +265,7 @@ def _straight(integrand: Integrand) -> bool:
 
 
 def _tensor_bias(integrand: Integrand, covariance: Float, sigma: float) -> Float | None:
-    """Return E δI to second order, where the elements are tetrahedra or solids bounded by triangles.
+    """Return E δI to second order, where the elements are tetrahedra or solids bounded by triangles, not united.
 
     Each is a cubic or higher polynomial of independent vertices: ½ σ² Σ ∇² is 0 for volume and first moments and
     ½ σ² m δᵢⱼ for ∫xᵢxⱼ dm, whatever the mesh; that the centre of mass moves along takes m cov(G) away again. Of a mass
@@ -297,7 +299,8 @@ def _second_order(integrand: Integrand, raw: Float, bias: Float | None, sigma: f
             )
     if integrand.model == "wire" or isinstance(integrand.part.geometry, Cells):
         return remarks
-    triangles, metres = integrand.part.triangles, float(integrand.part.unit.metres)
+    part = integrand.part if integrand.origin is None else integrand.origin[0]
+    triangles, metres = part.triangles, float(integrand.part.unit.metres)
     edges = growth = 0.0
     for start in range(0, triangles.count, _CHUNK):
         corners = triangles.corners(start, min(start + _CHUNK, triangles.count)) * metres

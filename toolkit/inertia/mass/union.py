@@ -45,7 +45,7 @@ def united_for(part: Part, stated: Densities, progress: Progress | None = None) 
 
 
 def _regions_united(part: Part, regions: Regions) -> Union:
-    unions = []
+    unions, origins = [], []
     for number in np.unique(regions.index).tolist():
         which = np.flatnonzero(regions.index == number)
         own = replace(part, geometry=part.triangles.select(which), regions=Regions(regions.names, regions.index[which]))
@@ -57,6 +57,7 @@ def _regions_united(part: Part, regions: Regions) -> Union:
             unions.append(unite(own))
         except GeometryError as fault:
             raise placed(fault, f"region {regions.names[number] if number >= 0 else ''!r}") from None
+        origins.append(which if unions[-1].origins is None else which[unions[-1].origins])
     whole = unite(part)
     more, negative = (sum(getattr(union, name) for union in unions) for name in ("more_than_once", "negative"))
     corners = part.triangles.corners()
@@ -68,7 +69,8 @@ def _regions_united(part: Part, regions: Regions) -> Union:
         )
     if whole.part is part:
         return whole
-    return Union(_together(part, [union.part for union in unions]), whole.crossings, more, negative)
+    together = _together(part, [union.part for union in unions])
+    return Union(together, whole.crossings, more, negative, np.concatenate(origins))
 
 
 def _together(part: Part, apart: list[Part]) -> Part:

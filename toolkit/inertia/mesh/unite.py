@@ -43,12 +43,14 @@ class Union:
     more_than_once : ∫ max(w − 1, 0) dV over the winding number w, what counting more than once added to the volume, in
         file units cubed
     negative : ∫ max(−w, 0) dV, what counting less than not at all took from it
+    origins : (m,) which of the triangles given each triangle of `part` lies in; None where that is the part given
     """
 
     part: Part
     crossings: int
     more_than_once: float
     negative: float
+    origins: Int | None = None
 
     @property
     def changed(self) -> bool:
@@ -130,7 +132,9 @@ def unite(part: Part, progress: Progress | None = None) -> Union:
             "use ",
             REPAIR,
         )
-    return Union(_rebuilt(part, *surface, origin), meetings.crossings, more, negative)
+    coordinates, rests, pieces, sources = surface
+    united = _rebuilt(part, coordinates, rests, pieces, origin[sources])
+    return Union(united, meetings.crossings, more, negative, origin[sources])
 
 
 def _in_order(part: Part) -> tuple[Float, Int, Int]:
@@ -264,7 +268,7 @@ def _surface(
     return coordinates, rests, numbers.reshape(-1, 3), origins
 
 
-def _rebuilt(part: Part, vertices: Float, rests: Float, faces: Int, sources: Int, origin: Int) -> Part:
+def _rebuilt(part: Part, vertices: Float, rests: Float, faces: Int, origins: Int) -> Part:
     surface = Surface(vertices, faces)
     surface.counts_once = True
     distance = float(np.linalg.norm(rests, axis=1).max()) * (1 + 8 * _EPSILON)
@@ -277,7 +281,7 @@ def _rebuilt(part: Part, vertices: Float, rests: Float, faces: Int, sources: Int
         chord = np.full(len(faces), more * float(chord.max()) + distance)
     regions = part.regions
     if regions is not None:
-        regions = Regions(regions.names, regions.index[origin[sources]])
+        regions = Regions(regions.names, regions.index[origins])
     return replace(part, geometry=surface, regions=regions, rounding=rounding, chord=chord)
 
 
