@@ -318,6 +318,24 @@ HSBALANCE = {
         "17.5@230 30.3@-9",
         0.05,
     ),
+    "Darlow (1982), 1": (
+        ["1.41@45 2.24@27 3.61@34", "3.16@72 4.47@27 2.24@27", "2.83@45 2.24@27 5@37", "3.16@18 3.61@34 4.47@27"],
+        "3.16@72 3.16@18 4.12@14 5.39@68",
+        "1.39@-4 1.25@-144 0.98@168",
+        0.02,
+    ),
+    "Darlow (1982), 2, planes alike": (
+        ["1.41@45 3.61@34 3.61@34", "3.16@72 2.24@27 2.24@27", "2.83@45 5@37 5@37", "3.16@18 3.61@34 4.47@27"],
+        "3.16@72 3.16@18 4.12@14 5.39@68",
+        "0.87@101 4.74@100 5.08@-87",
+        0.05,
+    ),
+    "Darlow (1982), 3": (
+        ["1.41@45 3.61@34", "3.16@72 2.24@27", "2.83@45 5@37", "3.16@18 4.47@27"],
+        "3.16@72 3.16@18 4.12@14 5.39@68",
+        "0.51@46 1.13@-155",
+        0.02,
+    ),
 }
 
 
@@ -359,6 +377,7 @@ def test_published_coefficients_give_the_published_weights(case, tmp_path):
     found = np.array([1e3 * plane.correction for plane in result.planes])
     assert np.abs(found - vectors(published)).max() <= tolerance * np.abs(found).max()
     assert np.linalg.norm(result.predicted) <= np.linalg.norm(before + matrix @ vectors(published)) * (1 + 1e-9)
+    assert any("planes P1 and P2 act alike" in note for note in result.notes) == ("alike" in case)
 
 
 def simple_job(runs, weights, stays, unit="mil pp"):
@@ -378,6 +397,31 @@ def simple_job(runs, weights, stays, unit="mil pp"):
             "run": entries,
         }
     )
+
+
+BRUEL = [[(170, 112), (53, 78)], [(235, 94), (58, 68)], [(189, 115), (77, 104)]]
+
+
+def test_bruel_and_kjaer_by_runs():
+    corrections = [plane.correction for plane in measure(simple_job(BRUEL, [(1.15, 0), (1.15, 0)], False)).planes]
+    for correction, (size, angle) in zip(corrections, [(1.96, -122), (1.06, 121)], strict=True):
+        assert 1e3 * correction == pytest.approx(polar(size, angle), abs=0.05 * size)
+
+
+@pytest.mark.parametrize("phase", ["lead", "lag"])
+def test_runout_is_taken_off(phase):
+    # hsbalance 0.5.5, its case with A0: 12 at 30 degrees is there at low speed.
+    table = simple_job(BRUEL, [(1.15, 0), (1.15, 0)], False).to_dict()
+    sign = 1 if phase == "lead" else -1
+    table["conventions"]["phase"] = phase
+    for sensor in table["sensor"]:
+        sensor["runout"] = {"amplitude": 12, "phase": sign * 30}
+    for reading in (one for run in table["run"] for one in run["readings"]):
+        reading["phase"] *= sign
+    result = measure(Job.from_dict(table))
+    for plane, (size, angle) in zip(result.planes, [(1.95, 239.5), (0.89, 139.1)], strict=True):
+        assert 1e3 * plane.correction == pytest.approx(polar(size, angle), abs=0.01)
+    assert any("the runout of S0, S1 is taken off" in note for note in result.notes)
 
 
 def test_feese_and_grazier_balance_with_trial_weights_that_stay():

@@ -15,6 +15,7 @@ from pathlib import Path
 from typing import Any, ClassVar, TypeVar
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from inertia.arrays import Float
 from inertia.balancing.measured.job_fields import JobFields, MeasuredPlaneFields, ReadingFields, RunFields, SensorFields
@@ -155,14 +156,25 @@ class Job(Document):
 
     @cached_property
     def vibrations(self) -> Complex:
-        """The same with phases, as complex numbers that are linear in the unbalance."""
+        """The same with phases, as complex numbers that are linear in the unbalance, without runout."""
         phases = [[self._reading(run, channel).phase or 0.0 for channel in self.channels] for run in self.runs]
+        return self._linear(self.amplitudes, phases) - self.runouts
+
+    @cached_property
+    def runouts(self) -> Complex:
+        """What of the readings of each channel is runout, (channels,) complex."""
+        each = {sensor.id: sensor.runout for sensor in self.fields.sensor if sensor.runout is not None}
+        runouts = [each.get(channel.sensor) for channel in self.channels]
+        sizes = [0.0 if one is None else one.amplitude for one in runouts]
+        return self._linear(sizes, [0.0 if one is None else one.phase for one in runouts])
+
+    def _linear(self, amplitudes: ArrayLike, phases: ArrayLike) -> Complex:
         conventions = self.fields.conventions
         if self.by_machine:
-            heavy = readings(self.amplitudes, phases)
+            heavy = readings(amplitudes, phases)
             return -heavy if conventions.shows == "correction" else heavy
         return readings(
-            self.amplitudes,
+            amplitudes,
             phases,
             phase=conventions.phase or "lead",
             rotation="ccw" if conventions.angles == "with rotation" else "cw",
@@ -174,7 +186,7 @@ class Job(Document):
         return [(entry.amplitude, entry.phase if self.by_phase else None) for entry in entries]
 
     def shown(self, reading: complex) -> tuple[float, float | None]:
-        """Return the amplitude and the phase, degrees, that the instrument shows for one of `vibrations`."""
+        """Return the amplitude and the phase, degrees, that the instrument shows for one of `vibrations`, no runout."""
         size = abs(reading) / (self._machine_unit if self.by_machine else 1.0)
         if not self.by_phase:
             return size, None
@@ -312,6 +324,9 @@ class Job(Document):
                 f'is "without phase", which takes one plane and one sensor at one speed, not {len(fields.plane)} and '
                 f"{len(self.channels)}: measure phases",
             )
+        for k, sensor in enumerate(fields.sensor):
+            if sensor.runout is not None and not self.by_phase:
+                raise FieldError(f"sensor[{k}].runout", "can only be taken off readings with phase: leave it out")
         if fields.coefficients is not None and fields.method != "influence coefficients":
             raise FieldError("coefficients", f'goes with no method "{fields.method}": leave it out')
         if fields.rotor is not None:

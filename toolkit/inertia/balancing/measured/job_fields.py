@@ -110,6 +110,22 @@ class MachineFields(Section):
 
 
 @dataclass(frozen=True, eq=False)
+class RunoutFields(Section):
+    """The runout of the surface that a pickup looks at, as it reads it at low speed.
+
+    Attributes
+    ----------
+    amplitude : in the sensor's unit
+    phase : degrees
+    """
+
+    section: ClassVar[str] = "runout"
+
+    amplitude: Annotated[float, number("the sensor's unit", negative=False)]
+    phase: Annotated[float, number("degrees")]
+
+
+@dataclass(frozen=True, eq=False)
 class SensorFields(Section):
     """One of ``[[sensor]]``: a vibration pickup.
 
@@ -121,6 +137,7 @@ class SensorFields(Section):
     amplitude : half-width of what its amplitudes may be off by, as a part of them; of the job without it
     floor : half-width of its noise, in its unit
     phase : half-width of what its phases may be off by, degrees; of the job without it
+    runout : {amplitude, phase} at low speed, which is taken off its readings
     """
 
     section: ClassVar[str] = "sensor"
@@ -131,6 +148,7 @@ class SensorFields(Section):
     amplitude: Annotated[float | None, number("", negative=False, below=1.0)] = None
     floor: Annotated[float, number("the sensor's unit", negative=False)] = 0.0
     phase: Annotated[float | None, number("degrees", negative=False, below=180.0)] = None
+    runout: Annotated[RunoutFields | None, table(RunoutFields)] = None
 
 
 @dataclass(frozen=True, eq=False)

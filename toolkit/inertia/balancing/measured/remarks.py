@@ -65,6 +65,8 @@ def _on_readings(job: Job) -> list[str]:
         notes.append(
             f"readings are assumed to be good to {100 * AMPLITUDE:g} % and {PHASE:g}°, as the job states no uncertainty"
         )
+    if runouts := [sensor.id for sensor in job.fields.sensor if sensor.runout is not None]:
+        notes.append(f"the runout of {', '.join(runouts)} is taken off its readings; those that are shown have it")
     quantities = {vibration_unit(sensor.unit).name for sensor in job.fields.sensor}
     if len(quantities) > 1 and len({sensor.importance for sensor in job.fields.sensor}) == 1:
         notes.append(f"readings in {' and '.join(sorted(quantities))} count alike, number by number: give importance")

@@ -107,7 +107,9 @@ def _run(result: Measurement, number: int, run: MeasuredRun) -> Document:
 
 
 def _readings(result: Measurement, values: list[complex]) -> list[Document]:
-    return _entries(result, [result.job.shown(value) for value in values])
+    """Return readings as the instruments will show them: with the runout."""
+    runouts = result.job.runouts.tolist()
+    return _entries(result, [result.job.shown(a + b) for a, b in zip(values, runouts, strict=True)])
 
 
 def _entries(result: Measurement, shown: list[tuple[float, float | None]]) -> list[Document]:
