@@ -103,6 +103,9 @@ def add(parsers: Any) -> None:
         help="mesh a STEP file twice, and estimate what that left out",
     )
     result.add_argument(
+        "--tessellated", action="store_true", help="integrate triangles in place of the true shape (STEP)"
+    )
+    result.add_argument(
         "--as",
         dest="target",
         metavar="FORMAT",
@@ -210,6 +213,7 @@ def _analysis(part: Part, options: argparse.Namespace) -> Analysis:
             allow_faults=options.allow_faults,
             about=options.about,
             chord=options.chord,
+            tessellated=options.tessellated or options.richardson,
             sigma=options.sigma,
             scale=options.scale,
             coverage=options.coverage,

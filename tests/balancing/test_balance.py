@@ -350,8 +350,10 @@ def test_the_reader_of_step_states_the_tolerance(tmp_path: Path) -> None:
     fields = described(body=[{"file": "disc.step", "density": STEEL}])
     answer = balance(Rotor.from_dict(fields, tmp_path))
     body = answer.bodies[0]
-    assert body.chord_from == "read"
+    assert body.chord_from == "shape"
     assert body.chord == pytest.approx(9 / 8 * 0.03 * (1 - math.cos(math.pi / 252)), rel=0.05)
+    assert body.analysis.shape is not None
+    assert body.tessellation(answer.shaft, 0.0) is None
     assert not any("chord_tolerance" in note for note in answer.notes)
     fields["body"][0]["chord_tolerance"] = 0.5
     assert balance(Rotor.from_dict(fields, tmp_path)).bodies[0].chord_from == "given"

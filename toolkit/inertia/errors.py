@@ -72,6 +72,7 @@ ABSOLUTE = Remedy("analyse", "orientation", "absolute")
 UNION = Remedy("analyse", "union", True)
 ALLOW_FAULTS = Remedy("analyse", "allow_faults", "REL")
 SEPARATE = Remedy("analyse", "parts", "separate")
+TESSELLATED = Remedy("analyse", "tessellated", True)
 UNIT = Remedy("read", "unit", ...)
 FORCE = Remedy("", "force", True)
 

@@ -66,7 +66,8 @@ SOLIDS = {
 def test_the_stated_bound_covers_the_true_solid(name: str, tmp_path: Path) -> None:
     text, (volume, center, inertia_moments) = SOLIDS[name]
     (tmp_path / "part.step").write_text(text)
-    analysis = inertia.analyse(inertia.read(tmp_path / "part.step"), 1.0)
+    part = inertia.read(tmp_path / "part.step")
+    analysis = inertia.analyse(part, 1.0, tessellated=True)
     bound, properties = analysis.tessellation, analysis.properties
     assert bound is not None
     assert abs(properties.volume - volume) <= bound.volume * properties.volume
@@ -77,6 +78,10 @@ def test_the_stated_bound_covers_the_true_solid(name: str, tmp_path: Path) -> No
         assert bound.volume * properties.volume < 5 * abs(properties.volume - volume)
     equal = sorted(len(group) for group in analysis.principal.equal)
     assert equal[-1] == (3 if name == "ball" else 2)
+    true = inertia.analyse(part, 1.0, accuracy=1e-9)
+    assert true.tessellation is None
+    assert true.properties.volume == pytest.approx(volume, rel=1e-13)
+    assert true.properties.inertia == pytest.approx(np.diag(inertia_moments), rel=1e-12, abs=1e-12 * inertia_moments[2])
 
 
 def test_every_output_states_the_tolerance(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
@@ -84,22 +89,24 @@ def test_every_output_states_the_tolerance(tmp_path: Path, capsys: pytest.Captur
     file.write_text(step_sphere(10.0))
     chord = inertia.read(file).chord
     assert chord is not None
-    assert main(["analyse", str(file), "--json"]) == 0
+    assert main(["analyse", str(file), "--json", "--tessellated"]) == 0
     document = json.loads(capsys.readouterr().out)
     assert 4e-4 < document["error"]["tessellation"]["volume"] < 1e-3
     assert f"{chord.max():.3g} mm that reading chose" in document["error"]["tessellation"]["method"]
     assert document["class"] == "spherical"
-    assert main(["analyse", str(file)]) == 0
+    assert main(["analyse", str(file), "--tessellated"]) == 0
     assert "that reading chose" in capsys.readouterr().out
     assert main(["check", str(file)]) == 0
     assert f"{chord.max():.2g} mm off" in capsys.readouterr().out
-    assert main(["analyse", str(file), "--chord", "1e-5"]) == 0
+    assert main(["analyse", str(file), "--chord", "1e-5"]) == 2
+    assert "use --tessellated" in capsys.readouterr().err
+    assert main(["analyse", str(file), "--chord", "1e-5", "--tessellated"]) == 0
     assert "bounds from the chord tolerance 1e-05 mm\n" in capsys.readouterr().out
 
 
 def test_plane_faces_are_off_by_rounding_alone(tmp_path: Path) -> None:
     (tmp_path / "box.stp").write_text(step_solid(CORNERS, QUADS.tolist(), "Block"))
-    bound = inertia.analyse(inertia.read(tmp_path / "box.stp")).tessellation
+    bound = inertia.analyse(inertia.read(tmp_path / "box.stp"), tessellated=True).tessellation
     assert bound is not None
     assert bound.volume < 1e-13
 

@@ -99,7 +99,7 @@ def _scaled(part: Part, scale: tuple[Fraction, Fraction, Fraction] | None) -> Pa
     if x * y * z < 0:
         corners = corners[:, ::-1]
     surface = Surface(corners.reshape(-1, 3), np.arange(3 * len(corners)).reshape(-1, 3))
-    return replace(part, geometry=surface, unit=base, unit_from="file", rounding=None, regions=None)
+    return replace(part, geometry=surface, unit=base, unit_from="file", rounding=None, regions=None, shape=None)
 
 
 def _weighed(part: Part) -> _Mesh:

@@ -25,7 +25,7 @@ from inertia.mesh.geometry.intersect import overlap
 from inertia.mesh.part import Cells, Part, Surface
 from inertia.mesh.read import read
 
-ChordFrom = Literal["given", "read", "estimated", "exact"]
+ChordFrom = Literal["given", "read", "shape", "estimated", "exact"]
 
 _SECTORS = 720
 _CHUNK = 1 << 16
@@ -42,8 +42,8 @@ class RotorBody:
     part : what of it is the body
     analysis : of the body
     chord : m, how far the true surface may be from the mesh
-    chord_from : who said so: the rotor file; the reader, which made the triangles (STEP); the mesh itself, whose sag
-        is estimated; or "exact" where the rotor file says 0
+    chord_from : who said so: the rotor file; the reader, which made the triangles (STEP), also where the true "shape"
+        is integrated in their place; the mesh itself, whose sag is estimated; or "exact" where the rotor file says 0
     """
 
     name: str
@@ -60,7 +60,7 @@ class RotorBody:
 
     def tessellation(self, shaft: Shaft, z: float) -> Uncertainty | None:
         """Return what triangles leave uncertain of the unbalance, the couple about the plane z (m)."""
-        if not self.chord:
+        if not self.chord or self.chord_from == "shape":
             return None
         return chord_uncertainty(self.part, self.chord, self.density, shaft, z)
 
@@ -95,10 +95,18 @@ def _read(rotor: Rotor, fields: BodyFields) -> RotorBody:
         raise GeometryError(f"{whole.name} is a mesh of cells: give the surface of the body, as STL or STEP")
     part = whole if fields.region is None else _region(whole, fields.region)
     sigma = None if fields.sigma is None else fields.sigma * float(rotor.unit.metres / part.unit.metres)
-    analysis = analyse(part, fields.density, material=fields.material, mass=fields.mass, sigma=sigma)
+    analysis = analyse(
+        part,
+        fields.density,
+        material=fields.material,
+        mass=fields.mass,
+        sigma=sigma,
+        tessellated=fields.chord_tolerance is not None,
+    )
     name = fields.name or fields.region or Path(fields.file).name
     if fields.chord_tolerance is None and part.chord is not None:
-        return RotorBody(name, whole, part, analysis, float(part.chord.max()) * float(part.unit.metres), "read")
+        read_chord = float(part.chord.max()) * float(part.unit.metres)
+        return RotorBody(name, whole, part, analysis, read_chord, "shape" if analysis.shape else "read")
     if fields.chord_tolerance is None:
         return RotorBody(name, whole, part, analysis, estimated_sag(part) * float(part.unit.metres), "estimated")
     chord = fields.chord_tolerance * float(rotor.unit.metres)
@@ -112,7 +120,11 @@ def _region(part: Part, name: str) -> Part:
         raise UsageError(f"{part.name} has no region {name!r}: {there}")
     triangles = np.flatnonzero(part.regions.index == names.index(name))
     chord = None if part.chord is None else part.chord[triangles]
-    return replace(part, geometry=part.triangles.select(triangles), regions=None, chord=chord)
+    shape = part.shape
+    if shape is not None:
+        own = tuple(solid for solid in shape.solids if solid.name == name)
+        shape = replace(shape, solids=own) if own else None
+    return replace(part, geometry=part.triangles.select(triangles), regions=None, chord=chord, shape=shape)
 
 
 def _require_apart(rotor: Rotor, bodies: Sequence[RotorBody]) -> None:

@@ -24,6 +24,7 @@ from inertia.errors import (
     ALLOW_FAULTS,
     CHECK,
     REPAIR,
+    TESSELLATED,
     UNION,
     GeometryError,
     Remedy,
@@ -36,7 +37,7 @@ from inertia.estimate import uncertainty_of
 from inertia.mass.density import Densities, DensityFrom, densities
 from inertia.mass.doubt import FILLED, doubt_bounds, doubt_error
 from inertia.mass.integrand import Integrand
-from inertia.mass.integration import Integral, cell_integrals, naming, surface_integrals, wire_integrals
+from inertia.mass.integration import Integral, TrueShape, cell_integrals, naming, surface_integrals, wire_integrals
 from inertia.mass.moments import ZERO, Moments, nearby, total, vector
 from inertia.mass.principal import CLASS_TOLERANCE, Principal
 from inertia.mass.properties import CERTAIN, ErrorBound, MassProperties
@@ -98,6 +99,7 @@ class Analysis:
     notes : what was decided on the way, in sentences
     crossings_examined : whether triangles of the solid that cross one another were looked for (there are none, then)
     union : what was united, where that was asked for
+    shape : the solids of the true shape, where they were integrated in place of triangles
     integrand : the elements and densities behind the properties
     uncertainty : standard uncertainties of the properties, where an input was given with its own
     allowed_faults : the relative bound up to which faults were allowed for, where that was asked for
@@ -126,6 +128,7 @@ class Analysis:
     crossings_examined: bool
     doubts: tuple[Finding, ...] = ()
     union: Union | None = None
+    shape: TrueShape | None = None
     integrand: Integrand = field(repr=False, kw_only=True)
     uncertainty: StandardUncertainty | None = None
     allowed_faults: float | None = None
@@ -151,12 +154,13 @@ def mass_properties(
     union: bool = False,
     parts: Parts = "together",
     allow_faults: float | None = None,
+    tessellated: bool = False,
 ) -> MassProperties:
     """Integrate a part to its mass, centre of mass and inertia tensor.
 
     A closed surface is a solid: V = ∮ x·n dA/3 and its moments, by the divergence theorem over the triangles about
     a local origin (see `inertia.mass.triangles.sums`). A volume mesh is integrated cell by cell by the exact quadrature
-    of each cell's map.
+    of each cell's map. A part with a true shape (STEP) is integrated on its own faces (see `inertia.mass.shapes`).
 
     Parameters
     ----------
@@ -180,6 +184,7 @@ def mass_properties(
         part, centre of mass may reach for faults of the mesh (open, wound inconsistently, overlapping): they cover
         what the faults leave open (see `inertia.mass.faults`), and a part of which that is more is refused;
         `accuracy` is then that of the arithmetic alone
+    tessellated : whether to integrate the triangles of a part that has a true shape, in its place
 
     Raises
     ------
@@ -207,6 +212,7 @@ def mass_properties(
         union=union,
         parts=parts,
         allow_faults=allow_faults,
+        tessellated=tessellated,
     ).properties
 
 
@@ -224,6 +230,7 @@ def analyse(
     union: bool = False,
     parts: Parts = "together",
     allow_faults: float | None = None,
+    tessellated: bool = False,
     about: ArrayLike | Sequence[Fraction] | None = None,
     class_tolerance: float | None = None,
     chord: float | None = None,
@@ -241,7 +248,7 @@ def analyse(
     ----------
     about : (3,) a further point, in the part's unit, for the tensor; `Fraction` coordinates count as they are
     class_tolerance : relative tolerance within which principal moments count as equal: 1e-6, or the bound on the
-        tensor that follows from the chord tolerance of a reader that made the triangles
+        tensor that follows from the chord tolerance of a reader whose triangles are integrated
     chord : the tolerance that the mesh was made with, in the part's unit: how far the true surface may be from it;
         without it, what the reader states that made the triangles (`Part.chord`)
     sigma : standard deviation of each coordinate of each vertex, in the part's unit, independent of all others
@@ -274,6 +281,8 @@ def analyse(
             raise UsageError("a union is one of the solids that a surface bounds: leave it out")
         if orientation == "absolute":
             raise UsageError("a union and an absolute orientation are two answers to one question: give one")
+    if tessellated or allow_faults is not None:  # faults are those of triangles
+        part = replace(part, shape=None)
     if allow_faults is not None:
         from inertia.mass.faults import require_allowance  # it mends: slow to import, and seldom needed
 
@@ -351,11 +360,37 @@ def _answer(
         united, stated = united_for(part, stated, _part_of(progress, 0.0, 0.8))
         origin = None if united.origins is None else (part, united.origins)
         part, progress = united.part, _part_of(progress, 0.8, 1.0)
+    of_shape = part.shape is not None and wire is None
+    if of_shape and chord is not None:
+        raise UsageError(
+            "a chord tolerance is one of triangles, and the true shape is integrated: leave it out, or use ",
+            TESSELLATED,
+        )
+    if of_shape and accuracy == "exact":
+        raise UsageError(
+            "exact arithmetic is for triangle surfaces, and the true shape is integrated: give a relative accuracy, or "
+            "use ",
+            TESSELLATED,
+        )
     f = part.unit.metres
     model: Literal["solid", "shell", "wire"] = "solid"
     factor = f**3
     if shell is not None:
         model, factor = "shell", f**3 * _length(shell, "shell thickness", part.unit.name)
+    if of_shape:
+        from inertia.mass.shapes.integral import shape_integrals
+
+        integrals = shape_integrals(
+            part,
+            stated.named,
+            shell=shell is not None,
+            accuracy=accuracy if isinstance(accuracy, float | int) else None,
+            absolute=orientation == "absolute",
+            intersections=intersections,
+            parts=parts,
+            progress=progress,
+        )
+    elif shell is not None:
         integrals = surface_integrals(part, stated.named, shell=True, accuracy=accuracy, progress=progress)
     elif wire is not None:
         model, factor = "wire", f**3 * _length(wire, "wire cross-section", f"{part.unit.name}2")
@@ -385,12 +420,14 @@ def _answer(
         quantity, bound = missed
         raise GeometryError(
             f"{part.name}: the bound of the {quantity} reached by {integral.method} is {bound:.2g}, above the accuracy "
-            f"asked for, {accuracy:g}{_rounded(part)}",
+            f"asked for, {accuracy:g}{_rounded(part, integral)}",
             *_doubted(answer),
             ": ask for a larger figure",
         )
     tolerance = part.chord if chord is None else float(chord)
-    tessellation = None if tolerance is None or model != "solid" else answer.tessellation(tolerance)
+    if model != "solid" or integral.shape is not None:
+        tolerance = None
+    tessellation = None if tolerance is None else answer.tessellation(tolerance)
     if class_tolerance is None:  # what the reader's own triangles blur is no property of the body
         blur = tessellation.inertia if tessellation is not None and chord is None else 0.0
         class_tolerance = min(max(CLASS_TOLERANCE, blur), 0.5)
@@ -421,6 +458,7 @@ def _answer(
         crossings_examined=integral.crossings_examined or united is not None,
         doubts=integral.doubts,
         union=united,
+        shape=integral.shape,
         integrand=replace(answer.integrand(model), origin=origin),
     )
     thickness = shell if shell is not None else wire
@@ -478,6 +516,7 @@ def _mended(
 
 def _with_allowance(part: Part, parts: Parts, answer: Callable[..., Analysis], fault: GeometryError) -> GeometryError:
     """Return a refusal with what would have to be allowed for an answer, if there is one."""
+    part = replace(part, shape=None)
     if not any(remedy in _MENDABLE for remedy in fault.remedies):
         return fault
     remedy: Remedy | None = ALLOW_FAULTS
@@ -633,7 +672,11 @@ def _part_of(progress: Progress | None, start: float, stop: float) -> Progress |
     return None if progress is None else lambda done: progress(start + done * (stop - start))
 
 
-def _rounded(part: Part) -> str:
+def _rounded(part: Part, integral: Integral) -> str:
+    if integral.shape is not None:
+        if not integral.shape.loose:
+            return ""
+        return f" (the faces of the shape are up to {integral.shape.gap:.2g} {part.unit.name} apart at their edges)"
     if part.rounding is None:
         return ""
     return (

@@ -26,6 +26,7 @@ from inertia.mesh.geometry.intersect import crossings
 from inertia.mesh.geometry.shells import Shell, absolute_orientation, shells
 from inertia.mesh.geometry.shells import bodies as bodies_of
 from inertia.mesh.part import Cells, Facets, Part, Regions, Surface, Triangles, counts_once, usable
+from inertia.mesh.shape import Solid
 
 _WIRE = Remedy("analyse", "wire", "AREA")
 _ANY_WIRE = Remedy("analyse", "wire")
@@ -60,7 +61,7 @@ class Integral:
     `area` is the surface area, `extents` (2, 3) the smallest and largest coordinates, `method` the arithmetic;
     `crossings_examined` says whether triangles that cross one another were looked for, `doubts` what leaves some of
     the volume in doubt: that is not in the moments' bounds. `turned` says which triangles were integrated with their
-    winding reversed, if some were.
+    winding reversed, if some were; `shape` is there where it was integrated in place of the triangles.
     """
 
     groups: tuple[Group, ...]
@@ -75,6 +76,25 @@ class Integral:
     crossings_examined: bool = False
     doubts: tuple[Finding, ...] = ()
     turned: Bool | None = None
+    shape: TrueShape | None = None
+
+
+@dataclass(frozen=True, eq=False)
+class TrueShape:
+    """What was integrated in place of triangles; lengths in the file's unit.
+
+    Attributes
+    ----------
+    solids : each with its moments where it is placed
+    gap : the largest distance between the two sides of an edge
+    loose : whether such gaps count more than rounding in the bounds
+    faces : how many there are
+    """
+
+    solids: tuple[tuple[Solid, Moments], ...]
+    gap: float
+    loose: bool
+    faces: int
 
 
 def surface_integrals(
@@ -230,7 +250,7 @@ def _solid_groups(
         return solid_moments(triangles, arithmetic, rounding=part.rounding)
 
     bodies = {str(body.number + 1): body.shells for body in bodies_of(pieces)} or {"1": ()}
-    _refuse_unknown(named, bodies, part.regions)
+    refuse_unknown(named, bodies, part.regions)
     if part.regions is not None and set(named) <= set(part.regions.names):
         return _region_groups(part, part.regions, integrate)
     if regions := sorted(set(named) - set(bodies)):
@@ -274,7 +294,7 @@ def _shell_groups(
     if not named:
         return (Group("1", shell_moments(part.triangles, arithmetic, sums, progress, part.rounding)),)
     regions = part.regions
-    _refuse_unknown(named, [], regions)
+    refuse_unknown(named, [], regions)
     assert regions is not None
     names, index = _named_regions(regions)
     members = (np.flatnonzero(index == number) for number in range(len(names)))
@@ -299,7 +319,7 @@ def cell_integrals(
     report.require_fit()
     regions = part.regions
     if named:
-        _refuse_unknown(named, [], regions)
+        refuse_unknown(named, [], regions)
     names, index = _named_regions(regions) if named and regions is not None else (("1",), None)
     area, extents = boundary_area(cells), _extents(cells)
     for arithmetic in _CELL_METHODS:
@@ -332,7 +352,7 @@ def wire_integrals(part: Part, named: Collection[str], progress: Progress | None
     cells = part.geometry
     if not isinstance(cells, Cells) or not any(block.kind.startswith("line") for block in cells.blocks):
         raise GeometryError(f"{part.name} holds no lines for a wire: leave ", _ANY_WIRE, " out, or use ", SHELL)
-    _refuse_unknown(named, ["1"], None)
+    refuse_unknown(named, ["1"], None)
     methods = dict(_WIRE_METHODS)
     if any(block.kind == "line3" for block in cells.blocks):
         del methods["double-double"]
@@ -372,7 +392,8 @@ def _extents(cells: Cells) -> Float:
     return np.array([points.min(axis=0), points.max(axis=0)])
 
 
-def _refuse_unknown(named: Iterable[str], known: Iterable[str], regions: Regions | None) -> None:
+def refuse_unknown(named: Iterable[str], known: Iterable[str], regions: Regions | None = None) -> None:
+    """Refuse names that are neither known nor those of regions."""
     names = [*known, *(regions.names if regions is not None else ())]
     for key in named:
         if key not in names:

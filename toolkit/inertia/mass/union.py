@@ -48,7 +48,8 @@ def _regions_united(part: Part, regions: Regions) -> Union:
     unions, origins = [], []
     for number in np.unique(regions.index).tolist():
         which = np.flatnonzero(regions.index == number)
-        own = replace(part, geometry=part.triangles.select(which), regions=Regions(regions.names, regions.index[which]))
+        labels = Regions(regions.names, regions.index[which])
+        own = replace(part, geometry=part.triangles.select(which), regions=labels, shape=None)
         if part.chord is not None:
             own = replace(own, chord=part.chord[which])
         if part.rounding is not None:
@@ -87,4 +88,5 @@ def _together(part: Part, apart: list[Part]) -> Part:
         regions=Regions(regions[0].names, np.concatenate([each.index for each in regions])),
         rounding=Rounding(max(roundings)) if roundings else None,
         chord=np.concatenate(chords) if chords else None,
+        shape=None,
     )

@@ -140,7 +140,7 @@ class Stock:
             regions_after = Regions(regions_after.names, np.concatenate(regions).astype(np.int32))
         chord = self.part.chord if self.part.chord is None else np.full(surface.count, self.part.chord.max())
         rounding = self.part.rounding if self.part.rounding is None else Rounding(self.part.rounding.distance)
-        return replace(self.part, geometry=surface, regions=regions_after, chord=chord, rounding=rounding)
+        return replace(self.part, geometry=surface, regions=regions_after, chord=chord, rounding=rounding, shape=None)
 
     def _cut_body(self, body: _Body, tools: list[Any]) -> tuple[Float, Int, Int]:
         """Return a body's vertices, faces and their regions, after cutting."""

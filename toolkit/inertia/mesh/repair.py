@@ -178,7 +178,14 @@ def _rebuilt(part: Part, surface: Surface, origin: Int, changes: list[Change], f
     rounding = part.rounding if part.rounding is None else Rounding(part.rounding.distance)
     filling = Doubt.joined([part.filling, filling])
     mended = replace(
-        part, geometry=surface, regions=regions, notes=notes, chord=chord, rounding=rounding, filling=filling
+        part,
+        geometry=surface,
+        regions=regions,
+        notes=notes,
+        chord=chord,
+        rounding=rounding,
+        filling=filling,
+        shape=None,
     )
     return Repair(mended, tuple(changes))
 

@@ -282,7 +282,7 @@ def _rebuilt(part: Part, vertices: Float, rests: Float, faces: Int, origins: Int
     regions = part.regions
     if regions is not None:
         regions = Regions(regions.names, regions.index[origins])
-    return replace(part, geometry=surface, regions=regions, rounding=rounding, chord=chord)
+    return replace(part, geometry=surface, regions=regions, rounding=rounding, chord=chord, shape=None)
 
 
 def _grown(part: Part, surface: Surface) -> float:

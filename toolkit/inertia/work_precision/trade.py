@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 import time
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from numbers import Real
 from typing import TYPE_CHECKING, Generic, overload
 
@@ -186,6 +186,7 @@ def _trade_part(
                 f"accuracy is {accuracy!r}: give a relative figure from {FINEST:g} upwards, such as 1e-9, or 'exact'"
             )
         accuracy = float(accuracy)
+    part = replace(part, shape=None)  # what is measured is the integration of triangles
     analysis = analyse(part, density, material=material, progress=lambda done: progress(_CHECKED * done))
     measurement = measure_part(analysis, watch, lambda done: progress(_CHECKED + (1.0 - _CHECKED) * done))
     return PartTrade(

@@ -56,8 +56,8 @@ def read_step(path: Path, coarser: float = 1.0) -> Contents:
     chord += _ROUNDING * np.abs(triangles.vertices).max()
     unit = _unit(document["millimetres"])
     notes = [
-        f"curved STEP faces were replaced by triangles that turn by up to {coarser * _ANGULAR:g} rad and are up to "
-        f"{chord.max():.2g} {unit.name} off (a cylinder loses {coarser**2 * 1e-4:g} of its volume)"
+        f"triangles stand for curved STEP faces: they turn by up to {coarser * _ANGULAR:g} rad and are up to "
+        f"{chord.max():.2g} {unit.name} off (those of a cylinder lose {coarser**2 * 1e-4:g} of its volume)"
     ]
     if left_out:
         notes.insert(0, f"{plural(left_out, 'file')} that it refers to {was(left_out)} left out")

@@ -13,6 +13,7 @@ from inertia.arrays import Float
 from inertia.errors import Sentence, Wording
 from inertia.mass.analysis import Analysis
 from inertia.mass.integrand import matrix_of
+from inertia.mass.integration import TrueShape
 from inertia.mass.principal import Principal
 
 if TYPE_CHECKING:
@@ -38,6 +39,8 @@ def analysis_document(
             "counted_more_than_once": float(Fraction(union.more_than_once) * cubic),
             "counted_negative": float(Fraction(union.negative) * cubic),
         }
+    if analysis.shape is not None:
+        mesh["shape"] = _shape(analysis.shape, part.unit.metres, "area" if analysis.model == "shell" else "volume")
     document: dict[str, Any] = {
         "schema": "inertia/analysis/1",
         "source": part.source.to_dict(),
@@ -164,6 +167,26 @@ def _uncertainty(uncertainty: StandardUncertainty) -> dict[str, Any]:
         **({} if uncertainty.coverage is None else {"coverage": uncertainty.coverage}),
         **({} if uncertainty.coverage is None else {"expanded": all_of(uncertainty.coverage)}),
         "remarks": list(uncertainty.remarks),
+    }
+
+
+def _shape(shape: TrueShape, metres: Fraction, measure: str) -> dict[str, Any]:
+    """Return the solids of a shape, where they are placed."""
+    return {
+        "faces": shape.faces,
+        "gap": float(Fraction(shape.gap) * metres),
+        "solids": [
+            {
+                "name": solid.name,
+                "path": list(solid.path),
+                "colour": None if solid.colour is None else list(solid.colour),
+                "rotation": solid.placement[:, :3].tolist(),
+                "translation": [float(Fraction(k) * metres) for k in solid.placement[:, 3].tolist()],
+                measure: float(moments.zeroth * metres ** (3 if measure == "volume" else 2)),
+                "centroid": [float(k * metres) for k in moments.centroid],
+            }
+            for solid, moments in shape.solids
+        ],
     }
 
 

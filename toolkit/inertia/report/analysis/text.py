@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 from inertia.arrays import Float
 from inertia.errors import UNIT, Remedy, Sentence, Wording
 from inertia.mass.analysis import Analysis
+from inertia.mass.integration import TrueShape
 from inertia.mass.principal import radii_of_gyration
 from inertia.report.analysis.document import relative_bounds
 from inertia.report.numerals import cleared, columns, number, power, row
@@ -77,9 +78,17 @@ def source_lines(analysis: Analysis, repaired: Repaired | None = None, *, wordin
         row("Unit", f"{part.unit.name} ({Sentence(_UNIT_FROM[part.unit_from]).worded(wording)})"),
         row("Density", f"{number(analysis.density)} kg/m³ ({_density_from(analysis, wording)})"),
         row("Mesh", ", ".join([*elements, *closed, bodies, *crossings, *repairs])),
+        *([row("Shape", _shape(analysis.shape, part.unit.name))] if analysis.shape else []),
         *([row("Regions", _listed(part.regions.names))] if part.regions else []),
         *([row("Model", _MODEL[analysis.model])] if analysis.model != "solid" else []),
     ]
+
+
+def _shape(shape: TrueShape, unit: str) -> str:
+    solids, faces = (
+        f"{n} {what}{'' if n == 1 else 's'}" for n, what in ((len(shape.solids), "solid"), (shape.faces, "face"))
+    )
+    return f"integrated in place of triangles: {solids}, {faces}, up to {shape.gap:.2g} {unit} apart at their edges"
 
 
 _MODEL = {"shell": "thin shell: the surface carries the mass", "wire": "wire: the lines carry the mass"}
@@ -247,7 +256,8 @@ def _closing(analysis: Analysis, repaired: Repaired | None, wording: Wording) ->
     yield row("", f"principal moments {moments} (relative), axes {axes}")
     if analysis.about_bound is not None:
         yield row("", f"tensor about the point {analysis.about_bound:.2g} (relative)")
-    yield row("", f"{error.method}; for the mesh as stored, its tessellation apart")
+    apart = "for the mesh as stored, its tessellation apart"
+    yield row("", f"{error.method}; {'for the shape as stored' if analysis.shape else apart}")
     yield from uncertainty_lines(analysis)
     yield from omission_lines(analysis, wording=wording)
     repairs = {f"repaired: {change}" for change in repaired.changes} if repaired else set()

@@ -49,6 +49,7 @@ def _body(body: BodyRow) -> str:
     chords = {
         "given": f"chord tolerance {_mm(body.chord)}",
         "read": f"triangles made from STEP to {_mm(body.chord)}",
+        "shape": "integrated on its own faces",
         "estimated": f"sag estimated at {_mm(body.chord)}",
         "exact": "taken as the true shape",
     }
