@@ -333,3 +333,20 @@ def test_a_vertex_that_no_triangle_uses_has_a_row_of_zeros() -> None:
     gradient = inertia.gradient(Part(Surface(np.vstack([vertices, [[9.0, 9.0, 9.0]]]), faces)))
     assert not gradient.inertia[-1].any()
     assert gradient.volume[:-1].any()
+
+
+def test_derivatives_of_a_curved_wire_follow_its_arc() -> None:
+    points = np.array([[0.0, 0.0, 0.0], [2.0, 0.5, 0.25], [1.25, 0.75, -0.5]])  # the ends, and a place between them
+    part = Part(Cells(points, (CellBlock("line3", np.array([[0, 1, 2]])),)), length_unit("m"), "option")
+    gradient = inertia.gradient(part, 1.0, wire=1.0)
+
+    def length(places: list) -> list:
+        def speed(t: mpmath.mpf) -> mpmath.mpf:
+            slopes = (t - mpmath.mpf(1) / 2, t + mpmath.mpf(1) / 2, -2 * t)
+            return mpmath.sqrt(sum(sum(s * p[i] for s, p in zip(slopes, places, strict=True)) ** 2 for i in range(3)))
+
+        return [mpmath.quad(speed, [-1, 0, 1])] * 10
+
+    rational = [[Fraction(x) for x in p] for p in points.tolist()]
+    for row, axis in [(0, 0), (1, 1), (2, 2)]:
+        assert gradient.volume[row, axis] == pytest.approx(differences(length, rational, row, axis)[0], rel=1e-9)

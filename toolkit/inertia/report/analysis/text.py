@@ -7,6 +7,8 @@ from collections.abc import Iterator
 from fractions import Fraction
 from typing import TYPE_CHECKING
 
+import numpy as np
+
 from inertia.arrays import Float
 from inertia.errors import UNIT, Remedy, Sentence, Wording
 from inertia.mass.analysis import Analysis
@@ -293,17 +295,23 @@ def uncertainty_lines(analysis: Analysis) -> Iterator[str]:
     properties, principal = analysis.properties, analysis.principal
     inputs = (f"{name} {u:.2g} {_INPUTS.get(name, 'kg/m³')}" for name, u in uncertainty.inputs.items())
     yield row("Uncertainty", f"u (standard uncertainty, GUM) for u of {', '.join(inputs)}:")
-    for k in (1.0, *((uncertainty.coverage,) if uncertainty.coverage else ())):
-        if k == uncertainty.coverage:
+    off = properties.error.center_of_mass, properties.error.inertia * float(np.linalg.norm(properties.inertia))
+    for k, expanded in ((1.0, False), (uncertainty.coverage or 0.0, True)):
+        if expanded and not k:
+            continue
+        if expanded:
             yield row("", f"U = k u (expanded uncertainty), k = {k:g}:")
         volume, mass = k * uncertainty.volume, k * uncertainty.mass
         shares = _share(volume, properties.volume), _share(mass, properties.mass)
         yield row("", f"volume {volume:.2g} m³ ({shares[0]}), mass {mass:.2g} kg ({shares[1]}),")
-        yield row("", f"centre of mass {_each(k * uncertainty.center_of_mass)} m,")
-        yield row("", f"tensor xx, yy, zz, xy, xz, yz {_each(k * uncertainty.of()[5:])} kg m²,")
+        yield row("", f"centre of mass {_each(k * uncertainty.center_of_mass, off[0])} m,")
+        yield row("", f"tensor xx, yy, zz, xy, xz, yz {_each(k * uncertainty.of()[5:], off[1])} kg m²,")
         moments = zip((k * uncertainty.principal_moments).tolist(), principal.moments.tolist(), strict=True)
         angles = (k * uncertainty.principal_axes).tolist()
-        axes = (f"{u:.2g} rad" if math.isfinite(u) else "any" for u in angles)
+        lost = principal.axis_bounds.tolist()
+        axes = (
+            f"{cleared(u, bound):.2g} rad" if math.isfinite(u) else "any" for u, bound in zip(angles, lost, strict=True)
+        )
         yield row("", f"principal moments {', '.join(_share(*pair) for pair in moments)}, axes {', '.join(axes)}")
     for group in uncertainty.principal.equal:
         *others, last = (f"I{index + 1}" for index in group)
@@ -314,8 +322,8 @@ def uncertainty_lines(analysis: Analysis) -> Iterator[str]:
         yield row("", remark)
 
 
-def _each(values: Float) -> str:
-    return ", ".join(f"{value:.2g}" for value in values.tolist())
+def _each(values: Float, bound: float) -> str:
+    return ", ".join(f"{cleared(value, bound):.2g}" for value in values.tolist())
 
 
 def _share(u: float, value: float) -> str:
