@@ -113,7 +113,7 @@ def first_moments(parts: tuple[Part, ...]) -> tuple[float, complex, complex]:
 
 def test_case_14_after_cutting_before_rounding(case_14: Balance) -> None:
     assert case_14.correction is not None
-    assert max(abs(k) for k in case_14.correction.unrounded.in_planes(0.02, 0.28)) < 0.01 * GMM
+    assert max(abs(k) for k in case_14.correction.residual.in_planes(0.02, 0.28)) < 0.01 * GMM
 
 
 def test_case_14_the_residual_is_that_of_the_cut_mesh(case_14: Balance) -> None:

@@ -13,32 +13,44 @@ from __future__ import annotations
 import cmath
 import math
 from collections import Counter
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Sequence
+from dataclasses import dataclass, field, replace
+from time import thread_time
 
 import numpy as np
 
 from inertia.arrays import Float
 from inertia.balancing.axis.shaft import Shaft
-from inertia.balancing.corrections.correction_plane import CorrectionPlane
-from inertia.balancing.corrections.disc_constrained_milp import Complex
-from inertia.balancing.corrections.layout import Arrangement
+from inertia.balancing.corrections.correction_plane import FULL_TURN, CorrectionPlane
+from inertia.balancing.corrections.drilling import AxialDrill, RadialDrill
+from inertia.balancing.corrections.masses import MassTool
+from inertia.balancing.corrections.milling import FlatCutter
 from inertia.balancing.corrections.operation import Operation
-from inertia.balancing.corrections.planning import Plan, plan, share, tools_of
-from inertia.balancing.corrections.rounding import Place, rounded
-from inertia.balancing.corrections.standard_weights import choose_weights, weight_operation
+from inertia.balancing.corrections.room import no_room, remaining_wall, rooms
+from inertia.balancing.corrections.search import Plan, Search
+from inertia.balancing.corrections.standard_weights import WeightTool
+from inertia.balancing.corrections.steps import Steps, angles_of, steps_of
 from inertia.balancing.corrections.tool import Tool
-from inertia.balancing.corrections.workpiece import Body, Workpiece, wall
+from inertia.balancing.corrections.workpiece import Taken, Workpiece
 from inertia.balancing.shop_units import GRAM_MILLIMETRE
 from inertia.balancing.tolerance import Tolerance
-from inertia.balancing.unbalance import Unbalance, plane_weights
+from inertia.balancing.unbalance import Complex, Unbalance, plane_weights
 from inertia.errors import UsageError
 from inertia.mesh.part import Part
 
+AIM = 0.75
+"""Share of the tolerance that is to be left at most: what the shop's work scatters has to fit into the rest."""
+
+SECONDS = 10.0
+"""How long a plan is looked for, where nothing else is said."""
+
+_SHARE = 0.8  # of the time is for the plan, the rest for mending it
+_LEAST = 1.0  # s, for mending it once
 _CUTS = 10
-_ENOUGH = 1e-6  # of the tolerance: no further cut is made
-_IDLE = 0.01  # of the tolerance: planes that have no more to do are left alone
-_SLOW = 0.5  # a cut that leaves more than this of what was left is the last
+_FINER = 5  # cuts with ever finer steps, where the shop has none
+_FINER_BY = 12.0
+_NEAR = 24  # steps of setting, and of angle, to each side of a place that is mended
+_ASIDE = 6
 
 
 @dataclass(frozen=True, eq=False)
@@ -48,25 +60,29 @@ class Correction:
     Attributes
     ----------
     operations : plane by plane
-    residual : the unbalance as after cutting, with settings and angles at the shop's steps
-    unrounded : the unbalance before these were rounded
+    residual : the unbalance as after cutting
     parts : the parts after cutting
-    iterations : cuts made before rounding
-    history : after each of them the largest |residual|/permissible of the tolerance planes
+    iterations : times that the plan was cut and mended
+    history : each time the largest |residual|/permissible of the tolerance planes
     within : whether the residual is within the tolerance
     limits_hit : what kept the correction from going on
     why : how it ended, in a sentence
+    bound : no plan with at most so many operations leaves less, as a share of what is permissible
+    fewest : no plan with fewer operations comes within the tolerance; 0 where none does
+    cut_short : the time was up before the search for a plan was through
     """
 
     operations: tuple[Operation, ...]
     residual: Unbalance
-    unrounded: Unbalance
     parts: tuple[Part, ...]
     iterations: int
     history: tuple[float, ...]
     within: bool
     limits_hit: tuple[str, ...]
     why: str
+    bound: float = 0.0
+    fewest: int = 0
+    cut_short: bool = False
 
 
 def correct(
@@ -78,6 +94,8 @@ def correct(
     tolerance: Tolerance,
     tolerance_planes: tuple[float, float] | None = None,
     uncut: Unbalance | None = None,
+    aim: float = AIM,
+    seconds: float = SECONDS,
 ) -> Correction:
     """Correct a rotor until its residual unbalance is within the tolerance, or the limits forbid it.
 
@@ -91,6 +109,8 @@ def correct(
     tolerance : what may be left in the tolerance planes
     tolerance_planes : (A, B) m; the bearings where not given
     uncut : the unbalance of the parts themselves, where it is known: it is integrated otherwise
+    aim : share of what is permissible that is to be left at most, if it can be
+    seconds : how long a plan is looked for; then the best so far is taken
 
     Raises
     ------
@@ -103,160 +123,263 @@ def correct(
     limits = np.array(tolerance.permissible)
     start = unbalance.in_many_planes(at)
     if _worst(start, limits) <= 1:
-        return Correction((), unbalance, unbalance, piece.parts, 0, (), True, (), "already within the tolerance")
+        return Correction((), unbalance, piece.parts, 0, (), True, (), "already within the tolerance")
     levers = np.column_stack([plane_weights(plane.z, at)[0] for plane in planes])
-    weights = _kit_weights(planes, levers, start, limits)
-    loop = _Loop(piece, tuple(planes), at, levers, limits, weights)
-    steps, hit, history = loop.run()
-    return loop.finished(steps, hit, history)
+    return _Loop(piece, tuple(planes), at, levers, limits, aim, thread_time() + seconds).run(start)
+
+
+@dataclass(frozen=True)
+class _Place:
+    """A tool at work: in plane number `plane`, at an angle (rad), with a setting."""
+
+    plane: int
+    tool: Tool
+    angle: float
+    setting: float
 
 
 @dataclass(frozen=True, eq=False)
-class _Step:
-    """A cut: the places, the parts after it, and what is left."""
+class _Work:
+    """Places, what each takes away (None where nothing is cut), and what is left in the tolerance planes."""
 
-    places: tuple[Place, ...]
-    parts: tuple[Part, ...]
-    unbalance: Unbalance
+    places: tuple[_Place, ...]
+    taken: tuple[Taken | None, ...]
+    left: Complex
+    worst: float
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(eq=False)
 class _Loop:
     piece: Workpiece
     planes: tuple[CorrectionPlane, ...]
     at: list[float]
     levers: Float
     limits: Float
-    weights: tuple[Operation, ...]
+    aim: float
+    deadline: float
+    _taken: dict[_Place, Taken] = field(default_factory=dict, init=False)
+    _room: dict[Tool, tuple[Float, Float]] = field(default_factory=dict, init=False)
 
-    def run(self) -> tuple[_Step, tuple[str, ...], tuple[float, ...]]:
-        """Cut until nothing more is gained; return the best cut, what bound it, and how it went."""
-        best = self._cut(())
-        residual = self._residual(best)
-        tools = self._tools(residual)
-        effects: Complex = self.levers.astype(complex)
-        done = np.zeros(len(self.planes), complex)
-        arrangements: Mapping[int, Arrangement] = {}
-        history: list[float] = []
-        hit: tuple[str, ...] = ()
-        least, before = _worst(residual, self.limits), math.inf
-        while tools and len(history) < _CUTS:
-            work = plan(tools, effects, residual - effects @ done, self.limits, self._bodies, arrangements)
-            step = self._cut(_places(work))
-            after, moved = self._residual(step), work.vectors - done
-            history.append(_worst(after, self.limits))
-            if history[-1] < least:
-                best, hit, least = step, work.limits_hit, history[-1]
-            if history[-1] <= _ENOUGH or history[-1] > _SLOW * before or not moved.any():
+    def run(self, start: Complex) -> Correction:
+        """Plan, cut every place by itself, mend the plan by what it took, and cut the best with all tools at once."""
+        steps = self._steps(start)
+        gains = np.array([each.tool.sign * self.levers[:, each.plane] for each in steps]) / self.limits
+        search = Search(
+            steps,
+            gains.astype(complex),
+            start / self.limits,
+            self.aim,
+            seconds=_SHARE * (self.deadline - thread_time()),
+        )
+        plan = search.plan()
+        places = tuple(
+            _Place(steps[k].plane, steps[k].tool, float(steps[k].angles[a]), float(steps[k].settings[s]))
+            for k, a, s in plan.spots
+        )
+        best = work = self._done(places, start)
+        history = [work.worst]
+        cut_short = plan.cut_short
+        for number in range(1, _CUTS):
+            places, short = self._mended(work, start, number)
+            if places == work.places or not places:
                 break
-            missed = after - residual - effects @ moved
-            effects = effects + np.outer(missed, moved.conj()) / np.vdot(moved, moved).real
-            residual, done, arrangements, before = after, work.vectors, work.arrangements, history[-1]
-        return best, hit, tuple(history)
+            work = self._done(places, start)
+            history.append(work.worst)
+            cut_short |= short
+            if work.worst < best.worst * (1 - 1e-9):
+                best = work
+            elif number > _FINER:
+                break
+        return self._finished(best, plan, cut_short, tuple(history))
 
-    def finished(self, best: _Step, hit: tuple[str, ...], history: tuple[float, ...]) -> Correction:
-        """Round the best cut to the shop's steps, cut once more, and say how it ended."""
-        walled = [replace(k, limit=self._wall(k) - self.planes[k.plane].min_wall) for k in best.places]
-        unrounded = self._residual(best)
-        places = rounded(walled, self.levers, unrounded, self.limits)
-        last = self._cut(places)
-        residual = self._residual(last)
-        worst, exact = _worst(residual, self.limits), _worst(unrounded, self.limits)
-        if worst > 1 >= exact:
-            hit = (*hit, "the steps of depth and angle")
-        largest = " and ".join(f"{abs(k) / GRAM_MILLIMETRE:.4g}" for k in residual.tolist())
+    def _steps(self, start: Complex) -> list[Steps]:
+        vectors = np.linalg.pinv(self.levers / self.limits[:, None]) @ (-start / self.limits)
+        steps = []
+        for number, (plane, vector) in enumerate(zip(self.planes, vectors.tolist(), strict=True)):
+            wanted = cmath.phase(plane.sign * vector)
+            for tool, room in zip(*self._tools(plane, wanted), strict=True):
+                steps.append(steps_of(number, tool, 2 * float(np.abs(vectors).max()), room))
+                self._room[tool] = steps[-1].angles, steps[-1].most
+        return steps
+
+    def _tools(self, plane: CorrectionPlane, wanted: float) -> tuple[tuple[Tool, ...], list[Float]]:
+        """Return the tools of a plane, in the material nearest to an angle (rad) that they can start in, and their room.
+
+        Raises `GeometryError` where there is none at any angle.
+        """
+        tools, angles = tools_of_density(plane, 0.0), angles_of(plane)
+        if not plane.cuts:
+            return tools, [np.full(len(angles), math.inf) for _ in tools]
+        room, density = zip(*(rooms(self.piece.bodies, tool, angles) for tool in tools), strict=True)
+        usable = np.flatnonzero(np.isfinite(density[0]) & (np.max(room, axis=0) > 0))
+        if len(usable) == 0:
+            raise no_room(self.piece.bodies, tools[0], wanted)
+        deepest = [max(float(k.max()), 0.0) for k in room]
+        nearest = usable[np.abs((angles[usable] - wanted + math.pi) % FULL_TURN - math.pi).argmin()]
+        tools = tools_of_density(plane, float(density[0][nearest]))
+        return tuple(replace(k, limit=most) for k, most in zip(tools, deepest, strict=True)), list(room)
+
+    def _done(self, places: tuple[_Place, ...], start: Complex) -> _Work:
+        """Cut every place by itself and add up what is left."""
+        taken = tuple(self._take(place) for place in places)
+        left = start + sum((self._change(*pair) for pair in zip(places, taken, strict=True)), 0 * start)
+        return _Work(places, taken, left, _worst(left, self.limits))
+
+    def _take(self, place: _Place) -> Taken | None:
+        solid = place.tool.solid(place.angle, place.setting)
+        if solid is None:
+            return None
+        if place not in self._taken:
+            self._taken[place] = self.piece.taken(solid, self.at)
+        return self._taken[place]
+
+    def _change(self, place: _Place, taken: Taken | None) -> Complex:
+        """Return what a place changes in the tolerance planes."""
+        if taken is not None:
+            return taken.change
+        change: Complex = self.levers[:, place.plane] * self._vector(place)
+        return change
+
+    def _vector(self, place: _Place) -> complex:
+        return place.tool.sign * cmath.rect(place.tool.unbalance(place.setting), place.angle)
+
+    def _mended(self, work: _Work, start: Complex, number: int) -> tuple[tuple[_Place, ...], bool]:
+        """Improve places by what they took, each near where it is; where there are no steps, ever more finely."""
+        steps, gains, spots = [], [], []
+        for k, (place, taken) in enumerate(zip(work.places, work.taken, strict=True)):
+            near = self._near(place, number)
+            vector = self._vector(place)
+            change = self._change(place, taken)
+            unit = self.levers[:, place.plane] if vector == 0 else change / vector
+            steps.append(near)
+            gains.append(place.tool.sign * unit / self.limits)
+            away = np.abs(near.angles - place.angle)
+            spots.append((k, int(away.argmin()), int(np.abs(near.settings - place.setting).argmin())))
+        if not spots:
+            return (), False
+        search = Search(
+            steps, np.array(gains), start / self.limits, self.aim, seconds=max(self.deadline - thread_time(), _LEAST)
+        )
+        own = [[k] for k in range(len(spots))]
+        moved, _ = search.improve(tuple(spots), own)
+        places = tuple(
+            _Place(each.plane, each.tool, float(each.angles[a] % FULL_TURN), float(each.settings[s]))
+            for each, (_, a, s) in zip(steps, moved, strict=True)
+        )
+        return places, search.cut_short
+
+    def _near(self, place: _Place, number: int) -> Steps:
+        """Return the steps of a place near where it is."""
+        tool, plane = place.tool, place.tool.plane
+        finer = _FINER_BY**-number
+        settings = np.array([place.setting])
+        greatest = tool.greatest
+        if tool.least < greatest:
+            span = greatest if math.isfinite(greatest) else place.setting
+            step = tool.step or max(span, place.setting) / 512 * finer
+            around = place.setting + step * np.arange(-_NEAR, _NEAR + 1)
+            settings = np.unique(np.round(around[(around >= tool.least) & (around <= greatest * (1 + 1e-12))], 15))
+        angles = np.array([place.angle])
+        if plane.angles == "free":
+            step = plane.angle_step or math.radians(0.5) * finer
+            angles = place.angle + step * np.arange(-_ASIDE, _ASIDE + 1)
+            if plane.angle_step:
+                angles = step * np.round(angles / step)
+            angles = np.array([k for k in angles.tolist() if not plane.forbids(k, tool.half_angle_at(place.setting))])
+            angles = angles if len(angles) else np.array([place.angle])
+        sizes = np.array([tool.unbalance(k) for k in settings.tolist()])
+        grid, room = self._room[tool]
+        above = np.searchsorted(grid, angles % FULL_TURN - 1e-9) % len(grid)
+        # Between two angles there is as much room as at the worse of them.
+        on = np.abs(grid[above] - angles % FULL_TURN) < 1e-9
+        most = np.where(on, room[above], np.minimum(room[above], room[above - 1]))
+        return Steps(place.plane, tool, angles, settings, sizes, most)
+
+    def _finished(self, best: _Work, plan: Plan, cut_short: bool, history: tuple[float, ...]) -> Correction:
+        """Cut all places together, and say how it ended."""
+        operations = self._operations(best)
+        solids = [solid for k in best.places if (solid := k.tool.solid(k.angle, k.setting)) is not None]
+        masses = [k for k in operations if k.kind in ("point_mass", "weight")]
+        parts, residual = self.piece.cut(solids, masses)
+        left = residual.in_many_planes(self.at)
+        worst = _worst(left, self.limits)
+        hit = () if worst <= 1 else self._limits_hit(plan, cut_short)
+        largest = " and ".join(f"{abs(k) / GRAM_MILLIMETRE:.4g}" for k in left.tolist())
         why = f"{largest} g·mm left in the tolerance planes, with depths and angles at the shop's steps"
         if worst > 1:
             why += f": the best that can be done within {', '.join(hit) or 'these planes'}"
         return Correction(
-            operations=(*self.weights, *map(self._with_wall, self._operations(places), places)),
-            residual=last.unbalance,
-            unrounded=best.unbalance,
-            parts=last.parts,
+            operations=operations,
+            residual=residual,
+            parts=parts,
             iterations=len(history),
             history=history,
             within=worst <= 1,
             limits_hit=hit,
             why=why,
+            bound=min(plan.bound, worst),
+            fewest=plan.fewest,
+            cut_short=cut_short,
         )
 
-    def _residual(self, step: _Step) -> Complex:
-        return step.unbalance.in_many_planes(self.at)
+    def _limits_hit(self, plan: Plan, cut_short: bool) -> tuple[str, ...]:
+        if cut_short:
+            return ("the time that it was given",)
+        if plan.bound <= 1:
+            return ("the steps of depth and angle",)
+        return tuple(_bound(self.planes[k]) for k in plan.binding)
 
-    def _cut(self, places: tuple[Place, ...]) -> _Step:
-        solids = [solid for k in places if (solid := k.tool.solid(k.angle, k.setting)) is not None]
-        masses = [k for k in self._operations(places) if k.kind == "point_mass"]
-        return _Step(places, *self.piece.cut(solids, [*self.weights, *masses]))
-
-    @property
-    def _bodies(self) -> tuple[Body, ...]:
-        return self.piece.bodies if any(plane.cuts for plane in self.planes) else ()
-
-    def _tools(self, residual: Complex) -> dict[int, tuple[Tool, ...]]:
-        """Return the tools of the planes that have something to do; those of kits have done it."""
-        free = [k for k, plane in enumerate(self.planes) if plane.method != "kit"]
-        vectors = share(self.levers[:, free].astype(complex), residual, self.limits)
-        return {
-            k: tools_of(self.planes[k], cmath.phase(self.planes[k].sign * vector), self._bodies)
-            for k, vector in zip(free, vectors.tolist(), strict=True)
-            if _worst(self.levers[:, k] * vector, self.limits) > _IDLE
-        }
-
-    def _operations(self, places: Sequence[Place]) -> list[Operation]:
+    def _operations(self, work: _Work) -> tuple[Operation, ...]:
+        """Return the work plane by plane, with what was cut; weights of one kind at one place are one operation."""
+        pieces = Counter(work.places)
+        order = sorted(pieces, key=lambda k: (k.plane, k.angle, k.setting))
         count: Counter[int] = Counter()
         operations = []
-        for place in places:
+        for place in order:
             count[place.plane] += 1
             name = f"{self.planes[place.plane].id}-{count[place.plane]}"
-            operations.append(place.tool.operation(name, place.angle, place.setting))
-        return operations
+            operation = place.tool.operation(name, place.angle, place.setting * pieces[place])
+            taken = self._take(place)
+            if taken is not None:
+                thickness = remaining_wall(self.piece.bodies, place.tool, place.angle, place.setting)
+                operation = replace(
+                    operation,
+                    mass=taken.mass,
+                    unbalance=-taken.unbalance,
+                    unbalance_z=taken.z,
+                    remaining_wall=thickness if math.isfinite(thickness) else None,
+                )
+            operations.append(operation)
+        return tuple(operations)
 
-    def _wall(self, place: Place) -> float:
-        return wall(self._bodies, place.tool, place.angle)
 
-    def _with_wall(self, operation: Operation, place: Place) -> Operation:
-        thickness = self._wall(place) - place.setting
-        return replace(operation, remaining_wall=thickness) if math.isfinite(thickness) else operation
+def tools_of_density(plane: CorrectionPlane, density: float) -> tuple[Tool, ...]:
+    """Return the tools of a plane, the smallest first, in material of a density (kg/m³)."""
+    if plane.method == "kit":
+        return tuple(WeightTool(plane, density, weight=weight) for weight in plane.kit)
+    if plane.method == "mill":
+        return (FlatCutter(plane, density),)
+    if plane.method in ("add", "remove"):
+        return (MassTool(plane, density),)
+    kind = RadialDrill if plane.method == "drill_radial" else AxialDrill
+    return tuple(kind(plane, density, diameter=diameter) for diameter in sorted(plane.diameters))
 
 
-def _places(work: Plan) -> tuple[Place, ...]:
-    return tuple(
-        Place(number, arrangement.tool, angle, setting)
-        for number, arrangement in sorted(work.arrangements.items())
-        for angle, setting in arrangement.places
-    )
+def _bound(plane: CorrectionPlane) -> str:
+    which = f"plane {plane.id!r}: "
+    if plane.method in ("add", "remove") and plane.max_mass is not None:
+        return which + f"max_mass {plane.max_mass:g} kg"
+    if plane.method == "kit":
+        return which + "its kit and positions"
+    if plane.angles != "free":
+        return which + "the angles allowed"
+    if plane.max_depth is not None:
+        return which + f"max_depth {1e3 * plane.max_depth:g} mm"
+    return which + "its forbidden sectors" if plane.forbidden else which + "its tools"
 
 
 def _worst(vectors: Complex, limits: Float) -> float:
     return float((np.abs(vectors) / limits).max())
-
-
-def _kit_weights(
-    planes: Sequence[CorrectionPlane], levers: Float, start: Complex, limits: Float
-) -> tuple[Operation, ...]:
-    """Choose the weights of all planes with kits together, the other planes making up for what they leave."""
-    kits = [k for k, plane in enumerate(planes) if plane.method == "kit"]
-    slots = [(k, angle, weight) for k in kits for angle in planes[k].positions for weight in planes[k].kit]
-    if not slots:
-        return ()
-    others = [k for k in range(len(planes)) if k not in kits]
-    effects = [levers[:, k] * cmath.rect(weight.mass * planes[k].radius, angle) for k, angle, weight in slots]
-    groups: dict[object, tuple[list[int], int]] = {}
-    for number, (k, angle, weight) in enumerate(slots):
-        groups.setdefault((k, angle), ([], planes[k].most_per_position))[0].append(number)
-        if weight.stock is not None:
-            groups.setdefault((k, weight), ([], weight.stock))[0].append(number)
-    most = [min(planes[k].most_per_position, weight.most) for k, _, weight in slots]
-    choice = choose_weights(
-        np.column_stack(effects), start, limits, most, list(groups.values()), free=levers[:, others]
-    )
-    count: Counter[int] = Counter()
-    operations = []
-    for (k, angle, weight), pieces in zip(slots, choice.counts.tolist(), strict=True):
-        if pieces:
-            count[k] += 1
-            operations.append(weight_operation(planes[k], f"{planes[k].id}-{count[k]}", angle, weight, pieces))
-    return tuple(operations)
 
 
 def _require(

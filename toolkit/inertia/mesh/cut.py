@@ -142,6 +142,29 @@ class Stock:
         rounding = self.part.rounding if self.part.rounding is None else Rounding(self.part.rounding.distance)
         return replace(self.part, geometry=surface, regions=regions_after, chord=chord, rounding=rounding, shape=None)
 
+    def common(self, tool: Surface) -> Part | None:
+        """Return what the part and a tool have in common, which is what the tool takes away; None where that is nothing.
+
+        Raises
+        ------
+        GeometryError : the tool is not a solid
+        """
+        from manifold3d import Manifold, OpType
+
+        cutter = solid(tool.vertices, tool.faces, self._exponent)
+        low, high = tool.vertices.min(axis=0), tool.vertices.max(axis=0)
+        meeting = [body.solid for body in self._bodies if ((low <= body.box[1]) & (body.box[0] <= high)).all()]
+        meshes = [Manifold.batch_boolean([body, cutter], OpType.Intersect).to_mesh64() for body in meeting]
+        meshes = [mesh for mesh in meshes if len(mesh.tri_verts)]
+        if not meshes:
+            return None
+        starts = np.cumsum([0, *(len(mesh.vert_properties) for mesh in meshes)])
+        vertices = np.ldexp(np.concatenate([mesh.vert_properties[:, :3] for mesh in meshes]), self._exponent)
+        faces = [mesh.tri_verts.astype(np.int64) + start for mesh, start in zip(meshes, starts[:-1], strict=True)]
+        return replace(
+            self.part, geometry=Surface(vertices, np.concatenate(faces)), regions=None, chord=None, rounding=None
+        )
+
     def _cut_body(self, body: _Body, tools: list[Any]) -> tuple[Float, Int, Int]:
         """Return a body's vertices, faces and their regions, after cutting."""
         if not tools:

@@ -34,6 +34,17 @@ class Sector:
         """Its angle, rad."""
         return (self.stop - self.start) % FULL_TURN
 
+    def distance(self, angle: float) -> float:
+        """Return how far an angle (rad) is from the sector; −1 inside it.
+
+        >>> Sector(6.0, 0.5).distance(0.1), Sector(6.0, 0.5).distance(1.0)
+        (-1.0, 0.5)
+        """
+        from_start = (angle - self.start) % FULL_TURN
+        if _NEARLY < from_start < self.width - _NEARLY:
+            return -1.0
+        return max(min(FULL_TURN - from_start, from_start - self.width), 0.0)
+
     def meets(self, angle: float, margin: float = 0.0) -> bool:
         """Say whether a tool that reaches `margin` to both sides of `angle` (rad) comes into the sector.
 
@@ -76,7 +87,7 @@ class CorrectionPlane:
     angles : "free", or the angles (rad) at which corrections may sit
     forbidden : sectors that no tool may come into
     web : m, least material between two holes side by side
-    min_wall : m, least material left under a hole
+    min_wall : m, least material left under a tool, and beside a hole
     face : of axial holes: "a" if the face looks to bearing A (the drill goes towards B), else "b"
     through : axial holes go through: `max_depth` is the thickness
     width : m along the shaft, of a flat
@@ -100,7 +111,7 @@ class CorrectionPlane:
     angles: Literal["free"] | tuple[float, ...] = "free"
     forbidden: tuple[Sector, ...] = ()
     web: float = 0.001
-    min_wall: float = 0.0
+    min_wall: float = 0.001
     face: Literal["a", "b"] | None = None
     through: bool = False
     width: float | None = None

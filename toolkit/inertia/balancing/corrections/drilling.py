@@ -19,6 +19,7 @@ from __future__ import annotations
 
 import cmath
 import math
+from abc import abstractmethod
 from dataclasses import dataclass
 
 import numpy as np
@@ -26,12 +27,13 @@ import numpy as np
 from inertia.arrays import Float
 from inertia.balancing.corrections.correction_plane import angle_of, point_length
 from inertia.balancing.corrections.operation import Operation
-from inertia.balancing.corrections.tool import Tool
+from inertia.balancing.corrections.tool import Ray, Tool
 from inertia.mesh.cut import drill
 from inertia.mesh.part import Surface
 
 _AROUND = 8  # rays along the wall of a hole
 _WITHIN = 0.999  # of the radius, where they run
+_SLOPE = math.tan(math.radians(20))  # of the surface that a hole begins in: a drill runs off on a steeper one
 _DEEPEST = 0.5  # of the radius, where no limit is given for a radial hole
 _SMALL = 1e-18
 
@@ -110,7 +112,9 @@ def _area(diameter: float) -> float:
 
 
 @dataclass(frozen=True, kw_only=True)
-class _Drill(Tool):
+class Drill(Tool):
+    """A drill of a diameter, m."""
+
     diameter: float
 
     @property
@@ -118,20 +122,46 @@ class _Drill(Tool):
         """Height of the point, m."""
         return point_length(self.diameter, self.plane.point_angle)
 
-    def _deepest(self, unless: float) -> float:
-        depths = [depth for depth in (self.plane.max_depth, self.limit) if depth is not None]
-        return max(min(depths, default=unless), 0.0)
+    @abstractmethod
+    def axes(self, angles: Float) -> tuple[Float, Float]:
+        """Return where holes at angles (m,) rad begin and where they go, (m, 3) each, in shaft axes and m."""
 
-    def _wall(self, start: Float, direction: Float, aside: Float) -> tuple[Float, Float, Float]:
-        """Return the rays along the axis and along the wall of a hole."""
-        angles = 2 * np.pi * np.arange(_AROUND)[:, None] / _AROUND
-        ring = np.cos(angles) * aside + np.sin(angles) * np.cross(direction, aside)
-        origins = start + 0.5 * _WITHIN * self.diameter * np.concatenate([np.zeros((1, 3)), ring])
-        return origins, direction, np.array([self.tip] + [0.0] * _AROUND)
+    @abstractmethod
+    def depth_apart(self, need: float, away: Float) -> Float:
+        """Return how deep two holes of this plane may both go, (m,) m, that have angles (m,) rad between them.
+
+        Their axes then come no nearer than `need`, in m. Negative where they are too near from the beginning.
+        """
+
+    def _deepest(self, unless: float) -> float:
+        deepest = unless if self.plane.max_depth is None else self.plane.max_depth
+        return max(deepest if self.limit is None else min(deepest, self.limit), 0.0)
+
+    def rays(self) -> tuple[Ray, ...]:
+        """Return the rays along the axis, along the hole's wall, and as far outside of it as the wall is thick."""
+        least, half = self.plane.min_wall, 0.5 * self.diameter
+        rays = [Ray(0.0, 0.0, self.tip + least, under=self.tip)]
+        for distance, ahead, under in ((_WITHIN * half, least, 0.0), (half + least, 0.0, None)):
+            lag = _SLOPE * distance + (distance**2 / self.plane.radius if self.towards_shaft else 0.0)
+            for angle in (2 * np.pi * np.arange(_AROUND) / _AROUND).tolist():
+                along, aside = distance * math.cos(angle), distance * math.sin(angle)
+                rays.append(Ray(along, aside, ahead, lag, under))
+        return tuple(rays)
+
+    def sideways(self, angle: float, setting: float) -> list[tuple[Float, Float, float]]:
+        """Return rays from the shoulder: along the shaft, and of holes along it all around."""
+        (start,), (direction,) = self.axes(np.array([angle]))
+        origin = start + setting * direction
+        ways = [np.array([0.0, 0.0, sign]) for sign in (1.0, -1.0)]
+        if not self.towards_shaft:
+            turns = angle + 2 * np.pi * np.arange(_AROUND) / _AROUND
+            origin = start + 0.999 * setting * direction
+            ways = [np.array([math.cos(k), math.sin(k), 0.0]) for k in turns.tolist()]
+        return [(origin, way, 0.5 * self.diameter) for way in ways]
 
 
 @dataclass(frozen=True, kw_only=True)
-class RadialDrill(_Drill):
+class RadialDrill(Drill):
     """A drill that runs towards the shaft, set in m of depth."""
 
     @property
@@ -139,17 +169,25 @@ class RadialDrill(_Drill):
         """The largest depth, m."""
         return self._deepest(_DEEPEST * self.plane.radius)
 
-    @property
-    def half_angle(self) -> float:
+    def half_angle_at(self, setting: float) -> float:
         """Half the angle that the hole takes at the surface."""
         return math.asin(0.5 * self.diameter / self.plane.radius)
 
-    @property
-    def apart(self) -> float:
-        """The angle at which two holes of the largest depth keep their web at the shoulder."""
-        bottom = self.plane.radius - self.greatest
+    def apart_at(self, setting: float) -> float:
+        """The angle at which two holes of this depth keep their web at the shoulder."""
+        bottom = self.plane.radius - setting
         need = 0.5 * (self.diameter + self.plane.web)
         return 2 * math.asin(need / bottom) if need < bottom else math.pi
+
+    def axes(self, angles: Float) -> tuple[Float, Float]:
+        """Return the axes, which run towards the shaft."""
+        outward = np.column_stack([np.cos(angles), np.sin(angles), np.zeros(len(angles))])
+        return self.plane.radius * outward + [0.0, 0.0, self.plane.z], -outward
+
+    def depth_apart(self, need: float, away: Float) -> Float:
+        """Two axes are 2 s sin(ψ/2) apart at the distance s from the shaft."""
+        with np.errstate(divide="ignore"):
+            return self.plane.radius - 0.5 * need / np.sin(0.5 * np.abs(away))
 
     def unbalance(self, setting: float) -> float:
         """Return the unbalance taken, from a round face, kg m."""
@@ -191,18 +229,12 @@ class RadialDrill(_Drill):
         shoulder, back = base + (radius - setting) * outward, base + (radius + self.clearance) * outward
         return drill(shoulder, back, self.diameter, self.tip)
 
-    def probes(self, angle: float) -> tuple[Float, Float, Float]:
-        """Return rays from the surface inwards."""
-        outward = self._outward(angle)
-        start = np.array([0, 0, self.plane.z]) + self.plane.radius * outward
-        return self._wall(start, -outward, np.array([0.0, 0.0, 1.0]))
-
     def _outward(self, angle: float) -> Float:
         return np.array([math.cos(angle), math.sin(angle), 0.0])
 
 
 @dataclass(frozen=True, kw_only=True)
-class AxialDrill(_Drill):
+class AxialDrill(Drill):
     """A drill that runs along the shaft, set in m of depth; through holes have one setting only."""
 
     @property
@@ -220,21 +252,34 @@ class AxialDrill(_Drill):
         """What the shop can set the depth to; a hole through has no depth to set."""
         return 0.0 if self.plane.through else self.plane.depth_step
 
-    @property
-    def half_angle(self) -> float:
+    def half_angle_at(self, setting: float) -> float:
         """Half the angle that the hole takes."""
         return math.asin(0.5 * self.diameter / self.plane.radius)
 
-    @property
-    def apart(self) -> float:
+    def apart_at(self, setting: float) -> float:
         """The angle at which two holes keep their web."""
         need = 0.5 * (self.diameter + self.plane.web)
         return 2 * math.asin(need / self.plane.radius) if need < self.plane.radius else math.pi
+
+    def axes(self, angles: Float) -> tuple[Float, Float]:
+        """Return the axes, which run along the shaft."""
+        radius = self.plane.radius
+        starts = np.column_stack([radius * np.cos(angles), radius * np.sin(angles), np.full(len(angles), self.plane.z)])
+        return starts, np.tile(self._ahead, (len(angles), 1))
+
+    def depth_apart(self, need: float, away: Float) -> Float:
+        """Their axes run beside each other."""
+        return np.where(2 * self.plane.radius * np.sin(0.5 * np.abs(away)) >= need * (1 - 1e-12), math.inf, -1.0)
 
     @property
     def _point(self) -> float:
         """The point angle of what is taken away: that of a hole through has come out at the other side."""
         return math.pi if self.plane.through else self.plane.point_angle
+
+    @property
+    def towards_shaft(self) -> bool:
+        """It runs along the shaft."""
+        return False
 
     @property
     def _ahead(self) -> Float:
@@ -282,10 +327,6 @@ class AxialDrill(_Drill):
         past = self.clearance if self.plane.through else 0.0
         shoulder, back = start + (setting + past) * self._ahead, start - self.clearance * self._ahead
         return drill(shoulder, back, self.diameter, self.tip)
-
-    def probes(self, angle: float) -> tuple[Float, Float, Float]:
-        """Return rays from the face into the part."""
-        return self._wall(self._start(angle), self._ahead, np.array([1.0, 0.0, 0.0]))
 
     def _start(self, angle: float) -> Float:
         radius = self.plane.radius

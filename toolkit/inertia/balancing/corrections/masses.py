@@ -32,13 +32,11 @@ class MassTool(Tool):
         """The largest mass at one place, kg."""
         return math.inf if self.plane.max_mass is None else self.plane.max_mass
 
-    @property
-    def half_angle(self) -> float:
+    def half_angle_at(self, setting: float) -> float:
         """0: a point."""
         return 0.0
 
-    @property
-    def apart(self) -> float:
+    def apart_at(self, setting: float) -> float:
         """The angle between two masses, rad."""
         return _APART
 

@@ -15,7 +15,7 @@ import numpy as np
 from inertia.arrays import Float
 from inertia.balancing.corrections.correction_plane import angle_of
 from inertia.balancing.corrections.operation import Operation
-from inertia.balancing.corrections.tool import Tool
+from inertia.balancing.corrections.tool import Ray, Tool
 from inertia.mesh.cut import block
 from inertia.mesh.part import Surface
 
@@ -66,18 +66,16 @@ class FlatCutter(Tool):
     @property
     def greatest(self) -> float:
         """The largest depth, m."""
-        depths = [depth for depth in (self.plane.max_depth, self.limit) if depth is not None]
-        return max(min(depths, default=_DEEPEST * self.plane.radius), 0.0)
+        deepest = _DEEPEST * self.plane.radius if self.plane.max_depth is None else self.plane.max_depth
+        return max(deepest if self.limit is None else min(deepest, self.limit), 0.0)
 
-    @property
-    def half_angle(self) -> float:
-        """Half the angle that the deepest flat takes."""
-        return math.acos(1 - self.greatest / self.plane.radius)
+    def half_angle_at(self, setting: float) -> float:
+        """Half the angle that a flat of this depth takes."""
+        return math.acos(1 - setting / self.plane.radius)
 
-    @property
-    def apart(self) -> float:
-        """The angle at which two flats of the largest depth meet."""
-        return 2 * self.half_angle
+    def apart_at(self, setting: float) -> float:
+        """The angle at which two flats of this depth meet."""
+        return 2 * self.half_angle_at(setting)
 
     def unbalance(self, setting: float) -> float:
         """Return the unbalance taken, kg m."""
@@ -117,11 +115,11 @@ class FlatCutter(Tool):
         corner = (radius - setting) * outward - radius * aside + (self.plane.z - 0.5 * self.width) * along
         return block(corner, [(self.clearance + setting) * outward, 2 * radius * aside, self.width * along])
 
-    def probes(self, angle: float) -> tuple[Float, Float, Float]:
-        """Return the rays from the surface inwards at the flat's middle and at both of its ends."""
-        outward, _, along = self._axes(angle)
-        places = self.plane.z + 0.5 * 0.999 * self.width * np.array([[0.0], [-1.0], [1.0]])
-        return self.plane.radius * outward + places * along, -outward, np.zeros(3)
+    def rays(self) -> tuple[Ray, ...]:
+        """Return the rays at the flat's middle and at both of its ends, which may lie off the part."""
+        least, end = self.plane.min_wall, 0.5 * 0.999 * self.width
+        middle = Ray(0.0, 0.0, least, under=0.0)
+        return middle, Ray(end, 0.0, least, None, 0.0), Ray(-end, 0.0, least, None, 0.0)
 
     def _axes(self, angle: float) -> Float:
         cosine, sine = math.cos(angle), math.sin(angle)

@@ -16,6 +16,25 @@ from inertia.mesh.part import Surface
 
 
 @dataclass(frozen=True)
+class Ray:
+    """A ray that runs with a tool, and what it asks for, m.
+
+    Attributes
+    ----------
+    along, aside : from the tool's axis: along the shaft, or away from it for tools along the shaft; and around it
+    ahead : how far the tool, and the wall under it, run ahead of its setting
+    lag : how much later than along the axis the ray may meet the surface; None where it need not meet any
+    under : how far the tool runs ahead of its setting there; None beside the tool
+    """
+
+    along: float
+    aside: float
+    ahead: float
+    lag: float | None = 0.0
+    under: float | None = None
+
+
+@dataclass(frozen=True)
 class Tool(ABC):
     """A tool at work in a plane.
 
@@ -50,15 +69,13 @@ class Tool(ABC):
     def greatest(self) -> float:
         """The largest setting."""
 
-    @property
     @abstractmethod
-    def half_angle(self) -> float:
-        """How far it reaches to both sides of its angle, rad."""
+    def half_angle_at(self, setting: float) -> float:
+        """Return how far it reaches to both sides of its angle with a setting, rad."""
 
-    @property
     @abstractmethod
-    def apart(self) -> float:
-        """The angle that two of its places are apart at least, rad."""
+    def apart_at(self, setting: float) -> float:
+        """Return the angle that two of its places with this setting are apart at least, rad."""
 
     @abstractmethod
     def unbalance(self, setting: float) -> float:
@@ -81,10 +98,18 @@ class Tool(ABC):
         """How far the tool, which is long, reaches out of the surface that depths are measured from, m."""
         return 0.0
 
-    def probes(self, angle: float) -> tuple[Float, Float, Float] | None:
-        """Return the rays along which its wall is measured, in shaft axes and m; None where it cuts nothing.
+    @property
+    def towards_shaft(self) -> bool:
+        """Whether it runs towards the shaft, rather than along it."""
+        return True
 
-        They are the origins (k, 3), their common direction (3,), and how far the tool runs ahead of its setting along
-        each of them (k,); the first is the tool's axis. All start at the surface that depths are measured from.
+    def rays(self) -> tuple[Ray, ...]:
+        """Return the rays along which there has to be material, none where it cuts nothing; the first is its axis.
+
+        All are measured from the surface that depths are measured from.
         """
-        return None
+        return ()
+
+    def sideways(self, angle: float, setting: float) -> list[tuple[Float, Float, float]]:
+        """Return rays, origin and direction (3,), along which the wall beside the tool is measured, and its radius."""
+        return []

@@ -13,9 +13,7 @@ import numpy as np
 from inertia.arrays import Float
 from inertia.balancing.axis.shaft import Shaft
 from inertia.balancing.corrections.operation import Operation
-from inertia.balancing.corrections.tool import Tool
-from inertia.balancing.unbalance import PointMass, Unbalance
-from inertia.errors import GeometryError
+from inertia.balancing.unbalance import Complex, PointMass, Unbalance
 from inertia.mass.analysis import mass_properties
 from inertia.mesh.cut import Stock, stock
 from inertia.mesh.geometry.rays import inside
@@ -23,6 +21,19 @@ from inertia.mesh.part import Part, Surface
 
 _TOUCHING = 1e-6  # m: bodies with a gap no wider than this are one wall
 _PROUD = 0.01  # of the radius: how far the part may stand out of it
+
+
+@dataclass(frozen=True, eq=False)
+class Taken:
+    """What a tool takes away: kg, the unbalance kg m and where along the shaft (m) it was, and what that changes.
+
+    `change` is the change of the unbalance in the planes asked for, (t,) kg m.
+    """
+
+    mass: float
+    unbalance: complex
+    z: float
+    change: Complex
 
 
 @dataclass(frozen=True, eq=False)
@@ -65,6 +76,20 @@ class Workpiece:
         return parts, unbalance.with_masses(
             [PointMass(signs[k.method] * k.mass, k.radius, k.angle, k.z) for k in others]
         )
+
+    def taken(self, solid: Surface, at: Sequence[float]) -> Taken:
+        """Return what a solid (shaft axes, m) takes away by itself, as seen in planes at (t,) m."""
+        mass, vectors, moment, unbalance = 0.0, np.zeros(len(at), complex), 0j, 0j
+        for ready, density in zip(self._stocks, self.densities, strict=True):
+            piece = ready.common(self._in_part(solid, ready.part))
+            if piece is not None:
+                removed = Unbalance.of(mass_properties(piece, density, intersections=False), self.shaft)
+                mass += removed.mass
+                vectors += removed.in_many_planes(at)
+                unbalance += removed.static
+                moment += removed.static * removed.z + removed.couple
+        z = (moment * unbalance.conjugate()).real / abs(unbalance) ** 2 if unbalance else math.nan
+        return Taken(mass, unbalance, z, -vectors)
 
     def _in_part(self, solid: Surface, part: Part) -> Surface:
         return Surface(self.shaft.to_part(solid.vertices) / float(part.unit.metres), solid.faces)
@@ -136,45 +161,3 @@ def run(rotor_bodies: Sequence[Body], origin: Float, direction: Float) -> tuple[
             break
         leaves = max(leaves, stop)
     return enters, leaves, density
-
-
-def under(rotor_bodies: Sequence[Body], tool: Tool, angle: float) -> float | None:
-    """Return the density (kg/m³) of what a cutting tool at an angle (rad) meets; None where it cuts nothing.
-
-    Raises `GeometryError` where there is no material within its reach, or more than its radius says.
-    """
-    probes = tool.probes(angle)
-    if probes is None:
-        return None
-    plane, (origins, direction, _) = tool.plane, probes
-    stretch = run(rotor_bodies, origins[0] - tool.clearance * direction, direction)
-    where = f"plane {plane.id!r} at z = {1e3 * plane.z:.6g} mm, {math.degrees(angle) % 360:.4g} degrees"
-    if stretch is None or stretch[0] - tool.clearance > min(tool.greatest, plane.radius):
-        raise GeometryError(
-            f"{where}: there is no material for the tool under the radius of {1e3 * plane.radius:.6g} mm: move the "
-            "plane onto the part, or correct its radius"
-        )
-    above = tool.clearance - stretch[0]
-    if above > _PROUD * plane.radius:
-        raise GeometryError(
-            f"{where}: the part begins {1e3 * above:.4g} mm before the surface that depths are measured from: give "
-            f"the {'face' if plane.method == 'drill_axial' else 'radius'} where the tool enters"
-        )
-    return stretch[2]
-
-
-def wall(rotor_bodies: Sequence[Body], tool: Tool, angle: float) -> float:
-    """Return the largest setting (m) of a tool at an angle (rad) before it breaks through.
-
-    Infinite where it cuts nothing, or goes through by intent. Rays beside the part do not count.
-    """
-    probes = tool.probes(angle)
-    if probes is None or tool.plane.through:
-        return math.inf
-    origins, direction, ahead = probes
-    limits = [math.inf]
-    for origin, tip in zip(origins, ahead.tolist(), strict=True):
-        stretch = run(rotor_bodies, origin - tool.clearance * direction, direction)
-        if stretch is not None:
-            limits.append(stretch[1] - tool.clearance - tip)
-    return min(limits)

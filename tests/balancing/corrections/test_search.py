@@ -1,0 +1,108 @@
+"""Plans against all plans tried, and against plans within tighter limits."""
+
+import itertools
+import math
+
+import numpy as np
+import pytest
+from tests.balancing.corrections.workpieces import POINT, STEEL, drilled
+
+from inertia.balancing.correction_loop import tools_of_density
+from inertia.balancing.corrections.correction_plane import CorrectionPlane, KitWeight
+from inertia.balancing.corrections.drilling import radial_unbalance
+from inertia.balancing.corrections.search import Search
+from inertia.balancing.corrections.steps import steps_of
+
+LIMIT = 1e-4  # kg m
+CLOSE = 1e-6
+
+
+def searched(planes, levers, start, seconds=60.0):
+    """Return the plan for a vector in each tolerance plane (kg m), and its places as (plane, tool, angle, setting)."""
+    steps = [
+        steps_of(number, tool, 2 * np.abs(start).max())
+        for number, plane in enumerate(planes)
+        for tool in tools_of_density(plane, STEEL)
+    ]
+    gains = np.array([each.tool.sign * levers[:, each.plane] for each in steps], complex) / LIMIT
+    plan = Search(steps, gains, np.asarray(start, complex) / LIMIT, seconds=seconds).plan()
+    return plan, [(steps[k].plane, steps[k].tool, steps[k].angles[a], steps[k].settings[s]) for k, a, s in plan.spots]
+
+
+def rank(plan):
+    """Return what a plan is judged by: how far it is out of tolerance, its places, what it leaves."""
+    return max(plan.worst, 1.0), len(plan.spots), plan.worst
+
+
+class TestBruteForce:
+    """Every plan with up to three places in a plane, written down with the formulas of the worked cases alone."""
+
+    @pytest.mark.parametrize("number", range(200))
+    def test_no_plan_is_better(self, number):
+        draw = np.random.default_rng(number)
+        count = 1 + number % 2
+        kit = number % 4 >= 2
+        levers = np.array([[0.75, 0.2], [0.25, 0.8]])[:, :count]
+        planes, options = [], []
+        for k in range(count):
+            angles = tuple(np.sort(draw.choice(24, 5 if kit else 4, replace=False)) * math.tau / 24)
+            if kit:
+                masses = tuple(draw.choice([2e-3, 3e-3, 5e-3, 8e-3], 2, replace=False).tolist())
+                weights = tuple(KitWeight(f"{m}", m, 2) for m in masses)
+                plane = CorrectionPlane(f"{k}", 0.1 + 0.1 * k, "kit", 0.1, angles=angles, kit=weights)
+                options.append([(t, m, 0.1 * m * np.exp(1j * t)) for t in angles for m in masses])
+            else:
+                plane = drilled(f"{k}", 100 + 100 * k, 100, 8, 12, max_depth=10, depth_step=5, angles=angles)
+                options.append(
+                    [
+                        (t, (d, h), -radial_unbalance(STEEL, 0.1, d, h, POINT) * np.exp(1j * t))
+                        for t in angles
+                        for d in (0.008, 0.012)
+                        for h in (0.0, 0.005, 0.01)
+                    ]
+                )
+            planes.append(plane)
+        size = 2e-3 if kit else 1.5e-3
+        start = draw.uniform(0.1, 1.0) * size * (draw.normal(size=2) + 1j * draw.normal(size=2))
+        if count == 1:
+            start = levers[:, 0] * start[0]
+        best = self.best(options, levers, start, 3, kit)
+        plan, _ = searched(planes, levers, start)
+        assert not plan.cut_short
+        # What leaves less than a five-hundredth of the limit counts as nothing.
+        assert rank(plan)[:2] <= (best[0] * (1 + CLOSE), best[1])
+        assert plan.worst <= max(best[2], 0.002) * (1 + CLOSE) or rank(plan)[:2] < best[:2]
+        assert plan.bound <= plan.worst
+
+    def best(self, options, levers, start, most, kit):
+        """Return the rank of the best plan with at most so many places in a plane."""
+        tables = []
+        for choices in options:
+            plans = [
+                plan for n in range(most + 1) for plan in itertools.combinations(choices, n) if self.possible(plan, kit)
+            ]
+            tables.append((np.array([sum(k[2] for k in plan) for plan in plans]), np.array([len(k) for k in plans])))
+        left = np.abs(start[:, None] + levers[:, :1] * tables[0][0])[:, :, None] / LIMIT
+        number = tables[0][1][:, None]
+        if len(tables) == 2:
+            vectors = (
+                start[:, None, None] + levers[:, :1, None] * tables[0][0][:, None] + levers[:, 1:, None] * tables[1][0]
+            )
+            left = np.abs(vectors) / LIMIT
+            number = number + tables[1][1]
+        worst = left.max(axis=0)
+        if (worst <= 1).any():
+            fewest = number[worst <= 1].min()
+            return 1.0, fewest, worst[number == fewest].min()
+        return worst.min(), number[worst <= worst.min() * (1 + CLOSE)].min(), worst.min()
+
+    def possible(self, plan, kit):
+        if len({angle for angle, _, _ in plan}) < len(plan):
+            return False
+        if kit:
+            return all(sum(m == k for _, k, _ in plan) <= 2 for _, m, _ in plan)
+        for (one, (d, h), _), (other, (e, g), _) in itertools.combinations(plan, 2):
+            away = abs((one - other + math.pi) % math.tau - math.pi)
+            if 2 * (0.1 - min(h, g)) * math.sin(away / 2) < (d + e) / 2 + 0.001 - 1e-12:
+                return False
+        return True

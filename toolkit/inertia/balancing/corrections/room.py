@@ -1,0 +1,211 @@
+"""Room for a tool at every angle around the rotor: how deep it may go before less than the wall is left of the part.
+
+Rays run beside each other where the tool would run: along its axis, along its wall, and as far outside of that as the
+wall is thick. All of them have to meet the surface near where the tool starts, or it starts in air or breaks out of a
+side, and to stay in material as deep as the tool goes, and the wall below. A tool that runs towards the shaft ends
+there at the latest.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+
+import numpy as np
+
+from inertia.arrays import Float, Int
+from inertia.balancing.corrections.correction_plane import FULL_TURN
+from inertia.balancing.corrections.tool import Ray, Tool
+from inertia.balancing.corrections.workpiece import Body, run
+from inertia.errors import GeometryError
+
+_TOUCHING = 1e-6  # m: bodies with a gap no wider than this are one wall
+_PROUD = 0.01  # of the radius: how far the surface may be from where the tool starts
+_TINY = 1e-12
+_BESIDE = 1.7e-8  # m or rad: rays run beside the edges of round parts, which stand at round angles
+
+
+def rooms(bodies: Sequence[Body], tool: Tool, angles: Float) -> tuple[Float, Float]:
+    """Return the greatest setting of a tool at angles (m,) rad, −∞ where it cannot start, and the density there.
+
+    Parameters
+    ----------
+    bodies : in shaft axes
+    tool : one that cuts
+    angles : ascending
+    """
+    plane = tool.plane
+    room = np.full(len(angles), math.inf)
+    starts, density = np.zeros(len(angles)), np.zeros(len(angles))
+    for number, ray in enumerate(tool.rays()):
+        enter, leave, into = _material(bodies, tool, ray, angles)
+        if number == 0:
+            starts, density = enter, into
+            room[~(np.abs(enter) <= max(_PROUD * plane.radius, _TOUCHING))] = -math.inf
+        meets = np.isfinite(enter)
+        deep = math.inf if plane.through else leave - ray.ahead
+        limit = np.where(meets, deep, -math.inf if ray.lag is not None else math.inf)
+        if ray.lag is not None:
+            with np.errstate(invalid="ignore"):
+                limit[~(np.abs(enter - starts) <= ray.lag + _TOUCHING)] = -math.inf
+        room = np.minimum(room, limit)
+    return np.where(room > 0, room, -math.inf), density
+
+
+def _material(bodies: Sequence[Body], tool: Tool, ray: Ray, angles: Float) -> tuple[Float, Float, Float]:
+    """Return where rays enter material and leave it, from where the tool starts, and its density; nan for none."""
+    hits = [_hits(body.corners, tool, ray, angles) for body in bodies]
+    number = np.concatenate([k for k, _, _ in hits])
+    depth = np.concatenate([k for _, k, _ in hits])
+    entering = np.concatenate([k for _, _, k in hits])
+    density = np.concatenate([np.full(len(k), body.density) for body, (k, _, _) in zip(bodies, hits, strict=True)])
+    keep = depth >= -tool.clearance
+    number, depth, entering, density = number[keep], depth[keep], entering[keep], density[keep]
+    # Where one body ends and another begins, the wall goes on.
+    order = np.lexsort((depth + np.where(entering, 0.0, _TOUCHING), number))
+    number, depth, entering, density = number[order], depth[order], entering[order], density[order]
+    level = np.cumsum(np.where(entering, 1, -1))
+    first = np.searchsorted(number, np.arange(len(angles)))
+    before = np.concatenate([[0], level])[first]
+    enter, leave, into = (np.full(len(angles), math.nan) for _ in range(3))
+    closing = np.flatnonzero(~entering & (level == before[number]))
+    ends = np.searchsorted(number[closing], np.arange(len(angles)))
+    last = np.searchsorted(number, np.arange(len(angles)), side="right")
+    for k in np.flatnonzero(last > first).tolist():
+        ended = ends[k] < len(closing) and number[closing[ends[k]]] == k
+        if entering[first[k]] and (ended or tool.towards_shaft):
+            enter[k], into[k] = depth[first[k]], density[first[k]]
+            leave[k] = depth[closing[ends[k]]] if ended else tool.plane.radius
+    return enter, leave, into
+
+
+def _hits(corners: Float, tool: Tool, ray: Ray, angles: Float) -> tuple[Int, Float, Float]:
+    """Return the angles' numbers, the depths and whether a body is entered there, for all crossings of its surface."""
+    plane = tool.plane
+    if tool.towards_shaft:
+        first, last = _section(corners, plane.z + ray.along + _BESIDE)
+        ray_number, s, entering = _across(first, last, ray.aside + _BESIDE, angles)
+        return ray_number, plane.radius - s, entering
+    radius = math.hypot(plane.radius + ray.along + _BESIDE, ray.aside)
+    turned = math.atan2(ray.aside, plane.radius + ray.along) + _BESIDE
+    ray_number, z, upward = _upward(corners, radius, angles + turned)
+    if plane.face == "a":
+        return ray_number, z - plane.z, ~upward
+    return ray_number, plane.z - z, upward
+
+
+def _section(corners: Float, z: float) -> tuple[Float, Float]:
+    """Return the segments (k, 2) and (k, 2) in which triangles cut a plane across the shaft, the body on their left."""
+    above = corners[:, :, 2] > z
+    count = above.sum(axis=1)
+    triangles = corners[(count == 1) | (count == 2)]
+    up = triangles[:, :, 2] > z
+    lone = np.where(up.sum(axis=1) == 1, up.argmax(axis=1), (~up).argmax(axis=1))
+    rows = np.arange(len(triangles))
+    tip, left, right = (triangles[rows, (lone + k) % 3] for k in range(3))
+    flip = up.sum(axis=1) == 1
+    points = []
+    for other in (left, right):
+        share = (z - tip[:, 2]) / (other[:, 2] - tip[:, 2])
+        points.append(tip[:, :2] + share[:, None] * (other - tip)[:, :2])
+    first = np.where(flip[:, None], points[0], points[1])
+    last = np.where(flip[:, None], points[1], points[0])
+    return first, last
+
+
+def _pairs(low: Float, high: Float, angles: Float) -> tuple[Int, Int]:
+    """Return the pairs (item, angle) of items between angles low and high (n,), which may run through 0."""
+    around = np.concatenate([angles - FULL_TURN, angles, angles + FULL_TURN, angles + 2 * FULL_TURN])
+    high = np.minimum(high, low + FULL_TURN - _TINY)
+    start, stop = np.searchsorted(around, low - 1e-9), np.searchsorted(around, high + 1e-9, side="right")
+    lengths = stop - start
+    item = np.repeat(np.arange(len(low)), lengths)
+    place = np.arange(lengths.sum()) - np.repeat(np.cumsum(lengths) - lengths, lengths) + np.repeat(start, lengths)
+    return item, place % len(angles)
+
+
+def _across(first: Float, last: Float, aside: float, angles: Float) -> tuple[Int, Float, Float]:
+    """Return where lines towards the shaft, `aside` from it, cross segments with a body on their left."""
+    near = np.minimum(np.linalg.norm(first, axis=1), np.linalg.norm(last, axis=1))
+    edge = last - first
+    length = np.maximum(np.einsum("ij,ij->i", edge, edge), 1e-300)
+    foot = np.clip(-np.einsum("ij,ij->i", first, edge) / length, 0.0, 1.0)
+    near = np.minimum(near, np.linalg.norm(first + foot[:, None] * edge, axis=1))
+    spread = np.where(near > abs(aside), np.arcsin(np.minimum(abs(aside) / np.maximum(near, 1e-300), 1.0)), math.pi)
+    one = np.arctan2(first[:, 1], first[:, 0]) % FULL_TURN
+    turn = (np.arctan2(last[:, 1], last[:, 0]) - one + math.pi) % FULL_TURN - math.pi
+    item, number = _pairs(one + np.minimum(turn, 0) - spread, one + np.maximum(turn, 0) + spread, angles)
+    turns = np.exp(-1j * angles)[number]
+    here, there = ((points[:, 0] + 1j * points[:, 1])[item] * turns for points in (first, last))
+    low, high = here.imag > aside, there.imag > aside
+    met = low != high
+    item, number, here, there = item[met], number[met], here[met], there[met]
+    s = here.real + (aside - here.imag) / (there.imag - here.imag) * (there - here).real
+    entering = there.imag > here.imag
+    outside = s > 0
+    return number[outside], s[outside], entering[outside]
+
+
+def _upward(corners: Float, radius: float, angles: Float) -> tuple[Int, Float, Float]:
+    """Return where lines along the shaft at a radius and angles cross triangles, z and whether they face upward."""
+    flat = corners[:, :, :2]
+    far = np.linalg.norm(flat, axis=2).max(axis=1)
+    corners = corners[far >= radius]
+    flat = corners[:, :, 0] + 1j * corners[:, :, 1]
+    one = np.angle(flat[:, 0])
+    turns = (np.angle(flat) - one[:, None] + math.pi) % FULL_TURN - math.pi
+    low, high = turns.min(axis=1), turns.max(axis=1)
+    whole = high - low >= math.pi  # the shaft's axis may run through it
+    order = np.argsort(angles % FULL_TURN, kind="stable")
+    low, high = np.where(whole, 0.0, (one + low) % FULL_TURN), np.where(whole, FULL_TURN, high - low)
+    item, place = _pairs(low, low + high, (angles % FULL_TURN)[order])
+    number = order[place]
+    point = radius * np.exp(1j * angles[number])
+    a, b, c = (flat[item, k] - point for k in range(3))
+    areas = np.array([(b.conj() * c).imag, (c.conj() * a).imag, (a.conj() * b).imag])
+    total = areas.sum(axis=0)
+    inside = ((areas >= 0).all(axis=0) | (areas <= 0).all(axis=0)) & (total != 0)
+    item, number, areas, total = item[inside], number[inside], areas[:, inside], total[inside]
+    z = np.einsum("ki,ik->i", areas / total, corners[item, :, 2])
+    return number, z, total > 0
+
+
+def remaining_wall(bodies: Sequence[Body], tool: Tool, angle: float, setting: float) -> float:
+    """Return how much of the part is left between a tool and the next surface, m; infinite where it cuts nothing.
+
+    That is under the tool, no farther than to the shaft's axis, and beside the shoulder of a hole. Holes through have
+    a wall beside them.
+    """
+    limits = [math.inf]
+    for ray in tool.rays():
+        _, leave, _ = _material(bodies, tool, ray, np.array([angle]))
+        if ray.under is not None and not tool.plane.through and np.isfinite(leave[0]):
+            limits.append(float(leave[0]) - setting - ray.under)
+    limits += [
+        stretch[1] - beside
+        for origin, direction, beside in tool.sideways(angle, setting)
+        if (stretch := run(bodies, origin, direction)) is not None
+    ]
+    return min(limits)
+
+
+def no_room(bodies: Sequence[Body], tool: Tool, angle: float) -> GeometryError:
+    """Return why a tool can start at no angle, said of one of them (rad)."""
+    plane = tool.plane
+    where = f"plane {plane.id!r} at z = {1e3 * plane.z:.6g} mm, {math.degrees(angle) % 360:.4g} degrees"
+    enter, _, _ = (float(k[0]) for k in _material(bodies, tool, tool.rays()[0], np.array([angle])))
+    reach = _PROUD * plane.radius
+    if not math.isfinite(enter) or enter > reach:
+        return GeometryError(
+            f"{where}: there is no material for the tool under the radius of {1e3 * plane.radius:.6g} mm: move the "
+            "plane onto the part, or correct its radius"
+        )
+    if enter < -reach:
+        return GeometryError(
+            f"{where}: the part begins {-1e3 * enter:.4g} mm before the surface that depths are measured from: give "
+            f"the {'radius' if tool.towards_shaft else 'face'} where the tool enters"
+        )
+    return GeometryError(
+        f"plane {plane.id!r} at z = {1e3 * plane.z:.6g} mm: at every angle its tools break out of the part, or leave "
+        f"less than {1e3 * plane.min_wall:g} mm of it: use a smaller tool, or move the plane"
+    )

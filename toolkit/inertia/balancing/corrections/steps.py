@@ -1,0 +1,148 @@
+"""What the shop can do in a plane, step by step: every angle and setting of every tool, and which go side by side.
+
+Two holes keep their web where their axes are as far apart as both radii and the web are together, as deep as both of
+them go. So how close they may be depends on how deep they *are*, not on how deep they might be.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from inertia.arrays import Bool, Float
+from inertia.balancing.corrections.correction_plane import FULL_TURN, CorrectionPlane
+from inertia.balancing.corrections.drilling import Drill
+from inertia.balancing.corrections.milling import FlatCutter
+from inertia.balancing.corrections.tool import Tool
+
+_FINE = math.radians(0.5)  # between angles where any may be set
+_ANGLES = 1440  # tried around the shaft; finer steps are set where the places are known
+_SETTINGS = 512
+_SAME = 1e-9
+_ALONG = 64  # places along a tool at which its distance from another is taken
+
+
+@dataclass(frozen=True, eq=False)
+class Steps:
+    """One tool of a plane at the angles and settings that the shop can set.
+
+    Attributes
+    ----------
+    plane : its number
+    tool : with its plane
+    angles : (m,) rad, ascending
+    settings : (s,) ascending
+    sizes : (s,) kg m, the unbalance that each takes or adds
+    most : (m,) the greatest setting at each angle; −∞ where it may not be used
+    """
+
+    plane: int
+    tool: Tool
+    angles: Float
+    settings: Float
+    sizes: Float
+    most: Float
+
+    @property
+    def count(self) -> int:
+        """How many angles there are times how many settings."""
+        return len(self.angles) * len(self.settings)
+
+
+def steps_of(number: int, tool: Tool, need: float, room: Float | float = math.inf) -> Steps:
+    """Return the steps of a tool.
+
+    Parameters
+    ----------
+    number : of its plane
+    need : kg m, what is to be made up at most; a tool without limits is not set to more than a few times that
+    room : greatest setting that the part leaves, at all angles or at each of `angles_of` the plane
+    """
+    angles = angles_of(tool.plane)
+    settings = _settings(tool, need)
+    greatest = np.minimum(_clear_of_sectors(tool, angles, settings), room)
+    sizes = np.array([tool.unbalance(setting) for setting in settings.tolist()])
+    return Steps(number, tool, angles, settings, sizes, greatest)
+
+
+def angles_of(plane: CorrectionPlane) -> Float:
+    """Return the angles that are tried in a plane, ascending, rad."""
+    if plane.angles != "free":
+        return np.unique(np.array(plane.angles) % FULL_TURN)
+    step = plane.angle_step or _FINE
+    count = math.ceil(FULL_TURN / step - _SAME)
+    stride = math.ceil(count / _ANGLES)
+    return step * np.arange(0, count, stride)
+
+
+def _settings(tool: Tool, need: float) -> Float:
+    least, greatest = tool.least, tool.greatest
+    if not math.isfinite(greatest):
+        greatest = 4.0 * tool.setting(need)
+    if greatest <= least:
+        return np.array([greatest])
+    step = tool.step or (greatest - least) / _SETTINGS
+    stride = math.ceil((greatest - least) / step / (16 * _SETTINGS))
+    first, last = math.ceil(least / step - _SAME), math.floor(greatest / step + _SAME)
+    # 0.0124 rather than 0.012400000000000001
+    return np.round(step * np.arange(first, last + 1, stride), 15) if last >= first else np.array([greatest])
+
+
+def _clear_of_sectors(tool: Tool, angles: Float, settings: Float) -> Float:
+    """Return the greatest setting at each angle that keeps out of the forbidden sectors."""
+    greatest = np.full(len(angles), float(settings[-1]))
+    if tool.plane.forbidden:
+        halves = np.array([tool.half_angle_at(setting) for setting in settings.tolist()])
+        for k, angle in enumerate(angles.tolist()):
+            room = min(sector.distance(angle) for sector in tool.plane.forbidden)
+            fits = int(np.searchsorted(halves, room + _SAME, side="right"))
+            greatest[k] = settings[fits - 1] if fits and room >= 0 else -math.inf
+    return greatest
+
+
+def room_beside(tool: Tool, angles: Float, other: Tool, angle: float, setting: float) -> Float:
+    """Return the greatest setting of a tool at angles (m,) rad beside another that is at work; −∞ where there is none.
+
+    Parameters
+    ----------
+    other, angle, setting : what is there
+    """
+    room = np.full(len(angles), math.inf)
+    if isinstance(tool, Drill) and isinstance(other, Drill):
+        return _between_drills(tool, angles, other, angle, setting)
+    if tool.plane.id == other.plane.id and tool.plane.angles == "free":
+        away = np.abs((angles - angle + math.pi) % FULL_TURN - math.pi)
+        if isinstance(tool, FlatCutter):
+            half = np.clip(away - other.half_angle_at(setting), 0.0, 0.5 * math.pi)
+            return np.where(half > 0, tool.plane.radius * (1.0 - np.cos(half)) + _SAME * tool.plane.radius, -math.inf)
+        room[away < tool.apart_at(0.0) - _SAME] = -math.inf
+    return room
+
+
+def _between_drills(tool: Drill, angles: Float, other: Drill, angle: float, setting: float) -> Float:
+    need = 0.5 * (tool.diameter + other.diameter) + max(tool.plane.web, other.plane.web)
+    starts, along = tool.axes(angles)
+    start, direction = (k[0] for k in other.axes(np.array([angle])))
+    deepest = tool.greatest
+    # Both holes of one plane run towards the shaft or along it: nearest where the shallower one ends.
+    if tool.plane.id == other.plane.id:
+        away = np.abs((angles - angle + math.pi) % FULL_TURN - math.pi)
+        common = tool.depth_apart(need, away)
+        return np.where(common >= setting - _SAME, math.inf, np.where(common >= 0, common, -math.inf))
+    if np.linalg.norm(starts - start, axis=1).min() > need + deepest + setting:
+        return np.full(len(angles), math.inf)
+    places = deepest * np.arange(_ALONG + 1) / _ALONG
+    points = starts[:, None] + places[:, None] * along[:, None]
+    reach = np.clip((points - start) @ direction, 0.0, setting)
+    apart = np.linalg.norm(points - start - reach[..., None] * direction, axis=2)
+    near = apart < need + 0.5 * deepest / _ALONG
+    first = np.where(near.any(axis=1), near.argmax(axis=1), _ALONG + 1)
+    return np.where(first > _ALONG, math.inf, np.where(first > 0, places[np.maximum(first - 1, 0)], -math.inf))
+
+
+def allowed(steps: Steps) -> Bool:
+    """Return which settings are allowed at which angles, (m, s)."""
+    allowed: Bool = steps.settings <= steps.most[:, None] + _SAME
+    return allowed
