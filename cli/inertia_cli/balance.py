@@ -75,6 +75,9 @@ def add(parsers: Any) -> None:
     _add_short_form(parser)
     result = parser.add_argument_group("result")
     result.add_argument("--json", action="store_true", help="print one JSON document (inertia/balance/1)")
+    result.add_argument(
+        "--time", type=float, metavar="SECONDS", help="how long a plan of corrections is looked for (10)"
+    )
     result.add_argument("--csv", metavar="FILE", help="write the planes and the work as CSV")
     result.add_argument("--report", metavar="FILE", help="write the report: one HTML file, which prints on A4")
     result.add_argument("-o", "--output", metavar="FILE", help="record to FILE.rrd, for `inertia play`")
@@ -162,6 +165,8 @@ def _balance(rotor: Rotor, options: argparse.Namespace) -> int:
     from inertia.report.balance.text import balance_text
     from inertia.report.numerals import row
 
+    if options.time is not None:
+        rotor = rotor.planned_in(options.time)
     if options.to_toml:
         print(rotor.to_toml(), end="")
         return 0

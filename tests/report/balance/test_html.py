@@ -183,7 +183,7 @@ def test_the_work_is_a_list_of_numbered_steps_with_a_view_of_each_plane():
     document = page(case_14())
     first, second = map(text, document.findall(".//ol[@class='steps']/li"))
     assert first == (
-        "plane I (z 90.00 mm, outside) at 210.0° : REMOVE radial hole Ø10, 14.20 mm deep, radius 100.00 mm, 9.353 g"
+        "plane I (z 90.00 mm, outside) at 210.0° : REMOVE radial hole Ø10, 14.20 mm deep, radius 100.00 mm, 9.350 g"
     )
     assert second.startswith("plane II (z 215.00 mm, outside) at 20.0°")
     titles = [k.text for k in document.iter("title")]

@@ -253,7 +253,8 @@ def _corrected(
     parts, densities = [body.part for body in bodies], [body.density for body in bodies]
     try:
         aim = _aim(initial, tolerance, (shaft.z_a, shaft.z_b))
-        return correct(parts, densities, shaft, initial, planes, aim, uncut=together)
+        asked = rotor.fields.plan
+        return correct(parts, densities, shaft, initial, planes, aim, uncut=together, aim=asked.aim, seconds=asked.time)
     except (UsageError, GeometryError) as error:
         raise placed(error, rotor.name) from None
 

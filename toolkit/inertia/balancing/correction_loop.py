@@ -27,7 +27,7 @@ from inertia.balancing.corrections.masses import MassTool
 from inertia.balancing.corrections.milling import FlatCutter
 from inertia.balancing.corrections.operation import Operation
 from inertia.balancing.corrections.room import no_room, remaining_wall, rooms
-from inertia.balancing.corrections.search import Plan, Search
+from inertia.balancing.corrections.search import AIM, SECONDS, Plan, Search
 from inertia.balancing.corrections.standard_weights import WeightTool
 from inertia.balancing.corrections.steps import Steps, angles_of, steps_of
 from inertia.balancing.corrections.tool import Tool
@@ -38,14 +38,9 @@ from inertia.balancing.unbalance import Complex, Unbalance, plane_weights
 from inertia.errors import UsageError
 from inertia.mesh.part import Part
 
-AIM = 0.75
-"""Share of the tolerance that is to be left at most: what the shop's work scatters has to fit into the rest."""
-
-SECONDS = 10.0
-"""How long a plan is looked for, where nothing else is said."""
-
 _SHARE = 0.8  # of the time is for the plan, the rest for mending it
 _LEAST = 1.0  # s, for mending it once
+_SOME = 0.01  # of the tolerance: a bound below says nothing
 _CUTS = 10
 _FINER = 5  # cuts with ever finer steps, where the shop has none
 _FINER_BY = 12.0
@@ -67,8 +62,9 @@ class Correction:
     within : whether the residual is within the tolerance
     limits_hit : what kept the correction from going on
     why : how it ended, in a sentence
-    bound : no plan with at most so many operations leaves less, as a share of what is permissible
-    fewest : no plan with fewer operations comes within the tolerance; 0 where none does
+    bound : no plan with so many places leaves less in the worse plane, as a share of the tolerance aimed at
+    fewest : no plan with fewer places comes within the tolerance; 0 where no plan does
+    worst : what is left in the worse plane, as a share of the tolerance aimed at
     cut_short : the time was up before the search for a plan was through
     """
 
@@ -82,6 +78,7 @@ class Correction:
     why: str
     bound: float = 0.0
     fewest: int = 0
+    worst: float = 0.0
     cut_short: bool = False
 
 
@@ -190,7 +187,19 @@ class _Loop:
                 best = work
             elif number > _FINER:
                 break
+        if plan.bound > _SOME:
+            plan = replace(plan, bound=self._bound_as_cut(search, best))
         return self._finished(best, plan, cut_short, tuple(history))
+
+    def _bound_as_cut(self, search: Search, work: _Work) -> float:
+        """Return what no plan with so many places beats, if none takes more of its closed form than was cut."""
+        more = dict.fromkeys(range(len(self.planes)), 1.0)
+        for place, taken in zip(work.places, work.taken, strict=True):
+            vector = abs(self._vector(place))
+            if taken is not None and vector:
+                more[place.plane] = max(more[place.plane], abs(taken.unbalance) / vector)
+        steps = [replace(each, sizes=more[each.plane] * each.sizes) for each in search.steps]
+        return replace(search, steps=steps).bound(len(work.places))
 
     def _steps(self, start: Complex) -> list[Steps]:
         vectors = np.linalg.pinv(self.levers / self.limits[:, None]) @ (-start / self.limits)
@@ -203,7 +212,7 @@ class _Loop:
         return steps
 
     def _tools(self, plane: CorrectionPlane, wanted: float) -> tuple[tuple[Tool, ...], list[Float]]:
-        """Return the tools of a plane, in the material nearest to an angle (rad) that they can start in, and their room.
+        """Return the tools of a plane, in the material nearest to an angle (rad) where they can start, and their room.
 
         Raises `GeometryError` where there is none at any angle.
         """
@@ -222,7 +231,9 @@ class _Loop:
     def _done(self, places: tuple[_Place, ...], start: Complex) -> _Work:
         """Cut every place by itself and add up what is left."""
         taken = tuple(self._take(place) for place in places)
-        left = start + sum((self._change(*pair) for pair in zip(places, taken, strict=True)), 0 * start)
+        left = start.copy()
+        for pair in zip(places, taken, strict=True):
+            left += self._change(*pair)
         return _Work(places, taken, left, _worst(left, self.limits))
 
     def _take(self, place: _Place) -> Taken | None:
@@ -237,8 +248,7 @@ class _Loop:
         """Return what a place changes in the tolerance planes."""
         if taken is not None:
             return taken.change
-        change: Complex = self.levers[:, place.plane] * self._vector(place)
-        return change
+        return np.asarray(self.levers[:, place.plane] * self._vector(place), complex)
 
     def _vector(self, place: _Place) -> complex:
         return place.tool.sign * cmath.rect(place.tool.unbalance(place.setting), place.angle)
@@ -306,8 +316,10 @@ class _Loop:
         hit = () if worst <= 1 else self._limits_hit(plan, cut_short)
         largest = " and ".join(f"{abs(k) / GRAM_MILLIMETRE:.4g}" for k in left.tolist())
         why = f"{largest} g·mm left in the tolerance planes, with depths and angles at the shop's steps"
-        if worst > 1:
+        if worst > 1 and not cut_short:
             why += f": the best that can be done within {', '.join(hit) or 'these planes'}"
+        elif cut_short:
+            why += ": the best that was found in the time that it was given"
         return Correction(
             operations=operations,
             residual=residual,
@@ -318,12 +330,13 @@ class _Loop:
             limits_hit=hit,
             why=why,
             bound=min(plan.bound, worst),
-            fewest=plan.fewest,
+            worst=worst,
+            fewest=min(plan.fewest, len(best.places)),
             cut_short=cut_short,
         )
 
     def _limits_hit(self, plan: Plan, cut_short: bool) -> tuple[str, ...]:
-        if cut_short:
+        if cut_short and plan.bound <= 1:
             return ("the time that it was given",)
         if plan.bound <= 1:
             return ("the steps of depth and angle",)

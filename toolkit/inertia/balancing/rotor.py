@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
 from typing import Any, ClassVar, Literal
@@ -99,6 +99,10 @@ class Rotor(Document):
         """Return the shaft between two bearing centres (3,) m, with the zero mark and rotation of the file."""
         axis = self.fields.axis
         return Shaft(bearing_a, bearing_b, axis.zero_mark, axis.rotation, path="axis")
+
+    def planned_in(self, seconds: float) -> Rotor:
+        """Return the same rotor with another time for the plan of its corrections, s."""
+        return replace(self, fields=replace(self.fields, plan=replace(self.fields.plan, time=seconds)))
 
     @property
     def speed(self) -> float:

@@ -12,6 +12,7 @@ from typing import Annotated, Any, ClassVar, Literal, get_args
 
 from inertia.arrays import Float
 from inertia.balancing.correction_fields import KeyFields, PlaneFields
+from inertia.balancing.corrections.search import AIM, SECONDS
 from inertia.documents import (
     FieldError,
     Reader,
@@ -286,6 +287,22 @@ class UncertaintyFields(Section):
 
 
 @dataclass(frozen=True, eq=False)
+class PlanFields(Section):
+    """The section ``[plan]``: how corrections are planned.
+
+    Attributes
+    ----------
+    aim : what is to be left at most, as a share of what is permissible less what is uncertain, if it can be
+    time : how long a plan is looked for; then the best so far is taken
+    """
+
+    section: ClassVar[str] = "plan"
+
+    aim: Annotated[float, number("", positive=True, below=1.0)] = AIM
+    time: Annotated[float, number("s", positive=True)] = SECONDS
+
+
+@dataclass(frozen=True, eq=False)
 class ReportFields(Section):
     """The section ``[report]``: what the report's head says.
 
@@ -326,5 +343,6 @@ class RotorFields(Section):
     unit: Annotated[str, unit] = "mm"
     key: Annotated[tuple[KeyFields, ...], tables(KeyFields)] = ()
     plane: Annotated[tuple[PlaneFields, ...], tables(PlaneFields)] = ()
+    plan: Annotated[PlanFields, table(PlanFields)] = PlanFields()
     uncertainty: Annotated[UncertaintyFields, table(UncertaintyFields)] = UncertaintyFields()
     report: Annotated[ReportFields, table(ReportFields)] = ReportFields()

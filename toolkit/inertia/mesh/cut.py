@@ -143,7 +143,7 @@ class Stock:
         return replace(self.part, geometry=surface, regions=regions_after, chord=chord, rounding=rounding, shape=None)
 
     def common(self, tool: Surface) -> Part | None:
-        """Return what the part and a tool have in common, which is what the tool takes away; None where that is nothing.
+        """Return what the part and a tool have in common, which the tool takes away; None where that is nothing.
 
         Raises
         ------

@@ -13,7 +13,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from inertia.arrays import Float, Int
+from inertia.arrays import Bool, Float, Int
 from inertia.balancing.corrections.correction_plane import FULL_TURN
 from inertia.balancing.corrections.tool import Ray, Tool
 from inertia.balancing.corrections.workpiece import Body, run
@@ -79,7 +79,7 @@ def _material(bodies: Sequence[Body], tool: Tool, ray: Ray, angles: Float) -> tu
     return enter, leave, into
 
 
-def _hits(corners: Float, tool: Tool, ray: Ray, angles: Float) -> tuple[Int, Float, Float]:
+def _hits(corners: Float, tool: Tool, ray: Ray, angles: Float) -> tuple[Int, Float, Bool]:
     """Return the angles' numbers, the depths and whether a body is entered there, for all crossings of its surface."""
     plane = tool.plane
     if tool.towards_shaft:
@@ -124,7 +124,7 @@ def _pairs(low: Float, high: Float, angles: Float) -> tuple[Int, Int]:
     return item, place % len(angles)
 
 
-def _across(first: Float, last: Float, aside: float, angles: Float) -> tuple[Int, Float, Float]:
+def _across(first: Float, last: Float, aside: float, angles: Float) -> tuple[Int, Float, Bool]:
     """Return where lines towards the shaft, `aside` from it, cross segments with a body on their left."""
     near = np.minimum(np.linalg.norm(first, axis=1), np.linalg.norm(last, axis=1))
     edge = last - first
@@ -146,7 +146,7 @@ def _across(first: Float, last: Float, aside: float, angles: Float) -> tuple[Int
     return number[outside], s[outside], entering[outside]
 
 
-def _upward(corners: Float, radius: float, angles: Float) -> tuple[Int, Float, Float]:
+def _upward(corners: Float, radius: float, angles: Float) -> tuple[Int, Float, Bool]:
     """Return where lines along the shaft at a radius and angles cross triangles, z and whether they face upward."""
     flat = corners[:, :, :2]
     far = np.linalg.norm(flat, axis=2).max(axis=1)

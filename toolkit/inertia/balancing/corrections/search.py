@@ -24,6 +24,12 @@ from inertia.balancing.corrections.standard_weights import WeightTool
 from inertia.balancing.corrections.steps import Steps, allowed, room_beside
 from inertia.balancing.unbalance import Complex
 
+AIM = 0.75
+"""Share of the tolerance that is to be left at most: what the shop's work scatters has to fit into the rest."""
+
+SECONDS = 10.0
+"""How long a plan is looked for, where nothing else is said."""
+
 Spot = tuple[int, int, int]
 """Steps, angle and setting of a place, by their numbers."""
 
@@ -107,7 +113,7 @@ class Search:
                 if counts not in solved and least <= below * (1 + _TIE) and not self._late():
                     solved.add(counts)
                     spots, worst = self._with_counts(kinds, counts, vectors, least, below)
-                    if self._rank(spots, worst) < self._rank(result.spots, result.worst):
+                    if math.isfinite(worst) and self._rank(spots, worst) < self._rank(result.spots, result.worst):
                         result = replace(result, spots=spots, worst=worst)
                     if result.worst <= _FINE:
                         break
@@ -134,6 +140,17 @@ class Search:
             bound = min((k for _, k, _ in self._counts(len(best.spots), most, reach, gains, 1.0)), default=lowest)
             fewest = min(self._first(most, reach, gains, 1.0) if _worst(self.start) > 1 else 0, len(best.spots))
         return replace(best, bound=min(bound, best.worst), fewest=fewest, cut_short=self.cut_short, binding=binding)
+
+    def bound(self, number: int) -> float:
+        """Return what plans with so many places leave at least."""
+        planes = sorted({each.plane for each in self.steps})
+        kinds = [[k for k, each in enumerate(self.steps) if each.plane == plane] for plane in planes]
+        gains = np.column_stack([self.gains[group[0]] for group in kinds])
+        enough = _FAR * float(np.abs(np.linalg.pinv(gains) @ self.start).max())
+        reach = [extents([self.steps[k] for k in group], enough) for group in kinds]
+        return min(
+            (k for _, k, _ in self._counts(number, [len(k) - 1 for k in reach], reach, gains, math.inf)), default=0.0
+        )
 
     def _rank(self, spots: tuple[Spot, ...], worst: float) -> tuple[int, float, float]:
         """Return what plans are ordered by: as good as asked for, or within the limits, with the fewest places."""
@@ -492,8 +509,14 @@ class Search:
         follows = together[before].all(axis=1) & (np.arange(len(spots)) >= before[:, -1:])
         plan, last = np.nonzero(follows)
         plans = np.column_stack([before[plan], last])
-        if isinstance(self.steps[kinds[0]].tool, WeightTool):
-            plans = np.array([p for p in plans.tolist() if self._fits([spots[k] for k in p])], int)
+        tools = [self.steps[k].tool for k in kinds]
+        for kind, tool in enumerate(tools):
+            if isinstance(tool, WeightTool) and tool.weight.stock is not None:
+                plans = plans[(column[plans] == kind).sum(axis=1) <= tool.weight.stock]
+        if isinstance(tools[0], WeightTool):
+            places = np.array([a for _, a, _ in spots])[plans]
+            used = (places[:, :, None] == places[:, None]).sum(axis=2).max(axis=1)
+            plans = plans[used <= tools[0].plane.most_per_position]
         return singles[plans.reshape(-1, number)] if len(plans) <= _LISTED else None
 
     def _best_of(self, listed: Sequence[Int], below: float) -> tuple[tuple[Spot, ...], float] | None:

@@ -1,13 +1,29 @@
-"""Standard weights at positions such as blades, bolts or threaded holes."""
+"""Standard weights at positions such as blades, bolts or threaded holes: which, where, and how many.
+
+Whole numbers nⱼ of weights, each with a known effect eⱼ on the vectors in the tolerance planes, are added to the
+vectors r that are there. Either the *fewest* weights with |r + Σ eⱼ nⱼ| within the tolerance in every plane, and of
+those choices the one with the smallest residual; or the *smallest residual*, and of those choices the fewest weights.
+"""
 
 from __future__ import annotations
 
 import cmath
+import math
+from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Literal
 
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from inertia.arrays import Float, Int
 from inertia.balancing.corrections.correction_plane import CorrectionPlane, KitWeight, angle_of
+from inertia.balancing.corrections.disc_constrained_milp import Complex, Program
 from inertia.balancing.corrections.operation import Operation
 from inertia.balancing.corrections.tool import Tool
+
+_SAFE = 1e-5  # of a tolerance, kept from its limit for what rounding may do
+_LEEWAY = 4e-6  # of the unit that residuals are measured in
 
 
 def weight_operation(plane: CorrectionPlane, name: str, angle: float, weight: KitWeight, pieces: int) -> Operation:
@@ -69,3 +85,128 @@ class WeightTool(Tool):
     def operation(self, name: str, angle: float, setting: float) -> Operation:
         """Return the putting of so many at an angle (rad)."""
         return weight_operation(self.plane, name, angle, self.weight, round(setting))
+
+
+@dataclass(frozen=True, eq=False)
+class WeightChoice:
+    """Numbers of weights (n,), what the free planes do besides (f,), and the vectors (t,) that are left."""
+
+    counts: Int
+    free: Complex
+    residual: Complex
+    within: bool
+
+
+def choose_weights(
+    effects: ArrayLike,
+    start: ArrayLike,
+    limits: ArrayLike,
+    most: ArrayLike,
+    groups: Sequence[tuple[Sequence[int], int]] = (),
+    *,
+    free: ArrayLike | None = None,
+    aim: Literal["fewest", "smallest"] = "fewest",
+) -> WeightChoice:
+    """Choose weights.
+
+    Parameters
+    ----------
+    effects : (t, n) complex, what one weight of each kind and place adds in each tolerance plane
+    start : (t,) complex, what is there
+    limits : (t,) tolerances, in the same unit; the residual counts in proportion to them
+    most : (n,) how many there may be of each
+    groups : (places in n, how many of them together at most): the weights of one position, or of one stock
+    free : (t, f) complex, what a unit correction in planes without steps adds: those make up for what weights leave
+    aim : "fewest" weights within the limits, or "smallest" residual; the latter also where no choice is within
+
+    >>> turns = np.exp(1j * np.radians([0, 90, 180, 270]))
+    >>> choice = choose_weights([10 * turns], [-20 - 9j], [2.0], [3] * 4)
+    >>> choice.counts.tolist(), choice.within
+    ([2, 1, 0, 0], True)
+    """
+    weights = np.atleast_2d(np.asarray(effects, complex))
+    vectors, tolerances = np.asarray(start, complex), np.asarray(limits, float)
+    count = weights.shape[1]
+    others = np.zeros((len(vectors), 0), complex) if free is None else np.asarray(free, complex)
+    columns = np.hstack([weights, others, 1j * others])
+    unit = _unit(weights / tolerances[:, None])
+    # In units of a typical weight's effect, so that the solver's own tolerances mean something.
+    scale = unit * tolerances
+    program = _WeightProgram(
+        np.divide(columns, scale[:, None]), np.divide(vectors, scale), np.asarray(most, float), tuple(groups)
+    )
+    solution = program.fewest((1 - _SAFE) / unit) if aim == "fewest" else None
+    if solution is None:
+        solution = program.smallest()
+    counts = np.round(solution[:count]).astype(np.int64)
+    real, imaginary = np.split(solution[count : columns.shape[1]], 2)
+    makes_up = real + 1j * imaginary
+    residual = vectors + weights @ counts + others @ makes_up
+    return WeightChoice(counts, makes_up, residual, bool((np.abs(residual) <= tolerances).all()))
+
+
+@dataclass(frozen=True, eq=False)
+class _WeightProgram:
+    """The choice in the solver's terms: counts, then real and imaginary parts of free planes, then the residual."""
+
+    effects: Complex
+    start: Complex
+    most: Float
+    groups: tuple[tuple[Sequence[int], int], ...]
+
+    def fewest(self, tolerance: float) -> Float | None:
+        """Return the fewest weights within the tolerance, and of those the smallest residual."""
+        slack = np.zeros(self._width)
+        solution = self._program(tolerance).least(self._number)
+        if solution is None:
+            return None
+        slack[-1] = 1.0
+        number = float(np.round(self._number @ solution))
+        return self._program(0.0, (self._number, number, number)).least(slack)
+
+    def smallest(self) -> Float:
+        """Return the smallest residual, and of those the fewest weights."""
+        slack = np.zeros(self._width)
+        slack[-1] = 1.0
+        solution = self._program(0.0).least(slack)
+        if solution is None:  # it is too far beyond what weights can do for the solver; none at all are a choice
+            return np.zeros(self._width)
+        fewer = self._program(float(solution[-1]) + _LEEWAY).least(self._number)
+        return solution if fewer is None else fewer
+
+    @property
+    def _width(self) -> int:
+        return len(self.effects[0]) + 1
+
+    @property
+    def _number(self) -> Float:
+        """The cost that is the number of weights."""
+        return np.concatenate([np.ones(len(self.most)), np.zeros(self._width - len(self.most))])
+
+    def _program(self, radius: float, *rows: tuple[Float, float, float]) -> Program:
+        """Return the program with the residual within `radius` (0: within the last variable, its size)."""
+        planes, width, free = len(self.start), self._width, self._width - len(self.most) - 1
+        capped = []
+        for places, cap in self.groups:
+            row = np.zeros(width)
+            row[list(places)] = 1.0
+            capped.append((row, 0.0, float(cap)))
+        reach = np.zeros((planes, width))
+        reach[:, -1] = radius == 0
+        none = np.full(free, math.inf)
+        return Program(
+            effects=np.hstack([self.effects, np.zeros((planes, 1))]),
+            start=self.start,
+            radii=np.full(planes, radius),
+            reach=reach,
+            lower=np.concatenate([np.zeros(len(self.most)), -none, [0.0]]),
+            upper=np.concatenate([self.most, none, [math.inf]]),
+            integral=self._number,
+            rows=(*capped, *rows),
+        )
+
+
+def _unit(effects: NDArray[np.complex128]) -> float:
+    """Return the size of a typical weight's effect, over the tolerance."""
+    largest = np.abs(effects).max(axis=0, initial=0.0)
+    return float(np.median(largest)) if len(largest) and largest.any() else 1.0

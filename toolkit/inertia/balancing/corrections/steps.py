@@ -74,7 +74,7 @@ def angles_of(plane: CorrectionPlane) -> Float:
     step = plane.angle_step or _FINE
     count = math.ceil(FULL_TURN / step - _SAME)
     stride = math.ceil(count / _ANGLES)
-    return step * np.arange(0, count, stride)
+    return np.arange(0.0, count, stride) * step
 
 
 def _settings(tool: Tool, need: float) -> Float:

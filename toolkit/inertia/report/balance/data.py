@@ -219,6 +219,8 @@ class ReportData:
     operations : what the shop does
     corrected : whether a plane has a method of correction
     cuts, within, limits_hit, ending : how the search for the operations went
+    plan : how near the best there can be it is, in a sentence
+    worst, bound, fewest, cut_short : the same in figures, see `Correction`
     scatter : how the residual may turn out, and what matters most first
     verdict : on the residual
     notes : what else has to be known, in sentences
@@ -251,6 +253,11 @@ class ReportData:
     within: bool
     limits_hit: tuple[str, ...]
     ending: str
+    plan: str
+    worst: float
+    bound: float
+    fewest: int
+    cut_short: bool
     scatter: Scatter
     verdict: Verdict
     notes: tuple[str, ...]

@@ -85,6 +85,10 @@ def balance_document(data: ReportData) -> Document:
             "within": data.within,
             "limits_hit": list(data.limits_hit),
             "cuts": data.cuts,
+            "left": data.worst,
+            "left_at_least": data.bound,
+            "fewest": data.fewest,
+            "cut_short": data.cut_short,
         }
         if data.corrected
         else None,

@@ -11,6 +11,7 @@ import numpy as np
 
 from inertia import __version__
 from inertia.balancing.balance import Balance
+from inertia.balancing.correction_loop import Correction
 from inertia.balancing.corrections.operation import Operation
 from inertia.balancing.monte_carlo_terms import operation_terms
 from inertia.balancing.rotor import Rotor
@@ -69,10 +70,28 @@ def report_data(balance: Balance, date: str | None = None) -> ReportData:
         within=correction is not None and correction.within,
         limits_hit=() if correction is None else correction.limits_hit,
         ending="" if correction is None else correction.why,
+        plan=_plan(correction),
+        worst=0.0 if correction is None else correction.worst,
+        bound=0.0 if correction is None else correction.bound,
+        fewest=0 if correction is None else correction.fewest,
+        cut_short=correction is not None and correction.cut_short,
         scatter=balance.scatter,
         verdict=balance.verdict,
         notes=balance.notes,
     )
+
+
+def _plan(correction: Correction | None) -> str:
+    """Say how near to the best a plan is."""
+    if correction is None or not correction.operations:
+        return ""
+    number = sum(work.pieces for work in correction.operations)
+    plan = f"{number} {'places' if number > 1 else 'place'}"
+    if correction.fewest:
+        plan += ", the fewest there can be" if correction.fewest >= number else f", {correction.fewest} at least"
+    plan += f"; {100 * correction.worst:.3g} % of the limit aimed at is left, and the bound for so many places is "
+    plan += f"{100 * correction.bound:.3g} %"
+    return plan + ("; the time was up before all was tried" if correction.cut_short else "")
 
 
 def _file(rotor: Rotor) -> tuple[str, str] | None:

@@ -143,6 +143,8 @@ def _operations(data: ReportData) -> Iterator[str]:
     for work in data.operations:
         yield _operation(work, width)
     yield from wrapped("Correction", data.ending)
+    if data.plan:
+        yield from wrapped("Plan", data.plan)
 
 
 def _operation(work: OperationRow, width: int) -> str:
