@@ -38,7 +38,8 @@ from inertia.balancing.unbalance import Complex, Unbalance, plane_weights
 from inertia.errors import UsageError
 from inertia.mesh.part import Part
 
-_SHARE = 0.8  # of the time is for the plan, the rest for mending it
+_SHARES = (0.7, 0.8)  # of the time left, for a plan and for another by what was cut
+_AS_PLANNED = 1.05
 _LEAST = 1.0  # s, for mending it once
 _SOME = 0.01  # of the tolerance: a bound below says nothing
 _CUTS = 10
@@ -160,22 +161,32 @@ class _Loop:
     def run(self, start: Complex) -> Correction:
         """Plan, cut every place by itself, mend the plan by what it took, and cut the best with all tools at once."""
         steps = self._steps(start)
-        gains = np.array([each.tool.sign * self.levers[:, each.plane] for each in steps]) / self.limits
-        search = Search(
-            steps,
-            gains.astype(complex),
-            start / self.limits,
-            self.aim,
-            seconds=_SHARE * (self.deadline - thread_time()),
-        )
-        plan = search.plan()
+        gains: Complex = np.array([each.tool.sign * self._levers(each) / self.limits for each in steps], complex)
+        best, history = None, []
+        for share in _SHARES:
+            seconds = share * (self.deadline - thread_time())
+            search = Search(steps, gains, start / self.limits, self.aim, seconds)
+            plan = search.plan()
+            work, came, short = self._cut_and_mend(steps, plan, start)
+            history += came
+            if best is None or search.rank(len(work.places), work.worst) < search.rank(len(best.places), best.worst):
+                best, found = work, replace(plan, cut_short=plan.cut_short or short)
+            if work.worst <= _AS_PLANNED * max(plan.worst, self.aim) or not any(work.taken):
+                break
+            gains = self._gains_as_cut(steps, gains, work)
+        assert best is not None
+        if found.bound > _SOME:
+            found = replace(found, bound=self._bound_as_cut(search, best))
+        return self._finished(best, found, found.cut_short, tuple(history))
+
+    def _cut_and_mend(self, steps: Sequence[Steps], plan: Plan, start: Complex) -> tuple[_Work, list[float], bool]:
         places = tuple(
             _Place(steps[k].plane, steps[k].tool, float(steps[k].angles[a]), float(steps[k].settings[s]))
             for k, a, s in plan.spots
         )
         best = work = self._done(places, start)
         history = [work.worst]
-        cut_short = plan.cut_short
+        cut_short = False
         for number in range(1, _CUTS):
             places, short = self._mended(work, start, number)
             if places == work.places or not places:
@@ -187,9 +198,22 @@ class _Loop:
                 best = work
             elif number > _FINER:
                 break
-        if plan.bound > _SOME:
-            plan = replace(plan, bound=self._bound_as_cut(search, best))
-        return self._finished(best, plan, cut_short, tuple(history))
+        return best, history, cut_short
+
+    def _levers(self, steps: Steps) -> Float:
+        """Return what a unit vector of a tool does in the tolerance planes, at a setting in the middle."""
+        middle = float(steps.settings[len(steps.settings) // 2])
+        weights: Float = plane_weights(steps.tool.unbalance_z(middle), self.at)[0]
+        return weights
+
+    def _gains_as_cut(self, steps: Sequence[Steps], gains: Complex, work: _Work) -> Complex:
+        """Return what unit vectors of the planes do, by what was cut in them."""
+        by_plane: dict[int, list[Complex]] = {}
+        for place, taken in zip(work.places, work.taken, strict=True):
+            if (vector := self._vector(place)) and taken is not None:
+                by_plane.setdefault(place.plane, []).append(place.tool.sign * taken.change / vector / self.limits)
+        mean = {plane: np.mean(units, axis=0) for plane, units in by_plane.items()}
+        return np.array([mean.get(each.plane, gain) for each, gain in zip(steps, gains, strict=True)])
 
     def _bound_as_cut(self, search: Search, work: _Work) -> float:
         """Return what no plan with so many places beats, if none takes more of its closed form than was cut."""

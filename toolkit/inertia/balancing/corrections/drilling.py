@@ -296,10 +296,13 @@ class AxialDrill(Drill):
         depth = unbalance / (self.density * self.plane.radius * _area(self.diameter))
         return depth - point_length(self.diameter, self._point) / 3
 
+    def unbalance_z(self, setting: float) -> float:
+        """Return where the centroid of the hole is along the shaft, m."""
+        return self.plane.z + float(self._ahead[2]) * axial_middle(self.diameter, setting, self._point)
+
     def operation(self, name: str, angle: float, setting: float) -> Operation:
         """Return the hole."""
         plane = self.plane
-        middle = axial_middle(self.diameter, setting, self._point)
         return Operation(
             id=name,
             plane=plane.id,
@@ -310,7 +313,7 @@ class AxialDrill(Drill):
             radius=plane.radius,
             mass=self.density * axial_volume(self.diameter, setting, self._point),
             unbalance=-cmath.rect(self.unbalance(setting), angle),
-            unbalance_z=plane.z + float(self._ahead[2]) * middle,
+            unbalance_z=self.unbalance_z(setting),
             tool_diameter=self.diameter,
             point_angle=plane.point_angle,
             depth=setting,

@@ -39,7 +39,7 @@ _TIE = 1e-6
 _FAR = 4.0  # of what has to be made up: no plane need reach farther
 _NEARLY = 0.01  # of the least residual: numbers of places that come so near it are tried first
 _FEW = 20_000  # plans of all planes that are listed before anything else
-_LISTED = 200_000  # plans of one plane that are listed
+_LISTED = 400_000  # plans of one plane that are listed
 _SPOTS = 700_000  # places of one plane that are listed
 _PAIRED = 300_000  # pairs that are tried at once
 _FOLLOWED = 100  # of them, the best
@@ -113,7 +113,9 @@ class Search:
                 if counts not in solved and least <= below * (1 + _TIE) and not self._late():
                     solved.add(counts)
                     spots, worst = self._with_counts(kinds, counts, vectors, least, below)
-                    if math.isfinite(worst) and self._rank(spots, worst) < self._rank(result.spots, result.worst):
+                    if math.isfinite(worst) and self.rank(len(spots), worst) < self.rank(
+                        len(result.spots), result.worst
+                    ):
                         result = replace(result, spots=spots, worst=worst)
                     if result.worst <= _FINE:
                         break
@@ -152,11 +154,11 @@ class Search:
             (k for _, k, _ in self._counts(number, [len(k) - 1 for k in reach], reach, gains, math.inf)), default=0.0
         )
 
-    def _rank(self, spots: tuple[Spot, ...], worst: float) -> tuple[int, float, float]:
+    def rank(self, number: int, worst: float) -> tuple[int, float, float]:
         """Return what plans are ordered by: as good as asked for, or within the limits, with the fewest places."""
         if worst <= max(self.aim, 1.0) * (1 + _GAIN):
-            return int(worst > self.aim * (1 + _GAIN)), len(spots), worst
-        return 2, round(math.log(worst) / _TIE), len(spots)
+            return int(worst > self.aim * (1 + _GAIN)), number, worst
+        return 2, round(math.log(worst) / _TIE), number
 
     def _binds(self, plane: int, gains: Complex, reach: Sequence[Float], lowest: float) -> bool:
         if lowest <= 1:
@@ -495,7 +497,7 @@ class Search:
         if number == 1:
             return singles[:, None] if len(singles) <= _SPOTS else None
         fewer = self._listed(kinds, number - 1)
-        if fewer is None or len(fewer) * len(singles) > 20 * _LISTED or len(singles) ** 2 > 20 * _LISTED:
+        if fewer is None or len(fewer) * len(singles) > 10 * _LISTED or len(singles) ** 2 > 10 * _LISTED:
             return None
         spots: list[Spot] = [(k, a, s) for k, a, s in singles.tolist()]
         room = [[self._beside_one(k, spot) for k in kinds] for spot in spots]

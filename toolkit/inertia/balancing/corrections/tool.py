@@ -85,6 +85,10 @@ class Tool(ABC):
     def setting(self, unbalance: float) -> float:
         """Return the setting for an unbalance of this magnitude, kg m; the inverse of `unbalance`."""
 
+    def unbalance_z(self, setting: float) -> float:
+        """Return where along the shaft the unbalance acts, m."""
+        return self.plane.z
+
     @abstractmethod
     def operation(self, name: str, angle: float, setting: float) -> Operation:
         """Return what it does at an angle (rad)."""
