@@ -369,7 +369,7 @@ def _outcome(codes: set[str], result: LinkAudit, context: Context, stated: State
             return "named"
         body = Body(stated.mass, np.asarray(stated.center), np.asarray(stated.inertia))
         if difference(context, search.named.body, body) <= SAME:
-            return "alike"
+            return "same"
     return "wrong"
 
 
