@@ -35,7 +35,7 @@ KINDS_OF_FILES = ("*.urdf", "*.xml", "*.sdf", "*.usda")
 MARKS = (b"<robot", b"<mujoco>", b"<mujoco ", b"<sdf", b"#usda")  # not <mujocoinclude>, a piece of a model
 BY_HAND = "## Examined by hand"
 """Heading of the page's section that stays when the page is written again."""
-MOST_SHAPES, MOST_TRIANGLES = 30, 30_000
+MOST_SHAPES, MOST_TRIANGLES = 30, 5_000
 """Of a link that mistakes are made with."""
 OUTCOMES = ("named", "same", "ambiguous", "unexplained", "unphysical", "consistent", "wrong")
 
@@ -179,8 +179,8 @@ def page(results: list[dict[str, Any]]) -> str:
         "",
         "## Mistakes made on purpose",
         "",
-        f"Of {len(links_of)} links the closed meshes were taken, true mass properties of them stated, and mistakes made",
-        "in these, alone and in pairs, by code that shares nothing with the search (`tests/benchmarks/mistakes.py`);",
+        f"Of {len(links_of)} links the closed meshes were taken, true mass properties of them stated, and mistakes",
+        "made in these, alone and in pairs, by code that shares nothing with the search (`benchmarks/mistakes.py`);",
         "then every number was blurred by noise. *Same*: another mistake is named that leads to the same numbers",
         "within 0.5 % with this link, so that nobody could tell.",
         "",

@@ -8,6 +8,7 @@ import pytest
 from tests.exchange import solid
 
 import inertia
+from inertia.errors import UsageError
 from inertia.exchange.robots.read import read_robot
 
 CSV = """name, mass, com_x, com_y, com_z, ixx, iyy, izz, ixy, ixz, iyz, mesh, unit, products, remark
@@ -95,4 +96,20 @@ def test_text_of_another_encoding_is_refused(tmp_path: Path) -> None:
     file = tmp_path / "a.csv"
     file.write_bytes("näme".encode("latin-1"))
     with pytest.raises(inertia.ReadError, match="no text in UTF-8"):
+        read_robot(file)
+
+
+@pytest.mark.parametrize("delimiter", [";", "\t"])
+def test_other_separators_and_capitals(tmp_path: Path, delimiter: str) -> None:
+    file = tmp_path / "parts.csv"
+    file.write_text("Name,Mass,Ixx,Iyy,Izz,Ixy,Ixz,Iyz\narm,1.5,1,2,2.5,0,0,0.1\n".replace(",", delimiter))
+    (arm,) = read_robot(file).links
+    assert arm.inertial is not None
+    assert arm.inertial.inertia.tolist() == [[1, 0, 0], [0, 2, 0.1], [0, 0.1, 2.5]]
+
+
+def test_cells_without_a_name_are_refused(tmp_path: Path) -> None:
+    file = tmp_path / "parts.csv"
+    file.write_text("name,mass,ixx,iyy,izz,ixy,ixz,iyz\narm,1,5,1,2,2,0,0,0\n")  # 1,5 is one and a half
+    with pytest.raises(UsageError, match="line 2 has more cells than the first line has names"):
         read_robot(file)

@@ -152,7 +152,43 @@ def test_primitives_and_where_they_lie(links: list[Link]) -> None:
     assert pin.shape == Primitive("cylinder", pytest.approx((0.005, 0.08)))
     assert pin.placement.rotation[:, 2] == pytest.approx([1, 0, 0])
     assert pill.shape == "a Capsule of different scale along its axes cannot be weighed"
-    assert hat.shape == "a Cone cannot be weighed"
+    assert hat.shape == Primitive(
+        "cone", pytest.approx((0.02, 0.04))
+    )  # of radius 1 and height 2, in a body twice as large
+
+
+@pytest.mark.parametrize("hidden", ['uniform token purpose = "proxy"', 'token visibility = "invisible"'])
+def test_what_is_not_shown_is_not_weighed(tmp_path: Path, hidden: str) -> None:
+    stage = tmp_path / "s.usda"
+    stage.write_text(STAGE.replace('uniform token purpose = "guide"', hidden))
+    assert len(read_robot(stage).links[1].geometries) == 6
+
+
+def test_a_cone_by_hand(tmp_path: Path) -> None:
+    """Radius 1 and height 4: 3/20 m r² + 3/80 m h² across, 3/10 m r² along, the centre h/4 above the base."""
+    stage = tmp_path / "s.usda"
+    stage.write_text("""#usda 1.0
+(metersPerUnit = 1)
+def Xform "hat" (prepend apiSchemas = ["PhysicsRigidBodyAPI", "PhysicsMassAPI"])
+{
+    float physics:mass = 10
+    point3f physics:centerOfMass = (-1, 0, 0)
+    float3 physics:diagonalInertia = (3, 7.5, 7.5)
+    quatf physics:principalAxes = (1, 0, 0, 0)
+    def Cone "cone"
+    {
+        uniform token axis = "X"
+        double height = 4
+    }
+    def Sphere "knob" (prepend apiSchemas = ["PhysicsMassAPI"])
+    {
+        uniform token purpose = "guide"
+    }
+}
+""")
+    result = inertia.audit(stage)
+    assert result.links[0].state == "consistent"
+    assert result.robot.notes == ("what 'knob' below 'hat' states of itself is not counted",)
 
 
 def test_fixed_joints_hang_links_together(links: list[Link]) -> None:

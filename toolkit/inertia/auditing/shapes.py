@@ -123,7 +123,7 @@ def cause(error: InertiaError) -> str:
 
 def _primitive(shape: Primitive) -> _Mesh:
     """Return a primitive of density 1 about its own centre, in closed form."""
-    sizes = np.array(shape.sizes)
+    sizes, center = np.array(shape.sizes), np.zeros(3)
     if not (sizes > 0).all():
         raise GeometryError(f"a {shape.kind} of {', '.join(f'{size:g}' for size in sizes)} m encloses nothing")
     if shape.kind == "box":
@@ -138,6 +138,11 @@ def _primitive(shape: Primitive) -> _Mesh:
         squares = np.array([radius**2 / 4, radius**2 / 4, length**2 / 12])
         volume = np.pi * radius**2 * length
         corners = _revolved(np.array([-1.0, 1.0]), np.ones(2)) * [radius, radius, length / 2]
+    elif shape.kind == "cone":
+        radius, height = sizes
+        squares = np.array([3 / 20 * radius**2, 3 / 20 * radius**2, 3 / 80 * height**2])
+        volume, center = np.pi / 3 * radius**2 * height, np.array([0.0, 0.0, -height / 4])
+        corners = _revolved(np.array([-1.0, 1.0]), np.array([1.0, 0.0])) * [radius, radius, height / 2]
     else:
         radius, length = sizes
         barrel, ball = np.pi * radius**2 * length, 4 / 3 * np.pi * radius**3
@@ -150,7 +155,7 @@ def _primitive(shape: Primitive) -> _Mesh:
         corners = ends + np.sign(ends[..., 2:]) * np.array([0, 0, length / 2])
     inertia = volume * (squares.sum() * np.eye(3) - np.diag(squares))
     error = ErrorBound("closed form", _ROUNDOFF, _ROUNDOFF, 0.0, _ROUNDOFF)
-    return _Mesh(MassProperties(float(volume), float(volume), np.zeros(3), inertia, error), corners)
+    return _Mesh(MassProperties(float(volume), float(volume), center, inertia, error), corners)
 
 
 def _box(half: Float) -> Float:

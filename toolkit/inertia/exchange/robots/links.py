@@ -53,10 +53,10 @@ class Inertial:
 class Primitive:
     """A shape without a mesh: ``box`` (x, y, z), ``sphere`` (r), ``cylinder`` or ``capsule`` (r, length along z),
 
-    ``ellipsoid`` (half axes); m.
+    ``cone`` (r, height along z, the apex up, half of it below the origin), ``ellipsoid`` (half axes); m.
     """
 
-    kind: Literal["box", "sphere", "cylinder", "capsule", "ellipsoid"]
+    kind: Literal["box", "sphere", "cylinder", "capsule", "cone", "ellipsoid"]
     sizes: tuple[float, ...]
 
 

@@ -1,7 +1,8 @@
 """A list of parts with stated mass properties, as CSV or TOML.
 
 CSV has a line of names and a row a part: name, mass, com_x, com_y, com_z, ixx, iyy, izz, ixy, ixz, iyz, and if wanted
-mesh, unit and products; other columns are passed over, so that what `inertia.export` writes is read. TOML has a table
+mesh, unit and products; other columns are passed over, so that what `inertia.export` writes is read. Semicolons and
+tabs may stand for commas. TOML has a table
 ``[[part]]`` each, with center_of_mass and inertia as lists. SI units; the tensor is about the centre of mass.
 """
 
@@ -74,9 +75,12 @@ def read_toml(path: Path) -> Robot:
 
 def read_csv(path: Path) -> Robot:
     """Read a list of parts from a CSV file; raise `ReadError` or `UsageError` where it is none."""
-    rows = csv.DictReader(io.StringIO(_text(path)), skipinitialspace=True)
+    content = _text(path)
+    first = content.lstrip().partition("\n")[0]
+    delimiter = max(",;\t", key=first.count)
+    rows = csv.DictReader(io.StringIO(content), delimiter=delimiter, skipinitialspace=True)
     try:
-        names = [name.strip() for name in rows.fieldnames or []]
+        names = [name.strip().lower() for name in rows.fieldnames or []]
         missing = [name for name in ("name", "mass", *_ELEMENTS) if name not in names]
         if missing:
             raise ReadError(f"its first line names no column {missing[0]}: it is no list of parts")
@@ -123,6 +127,8 @@ def _row(
     row: Mapping[str | None, Any], where: str
 ) -> tuple[Mapping[str, Any], tuple[int | None, int | None, int | None], str]:
     """Return a row of CSV laid out as a table of TOML, the decimals it has, and where it stands."""
+    if None in row:
+        raise FieldError(where, "has more cells than the first line has names")
 
     def value(name: str) -> float:
         word = (row.get(name) or "").strip()

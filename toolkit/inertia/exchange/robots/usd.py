@@ -11,7 +11,7 @@ import importlib.util
 from collections.abc import Iterator
 from fractions import Fraction
 from pathlib import Path
-from typing import Any
+from typing import Any, Literal
 
 import numpy as np
 
@@ -171,6 +171,8 @@ def _inertial(stage: _Stage, prim: Any, name: str, notes: dict[str, None]) -> In
     if any(missing.values()):
         if not all(missing.values()):
             notes[f"link {shown(name)} states no {' and no '.join(k for k, gap in missing.items() if gap)}"] = None
+        elif float(api.GetDensityAttr().Get(stage.time)) > 0:
+            notes[f"link {shown(name)} states a density alone: there is nothing to compare"] = None
         return None
     if not np.isfinite([mass, *moments, *quaternion]).all():
         raise ReadError(f"what {prim.GetPath()} states is not finite")
@@ -183,6 +185,11 @@ def _inertial(stage: _Stage, prim: Any, name: str, notes: dict[str, None]) -> In
 
 def _geometries(stage: _Stage, body: Any, notes: dict[str, None]) -> Iterator[Geometry]:
     path = str(body.GetPath())
+    apart = [prim.GetName() for prim in stage.prims if _is_weighed_apart(stage, prim, path)]
+    if apart:
+        notes[f"what {', '.join(map(shown, apart))} below {shown(body.GetName())} states of itself is not counted"] = (
+            None
+        )
     matrix, origin = stage.place(body)
     rotation = _rotation(matrix)
     for prim in stage.prims:
@@ -190,9 +197,10 @@ def _geometries(stage: _Stage, body: Any, notes: dict[str, None]) -> Iterator[Ge
         if kind not in _SOLIDS or stage.body_of(where) != path:
             continue
         role: Role = "collision" if prim.HasAPI(stage.physics.CollisionAPI) else "visual"
-        purpose = stage.geometry.Imageable(prim).ComputePurpose()
-        if role == "visual" and purpose == stage.geometry.Tokens.guide:
-            continue  # a mark for the eye of who edits
+        image, tokens = stage.geometry.Imageable(prim), stage.geometry.Tokens
+        hidden = image.ComputePurpose() in (tokens.guide, tokens.proxy) or image.ComputeVisibility() == tokens.invisible
+        if role == "visual" and hidden:
+            continue  # a mark for the eye of who edits, what stands in for the body, or what is not shown
         a, b = stage.place(prim)
         inner, offset = rotation.T @ a, rotation.T @ (b - origin)
         name = where.removeprefix(f"{path}/") if where != path else prim.GetName()
@@ -205,6 +213,13 @@ def _geometries(stage: _Stage, body: Any, notes: dict[str, None]) -> Iterator[Ge
         else:
             turn, solid = _primitive(stage, kind, prim, inner)
             yield Geometry(name, role, solid, Placement(turn, offset * stage.metres))
+
+
+def _is_weighed_apart(stage: _Stage, prim: Any, body: str) -> bool:
+    """Whether a prim below a body, and no body itself, states mass properties of its own."""
+    if not prim.HasAPI(stage.physics.MassAPI) or str(prim.GetPath()) in stage.labels:
+        return False
+    return stage.body_of(str(prim.GetPath())) == body
 
 
 def _mesh(stage: _Stage, prim: Any, matrix: Float, offset: Float) -> Part | str:
@@ -238,8 +253,6 @@ def _primitive(stage: _Stage, kind: str, prim: Any, matrix: Float) -> tuple[Floa
     if kind == "Cube":
         size = float(typed.GetSizeAttr().Get(stage.time))
         return rotation, Primitive("box", (size * x, size * y, size * z))
-    if kind == "Cone":
-        return rotation, "a Cone cannot be weighed"
     radius = float(typed.GetRadiusAttr().Get(stage.time))
     if kind == "Sphere":
         if x == y == z:
@@ -251,4 +264,5 @@ def _primitive(stage: _Stage, kind: str, prim: Any, matrix: Float) -> tuple[Floa
         return rotation, f"a {kind} of different scale along its axes cannot be weighed"
     height = float(typed.GetHeightAttr().Get(stage.time))
     sizes = radius * across, height * along
-    return rotation @ onto, Primitive("cylinder" if kind == "Cylinder" else "capsule", sizes)
+    names: dict[str, Literal["cylinder", "capsule", "cone"]] = {"Cylinder": "cylinder", "Capsule": "capsule"}
+    return rotation @ onto, Primitive(names.get(kind, "cone"), sizes)
