@@ -127,7 +127,7 @@ def test_the_certificate_says_who_what_and_with_what(capsys: pytest.CaptureFixtu
     page = file.read_text(encoding="utf-8")
     for words in (
         "PASS", "fan wheel 630", "two-channel analyser", "2026-03-02, valid for a year", "1480 r/min", "N. N.",
-        "67.67 g·mm at 174.6°", "24.52", "914.6", "trial I", "weights screwed on and secured", "0.042 ∠ 205.0°",
+        "67.67 g·mm at 174.6°", "4197 g·mm at 39.3°", "24.52", "914.6", "trial I", "weights screwed on and secured", "0.042 ∠ 205.0°",
     ):  # fmt: skip
         assert words in page, words
     assert "<script" not in page
@@ -163,6 +163,8 @@ def test_log_and_coefficients_are_written(capsys: pytest.CaptureFixture[str], tm
     [
         ((), 2, "no job is named"),
         (("nothing.toml",), 3, "cannot read nothing.toml"),
+        ((str(path("rotors/disc.toml")),), 2, "body is that of a rotor file, not of a job"),
+        ((str(path("cube.stl")),), 3, "it is no text in UTF-8"),
         ((FAN, "--report", "x.html"), 2, "--report is of a rotor file, and the job names none"),
         ((FAN, "--log", "x.txt"), 2, "its name must end in .csv"),
         ((ROTOR, "--coefficients", "x.toml"), 2, "has no influence coefficients"),
@@ -177,6 +179,11 @@ def test_what_cannot_be_done_is_one_sentence(
     assert status == code
     assert words in err
     assert err.count("\n") == 1
+
+
+def test_a_job_is_no_rotor(capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["balance", FAN]) == 2
+    assert "run is that of a job of readings, not of a rotor: it is for `measure`" in capsys.readouterr().err
 
 
 def test_the_schema_is_the_one_in_the_documentation(capsys: pytest.CaptureFixture[str]) -> None:

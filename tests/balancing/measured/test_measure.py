@@ -458,3 +458,44 @@ def test_pyprb_in_two_planes():
     sizes = [(1e3 * abs(plane.correction), degrees(plane.correction)) for plane in measure(job).planes]
     assert sizes[0] == (pytest.approx(2.95, abs=5e-3), pytest.approx(50.2, abs=0.05))
     assert sizes[1] == (pytest.approx(2.84, abs=5e-3), pytest.approx(-81.9 % 360, abs=0.05))
+
+
+def test_exact_figures():
+    # V₀ = 3 + 4i and, with 1 g at 0°, 5 + 4i: A = 2, so that the heavy spot is 1.5 + 2i g, 2.5 g at arctan 4/3.
+    trial = (math.sqrt(41.0), math.degrees(math.atan2(4, 5)))
+    job = simple_job([[(5.0, math.degrees(math.atan2(4, 3)))], [trial]], [(1.0, 0)], False)
+    result = measure(job)
+    assert 1e3 * result.planes[0].unbalance == pytest.approx(1.5 + 2j, rel=1e-14)
+    assert 1e-3 * result.estimate.coefficients[0, 0] == pytest.approx(2.0, rel=1e-14)
+
+
+def test_uncertainty_of_one_plane_in_closed_form():
+    # u = V₀/A and A = (V₁ − V₀)/w: of 5, 10 and 1 g, readings good to a standard uncertainty s in every direction move
+    # u by s (dV₀/A − V₀ (dV₁ − dV₀)/A²) = s (2 dV₀ − dV₁)/5 g, so that its standard uncertainty is s √5/5 g.
+    floor = 0.01
+    table = simple_job([[(5.0, 0)], [(10.0, 0)]], [(1.0, 0)], False).to_dict()
+    table["uncertainty"] = EXACT
+    table["sensor"][0]["floor"] = floor * math.sqrt(3.0)
+    (plane,) = measure(Job.from_dict(table)).planes
+    assert 1e3 * plane.uncertainty == pytest.approx(floor * math.sqrt(5.0) / 5.0, rel=1e-3)
+    assert plane.expanded == 2 * plane.uncertainty
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "words"),
+    [
+        ('plane = "P0"', 'plane = "P9"', "there is no coefficient of sensor S0 at 3000 r/min for plane P0"),
+        ('weights = "g·mm"', 'weights = "g"', "weights are in g, those of the job in g·mm: leave out the radius"),
+        ("mm/s rms", "mm/s loud", r"coefficient\[0\].unit is 'mm/s loud': use one of"),
+        ("rpm = 3000.0", 'rpm = "fast"', r"coefficient\[0\].rpm is 'fast': it must be a number"),
+        ("schema = 1", "schema = 2", "schema is 2: this version reads schema = 1"),
+    ],
+)
+def test_files_of_coefficients_name_what_is_wrong(old, new, words, tmp_path):
+    machine = Machine(33, 1, 1)
+    text = measure(machine.job(trials(1))).coefficients().to_toml()
+    assert old in text
+    file = tmp_path / "c.toml"
+    file.write_text(text.replace(old, new), encoding="utf-8")
+    with pytest.raises(UsageError, match=words):
+        measure(machine.job([[]], coefficients=str(file)))

@@ -76,6 +76,8 @@ class Rotor(Document):
 
     @classmethod
     def _from_table(cls, table: Mapping[str, Any], folder: Path, text: str | None, name: str) -> Rotor:
+        if "run" in table and "body" not in table:
+            raise FieldError("run", "is that of a job of readings, not of a rotor: it is for `measure`")
         return cls(section_of(RotorFields, table), folder, text, name)
 
     def to_dict(self) -> dict[str, Any]:

@@ -99,6 +99,8 @@ class Job(Document):
 
     @classmethod
     def _from_table(cls, table: Mapping[str, Any], folder: Path, text: str | None, name: str) -> Job:
+        if "body" in table and "run" not in table:
+            raise FieldError("body", "is that of a rotor file, not of a job: name that file as rotor in a job")
         return cls(section_of(JobFields, table), folder, text, name)
 
     def to_dict(self) -> dict[str, Any]:

@@ -62,9 +62,8 @@ def _on_readings(job: Job) -> list[str]:
     notes = []
     stated = job.fields.uncertainty
     if stated.amplitude is None and any(sensor.amplitude is None for sensor in job.fields.sensor or (stated,)):
-        notes.append(
-            f"readings are assumed to be good to {100 * AMPLITUDE:g} % and {PHASE:g}°, as the job states no uncertainty"
-        )
+        good = f"{100 * AMPLITUDE:g} %" + (f" and {PHASE:g}°" if job.by_phase else "")
+        notes.append(f"readings are assumed to be good to {good}, as the job states no uncertainty")
     if runouts := [sensor.id for sensor in job.fields.sensor if sensor.runout is not None]:
         notes.append(f"the runout of {', '.join(runouts)} is taken off its readings; those that are shown have it")
     quantities = {vibration_unit(sensor.unit).name for sensor in job.fields.sensor}

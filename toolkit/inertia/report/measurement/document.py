@@ -144,6 +144,7 @@ def _plane(result: Measurement, number: int, plane: MeasuredPlane) -> Document:
         "id": plane.plane.id,
         "z_mm": None if plane.plane.z is None else plane.plane.z / _MM,
         "radius_mm": None if plane.plane.radius is None else plane.plane.radius / _MM,
+        "initial": _initial(result, number),
         "unbalance": _weight(result, number, plane.unbalance),
         f"standard_uncertainty_{unit}": plane.uncertainty / per,
         f"expanded_uncertainty_{unit}": plane.expanded / per,
@@ -156,6 +157,14 @@ def _plane(result: Measurement, number: int, plane: MeasuredPlane) -> Document:
         ],
         "left": _weight(result, number, plane.left),
     }
+
+
+def _initial(result: Measurement, number: int) -> Document | None:
+    """Return what the first of several runs showed in a plane."""
+    first = result.runs[0].unbalance
+    if first is None or len(result.runs) < 2 or result.estimate.tooling is not None:
+        return None
+    return _weight(result, number, complex(first[number]))
 
 
 def _tolerance_planes(result: Measurement) -> list[Document]:
