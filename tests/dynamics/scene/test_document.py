@@ -66,10 +66,23 @@ def test_what_the_moments_are_uncertain_by_is_noted() -> None:
     assert example.body.inertia.tolist() == plain.body.inertia.tolist()
 
 
+def test_small_faults_of_the_part_are_allowed_for_where_that_is_asked_for() -> None:
+    part = str(path("broken/overlapping_cubes.stl"))
+    example = scene(body={"part": part, "unit": "mm", "allow_faults": 0.1})
+    assert any("the tensor has a bound of 0.034 (relative)" in note for note in example.body.notes)
+    with pytest.raises(GeometryError, match="overlapping bodies"):
+        scene(body={"part": part, "unit": "mm"})
+    with pytest.raises(GeometryError, match=r"above the 0\.01 allowed"):
+        scene(body={"part": part, "unit": "mm", "allow_faults": 0.01})
+    with pytest.raises(UsageError, match="allow_faults"):
+        scene(body={"part": part, "unit": "mm", "allow_faults": 1.5})
+
+
 @pytest.mark.parametrize(
     ("body", "said"),
     [
         ({"principal_moments": [1, 2, 3], "mass": "1±0.1"}, "body.mass"),
+        ({"principal_moments": [1, 2, 3], "allow_faults": 0.1}, "body.allow_faults"),
         ({"principal_moments": [1, 2, 3], "sigma": 0.1}, "body.sigma"),
         ({"part": "t_handle.stl", "density": "7850±"}, "body.density"),
     ],

@@ -501,7 +501,7 @@ def _mended(
     part: Part, parts: Parts, answer: Callable[..., Analysis], fault: GeometryError, allowed: float
 ) -> Analysis:
     """Answer for a part that is refused as it is, its faults mended and what they leave open in the bounds."""
-    from inertia.mass.faults import mended, nested, room
+    from inertia.mass.faults import mended, nested, room, united
 
     try:
         mend = mended(part)
@@ -509,7 +509,10 @@ def _mended(
             with suppress(GeometryError):
                 return answer(mend.part, parts, mend.doubts)
         doubts = (*mend.doubts, *nested(mend.part))
-        return answer(mend.part, "separate", doubts, allowed * room(mend.part))
+        with suppress(GeometryError):
+            return answer(mend.part, "separate", doubts, allowed * room(mend.part))
+        union = united(mend.part)
+        return answer(union.part, parts, (*mend.doubts, *union.doubts))
     except GeometryError:
         raise reworded(fault, (*fault.words, _BOUNDLESS), fault.places) from None
 

@@ -1,11 +1,11 @@
 """Solids with small faults: the surface closed and turned, with bounds on all that its faults leave open.
 
-What is covered: of a hole, all closures that `inertia.mesh.repairs.closures` admits; of a crack, every place of its
-rims within its breadth, with the triangles there; of an open piece that is left out, all of its
-convex hull; of a shell that is turned, that it is material, a void or nothing; of
-a shell in the material of another, that it is counted twice, once, or a void; of what bodies share, or a shell that
-crosses itself encloses twice, that it is counted once or twice. Copies of triangles, triangles that run the wrong way
-and fins without thickness leave nothing open.
+What is covered: of a hole, all closures that `inertia.mesh.repairs.closures` admits, over the filling and no farther
+from it than the hole is broad; of a crack, its rims anywhere within its breadth, with the triangles; of an open piece
+that is left out, all of its convex hull; of a shell that is turned, that it is material, a void or nothing; of a shell
+in the material of another, that it is counted twice, once, or a void; of what bodies share, or a shell that crosses
+itself encloses twice, that it is counted once or twice. Copies of triangles, triangles that run the wrong way and fins
+without thickness leave nothing open.
 """
 
 from __future__ import annotations
@@ -23,9 +23,12 @@ from inertia.mass.triangles.moments_from_sums import moments_of
 from inertia.mass.triangles.sums import sum_triangles
 from inertia.mesh.check import check
 from inertia.mesh.checks.findings import Finding, counted
+from inertia.mesh.geometry.intersect import crossings
 from inertia.mesh.part import Doubt, Part
 from inertia.mesh.repair import repair
+from inertia.mesh.unite import unite
 
+_CROSSINGS = 2_000  # that are united in a second or two
 _LEAST, _MOST = 1e-9, 0.5  # worth allowing for, and above that the fault is not small
 _TWO_DIGITS = Context(prec=2, rounding=ROUND_CEILING)
 
@@ -76,6 +79,25 @@ def nested(part: Part) -> tuple[Finding, ...]:
         return ()
     words = f"voids: {counted(len(inside), 'shell')} inside the material of another may be one"
     return (_finding("overlapping_bodies", words, len(inside), doubt, part.unit.name),)
+
+
+def united(part: Part) -> Mended:
+    """Count what a surface encloses more than once there only once; what that changes is in doubt.
+
+    Raises `GeometryError` where triangles cross in more than 2,000 places, which would take seconds, or as `unite`.
+    """
+    corners = part.triangles.corners().reshape(-1, 3)
+    meetings = crossings(part.triangles, limit=_CROSSINGS)
+    if meetings.truncated:
+        raise GeometryError(f"{part.name} crosses itself in more than {_CROSSINGS} places: unite it")
+    union = unite(part)
+    box = np.stack([corners.min(axis=0), corners.max(axis=0)])
+    doubt = Doubt.within(box, union.more_than_once, union.negative)
+    words = (
+        f"crossings: {counted(union.crossings, 'pair')} of triangles cross or lie on one another, and what they enclose"
+    )
+    finding = _finding("self_intersection", f"{words} twice counts once", union.crossings, doubt, part.unit.name)
+    return Mended(union.part, (finding,))
 
 
 def _finding(code: str, words: str, count: int, doubt: Doubt, unit: str) -> Finding:

@@ -125,8 +125,8 @@ def repair(part: Part, *, tolerance: float | None = None, unite: bool = True, bo
     tolerance : vertices within this distance of each other, in file units, become one
     unite : whether bodies that overlap are united, which takes most of the time where there are many
     bounded : whether cracks are merged that are wider, of up to a thousandth of the diagonal of the part's box, if that
-        closes the surface, and shells are turned though they share space with others: what that leaves open is the
-        doubt of the change
+        closes the surface, open pieces that bound nothing are left out, and shells are turned though they share space
+        with others: what that leaves open is the doubt of the change; closures of a hole stay near it then
 
     Raises
     ------
@@ -333,7 +333,8 @@ def _without_holes(mesh: _Mesh, bounded: bool) -> _Step:
     largest = max(loops, key=len)
     where = f"of {len(largest)} edges {around(vertices[edges.head[largest]])}"
     size = diagonal(mesh.vertices[np.unique(mesh.faces)])
-    doubts = [closures(vertices, mesh.faces, edges, *hole, size) for hole in zip(loops, fillings, strict=True)]
+    holes = zip(loops, fillings, strict=True)
+    doubts = [closures(vertices, mesh.faces, edges, *hole, size, small=bounded) for hole in holes]
     moves = np.zeros(len(vertices))
     for loop, new in zip(loops, fillings, strict=True):
         rim = edges.head[loop]

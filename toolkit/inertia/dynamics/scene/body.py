@@ -87,6 +87,12 @@ class SceneBody:
             notes.append("the unit of the part is assumed to be mm")
         if analysis.density_from == "assumed":
             notes.append("the density of the part is assumed to be 1000 kg/m³")
+        if analysis.refusal is not None:
+            bound = analysis.properties.error.inertia
+            notes.append(
+                f"small faults of the mesh are allowed for: the tensor has a bound of {bound:.2g} (relative), "
+                "the motion is that of the tensor as it is"
+            )
         if (uncertainty := analysis.uncertainty) is not None:
             each = ", ".join(f"{u:.2g}" for u in uncertainty.principal_moments.tolist())
             notes.append(
@@ -160,7 +166,14 @@ def integrated(source: BodySource, folder: Path, path: str) -> SceneBody:
     """Read and integrate a part file in `folder`; `path` is the table that names it."""
     try:
         part = read(folder / str(source.part), source.unit)
-        analysis = analyse(part, source.density, material=source.material, mass=source.mass, sigma=source.sigma)
+        analysis = analyse(
+            part,
+            source.density,
+            material=source.material,
+            mass=source.mass,
+            sigma=source.sigma,
+            allow_faults=source.allow_faults,
+        )
     except UsageError as error:
         raise placed(error, FieldPath(path)) from None
     return SceneBody.of_analysis(analysis)

@@ -20,7 +20,7 @@ FINEST = 1e-15
 
 _MOST_SAMPLES = 10_000_000
 _SOURCES = ("part", "inertia", "principal_moments")
-_FOR_PART = ("unit", "density", "material", "sigma")
+_FOR_PART = ("unit", "density", "material", "sigma", "allow_faults")
 _UNIT_LENGTH = 1e-6
 
 
@@ -58,6 +58,7 @@ class BodySource(Section):
     mass : kg; with a part, as weighed
     sigma : standard deviation of the noise of every coordinate of the part, in its unit; with it, and with a density or
         mass as "7850±50", the standard uncertainties of the principal moments are noted
+    allow_faults : relative bound up to which small faults of the part's mesh are allowed for, as `inertia.analyse` does
     inertia : (3, 3) kg m² about the centre of mass, part axes
     principal_moments : (3,) kg m²; the part axes are then the principal axes, in this order
     center_of_mass : (3,) m, part axes; with inertia or principal_moments
@@ -71,6 +72,7 @@ class BodySource(Section):
     material: Annotated[str | None, text] = None
     mass: Annotated[float | None, estimate("kg")] = None
     sigma: Annotated[float | None, number("the part's unit", positive=True)] = None
+    allow_faults: Annotated[float | None, number("", positive=True, below=1.0)] = None
     inertia: Annotated[Float | None, numbers((3, 3), "kg m²")] = None
     principal_moments: Annotated[Float | None, numbers((3,), "kg m²")] = None
     center_of_mass: Annotated[Float | None, numbers((3,), "m")] = None

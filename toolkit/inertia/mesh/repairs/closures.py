@@ -43,7 +43,9 @@ _SLIT = 0.02  # breadth of a crack, over the length of its rim
 _THIN = 1e-12  # of the size of a hull: what rounding makes of a plane one
 
 
-def closures(vertices: Float, faces: Int, edges: HalfEdges, loop: list[int], filling: Int, size: float) -> Doubt:
+def closures(
+    vertices: Float, faces: Int, edges: HalfEdges, loop: list[int], filling: Int, size: float, *, small: bool = False
+) -> Doubt:
     """Return the room that the rim of one filled hole leaves to other closures.
 
     Parameters
@@ -54,6 +56,7 @@ def closures(vertices: Float, faces: Int, edges: HalfEdges, loop: list[int], fil
     loop : the directed edges along the rim, see `inertia.mesh.repairs.holes.rims`
     filling : (k, 3), the new faces
     size : the diagonal of the box around the part, in file units
+    small : whether closures stay over the filling, and no farther from it than the rim is broad
     """
     corners = vertices[filling]
     areas = _vector_areas(corners)
@@ -72,7 +75,8 @@ def closures(vertices: Float, faces: Int, edges: HalfEdges, loop: list[int], fil
     upward = unit(areas.sum(axis=0))
     rise = float((leaving @ upward).sum())
     spread = -float(np.einsum("ij,ij->", leaving, unit(np.cross(upward, along))))
-    lean = min(spread / rise, _LEAN) if rise > 0 and spread > 0 and not thin else 0.0
+    lean = min(spread / rise, _LEAN) if rise > 0 and spread > 0 and not (thin or small) else 0.0
+    size = min(size, float(np.linalg.norm(np.ptp(vertices[edges.head[loop]], axis=0)))) if small else size
 
     parts = min(_PARTS, max(1, round((_PLACES / len(filling)) ** 0.5)))
     weights = _places(parts)
