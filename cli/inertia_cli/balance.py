@@ -99,7 +99,7 @@ def _add_short_form(parser: argparse.ArgumentParser) -> None:
     weight.add_argument("--material", metavar="MATERIAL", help="take the density from the table of materials")
     weight.add_argument("--mass", type=estimate, metavar="KG", help="as weighed, as 1.2±0.001")
     short.add_argument("--sigma", type=float, metavar="LENGTH", help="standard deviation of every vertex coordinate")
-    short.add_argument("--chord", type=float, metavar="LENGTH", help="tolerance of the tessellation; estimated without")
+    short.add_argument("--chord", type=float, metavar="LENGTH", help="tolerance of the mesh, where more than it shows")
     short.add_argument("--axis", type=_direction, metavar="x|y|z|X,Y,Z", help="direction of the shaft, from A to B")
     short.add_argument("--through", type=triple, metavar="X,Y,Z", help="a point on the shaft (0,0,0)")
     short.add_argument("--bearings", type=_numbers, metavar="A,B", help="places of the bearings along the axis")

@@ -12,8 +12,8 @@ from tests.mesh.readers.step_sample import step_cone
 
 import inertia
 from inertia.balancing.balance import Balance, balance
+from inertia.balancing.facet_error import FacetLayers
 from inertia.balancing.rotor import Rotor
-from inertia.balancing.tessellation_bound import estimated_sag
 from inertia.errors import GeometryError, ReadError, UsageError
 from inertia.mesh.geometry.intersect import overlap
 from inertia.mesh.part import Part, Surface
@@ -341,7 +341,7 @@ def test_the_sag_of_a_prism_is_estimated(tmp_path: Path, sides: int) -> None:
     walls = [(here, beside, beside + sides), (here, beside + sides, here + sides)]
     ends = [(beside, here, np.full(sides, 2 * sides)), (here + sides, beside + sides, np.full(sides, 2 * sides + 1))]
     part = Part.from_arrays(corners, np.concatenate([np.column_stack(k) for k in (*walls, *ends)]), "mm")
-    assert estimated_sag(part) == pytest.approx(10 * (1 - math.cos(math.pi / sides)), rel=1e-9)
+    assert FacetLayers(part).sag == pytest.approx(0.01 * (1 - math.cos(math.pi / sides)), rel=1e-9)
 
 
 def test_the_reader_of_step_states_the_tolerance(tmp_path: Path) -> None:
@@ -361,7 +361,7 @@ def test_the_reader_of_step_states_the_tolerance(tmp_path: Path) -> None:
 
 def test_a_plane_faced_body_has_no_sag(tmp_path: Path) -> None:
     answer = of_box(tmp_path)
-    assert (answer.bodies[0].chord, answer.bodies[0].chord_from) == (0, "estimated")
+    assert (answer.bodies[0].chord, answer.bodies[0].chord_from) == (0, "exact")
     assert not any("chord_tolerance" in note for note in answer.notes)
 
 
@@ -370,7 +370,7 @@ def test_a_coarse_mesh_leaves_a_verdict_undecided() -> None:
     table["body"][0] |= {"file": "two_disc_rotor.stl", "chord_tolerance": 0.1}
     answer = balance(Rotor.from_dict(table, path("two_disc_rotor.stl").parent))
     assert answer.verdict.outcome == "undecided"
-    assert re.search(r"what would settle it: a chord tolerance of 0\.00\d+ mm or less", answer.verdict.why[0])
+    assert re.search(r"what would settle it: facets within 0\.00\d+ mm of the true surface", answer.verdict.why[0])
 
 
 def test_bodies_no_deeper_in_each_other_than_their_chords_only_touch() -> None:
@@ -473,11 +473,14 @@ def test_the_share_within_tolerance_is_that_of_holes_cut_as_the_shop_cuts_them(
 def test_other_seeds_turn_no_verdict_over() -> None:
     table = tomllib.loads(path("rotors/two_disc_rotor.toml").read_text())
     table["body"][0]["file"] = str(path("two_disc_rotor.stl"))
+    shop = {"depth": 2, "angle": 8}
+    table["uncertainty"] = {**shop, "draws": 1_000_000}
+    share = round(balance(Rotor.from_dict(table)).scatter.within, 4)
     shares = []
     for seed in range(6):
-        table["uncertainty"] = {"depth": 1, "angle": 5, "diameter": 0.2, "seed": seed, "confidence": 0.82}
+        table["uncertainty"] = {**shop, "seed": seed, "confidence": share}
         answer = balance(Rotor.from_dict(table))
         assert answer.verdict.outcome == "conditional"
-        assert "too near 82 % to be told by" in answer.verdict.headline
+        assert f"too near {100 * share:g} % to be told by" in answer.verdict.headline
         shares.append(answer.scatter.within)
     assert len(set(shares)) > 1

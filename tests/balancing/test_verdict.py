@@ -150,7 +150,7 @@ class TestUndecided:
         assert needs["axis"] == pytest.approx(2e-5 * 8 / 12)
         assert needs["tessellation"] == pytest.approx(1e-5 * 8 / 12)
         assert "bearing centres known to 0.013 mm or better" in verdict.why
-        assert "a chord tolerance of 0.0066 mm or less" in verdict.why
+        assert "facets within 0.0066 mm of the true surface" in verdict.why
 
     def test_asks_for_all_at_once_where_none_is_enough_alone(self):
         verdict = judge(residual(95, 0, axis=(10, 2e-5), density=(10, 0.02)), tolerance(), PLANES).planes[0]

@@ -128,7 +128,7 @@ def test_every_sample_gets_a_verdict_and_nothing_else_on_standard_output(name: s
 @pytest.mark.parametrize(
     ("tolerances", "code", "verdict", "share"),
     [
-        ("depth = 1\nangle = 5\ndiameter = 0.2", 4, "conditional", (0.8, 0.85)),
+        ("depth = 1.4\nangle = 6\ndiameter = 0.2", 4, "conditional", (0.55, 0.9)),
         ("depth = 3\nangle = 15", 5, "conditional", (0.1, 0.2)),
         ("angle = 10\nconfidence = 0.5", 0, "pass", (0.55, 0.7)),
         ("depth = 0.05", 0, "pass", (0.999, 1.0)),

@@ -6,7 +6,7 @@ Angles, signs and frames are those of `inertia.balancing.unbalance`.
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import reduce
 from operator import add
@@ -308,6 +308,30 @@ def _require_places(rotor: Rotor, bodies: Sequence[RotorBody], shaft: Shaft) -> 
             )
 
 
+def _facet_notes(rotor: Rotor, body: RotorBody) -> Iterator[str]:
+    """Yield what the verdict takes for granted of the facets of a body, and what of the file it does not believe."""
+    if body.chord_from == "shape" or not body.chord:
+        return
+    sag = in_unit(rotor, body.layers.sag)
+    if body.chord_from == "mesh":
+        yield (
+            f"{body.name}: chord_tolerance is less than the {sag} by which its facets miss the surfaces that they "
+            "stand for: the verdict counts with these"
+        )
+    if body.chord_from == "given" and body.chord > 2.0 * body.layers.sag:
+        yield (
+            f"{body.name}: chord_tolerance is more than the {sag} by which its facets miss the surfaces that they "
+            "stand for: the verdict counts with it everywhere, as the vertices may lie off the surface, too"
+        )
+    else:
+        known = body.layers.recognised
+        share = "all" if known == 1.0 else f"{100.0 * known:.3g} %"
+        yield (
+            f"{body.name}: its vertices are taken to lie on the true surface, to which {share} of its curved facets "
+            f"are known to belong as cylinders and cones; they miss it by up to {sag}, which counts as a sum of vectors"
+        )
+
+
 def _notes(rotor: Rotor, bodies: Sequence[RotorBody], measured: bool) -> list[str]:
     """Return what was decided on the way."""
     notes = ["measured; what the corrections do is predicted" if measured else "predicted from geometry, not measured"]
@@ -318,12 +342,7 @@ def _notes(rotor: Rotor, bodies: Sequence[RotorBody], measured: bool) -> list[st
         if body.analysis.density_from == "assumed"
     ]
     notes += [f"{body.name}: {note}" for body in bodies for note in body.analysis.notes]
-    notes += [
-        f"{body.name}: no chord_tolerance is given, so the sag of its facets is estimated from the mesh, "
-        f"{in_unit(rotor, body.chord)}; the verdict counts with it"
-        for body in bodies
-        if body.chord_from == "estimated" and body.chord
-    ]
+    notes += [note for body in bodies for note in _facet_notes(rotor, body)]
     if not rotor.radial_uncertainty and not measured:
         notes.append("the axis is taken as exact, as no radial_uncertainty is given")
     if rotor.fields.service.critical_rpm is None:

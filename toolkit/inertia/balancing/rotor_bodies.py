@@ -15,9 +15,10 @@ from inertia.arrays import Bool, Float
 from inertia.balancing import bounds
 from inertia.balancing.axis.shaft import Shaft
 from inertia.balancing.bounds import Uncertainty
+from inertia.balancing.facet_error import FacetLayers
 from inertia.balancing.rotor import Rotor
 from inertia.balancing.rotor_fields import BodyFields
-from inertia.balancing.tessellation_bound import chord_uncertainty, estimated_sag
+from inertia.balancing.tessellation_bound import chord_uncertainty, facet_uncertainty
 from inertia.balancing.unbalance import Unbalance
 from inertia.errors import FieldPath, GeometryError, InertiaError, UsageError, placed
 from inertia.mass.analysis import Analysis, analyse, sound_solids_only
@@ -25,8 +26,10 @@ from inertia.mesh.geometry.intersect import overlap
 from inertia.mesh.part import Cells, Part, Surface
 from inertia.mesh.read import read
 
-ChordFrom = Literal["given", "read", "shape", "estimated", "exact"]
+ChordFrom = Literal["given", "read", "shape", "estimated", "mesh", "exact"]
 
+_FARTHER = 2.0  # times the sag of the facets: then the vertices themselves may lie off the surface
+_LESS = 0.95  # of the sag of the facets: less than the mesh shows
 _SECTORS = 720
 _CHUNK = 1 << 16
 
@@ -43,7 +46,9 @@ class RotorBody:
     analysis : of the body
     chord : m, how far the true surface may be from the mesh
     chord_from : who said so: the rotor file; the reader, which made the triangles (STEP), also where the true "shape"
-        is integrated in their place; the mesh itself, whose sag is estimated; or "exact" where the rotor file says 0
+        is integrated in their place; the mesh itself, by the sag of its facets ("estimated", or "mesh" where the rotor
+        file says less than that); or "exact" where there is none
+    layers : what lies between its facets and the surfaces that they stand for
     """
 
     name: str
@@ -52,6 +57,7 @@ class RotorBody:
     analysis: Analysis
     chord: float
     chord_from: ChordFrom
+    layers: FacetLayers
 
     @property
     def density(self) -> float:
@@ -62,7 +68,9 @@ class RotorBody:
         """Return what triangles leave uncertain of the unbalance, the couple about the plane z (m)."""
         if not self.chord or self.chord_from == "shape":
             return None
-        return chord_uncertainty(self.part, self.chord, self.density, shaft, z)
+        if self.chord_from == "given" and self.chord > _FARTHER * self.layers.sag:
+            return chord_uncertainty(self.part, self.chord, self.density, shaft, z)
+        return facet_uncertainty(self.layers, self.density, shaft, z)
 
 
 def read_bodies(rotor: Rotor) -> tuple[RotorBody, ...]:
@@ -104,13 +112,25 @@ def _read(rotor: Rotor, fields: BodyFields) -> RotorBody:
         tessellated=fields.chord_tolerance is not None,
     )
     name = fields.name or fields.region or Path(fields.file).name
+    layers = FacetLayers(part)
     if fields.chord_tolerance is None and part.chord is not None:
         read_chord = float(part.chord.max()) * float(part.unit.metres)
-        return RotorBody(name, whole, part, analysis, read_chord, "shape" if analysis.shape else "read")
+        return RotorBody(name, whole, part, analysis, read_chord, "shape" if analysis.shape else "read", layers)
+    chord, chord_from = _chord(fields, layers, float(rotor.unit.metres))
+    return RotorBody(name, whole, part, analysis, chord, chord_from, layers)
+
+
+def _chord(fields: BodyFields, layers: FacetLayers, metres: float) -> tuple[float, ChordFrom]:
+    """Return how far the true surface may be from the mesh, m, and who says so.
+
+    A figure that is less than the facets show is none of that mesh: what is typed takes no doubt away.
+    """
     if fields.chord_tolerance is None:
-        return RotorBody(name, whole, part, analysis, estimated_sag(part) * float(part.unit.metres), "estimated")
-    chord = fields.chord_tolerance * float(rotor.unit.metres)
-    return RotorBody(name, whole, part, analysis, chord, "given" if chord else "exact")
+        return layers.sag, "estimated" if layers.sag else "exact"
+    chord = fields.chord_tolerance * metres
+    if chord < _LESS * layers.sag:
+        return layers.sag, "mesh"
+    return chord, "given" if chord else "exact"
 
 
 def _region(part: Part, name: str) -> Part:

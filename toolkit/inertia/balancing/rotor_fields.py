@@ -79,8 +79,8 @@ class BodyFields(Section):
     material : a name in the table of materials, in place of a density
     mass : kg as weighed, in place of a density; with its standard uncertainty as "1.2±0.001"
     sigma : standard deviation of the noise of every coordinate of the mesh
-    chord_tolerance : how far the true surface may be from the mesh; 0 where the mesh is the true shape; estimated from
-        the mesh without it
+    chord_tolerance : how far the true surface may be from the mesh, where that is more than its facets show; what they
+        show counts without it
     """
 
     section: ClassVar[str] = "body"

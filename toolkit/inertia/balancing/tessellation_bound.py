@@ -5,7 +5,8 @@ chord tolerance, and at its rim what `inertia.mass.tessellation` counts. Layers 
 only if they are alike, so the bound takes the worst direction n: |δU| ≤ ρ h max_n ∮ |r · n| dA, slab by slab along
 the shaft, so that a plane feels each slab by its own lever. Faces that can only be true planes have no such layer.
 
-Where nobody states the chord tolerance, the sag of the facets is estimated from the mesh alone.
+That is for a chord tolerance that says more than the mesh shows. Where the vertices lie on the true surface, the layers
+on cylinders and cones are summed as vectors (`inertia.balancing.facet_error`), and the bound is for what is left.
 """
 
 from __future__ import annotations
@@ -17,6 +18,7 @@ import numpy as np
 from inertia.arrays import Bool, Float, Int
 from inertia.balancing.axis.shaft import Shaft
 from inertia.balancing.bounds import Uncertainty
+from inertia.balancing.facet_error import FacetLayers
 from inertia.errors import UsageError
 from inertia.mesh.geometry.closure import components, merge_equal_vertices
 from inertia.mesh.geometry.edges import pair_edges
@@ -50,7 +52,25 @@ def chord_uncertainty(part: Part, chord: float, density: float, shaft: Shaft, z:
     if not len(faces):
         return Uncertainty("tessellation", (), chord)
     points = shaft.to_shaft(surface.vertices * float(part.unit.metres)) - [0.0, 0.0, z]
-    return Uncertainty("tessellation", _modes(points, faces, chord, density), chord)
+    return Uncertainty("tessellation", _modes(points, faces, np.full(len(faces), chord), density), chord)
+
+
+def facet_uncertainty(layers: FacetLayers, density: float, shaft: Shaft, z: float) -> Uncertainty:
+    """Return what facets leave uncertain of the unbalance of a solid whose vertices lie on its true surface.
+
+    Parameters
+    ----------
+    layers : of a closed surface
+    density : kg/m³, the largest of any body
+    shaft : in part axes
+    z : m, the plane that the couple is about
+    """
+    modes = layers.modes(density, shaft, z)
+    unknown = layers.unknown_sag > 0
+    if unknown.any():
+        points = shaft.to_shaft(layers.mesh.vertices) - [0.0, 0.0, z]
+        modes += _modes(points, layers.mesh.faces[unknown], layers.unknown_sag[unknown], density)
+    return Uncertainty("tessellation", modes, layers.sag or None)
 
 
 def curved_faces(surface: Surface) -> Bool:
@@ -92,10 +112,13 @@ def _hinges(vertices: Float, faces: Int) -> tuple[Int, Int, Int, Float]:
     return edges.ends[edges.uses == 2], edges.users[start], edges.users[start + 1], normals
 
 
-def _modes(points: Float, faces: Int, chord: float, density: float) -> tuple[tuple[complex, complex], ...]:
-    """Return, for each slab, what its layer can do at the slab's middle, and for all of them what their depth adds."""
+def _modes(points: Float, faces: Int, chord: Float, density: float) -> tuple[tuple[complex, complex], ...]:
+    """Return, for each slab, what its layer can do at the slab's middle, and for all of them what their depth adds.
+
+    The chord (m,) is that of each face.
+    """
     low, high = float(points[faces, 2].min()), float(points[faces, 2].max())
-    width = max((high - low) / _SLABS, chord)
+    width = max((high - low) / _SLABS, float(chord.max()))
     middles = low + width * (np.arange(_SLABS) + 0.5)
     sectors = np.zeros((_SLABS, _SECTORS))
     nearby, reach = np.zeros(_SLABS), np.zeros(_SLABS)
@@ -103,8 +126,9 @@ def _modes(points: Float, faces: Int, chord: float, density: float) -> tuple[tup
         corners = points[faces[begin : begin + _CHUNK]]
         sides = np.linalg.norm(np.roll(corners, -1, axis=1) - corners, axis=2).sum(axis=1)
         area = 0.5 * np.linalg.norm(np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]), axis=1)
-        layer = chord * area + 0.5 * math.pi * chord**2 * sides + 4.0 / 3.0 * math.pi * chord**3
-        corners, layer = _cut_short(corners, layer, width)
+        thick = chord[begin : begin + _CHUNK]
+        layer = thick * area + 0.5 * math.pi * thick**2 * sides + 4.0 / 3.0 * math.pi * thick**3
+        corners, layer, thick = _cut_short(corners, layer, thick, width)
         slab = np.minimum(((corners[:, :, 2].mean(axis=1) - low) / width).astype(np.int64), _SLABS - 1)
         np.maximum.at(reach, slab, np.abs(corners[:, :, 2] - middles[slab, np.newaxis]).max(axis=1))
         across = corners[:, :, 0] + 1j * corners[:, :, 1]
@@ -113,56 +137,30 @@ def _modes(points: Float, faces: Int, chord: float, density: float) -> tuple[tup
         arm = layer[:, np.newaxis] * np.abs(across) / 3.0
         place = (slab[:, np.newaxis] * _SECTORS + sector).ravel()
         sectors += np.bincount(place, arm.ravel(), sectors.size).reshape(sectors.shape)
-        nearby += np.bincount(slab, chord * layer, _SLABS)
+        nearby += np.bincount(slab, thick * layer, _SLABS)
     step = math.pi / _SECTORS
     turned = np.abs(np.cos(step * (np.arange(_SECTORS)[:, np.newaxis] - np.arange(_SECTORS))))
     # Angles are rounded to half a step, and the worst direction lies within half a step of one of these.
     worst = (sectors @ turned).max(axis=1) + step * sectors.sum(axis=1)
     most = density * (worst + nearby)
     levers = tuple((complex(g), complex(g * middle)) for g, middle in zip(most, middles, strict=True) if g)
-    return (*levers, (0j, complex(float(most @ (reach + chord)))))
+    return (*levers, (0j, complex(float(most @ (reach + float(chord.max()))))))
 
 
-def _cut_short(corners: Float, layer: Float, depth: float) -> tuple[Float, Float]:
+def _cut_short(corners: Float, layer: Float, thick: Float, depth: float) -> tuple[Float, Float, Float]:
     """Cut up triangles (k, 3, 3) until none climbs over `depth`, and share out what lies over each, (k,).
 
-    A triangle is halved at the middle of the edge that climbs most.
+    A triangle is halved at the middle of the edge that climbs most; the halves are as thick as it is.
     """
     pieces = []
     while len(corners):
         climbs = np.abs(np.roll(corners, -1, axis=1)[:, :, 2] - corners[:, :, 2])
         steep = climbs.max(axis=1) > depth
-        pieces.append((corners[~steep], layer[~steep]))
+        pieces.append((corners[~steep], layer[~steep], thick[~steep]))
         edge = climbs[steep].argmax(axis=1)
         a, b, c = (corners[steep][np.arange(len(edge)), (edge + k) % 3] for k in range(3))
         middle = 0.5 * (a + b)
         corners = np.concatenate([np.stack([a, middle, c], axis=1), np.stack([middle, b, c], axis=1)])
-        layer = np.tile(0.5 * layer[steep], 2)
-    short, over = zip(*pieces, strict=True)
-    return np.concatenate(short), np.concatenate(over)
-
-
-def estimated_sag(part: Part) -> float:
-    """Return the largest sag of a surface of triangles, in its own unit: an estimate and no bound.
-
-    Facets of width w that turn by θ at their common edge, their corners on a cylinder, leave a sag of (w/2) tan(θ/4).
-    Edges that turn by 60° or more are taken for true ones. The narrower facet at an edge counts: the wider one may be
-    a true plane.
-
-    >>> from importlib.resources import files
-    >>> from inertia.mesh.read import read
-    >>> sag = estimated_sag(read(files("inertia_meshes") / "two_disc_rotor.stl"))
-    >>> round(sag, 4) == round(100 * (1 - math.cos(math.pi / 256)), 4)
-    True
-    """
-    vertices, faces = merge_equal_vertices(part.triangles)
-    ends, first, second, normals = _hinges(vertices, faces)
-    doubled = np.linalg.norm(normals, axis=1)  # areas
-    length = np.linalg.norm(np.diff(vertices[ends], axis=1)[:, 0], axis=1)
-    solid = (doubled[first] > 0) & (doubled[second] > 0) & (length > 0)
-    first, second, length = first[solid], second[solid], length[solid]
-    sine = np.linalg.norm(np.cross(normals[first], normals[second]), axis=1)
-    turn = np.arctan2(sine, np.einsum("ki,ki->k", normals[first], normals[second]))
-    width = np.minimum(doubled[first], doubled[second]) / length
-    sag = 0.5 * width * np.tan(0.25 * turn)
-    return float(sag[turn < _SHARP].max(initial=0.0))
+        layer, thick = np.tile(0.5 * layer[steep], 2), np.tile(thick[steep], 2)
+    short, over, each = zip(*pieces, strict=True)
+    return np.concatenate(short), np.concatenate(over), np.concatenate(each)

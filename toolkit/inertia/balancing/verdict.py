@@ -20,7 +20,7 @@ from inertia.balancing.unbalance import Unbalance, plane_weights
 Outcome = Literal["pass", "fail", "undecided", "conditional"]
 
 _ASKS: dict[Source, str] = {
-    "tessellation": "a chord tolerance of {:.2g} mm or less",
+    "tessellation": "facets within {:.2g} mm of the true surface",
     "axis": "bearing centres known to {:.2g} mm or better",
     "density": "densities known to {:.2g} % or better",
     "arithmetic": "exact arithmetic",

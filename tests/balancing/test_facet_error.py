@@ -1,0 +1,148 @@
+"""The vector sum over facets against the true error of twenty families of turned and milled parts."""
+
+import numpy as np
+import pytest
+from tests.balancing.rotors import STEEL, on_z
+from tests.balancing.turned_and_milled import FAMILIES, MM, cylinder, mesh_moments, polar
+from tests.mass.parts import surface
+
+import inertia
+from inertia.balancing.axis.shaft import Shaft
+from inertia.balancing.facet_error import FacetLayers
+from inertia.balancing.rotor import Rotor
+from inertia.balancing.tessellation_bound import facet_uncertainty
+from inertia.balancing.unbalance import plane_weights
+from inertia_meshes import path
+from inertia_meshes.shapes import box, sphere
+
+PLANES = (-0.01, 0.13)
+COUPLE_AT = 0.05
+
+
+def errors(pieces, corners):
+    """Return the true error in each plane, kg m."""
+    static, lever = (STEEL * (sum(piece.moments[k] for piece in pieces) - mesh_moments(corners)[k]) for k in (1, 2))
+    p, q = plane_weights(COUPLE_AT, PLANES)
+    return np.abs(p * static + q * (lever - static * COUPLE_AT))
+
+
+def bounds(corners):
+    layers = FacetLayers(surface(corners))
+    uncertainty = facet_uncertainty(layers, STEEL, on_z(*PLANES), COUPLE_AT)
+    p, q = plane_weights(COUPLE_AT, PLANES)
+    return np.array([uncertainty.bound(float(p[k]), float(q[k])) for k in (0, 1)])
+
+
+@pytest.mark.parametrize("facets", [36, 100, 360])
+@pytest.mark.parametrize("name", FAMILIES)
+def test_the_bound_is_never_below_the_true_error_and_at_most_a_fifth_above(name, facets):
+    if name in ("filleted_boss", "ring_groove", "ball_end") and facets == 360:
+        facets = 150  # a double curvature takes a hundred thousand triangles otherwise
+    pieces = FAMILIES[name](facets)
+    corners = np.concatenate([piece.corners for piece in pieces])
+    ratio = bounds(corners) / errors(pieces, corners)
+    assert (ratio >= 1).all()
+    assert (ratio <= 1.2).all()
+
+
+@pytest.mark.parametrize("name", ["tool_holder", "crank", "pocket", "drilled_blind", "fan", "wedge", "swash"])
+@pytest.mark.parametrize("facets", [36, 360])
+def test_coordinates_rounded_to_single_precision_widen_it_by_little(name, facets):
+    pieces = FAMILIES[name](facets)
+    corners = np.concatenate([piece.corners for piece in pieces]).astype(np.float32).astype(float)
+    ratio = bounds(corners) / errors(pieces, corners)
+    assert (ratio >= 1).all()
+    assert (ratio <= 4).all()
+
+
+def test_the_rotor_of_case_14_is_known_to_a_fifth_of_a_gram_millimetre():
+    """A layer of the chord tolerance everywhere would be 64 g·mm; the true error is 0.077."""
+    answer = inertia.balance(Rotor.load(path("rotors/two_disc_rotor.toml")))
+    (source,) = (k for k in answer.initial.uncertainties if k.source == "tessellation")
+    assert 0.0765e-6 < source.bound(1.0, 0.0) < 0.15e-6
+
+
+def test_a_tool_holder_is_decided_at_high_speed_without_a_typed_figure(tmp_path):
+    """G2.5 at 15 000 r/min, its facets 0.01 mm off: a layer of that all over covers the limit many times."""
+    corners = np.concatenate([piece.corners for piece in FAMILIES["tool_holder"](120)])
+    write(tmp_path / "holder.obj", corners)
+    fields = {
+        "unit": "mm",
+        "body": [{"file": "holder.obj", "material": "steel"}],
+        "axis": {"bearing_a": [0, 0, 0], "bearing_b": [0, 0, 110], "radial_uncertainty": 0.0},
+        "service": {"rpm": 15000},
+        "tolerance": {"grade": 2.5},
+    }
+    answer = inertia.balance(Rotor.from_dict(fields, tmp_path))
+    assert answer.verdict.outcome == "fail"
+    for plane in answer.verdict.planes:
+        assert plane.bounds["tessellation"] < 0.1 * plane.permissible
+    assert any("all of its curved facets are known" in note for note in answer.notes)
+
+
+@pytest.mark.parametrize(("typed", "says"), [(0.0, "mesh"), (0.001, "mesh"), (0.04, "given"), (0.2, "given")])
+def test_a_typed_figure_takes_no_doubt_away(tmp_path, typed, says):
+    """Two pins beside the axis on facets of 0.038 mm: what is typed below that counts for nothing."""
+    pieces = [
+        cylinder(10 * MM, low * MM, (low + 20) * MM, 36, at) for low, at in ((0, polar(3, 0)), (21, polar(3, 180)))
+    ]
+    write(tmp_path / "pins.obj", np.concatenate([piece.corners for piece in pieces]))
+    fields = {
+        "unit": "mm",
+        "body": [{"file": "pins.obj", "material": "steel"}],
+        "axis": {"bearing_a": [0, 0, 0], "bearing_b": [0, 0, 41]},
+        "service": {"rpm": 3000},
+        "tolerance": {"grade": 40},
+    }
+    plain = inertia.balance(Rotor.from_dict(fields, tmp_path))
+    fields["body"][0]["chord_tolerance"] = typed
+    answer = inertia.balance(Rotor.from_dict(fields, tmp_path))
+    assert answer.bodies[0].chord_from == says
+    for one, other in zip(answer.verdict.planes, plain.verdict.planes, strict=True):
+        assert one.bounds["tessellation"] >= other.bounds["tessellation"] > 0
+    note = {"mesh": "is less than the 0.0380", "given": "is more than the 0.0380"}[says]
+    assert any(note in k for k in answer.notes) == (typed != 0.04)
+
+
+def test_a_box_is_the_true_shape():
+    layers = FacetLayers(surface(box(3, 4, 5)))
+    assert (layers.sag, layers.cones, layers.recognised) == (0.0, (), 1.0)
+    assert facet_uncertainty(layers, STEEL, on_z(*PLANES), COUPLE_AT).modes == ()
+
+
+def test_edges_that_turn_by_less_than_a_right_angle_may_be_true():
+    """A block whose edges are chamfered at 45°, and two that meet at 8°, have no facets."""
+    for name in ("chamfered_block", "wedge"):
+        layers = FacetLayers(surface(*(piece.corners for piece in FAMILIES[name](36))))
+        assert len(layers.cones) == 1  # the hole, or the pin
+        assert not layers.unknown_sag.any()
+
+
+def test_a_surface_that_is_no_cone_counts_by_the_size_of_its_layers():
+    stretched = sphere(0.05, 24) * [1.0, 0.8, 0.6] + [0.02, 0, 0.05]
+    layers = FacetLayers(surface(stretched))
+    volume = 4 / 3 * np.pi * 0.05**3 * 0.8 * 0.6
+    moments = mesh_moments(stretched)
+    p, q = plane_weights(COUPLE_AT, PLANES)
+    uncertainty = facet_uncertainty(layers, STEEL, on_z(*PLANES), COUPLE_AT)
+    static, lever = STEEL * (0.02 * volume - moments[1]), STEEL * (0.02 * 0.05 * volume - moments[2])
+    for k in (0, 1):
+        error = abs(p[k] * static + q[k] * (lever - static * COUPLE_AT))
+        assert error <= uncertainty.bound(float(p[k]), float(q[k]))
+
+
+def test_the_answer_does_not_depend_on_the_frame():
+    turn = np.array([[2, -2, 1], [1, 2, 2], [-2, -1, 2]]) / 3
+    corners = np.concatenate([piece.corners for piece in FAMILIES["drilled_blind"](36)])
+    shaft = Shaft([0, 0, PLANES[0]] @ turn.T, [0, 0, PLANES[1]] @ turn.T, turn @ [1, 0, 0])
+    skew = facet_uncertainty(FacetLayers(surface(corners @ turn.T)), STEEL, shaft, COUPLE_AT)
+    p, q = plane_weights(COUPLE_AT, PLANES)
+    for k, expected in enumerate(bounds(corners)):
+        assert skew.bound(float(p[k]), float(q[k])) == pytest.approx(expected, rel=1e-6)
+
+
+def write(file, corners):
+    """Write corners (n, 3, 3) m as OBJ in mm, to all digits."""
+    lines = [f"v {x!r} {y!r} {z!r}" for x, y, z in (1e3 * corners.reshape(-1, 3)).tolist()]
+    lines += [f"f {3 * k + 1} {3 * k + 2} {3 * k + 3}" for k in range(len(corners))]
+    file.write_text("\n".join(lines) + "\n")
