@@ -503,6 +503,7 @@ def _mended(
     """Answer for a part that is refused as it is, its faults mended and what they leave open in the bounds."""
     from inertia.mass.faults import mended, nested, room, united
 
+    part = replace(part, shape=None)
     try:
         mend = mended(part)
         if mend.part is not part:
