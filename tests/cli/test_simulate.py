@@ -104,12 +104,14 @@ def test_every_sample_scene_runs_to_its_accuracy(capsys: pytest.CaptureFixture[s
             "heavy_top": "heavy symmetric top",
             "kovalevskaya_top": "Euler equations",
             "manoeuvre": "Euler equations",
+            "pendulum": "hinged body",
             "rolling_disc": "rolling body",
             "skater": "deforming body",
             "sleeping_top": "heavy symmetric top",
             "spinning_top": "heavy symmetric top",
             "t_handle": "asymmetric top",
             "thrown_box": "asymmetric top",
+            "tilted_disc": "hinged body",
         }[file.stem]
     )
     assert main(["simulate", str(file), "--samples", "21"]) == 0

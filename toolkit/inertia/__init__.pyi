@@ -121,6 +121,7 @@ from inertia.dynamics.integrators.events import find_events as find_events
 from inertia.dynamics.kinematics.stability import wobble_frequencies as wobble_frequencies
 from inertia.dynamics.kinematics.stability import growth_rate as growth_rate
 from inertia.dynamics.kinematics.stability import stable_axes as stable_axes
+from inertia.dynamics.kinematics.euler_equations import inverse_dynamics as inverse_dynamics
 from inertia.dynamics.kinematics.stability import energy_bounds as energy_bounds
 from inertia.dynamics.kinematics.stability import separatrix_distance as separatrix_distance
 from inertia.dynamics.kinematics.geometry import cones as cones

@@ -69,7 +69,7 @@ def _in_part_axes(plan: Plan, time: Float, motion: Motion) -> Run:
         attitude=attitude,
         angular_velocity=motion.angular_velocity @ candidate.axes.T,
         angular_momentum=momentum,
-        energy=np.asarray(candidate.model.kinetic_energy(candidate, motion) if energy is None else energy),
+        energy=np.asarray(candidate.model.energy(candidate, motion) if energy is None else energy),
         position=_position(plan.problem, time, attitude, motion),
         error=RunError(scene.run.accuracy, motion.reached + candidate.unseen, motion.method),
         invariants=invariants_of(motion, momentum),
@@ -96,7 +96,7 @@ def _position(problem: Problem, time: Float, attitude: Float, motion: Motion) ->
     origin = np.zeros(3) if start is None else start
     if motion.position is not None:
         return motion.position + origin
-    if scene.constraint.kind == "fixed_point":
+    if scene.constraint.holds:
         arm = scene.body.center_of_mass - problem.reference
         return origin + quaternion.to_space(attitude, arm) if arm.any() or start is not None else None
     velocity = scene.start.velocity

@@ -5,6 +5,7 @@ from __future__ import annotations
 from inertia.dynamics.models.deforming.model import DeformingBody
 from inertia.dynamics.models.free.model import AsymmetricTop, SphericalTop, SteadyAxis, SymmetricTop
 from inertia.dynamics.models.heavy.model import HeavySymmetricTop
+from inertia.dynamics.models.hinged.model import HingedBody
 from inertia.dynamics.models.model import Model
 from inertia.dynamics.models.rolling.model import Rolling
 from inertia.dynamics.models.stepped.model import EulerEquations
@@ -16,6 +17,7 @@ MODELS: tuple[Model, ...] = (
     AsymmetricTop(),
     HeavySymmetricTop(),
     EulerEquations(),
+    HingedBody(),
     Rolling(),
     DeformingBody(),
 )

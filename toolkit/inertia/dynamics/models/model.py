@@ -59,7 +59,7 @@ class Problem:
     def of(cls, scene: Scene) -> Problem:
         """Take the moments about the point that the scene turns about, and the spin along the principal axes there."""
         body = scene.body
-        reference = scene.constraint.fixed_point if scene.constraint.kind == "fixed_point" else body.center_of_mass
+        reference = scene.constraint.fixed_point if scene.constraint.holds else body.center_of_mass
         arm = body.center_of_mass - reference
         # With no tolerance nearly equal moments keep the axes that they have.
         about = principal(body.about(reference), 0.0) if arm.any() else body.principal_within(0.0)
@@ -96,9 +96,26 @@ class Problem:
         return self.scene.constraint.kind == "rolling"
 
     @property
+    def hinged(self) -> bool:
+        """Whether the body turns about an axle."""
+        return self.scene.constraint.kind == "hinge"
+
+    @property
+    def axle(self) -> Float:
+        """The direction (3,) of the axle, part axes."""
+        assert self.scene.constraint.axis is not None
+        return self.scene.constraint.axis
+
+    @property
+    def center_bound(self) -> float:
+        """How far the centre of mass may be from where it is said to be, m."""
+        properties = self.scene.body.properties
+        return 0.0 if properties is None else properties.error.center_of_mass
+
+    @property
     def rigid(self) -> bool:
-        """Whether a rigid body turns about its centre of mass or a fixed point."""
-        return not self.rolls and not self.scene.body.deforms
+        """Whether a rigid body turns in all ways about its centre of mass or a fixed point."""
+        return not self.rolls and not self.hinged and not self.scene.body.deforms
 
     @cached_property
     def torques(self) -> tuple[Load, ...]:
@@ -119,6 +136,8 @@ class Problem:
         if kind == "rolling":
             how = "its velocity follows from its rotation, and the plane pushes back"
             reason = f"The body rolls without slipping: {how}."
+        elif kind == "hinge":
+            return []
         elif kind == "fixed_point" and not self.arm.any():
             reason = "The body is held at its centre of mass, where gravity has no arm: it turns as a free body does."
         elif kind == "fixed_point":
@@ -172,6 +191,16 @@ class Candidate:
     unseen: float = 0.0
 
     @property
+    def mass(self) -> float:
+        """The mass, kg; 0 where the scene has none."""
+        return self.problem.scene.body.mass or 0.0
+
+    @property
+    def arm(self) -> Float:
+        """From the reference point to the centre of mass, (3,) m along the axes."""
+        return self.axes.T @ (self.problem.axes @ self.problem.arm)
+
+    @property
     def attitude(self) -> Float:
         """The attitude (4,) of the axes at t = 0, to space."""
         return quaternion.multiply(self.problem.scene.start.attitude, quaternion.from_matrix(self.axes))
@@ -212,9 +241,12 @@ class Model(ABC):
         """Return the angular momentum (n, 3) in space about the reference point, kg m²/s."""
         return quaternion.to_space(motion.attitude, candidate.moments * motion.angular_velocity)
 
-    def kinetic_energy(self, candidate: Candidate, motion: Motion) -> Float:
-        """Return the kinetic energy (n,) about the reference point, J."""
+    def energy(self, candidate: Candidate, motion: Motion) -> Float:
+        """Return the energy (n,) of the rotation about the reference point, and of the loads that have one, J."""
         energy: Float = 0.5 * (candidate.moments * motion.angular_velocity**2).sum(axis=1)
+        for load in candidate.problem.acting:
+            if load.conservative:
+                energy = energy + load.potential(motion.attitude, candidate)
         return energy
 
     def too_costly(self, candidate: Candidate) -> FieldError:

@@ -20,6 +20,8 @@ from inertia.dynamics.kinematics import quaternion
 from inertia.dynamics.loads.catalogue import acting, load_of
 from inertia.dynamics.loads.gravity import Gravity
 from inertia.dynamics.loads.load import Load
+from inertia.dynamics.loads.losses import Damping
+from inertia.dynamics.loads.torque import Torque
 from inertia.dynamics.scene.body import SceneBody, build
 from inertia.dynamics.scene.parts import build_parts
 from inertia.dynamics.scene.sections import BodySource, Constraint, Frame, Settings, Start
@@ -147,7 +149,7 @@ def _require_sense(scene: Scene) -> None:
     if scene.body.deforms and scene.constraint.kind != "free":
         raise FieldError("constraint.kind", f'is "{scene.constraint.kind}": a body that changes its shape must be free')
     _require_loads_that_fit(scene)
-    if scene.constraint.kind == "fixed_point":
+    if scene.constraint.holds:
         _require_near(scene)
     if scene.start.velocity is not None and scene.constraint.kind != "free":
         raise FieldError("start.velocity", "is given, but the constraint decides it: leave it out")
@@ -158,6 +160,8 @@ def _require_sense(scene: Scene) -> None:
 def _is_turned(scene: Scene) -> bool:
     """Whether a load can set a body in motion that is at rest."""
     if scene.body.deforms or any(load.starts_motion for load in scene.acting_loads):
+        return True
+    if scene.constraint.stiffness and scene.constraint.rest_angle:
         return True
     arm = scene.constraint.fixed_point - scene.body.center_of_mass
     return scene.constraint.kind != "free" and bool(scene.gravity.any() and arm.any())
@@ -172,8 +176,8 @@ def _require_mass(scene: Scene) -> None:
             raise FieldError("body.mass", f"is missing: load[{k}], {load.kind}, acts on mass")
     if constraint.kind == "rolling":
         raise FieldError("body.mass", "is missing: a rolling body needs it")
-    if constraint.kind == "fixed_point" and np.any(constraint.fixed_point - body.center_of_mass):
-        raise FieldError("body.mass", "is missing: the moments about the fixed point need it")
+    if constraint.holds and np.any(constraint.fixed_point - body.center_of_mass):
+        raise FieldError("body.mass", f"is missing: the moments about {constraint.held_at} need it")
 
 
 def _require_loads_that_fit(scene: Scene) -> None:
@@ -183,6 +187,12 @@ def _require_loads_that_fit(scene: Scene) -> None:
             raise FieldError(f"load[{k}]", f"is {load.kind}: a body that changes its shape takes gravity only")
         if kind != "free" and load.free_bodies_only:
             raise FieldError(f"load[{k}]", f"is {load.kind}, which acts on a free body, not on one that is held")
+        if kind == "hinge" and not (
+            isinstance(load, Gravity | Damping) or (isinstance(load, Torque) and load.constant)
+        ):
+            raise FieldError(
+                f"load[{k}]", f"is {load.kind}: a body on an axle takes gravity, damping and constant torques"
+            )
         if kind == "rolling" and not isinstance(load, Gravity):
             raise FieldError(f"load[{k}]", f"is {load.kind}: a rolling body takes gravity only")
         load.require_span(scene.run.duration, f"load[{k}]")

@@ -13,7 +13,7 @@ from inertia.dynamics.kinematics import quaternion
 from inertia.estimate import uncertainty_of
 
 Frame = Literal["principal", "part", "space"]
-Kind = Literal["free", "fixed_point", "rolling"]
+Kind = Literal["free", "fixed_point", "hinge", "rolling"]
 
 FINEST = 1e-15
 """rad: no attitude in float64 is known better than the rounding of its four components."""
@@ -115,37 +115,76 @@ class Start(Section):
     velocity: Annotated[Float | None, numbers((3,), "m/s")] = None
 
 
+_OWNERS = {
+    "point": ("fixed_point", "hinge"),
+    "axis": ("hinge", "rolling"),
+    "radius": ("rolling",),
+    "offset": ("rolling",),
+    **dict.fromkeys(("drive", "stiffness", "rest_angle", "bearings"), ("hinge",)),
+}
+"""The kinds of constraint that each field goes with."""
+
+
+def _is_stated(value: Any) -> bool:
+    """Whether a field of a constraint says something of its own."""
+    return isinstance(value, np.ndarray) or value not in (None, 0.0, "free")
+
+
 @dataclass(frozen=True, eq=False)
 class Constraint(Section):
     """The section ``[constraint]``: what holds the body.
 
     Attributes
     ----------
-    kind : "free", "fixed_point" or "rolling" (without slip, on its rim, on the plane z = 0 of space)
-    point : (3,) m, part axes, of a fixed point; the origin of the part axes without it
+    kind : "free", "fixed_point", "hinge" (on an axle) or "rolling" (without slip, on its rim, on the plane z = 0 of
+        space)
+    point : (3,) m, part axes, of a fixed point, or on the axle; the origin of the part axes without it
     radius : m, of the rim that rolls
     offset : m, of the rim's plane from the centre of mass, along `axis`, which it needs
-    axis : (3,) of the body of revolution that rolls, part axes; without it that of the two equal moments
+    axis : (3,) of the axle, or of the body of revolution that rolls, part axes; of that, without it, the axis of the
+        two equal moments
+    drive : of an axle: "free", or "constant_speed", which keeps the spin of the start
+    stiffness : N m/rad of a torsion spring on the axle; rest_angle : rad from the start, at which it is slack
+    bearings : (2,) m along the axle from `point`, of two bearings that share the force
     """
 
     section: ClassVar[str] = "constraint"
 
-    kind: Annotated[Kind, choice("free", "fixed_point", "rolling")] = "free"
+    kind: Annotated[Kind, choice("free", "fixed_point", "hinge", "rolling")] = "free"
     point: Annotated[Float | None, numbers((3,), "m")] = None
     radius: Annotated[float | None, number("m", positive=True)] = None
     offset: Annotated[float | None, number("m")] = None
     axis: Annotated[Float | None, direction] = None
+    drive: Annotated[Literal["free", "constant_speed"], choice("free", "constant_speed")] = "free"
+    stiffness: Annotated[float, number("N m/rad", negative=False)] = 0.0
+    rest_angle: Annotated[float, number("rad")] = 0.0
+    bearings: Annotated[Float | None, numbers((2,), "m")] = None
 
     def require_sense(self, path: str) -> None:
         """Raise `FieldError` where a field goes with another constraint, or is missing."""
-        owners = {"point": "fixed_point", "radius": "rolling", "offset": "rolling", "axis": "rolling"}
-        for name, kind in owners.items():
-            if getattr(self, name) is not None and self.kind != kind:
-                raise FieldError(f"{path}.{name}", f'goes with kind = "{kind}" only, not with "{self.kind}"')
+        for name, kinds in _OWNERS.items():
+            value = getattr(self, name)
+            if _is_stated(value) and self.kind not in kinds:
+                owners = " or ".join(f'kind = "{kind}"' for kind in kinds)
+                raise FieldError(f"{path}.{name}", f'goes with {owners} only, not with "{self.kind}"')
+        if self.kind == "hinge" and self.axis is None:
+            raise FieldError(f"{path}.axis", "is missing: say which way the axle runs, along the part axes")
+        if self.bearings is not None and self.bearings[0] == self.bearings[1]:
+            raise FieldError(f"{path}.bearings", f"are both at {self.bearings[0]:g} m: two share the force")
         if self.kind == "rolling" and self.radius is None:
             raise FieldError(f"{path}.radius", "is missing: a rolling body needs the radius of its rim, in m")
         if self.offset and self.axis is None:
             raise FieldError(f"{path}.axis", f"is missing: {path}.offset says how far along it the rim is")
+
+    @property
+    def holds(self) -> bool:
+        """Whether a point of the body stays where it is."""
+        return self.kind in ("fixed_point", "hinge")
+
+    @property
+    def held_at(self) -> str:
+        """What holds the body, in words."""
+        return "the axle" if self.kind == "hinge" else "the fixed point"
 
     @property
     def fixed_point(self) -> Float:

@@ -34,6 +34,10 @@ _UNITS = {
     "phi": "rad",
     "psi": "rad",
     "contact force": "N",
+    "reaction force": "N",
+    "force on bearing": "N",
+    "torque": "N m",
+    "angle": "rad",
     "contact": "m",
     "center of mass": "m",
 }
@@ -79,6 +83,9 @@ def _scene_lines(scene: Scene) -> Iterator[str]:
     yield row("Moments", f"{_listed(scene.body.moments)} kg m² ({body.principal.kind})")
     if scene.constraint.kind == "fixed_point":
         yield row("Held at", f"{_listed(scene.constraint.fixed_point)} m of the part axes")
+    if scene.constraint.kind == "hinge":
+        where = _listed(scene.constraint.fixed_point)
+        yield row("On an axle", f"through {where} m along {_listed(np.asarray(scene.constraint.axis))}, part axes")
     if scene.constraint.kind == "rolling":
         yield row("Rolls", f"on a rim of radius {number(scene.constraint.radius or 0.0)} m")
     for load in scene.applied_loads:

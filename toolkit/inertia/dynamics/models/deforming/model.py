@@ -66,7 +66,7 @@ class DeformingBody(Model):
         """Return that of all parts, which is kept."""
         return motion.invariants["angular momentum"]
 
-    def kinetic_energy(self, candidate: Candidate, motion: Motion) -> Float:
+    def energy(self, candidate: Candidate, motion: Motion) -> Float:
         """Return that of all parts, about the centre of mass."""
         return motion.quantities["kinetic energy"]
 

@@ -1,0 +1,136 @@
+"""The model of a body on a fixed axle: one angle, and the forces and torques that the axle holds it with."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+
+from inertia.arrays import Float
+from inertia.documents import FieldError
+from inertia.dynamics.kinematics import quaternion
+from inertia.dynamics.kinematics.euler_equations import inverse_dynamics
+from inertia.dynamics.loads.losses import Damping
+from inertia.dynamics.loads.torque import Torque
+from inertia.dynamics.models.hinged.angle import Axle, solve_angle
+from inertia.dynamics.models.model import Candidate, Model, Problem
+from inertia.dynamics.motion import Motion
+
+_EPS = 2.0**-52
+_ALONG = 1e-6  # of the spin, that may point off the axle
+
+
+class HingedBody(Model):
+    """A body that turns about an axle which is fixed in it and in space."""
+
+    name = "hinged body"
+
+    def candidate(self, problem: Problem) -> Candidate | None:
+        """Return the model of every body on an axle; a spin that is off the axle by rounding is along it."""
+        if not problem.hinged:
+            return None
+        axis = problem.axes.T @ problem.axle
+        spin = float(problem.angular_velocity @ axis)
+        off = float(np.linalg.norm(problem.angular_velocity - spin * axis))
+        if off > _ALONG * abs(spin):
+            raise FieldError(
+                "start.angular_velocity",
+                f"points {np.degrees(np.arctan2(off, abs(spin))):.3g}° off constraint.axis: a body on an axle turns "
+                "about it only, give a spin along it",
+            )
+        steady = problem.scene.constraint.drive == "constant_speed"
+        why = "The body is held on an axle: one angle describes it, and the axle's force and torque follow from that."
+        if steady:
+            why = "The axle is driven at a constant speed: no equation is solved, and what it takes follows."
+        return Candidate(self, problem, problem.axes, problem.moments, 0.0, why)
+
+    def solve(self, candidate: Candidate, time: Float, method: str | None = None) -> Motion:
+        """Return the motion from the angle, with the reactions in space."""
+        problem, held = candidate.problem, candidate.problem.scene.constraint
+        axis, start, mass = candidate.axes.T @ problem.axle, candidate.attitude, candidate.mass
+        loads = [load.along(candidate.axes, problem.scene.body.axes) for load in problem.torques]
+        torques = [load for load in loads if isinstance(load, Torque)]
+        damping = sum(load.coefficient for load in loads if isinstance(load, Damping))
+        pull = quaternion.to_body(start, mass * problem.scene.gravity)
+        across = np.cross(axis, candidate.arm)  # a·(r(θ) × m g) = A cos θ + B sin θ, as r turns about a
+        axle = Axle(
+            inertia=float(axis @ (candidate.moments * axis)),
+            spin=float(problem.angular_velocity @ axis),
+            torque=float(sum(_turned(load, start) @ axis for load in torques)),
+            damping=damping,
+            stiffness=held.stiffness,
+            rest=held.rest_angle,
+            cosine=float(across @ pull),
+            sine=float(np.cross(axis, across) @ pull),
+        )
+        steady = held.drive == "constant_speed"
+        solved = Axle(axle.inertia, axle.spin) if steady else axle
+        angle, rate, off, how = solve_angle(solved, time, _known(solved, problem, pull))
+        turned = quaternion.from_rotation_vector(angle[:, None] * quaternion.to_space(start, axis))
+        attitude = quaternion.multiply(turned, start)
+        omega, alpha = rate[:, None] * axis, solved.acceleration(angle, rate)[:, None] * axis
+        weight = quaternion.to_body(attitude, mass * problem.scene.gravity)
+        force = mass * (np.cross(alpha, candidate.arm) + np.cross(omega, np.cross(omega, candidate.arm))) - weight
+        applied = np.cross(candidate.arm, weight) + sum(_turned(load, attitude) for load in torques) - damping * omega
+        torque = inverse_dynamics(candidate.moments, omega, alpha) - applied
+        drive = torque @ axis
+        torque = torque - drive[:, None] * axis
+        quantities = {
+            "angle": angle,
+            "reaction force": quaternion.to_space(attitude, force),
+            "reaction torque": quaternion.to_space(attitude, torque),
+        }
+        spring = angle - held.rest_angle
+        if steady:
+            quantities["drive torque"] = drive + held.stiffness * spring
+        if held.bearings is not None:
+            for name, one in zip("AB", _shared(force, torque, axis, held.bearings), strict=True):
+                quantities[f"force on bearing {name}"] = -quaternion.to_space(attitude, one)
+        if held.stiffness:
+            quantities["energy of the spring"] = 0.5 * held.stiffness * spring**2
+        motion = Motion(attitude, omega, how, off + 8.0 * _EPS, quantities=quantities)
+        if steady or damping or axle.torque:
+            return motion
+        energy = self.energy(candidate, motion)
+        largest = 0.5 * axle.inertia * float((rate**2).max()) + axle.pull + held.stiffness * float((spring**2).max())
+        return replace(motion, invariants={"energy": energy}, scales={"energy": largest})
+
+    def energy(self, candidate: Candidate, motion: Motion) -> Float:
+        """Return the energy (n,) of the rotation, the weight and the spring, J."""
+        energy: Float = super().energy(candidate, motion) + motion.quantities.get("energy of the spring", 0.0)
+        return energy
+
+    def view(self, problem: Problem) -> str:
+        """Show what becomes of L and the energy."""
+        return "driven"
+
+
+def _known(axle: Axle, problem: Problem, pull: Float) -> Axle:
+    """Return how far each figure of an axle may be off: by rounding, and by the bounds of the mass properties."""
+    relative = 4.0 * _EPS + problem.uncertainty
+    weight = float(np.linalg.norm(pull)) * (problem.center_bound + 8.0 * _EPS * float(np.linalg.norm(problem.arm)))
+    gravity = weight if axle.pull else 0.0
+    return Axle(
+        inertia=relative * axle.inertia,
+        spin=4.0 * _EPS * abs(axle.spin),
+        torque=4.0 * _EPS * abs(axle.torque),
+        cosine=gravity,
+        sine=gravity,
+    )
+
+
+def _turned(load: Torque, attitude: Float) -> Float:
+    """Return a constant torque along the body's axes, (3,) or (n, 3)."""
+    torque = np.asarray(load.torque)
+    return quaternion.to_body(attitude, torque) if load.frame == "space" else torque
+
+
+def _shared(force: Float, torque: Float, axis: Float, bearings: Float) -> tuple[Float, Float]:
+    """Return the forces (n, 3) of the bearings A and B at places along the axle; A takes what is along it.
+
+    With F⊥ = A + B and a × (z_A A + z_B B) = N, it is z_A A + z_B B = N × a.
+    """
+    along = (force @ axis)[:, None] * axis
+    lever = np.cross(torque, axis)
+    second = (lever - bearings[0] * (force - along)) / (bearings[1] - bearings[0])
+    return force - second, second
