@@ -118,6 +118,8 @@ def test_a_plane_without_radius_has_no_limit_in_gmm():
             "run,sensor,amplitude,phase\n0,A,5,6\n0,A,5,6\n",
             "reads A at 1500 r/min a second time in run '0'",
         ),
+        ("run,sensor,amplitude,phase\n0,A,nan,6\n", "line 2: amplitude is nan: it must be finite"),
+        ("run,sensor,amplitude,phase\n0," + 200_000 * "A" + ",5,6\n", "it is no CSV: field larger than field limit"),
         ("run;sensor;amplitude;phase\n0;A;5,5;6\n", "line 2: amplitude is '5,5': it must be a number, with a point"),
     ],
 )

@@ -499,3 +499,26 @@ def test_files_of_coefficients_name_what_is_wrong(old, new, words, tmp_path):
     file.write_text(text.replace(old, new), encoding="utf-8")
     with pytest.raises(UsageError, match=words):
         measure(machine.job([[]], coefficients=str(file)))
+
+
+@pytest.mark.parametrize("angles", ["with rotation", "against rotation"])
+@pytest.mark.parametrize("phase", ["lead", "lag"])
+def test_motion_in_time_gives_the_heavy_spot_where_it_is(angles, phase):
+    # A rotor turns counter-clockwise; weights and the heavy spot have places on it, counter-clockwise from its mark. A
+    # pickup along x sees the mark at t = 0 and feels Σ U cos(ωt + place − 40°), of which it shows amplitude and phase.
+    turns = np.arange(360) / 360 * 2 * np.pi
+    heavy = (5.0, 70.0)
+
+    def reading(spots):
+        motion = sum(0.3 * size * np.cos(turns + math.radians(place - 40.0)) for size, place in spots)
+        peak = 2.0 * np.mean(motion * np.exp(-1j * turns))  # motion = |peak| cos(ωt + arg peak)
+        shown = degrees(peak) if phase == "lead" else -degrees(peak)
+        return [(float(abs(peak)), shown % 360)]
+
+    sense = 1 if angles == "with rotation" else -1
+    job = simple_job([reading([heavy]), reading([heavy, (2.0, 130.0)])], [(2.0, sense * 130.0)], False)
+    table = job.to_dict()
+    table["conventions"] = {"angles": angles, "phase": phase}
+    (plane,) = measure(Job.from_dict(table)).planes
+    assert 1e3 * abs(plane.unbalance) == pytest.approx(5.0, rel=1e-9)
+    assert sense * math.degrees(cmath.phase(plane.unbalance)) % 360 == pytest.approx(70.0, abs=1e-7)

@@ -6,9 +6,8 @@ Weights and readings become complex numbers whose angles run in the job's own se
 
 from __future__ import annotations
 
-import csv
 import math
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from pathlib import Path
@@ -20,18 +19,16 @@ from numpy.typing import ArrayLike
 from inertia.arrays import Float
 from inertia.balancing.measured.job_fields import JobFields, MeasuredPlaneFields, ReadingFields, RunFields, SensorFields
 from inertia.balancing.measured.readings import readings
+from inertia.balancing.measured.tables import readings_of
 from inertia.balancing.rotor import Rotor
 from inertia.balancing.shop_units import GRAM_MILLIMETRE, OUNCE_INCH, in_degrees
 from inertia.balancing.unbalance import Complex
 from inertia.documents import Document, FieldError, Section, document_schema, plain, section_of
-from inertia.errors import InertiaError, ReadError, UsageError, placed
-from inertia.tables import cell_text
+from inertia.errors import UsageError
 from inertia.units import length_unit
 
 AMPLITUDE, PHASE = 0.02, 2.0
 """Half-widths of a reading, as a part of it and in degrees, where the job states none."""
-
-_COLUMNS = ("run", "sensor", "rpm", "amplitude", "phase")
 
 Named = TypeVar("Named", MeasuredPlaneFields, SensorFields, RunFields)
 
@@ -289,7 +286,7 @@ class Job(Document):
     def _with_table(self, file: Path) -> tuple[RunFields, ...]:
         """Return the runs with the readings of the table."""
         more: dict[str, list[ReadingFields]] = {run.id: [] for run in self.fields.run}
-        for where, name, reading in _table(file):
+        for where, name, reading in readings_of(file):
             if name not in more:
                 raise UsageError(f"{where}: run is {name!r}, which the job does not have: add a [[run]] of that id")
             more[name].append(reading)
@@ -382,53 +379,6 @@ def json_schema() -> dict[str, Any]:
     return document_schema(JobFields, "Job of inertia balance measure")
 
 
-def _table(file: Path) -> Iterator[tuple[str, str, ReadingFields]]:
-    """Yield where each line of a table of readings is, its run and its reading."""
-    try:
-        lines = file.read_text(encoding="utf-8-sig").splitlines()
-    except OSError as error:
-        raise ReadError(f"cannot read {file}: {error.strerror or error}: check the path") from None
-    except UnicodeDecodeError:
-        raise ReadError(f"cannot read {file}: it is no text in UTF-8: save the table as CSV in UTF-8") from None
-    first = next((line for line in lines if line.strip()), "")
-    rows = csv.reader(lines, delimiter=";" if ";" in first else ",")
-    head: list[str] = []
-    for row in rows:
-        cells = [cell.strip() for cell in row]
-        if not any(cells) or cells[0].startswith("#"):
-            continue
-        if not head:
-            head = [cell.lower() for cell in cells]
-            for name in ("run", "sensor", "amplitude"):
-                if name not in head:
-                    raise ReadError(
-                        f"cannot read {file}: no column {name}: its first line must name {_listed(_COLUMNS)}"
-                    )
-            if unknown := [name for name in head if name not in _COLUMNS]:
-                raise ReadError(f"cannot read {file}: the column {unknown[0]!r} is unknown: use {_listed(_COLUMNS)}")
-            continue
-        where = f"{file}: line {rows.line_num}"
-        if len(cells) != len(head):
-            raise ReadError(f"cannot read {where}: it has {len(cells)} cells, and the first line {len(head)}")
-        entry: dict[str, Any] = {name: cell for name, cell in zip(head, cells, strict=True) if cell}
-        for name in ("rpm", "amplitude", "phase"):
-            if name in entry:
-                entry[name] = _float(entry[name], f"{where}: {name}")
-        run = cell_text(entry.pop("run", ""))
-        entry["sensor"] = cell_text(entry.get("sensor", ""))
-        try:
-            yield where, run, section_of(ReadingFields, entry, path="")
-        except InertiaError as error:
-            raise placed(error, where) from None
-
-
-def _float(cell: str, where: str) -> float:
-    try:
-        return float(cell)
-    except ValueError:
-        raise ReadError(f"cannot read {where} is {cell!r}: it must be a number, with a point for decimals") from None
-
-
 def _require_different(entries: tuple[Section, ...], name: str) -> None:
     ids = [getattr(entry, "id") for entry in entries]  # noqa: B009  # each of them has one
     for k, one in enumerate(ids):
@@ -440,5 +390,5 @@ def _first(*values: float | None) -> float:
     return next(value for value in values if value is not None)
 
 
-def _listed(names: Any) -> str:
-    return ", ".join(names if isinstance(names, tuple) else sorted(names))
+def _listed(names: set[str]) -> str:
+    return ", ".join(sorted(names))
