@@ -165,7 +165,7 @@ _PIPE = frustum(2.0, 2.0, 5.0)
         (_with_loop(_PIPE, (Trim(circle(2.0), 0, 3.0, 2),)), "face 3: its loop is open by"),
         (_with_loop(_PIPE, (Trim(circle(math.inf), 0, TURN, 2),)), "face 3: its ellipse holds a number"),
         (_with_loop(_PIPE, (Trim(circle(2.0), 0, math.inf, 2),)), "face 3: a trimming curve has an end"),
-        (_with_loop(_PIPE, ()), "face 3: it has no boundary"),
+        (_with_loop(_PIPE, ()), "face 3: it has no boundary, or an empty loop"),
         (replace(_PIPE, solids=(replace(_PIPE.solids[0], faces=()),)), "it has no faces"),
     ],
 )  # fmt: skip

@@ -292,6 +292,8 @@ def _cuts(patch: Patch, trim: Trim) -> Float:
     """Return the parameters of a trim, from start to stop, between which the integrand is smooth, and bends little."""
     low, high = min(trim.start, trim.stop), max(trim.start, trim.stop)
     curve, base = trim.curve, root(patch)
+    if curve.kind == "line" and base.kind == "plane":
+        return np.array([trim.start, trim.stop])
     cuts = [np.array([low, high])]
     if curve.spline is not None:
         cuts.append(splines.breaks(curve.spline, 0, low, high))

@@ -144,8 +144,8 @@ def _centred(solid: Solid) -> tuple[Float, list[Face], float]:
 
 def _require_face(face: Face) -> None:
     require_patch(face.patch)
-    if not any(face.loops):
-        raise GeometryError("it has no boundary")
+    if not face.loops or not all(face.loops):
+        raise GeometryError("it has no boundary, or an empty loop in it")
     for loop in face.loops:
         for trim in loop:
             require_curve(trim.curve)
