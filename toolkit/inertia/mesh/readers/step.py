@@ -96,6 +96,7 @@ def _convert(source: Path, folder: Path, coarser: float, size: float) -> None:
     try:
         process = subprocess.run(
             [sys.executable, "-P", "-c", _CONVERT, str(source), str(folder), *map(str, figures)],
+            env={**os.environ, "OPENBLAS_NUM_THREADS": "1"},  # each thread takes of the memory
             stdin=subprocess.DEVNULL,
             capture_output=True,
             check=False,

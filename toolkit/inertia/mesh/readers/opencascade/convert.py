@@ -8,14 +8,17 @@ from __future__ import annotations
 import json
 import os
 import sys
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from inertia.arrays import Float, Int
 from inertia.mesh.shape import Face, Patch, Shape, Solid
+
+if TYPE_CHECKING:
+    from inertia.mesh.readers.opencascade.facets import Facets
 
 
 def main() -> None:
@@ -50,9 +53,7 @@ def _limit(seconds: int, size: int, parent: int) -> None:
 class _Body:
     """A solid, or faces that belong to none, as it is in its own frame."""
 
-    vertices: Float
-    triangles: Int
-    distances: Float
+    facets: Facets
     faces: tuple[Face, ...]
     closed: bool
 
@@ -125,9 +126,11 @@ class _Bodies:
         placement[:, 3] *= self._scale
         name = piece.name or str(len(self.solids) + 1)
         self.solids.append(Solid(name, body.faces, placement, body.closed, piece.colour, piece.path))
-        self.runs.append((piece.name, len(body.triangles)))
-        self._surfaces.append((placed(body.vertices, placement), body.triangles + self._count, body.distances))
-        self._count += len(body.vertices)
+        facets = body.facets
+        self.runs.append((piece.name, len(facets.triangles)))
+        vertices = placed(facets.vertices, placement)
+        self._surfaces.append((vertices, facets.triangles + self._count, facets.distances))
+        self._count += len(vertices)
 
     def surface(self) -> tuple[Float, Int, Float]:
         """Return the vertices (n, 3), triangles (m, 3) and their distances from the true faces (m,) of all."""
@@ -159,10 +162,11 @@ class _Bodies:
         self.tolerances += [self._scale * tolerance for tolerance in edges.tolerances]
         whole = len(data) == len(faces)
         patches: list[Patch | None] = [face.patch for face in data] if whole else [None] * len(faces)
-        vertices, triangles, distances, missing = triangulated(shape, faces, patches, *self._sag)
-        self.without_triangles += missing
-        true = tuple(scaled_face(face, self._scale) for face in data)
-        return _Body(self._scale * vertices, triangles, self._scale * distances, true, _closed(data, edges.points))
+        closed = _closed(data, edges.points)
+        facets = triangulated(shape, faces, patches, closed and whole, *self._sag)
+        self.without_triangles += facets.missing
+        facets = replace(facets, vertices=self._scale * facets.vertices, distances=self._scale * facets.distances)
+        return _Body(facets, tuple(scaled_face(face, self._scale) for face in data), closed)
 
 
 def _closed(faces: list[Face], points: set[int]) -> bool:

@@ -15,6 +15,7 @@ from OCP import (
     Quantity,
     STEPCAFControl,
     STEPConstruct,
+    StepData,
     TCollection,
     TDataStd,
     TDocStd,
@@ -56,7 +57,7 @@ class Document:
         XCAFDoc.XCAFDoc_ShapeTool.SetAutoNaming_s(False)
         reader = STEPCAFControl.STEPCAFControl_Reader()
         if reader.ReadFile(source) != IFSelect.IFSelect_RetDone:
-            raise ValueError("it is no STEP file")
+            raise ValueError("OpenCASCADE does not take it for a STEP file: export the part again")
         model = reader.ChangeReader().StepModel()
         _require_rigid(model)
         factors = _factors(model)
@@ -68,8 +69,8 @@ class Document:
         XCAFDoc.XCAFDoc_DocumentTool.SetLengthUnit_s(self._document, self.millimetres * self.scale / 1000)
         reader.ChangeReader().SetSystemLengthUnit(self.millimetres * self.scale)
         if not reader.Transfer(self._document):
-            raise ValueError("nothing in it can be taken over")
-        self.faults = list(_faults(reader.ChangeReader().WS()))
+            raise ValueError("OpenCASCADE finds no shape in it that can be read: export the part again")
+        self.faults = [*_words(model.GlobalCheck(True)), *_faults(reader.ChangeReader().WS())]
         self._shapes = XCAFDoc.XCAFDoc_DocumentTool.ShapeTool_s(self._document.Main())
         self._tree = XCAFDoc.XCAFDoc_ShapeTool
 
@@ -172,13 +173,13 @@ def _faults(session: Any) -> Iterator[str]:
     checks.Start()
     while checks.More():
         check = checks.Value()
-        words = [check.CFail(k, True) for k in range(1, check.NbFails() + 1)]
-        words += [check.CWarning(k, True) for k in range(1, check.NbWarnings() + 1)]
-        lost = [word.strip() for word in words[: check.NbFails()]]
-        lost += [word.strip() for word in words[check.NbFails() :] if word.strip().endswith("ignored")]
-        if lost:
-            yield lost[0]
+        warnings = (check.CWarning(k, True).strip() for k in range(1, check.NbWarnings() + 1))
+        yield from (*_words(check), *(word for word in warnings if word.endswith("ignored")))
         checks.Next()
+
+
+def _words(check: Any) -> list[str]:
+    return [check.CFail(k, True).strip() for k in range(1, check.NbFails() + 1)]
 
 
 def _factors(model: Any) -> list[float]:
@@ -188,7 +189,9 @@ def _factors(model: Any) -> list[float]:
         entity = model.Value(number)
         if hasattr(entity, "GlobalUnitAssignedContext"):
             context = STEPConstruct.STEPConstruct_UnitContext()
-            context.ComputeFactors(entity.GlobalUnitAssignedContext())
+            millimetre = StepData.StepData_Factors()
+            millimetre.SetCascadeUnit(1.0)
+            context.ComputeFactors(entity.GlobalUnitAssignedContext(), millimetre)
             if context.LengthDone():
                 factors.append(float(context.LengthFactor()))
     return factors
