@@ -44,6 +44,9 @@ def add(parsers: Any) -> None:
     parser.add_argument("--coefficients", metavar="FILE.toml", help="write the influence coefficients, for a later job")
     parser.add_argument("--report", metavar="FILE.html", help="write the report on the rotor file, with its shop sheet")
     parser.add_argument("--cut-part", metavar="FILE.stl", help="write the corrected mesh of the rotor file")
+    parser.add_argument(
+        "--time", type=float, metavar="SECONDS", help="how long a plan of corrections of the rotor is looked for (10)"
+    )
     parser.add_argument("--force", action="store_true", help="write over files that exist")
     parser.add_argument("--schema", action="store_true", help="print the JSON Schema of a job, and stop")
 
@@ -76,7 +79,7 @@ def run(options: argparse.Namespace) -> int:
                 f"{options.part}: {option} is of a rotor file, and the job names none: give it as rotor = ..."
             )
     with Progress("balancing") as progress:
-        result = measure(job, progress=progress)
+        result = measure(job, seconds=options.time, progress=progress)
     write_and_show(
         lambda: _write(result, options),
         options.json,

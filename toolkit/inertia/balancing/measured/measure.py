@@ -126,12 +126,13 @@ class Measurement:
         return StoredCoefficients.of(self.job, self.estimate.coefficients, self.estimate.coefficient_uncertainty)
 
 
-def measure(job: Job, *, progress: Progress | None = None) -> Measurement:
+def measure(job: Job, *, seconds: float | None = None, progress: Progress | None = None) -> Measurement:
     """Evaluate a balancing job.
 
     Parameters
     ----------
     job : what `Job.load` returned
+    seconds : how long a plan of corrections of the rotor file is looked for; as that file says without it
     progress : called with the fraction done
 
     Raises
@@ -147,12 +148,12 @@ def measure(job: Job, *, progress: Progress | None = None) -> Measurement:
     """
     require_kind(job, Job, "job", "inertia.Job.load(path)")
     try:
-        return _measured(job, progress)
+        return _measured(job, seconds, progress)
     except (UsageError, GeometryError) as error:
         raise placed(error, job.name) if job.name not in error.places else error from None
 
 
-def _measured(job: Job, progress: Progress | None) -> Measurement:
+def _measured(job: Job, seconds: float | None, progress: Progress | None) -> Measurement:
     fields = job.fields
     stored = None
     if fields.coefficients is not None:
@@ -170,7 +171,7 @@ def _measured(job: Job, progress: Progress | None) -> Measurement:
         planes = tuple(replace(plane, pieces=(), left=plane.correction) for plane in planes)
         predicted = result.present
         notes.append("no weights at these positions and steps lower the readings: none are proposed")
-    rotor = None if job.rotor is None else _balance(job, result, progress)
+    rotor = None if job.rotor is None else _balance(job, result, seconds, progress)
     outcome, why = _judged(job, result, planes, rotor)
     return Measurement(
         job=job,
@@ -266,14 +267,15 @@ def _permissible(job: Job) -> list[float | None]:
     return limits
 
 
-def _balance(job: Job, result: Estimate, progress: Progress | None) -> Balance:
+def _balance(job: Job, result: Estimate, seconds: float | None, progress: Progress | None) -> Balance:
     """Correct the rotor of the file by the measured unbalance."""
     assert job.rotor is not None
     vectors = [
         (plane.z or 0.0, job.to_rotor(vector), COVERAGE * float(uncertainty))
         for plane, vector, uncertainty in zip(job.planes, result.unbalance.tolist(), result.uncertainty, strict=True)
     ]
-    return balance(job.rotor, measured=vectors, progress=progress)
+    rotor = job.rotor if seconds is None else job.rotor.planned_in(seconds)
+    return balance(rotor, measured=vectors, progress=progress)
 
 
 def _judged(
