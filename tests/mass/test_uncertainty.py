@@ -2,11 +2,13 @@
 
 import math
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
 from tests.mass.cells.textbook_cells import reference
 from tests.mass.parts import cells as cells_of
+from tests.mesh.readers.step_sample import step_torus
 from tests.mesh.solids import cube, joined, sphere
 
 import inertia
@@ -302,3 +304,19 @@ def test_the_results_themselves_do_not_change() -> None:
     beside = inertia.analyse(part, Estimate(7850, 50), sigma=0.02, scale=Estimate(1, 0.001)).properties
     assert plain.inertia.tolist() == beside.inertia.tolist()
     assert plain.error == beside.error
+
+
+def test_a_true_shape_has_uncertain_density_and_scale_but_no_noise(tmp_path: Path) -> None:
+    pytest.importorskip("OCP")
+    file = tmp_path / "torus.step"
+    file.write_text(step_torus(30, 10))
+    part = inertia.read(file)
+    analysis = inertia.analyse(part, Estimate(7850, 50), scale=Estimate(1, 0.001))
+    u, volume = analysis.uncertainty, 2 * math.pi**2 * 30 * 10**2 * 1e-9
+    assert u.volume == pytest.approx(0.003 * volume)
+    assert u.mass == pytest.approx(volume * math.hypot(50, 0.003 * 7850))
+    assert u.principal_moments[2] / analysis.principal.moments[2] == pytest.approx(math.hypot(50 / 7850, 0.005))
+    for options in ({}, {"tessellated": True}):
+        with pytest.raises(UsageError, match="made from its true shape"):
+            inertia.analyse(part, sigma=0.01, **options)
+    assert inertia.gradient(part).vertices.shape[1] == 3  # of its triangles

@@ -284,6 +284,7 @@ def omission_lines(analysis: Analysis, *, wording: Wording = str) -> Iterator[st
         yield row("In doubt", Sentence(finding.message).worded(wording))
 
 
+_ROUNDED = 1e-14  # of its scale: less is what rounding leaves of a standard uncertainty of zero
 _INPUTS = {"vertices": "m a coordinate", "mass": "kg", "thickness": "m", "section": "m²", "scale": "(relative)"}
 
 
@@ -295,7 +296,7 @@ def uncertainty_lines(analysis: Analysis) -> Iterator[str]:
     properties, principal = analysis.properties, analysis.principal
     inputs = (f"{name} {u:.2g} {_INPUTS.get(name, 'kg/m³')}" for name, u in uncertainty.inputs.items())
     yield row("Uncertainty", f"u (standard uncertainty, GUM) for u of {', '.join(inputs)}:")
-    off = properties.error.center_of_mass, properties.error.inertia * float(np.linalg.norm(properties.inertia))
+    off = _ROUNDED * float(np.ptp(analysis.extents, axis=0).max()), _ROUNDED * float(uncertainty.of()[5:].max())
     for k, expanded in ((1.0, False), (uncertainty.coverage or 0.0, True)):
         if expanded and not k:
             continue
@@ -308,10 +309,7 @@ def uncertainty_lines(analysis: Analysis) -> Iterator[str]:
         yield row("", f"tensor xx, yy, zz, xy, xz, yz {_each(k * uncertainty.of()[5:], off[1])} kg m²,")
         moments = zip((k * uncertainty.principal_moments).tolist(), principal.moments.tolist(), strict=True)
         angles = (k * uncertainty.principal_axes).tolist()
-        lost = principal.axis_bounds.tolist()
-        axes = (
-            f"{cleared(u, bound):.2g} rad" if math.isfinite(u) else "any" for u, bound in zip(angles, lost, strict=True)
-        )
+        axes = (f"{cleared(u, _ROUNDED):.2g} rad" if math.isfinite(u) else "any" for u in angles)
         yield row("", f"principal moments {', '.join(_share(*pair) for pair in moments)}, axes {', '.join(axes)}")
     for group in uncertainty.principal.equal:
         *others, last = (f"I{index + 1}" for index in group)
