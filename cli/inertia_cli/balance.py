@@ -85,6 +85,7 @@ def add(parsers: Any) -> None:
     result.add_argument("--cut-part", metavar="FILE", help="write the corrected mesh, as STL in the rotor's unit")
     result.add_argument("--force", action="store_true", help="write over files that exist")
     result.add_argument("--to-toml", action="store_true", help="print the rotor file that says the same, and stop")
+    result.add_argument("--grades", action="store_true", help="print grades, their machines and standards, and stop")
     result.add_argument("--schema", action="store_true", help="print the JSON Schema of a rotor file, and stop")
 
 
@@ -127,6 +128,8 @@ def run(options: argparse.Namespace) -> int:
 
         print_document(json_schema())
         return 0
+    if options.grades:
+        return _grades(options)
     if options.part is None:
         raise UsageError("no rotor is named: give a rotor file or a part, see `inertia balance --help`")
     if names_document(options):
@@ -140,6 +143,21 @@ def run(options: argparse.Namespace) -> int:
         return _balance(_rotor_of_part(options), options)
     except (UsageError, GeometryError, ReadError) as error:
         raise with_options(error, FIELDS, part=options.part) from None
+
+
+def _grades(options: argparse.Namespace) -> int:
+    """Print the grades, with the specific unbalance that they permit at a speed, where one is given."""
+    from inertia.balancing.standards import grades_document
+    from inertia.report.balance.text import grades_text
+
+    if options.rpm is not None and not 0 < options.rpm < math.inf:
+        raise UsageError(f"--rpm is {options.rpm:g}: it must be positive and finite")
+    document = grades_document(options.rpm)
+    if options.json:
+        print_document(document)
+    else:
+        print_text(grades_text(document))
+    return 0
 
 
 def _part_alone(options: argparse.Namespace) -> bool:

@@ -46,9 +46,15 @@ class TestIso:
         assert "pumps" in GRADES[6.3]
         assert any("turbines" in machine for machine in GRADES[2.5])
 
-    def test_an_unknown_grade_and_a_speed_of_zero_are_refused(self):
-        with pytest.raises(UsageError, match=r"G6 is not in ISO 21940-11.*6\.3, 2\.5"):
-            iso_21940_11(6, rotor(), PLANES, 100.0)
+    def test_a_grade_of_a_contract_is_said_to_be_one(self):
+        tolerance = iso_21940_11(1.6, rotor(), PLANES, 100.0)
+        assert tolerance.standard == "ISO 21940-11:2016, G1.6 by contract, not in its table"
+        assert tolerance.total == pytest.approx(1.6e-3 * 100.0 / 100.0)
+        assert tolerance.meant_for == ()
+
+    def test_a_grade_and_a_speed_of_zero_are_refused(self):
+        with pytest.raises(UsageError, match=r"the grade is 0 mm/s"):
+            iso_21940_11(0, rotor(), PLANES, 100.0)
         with pytest.raises(UsageError, match=r"the speed is 0\.0 rad/s"):
             iso_21940_11(6.3, rotor(), PLANES, 0.0)
 

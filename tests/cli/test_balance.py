@@ -229,6 +229,33 @@ def test_the_schema_is_printed(capsys: pytest.CaptureFixture[str]) -> None:
     assert json.loads(out)["properties"]["plane"]["type"] == "array"
 
 
+def test_the_grades_are_printed_with_their_machines(capsys: pytest.CaptureFixture[str]) -> None:
+    code, out, _ = run(capsys, "--grades", "--rpm", "3000")
+    assert code == 0
+    assert "G6.3  20.05 µm    fans; pumps; gears" in out
+    assert "BV-3  G6.3" in out
+    table = document(capsys, "--grades")
+    assert table["schema"] == "inertia/grades/1"
+    assert len(table["grades"]) == 11
+    assert {entry["standard"] for entry in table["standards"]} >= {"ISO 21940-11", "ISO 14694", "ISO 21940-12"}
+
+
+def test_a_flexible_rotor_is_undecided_with_the_reason(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
+    file = tmp_path / "rotor.toml"
+    text = path("rotors/two_disc_rotor.toml").read_text().replace("../two_disc_rotor.stl", MESH)
+    file.write_text(text.replace('"ISO 21940-11"', '"ISO 21940-12"'))
+    code, out, _ = run(capsys, str(file))
+    assert code == 4
+    assert "judges a flexible rotor mode by mode" in " ".join(out.split())
+
+
+def test_a_failure_names_what_binds(capsys: pytest.CaptureFixture[str]) -> None:
+    out = " ".join(run(capsys, *SHORT)[1].split())
+    assert "nothing is done about it: no plane has a method of correction" in out
+    out = " ".join(run(capsys, *SHORT, "--material", "steel", "--drill", "4", "--max-depth", "2")[1].split())
+    assert "what binds: " in out
+
+
 @pytest.mark.parametrize(
     ("code", "arguments", "message"),
     [
@@ -236,7 +263,8 @@ def test_the_schema_is_printed(capsys: pytest.CaptureFixture[str]) -> None:
         (2, [ROTOR, "--rpm", "3000"], "--rpm goes with a part"),
         (2, [MESH, "--rpm", "3000"], "nothing says what is permissible: give --grade, or --e-um"),
         (2, [MESH, "--grade", "6.3"], "--rpm is missing"),
-        (2, [*SHORT[:-1], "5"], "--grade is 5, which ISO 21940-11 does not have"),
+        (2, [*SHORT[:-1], "0"], "--grade is 0.0: it must be positive"),
+        (2, ["--grades", "--rpm", "0"], "--rpm is 0: it must be positive"),
         (2, [*SHORT, "--rpm", "0"], "--rpm is 0.0: it must be positive"),
         (2, [*SHORT, "--bearings", "20,20"], "--bearings are 0 m apart"),
         (2, [*SHORT, "--bearings", "20"], "--bearings names 1 places: give two"),

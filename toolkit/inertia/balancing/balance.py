@@ -188,6 +188,8 @@ def balance(
     exact = None if rotor.radial_uncertainty or measured else bounds.axis(shaft.resolve(properties), shaft.span, 1.0)
     initial_verdict = _judged(initial, tolerance, axis, rigid, exact)
     verdict = initial_verdict if correction is None else _judged(residual, tolerance, axis, rigid, exact)
+    if verdict.outcome == "fail":
+        verdict = replace(verdict, why=(*verdict.why, _binding(correction)))
     settings = rotor.fields.uncertainty
     scatter = monte_carlo(
         [plane.residual for plane in verdict.planes],
@@ -215,6 +217,13 @@ def balance(
         scatter=scatter,
         notes=tuple(_notes(rotor, bodies, measured is not None)),
     )
+
+
+def _binding(correction: Correction | None) -> str:
+    """Return what a rotor fails by, beside its unbalance."""
+    if correction is None:
+        return "nothing is done about it: no plane has a method of correction"
+    return f"what binds: {', '.join(correction.limits_hit) or 'the planes themselves, whatever is done in them'}"
 
 
 def _as_measured(modelled: Unbalance, measured: Sequence[tuple[float, complex, float]]) -> Unbalance:

@@ -21,7 +21,8 @@ from inertia.balancing.corrections.correction_plane import CorrectionPlane, KitW
 from inertia.balancing.monte_carlo_terms import ShopTolerance, Spread
 from inertia.balancing.rotor_fields import HalfWidths, RotorFields
 from inertia.balancing.shop_units import angular_speed
-from inertia.balancing.tolerance import GRADES, Planes, Tolerance
+from inertia.balancing.standards import STANDARDS, Request
+from inertia.balancing.tolerance import Planes, Tolerance
 from inertia.balancing.unbalance import PointMass, Unbalance
 from inertia.documents import Document, FieldError, document_schema, plain, section_of
 from inertia.errors import FieldPath, UsageError
@@ -30,7 +31,6 @@ from inertia.units import Unit, length_unit
 KeyConvention = Literal["H", "F", "N"]
 
 _SAME = 1e-9  # of the bearings' distance: planes no farther apart than this coincide
-_MIL = {"1974": "MIL-STD-167-1", "A": "MIL-STD-167-1A"}
 _PLAIN_NUMBERS = {  # fields of a plane, what `CorrectionPlane` calls them, and whether they are lengths
     "max_depth": ("max_depth", True),
     "depth_step": ("depth_step", True),
@@ -155,12 +155,9 @@ class Rotor(Document):
             return tolerances.bearing_force_limits((a, b), self.speed)
         if fields.e_um is not None:
             return tolerances.specific_unbalance(1e-6 * fields.e_um, rotor, planes, fields.overhung)
-        if fields.standard in ("API 610", "API 617"):
-            return tolerances.api(fields.standard, rotor, planes, rpm)
-        if fields.revision is not None:
-            return tolerances.mil_std_167_1(_MIL[fields.revision], rotor, planes, rpm, fields.grade)
-        assert fields.grade is not None, "the section asks for one"
-        return tolerances.iso_21940_11(fields.grade, rotor, planes, self.speed, fields.overhung)
+        standard = STANDARDS[fields.standard or "ISO 21940-11"]
+        request = Request(rotor, planes, rpm, fields.grade, fields.category, fields.overhung)
+        return standard.limits(request, fields.revision)
 
     def correction_plane(self, number: int, radius: float) -> CorrectionPlane:
         """Return correction plane `number`, which has a method.
@@ -212,10 +209,6 @@ class Rotor(Document):
         for k, body in enumerate(fields.body):
             if not body.weights and (len(fields.body) > 1 or fields.tolerance.bearing_force is not None):
                 raise FieldError(f"body[{k}]", "says nothing of how heavy it is: give its density, material or mass")
-        grade = fields.tolerance.grade
-        if grade is not None and grade not in GRADES:
-            grades = ", ".join(f"{k:g}" for k in sorted(GRADES))
-            raise FieldError("tolerance.grade", f"is {grade:g}, which ISO 21940-11 does not have: use one of {grades}")
         if (shaft := self.shaft) is not None:
             self._require_planes_apart(shaft)
         for k, plane in enumerate(fields.plane):

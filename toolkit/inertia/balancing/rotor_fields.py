@@ -8,11 +8,12 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Annotated, Any, ClassVar, Literal, get_args
+from typing import Annotated, Any, ClassVar, Literal
 
 from inertia.arrays import Float
 from inertia.balancing.correction_fields import KeyFields, PlaneFields
 from inertia.balancing.corrections.search import AIM, SECONDS
+from inertia.balancing.standards import CATEGORIES, STANDARDS
 from inertia.documents import (
     FieldError,
     Reader,
@@ -34,8 +35,6 @@ from inertia.documents import (
 from inertia.errors import UsageError
 from inertia.mass.density import density_of
 from inertia.units import length_unit
-
-Standard = Literal["ISO 21940-11", "API 610", "API 617", "MIL-STD-167-1"]
 
 _LENGTH = "the file's unit"
 _MOST_DRAWS = 1_000_000
@@ -186,7 +185,8 @@ class ToleranceFields(Section):
     Attributes
     ----------
     standard : ISO 21940-11 unless another criterion is given
-    grade : balance quality grade G, mm/s, of ISO 21940-11
+    grade : balance quality grade G, mm/s, of ISO 21940-11, or of a contract
+    category : of fans, BV-1 to BV-5, for ISO 14694
     revision : of MIL-STD-167-1, whose limits differ: "1974", or "A" of 2005, which takes a grade
     e_um : permissible specific unbalance in µm, in place of a standard
     bearing_force : permissible forces on bearings A and B, N, in place of a standard
@@ -195,8 +195,9 @@ class ToleranceFields(Section):
 
     section: ClassVar[str] = "tolerance"
 
-    standard: Annotated[Standard | None, choice(*get_args(Standard))] = None
+    standard: Annotated[str | None, choice(*STANDARDS)] = None
     grade: Annotated[float | None, number("mm/s", positive=True)] = None
+    category: Annotated[str | None, choice(*CATEGORIES)] = None
     revision: Annotated[Literal["1974", "A"] | None, choice("1974", "A")] = None
     e_um: Annotated[float | None, number("µm", positive=True)] = None
     bearing_force: Annotated[Float | None, numbers((2,), "N")] = None
@@ -210,20 +211,20 @@ class ToleranceFields(Section):
             raise FieldError(path, "says nothing: give a grade, a standard, e_um or bearing_force")
         if others and len(criteria) > 1:
             raise FieldError(f"{path}.{criteria[0]}", f"goes with no {criteria[1]}: give the one that counts")
-        mil = self.standard == "MIL-STD-167-1"
-        if self.revision is not None and not mil:
-            raise FieldError(f"{path}.revision", "goes with MIL-STD-167-1 only: leave it out")
-        if mil and self.revision is None:
-            raise FieldError(
-                f"{path}.revision", 'is missing: the revisions of MIL-STD-167-1 differ, give "1974" or "A" (2005)'
-            )
-        graded = self.standard in (None, "ISO 21940-11") or self.revision == "A"
-        if self.grade is None and graded and not others:
-            raise FieldError(f"{path}.grade", f"is missing: {self.standard} goes by a grade, as 6.3")
-        if self.grade is not None and not graded:
-            raise FieldError(
-                f"{path}.grade", f"goes with no {self.standard}, which has limits of its own: leave it out"
-            )
+        name = self.standard or "ISO 21940-11"
+        takes = {} if others else STANDARDS[name].takes
+        revisions = [k for k in takes if k is not None]
+        if self.revision is not None and not revisions:
+            of = ", ".join(k for k, standard in STANDARDS.items() if None not in standard.takes)
+            raise FieldError(f"{path}.revision", f"goes with {of} only: leave it out")
+        if revisions and self.revision is None:
+            raise FieldError(f"{path}.revision", f"is missing: {STANDARDS[name].says}")
+        for each, example in (("grade", "a grade, as 6.3"), ("category", 'a category, as "BV-3"')):
+            wanted = each in takes.get(self.revision, ())
+            if wanted and getattr(self, each) is None:
+                raise FieldError(f"{path}.{each}", f"is missing: {name} goes by {example}")
+            if not wanted and not others and getattr(self, each) is not None:
+                raise FieldError(f"{path}.{each}", f"goes with no {name}, which has limits of its own: leave it out")
 
 
 @dataclass(frozen=True, eq=False)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Literal
 
 from inertia.balancing.forces import carried_masses
@@ -89,6 +89,8 @@ class Tolerance:
     permissible : (A, B) kg m; the magnitude counts, whatever the angle
     total : kg m, where the standard has one
     shares : (A, B) of the total, where there is one
+    meant_for : machines that the grade or category is meant for
+    undecided : why these limits decide nothing, where they do not
     """
 
     standard: str
@@ -96,6 +98,8 @@ class Tolerance:
     permissible: tuple[float, float]
     total: float | None = None
     shares: tuple[Share, Share] | None = None
+    meant_for: tuple[str, ...] = ()
+    undecided: str | None = None
 
 
 Planes = tuple[float, float]
@@ -108,23 +112,22 @@ def iso_21940_11(
 
     Parameters
     ----------
-    grade : G, mm/s, one of `GRADES`
+    grade : G, mm/s, one of `GRADES`, or of a contract
     rotor : its mass and its centre of mass count
     planes : (A, B) m, the bearings
     speed : rad/s, highest in service
     overhung : see `allocate`
 
-    Raises `UsageError` for an unknown grade or a speed of zero.
+    Raises `UsageError` for a grade or a speed that is not positive.
 
     >>> rotor = Unbalance(3600.0, 1.5, 0.0, 0.0)
     >>> [round(1e6 * u) for u in iso_21940_11(2.5, rotor, (0.0, 2.4), 100 * math.pi).permissible]
     [10743, 17905]
     """
-    if grade not in GRADES:
-        grades = ", ".join(f"{k:g}" for k in GRADES)
-        raise UsageError(f"the grade G{grade:g} is not in ISO 21940-11, table 1: use one of {grades}")
-    total = 1e-3 * grade * rotor.mass / _positive(speed, "the speed", "rad/s")
-    return _allocated(f"ISO 21940-11:2016, G{grade:g}", "U_per = G m/ω", total, rotor, planes, overhung)
+    total = 1e-3 * _positive(grade, "the grade", "mm/s") * rotor.mass / _positive(speed, "the speed", "rad/s")
+    name = f"ISO 21940-11:2016, G{grade:g}" + ("" if grade in GRADES else " by contract, not in its table")
+    limits = _allocated(name, "U_per = G m/ω", total, rotor, planes, overhung)
+    return replace(limits, meant_for=GRADES.get(grade, ()))
 
 
 def specific_unbalance(

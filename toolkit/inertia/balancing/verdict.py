@@ -150,6 +150,8 @@ def judge(
     why: tuple[str, ...] = (first.why, second.why)
     if rigid is not None and rigid.level == "flexible":
         outcome, why = "fail" if outcome == "fail" else "undecided", (*why, rigid.text)
+    if tolerance.undecided is not None:
+        outcome, why = "undecided", (*why, tolerance.undecided)
     over = None if axis is None else _turned_over(outcome, (first, second), residual, planes, axis)
     return Verdict(outcome, (first, second), why, over, axis is not None)
 

@@ -69,6 +69,7 @@ def balance_document(data: ReportData) -> Document:
         "tolerance": {
             "standard": tolerance.standard,
             "rule": tolerance.rule,
+            "meant_for": list(tolerance.meant_for),
             "total_gmm": None if tolerance.total is None else in_gmm(tolerance.total),
             "shares": None
             if tolerance.shares is None

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator, Mapping
 from pathlib import Path
+from typing import Any
 
 from inertia.arrays import Float
 from inertia.balancing.bounds import Source
@@ -97,6 +98,8 @@ def _unbalance(data: ReportData) -> Iterator[str]:
     tolerance = data.tolerance
     total = "" if tolerance.total is None else f" = {_gmm(tolerance.total)} g·mm"
     yield from wrapped("Permissible", f"{tolerance.standard}: {tolerance.rule}{total}")
+    if tolerance.meant_for:
+        yield from wrapped("", f"meant for {'; '.join(tolerance.meant_for)}")
     for name, share in zip("AB", tolerance.shares or (), strict=False):
         clamp = f", kept at {share.used:g} of {share.limits[0]:g} to {share.limits[1]:g}" if share.clamped else ""
         yield row("", f"share of plane {name} {share.allocated:.4g}{clamp}")
@@ -219,3 +222,20 @@ def _point(point: Float) -> str:
 
 def _listed(values: Float) -> str:
     return ", ".join(f"{round(value, 6) + 0.0:.8g}" for value in values.tolist())
+
+
+def grades_text(document: Mapping[str, Any]) -> str:
+    """Return the grades, fan categories and standards of `inertia.balancing.standards` as lines of text."""
+    at = "" if document["rpm"] is None else f" (e_per at {document['rpm']:g} r/min)"
+    lines = [f"Balance quality grades G, mm/s, ISO 21940-11 table 1{at}; other grades may be agreed by contract"]
+    for entry in document["grades"]:
+        size = entry["specific_unbalance_um"]
+        label = f"G{entry['grade_mm_s']:g}" + ("" if size is None else f"  {significant(size)} µm")
+        lines += wrapped(label, "; ".join(entry["machines"]))
+    lines += ["", "Fan application categories, ISO 14694"]
+    for entry in document["categories"]:
+        lines += wrapped(f"{entry['category']}  G{entry['grade_mm_s']:g}", "; ".join(entry["machines"]))
+    lines += ["", "Standards of [tolerance]"]
+    for entry in document["standards"]:
+        lines += wrapped(entry["standard"], entry["rule"])
+    return "\n".join(lines)
