@@ -175,3 +175,28 @@ def test_a_multiple_of_the_identity_is_one_along_turned_axes_too() -> None:
     stated = Statement(body, turn)
     result = judge(replace(subject(pair(), body), stated=stated), [], 0.02)
     assert "placeholder" in [finding.code for finding in result.findings]
+
+
+def test_facets_that_stand_for_a_ball_are_no_hull_of_it() -> None:
+    """The corners of a ball lie on it, so that their hull holds less: what is stated of the ball is not of a hull."""
+    rng = np.random.default_rng(2)
+    points = rng.normal(size=(60, 3))
+    corners = tetrahedron(points[:4]) * 0
+    corners = np.concatenate([corners, (points / np.linalg.norm(points, axis=1)[:, None]).reshape(-1, 3, 3)])
+    ball = Body(4 / 3 * np.pi, np.zeros(3), 8 / 15 * np.pi * np.eye(3))
+    shape = Shape("ball", corners, ball, np.eye(3), np.zeros(3))
+    assert shape.hull_solid is ball
+
+
+def test_explanations_that_differ_by_less_than_what_is_left_are_alike() -> None:
+    """Two moments that are nearly one: their order is no difference beside a centre that is 1 % off."""
+    shape = skewed()
+    body = Body(shape.solid.mass, shape.solid.center, np.trace(shape.solid.inertia) / 6 * np.diag([1.0, 2.5, 2.503]))
+    shape = replace(shape, solid=body, rotation=np.eye(3), origin=np.zeros(3))
+    truth = context([shape]).truth.body
+    moved = truth.center + np.array([0.0, 0.0, 0.012 * context([shape]).size])
+    named = explain(
+        context([shape], truth._replace(center=moved, inertia=np.diag(np.diag(truth.inertia)[[1, 2, 0]])))
+    ).named
+    assert named is not None
+    assert "axes_permuted" in set().union(named.codes, *(each.codes for each in named.alike))

@@ -220,7 +220,11 @@ def ways(shapes: Sequence[Shape], density: float, rotation: Float, rng: random.R
         number = rng.randrange(len(shapes))
 
         def rest(stated: Stated) -> Stated:
-            return replace(stated, bodies=stated.bodies[:number] + stated.bodies[number + 1 :])
+            _, center, inertia = stated.bodies[number]
+            return replace(
+                stated,
+                bodies=(*stated.bodies[:number], (0.0, center, 0 * inertia), *stated.bodies[number + 1 :]),
+            )
 
         def twice(stated: Stated) -> Stated:
             mass, center, inertia = stated.bodies[number]
