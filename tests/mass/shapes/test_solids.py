@@ -114,6 +114,15 @@ def test_a_cap_that_is_tangent_to_its_side_counts_its_gap_at_first_order() -> No
     assert float(answer.moments.zeroth_bound) >= 0.5 * gap * 1e-4 * 2 * math.pi * r  # tolerance times gap times length
 
 
+def test_a_loop_of_nothing_bounds_nothing() -> None:
+    shape = frustum(2.0, 2.0, 5.0)
+    (side, *rest) = shape.solids[0].faces
+    solid = replace(shape.solids[0], faces=(replace(side, loops=(*side.loops, ())), *rest))
+    assert float(solid_moments(solid, shape.tolerances, 1e-12).moments.zeroth) == pytest.approx(20 * math.pi, rel=1e-14)
+    with pytest.raises(GeometryError, match="edges without a tolerance"):
+        solid_moments(solid, shape.tolerances[:2], 1e-12)
+
+
 def test_a_mirror_image_and_a_left_handed_frame() -> None:
     shape = frustum(2.0, 0.5, 5.0)
     (side, *rest) = shape.solids[0].faces
@@ -165,7 +174,7 @@ _PIPE = frustum(2.0, 2.0, 5.0)
         (_with_loop(_PIPE, (Trim(circle(2.0), 0, 3.0, 2),)), "face 3: its loop is open by"),
         (_with_loop(_PIPE, (Trim(circle(math.inf), 0, TURN, 2),)), "face 3: its ellipse holds a number"),
         (_with_loop(_PIPE, (Trim(circle(2.0), 0, math.inf, 2),)), "face 3: a trimming curve has an end"),
-        (_with_loop(_PIPE, ()), "face 3: it has no boundary, or an empty loop"),
+        (_with_loop(_PIPE, ()), "face 3: it has no boundary"),
         (replace(_PIPE, solids=(replace(_PIPE.solids[0], faces=()),)), "it has no faces"),
     ],
 )  # fmt: skip

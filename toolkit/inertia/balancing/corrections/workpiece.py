@@ -60,7 +60,9 @@ class Workpiece:
 
     @cached_property
     def _before(self) -> Unbalance:
-        return self._integrated(self.parts) if self.uncut is None else self.uncut
+        # What is left after cutting are triangles, so that a true shape would bring in what they are off by.
+        of_triangles = all(part.shape is None for part in self.parts)
+        return self.uncut if self.uncut is not None and of_triangles else self._integrated(self.parts)
 
     def cut(self, solids: Sequence[Surface], others: Sequence[Operation]) -> tuple[tuple[Part, ...], Unbalance]:
         """Cut solids (shaft axes, m) out of all parts, and return the parts and the unbalance after it.
@@ -97,7 +99,11 @@ class Workpiece:
     def _integrated(self, parts: Sequence[Part]) -> Unbalance:
         pairs = zip(parts, self.densities, strict=True)
         return Unbalance.of(
-            reduce(add, (mass_properties(part, density, intersections=False) for part, density in pairs)), self.shaft
+            reduce(
+                add,
+                (mass_properties(part, density, intersections=False, tessellated=True) for part, density in pairs),
+            ),
+            self.shaft,
         )
 
 

@@ -57,7 +57,7 @@ DIFFERENCE = WEIGHTS - _COARSE
 
 _QUARTER = 0.5 * math.pi * (1 + 1e-9)
 _CROSSING_SAMPLES = 16
-_MOST = 1 << 14  # pieces of the loops of one face
+_LEAST, _POINTS = 256, 1 << 24  # pieces of the loops of a face that are always allowed, and points of more of them
 _FINEST = 64  # parts of a span of knots, in the inner integral
 _CHUNK = 1 << 15
 _ANGLES = 2.0 * math.pi / 7.0 * np.arange(7)
@@ -191,7 +191,7 @@ class Domain:
     def refined(self, pieces: Pieces, tolerance: Float) -> Pieces:
         """Return the pieces, cut until none is off by more than `tolerance` (11,), or cutting is no use."""
         bad = (pieces.errors > tolerance).any(axis=1)
-        while bad.any() and len(pieces.trim) + bad.sum() <= _MOST:
+        while bad.any() and len(pieces.trim) + bad.sum() <= max(_LEAST, _POINTS // (21 * self._cost(pieces))):
             again, rest = np.flatnonzero(bad), np.flatnonzero(~bad)
             coarse = pieces.subset(again)
             within = (coarse.inner > 0.5 * tolerance).any(axis=1) & (coarse.parts < _FINEST)

@@ -53,6 +53,8 @@ def solid_moments(solid: Solid, tolerances: Float, accuracy: float, *, surface: 
     Raises `GeometryError` where the faces do not bound a solid, or are not what they should be.
     """
     center, faces, size = _centred(solid)
+    if max(trim.edge for face in faces for loop in face.loops for trim in loop) >= len(tolerances):
+        raise GeometryError("it has edges without a tolerance")
     faces, corners = _with_loops_closed(faces, size)
     try:
         edges = closing(faces, tolerances, size, surface=surface)
@@ -144,8 +146,8 @@ def _centred(solid: Solid) -> tuple[Float, list[Face], float]:
 
 def _require_face(face: Face) -> None:
     require_patch(face.patch)
-    if not face.loops or not all(face.loops):
-        raise GeometryError("it has no boundary, or an empty loop in it")
+    if not any(face.loops):
+        raise GeometryError("it has no boundary")
     for loop in face.loops:
         for trim in loop:
             require_curve(trim.curve)
@@ -175,7 +177,7 @@ def _with_loops_closed(faces: Sequence[Face], size: float) -> tuple[list[Face], 
     closed, left = [], np.zeros(11)
     for face in faces:
         loops = []
-        for loop in face.loops:
+        for loop in filter(None, face.loops):
             ends = np.array([[trim.start, trim.stop] for trim in loop]).ravel()
             uv, _ = walk(loop, np.repeat(np.arange(len(loop)), 2), ends)
             here, there = uv[1::2], np.roll(uv[::2], -1, axis=0)
