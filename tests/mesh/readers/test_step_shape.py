@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections import defaultdict
+from fractions import Fraction
 from pathlib import Path
 
 import numpy as np
@@ -21,7 +22,8 @@ from tests.mesh.readers.kernel_solids import (
     write_assembly,
     write_step,
 )
-from tests.mesh.readers.step_sample import step_cone, step_placed
+from tests.mesh.readers.samples import CORNERS, QUADS
+from tests.mesh.readers.step_sample import step_cone, step_of_several, step_placed, step_solid, step_sphere
 
 import inertia
 from inertia.errors import ReadError
@@ -197,3 +199,20 @@ def test_what_the_kernel_leaves_out_is_said(tmp_path: Path) -> None:
     part = inertia.read(tmp_path / "part.step")
     assert "OpenCASCADE left out what has a fault (1 fault, first 'Surface has not been created')" in (part.notes)
     assert inertia.check(part).findings[0].code == "open"
+
+
+def test_units_of_any_size_and_several_in_one_file(tmp_path: Path) -> None:
+    inches, millimetres = (step_solid(CORNERS, QUADS.tolist(), name, name == "A") for name in "AB")
+    (tmp_path / "odd.step").write_text(inches.replace("25.4", "7.").replace("'INCH'", "'NAIL'"))
+    odd = inertia.read(tmp_path / "odd.step")
+    assert (odd.unit.name, odd.unit.metres) == ("7.0 mm", Fraction(7, 1000))
+    assert set(odd.triangles.corners().ravel().tolist()) == set(CORNERS.ravel().tolist())
+    (tmp_path / "two.step").write_text(step_of_several(millimetres, inches, step_sphere(1.0)))
+    two = inertia.read(tmp_path / "two.step", coarser=8.0)
+    assert two.unit.name == "mm"
+    assert any("2 units of length" in note for note in two.notes)
+    box, larger, _ = (
+        np.ptp([trim.curve.frame[0] for loop in solid.faces[0].loops for trim in loop], axis=0).max()
+        for solid in shape_of(two).solids
+    )
+    assert larger == pytest.approx(25.4 * box, rel=1e-15)

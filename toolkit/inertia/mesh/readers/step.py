@@ -36,6 +36,7 @@ _GIB, _GIB_A_MB = 4, 0.2  # it begins with 0.5 GiB, and takes some 40 times the 
 _WAIT = 10  # times the processor time that may pass by the clock
 _EXHAUSTED = re.compile(rb"bad_alloc|OutOfMemory|MemoryError")
 _REFERENCE = re.compile(rb"\b(?:DOCUMENT_FILE|DCMFL)\b", re.IGNORECASE)
+_FLAT = 1e-12  # of the size: triangles no farther off than that are the faces themselves
 _ROUNDING = 2.0**-50  # of the largest coordinate
 
 
@@ -55,10 +56,12 @@ def read_step(path: Path, coarser: float = 1.0) -> Contents:
     chord = np.where(np.isnan(arrays["distances"]), coarser**2 * _LINEAR * size, arrays["distances"])
     chord += _ROUNDING * np.abs(triangles.vertices).max()
     unit = _unit(document["millimetres"])
-    notes = [
-        f"triangles stand for curved STEP faces: they turn by up to {coarser * _ANGULAR:g} rad and are up to "
-        f"{chord.max():.2g} {unit.name} off (those of a cylinder lose {coarser**2 * 1e-4:g} of its volume)"
-    ]
+    notes: list[str] = []
+    if chord.max() > _FLAT * size:
+        notes.append(
+            f"triangles stand for curved STEP faces: they turn by up to {coarser * _ANGULAR:g} rad and are up to "
+            f"{chord.max():.2g} {unit.name} off (those of a cylinder lose {coarser**2 * 1e-4:g} of its volume)"
+        )
     if left_out:
         notes.insert(0, f"{plural(left_out, 'file')} that it refers to {was(left_out)} left out")
     if count := document["loose"]:
