@@ -77,6 +77,28 @@ def test_a_centre_that_agrees_stays_as_it_is_written(tmp_path: Path, right: iner
     assert b"0.1  0.2 0.30" not in mend(read_robot(file), {"m::a": Mended(right, "x")})
 
 
+@pytest.mark.parametrize(
+    ("old", "new"),
+    [
+        ('value="2.50"', 'value="2.50kg"'),
+        ('rpy="0 0 1.5707963267948966"', 'rpy="0, 0, 0"'),
+        ('ixx="0.010"', 'ixx="1f"'),
+    ],
+)
+def test_slips_are_mended_too(tmp_path: Path, right: inertia.MassProperties, old: str, new: str) -> None:
+    file = tmp_path / "arm.urdf"
+    file.write_text(ROBOT.replace(old, new))
+    fixed = mend(read_robot(file), {"upper": Mended(right, "it slipped", center_agrees=True)})
+    assert new.encode() not in fixed
+    (tmp_path / "fixed.urdf").write_bytes(fixed)
+    robot = read_robot(tmp_path / "fixed.urdf")
+    assert robot.notes == ()
+    stated = robot.links[1].inertial
+    assert stated is not None
+    assert stated.mass == right.mass
+    assert np.array_equal(stated.inertia, right.inertia)
+
+
 def test_what_cannot_be_written_into_is_refused(tmp_path: Path, right: inertia.MassProperties) -> None:
     file = tmp_path / "parts.csv"
     file.write_text(inertia.export(right, "csv", name="a"))

@@ -155,7 +155,7 @@ def judge(subject: Subject, others: Sequence[Subject], tolerance: float) -> Link
     """
     stated, name = subject.stated, subject.name
     if subject.fault:
-        unreadable = Finding("unreadable", subject.fault, None, "no program takes it: state it anew")
+        unreadable = Finding("unreadable", subject.fault, None, "state it anew")
         return LinkAudit(name, "inconsistent", None, None, (), None, (unreadable, *subject.obstacles))
     if stated is None or (stated.body.mass == 0 and not stated.body.inertia.any()):
         words = "no mass properties for it" if stated is None else "a mass of 0 and no tensor: it counts as a frame"

@@ -91,11 +91,25 @@ def _urdf(data: bytes, inertial: _Tag, mended: Mended, indent: str) -> list[_Edi
         tag = inertial.child(name)
         if tag is None:
             edits.append(_Edit(inertial.end, inertial.end, f"\n{indent}  {text}"))
-        elif name == "origin" and mended.center_agrees and not any(map(float, tag.attributes.get("rpy", "").split())):
+        elif name == "origin" and mended.center_agrees and _is_unturned_origin(tag):
             continue
-        elif name != "mass" or float(tag.attributes.get("value", "nan")) != properties.mass:
+        elif name != "mass" or _figures(tag.attributes.get("value", "")) != [properties.mass]:
             edits.append(_Edit(tag.start, tag.end, _closed_alike(data, tag, text)))
     return edits
+
+
+def _is_unturned_origin(tag: _Tag) -> bool:
+    """Whether the origin of an inertial is three numbers, and its angles are zero."""
+    place, angles = (_figures(tag.attributes.get(key, "0 0 0")) for key in ("xyz", "rpy"))
+    return place is not None and len(place) == 3 and angles == [0.0] * 3
+
+
+def _figures(text: str) -> list[float] | None:
+    """Return the numbers in a text; None where one of them is none."""
+    try:
+        return [float(word) for word in text.split()]
+    except ValueError:
+        return None
 
 
 def _mjcf(data: bytes, inertial: _Tag, mended: Mended, indent: str) -> list[_Edit]:
