@@ -5,10 +5,12 @@ import math
 
 import numpy as np
 import pytest
+from hypothesis import given, seed, settings
+from hypothesis import strategies as st
 from tests.balancing.corrections.workpieces import POINT, STEEL, drilled
 
 from inertia.balancing.correction_loop import tools_of_density
-from inertia.balancing.corrections.correction_plane import CorrectionPlane, KitWeight
+from inertia.balancing.corrections.correction_plane import CorrectionPlane, KitWeight, Sector, evenly
 from inertia.balancing.corrections.drilling import radial_unbalance
 from inertia.balancing.corrections.search import Search
 from inertia.balancing.corrections.steps import steps_of
@@ -118,3 +120,55 @@ class TestBruteForce:
             if 2 * (0.1 - min(h, g)) * math.sin(away / 2) < (d + e) / 2 + 0.001 - 1e-12:
                 return False
         return True
+
+
+WEIGHTS = (KitWeight("3 g", 3e-3), KitWeight("5 g", 5e-3, 2), KitWeight("8 g", 8e-3, 1))
+
+
+@st.composite
+def shops(draw):
+    """Return planes, and the same with looser limits: depths, diameters, sectors, positions and kits."""
+    depth = draw(st.sampled_from([4, 8, 12]))
+    deeper = depth + draw(st.sampled_from([0, 2, 10]))
+    drills = draw(st.sampled_from([(8,), (10,), (6, 12)]))
+    more = tuple(sorted({*drills, *draw(st.sampled_from([(), (8,), (14,)]))}))
+    width = draw(st.sampled_from([0.0, 1.0, 2.0]))
+    sector = (Sector(0.5, 0.5 + width),) if width else ()
+    narrower = (Sector(0.5, 0.5 + 0.5 * width),) if width and draw(st.booleans()) else ()
+    count = draw(st.sampled_from([8, 12]))
+    listed = draw(st.booleans())
+    tight = {"angles": evenly(count)} if listed else {"angle_step": math.radians(2)}
+    loose = {"angles": evenly(2 * count)} if listed else {"angle_step": math.radians(1)}
+    weights = draw(st.integers(1, 2))
+    kit = draw(st.booleans())
+
+    def planes(drills, depth, sectors, options, weights, most):
+        second = (
+            CorrectionPlane("II", 0.2, "kit", 0.1, angles=evenly(8), kit=WEIGHTS[:weights], most_per_position=most)
+            if kit
+            else drilled("II", 200, 100, *drills, max_depth=depth, depth_step=1)
+        )
+        return [
+            drilled("I", 100, 100, *drills, max_depth=depth, depth_step=0.5, forbidden=sectors, **options),
+            second,
+        ]
+
+    most = draw(st.integers(1, 2))
+    return (
+        planes(drills, depth, sector, tight, weights, 1),
+        planes(more, deeper, narrower, loose, weights + 1, most),
+    )
+
+
+@seed(20)
+@given(shops(), st.floats(0.2, 2.5), st.floats(0, math.tau), st.floats(0.2, 2.5), st.floats(0, math.tau))
+@settings(deadline=None, max_examples=25)
+def test_looser_limits_never_give_a_worse_plan(both, a, first, b, second):
+    levers = np.array([[0.75, 0.2], [0.25, 0.8]])
+    start = 1e-3 * np.array([a * np.exp(1j * first), b * np.exp(1j * second)])
+    (tight, _), (loose, _) = (searched(planes, levers, start, seconds=20.0) for planes in both)
+    assert (max(loose.worst, 1.0), len(loose.spots)) <= (max(tight.worst, 1.0) * (1 + CLOSE), len(tight.spots)) or (
+        loose.worst <= 1 and tight.worst > 1
+    )
+    if len(loose.spots) == len(tight.spots):
+        assert loose.worst <= max(tight.worst, 0.01) * (1 + CLOSE)

@@ -37,6 +37,8 @@ from inertia.balancing.verdict import Verdict, count_the_shop, judge
 from inertia.errors import GeometryError, UsageError, placed, require_kind
 from inertia.mass.properties import MassProperties
 
+_ROUNDED = 1e-6  # of a place along the shaft: what float32 leaves of it, as in STL
+
 
 @dataclass(frozen=True)
 class PlaneUnbalance:
@@ -310,7 +312,9 @@ def _require_places(rotor: Rotor, bodies: Sequence[RotorBody], shaft: Shaft) -> 
         )
     metres = float(rotor.unit.metres)
     for number, plane in enumerate(rotor.fields.plane):
-        if not extent.low <= metres * plane.z <= extent.high:
+        # A face whose place is written as that of the plane may differ from it by rounding.
+        near = _ROUNDED * max(abs(extent.low), abs(extent.high))
+        if not extent.low - near <= metres * plane.z <= extent.high + near:
             raise GeometryError(
                 f"{rotor.name}: plane[{number}].z is {plane.z:g} {rotor.unit.name}, off the rotor, which goes from "
                 f"{in_unit(rotor, extent.low)} to {in_unit(rotor, extent.high)} along the shaft: move it"

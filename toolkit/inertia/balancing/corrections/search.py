@@ -38,8 +38,7 @@ _GAIN = 1e-9
 _TIE = 1e-6
 _FAR = 4.0  # of what has to be made up: no plane need reach farther
 _NEARLY = 0.01  # of the least residual: numbers of places that come so near it are tried first
-_FEW = 20_000  # plans of all planes that are listed before anything else
-_LISTED = 400_000  # plans of one plane that are listed
+_LISTED = 700_000  # plans of one plane that are listed
 _SPOTS = 700_000  # places of one plane that are listed
 _PAIRED = 300_000  # pairs that are tried at once
 _FOLLOWED = 100  # of them, the best
@@ -204,24 +203,20 @@ class Search:
         worst = math.inf
         listed = [self._listed(group, n) for group, n in busy] if len(busy) <= 2 else [None]
         every = [k for k in listed if k is not None]
-        if len(every) == len(listed) and sum(len(k) for k in every) <= _FEW:
+        if len(every) == len(listed):
             return self._best_of(every, below) or ((), math.inf)
-        layouts = [self._layouts(group, n, w) for group, n, w in zip(kinds, counts, vectors.tolist(), strict=True)]
-        starts = sorted(
-            (tuple(itertools.chain(*way)) for way in itertools.product(*layouts)), key=lambda k: _worst(self.rest(k))
-        )
+        starts = [start for start in self._starts(kinds, counts, vectors) if self._fits(start)]
+        for order in (1, -1) if not starts else ():  # the planes' places would be in each other's way
+            starts += self._starts(kinds, counts, vectors, order)
+        starts.sort(key=lambda k: _worst(self.rest(k)))
         enough = max(_FINE, least * (1 + _NEARLY))
-        singly = [self.improve(k, kinds, enough, pairs=False) for k in starts[: _LAYOUTS**2] if self._fits(k)]
+        singly = [self.improve(k, kinds, enough, pairs=False) for k in starts[: _LAYOUTS**2]]
         for start, _ in sorted(singly, key=lambda way: way[1])[:_LAYOUTS]:
             improved, left = self.improve(start, kinds, enough)
             if left < worst:
                 spots, worst = improved, left
             if worst <= enough or self._late():
                 break
-        if worst > _FINE and len(every) == len(listed) and not self._late():
-            better = self._best_of(every, min(worst, below) if spots else math.inf)
-            if better is not None and better[1] < worst:
-                return better
         return spots, worst
 
     # Places and what they do.
@@ -273,8 +268,22 @@ class Search:
 
     # Laying out.
 
-    def _layouts(self, kinds: Sequence[int], number: int, vector: complex) -> list[tuple[Spot, ...]]:
-        """Return places about a vector that make it up nearly, the best layouts first."""
+    def _starts(
+        self, kinds: Sequence[Sequence[int]], counts: Sequence[int], vectors: Complex, order: int = 0
+    ) -> list[tuple[Spot, ...]]:
+        """Return places of all planes, each plane by itself, or in an order, each beside those before."""
+        planes = list(zip(kinds, counts, vectors.tolist(), strict=True))
+        if order == 0:
+            return [tuple(itertools.chain(*way)) for way in itertools.product(*(self._layouts(*k) for k in planes))]
+        starts: list[tuple[Spot, ...]] = [()]
+        for plane in planes[::order]:
+            starts = [(*start, *layout) for start in starts for layout in self._layouts(*plane, start)]
+        return starts
+
+    def _layouts(
+        self, kinds: Sequence[int], number: int, vector: complex, others: tuple[Spot, ...] = ()
+    ) -> list[tuple[Spot, ...]]:
+        """Return places about a vector that make it up nearly, beside others, the best layouts first."""
         if number == 0:
             return [()]
         layouts: list[tuple[float, tuple[Spot, ...]]] = []
@@ -283,19 +292,21 @@ class Search:
             depths = np.unique(np.linspace(0, len(steps.settings) - 1, 9).astype(int)).tolist()
             for s, shift in itertools.product(depths, (0.0, 0.5)):
                 gap = steps.tool.apart_at(float(steps.settings[s]))
-                spots = self._beside(k, s, number, float(np.angle(vector)) + shift * gap)
+                spots = self._beside(k, s, number, float(np.angle(vector)) + shift * gap, others)
                 if len(spots) == number:
                     filled = self._filled(spots, vector)
                     made = sum(self._vector(spot) for spot in filled)
                     layouts.append((abs(vector - made), filled))
         for share in (True, False):
-            spots = self._one_by_one(kinds, number, vector, share)
+            spots = self._one_by_one(kinds, number, vector, share, others)
             if len(spots) == number:
                 layouts.append((abs(vector - sum(self._vector(spot) for spot in spots)), spots))
         layouts.sort(key=lambda way: way[0])
         return list(dict.fromkeys(way for _, way in layouts))[:_LAYOUTS]
 
-    def _one_by_one(self, kinds: Sequence[int], number: int, vector: complex, share: bool) -> tuple[Spot, ...]:
+    def _one_by_one(
+        self, kinds: Sequence[int], number: int, vector: complex, share: bool, others: tuple[Spot, ...]
+    ) -> tuple[Spot, ...]:
         """Return places put one after the other, nearest to the vector's rest or to their share of it."""
         spots: list[Spot] = []
         for n in range(number, 0, -1):
@@ -303,7 +314,7 @@ class Search:
             tried = []
             for k in kinds:
                 steps = self.steps[k]
-                last = np.searchsorted(steps.settings, self._room(k, spots) + _GAIN, side="right") - 1
+                last = np.searchsorted(steps.settings, self._room(k, [*others, *spots]) + _GAIN, side="right") - 1
                 turns = np.exp(1j * steps.angles)
                 above = np.searchsorted(steps.sizes, (rest * turns.conj()).real)
                 for s in (np.clip(above, 0, np.maximum(last, 0)), np.clip(above - 1, 0, np.maximum(last, 0))):
@@ -320,15 +331,14 @@ class Search:
         k, a, s = spot
         return complex(self.steps[k].sizes[s] * np.exp(1j * self.steps[k].angles[a]))
 
-    def _beside(self, k: int, s: int, number: int, angle: float) -> tuple[Spot, ...]:
+    def _beside(self, k: int, s: int, number: int, angle: float, others: tuple[Spot, ...]) -> tuple[Spot, ...]:
         """Return so many places, as near to an angle as may be, that keep their distance with a setting."""
         steps = self.steps[k]
         away = np.abs((steps.angles - angle + math.pi) % FULL_TURN - math.pi)
         spots: list[Spot] = []
         order = np.argsort(np.round(away, 9), kind="stable")
         for _ in range(number):
-            fits = order[self._room(k, spots)[order] + _GAIN >= steps.settings[min(s, 0)]]
-            deep = fits[self._room(k, spots)[fits] + _GAIN >= steps.settings[s]]
+            deep = order[self._room(k, [*others, *spots])[order] + _GAIN >= steps.settings[s]]
             if len(deep) == 0:
                 return ()
             spots.append((k, int(deep[0]), s))
@@ -500,10 +510,12 @@ class Search:
         if fewer is None or len(fewer) * len(singles) > 10 * _LISTED or len(singles) ** 2 > 10 * _LISTED:
             return None
         spots: list[Spot] = [(k, a, s) for k, a, s in singles.tolist()]
-        room = [[self._beside_one(k, spot) for k in kinds] for spot in spots]
         column = np.array([kinds.index(k) for k, _, _ in spots])
         depth = np.array([self.steps[k].settings[s] for k, _, s in spots])
-        fits = np.array([[rooms[c][a] for c, (_, a, _) in zip(column.tolist(), spots, strict=True)] for rooms in room])
+        fits = np.empty((len(spots), len(spots)))
+        for c, k in enumerate(kinds):
+            mine = np.flatnonzero(column == c)
+            fits[:, mine] = np.array([self._beside_one(k, spot) for spot in spots])[:, singles[mine, 1]]
         together = fits + _GAIN >= depth
         together &= together.T
         number_of = {spot: n for n, spot in enumerate(spots)}

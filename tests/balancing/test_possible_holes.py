@@ -1,0 +1,142 @@
+"""Holes that can be drilled: beside each other, in what is there, and with a wall; the sheet states what they take."""
+
+import itertools
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from tests.balancing.corrections.workpieces import (
+    STEEL,
+    drilled,
+    on_z,
+    permits,
+    plate,
+    round_part,
+    unbalance_of,
+)
+from tests.balancing.rotors import two_disc_part
+
+from inertia.balancing.balance import balance
+from inertia.balancing.correction_loop import correct
+from inertia.balancing.rotor import Rotor
+from inertia.balancing.tolerance import iso_21940_11
+from inertia.balancing.unbalance import PointMass
+from inertia.errors import GeometryError
+from inertia.mesh.cut import block, cut
+from inertia.mesh.write import write_stl
+
+RING = [(60, 80), (100, 80), (100, 120), (60, 120), (60, 80)]
+
+
+def heavy(part, grams=20.0, z=90.0, degrees=50.0):
+    """Return the unbalance of a part with a mass on its rim."""
+    return unbalance_of(part).with_masses([PointMass(1e-3 * grams, 0.1, math.radians(degrees), 1e-3 * z)])
+
+
+def corrected(part, start, planes, gmm=20.0, **options):
+    """Return the correction, its sheet checked: what it says was taken is what the part lost."""
+    correction = correct([part], [STEEL], on_z(), start, planes, permits(gmm), **options)
+    lost = start.mass - correction.residual.mass
+    assert sum(k.mass for k in correction.operations) == pytest.approx(lost, rel=1e-7)
+    left = start.with_vectors([(k.unbalance_z, k.unbalance) for k in correction.operations])
+    assert np.allclose(left.in_many_planes([0.02, 0.28]), correction.residual.in_many_planes([0.02, 0.28]), atol=1e-11)
+    return correction
+
+
+def axis_points(work):
+    """Return places along the axis of a radial hole, from its rim to its shoulder."""
+    radii = work.radius - np.linspace(0, work.depth, 50)
+    direction = np.array([math.cos(work.angle), math.sin(work.angle), 0.0])
+    return radii[:, None] * direction + [0.0, 0.0, work.z]
+
+
+@pytest.mark.parametrize("apart", [0.0, 6.0, 10.0, 14.0])
+def test_holes_of_two_planes_keep_their_web(apart):
+    ring = round_part((40, 60), (100, 60), (100, 140), (40, 140), (40, 60))
+    start = heavy(ring, 40.0, 100.0)
+    planes = [
+        drilled("I", 100 - apart / 2, 100, 12, max_depth=20),
+        drilled("II", 100.1 + apart / 2, 100, 12, max_depth=20),
+    ]
+    correction = corrected(ring, start, planes)
+    assert correction.within
+    for one, other in itertools.combinations(correction.operations, 2):
+        gaps = np.linalg.norm(axis_points(one)[:, None] - axis_points(other), axis=2)
+        assert gaps.min() >= 0.012 + 0.001 - 1e-6
+
+
+@pytest.mark.parametrize(("z", "diameter"), [(84, 12), (96, 12), (90, 20)])
+def test_a_drill_that_would_break_out_of_an_end_face_is_refused(z, diameter):
+    with pytest.raises(GeometryError, match="break out of the part, or leave less than 1 mm"):
+        correct([plate()], [STEEL], on_z(), heavy(plate()), [drilled("I", z, 100, diameter)], permits(20))
+
+
+def test_the_next_smaller_drill_is_taken_where_one_breaks_out():
+    correction = corrected(plate(), heavy(plate(), z=86.0), [drilled("I", 86, 100, 8, 20)])
+    assert {k.tool_diameter for k in correction.operations} == {0.008}
+
+
+def test_holes_keep_clear_of_a_keyway_and_of_a_bore():
+    ring = round_part(*RING, unit="mm")
+    keyway = block([85.0, -6.0, 70.0], np.diag([30.0, 12.0, 60.0]))  # in the rim, at 0°
+    slotted = cut(ring, [keyway])
+    start = heavy(slotted, 15.0, 100.0, degrees=3.0)
+    correction = corrected(slotted, start, [drilled("I", 100, 100, 10)])
+    for work in correction.operations:
+        # The keyway is 12 mm wide, a hole 10, and 1 mm stays between them.
+        assert abs(0.1 * math.sin(work.angle)) >= 0.006 + 0.005 + 0.001 - 1e-4 or math.cos(work.angle) < 0
+        assert work.remaining_wall >= 0.001 - 1e-9
+
+
+def test_no_hole_starts_in_air_on_a_part_that_is_round_in_part():
+    web = cut(plate(60, 90, 120), [block([-100.0, -100.0, 0.0], np.diag([75.0, 200.0, 300.0]))])
+    start = unbalance_of(web).with_masses([PointMass(0.15, 0.06, math.radians(140), 0.105)])
+    correction = corrected(web, start, [drilled("I", 105, 60, 8, 10, 12, max_depth=20)], gmm=100)
+    assert correction.operations
+    for work in correction.operations:
+        # The flat is 25 mm from the shaft; drills keep off it and off its edge.
+        assert 60 * math.cos(work.angle) > -25 + 4
+        assert work.mass == pytest.approx(work.tool_diameter**2 * math.pi / 4 * STEEL * work.depth, rel=0.2, abs=1e-3)
+
+
+def test_faces_of_any_length_take_axial_holes(tmp_path):
+    for length in (30.1, 30.3, 30.7, 31.1, 33.3, 34.7, 41.9, 57.7):
+        part = round_part((0, 0), (50, 0), (50, length), (0, length), sides=48)
+        write_stl([part], tmp_path / f"{length}.stl", part.unit)
+        fields = {
+            "body": [{"file": f"{length}.stl", "material": "steel", "chord_tolerance": 0}],
+            "axis": {"bearing_a": [0, 0, 3.7], "bearing_b": [0, 0, length - 7.3]},
+            "service": {"rpm": 3000},
+            "tolerance": {"grade": 6.3},
+            "plane": [
+                {"id": "A", "z": 0, "method": "drill_axial", "radius": 40, "diameters": [8], "face": "a"},
+                {"id": "B", "z": length, "method": "drill_axial", "radius": 40, "diameters": [8], "face": "b"},
+            ],
+        }
+        assert balance(Rotor.from_dict(fields, folder=tmp_path)).correction is not None
+
+
+def test_the_wall_goes_to_the_next_surface():
+    part = two_disc_part()
+    start = unbalance_of(part)
+    limits = iso_21940_11(6.3, start, (0.02, 0.28), 100 * math.pi)
+    planes = [drilled("I", 90, 100, 10), drilled("II", 215, 80, 16)]
+    for wall in (1.0, 3.0):
+        walled = [replace(k, min_wall=1e-3 * wall) for k in planes]
+        correction = correct([part], [STEEL], on_z(), start, walled, limits)
+        # 20 and 30 mm of disc about the holes, not 148 and 117 through the shaft.
+        assert [k.remaining_wall for k in correction.operations] == pytest.approx([0.005, 0.007], abs=1e-6)
+
+
+def test_limits_that_are_looser_drill_no_more_holes():
+    part = two_disc_part()
+    start = unbalance_of(part)
+    limits = iso_21940_11(6.3, start, (0.02, 0.28), 100 * math.pi)
+    numbers = []
+    for depth in (20, 40, 60, 72, 74, 90):
+        planes = [drilled("I", 90, 100, 8, max_depth=depth), drilled("II", 215, 80, 8, max_depth=min(depth, 75))]
+        correction = correct([part], [STEEL], on_z(), start, planes, limits)
+        assert correction.within
+        numbers.append(len(correction.operations))
+    assert numbers == sorted(numbers, reverse=True)
