@@ -210,7 +210,11 @@ class Search:
             starts += self._starts(kinds, counts, vectors, order)
         starts.sort(key=lambda k: _worst(self.rest(k)))
         enough = max(_FINE, least * (1 + _NEARLY))
-        singly = [self.improve(k, kinds, enough, pairs=False) for k in starts[: _LAYOUTS**2]]
+        singly = []
+        for start in starts[: _LAYOUTS**2]:
+            singly.append(self.improve(start, kinds, enough, pairs=False))
+            if self._late():
+                break
         for start, _ in sorted(singly, key=lambda way: way[1])[:_LAYOUTS]:
             improved, left = self.improve(start, kinds, enough)
             if left < worst:
@@ -381,7 +385,7 @@ class Search:
         worst = _worst(self.rest(spots))
         while not self._late():
             before = worst
-            for i in range(len(spots)):
+            for i in range(0 if self._late() else len(spots)):
                 spots, worst = self._moved(spots, worst, i, options[i])
             if worst < before * (1 - 1e-3):
                 continue
