@@ -100,7 +100,7 @@ def test_a_typed_figure_takes_no_doubt_away(tmp_path, typed, says):
     assert answer.bodies[0].chord_from == says
     for one, other in zip(answer.verdict.planes, plain.verdict.planes, strict=True):
         assert one.bounds["tessellation"] >= other.bounds["tessellation"] > 0
-    note = {"mesh": "is less than the 0.0380", "given": "is more than the 0.0380"}[says]
+    note = {"mesh": "is less than the 0.0381 mm", "given": "is more than the 0.0381 mm"}[says]
     assert any(note in k for k in answer.notes) == (typed != 0.04)
 
 

@@ -325,7 +325,7 @@ def _facet_notes(rotor: Rotor, body: RotorBody) -> Iterator[str]:
     """Yield what the verdict takes for granted of the facets of a body, and what of the file it does not believe."""
     if body.chord_from == "shape" or not body.chord:
         return
-    sag = in_unit(rotor, body.layers.sag)
+    sag = f"{body.layers.sag / float(rotor.unit.metres):.3g} {rotor.unit.name}"
     if body.chord_from == "mesh":
         yield (
             f"{body.name}: chord_tolerance is less than the {sag} by which its facets miss the surfaces that they "

@@ -32,6 +32,7 @@ _FAILURES = 300  # in a row, after which no further patch is looked for
 _NEIGHBOURS = 6
 _WALK = 12  # facets
 _TURNED = math.cos(math.radians(8.0))  # from where two normals tell an axis
+_AHEAD = 0.9  # cosine between the first turn and all of them together: a flat cone turns back
 _STRAIGHT = 0.7  # cosine between the turns from one facet to the next
 _ATTEMPTS = 4000
 _OPPOSITE = -0.5  # cosine between the turns to both sides of a facet
@@ -204,7 +205,10 @@ def _walked(mesh: FacetMesh, facet: Int, first: int, label: Int, hinge: Bool) ->
     parts = [_facet_of(mesh, first)]
     for _ in range(_WALK):
         here = mesh.normals[first]
-        if float(start @ here) < _TURNED:
+        away, once = here - start, mesh.normals[parts[0][0]] - start
+        if float(start @ here) < _TURNED or float(away @ once) < _AHEAD * float(
+            np.linalg.norm(away) * np.linalg.norm(once)
+        ):
             break
         ahead = _beside(mesh, parts[-1], label, hinge)
         ahead = ahead[~np.isin(ahead, np.concatenate([facet, *parts]))]

@@ -51,8 +51,8 @@ def _body(body: BodyRow) -> str:
         "given": f"chord tolerance {_mm(body.chord)}",
         "read": f"triangles made from STEP to {_mm(body.chord)}",
         "shape": "integrated on its own faces",
-        "estimated": f"facets within {_mm(body.chord)} of the true surface",
-        "mesh": f"facets within {_mm(body.chord)} of the true surface",
+        "estimated": f"facets within {body.chord:.3g} mm of the true surface",
+        "mesh": f"facets within {body.chord:.3g} mm of the true surface",
         "exact": "taken as the true shape",
     }
     density = f"{number(body.density)} kg/m³ {_DENSITY_FROM[body.density_from]}"
