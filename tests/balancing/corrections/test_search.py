@@ -48,6 +48,28 @@ def test_case_9_the_smallest_error_over_sixteen_holes():
     assert len({angle for _, _, angle, _ in places}) == len(places)
 
 
+def test_clips_at_free_angles_do_not_overlap_on_their_track():
+    kit = (KitWeight("10 g", 10e-3, width=0.03), KitWeight("25 g", 25e-3, width=0.06))
+    plane = CorrectionPlane("I", 0.0, "kit", 0.1, kit=kit)
+    plan, places = searched([plane], np.ones((1, 1)), [5.2e-3 * np.exp(0.7j)])
+    assert plan.worst <= 1
+    assert len(places) == 3  # two of 25 g side by side make up 4.8 kg mm at most
+    for (_, one, a, _), (_, other, b, _) in itertools.combinations(places, 2):
+        away = abs((a - b + math.pi) % math.tau - math.pi)
+        assert away * 0.1 >= 0.5 * (one.weight.width + other.weight.width) - 1e-9
+
+
+def test_set_screws_of_several_lengths_count_at_their_own_radius():
+    kit = (KitWeight("M6 x 6", 1.0e-3, radius=0.097), KitWeight("M6 x 12", 2.0e-3, radius=0.094))
+    plane = CorrectionPlane("I", 0.0, "kit", 0.1, angles=evenly(12), kit=kit)
+    plan, places = searched([plane], np.ones((1, 1)), [-(1.0 * 0.097 + 2.0 * 0.094 * 1j) * 1e-3], limit=1e-9)
+    assert plan.worst < 1e-3
+    assert sorted((round(math.degrees(a)), tool.weight.name) for _, tool, a, _ in places) == [
+        (0, "M6 x 6"),
+        (90, "M6 x 12"),
+    ]
+
+
 class TestBruteForce:
     """Every plan with up to three places in a plane, written down with the formulas of the worked cases alone."""
 

@@ -97,6 +97,8 @@ class WeightFields(Section):
     mass_g : grams
     name : what the shop calls it
     stock : how many there are; plenty without it
+    radius : of its centre of mass; the plane's without it
+    width : what it takes of the track around the shaft, needed where angles are free
     """
 
     section: ClassVar[str] = "kit"
@@ -104,6 +106,8 @@ class WeightFields(Section):
     mass_g: Annotated[float, number("g", positive=True)]
     name: Annotated[str | None, text] = None
     stock: Annotated[int | None, integer(1, _MANY)] = None
+    radius: Annotated[float | None, number(_LENGTH, positive=True)] = None
+    width: Annotated[float | None, number(_LENGTH, positive=True)] = None
 
 
 @dataclass(frozen=True, eq=False)

@@ -181,7 +181,16 @@ class Rotor(Document):
             options["mass_step"] = 1e-3 * plane.mass_step_g
         if plane.max_mass_g is not None:
             options["max_mass"] = 1e-3 * plane.max_mass_g
-        kit = (KitWeight(k.name or f"{k.mass_g:g} g", 1e-3 * k.mass_g, k.stock) for k in plane.kit)
+        kit = (
+            KitWeight(
+                k.name or f"{k.mass_g:g} g",
+                1e-3 * k.mass_g,
+                k.stock,
+                None if k.radius is None else metres * k.radius,
+                None if k.width is None else metres * k.width,
+            )
+            for k in plane.kit
+        )
         try:
             return CorrectionPlane(
                 id=plane.id,

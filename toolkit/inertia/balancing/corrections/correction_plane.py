@@ -57,11 +57,22 @@ class Sector:
 
 @dataclass(frozen=True)
 class KitWeight:
-    """A weight of a kit: its name, its mass (kg), and how many there are (None: plenty)."""
+    """A weight of a kit: a screw, a washer, a clip on a track, a segment.
+
+    Attributes
+    ----------
+    name : what the shop calls it
+    mass : kg
+    stock : how many there are; None for plenty
+    radius : m, of its centre of mass, where that is not the plane's, as of set-screws of other lengths
+    width : m, what it takes of the track around the shaft; needed at free angles
+    """
 
     name: str
     mass: float
     stock: int | None = None
+    radius: float | None = None
+    width: float | None = None
 
     @property
     def most(self) -> float:
@@ -175,9 +186,16 @@ class CorrectionPlane:
     def _check_kit(self) -> None:
         if not self.kit:
             raise self._fault("its kit is empty", "give the masses of the weights at hand")
-        if self.angles == "free":
-            raise self._fault("a kit is used at free angles", "give the positions as angles")
+        if self.angles == "free" and any(weight.width is None for weight in self.kit):
+            raise self._fault(
+                "a kit is used at free angles", "give the positions as angles, or the width of each weight on its track"
+            )
         for weight in self.kit:
+            for length in (weight.radius, weight.width):
+                if length is not None and not 0 < length < math.inf:
+                    raise self._fault(
+                        f"kit weight {weight.name!r} has a radius or width of {length!r} m", "it must be positive"
+                    )
             if not 0 < weight.mass < math.inf:
                 raise self._fault(f"kit weight {weight.name!r} is {weight.mass!r} kg", "it must be positive")
         if self.most_per_position < 1:

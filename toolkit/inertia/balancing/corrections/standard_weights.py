@@ -29,6 +29,7 @@ _LEEWAY = 4e-6  # of the unit that residuals are measured in
 def weight_operation(plane: CorrectionPlane, name: str, angle: float, weight: KitWeight, pieces: int) -> Operation:
     """Return the putting of some weights of one kind at a position (rad)."""
     mass = pieces * weight.mass
+    radius = weight.radius or plane.radius
     return Operation(
         id=name,
         plane=plane.id,
@@ -36,9 +37,9 @@ def weight_operation(plane: CorrectionPlane, name: str, angle: float, weight: Ki
         method="add",
         kind="weight",
         angle=angle_of(cmath.rect(1.0, angle)),
-        radius=plane.radius,
+        radius=radius,
         mass=mass,
-        unbalance=cmath.rect(mass * plane.radius, angle),
+        unbalance=cmath.rect(mass * radius, angle),
         unbalance_z=plane.z,
         pieces=pieces,
         item=weight.name,
@@ -67,20 +68,20 @@ class WeightTool(Tool):
         return 1.0
 
     def half_angle_at(self, setting: float) -> float:
-        """0: a point."""
-        return 0.0
+        """Half of its width; 0 at positions that are there for it."""
+        return 0.5 * (self.weight.width or 0.0) / self.plane.radius
 
     def apart_at(self, setting: float) -> float:
-        """0: weights are put where the plane has positions for them."""
-        return 0.0
+        """Its width on a track; 0 at positions that are there for it."""
+        return min(2 * self.half_angle_at(setting), math.pi) if self.plane.angles == "free" else 0.0
 
     def unbalance(self, setting: float) -> float:
         """Return m r of so many, kg m."""
-        return setting * self.weight.mass * self.plane.radius
+        return setting * self.weight.mass * (self.weight.radius or self.plane.radius)
 
     def setting(self, unbalance: float) -> float:
         """Return how many."""
-        return unbalance / (self.weight.mass * self.plane.radius)
+        return unbalance / (self.weight.mass * (self.weight.radius or self.plane.radius))
 
     def operation(self, name: str, angle: float, setting: float) -> Operation:
         """Return the putting of so many at an angle (rad)."""

@@ -117,7 +117,7 @@ def room_beside(tool: Tool, angles: Float, other: Tool, angle: float, setting: f
         if isinstance(tool, FlatCutter):
             half = np.clip(away - other.half_angle_at(setting), 0.0, 0.5 * math.pi)
             return np.where(half > 0, tool.plane.radius * (1.0 - np.cos(half)) + _SAME * tool.plane.radius, -math.inf)
-        room[away < tool.apart_at(0.0) - _SAME] = -math.inf
+        room[away < 0.5 * (tool.apart_at(0.0) + other.apart_at(0.0)) - _SAME] = -math.inf
     return room
 
 
