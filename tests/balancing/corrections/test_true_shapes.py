@@ -23,7 +23,9 @@ def test_only_what_is_cut_changes_the_unbalance() -> None:
     size = np.prod(np.ptp(solid.vertices, axis=0))
     before = Unbalance.of(mass_properties(true, STEEL), on_z())
     assert before.mass == pytest.approx(STEEL * np.pi * 0.05002**2 * 0.1, rel=1e-12)
-    parts, after = Workpiece((true,), (STEEL,), on_z(), before, before).cut([solid], ())
+    piece = Workpiece((true,), (STEEL,), on_z(), before, before)
+    assert piece.taken(solid, [0.1, 0.2]).mass == pytest.approx(STEEL * size, rel=1e-9)
+    parts, after = piece.cut([solid], ())
     assert parts[0].shape is None
     middle = solid.vertices.mean(axis=0)
     assert before.mass - after.mass == pytest.approx(STEEL * size, rel=1e-9)

@@ -2,7 +2,6 @@
 
 import json
 import math
-import random
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -19,50 +18,29 @@ from inertia_cli.main import main
 pytest.importorskip("OCP")
 
 from tests.benchmarks.shapes import kernel
+from tests.benchmarks.shapes.random_solids import integrated, of_primitives, of_splines
 from tests.benchmarks.shapes.solids import SAMPLES
-
-
-def _integrated(solid: Any, accuracy: float = 1e-12) -> tuple[float, float]:
-    """Volume and bound."""
-    shape = kernel.taken_over(solid)
-    answers = [solid_moments(one, shape.tolerances, accuracy).moments for one in shape.solids]
-    return float(sum(one.zeroth for one in answers)), float(sum(one.zeroth_bound for one in answers))
 
 
 @pytest.mark.parametrize("name", [sample.name for sample in SAMPLES if sample.volume is not None])
 def test_the_error_is_within_the_bound(name: str) -> None:
     sample = next(sample for sample in SAMPLES if sample.name == name)
     assert sample.volume is not None
-    volume, bound = _integrated(sample.make())
+    volume, bound = integrated(sample.make())
     truth = sample.volume()
     assert abs(volume - truth) <= bound + 4e-16 * truth
     assert abs(volume / truth - 1) < (1e-12 if sample.kind == "analytic" else 1e-9)
     assert bound < 1e-9 * truth
 
 
-def _primitive(draw: random.Random) -> tuple[Any, float]:
-    a, b, c = draw.uniform(0.3, 2), draw.uniform(0.5, 4), draw.uniform(0.3, 2)
-    solid, volume = draw.choice(
-        [
-            lambda: (kernel.box((2 * a, b, 2 * c), (-a, -b / 2, -c)), 4 * a * b * c),
-            lambda: (kernel.cylinder(a, b, (0, 0, -b / 2)), math.pi * a * a * b),
-            lambda: (kernel.cone(a, c, b, (0, 0, -b / 2)), math.pi * b / 3 * (a * a + a * c + c * c)),
-            lambda: (kernel.sphere(a), 4 / 3 * math.pi * a**3),
-            lambda: (kernel.torus(a + c, 0.9 * a), 2 * math.pi**2 * (a + c) * 0.81 * a * a),
-        ]
-    )()
-    shift = [draw.uniform(-1.5, 1.5) for _ in range(3)]
-    return kernel.moved(solid, shift, [draw.gauss(0, 1) for _ in range(3)], draw.uniform(0, 6)), volume
-
-
 @pytest.mark.parametrize("seed", range(12))
 def test_what_solids_share_and_unite_adds_up(seed: int) -> None:
-    """V(A ∪ B) + V(A ∩ B) = V(A) + V(B) and V(A \\ B) + V(A ∩ B) = V(A), A and B by closed forms."""
-    draw = random.Random(seed)
-    (a, of_a), (b, of_b) = _primitive(draw), _primitive(draw)
-    united, shared, rest = (_integrated(make(a, b)) for make in (kernel.fused, kernel.common, kernel.cut))
-    assert abs(united[0] + shared[0] - of_a - of_b) <= united[1] + shared[1] + 1e-15 * (of_a + of_b)
-    assert abs(rest[0] + shared[0] - of_a) <= rest[1] + shared[1] + 1e-15 * of_a
+    assert all(error <= bound for error, bound in of_primitives(seed))
+
+
+@pytest.mark.parametrize("seed", range(6))
+def test_splines_that_are_cut_or_moved_at_random_add_up(seed: int) -> None:
+    assert all(error <= bound for error, bound in of_splines(seed))
 
 
 _LOFT = kernel.lofted([kernel.ring(2.0, 0.0), kernel.ring(1.0, 3.0, 0.5), kernel.ring(1.5, 6.0)])
@@ -80,9 +58,9 @@ _LOFT = kernel.lofted([kernel.ring(2.0, 0.0), kernel.ring(1.0, 3.0, 0.5), kernel
 )
 def test_splines_that_are_cut_or_moved_add_up(solid: Any) -> None:
     tool = kernel.cylinder(0.7, 10, (-5, 0.2, 1.5), (1, 0.1, 0.1))
-    whole, shared, rest = (_integrated(k) for k in (solid, kernel.common(solid, tool), kernel.cut(solid, tool)))
+    whole, shared, rest = (integrated(k) for k in (solid, kernel.common(solid, tool), kernel.cut(solid, tool)))
     assert abs(shared[0] + rest[0] - whole[0]) <= whole[1] + shared[1] + rest[1]
-    moved = _integrated(kernel.moved(solid, (30, 40, 50), (1, 2, 3), 0.7))
+    moved = integrated(kernel.moved(solid, (30, 40, 50), (1, 2, 3), 0.7))
     assert abs(moved[0] - whole[0]) <= moved[1] + whole[1]
 
 
@@ -128,7 +106,9 @@ def test_an_accuracy_that_cannot_be_had_is_refused(pipe: Path) -> None:
     assert part.shape is not None
     sample = next(sample for sample in SAMPLES if sample.name == "spline extruded, edges rounded")
     rounded = kernel.taken_over(sample.make())
-    loose = replace(part, shape=rounded, chord=None)  # faces that are tangent, and 1e-5 apart
+    size = np.cbrt(50.0 * 1e-9 / inertia.mass_properties(part, tessellated=True).volume)  # near that of the other solid
+    mesh = inertia.Part.from_arrays(size * part.triangles.vertices, part.triangles.faces, "mm")
+    loose = replace(mesh, shape=rounded)  # faces that are tangent, and 1e-5 apart
     with pytest.raises(GeometryError, match=r"above the accuracy .* \(the faces of the shape are up to \S+ mm apart"):
         inertia.analyse(loose, accuracy=1e-12)
     assert inertia.analyse(loose, accuracy=1e-6).properties.error.volume < 1e-6

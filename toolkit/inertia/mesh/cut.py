@@ -161,9 +161,8 @@ class Stock:
         starts = np.cumsum([0, *(len(mesh.vert_properties) for mesh in meshes)])
         vertices = np.ldexp(np.concatenate([mesh.vert_properties[:, :3] for mesh in meshes]), self._exponent)
         faces = [mesh.tri_verts.astype(np.int64) + start for mesh, start in zip(meshes, starts[:-1], strict=True)]
-        return replace(
-            self.part, geometry=Surface(vertices, np.concatenate(faces)), regions=None, chord=None, rounding=None
-        )
+        surface = Surface(vertices, np.concatenate(faces))
+        return replace(self.part, geometry=surface, regions=None, chord=None, rounding=None, shape=None)
 
     def _cut_body(self, body: _Body, tools: list[Any]) -> tuple[Float, Int, Int]:
         """Return a body's vertices, faces and their regions, after cutting."""

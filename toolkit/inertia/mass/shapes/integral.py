@@ -24,6 +24,7 @@ METHOD = "the faces of the true shape, by Gauss–Kronrod quadrature along their
 _USUAL, _FINEST = 1e-10, 1e-15
 _RIGID = 1e-9  # that a placement may be off a rotation
 _SLACK = 2  # times the chord, that triangles may be off
+_COARSE = Fraction(1, 10)  # of the volume, that they may be off where no chord is stated
 
 
 def shape_integrals(
@@ -149,10 +150,10 @@ def _moved(moments: Moments, placement: Float) -> Moments:
 
 def _require_agreement(part: Part, triangles: Integral, whole: Moments) -> None:
     """Refuse a shape whose triangles have another volume than their chord allows."""
-    if part.chord is None:
-        return
     mesh = total(group.moments for group in triangles.groups)
-    between = chord_bound(part.triangles, _SLACK * part.chord, mesh.origin).zeroth_bound
+    between = _COARSE * mesh.zeroth
+    if part.chord is not None:
+        between = chord_bound(part.triangles, _SLACK * part.chord, mesh.origin).zeroth_bound
     between += sum((Fraction(finding.doubt.volume) for finding in triangles.doubts if finding.doubt), ZERO)
     if abs(whole.zeroth - mesh.zeroth) > between + whole.zeroth_bound + mesh.zeroth_bound:
         raise GeometryError(
