@@ -31,8 +31,8 @@ SECONDS = "INERTIA_STEP_SECONDS"
 """The variable of the environment that sets how long a conversion may take, in s of processor time."""
 GIB = "INERTIA_STEP_GIB"
 """The variable of the environment that sets how much memory a conversion may take, in GiB."""
-_SECONDS, _SECONDS_A_MB = 120, 120  # a torus, a file of 3 kB, takes 7 s
-_GIB, _GIB_A_MB = 4, 0.2  # it begins with 0.5 GiB, and takes some 40 times the size of a file
+_SECONDS, _SECONDS_A_MB = 120, 120  # a torus, a file of 3 kB, takes 2 s
+_GIB, _GIB_A_MB = 4, 0.2  # it begins with 0.7 GiB, and takes some 40 times the size of a file
 _WAIT = 10  # times the processor time that may pass by the clock
 _EXHAUSTED = re.compile(rb"bad_alloc|OutOfMemory|MemoryError")
 _REFERENCE = re.compile(rb"\b(?:DOCUMENT_FILE|DCMFL)\b", re.IGNORECASE)

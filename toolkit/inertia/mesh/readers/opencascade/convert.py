@@ -158,7 +158,7 @@ class _Bodies:
             try:
                 data.append(face_data(face, edges, self._faces))
             except Exception as error:  # the kernel's own, of many kinds
-                self.fault = self.fault or f"face {self._faces}: {error}"
+                self.fault = self.fault or f"face {self._faces}: {str(error).strip() or type(error).__name__}"
         self.tolerances += [self._scale * tolerance for tolerance in edges.tolerances]
         whole = len(data) == len(faces)
         patches: list[Patch | None] = [face.patch for face in data] if whole else [None] * len(faces)
