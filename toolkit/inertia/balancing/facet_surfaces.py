@@ -28,13 +28,15 @@ _FACING = 0.5  # cosine between a facet and the surface that it stands for
 _WIDE = 2.5  # times as wide as the next: a true plane
 _PLANES = 4  # of them in a patch at most
 _STEPS = 12
-_FAILURES = 300  # in a row, after which no further patch is looked for
+_FAILURES = 100  # in a row, or patches of few facets, after which no further one is looked for
+_FEW = 6
 _NEIGHBOURS = 6
 _WALK = 12  # facets
 _TURNED = math.cos(math.radians(8.0))  # from where two normals tell an axis
 _AHEAD = 0.9  # cosine between the first turn and all of them together: a flat cone turns back
 _STRAIGHT = 0.7  # cosine between the turns from one facet to the next
-_ATTEMPTS = 4000
+_ATTEMPTS = 500
+_WORK = 2e8  # attempts times triangles
 _OPPOSITE = -0.5  # cosine between the turns to both sides of a facet
 _LEAST = 7  # vertices that a cone is fitted to
 _MOST = 4000
@@ -156,7 +158,7 @@ def recognise(mesh: FacetMesh) -> tuple[list[Cone], Int]:
         if label[seed] >= 0 or tried[seed]:
             continue
         attempts += 1
-        if failures >= _FAILURES or attempts > _ATTEMPTS:
+        if failures >= _FAILURES or attempts > min(_ATTEMPTS, _WORK / len(mesh.faces)):
             break
         facet = _facet_of(mesh, seed)
         tried[facet] = True
@@ -165,7 +167,8 @@ def recognise(mesh: FacetMesh) -> tuple[list[Cone], Int]:
         if patch is None or triangles is None:
             failures += 1
             continue
-        failures = 0
+        few = len(np.unique(mesh.plane[triangles])) < _FEW
+        failures = failures + 1 if few else 0
         label[triangles] = len(cones)
         cones.append(patch[0])
     return cones, label
@@ -388,11 +391,9 @@ def _without_planes(mesh: FacetMesh, cone: Cone, triangles: Int, hinge: Bool) ->
     stays = np.ones(len(facets), bool)
     stays[planes] = False
     left = triangles[stays[number]]
-    inside = np.zeros(len(mesh.faces), bool)
-    inside[left] = True
-    edges = mesh.pairs[hinge & inside[mesh.pairs].all(axis=1)]
-    beside = np.zeros(len(mesh.faces), bool)
-    beside[edges] = True
-    lone = ~np.isin(mesh.plane[left], mesh.plane[beside])
-    left = left[~lone]
+    edges = np.unique(mesh.beside[left])
+    edges = edges[edges >= 0]
+    edges = edges[hinge[edges]]
+    within = mesh.pairs[edges][np.isin(mesh.pairs[edges], left).all(axis=1)]
+    left = left[np.isin(mesh.plane[left], mesh.plane[within])]
     return left if len(np.unique(mesh.plane[left])) >= 3 else None

@@ -215,7 +215,7 @@ def _wilson(share: float, draws: int) -> tuple[float, float]:
     square = _NORMAL_999**2 / draws
     middle = (share + 0.5 * square) / (1.0 + square)
     reach = math.sqrt(square * (share * (1.0 - share) + 0.25 * square)) / (1.0 + square)
-    return max(0.0, middle - reach), min(1.0, middle + reach)
+    return max(0.0, middle - reach), 1.0 if share == 1.0 else min(1.0, middle + reach)
 
 
 def _table(terms: Sequence[Term], limits: Float) -> tuple[Sensitivity, ...]:
