@@ -177,6 +177,22 @@ SOLIDS: dict[str, Callable[[], Shape]] = {
 }
 
 
+def bezier(points: list[list[tuple[float, float, float]]]) -> Any:
+    """Return a Bézier surface through corners, and near the rest, of a square of points."""
+    rows = collection("Array2_gp_Pnt", "TColgp", "TColgp_Array2OfPnt", 1, len(points), 1, len(points[0]))
+    for i, row in enumerate(points, 1):
+        for j, point in enumerate(row, 1):
+            rows.SetValue(i, j, gp.gp_Pnt(*point))
+    return Geom.Geom_BezierSurface(rows)
+
+
+def unbounded(surface: Any) -> Shape:
+    """Return a face of all of a surface, without a loop."""
+    face = TopoDS.TopoDS_Face()
+    BRep.BRep_Builder().MakeFace(face, surface, 1e-7)
+    return face
+
+
 def together(shapes: list[Shape]) -> Shape:
     """Return several shapes as one."""
     compound, builder = TopoDS.TopoDS_Compound(), BRep.BRep_Builder()

@@ -11,6 +11,8 @@ import numpy as np
 import pytest
 from tests.mesh.readers.kernel_solids import (
     SOLIDS,
+    axes,
+    bezier,
     box,
     cast,
     curve_point,
@@ -19,6 +21,7 @@ from tests.mesh.readers.kernel_solids import (
     moved,
     patch_point,
     together,
+    unbounded,
     write_assembly,
     write_step,
 )
@@ -32,7 +35,10 @@ from inertia.mesh.shape import Shape
 
 pytest.importorskip("OCP")
 
-from OCP import BRepAdaptor, BRepTools, STEPControl, TopAbs
+from OCP import BRepAdaptor, BRepBuilderAPI, BRepTools, Geom, STEPControl, TopAbs, gp
+
+from inertia.mesh.readers.opencascade.kernel import shape_map
+from inertia.mesh.readers.opencascade.surfaces import Edges, face_data
 
 UNITS = {"MM": ("mm", 1.0), "M": ("m", 1e-3), "INCH": ("in", 1 / 25.4)}
 
@@ -216,3 +222,34 @@ def test_units_of_any_size_and_several_in_one_file(tmp_path: Path) -> None:
         for solid in shape_of(two).solids
     )
     assert larger == pytest.approx(25.4 * box, rel=1e-15)
+
+
+def test_faces_without_loops_and_curves_without_a_formula_are_converted() -> None:
+    points = [[(2.0 * i, 3.0 * j, (i - 1.0) * (j - 1.0)) for j in range(3)] for i in range(3)]
+    ball, ring = Geom.Geom_SphericalSurface(gp.gp_Ax3(), 3.0), Geom.Geom_ToroidalSurface(gp.gp_Ax3(), 5.0, 1.0)
+    curve = Geom.Geom_OffsetCurve(Geom.Geom_Ellipse(axes(0, 0, 0), 10.0, 6.0), 1.0, gp.gp_Dir(0, 0, 1))
+    wanted = {
+        "sphere": (ball, 0.0),
+        "torus": (ring, 0.0),
+        "spline": (bezier(points), 1e-15),
+        "extrusion": (Geom.Geom_SurfaceOfLinearExtrusion(curve, gp.gp_Dir(0, 0, 1)), 1e-10),
+    }
+    for kind, (surface, near) in wanted.items():
+        low, high = (0.0, 2.0) if kind == "extrusion" else surface.Bounds()[2:]
+        if kind == "extrusion":
+            face = BRepBuilderAPI.BRepBuilderAPI_MakeFace(surface, *surface.Bounds()[:2], low, high, 1e-7).Face()
+        else:
+            face = unbounded(surface)
+        edges = Edges(0, shape_map())
+        data = face_data(face, edges, 1)
+        assert data.patch.kind == kind
+        ((*trims,),) = data.loops
+        assert len(trims) == 4
+        assert len({trim.edge for trim in trims}) == {"sphere": 3, "torus": 2, "spline": 4, "extrusion": 3}[kind]
+        assert edges.points == ({1, 2} if kind == "sphere" else set())
+        first, last = surface.Bounds()[:2]
+        for u in np.linspace(first, last, 7)[1:-1]:
+            for v in np.linspace(low, high, 7)[1:-1]:
+                point = surface.Value(u, v)
+                there = [point.X(), point.Y(), point.Z()]
+                assert np.abs(patch_point(data.patch, u, v) - there).max() <= near * 10 + 1e-15
