@@ -141,3 +141,28 @@ def test_limits_that_are_looser_drill_no_more_holes():
         assert correction.within
         numbers.append(len(correction.operations))
     assert numbers == sorted(numbers, reverse=True)
+
+
+def test_the_plan_aims_lower_where_too_few_parts_are_within_tolerance(tmp_path):
+    profile = [(0, 0), (20, 0), (20, 80), (120, 80), (120, 110), (114, 110), (114, 86), (0, 86)]
+    fan = cut(round_part(*profile, sides=180), [block([60, -5, 60], np.diag([20.0, 10.0, 60.0]))])
+    write_stl([fan], tmp_path / "fan.stl", fan.unit)
+
+    def of_fan(confidence):
+        fields = {
+            "body": [{"file": "fan.stl", "material": "steel"}],
+            "axis": {"bearing_a": [0, 0, 5], "bearing_b": [0, 0, 40]},
+            "service": {"rpm": 3000},
+            "tolerance": {"grade": 6.3},
+            "plane": [
+                {"id": name, "z": z, "method": "drill_radial", "diameters": [4, 6, 8]}
+                for name, z in (("I", 83), ("II", 98))
+            ],
+            "uncertainty": {"confidence": confidence},
+        }
+        return balance(Rotor.from_dict(fields, folder=tmp_path))
+
+    few, many = of_fan(0.5), of_fan(0.95)
+    assert 0.5 <= few.scatter.within < 0.95 <= many.scatter.within
+    assert (few.verdict.outcome, many.verdict.outcome) == ("pass", "pass")
+    assert len(few.correction.operations) < len(many.correction.operations)

@@ -10,6 +10,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import reduce
 from operator import add
+from time import thread_time
 
 from inertia.arrays import Progress
 from inertia.balancing import bounds
@@ -19,6 +20,7 @@ from inertia.balancing.axis.tilt import Tilt, principal_tilt
 from inertia.balancing.bounds import Uncertainty
 from inertia.balancing.correction_loop import Correction, correct
 from inertia.balancing.corrections.correction_plane import CorrectionPlane
+from inertia.balancing.corrections.operation import Operation
 from inertia.balancing.forces import RigidLimit, axle_torque, bearing_forces, rigid_limit
 from inertia.balancing.monte_carlo import Scatter, monte_carlo
 from inertia.balancing.monte_carlo_terms import operation_terms, rotor_terms
@@ -37,6 +39,8 @@ from inertia.balancing.verdict import Verdict, count_the_shop, judge
 from inertia.errors import GeometryError, UsageError, placed, require_kind
 from inertia.mass.properties import MassProperties
 
+_LOWER = (1.0, 0.4, 0.1)  # of what is asked for, aimed at while the shop's work leaves too few parts within tolerance
+_LEAST_TIME = 0.1  # of the time, for each of them
 _ROUNDED = 1e-6  # of a place along the shaft: what float32 leaves of it, as in STL
 
 
@@ -184,23 +188,12 @@ def balance(
     correction = _corrected(rotor, bodies, shaft, initial, together, planes, tolerance)
     tell(0.9)
     residual = initial if correction is None else correction.residual
-    terms = rotor_terms(residual, at)
-    if correction is not None:
-        terms += operation_terms(correction.operations, residual, at, rotor.shop)
     exact = None if rotor.radial_uncertainty or measured else bounds.axis(shaft.resolve(properties), shaft.span, 1.0)
     initial_verdict = _judged(initial, tolerance, axis, rigid, exact)
     verdict = initial_verdict if correction is None else _judged(residual, tolerance, axis, rigid, exact)
     if verdict.outcome == "fail":
         verdict = replace(verdict, why=(*verdict.why, _binding(correction)))
-    settings = rotor.fields.uncertainty
-    scatter = monte_carlo(
-        [plane.residual for plane in verdict.planes],
-        terms,
-        permissible=tolerance.permissible,
-        confidence=settings.confidence,
-        draws=settings.draws,
-        seed=settings.seed,
-    )
+    scatter = _scatter(rotor, residual, () if correction is None else correction.operations, tolerance, at)
     return Balance(
         rotor=rotor,
         bodies=bodies,
@@ -259,15 +252,42 @@ def _corrected(
     planes: Sequence[CorrectionPlane],
     tolerance: Tolerance,
 ) -> Correction | None:
+    """Return the correction with the fewest operations for which enough parts are within tolerance as made."""
     if not planes:
         return None
-    parts, densities = [body.part for body in bodies], [body.density for body in bodies]
-    try:
-        aim = _aim(initial, tolerance, (shaft.z_a, shaft.z_b))
-        asked = rotor.fields.plan
-        return correct(parts, densities, shaft, initial, planes, aim, uncut=together, aim=asked.aim, seconds=asked.time)
-    except (UsageError, GeometryError) as error:
-        raise placed(error, rotor.name) from None
+    parts, densities, at = [body.part for body in bodies], [body.density for body in bodies], (shaft.z_a, shaft.z_b)
+    limit, asked, best, most = _aim(initial, tolerance, at), rotor.fields.plan, None, -1.0
+    until = thread_time() + asked.time
+    for lower in _LOWER:
+        seconds = max(until - thread_time(), _LEAST_TIME * asked.time)
+        try:
+            tried = correct(
+                parts, densities, shaft, initial, planes, limit, uncut=together, aim=lower * asked.aim, seconds=seconds
+            )
+        except (UsageError, GeometryError) as error:
+            raise placed(error, rotor.name) from None
+        within = _scatter(rotor, tried.residual, tried.operations, tolerance, at).within or 0.0
+        if within > most:
+            best, most = tried, within
+        if not tried.operations or not tried.within or tried.worst > lower * asked.aim or thread_time() > until:
+            break
+        if within >= rotor.fields.uncertainty.confidence:
+            break
+    return best
+
+
+def _scatter(
+    rotor: Rotor, residual: Unbalance, operations: Sequence[Operation], tolerance: Tolerance, at: Planes
+) -> Scatter:
+    settings = rotor.fields.uncertainty
+    return monte_carlo(
+        residual.in_many_planes(at),
+        rotor_terms(residual, at) + operation_terms(operations, residual, at, rotor.shop),
+        permissible=tolerance.permissible,
+        confidence=settings.confidence,
+        draws=settings.draws,
+        seed=settings.seed,
+    )
 
 
 def _aim(initial: Unbalance, tolerance: Tolerance, at: Planes) -> Tolerance:
