@@ -369,7 +369,8 @@ class _Loop:
     def _operations(self, work: _Work) -> tuple[Operation, ...]:
         """Return the work plane by plane, with what was cut; weights of one kind at one place are one operation."""
         pieces = Counter(work.places)
-        order = sorted(pieces, key=lambda k: (k.plane, k.angle, k.setting))
+        cutting = [k for k in pieces if (taken := self._take(k)) is None or taken.unbalance]
+        order = sorted(cutting, key=lambda k: (k.plane, k.angle, k.setting))
         count: Counter[int] = Counter()
         operations = []
         for place in order:
