@@ -141,8 +141,8 @@ def rigid_limit(speed: float, critical: float) -> RigidLimit:
     text = f"the speed is {ratio:.3g} of the critical one: {says}"
     if level != "rigid":
         text += (
-            f". By how much bearing forces grow is not known without the modes: times {grows:.3g} for a disc in the middle of a "
-            "massless shaft; of this rotor, mode shapes and modal masses would tell, or a run at that speed"
+            f". By how much bearing forces grow is not known without the modes: times {grows:.3g} for a disc in the "
+            "middle of a massless shaft; of this rotor, mode shapes and modal masses would tell, or a run at that speed"
         )
     return RigidLimit(ratio, grows, level, text)
 
