@@ -19,6 +19,7 @@ from tests.balancing.rotors import two_disc_part
 
 from inertia.balancing.balance import balance
 from inertia.balancing.correction_loop import correct
+from inertia.balancing.corrections.correction_plane import CorrectionPlane
 from inertia.balancing.rotor import Rotor
 from inertia.balancing.tolerance import iso_21940_11
 from inertia.balancing.unbalance import PointMass
@@ -75,6 +76,17 @@ def test_a_drill_that_would_break_out_of_an_end_face_is_refused(z, diameter):
 def test_the_next_smaller_drill_is_taken_where_one_breaks_out():
     correction = corrected(plate(), heavy(plate(), z=86.0), [drilled("I", 86, 100, 8, 20)])
     assert {k.tool_diameter for k in correction.operations} == {0.008}
+
+
+def test_a_flat_that_meets_a_hole_is_said():
+    start = heavy(plate(), 60.0, 90.0)
+    planes = [
+        CorrectionPlane("I", 0.09, "mill", 0.1, width=0.018, max_depth=0.003, angles=(math.radians(50),)),
+        drilled("II", 91, 100, 8, max_depth=20, angles=(math.radians(50),)),
+    ]
+    correction = correct([plate()], [STEEL], on_z(), start, planes, permits(20))
+    assert len(correction.operations) == 2
+    assert "; tools meet: " in correction.why
 
 
 def test_holes_keep_clear_of_a_keyway_and_of_a_bore():

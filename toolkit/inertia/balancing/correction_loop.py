@@ -42,6 +42,7 @@ _SHARES = (0.7, 0.8)  # of the time left, for a plan and for another by what was
 _AS_PLANNED = 1.05
 _LEAST = 1.0  # s, for mending it once
 _SOME = 0.01  # of the tolerance: a bound below says nothing
+_MEET = 1e-5  # of what is cut
 _CUTS = 10
 _FINER = 5  # cuts with ever finer steps, where the shop has none
 _FINER_BY = 12.0
@@ -344,6 +345,13 @@ class _Loop:
             why += f": the best that can be done within {', '.join(hit) or 'these planes'}"
         elif cut_short:
             why += ": the best that was found in the time that it was given"
+        alone = math.fsum(k.mass for k in operations if k not in masses)
+        added = math.fsum(k.mass if k.method == "add" else -k.mass for k in masses)
+        together = self.piece.initial.mass + added - residual.mass
+        if alone - together > _MEET * alone:
+            why += (
+                f"; tools meet: {1e3 * (alone - together):.3g} g that one takes is what another has taken, move a plane"
+            )
         return Correction(
             operations=operations,
             residual=residual,

@@ -523,7 +523,9 @@ class Search:
         together = fits + _GAIN >= depth
         together &= together.T
         number_of = {spot: n for n, spot in enumerate(spots)}
-        before = np.array([[number_of[k, a, s] for k, a, s in plan] for plan in fewer.tolist()], int)
+        before = np.array([[number_of[k, a, s] for k, a, s in plan] for plan in fewer.tolist()], int).reshape(
+            -1, number - 1
+        )
         follows = together[before].all(axis=1) & (np.arange(len(spots)) >= before[:, -1:])
         plan, last = np.nonzero(follows)
         plans = np.column_stack([before[plan], last])

@@ -112,7 +112,7 @@ def room_beside(tool: Tool, angles: Float, other: Tool, angle: float, setting: f
     room = np.full(len(angles), math.inf)
     if isinstance(tool, Drill) and isinstance(other, Drill):
         return _between_drills(tool, angles, other, angle, setting)
-    if tool.plane.id == other.plane.id and tool.plane.angles == "free":
+    if tool.plane.id == other.plane.id:
         away = np.abs((angles - angle + math.pi) % FULL_TURN - math.pi)
         if isinstance(tool, FlatCutter):
             half = np.clip(away - other.half_angle_at(setting), 0.0, 0.5 * math.pi)
