@@ -194,7 +194,7 @@ def _repair(part: Part, options: argparse.Namespace) -> Repaired | None:
 
 
 def _analysis(part: Part, options: argparse.Namespace) -> Analysis:
-    from inertia.mass.analysis import analyse as analyse_part
+    from inertia.mass.analyse import analyse as analyse_part
 
     tolerance = {} if options.class_tolerance is None else {"class_tolerance": options.class_tolerance}
     with Progress("uniting" if options.union else "integrating") as progress:

@@ -53,7 +53,7 @@ def run(options: argparse.Namespace) -> int:
 
 def _allowed(part: Part, options: argparse.Namespace) -> Analysis | GeometryError:
     """Return the answer that allowing for the faults leads to, or why there is none."""
-    from inertia.mass.analysis import analyse
+    from inertia.mass.analyse import analyse
 
     try:
         return analyse(

@@ -47,7 +47,7 @@ def run(options: argparse.Namespace) -> int:
     from inertia.dynamics.scene.body import SceneBody
     from inertia.dynamics.scene.document import Scene
     from inertia.dynamics.scene.sections import Settings, Start
-    from inertia.mass.analysis import analyse, sound_solids_only
+    from inertia.mass.analyse import analyse, sound_solids_only
     from inertia.mesh.read import read
 
     limit = {} if options.unpack_limit is None else {"unpack_limit": options.unpack_limit}

@@ -195,7 +195,7 @@ def test_each_body_is_cut_where_the_tool_meets_it_with_its_own_density():
 
 
 def sum_of(parts, densities):
-    from inertia.mass.analysis import mass_properties
+    from inertia.mass.analyse import mass_properties
 
     first, second = (mass_properties(k, d) for k, d in zip(parts, densities, strict=True))
     return first + second

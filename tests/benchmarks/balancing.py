@@ -88,7 +88,7 @@ def cut(count: int) -> dict[str, Any]:
     from inertia.balancing.corrections.drilling import RadialDrill
     from inertia.balancing.corrections.workpiece import Workpiece
     from inertia.balancing.unbalance import Unbalance
-    from inertia.mass.analysis import mass_properties
+    from inertia.mass.analyse import mass_properties
     from inertia.mesh.read import read
 
     with tempfile.TemporaryDirectory() as folder:

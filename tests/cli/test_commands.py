@@ -302,7 +302,7 @@ def test_an_interrupt_is_no_traceback(capsys: pytest.CaptureFixture[str], monkey
     def interrupted(*_: object, **__: object) -> None:
         raise KeyboardInterrupt
 
-    monkeypatch.setattr("inertia.mass.analysis.analyse", interrupted)
+    monkeypatch.setattr("inertia.mass.analyse.analyse", interrupted)
     assert sentence(capsys, 130, "analyse", str(path("cube.stl"))) == "inertia: interrupted\n"
 
 
@@ -312,7 +312,7 @@ def test_a_fault_of_ours_is_a_sentence_with_code_1(
     def broken(*_: object, **__: object) -> None:
         raise ZeroDivisionError("division by zero")
 
-    monkeypatch.setattr("inertia.mass.analysis.analyse", broken)
+    monkeypatch.setattr("inertia.mass.analyse.analyse", broken)
     assert "ZeroDivisionError" in sentence(capsys, 1, "analyse", str(path("cube.stl")))
     monkeypatch.setenv("INERTIA_TRACEBACK", "1")
     with pytest.raises(ZeroDivisionError):

@@ -6,7 +6,7 @@ import pytest
 from tests.mesh.solids import box, cube, joined, ring
 
 from inertia.errors import GeometryError
-from inertia.mass.analysis import mass_properties
+from inertia.mass.analyse import mass_properties
 from inertia.mesh.check import check
 from inertia.mesh.cut import SEGMENTS, block, cut, drill, stock
 from inertia.mesh.part import FACET, Facets, Part, Regions, Surface

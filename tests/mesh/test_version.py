@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from inertia.errors import ReadError
-from inertia.mass.analysis import analyse
+from inertia.mass.analyse import analyse
 from inertia.mesh.part import FACET, Facets, FacetsInFile
 from inertia.mesh.read import read
 from inertia.mesh.readers import stl

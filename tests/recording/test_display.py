@@ -7,7 +7,7 @@ from tests.mesh.solids import box, facets, joined, ring
 
 from inertia import Part, read
 from inertia.dynamics.scene.body import SceneBody
-from inertia.mass.analysis import analyse
+from inertia.mass.analyse import analyse
 from inertia.mesh.part import CellBlock, Cells, Surface
 from inertia.recording.display import (
     display_of,

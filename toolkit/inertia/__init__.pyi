@@ -29,8 +29,8 @@ from inertia.mesh.unite import Union as Union
 from inertia.mesh.repairs.simplify import halvings as halvings
 
 # A part is integrated to its mass properties.
-from inertia.mass.analysis import mass_properties as mass_properties
-from inertia.mass.analysis import analyse as analyse
+from inertia.mass.analyse import mass_properties as mass_properties
+from inertia.mass.analyse import analyse as analyse
 from inertia.mass.analysis import Analysis as Analysis
 from inertia.mass.properties import MassProperties as MassProperties
 from inertia.mass.properties import ErrorBound as ErrorBound

@@ -9,7 +9,7 @@ from tests.mass.shapes.by_hand import frustum
 
 from inertia.balancing.corrections.workpiece import Workpiece
 from inertia.balancing.unbalance import Unbalance
-from inertia.mass.analysis import mass_properties
+from inertia.mass.analyse import mass_properties
 from inertia.mesh.part import Part, Surface
 from inertia_meshes.shapes import box
 

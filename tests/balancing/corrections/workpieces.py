@@ -6,7 +6,7 @@ from inertia.balancing.axis.shaft import Shaft
 from inertia.balancing.corrections.correction_plane import CorrectionPlane
 from inertia.balancing.tolerance import Tolerance
 from inertia.balancing.unbalance import Unbalance
-from inertia.mass.analysis import mass_properties
+from inertia.mass.analyse import mass_properties
 from inertia.mesh.part import Part
 from inertia_meshes.shapes import revolved
 

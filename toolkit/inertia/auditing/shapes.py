@@ -15,7 +15,7 @@ from inertia.auditing.bodies import Body, Shape
 from inertia.auditing.judge import Finding, Weighed, placed
 from inertia.errors import GeometryError, InertiaError
 from inertia.exchange.robots.links import Geometry, Primitive
-from inertia.mass.analysis import analyse
+from inertia.mass.analyse import analyse
 from inertia.mass.faults import widths
 from inertia.mass.properties import ErrorBound, MassProperties
 from inertia.mesh.part import Part, Surface

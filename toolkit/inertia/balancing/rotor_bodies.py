@@ -21,7 +21,8 @@ from inertia.balancing.rotor_fields import BodyFields
 from inertia.balancing.tessellation_bound import chord_uncertainty, facet_uncertainty
 from inertia.balancing.unbalance import Unbalance
 from inertia.errors import FieldPath, GeometryError, InertiaError, UsageError, placed
-from inertia.mass.analysis import Analysis, analyse, sound_solids_only
+from inertia.mass.analyse import analyse, sound_solids_only
+from inertia.mass.analysis import Analysis
 from inertia.mesh.geometry.intersect import overlap
 from inertia.mesh.part import Cells, Part, Surface
 from inertia.mesh.read import read

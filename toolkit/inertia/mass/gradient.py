@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from inertia.arrays import Float, Int, Orientation
-from inertia.mass.analysis import analyse
+from inertia.mass.analyse import analyse
 from inertia.mass.integrand import matrix_of, principal_rates
 from inertia.mass.principal import Principal
 from inertia.mesh.part import Part

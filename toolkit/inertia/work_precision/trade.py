@@ -11,7 +11,8 @@ from typing import TYPE_CHECKING, Generic, overload
 
 from inertia.arrays import Progress
 from inertia.errors import UsageError, require_kind
-from inertia.mass.analysis import Accuracy, Analysis, analyse
+from inertia.mass.analyse import analyse
+from inertia.mass.analysis import Accuracy, Analysis
 from inertia.mesh.part import Cells, Part
 from inertia.work_precision.machine import Machine, this_machine
 from inertia.work_precision.recommend import Recommendation, part_recommendations, scene_recommendations

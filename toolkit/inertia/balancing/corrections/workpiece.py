@@ -14,7 +14,7 @@ from inertia.arrays import Float
 from inertia.balancing.axis.shaft import Shaft
 from inertia.balancing.corrections.operation import Operation
 from inertia.balancing.unbalance import Complex, PointMass, Unbalance
-from inertia.mass.analysis import mass_properties
+from inertia.mass.analyse import mass_properties
 from inertia.mesh.cut import Stock, stock
 from inertia.mesh.geometry.rays import inside
 from inertia.mesh.part import Part, Surface

@@ -12,7 +12,8 @@ from inertia.arrays import Float
 from inertia.dynamics.models.deforming.jointed_body import JointedBody
 from inertia.dynamics.scene.sections import BodySource
 from inertia.errors import FieldPath, GeometryError, UsageError, placed
-from inertia.mass.analysis import Analysis, analyse
+from inertia.mass.analyse import analyse
+from inertia.mass.analysis import Analysis
 from inertia.mass.eigen import Spectrum
 from inertia.mass.principal import CLASS_TOLERANCE, Principal, principal_of, spectrum_of_tensor
 from inertia.mass.properties import MassProperties
