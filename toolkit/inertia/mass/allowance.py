@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Callable
 from contextlib import suppress
 from dataclasses import replace
-from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -20,10 +19,6 @@ from inertia.errors import (
 )
 from inertia.mass.analysis import Analysis
 from inertia.mesh.part import Part
-
-if TYPE_CHECKING:
-    pass  # slow to import, and seldom needed
-
 
 _MENDABLE = (REPAIR, UNION)
 _LOOKED_THROUGH = 20_000  # triangles up to which a refusal says how wide the bound of an answer would be: a second

@@ -187,7 +187,7 @@ def analyse(
             raise UsageError("a union is one of the solids that a surface bounds: leave it out")
         if orientation == "absolute":
             raise UsageError("a union and an absolute orientation are two answers to one question: give one")
-    if tessellated or allow_faults is not None:  # faults are those of triangles
+    if tessellated:
         part = replace(part, shape=None)
     if allow_faults is not None:
         from inertia.mass.faults import require_allowance  # it mends: slow to import, and seldom needed

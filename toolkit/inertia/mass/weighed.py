@@ -7,7 +7,7 @@ from collections.abc import Iterable
 from dataclasses import dataclass, replace
 from fractions import Fraction
 from functools import cached_property
-from typing import TYPE_CHECKING, Literal
+from typing import Literal
 
 import numpy as np
 
@@ -27,9 +27,6 @@ from inertia.mass.moments import ZERO, Moments, nearby, total, vector
 from inertia.mass.properties import CERTAIN, ErrorBound, MassProperties
 from inertia.mass.tessellation import chord_error
 from inertia.mesh.part import Doubt, Part
-
-if TYPE_CHECKING:
-    pass  # slow to import, and seldom needed
 
 
 @dataclass(frozen=True, eq=False)

@@ -59,8 +59,9 @@ def read_step(path: Path, coarser: float = 1.0) -> Contents:
     notes: list[str] = []
     if chord.max() > _FLAT * size:
         notes.append(
-            f"triangles stand for curved STEP faces: they turn by up to {coarser * _ANGULAR:g} rad and are up to "
-            f"{chord.max():.2g} {unit.name} off (those of a cylinder lose {coarser**2 * 1e-4:g} of its volume)"
+            "for pictures, checks and cuts, triangles stand for curved STEP faces: they turn by up to "
+            f"{coarser * _ANGULAR:g} rad and are up to {chord.max():.2g} {unit.name} off (those of a cylinder lose "
+            f"{coarser**2 * 1e-4:g} of its volume)"
         )
     if left_out:
         notes.insert(0, f"{plural(left_out, 'file')} that it refers to {was(left_out)} left out")
