@@ -171,8 +171,6 @@ def _service_facts(data: ReportData) -> Iterator[tuple[str, str]]:
     for bearing, point in zip(data.bearings, (shaft.bearing_a, shaft.bearing_b), strict=True):
         yield f"Bearing {bearing.name}", f"({_listed(MM * point)}) mm; z = {plain(bearing.z, 3)} mm"
     yield "Known to", f"{plain(radius, 4)} mm about each bearing centre" if radius else "taken as exact"
-    if data.tolerance.meant_for:
-        yield "Grade meant for", "; ".join(data.tolerance.meant_for)
     yield "Key convention", "; ".join(_keys(data)) or "no keys"
     yield "Speed", f"{plain(service.rpm, 2)} r/min"
     if service.run_up is not None:

@@ -15,7 +15,7 @@ from inertia.report.svg.canvas import Canvas, levels, text_width
 
 _WIDTH = 186.0
 _SIDE = 24.0
-_HALF = 21.0  # mm on paper, the largest half height
+_HALF = 16.5  # mm on paper, the largest half height
 _TEXT = 2.7
 _LEVEL = 3.6
 _GAP = 0.5  # mm on paper: planes closer than this share a mark
