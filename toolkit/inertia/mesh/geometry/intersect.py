@@ -112,6 +112,8 @@ def vectorised_crossings(triangles: Triangles) -> Crossed:
 def compiled_crossings(triangles: Triangles) -> Crossed:
     """Yield what `vectorised_crossings` does, in another order, by the compiled kernel."""
     count = triangles.count
+    if not count:
+        return
     if isinstance(triangles, Surface):
         vertices, faces = triangles.vertices, triangles.faces
     else:
