@@ -206,7 +206,7 @@ class TestCrossings:
         nothing = surface(np.empty((0, 3, 3)))
         assert crossings(nothing).total == 0
         assert crossings(nothing, surface(cube())).total == 0
-        assert list(compiled_crossings(nothing)) == []  # the kernel is taken where it is loaded, however little there is
+        assert list(compiled_crossings(nothing)) == []  # taken where the kernel is loaded
 
     def test_progress_rises_to_one(self):
         fractions: list[float] = []
