@@ -13,10 +13,10 @@ from inertia.arrays import Float
 from inertia.auditing.audit import Audit
 from inertia.auditing.bodies import Body, Shape
 from inertia.auditing.judge import LinkAudit
-from inertia.errors import visible
 from inertia.output import require_writable, write_whole
 from inertia.report.audit.text import millimetres, percent, sentence
 from inertia.report.svg.canvas import Canvas
+from inertia.report.templates import templates
 
 _VIEWS = (("x", "y"), ("x", "z"), ("y", "z"))
 _SIZE = 46.0  # mm, of a view
@@ -26,17 +26,7 @@ _POINTS = 72
 
 def audit_html(audit: Audit) -> str:
     """Return the audit as the text of an HTML file."""
-    import jinja2
-
-    environment = jinja2.Environment(
-        loader=jinja2.PackageLoader("inertia.report.audit"),
-        autoescape=True,
-        finalize=lambda value: visible(value) if type(value) is str else value,
-        trim_blocks=True,
-        lstrip_blocks=True,
-        undefined=jinja2.StrictUndefined,
-    )
-    environment.filters.update(percent=percent, sentence=sentence, millimetres=millimetres)
+    environment = templates("inertia.report.audit", percent=percent, sentence=sentence, millimetres=millimetres)
     counts = Counter(link.state for link in audit.links)
     return environment.get_template("audit.html.j2").render(
         audit=audit,

@@ -24,7 +24,6 @@ from inertia.balancing.shop_units import (
     in_gmm,
 )
 from inertia.balancing.tolerance import Share
-from inertia.errors import visible
 from inertia.output import require_writable, write_whole
 from inertia.report.balance.data import KINDS, MM, TURNS, BodyRow, OperationRow, PlaneRow, ReportData
 from inertia.report.numerals import fixed, plain, significant
@@ -35,6 +34,7 @@ from inertia.report.svg.polar import STYLES, Arrow, Mark, key, polar
 from inertia.report.svg.sketch import sketch
 from inertia.report.svg.strip import strip
 from inertia.report.svg.wrap import wrap
+from inertia.report.templates import templates
 
 _IN_LINE = 3  # correction planes that the table has room for
 _LISTED = 8  # lines of the sensitivity table
@@ -59,17 +59,8 @@ def balance_html(data: ReportData) -> str:
     ----------
     data : what it prints (`inertia.report.balance.figures.report_data`)
     """
-    import jinja2
-
-    environment = jinja2.Environment(
-        loader=jinja2.PackageLoader("inertia.report.balance"),
-        autoescape=True,
-        finalize=lambda value: visible(value) if type(value) is str else value,
-        trim_blocks=True,
-        lstrip_blocks=True,
-        undefined=jinja2.StrictUndefined,
-    )
-    environment.filters.update(
+    environment = templates(
+        "inertia.report.balance",
         significant=significant,
         fixed=fixed,
         plain=plain,

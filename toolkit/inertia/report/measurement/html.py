@@ -9,7 +9,6 @@ from markupsafe import Markup
 
 from inertia.balancing.measured.measure import Measurement
 from inertia.balancing.shop_units import GRAM_MILLIMETRE
-from inertia.errors import visible
 from inertia.report.measurement.document import Document, measurement_document
 from inertia.report.measurement.text import (
     conventions_text,
@@ -22,6 +21,7 @@ from inertia.report.measurement.text import (
 )
 from inertia.report.numerals import plain, significant
 from inertia.report.svg.polar import Arrow, key, polar
+from inertia.report.templates import templates
 
 _LABELS = {
     "part": "Part", "serial": "Serial", "revision": "Revision", "customer": "Customer", "remark": "Remark",
@@ -36,17 +36,8 @@ def certificate_html(result: Measurement) -> str:
     It states the rotor, the machine and its calibration, the balancing speed, how readings count, every run from the
     first to the last, the residual unbalance with its uncertainty against what is permissible, and who did it.
     """
-    import jinja2
-
-    environment = jinja2.Environment(
-        loader=jinja2.PackageLoader("inertia.report.measurement"),
-        autoescape=True,
-        finalize=lambda value: visible(value) if type(value) is str else value,
-        trim_blocks=True,
-        lstrip_blocks=True,
-        undefined=jinja2.StrictUndefined,
-    )
-    environment.filters.update(
+    environment = templates(
+        "inertia.report.measurement",
         significant=significant, reading=reading_text, weight=weight_text, mounted=mounted_text, pieces=pieces_text,
         work=work_text,
     )  # fmt: skip
