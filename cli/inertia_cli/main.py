@@ -61,7 +61,10 @@ def run() -> None:
         if isinstance(stream, io.TextIOWrapper):
             stream.reconfigure(errors="backslashreplace")  # a terminal without "³" gets the rest
     warnings.showwarning = _note
-    code = main(sys.argv[1:])
+    try:
+        code = main(sys.argv[1:])
+    except KeyboardInterrupt:  # just before or after what there is to clean up
+        code = interruption.code
     interruption.finish()
     sys.exit(code)
 
@@ -142,6 +145,8 @@ def main(arguments: Sequence[str]) -> int:
             "report what it prints",
             FAULT,
         )
+    finally:
+        interruption.running = False
 
 
 def _interrupted() -> int:

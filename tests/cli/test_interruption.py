@@ -83,6 +83,19 @@ def test_ctrl_c_is_quiet_whenever_it_comes() -> None:
         assert (run.returncode, error) in [(130, b""), (130, b"inertia: interrupted\n"), (0, b"")]
 
 
+def test_a_signal_is_quiet_after_a_command_of_the_same_process() -> None:
+    code = f"""
+import inertia_cli.main as cli, os, signal, sys
+from inertia_cli.interruption import interruption
+assert cli.main(["check", {str(path("cube.stl"))!r}]) == 0
+interruption.install()
+cli.build_parser = lambda: os.kill(os.getpid(), signal.SIGTERM)
+cli.run()
+"""
+    run = subprocess.run(command(code=code), capture_output=True)
+    assert (run.returncode, run.stderr) == (143, b"")
+
+
 def test_a_signal_that_is_ignored_stays_so() -> None:
     run = subprocess.run(
         command("check", str(path("cube.stl")), code=f"import os; os.kill(os.getpid(), {signal.SIGHUP}); {_RUN}"),
