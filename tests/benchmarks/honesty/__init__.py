@@ -1,0 +1,1 @@
+"""Whether the accuracy that a run of `inertia.simulate` states holds: random scenes against quadruple precision."""
