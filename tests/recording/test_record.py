@@ -55,3 +55,10 @@ def test_it_streams_to_an_open_viewer(handle: Run, tmp_path: Path, monkeypatch: 
         state = client.get_state()
         assert {"Inertial view", "What is shown"} <= {view.name for view in state.views}
         assert [each.name for each in state.recordings[0].timelines] == ["sim_time"]
+
+
+def test_samples_out_of_order_are_not_recorded(handle: Run, tmp_path: Path) -> None:
+    run = handle.at([0.2, 0.1])
+    with pytest.raises(GeometryError, match="the samples do not ascend"):
+        record(run, tmp_path / "run.rrd")
+    record(run.at([0.1, 0.2]), tmp_path / "run.rrd")

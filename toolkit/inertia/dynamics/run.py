@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from dataclasses import dataclass, field
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field, replace
 
 import numpy as np
+from numpy.typing import ArrayLike
 
-from inertia.arrays import Float
+from inertia.arrays import Float, Int
 from inertia.dynamics.kinematics import quaternion
 from inertia.dynamics.kinematics.andoyer import Andoyer, to_andoyer
 from inertia.dynamics.kinematics.canonical import momenta
@@ -15,6 +16,10 @@ from inertia.dynamics.kinematics.euler_angles import Convention, to_angles, unwr
 from inertia.dynamics.motion import Event, Motion
 from inertia.dynamics.plan import Plan
 from inertia.dynamics.scene.document import Scene
+from inertia.errors import UsageError
+
+_PAIRS = ("turning theta", "steady precession, slow and fast")
+"""Quantities that are two numbers, however many samples there are."""
 
 
 @dataclass(frozen=True)
@@ -31,16 +36,12 @@ class Invariant:
     """Something that the equations keep: its value at every sample, (n,) or (n, 3), and how far it strayed.
 
     The drift is the largest |value(t) − value(0)|, relative to |value(0)| or to the model's own scale where that may
-    vanish.
+    vanish. `initial`, () or (3,), is its value at t = 0.
     """
 
     values: Float
     largest_relative_drift: float
-
-    @property
-    def initial(self) -> Float:
-        """Its value at t = 0, () or (3,)."""
-        return np.asarray(self.values[0])
+    initial: Float
 
 
 @dataclass(frozen=True, eq=False)
@@ -64,6 +65,7 @@ class Run:
     warnings : sentences
     quantities : {name: (n, …) or a number} further outputs of the model, SI units
     steps : how many steps were taken; 0 for a closed form
+    follow : takes instants (n,) s, ascending from 0 to the end, to the run sampled there; None where it stands alone
     """
 
     plan: Plan
@@ -80,6 +82,7 @@ class Run:
     warnings: tuple[str, ...] = ()
     quantities: Mapping[str, Float] = field(default_factory=dict)
     steps: int = 0
+    follow: Callable[[Float], Run] | None = None
 
     @property
     def scene(self) -> Scene:
@@ -95,6 +98,64 @@ class Run:
     def why(self) -> tuple[str, ...]:
         """The reasons for it, in sentences."""
         return self.plan.why
+
+    @property
+    def series(self) -> dict[str, Float]:
+        """The quantities that go with the time, {name: (n, …)}; the others are figures of the whole run."""
+        arrays = {name: np.asarray(values) for name, values in self.quantities.items()}
+        return {
+            name: values
+            for name, values in arrays.items()
+            if values.ndim and len(values) == len(self.time) and name not in _PAIRS
+        }
+
+    def at(self, time: ArrayLike) -> Run:
+        """Return the run at other instants, with all that it has at its samples.
+
+        A closed form is evaluated there; a motion that is stepped is stepped again, from the start to its end, and
+        read off there. Nothing is interpolated, and the claim `error` is that of the run or a larger one.
+
+        Parameters
+        ----------
+        time : () or (n,) s, in any order, from 0 to the end of the run
+
+        Raises `UsageError` where an instant is no number or outside of the run.
+
+        >>> from inertia import Scene, simulate
+        >>> run = simulate(Scene.from_dict({"body": {"principal_moments": [2, 2, 2]},
+        ...     "start": {"angular_velocity": [0, 0, 1]}, "run": {"duration": 10, "samples": 2}}))
+        >>> run.at(3.0).attitude.round(12).tolist()         # turned by 3 rad about axis 3
+        [[0.0, 0.0, 0.997494986604, 0.070737201668]]
+        """
+        instants, end = np.atleast_1d(np.asarray(time, dtype=np.float64)), self.scene.run.duration
+        if self.follow is None:
+            raise UsageError("this run was put together by hand and cannot be followed again: simulate its scene")
+        if instants.ndim != 1 or not instants.size:
+            raise UsageError(f"the instants have shape {instants.shape}: give one number of seconds, or a row of them")
+        if (outside := ~((instants >= 0) & (instants <= end))).any():
+            raise UsageError(
+                f"t = {instants[outside][0]:g} s is outside of the run, which goes from 0 to {end:g} s: ask for an "
+                "instant within it, or simulate for longer"
+            )
+        # What is kept is measured from the start on, and steps are chosen for the whole run.
+        all_of_them = np.unique(np.concatenate([[0.0], instants, [end]]))
+        anew = self.follow(all_of_them)
+        reached = max(self.error.reached, anew.error.reached)
+        return replace(anew._rows(np.searchsorted(all_of_them, instants)), error=replace(anew.error, reached=reached))
+
+    def _rows(self, rows: Int) -> Run:
+        """Return the samples (m,) of a run alone."""
+        return replace(
+            self,
+            time=self.time[rows],
+            attitude=self.attitude[rows],
+            angular_velocity=self.angular_velocity[rows],
+            angular_momentum=self.angular_momentum[rows],
+            energy=self.energy[rows],
+            position=None if self.position is None else self.position[rows],
+            invariants={name: replace(each, values=each.values[rows]) for name, each in self.invariants.items()},
+            quantities={**self.quantities, **{name: values[rows] for name, values in self.series.items()}},
+        )
 
     def euler_angles(self, convention: Convention = "z-x-z") -> Float:
         """Return Euler angles (n, 3) of the part axes, rad, without jumps (`kinematics.euler_angles`)."""
@@ -126,6 +187,5 @@ def _invariant(values: Float, scale: float | None) -> Invariant:
     vectors = values if values.ndim == 2 else values[:, None]
     strayed = float(np.linalg.norm(vectors - vectors[0], axis=1).max())
     size = scale or float(np.linalg.norm(vectors[0]))
-    if strayed == 0:
-        return Invariant(values, 0.0)
-    return Invariant(values, strayed / size if size else np.inf)
+    drift = 0.0 if strayed == 0 else strayed / size if size else np.inf
+    return Invariant(values, drift, np.asarray(values[0]))

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from functools import partial
+
 import numpy as np
 
 from inertia.arrays import Float
@@ -53,8 +55,19 @@ def _in_time(scene: Scene) -> Run:
 
 def _run(plan: Plan) -> Run:
     """Solve what is planned."""
-    time = np.linspace(0.0, plan.problem.duration, plan.problem.scene.run.samples)
+    return _sampled(plan, np.linspace(0.0, plan.problem.duration, plan.problem.scene.run.samples))
+
+
+def _sampled(plan: Plan, time: Float) -> Run:
     return _in_part_axes(plan, time, plan.candidate.model.solve(plan.candidate, time, plan.method))
+
+
+def _again(plan: Plan, time: Float) -> Run:
+    """Solve it again at other instants (n,), under the same limits."""
+    with limited(plan.problem.scene.run.time_limit):
+        run = _sampled(plan, time)
+    _require_accuracy(run)
+    return run
 
 
 def _in_part_axes(plan: Plan, time: Float, motion: Motion) -> Run:
@@ -78,6 +91,7 @@ def _in_part_axes(plan: Plan, time: Float, motion: Motion) -> Run:
         warnings=(*_uncertainty(plan.problem), *scene.body.notes, *motion.warnings),
         quantities=dict(motion.quantities),
         steps=motion.steps,
+        follow=partial(_again, plan),
     )
 
 

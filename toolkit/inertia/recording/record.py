@@ -40,7 +40,7 @@ def record(
     Raises
     ------
     UsageError : neither a path nor `live`, a path that is not usable, or a file that is there
-    GeometryError : the run has no samples, or some that are not finite
+    GeometryError : the run has fewer than two samples, some that are not finite, or none in the order of time
     InertiaError : the place cannot be written to, the disk is full, or no viewer listens
     """
     if path is None and not live:
@@ -75,6 +75,8 @@ def _screen(subject: Run | Balance) -> Screen:
 def _require_finite(run: Run) -> None:
     if len(run.time) < 2:
         raise GeometryError(f"{run.scene.name}: the run has {len(run.time)} samples: a recording needs 2 or more")
+    if (np.diff(run.time) <= 0).any():
+        raise GeometryError(f"{run.scene.name}: the samples do not ascend, as a recording needs: ask for them in order")
     columns = {
         "time": run.time,
         "attitude": run.attitude,

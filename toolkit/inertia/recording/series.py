@@ -91,4 +91,4 @@ def _scale(invariant: Invariant) -> float:
     if not 0 < invariant.largest_relative_drift < math.inf:
         return 1.0
     change = max(float(np.abs(_change(invariant, rows)).max()) for rows in blocks(len(invariant.values)))
-    return change / invariant.largest_relative_drift
+    return change / invariant.largest_relative_drift or 1.0
