@@ -1,13 +1,18 @@
+import math
+from collections.abc import Callable
+from fractions import Fraction
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
+from tests.dynamics.oracle import rotate
 
 from inertia.dynamics.integrators.rotation import RotationProblem
 from inertia.dynamics.kinematics import quaternion
 from inertia.dynamics.loads.torque import Torque, TorqueTable, read_table
 from inertia.dynamics.models.stepped.solve import solve_stepped
-from inertia.errors import ReadError, UsageError
+from inertia.errors import GeometryError, ReadError, UsageError
 
 STEP = Torque(table=TorqueTable([0.0, 1.0, 1.0, 3.0], [[0, 0, 0], [0, 0, 2], [0, 0, 6], [0, 0, 0]]))
 BODY = RotationProblem(np.ones(3), np.zeros(3))
@@ -33,6 +38,134 @@ def test_run_must_not_leave_the_table() -> None:
     problem = RotationProblem([1.0, 1.5, 2.0], [0.0, 0.0, 1.0], loads=(STEP,))
     with pytest.raises(UsageError, match=r"covers 0 … 3 s, and the run leaves it at .* s: extend"):
         solve_stepped(problem, [0.0, 5.0], 1e-6)
+
+
+PULSE = np.array([0.5, 0.1, 0.0])
+
+
+def during(first: float, last: float) -> Torque:
+    """Return a torque that acts between two instants, and says so nowhere."""
+    return Torque(lambda time, attitude, omega: PULSE * (first <= time < last))
+
+
+@pytest.mark.parametrize(("first", "last"), [(7.3, 7.35), (0.0, 0.02), (19.98, 20.0)])
+@pytest.mark.parametrize("method", [None, "LSODA"])
+def test_pulse_of_a_function_is_not_stepped_over(first: float, last: float, method: str | None) -> None:
+    """Three runs of the oracle, without, with and without the torque."""
+    moments, spin, attitude = [1.0, 2.0, 3.0], [1.0, 0.5, 2.0], [0.0, 0.0, 0.0, 1.0]
+    begun = RotationProblem(moments, spin, loads=(during(first, last),))
+    motion = solve_stepped(begun, [0.0, 20.0], 1e-6 if method else 1e-8, method)
+    for length, torque in ((first, 0.0 * PULSE), (last - first, PULSE), (20.0 - last, 0.0 * PULSE)):
+        if length:
+            answer = rotate(moments, spin, [length], attitude=attitude, body_torque=torque.tolist())
+            spin, attitude = (
+                [Fraction(*x.as_integer_ratio()) for x in row]
+                for row in (answer.angular_velocity[0], answer.attitude[0])
+            )
+    assert answer.attitude_error(motion.attitude[1:])[0] < motion.reached
+    assert "Every step was probed for pulses of the torque" in motion.remarks[0]
+
+
+def gaussian(time: float) -> float:
+    return math.exp(-0.5 * ((time - 6.13) / 0.002) ** 2)
+
+
+def train(time: float) -> float:
+    return float(time % 1.25 < 0.01)
+
+
+@pytest.mark.parametrize(
+    ("pulse", "area", "lever"),
+    [
+        (gaussian, 0.002 * math.sqrt(2 * math.pi), 0.002 * math.sqrt(2 * math.pi) * (10 - 6.13)),
+        (train, 0.08, sum(0.01 * (10 - 1.25 * k - 0.005) for k in range(8))),
+    ],
+)
+def test_pulses_about_an_axis_add_up(pulse: Callable[[float], float], area: float, lever: float) -> None:
+    """I₃ = 2: ω gains ½ ∫N dt and the angle ½ ∫ (T − t) N dt."""
+    torque = Torque(lambda time, attitude, omega: np.array([0.0, 0.0, 6.0 * pulse(time)]))
+    motion = solve_stepped(RotationProblem([1.0, 1.5, 2.0], [0.0, 0.0, 0.25], loads=(torque,)), [0.0, 10.0], 1e-8)
+    assert motion.angular_velocity[-1, 2] == pytest.approx(0.25 + 3.0 * area, abs=1e-8)
+    angle = 2 * np.arctan2(motion.attitude[1, 2], motion.attitude[1, 3])
+    assert np.mod(angle - 2.5 - 3.0 * lever + 1.0, 2 * np.pi) == pytest.approx(1.0, abs=1e-8)
+
+
+def test_pulse_at_an_attitude_is_not_stepped_over() -> None:
+    """A narrow step of the potential, passed at 1 rad: ½ I ω² gains what it falls."""
+
+    def torque(time: float, attitude: np.ndarray, omega: np.ndarray) -> np.ndarray:
+        angle = 2 * math.atan2(attitude[2], attitude[3])
+        return np.array([0.0, 0.0, 50.0 * math.exp(-0.5 * ((angle - 1.0) / 0.002) ** 2)])
+
+    problem = RotationProblem([1.0, 1.5, 2.0], [0.0, 0.0, 0.2], loads=(Torque(torque),))
+    motion = solve_stepped(problem, [0.0, 8.0], 1e-8)
+    fallen = 50.0 * 0.002 * math.sqrt(2 * math.pi)
+    assert motion.angular_velocity[-1, 2] == pytest.approx(math.sqrt(0.04 + fallen), abs=1e-8)
+
+
+def test_function_that_declares_its_pulses_is_not_probed() -> None:
+    calls = []
+
+    def torque(time: float, attitude: np.ndarray, omega: np.ndarray) -> np.ndarray:
+        calls.append(time)
+        return PULSE * (3.0 <= time < 3.5)
+
+    declared = Torque(torque, breaks=[3.5, 3.0], longest_step=20.0)
+    probed = Torque(torque)
+    runs = []
+    for load in (declared, probed):
+        calls.clear()
+        motion = solve_stepped(RotationProblem([1.0, 2.0, 3.0], [0.1, 0.0, 0.2], loads=(load,)), [0.0, 20.0], 1e-8)
+        runs.append((len(calls), motion))
+    assert 3 * runs[0][0] < runs[1][0]
+    assert not runs[0][1].remarks
+    apart = quaternion.angle_between(runs[0][1].attitude, runs[1][1].attitude).max()
+    assert apart < runs[0][1].reached + runs[1][1].reached
+
+
+def test_longest_step_is_kept() -> None:
+    seen: list[float] = []
+
+    def torque(time: float, attitude: np.ndarray, omega: np.ndarray) -> np.ndarray:
+        seen.append(time)
+        return np.zeros(3)
+
+    solve_stepped(
+        RotationProblem([1.0, 2.0, 3.0], [0.0, 0.0, 1e-3], loads=(Torque(torque, longest_step=0.5),)), [0.0, 20.0], 1e-3
+    )
+    assert np.diff(np.unique(seen)).max() < 0.25
+
+
+def test_runge_kutta_that_steps_over_a_pulse_does_not_claim_so() -> None:
+    problem = RotationProblem([1.0, 2.0, 3.0], [0.1, 0.0, 0.2], loads=(during(3.3, 3.31),))
+    with pytest.raises(GeometryError, match=r"RK4 does not reach 0\.0001 rad over 10 s"):
+        solve_stepped(problem, [0.0, 10.0], 1e-4, "RK4")
+
+
+@pytest.mark.parametrize(
+    ("fields", "says"),
+    [
+        ({"torque": [0, 0, 1], "breaks": [1.0]}, r"load.breaks goes with a function only"),
+        ({"torque": [0, 0, 1], "longest_step": 1.0}, r"load.longest_step goes with a function only"),
+        ({"torque": lambda *_: PULSE, "longest_step": 0.0}, r"load.longest_step is 0.0: it must be positive"),
+        ({"torque": lambda *_: PULSE, "breaks": ["a"]}, r"load.breaks\[0\] is 'a': it must be a number"),
+        ({"torque": lambda *_: PULSE, "breaks": 1.0}, r"load.breaks must be a list"),
+    ],
+)
+def test_breaks_that_cannot_be(fields: dict[str, Any], says: str) -> None:
+    with pytest.raises(UsageError, match=says):
+        Torque(**fields)
+
+
+def test_rows_that_nearly_share_an_instant() -> None:
+    """A rise within 1e-12 s, and one within the least span that float64 has, are jumps."""
+    for gap in (1e-12, 5e-324):
+        times = [0.0, gap, 1.0, 1.0 + 2.0**-40, 3.0]
+        table = TorqueTable(times, [[0, 0, 0], [0, 0, 2], [0, 0, 2], [0, 0, -1], [0, 0, -1]])
+        motion = solve_stepped(
+            RotationProblem([1.0, 1.5, 2.0], [0.0, 0.0, 0.0], loads=(Torque(table=table),)), [0.0, 3.0], 1e-9
+        )
+        assert motion.angular_velocity[-1, 2] == pytest.approx(0.0, abs=1e-11)
 
 
 def write(folder: Path, text: str) -> Path:

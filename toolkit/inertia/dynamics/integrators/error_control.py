@@ -25,6 +25,7 @@ class FixedStep(Integrator):
     def counts(self, piece: Piece, step: float, level: int) -> Int:
         """Return how many steps lead to each target (n,): multiples of four; of three, of five at level 1, 2."""
         lengths = np.diff(piece.targets, prepend=0.0) / piece.problem.rate
+        step = min(step, piece.problem.longest_step)
         quarters = np.ceil(lengths / (4.0 * step) * (1.0 - 1e-12))
         if not 4.0 * quarters.sum() < MAX_STEPS:
             raise GeometryError(

@@ -107,6 +107,16 @@ class RotationProblem:
         return np.unique(np.concatenate([np.empty(0), *(load.breaks for load in self.loads)]))
 
     @cached_property
+    def longest_step(self) -> float:
+        """The longest step in s that steps over no pulse, as far as the loads say; infinite where they say nothing."""
+        return min((load.longest_step or np.inf for load in self.loads), default=np.inf)
+
+    @property
+    def probed(self) -> bool:
+        """Whether a load may have pulses, and does not say how short they are."""
+        return any(load.probed for load in self.loads)
+
+    @cached_property
     def rate(self) -> float:
         """The unit of 1/time in 1/s: |ω|, or √(|N|/I) where the loads are faster, at the start.
 

@@ -71,6 +71,16 @@ class Load(Section, ABC):
         return np.empty(0)
 
     @property
+    def longest_step(self) -> float | None:
+        """The longest step in s that steps over no pulse between breaks; None where any step will do."""
+        return None
+
+    @property
+    def probed(self) -> bool:
+        """Whether steps are to be probed for pulses that they missed."""
+        return False
+
+    @property
     def idle(self) -> bool:
         """Whether it is zero whatever the body does."""
         return False

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import csv
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Annotated, Any, Literal
@@ -12,7 +12,7 @@ from typing import Annotated, Any, Literal
 import numpy as np
 
 from inertia.arrays import Float
-from inertia.documents import FieldError, choice, numbers
+from inertia.documents import SMALLEST, FieldError, choice, finite_number, number, numbers
 from inertia.dynamics.integrators.terms import Terms
 from inertia.dynamics.kinematics import quaternion
 from inertia.dynamics.loads.load import Load, TurningBody
@@ -54,7 +54,7 @@ class TorqueTable:
             raise UsageError(f"the torque table goes back in time after row {falls[0] + 1}: sort it by time")
         if times[0] == times[-1]:
             raise UsageError(f"the torque table holds one instant, {times[0]:.6g} s: give two or more")
-        object.__setattr__(self, "times", times)
+        object.__setattr__(self, "times", np.where(np.abs(times) < SMALLEST, 0.0, times))  # or slopes overflow
         object.__setattr__(self, "torques", torques)
 
     @property
@@ -102,6 +102,14 @@ def _table(value: Any, path: str) -> TorqueTable:
         raise FieldError(path, "is not usable: ", error.sentence) from None
 
 
+def _instants(value: Any, path: str) -> Float:
+    """Read instants in s, and put them in order."""
+    entries = value.tolist() if isinstance(value, np.ndarray) else value
+    if not isinstance(entries, Sequence) or isinstance(entries, str):
+        raise FieldError(path, "must be a list of numbers, s")
+    return np.unique(np.array([finite_number("s")(one, f"{path}[{k}]") for k, one in enumerate(entries)], dtype=float))
+
+
 @dataclass(frozen=True, eq=False)
 class Torque(Load):
     """An applied torque: constant, by a table, or by a function.
@@ -112,6 +120,12 @@ class Torque(Load):
         velocity (3,) along them, that returns (3,) N m
     table : rows (k, 4) of time in s and torque in N m, linear in between; in a file, the path of such a CSV
     frame : of the torque: "part" axes, "principal" axes (as ``start.frame``) or "space"
+    breaks : (k,) s, instants at which a function jumps or has a kink; a table has them at its rows
+    longest_step : s, as short as the shortest pulse of a function between breaks; without it, steps are probed for
+        pulses that they missed, at `PROBES` instants of the run and at four or more in each step
+
+    >>> Torque(lambda time, attitude, omega: [0, 0, float(2 <= time < 2.5)], breaks=[2, 2.5], longest_step=10).probed
+    False
     """
 
     kind = "torque"
@@ -121,16 +135,24 @@ class Torque(Load):
     torque: Annotated[Float | TorqueFunction | None, _torque] = None
     table: Annotated[TorqueTable | None, _table] = None
     frame: Annotated[TorqueFrame, choice("part", "principal", "space")] = "part"
+    breaks: Annotated[Float, _instants] = ()  # type: ignore[assignment]
+    longest_step: Annotated[float | None, number("s", positive=True)] = None
 
     def require_sense(self, path: str) -> None:
         """Raise `FieldError` where it is said twice, or not at all, what the torque is."""
         if (self.torque is None) == (self.table is None):
             raise FieldError(path, "is a torque: give either torque or table")
+        if not callable(self.torque):
+            for name, given in (("breaks", self.breaks.size > 0), ("longest_step", self.longest_step is not None)):
+                if given:
+                    raise FieldError(f"{path}.{name}", "goes with a function only: leave it out")
+        if self.table is not None:
+            object.__setattr__(self, "breaks", self.table.breaks)
 
     @property
-    def breaks(self) -> Float:
-        """The instants of the rows of a table."""
-        return np.empty(0) if self.table is None else self.table.breaks
+    def probed(self) -> bool:
+        """Whether it is a function that does not say how short its pulses are."""
+        return callable(self.torque) and self.longest_step is None
 
     @property
     def constant(self) -> bool:
@@ -198,7 +220,7 @@ class Torque(Load):
         def function(time: float, attitude: Float, angular_velocity: Float) -> Float:
             return turned(self._of_function(time, quaternion.multiply(attitude, back), axes @ angular_velocity))
 
-        return Torque(function, frame=frame)
+        return Torque(function, frame=frame, breaks=self.breaks, longest_step=self.longest_step)
 
     def require_span(self, duration: float, path: str) -> None:
         """Raise `FieldError` where a table ends too early, or begins late."""

@@ -15,6 +15,7 @@ from inertia.dynamics.integrators import methods
 from inertia.dynamics.integrators.error_control import rounding
 from inertia.dynamics.integrators.loop import Integrator, States
 from inertia.dynamics.integrators.rotation import RotationProblem
+from inertia.dynamics.integrators.scipy_methods import PROBES, SciPy
 from inertia.dynamics.motion import Motion
 from inertia.errors import GeometryError, UsageError
 
@@ -81,6 +82,7 @@ def solve_stepped(problem: RotationProblem, time: ArrayLike, accuracy: float, me
         invariants=invariants,
         scales=scales,
         warnings=_warnings(problem),
+        remarks=_remarks(problem, float(instants[-1])),
         steps=states.steps,
     )
 
@@ -135,6 +137,9 @@ def _refine(
     best = np.inf
     for _ in range(ATTEMPTS):
         states, estimate = integrator.solve(problem, time, control)
+        if problem.probed and not isinstance(integrator, SciPy) and estimate <= accuracy:  # which may have missed one
+            peer = methods.METHODS["DOP853"]
+            estimate += states.apart(peer.run(problem, time, peer.first(problem, time, accuracy)))
         if estimate <= accuracy:
             return states, estimate
         finer = integrator.finer(control, estimate, accuracy)
@@ -160,6 +165,17 @@ def _unreachable(
     if within is None or within > ATTITUDE_LOST:
         return GeometryError(f"{wish}, nor {ATTITUDE_LOST:g} rad: ask for a shorter run, or for another method")
     return GeometryError(f"{wish}: ask for {rounded_up(within)} rad, a shorter run or another method")
+
+
+def _remarks(problem: RotationProblem, end: float) -> tuple[str, ...]:
+    """Say what a torque that is a function may still hide."""
+    if not problem.probed:
+        return ()
+    span = (end - problem.start) / PROBES
+    return (
+        f"Every step was probed for pulses of the torque that it missed, each {span:.2g} s at least: what is shorter "
+        "needs its breaks, or a longest_step.",
+    )
 
 
 def _warnings(problem: RotationProblem) -> tuple[str, ...]:
