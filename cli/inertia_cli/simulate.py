@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 from inertia.errors import UsageError
 from inertia_cli.options import record, require_recordable
 from inertia_cli.printing import show, write_and_show
+from inertia_cli.progress import Progress
 from inertia_cli.wording import with_options
 
 if TYPE_CHECKING:
@@ -25,12 +26,16 @@ _OPTIONS = {
 FIELDS = {f"run.{name}": option for name, option in _OPTIONS.items()} | {"start.angular_velocity": "--spin"}
 """The options that stand for fields of a scene."""
 
+_OF_VARY = ("draws", "seed", "quantity", "jobs", "dask")
+
 _EXAMPLES = """examples:
   inertia simulate scene.toml
   inertia simulate scene.toml --explain
   inertia simulate scene.toml --for 3600 --samples 5 --json
   inertia simulate scene.toml -o run.rrd && inertia play run.rrd
   inertia simulate run.rrd                                    # again, by its own scene
+  inertia simulate scene.toml --vary body.mass=1±0.01 --vary 'start.angular_velocity[2]=±1%' --draws 2000
+  inertia simulate scene.toml --vary 'load[0].coefficient=0:0.1:11' --quantity tilt -o sweep.csv
 """
 
 
@@ -52,6 +57,25 @@ def add(parsers: Any) -> None:
     overrides = parser.add_argument_group("in place of what the scene says")
     overrides.add_argument("--for", dest="duration", type=float, metavar="SECONDS", help="how long to follow the body")
     add_settings(overrides)
+    vary = parser.add_argument_group("many runs, with numbers of the scene drawn or swept")
+    vary.add_argument(
+        "--vary",
+        action="append",
+        default=[],
+        metavar="FIELD=LAW",
+        help="1±0.01 or ±1%% (normal, standard deviation), 0.9..1.1 (uniform), 0:1:11 or 1,2,5 (a sweep); repeat it",
+    )
+    vary.add_argument("--draws", type=int, metavar="N", help="draws, at every point of a grid of sweeps (1000)")
+    vary.add_argument("--seed", type=int, metavar="S", help="of the random numbers (0)")
+    vary.add_argument(
+        "--quantity",
+        action="append",
+        default=[],
+        metavar="NAME",
+        help="state percentiles of this: deviation, tilt, spin, energy, position[2], ...; repeat it (the first three)",
+    )
+    vary.add_argument("--jobs", type=int, metavar="N", help="processes to share the draws among (as it pays)")
+    vary.add_argument("--dask", metavar="ADDRESS", help="scheduler of a Dask cluster to send the draws to")
     add_result(parser)
 
 
@@ -84,15 +108,78 @@ def run(options: argparse.Namespace) -> int:
     if Path(options.part).suffix.lower() == ".rrd":
         from inertia.recording.provenance import scene_of
 
-        return follow(scene_of(options.part), options)
-    return follow(Scene.load(options.part), options)
+        scene = scene_of(options.part)
+    else:
+        scene = Scene.load(options.part)
+    if options.vary:
+        return _spread(scene, options)
+    for name in _OF_VARY:
+        if getattr(options, name) not in (None, []):
+            raise UsageError(f"--{name} goes with many runs: say by --vary what varies")
+    return follow(scene, options)
+
+
+def _spread(scene: Scene, options: argparse.Namespace) -> int:
+    """Follow many draws of a scene."""
+    from inertia.dynamics.spread.ensemble import ensemble
+    from inertia.output import require_writable
+    from inertia.report.spread.document import ensemble_document
+    from inertia.report.spread.table import SUFFIXES, write_table
+    from inertia.report.spread.text import ensemble_text
+
+    for name in ("explain", "live"):
+        if getattr(options, name):
+            raise UsageError(f"--{name} is of one run, and --vary makes many: leave one of them out")
+    output = None if options.output is None else require_writable(options.output, *SUFFIXES, force=options.force)
+    scene = _overridden(scene, options)
+    with Progress("simulating") as progress:
+        result = ensemble(
+            scene,
+            _laws(options.vary),
+            options.draws,
+            quantities=options.quantity,
+            jobs=options.jobs,
+            dask=options.dask,
+            progress=progress,
+            **{name: value for name in ("seed", "samples") if (value := getattr(options, name)) is not None},
+        )
+    write_and_show(
+        lambda: None if output is None else write_table(result, output),
+        options.json,
+        lambda: ensemble_document(result),
+        lambda: ensemble_text(result),
+    )
+    return 0
+
+
+def _laws(words: list[str]) -> dict[str, str]:
+    """Return the laws by the fields that vary."""
+    laws: dict[str, str] = {}
+    for word in words:
+        field, equals, law = word.partition("=")
+        if not equals or not law:
+            raise UsageError(f"--vary {word} says no law: write it as body.mass=1±0.01")
+        if field.strip() in laws:
+            raise UsageError(f"--vary is given twice for {field.strip()}: give it once")
+        laws[field.strip()] = law
+    return laws
+
+
+def _overridden(scene: Scene, options: argparse.Namespace) -> Scene:
+    """Return the scene with what the options say in place of its own settings."""
+    from dataclasses import replace
+
+    from inertia.documents import FieldError
+
+    overrides: dict[str, Any] = {name: value for name in _OPTIONS if (value := getattr(options, name)) is not None}
+    try:
+        return replace(scene, run=replace(scene.run, **overrides))
+    except FieldError as error:
+        raise with_options(error, FIELDS) from None
 
 
 def follow(scene: Scene, options: argparse.Namespace) -> int:
     """Follow a scene, or say by which model it would be followed."""
-    from dataclasses import replace
-
-    from inertia.documents import FieldError
     from inertia.dynamics.plan import plan
     from inertia.dynamics.simulate import simulate as simulate_scene
     from inertia.report.run.document import plan_document, run_document
@@ -101,11 +188,7 @@ def follow(scene: Scene, options: argparse.Namespace) -> int:
     if options.explain and (options.output is not None or options.live):
         raise UsageError("--explain runs nothing that could be recorded: leave out --output and --live")
     require_recordable(options)
-    overrides: dict[str, Any] = {name: value for name in _OPTIONS if (value := getattr(options, name)) is not None}
-    try:
-        scene = replace(scene, run=replace(scene.run, **overrides))
-    except FieldError as error:
-        raise with_options(error, FIELDS) from None
+    scene = _overridden(scene, options)
     if options.explain:
         selection = plan(scene)
         show(options.json, lambda: plan_document(scene, selection), lambda: plan_text(scene, selection))

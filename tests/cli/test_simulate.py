@@ -258,3 +258,63 @@ def test_a_mesh_is_no_scene_whatever_its_format(
     status, out, err = run(capsys, "simulate", str(mesh))
     assert (status, out) == (3, "")
     assert "No such file" in err
+
+
+def test_numbers_of_a_scene_are_drawn(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
+    file = scene(tmp_path)
+    arguments = ("simulate", file, "--vary", "start.angular_velocity[0]=0.1±0.01", "--draws", "40", "--samples", "5")
+    code, out, err = run(capsys, *arguments, "--json")
+    assert (code, err) == (0, "")
+    result = json.loads(out)
+    assert (result["schema"], result["draws"], result["states"]) == ("inertia/ensemble/1", 40, {"followed": 40})
+    assert result["inputs"] == [{"path": "start.angular_velocity[0]", "law": "normal", "figures": [0.1, 0.01]}]
+    assert list(result["quantities"]) == ["deviation", "tilt", "spin"]
+    low, middle, high = (result["quantities"]["deviation"]["percentiles"][at] for at in ("5", "50", "95"))
+    assert low[0] == middle[0] == high[0] == 0
+    assert 0 < low[-1] < middle[-1] < high[-1]
+    code, out, _ = run(capsys, *arguments, "--seed", "3")
+    assert code == 0
+    assert "seed 3: 40 followed" in out
+
+
+@pytest.mark.parametrize("suffix", [".csv", ".parquet"])
+def test_draws_are_written_as_a_table(suffix: str, capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
+    file, table = scene(tmp_path), tmp_path / f"spread{suffix}"
+    sweep = ("--vary", "body.principal_moments[2]=2.9,3.2", "--quantity", "energy", "-o", str(table))
+    code, out, _ = run(capsys, "simulate", file, *sweep)
+    assert code == 0
+    assert "1 followed, 1 refused" in out
+    if suffix == ".csv":
+        head, first, second = (line.split(",") for line in table.read_text().splitlines())
+    else:
+        import pyarrow.parquet
+
+        whole = pyarrow.parquet.read_table(table)
+        head, (first, second) = whole.column_names, [list(row.values()) for row in whole.to_pylist()]
+    assert head[:3] == ["draw", "state", "body.principal_moments[2]"]
+    assert [str(cell) for cell in first[:4]] == ["0", "followed", "2.9", "asymmetric top"]
+    assert float(first[head.index("energy")]) == pytest.approx(0.5 * (0.1**2 + 2 * 2.0**2 + 2.9 * 0.3**2))
+    assert second[1] == "refused"
+    assert second[head.index("energy")] in ("", None)
+    code, _, err = run(capsys, "simulate", file, *sweep)
+    assert (code, "--force" in err) == (2, True)
+
+
+@pytest.mark.parametrize(
+    ("words", "sentence"),
+    [
+        (("--draws", "5"), "--draws goes with many runs"),
+        (("--vary", "body.mass"), "says no law"),
+        (("--vary", "body.mass=±1%"), "body.mass is not stated"),
+        (("--vary", "start.angular_velocity[0]=1..2", "--vary", "start.angular_velocity[0]=1"), "given twice"),
+        (("--vary", "start.angular_velocity[0]=1..2", "--live"), "--live is of one run"),
+        (("--vary", "start.angular_velocity[0]=1..2", "-o", "a.rrd"), "must end in .csv or .parquet"),
+        (("--vary", "start.angular_velocity[0]=1..2", "--samples", "1"), "--samples"),
+    ],
+)
+def test_spreads_that_make_no_sense_are_refused(
+    words: tuple[str, ...], sentence: str, capsys: pytest.CaptureFixture[str], tmp_path: Path
+) -> None:
+    code, out, err = run(capsys, "simulate", scene(tmp_path), *words)
+    assert (code, out) == (2, "")
+    assert sentence in err

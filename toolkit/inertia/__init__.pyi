@@ -88,6 +88,8 @@ from inertia.dynamics.loads.losses import Damping as Damping
 from inertia.dynamics.loads.losses import Dissipation as Dissipation
 from inertia.dynamics.plan import plan as plan
 from inertia.dynamics.simulate import simulate as simulate
+from inertia.dynamics.spread.ensemble import ensemble as ensemble
+from inertia.dynamics.spread.ensemble import Ensemble as Ensemble
 from inertia.dynamics.run import Run as Run
 from inertia.recording.record import record as record
 

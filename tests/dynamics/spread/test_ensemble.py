@@ -1,0 +1,180 @@
+"""Ensembles of scenes: draws, sweeps, percentiles and what drives them, against closed forms."""
+
+import math
+from typing import Any
+
+import numpy as np
+import pytest
+
+from inertia import Estimate, GeometryError, Scene, UsageError, ensemble, simulate
+from inertia.documents import FieldError
+
+BALL: dict[str, Any] = {
+    "body": {"principal_moments": [2.0, 2.0, 2.0], "mass": 3.0},
+    "start": {"angular_velocity": [0.0, 0.0, 3.0]},
+    "run": {"duration": 0.5},
+}
+TOP: dict[str, Any] = {
+    "body": {"principal_moments": [0.02, 0.0175, 0.0075], "mass": 1.0, "center_of_mass": [0.05, 0.0, 0.01]},
+    "start": {"angular_velocity": [1.0, 2.0, 15.0], "frame": "part"},
+    "constraint": {"kind": "fixed_point"},
+    "load": [{"kind": "gravity"}, {"kind": "damping", "coefficient": 0.001}],
+    "run": {"duration": 1.0, "accuracy": 1e-9},
+}
+
+
+def test_a_sphere_deviates_by_the_deviation_of_its_spin_times_time() -> None:
+    spread = ensemble(Scene.from_dict(BALL), {"start.angular_velocity[2]": "±0.1"}, 500, samples=5)
+    off = np.abs(spread.values[:, 0] - 3.0)
+    assert np.abs(spread.quantities["deviation"] - off[:, None] * spread.time).max() < 1e-14
+    expected = np.percentile(off, [5, 50, 95]) * 0.5
+    assert spread.percentiles("deviation")[:, -1] == pytest.approx(expected, rel=1e-12)
+    assert spread.nominal.angular_velocity[-1].tolist() == [0, 0, 3]
+
+
+def test_draws_have_the_law_that_was_asked_for() -> None:
+    laws = {"start.angular_velocity[0]": "2±0.5", "start.angular_velocity[1]": "1..3", "body.mass": Estimate(3.0, 0.3)}
+    values = ensemble(Scene.from_dict(BALL), laws, 2000, samples=2, quantities=["spin"]).values
+    assert values[:, [0, 2]].mean(axis=0) == pytest.approx([2.0, 3.0], abs=0.05)
+    assert values[:, [0, 2]].std(axis=0) == pytest.approx([0.5, 0.3], rel=0.06)
+    assert 1.0 <= values[:, 1].min() < 1.01
+    assert 2.99 < values[:, 1].max() <= 3.0
+    assert values[:, 1].std() == pytest.approx(2.0 / math.sqrt(12.0), rel=0.05)
+    assert np.abs(np.corrcoef(values.T) - np.eye(3)).max() < 0.1
+
+
+def test_a_draw_depends_on_seed_number_and_path_alone() -> None:
+    scene = Scene.from_dict(BALL)
+    few = ensemble(scene, {"start.angular_velocity[2]": "±0.1"}, 5, samples=2)
+    more = ensemble(scene, {"body.mass": "±1%", "start.angular_velocity[2]": "±0.1"}, 40, samples=2)
+    other = ensemble(scene, {"start.angular_velocity[2]": "±0.1"}, 5, seed=1, samples=2)
+    assert more.values[:5, 1].tolist() == few.values[:, 0].tolist()
+    assert (other.values != few.values).all()
+
+
+def test_the_number_of_processes_changes_nothing() -> None:
+    scene = Scene.from_dict(TOP)
+    vary = {"body.mass": "±1%", "load[1].coefficient": "0..0.002"}
+    alone, shared = (ensemble(scene, vary, 40, samples=7, jobs=jobs) for jobs in (1, 2))
+    assert alone.values.tolist() == shared.values.tolist()
+    for name, rows in alone.quantities.items():
+        assert rows.tolist() == shared.quantities[name].tolist()
+
+
+def test_sweeps_make_a_grid_with_the_same_draws_at_every_point() -> None:
+    laws = {"start.angular_velocity[0]": "0:1:2", "start.angular_velocity[2]": "3±0.1", "body.mass": [1.0, 2.0, 4.0]}
+    values = ensemble(Scene.from_dict(BALL), laws, 4, samples=2).values
+    assert values.shape == (24, 3)
+    assert {tuple(row) for row in values[:, [0, 2]].tolist()} == {(a, m) for a in (0.0, 1.0) for m in (1.0, 2.0, 4.0)}
+    assert values[:4, 1].tolist() == values[20:, 1].tolist()
+
+
+def test_every_draw_is_the_run_of_its_own_scene() -> None:
+    vary = {
+        "body.mass": "±1%",
+        "body.principal_moments[1]": "±1%",
+        "body.center_of_mass[0]": "±0.001",
+        "start.angular_velocity": "±0.1",
+        "load[0].acceleration[2]": "-9.9..-9.7",
+        "load[1].coefficient": "0..0.002",
+    }
+    spread = ensemble(Scene.from_dict(TOP), vary, 10, samples=5, quantities=["angular_velocity[1]", "energy"])
+    for k, values in enumerate(spread.values.tolist()):
+        mass, moment, x, *spin, pull, coefficient = values
+        body = {"principal_moments": [0.02, moment, 0.0075], "mass": mass, "center_of_mass": [x, 0.0, 0.01]}
+        loads = [{"kind": "gravity", "acceleration": [0, 0, pull]}, {"kind": "damping", "coefficient": coefficient}]
+        own = TOP | {"body": body, "load": loads, "run": TOP["run"] | {"samples": 5}}
+        run = simulate(Scene.from_dict(own | {"start": {"angular_velocity": spin, "frame": "part"}}))
+        assert spread.quantities["angular_velocity[1]"][k] == pytest.approx(run.angular_velocity[:, 1], abs=1e-6)
+        assert spread.quantities["energy"][k] == pytest.approx(run.energy, rel=1e-8)
+
+
+def test_shares_of_variance_are_those_of_the_law_of_propagation() -> None:
+    # E = I ω²/2: dE/E = dI/I + 2 dω/ω
+    laws = {"start.angular_velocity[2]": "3±0.001", "body.principal_moments[2]": "2±0.002"}
+    scene = Scene.from_dict(BALL | {"body": {"principal_moments": [1.5, 1.8, 2.0]}})
+    drivers = ensemble(scene, laws, 3000, samples=2, quantities=["energy"]).drivers("energy")
+    assert drivers is not None
+    variances = np.array([(2 * 0.001 / 3) ** 2, (0.002 / 2) ** 2])
+    assert drivers.share == pytest.approx(variances / variances.sum(), abs=0.03)
+    assert drivers.explained == pytest.approx(1.0, abs=1e-4)
+    assert (drivers.rank > 0.3).all()
+
+
+def test_a_draw_that_is_no_body_is_counted_and_says_why() -> None:
+    scene = Scene.from_dict(BALL | {"body": {"principal_moments": [1.0, 2.0, 2.9]}})
+    spread = ensemble(scene, {"body.principal_moments[2]": "2.9±0.2"}, 200, samples=3)
+    impossible = spread.values[:, 0] > 3.0
+    assert 20 < impossible.sum() < 180
+    assert [state == "refused" for state in spread.states] == impossible.tolist()
+    assert set(spread.sentences) == set(np.flatnonzero(impossible).tolist())
+    assert "not physical" in next(iter(spread.sentences.values()))
+    assert np.isnan(spread.quantities["deviation"][impossible]).all()
+    assert np.isfinite(spread.percentiles("deviation")).all()
+
+
+def test_an_ensemble_in_which_nothing_can_be_followed_is_refused() -> None:
+    with pytest.raises(GeometryError, match=r"none of the 3 draws can be followed; draw 0: .*must be positive"):
+        ensemble(Scene.from_dict(BALL), {"body.mass": [-1.0, -2.0, -3.0]})
+
+
+def test_events_of_the_model_are_counted() -> None:
+    handle = {"body": {"principal_moments": [1, 2, 3]}, "start": {"angular_velocity": [0.01, 10, 0]}}
+    scene = Scene.from_dict(handle | {"run": {"duration": 3.0}})
+    spread = ensemble(scene, {"start.angular_velocity[0]": [1e-9, 1e-3, 0.1]}, samples=2)
+    first = spread.events["flip"]
+    assert np.isnan(first[0])  # it takes some ln(1e10)/5.8 s
+    assert first[2] < first[1] < 3.0
+
+
+@pytest.mark.parametrize(
+    ("path", "law", "words"),
+    [
+        ("start.spin", "1±0.1", "start.spin is unknown"),
+        ("start.angular_velocity", "1±0.1", r"name one of them, as start\.angular_velocity\[0\]"),
+        ("start.angular_velocity[3]", "1±0.1", "is not there"),
+        ("start.frame", "1±0.1", "is no number"),
+        ("start.position[0]", "1±0.1", "is not stated in the scene"),
+        ("body.density", "1±0.1", "body.density is unknown"),
+        ("load[0].coefficient", "1±0.1", "fewer of them"),
+        ("run.duration", "1..2", "the same for all draws"),
+        ("spin", "1..2", "is no field of a scene"),
+        ("wheel.mass", "1..2", "is not in the scene"),
+        ("body.mass", "1±", "is no law"),
+        ("body.mass", "3..2", "give the smaller one first"),
+        ("body.mass", "1..2..3", "give two"),
+        ("body.mass", "1±0", "not at all"),
+        ("body.mass", "nan", "not a row of finite numbers"),
+        ("start.angular_velocity[0]", "±1%", "is 0 in the scene"),
+    ],
+)
+def test_what_cannot_vary_is_named(path: str, law: str, words: str) -> None:
+    with pytest.raises(FieldError, match=words):
+        ensemble(Scene.from_dict(BALL), {path: law}, 3)
+
+
+def test_arguments_that_make_no_sense_are_refused() -> None:
+    scene, spin = Scene.from_dict(BALL), {"start.angular_velocity[2]": "±1%"}
+    with pytest.raises(UsageError, match="nothing varies"):
+        ensemble(scene, {})
+    with pytest.raises(UsageError, match="nothing is left to draw"):
+        ensemble(scene, {"body.mass": [1.0, 2.0]}, 5)
+    with pytest.raises(UsageError, match="draws is 0"):
+        ensemble(scene, spin, 0)
+    with pytest.raises(UsageError, match="no quantity 'nutation'"):
+        ensemble(scene, spin, 5, quantities=["nutation"])
+    with pytest.raises(UsageError, match="processes is 0"):
+        ensemble(scene, spin, 5, jobs=0)
+    with pytest.raises(UsageError, match="GiB"):
+        ensemble(scene, spin, 10_000_000)
+    with pytest.raises(FieldError, match="varies twice"):
+        ensemble(scene, {"start.angular_velocity[2]": "±1", "start.angular_velocity": "±1"}, 5)
+
+
+def test_the_tilt_of_a_held_body_is_that_of_its_arm_from_the_vertical() -> None:
+    spread = ensemble(Scene.from_dict(TOP), {"start.angular_velocity[0]": "±0.1"}, 3, samples=4)
+    nominal = spread.nominal
+    arm = np.array([0.05, 0.0, 0.01])
+    x, y, z, w = nominal.attitude.T
+    height = 0.05 * 2.0 * (x * z - y * w) + 0.01 * (1.0 - 2.0 * (x * x + y * y))
+    assert spread.nominal_quantity("tilt") == pytest.approx(np.arccos(height / np.linalg.norm(arm)), abs=1e-12)

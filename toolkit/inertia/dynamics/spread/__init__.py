@@ -1,0 +1,1 @@
+"""Many runs of one scene whose numbers are drawn or swept."""

@@ -1,0 +1,271 @@
+"""`ensemble`: a scene followed many times with numbers that are drawn or swept, and the spread of what comes out."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+
+from inertia.arrays import Bool, Float, Progress
+from inertia.dynamics.run import Run
+from inertia.dynamics.scene.document import Scene
+from inertia.dynamics.simulate import simulate
+from inertia.dynamics.spread.fields import changed, value_at
+from inertia.dynamics.spread.follow import FOLLOWED, Block, Task
+from inertia.dynamics.spread.inputs import Input, Law, inputs_of, values_of
+from inertia.dynamics.spread.quantities import Reference, States, quantity, require_names
+from inertia.dynamics.spread.workers import blocks_of
+from inertia.errors import GeometryError, UsageError, require_kind
+
+PERCENTILES = (5.0, 50.0, 95.0)
+"""What is stated of a quantity where nothing else is asked for."""
+
+_GIB = 2**30
+_MOST_BYTES = 4 * _GIB
+_LEAST_ROWS = 3  # beyond the inputs, for a regression
+
+
+@dataclass(frozen=True, eq=False)
+class Drivers:
+    """What the spread of a quantity at the end comes from, of the inputs in their order.
+
+    Attributes
+    ----------
+    share : (k,) of its variance, by linear regression on the inputs, which are independent
+    rank : (k,) rank correlations (Spearman) with the inputs, −1 … 1: the sense, and whether the relation is monotonic
+    explained : R², the share of the variance that the regression explains; the rest is not linear in the inputs
+    """
+
+    share: Float
+    rank: Float
+    explained: float
+
+
+@dataclass(frozen=True, eq=False)
+class Ensemble:
+    """The runs of a scene with numbers that were drawn or swept: N draws at n instants.
+
+    Attributes
+    ----------
+    nominal : `Run` with every input at its middle
+    inputs : what varied; values : (N, k), what was drawn
+    seed : of the draws
+    quantities : {name: (N, n)} as asked for; rows of draws that were not followed are not numbers
+    states : (N,) "followed"; "refused", where the numbers describe no body or scene; "not followed", where no model
+        reached the accuracy
+    sentences : {draw: why it was not followed}
+    models : (N,) names of the models that ran, "" without
+    reached : (N,) rad, the error of the attitude that each states
+    events : {name: (N,) s} when it first happened
+    turned : (N, 3) rad, rotation vector in space from the nominal attitude at the end
+    """
+
+    nominal: Run
+    inputs: tuple[Input, ...]
+    values: Float
+    seed: int
+    quantities: Mapping[str, Float]
+    states: tuple[str, ...]
+    sentences: Mapping[int, str]
+    models: tuple[str, ...]
+    reached: Float
+    events: Mapping[str, Float]
+    turned: Float
+
+    @property
+    def scene(self) -> Scene:
+        """The scene with every input at its middle."""
+        return self.nominal.scene
+
+    @property
+    def time(self) -> Float:
+        """The instants (n,) s of the quantities."""
+        return self.nominal.time
+
+    @cached_property
+    def followed(self) -> Bool:
+        """Which draws (N,) were followed."""
+        return np.array([state == FOLLOWED for state in self.states])
+
+    def nominal_quantity(self, name: str) -> Float:
+        """Return a quantity (n,) of the run with every input at its middle."""
+        return quantity(name, States.of(self.nominal), Reference.of(self.nominal))
+
+    def percentiles(self, name: str, at: Sequence[float] = PERCENTILES) -> Float:
+        """Return percentiles (p, n) of a quantity over the draws that were followed and have it, at every instant."""
+        return np.asarray(np.percentile(self._rows(name), at, axis=0))
+
+    def largest(self, name: str, at: Sequence[float] = PERCENTILES) -> Float:
+        """Return percentiles (p,) of the largest value that the quantity has at the instants of a draw."""
+        return np.asarray(np.percentile(self._rows(name).max(axis=1), at))
+
+    def _rows(self, name: str) -> Float:
+        rows = self.quantities[name]
+        whole = np.isfinite(rows).all(axis=1)
+        if not whole.any():
+            raise UsageError(f"no draw has the quantity {name!r} at all instants")
+        return rows[whole]
+
+    def drivers(self, name: str) -> Drivers | None:
+        """Return what the spread of a quantity at the end comes from; None where it has none, or draws are too few.
+
+        With y = b₀ + Σ bᵢ xᵢ by least squares, the share of an input is bᵢ cov(xᵢ, y)/var(y), for independent inputs
+        bᵢ² var(xᵢ)/var(y). Of the deviation, which has no sign, the components of its rotation vector are taken
+        together. Pratt, Proc. 2nd Tampere Conf. Statistics (1987) 245; Saltelli et al., *Global Sensitivity Analysis*
+        (2008), § 1.2.
+        """
+        end = self.quantities[name][:, -1]
+        rows = np.flatnonzero(np.isfinite(end) & np.isfinite(self.turned).all(axis=1))
+        inputs = self.values[rows]
+        if len(rows) < len(self.inputs) + _LEAST_ROWS:
+            return None
+        results = self.turned[rows] if name == "deviation" else end[rows, None]
+        spread = inputs.std(axis=0)
+        scaled = (inputs - inputs.mean(axis=0)) / np.where(spread > 0, spread, 1.0)
+        centred = results - results.mean(axis=0)
+        total = float((centred**2).mean(axis=0).sum())
+        if not total > 1e-24 * float((results**2).mean(axis=0).sum()):
+            return None
+        slopes = np.linalg.lstsq(scaled, centred, rcond=None)[0]
+        left = float(((centred - scaled @ slopes) ** 2).mean(axis=0).sum())
+        ranks = np.array([_rank_correlation(column, end[rows]) for column in inputs.T])
+        shares = (slopes * (scaled.T @ centred)).sum(axis=1) / (total * len(rows))
+        return Drivers(shares, ranks, 1.0 - left / total)
+
+    def columns(self) -> dict[str, Any]:
+        """Return a table with a row for each draw: what was drawn, what came of it, each quantity at the end and most.
+
+        Where a draw was not followed, `message` says why.
+        """
+        table: dict[str, Any] = {"draw": np.arange(len(self.values)), "state": list(self.states)}
+        table |= {each.path: self.values[:, k] for k, each in enumerate(self.inputs)}
+        table |= {"model": list(self.models), "reached": self.reached}
+        for name, rows in self.quantities.items():
+            table |= {name: rows[:, -1], f"{name} largest": rows.max(axis=1)}
+        table |= {f"first {name}": instants for name, instants in self.events.items()}
+        table["message"] = [self.sentences.get(k, "") for k in range(len(self.values))]
+        return table
+
+
+def ensemble(
+    scene: Scene,
+    vary: Mapping[str, Law],
+    draws: int | None = None,
+    *,
+    seed: int = 0,
+    quantities: Sequence[str] = (),
+    samples: int = 101,
+    jobs: int | None = None,
+    dask: str | None = None,
+    progress: Progress | None = None,
+) -> Ensemble:
+    """Follow a scene many times, with numbers in it drawn or swept, each draw to the accuracy that the scene asks for.
+
+    Parameters
+    ----------
+    scene : the scene
+    vary : {path of a field: how it varies}: ``1±0.01`` or ``±1%`` (normal, with this standard deviation, the latter
+        about what the scene states), ``0.9..1.1`` (uniform), ``0:1:11`` or numbers (a sweep); an `Estimate` is normal.
+        Sweeps make a grid, and all draws are made at each of its points.
+    draws : how many; 1000 without, one at each point where all inputs are swept
+    seed : of the random numbers; a draw depends on it, its number and the path alone
+    quantities : by name: deviation (rad from the run without deviations), tilt (rad), spin (rad/s), energy,
+        angular_velocity[0] … and what the model states; the first three without
+    samples : instants, evenly spaced, at which they are taken
+    jobs : processes; as many as there are processors where the work repays them
+    dask : address of a scheduler to send the draws to
+    progress : told the share that is done
+
+    Raises `UsageError` where a field, a law or a quantity is none, `GeometryError` where no draw can be followed, and
+    what `simulate` raises for the run without deviations. A draw that makes no sense is counted and says why.
+
+    >>> scene = Scene.from_dict({"body": {"principal_moments": [1, 1, 2]}, "start": {"angular_velocity": [0.1, 0, 5]},
+    ...                          "run": {"duration": 2}})
+    >>> spread = ensemble(scene, {"start.angular_velocity[2]": "±1%"}, 200)
+    >>> spread.percentiles("spin")[:, -1].round(1).tolist(), spread.drivers("spin").share.round(3).tolist()
+    ([4.9, 5.0, 5.1], [1.0])
+    """
+    require_kind(scene, Scene, "scene", "inertia.Scene.load(path)")
+    inputs = inputs_of(scene, vary)
+    values = values_of(inputs, draws, seed)
+    task, nominal = _task(scene, inputs, tuple(quantities), samples)
+    _require_memory(values, task)
+    whole = _joined(blocks_of(task, values, jobs, dask, progress), task)
+    made = Ensemble(
+        nominal=nominal,
+        inputs=inputs,
+        values=values,
+        seed=seed,
+        quantities=whole.quantities,
+        states=tuple(whole.states),
+        sentences=whole.sentences,
+        models=tuple(whole.model),
+        reached=whole.reached,
+        events=whole.events,
+        turned=whole.turned,
+    )
+    if not made.followed.any():
+        draw, sentence = next(iter(whole.sentences.items()))
+        raise GeometryError(
+            f"none of the {len(values)} draws can be followed; draw {draw}: {sentence}", places=(scene.name,)
+        )
+    return made
+
+
+def _task(scene: Scene, inputs: tuple[Input, ...], names: tuple[str, ...], samples: int) -> tuple[Task, Run]:
+    middle = {each.path: each.middle(float(value_at(scene, each.path))) for each in inputs}
+    centred = changed(scene, middle)
+    nominal = simulate(replace(centred, run=replace(centred.run, samples=samples)))
+    require_names(States.of(nominal), names)
+    paths = tuple(each.path for each in inputs)
+    asked_for = tuple(dict.fromkeys(names or ("deviation", "tilt", "spin")))
+    return Task(nominal.scene, paths, asked_for, Reference.of(nominal), nominal.model), nominal
+
+
+def _require_memory(values: Float, task: Task) -> None:
+    size = 8.0 * len(values) * (len(task.names) * task.scene.run.samples + values.shape[1] + 6)
+    if size > _MOST_BYTES:
+        raise UsageError(
+            f"{len(values)} draws of {len(task.names)} quantities at {task.scene.run.samples} instants take "
+            f"{size / _GIB:.3g} GiB, and the limit is {_MOST_BYTES / _GIB:g}: ask for fewer instants"
+        )
+
+
+def _joined(blocks: Sequence[Block], task: Task) -> Block:
+    """Return blocks as one, in their order."""
+    firsts = np.cumsum([0, *(len(block.states) for block in blocks)]).tolist()
+    events = dict.fromkeys(name for block in blocks for name in block.events)
+    blank = [np.full(len(block.states), np.nan) for block in blocks]
+    return Block(
+        quantities={name: np.concatenate([block.quantities[name] for block in blocks]) for name in task.names},
+        turned=np.concatenate([block.turned for block in blocks]),
+        reached=np.concatenate([block.reached for block in blocks]),
+        model=[model for block in blocks for model in block.model],
+        events={
+            name: np.concatenate([block.events.get(name, none) for block, none in zip(blocks, blank, strict=True)])
+            for name in events
+        },
+        states=[state for block in blocks for state in block.states],
+        sentences={
+            first + row: sentence
+            for block, first in zip(blocks, firsts[:-1], strict=True)
+            for row, sentence in block.sentences.items()
+        },
+    )
+
+
+def _rank_correlation(x: Float, y: Float) -> float:
+    """Return Spearman's coefficient; 0 where one of them is constant."""
+    if np.ptp(x) == 0 or np.ptp(y) == 0:
+        return 0.0
+    return float(np.corrcoef(_ranks(x), _ranks(y))[0, 1])
+
+
+def _ranks(values: Float) -> Float:
+    """Return ranks (N,), those of equal values averaged."""
+    _, inverse, counts = np.unique(values, return_inverse=True, return_counts=True)
+    middle: Float = np.cumsum(counts) - 0.5 * (counts - 1.0)
+    return middle[inverse]

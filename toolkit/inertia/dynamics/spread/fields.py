@@ -1,0 +1,233 @@
+"""A scene with other numbers in some of its fields, which are named by the paths that errors name."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Mapping
+from dataclasses import dataclass, fields, replace
+from difflib import get_close_matches
+from itertools import permutations
+from numbers import Real
+from typing import Any
+
+import numpy as np
+
+from inertia.arrays import Float
+from inertia.documents import FieldError
+from inertia.dynamics.kinematics import quaternion
+from inertia.dynamics.models.deforming.jointed_body import JointedBody
+from inertia.dynamics.scene.body import SceneBody
+from inertia.dynamics.scene.document import Scene
+from inertia.errors import GeometryError
+
+_BODY = ("mass", "density", "center_of_mass", "inertia", "principal_moments")
+_PART = ("mass", "center_of_mass", "inertia", "principal_moments")
+_PATH = re.compile(r"(?P<section>[a-z_]+(?:\[\d+\])?(?:\.joint\[\d+\])?)\.(?P<name>[a-z_]+)(?P<at>(?:\[\d+\])*)")
+
+Entries = dict[tuple[int, ...], float]
+"""Numbers by where they stand in a field; by () in one that is a number."""
+
+
+@dataclass(frozen=True)
+class _Field:
+    section: str
+    name: str
+    at: tuple[int, ...]
+
+    @classmethod
+    def of(cls, path: str) -> _Field:
+        match = _PATH.fullmatch(path)
+        if match is None:
+            raise FieldError(path, "is no field of a scene: name one by its path, as start.angular_velocity[2]")
+        return cls(match["section"], match["name"], _indices(match["at"]))
+
+
+def _indices(text: str) -> tuple[int, ...]:
+    return tuple(int(k) for k in re.findall(r"\[(\d+)\]", text))
+
+
+def value_at(scene: Scene, path: str) -> Any:
+    """Return the number, or the array of them, that a path names; raise `FieldError` where there is none.
+
+    >>> scene = Scene.from_dict({"body": {"principal_moments": [1, 2, 3]},
+    ...                          "start": {"angular_velocity": [0, 10, 0.001]}, "run": {"duration": 60}})
+    >>> value_at(scene, "start.angular_velocity[2]"), value_at(scene, "body.principal_moments").tolist()
+    (0.001, [1.0, 2.0, 3.0])
+    """
+    field = _Field.of(path)
+    value = _stated(scene, field, path)
+    if value is None:
+        raise FieldError(path, "is not stated in the scene: state it there, to vary it")
+    if isinstance(value, bool) or not isinstance(value, Real | np.ndarray):
+        raise FieldError(path, "is no number: vary one that is")
+    try:
+        entry = np.asarray(value)[field.at]
+    except IndexError:
+        raise FieldError(path, f"is not there: the field has the shape {np.asarray(value).shape}") from None
+    return entry if np.ndim(entry) else float(entry)
+
+
+def _stated(scene: Scene, field: _Field, path: str) -> Any:
+    section = _section(scene, field.section, path)
+    if isinstance(section, SceneBody):
+        names = tuple(name for name in _BODY if name != "density" or section.properties is not None)
+    elif field.section.startswith("part") and ".joint" not in field.section:
+        names = _PART
+    else:
+        names = tuple(each.name for each in fields(section))
+    if field.name not in names:
+        close = get_close_matches(field.name, names, n=1, cutoff=0.5)
+        hint = f"did you mean {close[0]}?" if close else f"use one of {', '.join(names)}"
+        raise FieldError(path, f"is unknown: {hint}")
+    if field.name == "density":
+        return section.properties.mass / section.properties.volume
+    if field.name == "principal_moments":
+        return section.moments if isinstance(section, SceneBody) else np.diagonal(section.inertia)
+    return getattr(section, field.name)
+
+
+def _section(scene: Scene, name: str, path: str) -> Any:
+    """Return the section of a scene that a path names."""
+    kind, _, rest = name.partition("[")
+    number = _indices(f"[{rest}") if rest else ()
+    assembly = scene.body.assembly
+    if kind == "run":
+        raise FieldError(path, "says how a motion is followed, and is the same for all draws: change it in the scene")
+    if name in ("start", "constraint"):
+        return getattr(scene, name)
+    if name == "body" and assembly is None:
+        return scene.body
+    try:
+        if kind == "load" and len(number) == 1:
+            return scene.applied_loads[number[0]]
+        if kind == "part" and assembly is not None and number:
+            part = assembly.parts[number[0]]
+            return part.joints[number[1]] if len(number) == 2 else part
+    except IndexError:
+        raise FieldError(path, "is not in the scene: there are fewer of them, counted from 0") from None
+    raise FieldError(path, "is not in the scene: name a field of start, constraint, load[k], body or part[k]")
+
+
+def changed(scene: Scene, values: Mapping[str, float]) -> Scene:
+    """Return a scene with numbers in place of others, by their paths; the rest as it is.
+
+    An attitude is brought back to unit length. The axes that ``frame = "principal"`` means stay those of the scene, and
+    where entries of the tensor change, they are the nearest of its principal axes. A mass or density of a part
+    scales its tensor, and any other field of a body is taken as it is stated.
+
+    Raises `UsageError` and `GeometryError` where the scene would make no sense.
+
+    >>> scene = Scene.from_dict({"body": {"principal_moments": [1, 2, 3]},
+    ...                          "start": {"angular_velocity": [0, 10, 0.001]}, "run": {"duration": 60}})
+    >>> changed(scene, {"start.angular_velocity[0]": 0.5}).start.angular_velocity.tolist()
+    [0.5, 10.0, 0.001]
+    """
+    sections: dict[str, dict[str, dict[tuple[int, ...], float]]] = {}
+    for path, value in values.items():
+        field = _Field.of(path)
+        sections.setdefault(field.section, {}).setdefault(field.name, {})[field.at] = value
+    loads = list(scene.applied_loads)
+    other: dict[str, Any] = {}
+    parts: dict[str, Any] = {}
+    for name, entries in sections.items():
+        if name == "body":
+            other["body"] = _body(scene.body, entries)
+        elif name.startswith("part"):
+            parts[name] = entries
+        else:
+            section = _section(scene, name, name)
+            new = {field: _filled(getattr(section, field), each) for field, each in entries.items()}
+            if "attitude" in new and name == "start" and new["attitude"].any():
+                new["attitude"] = quaternion.normalise(new["attitude"])
+            made = replace(section, path=name, **new)
+            if name in ("start", "constraint"):
+                other[name] = made
+            else:
+                loads[_indices(name)[0]] = made
+    if parts:
+        other["body"] = _assembly(scene.body, parts)
+    return replace(scene, applied_loads=tuple(loads), **other)
+
+
+def _filled(value: Any, entries: Entries) -> Any:
+    """Return a field with numbers in place of others."""
+    if () in entries:
+        return entries[()]
+    array = np.array(value, dtype=np.float64)
+    for at, number in entries.items():
+        array[at] = number
+    return array
+
+
+def _body(body: SceneBody, entries: Mapping[str, Entries]) -> SceneBody:
+    properties, mass = body.properties, body.mass
+    if "density" in entries:
+        assert properties is not None  # `value_at` saw to it
+        if "mass" in entries:
+            raise FieldError("body.density", "varies beside body.mass, which follows from it: vary one of them")
+        mass = entries["density"][()] * properties.volume
+    elif "mass" in entries:
+        mass = entries["mass"][()]
+    share = 1.0
+    if properties is not None and mass != body.mass:
+        assert mass is not None
+        if not 0 < mass < np.inf:
+            raise GeometryError(f"the mass is {mass:.6g} kg: it must be positive and finite")
+        if not entries.keys() - {"mass", "density"}:
+            scaled = properties.with_mass(mass)
+            return replace(body, inertia=scaled.inertia, mass=mass, axes=body.axes, properties=scaled)
+        share = mass / (body.mass or mass)
+    center = _filled(body.center_of_mass, entries.get("center_of_mass", {}))
+    inertia, axes = _tensor(share * body.inertia, body.axes, entries)
+    return replace(body, inertia=inertia, mass=mass, center_of_mass=center, axes=axes, properties=None)
+
+
+def _tensor(inertia: Float, axes: Float, entries: Mapping[str, Entries]) -> tuple[Float, Float]:
+    """Return a tensor with other entries or principal moments, and its axes."""
+    if "principal_moments" in entries:
+        if "inertia" in entries:
+            raise FieldError("body.principal_moments", "vary beside body.inertia: vary one of them")
+        moments = _filled(np.diagonal(axes.T @ inertia @ axes), entries["principal_moments"])
+        tensor = (axes * moments) @ axes.T
+        return 0.5 * (tensor + tensor.T), axes
+    if "inertia" not in entries:
+        return inertia, axes
+    both: Entries = {at: x for (i, j), x in entries["inertia"].items() for at in ((i, j), (j, i))}
+    tensor = _filled(inertia, both)
+    if not np.isfinite(tensor).all():
+        return tensor, axes
+    return tensor, _nearest(np.linalg.eigh(tensor)[1], axes)
+
+
+def _nearest(columns: Float, axes: Float) -> Float:
+    """Return the columns in the order, and with the signs, that bring them nearest to `axes`."""
+    overlap = axes.T @ columns
+    order = max(permutations(range(3)), key=lambda order: float(np.abs(overlap[range(3), order]).sum()))
+    signs = np.sign(overlap[range(3), order])
+    nearest: Float = columns[:, order] * np.where(signs == 0, 1.0, signs)
+    return nearest if np.linalg.det(nearest) > 0 else nearest * (1.0, 1.0, -1.0)
+
+
+def _assembly(body: SceneBody, sections: Mapping[str, Mapping[str, Entries]]) -> SceneBody:
+    assert body.assembly is not None  # `value_at` saw to it
+    parts = list(body.assembly.parts)
+    for name, entries in sections.items():
+        k, *joint = _indices(name)
+        part = parts[k]
+        if joint:
+            old = part.joints[joint[0]]
+            new = replace(
+                old, path=name, **{field: _filled(getattr(old, field), each) for field, each in entries.items()}
+            )
+            parts[k] = replace(part, joints=(*part.joints[: joint[0]], new, *part.joints[joint[0] + 1 :]))
+            continue
+        own = {
+            field: _filled(getattr(part, field), each)
+            for field, each in entries.items()
+            if field in ("mass", "center_of_mass")
+        }
+        diagonal: Entries = {(i, i): x for (i,), x in entries.get("principal_moments", {}).items()}
+        tensor: Entries = {at: x for (i, j), x in entries.get("inertia", {}).items() for at in ((i, j), (j, i))}
+        parts[k] = replace(part, inertia=_filled(part.inertia, {**diagonal, **tensor}), **own)
+    made = SceneBody.of_assembly(JointedBody(tuple(parts)), body.meshes, body.notes)
+    return replace(made, axes=_nearest(made.axes, body.axes))

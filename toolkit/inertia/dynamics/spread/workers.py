@@ -1,0 +1,103 @@
+"""Blocks of draws given to processes of this machine, or to a Dask cluster."""
+
+from __future__ import annotations
+
+import os
+import signal
+import time
+from collections.abc import Iterator
+from functools import partial
+
+from inertia.arrays import Float, Progress
+from inertia.dynamics.spread.follow import Block, Task, follow
+from inertia.errors import UsageError
+
+_BLOCK = 2048
+"""Draws that are followed together, at most."""
+
+_REPAYS = 3.0  # s of work that is left, from which on processes are started
+_SPAN = 0.5  # s that a block should take, so that progress is told and Ctrl-C is heard
+
+_task: Task | None = None  # of a worker
+
+
+def blocks_of(task: Task, values: Float, jobs: int | None, dask: str | None, progress: Progress | None) -> list[Block]:
+    """Return what became of draws (N, k), in blocks, in their order: the same whoever works on them."""
+    tell = progress or (lambda done: None)
+    if jobs is not None and jobs < 1:
+        raise UsageError(f"the number of processes is {jobs}: give 1 or more")
+    if dask is not None:
+        return _by_dask(task, values, dask, tell)
+    blocks: list[Block] = []
+    done, size = 0, min(8, len(values))
+    processes = jobs or os.cpu_count() or 1
+    while done < len(values):
+        begin = time.perf_counter()
+        blocks.append(follow(task, values[done : done + size]))
+        done = min(done + size, len(values))
+        tell(done / len(values))
+        each = (time.perf_counter() - begin) / size
+        left = each * (len(values) - done)
+        size = max(1, min(_BLOCK, 4 * size, int(_SPAN / each)))
+        if processes > 1 and (left > _REPAYS or (jobs and done < len(values))) and size < len(values) - done:
+            return blocks + _by_processes(
+                task, values[done:], size, processes, partial(_ahead, tell, done / len(values))
+            )
+    return blocks
+
+
+def _ahead(tell: Progress, done: float, share: float) -> None:
+    tell(done + share * (1.0 - done))
+
+
+def _by_processes(task: Task, values: Float, size: int, processes: int, tell: Progress) -> list[Block]:
+    from concurrent.futures import ProcessPoolExecutor
+    from multiprocessing import get_context
+
+    # A fork has the task as it is, with functions that cannot be pickled.
+    context = get_context("fork" if hasattr(os, "fork") else "spawn")
+    blocks = []
+    pool = ProcessPoolExecutor(processes, context, _begin, (task,))
+    try:
+        for number, block in enumerate(pool.map(_follow, list(_pieces(values, size)))):
+            blocks.append(block)
+            tell(min(1.0, (number + 1) * size / len(values)))
+    except BaseException:
+        for process in list((pool._processes or {}).values()):
+            process.terminate()
+        pool.shutdown(wait=False, cancel_futures=True)
+        raise
+    pool.shutdown()
+    return blocks
+
+
+def _begin(task: Task) -> None:
+    global _task
+    _task = task
+    for name in ("SIGINT", "SIGTERM", "SIGHUP"):  # whoever started this process ends it
+        if hasattr(signal, name):
+            signal.signal(getattr(signal, name), signal.SIG_IGN if name == "SIGINT" else signal.SIG_DFL)
+
+
+def _follow(values: Float) -> Block:
+    assert _task is not None
+    return follow(_task, values)
+
+
+def _by_dask(task: Task, values: Float, address: str, tell: Progress) -> list[Block]:
+    try:
+        import distributed
+    except ImportError:
+        raise UsageError("Dask is not installed: run pip install 'inertia[dask]'") from None
+    with distributed.Client(address) as client:
+        shared = client.scatter(task, broadcast=True)
+        futures = [client.submit(follow, shared, piece, pure=False) for piece in _pieces(values, _BLOCK)]
+        for number, _ in enumerate(distributed.as_completed(futures)):
+            tell((number + 1) / len(futures))
+        blocks: list[Block] = client.gather(futures)
+    return blocks
+
+
+def _pieces(values: Float, size: int) -> Iterator[Float]:
+    for first in range(0, len(values), size):
+        yield values[first : first + size]

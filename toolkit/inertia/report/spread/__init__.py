@@ -1,0 +1,1 @@
+"""`Ensemble` → text and JSON."""
