@@ -7,14 +7,17 @@ import time
 import warnings
 from dataclasses import asdict, dataclass
 from pathlib import Path
+from tempfile import TemporaryDirectory
 from typing import Any
 
+import mpmath
 import numpy as np
 
 import inertia
 from inertia.errors import InertiaError
+from inertia_meshes import path
 
-from . import rigid
+from . import deforming, held, meshes, rigid
 from .quad import TooLongError
 from .scenes import Case
 
@@ -100,7 +103,12 @@ def scene_of(case: Case) -> inertia.Scene:
     loads = [dict(load) for load in table.get("load", [])]
     if case.function:
         loads.append({"kind": "torque", "torque": torque_function(case.function)})
-    return inertia.Scene.from_dict({"schema": 1, **table, "load": loads}, Path())
+    table = {"schema": 1, **table, "load": loads}
+    if case.triangles is None:
+        return inertia.Scene.from_dict(table, Path(path("cube.stl")).parent)
+    with TemporaryDirectory() as folder:
+        meshes.write_stl(Path(folder) / table["body"]["part"], np.array(case.triangles))
+        return inertia.Scene.from_dict(table, folder)
 
 
 def torque_function(function: dict[str, Any]) -> Any:
@@ -126,10 +134,22 @@ def torque_function(function: dict[str, Any]) -> Any:
 
 def truth_of(case: Case, scene: inertia.Scene, times: np.ndarray) -> rigid.Truth:
     """Return the true motion at `times` (n,)."""
-    import mpmath
-
+    if "part" in case.scene:
+        return deforming.follow(case.scene, times)
     with mpmath.workdps(rigid.DIGITS):
-        body = rigid.body_of(case.scene["body"], scene.body.axes)
+        table = case.scene["body"]
+        if "part" in table:
+            triangles = None if case.triangles is None else np.array(case.triangles, dtype="<f4")
+            body = meshes.body_of(table, triangles, scene.body.axes)
+        else:
+            body = rigid.body_of(table, scene.body.axes)
+    if case.kind == "long":
+        return rigid.closed_form(case.scene, body, times)
+    match case.scene.get("constraint", {}).get("kind"):
+        case "hinge":
+            return held.hinge(case.scene, body, times)
+        case "rolling":
+            return held.roll(case.scene, body, times)
     return rigid.follow(case.scene, body, times, case.function)
 
 

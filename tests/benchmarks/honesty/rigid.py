@@ -19,6 +19,7 @@ import heyoka
 import mpmath
 import numpy as np
 from mpmath import mp, mpf
+from tests.dynamics.models.free.free_oracle import free_top
 
 from .quad import DIGITS, Answer, Flow, Quad, Span, quad
 
@@ -104,6 +105,50 @@ def _follow(scene: Table, body: Body, times: np.ndarray, function: Table) -> Tru
     return in_part_axes(answer, slice(3, 7), turn)
 
 
+def closed_form(scene: Table, body: Body, times: np.ndarray) -> Truth:
+    """Return the true motion of a free body over any time, by the closed form in Legendre's integrals at 60 digits."""
+    with mpmath.workdps(60):
+        moments, axes = principal(body.inertia)
+        start = unit(vector(scene["start"].get("attitude", (0, 0, 0, 1))))
+        omega = axes.T * in_part(
+            scene["start"]["angular_velocity"], scene["start"].get("frame", "principal"), body, start
+        )
+        frame = product(start, quaternion_of(axes))
+        if len(set(moments)) < 3 or sum(1 for x in omega if x) < 2:
+            turned = [_precession(moments, list(omega), t) for t in times]
+        else:
+            turned = [quaternion_of(each) for each, _ in free_top(moments, list(omega), times)]
+        back = [-x for x in quaternion_of(axes)[:3]] + [quaternion_of(axes)[3]]
+        rows = [[quad(x) for x in product(product(frame, each), back)] for each in turned]
+    return Truth(np.array(rows), np.full(len(times), 1e-30))
+
+
+def _precession(moments: Vector, omega: Vector, time: float) -> Vector:
+    """Return the turn of a free body with two equal moments, or about a principal axis, after a time."""
+    pair = (
+        next(((k + 1) % 3, (k + 2) % 3) for k in (2, 0, 1) if moments[(k + 1) % 3] == moments[(k + 2) % 3])
+        if (len(set(moments)) < 3)
+        else (0, 1)
+    )
+    third = 3 - sum(pair)
+    if len(set(moments)) == 3:
+        return _about(omega, mpf(float(time)))
+    across, along = moments[pair[0]], moments[third]
+    precession = [moments[k] * omega[k] / across for k in range(3)]
+    own = [mpf(0)] * 3
+    own[third] = omega[third] * (1 - along / across)
+    return product(_about(precession, mpf(float(time))), _about(own, mpf(float(time))))
+
+
+def _about(rate: Vector, time: Any) -> Vector:
+    """Return the turn by rate × time."""
+    size = mp.norm(rate)
+    if not size:
+        return [mpf(0)] * 3 + [mpf(1)]
+    half = size * time / 2
+    return [mp.sin(half) * x / size for x in rate] + [mp.cos(half)]
+
+
 def in_part_axes(answer: Answer, columns: slice, turn: Vector) -> Truth:
     """Turn quaternions of other axes to those of the part; `turn` takes those axes to the part's."""
     q = answer.states[:, columns]
@@ -152,14 +197,14 @@ def _equations(kinds: tuple[str, ...], par: Any) -> list[tuple[Any, Any]]:
     if kinds:
         rate = [r + par[at()] + par[at()] * t - par[at()] * o for r, o in zip(rate, w, strict=True)]
     if "gravity" in kinds:
-        g = _to_body(q, [par[at()] for _ in range(3)])
+        g = expressed_in_body(q, [par[at()] for _ in range(3)])
         rate = [r + par[at()] * g[k - 1] - par[at()] * g[k - 2] for k, r in enumerate(rate)]
     if "gradient" in kinds:
-        g = _to_body(q, [par[at()] for _ in range(3)])
+        g = expressed_in_body(q, [par[at()] for _ in range(3)])
         rate = [r + par[at()] * (g[k - 2] * g[k - 1]) for k, r in enumerate(rate)]
     if "space" in kinds:
         values, slopes = ([par[at()] for _ in range(3)] for _ in range(2))
-        n = _to_body(q, [v + s * t for v, s in zip(values, slopes, strict=True)])
+        n = expressed_in_body(q, [v + s * t for v, s in zip(values, slopes, strict=True)])
         rate = [r + par[at()] * x for r, x in zip(rate, n, strict=True)]
     if "sine" in kinds:
         wave = heyoka.sin(par[at()] * t + par[at()])
@@ -173,13 +218,17 @@ def _equations(kinds: tuple[str, ...], par: Any) -> list[tuple[Any, Any]]:
         rate = [r - par[at()] * speed * o for r, o in zip(rate, w, strict=True)]
     if "servo" in kinds:
         rate = [r - par[at()] * x * q[3] for r, x in zip(rate, q[:3], strict=True)]
-    a, b, c, d = q
-    x, y, z = turn
+    return [*zip(w, rate, strict=True), *attitude_rates(q, turn)]
+
+
+def attitude_rates(q: Sequence[Any], turn: Sequence[Any]) -> list[tuple[Any, Any]]:
+    """Return q̇ = ½ q Ω, as equations."""
+    (a, b, c, d), (x, y, z) = q, turn
     turned = [d * x + b * z - c * y, d * y + c * x - a * z, d * z + a * y - b * x, -(a * x + b * y + c * z)]
-    return [*zip(w, rate, strict=True), *((u, 0.5 * v) for u, v in zip(q, turned, strict=True))]
+    return [(u, 0.5 * v) for u, v in zip(q, turned, strict=True)]
 
 
-def _to_body(q: Sequence[Any], v: Sequence[Any]) -> list[Any]:
+def expressed_in_body(q: Sequence[Any], v: Sequence[Any]) -> list[Any]:
     """Return Rᵀ v of a unit quaternion, as expressions."""
     a, b, c, d = q
     rows = [

@@ -465,6 +465,271 @@ def functions(random: Random) -> Table:
     }
 
 
+def hinged(random: Random) -> Table:
+    """Return a body on an axle: free, driven, braked, on a spring, heavy, at a constant speed."""
+    body, moments, _ = _body(random)
+    size = float(np.sqrt(moments.max()))
+    body["mass"] = mass = _power(random, -1, 1)
+    lever = _power(random, -2, 0.3) * size / np.sqrt(mass)
+    body["center_of_mass"] = _vector(random, lever)
+    axis = np.eye(3)[random.integers(3)] if random.random() < 0.3 else _direction(random) * _power(random, -2, 2)
+    constraint: Table = {"kind": "hinge", "axis": axis.tolist()}
+    if random.random() < 0.5:
+        constraint["point"] = _vector(random, lever)
+    inertia = float(moments.mean()) + mass * lever**2
+    rate = _scale(random)
+    spin = (rate * axis / np.linalg.norm(axis)).tolist()
+    loads: list[Table] = []
+    if random.random() < 0.6:
+        gravity = inertia * rate**2 / (mass * lever) * _power(random, -2, 1)
+        loads.append({"kind": "gravity", "acceleration": _vector(random, gravity)})
+        if random.random() < 0.3:
+            spin = [0.0, 0.0, 0.0]
+    if random.random() < 0.3:
+        loads.append({"kind": "damping", "coefficient": inertia * rate * _power(random, -3, 1)})
+    if random.random() < 0.3:
+        torque = _vector(random, inertia * rate**2 * _power(random, -3, 0.5))
+        loads.append({"kind": "torque", "torque": torque, "frame": str(random.choice(["part", "space"]))})
+    if random.random() < 0.4:
+        constraint["stiffness"] = inertia * rate**2 * _power(random, -3, 1)
+        constraint["rest_angle"] = float(random.normal())
+    if random.random() < 0.1:
+        constraint["drive"] = "constant_speed"
+    if not any(spin) and constraint.get("drive"):
+        del constraint["drive"]
+    start = {"angular_velocity": spin, "frame": "part", "attitude": _attitude(random)}
+    run = _run(random, rate, _turned(random, 60.0))
+    return {"scene": {"body": body, "start": start, "constraint": constraint, "load": loads, "run": run}}
+
+
+def inverted(random: Random) -> Table:
+    """Return a pendulum near its upper rest, or with hardly the energy to pass it."""
+    made = hinged(random)
+    scene = made["scene"]
+    body, lever = scene["body"], _power(random, -1, 0)
+    moments = np.array([2.0, 3.0, 4.0]) * lever**2 * body["mass"] * _power(random, -2, 0)
+    body.pop("inertia", None)
+    body |= {"principal_moments": moments.tolist(), "center_of_mass": [0.0, 0.0, lever]}
+    scene["constraint"] = {"kind": "hinge", "axis": [1.0, 0.0, 0.0]}
+    about = moments[0] + body["mass"] * lever**2
+    rate = float(np.sqrt(body["mass"] * 9.80665 * lever / about))
+    tilt, spin = 0.0, 0.0
+    match random.integers(3):
+        case 0:
+            tilt = _power(random, -16, -2)
+        case 1:
+            spin = rate * _power(random, -16, -2)
+        case 2:
+            tilt, spin = np.pi, 2.0 * rate * (1.0 + random.choice([-1, 1]) * _power(random, -16, -2))
+    scene["start"] = {
+        "angular_velocity": [float(spin), 0.0, 0.0],
+        "frame": "part",
+        "attitude": [float(np.sin(tilt / 2)), 0.0, 0.0, float(np.cos(tilt / 2))],
+    }
+    scene["load"] = [{"kind": "gravity"}]
+    if random.random() < 0.3:
+        scene["load"].append({"kind": "damping", "coefficient": about * rate * _power(random, -6, -1)})
+    scene["run"] = _run(random, rate, random.uniform(5, 60))
+    return made
+
+
+def rolling(random: Random) -> Table:
+    """Return a body of revolution on its rim."""
+    mass, radius = _power(random, -2, 2), _power(random, -2, 1)
+    across = mass * radius**2 * _power(random, -1.5, 0.5)
+    along = across * random.uniform(0.3, 1.99)
+    body: Table = {"principal_moments": [across, across, along], "mass": mass}
+    if random.random() < 0.2:
+        body["principal_moments"][1] *= 1.0 + _power(random, -16, -11)
+    constraint: Table = {"kind": "rolling", "radius": radius, "axis": [0.0, 0.0, 1.0]}
+    if random.random() < 0.4:
+        constraint["offset"] = radius * random.normal() * 0.5
+    rate = float(np.sqrt(9.80665 / radius))
+    tilt = (
+        random.uniform(0.3, np.pi - 0.3)
+        if random.random() < 0.8
+        else np.pi / 2 + random.normal() * _power(random, -16, -2)
+    )
+    turn = random.uniform(0, np.pi)
+    q = np.array([np.sin(tilt / 2) * np.cos(turn), np.sin(tilt / 2) * np.sin(turn), 0.0, np.cos(tilt / 2)])
+    spin = rate * _power(random, -1, 1) * _direction(random)
+    if random.random() < 0.3:
+        spin *= [1e-3, 1e-3, 1.0]
+    start = {"attitude": q.tolist(), "angular_velocity": spin.tolist(), "frame": "part"}
+    if random.random() < 0.3:
+        body = _turned_body(random, body | {"center_of_mass": [0.0, 0.0, 0.0]}, start)
+        if "inertia" in body:
+            constraint["axis"] = np.linalg.eigh(np.array(body["inertia"]))[1][:, 2 if along > across else 0].tolist()
+    speed = max(rate, float(np.linalg.norm(spin)))
+    return {
+        "scene": {
+            "body": body,
+            "start": start,
+            "constraint": constraint,
+            "load": [{"kind": "gravity"}],
+            "run": _run(random, speed, _turned(random, 12.0)),
+        }
+    }
+
+
+def long(random: Random) -> Table:
+    """Return a free body that is followed over up to 1e15 rad."""
+    made = free(random)
+    scene = made["scene"]
+    rate = float(np.linalg.norm(scene["start"]["angular_velocity"]))
+    run = _run(random, rate, _power(random, 1, 15))
+    scene["run"] = run | {"samples": 3, "accuracy": max(run["accuracy"], 1e-16 * run["duration"] * rate)}
+    return made
+
+
+def extreme(random: Random) -> Table:
+    """Return a scene of another kind in units of far away, or with a component of the spin next to nothing."""
+    made = [free, separatrix, heavy, upright, torques, axial][random.integers(6)](random)
+    scene = made["scene"]
+    mass, length, rate = _power(random, -20, 20), _power(random, -10, 10), _power(random, -15, 15)
+    if random.random() < 0.5:
+        rate = 1.0
+        spin = scene["start"]["angular_velocity"]
+        spin[random.integers(3)] *= _power(random, -45, -5)
+    return {**made, "scene": rescaled(scene, mass, length, rate)}
+
+
+_UNITS = {
+    "principal_moments": (1, 2, 0),
+    "inertia": (1, 2, 0),
+    "mass": (1, 0, 0),
+    "center_of_mass": (0, 1, 0),
+    "point": (0, 1, 0),
+    "angular_velocity": (0, 0, 1),
+    "acceleration": (0, 1, 2),
+    "torque": (1, 2, 2),
+    "coefficient": (1, 2, 1),
+    "duration": (0, 0, -1),
+}
+"""Mass, length and rate in the unit of a figure."""
+
+
+def rescaled(table: Any, mass: float, length: float, rate: float) -> Any:
+    """Return a scene in other units: the same motion at another pace, but for rounding."""
+    if table.get("kind") == "gravity":
+        table = {"acceleration": [0.0, 0.0, -9.80665], **table}
+    out = {}
+    for key, value in table.items():
+        if key in _UNITS:
+            a, b, c = _UNITS[key]
+            out[key] = (np.array(value) * (mass**a * length**b * rate**c)).tolist()
+        elif isinstance(value, dict):
+            out[key] = rescaled(value, mass, length, rate)
+        elif isinstance(value, list) and value and isinstance(value[0], dict):
+            out[key] = [rescaled(each, mass, length, rate) for each in value]
+        else:
+            out[key] = value
+    return out
+
+
+_SAMPLES = "box", "cube", "tetrahedron", "thin_plate", "t_handle", "cone", "needle", "spinning_top", "disc"
+
+
+def mesh(random: Random) -> Table:
+    """Return a part, a sample or a random polyhedron, that tumbles, or is held at a point and has weight."""
+    triangles = None
+    body: Table = {"unit": str(random.choice(["mm", "mm", "m", "cm"])), "density": _power(random, 1, 4)}
+    if random.random() < 0.5:
+        body["part"] = f"{random.choice(_SAMPLES)}.stl"
+        size = 0.03
+    else:
+        body["part"] = "random.stl"
+        size = _power(random, -1, 2)
+        triangles = _polyhedron(random) * np.float32(size)
+        if random.random() < 0.3:
+            triangles = triangles + (size * _power(random, -1, 2) * _direction(random)).astype("<f4")
+    rate = _power(random, 0, 2)
+    scene: Table = {
+        "body": body,
+        "start": {"attitude": _attitude(random), "angular_velocity": _vector(random, rate), "frame": "part"},
+    }
+    if random.random() < 0.5:
+        if random.random() < 0.5:
+            scene["start"]["angular_velocity"] = (rate * np.eye(3)[random.integers(3)]).tolist()
+        elif triangles is not None:
+            scene["start"]["frame"] = "principal"
+    scene["run"] = _run(random, rate, _turned(random, 25.0))
+    if random.random() < 0.4:
+        scene["constraint"] = {"kind": "fixed_point"}
+        scene["load"] = [{"kind": "gravity"}]
+        if random.random() < 0.4 or triangles is not None:
+            scene["body"] |= {"part": "spinning_top.stl"}
+            triangles = None
+        spin = _power(random, 1, 2.5)
+        if random.random() < 0.5:
+            scene["start"] |= {"attitude": [0.0, 0.0, 0.0, 1.0], "angular_velocity": [0.0, 0.0, spin]}
+        scene["start"]["frame"] = "part"
+        scene["run"] = _run(random, spin, _turned(random, 60.0))
+    return {"scene": scene, "triangles": None if triangles is None else triangles.astype("<f4").tolist()}
+
+
+def _polyhedron(random: Random) -> np.ndarray:
+    """Return the hull (n, 3, 3) of a few points, counter-clockwise from outside."""
+    from scipy.spatial import ConvexHull
+
+    stretch = 10.0 ** random.uniform(-1, 0, 3)
+    points = (random.normal(size=(random.integers(4, 12), 3)) * stretch).astype("<f4")
+    hull = ConvexHull(points.astype(float))
+    triangles = points[hull.simplices]
+    inward = (
+        np.einsum(
+            "ij,ij->i",
+            np.cross(triangles[:, 1] - triangles[:, 0], triangles[:, 2] - triangles[:, 0]),
+            hull.equations[:, :3],
+        )
+        < 0
+    )
+    triangles[inward] = triangles[inward][:, ::-1]
+    return triangles
+
+
+def deforming(random: Random) -> Table:
+    """Return parts on joints that move one after the other, at once, or in quick jerks."""
+    duration = _power(random, -0.5, 1)
+    parts: list[Table] = []
+    for k in range(random.integers(2, 5)):
+        size, mass = _power(random, -1, 0), _power(random, -1, 1)
+        moments = mass * size**2 * np.array([0.3, 0.35, 0.4]) * random.uniform(0.8, 1.2, 3)
+        if random.random() < 0.3:
+            part: Table = {"inertia": _tensor(random, moments)}
+        else:
+            part = {"principal_moments": moments.tolist()}
+        part |= {"name": f"p{k}", "mass": mass, "center_of_mass": _vector(random, size)}
+        if k:
+            part["parent"] = f"p{random.integers(k)}"
+            part["joint"] = [_joint(random, duration) for _ in range(random.integers(1, 3))]
+        parts.append(part)
+    spin = _vector(random, _power(random, -1, 1)) if random.random() < 0.8 else [0.0, 0.0, 0.0]
+    run = _run(random, 1.0, duration)
+    return {
+        "scene": {
+            "part": parts,
+            "start": {"angular_velocity": spin, "frame": "part", "attitude": _attitude(random)},
+            "run": run | {"samples": int(random.integers(2, 7))},
+        }
+    }
+
+
+def _joint(random: Random, duration: float) -> Table:
+    count = int(random.integers(1, 5))
+    times = np.sort(random.uniform(-0.2, 1.0, count) * duration)
+    if count > 1 and random.random() < 0.3:
+        times[-1] = times[-2] + duration * _power(random, -5, -1)
+    joint: Table = {"axis": _direction(random).tolist(), "times": times.tolist()}
+    if random.random() < 0.8:
+        joint |= {"angles": random.uniform(-2, 2, count).tolist(), "point": _vector(random, 0.5)}
+    else:
+        joint["displacements"] = random.uniform(-0.5, 0.5, count).tolist()
+    if random.random() < 0.5:
+        joint["rates"] = (random.uniform(-3, 3, count) / duration).tolist()
+    return joint
+
+
 KINDS: dict[str, Callable[[Random], Table]] = {
     "free": free,
     "separatrix": separatrix,
@@ -477,4 +742,11 @@ KINDS: dict[str, Callable[[Random], Table]] = {
     "dissipation": dissipation,
     "gradient": gradient,
     "functions": functions,
+    "hinged": hinged,
+    "inverted": inverted,
+    "rolling": rolling,
+    "mesh": mesh,
+    "deforming": deforming,
+    "long": long,
+    "extreme": extreme,
 }

@@ -61,7 +61,7 @@ def errors(
 
 def _at(moments: Sequence[float], angular_velocity: Sequence[float], time: float) -> State:
     order = sorted(range(3), key=lambda k: moments[k])
-    i, w = ([mp.mpf(float(x)) for x in row] for row in (moments, angular_velocity))
+    i, w = ([mp.mpf(x) for x in row] for row in (moments, angular_velocity))
     t = mp.mpf(float(time))
     twice_energy = mp.fsum(i[k] * w[k] ** 2 for k in range(3))
     square = mp.fsum((i[k] * w[k]) ** 2 for k in range(3))
