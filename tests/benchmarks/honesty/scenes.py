@@ -45,7 +45,8 @@ def _attitude(random: Random) -> list[float]:
     if random.random() < 0.2:
         return [0.0, 0.0, 0.0, 1.0]
     q = random.normal(size=4)
-    return (q / np.linalg.norm(q)).tolist()
+    stretch = 1.0 + 9e-7 * random.uniform(-1, 1) if random.random() < 0.1 else 1.0
+    return (q / np.linalg.norm(q) * stretch).tolist()
 
 
 def _vector(random: Random, size: float) -> list[float]:
@@ -730,6 +731,109 @@ def _joint(random: Random, duration: float) -> Table:
     return joint
 
 
+def nearly(random: Random) -> Table:
+    """Return a body that a smaller model may be taken for, at an accuracy that allows it or just does not."""
+    accuracy = _power(random, -13, -1)
+    turned = _turned(random, 60.0)
+    rate = _scale(random)
+    small = accuracy / max(turned, 1.0) * _power(random, -3, 0.5)
+    moments = np.array([random.uniform(0.5, 1.5), 1.0, 1.2])
+    spin = _direction(random)
+    made: Table = {"body": {"principal_moments": [1.0, 1.0, 1.0]}}
+    match random.integers(6):
+        case 0:  # a sphere, nearly
+            moments = 1.0 + small * random.uniform(-1, 1, 3)
+        case 1:  # a symmetric body, nearly
+            moments = np.array([1.0, 1.0 + small, random.uniform(0.1, 1.9)])[random.permutation(3)]
+        case 2:  # a spin along an axis, nearly
+            moments = random.uniform(0.6, 1.1, 3)
+            spin = np.eye(3)[random.integers(3)] + small * _direction(random)
+        case 3:  # a spin along the intermediate axis, nearly, over so many e-foldings
+            moments = np.array([0.6, 1.0, 1.4]) * random.uniform(0.95, 1.05, 3)
+            growth = np.sqrt((moments[1] - moments[0]) * (moments[2] - moments[1]) / (moments[0] * moments[2]))
+            spin = np.eye(3)[1] + accuracy * np.exp(-growth * turned) * _power(random, -3, 1) * _direction(random)
+        case 4:  # a symmetric body that spins across its axis, nearly
+            moments = np.array([1.0, 1.0 + random.integers(2) * small, random.uniform(0.1, 1.9)])
+            angle = random.uniform(0, 2 * np.pi)
+            spin = np.array([np.cos(angle), np.sin(angle), 0.0]) + small * _direction(random)
+        case 5:  # a weight that hardly turns the body
+            moments = random.uniform(0.6, 1.1, 3)
+            point = (small / max(turned, 1.0) * rate**2 / 9.80665 * _direction(random)).tolist()
+            made |= {"constraint": {"kind": "fixed_point", "point": point}, "load": [{"kind": "gravity"}]}
+            made["body"]["mass"] = 1.0
+    made["body"]["principal_moments"] = moments.tolist()
+    start = {"angular_velocity": (rate * spin).tolist(), "frame": "part", "attitude": _attitude(random)}
+    run = _run(random, rate, turned) | {"accuracy": accuracy}
+    return {"scene": {**made, "start": start, "run": run}}
+
+
+def nearly_heavy(random: Random) -> Table:
+    """Return a heavy body that is symmetric, nearly, at an accuracy that allows it or just does not."""
+    made = (upright if random.random() < 0.7 else heavy)(random)
+    scene = made["scene"]
+    accuracy = _power(random, -12, -1)
+    run, body = scene["run"], scene["body"]
+    spin = float(np.linalg.norm(scene["start"]["angular_velocity"]))
+    small = accuracy / max(spin * run["duration"], 1.0) * _power(random, -4, 0)
+    if "principal_moments" in body:
+        body["principal_moments"][0] *= 1.0 + small * random.uniform(-1, 1)
+    center = np.array(body["center_of_mass"])
+    body["center_of_mass"] = (
+        center + np.linalg.norm(center) * small * random.uniform(0, 1) * _direction(random)
+    ).tolist()
+    run["accuracy"] = accuracy
+    return made
+
+
+_METHODS = (
+    "Taylor",
+    "splitting 2",
+    "splitting 4",
+    "splitting 6",
+    "splitting 8",
+    "RK4",
+    "DOP853",
+    "LSODA",
+    "Radau",
+    "heyoka",
+)
+
+
+def methods(random: Random) -> Table:
+    """Return a scene for a stepping method that is named."""
+    made = [free, separatrix, heavy, heavy_body, torques, tables][random.integers(6)](random)
+    scene = made["scene"]
+    rate = max(float(np.linalg.norm(scene["start"]["angular_velocity"])), 1.0 / scene["run"]["duration"])
+    method = str(random.choice(_METHODS))
+    finest = {"splitting 2": -5, "RK4": -7, "splitting 4": -8, "LSODA": -9, "Radau": -8}.get(method, -12)
+    scene["run"]["duration"] = min(scene["run"]["duration"], 10.0 / rate)
+    for load in scene.get("load", []):
+        if "table" in load:
+            load["table"][-1][0] = max(load["table"][-1][0], scene["run"]["duration"])
+    scene["run"] |= {"method": method, "accuracy": _power(random, finest, -2)}
+    return made
+
+
+def stiff(random: Random) -> Table:
+    """Return a body under damping that ends its spin in next to no time, with a torque or a weight that goes on."""
+    body, moments, columns = _body(random)
+    rate = _scale(random)
+    duration = float(_power(random, 0, 1.5) / rate)
+    damping = (
+        float(moments.min()) / duration * (_power(random, 4, 4.3) if random.random() < 0.1 else _power(random, 0, 3))
+    )
+    loads: list[Table] = [{"kind": "damping", "coefficient": damping}]
+    if random.random() < 0.7:
+        frame = str(random.choice(["part", "space"]))
+        loads.append(
+            {"kind": "torque", "torque": _vector(random, damping * rate * _power(random, -3, 0)), "frame": frame}
+        )
+    start = _start(random, body, moments, columns, rate)
+    accuracy = _power(random, -11, -3)
+    run = {"duration": duration, "samples": int(random.integers(2, 9)), "accuracy": accuracy}
+    return {"scene": {"body": body, "start": start, "load": loads, "run": run}}
+
+
 KINDS: dict[str, Callable[[Random], Table]] = {
     "free": free,
     "separatrix": separatrix,
@@ -749,4 +853,8 @@ KINDS: dict[str, Callable[[Random], Table]] = {
     "deforming": deforming,
     "long": long,
     "extreme": extreme,
+    "nearly": nearly,
+    "nearly_heavy": nearly_heavy,
+    "methods": methods,
+    "stiff": stiff,
 }
