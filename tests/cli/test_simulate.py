@@ -94,6 +94,7 @@ def test_every_sample_scene_runs_to_its_accuracy(capsys: pytest.CaptureFixture[s
     assert (
         result["model"]
         == {
+            "boom_satellite": "Euler equations",
             "cat": "deforming body",
             "cube": "spherical top",
             "detumbling": "Euler equations",

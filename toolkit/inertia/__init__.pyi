@@ -83,6 +83,7 @@ from inertia.dynamics.scene.sections import Settings as Settings
 from inertia.dynamics.scene.body import SceneBody as SceneBody
 from inertia.dynamics.loads.gravity import Gravity as Gravity
 from inertia.dynamics.loads.gravity import GravityGradient as GravityGradient
+from inertia.dynamics.loads.orbit import Orbit as Orbit
 from inertia.dynamics.loads.torque import Torque as Torque
 from inertia.dynamics.loads.losses import Damping as Damping
 from inertia.dynamics.loads.losses import Dissipation as Dissipation

@@ -45,7 +45,17 @@ def test_a_body_that_starts_at_rest_is_shown(tmp_path: Path) -> None:
     np.testing.assert_allclose(tips(recording, f"/{entities.CURRENT}")[:, 2], t / 10.0, atol=1e-6)
 
 
-@pytest.mark.parametrize("name", ["explorer_1", "gravity_gradient", "manoeuvre"])
+def test_a_body_in_orbit_is_shown_with_the_way_down(tmp_path: Path) -> None:
+    orbit = {"kind": "orbit", "mu": 1.0, "semi_major_axis": 1.0}
+    run = made([1.0, 2.0, 3.0], [0, 0, 1.0], [orbit])
+    recording = written(screen(run), tmp_path / "run.rrd")
+    down = tips(recording, f"/{entities.PRIMARY}")
+    t = recording.time(f"/{entities.PRIMARY}")
+    expected = -np.stack([np.cos(t), np.sin(t), 0.0 * t], axis=1)
+    np.testing.assert_allclose(down / np.linalg.norm(down, axis=1)[:, None], expected, atol=2e-3)
+
+
+@pytest.mark.parametrize("name", ["boom_satellite", "explorer_1", "gravity_gradient", "manoeuvre"])
 def test_the_samples_are_written_whole(name: str, tmp_path: Path) -> None:
     run = simulate(Scene.load(path(f"scenes/{name}.toml")))
     recording = written(screen(run), tmp_path / "run.rrd")

@@ -73,7 +73,7 @@ def _again(plan: Plan, time: Float) -> Run:
 def _in_part_axes(plan: Plan, time: Float, motion: Motion) -> Run:
     candidate, scene = plan.candidate, plan.problem.scene
     turned = quaternion.conjugate(quaternion.from_matrix(candidate.axes))
-    attitude = _continuous(quaternion.multiply(motion.attitude, turned))
+    attitude = quaternion.continuous(quaternion.multiply(motion.attitude, turned))
     momentum = candidate.model.angular_momentum(candidate, motion)
     energy = motion.invariants.get("energy")
     return Run(
@@ -95,14 +95,6 @@ def _in_part_axes(plan: Plan, time: Float, motion: Motion) -> Run:
     )
 
 
-def _continuous(attitude: Float) -> Float:
-    """Choose the sign of each quaternion so that neighbours are near each other, for plots and interpolation."""
-    turns = np.einsum("ij,ij->i", attitude[1:], attitude[:-1]) < 0
-    sign = np.concatenate([[1.0], np.where(np.cumsum(turns) % 2, -1.0, 1.0)])
-    continuous: Float = attitude * sign[:, None]
-    return continuous
-
-
 def _position(problem: Problem, time: Float, attitude: Float, motion: Motion) -> Float | None:
     """Return where the centre of mass is, (n, 3) m; None where it stays at the origin."""
     scene = problem.scene
@@ -113,6 +105,8 @@ def _position(problem: Problem, time: Float, attitude: Float, motion: Motion) ->
     if scene.constraint.holds:
         arm = scene.body.center_of_mass - problem.reference
         return origin + quaternion.to_space(attitude, arm) if arm.any() or start is not None else None
+    if scene.orbit is not None:
+        return scene.orbit.ellipse.position(time)
     velocity = scene.start.velocity
     if start is None and velocity is None and not scene.gravity.any():
         return None

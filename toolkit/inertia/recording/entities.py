@@ -78,6 +78,7 @@ PLOT_SLIDES = f"{PLOTS}/joint_displacements"
 PLOT_MOMENTS = f"{PLOTS}/principal_moments"
 PLOT_WORK = f"{PLOTS}/work"
 
+PRIMARY = f"{CENTER}/primary"
 MOMENTUM_TRAIL = f"{CENTER}/momentum_trail"
 PATH_OF_MOMENTUM = f"{MOMENTUM_SPACE}/path"
 TRAIL_OF_MOMENTUM = f"{MOMENTUM_SPACE}/trail"

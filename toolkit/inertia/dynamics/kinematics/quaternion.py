@@ -46,6 +46,14 @@ def normalise(q: ArrayLike) -> Float:
     return q / length
 
 
+def continuous(attitude: Float) -> Float:
+    """Choose the sign of each quaternion (n, 4) so that neighbours are near each other, for plots and interpolation."""
+    turns = np.einsum("ij,ij->i", attitude[1:], attitude[:-1]) < 0
+    sign = np.concatenate([[1.0], np.where(np.cumsum(turns) % 2, -1.0, 1.0)])
+    signed: Float = attitude * sign[:, None]
+    return signed
+
+
 def to_space(q: ArrayLike, vector: ArrayLike) -> Float:
     """Take body components (…, 3) to space components: v + 2 u × (u × v + w v), with u the vector part."""
     q, v = np.asarray(q, dtype=np.float64), np.asarray(vector, dtype=np.float64)

@@ -12,9 +12,10 @@ from inertia.documents import FieldError, choice, section_of, table_of
 from inertia.dynamics.loads.gravity import Gravity, GravityGradient
 from inertia.dynamics.loads.load import Load
 from inertia.dynamics.loads.losses import Damping, Dissipation
+from inertia.dynamics.loads.orbit import Orbit
 from inertia.dynamics.loads.torque import Torque
 
-LOADS: tuple[type[Load], ...] = (Gravity, Torque, Damping, GravityGradient, Dissipation)
+LOADS: tuple[type[Load], ...] = (Gravity, Torque, Damping, GravityGradient, Orbit, Dissipation)
 
 
 def acting(loads: Iterable[Load]) -> tuple[Load, ...]:

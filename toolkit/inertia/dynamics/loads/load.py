@@ -93,6 +93,12 @@ class Load(Section, ABC):
         """Return the potential energy (…) in J; zero for a load that has none."""
         return np.zeros(np.shape(attitude)[:-1])
 
+    def integrals(
+        self, time: Float, attitude: Float, angular_velocity: Float, body: TurningBody
+    ) -> dict[str, tuple[Float, float]]:
+        """Return what else is kept where no other load acts, (n,) by its name, with a size to measure its drift by."""
+        return {}
+
     def directions(self) -> Float:
         """Return directions (k, 3) in space whose span holds the torque at all times: L is kept across that span."""
         return np.eye(3)

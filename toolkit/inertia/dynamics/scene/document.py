@@ -21,6 +21,7 @@ from inertia.dynamics.loads.catalogue import acting, load_of
 from inertia.dynamics.loads.gravity import Gravity
 from inertia.dynamics.loads.load import Load
 from inertia.dynamics.loads.losses import Damping
+from inertia.dynamics.loads.orbit import Orbit
 from inertia.dynamics.loads.torque import Torque
 from inertia.dynamics.scene.body import SceneBody, build
 from inertia.dynamics.scene.parts import build_parts
@@ -127,6 +128,11 @@ class Scene(Document):
         total: Float = sum((load.acceleration for load in self.applied_loads if isinstance(load, Gravity)), np.zeros(3))
         return total
 
+    @property
+    def orbit(self) -> Orbit | None:
+        """The orbit that the centre of mass goes on; None where it goes on none."""
+        return next((load for load in self.applied_loads if isinstance(load, Orbit)), None)
+
     def in_part_axes(self, vector: Float, frame: Frame) -> Float:
         """Return the part components (3,) of a vector given in `frame` at t = 0."""
         if frame == "part":
@@ -196,10 +202,24 @@ def _require_loads_that_fit(scene: Scene) -> None:
         if kind == "rolling" and not isinstance(load, Gravity):
             raise FieldError(f"load[{k}]", f"is {load.kind}: a rolling body takes gravity only")
         load.require_span(scene.run.duration, f"load[{k}]")
+    if scene.orbit is not None:
+        _require_orbit_alone(scene)
     if kind == "rolling":
         x, y, z = scene.gravity.tolist()
         if x or y or not z < 0:
             raise FieldError("load", 'needs one of kind = "gravity" along −z: the body rolls on the plane z = 0')
+
+
+def _require_orbit_alone(scene: Scene) -> None:
+    """Raise `FieldError` where something beside an orbit says how the centre of mass moves."""
+    for k, load in enumerate(scene.applied_loads):
+        if isinstance(load, Gravity) or (isinstance(load, Orbit) and load is not scene.orbit):
+            raise FieldError(
+                f"load[{k}]", f"is {load.kind} beside an orbit, which the centre of mass follows: keep one"
+            )
+    for name in ("position", "velocity"):
+        if getattr(scene.start, name) is not None:
+            raise FieldError(f"start.{name}", "is given beside an orbit, which decides it: leave it out")
 
 
 def _require_near(scene: Scene) -> None:

@@ -29,6 +29,8 @@ from inertia.recording.writer import Recording
 if TYPE_CHECKING:
     import rerun.blueprint as rrb
 
+DOWN = COLORS[4]
+
 _OMEGA, _MOMENTUM, _AXES = 1.3, 1.55, 1.15  # lengths of arrows, over the radius of the body
 _THICK = 0.012
 _TRAIL = 8.0  # seconds of playback that the trail of L lasts
@@ -103,6 +105,11 @@ def _write_world(recording: Recording, run: Run, body: Display, frames: Frames) 
     write_arrow(recording, entities.ANGULAR_MOMENTUM, frames.time, momentum, "L", MOMENTUM, 1.5 * thick)
     if frames.play.smooth:
         write_trail(recording, entities.MOMENTUM_TRAIL, frames.time, momentum, MOMENTUM, 0.6 * thick)
+    if run.scene.orbit is not None and frames.position is not None:
+        toward = -frames.position / np.linalg.norm(frames.position, axis=1)[:, None]
+        write_arrow(recording, entities.PRIMARY, frames.time, _MOMENTUM * size * toward, "down", DOWN, 1.5 * thick)
+        low, high = (getattr(run.quantities["distance to the primary"], end)() for end in ("min", "max"))
+        yield f"the violet arrow, down, points to the primary of the orbit, {low:.4g} to {high:.4g} m away"
     yield (f"the arrow of ω (yellow) is {fastest:.4g} rad/s where it is longest, that of L (blue) {most:.4g} kg m²/s")
 
 

@@ -38,6 +38,8 @@ _UNITS = {
     "force on bearing": "N",
     "torque": "N m",
     "angle": "rad",
+    "distance to": "m",
+    "Jacobi": "J",
     "contact": "m",
     "center of mass": "m",
 }

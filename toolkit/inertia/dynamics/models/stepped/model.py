@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import replace
 
 from inertia.arrays import Float
+from inertia.dynamics.kinematics import quaternion
 from inertia.dynamics.models.model import Candidate, Model, Problem
 from inertia.dynamics.motion import Motion
 from inertia.errors import FieldPath, GeometryError, UsageError, placed
@@ -52,9 +54,13 @@ class EulerEquations(Model):
             arm=problem.arm,
         )
         try:
-            return solve_stepped(rotation, time, scene.run.accuracy, method)
+            motion = solve_stepped(rotation, time, scene.run.accuracy, method)
         except (UsageError, GeometryError) as error:
             raise placed(error, scene.name, FieldPath("run")) from None
+        if scene.orbit is None:
+            return motion
+        attitude = quaternion.multiply(motion.attitude, quaternion.conjugate(quaternion.from_matrix(candidate.axes)))
+        return replace(motion, quantities=scene.orbit.ellipse.seen_from(time, attitude))
 
     def view(self, problem: Problem) -> str:
         """Show what becomes of L and the energy where a torque acts."""

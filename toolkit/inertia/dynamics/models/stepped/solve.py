@@ -71,6 +71,10 @@ def solve_stepped(problem: RotationProblem, time: ArrayLike, accuracy: float, me
     start = problem.moments * problem.angular_velocity
     momentum = float(np.linalg.norm(start))
     scales = {name: momentum for name in invariants if name != "energy" and momentum}
+    if len(problem.loads) == 1:
+        integrals = problem.loads[0].integrals(instants, states.attitude, states.angular_velocity, problem)
+        invariants |= {name: values for name, (values, _) in integrals.items()}
+        scales |= {name: size for name, (_, size) in integrals.items()}
     if "energy" in invariants:
         pulls = [np.abs(load.potential(states.attitude, problem)).max() for load in problem.loads]
         scales["energy"] = float(0.5 * (start * problem.angular_velocity).sum() + sum(pulls)) or 1.0
