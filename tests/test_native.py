@@ -7,15 +7,18 @@ import shutil
 import subprocess
 import sys
 from collections.abc import Callable
+from importlib.metadata import version
 from pathlib import Path
 
 import numpy as np
 import pytest
+from tests import compile_kernels
 
+from inertia import native
 from inertia.errors import CacheWarning
 from inertia.mesh.geometry import closure
 from inertia.mesh.part import Surface
-from inertia.native import COMPILE_ABOVE, LOAD_ABOVE, Kernel
+from inertia.native import COMPILE_ABOVE, LOAD_ABOVE, SHIPPED_ABOVE, Kernel
 
 
 def torus(around: int, along: int) -> Surface:
@@ -55,8 +58,9 @@ def forbid_llvm(monkeypatch: pytest.MonkeyPatch) -> None:
 
 @pytest.fixture
 def cache(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
-    """An empty cache, and no kernel loaded."""
+    """An empty cache, no kernel loaded, and none shipped."""
     folder = tmp_path / "cache"
+    monkeypatch.setattr(native, "SHIPPED", tmp_path)
     monkeypatch.setenv("INERTIA_CACHE", str(folder))
     forget_kernels(monkeypatch)
     return folder
@@ -67,6 +71,7 @@ def compiled(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """What a first use leaves in the cache for the pairing of edges, beside the other kernels that it used."""
     with pytest.MonkeyPatch.context() as monkeypatch:
         folder = tmp_path_factory.mktemp("compiled")
+        monkeypatch.setattr(native, "SHIPPED", folder)
         monkeypatch.setenv("INERTIA_CACHE", str(folder))
         forget_kernels(monkeypatch)
         assert is_one_closed_piece(LARGE)
@@ -159,10 +164,9 @@ def test_without_a_compiler_the_answer_is_the_same(cache: Path, monkeypatch: pyt
 
 def test_kernels_are_compiled_where_numba_is_switched_off_for_other_code(tmp_path: Path) -> None:
     program = """if True:
-        import numpy
         from inertia.native import Kernel
         kernel = Kernel("inertia.mesh.geometry.edge_kernel", "rehash", "pipi")
-        print(callable(kernel.function), __import__("numba").config.DISABLE_JIT)
+        print(len(kernel.machine_code()) > 1000, __import__("numba").config.DISABLE_JIT)
     """
     environment = {**os.environ, "NUMBA_DISABLE_JIT": "1", "INERTIA_CACHE": str(tmp_path / "cache")}
     run = subprocess.run([sys.executable, "-c", program], env=environment, capture_output=True, text=True, check=True)
@@ -187,3 +191,40 @@ def test_a_kernel_is_compiled_for_many_triangles_and_loaded_for_fewer(
     assert worthwhile() == [False, True, True]
     monkeypatch.setenv("INERTIA_NATIVE", "0")
     assert worthwhile() == [False, False, False]
+
+
+SHIPPED_HERE = native.of_shipped_level()
+
+
+@pytest.mark.skipif(not SHIPPED_HERE, reason="machine code is shipped for Linux on x86-64")
+def test_what_is_shipped_needs_neither_a_compiler_nor_a_cache(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("INERTIA_CACHE", str(tmp_path / "cache"))
+    forget_kernels(monkeypatch)
+    forbid_compiler(monkeypatch)
+    forbid_llvm(monkeypatch)
+    assert [closure.FACES.worthwhile(count) for count in (SHIPPED_ABOVE - 1, SHIPPED_ABOVE)] == [False, True]
+    assert is_one_closed_piece(LARGE)
+    assert not (tmp_path / "cache").exists()
+
+
+@pytest.mark.parametrize("lacking", sorted(native.LEVEL_FLAGS))
+def test_what_is_shipped_is_left_alone_by_an_older_processor(lacking: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    flags = "flags : " + " ".join(native.LEVEL_FLAGS - {lacking})
+    monkeypatch.setattr(native, "processor_lines", lambda: ("vendor_id : X", flags))
+    forget_kernels(monkeypatch)
+    assert not closure.FACES.worthwhile(SHIPPED_ABOVE)
+
+
+def test_every_kernel_is_shipped_as_its_source_is_now() -> None:
+    names = {kernel.shipped_as.name for kernel in compile_kernels.kernels()}
+    assert names == {file.name for file in native.SHIPPED.iterdir()}, "run python tests/compile_kernels.py"
+
+
+@pytest.mark.skipif(not SHIPPED_HERE, reason="machine code is shipped for Linux on x86-64")
+def test_what_is_shipped_is_what_the_source_compiles_to(monkeypatch: pytest.MonkeyPatch) -> None:
+    if version("llvmlite") not in (Path(__file__).parents[1] / "constraints.txt").read_text():
+        pytest.skip("another compiler than that which wrote it")
+    monkeypatch.setenv("NUMBA_CPU_NAME", "")  # restores what compiling sets
+    monkeypatch.setenv("NUMBA_CPU_FEATURES", "")
+    kernel = Kernel("inertia.mesh.geometry.edge_kernel", "rehash", "pipi")
+    assert compile_kernels.machine_code(kernel) == kernel.shipped_as.read_bytes()

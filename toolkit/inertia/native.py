@@ -3,10 +3,12 @@
 Importing numba costs more CPU time than integrating ten million triangles, so it is imported only to compile; and
 importing llvmlite as much as integrating one million, and 55 MB, so that it links only what the lines here do not
 know: anything but ELF code for x86-64 (Linux).
-The machine code is kept in the user's cache folder (`inertia.user_cache`), under a name that is a hash of the kernel's
-source, the versions and the processor. It is loaded from the very bytes that were checked to be this user's own; what
-is damaged is made again, and where there is no cache to trust, the kernel is compiled for this process: one
-`CacheWarning` says so, and the answer is the same.
+For Linux on any x86-64 processor since 2013 or so (the level v3 of the psABI: AVX2, FMA) the machine code lies in the
+folder `compiled` beside this module, under a name that is a hash of the kernel's source. Elsewhere it is kept in the
+user's cache folder (`inertia.user_cache`), under a name that is a hash of the source, the versions and the processor.
+From there it is loaded from the very bytes that were checked to be this user's own; what is damaged is made again, and
+where there is no cache to trust, the kernel is compiled for this process: one `CacheWarning` says so, and the answer is
+the same.
 
 A kernel is a Python function over pointers and numbers, in a module that imports nothing but numba, numpy and other
 kernels. It may not allocate, raise or call Python, and it returns an int64. What it calls must become part of it
@@ -39,7 +41,17 @@ COMPILE_ABOVE = 400_000
 """Triangles above which compiling (about 2 s, once for a machine) costs less than doing without."""
 
 LOAD_ABOVE = 20_000
-"""Triangles above which loading machine code that is at hand (0.08 s with LLVM) costs less than doing without."""
+"""Triangles above which loading machine code from the cache (0.08 s with LLVM) costs less than doing without."""
+
+SHIPPED_ABOVE = 1_000
+"""Triangles above which loading machine code that is shipped (0.5 ms) costs less than doing without."""
+
+SHIPPED = Path(__file__).with_name("compiled")
+"""The machine code for Linux on x86-64 processors of level v3; ``tests/compile_kernels.py`` writes it."""
+
+LEVEL = "x86-64-v3"
+LEVEL_FLAGS = frozenset(("abm", "avx", "avx2", "bmi1", "bmi2", "f16c", "fma", "movbe"))
+"""What a processor of that level can do, as Linux calls it."""
 
 _CTYPES: dict[str, Any] = {"p": ctypes.c_void_p, "i": ctypes.c_int64, "d": ctypes.c_double}
 
@@ -74,6 +86,10 @@ class Kernel:
             return False
         if "function" in self.__dict__:
             return True
+        if count < SHIPPED_ABOVE:
+            return False
+        if self._shipped is not None:
+            return True
         if count < LOAD_ABOVE:
             return False
         code = self._load()
@@ -82,7 +98,21 @@ class Kernel:
     @functools.cached_property
     def function(self) -> Callable[..., int]:
         """The C function; the first use on a machine compiles it."""
-        return _link(self._symbol, self._load() or self._compile(), self.abi)
+        return _link(self._symbol, self._shipped or self._load() or self._compile(), self.abi)
+
+    @property
+    def shipped_as(self) -> Path:
+        """The file that holds its machine code where it is shipped; its name follows from the source."""
+        return SHIPPED / f"{self.name}-{self._key(LEVEL)}.kernel"
+
+    @functools.cached_property
+    def _shipped(self) -> bytes | None:
+        if not of_shipped_level():
+            return None
+        try:
+            return self.shipped_as.read_bytes()
+        except OSError:
+            return None
 
     @property
     def _symbol(self) -> str:
@@ -101,15 +131,26 @@ class Kernel:
 
     @functools.cached_property
     def _file(self) -> str:
+        return f"{self.name}-{self._key(*_compiler_and_processor())}.kernel"
+
+    def _key(self, *made_for: str) -> str:
         spec = importlib.util.find_spec(self.module)
         if spec is None or spec.origin is None:
             raise ModuleNotFoundError(self.module)
-        made_for = self.abi, self.fused, *_compiler_and_processor()
         sources = sorted(Path(spec.origin).parent.glob("*_kernel.py"))  # kernels share functions
-        key = importlib.util.source_hash(b"".join(map(Path.read_bytes, sources)) + repr(made_for).encode())
-        return f"{self.name}-{key.hex()}.kernel"
+        text = b"".join(map(Path.read_bytes, sources)) + repr((self.abi, self.fused, *made_for)).encode()
+        return importlib.util.source_hash(text).hex()
 
     def _compile(self) -> bytes:
+        code = self.machine_code()
+        try:
+            user_cache.store(self._file, code)
+        except user_cache.CacheError as error:
+            _warn(_UNUSED.format(error))
+        return code
+
+    def machine_code(self, processor: str | None = None) -> bytes:
+        """Compile the kernel: object code for a processor that LLVM knows by this name, None for the one at hand."""
         import llvmlite.binding as llvm
         import numba
 
@@ -122,15 +163,11 @@ class Kernel:
             compiled = numba.cfunc(signature, error_model="numpy", fastmath=contract)(source)
         finally:
             numba.config.DISABLE_JIT = disabled
-        module, machine = llvm.parse_assembly(compiled.inspect_llvm()), _machine()
+        module, machine = llvm.parse_assembly(compiled.inspect_llvm()), _machine(processor)
         module.get_function(compiled.native_name).name = self._symbol
         if self.fused:
             _vectorise(module, machine)
         code: bytes = machine.emit_object(module)
-        try:
-            user_cache.store(self._file, code)
-        except user_cache.CacheError as error:
-            _warn(_UNUSED.format(error))
         return code
 
 
@@ -152,14 +189,14 @@ def address(array: Any) -> int:
     return ctypes.addressof(ctypes.c_char.from_buffer(array))
 
 
-def _machine() -> Any:
+def _machine(processor: str | None = None) -> Any:
     import llvmlite.binding as llvm
 
     llvm.initialize_native_target()
     llvm.initialize_native_asmprinter()
-    features = llvm.get_host_cpu_features().flatten()
+    features = llvm.get_host_cpu_features().flatten() if processor is None else ""
     target = llvm.Target.from_default_triple()
-    return target.create_target_machine(cpu=llvm.get_host_cpu_name(), features=features, opt=3, jit=True)
+    return target.create_target_machine(cpu=processor or llvm.get_host_cpu_name(), features=features, opt=3, jit=True)
 
 
 def _vectorise(module: Any, machine: Any) -> None:
@@ -172,17 +209,27 @@ def _vectorise(module: Any, machine: Any) -> None:
     builder.getModulePassManager().run(module, builder)
 
 
+@functools.cache
+def processor_lines() -> tuple[str, ...]:
+    """Return the lines in which Linux describes the processor; none on other systems."""
+    with contextlib.suppress(OSError), Path("/proc/cpuinfo").open(encoding="utf-8") as lines:
+        first = itertools.takewhile(str.strip, lines)
+        return tuple(line for line in first if line.startswith(("vendor_id", "cpu family", "model", "flags")))
+    return ()
+
+
+def of_shipped_level() -> bool:
+    """Say whether the machine code that is shipped runs here."""
+    flags = next((line for line in processor_lines() if line.startswith("flags")), "")
+    return sys.platform == "linux" and LEVEL_FLAGS.issubset(flags.split())
+
+
 def _compiler_and_processor() -> tuple[str, ...]:
     """Return what machine code depends on; each llvmlite is made for one numba, so that its version stands for both."""
     spec = importlib.util.find_spec("llvmlite")
     with contextlib.suppress(OSError):
-        if spec is not None and spec.origin is not None and sys.platform == "linux":
-            version = Path(spec.origin).with_name("_version.py").read_text(encoding="utf-8")
-            with Path("/proc/cpuinfo").open(encoding="utf-8") as lines:
-                first = itertools.takewhile(str.strip, lines)
-                about = [line for line in first if line.startswith(("vendor_id", "cpu family", "model", "flags"))]
-            if any(line.startswith("flags") for line in about):
-                return version, *about
+        if spec is not None and spec.origin is not None and any(line.startswith("flags") for line in processor_lines()):
+            return Path(spec.origin).with_name("_version.py").read_text(encoding="utf-8"), *processor_lines()
     import llvmlite
     import llvmlite.binding as llvm
 

@@ -31,6 +31,7 @@ def bits(sums: Sums) -> Numbers:
 def compiled_at_any_size() -> Iterator[None]:
     with pytest.MonkeyPatch.context() as patch:
         patch.delenv("INERTIA_NATIVE", raising=False)
+        patch.setattr(native, "SHIPPED_ABOVE", 0)
         patch.setattr(native, "LOAD_ABOVE", 0)
         patch.setattr(native, "COMPILE_ABOVE", 0)
         yield
@@ -216,16 +217,22 @@ def test_a_process_without_native_kernels_gives_the_same_bits(tmp_path: object) 
     """Over the threshold for compiling, in processes of their own: what the environment says is what runs."""
     script = (
         "import sys, numpy as np\n"
+        "from inertia import native\n"
+        "native.SHIPPED /= sys.argv[1]\n"
         "from inertia.mass.triangles.sums import sum_triangles\n"
         "from inertia.mesh.part import Surface\n"
         "points = np.random.default_rng(8).normal(size=(3000, 3))\n"
         "faces = np.random.default_rng(9).integers(0, 3000, (400_001, 3))\n"
         "print(sum_triangles(Surface(points, faces)).sums.tobytes().hex(), 'numba' in sys.modules)\n"
     )
-    answers = []
-    for setting in ("0", "1"):
+    answers = set()
+    for setting, shipped, compiles in (("0", ".", "False"), ("1", ".", str(not SHIPPED_HERE)), ("1", "none", "True")):
         environment = {**os.environ, "INERTIA_NATIVE": setting, "INERTIA_CACHE": f"{tmp_path}/{setting}"}
-        answers.append(subprocess.check_output([sys.executable, "-c", script], env=environment, text=True).split())
-    (plain, without), (compiled, with_compiler) = answers
-    assert plain == compiled
-    assert (without, with_compiler) == ("False", "True")
+        command = [sys.executable, "-c", script, shipped]
+        answer, compiled = subprocess.check_output(command, env=environment, text=True).split()
+        assert compiled == compiles
+        answers.add(answer)
+    assert len(answers) == 1
+
+
+SHIPPED_HERE = native.of_shipped_level()
