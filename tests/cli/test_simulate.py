@@ -101,6 +101,7 @@ def test_every_sample_scene_runs_to_its_accuracy(capsys: pytest.CaptureFixture[s
             "diver": "deforming body",
             "explorer_1": "Euler equations",
             "feynman_plate": "symmetric top",
+            "flywheel": "scaled free motion",
             "gravity_gradient": "Euler equations",
             "heavy_top": "heavy symmetric top",
             "kovalevskaya_top": "Euler equations",

@@ -35,7 +35,7 @@ def test_a_damped_sphere_loses_its_momentum_exponentially(tmp_path: Path) -> Non
     np.testing.assert_allclose(arrow, np.exp(-0.2 * recording.time(f"/{entities.CURRENT}")), atol=2e-4)
     radius = recording.values(f"/{entities.MOMENTUM_SPHERE}", "Ellipsoids3D:half_sizes")[:, 0, 0]
     np.testing.assert_allclose(radius, arrow, rtol=1e-5)
-    assert sorted(recording.views) == ["3D", "3D", "TextDocument", *4 * ["TimeSeries"]]
+    assert sorted(recording.views) == ["3D", "3D", "TextDocument", *5 * ["TimeSeries"]]
 
 
 def test_a_body_that_starts_at_rest_is_shown(tmp_path: Path) -> None:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from inertia.dynamics.models.deforming.model import DeformingBody
 from inertia.dynamics.models.free.model import AsymmetricTop, SphericalTop, SteadyAxis, SymmetricTop
+from inertia.dynamics.models.free.scaled import ScaledFreeMotion
 from inertia.dynamics.models.heavy.model import HeavySymmetricTop
 from inertia.dynamics.models.hinged.model import HingedBody
 from inertia.dynamics.models.model import Model
@@ -15,6 +16,7 @@ MODELS: tuple[Model, ...] = (
     SteadyAxis(),
     SymmetricTop(),
     AsymmetricTop(),
+    ScaledFreeMotion(),
     HeavySymmetricTop(),
     EulerEquations(),
     HingedBody(),

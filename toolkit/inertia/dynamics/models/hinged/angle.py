@@ -72,21 +72,25 @@ def solve_angle(axle: Axle, time: Float, known: Axle) -> tuple[Float, Float, flo
 def _method(axle: Axle) -> tuple[Callable[[Axle, Float], tuple[Float, Float, float]], str]:
     heavy = axle.cosine or axle.sine
     if not heavy:
-        return _linear, "closed form: exponentials" if axle.damping or axle.stiffness else "closed form"
+        return linear, "closed form: exponentials" if axle.damping or axle.stiffness else "closed form"
     if not (axle.torque or axle.damping or axle.stiffness):
         return _pendulum, "closed form: Jacobi elliptic functions"
     return _stepped, f"Taylor series of order {_ORDER}"
 
 
-def _linear(axle: Axle, time: Float) -> tuple[Float, Float, float]:
-    """Solve a linear equation: a free or driven axle, with damping or a spring."""
+def linear(axle: Axle, time: Float) -> tuple[Float, Float, float]:
+    """Return angle, rate and how far the angle may be off, of a free or driven axle with damping or a spring.
+
+    With x = c t/I and no spring, θ = ω₀ t φ₁(x) + (N/I) t² φ₂(x), φ₁ = (1 − e⁻ˣ)/x and φ₂ = (e⁻ˣ − 1 + x)/x².
+    """
     drive = (axle.torque + axle.stiffness * axle.rest) / axle.inertia
     half, square = 0.5 * axle.damping / axle.inertia, axle.stiffness / axle.inertia
     if not square:
         x = 2.0 * half * time
-        angle = axle.spin * time * _phi(1, x) + drive * time**2 * _phi(2, x)
+        begun, driven = axle.spin * time * _phi(1, x), drive * time**2 * _phi(2, x)
         rate = axle.spin * np.exp(-x) + drive * time * _phi(1, x)
-        return angle, rate, 8.0 * _EPS * float(np.abs(axle.spin * time).max() + np.abs(drive * time**2).max())
+        size = float(np.abs(begun).max() + np.abs(driven).max())
+        return begun + driven, rate, (16.0 if half else 8.0) * _EPS * size
     middle = drive / square
     away = half * half - square
     fast = math.sqrt(abs(away))
