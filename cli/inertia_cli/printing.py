@@ -5,10 +5,13 @@ from __future__ import annotations
 import os
 import re
 import sys
-from collections.abc import Callable
-from typing import Any
+from collections.abc import Callable, Iterator
+from typing import TYPE_CHECKING, Any
 
 from inertia.errors import InertiaError, visible
+
+if TYPE_CHECKING:
+    from inertia.arrays import Float
 
 _STYLES = {  # of text that stands in a report, by a pattern
     r"(?m)^\S.{0,15}?(?=  )": "bold",
@@ -16,6 +19,7 @@ _STYLES = {  # of text that stands in a report, by a pattern
     r"(?m)^warning\b|\bUNDECIDED\b|\bassumed\b": "yellow",
     r"\bPASS(ED)?\b": "bold green",
 }
+_BLOCK = 4096  # numbers, or rows of an array, that are turned into text at once
 
 
 def show(as_json: bool, document: Callable[[], dict[str, Any]], text: Callable[[], str]) -> None:
@@ -57,17 +61,63 @@ def abandon_output() -> None:
 
 
 def print_document(document: dict[str, Any]) -> None:
-    """Print one JSON document, a line for each of its fields; what a terminal obeys or cannot show is escaped."""
-    import json
+    """Print one JSON document, a line for each of its fields; what a terminal obeys or cannot show is escaped.
 
-    def line(key: str, value: Any) -> str:
-        text = json.dumps(value, ensure_ascii=False, allow_nan=False)
-        return f" {json.dumps(key)}: {re.sub('[^ -~]', escaped, text)}"
+    Arrays in it are written block by block: lists of their numbers would take ten times their memory.
+    """
 
     def escaped(one: re.Match[str]) -> str:
         return one[0] if one[0].isprintable() and _can_be_written(one[0]) else json.dumps(one[0])[1:-1]
 
-    print("{\n" + ",\n".join(line(key, value) for key, value in document.items()) + "\n}")
+    import json
+
+    write = sys.stdout.write
+    # All but the arrays first: what is wrong with it leaves nothing half printed.
+    fields = [(json.dumps(key), list(_pieces(value))) for key, value in document.items()]
+    for k, (key, pieces) in enumerate(fields):
+        write(f"{',' if k else '{'}\n {key}: ")
+        for piece in pieces:
+            if isinstance(piece, str):
+                write(re.sub("[^ -~]", escaped, piece))
+            else:
+                for text in _listed(piece):
+                    write(text)
+    write("\n}\n")
+
+
+def _pieces(value: Any) -> Iterator[str | Float]:
+    """Yield a value as JSON, with the arrays that are in it, or in its entries, as they are."""
+    import json
+
+    if isinstance(value, dict) and any(hasattr(entry, "tolist") for entry in value.values()):
+        for k, (key, entry) in enumerate(value.items()):
+            yield f"{', ' if k else '{'}{json.dumps(key, ensure_ascii=False)}: "
+            yield from _pieces(entry)
+        yield "}"
+    elif hasattr(value, "tolist"):
+        yield value
+    else:
+        yield json.dumps(value, ensure_ascii=False, allow_nan=False)
+
+
+def _listed(array: Float) -> Iterator[str]:
+    """Yield the text of an array, of which what is not finite is null: JSON knows no infinity."""
+    import json
+
+    import numpy as np
+
+    def text(part: Float) -> str:
+        finite = np.isfinite(part)
+        entries = part if finite.all() else np.where(finite, part.astype(object), None)  # type: ignore[call-overload]
+        return json.dumps(entries.tolist(), allow_nan=False)
+
+    if not array.ndim:
+        yield text(array)
+        return
+    yield "["
+    for first in range(0, len(array), _BLOCK):
+        yield f"{', ' if first else ''}{text(array[first : first + _BLOCK])[1:-1]}"
+    yield "]"
 
 
 def _can_be_written(text: str) -> bool:

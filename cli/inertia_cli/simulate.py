@@ -7,12 +7,12 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from inertia.errors import UsageError
-from inertia_cli.options import record, require_recordable
 from inertia_cli.printing import show, write_and_show
 from inertia_cli.progress import Progress
 from inertia_cli.wording import with_options
 
 if TYPE_CHECKING:
+    from inertia.dynamics.run import Run
     from inertia.dynamics.scene.document import Scene
 
 _OPTIONS = {
@@ -27,12 +27,14 @@ FIELDS = {f"run.{name}": option for name, option in _OPTIONS.items()} | {"start.
 """The options that stand for fields of a scene."""
 
 _OF_VARY = ("draws", "seed", "quantity", "jobs", "dask")
+_RECORDING = ".rrd"
 
 _EXAMPLES = """examples:
   inertia simulate scene.toml
   inertia simulate scene.toml --explain
   inertia simulate scene.toml --for 3600 --samples 5 --json
   inertia simulate scene.toml -o run.rrd && inertia play run.rrd
+  inertia simulate scene.toml -o run.parquet -o run.csv
   inertia simulate run.rrd                                    # again, by its own scene
   inertia simulate scene.toml --vary body.mass=1±0.01 --vary 'start.angular_velocity[2]=±1%' --draws 2000
   inertia simulate scene.toml --vary 'load[0].coefficient=0:0.1:11' --quantity tilt -o sweep.csv
@@ -93,7 +95,14 @@ def add_result(parser: argparse.ArgumentParser) -> None:
     result = parser.add_argument_group("result")
     result.add_argument("--explain", action="store_true", help="say which model would run and why, and do not run it")
     result.add_argument("--json", action="store_true", help="print one JSON document (inertia/run/1)")
-    result.add_argument("-o", "--output", metavar="FILE", help="record to FILE.rrd, for `inertia play`")
+    result.add_argument(
+        "-o",
+        "--output",
+        metavar="FILE",
+        action="append",
+        default=[],
+        help="write the run to FILE.rrd, for `inertia play`, or its series to FILE.csv, .npz or .parquet (repeat it)",
+    )
     result.add_argument("--force", action="store_true", help="write over FILE where it exists")
     result.add_argument("--live", action="store_true", help="stream to the Rerun viewer that is open on this machine")
 
@@ -122,7 +131,7 @@ def run(options: argparse.Namespace) -> int:
 def _spread(scene: Scene, options: argparse.Namespace) -> int:
     """Follow many draws of a scene."""
     from inertia.dynamics.spread.ensemble import ensemble
-    from inertia.output import require_writable
+    from inertia.output import require_writable, together
     from inertia.report.spread.document import ensemble_document
     from inertia.report.spread.table import SUFFIXES, write_table
     from inertia.report.spread.text import ensemble_text
@@ -130,7 +139,7 @@ def _spread(scene: Scene, options: argparse.Namespace) -> int:
     for name in ("explain", "live"):
         if getattr(options, name):
             raise UsageError(f"--{name} is of one run, and --vary makes many: leave one of them out")
-    output = None if options.output is None else require_writable(options.output, *SUFFIXES, force=options.force)
+    outputs = _distinct([require_writable(file, *SUFFIXES, force=options.force) for file in options.output])
     scene = _overridden(scene, options)
     with Progress("simulating") as progress:
         result = ensemble(
@@ -143,8 +152,14 @@ def _spread(scene: Scene, options: argparse.Namespace) -> int:
             progress=progress,
             **{name: value for name in ("seed", "samples") if (value := getattr(options, name)) is not None},
         )
+
+    def write() -> None:
+        with together():
+            for file in outputs:
+                write_table(result, file)
+
     write_and_show(
-        lambda: None if output is None else write_table(result, output),
+        write,
         options.json,
         lambda: ensemble_document(result),
         lambda: ensemble_text(result),
@@ -185,9 +200,9 @@ def follow(scene: Scene, options: argparse.Namespace) -> int:
     from inertia.report.run.document import plan_document, run_document
     from inertia.report.run.text import plan_text, run_text
 
-    if options.explain and (options.output is not None or options.live):
+    if options.explain and (options.output or options.live):
         raise UsageError("--explain runs nothing that could be recorded: leave out --output and --live")
-    require_recordable(options)
+    _require_writable(options)
     scene = _overridden(scene, options)
     if options.explain:
         selection = plan(scene)
@@ -195,6 +210,44 @@ def follow(scene: Scene, options: argparse.Namespace) -> int:
         return 0
     motion = simulate_scene(scene)
     write_and_show(
-        lambda: record(motion, options), options.json, lambda: run_document(motion), lambda: run_text(motion)
+        lambda: _write(motion, options), options.json, lambda: run_document(motion), lambda: run_text(motion)
     )
     return 0
+
+
+def _require_writable(options: argparse.Namespace) -> None:
+    """Ask what the files and the viewer need before the work, which may take a while."""
+    if options.output:
+        from inertia.dynamics.columns import FORMATS, pyarrow
+        from inertia.output import require_writable
+
+        files = [require_writable(file, _RECORDING, *FORMATS, force=options.force) for file in options.output]
+        if any(file.suffix.lower() == ".parquet" for file in _distinct(files)):
+            pyarrow()
+    if options.live:
+        from inertia.recording.writer import require_viewer
+
+        require_viewer()
+
+
+def _distinct(files: list[Path]) -> list[Path]:
+    """Return the files that results go to; refuse two in one."""
+    for k, file in enumerate(files):
+        if file.resolve() in [other.resolve() for other in files[:k]]:
+            raise UsageError(f"{file} is named twice: every result needs a file of its own")
+    return files
+
+
+def _write(motion: Run, options: argparse.Namespace) -> None:
+    """Write all files that were asked for, or none, and stream to the viewer."""
+    from inertia.output import together
+
+    recordings = [file for file in options.output if Path(file).suffix.lower() == _RECORDING]
+    with together():
+        for file in options.output:
+            if file not in recordings:
+                getattr(motion, f"to_{Path(file).suffix.lower()[1:]}")(file, force=options.force)
+        for k, file in enumerate(recordings or ([None] if options.live else [])):
+            from inertia.recording.record import record
+
+            record(motion, file, force=options.force, live=options.live and k == 0)

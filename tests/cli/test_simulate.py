@@ -320,3 +320,38 @@ def test_spreads_that_make_no_sense_are_refused(
     code, out, err = run(capsys, "simulate", scene(tmp_path), *words)
     assert (code, out) == (2, "")
     assert sentence in err
+
+
+def test_series_are_written_beside_a_recording_and_all_or_none(
+    capsys: pytest.CaptureFixture[str], tmp_path: Path
+) -> None:
+    outputs = [str(tmp_path / f"run{ending}") for ending in (".csv", ".npz", ".parquet", ".rrd")]
+    options = [word for output in outputs for word in ("-o", output)]
+    code, out, err = run(capsys, "simulate", scene(tmp_path), "--json", *options)
+    assert (code, err) == (0, "")
+    result = json.loads(out)
+    with np.load(outputs[1]) as archive:
+        assert np.array_equal(archive["attitude"], result["attitude"])
+    assert all(Path(output).stat().st_size for output in outputs)
+    code, _, err = run(capsys, "simulate", scene(tmp_path), *options)
+    assert (code, err) == (2, f"inertia: {outputs[0]} exists: give another name, or --force to write over it\n")
+    assert run(capsys, "tumble", HANDLE, *SPIN, *options, "--force")[0] == 0
+    assert json.loads(Path(outputs[0]).read_text().split("\n")[0][2:])["parts"].keys() == {HANDLE}
+
+
+@pytest.mark.parametrize(
+    ("names", "says"),
+    [
+        (["run.txt"], "run.txt: its name must end in .rrd or .csv or .npz or .parquet"),
+        (["run.csv", "./run.csv"], "run.csv is named twice: every result needs a file of its own"),
+    ],
+)
+def test_a_file_of_an_unknown_kind_or_named_twice_is_refused(
+    capsys: pytest.CaptureFixture[str], tmp_path: Path, names: list[str], says: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    file = scene(tmp_path)
+    monkeypatch.chdir(tmp_path)
+    code, out, err = run(capsys, "simulate", file, *(word for name in names for word in ("-o", name)))
+    assert (code, out) == (2, "")
+    assert says in err
+    assert [each.name for each in tmp_path.iterdir()] == ["scene.toml"]

@@ -2,13 +2,18 @@
 
 from __future__ import annotations
 
+import hashlib
+import os
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
 
+from inertia import __version__
 from inertia.arrays import Float, Int
+from inertia.dynamics.columns import Table
 from inertia.dynamics.kinematics import quaternion
 from inertia.dynamics.kinematics.andoyer import Andoyer, to_andoyer
 from inertia.dynamics.kinematics.canonical import momenta
@@ -16,10 +21,12 @@ from inertia.dynamics.kinematics.euler_angles import Convention, to_angles, unwr
 from inertia.dynamics.motion import Event, Motion
 from inertia.dynamics.plan import Plan
 from inertia.dynamics.scene.document import Scene
-from inertia.errors import UsageError
+from inertia.errors import UsageError, visible
 
 _PAIRS = ("turning theta", "steady precession, slow and fast")
 """Quantities that are two numbers, however many samples there are."""
+
+_SERIES = ("time", "attitude", "angular_velocity", "angular_momentum", "energy", "position")
 
 
 @dataclass(frozen=True)
@@ -157,6 +164,49 @@ class Run:
             quantities={**self.quantities, **{name: values[rows] for name, values in self.series.items()}},
         )
 
+    def to_csv(self, path: str | os.PathLike[str], *, force: bool = False) -> None:
+        """Write all series of the run to a CSV file, SI, with names and units; every number reads back as it was.
+
+        The first line is a comment with what the run is of, as JSON, ``inertia/run-table/1``; the second has the names.
+        The file appears when it is whole; one that is there is written over with `force` only.
+        """
+        self._table().to_csv(path, force=force)
+
+    def to_npz(self, path: str | os.PathLike[str], *, force: bool = False) -> None:
+        """Write all series of the run to a NumPy archive, arrays as they are, and `metadata`, JSON; see `to_csv`."""
+        self._table().to_npz(path, force=force)
+
+    def to_parquet(self, path: str | os.PathLike[str], *, force: bool = False) -> None:
+        """Write the columns of `to_csv` to a Parquet file, with the metadata under the key `inertia`.
+
+        Raises `UsageError` where pyarrow is not installed.
+        """
+        self._table().to_parquet(path, force=force)
+
+    def _table(self) -> Table:
+        """Return what goes with the time, and what it is of."""
+        scene, body = self.scene, self.scene.body
+        series = {name: getattr(self, name) for name in _SERIES if getattr(self, name) is not None} | self.series
+        text = scene.source_text
+        figures = {name: _entry(values) for name, values in self.quantities.items() if name not in series}
+        about = {
+            "schema": "inertia/run-table/1",
+            "inertia": __version__,
+            "scene": visible(scene.name),
+            "scene_sha256": None if text is None else hashlib.sha256(text.encode()).hexdigest(),
+            "parts": {visible(part.name): part.source.sha256 for part in (body.part, *body.meshes) if part is not None},
+            "run": {name: getattr(scene.run, name) for name in ("duration", "samples", "accuracy", "model", "method")},
+            "model": self.model,
+            "accuracy": vars(self.error),
+            "warnings": list(self.warnings),
+            "figures": figures,
+        }
+        if body.assembly is None:
+            return Table(series, about)
+        joints = ["rad" if joint.revolute else "m" for joint in body.assembly.joints]
+        poses = [*("m",) * 3, *("1",) * 4] * len(body.assembly.parts)
+        return Table(series, about, {"joint values": joints, "part poses": poses})
+
     def euler_angles(self, convention: Convention = "z-x-z") -> Float:
         """Return Euler angles (n, 3) of the part axes, rad, without jumps (`kinematics.euler_angles`)."""
         return unwrap(to_angles(self.attitude, convention), convention)
@@ -168,6 +218,12 @@ class Run:
     def andoyer(self) -> Andoyer:
         """Return the Serret–Andoyer variables of the part axes (`inertia.dynamics.kinematics.andoyer`)."""
         return to_andoyer(self.attitude, quaternion.to_body(self.attitude, self.angular_momentum))
+
+
+def _entry(values: Float) -> Any:
+    """Return a figure as JSON takes it: null for what is not finite."""
+    array = np.asarray(values)
+    return np.where(np.isfinite(array), array, None).tolist()  # type: ignore[call-overload]
 
 
 def invariants_of(motion: Motion, angular_momentum: Float) -> dict[str, Invariant]:

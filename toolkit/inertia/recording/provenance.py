@@ -15,7 +15,7 @@ from inertia.dynamics.run import Run
 from inertia.dynamics.scene.body import SceneBody
 from inertia.dynamics.scene.document import Scene
 from inertia.dynamics.scene.sections import Settings
-from inertia.errors import ReadError, UsageError, visible
+from inertia.errors import ReadError, visible
 from inertia.mesh.part import Part
 
 _SETTINGS = ("duration", "samples", "accuracy", "model", "method")
@@ -31,7 +31,7 @@ def properties_of(subject: Run | Balance, file: Path | None) -> dict[str, dict[s
 def _of_run(run: Run, file: Path | None) -> dict[str, dict[str, Any]]:
     scene = run.scene
     return {
-        "scene": {"name": visible(scene.name), "text": _text(scene), "folder": _folder(scene.name, file)},
+        "scene": {"name": visible(scene.name), "text": scene.source_text, "folder": _folder(scene.name, file)},
         "settings": {name: getattr(scene.run, name) for name in _SETTINGS},
         **{name: _source(part) for name, part in _source_sections(scene.body).items()},
         "accuracy": {
@@ -51,14 +51,6 @@ def _of_balance(balance: Balance, file: Path | None) -> dict[str, dict[str, Any]
         "accuracy": {"method": error.method, "mass": error.mass, "inertia": error.inertia},
         "verdict": {"outcome": balance.verdict.outcome},
     }
-
-
-def _text(scene: Scene) -> str | None:
-    """Return the text of a scene file that gives the same motion; None where no file can."""
-    try:
-        return scene.to_toml() if scene.text is None else scene.text
-    except UsageError:
-        return None
 
 
 def _source_sections(body: SceneBody) -> dict[str, Part]:

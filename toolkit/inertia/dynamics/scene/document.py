@@ -26,7 +26,7 @@ from inertia.dynamics.loads.torque import Torque
 from inertia.dynamics.scene.body import SceneBody, build
 from inertia.dynamics.scene.parts import build_parts
 from inertia.dynamics.scene.sections import BodySource, Constraint, Frame, Settings, Start
-from inertia.errors import FieldPath, GeometryError
+from inertia.errors import FieldPath, GeometryError, UsageError
 
 _SECTIONS = ("schema", "body", "part", "start", "constraint", "load", "run")
 _FAR = 10.0  # sizes of the body
@@ -111,6 +111,14 @@ class Scene(Document):
             "run": _fields(self.run),
             "load": [load.entries(self.body.axes) for load in self.applied_loads],
         }
+
+    @property
+    def source_text(self) -> str | None:
+        """The text of a scene file that gives the same motion: as it was read, or written anew; None where none can."""
+        try:
+            return self.to_toml() if self.text is None else self.text
+        except UsageError:
+            return None
 
     @property
     def angular_velocity(self) -> Float:

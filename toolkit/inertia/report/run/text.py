@@ -8,6 +8,7 @@ from collections.abc import Iterable, Iterator
 import numpy as np
 
 from inertia.arrays import Float
+from inertia.dynamics.columns import unit_of
 from inertia.dynamics.plan import Plan
 from inertia.dynamics.run import Run
 from inertia.dynamics.scene.body import SceneBody
@@ -17,33 +18,6 @@ from inertia.report.numerals import LABEL, cleared, number, row, wrapped
 _LISTED = 6  # events in the text
 _ROUNDING = 1e-15  # of the largest component of a vector: below it, a component is printed as 0
 _NEGLIGIBLE = 1e-13  # of the largest entry of a series: likewise
-_UNITS = {
-    "energy": "J",
-    "work": "J",
-    "moments": "kg m²",
-    "joint values": "rad or m",
-    "p_phi": "kg m²/s",
-    "p_psi": "kg m²/s",
-    "angular momentum": "kg m²/s",
-    "Appell–Korteweg": "rad/s",
-    "precession": "rad/s",
-    "cone": "rad",
-    "period": "s",
-    "rate": "rad/s",
-    "theta": "rad",
-    "phi": "rad",
-    "psi": "rad",
-    "contact force": "N",
-    "reaction force": "N",
-    "force on bearing": "N",
-    "torque": "N m",
-    "angle": "rad",
-    "distance to": "m",
-    "Jacobi": "J",
-    "contact": "m",
-    "center of mass": "m",
-}
-"""What quantities and invariants are printed in: the first of these words that is in the name decides."""
 _STARTS_IN = {"principal": "along the principal axes", "part": "along the part axes", "space": "along the space axes"}
 
 
@@ -171,4 +145,5 @@ def _listed(values: Float) -> str:
 
 
 def _unit(name: str) -> str:
-    return next((f" {unit}" for word, unit in _UNITS.items() if word in name), "")
+    unit = unit_of(name)
+    return f" {unit}" if unit else ""

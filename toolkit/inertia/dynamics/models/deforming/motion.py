@@ -8,6 +8,7 @@ the centre of mass is fixed in space where nothing but uniform gravity acts (tex
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from itertools import pairwise
 
@@ -28,6 +29,7 @@ _MOST_STEPS = 100_000  # at first
 _PROBES = 33  # instants between two keyframes at which the speed of the motion is looked at
 _ASTRAY = 1e-2  # rad, of steps that are too long for their difference to say anything
 _SINGULAR = 1e-13
+_BLOCK = 4096  # samples that are worked on at once: what is made of them on the way takes far more than the answer
 
 
 def solve_deforming(
@@ -90,39 +92,67 @@ def solve_deforming(
     if not start.any():
         raise UsageError("attitude is the zero quaternion: give one of unit length")
     start = quaternion.normalise(start)
-    first, shape = assembly.shape(np.zeros(1)), assembly.shape(instants)
+    first = assembly.shape(np.zeros(1))
     momentum = _momentum(first, start, angular_velocity, angular_momentum)
     trajectory, reached = _refined(_Flow(assembly, momentum), start, instants, accuracy)
 
-    q = trajectory.at(instants)
-    omega = _spin(shape, quaternion.to_body(q, momentum))
-    energy = _energy(shape, omega)
+    origin = array_of(position, (3,), "position"), array_of(velocity, (3,), "velocity")
+    pull = array_of(gravity, (3,), "gravity")
+
+    def samples(t: Float) -> list[Float]:
+        """Return all that goes with the time, at instants (k,)."""
+        shape, q = assembly.shape(t), trajectory.at(t)
+        omega = _spin(shape, quaternion.to_body(q, momentum))
+        carried = _times(shape.inertia, omega) + shape.internal_angular_momentum
+        offset = quaternion.to_space(start, first.center_of_mass) - quaternion.to_space(q, shape.center_of_mass)
+        flight, fall = np.multiply.outer(t, origin[1]), np.multiply.outer(0.5 * t**2, pull)
+        return [
+            q,
+            omega,
+            origin[0] + offset + flight + fall,
+            quaternion.to_space(q, carried),
+            _energy(shape, omega),
+            shape.inertia,
+            shape.internal_angular_momentum,
+            shape.center_of_mass,
+            shape.joint_values,
+            np.concatenate([shape.part_position, shape.part_attitude], axis=-1),
+        ]
+
+    q, omega, place, carried, energy, tensor, internal, center, joint_values, poses = _by_blocks(samples, instants)
     at_start = _energy(first, _spin(first, quaternion.to_body(start, momentum)))
-    carried = _times(shape.inertia, omega) + shape.internal_angular_momentum
     inside = assembly.shape(trajectory.edges).internal_angular_momentum  # which may vanish at all samples
-    offset = quaternion.to_space(start, first.center_of_mass) - quaternion.to_space(q, shape.center_of_mass)
-    flight = np.multiply.outer(instants, array_of(velocity, (3,), "velocity"))
-    fall = np.multiply.outer(0.5 * instants**2, array_of(gravity, (3,), "gravity"))
     return Motion(
         attitude=q,
         angular_velocity=omega,
         method=f"Gauss collocation on {NODES} nodes (order {NODES + 1}, at keyframes {2 * NODES}), L fixed in space",
         reached=reached,
-        position=array_of(position, (3,), "position") + offset + flight + fall,
-        invariants={"angular momentum": quaternion.to_space(q, carried)}
-        | ({} if assembly.keyframes.size else {"energy": energy}),
+        position=place,
+        invariants={"angular momentum": carried} | ({} if assembly.keyframes.size else {"energy": energy}),
         scales={"angular momentum": float(max(np.linalg.norm(momentum), np.linalg.norm(inside, axis=1).max()))},
         quantities={
-            "inertia": shape.inertia,
-            "internal angular momentum": shape.internal_angular_momentum,
-            "center of mass": shape.center_of_mass,
-            "joint values": shape.joint_values,
-            "part poses": np.concatenate([shape.part_position, shape.part_attitude], axis=-1),
+            "inertia": tensor,
+            "internal angular momentum": internal,
+            "center of mass": center,
+            "joint values": joint_values,
+            "part poses": poses,
             "kinetic energy": energy,
             "work of the joints": energy - at_start,
         },
         steps=len(trajectory.edges) - 1,
     )
+
+
+def _by_blocks(function: Callable[[Float], list[Float]], time: Float) -> list[Float]:
+    """Return the arrays that a function of instants (k,) gives, for all of them (n,)."""
+    whole: list[Float] = []
+    for first in range(0, len(time), _BLOCK):
+        rows = slice(first, first + _BLOCK)
+        part = function(time[rows])
+        whole = whole or [np.empty((len(time), *each.shape[1:])) for each in part]
+        for there, each in zip(whole, part, strict=True):
+            there[rows] = each
+    return whole
 
 
 def _momentum(first: Shape, start: Float, angular_velocity: ArrayLike | None, momentum: ArrayLike | None) -> Float:
@@ -219,10 +249,16 @@ def _refined(flow: _Flow, start: Float, time: Float, accuracy: float) -> tuple[T
         counts = 2 * counts
         coarse, before = trajectory, error
         trajectory = collocate(flow.momentum, flow.coefficients, start, _divided(stops, counts))
-        apart = quaternion.angle_between(trajectory.at(time), coarse.at(time))
-        error = float(apart.max()) + rounding
+        apart = _apart(trajectory, coarse, time)
+        error = apart + rounding
         if error <= accuracy or 0.25 * before <= error < _ASTRAY or counts.sum() > _MOST_STEPS:
             return trajectory, min(error, np.pi)
+
+
+def _apart(trajectory: Trajectory, other: Trajectory, time: Float) -> float:
+    """Return the largest angle in rad between two trajectories at the instants (n,)."""
+    (angles,) = _by_blocks(lambda t: [quaternion.angle_between(trajectory.at(t), other.at(t))], time)
+    return float(angles.max())
 
 
 def _divided(stops: Float, counts: Int) -> Float:
