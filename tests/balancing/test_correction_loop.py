@@ -124,11 +124,15 @@ class TestCase14:
             CorrectionPlane("I", 0.09, "mill", 0.1, width=0.018, max_depth=0.02),
             CorrectionPlane("II", 0.215, "mill", 0.08, width=0.02, max_depth=0.02),
         ),
+        (
+            CorrectionPlane("I", 0.09, "mill_arc", 0.1, width=0.012, max_depth=0.003, cutter=0.04),
+            CorrectionPlane("II", 0.215, "mill_arc", 0.08, width=0.04, max_depth=0.002, depth_step=5e-4),
+        ),
         (CorrectionPlane("I", 0.09, "add", 0.1), CorrectionPlane("II", 0.215, "remove", 0.08)),
         (drilled("I", 90, 100, 12, 16), drilled("II", 209, 80, 12, 16), drilled("III", 221, 80, 12, 16)),
         (drilled("I", 90, 100, 12), CorrectionPlane("II", 0.215, "add", 0.08)),
     ],
-    ids=["several drills", "many holes", "axial", "through", "flats", "masses", "three planes", "mixed"],
+    ids=["several drills", "many holes", "axial", "through", "flats", "arcs", "masses", "three planes", "mixed"],
 )
 def test_every_way_leaves_what_was_asked_at_most(rotor, case_14, planes):
     correction = correct([rotor], [STEEL], on_z(), case_14[0], planes, case_14[1])

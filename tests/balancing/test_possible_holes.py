@@ -19,7 +19,7 @@ from tests.balancing.rotors import two_disc_part
 
 from inertia.balancing.balance import balance
 from inertia.balancing.correction_loop import correct
-from inertia.balancing.corrections.correction_plane import CorrectionPlane
+from inertia.balancing.corrections.correction_plane import CorrectionPlane, Sector
 from inertia.balancing.rotor import Rotor
 from inertia.balancing.tolerance import iso_21940_11
 from inertia.balancing.unbalance import PointMass
@@ -99,6 +99,47 @@ def test_holes_keep_clear_of_a_keyway_and_of_a_bore():
         # The keyway is 12 mm wide, a hole 10, and 1 mm stays between them.
         assert abs(0.1 * math.sin(work.angle)) >= 0.006 + 0.005 + 0.001 - 1e-4 or math.cos(work.angle) < 0
         assert work.remaining_wall >= 0.001 - 1e-9
+
+
+def test_arcs_keep_clear_of_a_keyway_of_sectors_and_of_the_other_plane():
+    slotted = cut(round_part(*RING, unit="mm"), [block([85.0, -6.0, 70.0], np.diag([30.0, 12.0, 60.0]))])
+    arc = {"method": "mill_arc", "radius": 0.1, "width": 0.012, "max_depth": 0.002, "cutter": 0.03}
+    planes = [
+        CorrectionPlane("I", 0.098, forbidden=(Sector(math.radians(20), math.radians(25)),), **arc),
+        CorrectionPlane("II", 0.105, **arc),
+    ]
+    correction = corrected(slotted, heavy(slotted, 90.0, 100.0, degrees=3.0), planes)
+    ends = [
+        (k.plane, (math.degrees(k.angle - k.half_angle) + 180) % 360 - 180, math.degrees(2 * k.half_angle))
+        for k in correction.operations
+    ]
+    assert {plane for plane, _, _ in ends} == {"I", "II"}
+    turn = np.zeros(3600)
+    for plane, start, length in ends:
+        around = np.arange(round(10 * start), round(10 * (start + length))) % 3600
+        turn[around] += 1
+        in_degrees = np.where(around > 1800, around - 3600, around) / 10
+        # The keyway is 12 mm wide at the radius of 100 mm.
+        assert (np.abs(in_degrees) > math.degrees(math.asin(0.06)) - 0.1).all()
+        assert plane == "II" or not ((in_degrees > 20) & (in_degrees < 25)).any()
+    assert turn.max() <= 1
+    assert "tools meet" not in correction.why
+
+
+def test_deeper_and_shorter_arcs_are_taken_where_their_depth_is_what_scatters(tmp_path):
+    part = plate()
+    write_stl([part], tmp_path / "plate.stl", part.unit)
+    fields = {
+        "body": [{"file": "plate.stl", "material": "steel"}],
+        "axis": {"bearing_a": [0, 0, 20], "bearing_b": [0, 0, 160]},
+        "service": {"rpm": 3000},
+        "tolerance": {"e_um": 20},
+        "key": [{"convention": "F", "width": 20, "height": 6, "length": 10, "floor": 90, "z": 90}],
+        "plane": [{"id": "I", "z": 90, "method": "mill_arc", "width": 12, "max_depth": 3}],
+    }
+    result = balance(Rotor.from_dict(fields, folder=tmp_path))
+    assert result.verdict.outcome == "pass"
+    assert all(work.depth >= 0.0015 for work in result.correction.operations)
 
 
 def test_no_hole_starts_in_air_on_a_part_that_is_round_in_part():

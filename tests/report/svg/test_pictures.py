@@ -263,6 +263,24 @@ def test_a_hole_is_on_the_strip_where_its_angle_is_and_named_as_the_machine_coun
     assert "3: 270.0°" in [k.text for k in tree(picture).iter("text")]
 
 
+@pytest.mark.parametrize(("start", "pieces"), [(80.0, 1), (350.0, 2)])
+def test_an_arc_is_on_the_strip_from_its_start_to_its_end(start, pieces):
+    plane = replace(PLANES[0], radius=30.0)
+    ends = (start, (start + 25.0) % 360.0)
+    work = replace(
+        operation("I-1", (start + 12.5) % 360.0), kind="mill_arc", radius=30.0, width=6.0, ends=ends, arc=25.0
+    )
+    (picture,) = wrap(plane, [(3, work)], lambda angle: -angle % 360.0)
+    drawn = styled(picture, "rect", "removed")
+    assert len(drawn) == pieces
+    assert sum(number(k, "width")[0] for k in drawn) == pytest.approx(math.radians(25.0) * 30.0, abs=0.02)
+    texts = [k.text for k in tree(picture).iter("text")]
+    assert {f"{-end % 360.0:.1f}°" for end in ends} <= set(texts)
+    assert "3" in texts
+    shapes = [*tree(end_view(PLANES[0], [], [(1, replace(work, depth=2.0))]))]
+    assert any("removed" in k.get("class", "").split() for k in shapes)
+
+
 def test_the_outline_does_not_depend_on_how_many_triangles_are_taken_at_once():
     part, shaft = inertia.read(path("cone.stl"), unit="mm"), Shaft([0, 0, 0], [0, 0, 1], [1, 0, 0])
     whole = silhouette([part], shaft)

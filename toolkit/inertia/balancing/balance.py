@@ -40,6 +40,7 @@ from inertia.errors import GeometryError, UsageError, placed, require_kind
 from inertia.mass.properties import MassProperties
 
 _LOWER = (1.0, 0.4, 0.1)  # of what is asked for, aimed at while the shop's work leaves too few parts within tolerance
+_DEEPER = (0.5, 0.95)  # of the greatest depth, of arcs, for the same
 _LEAST_TIME = 0.1  # of the time, for each of them
 _ROUNDED = 1e-6  # of a place along the shaft: what float32 leaves of it, as in STL
 
@@ -258,22 +259,45 @@ def _corrected(
     parts, densities, at = [body.part for body in bodies], [body.density for body in bodies], (shaft.z_a, shaft.z_b)
     limit, asked, best, most = _aim(initial, tolerance, at), rotor.fields.plan, None, -1.0
     until = thread_time() + asked.time
-    for lower in _LOWER:
+    attempts = [(lower, 0.0) for lower in _LOWER]
+    if any(plane.method == "mill_arc" for plane in planes):
+        attempts[1:1] = [(1.0, share) for share in _DEEPER]
+    for lower, deeper in attempts:
         seconds = max(until - thread_time(), _LEAST_TIME * asked.time)
         try:
             tried = correct(
-                parts, densities, shaft, initial, planes, limit, uncut=together, aim=lower * asked.aim, seconds=seconds
+                parts,
+                densities,
+                shaft,
+                initial,
+                [_no_shallower(plane, deeper) for plane in planes],
+                limit,
+                uncut=together,
+                aim=lower * asked.aim,
+                seconds=seconds,
             )
         except (UsageError, GeometryError) as error:
+            if best is not None and deeper:
+                continue
             raise placed(error, rotor.name) from None
         within = _scatter(rotor, tried.residual, tried.operations, tolerance, at).within or 0.0
         if within > most:
             best, most = tried, within
-        if not tried.operations or not tried.within or tried.worst > lower * asked.aim or thread_time() > until:
+        if not tried.operations or thread_time() > until or within >= rotor.fields.uncertainty.confidence:
             break
-        if within >= rotor.fields.uncertainty.confidence:
+        if not deeper and (not tried.within or tried.worst > lower * asked.aim):
             break
     return best
+
+
+def _no_shallower(plane: CorrectionPlane, share: float) -> CorrectionPlane:
+    """Return a plane whose arcs go to a share of their greatest depth at least.
+
+    An error of the depth counts the less, the deeper and shorter an arc is.
+    """
+    if plane.method != "mill_arc" or plane.max_depth is None or not share:
+        return plane
+    return replace(plane, min_depth=max(plane.min_depth, share * plane.max_depth))
 
 
 def _scatter(

@@ -117,13 +117,14 @@ class PlaneFields(Section):
     Attributes
     ----------
     id : its name
-    z : place along the shaft: the tools' axes, the middle of a flat, the weights; for axial holes the face they enter
+    z : place along the shaft: the tools' axes, the middle of a flat or an arc, the weights; for axial holes the face
+        they enter
     method : how it is corrected; without one the unbalance is resolved there, and nothing is done to the rotor
-    radius : of the surface that radial drills and flats start from, of the axes of axial holes, of masses and weights;
-        the outer radius of the bodies at z without it
+    radius : of the surface that radial drills, flats and arcs start from, of the axes of axial holes, of masses and
+        weights; the outer radius of the bodies at z without it
     diameters : of the drills at hand
     point_angle : degrees between the lips of a drill; 180 is flat
-    max_depth : of a hole to its shoulder, or of a flat; what the wall allows without it
+    max_depth : of a hole to its shoulder, a flat, or an arc, for which it is needed; what the wall allows without it
     depth_step, angle_step : what the shop can set; the angle in degrees
     angles : "free", {count, offset}, or a list of degrees
     forbidden : sectors [from, to] in degrees that no tool may come into
@@ -131,7 +132,11 @@ class PlaneFields(Section):
     wall : least material left under a hole
     face : of axial holes: "a" where they enter the face to bearing A, "b" to bearing B
     through : axial holes go through; max_depth is the thickness
-    width : of a flat, along the shaft
+    width : of a flat or an arc, along the shaft
+    min_depth : of an arc
+    max_arc, arc_step : degrees, the longest arc, 120 without it, and what the shop can set
+    cutter : diameter of the cutter or wheel that makes arcs, which leaves their ends round; square without it
+    pass_depth : that an arc is taken in at once
     max_mass_g, mass_step_g : grams at one place, and what the shop can weigh, of masses added or removed
     kit : the weights at hand
     most_per_position : weights at one position
@@ -155,6 +160,11 @@ class PlaneFields(Section):
     face: Annotated[Literal["a", "b"] | None, choice("a", "b")] = None
     through: Annotated[bool, flag] = False
     width: Annotated[float | None, number(_LENGTH, positive=True)] = None
+    min_depth: Annotated[float | None, number(_LENGTH, negative=False)] = None
+    max_arc: Annotated[float | None, number("degrees", positive=True)] = None
+    arc_step: Annotated[float | None, number("degrees", negative=False)] = None
+    cutter: Annotated[float | None, number(_LENGTH, positive=True)] = None
+    pass_depth: Annotated[float | None, number(_LENGTH, positive=True)] = None
     max_mass_g: Annotated[float | None, number("g", positive=True)] = None
     mass_step_g: Annotated[float | None, number("g", negative=False)] = None
     kit: Annotated[tuple[WeightFields, ...], tables(WeightFields)] = ()

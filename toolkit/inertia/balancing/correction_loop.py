@@ -24,7 +24,7 @@ from inertia.balancing.axis.shaft import Shaft
 from inertia.balancing.corrections.correction_plane import FULL_TURN, CorrectionPlane
 from inertia.balancing.corrections.drilling import AxialDrill, RadialDrill
 from inertia.balancing.corrections.masses import MassTool
-from inertia.balancing.corrections.milling import FlatCutter
+from inertia.balancing.corrections.milling import ArcCutter, FlatCutter
 from inertia.balancing.corrections.operation import Operation
 from inertia.balancing.corrections.room import no_room, remaining_wall, rooms
 from inertia.balancing.corrections.search import AIM, SECONDS, Plan, Search
@@ -48,6 +48,7 @@ _FINER = 5  # cuts with ever finer steps, where the shop has none
 _FINER_BY = 12.0
 _NEAR = 24  # steps of setting, and of angle, to each side of a place that is mended
 _ASIDE = 6
+_DEPTHS = 12  # that arcs are tried with
 
 
 @dataclass(frozen=True, eq=False)
@@ -244,14 +245,14 @@ class _Loop:
         tools, angles = tools_of_density(plane, 0.0), angles_of(plane)
         if not plane.cuts:
             return tools, [np.full(len(angles), math.inf) for _ in tools]
-        room, density = zip(*(rooms(self.piece.bodies, tool, angles) for tool in tools), strict=True)
-        usable = np.flatnonzero(np.isfinite(density[0]) & (np.max(room, axis=0) > 0))
+        room, density = rooms(self.piece.bodies, tools, angles)
+        usable = np.flatnonzero(np.isfinite(density) & (np.max(room, axis=0) >= 0))
         if len(usable) == 0:
             raise no_room(self.piece.bodies, tools[0], wanted)
         deepest = [max(float(k.max()), 0.0) for k in room]
         nearest = usable[np.abs((angles[usable] - wanted + math.pi) % FULL_TURN - math.pi).argmin()]
-        tools = tools_of_density(plane, float(density[0][nearest]))
-        return tuple(replace(k, limit=most) for k, most in zip(tools, deepest, strict=True)), list(room)
+        tools = tools_of_density(plane, float(density[nearest]))
+        return tuple(replace(k, limit=most) for k, most in zip(tools, deepest, strict=True)), room
 
     def _done(self, places: tuple[_Place, ...], start: Complex) -> _Work:
         """Cut every place by itself and add up what is left."""
@@ -405,14 +406,31 @@ def tools_of_density(plane: CorrectionPlane, density: float) -> tuple[Tool, ...]
         return tuple(WeightTool(plane, density, weight=weight) for weight in plane.kit)
     if plane.method == "mill":
         return (FlatCutter(plane, density),)
+    if plane.method == "mill_arc":
+        return tuple(ArcCutter(plane, density, depth=depth) for depth in _arc_depths(plane))
     if plane.method in ("add", "remove"):
         return (MassTool(plane, density),)
     kind = RadialDrill if plane.method == "drill_radial" else AxialDrill
     return tuple(kind(plane, density, diameter=diameter) for diameter in sorted(plane.diameters))
 
 
+def _arc_depths(plane: CorrectionPlane) -> list[float]:
+    """Return the depths that arcs are tried with: all steps, or some of them up to the greatest."""
+    assert plane.max_depth is not None, "a plane of arcs has a depth"
+    step = plane.depth_step or plane.max_depth / _DEPTHS
+    first, last = (math.ceil(plane.min_depth / step - 1e-9) or 1), math.floor(plane.max_depth / step + 1e-9)
+    if last < first:
+        return [plane.max_depth]
+    numbers = np.unique(np.round(np.linspace(first, last, min(last - first + 1, _DEPTHS))).astype(int))
+    return [round(step * k, 15) for k in numbers.tolist()]
+
+
 def _bound(plane: CorrectionPlane) -> str:
     which = f"plane {plane.id!r}: "
+    if plane.method == "mill_arc":
+        return (
+            which + f"max_depth {1e3 * (plane.max_depth or 0):g} mm and max_arc {math.degrees(plane.max_arc):g} degrees"
+        )
     if plane.method in ("add", "remove") and plane.max_mass is not None:
         return which + f"max_mass {plane.max_mass:g} kg"
     if plane.method == "kit":

@@ -11,7 +11,7 @@ import numpy as np
 from inertia.arrays import Float
 from inertia.balancing.bounds import Uncertainty
 from inertia.balancing.corrections.drilling import axial_volume, radial_unbalance
-from inertia.balancing.corrections.milling import flat_unbalance
+from inertia.balancing.corrections.milling import arc_unbalance, flat_unbalance
 from inertia.balancing.corrections.operation import Operation
 from inertia.balancing.monte_carlo import Term
 from inertia.balancing.unbalance import Complex, Unbalance, plane_weights
@@ -43,6 +43,7 @@ class ShopTolerance:
     ----------
     depth, diameter, radius, z : m
     angle : rad
+    arc : rad, of the length of an arc
     mass : relative, of a weight
     """
 
@@ -51,6 +52,7 @@ class ShopTolerance:
     radius: Spread = Spread(common=1e-4)
     z: Spread = Spread(common=1e-4)
     angle: Spread = Spread(common=math.radians(0.5))
+    arc: Spread = Spread(common=math.radians(0.5))
     mass: Spread = Spread(separate=0.005)
 
     @property
@@ -65,6 +67,7 @@ _STEPS = {
     "radius": (1e-4, "0.1 mm"),
     "z": (1e-4, "0.1 mm"),
     "angle": (math.radians(1.0), "1°"),
+    "arc": (math.radians(1.0), "1°"),
     "mass": (0.01, "1 %"),
 }
 
@@ -128,7 +131,7 @@ def _shared(name: str, work: Operation) -> str:
         return "zero mark"
     if name == "mass" and work.item is not None:
         return f"weights {work.item}"
-    if name in ("depth", "diameter") and work.tool_diameter is not None:
+    if name in ("depth", "diameter") and work.tool_diameter is not None and work.kind != "mill_arc":
         return f"drill Ø{1e3 * work.tool_diameter:.6g}"
     return f"plane {work.plane}"
 
@@ -182,6 +185,12 @@ def _relative_rates(work: Operation, shop: ShopTolerance) -> dict[str, float]:
             }
         case "mill_flat":
             return {"depth": _rate(lambda x: flat_unbalance(1.0, radius, width, x), depth, shop.depth.total)}
+        case "mill_arc":
+            arc, cutter = work.arc or 0.0, work.tool_diameter
+            return {
+                "depth": _rate(lambda x: arc_unbalance(1.0, radius, width, x, arc, cutter), depth, shop.depth.total),
+                "arc": _rate(lambda x: arc_unbalance(1.0, radius, width, depth, x, cutter), arc, shop.arc.total),
+            }
         case _:
             return {"mass": 1.0, "radius": 1.0 / radius}
 

@@ -37,6 +37,9 @@ _PLAIN_NUMBERS = {  # fields of a plane, what `CorrectionPlane` calls them, and 
     "web": ("web", True),
     "wall": ("min_wall", True),
     "width": ("width", True),
+    "cutter": ("cutter", True),
+    "pass_depth": ("pass_depth", True),
+    "min_depth": ("min_depth", True),
     "face": ("face", False),
 }
 
@@ -136,9 +139,9 @@ class Rotor(Document):
     @property
     def shop(self) -> ShopTolerance:
         """What the shop holds."""
-        fields, scales = self.fields.uncertainty, {"angle": math.radians(1.0), "mass": 1.0}
+        fields, scales = self.fields.uncertainty, {"angle": math.radians(1.0), "arc": math.radians(1.0), "mass": 1.0}
         spreads = {}
-        for name in ("depth", "diameter", "radius", "z", "angle", "mass"):
+        for name in ("depth", "diameter", "radius", "z", "angle", "arc", "mass"):
             if (value := getattr(fields, name)) is None:
                 continue
             if not isinstance(value, HalfWidths):
@@ -175,8 +178,9 @@ class Rotor(Document):
                 options[argument] = metres * value if is_length else value
         if plane.point_angle is not None:
             options["point_angle"] = math.radians(plane.point_angle)
-        if plane.angle_step is not None:
-            options["angle_step"] = math.radians(plane.angle_step)
+        for name in ("angle_step", "arc_step", "max_arc"):
+            if (degrees := getattr(plane, name)) is not None:
+                options[name] = math.radians(degrees)
         if plane.mass_step_g is not None:
             options["mass_step"] = 1e-3 * plane.mass_step_g
         if plane.max_mass_g is not None:

@@ -267,6 +267,7 @@ class UncertaintyFields(Section):
         one tool does
     radius, z : the same of where holes and weights are, common in a plane
     angle : the same in degrees, common to all, as an error of the zero mark is
+    arc : the same in degrees, of the length of arcs, common in a plane
     mass : the same of a weight, as a part of it; a number is separate
     confidence : the share of parts that has to be within tolerance for PASS
     draws : of the Monte Carlo; four times as many where they do not tell
@@ -281,6 +282,7 @@ class UncertaintyFields(Section):
     radius: Annotated[float | HalfWidths | None, _half_width(_LENGTH)] = None
     z: Annotated[float | HalfWidths | None, _half_width(_LENGTH)] = None
     angle: Annotated[float | HalfWidths | None, _half_width("degrees")] = None
+    arc: Annotated[float | HalfWidths | None, _half_width("degrees")] = None
     mass: Annotated[float | HalfWidths | None, _half_width("", below=1.0)] = None
     confidence: Annotated[float, number("", positive=True, below=1.0)] = 0.95
     draws: Annotated[int, integer(100, _MOST_DRAWS)] = 10_000

@@ -84,6 +84,37 @@ def block(corner: ArrayLike, edges: ArrayLike) -> Surface:
     return Surface(np.asarray(corner, float) + ends @ np.asarray(edges, float), _BLOCK_FACES)
 
 
+def ring_segment(angles: Float, inner: Float, outer: float, low: float, high: float) -> Surface:
+    """Return a part of a ring about z: at angles (n,) from distances (n,) to `outer`, between two heights.
+
+    >>> from inertia.mass.triangles.moments_from_sums import moments_of
+    >>> from inertia.mass.triangles.sums import sum_triangles
+    >>> quarter = ring_segment(np.array([0.0, np.pi / 2]), np.array([1.0, 1.0]), 2.0, 0.0, 2.0)
+    >>> round(float(moments_of(sum_triangles(quarter)).zeroth), 12)
+    3.0
+
+    Parameters
+    ----------
+    angles : rad, ascending
+    inner : distances from z
+    outer : a distance that is larger than all of them
+    low, high : heights
+    """
+    turns = np.column_stack([np.cos(angles), np.sin(angles)])
+    flat = np.concatenate([inner[:, None] * turns, outer * turns])
+    vertices = np.concatenate([np.column_stack([flat, np.full(len(flat), height)]) for height in (low, high)])
+    n = len(angles)
+    here = np.arange(n - 1)
+    i, o, j, p = (here + k * n for k in range(4))  # inner and outer at the low end, inner and outer at the high one
+    first, last = np.arange(4) * n, np.arange(4) * n + n - 1
+    quads = [
+        (j, p, p + 1, j + 1), (i, i + 1, o + 1, o), (o, o + 1, p + 1, p), (i, j, j + 1, i + 1),
+        tuple(first[[0, 1, 3, 2], None]), tuple(last[[0, 2, 3, 1], None]),
+    ]  # fmt: skip
+    corners = np.concatenate([np.column_stack(quad) for quad in quads])
+    return Surface(vertices, np.concatenate([corners[:, [0, 1, 2]], corners[:, [0, 2, 3]]]))
+
+
 @dataclass(frozen=True, eq=False)
 class _Body:
     """One body of a part: its triangles, its box (2, 3), and its solid, scaled by 2^−exponent.

@@ -10,11 +10,13 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from dataclasses import dataclass
 
 import numpy as np
 
-from inertia.arrays import Float
+from inertia.arrays import Float, Int
 from inertia.balancing.corrections.correction_plane import FULL_TURN
+from inertia.balancing.corrections.milling import ArcCutter
 from inertia.balancing.corrections.standard_weights import WeightTool
 from inertia.balancing.corrections.steps import Steps
 from inertia.balancing.unbalance import Complex
@@ -22,6 +24,7 @@ from inertia.balancing.unbalance import Complex
 DIRECTIONS = 36
 _TANGENTS = 64
 _CLASSES = 5
+_MOST_CLASSES = 16
 _MOST_PLACES = 64
 _GROWS = 1e-9
 
@@ -39,8 +42,11 @@ def extents(steps: Sequence[Steps], enough: float = math.inf) -> Float:
     plane = steps[0].tool.plane
     alike = plane.angles == "free" and all(np.ptp(k.most) == 0 for k in steps if np.isfinite(k.most).any())
     directions = FULL_TURN * np.arange(1 if alike else DIRECTIONS) / DIRECTIONS
-    of_one = _of_weights if plane.method == "kit" and plane.angles != "free" else _of_places
-    reach = [of_one(steps, direction, enough) for direction in directions.tolist()]
+    if plane.method == "kit" and plane.angles != "free":
+        reach = [_of_weights(steps, direction, enough) for direction in directions.tolist()]
+    else:
+        classes = _classes(steps)
+        reach = [_of_places(steps, direction, enough, classes) for direction in directions.tolist()]
     longest = max(len(k) for k in reach)
     table = np.array([np.concatenate([k, np.full(longest - len(k), k[-1])]) for k in reach]).T
     return np.tile(table, (1, DIRECTIONS)) if alike else table
@@ -61,32 +67,56 @@ def _of_weights(steps: Sequence[Steps], direction: float, enough: float) -> Floa
     return reach[: int(np.searchsorted(reach, enough)) + 1]
 
 
-def _of_places(steps: Sequence[Steps], direction: float, enough: float) -> Float:
+@dataclass(frozen=True, eq=False)
+class _Classes:
+    """Settings in classes: of which steps, first and last; what class each counts as, and how far two keep apart."""
+
+    of: list[tuple[int, int, int]]
+    group: Int
+    gaps: Float
+
+
+def _classes(steps: Sequence[Steps]) -> _Classes:
+    of, sines = [], []
+    for number, each in enumerate(steps):
+        ends = np.unique(np.linspace(0, len(each.settings), min(_CLASSES, len(each.settings)) + 1).astype(int))
+        of += [(number, low, high) for low, high in zip(ends[:-1].tolist(), ends[1:].tolist(), strict=True)]
+    shallow = [float(steps[n].settings[low]) for n, low, _ in of]
+    for n, _, _ in of:
+        tool = steps[n].tool
+        own = isinstance(tool, ArcCutter)  # holes that run towards the shaft may be nearer beside one less deep
+        settings = [shallow[len(sines)]] * len(of) if own else np.minimum(shallow, shallow[len(sines)]).tolist()
+        apart = {k: math.sin(min(0.5 * tool.apart_at(min(k, tool.greatest)), 0.5 * math.pi)) for k in set(settings)}
+        sines.append([apart[k] for k in settings])
+    halves = np.array(sines)
+    gaps = 2.0 * np.arcsin(np.minimum(0.5 * (halves + halves.T), 1.0))
+    group = np.arange(len(of))
+    if len(of) > _MOST_CLASSES:
+        # Classes that are nearly as wide count as one, with the unbalance of the largest and the distance of the least.
+        order = np.argsort(halves.diagonal(), kind="stable")
+        group[order] = np.arange(len(of)) * _MOST_CLASSES // len(of)
+        merged = np.full((_MOST_CLASSES, _MOST_CLASSES), math.inf)
+        np.minimum.at(merged, (group[:, None], group[None, :]), gaps)
+        gaps = merged
+    return _Classes(of, group, gaps)
+
+
+def _of_places(steps: Sequence[Steps], direction: float, enough: float, classes: _Classes) -> Float:
     relative = (steps[0].angles - direction + math.pi) % FULL_TURN - math.pi
     order = np.argsort(relative, kind="stable")
     order = order[np.abs(relative[order]) < 0.5 * math.pi]
     angles = relative[order]
-    sizes, shallow, sines = [], [], []
-    for each in steps:
-        ends = np.unique(np.linspace(0, len(each.settings), min(_CLASSES, len(each.settings)) + 1).astype(int))
-        for low, high in zip(ends[:-1].tolist(), ends[1:].tolist(), strict=True):
-            last = np.searchsorted(each.settings, each.most[order] + 1e-9, side="right") - 1
-            value = each.sizes[np.clip(last, 0, high - 1)] * np.cos(angles)
-            sizes.append(np.where(last >= low, value, -math.inf))
-            shallow.append(float(each.settings[low]))
-            sines.append(each)
     if not len(angles):
         return np.zeros(1)
-    classes = len(sizes)
-    before = np.empty((len(angles), classes, classes), int)
-    for k in range(classes):
-        for j in range(classes):
-            depth = min(shallow[k], shallow[j])
-            pair = [math.sin(0.5 * sines[i].tool.apart_at(min(depth, sines[i].tool.greatest))) for i in (k, j)]
-            gap = 2.0 * math.asin(min(0.5 * sum(pair), 1.0))
-            before[:, k, j] = np.searchsorted(angles, angles - gap + 1e-9, side="right")
-    value = np.column_stack(sizes)
-    every = np.arange(classes)
+    count = len(classes.gaps)
+    value = np.full((len(angles), count), -math.inf)
+    for (number, low, high), group in zip(classes.of, classes.group.tolist(), strict=True):
+        each = steps[number]
+        last = np.searchsorted(each.settings, each.most[order] + 1e-9, side="right") - 1
+        along = each.sizes[np.clip(last, 0, high - 1)] * np.cos(angles)
+        value[:, group] = np.maximum(value[:, group], np.where(last >= low, along, -math.inf))
+    before = np.searchsorted(angles, angles[:, None, None] - classes.gaps + 1e-9, side="right")
+    every = np.arange(count)
     best, reach = value, [0.0]
     for _ in range(_MOST_PLACES):
         most = float(best.max())
@@ -95,7 +125,7 @@ def _of_places(steps: Sequence[Steps], direction: float, enough: float) -> Float
         reach.append(most)
         if most > enough:
             break
-        upto = np.vstack([np.full(classes, -math.inf), np.maximum.accumulate(best, axis=0)])
+        upto = np.vstack([np.full(count, -math.inf), np.maximum.accumulate(best, axis=0)])
         best = value + upto[before, every].max(axis=2)
     return np.array(reach)
 

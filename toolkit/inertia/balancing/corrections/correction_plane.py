@@ -12,13 +12,15 @@ from typing import Literal
 
 from inertia.errors import UsageError
 
-Process = Literal["add", "remove", "drill_radial", "drill_axial", "mill", "kit"]
-PROCESSES: tuple[Process, ...] = ("add", "remove", "drill_radial", "drill_axial", "mill", "kit")
+Process = Literal["add", "remove", "drill_radial", "drill_axial", "mill", "mill_arc", "kit"]
+PROCESSES: tuple[Process, ...] = ("add", "remove", "drill_radial", "drill_axial", "mill", "mill_arc", "kit")
 
 FULL_TURN = 2 * math.pi
 _DRILL = math.radians(118)
 _ANGLE_STEP = math.radians(0.5)
 _DEPTH_STEP = 1e-4
+_ARC_STEP = math.radians(1.0)
+_LONGEST = math.radians(120.0)
 _NEARLY = 1e-9  # rad
 
 
@@ -87,13 +89,16 @@ class CorrectionPlane:
     Attributes
     ----------
     id : its name
-    z : m along the shaft: the tools' axes, the middle of a flat, the weights; for axial holes the face they enter
-    method : "add" or "remove" (point masses), "drill_radial", "drill_axial", "mill" (flats) or "kit" (weights)
-    radius : m, of the surface that radial drills and flats start from; of the axes of axial holes; of added masses
+    z : m along the shaft: the tools' axes, the middle of a flat or an arc, the weights; for axial holes the face
+        they enter
+    method : "add" or "remove" (point masses), "drill_radial", "drill_axial", "mill" (flats), "mill_arc" (arcs of
+        the rim) or "kit" (weights)
+    radius : m, of the surface that radial drills, flats and arcs start from; of the axes of axial holes; of added
+        masses
     diameters : m, of the drills at hand
     point_angle : rad, of the drills; π is flat
-    max_depth : m, to the shoulder of a drill, or of a flat; None for what the wall allows, but towards the shaft half
-        of the radius at most
+    max_depth : m, to the shoulder of a drill, or of a flat or an arc, for which it is needed; None for what the wall
+        allows, but towards the shaft half of the radius at most
     depth_step, angle_step : m and rad, what the shop can hold; 0 for no rounding
     angles : "free", or the angles (rad) at which corrections may sit
     forbidden : sectors that no tool may come into
@@ -101,7 +106,12 @@ class CorrectionPlane:
     min_wall : m, least material left under a tool, and beside a hole
     face : of axial holes: "a" if the face looks to bearing A (the drill goes towards B), else "b"
     through : axial holes go through: `max_depth` is the thickness
-    width : m along the shaft, of a flat
+    width : m along the shaft, of a flat or an arc
+    min_depth : m, of an arc
+    max_arc, arc_step : rad, the longest arc, and what the shop can set; 180° takes most
+    cutter : m, diameter of the cutter or wheel that makes arcs, its axis parallel to the shaft, which leaves their ends
+        round; None for square ends
+    pass_depth : m, that an arc is taken in at once; None for all of it
     max_mass : kg at one place, of added or removed masses
     mass_step : kg, what the shop can weigh
     kit : the weights at hand
@@ -126,6 +136,11 @@ class CorrectionPlane:
     face: Literal["a", "b"] | None = None
     through: bool = False
     width: float | None = None
+    min_depth: float = 0.0
+    max_arc: float = _LONGEST
+    arc_step: float = _ARC_STEP
+    cutter: float | None = None
+    pass_depth: float | None = None
     max_mass: float | None = None
     mass_step: float = 0.0
     kit: tuple[KitWeight, ...] = ()
@@ -136,19 +151,17 @@ class CorrectionPlane:
             raise self._fault(f"method is {self.method!r}", f"use one of {', '.join(PROCESSES)}")
         if not math.isfinite(self.z):
             raise self._fault(f"z is {self.z!r} m", "give a finite place along the shaft")
-        for name in ("radius", "max_depth", "width", "max_mass"):
+        for name in ("radius", "max_depth", "width", "max_arc", "cutter", "pass_depth", "max_mass"):
             value = getattr(self, name)
             if value is not None and not 0 < value < math.inf:
                 raise self._fault(f"{name} is {value!r}", "it must be positive and finite")
-        for name in ("depth_step", "angle_step", "mass_step", "web", "min_wall"):
+        for name in ("depth_step", "angle_step", "arc_step", "min_depth", "mass_step", "web", "min_wall"):
             if not 0 <= getattr(self, name) < math.inf:
                 raise self._fault(f"{name} is {getattr(self, name)!r}", "it must be finite and not negative")
         if self.method.startswith("drill"):
             self._check_drills()
-        if self.method == "mill" and self.width is None:
-            raise self._fault("a milled flat has no width", "give its width along the shaft")
-        if self.method == "mill" and self.max_depth is not None and self.max_depth >= self.radius:
-            raise self._fault(f"max_depth {self.max_depth:g} m reaches the shaft's axis", "give less than the radius")
+        if self.method in ("mill", "mill_arc"):
+            self._check_cutter()
         if self.method == "kit":
             self._check_kit()
         if self.angles != "free" and not self.angles:
@@ -183,6 +196,32 @@ class CorrectionPlane:
         if self.through and self.max_depth is None:
             raise self._fault("through holes have no depth", "give the thickness as max_depth")
 
+    def _check_cutter(self) -> None:
+        what = "flat" if self.method == "mill" else "arc"
+        if self.width is None:
+            raise self._fault(f"a milled {what} has no width", "give its width along the shaft")
+        if self.max_depth is not None and self.max_depth >= self.radius:
+            raise self._fault(f"max_depth {self.max_depth:g} m reaches the shaft's axis", "give less than the radius")
+        if what == "flat":
+            return
+        if self.max_depth is None:
+            raise self._fault("a milled arc has no depth", "give the greatest as max_depth")
+        if self.min_depth > self.max_depth:
+            raise self._fault(
+                f"min_depth {1e3 * self.min_depth:g} mm is more than max_depth {1e3 * self.max_depth:g} mm", "give less"
+            )
+        if self.max_arc > math.pi * (1 + _NEARLY):
+            raise self._fault(
+                f"max_arc is {math.degrees(self.max_arc):g} degrees", "a longer arc than 180 degrees takes less again"
+            )
+        sunk = self.max_depth * (2 * self.radius - self.max_depth) / (self.radius - self.max_depth)
+        if self.cutter is not None and self.cutter < sunk:
+            raise self._fault(
+                f"a cutter of {1e3 * self.cutter:g} mm goes in deeper than half of it at a depth of "
+                f"{1e3 * self.max_depth:g} mm",
+                f"give a smaller max_depth, or a cutter of at least {1e3 * sunk:.4g} mm",
+            )
+
     def _check_kit(self) -> None:
         if not self.kit:
             raise self._fault("its kit is empty", "give the masses of the weights at hand")
@@ -212,7 +251,7 @@ class CorrectionPlane:
     @property
     def cuts(self) -> bool:
         """Whether it is the mesh that is cut."""
-        return self.method in ("drill_radial", "drill_axial", "mill")
+        return self.method in ("drill_radial", "drill_axial", "mill", "mill_arc")
 
     def forbids(self, angle: float, margin: float = 0.0) -> bool:
         """Say whether a tool at `angle` that reaches `margin` to both sides (rad) comes into a forbidden sector."""

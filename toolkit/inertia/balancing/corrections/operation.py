@@ -9,12 +9,12 @@ from dataclasses import dataclass
 from typing import Literal
 
 Method = Literal["add", "remove"]
-Kind = Literal["point_mass", "drill_radial", "drill_axial", "mill_flat", "weight"]
+Kind = Literal["point_mass", "drill_radial", "drill_axial", "mill_flat", "mill_arc", "weight"]
 
 
 @dataclass(frozen=True)
 class Operation:
-    """One hole, flat or weight.
+    """One hole, flat, arc or weight.
 
     Attributes
     ----------
@@ -31,10 +31,13 @@ class Operation:
     unbalance : kg·m, what the operation adds to the unbalance: m·r·exp(i·angle) for mass added, its opposite for mass
         removed
     unbalance_z : m along the shaft, where that unbalance acts
-    tool_diameter : m, of a drill
+    tool_diameter : m, of a drill, or of the cutter of an arc
     point_angle : rad, between the lips of a drill; π is flat
-    depth : m, of a hole to the shoulder, where the full diameter ends (the point goes deeper), or of a flat
-    width : m along the shaft, of a flat
+    depth : m, of a hole to the shoulder, where the full diameter ends (the point goes deeper), or of a flat or an arc
+    width : m along the shaft, of a flat or an arc
+    arc : rad, between the ends of an arc, half of it on either side of `angle`
+    half_angle : rad, that it takes of the rim on either side of `angle`, a cutter's reach included; of an arc
+    passes : in which an arc is taken
     remaining_wall : m of material left under the tool, where the mesh is at hand
     pieces : weights at this place
     item : what the kit calls the weight
@@ -54,6 +57,9 @@ class Operation:
     point_angle: float | None = None
     depth: float | None = None
     width: float | None = None
+    arc: float | None = None
+    half_angle: float | None = None
+    passes: int = 1
     remaining_wall: float | None = None
     pieces: int = 1
     item: str | None = None

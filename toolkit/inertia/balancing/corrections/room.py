@@ -15,6 +15,7 @@ import numpy as np
 
 from inertia.arrays import Bool, Float, Int
 from inertia.balancing.corrections.correction_plane import FULL_TURN
+from inertia.balancing.corrections.milling import ArcCutter
 from inertia.balancing.corrections.tool import Ray, Tool
 from inertia.balancing.corrections.workpiece import Body, run
 from inertia.errors import GeometryError
@@ -22,18 +23,46 @@ from inertia.errors import GeometryError
 _TOUCHING = 1e-6  # m: bodies with a gap no wider than this are one wall
 _PROUD = 0.01  # of the radius: how far the surface may be from where the tool starts
 _TINY = 1e-12
+_AROUND = 720  # angles at which the rim is looked at for an arc
 _BESIDE = 1.7e-8  # m or rad: rays run beside the edges of round parts, which stand at round angles
 
 
-def rooms(bodies: Sequence[Body], tool: Tool, angles: Float) -> tuple[Float, Float]:
-    """Return the greatest setting of a tool at angles (m,) rad, −∞ where it cannot start, and the density there.
+def rooms(bodies: Sequence[Body], tools: Sequence[Tool], angles: Float) -> tuple[list[Float], Float]:
+    """Return the greatest setting of each tool at angles (m,) rad, −∞ where it cannot start, and the density there.
 
     Parameters
     ----------
     bodies : in shaft axes
-    tool : one that cuts
+    tools : of one plane, those that cut
     angles : ascending
     """
+    if not isinstance(tools[0], ArcCutter):
+        each = [_deepest(bodies, tool, angles) for tool in tools]
+        return [deep for deep, _ in each], each[0][1]
+    around = FULL_TURN * np.arange(_AROUND) / _AROUND
+    depth, density = _deepest(bodies, tools[0], around)
+    nearest = np.round(angles / FULL_TURN * _AROUND).astype(int) % _AROUND
+    room = []
+    for tool in tools:
+        assert isinstance(tool, ArcCutter)
+        bad = around[depth < tool.depth - _TINY]
+        room.append(
+            tool.within(_from_nearest(bad, angles) - FULL_TURN / _AROUND)
+            if len(bad)
+            else np.full(len(angles), math.inf)
+        )
+    return room, density[nearest]
+
+
+def _from_nearest(places: Float, angles: Float) -> Float:
+    """Return how far angles are from the nearest of ascending places (k,), rad."""
+    above = np.searchsorted(places, angles % FULL_TURN)
+    apart = [np.abs((angles - places[k % len(places)] + math.pi) % FULL_TURN - math.pi) for k in (above - 1, above)]
+    return np.minimum(*apart)
+
+
+def _deepest(bodies: Sequence[Body], tool: Tool, angles: Float) -> tuple[Float, Float]:
+    """Return how deep a tool may go at angles (m,) rad, −∞ where it cannot start, and the density there."""
     plane = tool.plane
     room = np.full(len(angles), math.inf)
     starts, density = np.zeros(len(angles)), np.zeros(len(angles))
@@ -45,9 +74,11 @@ def rooms(bodies: Sequence[Body], tool: Tool, angles: Float) -> tuple[Float, Flo
         meets = np.isfinite(enter)
         deep = math.inf if plane.through else leave - ray.ahead
         limit = np.where(meets, deep, -math.inf if ray.lag is not None else math.inf)
-        if ray.lag is not None:
-            with np.errstate(invalid="ignore"):
+        with np.errstate(invalid="ignore"):
+            if ray.lag is not None:
                 limit[~(np.abs(enter - starts) <= ray.lag + _TOUCHING)] = -math.inf
+            else:  # beside the rim there may be air, but no shoulder
+                limit[enter - starts < -max(_PROUD * plane.radius, _TOUCHING)] = -math.inf
         room = np.minimum(room, limit)
     return np.where(room > 0, room, -math.inf), density
 
@@ -177,10 +208,11 @@ def remaining_wall(bodies: Sequence[Body], tool: Tool, angle: float, setting: fl
     a wall beside them.
     """
     limits = [math.inf]
+    angles, deep = tool.under(angle, setting)
     for ray in tool.rays():
-        _, leave, _ = _material(bodies, tool, ray, np.array([angle]))
-        if ray.under is not None and not tool.plane.through and np.isfinite(leave[0]):
-            limits.append(float(leave[0]) - setting - ray.under)
+        _, leave, _ = _material(bodies, tool, ray, angles)
+        if ray.under is not None and not tool.plane.through and np.isfinite(leave).any():
+            limits.append(float(np.nanmin(leave)) - deep - ray.under)
     limits += [
         stretch[1] - beside
         for origin, direction, beside in tool.sideways(angle, setting)

@@ -13,14 +13,15 @@ import numpy as np
 
 from inertia.arrays import Bool, Float
 from inertia.balancing.corrections.correction_plane import FULL_TURN, CorrectionPlane
-from inertia.balancing.corrections.drilling import Drill
-from inertia.balancing.corrections.milling import FlatCutter
+from inertia.balancing.corrections.drilling import Drill, RadialDrill
+from inertia.balancing.corrections.milling import ArcCutter, Cutter
 from inertia.balancing.corrections.tool import Tool
 
 _FINE = math.radians(0.5)  # between angles where any may be set
 _ANGLES = 1440  # tried around the shaft; finer steps are set where the places are known
 _SETTINGS = 512
 _SAME = 1e-9
+_RIM = Cutter | RadialDrill
 _ALONG = 64  # places along a tool at which its distance from another is taken
 
 
@@ -114,11 +115,22 @@ def room_beside(tool: Tool, angles: Float, other: Tool, angle: float, setting: f
         return _between_drills(tool, angles, other, angle, setting)
     if tool.plane.id == other.plane.id:
         away = np.abs((angles - angle + math.pi) % FULL_TURN - math.pi)
-        if isinstance(tool, FlatCutter):
-            half = np.clip(away - other.half_angle_at(setting), 0.0, 0.5 * math.pi)
-            return np.where(half > 0, tool.plane.radius * (1.0 - np.cos(half)) + _SAME * tool.plane.radius, -math.inf)
+        if isinstance(tool, Cutter):
+            return tool.within(away - other.half_angle_at(setting))
         room[away < 0.5 * (tool.apart_at(0.0) + other.apart_at(0.0)) - _SAME] = -math.inf
+    elif _meet_along(tool, other):
+        away = np.abs((angles - angle + math.pi) % FULL_TURN - math.pi) - other.half_angle_at(setting)
+        if isinstance(tool, Cutter):
+            return tool.within(away)
+        room[away < tool.half_angle_at(tool.greatest) - _SAME] = -math.inf
     return room
+
+
+def _meet_along(tool: Tool, other: Tool) -> bool:
+    """Say whether an arc and other work on the rim in another plane reach into each other's width."""
+    widths = [k.along if isinstance(k, Cutter) else 0.5 * k.diameter for k in (tool, other) if isinstance(k, _RIM)]
+    arcs = isinstance(tool, ArcCutter) or isinstance(other, ArcCutter)
+    return arcs and len(widths) == 2 and abs(tool.plane.z - other.plane.z) < sum(widths)
 
 
 def _between_drills(tool: Drill, angles: Float, other: Drill, angle: float, setting: float) -> Float:

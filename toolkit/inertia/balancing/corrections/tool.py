@@ -1,13 +1,15 @@
 """`Tool`: what every way of correcting by degrees has in common; each has a module of its own.
 
-A tool is set to a depth (drills, flats; m) or a mass (added and removed masses; kg), and takes or adds the more
-unbalance the larger its setting is.
+A tool is set to a depth (drills, flats; m), an arc (rad) or a mass (added and removed masses; kg), and takes or adds
+the more unbalance the larger its setting is.
 """
 
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from dataclasses import dataclass
+
+import numpy as np
 
 from inertia.arrays import Float
 from inertia.balancing.corrections.correction_plane import CorrectionPlane
@@ -113,6 +115,10 @@ class Tool(ABC):
         All are measured from the surface that depths are measured from.
         """
         return ()
+
+    def under(self, angle: float, setting: float) -> tuple[Float, float]:
+        """Return the angles (m,) rad under which the wall is measured, and how deep it goes there, m."""
+        return np.array([angle]), setting
 
     def sideways(self, angle: float, setting: float) -> list[tuple[Float, Float, float]]:
         """Return rays, origin and direction (3,), along which the wall beside the tool is measured, and its radius."""

@@ -137,6 +137,8 @@ def _place(operation: Operation, middle: float) -> Float:
 
 def _description(operation: Operation) -> str:
     """Return what is done in a few words."""
+    if operation.arc is not None and operation.depth is not None and operation.half_angle is not None:
+        return f"arc of {math.degrees(2.0 * operation.half_angle):.4g}°, {1e3 * operation.depth:.4g} mm deep"
     if operation.tool_diameter is not None and operation.depth is not None:
         return f"Ø {1e3 * operation.tool_diameter:.4g}, {1e3 * operation.depth:.4g} mm deep"
     if operation.depth is not None:

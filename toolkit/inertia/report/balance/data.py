@@ -37,6 +37,7 @@ KINDS: dict[Kind, str] = {
     "drill_radial": "radial hole",
     "drill_axial": "axial hole",
     "mill_flat": "flat",
+    "mill_arc": "arc",
     "weight": "weight",
 }
 """The kinds of operation in words."""
@@ -160,8 +161,12 @@ class OperationRow:
     z, radius : mm
     angle : degrees
     machine_angle : degrees, as the balancing machine counts them
-    diameter, point : mm and degrees, of a drill
+    diameter, point : mm and degrees, of a drill, or mm of a cutter
     depth, depth_tolerance, width : mm
+    arc : degrees between the ends of an arc
+    ends : (start, end) of what an arc takes of the rim, degrees counter-clockwise, a cutter's reach included
+    machine_ends : the same as the balancing machine counts them, in its sense
+    passes : in which an arc is taken
     mass : g
     unbalance : kg m
     wall : mm of material that stays under the tool
@@ -185,12 +190,26 @@ class OperationRow:
     depth: float | None = None
     depth_tolerance: float | None = None
     width: float | None = None
+    arc: float | None = None
+    ends: tuple[float, float] | None = None
+    machine_ends: tuple[float, float] | None = None
+    passes: int = 1
     wall: float | None = None
     pieces: int = 1
     item: str | None = None
     per_tenth: float | None = None
     per_degree: float | None = None
     machine_angle: float = math.nan
+
+    @property
+    def span(self) -> float:
+        """How much of the rim an arc takes, degrees."""
+        return 0.0 if self.ends is None else (self.ends[1] - self.ends[0]) % 360.0
+
+    @property
+    def along_rim(self) -> float:
+        """The same in mm."""
+        return math.radians(self.span) * self.radius
 
 
 @dataclass(frozen=True, eq=False)

@@ -20,8 +20,8 @@ Document = dict[str, Any]
 _PLANES = ("state", "plane", "z_mm", "unbalance_gmm", "unbalance_deg", "permissible_gmm", "bearing_force_N")
 _OPERATIONS = (
     "step", "id", "plane", "method", "kind", "z_mm", "angle_deg", "machine_angle_deg", "radius_mm", "tool_diameter_mm",
-    "point_angle_deg", "depth_mm", "width_mm", "mass_g", "unbalance_gmm", "unbalance_deg", "remaining_wall_mm",
-    "pieces", "item",
+    "point_angle_deg", "depth_mm", "width_mm", "arc_deg", "from_deg", "to_deg", "machine_from_deg", "machine_to_deg",
+    "arc_mm", "passes", "mass_g", "unbalance_gmm", "unbalance_deg", "remaining_wall_mm", "pieces", "item",
 )  # fmt: skip
 
 
@@ -220,10 +220,26 @@ def _operation(step: int, work: OperationRow) -> Document:
         "tool_diameter_mm": work.diameter,
         "depth_mm": work.depth,
         "width_mm": work.width,
+        **_arc(work),
         "remaining_wall_mm": work.wall,
         "point_angle_deg": work.point,
         "pieces": work.pieces,
         "item": work.item,
+    }
+
+
+def _arc(work: OperationRow) -> Document:
+    """Return what is said of an arc; null for what is none."""
+    (start, stop), (first, last) = work.ends or (None, None), work.machine_ends or (None, None)
+    along = None if work.ends is None else work.along_rim
+    return {
+        "arc_deg": work.arc,
+        "from_deg": start,
+        "to_deg": stop,
+        "machine_from_deg": first,
+        "machine_to_deg": last,
+        "arc_mm": along,
+        "passes": None if work.arc is None else work.passes,
     }
 
 

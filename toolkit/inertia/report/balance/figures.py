@@ -194,6 +194,8 @@ def _operations(balance: Balance) -> tuple[OperationRow, ...]:
 
 def _operation(balance: Balance, work: Operation, rates: Mapping[str, float]) -> OperationRow:
     angle = math.degrees(work.angle)
+    turned = balance.rotor.fields.report.machine_angles == "cw"
+    ends = None if work.half_angle is None else _ends(angle, math.degrees(work.half_angle))
     depth = rates.get(f"{work.id}: depth")
     return OperationRow(
         id=work.id,
@@ -202,7 +204,7 @@ def _operation(balance: Balance, work: Operation, rates: Mapping[str, float]) ->
         kind=work.kind,
         z=MM * work.z,
         angle=angle,
-        machine_angle=angle if balance.rotor.fields.report.machine_angles == "ccw" else -angle % 360.0,
+        machine_angle=-angle % 360.0 if turned else angle,
         radius=MM * work.radius,
         mass=1e3 * work.mass,
         unbalance=work.unbalance,
@@ -211,12 +213,20 @@ def _operation(balance: Balance, work: Operation, rates: Mapping[str, float]) ->
         depth=_mm(work.depth),
         depth_tolerance=None if work.depth is None else MM * balance.rotor.shop.depth.total,
         width=_mm(work.width),
+        arc=None if work.arc is None else math.degrees(work.arc),
+        ends=ends,
+        machine_ends=(-ends[1] % 360.0, -ends[0] % 360.0) if ends is not None and turned else ends,
+        passes=work.passes,
         wall=_mm(work.remaining_wall),
         pieces=work.pieces,
         item=work.item,
         per_tenth=rates.get(f"{work.id}: radius") if depth is None else depth,
         per_degree=rates.get(f"{work.id}: angle"),
     )
+
+
+def _ends(angle: float, half: float) -> tuple[float, float]:
+    return (angle - half) % 360.0, (angle + half) % 360.0
 
 
 def _mm(length: float | None) -> float | None:

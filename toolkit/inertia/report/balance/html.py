@@ -47,6 +47,7 @@ _METHODS = {
     "drill_radial": "radial holes",
     "drill_axial": "axial holes",
     "mill": "milled flats",
+    "mill_arc": "milled arcs",
     "kit": "weights of a kit",
 }
 _KEYS = {"H": "half key", "F": "full key", "N": "no key"}
@@ -217,14 +218,23 @@ def _face(plane: PlaneRow) -> str:
     """Return the face that the tools of a plane enter."""
     if plane.method == "drill_axial":
         return "to A" if plane.face == "a" else "to B"
-    return "outside" if plane.method in ("drill_radial", "mill") else "–"
+    return "outside" if plane.method in ("drill_radial", "mill", "mill_arc") else "–"
 
 
 def _tool(work: OperationRow) -> str:
     if work.item is not None:
         return f"{work.pieces} × {work.item}"
     width = "" if work.width is None else f", {plain(work.width, 2)} mm wide"
-    return f"{KINDS[work.kind]}{width}"
+    passes = f", {work.passes} passes" if work.passes > 1 else ""
+    return f"{KINDS[work.kind]}{_from_to(work)}{width}{passes}"
+
+
+def _from_to(work: OperationRow) -> str:
+    """Return where an arc begins and ends on the machine, and how long it is on the rim."""
+    if work.machine_ends is None:
+        return ""
+    start, stop = work.machine_ends
+    return f" from {fixed(start, 1)}° to {fixed(stop, 1)}°, {fixed(work.along_rim, 1)} mm along the rim"
 
 
 def _step(work: OperationRow) -> str:
@@ -232,7 +242,8 @@ def _step(work: OperationRow) -> str:
     deep = "" if work.depth is None else f", {fixed(work.depth, 2)} mm deep"
     if work.method == "remove":
         bit = "" if work.diameter is None else f" Ø{plain(work.diameter, 2)}"
-        what = f"{KINDS[work.kind]}{bit}{deep}"
+        passes = f" in {work.passes} passes" if work.passes > 1 else ""
+        what = f"{KINDS[work.kind]}{_from_to(work)}{bit and f',{bit}' if work.ends else bit}{deep}{passes}"
     else:
         what = _tool(work)
     return f"{what}, radius {fixed(work.radius, 2)} mm, {significant(work.mass, 4, 3)} g"

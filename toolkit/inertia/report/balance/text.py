@@ -153,6 +153,8 @@ def _operations(data: ReportData) -> Iterator[str]:
 
 def _operation(work: OperationRow, width: int) -> str:
     what = f"{work.method} {KINDS[work.kind]}" if work.item is None else f"add {work.pieces} × {work.item}"
+    if work.ends is not None:
+        what += f" of {work.span:.1f}°"
     tool = "" if work.diameter is None else f"Ø{number(round(work.diameter, 6))}"
     depth = "" if work.depth is None else fixed(work.depth, 2)
     wall = "" if work.wall is None else fixed(work.wall, 2)

@@ -225,6 +225,7 @@ def _operation(result: Measurement, work: Operation) -> Document:
         "unbalance_gmm": abs(work.unbalance) / GRAM_MILLIMETRE,
         "tool_diameter_mm": None if work.tool_diameter is None else work.tool_diameter / _MM,
         "depth_mm": None if work.depth is None else work.depth / _MM,
+        "arc_deg": None if work.arc is None else math.degrees(work.arc),
         "item": work.item,
         "pieces": work.pieces,
     }

@@ -73,6 +73,11 @@ def _draw(canvas: Canvas, work: OperationRow, scale: float) -> None:
         half = math.acos(max(-1.0, 1.0 - work.depth / work.radius))
         arc = [cmath.rect(scale * work.radius, half * (2.0 * k / _STEPS - 1.0)) * out for k in range(_STEPS + 1)]
         canvas.polygon(map(_at, arc), "removed")
+    elif work.ends is not None and work.depth:
+        angles = [work.ends[0] + work.span * k / _STEPS for k in range(_STEPS + 1)]
+        outer = [_at(rectangular(scale * work.radius, angle)) for angle in angles]
+        inner = [_at(rectangular(scale * (work.radius - work.depth), angle)) for angle in reversed(angles)]
+        canvas.polygon([*outer, *inner], "removed")
     else:
         canvas.circle(_at(scale * work.radius * out), 1.4, "added" if work.method == "add" else "removed")
 

@@ -90,6 +90,13 @@ def _lane(canvas: Canvas, plane: PlaneRow, labels: Sequence[_Label], top: float,
         work = label.operation
         wide = math.degrees((work.diameter or 0.0) / work.radius) * (_x(1) - _x(0))
         radius = min(max(0.5 * wide, 0.9), 0.5 * _LARGEST)
+        if work.ends is not None:
+            start, stop = work.ends
+            for low, high in [(start, stop)] if start <= stop else [(start, 360.0), (0.0, stop)]:
+                canvas.rectangle((_x(low), top + 2.5), _x(high) - _x(low), 4.0, "removed")
+            place = (label.x, top + height - 1.0 - _LEVEL * label.level)
+            canvas.text(place, label.text, size=_TEXT, style="halo")
+            continue
         canvas.circle((_x(work.angle), top + 4.5), radius, "added" if work.method == "add" else "removed")
         place = (label.x, top + height - 1.0 - _LEVEL * label.level)
         canvas.text(place, label.text, size=_TEXT, style="halo")

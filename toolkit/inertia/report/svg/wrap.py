@@ -77,7 +77,12 @@ def _piece(
     here = [(step, work) for step, work in operations if start <= work.angle * degree < stop]
     places = sorted(work.angle * degree for _, work in here)
     roomy = all(b - a > _LABEL for a, b in pairwise(places))
+    for step, work in operations:
+        if work.ends is not None:
+            _arc(canvas, step, work, shown, (degree, start, stop))
     for step, work in here:
+        if work.ends is not None:
+            continue
         label = f"{step}: {fixed(shown(work.angle), 1)}°" if roomy else str(step)
         _mark(canvas, label, work, (_LEFT + work.angle * degree - start, middle))
     title = f"plane {plane.id}, z {plain(plane.z, 2)} mm, Ø {plain(2 * (plane.radius or 0.0), 2)} mm"
@@ -95,6 +100,33 @@ def _mark(canvas: Canvas, label: str, work: OperationRow, at: tuple[float, float
     canvas.line((x - radius - 1.5, y), (x + radius + 1.5, y), "thin")
     canvas.line((x, _TOP), (x, _TOP + _BAND), "thin")
     canvas.text((x + 1.0, _TOP + 3.2), label, size=_TEXT, anchor="start", style="strong halo")
+
+
+def _arc(
+    canvas: Canvas, step: int, work: OperationRow, shown: Callable[[float], float], piece: tuple[float, float, float]
+) -> None:
+    """Draw what of an arc lies on a piece: its length on the rim, its width, and the angles of its ends."""
+    degree, start, stop = piece
+    low, high = work.ends or (0.0, 0.0)
+    half = min(0.5 * (work.width or 4.0), 0.5 * _BAND)
+    y = _TOP + 0.5 * _BAND - half
+    labelled = False
+    for first, last in [(low, high)] if low <= high else [(low, 360.0), (0.0, high)]:
+        a, b = max(first * degree, start), min(last * degree, stop)
+        if a >= b:
+            continue
+        canvas.rectangle((_LEFT + a - start, y), b - a, 2.0 * half, "removed")
+        if not labelled:
+            canvas.text(
+                (_LEFT + a - start + 1.0, _TOP + 3.2), str(step), size=_TEXT, anchor="start", style="strong halo"
+            )
+            labelled = True
+        for angle, anchor in ((low, "start"), (high, "end")):
+            x = angle * degree
+            if a - 1e-9 <= x <= b + 1e-9 and (angle == low) == (x < 0.5 * (a + b)):
+                canvas.line((_LEFT + x - start, _TOP), (_LEFT + x - start, _TOP + _BAND), "thin")
+                place = (_LEFT + x - start + (1.0 if anchor == "start" else -1.0), _TOP + 6.6)
+                canvas.text(place, f"{fixed(shown(angle), 1)}°", size=_TEXT, anchor=anchor, style="halo")
 
 
 def _ruler(canvas: Canvas) -> None:
