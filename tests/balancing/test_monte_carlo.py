@@ -212,6 +212,13 @@ def test_each_bearings_sensitivity_is_that_of_a_shaft_that_is_moved():
             assert (np.abs(change - moved.sensitivities * step) <= 1.001 * room + 1e-12).all()
 
 
+def test_the_length_of_an_arc_scatters_by_the_sine_of_its_half():
+    """An arc of U = c sin(φ/2) changes by c cos(φ/2)/2 for each radian of its length."""
+    work = Operation("I-1", "I", 0.09, "remove", "mill_arc", 3.7, 0.1, 0, -1e-3, 0.09, depth=0.002, width=0.01, arc=0.9)
+    (term,) = (k for k in operation_terms([work], Unbalance(10.0, 0.13, 0, 0), PLANES, SHOP) if k.name.endswith("arc"))
+    assert term.sensitivities == pytest.approx(in_planes([(0.09, -1e-3 * 0.5 / math.tan(0.45))]), rel=1e-4)
+
+
 @pytest.mark.parametrize("work", planned(), ids=lambda work: work.kind)
 def test_sensitivities_of_the_shops_work_are_the_derivatives(work):
     rotor = Unbalance(10.0, 0.13, 0.0, 0.0)

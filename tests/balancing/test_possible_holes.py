@@ -108,7 +108,7 @@ def test_arcs_keep_clear_of_a_keyway_of_sectors_and_of_the_other_plane():
         CorrectionPlane("I", 0.098, forbidden=(Sector(math.radians(20), math.radians(25)),), **arc),
         CorrectionPlane("II", 0.105, **arc),
     ]
-    correction = corrected(slotted, heavy(slotted, 90.0, 100.0, degrees=3.0), planes)
+    correction = corrected(slotted, heavy(slotted, 60.0, 100.0, degrees=3.0), planes)
     ends = [
         (k.plane, (math.degrees(k.angle - k.half_angle) + 180) % 360 - 180, math.degrees(2 * k.half_angle))
         for k in correction.operations

@@ -48,7 +48,7 @@ _FINER = 5  # cuts with ever finer steps, where the shop has none
 _FINER_BY = 12.0
 _NEAR = 24  # steps of setting, and of angle, to each side of a place that is mended
 _ASIDE = 6
-_DEPTHS = 12  # that arcs are tried with
+_DEPTHS, _DEPTHS_AT_PLACES = 5, 12  # that arcs are tried with, at free angles and at listed ones
 
 
 @dataclass(frozen=True, eq=False)
@@ -415,13 +415,17 @@ def tools_of_density(plane: CorrectionPlane, density: float) -> tuple[Tool, ...]
 
 
 def _arc_depths(plane: CorrectionPlane) -> list[float]:
-    """Return the depths that arcs are tried with: all steps, or some of them up to the greatest."""
+    """Return the depths that arcs are tried with: all steps, or some of them up to the greatest.
+
+    Where angles are free, they and the arcs' lengths reach any vector with few depths.
+    """
     assert plane.max_depth is not None, "a plane of arcs has a depth"
-    step = plane.depth_step or plane.max_depth / _DEPTHS
+    most = _DEPTHS if plane.angles == "free" else _DEPTHS_AT_PLACES
+    step = plane.depth_step or plane.max_depth / most
     first, last = (math.ceil(plane.min_depth / step - 1e-9) or 1), math.floor(plane.max_depth / step + 1e-9)
     if last < first:
         return [plane.max_depth]
-    numbers = np.unique(np.round(np.linspace(first, last, min(last - first + 1, _DEPTHS))).astype(int))
+    numbers = np.unique(np.round(np.linspace(first, last, min(last - first + 1, most))).astype(int))
     return [round(step * k, 15) for k in numbers.tolist()]
 
 

@@ -36,15 +36,16 @@ class Spread:
 class ShopTolerance:
     """What the shop holds, as half-widths; 0 for what is exact.
 
-    What is common is drawn once for all operations that share it: depth and diameter for those of one tool, radius and
-    z for those in one plane, the angle, which is that of the zero mark, for all of them, the mass for equal weights.
+    What is common is drawn once for all operations that share it: depth and diameter for those of one tool, radius, z
+    and arc for those in one plane, the angle, which is that of the zero mark, for all of them, the mass for
+    equal weights.
 
     Attributes
     ----------
     depth, diameter, radius, z : m
     angle : rad
-    arc : rad, of the length of an arc
     mass : relative, of a weight
+    arc : rad, of the length of an arc
     """
 
     depth: Spread = Spread(common=1e-4)
@@ -52,8 +53,8 @@ class ShopTolerance:
     radius: Spread = Spread(common=1e-4)
     z: Spread = Spread(common=1e-4)
     angle: Spread = Spread(common=math.radians(0.5))
-    arc: Spread = Spread(common=math.radians(0.5))
     mass: Spread = Spread(separate=0.005)
+    arc: Spread = Spread(common=math.radians(0.5))
 
     @property
     def separately(self) -> ShopTolerance:

@@ -77,7 +77,8 @@ class _Classes:
 
 
 def _classes(steps: Sequence[Steps]) -> _Classes:
-    of, sines = [], []
+    of: list[tuple[int, int, int]] = []
+    sines: list[list[float]] = []
     for number, each in enumerate(steps):
         ends = np.unique(np.linspace(0, len(each.settings), min(_CLASSES, len(each.settings)) + 1).astype(int))
         of += [(number, low, high) for low, high in zip(ends[:-1].tolist(), ends[1:].tolist(), strict=True)]

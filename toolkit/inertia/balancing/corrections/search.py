@@ -11,8 +11,9 @@ from __future__ import annotations
 import itertools
 import math
 from collections import Counter
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, field, replace
+from functools import reduce
 from time import thread_time
 
 import numpy as np
@@ -350,8 +351,6 @@ class Search:
 
     def _filled(self, spots: Sequence[Spot], vector: complex) -> tuple[Spot, ...]:
         """Set the places up to their settings so that they leave the least of a vector."""
-        from scipy.optimize import lsq_linear
-
         size = abs(vector)
         k = spots[0][0]
         steps = self.steps[k]
@@ -359,8 +358,7 @@ class Search:
         most = np.array([steps.sizes[s] for _, _, s in spots])
         if size == 0 or steps.sizes[0] >= most.min():
             return tuple(spots)
-        matrix, target = np.vstack([turns.real, turns.imag]), np.array([vector.real, vector.imag]) / size
-        shares = size * lsq_linear(matrix, target, (steps.sizes[0] / size, most / size), tol=1e-12).x
+        shares = _within_box(turns, vector, np.full(len(spots), steps.sizes[0]), most)
         return tuple(
             (k, a, min(int(np.abs(steps.sizes[: s + 1] - share).argmin()), s))
             for (_, a, s), share in zip(spots, shares.tolist(), strict=True)
@@ -416,7 +414,7 @@ class Search:
             ideal = _best_sizes(rest, effects, steps.sizes[0], steps.sizes[last[at]])
             above = np.searchsorted(steps.sizes, ideal)
             for s in (np.clip(above, 0, last[at]), np.clip(above - 1, 0, last[at])):
-                left = np.abs(rest + effects * steps.sizes[s][:, None]).max(axis=1)
+                left = _largest(rest[j] + effects[:, j] * steps.sizes[s] for j in range(len(rest)))
                 place = int(left.argmin())
                 if left[place] < worst * (1 - _GAIN):
                     best, worst = (k, int(at[place]), int(s[place])), float(left[place])
@@ -468,8 +466,8 @@ class Search:
             return []
         if len(a) * steps.count <= _PAIRED:
             _, b, t = self._spots(m, others, None)
-            effects = gain * (steps.sizes[t] * np.exp(1j * steps.angles[b]))[:, None]
-            tried = np.abs(lefts[:, None] + effects).max(axis=2)
+            vectors = steps.sizes[t] * np.exp(1j * steps.angles[b])
+            tried = _largest(lefts[:, None, j] + gain[j] * vectors for j in range(len(gain)))
             one, other = np.nonzero(tried < worst * (1 - _GAIN))
             left = tried[one, other]
             best = np.argpartition(left, _FOLLOWED)[:_FOLLOWED] if len(left) > _FOLLOWED else np.arange(len(left))
@@ -485,7 +483,8 @@ class Search:
         for b, up in itertools.product((beside, beside - 1), (0, 1)):
             b = b % len(steps.angles)
             t = np.clip(above - up, 0, np.maximum(last[b], 0))
-            tried = np.abs(lefts + gain * (steps.sizes[t] * np.exp(1j * steps.angles[b]))[:, None]).max(axis=1)
+            vectors = steps.sizes[t] * np.exp(1j * steps.angles[b])
+            tried = _largest(lefts[:, j] + gain[j] * vectors for j in range(len(gain)))
             tried = np.where(last[b] >= 0, tried, math.inf)
             better = np.flatnonzero(tried < worst * (1 - _GAIN))
             if len(better) > _FOLLOWED:
@@ -546,7 +545,7 @@ class Search:
         if not all(len(k) for k in sums):
             return None
         if len(sums) == 1:
-            left = np.abs(self.start + sums[0][:, None] * gains[0]).max(axis=1)
+            left = _largest(at + sums[0] * gain for at, gain in zip(self.start, gains[0], strict=True))
             best = int(left.argmin())
             return _spots(listed[0][best]), float(left[best])
         result = None
@@ -611,6 +610,35 @@ def _worst(rest: Complex) -> float:
     return float(np.abs(rest).max(initial=0.0))
 
 
+def _largest(vectors: Iterable[Complex]) -> Float:
+    """Return the largest magnitude of arrays, place by place."""
+    return reduce(np.maximum, (np.abs(each) for each in vectors))
+
+
+def _within_box(turns: Complex, vector: complex, low: Float, high: Float) -> Float:
+    """Return u (n,) between limits for which Σ u turns comes near a vector, as far from the limits as can be.
+
+    Those that would go past a limit are put on it, and the others make up the rest, the least moved of all from the
+    middle.
+    """
+    shares = 0.5 * (low + high)
+    free = np.ones(len(turns), bool)
+    rows = np.stack([turns.real, turns.imag])
+    for _ in range(len(turns)):
+        rest = vector - complex((shares * turns).sum())
+        matrix = rows[:, free] * (high - low)[free]
+        moves, *_ = np.linalg.lstsq(matrix, np.array([rest.real, rest.imag]), rcond=1e-9)
+        wanted = shares[free] + moves * (high - low)[free]
+        shares[free] = np.clip(wanted, low[free], high[free])
+        past = (wanted < low[free]) | (wanted > high[free])
+        if not past.any():
+            break
+        free[np.flatnonzero(free)[past]] = False
+        if not free.any():
+            break
+    return shares
+
+
 def _shares(number: int, most: Sequence[int]) -> Iterator[tuple[int, ...]]:
     """Yield all ways to share a number among planes that take so many at most."""
     if len(most) == 1:
@@ -637,6 +665,6 @@ def _best_sizes(rest: Complex, effects: Complex, low: float, high: Float) -> Flo
             linear = -0.5 * c / np.where(b == 0, 1.0, b)
             flat += [np.where(a != 0, (sign * root - b) / np.where(a == 0, 1.0, a), linear) for sign in (1.0, -1.0)]
     tried = np.clip(np.array(flat), low, high)
-    left = np.abs(rest + tried[..., None] * effects).max(axis=2)
+    left = _largest(rest[j] + tried * effects[:, j] for j in range(len(rest)))
     best: Float = tried[left.argmin(axis=0), np.arange(len(effects))]
     return best

@@ -48,8 +48,9 @@ def end_view(plane: PlaneRow, loops: Sequence[Float], operations: Sequence[tuple
     canvas.line((_CENTER[0], _CENTER[1] - 2), (_CENTER[0], _CENTER[1] + 2), "thin")
     for step, work in operations:
         _draw(canvas, work, scale)
-        beside = -(work.depth or 0.0) if work.kind == "drill_radial" else 0.5 * (work.diameter or 0.0)
-        away = -_AWAY if work.kind == "drill_radial" else _AWAY
+        inward = work.kind in ("drill_radial", "mill_arc")
+        beside = -(work.depth or 0.0) if inward else 0.5 * (work.diameter or 0.0)
+        away = -_AWAY if inward else _AWAY
         x, y = _at(rectangular(scale * (work.radius + beside) + away, work.angle))
         canvas.text((x, y + 1.0), str(step), size=_TEXT, style="strong halo")
     length = next(k for k in _round_lengths() if k * scale > 8.0)
