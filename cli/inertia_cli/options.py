@@ -27,6 +27,11 @@ def add_input(parser: argparse.ArgumentParser) -> None:
         metavar="PART",
         help="STL, OBJ, PLY, OFF, glTF, 3MF, Collada, STEP, VTK, Gmsh, Nastran, Abaqus, ...; - for standard input",
     )
+    add_reading(parser)
+
+
+def add_reading(parser: Any) -> None:
+    """Add how a mesh is read."""
     parser.add_argument("--unit", metavar="UNIT", help="length unit of the coordinates: mm (assumed), m, in, ...")
     parser.add_argument("--unpack-limit", type=float, metavar="GIB", help="that a compressed file may unpack to (2)")
     parser.add_argument("--format", metavar="KIND", help="kind of file, where its contents should not decide")
@@ -56,7 +61,7 @@ def add_density(parser: argparse.ArgumentParser) -> None:
     )
 
 
-def add_orientation(parser: argparse.ArgumentParser) -> None:
+def add_orientation(parser: Any) -> None:
     """Add which way the shells are taken to face."""
     parser.add_argument(
         "--orientation",

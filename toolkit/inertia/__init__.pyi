@@ -41,6 +41,9 @@ from inertia.mass.tessellation import richardson as richardson
 from inertia.work_precision.trade import trade as trade
 from inertia.work_precision.trade import Trade as Trade
 
+# Many files become a table.
+from inertia.batching.batch import batch as batch
+
 # Mass properties go out to other programs' files.
 from inertia.exchange.export import export as export
 

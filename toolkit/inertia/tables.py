@@ -1,10 +1,35 @@
-"""Tables as CSV, in which no text is a formula."""
+"""Tables: CSV in which no text is a formula, and tables with typed columns as CSV, JSON lines or Parquet.
+
+CSV and JSON lines cannot say what their columns hold; a file beside them, whose name goes on with ``.meta.json``, does.
+In Parquet that stands in the metadata, under `inertia`, and with each column.
+"""
 
 from __future__ import annotations
 
 import csv
 import io
-from collections.abc import Iterable
+import json
+import math
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any, Literal, NamedTuple
+
+from inertia.errors import ReadError, UsageError, visible
+from inertia.output import require_writable, together, whole, write_whole
+
+SUFFIXES = (".parquet", ".csv", ".jsonl")
+_ROWS = 65_536  # in a group of Parquet's
+_ARROW = {"text": "string", "integer": "int64", "number": "float64", "truth": "bool_"}
+
+
+class Column(NamedTuple):
+    """A column: `kind` is "text", "integer", "number" (float64) or "truth"; `unit` is "" where there is none."""
+
+    name: str
+    kind: Literal["text", "integer", "number", "truth"]
+    unit: str
+    meaning: str
 
 
 def csv_text(rows: Iterable[Iterable[object]]) -> str:
@@ -41,3 +66,152 @@ def _no_formula(cell: object) -> object:
     except ValueError:
         return f"'{cell}"
     return cell
+
+
+def require_table(file: str, *, force: bool = False) -> Path:
+    """Return the path of a table that can be written; raise `UsageError` where it cannot: see `require_writable`."""
+    path = require_writable(file, *SUFFIXES, force=force)
+    if path.suffix.lower() == ".parquet":
+        _pyarrow()
+    else:
+        require_writable(_beside(path), force=force)
+    return path
+
+
+@contextmanager
+def table_writer(
+    path: Path | None, columns: Sequence[Column], about: Mapping[str, Any]
+) -> Iterator[Callable[[Mapping[str, Any]], None]]:
+    """Yield what writes a row; the table appears when the context is left without an error, whole.
+
+    The same rows give the same bytes. Text is written as it may be printed, and a number that is not finite as null.
+
+    Parameters
+    ----------
+    path : its suffix says what it becomes; None for JSON lines on standard output
+    about : what is said of the table beside its columns: its schema, ...
+    """
+    described = json.dumps({**about, "columns": [column._asdict() for column in columns]}, ensure_ascii=False, indent=1)
+    cells = [(column.name, column.kind) for column in columns]
+
+    def plain(row: Mapping[str, Any]) -> list[Any]:
+        return [_cell(row.get(name), kind) for name, kind in cells]
+
+    if path is None:
+        yield lambda row: print(_line(columns, plain(row)), end="")
+        return
+    with together(), whole(path) as beside:
+        if path.suffix.lower() == ".parquet":
+            with _parquet(beside, columns, described) as add:
+                yield lambda row: add(plain(row))
+            return
+        with beside.open("w", encoding="utf-8", newline="") as file:
+            if path.suffix.lower() == ".csv":
+                file.write(csv_text([[column.name for column in columns]]))
+
+            def write(row: Mapping[str, Any]) -> None:
+                values = plain(row)
+                as_csv = path.suffix.lower() == ".csv"
+                file.write(csv_text([map(_printed, values)]) if as_csv else _line(columns, values))
+
+            yield write
+        write_whole(_beside(path), f"{described}\n".encode())
+
+
+def _line(columns: Sequence[Column], values: list[Any]) -> str:
+    row = {column.name: value for column, value in zip(columns, values, strict=True)}
+    return json.dumps(row, ensure_ascii=False, allow_nan=False) + "\n"
+
+
+def _printed(value: Any) -> Any:
+    return ("true" if value else "false") if isinstance(value, bool) else value
+
+
+def _cell(value: Any, kind: str) -> Any:
+    if value is None:
+        return None
+    if kind == "text":
+        return visible(value) or None
+    if kind == "number":
+        return float(value) if math.isfinite(value) else None
+    return bool(value) if kind == "truth" else int(value)
+
+
+def _beside(path: Path) -> Path:
+    return path.with_name(f"{path.name}.meta.json")
+
+
+def _pyarrow() -> Any:
+    try:
+        import pyarrow.parquet
+    except ImportError:
+        raise UsageError("pyarrow is missing, which writes and reads Parquet: install inertia[parquet]") from None
+    return pyarrow
+
+
+@contextmanager
+def _parquet(path: Path, columns: Sequence[Column], described: str) -> Iterator[Callable[[list[Any]], None]]:
+    pyarrow = _pyarrow()
+    schema = pyarrow.schema(
+        [
+            pyarrow.field(
+                column.name,
+                getattr(pyarrow, _ARROW[column.kind])(),
+                metadata={"unit": column.unit, "meaning": column.meaning},
+            )
+            for column in columns
+        ],
+        metadata={"inertia": described},
+    )
+    rows: list[list[Any]] = []
+
+    def flush() -> None:
+        arrays = [pyarrow.array([row[k] for row in rows], field.type) for k, field in enumerate(schema)]
+        writer.write_table(pyarrow.Table.from_arrays(arrays, schema=schema))
+        rows.clear()
+
+    def add(row: list[Any]) -> None:
+        rows.append(row)
+        if len(rows) == _ROWS:
+            flush()
+
+    with pyarrow.parquet.ParquetWriter(path, schema) as writer:
+        yield add
+        flush()
+
+
+def read_table(path: Path) -> tuple[dict[str, Any], Iterator[dict[str, Any]]]:
+    """Return what is said of a table that `table_writer` wrote, and its rows.
+
+    Raises `ReadError` where it is none.
+    """
+    try:
+        if path.suffix.lower() == ".parquet":
+            file = _pyarrow().parquet.ParquetFile(path)
+            about = json.loads((file.schema_arrow.metadata or {})[b"inertia"])
+            return about, (row for batch in file.iter_batches() for row in batch.to_pylist())
+        about = json.loads(_beside(path).read_text(encoding="utf-8"))
+        kinds = {column["name"]: column["kind"] for column in about["columns"]}
+        if path.suffix.lower() == ".csv":
+            return about, _csv_rows(path, kinds)
+        return about, _json_rows(path)
+    except OSError as error:
+        raise ReadError(f"cannot read {error.filename or path}: {error.strerror or error}") from None
+    except (KeyError, ValueError) as error:
+        raise ReadError(f"cannot read {path}: it is no table that a batch wrote ({visible(str(error))})") from None
+
+
+def _json_rows(path: Path) -> Iterator[dict[str, Any]]:
+    with path.open(encoding="utf-8") as file:
+        yield from map(json.loads, file)
+
+
+_FROM_TEXT: dict[str, Callable[[str], Any]] = {
+    "text": cell_text, "integer": int, "number": float, "truth": "true".__eq__,
+}  # fmt: skip
+
+
+def _csv_rows(path: Path, kinds: Mapping[str, str]) -> Iterator[dict[str, Any]]:
+    with path.open(encoding="utf-8", newline="") as file:
+        for row in csv.DictReader(file):
+            yield {name: _FROM_TEXT[kinds[name]](value) if value else None for name, value in row.items()}

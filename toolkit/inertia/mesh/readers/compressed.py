@@ -6,9 +6,10 @@ this run that goes when it has been read. An archive within an archive is not op
 
 from __future__ import annotations
 
+import atexit
 import re
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from contextlib import ExitStack, contextmanager
 from pathlib import Path, PurePosixPath
 from typing import IO, Any, NamedTuple
 
@@ -81,6 +82,78 @@ def unpacked(path: Path, kind: str, limit: float) -> Iterator[Unpacked]:
         if suffix in _MESHES:
             source = source.rename(folder / f"part{suffix}")
         yield Unpacked(source, visible(name), f"unpacked from {how}: {visible(name)}, {source.stat().st_size} bytes")
+
+
+def meshes_in(path: Path) -> list[str]:
+    """Return the names of all meshes in a zip or tar archive, in its order; raises `ReadError` where it is damaged."""
+    import tarfile
+    import zipfile
+
+    with _damage("zip or tar"):
+        if zipfile.is_zipfile(path):
+            with zipfile.ZipFile(path) as archive:
+                names = [info.filename for info in archive.infolist() if not info.is_dir()]
+        else:
+            with tarfile.open(path) as stream:
+                names = [member.name for member in stream if member.isreg()]
+    return [name for name in dict.fromkeys(names) if _is_mesh(name)]
+
+
+@contextmanager
+def member_copy(path: Path, name: str, limit: float) -> Iterator[Path]:
+    """Yield a copy of one mesh among several in a zip or tar archive, within a limit in GiB as `unpacked` has it.
+
+    A tar archive can be read from its beginning only: it is unpacked once, and stays so until the next one's turn.
+    """
+    import zipfile
+
+    bytes_left, suffix = limit * 2**30, PurePosixPath(name).suffix.lower()
+    with _damage("zip or tar"):
+        if not zipfile.is_zipfile(path):
+            yield _tar_members(path, bytes_left)[name]
+            return
+        with temporary_folder() as folder:
+            with zipfile.ZipFile(path) as archive:
+                info = archive.getinfo(name)
+                if info.flag_bits & 1:
+                    raise ReadError("it is encrypted: unpack it and give the mesh in it")
+                with archive.open(info) as stream:
+                    copy = _copy(stream, folder / f"part{suffix}", bytes_left)
+            yield copy
+
+
+_last_tar: list[tuple[object, ExitStack, dict[str, Path]]] = []
+
+
+def _tar_members(path: Path, limit: float) -> dict[str, Path]:
+    """Return where the meshes of a tar archive lie unpacked, by their names."""
+    import tarfile
+
+    status = path.stat()
+    version = str(path), status.st_ino, status.st_size, status.st_mtime_ns
+    if not _last_tar or _last_tar[0][0] != version:
+        _forget_tar()
+        stack, files = ExitStack(), dict[str, Path]()
+        folder = stack.enter_context(temporary_folder())
+        _last_tar.append((version, stack, files))
+        with tarfile.open(path) as archive:
+            for number, member in enumerate(archive):
+                if member.isreg() and _is_mesh(member.name) and (stream := archive.extractfile(member)) is not None:
+                    place = folder / f"{number}{PurePosixPath(member.name).suffix.lower()}"
+                    files[member.name] = _copy(stream, place, limit)
+                    limit -= member.size
+    return _last_tar[0][2]
+
+
+@atexit.register
+def _forget_tar() -> None:
+    while _last_tar:
+        _last_tar.pop()[1].close()
+
+
+def _is_mesh(name: str) -> bool:
+    path = PurePosixPath(name)
+    return path.suffix.lower() in _MESHES and not path.name.startswith(".") and "__MACOSX" not in name
 
 
 def _is_tar(head: bytes) -> bool:

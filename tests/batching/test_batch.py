@@ -1,0 +1,321 @@
+"""Many files, a row for each: whatever is wrong with them, and whatever becomes of the processes that answer."""
+
+import gzip
+import hashlib
+import importlib.util
+import io
+import os
+import signal
+import sys
+import tarfile
+import threading
+import time
+import zipfile
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from scipy.spatial.transform import Rotation
+
+import inertia
+from inertia_meshes import path
+
+CUBE, HANDLE, OPEN, CUT = (
+    path(name) for name in ("cube.stl", "t_handle.stl", "broken/missing_face.stl", "broken/truncated.stl")
+)
+BROKEN = sorted(path("broken/missing_face.stl").parent.glob("*.stl"))
+
+
+def rows(*paths: Any, jobs: int = 1, **options: Any) -> list[dict[str, Any]]:
+    return list(inertia.batch(paths, jobs=jobs, **options))
+
+
+def test_a_row_says_what_the_analysis_says() -> None:
+    (row,) = rows(HANDLE, density=7850.0, unit="mm")
+    analysis = inertia.analyse(inertia.read(HANDLE, unit="mm"), 7850.0)
+    properties = analysis.properties
+    assert row["path"] == str(HANDLE)
+    assert row["sha256"] == hashlib.sha256(HANDLE.read_bytes()).hexdigest()
+    assert (row["state"], row["exit_code"], row["message"]) == ("answered", 0, None)
+    assert (row["unit"], row["unit_from"], row["density"], row["density_from"]) == ("mm", "option", 7850.0, "option")
+    assert (row["mass"], row["volume"], row["area"]) == (properties.mass, properties.volume, analysis.area)
+    assert [row[f"com_{k}"] for k in "xyz"] == properties.center_of_mass.tolist()
+    tensor = [[row[f"i{''.join(sorted(j + k))}"] for k in "xyz"] for j in "xyz"]
+    assert tensor == properties.inertia.tolist()
+    moments = np.array([row[f"i{k}"] for k in (1, 2, 3)])
+    axes = Rotation.from_quat([row[f"axes_{k}"] for k in "xyzw"]).as_matrix()
+    assert axes @ np.diag(moments) @ axes.T == pytest.approx(np.array(tensor), abs=1e-15 * moments[2])
+    assert row["error_inertia"] == properties.error.inertia
+    assert row["seconds"] > 0
+
+
+def test_every_file_has_its_row_in_the_order_of_its_name_with_any_number_of_workers(tmp_path: Path) -> None:
+    for number, file in enumerate([CUT, CUBE, path("broken/nan.stl"), HANDLE] * 4):
+        (tmp_path / f"{number:02}.stl").write_bytes(file.read_bytes())
+    (tmp_path / "deep/er").mkdir(parents=True)
+    (tmp_path / "deep/er/last.stl").write_bytes(CUBE.read_bytes())
+    (tmp_path / "words.stl").write_text("no mesh at all")
+    one, two, four = (list(inertia.batch(f"{tmp_path}/**/*.stl", jobs=jobs)) for jobs in (1, 2, 4))
+    for row in (*one, *two, *four):
+        del row["seconds"]
+    assert one == two == four
+    assert [row["path"] for row in one] == sorted(map(str, tmp_path.glob("**/*.stl")))
+    assert {row["state"] for row in one} == {"answered", "refused", "unreadable"}
+
+
+@pytest.mark.parametrize("file", BROKEN, ids=lambda file: file.stem)
+def test_what_is_refused_says_what_the_library_raises(file: Path) -> None:
+    (row,) = rows(file)
+    with pytest.raises(inertia.InertiaError) as raised:
+        inertia.analyse(inertia.read(file))
+    assert row["exit_code"] == raised.value.exit_code
+    assert row["message"] == str(raised.value.sentence)
+    assert row["state"] == ("unreadable" if row["exit_code"] == 3 else "refused")
+    assert row["sha256"] == hashlib.sha256(file.read_bytes()).hexdigest()
+    assert row["mass"] is None
+
+
+def test_where_a_fault_is_stands_in_the_row() -> None:
+    (row,) = rows(path("broken/flipped_face.stl"))
+    assert [float(k) for k in row["place"].split(", ")] == [-5.0, 0.0, -5.0]
+
+
+def test_what_is_not_there_has_a_row_too(tmp_path: Path) -> None:
+    missing, folder = rows(tmp_path / "none.stl", tmp_path)
+    assert (missing["state"], missing["exit_code"], missing["sha256"]) == ("unreadable", 3, None)
+    assert "there is no such file" in missing["message"]
+    assert "it is a directory" in folder["message"]
+
+
+def test_the_page_lists_the_columns() -> None:
+    docs = Path(__file__).parents[2] / "docs"
+    spec = importlib.util.spec_from_file_location("list_columns", docs / "list_columns.py")
+    assert spec is not None
+    assert spec.loader is not None
+    module = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(module)
+    assert (docs / "json.md").read_text(encoding="utf-8") == module.page(), "run python docs/list_columns.py"
+
+
+def test_the_check_of_a_file_is_a_row() -> None:
+    good, bad = rows(CUBE, OPEN, verb="check")
+    assert (good["state"], good["exit_code"], good["fit"], good["closed"], good["errors"]) == (
+        "answered", 0, True, True, 0,
+    )  # fmt: skip
+    assert (bad["state"], bad["exit_code"], bad["fit"], bad["closed"]) == ("refused", 4, False, False)
+    assert bad["findings"].split()[0] == "open"
+    assert bad["message"].startswith("open: ")
+
+
+def test_the_audit_of_a_robot_is_a_row() -> None:
+    (row,) = rows(path("robots/arm.urdf"), verb="audit")
+    audit = inertia.audit(path("robots/arm.urdf"))
+    assert row["verdict"] == audit.verdict
+    assert row["links"] == len(audit.links)
+    assert row["inconsistent"] == sum(link.state == "inconsistent" for link in audit.links)
+    assert row["worst_mass"] == max(link.difference.mass for link in audit.links if link.difference is not None)
+    assert (row["state"], row["exit_code"]) == ("answered", {"consistent": 0, "inconsistent": 5}[audit.verdict])
+
+
+def test_the_balance_of_a_rotor_is_a_row() -> None:
+    (row,) = rows(path("rotors/disc.toml"), verb="balance")
+    balance = inertia.balance(inertia.Rotor.load(path("rotors/disc.toml")))
+    assert row["verdict"] == balance.verdict.outcome
+    assert row["within"] == balance.scatter.within
+    assert row["static_gmm"] == pytest.approx(abs(balance.initial.static) * 1e6, rel=1e-12)
+
+
+@pytest.mark.parametrize("name", ["parts.zip", "parts.tar", "parts.tar.gz"])
+def test_each_mesh_in_an_archive_is_a_file(name: str, tmp_path: Path) -> None:
+    archive, files = tmp_path / name, {"b/cube.stl": CUBE, "a/t.stl": HANDLE, "a/open.stl": OPEN, "README": __file__}
+    if name.endswith("zip"):
+        with zipfile.ZipFile(archive, "w") as packed:
+            for inside, file in files.items():
+                packed.write(file, inside)
+    else:
+        stream = io.BytesIO()
+        with tarfile.open(fileobj=stream, mode="w") as tar:
+            for inside, file in files.items():
+                tar.add(file, inside)
+        archive.write_bytes(gzip.compress(stream.getvalue()) if name.endswith("gz") else stream.getvalue())
+    cube, handle, hole = rows(archive)
+    assert [row["path"] for row in (cube, handle, hole)] == [f"{archive}/{inside}" for inside in [*files][:3]]
+    assert cube["sha256"] == hashlib.sha256(CUBE.read_bytes()).hexdigest()
+    assert handle["mass"] == rows(HANDLE)[0]["mass"]
+    assert hole["message"].startswith(f"{archive}/a/open.stl: open: ")
+
+
+def test_an_archive_with_one_mesh_is_a_file(tmp_path: Path) -> None:
+    with zipfile.ZipFile(tmp_path / "part.zip", "w") as packed:
+        packed.write(CUBE, "cube.stl")
+    (tmp_path / "cut.zip").write_bytes((tmp_path / "part.zip").read_bytes()[:200])
+    one, cut = rows(tmp_path / "part.zip", tmp_path / "cut.zip")
+    assert (one["path"], one["state"]) == (str(tmp_path / "part.zip"), "answered")
+    assert "damaged" in cut["message"]
+
+
+def test_a_manifest_has_options_for_each_row(tmp_path: Path) -> None:
+    for name, file in (("cube.stl", CUBE), ("t.stl", HANDLE)):
+        (tmp_path / name).write_bytes(file.read_bytes())
+    manifest = tmp_path / "manifest.csv"
+    manifest.write_text(
+        "#order,path,unit,density,material,mass\n1,cube.stl,cm,7850±50,,\n2,t.stl,,,steel,\n3,t.stl,,,,2\n"
+    )
+    cube, steel, weighed = rows(manifest, unit="mm")
+    assert (cube["path"], cube["unit"], cube["density"]) == (str(tmp_path / "cube.stl"), "cm", 7850.0)
+    assert (steel["unit"], steel["density_from"]) == ("mm", "material")
+    assert (weighed["mass"], weighed["density_from"]) == (2.0, "mass")
+
+
+def test_a_manifest_may_be_parquet(tmp_path: Path) -> None:
+    pyarrow = pytest.importorskip("pyarrow")
+    parquet = pytest.importorskip("pyarrow.parquet")
+    table = pyarrow.table({"path": [str(CUBE), str(HANDLE)], "density": [1.0, None], "material": [None, "steel"]})
+    parquet.write_table(table, tmp_path / "manifest.parquet")
+    cube, handle = rows(tmp_path / "manifest.parquet")
+    assert cube["density"] == 1.0
+    assert handle["density_from"] == "material"
+
+
+@pytest.mark.parametrize(
+    ("text", "says"),
+    [
+        ("part number,unit\n", "has no column 'path'"),
+        ("path,densty\ncube.stl,7850\n", "'densty' is no option of analyse"),
+        ("path,density\ncube.stl,heavy\n", "row 2: density is 'heavy'"),
+        ("path,unit\n,mm\n", "row 2: the path is empty"),
+    ],
+)
+def test_a_manifest_that_cannot_be_meant_is_refused(text: str, says: str, tmp_path: Path) -> None:
+    (tmp_path / "manifest.csv").write_text(text)
+    if "no column" in says:
+        (tmp_path / "manifest.csv").write_text(f"{text}1,mm\n")
+    with pytest.raises(inertia.UsageError, match=says):
+        rows(tmp_path / "manifest.csv")
+
+
+@pytest.mark.parametrize(
+    ("arguments", "says"),
+    [
+        ({"verb": "weigh"}, "verb is 'weigh'"),
+        ({"densty": 7850.0}, "densty is no option of analyse"),
+        ({"verb": "check", "density": 7850.0}, "density is no option of check"),
+        ({"jobs": 0}, "jobs is 0"),
+        ({"timeout": 0.0}, "timeout is 0.0"),
+        ({"memory": -1}, "memory is -1"),
+        ({"shard": (3, 2)}, "shard 3 of 2"),
+    ],
+)
+def test_arguments_that_cannot_be_meant_are_refused_at_once(arguments: dict[str, Any], says: str) -> None:
+    with pytest.raises(inertia.UsageError, match=says):
+        inertia.batch([CUBE], **arguments)
+
+
+def test_a_glob_that_matches_nothing_is_refused(tmp_path: Path) -> None:
+    with pytest.raises(inertia.UsageError, match=r"none\*\.stl matches no file"):
+        inertia.batch(f"{tmp_path}/none*.stl")
+
+
+def test_an_option_that_a_file_cannot_have_is_its_own_refusal() -> None:
+    (row,) = rows(CUBE, density={"housing": 1.0})
+    with pytest.raises(inertia.UsageError) as raised:
+        inertia.analyse(inertia.read(CUBE), {"housing": 1.0})
+    assert (row["state"], row["exit_code"]) == ("refused", 2)
+    assert row["message"] == f"{CUBE}: {raised.value.sentence}"
+
+
+def test_shards_are_the_whole_together() -> None:
+    names = [f"{number}.stl" for number in range(5)]  # which are not there
+    first, second = ([row["path"] for row in rows(*names, shard=(k, 2))] for k in (1, 2))
+    assert (first, second) == (names[::2], names[1::2])
+
+
+def workers() -> list[int]:
+    """Return the processes that this one has started."""
+    lists = Path("/proc/self/task").glob("*/children")
+    return [int(number) for each in lists for number in each.read_text().split()]
+
+
+LINUX = pytest.mark.skipif(sys.platform != "linux", reason="finds processes in /proc")
+
+
+@pytest.fixture
+def slow(tmp_path: Path) -> Path:
+    """A mesh that takes about a second to read: text with many triangles."""
+    facet = "facet normal 0 0 0\nouter loop\nvertex {0} 0 0\nvertex {0} 1 0\nvertex {0} 0 1\nendloop\nendfacet\n"
+    text = "solid slow\n" + "".join(map(facet.format, range(150_000))) + "endsolid slow\n"
+    (tmp_path / "slow.stl").write_text(text)
+    return tmp_path / "slow.stl"
+
+
+def test_a_file_that_takes_too_long_has_a_row_that_says_so(slow: Path) -> None:
+    before, late, after = rows(CUBE, slow, HANDLE, timeout=0.15)
+    assert (late["state"], late["exit_code"]) == ("timed_out", 4)
+    assert "it took longer than the 0.15 s that a file may take" in late["message"]
+    assert late["message"].endswith("allow it more by timeout=SECONDS")
+    assert late["sha256"] == hashlib.sha256(slow.read_bytes()).hexdigest()
+    assert before["state"] == after["state"] == "answered"
+
+
+@LINUX
+def test_a_file_that_takes_too_much_memory_has_a_row_that_says_so(slow: Path) -> None:
+    refused, answered = rows(slow, CUBE, memory=10 * 2**20)
+    assert refused["state"] in ("refused", "unreadable")
+    assert "needs more memory than a file may take, 10 MiB: allow more by memory=BYTES" in refused["message"]
+    assert answered["state"] == "answered"
+
+
+@LINUX
+def test_a_file_whose_process_dies_twice_has_a_row_and_all_others_too(slow: Path) -> None:
+    over = threading.Event()
+
+    def kill() -> None:
+        while not over.wait(0.05):
+            for number in workers():
+                for name in Path(f"/proc/{number}/fd").glob("*"):
+                    try:
+                        if name.readlink() == slow:
+                            os.kill(number, signal.SIGKILL)
+                    except OSError:
+                        continue
+
+    killer = threading.Thread(target=kill)
+    killer.start()
+    try:
+        before, dead, after = rows(CUBE, slow, HANDLE)
+    finally:
+        over.set()
+        killer.join()
+    assert (dead["state"], dead["exit_code"]) == ("crashed", 1)
+    assert "died (signal 9), and so did the second one" in dead["message"]
+    assert before["state"] == after["state"] == "answered"
+
+
+@LINUX
+def test_no_row_is_lost_and_none_comes_twice_when_workers_are_killed(tmp_path: Path) -> None:
+    names = []
+    for number in range(120):
+        names.append(tmp_path / f"{number:03}.stl")
+        names[-1].write_bytes(CUBE.read_bytes())
+    result, kills = [], 0
+    for row in inertia.batch(names, jobs=2):
+        result.append(row)
+        if len(result) % 20 == 0 and (alive := workers()):
+            os.kill(alive[0], signal.SIGKILL)
+            kills += 1
+    assert kills >= 3
+    assert [row["path"] for row in result] == list(map(str, names))
+    assert {row["state"] for row in result} == {"answered"}
+
+
+@LINUX
+def test_workers_go_when_nobody_wants_more_rows() -> None:
+    started = inertia.batch([CUBE] * 2 + [HANDLE], jobs=2)
+    next(started)
+    assert workers()
+    started.close()  # type: ignore[attr-defined]
+    until = time.monotonic() + 5
+    while workers() and time.monotonic() < until:
+        time.sleep(0.01)
+    assert not workers()

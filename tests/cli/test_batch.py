@@ -1,0 +1,135 @@
+"""`inertia batch`: tables of three kinds, cut short and taken up again, in shards and merged."""
+
+import csv
+import json
+import os
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import pytest
+
+from inertia.tables import read_table
+from inertia_cli.main import main
+from inertia_meshes import path
+
+FILES = [str(path(name)) for name in ("broken/nan.stl", "cube.stl", "broken/truncated.stl", "t_handle.stl")]
+
+
+@pytest.fixture
+def parts(tmp_path: Path) -> str:
+    """A glob of seven copies of sound and broken meshes."""
+    for number, file in enumerate((FILES * 2)[:7]):
+        (tmp_path / f"part{number}.stl").write_bytes(Path(file).read_bytes())
+    return f"{tmp_path}/part*.stl"
+
+
+def batch(*arguments: str | Path) -> int:
+    return main(["batch", *map(str, arguments), "--jobs", "1"])
+
+
+@pytest.mark.parametrize("suffix", ["csv", "jsonl", "parquet"])
+def test_a_table_reads_back_as_the_rows_and_says_what_its_columns_are(suffix: str, parts: str, tmp_path: Path) -> None:
+    if suffix == "parquet":
+        pytest.importorskip("pyarrow.parquet")
+    import inertia
+
+    assert batch(parts, "-o", tmp_path / f"table.{suffix}", "--material", "steel") == 0
+    about, rows = read_table(tmp_path / f"table.{suffix}")
+    expected = list(inertia.batch(parts, jobs=1, material="steel"))
+    for row, same in zip(rows, expected, strict=True):
+        assert row.pop("seconds") is None
+        assert same.pop("seconds") > 0
+        message, words = row.pop("message"), same.pop("message")
+        assert (message is None) == (words is None)
+        assert row == same
+    assert about["schema"] == "inertia/batch-rows/1"
+    units = {column["name"]: column["unit"] for column in about["columns"]}
+    assert set(units) == {*expected[0], "message", "seconds"}
+    assert (units["volume"], units["ixx"], units["com_x"]) == ("m3", "kg m2", "m")
+    assert not (tmp_path / f"table.{suffix}.parts").exists()
+
+
+def test_sentences_name_options_of_the_command(tmp_path: Path) -> None:
+    batch(path("broken/missing_face.stl"), "-o", tmp_path / "table.csv")
+    with (tmp_path / "table.csv").open() as file:
+        first = next(csv.DictReader(file))
+    assert "use --shell THICKNESS or --repair" in first["message"]
+
+
+def test_the_exit_code_is_0_unless_asked_to_be_strict(parts: str, tmp_path: Path) -> None:
+    assert batch(parts, "-o", tmp_path / "one.csv") == 0
+    assert batch(parts, "-o", tmp_path / "two.csv", "--strict") == 4
+    assert batch(path("cube.stl"), "-o", tmp_path / "three.csv", "--strict") == 0
+
+
+def test_the_summary_counts_and_names(parts: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    batch(parts, "-o", tmp_path / "table.csv", "--json")
+    document = json.loads(capsys.readouterr().out)
+    assert document["schema"] == "inertia/batch/1"
+    assert document["files"] == 7
+    assert sum(document["states"].values()) == 7
+    assert document["refusals"][0]["count"] == 2
+    assert document["refusals"][0]["first"].endswith("part2.stl")
+    assert document["assumed_units"] == sum(
+        row["unit_from"] == "assumed" for row in read_table(tmp_path / "table.csv")[1]
+    )
+    batch(parts, "-o", tmp_path / "table.csv", "--force")
+    text = capsys.readouterr().out
+    assert "answered" in text
+    assert "2 × " in text
+
+
+def test_a_table_that_is_there_stays_without_force(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    (tmp_path / "table.csv").write_text("mine")
+    assert batch(path("cube.stl"), "-o", tmp_path / "table.csv") == 2
+    assert (tmp_path / "table.csv").read_text() == "mine"
+    assert "--force" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize("suffix", ["csv", "jsonl", "parquet"])
+def test_shards_merge_to_the_bytes_of_one_run(suffix: str, parts: str, tmp_path: Path) -> None:
+    if suffix == "parquet":
+        pytest.importorskip("pyarrow.parquet")
+    one, merged = tmp_path / f"one.{suffix}", tmp_path / f"merged.{suffix}"
+    shards = [tmp_path / f"shard{k}.{suffix}" for k in (1, 2, 3)]
+    batch(parts, "-o", one)
+    for number, shard in enumerate(shards, 1):
+        batch(parts, "-o", shard, "--shard", f"{number}/3")
+    assert batch("--merge", shards[2], shards[0], shards[1], "-o", merged) == 0
+    assert merged.read_bytes() == one.read_bytes()
+    assert batch("--merge", shards[0], shards[2], "-o", tmp_path / f"two.{suffix}") == 2
+    assert batch("--merge", *shards, shards[1], "-o", tmp_path / f"two.{suffix}") == 2
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="POSIX signals")
+@pytest.mark.parametrize("number", [signal.SIGKILL, signal.SIGTERM])
+def test_a_run_that_was_killed_goes_on_where_it_was(number: signal.Signals, tmp_path: Path) -> None:
+    for k in range(400):
+        (tmp_path / f"part{k:03}.stl").write_bytes(path("t_handle.stl").read_bytes())
+    table = tmp_path / "table.jsonl"
+    command = [sys.executable, "-c", "from inertia_cli.__main__ import run; run()", "batch", "--jobs", "2"]
+    arguments = [f"{tmp_path}/part*.stl", "-o", str(table), "--json"]
+    run = subprocess.Popen([*command, *arguments], stdout=subprocess.DEVNULL)
+    parts, until = tmp_path / "table.jsonl.parts", time.monotonic() + 60
+    while len([*parts.glob("*.jsonl")]) < 2 and time.monotonic() < until and run.poll() is None:
+        time.sleep(0.01)
+    os.kill(run.pid, number)
+    run.wait()
+    assert not table.exists()
+    (tmp_path / "part000.stl").write_bytes(path("cube.stl").read_bytes())  # answered for, and then changed
+    again = subprocess.run([*command, *arguments], stdout=subprocess.PIPE, check=True, text=True)
+    assert 0 < json.loads(again.stdout)["stored"] < 400
+    one = tmp_path / "one.jsonl"
+    subprocess.run([*command, arguments[0], "-o", str(one)], stdout=subprocess.DEVNULL, check=True)
+    assert table.read_bytes() == one.read_bytes()
+    assert not parts.exists()
+
+
+def test_paths_come_on_standard_input_and_rows_go_to_standard_output() -> None:
+    command = [sys.executable, "-m", "inertia_cli", "batch", "-", "--jobs", "1"]
+    run = subprocess.run(command, input="\0".join(FILES[:2]), capture_output=True, text=True, check=True)
+    assert [json.loads(line)["path"] for line in run.stdout.splitlines()] == FILES[:2]
+    assert run.stderr.startswith("Files")

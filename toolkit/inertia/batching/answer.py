@@ -1,0 +1,379 @@
+"""One file → one row: the verb's own result flattened, or why there is none, and the files that it rests on."""
+
+from __future__ import annotations
+
+import json
+import os
+import stat
+import sys
+import time
+import warnings
+from collections.abc import Callable, Iterable, Iterator, Mapping
+from contextlib import ExitStack, contextmanager, suppress
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any, NamedTuple
+
+from inertia.batching.columns import COLUMNS, State
+from inertia.batching.sources import Task, local_copy
+from inertia.errors import GeometryError, InertiaError, ReadError, Remedy, Sentence, Wording, visible
+
+Row = dict[str, Any]
+
+_FAULT = 1  # the exit code where the process that answers dies
+_READ = ("unit", "format", "unpack_limit")
+_MEMORY = Remedy("batch", "memory", "BYTES")
+_TIMEOUT = Remedy("batch", "timeout", "SECONDS")
+
+
+@dataclass(frozen=True)
+class Setup:
+    """What is asked of all files.
+
+    Attributes
+    ----------
+    verb : "analyse", "check", "balance" or "audit"
+    options : of that verb
+    timeout : s that a file may take; None for any
+    memory : bytes that a file may take beside what the process takes without one; None for any
+    wording : of remedies and fields in sentences
+    """
+
+    verb: str
+    options: Mapping[str, Any] = field(default_factory=dict)
+    timeout: float | None = None
+    memory: int | None = None
+    wording: Wording = str
+
+    def failed(self, task: Task, state: State, why: str) -> Answer:
+        """Return the row of a file that the process which answered for it did not survive."""
+        words: tuple[str | Remedy, ...] = (visible(task.path), ": ", why)
+        if state == "timed_out":
+            words = (*words, ": look at the file, or allow it more by ", _TIMEOUT)
+        code = GeometryError.exit_code if state == "timed_out" else _FAULT
+        row = self.empty(task) | {
+            "state": state,
+            "exit_code": code,
+            "message": Sentence(*words).worded(self.wording),
+        }
+        with suppress(OSError, ValueError):
+            row["sha256"] = _digest(Path(task.archive or task.path))
+        return Answer(row, _used([task.archive or task.path], None))
+
+    def empty(self, task: Task) -> Row:
+        """Return a row of nothing but the path."""
+        return dict.fromkeys(column.name for column in COLUMNS[self.verb]) | {"path": task.path}
+
+
+class Used(NamedTuple):
+    """A file that an answer rests on, as it was: its size and time are None where it is not there."""
+
+    path: str
+    size: int | None
+    time_ns: int | None
+    sha256: str | None
+
+    @property
+    def unchanged(self) -> bool:
+        """Whether it still has those contents."""
+        try:
+            status = Path(self.path).stat()
+        except OSError:
+            return self.size is None
+        if (status.st_size, status.st_mtime_ns) == (self.size, self.time_ns):
+            return True
+        if status.st_size != self.size or self.sha256 is None:
+            return False
+        with suppress(OSError):
+            return _digest(Path(self.path)) == self.sha256
+        return False
+
+
+class Answer(NamedTuple):
+    """A row, the files that it rests on, and whether an earlier run gave it."""
+
+    row: Row
+    files: tuple[Used, ...]
+    stored: bool = False
+
+
+def answer(task: Task, setup: Setup) -> Answer:
+    """Return the row of a file; whatever goes wrong with it stands in the row."""
+    started = time.perf_counter()
+    row, file = setup.empty(task), task.path
+
+    def worded(sentence: Sentence | str) -> str:
+        text = sentence.worded(setup.wording) if isinstance(sentence, Sentence) else visible(sentence)
+        return text if file == task.path else text.replace(visible(file), visible(task.path))
+
+    def failed(state: State, code: int, *words: str | Remedy) -> None:
+        row.update(state=state, exit_code=code, message=worded(Sentence(*words)))
+
+    options = {**setup.options, **task.options}
+    with ExitStack() as stack:
+        opened = stack.enter_context(_opened())
+        stack.enter_context(warnings.catch_warnings())
+        warnings.simplefilter("ignore")
+        warnings.simplefilter("error", RuntimeWarning)  # as on the command line: an overflow is no ground for an answer
+        try:
+            file = stack.enter_context(local_copy(task, options.get("unpack_limit")))
+            row.update(state="answered", exit_code=0)
+            _VERBS[setup.verb](file, options, row, worded)
+        except InertiaError as error:
+            state: State = "unreadable" if isinstance(error, ReadError) else "refused"
+            if setup.memory is not None and _for_memory(error):
+                failed(state, error.exit_code, *_beyond(file, setup.memory))
+            else:
+                placed = visible(file) in error.sentence
+                failed(state, error.exit_code, *(() if placed else (file, ": ")), error.sentence)
+        except (RuntimeWarning, OverflowError) as beyond:
+            says = f": its figures lead beyond what float64 holds ({beyond}): check their sizes and units"
+            failed("refused", GeometryError.exit_code, file, says)
+        except MemoryError:
+            failed("refused", GeometryError.exit_code, *_beyond(file, setup.memory))
+        except Exception as fault:
+            failed("crashed", _FAULT, file, f": a fault of this program, {type(fault).__name__}: {fault}")
+        if row["sha256"] is None:
+            with suppress(OSError, ValueError):
+                row["sha256"] = _digest(Path(file))
+    files = _used([file, *opened], row["sha256"]) if file == task.path else _used([task.archive or task.path], None)
+    row["seconds"] = time.perf_counter() - started
+    return Answer(row, files)
+
+
+def _beyond(file: str, memory: int | None) -> tuple[str | Remedy, ...]:
+    if memory is None:
+        return file, " needs more memory than there is: split the part or use a larger machine"
+    return file, f" needs more memory than a file may take, {memory / 2**20:.4g} MiB: allow more by ", _MEMORY
+
+
+def _for_memory(error: BaseException | None) -> bool:
+    while error is not None and not isinstance(error, MemoryError):
+        error = error.__cause__
+    return error is not None
+
+
+def _digest(path: Path) -> str:
+    import hashlib
+
+    with path.open("rb") as file:
+        if not stat.S_ISREG(os.fstat(file.fileno()).st_mode):
+            raise ReadError("it is not a regular file")
+        return hashlib.file_digest(file, "sha256").hexdigest()
+
+
+_open_files: list[str] | None = None
+"""Those that the verb has opened; None where nobody asks."""
+
+
+@contextmanager
+def _opened() -> Iterator[dict[str, None]]:
+    """Yield the files that are opened in the context, by name."""
+    global _open_files
+    if not _hooked:
+        sys.addaudithook(_audit)
+        _hooked.append(True)
+    names: dict[str, None] = {}
+    _open_files = []
+    try:
+        yield names
+    finally:
+        names.update(dict.fromkeys(_open_files))
+        _open_files = None
+
+
+_hooked: list[bool] = []
+_OURS = tuple({sys.prefix, sys.base_prefix, str(Path(__file__).parent.parent), "/proc/", "/sys/", "/dev/"})
+
+
+def _audit(event: str, arguments: tuple[Any, ...]) -> None:
+    if event == "open" and _open_files is not None and isinstance(arguments[0], str | os.PathLike):
+        name = os.fspath(arguments[0])
+        if isinstance(name, str) and not name.startswith(_OURS) and not name.endswith((".kernel", ".inertia")):
+            _open_files.append(name)
+
+
+def _used(names: list[str], digest: str | None) -> tuple[Used, ...]:
+    """Return files as they are; `digest` is that of the first."""
+    files = []
+    for number, name in enumerate(dict.fromkeys(names)):
+        try:
+            path = Path(name)
+            status = path.stat()
+            if not stat.S_ISREG(status.st_mode):
+                continue
+            sha256 = digest if number == 0 and digest else _digest(path)
+            files.append(Used(name, status.st_size, status.st_mtime_ns, sha256))
+        except (OSError, ValueError):
+            files.append(Used(name, None, None, None))
+    return tuple(files)
+
+
+_Worded = Callable[[Sentence | str], str]
+
+
+def _part(file: str, options: Mapping[str, Any], row: Row) -> tuple[Any, dict[str, Any]]:
+    """Return the part in a file, and the options that are not those of reading."""
+    from inertia.mesh.read import read
+
+    part = read(file, **{name: options[name] for name in _READ if name in options})
+    row.update(sha256=part.source.sha256, unit=part.unit.name, unit_from=part.unit_from)
+    return part, {name: value for name, value in options.items() if name not in _READ}
+
+
+def _analyse(file: str, options: Mapping[str, Any], row: Row, worded: _Worded) -> None:
+    from inertia.exchange.rotations import quaternion_of
+    from inertia.mass.analyse import analyse
+
+    part, others = _part(file, options, row)
+    try:
+        analysis = analyse(part, **others)
+    except GeometryError as error:
+        row.update(place=_place_of(part, others, error))
+        raise
+    properties, principal = analysis.properties, analysis.principal
+    tensor, bounds = properties.inertia, properties.error
+    w, *vector = quaternion_of(principal.axes)
+    row.update(
+        density=analysis.density,
+        density_from=analysis.density_from,
+        triangles=analysis.triangles,
+        bodies=analysis.bodies,
+        volume=properties.volume,
+        area=analysis.area,
+        mass=properties.mass,
+        **_named("com_", "xyz", properties.center_of_mass.tolist()),
+        **_named("i", ("xx", "yy", "zz", "xy", "xz", "yz"), [*tensor.diagonal().tolist(), *tensor[_ABOVE].tolist()]),
+        **_named("i", "123", principal.moments.tolist()),
+        **_named("axes_", "xyzw", [*vector, w]),
+        **{"class": principal.kind},
+        error_volume=bounds.volume,
+        error_mass=bounds.mass,
+        error_com=bounds.center_of_mass,
+        error_inertia=bounds.inertia,
+        method=bounds.method,
+    )
+    if analysis.doubts:
+        row["message"] = worded(Sentence(analysis.doubts[0].message))
+
+
+_ABOVE = (0, 0, 1), (1, 2, 2)  # the diagonal
+
+
+def _named(prefix: str, names: Iterable[str], values: Iterable[float]) -> dict[str, float]:
+    return {f"{prefix}{name}": value for name, value in zip(names, values, strict=True)}
+
+
+def _place_of(part: Any, options: Mapping[str, Any], error: GeometryError) -> str | None:
+    """Return where a part has the fault that it is refused for, where the check knows."""
+    from inertia.mesh.check import check
+
+    with suppress(Exception):
+        known = {name: options[name] for name in ("intersections", "parts") if name in options}
+        for finding in check(part, **known).findings:
+            if finding.place is not None and (finding.statement or finding.message) in error.sentence:
+                return _place(finding.place)
+    return None
+
+
+def _place(place: Any) -> str | None:
+    return None if place is None else ", ".join(repr(float(k)) for k in place)
+
+
+def _check(file: str, options: Mapping[str, Any], row: Row, worded: _Worded) -> None:
+    from inertia.mesh.check import check
+
+    part, others = _part(file, options, row)
+    orientation = others.pop("orientation", "stored")
+    report = check(part, **others)
+    faults = report.faults(orientation)
+    first = next(iter(faults or report.findings), None)
+    severities = [finding.severity for finding in report.findings]
+    row.update(
+        **{name: getattr(report, name) for name in ("triangles", "vertices", "closed", "consistent", "outward")},
+        fit=not faults,
+        bodies=report.bodies,
+        crossings_examined=report.crossings_examined,
+        errors=severities.count("error"),
+        warnings=severities.count("warning"),
+        findings=" ".join(finding.code for finding in report.findings),
+    )
+    if first is not None:
+        row.update(message=worded(Sentence(first.message)), place=_place(first.place))
+    if faults:
+        row.update(state="refused", exit_code=GeometryError.exit_code)
+
+
+def _audited(file: str, options: Mapping[str, Any], row: Row, worded: _Worded) -> None:
+    from inertia.auditing.audit import audit
+    from inertia.report.audit.document import audit_document
+
+    document = audit_document(audit(file, **{"densities" if k == "density" else k: v for k, v in options.items()}))
+    links = document["links"]
+    states = [link["state"] for link in links]
+    differences = [link["difference"] for link in links if link["difference"] is not None]
+    findings = [finding for link in links for finding in link["findings"]]
+    row.update(
+        sha256=document["source"]["sha256"],
+        robot=document["name"],
+        verdict=document["verdict"],
+        exit_code={"consistent": 0, "inconsistent": 5, "undecided": 4}[document["verdict"]],
+        links=len(links),
+        **{state: states.count(state) for state in ("consistent", "inconsistent", "unphysical", "unjudged")},
+        stated_mass=sum(link["stated"]["mass"] for link in links if link["stated"] is not None),
+        findings=" ".join(dict.fromkeys(finding["code"] for finding in findings)),
+    )
+    if differences:
+        for column, name in (("worst_mass", "mass"), ("worst_com", "center_of_mass"), ("worst_inertia", "inertia")):
+            row[column] = max(float(difference[name]) for difference in differences)
+    wrong = [link for link in links if link["state"] in ("inconsistent", "unphysical") and link["findings"]]
+    if wrong:
+        row["message"] = worded(f"{wrong[0]['name']}: {wrong[0]['findings'][0]['sentence']}")
+
+
+def _balance(file: str, options: Mapping[str, Any], row: Row, worded: _Worded) -> None:
+    from inertia.balancing.balance import balance
+    from inertia.balancing.rotor import Rotor
+    from inertia.report.balance.document import balance_document
+    from inertia.report.balance.figures import report_data
+
+    rotor = Rotor.load(file)
+    if "time" in options:
+        rotor = rotor.planned_in(options["time"])
+    document = balance_document(report_data(balance(rotor)))
+    verdict, scatter = document["verdict"], document["scatter"]
+    code = {"pass": 0, "fail": 5, "undecided": 4, "conditional": 4}[verdict]
+    if verdict == "conditional" and scatter["within"] is not None and scatter["within"] < 0.5:
+        code = 5
+    row.update(
+        exit_code=code,
+        verdict=verdict,
+        initial_verdict=document["initial_verdict"],
+        rpm=document["rpm"],
+        mass=document["mass"],
+        static_gmm=document["static_unbalance"]["gmm"],
+        static_deg=document["static_unbalance"]["deg"],
+        couple_gmm2=document["couple_unbalance"]["gmm2"],
+        couple_deg=document["couple_unbalance"]["deg"],
+        grade_mm_s=document["achieved_grade_mm_s"],
+        within=scatter["within"],
+        operations=len(document["corrections"]),
+        shares=json.dumps({line["name"]: line["share"] for line in scatter["sensitivities"]}),
+    )
+    before, after = document["tolerance_planes"], document["residual"]["tolerance_planes"]
+    for k, plane in enumerate("ab"):
+        row[f"permissible_{plane}_gmm"] = after[k]["permissible_gmm"]
+        row[f"initial_{plane}_gmm"], row[f"initial_{plane}_deg"] = before[k]["unbalance"].values()
+        row[f"residual_{plane}_gmm"], row[f"residual_{plane}_deg"] = after[k]["unbalance"].values()
+        row[f"bound_{plane}_gmm"] = sum(after[k]["uncertainty_gmm"].values())
+        row[f"residual_95_{plane}_gmm"] = scatter["residual_95_gmm"][k]
+    if document["why"]:
+        row["message"] = worded(document["why"][0])
+
+
+_VERBS: dict[str, Callable[[str, Mapping[str, Any], Row, _Worded], None]] = {
+    "analyse": _analyse,
+    "check": _check,
+    "balance": _balance,
+    "audit": _audited,
+}

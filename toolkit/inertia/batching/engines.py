@@ -1,0 +1,267 @@
+"""Worker processes that answer for files, and what becomes of a file whose process dies; the same under Dask.
+
+A worker is started once and answers for bundles of files. Whoever dies over a file, or is killed, is replaced, and the
+file gets one more try in a fresh process. A file that takes longer than it may costs its process.
+"""
+
+from __future__ import annotations
+
+import os
+import pickle
+import queue
+import subprocess
+import sys
+import threading
+import time
+from collections.abc import Callable, Generator, Iterable, Iterator, Sequence
+from contextlib import ExitStack, closing, suppress
+from itertools import chain
+from pathlib import Path
+from typing import NamedTuple, Protocol
+
+import inertia
+from inertia.batching.answer import Answer, Setup
+from inertia.batching.process import READY
+from inertia.batching.sources import Task
+from inertia.errors import InertiaError, UsageError
+
+_BUNDLE = 0.05
+"""s that a bundle of files is to take: less costs more in messages, more leaves workers idle at the end."""
+
+_MOST = 64  # files in a bundle
+_LOOK = 0.1  # s between looks at what takes too long
+WINDOW = 4096
+"""Files that are under way at most: answers wait here for those before them."""
+
+_STARTS = 3  # times that a process may die before it is ready
+
+
+class _Job(NamedTuple):
+    number: int
+    task: Task
+    again: bool = False
+
+
+class Engine(Protocol):
+    """What answers for files, in whatever order."""
+
+    def submit(self, number: int, task: Task) -> None:
+        """Have a file answered for."""
+
+    def results(self) -> list[tuple[int, Answer]]:
+        """Wait for answers, and return those that there are."""
+
+    def close(self) -> None:
+        """End the workers, whatever they do."""
+
+
+class Processes:
+    """Workers on this machine, a thread for each that talks to it."""
+
+    def __init__(self, setup: Setup, jobs: int) -> None:
+        self._setup = setup
+        self._jobs: queue.SimpleQueue[_Job | None] = queue.SimpleQueue()
+        self._answers: queue.SimpleQueue[tuple[int, Answer] | BaseException] = queue.SimpleQueue()
+        self._workers = [_Worker(setup) for _ in range(jobs)]
+        self._next_look = 0.0
+        self._threads = [threading.Thread(target=self._serve, args=(worker,), daemon=True) for worker in self._workers]
+        for thread in self._threads:
+            thread.start()
+
+    def submit(self, number: int, task: Task) -> None:
+        """Have a file answered for."""
+        self._jobs.put(_Job(number, task))
+
+    def results(self) -> list[tuple[int, Answer]]:
+        """Wait for answers, and return those that there are."""
+        answers: list[tuple[int, Answer]] = []
+        while not answers or not self._answers.empty():
+            if time.monotonic() >= self._next_look:
+                self._next_look = time.monotonic() + _LOOK
+                for worker in self._workers:
+                    worker.end_if_late()
+            try:
+                answer = self._answers.get(timeout=_LOOK)
+            except queue.Empty:
+                continue
+            if isinstance(answer, BaseException):
+                raise answer
+            answers.append(answer)
+        return answers
+
+    def close(self) -> None:
+        """End the workers, whatever they do."""
+        for worker in self._workers:
+            self._jobs.put(None)
+            worker.end()
+        for thread in self._threads:
+            thread.join()
+
+    def _serve(self, worker: _Worker) -> None:
+        try:
+            while (bundle := self._bundle(worker)) is not None:
+                for number, answer in worker.answers(bundle):
+                    self._answers.put((number, answer))
+        except BaseException as fault:
+            self._answers.put(fault)
+        finally:
+            worker.dispose()
+
+    def _bundle(self, worker: _Worker) -> list[_Job] | None:
+        """Wait for a file, and take as many as are answered for in a short while, but no more than a fair share."""
+        bundle: list[_Job] = []
+        most = min(worker.bundle, 1 + self._jobs.qsize() // (2 * len(self._workers)))
+        while len(bundle) < max(1, most):
+            try:
+                job = self._jobs.get(block=not bundle)
+            except queue.Empty:
+                break
+            if job is None:
+                return None
+            bundle.append(job)
+        return bundle
+
+
+class _Worker:
+    """A process that answers, and its successors."""
+
+    def __init__(self, setup: Setup) -> None:
+        self.bundle = 1
+        self._setup = setup
+        self._process: subprocess.Popen[bytes] | None = None
+        self._since: float | None = None
+        self._late = self._ended = False
+
+    def answers(self, bundle: Sequence[_Job]) -> Iterator[tuple[int, Answer]]:
+        """Yield the answers for files in their order."""
+        jobs = list(bundle)
+        while jobs and not self._ended:
+            process = self._process or self._start()
+            assert process.stdin is not None
+            assert process.stdout is not None
+            started = self._since = time.monotonic()
+            count = len(jobs)
+            try:
+                pickle.dump([job.task for job in jobs], process.stdin)
+                process.stdin.flush()
+                while jobs:
+                    answer: Answer = pickle.load(process.stdout)
+                    self._since = time.monotonic()
+                    yield jobs.pop(0).number, answer
+            except (OSError, EOFError, pickle.UnpicklingError):
+                self._since = None
+                yield from self._failed(jobs)
+            else:
+                self._since = None
+                self.bundle = max(1, min(_MOST, int(_BUNDLE * count / (time.monotonic() - started + 1e-9))))
+
+    def _failed(self, jobs: list[_Job]) -> Iterator[tuple[int, Answer]]:
+        """Leave the file that the process died over for another try, or yield that there is no answer."""
+        if self._ended:
+            return
+        code, late = self.dispose(), self._late
+        self._late = False
+        number, task, again = jobs.pop(0)
+        if late:
+            why = f"it took longer than the {self._setup.timeout:g} s that a file may take"
+            yield number, self._setup.failed(task, "timed_out", why)
+        elif again:
+            how = f"signal {-code}" if code < 0 else f"exit code {code}"
+            why = f"the process that answered for it died ({how}), and so did the second one: report the file"
+            yield number, self._setup.failed(task, "crashed", why)
+        else:
+            jobs.insert(0, _Job(number, task, True))
+
+    def _start(self) -> subprocess.Popen[bytes]:
+        """Return a process that is ready to answer."""
+        code = "import sys; sys.path.append(sys.argv[1]); from inertia.batching.process import main; main()"
+        command = [sys.executable, "-P", "-c", code, str(Path(inertia.__file__).parent.parent)]
+        alone = dict.fromkeys(("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "NUMBA_NUM_THREADS"), "1")
+        quiet = None if os.environ.get("INERTIA_TRACEBACK") == "1" else subprocess.DEVNULL
+        for _ in range(_STARTS):
+            process = subprocess.Popen(
+                command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=quiet, env={**os.environ, **alone}
+            )
+            self._process = process
+            if self._ended:
+                process.kill()
+            assert process.stdin is not None
+            assert process.stdout is not None
+            try:
+                pickle.dump(self._setup, process.stdin)
+                process.stdin.flush()
+                if pickle.load(process.stdout) == READY:
+                    return process
+            except (OSError, EOFError, pickle.UnpicklingError):
+                self.dispose()
+                if self._ended:
+                    break
+        raise InertiaError("no worker process could be started: set INERTIA_TRACEBACK=1 to see what it says")
+
+    def end_if_late(self) -> None:
+        """End the process where its file takes longer than it may; its successor goes on."""
+        since, process, limit = self._since, self._process, self._setup.timeout
+        if limit is not None and since is not None and process is not None and time.monotonic() - since > limit:
+            self._late = True
+            process.kill()
+
+    def end(self) -> None:
+        """End the process for good."""
+        self._ended = True
+        if (process := self._process) is not None:
+            process.kill()
+
+    def dispose(self) -> int:
+        """End the process and close what leads to it; return its exit code."""
+        process, self._process = self._process, None
+        if process is None:
+            return 0
+        process.kill()
+        for stream in (process.stdin, process.stdout):
+            with suppress(OSError):  # what was not read any more cannot be written
+                if stream is not None:
+                    stream.close()
+        return process.wait()
+
+
+def in_order(tasks: Iterable[Task | Answer], engine: Callable[[], Engine]) -> Generator[Answer, None, None]:
+    """Yield the answers in the order of the files; no more than a window of them are under way.
+
+    Parameters
+    ----------
+    tasks : files, or answers that there are already
+    engine : called where there is something to answer for
+    """
+    ready: dict[int, Answer] = {}
+    first = last = 0
+    with ExitStack() as stack:
+        at_work: Engine | None = None
+        for task in chain(tasks, [None]):
+            if isinstance(task, Answer):
+                ready[last] = task
+            elif task is not None:
+                if at_work is None:
+                    at_work = stack.enter_context(closing(engine()))
+                at_work.submit(last, task)
+            last += task is not None
+            while first < last:
+                if first in ready:
+                    yield ready.pop(first)
+                    first += 1
+                elif task is None or last - first >= WINDOW:
+                    assert at_work is not None
+                    ready.update(at_work.results())
+                else:
+                    break
+
+
+def processors() -> int:
+    """Return how many processors this process may use."""
+    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
+
+
+def engine_for(setup: Setup, jobs: int | None, dask: str | None) -> Callable[[], Engine]:
+    """Return what makes what answers: `jobs` processes here, or the workers of a Dask scheduler."""
+    if jobs is not None and jobs < 1:
+        raise UsageError(f"jobs is {jobs}: give the number of worker processes, 1 or more")
+    return lambda: Processes(setup, jobs or processors())

@@ -1,0 +1,54 @@
+"""The worker process: it answers for bundles of files, one after the other, until nobody asks any more."""
+
+from __future__ import annotations
+
+import os
+import pickle
+import re
+import signal
+import sys
+from pathlib import Path
+
+from inertia.batching.answer import Setup, answer
+from inertia.batching.sources import Task
+
+READY = "ready"
+
+
+def main() -> None:
+    """Read a `Setup` and then lists of `Task` from standard input; write `READY` and an `Answer` for each task."""
+    signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C is for the process that started this one
+    requests, answers = sys.stdin.buffer, os.fdopen(os.dup(1), "wb")
+    os.dup2(os.open(os.devnull, os.O_WRONLY), 1)  # libraries may print
+    setup: Setup = pickle.load(requests)
+    _warm_up(setup)
+    if setup.memory is not None:
+        limit_memory(setup.memory)
+    pickle.dump(READY, answers)
+    answers.flush()
+    while True:
+        try:
+            bundle: list[Task] = pickle.load(requests)
+        except EOFError:
+            return
+        for task in bundle:
+            pickle.dump(answer(task, setup), answers)
+            answers.flush()
+
+
+def _warm_up(setup: Setup) -> None:
+    """Import what the verb takes, and load the kernels that are compiled already, before a file's time counts."""
+    if setup.verb in ("analyse", "check"):
+        import inertia.mass.analyse
+        import inertia.mesh.check
+        import inertia.mesh.read  # noqa: F401
+
+
+def limit_memory(extra: int) -> None:
+    """Let this process take no more than `extra` bytes beside what it takes now (Linux)."""
+    import resource
+
+    data = re.search(r"VmData:\s*(\d+) kB", Path("/proc/self/status").read_text())
+    assert data is not None
+    limit = 1024 * int(data[1]) + extra
+    resource.setrlimit(resource.RLIMIT_DATA, (limit, limit))

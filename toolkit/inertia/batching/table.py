@@ -1,0 +1,196 @@
+"""A batch as a file: rows are kept in parts as they come, and a run that was cut short goes on where it was.
+
+The parts lie in a folder beside the table, ``NAME.parts``, until it is whole. A part has rows, each with the key of its
+question (path, verb, options, version) and the files that its answer rests on; where the key is the same and the files
+have the same contents, the row counts.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+import re
+import time
+from collections.abc import Callable, Sequence
+from contextlib import closing, suppress
+from contextvars import Context
+from hashlib import sha256
+from itertools import zip_longest
+from pathlib import Path
+from typing import Any
+
+from inertia import __version__
+from inertia.batching.answer import Answer, Setup, Used
+from inertia.batching.columns import COLUMNS, SCHEMA
+from inertia.batching.engines import Engine, in_order
+from inertia.batching.sources import Task
+from inertia.batching.summary import Summary
+from inertia.errors import ReadError, UsageError
+from inertia.output import write_whole
+from inertia.tables import read_table, table_writer
+
+_SOON, _LATER = 0.5, 0.02
+"""s after which a part is written, and the share of the time so far that it is later on: there are few parts, then."""
+
+_PART = re.compile(r"[0-9a-f]{16}\.jsonl")
+_LIMITED = ("crashed", "timed_out")
+
+
+def write_batch(
+    path: Path | None,
+    tasks: Sequence[Task],
+    setup: Setup,
+    engine: Callable[[], Engine],
+    *,
+    shard: tuple[int, int] | None = None,
+    timings: bool = False,
+    progress: Callable[[Summary], None] | None = None,
+) -> Summary:
+    """Write the table of a batch and return its summary; what an earlier run has left is used.
+
+    Parameters
+    ----------
+    path : of the table, which may be there already only where it is to be replaced; None to print JSON lines, of
+        which no part is kept
+    tasks : the files
+    engine : called where there is something to answer for
+    shard : which of how many the tasks are
+    timings : whether the seconds stand in the table, whose bytes are then never the same
+    progress : called with the summary so far after each row
+    """
+    about = {
+        "schema": SCHEMA,
+        "version": __version__,
+        "verb": setup.verb,
+        "options": {name: _plain(value) for name, value in setup.options.items()},
+        **({} if shard is None else {"shard": list(shard)}),
+    }
+    summary = Summary(setup.verb, len(tasks))
+    parts = Parts(None if path is None else path.with_name(f"{path.name}.parts"), setup)
+    with table_writer(path, COLUMNS[setup.verb], about) as write, closing(parts):
+        answers = in_order((parts.answer(task) or task for task in tasks), engine)
+        with closing(answers):
+            for task, answer in zip(tasks, answers, strict=True):
+                parts.add(task, answer)
+                summary.count(answer.row, answer.stored)
+                write(answer.row if timings else {**answer.row, "seconds": None})
+                if progress is not None:
+                    progress(summary)
+    parts.remove()
+    return summary
+
+
+def _plain(value: Any) -> Any:
+    """Return the value of an option as JSON has it."""
+    if isinstance(value, dict):
+        return {name: _plain(one) for name, one in value.items()}
+    uncertainty = getattr(value, "uncertainty", 0.0)
+    return f"{float(value)!r}±{uncertainty!r}" if uncertainty else value
+
+
+class Parts:
+    """Rows that were answered for before the table is whole, in a folder; nothing is kept where that is None."""
+
+    def __init__(self, folder: Path | None, setup: Setup) -> None:
+        self._folder, self._setup = folder, setup
+        self._rows: list[bytes] = []
+        self._started = self._saved = time.monotonic()
+        self._places: dict[bytes, tuple[Path, int]] = {}
+        for path in self._files():
+            self._index(path)
+
+    def answer(self, task: Task) -> Answer | None:
+        """Return what was answered for a file, if it still stands."""
+        if (place := self._places.get(self._key(task))) is None:
+            return None
+        path, offset = place
+        with path.open("rb") as file:
+            file.seek(offset)
+            entry = json.loads(file.readline())
+        row, files = entry["row"], [Used(*each) for each in entry["files"]]
+        if row["state"] in _LIMITED and entry["limits"] != [self._setup.timeout, self._setup.memory]:
+            return None
+        return Answer(row, tuple(files), True) if all(file.unchanged for file in files) else None
+
+    def add(self, task: Task, answer: Answer) -> None:
+        """Keep an answer."""
+        if answer.stored or self._folder is None:
+            return
+        entry = {
+            "key": self._key(task).hex(),
+            "limits": [self._setup.timeout, self._setup.memory],
+            "row": answer.row,
+            "files": answer.files,
+        }
+        self._rows.append(json.dumps(entry).encode() + b"\n")
+        now = time.monotonic()
+        if now - self._saved > max(_SOON, _LATER * (now - self._started)):
+            self._save()
+
+    def close(self) -> None:
+        """Write what there is to be kept."""
+        self._save()
+
+    def remove(self) -> None:
+        """Remove all parts: the table is whole."""
+        with suppress(OSError):
+            for path in self._files():
+                path.unlink()
+            if self._folder is not None:
+                self._folder.rmdir()
+
+    def _files(self) -> list[Path]:
+        if self._folder is None or not self._folder.is_dir():
+            return []
+        return sorted(path for path in self._folder.iterdir() if _PART.fullmatch(path.name))
+
+    def _save(self) -> None:
+        if self._rows and self._folder is not None:
+            self._folder.mkdir(exist_ok=True)
+            path = self._folder / f"{os.urandom(8).hex()}.jsonl"
+            Context().run(write_whole, path, b"".join(self._rows))  # at once, and not together with the table
+        self._rows.clear()
+        self._saved = time.monotonic()
+
+    def _index(self, path: Path) -> None:
+        with path.open("rb") as file:
+            offset = 0
+            for line in file:
+                self._places[bytes.fromhex(json.loads(line)["key"])] = path, offset
+                offset += len(line)
+
+    def _key(self, task: Task) -> bytes:
+        setup = self._setup
+        options = sorted({**setup.options, **task.options}.items(), key=str)
+        return sha256(repr((__version__, SCHEMA, setup.verb, task.path, options)).encode()).digest()[:16]
+
+
+def merge(path: Path, tables: Sequence[Path]) -> Summary:
+    """Write one table from those of all shards, as one run would have written it, and return its summary.
+
+    Raises `UsageError` where they do not belong together, or one is missing.
+    """
+    opened = [read_table(each) for each in tables]
+    abouts = [{name: value for name, value in about.items() if name != "shard"} for about, _ in opened]
+    for each, about in zip(tables, abouts, strict=True):
+        if about.get("schema") != SCHEMA:
+            raise ReadError(f"cannot read {each}: it is no table of a batch")
+        if about != abouts[0]:
+            raise UsageError(f"{each} was made with another version, verb or other options than {tables[0]}")
+    shards = [tuple(about.get("shard", ())) for about, _ in opened]
+    count = shards[0][1] if shards[0] else 0
+    missing = set(range(1, count + 1)) - {shard[0] for shard in shards if shard}
+    if missing or len(shards) != count or any(shard[1:] != (count,) for shard in shards):
+        which = f"shard {min(missing)} of {count} is missing" if missing else "they are not the shards of one batch"
+        raise UsageError(f"{which}: give the table of each shard, once")
+    verb = abouts[0]["verb"]
+    order = sorted(range(count), key=lambda k: shards[k])
+    summary = Summary(verb, 0)
+    with table_writer(path, COLUMNS[verb], {name: abouts[0][name] for name in abouts[0] if name != "columns"}) as write:
+        for rows in zip_longest(*(opened[k][1] for k in order)):
+            for row in rows:
+                if row is not None:
+                    summary.files += 1
+                    summary.count(row, False)
+                    write(row)
+    return summary
