@@ -56,7 +56,8 @@ def value(joint: Joint, time: mpf) -> mpf:
 class Swarm:
     """The particles of an assembly."""
 
-    def __init__(self, assembly: JointedBody) -> None:
+    def __init__(self, assembly: JointedBody, tick: mpf = TICK) -> None:
+        self.tick = tick
         self.named = {part.name: part for part in assembly.parts}
         self.particles = [(part, m, x) for part in assembly.parts for m, x in self.split(part)]
         self.masses = [m for _, m, _ in self.particles]
@@ -102,11 +103,11 @@ class Swarm:
 
     def moments(self, time: mpf) -> tuple[mpmath.matrix, Vector, mpf]:
         """Return tensor, internal angular momentum and internal energy about the centre of mass, root axes."""
-        before, after = (self.centered(time + k * TICK) for k in (-1, 1))
+        before, after = (self.centered(time + k * self.tick) for k in (-1, 1))
         tensor, momentum, energy = mpmath.zeros(3), [mpf(0)] * 3, mpf(0)
         for m, a, b in zip(self.masses, before, after, strict=True):
             x = [(p + q) / 2 for p, q in zip(b, a, strict=True)]
-            v = [(p - q) / (2 * TICK) for p, q in zip(b, a, strict=True)]
+            v = [(p - q) / (2 * self.tick) for p, q in zip(b, a, strict=True)]
             momentum = [h + m * k for h, k in zip(momentum, cross(x, v), strict=True)]
             energy += m * dot(v, v) / 2
             for i in range(3):

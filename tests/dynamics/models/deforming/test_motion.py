@@ -224,6 +224,42 @@ def test_an_accuracy_beyond_float64_is_not_claimed() -> None:
     assert motion.reached > 1e-15
 
 
+@pytest.mark.parametrize("begin", [0.5, 20.3])
+@pytest.mark.parametrize("gap", [1e-1, 1e-3, 1e-6, 1e-9])
+def test_keyframes_that_are_close_keep_the_claim_true(begin: float, gap: float) -> None:
+    """The wheel turns by 4 rad within the gap; the stool takes back its share, and 2 rad/s go on."""
+    spun = Joint(Z, [begin, begin + gap, begin + 2.5 * gap], angles=[0.0, 4.0, 1.0], rates=[0.0, 3.0 / gap, 0.0])
+    parts = (
+        JointedPart("stool", 1.0, np.diag([2, 2, 3])),
+        JointedPart("wheel", 2.0, np.diag([1, 1, 0.5]), [0, 0, 1], "stool", (spun,)),
+    )
+    time = np.concatenate([[0.0], np.linspace(begin - gap, begin + 4 * gap, 40), [begin + 1.0]])
+    motion = solve_deforming(JointedBody(parts), time, 1e-12, angular_velocity=[0, 0, 2.0])
+    with mpmath.workdps(30):
+        half = [mpmath.mpf(t) - value(spun, mpmath.mpf(t)) / 14 for t in time]
+        true = np.array([[0, 0, mpmath.sin(a), mpmath.cos(a)] for a in half], dtype=object)
+    assert apart(motion.attitude, true) < motion.reached < 1e-12
+
+
+def test_joints_that_overlap_within_a_short_gap_keep_the_claim_true() -> None:
+    """The oracle takes two steps from each keyframe to the next, with differences over far less than the gap."""
+    gap = 1e-8
+    hinge = Joint([1, 2, 3], [0.1, 0.1 + gap, 0.2], angles=[0.1, 1.2, -0.5], point=[0.5, 0.1, 0.2], rates=[1, 0.5, -1])
+    slide = Joint([0, 1, 1], [0.0, 0.1 + gap / 2], displacements=[0.0, 0.3], rates=[0.2, -0.4])
+    tensor = [[1, 0.1, -0.2], [0.1, 1.5, 0.05], [-0.2, 0.05, 2]]
+    assembly = JointedBody(
+        (
+            JointedPart("a", 2.0, tensor, [0.1, 0.2, 0.3]),
+            JointedPart("b", 1.0, np.diag([0.3, 0.4, 0.5]), [0.9, 0.1, 0], "a", (hinge, slide)),
+        )
+    )
+    momentum, ends = [1.0, -2.0, 3.0], [0.0, 0.1, 0.1 + gap / 2, 0.1 + gap, 0.2]
+    motion = solve_deforming(assembly, ends, 1e-13, angular_momentum=momentum)
+    steps = [0.0, *(float(x) for a, b in pairwise(ends) for x in np.linspace(a, b, 3)[1:])]
+    true = Swarm(assembly, tick=mpmath.mpf(10) ** -20).follow(momentum, steps, 1.0)[::2]
+    assert apart(motion.attitude, true) < motion.reached < 1e-13
+
+
 def test_the_order_is_13_within_steps_and_24_at_their_ends() -> None:
     inverse, spin, end = np.diag([0.5, 0.5, 1.0]), np.array([1.0, 0.5, 3.0]), 16.0
     momentum, time = spin / np.diag(inverse), np.linspace(0, end, 1001)
@@ -231,7 +267,7 @@ def test_the_order_is_13_within_steps_and_24_at_their_ends() -> None:
     precession = turned(momentum / size, size * 0.5 * time)
     true = quaternion.multiply(precession, turned(Z, (spin[2] - momentum[2] * 0.5) * time))
 
-    def rigid(t: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    def rigid(t: np.ndarray, _: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         return np.tile(inverse, (len(t), 1, 1)), np.zeros((len(t), 3))
 
     def errors(steps: int) -> np.ndarray:

@@ -60,14 +60,14 @@ def integrals(theta: Float) -> Float:
 
 
 def collocate(
-    momentum: Float, coefficients: Callable[[Float], tuple[Float, Float]], start: Float, edges: Float
+    momentum: Float, coefficients: Callable[[Float, Float], tuple[Float, Float]], start: Float, edges: Float
 ) -> Trajectory:
     """Solve the equation from attitude `start` (4,) at edges[0] to edges[-1], stepping from edge to edge.
 
     Parameters
     ----------
     momentum : L (3,) kg m²/s, in space
-    coefficients : takes times (k,) s to I⁻¹ (k, 3, 3) and I⁻¹ h (k, 3)
+    coefficients : takes the beginning of a step and the time since then, (k,) s each, to I⁻¹ (k, 3, 3) and I⁻¹ h (k, 3)
     edges : (m + 1,) s, ascending; steps much longer than 1/(|I⁻¹| |L|) may not settle
     """
     nodes = 0.5 * (1.0 + leggauss(NODES)[0])
@@ -80,8 +80,8 @@ def collocate(
     watch = Watch()
     for first in range(0, len(lengths), _TOGETHER):
         some = slice(first, first + _TOGETHER)
-        times = edges[:-1][some, None] + lengths[some, None] * nodes
-        inverse, bias = coefficients(times.ravel())
+        begun, since = np.repeat(edges[:-1][some], NODES), np.multiply.outer(lengths[some], nodes).ravel()
+        inverse, bias = coefficients(begun, since)
         inverse, bias = inverse.reshape(-1, NODES, 3, 3), bias.reshape(-1, NODES, 1, 3)
         for k, (length, b, c) in enumerate(zip(lengths[some], inverse, bias, strict=True), first):
             slopes[k] = _settle(q, length * inner, turn, b, c)

@@ -120,8 +120,8 @@ class JointedBody:
         """The instants (k,) s, ascending, of all keyframes of joints that move."""
         return np.unique(np.concatenate([np.empty(0), *(joint.times for joint in self.joints if joint.moves)]))
 
-    def shape(self, time: ArrayLike) -> Shape:
-        """Return where everything is at times (n,) s.
+    def shape(self, time: ArrayLike, later: ArrayLike = 0.0) -> Shape:
+        """Return where everything is at times (n,) s, or `later` (n,) s than them (`Joint.at`).
 
         With r, u the place and the velocity of a part's centre of mass relative to the common one, ω its spin and I
         its tensor: inertia Σ I + m (r² δ − r rᵀ), angular momentum Σ I ω + m r × u, energy ½ Σ ω·I ω + m u².
@@ -130,7 +130,7 @@ class JointedBody:
         count = len(t)
         at_rest = np.tile(quaternion.IDENTITY, (count, 1)), *(np.zeros((count, 3)) for _ in range(3))
         moved: dict[str | None, _Moving] = {None: _Moving(*at_rest)}
-        motion = {joint: joint.at(t) for joint in self.joints}
+        motion = {joint: joint.at(t, later) for joint in self.joints}
         for k in self._order:
             part = self.parts[k]
             pose = moved[part.parent]

@@ -97,23 +97,31 @@ class Joint:
         assert self.rates is not None
         return values, self.rates
 
-    def at(self, time: ArrayLike) -> tuple[Float, Float]:
-        """Return the value, rad or m, and its rate at times (n,) s: (n,) each."""
+    def at(self, time: ArrayLike, later: ArrayLike = 0.0) -> tuple[Float, Float]:
+        """Return the value, rad or m, and its rate at times (n,) s, or `later` (n,) s than them: (n,) each.
+
+        What is later is added to the time since the last keyframe, which two that are close leave few digits of in
+        their sum. It must not lead past the next keyframe.
+        """
         values, rates = self._columns
-        t = np.asarray(time, dtype=np.float64)
+        t, more = np.broadcast_arrays(np.asarray(time, dtype=np.float64), np.asarray(later, dtype=np.float64))
+        ended = (t >= self.times[-1]) | (t < self.times[0])
         within = np.clip(t, self.times[0], self.times[-1])
+        inside = np.where(ended, 0.0, more)
         if len(self.times) == 1:
             value, rate = np.full(t.shape, values[0]), np.full(t.shape, rates[0])
         else:
             k = np.searchsorted(self.times[1:-1], within, side="right")
             length = self.times[k + 1] - self.times[k]
-            s = (within - self.times[k]) / length
+            s = (within - self.times[k] + inside) / length
             rise = values[k + 1] - values[k] - rates[k] * length
             gain = (rates[k + 1] - rates[k]) * length
             c3, c4, c5 = 10 * rise - 4 * gain, 7 * gain - 15 * rise, 6 * rise - 3 * gain
             value = values[k] + s * (rates[k] * length + s * s * (c3 + s * (c4 + s * c5)))
             rate = rates[k] + s * s * (3 * c3 + s * (4 * c4 + s * 5 * c5)) / length
-        return value + rate * (t - within), rate
+            over = t >= self.times[-1]  # where what rounding leaves of the quintic would go on
+            value, rate = np.where(over, values[-1], value), np.where(over, rates[-1], rate)
+        return value + rate * (t - within + (more - inside)), rate
 
 
 def _column(value: object, path: str, unit: str) -> Float:

@@ -207,10 +207,10 @@ class _Flow:
     assembly: JointedBody
     momentum: Float
 
-    def coefficients(self, time: Float) -> tuple[Float, Float]:
-        """Return I⁻¹ (n, 3, 3) and I⁻¹ h (n, 3)."""
-        shape = self.assembly.shape(time)
-        _moments(shape, time)
+    def coefficients(self, time: Float, later: Float) -> tuple[Float, Float]:
+        """Return I⁻¹ (n, 3, 3) and I⁻¹ h (n, 3) at times (n,) s, or later."""
+        shape = self.assembly.shape(time, later)
+        _moments(shape, time + later)
         inverse = _inverse(shape)
         return inverse, _times(inverse, shape.internal_angular_momentum)
 
