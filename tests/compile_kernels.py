@@ -37,12 +37,14 @@ def machine_code(kernel: Kernel) -> bytes:
 
 
 def write() -> None:
-    """Compile them all, and remove what no kernel is named after."""
+    """Compile those that have changed, and remove what no kernel is named after."""
     every = kernels()
     SHIPPED.mkdir(exist_ok=True)
     for old in set(SHIPPED.iterdir()) - {each.shipped_as for each in every}:
         old.unlink()
     for each in every:
+        if each.shipped_as.exists():
+            continue
         each.shipped_as.write_bytes(machine_code(each))
         print(f"{each.shipped_as.stat().st_size:7d} {each.shipped_as.name}")
 

@@ -1,6 +1,7 @@
 """Shells, what contains what, and bodies: against solid angles, exact volumes and nested solids."""
 
 import math
+from collections.abc import Callable
 from fractions import Fraction
 
 import numpy as np
@@ -8,12 +9,13 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation
-from tests.mesh.solids import box, cube, facets, inside_out, joined, ring, sphere
+from tests.mesh.solids import Mesh, box, cube, facets, inside_out, joined, ring, sphere
 
+from inertia import native
 from inertia.mesh.geometry.closure import closure
-from inertia.mesh.geometry.shells import Shell, absolute_orientation, bodies, members, shells
+from inertia.mesh.geometry.shells import Shell, absolute_orientation, all_apart, bodies, members, shells
 from inertia.mesh.geometry.winding import windings, windings_under
-from inertia.mesh.part import Surface
+from inertia.mesh.part import Surface, Triangles
 
 
 def shells_of(surface: Surface) -> tuple[Shell, ...]:
@@ -286,3 +288,37 @@ def test_winding_numbers_just_under_a_surface_are_those_of_its_inside() -> None:
         assert (winding[decided] == inside).all()
     turned = corners[:, ::-1]
     assert (windings_under(turned, corners)[0] == 0).all()
+
+
+def at(x: float) -> Mesh:
+    return box((x, 0.0, 0.0), (x + 2.0, 2.0, 2.0))
+
+
+@pytest.mark.parametrize("store", [facets, lambda surface: surface], ids=["facets", "surface"])
+@pytest.mark.parametrize(
+    ("others", "apart"),
+    [
+        ([at(3.0)], True),
+        ([box((0.5, 0.5, 0.5), (1.5, 1.5, 1.5))], False),
+        ([at(2.0)], False),  # boxes touch
+        ([inside_out(at(3.0))], False),
+        ([at(3.0), at(3.0)], False),
+        ([at(3.0), at(6.0)], True),
+    ],
+)
+def test_bodies_whose_boxes_do_not_meet_are_apart(
+    others: list[Mesh], apart: bool, store: Callable[[Surface], Triangles], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(native, "SHIPPED_ABOVE", 0)
+    triangles = store(joined(at(0.0), *others))
+    assert all_apart(triangles, closure(triangles), np.zeros(3)) == apart
+    monkeypatch.setenv("INERTIA_NATIVE", "0")
+    assert not all_apart(triangles, closure(triangles), np.zeros(3))
+
+
+@pytest.mark.parametrize("turned", [False, True])
+def test_a_shell_without_certain_volume_is_not_apart(turned: bool, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(native, "SHIPPED_ABOVE", 0)
+    plate = box((9.0, 9.0, 9.0), (10.0, 10.0, 9.0 + 2e-15))
+    triangles = joined(at(0.0), inside_out(plate) if turned else plate)
+    assert not all_apart(triangles, closure(triangles), np.zeros(3))

@@ -23,7 +23,7 @@ from inertia.mesh.checks.crossings import to_be_examined
 from inertia.mesh.checks.findings import Finding, Report, around, middle
 from inertia.mesh.geometry.closure import Closure, closure
 from inertia.mesh.geometry.intersect import crossings
-from inertia.mesh.geometry.shells import Shell, absolute_orientation, shells
+from inertia.mesh.geometry.shells import Shell, absolute_orientation, all_apart, shells
 from inertia.mesh.geometry.shells import bodies as bodies_of
 from inertia.mesh.part import Cells, Facets, Part, Regions, Surface, Triangles, counts_once, usable
 from inertia.mesh.shape import Solid
@@ -132,8 +132,11 @@ def surface_integrals(
     extents = np.array([sums.low, sums.high])
     if not usable(extents).all() or (topology.open_edges and not shell):
         check(part, intersections=intersections).require_fit()
-    several = topology.components != 1 or topology.crowded > 0
-    pieces = shells(triangles, topology) if several and not shell else ()
+    several = not shell and (topology.components != 1 or topology.crowded > 0)
+    simple = several and not named and not topology.crowded and sums.exponent == 0
+    if simple and all_apart(triangles, topology, sums.origin):
+        several = False
+    pieces = shells(triangles, topology) if several else ()
     proven = counts_once(triangles)
     wrong = _wrong(triangles, pieces, moments_of(sums)) if absolute and not (turned or shell or proven) else ()
     if len(wrong):

@@ -24,7 +24,9 @@ from inertia.mesh.geometry.boxes import BoxTree, overlapping
 from inertia.mesh.geometry.closure import Closure
 from inertia.mesh.geometry.winding import windings, windings_under
 from inertia.mesh.part import Triangles
+from inertia.native import Kernel
 
+_MEASURE = Kernel("inertia.mesh.geometry.shell_kernel", "measure_shells", "ppi" + "ddd" + "pi")
 _CHUNK = 1 << 16
 SLIVER = 1e-9
 """Volume, over that of all shells, up to which a shell that is wound wrongly does not keep a part from an answer."""
@@ -123,6 +125,35 @@ def shells(triangles: Triangles, closure: Closure) -> tuple[Shell, ...]:
         )
         for number in range(count)
     )
+
+
+def all_apart(triangles: Triangles, closure: Closure, origin: Float) -> bool:
+    """Say whether all shells are bodies of their own: outward, and no two of their boxes meet.
+
+    It is the cheap answer for parts of many bodies; where it is False, `shells` has to be asked, or no kernel is there.
+
+    Parameters
+    ----------
+    triangles : of a closed surface with finite coordinates, whose size is neither near 1e100 nor near 1e-100
+    origin : (3,), a point in the middle
+    """
+    count = closure.components
+    if not count or not _MEASURE.worthwhile(triangles.count):
+        return False
+    table = np.zeros((count, 8))
+    table[:, :3], table[:, 3:6] = np.inf, -np.inf
+    for start in range(0, triangles.count, _CHUNK):
+        corners = np.ascontiguousarray(triangles.corners(start, start + _CHUNK))
+        labels = closure.labels[start : start + _CHUNK]
+        _MEASURE.function(
+            corners.ctypes.data, labels.ctypes.data, len(corners), *origin.tolist(), table.ctypes.data, count
+        )
+    low, high, volume, magnitude = table[:, :3], table[:, 3:6], table[:, 6], table[:, 7]
+    # Summed one after another, each term is rounded as often as there are terms.
+    if not (volume > (_NOISE + triangles.count * _STORED) * magnitude).all():
+        return False
+    met = overlapping(BoxTree(low, high), touching=True)
+    return all(len(i) == 0 for i, _, _ in met)
 
 
 def bodies(shells: Sequence[Shell]) -> tuple[Body, ...]:
