@@ -114,6 +114,7 @@ def test_every_sample_scene_runs_to_its_accuracy(capsys: pytest.CaptureFixture[s
             "t_handle": "asymmetric top",
             "thrown_box": "asymmetric top",
             "tilted_disc": "hinged body",
+            "tippe_top": "sliding ball",
         }[file.stem]
     )
     assert main(["simulate", str(file), "--samples", "21"]) == 0

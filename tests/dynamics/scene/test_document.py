@@ -230,7 +230,10 @@ def test_the_rows_of_a_table_are_checked(rows: list, message: str) -> None:
         ({"start__frame": "body"}, "start.frame is 'body': use one of 'principal', 'part', 'space'"),
         ({"start__velocity": "fast"}, "start.velocity is 'fast'"),
         ({"constraint__kind": "fixed-point"}, "did you mean 'fixed_point'?"),
-        ({"constraint__point": [0, 0, 0]}, 'constraint.point goes with kind = "fixed_point" or kind = "hinge" only'),
+        (
+            {"constraint__point": [0, 0, 0]},
+            'constraint.point goes with kind = "fixed_point" or kind = "hinge" or kind = "sliding" only',
+        ),
         ({"constraint": {"kind": "rolling"}}, "constraint.radius is missing"),
         ({"constraint": {"kind": "rolling", "radius": 1}}, "load needs one of kind"),
         ({"constraint": {"kind": "rolling", "radius": 1, "offset": 0.1}}, "constraint.axis is missing"),

@@ -97,3 +97,23 @@ def test_a_body_that_would_lift_off_says_when(tmp_path: Path) -> None:
 @drawable
 def test_the_viewer_shows_it_without_an_error(run: Run, tmp_path: Path) -> None:
     assert errors_seen(screen(run), tmp_path, 0.5) == []
+
+
+def test_a_ball_that_slides_is_shown_with_its_slip_on_its_plane(tmp_path: Path) -> None:
+    scene = Scene.load(path("scenes/tippe_top.toml"))
+    normal = np.array([0.6, 0.0, 0.8])
+    held = replace(scene.constraint, normal=normal)
+    top = simulate(replace(scene, constraint=held, run=replace(scene.run, duration=0.2, samples=401)))
+    assert top.plan.view == "disc"
+    recorded = written(screen(top), tmp_path / "run.rrd")
+    assert sorted(recorded.views) == ["3D", "3D", "TextDocument", *5 * ["TimeSeries"]]
+    contact, center = place(recorded, f"/{entities.CONTACT}"), place(recorded, f"/{entities.CENTER}")
+    np.testing.assert_allclose(contact @ normal, 0.0, atol=1e-5)
+    lines = recorded.values(f"/{entities.GRID}", "LineStrips3D:strips")
+    np.testing.assert_allclose(np.concatenate(list(lines)).reshape(-1, 3) @ normal, 0.0, atol=1e-5)
+    middle = turn(recorded, f"/{entities.BODY}").apply([0.0, 0.0, 0.4]) + center  # one unit is 1 cm
+    np.testing.assert_allclose(middle - contact, np.broadcast_to(1.8 * normal, middle.shape), atol=2e-3)
+    slip = series(recorded, f"/{entities.PLOT_SLIP}")[:, 0]
+    np.testing.assert_allclose(slip, np.linalg.norm(top.quantities["contact velocity"], axis=1), rtol=1e-6, atol=1e-9)
+    force = series(recorded, f"/{entities.PLOT_FORCE}")
+    np.testing.assert_allclose(force[:, 0], top.quantities["contact force"] @ normal, rtol=1e-6)

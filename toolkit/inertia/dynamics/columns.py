@@ -48,6 +48,9 @@ _UNITS = {
     "phi": "rad",
     "psi": "rad",
     "contact force": "N",
+    "contact velocity": "m/s",
+    "heat": "J",
+    "Jellett": "kg m³/s",
     "reaction force": "N",
     "force on bearing": "N",
     "torque": "N m",
@@ -61,7 +64,12 @@ _UNITS = {
 
 _BLOCK = 16384  # rows that are written at once
 _SPACE = "xyz"
-_COMPONENTS = {"attitude": [*_SPACE, "w"], "part poses": [*_SPACE, "qx", "qy", "qz", "qw"]}
+_QUATERNION = [*_SPACE, "w"]
+_COMPONENTS = {
+    "attitude": _QUATERNION,
+    "attitude in the orbit": _QUATERNION,
+    "part poses": [*_SPACE, "qx", "qy", "qz", "qw"],
+}
 
 
 def unit_of(name: str) -> str:

@@ -37,11 +37,13 @@ EPS = float(np.finfo(np.float64).eps)
 
 
 class States(NamedTuple):
-    """The states at n times: attitudes (n, 4), angular velocities (n, 3) in rad/s, and the number of steps."""
+    """The states at n times: attitudes (n, 4), angular velocities (n, 3) in rad/s, the number of steps, and what else
+    the problem carries along, (n, k)."""
 
     attitude: Float
     angular_velocity: Float
     steps: int
+    carried: Float = np.empty((0, 0))
 
     def apart(self, other: States) -> float:
         """Return the largest angle in rad between the attitudes of two runs."""
@@ -117,7 +119,7 @@ class Piece:
         """Return the rate of a state as a function of time and state, all in the problem's units; any load."""
         problem, rate, start = self.problem, self.problem.rate, self.start
         last = np.nextafter(self.end, start)  # loads may jump at the end of the piece
-        unit = np.array([1.0] * 4 + [rate] * 3)
+        unit = problem.unit
         return lambda time, state: problem.rhs(min(start + time / rate, last), state * unit) / (unit * rate)
 
 
@@ -216,17 +218,19 @@ class Integrator(ABC):
         if turn is not None:
             state = np.concatenate([quaternion.multiply(state[:4], turn), state[4:][list(axes)]])
         cut = pieces(problem, time, axes)
-        rows = np.empty((len(time) + 1, 7))  # a piece begins with the state in its first row, and ends one row on
+        rows = np.empty(
+            (len(time) + 1, len(state))
+        )  # a piece begins with the state in its first row, and ends one row on
         rows[: cut[0].first + 1 if cut else len(time)] = state
         steps = 0
         for piece in cut:
             call = self.compiled(piece, control, level)
             steps += self._in_kernel(piece, call, rows) if call else self._in_python(piece, control, level, rows)
-        attitude, spin = rows[:-1, :4], rows[:-1, 4:]
+        attitude, spin, carried = rows[:-1, :4], rows[:-1, 4:7], rows[:-1, 7:]
         if turn is not None:
             attitude = quaternion.multiply(attitude, quaternion.conjugate(turn))
             spin = spin[:, np.argsort(axes)]
-        return States(attitude if self.keeps_length else quaternion.normalise(attitude), spin, steps)
+        return States(attitude if self.keeps_length else quaternion.normalise(attitude), spin, steps, carried)
 
     def _in_kernel(self, piece: Piece, call: Call, rows: Float) -> int:
         """Write the rows of a piece by a kernel; return the steps."""
@@ -262,10 +266,10 @@ class Integrator(ABC):
     def _in_python(self, piece: Piece, control: float, level: int, rows: Float) -> int:
         """Do the same a step at a time."""
         watch = Watch()
-        unit = np.array([1.0] * 4 + [piece.problem.rate] * 3)
+        unit = piece.problem.unit
         stepper = self.stepper(piece, rows[piece.first] / unit, control, level)
         targets, samples = np.unique(piece.targets, return_inverse=True)
-        values = np.empty((len(targets), 7))
+        values = np.empty((len(targets), len(unit)))
         done, end = 0, float(targets[-1])
         while done < len(targets):
             reason = stepper.step(float(targets[done]))
@@ -312,7 +316,7 @@ class Integrator(ABC):
 
 
 def begin(problem: RotationProblem, level: int) -> Float:
-    """Return the state (q, ω), (7,), that a run begins with, ω in rad/s.
+    """Return the state (q, ω), (7,), that a run begins with, ω in rad/s, and what the problem carries along.
 
     Other levels than the finest begin a few roundings aside, so that their distance also holds what the motion makes
     of rounding: near a separatrix that is much.
@@ -323,4 +327,4 @@ def begin(problem: RotationProblem, level: int) -> Float:
         aside = EPS * np.array([(1.0, -1.0, 1.0), (1.0, 1.0, -1.0)][level - 1])
         state[:4] = quaternion.multiply(state[:4], (*(4.0 * aside), 1.0))
         state[4:] *= 1.0 + aside
-    return state
+    return np.concatenate([state, problem.carried])

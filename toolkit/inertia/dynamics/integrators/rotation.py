@@ -127,6 +127,16 @@ class RotationProblem:
         swing = float(np.sqrt(np.abs(pull).max()))
         return power_of_two(max(spin, swing) or 1.0)
 
+    @property
+    def carried(self) -> Float:
+        """What is integrated beside (q, ω), (k,), at the start: nothing, but for problems with a `rhs` of their own."""
+        return np.empty(0)
+
+    @property
+    def unit(self) -> Float:
+        """The units (7 + k,) of the state: 1, and `rate` of ω."""
+        return np.array([1.0] * 4 + [self.rate] * 3)
+
     def energy(self, attitude: Float, angular_velocity: Float) -> Float:
         """Return kinetic plus potential energy (…) in J."""
         total = 0.5 * np.asarray((self.moments * angular_velocity**2).sum(axis=-1))

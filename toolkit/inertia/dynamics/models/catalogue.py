@@ -9,6 +9,7 @@ from inertia.dynamics.models.heavy.model import HeavySymmetricTop
 from inertia.dynamics.models.hinged.model import HingedBody
 from inertia.dynamics.models.model import Model
 from inertia.dynamics.models.rolling.model import Rolling
+from inertia.dynamics.models.sliding.model import Sliding
 from inertia.dynamics.models.stepped.model import EulerEquations
 
 MODELS: tuple[Model, ...] = (
@@ -21,6 +22,7 @@ MODELS: tuple[Model, ...] = (
     EulerEquations(),
     HingedBody(),
     Rolling(),
+    Sliding(),
     DeformingBody(),
 )
 """Of those that can follow a scene, the first that is accurate enough runs, and the last takes ``run.method``."""

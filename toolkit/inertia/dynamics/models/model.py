@@ -96,6 +96,11 @@ class Problem:
         return self.scene.constraint.kind == "rolling"
 
     @property
+    def slides(self) -> bool:
+        """Whether the body is a ball that slides on a plane."""
+        return self.scene.constraint.kind == "sliding"
+
+    @property
     def hinged(self) -> bool:
         """Whether the body turns about an axle."""
         return self.scene.constraint.kind == "hinge"
@@ -115,7 +120,7 @@ class Problem:
     @property
     def rigid(self) -> bool:
         """Whether a rigid body turns in all ways about its centre of mass or a fixed point."""
-        return not self.rolls and not self.hinged and not self.scene.body.deforms
+        return not self.rolls and not self.slides and not self.hinged and not self.scene.body.deforms
 
     @cached_property
     def torques(self) -> tuple[Load, ...]:
@@ -136,7 +141,7 @@ class Problem:
         if kind == "rolling":
             how = "its velocity follows from its rotation, and the plane pushes back"
             reason = f"The body rolls without slipping: {how}."
-        elif kind == "hinge":
+        elif kind in ("hinge", "sliding"):
             return []
         elif kind == "fixed_point" and not self.arm.any():
             reason = "The body is held at its centre of mass, where gravity has no arm: it turns as a free body does."

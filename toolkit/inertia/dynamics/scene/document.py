@@ -30,6 +30,7 @@ from inertia.errors import FieldPath, GeometryError, UsageError
 
 _SECTIONS = ("schema", "body", "part", "start", "constraint", "load", "run")
 _FAR = 10.0  # sizes of the body
+_ALONG = 1e-9  # of a velocity along a plane, that may point out of it
 _NO_THICKNESS = 1e-30  # of the largest moment: less is no body, and its axis turns faster than can be followed
 
 
@@ -165,8 +166,10 @@ def _require_sense(scene: Scene) -> None:
     _require_loads_that_fit(scene)
     if scene.constraint.holds:
         _require_near(scene)
-    if scene.start.velocity is not None and scene.constraint.kind != "free":
+    if scene.start.velocity is not None and scene.constraint.kind not in ("free", "sliding"):
         raise FieldError("start.velocity", "is given, but the constraint decides it: leave it out")
+    if scene.constraint.kind == "sliding":
+        _require_ball(scene)
     if not np.any(scene.start.angular_velocity) and not _is_turned(scene):
         raise FieldError("start.angular_velocity", "is zero, and nothing makes the body turn: give a spin or a torque")
 
@@ -188,8 +191,8 @@ def _require_mass(scene: Scene) -> None:
     for k, load in enumerate(scene.applied_loads):
         if load.acts_on_mass:
             raise FieldError("body.mass", f"is missing: load[{k}], {load.kind}, acts on mass")
-    if constraint.kind == "rolling":
-        raise FieldError("body.mass", "is missing: a rolling body needs it")
+    if constraint.kind in ("rolling", "sliding"):
+        raise FieldError("body.mass", f"is missing: a {constraint.kind} body needs it")
     if constraint.holds and np.any(constraint.fixed_point - body.center_of_mass):
         raise FieldError("body.mass", f"is missing: the moments about {constraint.held_at} need it")
 
@@ -207,8 +210,8 @@ def _require_loads_that_fit(scene: Scene) -> None:
             raise FieldError(
                 f"load[{k}]", f"is {load.kind}: a body on an axle takes gravity, damping and constant torques"
             )
-        if kind == "rolling" and not isinstance(load, Gravity):
-            raise FieldError(f"load[{k}]", f"is {load.kind}: a rolling body takes gravity only")
+        if kind in ("rolling", "sliding") and not isinstance(load, Gravity):
+            raise FieldError(f"load[{k}]", f"is {load.kind}: a {kind} body takes gravity only")
         load.require_span(scene.run.duration, f"load[{k}]")
     if scene.orbit is not None:
         _require_orbit_alone(scene)
@@ -216,6 +219,20 @@ def _require_loads_that_fit(scene: Scene) -> None:
         x, y, z = scene.gravity.tolist()
         if x or y or not z < 0:
             raise FieldError("load", 'needs one of kind = "gravity" along −z: the body rolls on the plane z = 0')
+
+
+def _require_ball(scene: Scene) -> None:
+    """Raise `FieldError` where a ball that slides is not on its plane, or its centre of mass not within it."""
+    held, velocity = scene.constraint, scene.start.velocity
+    radius, arm = held.radius or 0.0, float(np.linalg.norm(held.fixed_point - scene.body.center_of_mass))
+    if arm >= radius:
+        raise FieldError(
+            "constraint.point", f"is {arm:.6g} m from the centre of mass, which lies within the ball of {radius:.6g} m"
+        )
+    if not scene.gravity @ held.plane < 0:
+        raise FieldError("load", 'needs one of kind = "gravity" that presses the body on the plane it slides on')
+    if velocity is not None and abs(float(velocity @ held.plane)) > _ALONG * float(np.linalg.norm(velocity)):
+        raise FieldError("start.velocity", "points out of the plane or into it: the part along the normal follows")
 
 
 def _require_orbit_alone(scene: Scene) -> None:

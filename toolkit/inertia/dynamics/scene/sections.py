@@ -13,10 +13,13 @@ from inertia.dynamics.kinematics import quaternion
 from inertia.estimate import uncertainty_of
 
 Frame = Literal["principal", "part", "space"]
-Kind = Literal["free", "fixed_point", "hinge", "rolling"]
+Kind = Literal["free", "fixed_point", "hinge", "rolling", "sliding"]
 
 FINEST = 1e-15
 """rad: no attitude in float64 is known better than the rounding of its four components."""
+
+SLIP_SPEED = 0.01
+"""m/s, below which the friction of a ball that slides is viscous, where the scene does not say."""
 
 _MOST_SAMPLES = 10_000_000
 _SOURCES = ("part", "inertia", "principal_moments")
@@ -103,7 +106,7 @@ class Start(Section):
         moments), "part" or "space"
     attitude : (4,) unit quaternion, scalar last, part axes to space
     position : (3,) m in space: of the centre of mass, of the fixed point, or of the point of contact
-    velocity : (3,) m/s in space, of the centre of mass of a free body
+    velocity : (3,) m/s in space, of the centre of mass of a free body, or along the plane of a ball that slides
     """
 
     section: ClassVar[str] = "start"
@@ -116,11 +119,12 @@ class Start(Section):
 
 
 _OWNERS = {
-    "point": ("fixed_point", "hinge"),
+    "point": ("fixed_point", "hinge", "sliding"),
     "axis": ("hinge", "rolling"),
-    "radius": ("rolling",),
+    "radius": ("rolling", "sliding"),
     "offset": ("rolling",),
     **dict.fromkeys(("drive", "stiffness", "rest_angle", "bearings"), ("hinge",)),
+    **dict.fromkeys(("friction", "slip_speed", "normal"), ("sliding",)),
 }
 """The kinds of constraint that each field goes with."""
 
@@ -136,21 +140,25 @@ class Constraint(Section):
 
     Attributes
     ----------
-    kind : "free", "fixed_point", "hinge" (on an axle) or "rolling" (without slip, on its rim, on the plane z = 0 of
-        space)
-    point : (3,) m, part axes, of a fixed point, or on the axle; the origin of the part axes without it
-    radius : m, of the rim that rolls
+    kind : "free", "fixed_point", "hinge" (on an axle), "rolling" (without slip, on its rim, on the plane z = 0 of
+        space) or "sliding" (a ball, with friction, on a plane)
+    point : (3,) m, part axes, of a fixed point, on the axle, or the centre of the ball that slides; the origin of the
+        part axes without it
+    radius : m, of the rim that rolls, or of the ball that slides
     offset : m, of the rim's plane from the centre of mass, along `axis`, which it needs
     axis : (3,) of the axle, or of the body of revolution that rolls, part axes; of that, without it, the axis of the
         two equal moments
     drive : of an axle: "free", or "constant_speed", which keeps the spin of the start
     stiffness : N m/rad of a torsion spring on the axle; rest_angle : rad from the start, at which it is slack
     bearings : (2,) m along the axle from `point`, of two bearings that share the force
+    friction : coefficient μ between a ball that slides and the plane
+    slip_speed : u₀ in m/s; at a slip u the friction is μ N u/√(u² + u₀²)
+    normal : (3,) of the plane that it slides on, space axes; z without it
     """
 
     section: ClassVar[str] = "constraint"
 
-    kind: Annotated[Kind, choice("free", "fixed_point", "hinge", "rolling")] = "free"
+    kind: Annotated[Kind, choice("free", "fixed_point", "hinge", "rolling", "sliding")] = "free"
     point: Annotated[Float | None, numbers((3,), "m")] = None
     radius: Annotated[float | None, number("m", positive=True)] = None
     offset: Annotated[float | None, number("m")] = None
@@ -159,6 +167,9 @@ class Constraint(Section):
     stiffness: Annotated[float, number("N m/rad", negative=False)] = 0.0
     rest_angle: Annotated[float, number("rad")] = 0.0
     bearings: Annotated[Float | None, numbers((2,), "m")] = None
+    friction: Annotated[float | None, number("", negative=False)] = None
+    slip_speed: Annotated[float | None, number("m/s", positive=True)] = None
+    normal: Annotated[Float | None, direction] = None
 
     def require_sense(self, path: str) -> None:
         """Raise `FieldError` where a field goes with another constraint, or is missing."""
@@ -173,6 +184,10 @@ class Constraint(Section):
             raise FieldError(f"{path}.bearings", f"are both at {self.bearings[0]:g} m: two share the force")
         if self.kind == "rolling" and self.radius is None:
             raise FieldError(f"{path}.radius", "is missing: a rolling body needs the radius of its rim, in m")
+        if self.kind == "sliding" and self.radius is None:
+            raise FieldError(f"{path}.radius", "is missing: a ball that slides needs its radius, in m")
+        if self.kind == "sliding" and self.friction is None:
+            raise FieldError(f"{path}.friction", "is missing: say how rough the plane is; 0 for a smooth one")
         if self.offset and self.axis is None:
             raise FieldError(f"{path}.axis", f"is missing: {path}.offset says how far along it the rim is")
 
@@ -180,6 +195,11 @@ class Constraint(Section):
     def holds(self) -> bool:
         """Whether a point of the body stays where it is."""
         return self.kind in ("fixed_point", "hinge")
+
+    @property
+    def plane(self) -> Float:
+        """The normal (3,) of the plane that a ball slides on, space axes."""
+        return np.array([0.0, 0.0, 1.0]) if self.normal is None else self.normal
 
     @property
     def held_at(self) -> str:

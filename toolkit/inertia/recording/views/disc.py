@@ -1,4 +1,4 @@
-"""Recording of a body that rolls on a plane: its path, the point of contact, and the forces of contact."""
+"""Recording of a body that rolls or slides on a plane: its path, the point of contact, and the forces of contact."""
 
 from __future__ import annotations
 
@@ -17,6 +17,7 @@ from inertia.recording.drawing import (
     MOMENTUM,
     OMEGA,
     TRAIL,
+    basis,
     circle,
     thinned,
     write_arrow,
@@ -27,7 +28,7 @@ from inertia.recording.drawing import (
 )
 from inertia.recording.playback import Frames, frames_of, longest_as, values_at
 from inertia.recording.screen import Screen, camera, drift_plot, finished, plot, text_view, trail
-from inertia.recording.series import drift_unit, write_drift
+from inertia.recording.series import drift_unit, write_drift, write_energy
 from inertia.recording.summary import summary, title
 from inertia.recording.writer import Recording
 
@@ -36,7 +37,7 @@ if TYPE_CHECKING:
 
 FORCE, WEIGHT, PATH, RIM = (240, 90, 80), (150, 200, 120), (255, 235, 120), (235, 235, 240)
 DISC, GRID = (*STEEL, 150), (75, 78, 86)
-STATES = ("rolls", "held down by a plane that pulls")
+STATES = ("on the plane", "held down by a plane that pulls")
 
 _THICK = 0.015
 _WEIGHT = 1.2  # radii, of the arrow of the weight
@@ -50,7 +51,7 @@ _DISTANCE = 2.3
 
 @dataclass(frozen=True, eq=False)
 class Rim:
-    """The rim that rolls, in display units about the centre of mass, part axes.
+    """The rim that rolls, or the equator of the ball that slides, in display units about the centre of mass, part axes.
 
     Attributes
     ----------
@@ -61,6 +62,17 @@ class Rim:
     radius: float
     offset: float
     axes: Float
+
+    @classmethod
+    def of(cls, run: Run, unit: float) -> Rim:
+        """Take the rim, or the ball, from the scene."""
+        held = run.scene.constraint
+        assert held.radius is not None  # the scene saw to it
+        if held.kind == "rolling":
+            return cls(held.radius / unit, (held.offset or 0.0) / unit, run.plan.axes)
+        center = held.fixed_point - run.scene.body.center_of_mass
+        offset = float(np.linalg.norm(center))
+        return cls(held.radius / unit, offset / unit, basis(center / offset) if offset else run.plan.axes)
 
     @property
     def points(self) -> Float:
@@ -76,18 +88,16 @@ class Rim:
 
 
 def screen(run: Run) -> Screen:
-    """Return the recording of a body that rolls."""
+    """Return the recording of a body that rolls or slides."""
     body, frames = display_of(run.scene.body), frames_of(run)
-    constraint = run.scene.constraint
-    assert constraint.radius is not None  # the scene saw to it
-    rim = Rim(constraint.radius / body.unit, (constraint.offset or 0.0) / body.unit, run.plan.axes)
+    rim = Rim.of(run, body.unit)
     contact = _origin(run) + run.quantities["contact"]
-    middle = np.append(0.5 * (contact[:, :2].min(axis=0) + contact[:, :2].max(axis=0)), contact[0, 2])
-    reach = 0.5 * float(np.ptp(contact[:, :2], axis=0).max()) / body.unit
+    middle = 0.5 * (contact.min(axis=0) + contact.max(axis=0))
+    reach = 0.5 * float(np.ptp(contact, axis=0).max()) / body.unit
 
     def write(recording: Recording) -> None:
         notes = [*frames.play.notes]
-        notes += _write_body(recording, body, rim)
+        notes += _write_body(recording, run, body, rim)
         notes += _write_world(recording, run, body, rim, frames, middle)
         _write_plots(recording, run)
         write_drift(recording, run)
@@ -124,26 +134,45 @@ def _blueprint(run: Run, frames: Frames, rim: Rim, reach: float) -> rrb.Blueprin
         shares.append(0.6)
     left.append(text_view())
     shares.append(1.6)
+    if _slides(run):
+        others = [
+            plot(entities.PLOT_SLIP, "Speed of the slip at the contact, m/s", duration),
+            plot(entities.PLOT_ENERGY, "Energy, J", duration),
+        ]
+    else:
+        others = [plot(entities.PLOT_RATES, "Rates of precession φ, tilt θ and spin ψ, rad/s", duration)]
     right = rrb.Vertical(
         plot(entities.PLOT_FORCE, "Force of the plane on the body, N", duration),
-        plot(entities.PLOT_TILT, "Tilt θ of the axis from the vertical, rad", duration),
-        plot(entities.PLOT_RATES, "Rates of precession φ, tilt θ and spin ψ, rad/s", duration),
+        plot(entities.PLOT_TILT, "Tilt θ of the axis from the normal of the plane, rad", duration),
+        *others,
         drift_plot(drift_unit(run), duration),
     )
     return finished(rrb.Vertical(*left, row_shares=shares), right, frames.play.speed)
+
+
+def _slides(run: Run) -> bool:
+    return run.scene.constraint.kind == "sliding"
 
 
 def _origin(run: Run) -> Float:
     return np.zeros(3) if run.scene.start.position is None else run.scene.start.position
 
 
-def _write_body(recording: Recording, body: Display, rim: Rim) -> Iterator[str]:
-    """Write the part, or a disc within the rim where there is none, and the rim that rolls."""
+def _write_body(recording: Recording, run: Run, body: Display, rim: Rim) -> Iterator[str]:
+    """Write the part, or a disc within the rim, or a ball, where there is none, and the rim."""
     import rerun as rr
 
     if body.triangles is not None:
         recording.static(entities.MESH, body.archetype())
         yield from body.notes
+    elif _slides(run):
+        center, sizes = rim.offset * rim.axes[:, 2], [rim.radius] * 3
+        fill = rr.components.FillMode.TransparentFillMajorWireframe
+        ball = rr.Ellipsoids3D(centers=[center], half_sizes=[sizes], colors=[DISC], fill_mode=fill, line_radii=[0.0])
+        recording.static(entities.MESH, ball)
+        center_of_mass = rr.Points3D([np.zeros(3)], colors=[PATH], radii=[4.0 * _THICK * rim.radius])
+        recording.static(entities.MASS_POINT, center_of_mass)
+        yield "shown as the ball that slides; its centre of mass is the yellow point"
     else:
         points = rim.points
         middle = np.broadcast_to(rim.offset * rim.axes[:, 2], points[1:].shape)
@@ -170,7 +199,7 @@ def _write_world(
     write_lines(recording, entities.CONTACT_PATH, [thinned(contact)], PATH, -1.0)
     write_trail(recording, entities.CONTACT_TRAIL, frames.time, contact, TRAIL, -2.0)
     recording.static(entities.CONTACT_POINT, rr.Points3D([np.zeros(3)], colors=[FORCE], radii=[2.5 * thick]))
-    write_lines(recording, entities.GRID, _grid(contact, rim.radius), GRID, -0.3)
+    write_lines(recording, entities.GRID, _grid(contact, rim.radius, basis(run.scene.constraint.plane)), GRID, -0.3)
     weight = _weight(run)
     scale = _WEIGHT * rim.radius / float(np.linalg.norm(weight))
     force = scale * values_at(run.time, run.quantities["contact force"], frames.time)
@@ -190,16 +219,18 @@ def _write_world(
     )
 
 
-def _grid(contact: Float, radius: float) -> list[Float]:
-    """Return lines on the plane, a diameter apart or more, from under the path to three radii beyond it."""
-    low, high = contact[:, :2].min(axis=0) - 3.0 * radius, contact[:, :2].max(axis=0) + 3.0 * radius
+def _grid(contact: Float, radius: float, plane: Float) -> list[Float]:
+    """Return lines on the plane, whose normal is the last column of `plane`, a diameter apart or more, from under the
+    path to three radii beyond it."""
+    along = contact @ plane[:, :2]
+    low, high = along.min(axis=0) - 3.0 * radius, along.max(axis=0) + 3.0 * radius
     step = 2.0 * radius * max(1.0, np.ceil((high - low).max() / (2.0 * _LINES * radius)))
     lines = []
     for across in (0, 1):
         for place in step * np.arange(np.ceil(low[across] / step), high[across] / step):
             ends = np.zeros((2, 3))
             ends[:, across], ends[:, 1 - across] = place, (low[1 - across], high[1 - across])
-            lines.append(ends)
+            lines.append(ends @ plane.T)
     return lines
 
 
@@ -210,7 +241,7 @@ def _weight(run: Run) -> Float:
 
 
 def _write_plots(recording: Recording, run: Run) -> None:
-    force, weight = run.quantities["contact force"], np.linalg.norm(_weight(run))
+    force, weight = run.quantities["contact force"] @ basis(run.scene.constraint.plane), np.linalg.norm(_weight(run))
     recording.scalars(
         entities.PLOT_FORCE,
         run.time,
@@ -220,6 +251,13 @@ def _write_plots(recording: Recording, run: Run) -> None:
         ["normal, N", "friction, N", "weight, N"],
         [FORCE, COLORS[3], WEIGHT],
     )
+    tilt = run.quantities["theta"]
+    recording.scalars(entities.PLOT_TILT, run.time, lambda rows: tilt[rows, None], ["θ, rad"], COLORS[1:2])
+    if _slides(run):
+        slip = np.linalg.norm(run.quantities["contact velocity"], axis=1)
+        recording.scalars(entities.PLOT_SLIP, run.time, lambda rows: slip[rows, None], ["slip, m/s"], COLORS[2:3])
+        write_energy(recording, run)
+        return
     rates = [run.quantities[f"{name} rate"] for name in ("phi", "theta", "psi")]
     recording.scalars(
         entities.PLOT_RATES,
@@ -228,8 +266,6 @@ def _write_plots(recording: Recording, run: Run) -> None:
         ["φ rate, rad/s", "θ rate, rad/s", "ψ rate, rad/s"],
         COLORS[:3],
     )
-    tilt = run.quantities["theta"]
-    recording.scalars(entities.PLOT_TILT, run.time, lambda rows: tilt[rows, None], ["θ, rad"], COLORS[1:2])
 
 
 def _lift_off(run: Run) -> list[float]:

@@ -64,6 +64,10 @@ def _scene_lines(scene: Scene) -> Iterator[str]:
         yield row("On an axle", f"through {where} m along {_listed(np.asarray(scene.constraint.axis))}, part axes")
     if scene.constraint.kind == "rolling":
         yield row("Rolls", f"on a rim of radius {number(scene.constraint.radius or 0.0)} m")
+    if scene.constraint.kind == "sliding":
+        held = scene.constraint
+        ball = f"a ball of radius {number(held.radius or 0.0)} m about {_listed(held.fixed_point)} m of the part axes"
+        yield row("Slides", f"{ball}, friction {number(held.friction or 0.0)}")
     for load in scene.applied_loads:
         yield row("Load", load.described(lambda values: _listed(np.atleast_1d(values))))
     spin = scene.start.angular_velocity

@@ -60,13 +60,7 @@ def solve_stepped(problem: RotationProblem, time: ArrayLike, accuracy: float, me
     [0.0, 0.0, 2.0]
     """
     instants = _instants(problem, time)
-    if not accuracy > 0:
-        raise UsageError(f"accuracy is {accuracy}: give an angle in rad above zero")
-    integrator = _select(problem, method, float(instants[-1]))
-    least = rounding(problem.angular_velocity, instants[-1] - problem.start)
-    states, reached = _refine(integrator, problem, instants, accuracy) if accuracy >= least else (None, least)
-    if states is None:
-        raise _unreachable(integrator, problem, instants, accuracy, reached)
+    integrator, states, reached = stepped(problem, instants, accuracy, method)
     invariants = problem.invariants(states.attitude, states.angular_velocity)
     start = problem.moments * problem.angular_velocity
     momentum = float(np.linalg.norm(start))
@@ -89,6 +83,20 @@ def solve_stepped(problem: RotationProblem, time: ArrayLike, accuracy: float, me
         remarks=_remarks(problem, float(instants[-1])),
         steps=states.steps,
     )
+
+
+def stepped(
+    problem: RotationProblem, instants: Float, accuracy: float, method: str | None
+) -> tuple[Integrator, States, float]:
+    """Return the method, the states at the instants and the estimate of their largest attitude error."""
+    if not accuracy > 0:
+        raise UsageError(f"accuracy is {accuracy}: give an angle in rad above zero")
+    integrator = _select(problem, method, float(instants[-1]))
+    least = rounding(problem.angular_velocity, instants[-1] - problem.start)
+    states, reached = _refine(integrator, problem, instants, accuracy) if accuracy >= least else (None, least)
+    if states is None:
+        raise _unreachable(integrator, problem, instants, accuracy, reached)
+    return integrator, states, reached
 
 
 def state_between(problem: RotationProblem, time: Float, motion: Motion) -> Callable[[float], tuple[Float, Float]]:
