@@ -44,7 +44,7 @@ def add(parsers: Any) -> None:
 
 def run(options: argparse.Namespace) -> int:
     """Run ``inertia tumble``."""
-    from inertia.dynamics.scene.body import SceneBody
+    from inertia.dynamics.scene.body import SceneBody, accuracy_for
     from inertia.dynamics.scene.document import Scene
     from inertia.dynamics.scene.sections import Settings, Start
     from inertia.mass.analyse import analyse, sound_solids_only
@@ -54,7 +54,7 @@ def run(options: argparse.Namespace) -> int:
     part = read(options.part, options.unit, format=options.format, **limit)
     density, material = by_name("density", options.density), by_name("material", options.material)
     with sound_solids_only("tumbling takes a sound solid only"):
-        analysis = analyse(part, density, material=material, mass=options.mass)
+        analysis = analyse(part, density, material=material, mass=options.mass, accuracy=accuracy_for(part))
     try:
         body, start, settings = SceneBody.of_analysis(analysis), Start(options.spin), Settings(options.duration)
         return follow(Scene(body, start, settings, text=_text(options), name=options.part), options)

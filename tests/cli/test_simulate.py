@@ -47,7 +47,8 @@ def test_the_document_holds_the_contract(capsys: pytest.CaptureFixture[str], tmp
     result = json.loads(out)
     assert (result["schema"], result["model"]) == ("inertia/run/1", "asymmetric top")
     assert all(sentence.endswith(".") for sentence in result["why"])
-    assert set(result["accuracy"]) == {"requested", "reached", "method"}
+    assert set(result["accuracy"]) == {"requested", "reached", "method", "inputs", "until"}
+    assert (result["accuracy"]["inputs"], result["accuracy"]["until"]) == (0.0, result["time"][-1])
     assert 0 < result["accuracy"]["reached"] <= result["accuracy"]["requested"] == 1e-10
     assert result["time"] == [0, 1, 2, 3, 4, 5]
     assert np.shape(result["attitude"]) == (6, 4)

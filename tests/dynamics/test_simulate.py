@@ -271,8 +271,12 @@ def test_the_part_may_be_a_mesh() -> None:
 def test_moments_that_are_not_known_well_enough_are_warned_of() -> None:
     part = inertia.read(path("t_handle.stl"), unit="mm")
     body = SceneBody.of(inertia.mass_properties(part, material="steel"))
-    (warning,) = simulate(inertia.Scene(body, Start([1, 2, 3]), Settings(1e8, 2))).warnings
-    assert "leaves the attitude uncertain by about" in warning
+    run = simulate(inertia.Scene(body, Start([1, 2, 3]), Settings(1e8, 2)))
+    (warning,) = run.warnings
+    assert "the mass properties are known within bounds (the tensor to 3e-14 of its smallest moment)" in warning
+    assert f"holds up to {run.error.until:.3g} s" in warning
+    # Where neighbours part linearly, a relative bound β of the moments counts as some β |ω| t.
+    assert 0.1 < 3.5e-14 * math.sqrt(14) * run.error.until / run.error.requested < 10
     assert simulate(inertia.Scene(body, Start([1, 2, 3]), Settings(1.0, 2))).warnings == ()
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import hashlib
+import math
 import os
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
@@ -31,11 +32,22 @@ _SERIES = ("time", "attitude", "angular_velocity", "angular_momentum", "energy",
 
 @dataclass(frozen=True)
 class RunError:
-    """The accuracy of the attitude, rad: as asked for, as reached at the worst sample, and by which method."""
+    """The accuracy of the attitude.
+
+    Attributes
+    ----------
+    requested : rad, as asked for
+    reached : rad, at the worst sample up to `until`, for the mass properties as they are
+    method : that ran
+    inputs : rad, how far the bounds of the mass properties may move the attitude by the end, π at most
+    until : s, up to which they move it by no more than was asked for; later nothing is claimed
+    """
 
     requested: float
     reached: float
     method: str
+    inputs: float = 0.0
+    until: float = math.inf
 
 
 @dataclass(frozen=True, eq=False)

@@ -76,6 +76,14 @@ def _in_part_axes(plan: Plan, time: Float, motion: Motion) -> Run:
     attitude = quaternion.continuous(quaternion.multiply(motion.attitude, turned))
     momentum = candidate.model.angular_momentum(candidate, motion)
     energy = motion.invariants.get("energy")
+    inputs = candidate.input_bound
+    error = RunError(
+        scene.run.accuracy,
+        motion.reached + candidate.unseen,
+        motion.method,
+        min(float(inputs.angle[-1]), np.pi),
+        inputs.until(scene.run.accuracy),
+    )
     return Run(
         plan=plan,
         time=time,
@@ -84,11 +92,11 @@ def _in_part_axes(plan: Plan, time: Float, motion: Motion) -> Run:
         angular_momentum=momentum,
         energy=np.asarray(candidate.model.energy(candidate, motion) if energy is None else energy),
         position=_position(plan.problem, time, attitude, motion),
-        error=RunError(scene.run.accuracy, motion.reached + candidate.unseen, motion.method),
+        error=error,
         invariants=invariants_of(motion, momentum),
         remarks=motion.remarks,
         events=motion.events,
-        warnings=(*_uncertainty(plan.problem), *scene.body.notes, *motion.warnings),
+        warnings=(*_uncertainty(plan.problem, error), *scene.body.notes, *motion.warnings),
         quantities=dict(motion.quantities),
         steps=motion.steps,
         follow=partial(_again, plan),
@@ -114,14 +122,19 @@ def _position(problem: Problem, time: Float, attitude: Float, motion: Motion) ->
     return origin + t * (0.0 if velocity is None else velocity) + 0.5 * t * t * scene.gravity
 
 
-def _uncertainty(problem: Problem) -> list[str]:
+def _uncertainty(problem: Problem, error: RunError) -> list[str]:
     """Say so where the mass properties are not known well enough for the accuracy that is asked for."""
-    unsure = problem.uncertainty * float(np.linalg.norm(problem.angular_velocity)) * problem.duration
-    if unsure <= problem.scene.run.accuracy:
+    if error.until >= problem.duration:
         return []
+    by = "a whole turn" if error.inputs >= np.pi else f"{error.inputs:.2g} rad"
+    bounds = {
+        "the tensor to {:.1g} of its smallest moment": problem.relative_tensor_bound,
+        "mass times arm to {:.1g}": problem.relative_weight_bound,
+    }
+    known = " and ".join(words.format(bound) for words, bound in bounds.items() if bound)
     return [
-        f"the moments are known to {problem.uncertainty:.1g} of themselves, which leaves the attitude uncertain by "
-        f"about {min(unsure, np.pi):.1g} rad at the end: the accuracy below is for the moments as they are printed"
+        f"the mass properties are known within bounds ({known}), which by the end may move the attitude by {by}: the "
+        f"accuracy holds up to {error.until:.3g} s, and from there on nothing is claimed"
     ]
 
 

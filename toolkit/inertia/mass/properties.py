@@ -217,6 +217,10 @@ class MassProperties:
         semi_axes: Float = np.sqrt(5.0 * self.principal.second_moments / self.mass)
         return semi_axes
 
+    def moments_about(self, point: ArrayLike | Sequence[Fraction] | None = None) -> Moments:
+        """Return mass, first and second moments about `point` (3,) m, or the centre of mass: exact, with bounds."""
+        return self._moments.central() if point is None else self._moments.about(exact_point(point, "point"))
+
     def about(self, point: ArrayLike | Sequence[Fraction]) -> Float:
         """Return the tensor (3, 3) kg m² about `point` (3,) m, in part axes (Steiner's theorem)."""
         return self.about_with_bound(point)[0]

@@ -19,6 +19,8 @@ from inertia.documents import FieldError
 from inertia.dynamics.kinematics import quaternion
 from inertia.dynamics.loads.gravity import Gravity
 from inertia.dynamics.loads.load import Load
+from inertia.dynamics.models.neighbours import InputBound
+from inertia.dynamics.models.rational import Exact, rounded
 from inertia.dynamics.motion import Motion
 from inertia.dynamics.scene.document import Scene
 from inertia.mass.principal import principal
@@ -43,6 +45,7 @@ class Problem:
     uncertainty : relative, the largest bound on a moment: what the mass properties are known to
     angular_velocity : (3,) rad/s at t = 0, along those axes
     arm : (3,) m, along them, from the reference point to the centre of mass
+    exact : all of these before they were rounded to float64
     weight : N, mass times gravity; 0 where it has no arm to turn the body with
     """
 
@@ -54,6 +57,7 @@ class Problem:
     angular_velocity: Float
     arm: Float
     weight: float
+    exact: Exact
 
     @classmethod
     def of(cls, scene: Scene) -> Problem:
@@ -63,14 +67,16 @@ class Problem:
         arm = body.center_of_mass - reference
         # With no tolerance nearly equal moments keep the axes that they have.
         about = principal(body.about(reference), 0.0) if arm.any() else body.principal_within(0.0)
+        exact = Exact.of(scene, reference, about.axes, bool(arm.any()))
         return cls(
             scene=scene,
             reference=reference,
-            axes=about.axes,
-            moments=about.moments,
+            axes=np.array([rounded(row)[0] for row in exact.frame.rows]),
+            moments=rounded(exact.frame.values)[0],
             uncertainty=float((about.moment_bounds / about.moments).max()),
-            angular_velocity=about.axes.T @ scene.angular_velocity,
-            arm=about.axes.T @ arm,
+            angular_velocity=rounded(exact.frame.along(exact.spin))[0],
+            arm=rounded(exact.frame.along(exact.arm))[0],
+            exact=exact,
             weight=float(np.linalg.norm(scene.gravity)) * (body.mass or 0.0) if arm.any() else 0.0,
         )
 
@@ -110,6 +116,20 @@ class Problem:
         """The direction (3,) of the axle, part axes."""
         assert self.scene.constraint.axis is not None
         return self.scene.constraint.axis
+
+    @property
+    def relative_tensor_bound(self) -> float:
+        """How far a moment may be off, as a part of it; 0 where the tensor was typed."""
+        if self.scene.body.properties is None:
+            return 0.0
+        return self.uncertainty if not self.arm.any() else self.exact.tensor_bound / float(self.moments[0])
+
+    @property
+    def relative_weight_bound(self) -> float:
+        """How far mass times arm may be off, as a part of it."""
+        if not self.weight:
+            return 0.0
+        return self.exact.mass_bound / float(self.exact.mass) + self.exact.arm_bound / float(np.linalg.norm(self.arm))
 
     @property
     def center_bound(self) -> float:
@@ -163,7 +183,7 @@ class Problem:
 
         The last is what the tensor there lacks of diag(I, I, I3), relative to the smallest moment.
         """
-        columns = np.column_stack([*_across(direction), direction])
+        columns = np.column_stack([*across(direction), direction])
         tensor = columns.T @ (self.moments[:, None] * columns)
         transverse = 0.5 * (tensor[0, 0] + tensor[1, 1])
         symmetric = np.array([transverse, transverse, tensor[2, 2]])
@@ -184,6 +204,8 @@ class Candidate:
     unseen : rad, the part of the cost that the model's own estimate of its error leaves out
     why : the reason for it, a sentence
     near_miss : what nearly holds where the cost is too high, the beginning of a sentence; empty where nothing does
+    order : of the principal axes of the problem, where the axes are those
+    inputs : what the bounds of the mass properties do, where that is known beforehand
     """
 
     model: Model
@@ -194,6 +216,8 @@ class Candidate:
     why: str
     near_miss: str = ""
     unseen: float = 0.0
+    order: tuple[int, ...] = (0, 1, 2)
+    inputs: InputBound | None = None
 
     @property
     def mass(self) -> float:
@@ -214,6 +238,17 @@ class Candidate:
     def angular_velocity(self) -> Float:
         """The angular velocity (3,) rad/s at t = 0, along the axes."""
         return self.axes.T @ self.problem.scene.angular_velocity
+
+    @cached_property
+    def input_bound(self) -> InputBound:
+        """How far the bounds of the mass properties may move the attitude."""
+        return self.inputs or self.model.input_bound(self)
+
+    @property
+    def rest(self) -> tuple[Float, Float]:
+        """What float64 leaves out of the moments (3,) and of ω (3,) at t = 0, where the axes are principal ones."""
+        exact, order = self.problem.exact, list(self.order)
+        return rounded(exact.frame.values)[1][order], rounded(exact.frame.along(exact.spin))[1][order]
 
 
 class Model(ABC):
@@ -237,6 +272,12 @@ class Model(ABC):
     @abstractmethod
     def solve(self, candidate: Candidate, time: Float, method: str | None = None) -> Motion:
         """Return the motion of the candidate's axes, in space, at the instants (n,), with what is known of it."""
+
+    def input_bound(self, candidate: Candidate) -> InputBound:
+        """Return how far the bounds of the mass properties may move the attitude: here as far as the body turns."""
+        problem = candidate.problem
+        time = np.array([0.0, problem.duration])
+        return InputBound(time, problem.relative_tensor_bound * np.array([0.0, problem.angle_turned]))
 
     def view(self, problem: Problem) -> str:
         """Return the name of the view that records the motion, one of `inertia.recording.record.VIEWS`."""
@@ -272,7 +313,7 @@ def angle_text(cost: float) -> str:
     return f"{cost:.1g} rad" if cost < np.pi else "a whole turn"
 
 
-def _across(direction: Float) -> tuple[Float, Float]:
+def across(direction: Float) -> tuple[Float, Float]:
     """Return two unit vectors that make a right-handed set with `direction` (3,)."""
     helper = np.eye(3)[int(np.argmin(np.abs(direction)))]
     first = np.cross(helper, direction)

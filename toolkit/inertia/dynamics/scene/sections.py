@@ -117,6 +117,15 @@ class Start(Section):
     position: Annotated[Float | None, numbers((3,), "m")] = None
     velocity: Annotated[Float | None, numbers((3,), "m/s")] = None
 
+    def __post_init__(self, path: str | None) -> None:
+        object.__setattr__(self, "_typed_attitude", self.attitude)
+        super().__post_init__(path)
+
+    @property
+    def typed_attitude(self) -> Float:
+        """The attitude (4,) as it was given, of nearly unit length."""
+        return np.asarray(self.__dict__["_typed_attitude"], dtype=np.float64)
+
 
 _OWNERS = {
     "point": ("fixed_point", "hinge", "sliding"),

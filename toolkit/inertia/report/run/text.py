@@ -96,7 +96,11 @@ def _accuracy_lines(run: Run) -> Iterator[str]:
     error = run.error
     steps = f", {run.steps} steps" if run.steps else ""
     yield from wrapped("Method", f"{error.method}{steps}")
-    yield row("Accuracy", f"attitude to {error.reached:.2g} rad, {error.requested:g} rad asked for")
+    until = "" if error.until >= run.scene.run.duration else f" up to {error.until:.3g} s"
+    yield row("Accuracy", f"attitude to {error.reached:.2g} rad{until}, {error.requested:g} rad asked for")
+    if error.inputs:
+        moved = "a whole turn" if error.inputs >= np.pi else f"{error.inputs:.2g} rad"
+        yield row("", f"by the end up to {moved} more from the bounds of the mass properties")
     for k, (name, invariant) in enumerate(run.invariants.items()):
         drift = f"{_unit(name)}, drift {invariant.largest_relative_drift:.2g}"
         yield row("" if k else "Kept", f"{name} {_listed(np.atleast_1d(invariant.initial))}{drift}")

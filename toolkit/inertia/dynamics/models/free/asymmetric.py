@@ -42,8 +42,6 @@ from inertia.dynamics.special.double_double import (
     reduce,
     square_root,
     times,
-    two_product,
-    two_sum,
 )
 from inertia.dynamics.special.elementary import Number, columns, cos, packed, select, sin, sqrt, where
 
@@ -91,21 +89,25 @@ class ClosedForm:
     closeness: Number
 
 
-def closed_form(moments: Float, angular_velocity: Float) -> ClosedForm:
+def closed_form(moments: Float, angular_velocity: Float, rest: tuple[Float, Float] | None = None) -> ClosedForm:
     """Return the constants of N motions about three different moments (N, 3), from angular_velocity (N, 3).
 
     Both are of the order of 1; two components of ω at least are not zero, and those are not tiny
-    (`inertia.dynamics.models.free.initial_conditions` sees to it).
+    (`inertia.dynamics.models.free.initial_conditions` sees to it). `rest` is what float64 leaves out of both, (N, 3).
     """
-    low, (b, y, j), high = _ascending(columns(moments[:, None]), columns(angular_velocity[:, None]))
-    momentum = [two_product(moment, w) for moment, w, _ in (low, (b, y, j), high)]
-    tl, tj, th = (times(m, w) for m, w in zip(momentum, (low[1], y, high[1]), strict=True))
-    lower, upper, ca = two_sum(b, -low[0]), two_sum(high[0], -b), two_sum(high[0], -low[0])
+    low, middle, high = _ascending(moments, angular_velocity, rest)
+    momentum = [multiply(moment, w) for moment, w, _ in (low, middle, high)]
+    tl, tj, th = (multiply(m, each[1]) for m, each in zip(momentum, (low, middle, high), strict=True))
+    (b, (y, _), j), negative = middle, minus(low[0])
+    lower, upper, ca = add(b, negative), add(high[0], minus(b)), add(high[0], negative)
     one, other = multiply(th, upper), multiply(tl, lower)
     d = add(one, minus(other))
     p, q = add(multiply(tl, ca), multiply(tj, upper)), add(multiply(tj, lower), multiply(th, ca))
     high_kept = d[0] >= 0
-    (a, x, i), (c, z, k) = select(high_kept, low, high), select(high_kept, high, low)
+    a, c = select(high_kept, low[0], high[0]), select(high_kept, high[0], low[0])
+    (x, i), (z, k) = (
+        (where(high_kept, s[1][0], t[1][0]), where(high_kept, s[2], t[2])) for s, t in ((low, high), (high, low))
+    )
     ba, cb = select(high_kept, lower, upper), select(high_kept, upper, lower)
     p, q = select(high_kept, p, q), select(high_kept, q, p)
     d = select(high_kept, d, minus(d))
@@ -113,14 +115,14 @@ def closed_form(moments: Float, angular_velocity: Float) -> ClosedForm:
     sign_i, sign_k = where(x < 0, -1.0, 1.0), where(z < 0, -1.0, 1.0)
     sign_j = where((j - i) % 3 == 1, sign_i * sign_k, -sign_i * sign_k)
 
-    cb_q, ab = multiply(cb, q), two_product(a, b)
-    rate = square_root(divide(cb_q, times(ab, c)))
+    cb_q, ab = multiply(cb, q), multiply(a, b)
+    rate = square_root(divide(cb_q, multiply(ab, c)))
     mc = divide(multiply(ca, d), cb_q)
-    ap, cq = times(p, a), times(q, c)
+    ap, cq = multiply(p, a), multiply(q, c)
     about_k = ap[0] >= cq[0]
-    n = divide(select(about_k, times(ba, c), ap), select(about_k, times(cb, a), cq))
-    precession = divide(select(about_k, g, _sum(tl, tj, th)), select(about_k, (b, 0.0), g))
-    share = divide(select(about_k, multiply(g, ba), minus(p)), multiply(rate, select(about_k, ab, times(g, c))))
+    n = divide(select(about_k, multiply(ba, c), ap), select(about_k, multiply(cb, a), cq))
+    precession = divide(select(about_k, g, _sum(tl, tj, th)), select(about_k, b, g))
+    share = divide(select(about_k, multiply(g, ba), minus(p)), multiply(rate, select(about_k, ab, multiply(g, c))))
     endless = mc[0] == 0
     quarter, third = elliptic.complete(square_root(select(endless, (1.0, 0.0), mc)), n)
     half_period = select(endless, (_ENDLESS, 0.0), times(quarter, 2.0))
@@ -128,7 +130,7 @@ def closed_form(moments: Float, angular_velocity: Float) -> ClosedForm:
     root_p = sqrt(p[0])
     wobbles = root_p > 0
     divisor = where(wobbles, root_p, 1.0)
-    sn, cn = sign_j * y * sqrt(b * cb[0]) / divisor, where(wobbles, abs(x) * sqrt(a * ca[0]) / divisor, 1.0)
+    sn, cn = sign_j * y * sqrt(b[0] * cb[0]) / divisor, where(wobbles, abs(x) * sqrt(a[0] * ca[0]) / divisor, 1.0)
     dn = sqrt(cn * cn + mc[0] * sn * sn)
     start = elliptic.first_kind(sn, cn, mc[0]), sn, cn, dn, elliptic.third_kind(sn, cn, dn, mc[0], n[0])
     ca_g = sqrt(ca[0]) * g[0]
@@ -136,8 +138,8 @@ def closed_form(moments: Float, angular_velocity: Float) -> ClosedForm:
         axes=select(about_k, (i, j, k), (k, j, i)),
         signs=select(about_k, (sign_i, sign_j, sign_k), (sign_k, -sign_j, sign_i)),
         about_k=about_k,
-        reach=(sqrt(ap[0]) / ca_g, root_p * sqrt(b / cb[0]) / g[0], sqrt(cq[0]) / ca_g),
-        spin=(g[0] / where(about_k, a, c), g[0] / b, g[0] / where(about_k, c, a)),
+        reach=(sqrt(ap[0]) / ca_g, root_p * sqrt(b[0] / cb[0]) / g[0], sqrt(cq[0]) / ca_g),
+        spin=(g[0] / where(about_k, a[0], c[0]), g[0] / b[0], g[0] / where(about_k, c[0], a[0])),
         rate=select(high_kept, rate, minus(rate)),
         half_period=half_period,
         start=start,
@@ -190,17 +192,19 @@ def rounding(motion: ClosedForm, time: Float) -> Float:
     u = np.abs(motion.rate[0] * time)
     flips = u / motion.half_period[0]
     closeness = np.where(motion.closeness > 0, motion.closeness, 1.0)
-    error: Float = _EPSILON * (4.0 + np.minimum(u, motion.half_period[0]) + _EPSILON * flips / closeness)
+    error: Float = _EPSILON * (4.0 + 2.0 * np.minimum(u, motion.half_period[0]) + _EPSILON * flips / closeness)
     return error
 
 
-def _ascending(moments: tuple[Number, ...], spin: tuple[Number, ...]) -> list[tuple[Number, ...]]:
+def _ascending(moments: Float, spin: Float, rest: tuple[Float, Float] | None) -> list[tuple[Pair, Pair, Number]]:
     """Return moment, ω and number of each axis, by ascending moment."""
-    axes = [(moment, w, axis) for axis, (moment, w) in enumerate(zip(moments, spin, strict=True))]
+    parts = [columns(each[:, None]) for each in (moments, spin)]
+    parts += [(0.0, 0.0, 0.0)] * 2 if rest is None else [columns(each[:, None]) for each in rest]
+    axes = [(*part, axis) for axis, part in enumerate(zip(*parts, strict=True))]
     for k, n in ((0, 1), (1, 2), (0, 1)):
-        swap = axes[k][0] > axes[n][0]
+        swap = (axes[k][0] > axes[n][0]) | (axes[k][0] == axes[n][0]) & (axes[k][2] > axes[n][2])
         axes[k], axes[n] = select(swap, axes[n], axes[k]), select(swap, axes[k], axes[n])
-    return axes
+    return [((moment, low), (w, slow), axis) for moment, w, low, slow, axis in axes]
 
 
 def _along_body_axes(motion: ClosedForm, x: Number, y: Number, z: Number) -> tuple[Number, ...]:

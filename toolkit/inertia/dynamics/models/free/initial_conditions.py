@@ -16,6 +16,9 @@ from inertia.mass.tensor import VALIDITY_TOLERANCE
 NEGLIGIBLE = 1e-70
 """A component of ω counts as zero below this part of the largest: no body is steadier."""
 
+Rest = tuple[Float, Float]
+"""What float64 leaves out of moments and ω."""
+
 FARTHEST = 1e20
 """Radians of rotation, to within a factor of four, that are reduced to one turn without loss."""
 
@@ -30,6 +33,7 @@ class InitialConditions:
     angular_velocity : (N, 3) over 2**exponent, so that its largest component is ½ … 1
     exponent : (N,)
     shape : of the bodies as they were given
+    rest : (N, 3) each, what float64 leaves out of moments and ω, over the same powers of two; None where nothing
     steady, symmetric, asymmetric : (N,) which closed form serves: ω is kept (a principal axis, a spherical top, rest),
         two moments are equal, or neither
     """
@@ -41,6 +45,11 @@ class InitialConditions:
     steady: NDArray[np.bool_]
     symmetric: NDArray[np.bool_]
     asymmetric: NDArray[np.bool_]
+    rest: Rest | None = None
+
+    def rest_of(self, rows: NDArray[np.intp] | NDArray[np.bool_] | slice) -> Rest | None:
+        """Return `rest` of some of the bodies."""
+        return None if self.rest is None else (self.rest[0][rows], self.rest[1][rows])
 
     def scaled_time(self, time: ArrayLike) -> Float:
         """Return time (n,) or (…, n) in s as (N, n), in units of 2**−exponent s, or raise `UsageError`."""
@@ -64,7 +73,7 @@ class InitialConditions:
         return scaled
 
 
-def initial_conditions(moments: ArrayLike, angular_velocity: ArrayLike) -> InitialConditions:
+def initial_conditions(moments: ArrayLike, angular_velocity: ArrayLike, rest: Rest | None = None) -> InitialConditions:
     """Return bodies with principal moments (…, 3) kg m², in any order, that start at angular_velocity (…, 3) rad/s.
 
     Scales are powers of two, so that no digit changes. A zero moment is that of a rod (textbook § 13.10: rotor), whose
@@ -87,15 +96,29 @@ def initial_conditions(moments: ArrayLike, angular_velocity: ArrayLike) -> Initi
     largest = maximum(maximum(abs(x), abs(y)), abs(z))
     exponent = frexp(largest)[1]
     x, y, z = (ldexp(where(abs(w) < NEGLIGIBLE * largest, 0.0, w), -exponent) for w in (x, y, z))
-    alike = (a == b) | (b == c) | (c == a)
-    steady = (a == b) & (b == c) | (x == 0) & (y == 0) | (y == 0) & (z == 0) | (z == 0) & (x == 0)
+    ab, bc, ca = a == b, b == c, c == a
+    if rest is not None:
+        p, q, r = (ldexp(low, -size) for low in columns(np.broadcast_to(rest[0], i.shape)))
+        p, q, r = (where(rod, 0.0, low) for low in (p, q, r))
+        ab, bc, ca = ab & (p == q), bc & (q == r), ca & (r == p)
+        slow = [
+            where(w == 0, 0.0, ldexp(low, -exponent))
+            for w, low in zip((x, y, z), columns(np.broadcast_to(rest[1], omega.shape)), strict=True)
+        ]
+        rest = packed((p, q, r), shape).reshape(-1, 3), packed(tuple(slow), shape).reshape(-1, 3)
+    alike = ab | bc | ca
+    steady = ab & bc | (x == 0) & (y == 0) | (y == 0) & (z == 0) | (z == 0) & (x == 0)
     kinds = packed((steady, where(steady, False, alike), where(steady | alike, False, True)), shape, bool)
+    steady, symmetric, asymmetric = kinds.reshape(-1, 3).T
     return InitialConditions(
         packed((a, b, c), shape).reshape(-1, 3),
         packed((x, y, z), shape).reshape(-1, 3),
         packed((exponent,), shape, np.intc).reshape(-1),
         shape,
-        *kinds.reshape(-1, 3).T,
+        steady,
+        symmetric,
+        asymmetric,
+        rest,
     )
 
 

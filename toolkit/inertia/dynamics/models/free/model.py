@@ -14,8 +14,10 @@ from typing import ClassVar, Literal
 import numpy as np
 
 from inertia.arrays import Float
+from inertia.dynamics.kinematics import quaternion
 from inertia.dynamics.kinematics.stability import growth_rate
 from inertia.dynamics.models.model import AXIS_PAIRS, NEARLY_EQUAL, Candidate, Model, Problem
+from inertia.dynamics.models.neighbours import InputBound, instants_of, nudge_of, parted
 from inertia.dynamics.motion import Motion
 
 _ORDINAL = ("smallest", "intermediate", "largest")
@@ -54,26 +56,63 @@ class FreeBody(Model):
         if not problem.rigid or problem.torques or left_out > math.pi:
             return None
         ideal = self.idealised(problem)
-        axes, moments = problem.axes, problem.moments
-        if ideal.order is not None:
-            axes, moments = axes[:, ideal.order], moments[ideal.order]
+        order = ideal.order or [0, 1, 2]
         return Candidate(
-            self, problem, axes, moments, ideal.cost + left_out, ideal.why, ideal.near_miss, unseen=left_out
+            self,
+            problem,
+            problem.axes[:, order],
+            problem.moments[order],
+            ideal.cost + left_out,
+            ideal.why,
+            ideal.near_miss,
+            unseen=left_out,
+            order=tuple(order),
         )
 
     def solve(self, candidate: Candidate, time: Float, method: str | None = None) -> Motion:
         """Return the closed form, turned from the attitude at t = 0 on."""
         from inertia.dynamics.models.free.motion import solve_free
 
-        omega = candidate.angular_velocity
+        omega = candidate.problem.angular_velocity[list(candidate.order)]
         quantities, remarks = self.characteristics(candidate.moments, omega)
-        motion = solve_free(candidate.moments, omega, time, self.equal)
+        motion = solve_free(candidate.moments, omega, time, self.equal, candidate.rest)
         quantities = {**motion.quantities, **quantities}
         return replace(motion, quantities=quantities, remarks=remarks).turned(candidate.attitude)
+
+    def input_bound(self, candidate: Candidate) -> InputBound:
+        """Return how far the bounds of the tensor may move the attitude, from six neighbouring tensors."""
+        problem = candidate.problem
+        unknown = problem.relative_tensor_bound
+        if not unknown:
+            return InputBound.none(problem.duration)
+        instants = instants_of(problem.duration)
+        nudge = nudge_of(unknown, problem.scene.run.accuracy)
+        return InputBound(
+            instants, unknown * _tensors_parted(problem.moments, problem.angular_velocity, instants, nudge)
+        )
 
     def characteristics(self, moments: Float, angular_velocity: Float) -> tuple[dict[str, Float], tuple[str, ...]]:
         """Return what the motion is known by, figures by name in SI units, and sentences on it."""
         return {}, ()
+
+
+def _tensors_parted(moments: Float, angular_velocity: Float, time: Float, nudge: float) -> Float:
+    """Return (n,) how far the attitude moves for a relative change of the tensor of one.
+
+    Element ij changes by a part of √(Ii Ij), as it does in a needle too; ω along the part stays.
+    """
+    from inertia.dynamics.models.free.motion import free_motion
+
+    size = np.sqrt(np.outer(moments, moments))
+    change = np.zeros((6, 3, 3))
+    for k, (i, j) in enumerate(((0, 0), (1, 1), (2, 2), (1, 2), (2, 0), (0, 1))):
+        change[k, i, j] = change[k, j, i] = size[i, j] * nudge * (1.0 if i == j else math.sqrt(0.5))
+    values, axes = np.linalg.eigh(np.diag(moments) + change)
+    axes[:, :, 2] *= np.linalg.det(axes)[:, None]
+    moved, _ = free_motion(values, np.einsum("kji,j->ki", axes, angular_velocity), time)
+    turn = quaternion.from_matrix(axes)[:, None]
+    attitude, _ = free_motion(moments, angular_velocity, time)
+    return parted(quaternion.multiply(quaternion.multiply(turn, moved), quaternion.conjugate(turn)), attitude, nudge)
 
 
 class SphericalTop(FreeBody):

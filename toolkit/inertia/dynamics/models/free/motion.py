@@ -18,7 +18,7 @@ from inertia.dynamics.kinematics import quaternion
 from inertia.dynamics.kinematics.stability import growth_rate
 from inertia.dynamics.models.free import asymmetric, symmetric
 from inertia.dynamics.models.free.flips import flip_period, flip_times, tumbles
-from inertia.dynamics.models.free.initial_conditions import InitialConditions, initial_conditions
+from inertia.dynamics.models.free.initial_conditions import InitialConditions, Rest, initial_conditions
 from inertia.dynamics.motion import Event, Motion
 from inertia.errors import UsageError
 from inertia.mass.tensor import array_of
@@ -39,7 +39,9 @@ ENSEMBLE_BLOCK = 8192
 """Bodies of an ensemble that are worked on at once, for the same reason."""
 
 
-def free_motion(moments: ArrayLike, angular_velocity: ArrayLike, time: ArrayLike) -> tuple[Float, Float]:
+def free_motion(
+    moments: ArrayLike, angular_velocity: ArrayLike, time: ArrayLike, rest: Rest | None = None
+) -> tuple[Float, Float]:
     """Return attitude (…, n, 4) and ω (…, n, 3) rad/s of free bodies at any times, by the closed form of each.
 
     Bodies with two equal moments turn by sines (`inertia.dynamics.models.free.symmetric`), others by Jacobi's functions
@@ -50,6 +52,7 @@ def free_motion(moments: ArrayLike, angular_velocity: ArrayLike, time: ArrayLike
     moments : (…, 3) kg m², in any order; zero for the axis of a rod
     angular_velocity : (…, 3) rad/s at time 0, along the principal axes
     time : (n,) or (…, n) s, of either sign
+    rest : (…, 3) kg m² and (…, 3) rad/s, what float64 leaves out of moments and ω
 
     Raises `UsageError` where a number is not finite or the shapes differ, `GeometryError` where no body has these
     moments.
@@ -58,7 +61,7 @@ def free_motion(moments: ArrayLike, angular_velocity: ArrayLike, time: ArrayLike
     >>> omega[1].round(4).tolist()                     # turned over
     [0.001, -10.0, -0.0]
     """
-    start = initial_conditions(moments, angular_velocity)
+    start = initial_conditions(moments, angular_velocity, rest)
     scaled = start.scaled_time(time)
     attitude, omega = np.empty((*scaled.shape, 4)), np.empty((*scaled.shape, 3))
     for rows, motion in _motions(start):
@@ -116,20 +119,21 @@ def free_ensemble(
     return attitude, omega
 
 
-def rounding(moments: ArrayLike, angular_velocity: ArrayLike, time: ArrayLike) -> Float:
+def rounding(moments: ArrayLike, angular_velocity: ArrayLike, time: ArrayLike, rest: Rest | None = None) -> Float:
     """Return an estimate (…, n) in rad of the error of `free_motion`, at least twice the largest that was seen.
 
-    Some 4e-15 rad at any time and up to 3e-14 near the separatrix; closer to it than 1e-12 a share that grows with the
+    Some 4e-15 rad at any time and up to 6e-14 near the separatrix; closer to it than 1e-12 a share that grows with the
     number of flips (`inertia.dynamics.models.free.asymmetric.rounding`).
 
     >>> rounding([1, 2, 3], [1, 2, 3], [1e9]).item() < 5e-15
     True
     """
-    start = initial_conditions(moments, angular_velocity)
+    start = initial_conditions(moments, angular_velocity, rest)
     scaled = start.scaled_time(time)
     error = _ULP * (8.0 + 16.0 * _ULP * np.abs(scaled))
     if start.asymmetric.any():
-        form = asymmetric.closed_form(start.moments[start.asymmetric], start.angular_velocity[start.asymmetric])
+        rows = start.asymmetric
+        form = asymmetric.closed_form(start.moments[rows], start.angular_velocity[rows], start.rest_of(rows))
         error[start.asymmetric] += asymmetric.rounding(form, scaled[start.asymmetric])
     return error.reshape(*start.shape, scaled.shape[1])
 
@@ -154,7 +158,9 @@ def input_rounding(moments: ArrayLike, angular_velocity: ArrayLike, time: ArrayL
     return np.asarray(np.linalg.norm(quaternion.angle_between(moved, reference), axis=0))
 
 
-def solve_free(moments: ArrayLike, angular_velocity: ArrayLike, time: ArrayLike, equal: int = 1) -> Motion:
+def solve_free(
+    moments: ArrayLike, angular_velocity: ArrayLike, time: ArrayLike, equal: int = 1, rest: Rest | None = None
+) -> Motion:
     """Return the motion of one body's principal axes, from the identity at time 0.
 
     A model that is simpler than the body takes some of its moments as equal. `reached` is the rounding of the closed
@@ -168,23 +174,24 @@ def solve_free(moments: ArrayLike, angular_velocity: ArrayLike, time: ArrayLike,
     time : (n,) s
     equal : how many moments are taken as equal: 3 for a spherical top and for rotation about a steady axis, the nearest
         2 for a symmetric top, 1 for the body as it is
+    rest : (3,) kg m² and (3,) rad/s, what float64 leaves out of moments and ω
 
     Raises `UsageError` for another `equal`, and what `free_motion` raises.
 
     >>> motion = solve_free([1, 2, 3], [0.001, 10, 0], np.linspace(0, 1000, 5))
-    >>> motion.reached < 1e-14, [round(event.time, 3) for event in motion.events][:2]
+    >>> motion.reached < 2e-14, [round(event.time, 3) for event in motion.events][:2]
     (True, [1.835, 5.506])
     """
     if equal not in _METHODS:
         raise UsageError(f"equal is {equal!r}: take 1, 2 or 3 moments as equal")
     i, w = array_of(moments, (3,), "moments"), array_of(angular_velocity, (3,), "angular_velocity")
     t = np.asarray(time, dtype=np.float64)
-    attitude, omega = free_motion(i, w, t)
-    reached = float(np.max(rounding(i, w, t), initial=0.0))
+    attitude, omega = free_motion(i, w, t, rest)
+    reached = float(np.max(rounding(i, w, t, rest), initial=0.0))
     idealised = _idealised(i, equal)
     if (idealised != i).any():
         true = attitude
-        attitude, omega = free_motion(idealised, w, t)
+        attitude, omega = free_motion(idealised, w, t, rest and (np.zeros(3), rest[1]))
         reached += float(np.max(quaternion.angle_between(attitude, true), initial=0.0))
     return Motion(
         attitude=attitude,
@@ -205,11 +212,12 @@ def _motions(
 ) -> Iterator[tuple[NDArray[np.intp] | slice, Callable[[Float], tuple[Float, Float]]]]:
     """Yield the bodies that one closed form serves, and what takes their times to attitude and ω."""
     if (rows := _rows(start.steady)) is not None:
-        yield rows, partial(symmetric.steady, start.angular_velocity[rows])
+        rest = start.rest_of(rows)
+        yield rows, partial(symmetric.steady, start.angular_velocity[rows], rest and rest[1])
     if (rows := _rows(start.symmetric)) is not None:
-        yield rows, partial(symmetric.symmetric, start.moments[rows], start.angular_velocity[rows])
+        yield rows, partial(symmetric.symmetric, start.moments[rows], start.angular_velocity[rows], start.rest_of(rows))
     if (rows := _rows(start.asymmetric)) is not None:
-        constants = asymmetric.closed_form(start.moments[rows], start.angular_velocity[rows])
+        constants = asymmetric.closed_form(start.moments[rows], start.angular_velocity[rows], start.rest_of(rows))
         yield rows, partial(asymmetric.evaluate, constants)
 
 

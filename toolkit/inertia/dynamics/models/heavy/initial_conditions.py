@@ -1,6 +1,6 @@
 """Constants of the motion of a heavy symmetric top from its initial conditions: attitude and ω, or three integrals.
 
-The float64 input is taken as exact and turned into decimal numbers. A weight on the other side of the fixed point is
+The input is taken as exact and turned into decimal numbers. A weight on the other side of the fixed point is
 the same top with axes 2 and 3 turned half about axis 1: mgh and p_ψ change sign.
 """
 
@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from decimal import Decimal, localcontext
+from fractions import Fraction
 
 from inertia.dynamics.models.heavy.nutation import ONE, ZERO, Nutation, Start, moving, roots, still
 from inertia.errors import GeometryError
@@ -21,15 +22,18 @@ _SLACK = Decimal("1e-13")
 """Share of the energy by which integrals rounded to float64 may fall short of the least effective potential."""
 
 
+Real = float | Fraction
+
+
 def of_state(
-    moments: Sequence[float], mgh: float, attitude: Sequence[float], angular_velocity: Sequence[float]
+    moments: Sequence[Real], mgh: Real, attitude: Sequence[Real], angular_velocity: Sequence[Real]
 ) -> Nutation:
     """Return the constants of the motion from an attitude (4,), scalar last, and ω (3,); moments are (I1, I3)."""
     with localcontext() as context:
         context.prec = _DIGITS
-        i1, i3, weight = Decimal(moments[0]), Decimal(moments[1]), Decimal(mgh)
-        x, y, z, w = map(Decimal, attitude)
-        o1, o2, o3 = map(Decimal, angular_velocity)
+        i1, i3, weight = _decimal(moments[0]), _decimal(moments[1]), _decimal(mgh)
+        x, y, z, w = map(_decimal, attitude)
+        o1, o2, o3 = map(_decimal, angular_velocity)
         if weight < 0:
             x, y, z, w, o2, o3 = w, z, -y, -x, -o2, -o3
         spin, beta, speed2 = i3 * o3 / i1, 2 * abs(weight) / i1, o1 * o1 + o2 * o2
@@ -56,6 +60,10 @@ def of_state(
         )
         at_rest = speed2 <= _VERTICAL * scale and (min(rise, fall) < _VERTICAL or not beta)
         return still(start) if at_rest else moving(start)
+
+
+def _decimal(x: Real) -> Decimal:
+    return Decimal(x.numerator) / x.denominator if isinstance(x, Fraction) else Decimal(x)
 
 
 def of_integrals(moments: Sequence[float], mgh: float, p_phi: float, p_psi: float, energy: float) -> Nutation:

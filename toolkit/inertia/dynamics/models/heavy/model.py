@@ -4,18 +4,32 @@ from __future__ import annotations
 
 import math
 from dataclasses import replace
+from fractions import Fraction
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from inertia.arrays import Float
 from inertia.dynamics.kinematics import quaternion
-from inertia.dynamics.models.model import NEARLY_EQUAL, Candidate, Model, Problem
+from inertia.dynamics.models.model import NEARLY_EQUAL, Candidate, Model, Problem, across
+from inertia.dynamics.models.neighbours import InputBound, growth, instants_of, nudge_of, value_at
+from inertia.dynamics.models.rational import (
+    Exact,
+    Quaternion,
+    product,
+    rationals,
+    root,
+    rotated,
+    rounded,
+    shortest_turn,
+)
 from inertia.dynamics.motion import Motion
 from inertia.errors import GeometryError
 
 if TYPE_CHECKING:
     from inertia.dynamics.models.heavy.top import HeavyTop
+
+_State = tuple[tuple[Fraction, Fraction], Fraction, Quaternion, tuple[Fraction, ...]]
 
 _NUTATION = {
     "sleeping": "the top sleeps: its axis stays vertical",
@@ -25,8 +39,9 @@ _NUTATION = {
     "loops": "its axis moves backwards at the top of every nod: the path has loops",
     "no reversal": "its axis moves on all the time: the path is a wave without cusps or loops",
 }
-_UP = (0.0, 0.0, 1.0)
-_HALF_TURN = (1.0, 0.0, 0.0, 0.0)
+_UP = (Fraction(0), Fraction(0), Fraction(1))
+_HALF_TURN = tuple(map(Fraction, (1, 0, 0, 0)))
+_MARGIN = 2.0  # of what the growth of a change of the start says about a lack of symmetry
 
 
 class HeavySymmetricTop(Model):
@@ -35,35 +50,61 @@ class HeavySymmetricTop(Model):
     name = "heavy symmetric top"
 
     def candidate(self, problem: Problem) -> Candidate | None:
-        """Return what taking the body as symmetric about the line to its centre of mass costs, where it has an arm."""
+        """Return what taking the body as symmetric about the line to its centre of mass costs, where it has an arm.
+
+        What breaks the symmetry disturbs the motion as a change of the start does, and grows as neighbours part.
+        """
         height = float(np.linalg.norm(problem.arm))
         if not problem.rigid or problem.torques or problem.weight * height == 0:
             return None
+        direction = problem.arm / height
+        axes = problem.axes @ np.column_stack([*across(direction), direction])
+        moments, defect = _symmetric(problem.exact)
+        candidate = Candidate(
+            self,
+            problem,
+            axes,
+            np.array([float(moments[0]), float(moments[0]), float(moments[1])]),
+            0.0,
+            "The body is symmetric about the line from the fixed point to its centre of mass: energy and two momenta "
+            "are kept, and the closed form in elliptic functions gives every sample directly.",
+        )
         swing = math.sqrt(problem.weight * height / problem.moments[0])
         rate = max(float(np.linalg.norm(problem.angular_velocity)), swing)
-        axes, moments, defect = problem.symmetric_about(problem.arm / height)
-        cost = defect * rate * problem.duration
-        why = (
-            "The body is symmetric about the line from the fixed point to its centre of mass: energy and two momenta "
-            "are kept, and the closed form in elliptic functions gives every sample directly."
-        )
+        noise = problem.relative_tensor_bound + (swing / rate) ** 2 * problem.relative_weight_bound
+        if not defect and not noise:
+            return candidate
+        instants, accuracy = instants_of(problem.duration), problem.scene.run.accuracy
+        moments, mgh, attitude, omega = _state(candidate, axes)
+
+        def follow(start: Float, spin: Float) -> Float:
+            from inertia.dynamics.models.heavy import motion
+            from inertia.dynamics.models.heavy.initial_conditions import of_state
+
+            pace = float(moments[1] / moments[0]) * float(spin[2])
+            return motion.follow(of_state(moments, mgh, start.tolist(), spin.tolist()), pace, start, spin, instants)[0]
+
+        nudge = nudge_of(defect + noise, accuracy)
+        grown = growth(follow, rounded(attitude)[0], rounded(omega)[0], rate, nudge)
+        grown = _MARGIN * np.maximum(grown, rate * instants)
+        inputs = InputBound(instants, noise * grown) if noise else InputBound.none(problem.duration)
+        cost = defect * value_at(instants, grown, inputs.until(accuracy)) if defect else 0.0
         near_miss = f"The moments about the line to the centre of mass are symmetric to within {defect:.2g}"
-        return Candidate(
-            self, problem, axes, moments, cost, why, near_miss if defect < NEARLY_EQUAL else "", unseen=cost
+        return replace(
+            candidate, cost=cost, unseen=cost, near_miss=near_miss if defect < NEARLY_EQUAL else "", inputs=inputs
         )
 
     def solve(self, candidate: Candidate, time: Float, method: str | None = None) -> Motion:
         """Return the closed form, turned so that gravity points along −z."""
         from inertia.dynamics.models.heavy.top import HeavyTop, solve_heavy_top
 
-        problem, omega = candidate.problem, candidate.angular_velocity
-        level = _to_vertical(problem.scene.gravity)
-        moments = float(candidate.moments[0]), float(candidate.moments[2])
-        mgh = problem.weight * float(np.linalg.norm(problem.arm))
-        upright = quaternion.multiply(level, candidate.attitude)
-        quantities, remarks = characteristics(HeavyTop.of_state(moments, mgh, upright, omega))
-        motion = solve_heavy_top(moments, mgh, upright, omega, time)
+        exact = _state(candidate, candidate.axes)
+        moments, mgh = (float(exact[0][0]), float(exact[0][1])), float(exact[1])
+        upright, omega = quaternion.normalise(rounded(exact[2])[0]), rounded(exact[3])[0]
+        quantities, remarks = characteristics(HeavyTop.of_state(moments, mgh, upright, omega, exact))
+        motion = solve_heavy_top(moments, mgh, upright, omega, time, exact)
         motion = replace(motion, quantities={**motion.quantities, **quantities}, remarks=remarks)
+        level = quaternion.normalise(rounded(_to_vertical(candidate.problem.scene.gravity))[0])
         return motion.turned(quaternion.conjugate(level))
 
 
@@ -90,9 +131,41 @@ def characteristics(top: HeavyTop) -> tuple[dict[str, Float], tuple[str, ...]]:
     return figures, tuple(remarks)
 
 
-def _to_vertical(gravity: Float) -> Float:
-    """Return the quaternion (4,) of a turn that brings `gravity` (3,) to −z."""
-    up = -gravity / np.linalg.norm(gravity)
+def _symmetric(exact: Exact) -> tuple[tuple[Fraction, Fraction], float]:
+    """Return the moments (I1, I3) of the symmetric body that is nearest, and how far from it the tensor is.
+
+    The latter is what the tensor lacks of I1 + (I3 − I1) r rᵀ, r being the direction of the arm, relative to the
+    smallest moment; zero where the body is symmetric to the last digit.
+    """
+    arm, tensor = exact.arm, exact.tensor
+    square = sum((k * k for k in arm), Fraction(0))
+    along = sum((tensor[i][j] * arm[i] * arm[j] for i in range(3) for j in range(3)), Fraction(0)) / square
+    beside = (tensor[0][0] + tensor[1][1] + tensor[2][2] - along) / 2
+    lacking = Fraction(0)
+    for i in range(3):
+        for j in range(3):
+            symmetric = (beside if i == j else 0) + (along - beside) * arm[i] * arm[j] / square
+            lacking += (tensor[i][j] - symmetric) ** 2
+    return (beside, along), float(root(lacking) / min(exact.frame.values))
+
+
+def _state(candidate: Candidate, axes: Float) -> _State:
+    """Return moments (I1, I3), mgh, attitude and ω at t = 0 as rationals, the vertical as z and the arm as axis 3."""
+    exact, gravity = candidate.problem.exact, rationals(candidate.problem.scene.gravity)
+    height = root(sum((k * k for k in exact.arm), Fraction(0)))
+    near = rationals(quaternion.from_matrix(axes))
+    turn = product(shortest_turn(rotated(near, _UP), [k / height for k in exact.arm]), near)
+    attitude = product(_to_vertical(candidate.problem.scene.gravity), product(exact.attitude, turn))
+    x, y, z, w = turn
+    weight = exact.mass * root(sum((k * k for k in gravity), Fraction(0)))
+    return _symmetric(exact)[0], weight * height, attitude, tuple(rotated((-x, -y, -z, w), exact.spin))
+
+
+def _to_vertical(gravity: Float) -> Quaternion:
+    """Return the quaternion of a turn that brings `gravity` (3,) to −z."""
+    pull = rationals(gravity)
+    size = root(sum((k * k for k in pull), Fraction(0)))
+    up = [-k / size for k in pull]
     if up[2] < 0:  # half a turn first, for the shortest turn from straight down is any
-        return quaternion.multiply(_to_vertical(quaternion.to_space(_HALF_TURN, gravity)), _HALF_TURN)
-    return quaternion.normalise(np.append(np.cross(up, _UP), 1.0 + up[2]))
+        return product(shortest_turn(rotated(_HALF_TURN, up), _UP), _HALF_TURN)
+    return shortest_turn(up, _UP)

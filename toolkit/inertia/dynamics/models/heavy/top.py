@@ -18,7 +18,7 @@ from numpy.typing import ArrayLike
 from inertia.arrays import Float
 from inertia.dynamics.kinematics import quaternion
 from inertia.dynamics.kinematics.euler_angles import to_angles
-from inertia.dynamics.models.heavy.initial_conditions import EPSILON, of_integrals, of_state
+from inertia.dynamics.models.heavy.initial_conditions import EPSILON, Real, of_integrals, of_state
 from inertia.dynamics.models.heavy.motion import against_vertical, follow, integrals, turning_times
 from inertia.dynamics.models.heavy.nutation import Nutation
 from inertia.dynamics.motion import Event, Motion
@@ -26,6 +26,9 @@ from inertia.errors import GeometryError, UsageError
 from inertia.mass.tensor import array_of
 
 Kind = Literal["sleeping", "steady precession", "pendulum", "cusp", "loops", "no reversal"]
+
+State = tuple[tuple[Real, Real], Real, tuple[Real, ...], tuple[Real, ...]]
+"""Moments (I1, I3), mgh, attitude (4,) and ω (3,)."""
 
 MOST_EVENTS = 1000
 """How many turning points `solve_heavy_top` lists as events."""
@@ -48,7 +51,7 @@ class HeavyTop:
     p_phi : I1 φ̇ sin²θ + p_ψ cosθ, the vertical angular momentum, kg m²/s
     p_psi : I3 (φ̇ cosθ + ψ̇), the angular momentum along axis 3, kg m²/s
     energy : ½ I1 (θ̇² + φ̇² sin²θ) + p_ψ²/(2 I3) + mgh cosθ, J
-    start : attitude (4,) and ω (3,) that the integrals follow from, which then decide what the integrals round off
+    start : moments, mgh, attitude (4,) and ω (3,) that all of these follow from, which then decide what they round off
 
     Raises `GeometryError` where the moments are no body's or the energy is below the least possible.
 
@@ -63,7 +66,7 @@ class HeavyTop:
     p_phi: float
     p_psi: float
     energy: float
-    start: tuple[tuple[float, ...], tuple[float, ...]] | None = None
+    start: State | None = None
 
     def __post_init__(self) -> None:
         values = array_of([self.I1, self.I3, self.mgh, self.p_phi, self.p_psi, self.energy], (6,), "heavy top")
@@ -76,15 +79,23 @@ class HeavyTop:
 
     @classmethod
     def of_state(
-        cls, moments: tuple[float, float], mgh: float, attitude: ArrayLike, angular_velocity: ArrayLike
+        cls,
+        moments: tuple[float, float],
+        mgh: float,
+        attitude: ArrayLike,
+        angular_velocity: ArrayLike,
+        exact: State | None = None,
     ) -> HeavyTop:
-        """Take the integrals from moments (I1, I3), an attitude (4,) xyzw and ω (3,) rad/s along the body axes."""
+        """Take the integrals from moments (I1, I3), an attitude (4,) xyzw and ω (3,) rad/s along the body axes.
+
+        `exact` are these four before they were rounded to float64, as rationals.
+        """
         i1, i3 = array_of(moments, (2,), "moments").tolist()
         q, omega = array_of(attitude, (4,), "attitude"), array_of(angular_velocity, (3,), "angular_velocity")
         if not q.any():
             raise UsageError("the attitude is zero: give a quaternion (x, y, z, w)")
         (energy,), (p_phi,), (p_psi,) = integrals((i1, i3), mgh, quaternion.normalise(q)[None], omega[None])
-        start = tuple(q.tolist()), tuple(omega.tolist())
+        start = exact or ((i1, i3), float(mgh), tuple(q.tolist()), tuple(omega.tolist()))
         return cls(i1, i3, float(mgh), float(p_phi), float(p_psi), float(energy), start)
 
     @cached_property
@@ -92,7 +103,7 @@ class HeavyTop:
         """The constants of the closed form."""
         if self.start is None:
             return of_integrals((self.I1, self.I3), self.mgh, self.p_phi, self.p_psi, self.energy)
-        return of_state((self.I1, self.I3), self.mgh, *self.start)
+        return of_state(*self.start)
 
     @property
     def effective_energy(self) -> float:
@@ -193,7 +204,12 @@ class HeavyTop:
 
 
 def solve_heavy_top(
-    moments: tuple[float, float], mgh: float, attitude: ArrayLike, angular_velocity: ArrayLike, time: ArrayLike
+    moments: tuple[float, float],
+    mgh: float,
+    attitude: ArrayLike,
+    angular_velocity: ArrayLike,
+    time: ArrayLike,
+    exact: State | None = None,
 ) -> Motion:
     """Return the motion of a heavy symmetric top about a fixed point, in closed form, at any instants.
 
@@ -207,6 +223,7 @@ def solve_heavy_top(
     attitude : (4,) at t = 0, body to space, z up
     angular_velocity : (3,) rad/s at t = 0, along the body axes
     time : (n,) s, in any order and of either sign
+    exact : moments, mgh, attitude and ω before they were rounded to float64, as rationals
 
     Returns
     -------
@@ -220,7 +237,7 @@ def solve_heavy_top(
     >>> motion.reached < 1e-14, motion.events[0].what
     (True, 'theta is least, 0.643501 rad')
     """
-    top = HeavyTop.of_state(moments, mgh, attitude, angular_velocity)
+    top = HeavyTop.of_state(moments, mgh, attitude, angular_velocity, exact)
     n, t = top.nutation, array_of(time, (np.size(time),), "time")
     attitudes, omega = follow(n, top.p_psi / top.I1, attitude, angular_velocity, t)
     energy, p_phi, p_psi = integrals(moments, mgh, attitudes, omega)
