@@ -198,7 +198,7 @@ def test_a_method_makes_the_run_a_stepped_one() -> None:
         (TOP, {"run__model": "asymmetric top"}, "'asymmetric top', which does not describe this scene"),
         (DISC, {"run__model": "Euler equations"}, "does not describe this scene: use one of 'rolling body'"),
         (DISC, {"run__method": "Taylor"}, "run.method is 'Taylor', which is unknown"),
-        (DISC, {"body__principal_moments": [0.25, 0.26, 0.5]}, "off a body of revolution by some 0.2 rad"),
+        (DISC, {"body__principal_moments": [0.25, 0.26, 0.5]}, "off by 0.028 of its smallest moment, 0.2 rad"),
         (DISC, {"body__principal_moments": [0.4] * 3}, "constraint.axis is missing: the moments are all equal"),
     ],
 )
@@ -217,7 +217,7 @@ def test_a_ball_rolls_about_the_axis_that_the_scene_names() -> None:
 
 
 def test_a_named_axis_that_is_none_of_revolution_is_refused() -> None:
-    with pytest.raises(UsageError, match="off a body of revolution"):
+    with pytest.raises(UsageError, match="takes a body of revolution"):
         plan(scene(DISC, constraint__axis=[0, 1, 0]))
 
 

@@ -9,12 +9,9 @@ from difflib import get_close_matches
 from inertia.arrays import Float
 from inertia.documents import FieldError
 from inertia.dynamics.models.catalogue import MODELS
-from inertia.dynamics.models.model import Candidate, Model, Problem, angle_text
+from inertia.dynamics.models.model import SHARE, Candidate, Model, Problem, angle_text
 from inertia.dynamics.scene.document import Scene
 from inertia.errors import FieldPath, placed
-
-SHARE = 0.1
-"""Part of the accuracy asked for that a smaller model may cost."""
 
 
 @dataclass(frozen=True, eq=False)

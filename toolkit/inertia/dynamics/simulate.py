@@ -15,10 +15,13 @@ from inertia.dynamics.motion import Motion
 from inertia.dynamics.plan import Plan, plan
 from inertia.dynamics.run import Run, RunError, invariants_of
 from inertia.dynamics.scene.document import Scene
-from inertia.errors import FieldPath, GeometryError, require_kind
+from inertia.errors import FieldPath, GeometryError, UsageError, placed, require_kind
 
 ROUNDING = 1e-14
 """Relative drift that evaluating an invariant alone may show."""
+
+LOST = 0.1
+"""The error in rad from which on an attitude is lost: no accuracy is advised."""
 
 
 def simulate(scene: Scene) -> Run:
@@ -59,7 +62,11 @@ def _run(plan: Plan) -> Run:
 
 
 def _sampled(plan: Plan, time: Float) -> Run:
-    return _in_part_axes(plan, time, plan.candidate.model.solve(plan.candidate, time, plan.method))
+    try:
+        motion = plan.candidate.model.solve(plan.candidate, time, plan.method)
+    except (UsageError, GeometryError) as error:
+        raise error if error.places else placed(error, plan.problem.scene.name) from None
+    return _in_part_axes(plan, time, motion)
 
 
 def _again(plan: Plan, time: Float) -> Run:
@@ -140,6 +147,14 @@ def _uncertainty(problem: Problem, error: RunError) -> list[str]:
 
 def _require_accuracy(run: Run) -> None:
     scene, error = run.scene, run.error
+    if not error.reached <= max(error.requested, LOST):
+        raise GeometryError(
+            f"the attitude is lost over {scene.run.duration:g} s ({error.method}), and no ",
+            FieldPath("run.accuracy"),
+            " is advised: ask for a shorter ",
+            FieldPath("run.duration"),
+            places=(scene.name,),
+        )
     if not error.reached <= error.requested:
         raise GeometryError(
             FieldPath("run.accuracy"),
@@ -151,6 +166,8 @@ def _require_accuracy(run: Run) -> None:
         )
     limit = max(error.requested, ROUNDING)
     for name, invariant in run.invariants.items():
+        if np.isnan(invariant.largest_relative_drift):
+            raise GeometryError(f"{name} leaves float64: check the units of the scene", places=(scene.name,))
         if not invariant.largest_relative_drift <= limit:
             raise GeometryError(
                 f"{name} must be kept, but drifts by {invariant.largest_relative_drift:.2g} of itself where ",

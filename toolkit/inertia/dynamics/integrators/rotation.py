@@ -15,6 +15,11 @@ from inertia.dynamics.loads.load import Load
 from inertia.errors import GeometryError, UsageError
 from inertia.mass.tensor import array_of
 
+_SLOWEST = 1e-9
+"""Of the rate that the loads have elsewhere: a unit of time that is slower would leave float64."""
+
+_QUARTER_TURNS = np.sqrt(0.5) * (np.eye(4)[:3] + np.eye(4)[3])
+
 
 @dataclass(frozen=True, eq=False)
 class RotationProblem:
@@ -125,7 +130,25 @@ class RotationProblem:
         spin = float(np.linalg.norm(self.angular_velocity))
         pull = self.torque(self.start, self.attitude, self.angular_velocity) / self.moments
         swing = float(np.sqrt(np.abs(pull).max()))
-        return power_of_two(max(spin, swing) or 1.0)
+        return power_of_two(max(spin, swing, _SLOWEST * self._later) or 1.0)
+
+    @cached_property
+    def fastest(self) -> float:
+        """The largest rate in 1/s of the motion, as far as the start and steady torques tell; it may grow."""
+        return max(self.rate, self._later)
+
+    @cached_property
+    def _later(self) -> float:
+        """The rate in 1/s of what polynomial loads do at another attitude than the first, and of damping."""
+        terms = self.terms(self.start)
+        if terms is None:
+            return 0.0
+        damped = float((terms.damping / self.moments).max())
+        if not len(terms.vectors):
+            return damped
+        turned = [quaternion.multiply(self.attitude, turn) for turn in _QUARTER_TURNS]
+        pulls = [self.torque(self.start, there, np.zeros(3)) / self.moments for there in turned]
+        return max(damped, float(np.sqrt(np.abs(pulls).max())))
 
     @property
     def carried(self) -> Float:

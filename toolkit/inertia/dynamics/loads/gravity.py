@@ -97,7 +97,7 @@ class GravityGradient(Load):
     def require_sense(self, path: str) -> None:
         """Raise `GeometryError` where the primary is inside the body."""
         if not self.position.any():
-            raise GeometryError("position is zero: the primary cannot be inside the body", places=(FieldPath(path),))
+            raise GeometryError(FieldPath(f"{path}.position"), " is zero: the primary cannot be inside the body")
 
     def torque_at(self, time: float, attitude: Float, angular_velocity: Float, body: TurningBody) -> Float:
         """Return 3 (μ/r³) r̂ × I r̂."""

@@ -171,19 +171,19 @@ class Torque(Load):
         if self.table is not None:
             value = self.table.line(time)[0]
         elif callable(self.torque):
-            value = self._of_function(time, attitude, angular_velocity)
+            value = self.of_function(time, attitude, angular_velocity)
         else:
             value = np.asarray(self.torque)
         if self.frame == "space":
             return quaternion.to_body(attitude, value)
         return np.broadcast_to(value, np.shape(angular_velocity))
 
-    def _of_function(self, time: float, attitude: Float, angular_velocity: Float) -> Float:
+    def of_function(self, time: float, attitude: Float, angular_velocity: Float) -> Float:
         """Return what the function gives; raise `UsageError` where that is not three finite numbers."""
         assert callable(self.torque)
         value = np.asarray(self.torque(time, attitude, angular_velocity), dtype=np.float64)
         if value.shape != (3,) or not np.isfinite(value).all():
-            raise UsageError(f"the torque function returned {value} at t = {time:.6g} s: return three finite numbers")
+            raise UsageError(f"the function returned {value} at t = {time:.6g} s: return three finite numbers")
         return value
 
     def directions(self) -> Float:
@@ -218,7 +218,7 @@ class Torque(Load):
         back = quaternion.conjugate(quaternion.from_matrix(axes))
 
         def function(time: float, attitude: Float, angular_velocity: Float) -> Float:
-            return turned(self._of_function(time, quaternion.multiply(attitude, back), axes @ angular_velocity))
+            return turned(self.of_function(time, quaternion.multiply(attitude, back), axes @ angular_velocity))
 
         return Torque(function, frame=frame, breaks=self.breaks, longest_step=self.longest_step)
 
@@ -278,7 +278,10 @@ def read_table(path: str | Path) -> TorqueTable:
     if len(rows) < 2:
         raise ReadError(f"{path}: the torque table has {len(rows)} rows, at least 2 are needed: add rows")
     table = np.array(rows)
-    return TorqueTable(table[:, 0], table[:, 1:])
+    try:
+        return TorqueTable(table[:, 0], table[:, 1:])
+    except UsageError as error:
+        raise ReadError(*error.words, places=(str(path),)) from None
 
 
 def _row(fields: list[str], before: list[list[float]], where: str) -> list[float]:

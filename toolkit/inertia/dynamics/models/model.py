@@ -16,6 +16,7 @@ import numpy as np
 
 from inertia.arrays import Float
 from inertia.documents import FieldError
+from inertia.dynamics.arguments import rounded_up
 from inertia.dynamics.kinematics import quaternion
 from inertia.dynamics.loads.gravity import Gravity
 from inertia.dynamics.loads.load import Load
@@ -24,6 +25,9 @@ from inertia.dynamics.models.rational import Exact, rounded
 from inertia.dynamics.motion import Motion
 from inertia.dynamics.scene.document import Scene
 from inertia.mass.principal import principal
+
+SHARE = 0.1
+"""Part of the accuracy asked for that a smaller model may cost."""
 
 NEARLY_EQUAL = 1e-3
 """Relative difference up to which it is worth saying that moments are nearly equal."""
@@ -300,8 +304,17 @@ class Model(ABC):
         return FieldError(
             "run.accuracy",
             f"is {candidate.problem.scene.run.accuracy:g} rad, but taking the scene for a {self.name} costs some "
-            f"{angle_text(candidate.cost)}: ask for no finer than ten times that",
+            f"{angle_text(candidate.cost)}: {affordable(candidate.cost)}",
         )
+
+
+def affordable(cost: float) -> str:
+    """Return the accuracy in rad, as advice, to which a model that costs so much may run.
+
+    >>> affordable(0.00123), affordable(0.5)
+    ('ask for 0.013 rad or more', 'ask for a shorter run')
+    """
+    return f"ask for {rounded_up(cost / SHARE)} rad or more" if cost < 0.1 * SHARE else "ask for a shorter run"
 
 
 def angle_text(cost: float) -> str:

@@ -26,7 +26,7 @@ from inertia.dynamics.loads.torque import Torque
 from inertia.dynamics.scene.body import SceneBody, build
 from inertia.dynamics.scene.parts import build_parts
 from inertia.dynamics.scene.sections import BodySource, Constraint, Frame, Settings, Start
-from inertia.errors import FieldPath, GeometryError, UsageError
+from inertia.errors import FieldPath, GeometryError, ReadError, UsageError, placed
 
 _SECTIONS = ("schema", "body", "part", "start", "constraint", "load", "run")
 _FAR = 10.0  # sizes of the body
@@ -86,7 +86,7 @@ class Scene(Document):
             start=section_of(Start, table["start"]),
             run=section_of(Settings, table["run"]),
             constraint=section_of(Constraint, table.get("constraint", {})),
-            applied_loads=tuple(load_of(load, f"load[{k}]", folder) for k, load in enumerate(loads)),
+            applied_loads=tuple(_load(load, f"load[{k}]", folder, name) for k, load in enumerate(loads)),
             body=build_parts(table["part"], folder)
             if "part" in table
             else build(section_of(BodySource, table["body"]), folder),
@@ -150,6 +150,14 @@ class Scene(Document):
             return quaternion.to_body(self.start.attitude, vector)
         resolved: Float = self.body.axes @ vector
         return resolved
+
+
+def _load(load: object, path: str, folder: Path, name: str) -> Load:
+    """Make one load; a file that it names and cannot be read is named after the scene and the field."""
+    try:
+        return load_of(load, path, folder)
+    except ReadError as error:
+        raise placed(error, name, FieldPath(f"{path}.table")) from None
 
 
 def _require_sense(scene: Scene) -> None:

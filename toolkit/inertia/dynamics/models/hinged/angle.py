@@ -13,6 +13,7 @@ import numpy as np
 
 from inertia.arrays import Float
 from inertia.dynamics.computing_time import Watch
+from inertia.errors import GeometryError
 
 _EPS = 2.0**-52
 _ORDER = 24
@@ -136,7 +137,8 @@ def _pendulum(axle: Axle, time: Float) -> tuple[Float, Float, float]:
 
 def _stepped(axle: Axle, time: Float) -> tuple[Float, Float, float]:
     """Step by Taylor series, twice, with steps of another length; the estimate is twice how far they are apart."""
-    (angle, rate), (other, _) = (_series(axle, time, level) for level in _LEVELS)
+    with np.errstate(over="ignore", invalid="ignore"):
+        (angle, rate), (other, _) = (_series(axle, time, level) for level in _LEVELS)
     off = 2.0 * float(np.abs(angle - other).max())
     return angle, rate, off + 4.0 * _EPS * (1.0 + float(np.abs(rate).max()) * float(time[-1]))
 
@@ -149,6 +151,8 @@ def _series(axle: Axle, time: Float, level: float) -> tuple[Float, Float]:
     while first < len(time):
         watch.require(at / float(time[-1]))
         terms = _terms(axle, *state)
+        if not np.isfinite(terms).all():
+            raise GeometryError(f"the angle leaves float64 after {at:.2g} s: check the units of the scene")
         last = max(abs(terms[-1]) ** (1.0 / _ORDER), abs(terms[-2]) ** (1.0 / (_ORDER - 1)), 1e-300)
         step = level * _STEP ** (1.0 / _ORDER) * max(1.0, abs(state[0])) ** (1.0 / _ORDER) / last
         stop = int(np.searchsorted(time, at + step, side="right"))

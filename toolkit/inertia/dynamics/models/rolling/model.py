@@ -8,9 +8,8 @@ import numpy as np
 
 from inertia.arrays import Float
 from inertia.documents import FieldError
-from inertia.dynamics.models.model import AXIS_PAIRS, NEARLY_EQUAL, Candidate, Model, Problem, angle_text
+from inertia.dynamics.models.model import AXIS_PAIRS, NEARLY_EQUAL, Candidate, Model, Problem, affordable, angle_text
 from inertia.dynamics.motion import Motion
-from inertia.errors import FieldPath
 
 
 class Rolling(Model):
@@ -74,10 +73,10 @@ class Rolling(Model):
 
     def too_costly(self, candidate: Candidate) -> FieldError:
         """Return how far the body is from one of revolution."""
+        _, _, defect = candidate.problem.symmetric_about(candidate.problem.axes.T @ candidate.axes[:, 2])
         return FieldError(
             "constraint.kind",
-            f'is "rolling", but the body is off a body of revolution by some {angle_text(candidate.cost)} after the '
-            "run: ask for no finer ",
-            FieldPath("run.accuracy"),
-            " than ten times that",
+            f'is "rolling", which takes a body of revolution about the axis of its rim, and this one is off by '
+            f"{defect:.2g} of its smallest moment, {angle_text(candidate.cost)} in the time of the run: "
+            + (affordable(candidate.cost) if defect < NEARLY_EQUAL else "name its axis, or give it two equal moments"),
         )

@@ -7,6 +7,8 @@ from dataclasses import replace
 
 from inertia.arrays import Float
 from inertia.dynamics.kinematics import quaternion
+from inertia.dynamics.loads.load import Load
+from inertia.dynamics.loads.torque import Torque
 from inertia.dynamics.models.model import Candidate, Model, Problem
 from inertia.dynamics.motion import Motion
 from inertia.errors import FieldPath, GeometryError, UsageError, placed
@@ -49,14 +51,14 @@ class EulerEquations(Model):
             candidate.moments,
             candidate.angular_velocity,
             candidate.attitude,
-            tuple(load.along(candidate.axes, scene.body.axes) for load in problem.acting),
+            tuple(_named(load, problem).along(candidate.axes, scene.body.axes) for load in problem.acting),
             mass=scene.body.mass or 0.0,
             arm=problem.arm,
         )
         try:
             motion = solve_stepped(rotation, time, scene.run.accuracy, method)
         except (UsageError, GeometryError) as error:
-            raise placed(error, scene.name, FieldPath("run")) from None
+            raise placed(error, scene.name, *(() if error.places else (FieldPath("run"),))) from None
         if scene.orbit is None:
             return motion
         attitude = quaternion.multiply(motion.attitude, quaternion.conjugate(quaternion.from_matrix(candidate.axes)))
@@ -65,3 +67,18 @@ class EulerEquations(Model):
     def view(self, problem: Problem) -> str:
         """Show what becomes of L and the energy where a torque acts."""
         return "driven" if problem.torques else super().view(problem)
+
+
+def _named(load: Load, problem: Problem) -> Load:
+    """Return a load whose function, if it has one, is named by its field where it gives what is no torque."""
+    if not isinstance(load, Torque) or not callable(load.torque):
+        return load
+    path = FieldPath(f"load[{problem.scene.applied_loads.index(load)}].torque")
+
+    def function(time: float, attitude: Float, angular_velocity: Float) -> Float:
+        try:
+            return load.of_function(time, attitude, angular_velocity)
+        except UsageError as error:
+            raise placed(error, path) from None
+
+    return replace(load, torque=function)

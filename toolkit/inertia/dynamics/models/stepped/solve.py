@@ -26,6 +26,7 @@ ATTITUDE_LOST = 0.1
 """The error in rad from which on no accuracy is advised."""
 
 _LONG = 1e5  # rad, of a run that is not made again to find what can be reached
+_TOO_LONG = 1e7  # rad, of a run for which nothing is advised but a shorter one
 
 STIFF = 1e4
 """Decay times of the damping in a run above which an implicit method is taken, if nothing else is as fast."""
@@ -165,15 +166,18 @@ def _unreachable(
     integrator: Integrator, problem: RotationProblem, time: Float, accuracy: float, reached: float
 ) -> GeometryError:
     """Return what is wrong with an accuracy that is beyond float64 or the method, and one that has been tried."""
-    goal, within = 2.0 * reached, None
+    phase = problem.fastest * (time[-1] - problem.start)
+    goal, within = 2.0 * reached if phase < _TOO_LONG else np.inf, None
     while goal < ATTITUDE_LOST and within is None:
-        if problem.rate * (time[-1] - problem.start) > _LONG:
+        if phase > _LONG:
             goal = within = 50.0 * goal
         elif _refine(integrator, problem, time, float(rounded_up(goal)))[0] is not None:
             within = goal
         else:
             goal *= 5.0
     wish = f"{integrator.name} does not reach {accuracy:.2g} rad over {time[-1]:.6g} s in float64"
+    if goal == np.inf:
+        return GeometryError(f"{wish}, and some {phase:.1g} rad are too many to step through: ask for a shorter run")
     if within is None or within > ATTITUDE_LOST:
         return GeometryError(f"{wish}, nor {ATTITUDE_LOST:g} rad: ask for a shorter run, or for another method")
     return GeometryError(f"{wish}: ask for {rounded_up(within)} rad, a shorter run or another method")
