@@ -73,6 +73,7 @@ def add(parsers: Any) -> None:
     work = parser.add_argument_group("who works, and within what")
     workers = work.add_mutually_exclusive_group()
     workers.add_argument("--jobs", type=int, metavar="N", help="worker processes: one for each processor, if not given")
+    workers.add_argument("--dask", metavar="ADDRESS", help="use the workers of that Dask scheduler, as tcp://host:8786")
     work.add_argument("--timeout", type=float, metavar="SECONDS", help="that one file may take")
     work.add_argument("--memory", type=_bytes, metavar="BYTES", help="that one file may take, as 4e9 (Linux)")
     work.add_argument("--shard", type=_shard, metavar="I/N", help="every N-th file from the I-th, as 3/8")
@@ -108,8 +109,7 @@ _DEFAULTS = {"orientation": "stored", "parts": "together"}
 
 def run(options: argparse.Namespace) -> int:
     """Run ``inertia batch``."""
-    from inertia.batching.batch import setup_for, tasks_for
-    from inertia.batching.engines import engine_for
+    from inertia.batching.batch import engine_for, setup_for, tasks_for
     from inertia.batching.table import merge, write_batch
     from inertia.tables import require_table
 
@@ -131,7 +131,7 @@ def run(options: argparse.Namespace) -> int:
             if (values := by_name(name, getattr(options, name))) is not None:
                 asked[name] = values[""] if set(values) == {""} else values
         setup = setup_for(options.verb, asked, timeout=options.timeout, memory=options.memory, wording=as_option)
-        engine = engine_for(setup, options.jobs, None)
+        engine = engine_for(setup, options.jobs, options.dask)
         tasks = tasks_for(options.paths, setup, manifest=options.manifest, shard=options.shard)
         with _Progress(len(tasks)) as progress:
             summary = write_batch(

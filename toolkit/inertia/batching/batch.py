@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from pathlib import Path
 from typing import Any
 
 from inertia.batching.answer import Row, Setup
 from inertia.batching.columns import COLUMNS
-from inertia.batching.engines import engine_for, in_order
+from inertia.batching.engines import Engine, Processes, in_order, processors
 from inertia.batching.sources import OPTIONS, Task, tasks_of
 from inertia.errors import UsageError
 
@@ -19,7 +19,7 @@ def batch(
     *,
     verb: str = "analyse",
     jobs: int | None = None,
-    dask: Any = None,
+    dask: str | None = None,
     timeout: float | None = None,
     memory: int | None = None,
     manifest: str | os.PathLike[str] | None = None,
@@ -86,3 +86,15 @@ def tasks_for(
     if not 1 <= number <= count:
         raise UsageError(f"shard {number} of {count} is none: the first is 1, the last {count}")
     return tasks[number - 1 :: count]
+
+
+def engine_for(setup: Setup, jobs: int | None, dask: str | None) -> Callable[[], Engine]:
+    """Return what makes what answers: `jobs` processes here, or the workers of a Dask scheduler."""
+    if jobs is not None and jobs < 1:
+        raise UsageError(f"jobs is {jobs}: give the number of worker processes, 1 or more")
+    count = jobs or processors()
+    if dask is None:
+        return lambda: Processes(setup, count)
+    from inertia.batching.cluster import Cluster
+
+    return lambda: Cluster(setup, dask, count)

@@ -23,16 +23,13 @@ import inertia
 from inertia.batching.answer import Answer, Setup
 from inertia.batching.process import READY
 from inertia.batching.sources import Task
-from inertia.errors import InertiaError, UsageError
+from inertia.errors import InertiaError
 
 _BUNDLE = 0.05
 """s that a bundle of files is to take: less costs more in messages, more leaves workers idle at the end."""
 
 _MOST = 64  # files in a bundle
 _LOOK = 0.1  # s between looks at what takes too long
-WINDOW = 4096
-"""Files that are under way at most: answers wait here for those before them."""
-
 _STARTS = 3  # times that a process may die before it is ready
 
 
@@ -43,7 +40,11 @@ class _Job(NamedTuple):
 
 
 class Engine(Protocol):
-    """What answers for files, in whatever order."""
+    """What answers for files, in whatever order; `window` of them are under way at most, and wait for each other."""
+
+    @property
+    def window(self) -> int:
+        """How many that is."""
 
     def submit(self, number: int, task: Task) -> None:
         """Have a file answered for."""
@@ -57,6 +58,8 @@ class Engine(Protocol):
 
 class Processes:
     """Workers on this machine, a thread for each that talks to it."""
+
+    window = 4096
 
     def __init__(self, setup: Setup, jobs: int) -> None:
         self._setup = setup
@@ -236,19 +239,21 @@ def in_order(tasks: Iterable[Task | Answer], engine: Callable[[], Engine]) -> Ge
     first = last = 0
     with ExitStack() as stack:
         at_work: Engine | None = None
+        window = 0
         for task in chain(tasks, [None]):
             if isinstance(task, Answer):
                 ready[last] = task
             elif task is not None:
                 if at_work is None:
                     at_work = stack.enter_context(closing(engine()))
+                    window = at_work.window
                 at_work.submit(last, task)
             last += task is not None
             while first < last:
                 if first in ready:
                     yield ready.pop(first)
                     first += 1
-                elif task is None or last - first >= WINDOW:
+                elif task is None or last - first >= window:
                     assert at_work is not None
                     ready.update(at_work.results())
                 else:
@@ -258,10 +263,3 @@ def in_order(tasks: Iterable[Task | Answer], engine: Callable[[], Engine]) -> Ge
 def processors() -> int:
     """Return how many processors this process may use."""
     return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
-
-
-def engine_for(setup: Setup, jobs: int | None, dask: str | None) -> Callable[[], Engine]:
-    """Return what makes what answers: `jobs` processes here, or the workers of a Dask scheduler."""
-    if jobs is not None and jobs < 1:
-        raise UsageError(f"jobs is {jobs}: give the number of worker processes, 1 or more")
-    return lambda: Processes(setup, jobs or processors())

@@ -1,0 +1,143 @@
+"""The workers of a Dask scheduler answer for files: each thread of theirs has a worker process, as on one machine.
+
+So a file that takes its process with it costs that process and not the Dask worker; where a Dask worker dies, the
+scheduler gives its bundles to another one.
+"""
+
+from __future__ import annotations
+
+import pickle
+from collections.abc import Sequence
+from contextlib import ExitStack
+from typing import Any
+
+from inertia.batching.answer import Answer, Setup
+from inertia.batching.engines import Processes
+from inertia.batching.sources import Task
+from inertia.errors import InertiaError, UsageError, visible
+
+_BUNDLE = 0.5
+"""s that a bundle of files is to take: a task of Dask's costs some milliseconds."""
+
+_FIRST, _MOST = 4, 256  # files in the first bundles, and in any
+_PATIENCE = "10 s"  # for the scheduler to answer
+
+
+class Cluster:
+    """The workers of a Dask scheduler.
+
+    Parameters
+    ----------
+    setup : what is asked of all files
+    address : of the scheduler, "local" for one in this process
+    jobs : threads of that one
+    """
+
+    def __init__(self, setup: Setup, address: str, jobs: int) -> None:
+        try:
+            import distributed
+        except ImportError:
+            raise UsageError("Dask is not installed: run pip install 'inertia[dask]'") from None
+        self._setup, self._packed = setup, pickle.dumps(setup)
+        self._bundle: list[tuple[int, Task]] = []
+        self._size = _FIRST
+        self._sent: dict[str, tuple[Any, list[tuple[int, Task]]]] = {}
+        with ExitStack() as stack:
+            scheduler: Any = address
+            if address == "local":
+                scheduler = stack.enter_context(
+                    distributed.LocalCluster(
+                        n_workers=1, threads_per_worker=jobs, processes=False, dashboard_address=None, silence_logs=50
+                    )
+                )
+            try:
+                client = distributed.Client(scheduler, timeout=_PATIENCE, set_as_default=False)
+            except (OSError, ValueError) as error:
+                raise UsageError(f"no Dask scheduler answers at {visible(address)}: {error}") from None
+            self._client = stack.enter_context(client)
+            self._done = distributed.as_completed(loop=client.loop, with_results=True, raise_errors=False)
+            self._stack = stack.pop_all()
+
+    @property
+    def window(self) -> int:
+        """Files that are under way at most: enough for all threads there are."""
+        threads: int = sum(self._client.nthreads().values())
+        return max(4096, 64 * threads)
+
+    def submit(self, number: int, task: Task) -> None:
+        """Have a file answered for."""
+        self._bundle.append((number, task))
+        if len(self._bundle) >= self._size:
+            self._send()
+
+    def results(self) -> list[tuple[int, Answer]]:
+        """Wait for answers, and return those that there are."""
+        self._send()
+        answers: list[tuple[int, Answer]] = []
+        while not answers:
+            for future, result in self._done.next_batch(block=True):
+                _, bundle = self._sent.pop(future.key)
+                if future.status == "finished":
+                    answers += zip([number for number, _ in bundle], result, strict=True)
+                elif len(bundle) > 1:  # its worker died more often than the scheduler allows: one file may do that
+                    for each in bundle:
+                        self._bundle.append(each)
+                        self._send()
+                else:
+                    answers += [(number, self._crashed(task, future)) for number, task in bundle]
+        seconds = sum(answer.row["seconds"] or 0.0 for _, answer in answers)
+        self._size = max(1, min(_MOST, int(_BUNDLE * len(answers) / (seconds + 1e-9))))
+        return answers
+
+    def close(self) -> None:
+        """Have nothing answered for any more, and end the worker processes."""
+        with self._stack:
+            self._client.cancel([future for future, _ in self._sent.values()])
+            self._client.run(end_idle)
+
+    def _send(self) -> None:
+        if self._bundle:
+            tasks = [task for _, task in self._bundle]
+            future = self._client.submit(answer_bundle, self._packed, tasks, pure=False)
+            self._sent[future.key] = future, self._bundle
+            self._bundle = []
+            self._done.add(future)
+
+    def _crashed(self, task: Task, future: Any) -> Answer:
+        error = future.exception()
+        if isinstance(error, InertiaError):
+            raise error
+        return self._setup.failed(
+            task, "crashed", f"the Dask workers that answered for it died ({visible(str(error))})"
+        )
+
+
+_idle: dict[bytes, list[Processes]] = {}
+"""Workers of this process that wait for more, by their setup."""
+
+
+def answer_bundle(packed: bytes, tasks: Sequence[Task]) -> list[Answer]:
+    """Return the answers for files, in their order, from a worker process of this one."""
+    waiting = _idle.setdefault(packed, [])
+    try:
+        engine = waiting.pop()
+    except IndexError:
+        engine = Processes(pickle.loads(packed), 1)
+    try:
+        for number, task in enumerate(tasks):
+            engine.submit(number, task)
+        answers: dict[int, Answer] = {}
+        while len(answers) < len(tasks):
+            answers.update(engine.results())
+    except BaseException:
+        engine.close()
+        raise
+    waiting.append(engine)
+    return [answers[number] for number in range(len(tasks))]
+
+
+def end_idle() -> None:
+    """End the worker processes that wait for more."""
+    for engines in _idle.values():
+        while engines:
+            engines.pop().close()
