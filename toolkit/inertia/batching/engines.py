@@ -30,7 +30,7 @@ _BUNDLE = 0.05
 
 _MOST = 64  # files in a bundle
 _LOOK = 0.1  # s between looks at what takes too long
-_STARTS = 3  # times that a process may die before it is ready
+_STARTS = 10  # times that a process may die before it is ready
 
 
 class _Job(NamedTuple):

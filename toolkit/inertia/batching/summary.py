@@ -16,6 +16,8 @@ from inertia.report.numerals import row as line
 _LISTED = 10
 _FIGURES = re.compile(r"[-+]?\d[\d.,]*(?:e[-+]?\d+)?")
 
+_MORE = re.compile(r" \([^()]*\bmore faults?\)|; [^;]* gives an answer whose bound covers the faults$")
+
 
 @dataclass
 class Summary:
@@ -109,4 +111,4 @@ def _kind(row: dict[str, Any]) -> str:
     text = str(row["message"])
     for words in (f"cannot read {visible(row['path'])}: ", f"{visible(row['path'])}: ", f"{visible(row['path'])} "):
         text = text.replace(words, "")
-    return _FIGURES.sub("…", text)
+    return _FIGURES.sub("…", _MORE.sub("", text))
