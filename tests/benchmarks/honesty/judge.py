@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import math
+import re
 import time
 import warnings
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Any
@@ -21,6 +22,8 @@ from . import deforming, held, meshes, rigid
 from .quad import TooLongError
 from .scenes import Case
 
+_ADVICE = re.compile(r"(?:ask for|reaches) ([\d.]+(?:e[-+]?\d+)?) rad")
+
 FLOOR = 2.0**-52
 """rad: an error below it is counted as this in the ratio of claim and error; an attitude is rounded to about it."""
 
@@ -30,7 +33,9 @@ class Verdict:
     """What became of a case.
 
     `outcome` is "held", "exceeded", "refused", "undecided" (the truth is not known to within the claim), "dear" (the
-    truth takes too many steps) or "fault"; errors in rad, at the worst sample.
+    truth takes too many steps), "misadvised" (refused, and refused again at the accuracy that the refusal names) or
+    "fault". The sentence is that of the refusal, also of runs that were made again as it advises. Errors in rad, at the
+    worst sample.
     """
 
     kind: str
@@ -41,12 +46,12 @@ class Verdict:
     method: str = ""
     claim: float = math.nan
     error: float = math.nan
-    oracle: float = math.nan
+    truth: float = math.nan
     sentence: str = ""
     warnings: tuple[str, ...] = ()
     until: float | None = None
     seconds: float = 0.0
-    oracle_seconds: float = 0.0
+    truth_seconds: float = 0.0
 
     @property
     def ratio(self) -> float:
@@ -55,45 +60,60 @@ class Verdict:
 
 
 def judge(case: Case) -> Verdict:
-    """Run a case and compare."""
+    """Run a case and compare; one that is refused for its accuracy runs again at that which is named."""
     begin = time.process_time()
-    about = {"kind": case.kind, "seed": case.seed, "number": case.number}
-    try:
-        with warnings.catch_warnings():
-            warnings.simplefilter("error")
-            scene = scene_of(case)
-            run = inertia.simulate(scene)
-    except InertiaError as error:
-        return Verdict(**about, outcome="refused", sentence=str(error), seconds=time.process_time() - begin)
-    except Exception as error:  # whatever it is, it is a fault
-        return Verdict(**about, outcome="fault", sentence=f"{type(error).__name__}: {error}")
+    about: dict[str, Any] = {"kind": case.kind, "seed": case.seed, "number": case.number}
+    scene, run, refusal = None, None, ""
+    for attempt in (0, 1):
+        try:
+            with warnings.catch_warnings():
+                warnings.simplefilter("error")
+                scene = scene_of(case)
+                run = inertia.simulate(scene)
+            break
+        except InertiaError as error:
+            refusal, before = str(error), refusal
+            advice = _ADVICE.search(refusal)
+            if attempt or advice is None:
+                outcome = "misadvised" if before else "refused"
+                words = f"{before} – and then: {refusal}" if before else refusal
+                return Verdict(**about, outcome=outcome, sentence=words, seconds=time.process_time() - begin)
+            setting = {**case.scene["run"], "accuracy": float(advice[1])}
+            case = replace(case, scene={**case.scene, "run": setting})
+        except Exception as error:  # whatever it is, it is a fault
+            return Verdict(**about, outcome="fault", sentence=f"{type(error).__name__}: {error}")
+    assert scene is not None
+    assert run is not None
     middle = time.process_time()
-    told = {
+    error = run.error
+    inputs, until = getattr(error, "inputs", 0.0), getattr(error, "until", math.inf)
+    known = min(inputs, error.requested) if until < run.time[-1] else inputs
+    about |= {
         "model": run.model,
-        "method": run.error.method,
-        "claim": float(run.error.reached),
+        "method": error.method,
+        "claim": float(error.reached + known),
         "warnings": run.warnings,
         "seconds": middle - begin,
+        "until": until if until < run.time[-1] else None,
+        "sentence": refusal,
     }
     try:
         truth = truth_of(case, scene, run.time)
-    except TooLongError as error:
-        return Verdict(**about, **told, outcome="dear", sentence=str(error))
-    off, known = truth.off(run.attitude), truth.error
-    counted = np.ones(len(off), dtype=bool)
-    worst = int(np.argmax(np.where(counted, off - known, -1.0)))
-    claim = told["claim"]
-    if not off[worst] - known[worst] <= claim:
+    except TooLongError:
+        return Verdict(**about, outcome="dear", truth_seconds=time.process_time() - middle)
+    rows = run.time <= until
+    off, apart = truth.off(run.attitude)[rows], truth.error[rows]
+    worst = int(np.argmax(off - apart))
+    if not off[worst] - apart[worst] <= about["claim"]:
         outcome = "exceeded"
     else:
-        outcome = "undecided" if known[counted].max() > max(claim, FLOOR) else "held"
+        outcome = "undecided" if apart.max() > max(about["claim"], FLOOR) else "held"
     return Verdict(
         **about,
-        **told,
         outcome=outcome,
         error=float(off[worst]),
-        oracle=float(known[worst]),
-        oracle_seconds=time.process_time() - middle,
+        truth=float(apart[worst]),
+        truth_seconds=time.process_time() - middle,
     )
 
 
@@ -102,7 +122,11 @@ def scene_of(case: Case) -> inertia.Scene:
     table = dict(case.scene)
     loads = [dict(load) for load in table.get("load", [])]
     if case.function:
-        loads.append({"kind": "torque", "torque": torque_function(case.function)})
+        pulse = case.function.get("pulse", {})
+        told = {"breaks": pulse["times"], "longest_step": table["run"]["duration"]} if pulse.get("declared") else {}
+        if told and "gauss" in case.function:
+            told["longest_step"] = case.function["gauss"]["width"]
+        loads.append({"kind": "torque", "torque": torque_function(case.function), **told})
     table = {"schema": 1, **table, "load": loads}
     if case.triangles is None:
         return inertia.Scene.from_dict(table, Path(path("cube.stl")).parent)

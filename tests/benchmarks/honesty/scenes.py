@@ -430,7 +430,7 @@ def gradient(random: Random) -> Table:
 
 def functions(random: Random) -> Table:
     """Return a body that a Python function turns: a wave, a bell, a pulse, drag, a spring to space."""
-    moments = np.array([1.0, 2.0, 2.5]) * random.uniform(0.8, 1.2, 3) * _scale(random)
+    moments = np.array([1.0, 2.0, 2.5]) * random.uniform(0.9, 1.08, 3) * _scale(random)
     rate = _scale(random)
     spin = rate * _spin(random, moments) if random.random() < 0.8 else np.zeros(3)
     turned = _turned(random, 15.0)
@@ -451,7 +451,10 @@ def functions(random: Random) -> Table:
             case "gauss":
                 function["gauss"] = {"torque": torque, "time": begin + width / 2, "width": width / 4}
             case "pulse":
-                function["pulse"] = {"torque": torque, "times": [begin, begin + width]}
+                declared = bool(random.random() < 0.4)
+                if declared:  # and as short as one likes
+                    width = duration * _power(random, -7, -0.3)
+                function["pulse"] = {"torque": torque, "times": [begin, begin + width], "declared": declared}
             case "drag":
                 function["drag"] = {"factor": float(moments.min()) * _power(random, -4, 0)}
             case "servo":

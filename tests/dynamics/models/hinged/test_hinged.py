@@ -168,3 +168,19 @@ def test_a_method_or_a_model_that_does_not_fit_an_axle_is_refused() -> None:
                 run__method="DOP853",
             )
         )
+
+
+@pytest.mark.parametrize(("tilt", "duration"), [(1e-9, 4.0), (1e-6, 6.0), (6e-3, 7.0)])
+def test_near_the_upper_rest_the_claim_grows_as_neighbours_part(tilt: float, duration: float) -> None:
+    run = hinged(
+        BAR | {"center_of_mass": [0.0, 0.0, 0.5]}, [0.0, 0.0, 0.0], duration, [GRAVITY], tilt=tilt, accuracy=1.0
+    )
+    with mpmath.workdps(60):  # let go at rest: sin ½φ = k cd(ω₀ t), φ from below
+        start = [mpmath.mpf(x) for x in run.scene.start.attitude.tolist()]
+        modulus = start[3] / mpmath.hypot(start[0], start[3])
+        rate = mpmath.sqrt(mpmath.mpf(0.5) * mpmath.mpf(9.80665) / (mpmath.mpf(0.0834) + mpmath.mpf(0.25)))
+        cn, dn = (mpmath.ellipfun(kind, rate * duration, m=modulus**2) for kind in ("cn", "dn"))
+        moved = 2 * mpmath.asin(modulus) - 2 * mpmath.asin(modulus * cn / dn)
+        off = float(abs(moved - run.quantities["angle"][-1]))
+    assert off <= run.error.reached < 1e-2
+    assert run.error.reached > 1e-13

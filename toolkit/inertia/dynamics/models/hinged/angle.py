@@ -20,7 +20,9 @@ _ORDER = 24
 _LEVELS = (1.0, 0.7)  # of the step, in runs that are compared
 _STEP = 1e-19  # that the last terms of the series may amount to
 _SMALL = 0.3  # below which a difference is summed as a series
-_NUDGE = 2.0**-26
+_NUDGES = 2.0**-26, 2.0**-35, 2.0**-44  # relative, that a figure is changed by to see what that does to the angle
+_NEAR = 1e-3  # rad, within which what it does is in proportion to it
+_LOST = 1e-2  # rad, from which on it is not, and nothing is known
 
 
 @dataclass(frozen=True)
@@ -59,15 +61,30 @@ def solve_angle(axle: Axle, time: Float, known: Axle) -> tuple[Float, Float, flo
     """
     solve, method = _method(axle)
     angle, rate, off = solve(axle, time)
-    # What the figures themselves are off by grows as neighbouring motions part.
+    # What the figures themselves are off by grows as neighbouring motions part, exponentially near the upper rest.
     for each in fields(Axle):
         value, doubt = getattr(axle, each.name), getattr(known, each.name)
         if not doubt:
             continue
-        nudge = _NUDGE * max(abs(value), axle.pull if each.name in ("cosine", "sine") else 0.0, _NUDGE)
-        apart = np.abs(solve(replace(axle, **{each.name: value + nudge}), time)[0] - angle).max()
-        off += doubt * float(apart) / nudge
+        size = max(abs(value), axle.pull if each.name in ("cosine", "sine") else 0.0, _NUDGES[0])
+
+        def moved(nudge: float, name: str = each.name, value: float = value, size: float = size) -> Float:
+            return solve(replace(axle, **{name: value + nudge * size}), time)[0]
+
+        off += doubt / size * _slope(moved, angle)
+    off = off if off < _LOST else math.pi
     return angle, rate, off, method
+
+
+def _slope(moved: Callable[[float], Float], angle: Float) -> float:
+    """Return how much the angle (n,) moves for a nudge: the largest of three, for far neighbours part no more."""
+    slopes = []
+    for nudge in _NUDGES:
+        apart = float(np.abs(moved(nudge) - angle).max())
+        slopes.append(apart / nudge)
+        if apart < _NEAR:
+            break
+    return max(slopes)
 
 
 def _method(axle: Axle) -> tuple[Callable[[Axle, Float], tuple[Float, Float, float]], str]:
@@ -136,15 +153,21 @@ def _pendulum(axle: Axle, time: Float) -> tuple[Float, Float, float]:
 
 
 def _stepped(axle: Axle, time: Float) -> tuple[Float, Float, float]:
-    """Step by Taylor series, twice, with steps of another length; the estimate is twice how far they are apart."""
+    """Step by Taylor series, twice, with steps of another length; the estimate is twice how far they are apart.
+
+    What every step is rounded by comes on top, as far as neighbouring motions part.
+    """
     with np.errstate(over="ignore", invalid="ignore"):
         (angle, rate), (other, _) = (_series(axle, time, level) for level in _LEVELS)
     off = 2.0 * float(np.abs(angle - other).max())
-    return angle, rate, off + 4.0 * _EPS * (1.0 + float(np.abs(rate).max()) * float(time[-1]))
+    return angle, rate, off + 4.0 * _EPS * _slope(lambda noise: _series(axle, time, _LEVELS[0], noise)[0], angle)
 
 
-def _series(axle: Axle, time: Float, level: float) -> tuple[Float, Float]:
-    """Return θ and θ̇ at the instants, from steps as long as the last terms of the series allow."""
+def _series(axle: Axle, time: Float, level: float, noise: float = 0.0) -> tuple[Float, Float]:
+    """Return θ and θ̇ at the instants, from steps as long as the last terms of the series allow.
+
+    Every step may be off by `noise`, relative.
+    """
     angle, rate = np.empty_like(time), np.empty_like(time)
     at, state = 0.0, (0.0, axle.spin)
     first, watch = 0, Watch()
@@ -159,7 +182,8 @@ def _series(axle: Axle, time: Float, level: float) -> tuple[Float, Float]:
         here = time[first:stop] - at
         slopes = terms[1:] * np.arange(1, len(terms))
         angle[first:stop], rate[first:stop] = np.polyval(terms[::-1], here), np.polyval(slopes[::-1], here)
-        state = float(np.polyval(terms[::-1], step)), float(np.polyval(slopes[::-1], step))
+        ends = float(np.polyval(terms[::-1], step)), float(np.polyval(slopes[::-1], step))
+        state = ends[0] + noise * abs(ends[0]), ends[1] + noise * abs(ends[1])
         at, first = at + step, stop
     return angle, rate
 
