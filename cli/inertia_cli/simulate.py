@@ -34,7 +34,7 @@ _EXAMPLES = """examples:
   inertia simulate scene.toml --explain
   inertia simulate scene.toml --for 3600 --samples 5 --json
   inertia simulate scene.toml -o run.rrd && inertia play run.rrd
-  inertia simulate scene.toml -o run.parquet -o run.csv
+  inertia simulate scene.toml -o run.parquet -o run.csv --plot run.svg
   inertia simulate run.rrd                                    # again, by its own scene
   inertia simulate scene.toml --vary body.mass=1±0.01 --vary 'start.angular_velocity[2]=±1%' --draws 2000
   inertia simulate scene.toml --vary 'load[0].coefficient=0:0.1:11' --quantity tilt -o sweep.csv
@@ -103,6 +103,8 @@ def add_result(parser: argparse.ArgumentParser) -> None:
         default=[],
         help="write the run to FILE.rrd, for `inertia play`, or its series to FILE.csv, .npz or .parquet (repeat it)",
     )
+    result.add_argument("--plot", metavar="FILE", help="draw what suits the model, to FILE.svg or FILE.png")
+    result.add_argument("--plot-kind", metavar="KIND", help="draw this alone: polhode, nutation, angular velocity, ...")
     result.add_argument("--force", action="store_true", help="write over FILE where it exists")
     result.add_argument("--live", action="store_true", help="stream to the Rerun viewer that is open on this machine")
 
@@ -136,7 +138,7 @@ def _spread(scene: Scene, options: argparse.Namespace) -> int:
     from inertia.report.spread.table import SUFFIXES, write_table
     from inertia.report.spread.text import ensemble_text
 
-    for name in ("explain", "live"):
+    for name in ("explain", "live", "plot"):
         if getattr(options, name):
             raise UsageError(f"--{name} is of one run, and --vary makes many: leave one of them out")
     outputs = _distinct([require_writable(file, *SUFFIXES, force=options.force) for file in options.output])
@@ -200,8 +202,8 @@ def follow(scene: Scene, options: argparse.Namespace) -> int:
     from inertia.report.run.document import plan_document, run_document
     from inertia.report.run.text import plan_text, run_text
 
-    if options.explain and (options.output or options.live):
-        raise UsageError("--explain runs nothing that could be recorded: leave out --output and --live")
+    if options.explain and (options.output or options.live or options.plot):
+        raise UsageError("--explain runs nothing that could be recorded: leave out --output, --plot and --live")
     _require_writable(options)
     scene = _overridden(scene, options)
     if options.explain:
@@ -217,13 +219,20 @@ def follow(scene: Scene, options: argparse.Namespace) -> int:
 
 def _require_writable(options: argparse.Namespace) -> None:
     """Ask what the files and the viewer need before the work, which may take a while."""
-    if options.output:
-        from inertia.dynamics.columns import FORMATS, pyarrow
-        from inertia.output import require_writable
+    from inertia.dynamics.columns import FORMATS, pyarrow
+    from inertia.output import require_writable
 
-        files = [require_writable(file, _RECORDING, *FORMATS, force=options.force) for file in options.output]
-        if any(file.suffix.lower() == ".parquet" for file in _distinct(files)):
-            pyarrow()
+    files = [require_writable(file, _RECORDING, *FORMATS, force=options.force) for file in options.output]
+    if any(file.suffix.lower() == ".parquet" for file in _distinct(files)):
+        pyarrow()
+    if options.plot is not None:
+        from inertia.dynamics.plots.kinds import require_kind
+        from inertia.plotting import require_plottable
+
+        require_plottable(options.plot, force=options.force)
+        require_kind(options.plot_kind)
+    elif options.plot_kind is not None:
+        raise UsageError("--plot-kind goes with a plot: name its file by --plot")
     if options.live:
         from inertia.recording.writer import require_viewer
 
@@ -247,6 +256,10 @@ def _write(motion: Run, options: argparse.Namespace) -> None:
         for file in options.output:
             if file not in recordings:
                 getattr(motion, f"to_{Path(file).suffix.lower()[1:]}")(file, force=options.force)
+        if options.plot is not None:
+            from inertia.plotting import write_figure
+
+            write_figure(lambda: motion.plot(options.plot_kind), options.plot, force=options.force)
         for k, file in enumerate(recordings or ([None] if options.live else [])):
             from inertia.recording.record import record
 

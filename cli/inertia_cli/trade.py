@@ -55,7 +55,8 @@ def add(parsers: Any) -> None:
 def run(options: argparse.Namespace) -> int:
     """Run ``inertia trade``."""
     from inertia.mass.analyse import sound_solids_only
-    from inertia.work_precision.plot import plot, require_plottable
+    from inertia.plotting import require_plottable
+    from inertia.work_precision.plot import plot
     from inertia.work_precision.render import trade_document, trade_text
     from inertia.work_precision.trade import PartTrade, SceneTrade
     from inertia.work_precision.trade import trade as measure

@@ -357,3 +357,48 @@ def test_a_file_of_an_unknown_kind_or_named_twice_is_refused(
     assert (code, out) == (2, "")
     assert says in err
     assert [each.name for each in tmp_path.iterdir()] == ["scene.toml"]
+
+
+def test_a_run_is_drawn_beside_its_files_or_nothing_is_written(
+    capsys: pytest.CaptureFixture[str], tmp_path: Path
+) -> None:
+    drawn = tmp_path / "run.svg"
+    code, _, err = run(capsys, "simulate", scene(tmp_path), "--plot", str(drawn), "-o", str(tmp_path / "run.csv"))
+    assert (code, err) == (0, "")
+    assert all(word in drawn.read_text() for word in ("Polhode", "rad/s", "kg m²/s", "scene.toml, asymmetric top, 5 s"))
+    first = drawn.read_bytes()
+    arguments = ("simulate", scene(tmp_path), "--plot", str(drawn))
+    assert run(capsys, *arguments, "--force")[0] == 0
+    assert drawn.read_bytes() == first
+    code, _, err = run(capsys, *arguments)
+    assert (code, "exists: give another name, or --force" in err) == (2, True)
+    code, _, err = run(capsys, *arguments, "--force", "--plot-kind", "nutation", "-o", str(tmp_path / "new.csv"))
+    assert (code, "'nutation' does not suit this run: use 'polhode'" in err) == (2, True)
+    assert not (tmp_path / "new.csv").exists()
+    picture = tmp_path / "handle.png"
+    assert run(capsys, "tumble", HANDLE, *SPIN, "--plot", str(picture), "--plot-kind", "polhode")[0] == 0
+    assert picture.read_bytes()[:4] == b"\x89PNG"
+
+
+@pytest.mark.parametrize(
+    ("words", "says"),
+    [
+        (("--plot", "run.pdf"), "its name must end in .svg or .png"),
+        (("--plot", "run.svg", "--plot-kind", "polhod"), "'polhod' is no kind of plot: did you mean 'polhode'?"),
+        (("--plot-kind", "polhode"), "--plot-kind goes with a plot: name its file by --plot"),
+        (("--plot", "run.svg", "--explain"), "--explain runs nothing"),
+        (("--plot", "run.svg", "--vary", "run.duration=1..2"), "--plot is of one run"),
+    ],
+)
+def test_a_plot_that_cannot_be_drawn_is_refused_before_the_run(
+    words: tuple[str, ...],
+    says: str,
+    capsys: pytest.CaptureFixture[str],
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    file = scene(tmp_path)
+    monkeypatch.chdir(tmp_path)
+    code, out, err = run(capsys, "simulate", file, *words)
+    assert (code, out) == (2, "")
+    assert says in err

@@ -89,6 +89,8 @@ def test_the_metadata_says_what_the_table_is_of(tmp_path: Path) -> None:
         "requested": run.error.requested,
         "reached": run.error.reached,
         "method": run.error.method,
+        "inputs": run.error.inputs,
+        "until": run.scene.run.duration,
     }
     assert about["run"]["duration"] == run.scene.run.duration
     assert about["figures"]["flip period"] == run.quantities["flip period"]

@@ -11,7 +11,8 @@ from tests.work_precision.scene_samples import CLOSED
 from tests.work_precision.scene_samples import made_up as scene_made_up
 
 from inertia.errors import InertiaError, UsageError
-from inertia.work_precision.plot import plot, require_plottable
+from inertia.plotting import require_plottable
+from inertia.work_precision.plot import plot
 
 
 def words(file: Path) -> str:

@@ -7,7 +7,8 @@ import math
 import os
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
-from typing import Any
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -22,10 +23,17 @@ from inertia.dynamics.kinematics.euler_angles import Convention, to_angles, unwr
 from inertia.dynamics.motion import Event, Motion
 from inertia.dynamics.plan import Plan
 from inertia.dynamics.scene.document import Scene
-from inertia.errors import UsageError, visible
+from inertia.errors import GeometryError, UsageError, visible
+from inertia.plotting import quiet_matplotlib, require_matplotlib
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
 
 _PAIRS = ("turning theta", "steady precession, slow and fast")
 """Quantities that are two numbers, however many samples there are."""
+
+_CLOSE, _MOST = 0.1, 20_001  # rad between the instants that a drawing goes through, and how many they are at most
 
 _SERIES = ("time", "attitude", "angular_velocity", "angular_momentum", "energy", "position")
 
@@ -195,6 +203,59 @@ class Run:
         """
         self._table().to_parquet(path, force=force)
 
+    def plot(self, kind: str | None = None, ax: Axes | None = None) -> Figure:
+        """Draw the run by matplotlib, and return the figure, which shows itself in a notebook and has `savefig`.
+
+        Where samples are too far apart for a line through them, the run is followed at more instants for the drawing.
+
+        Parameters
+        ----------
+        kind : "effective potential", "phase portrait", "nutation", "polhode", "momentum sphere" or "angular velocity";
+            all that suit the run, side by side, without it
+        ax : axes to draw on, of any figure; one kind only, the most telling without `kind`
+
+        Raises `UsageError` where a kind does not suit the run, or matplotlib is not installed.
+        """
+        from inertia.dynamics.plots.kinds import draw
+
+        require_matplotlib()
+        with quiet_matplotlib():
+            name = visible(Path(self.scene.name).name)
+            return draw(self._followed_closely(), kind, ax, f"{name}, {self.model}, {self.scene.run.duration:g} s")
+
+    def _repr_html_(self) -> str:
+        """Return a small table and a sketch of ω(t), as a notebook shows it."""
+        from inertia.dynamics.notebook import html_of
+        from inertia.dynamics.plots.subject import ascending
+
+        error, deforms = self.error, self.scene.body.deforms
+        count = f"{len(self.time)} {'sample' if len(self.time) == 1 else 'samples'}"
+        until = "" if error.until >= self.scene.run.duration else f" up to {error.until:.3g} s"
+        rows = [
+            ("Scene", Path(self.scene.name).name),
+            ("Model", f"{self.model}, {error.method}"),
+            ("Run", f"{self.scene.run.duration:g} s, {count}"),
+            ("Accuracy", f"attitude to {error.reached:.2g} rad{until}, {error.requested:g} rad asked for"),
+            *(("Kept", f"{name}, drift {each.largest_relative_drift:.2g}") for name, each in self.invariants.items()),
+            *(("Motion", remark) for remark in self.remarks),
+            *(("Note", warning) for warning in self.warnings),
+        ]
+        along = np.eye(3) if deforms else ascending(self.plan)[1]
+        unit = f"rad/s along the {'part' if deforms else 'principal'} axes"
+        return html_of(rows, self.time, self.angular_velocity @ along, ("ω₁", "ω₂", "ω₃"), unit)
+
+    def _followed_closely(self) -> Run:
+        """Return the run at as many instants as a line needs, or as it is."""
+        settings = self.scene.run
+        turned = float(np.linalg.norm(self.angular_velocity, axis=1).max()) * settings.duration
+        whole = len(self.time) == settings.samples and self.time[-1] == settings.duration
+        if not whole or self.follow is None or turned / (len(self.time) - 1) <= _CLOSE:
+            return self
+        try:
+            return self.at(np.linspace(0.0, settings.duration, min(int(turned / _CLOSE) + 2, _MOST)))
+        except GeometryError:  # which takes too long, or reaches less between the samples
+            return self
+
     def _table(self) -> Table:
         """Return what goes with the time, and what it is of."""
         scene, body = self.scene, self.scene.body
@@ -209,7 +270,7 @@ class Run:
             "parts": {visible(part.name): part.source.sha256 for part in (body.part, *body.meshes) if part is not None},
             "run": {name: getattr(scene.run, name) for name in ("duration", "samples", "accuracy", "model", "method")},
             "model": self.model,
-            "accuracy": vars(self.error),
+            "accuracy": {**vars(self.error), "until": min(self.error.until, scene.run.duration)},
             "warnings": list(self.warnings),
             "figures": figures,
         }

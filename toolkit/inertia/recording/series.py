@@ -8,25 +8,12 @@ import numpy as np
 
 from inertia.arrays import Float
 from inertia.dynamics.kinematics.euler_angles import to_angles
-from inertia.dynamics.plan import Plan
 from inertia.dynamics.run import Invariant, Run
 from inertia.recording import entities
 from inertia.recording.drawing import COLORS
 from inertia.recording.writer import Recording, blocks
 
 _LEAST = 1e-16  # unit of drifts, about one rounding
-
-
-def ascending(plan: Plan) -> tuple[Float, Float]:
-    """Return the moments (3,) kg m² about the point that the body turns about, and the axes (3, 3) as columns.
-
-    The model has its own order, as the symmetry axis last; the axes stay right-handed.
-    """
-    order = np.argsort(plan.moments, kind="stable")
-    axes = plan.axes[:, order]
-    if np.linalg.det(axes) < 0:
-        axes[:, 2] *= -1.0
-    return plan.moments[order], axes
 
 
 def write_angular_velocity(recording: Recording, run: Run, axes: Float) -> None:

@@ -2,19 +2,14 @@
 
 from __future__ import annotations
 
-import io
-import logging
 import math
 import os
-import warnings
-from collections.abc import Iterator, Sequence
-from contextlib import contextmanager
+from collections.abc import Sequence
 from itertools import groupby
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from inertia.errors import UsageError
-from inertia.output import require_writable, write_whole
+from inertia.plotting import write_figure
 from inertia.work_precision.rows import PartRow, SceneRow, front
 from inertia.work_precision.trade import PartTrade, SceneTrade
 
@@ -22,7 +17,6 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-_FORMATS = (".svg", ".png")
 _WHOLE, _SIMPLER, _ASKED = "#0072B2", "#D55E00", "#666666"  # Okabe and Ito: told apart by the colour-blind
 _COLOURS = (
     "#0072B2",
@@ -43,48 +37,9 @@ _MS = 1e3
 _NEAR = 1.5  # ratio of times within which two names would overlap
 
 
-def require_plottable(file: str | os.PathLike[str], *, force: bool = False) -> Path:
-    """Return the path of a plot that can be written: to be asked before the measuring, which takes a while.
-
-    Raises
-    ------
-    UsageError : the name ends neither in .svg nor .png, the file exists and `force` is not set, or matplotlib is not
-        installed
-    InertiaError : its folder cannot be written to
-    """
-    path = require_writable(file, *_FORMATS, force=force)
-    try:
-        with _quiet_matplotlib():
-            import matplotlib  # noqa: F401
-    except ImportError:
-        raise UsageError("plotting needs matplotlib: install it by pip install 'inertia[plot]'") from None
-    return path
-
-
 def plot(trade: PartTrade | SceneTrade, file: str | os.PathLike[str], *, force: bool = False) -> None:
-    """Write the diagram of a trade to a file, SVG or PNG by its name; raises as `require_plottable`."""
-    import matplotlib as mpl
-
-    path = require_plottable(file, force=force)
-    kind = path.suffix.lower()[1:]
-    image = io.BytesIO()
-    style = mpl.rc_context({"svg.fonttype": "none", "svg.hashsalt": "inertia", "font.size": 10.0})
-    with _quiet_matplotlib(), style, warnings.catch_warnings():
-        warnings.filterwarnings("ignore", "Glyph .* missing")  # a name in a script that the font lacks
-        _figure(trade).savefig(image, format=kind, metadata={"Date": None} if kind == "svg" else None)
-    write_whole(path, image.getvalue())
-
-
-@contextmanager
-def _quiet_matplotlib() -> Iterator[None]:
-    """Let matplotlib keep to itself that it has no home for its cache, and that it looks for fonts."""
-    logger = logging.getLogger("matplotlib")
-    level = logger.level
-    logger.setLevel(logging.ERROR)
-    try:
-        yield
-    finally:
-        logger.setLevel(level)
+    """Write the diagram of a trade to a file, SVG or PNG by its name; raises as `require_plottable` does."""
+    write_figure(lambda: _figure(trade), file, force=force)
 
 
 def _figure(trade: PartTrade | SceneTrade) -> Figure:

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from inertia.arrays import Float
+from inertia.dynamics.plots.subject import ascending
 from inertia.dynamics.run import Run
 from inertia.recording import entities
 from inertia.recording.display import Display, display_of
@@ -15,7 +16,6 @@ from inertia.recording.drawing import COLORS, MOMENTUM, OMEGA, write_arrow, writ
 from inertia.recording.playback import Frames, frames_of, largest, longest_as
 from inertia.recording.screen import Screen, drift_plot, eye, finished, plot, text_view, trail
 from inertia.recording.series import (
-    ascending,
     drift_unit,
     write_angular_velocity,
     write_drift,

@@ -10,11 +10,11 @@ import numpy as np
 from inertia.arrays import Float
 from inertia.dynamics.kinematics import quaternion
 from inertia.dynamics.kinematics.polhode import polhode, separatrix
+from inertia.dynamics.plots.subject import ascending
 from inertia.dynamics.run import Run
 from inertia.recording import entities
 from inertia.recording.drawing import Color, thinned, write_arrow, write_axes, write_ellipsoid, write_lines, write_trail
 from inertia.recording.playback import Frames, largest, longest_as
-from inertia.recording.series import ascending
 from inertia.recording.writer import Recording
 
 SPHERE, ELLIPSOID = (110, 150, 220), (230, 120, 80)

@@ -12,6 +12,7 @@ import numpy as np
 
 from inertia.arrays import Float
 from inertia.dynamics.models.free.flips import polhode_period
+from inertia.dynamics.plots.subject import ascending
 from inertia.dynamics.run import Run
 from inertia.recording import entities
 from inertia.recording.display import Display, display_of
@@ -19,7 +20,6 @@ from inertia.recording.drawing import MOMENTUM, OMEGA, TRAIL, write_arrow, write
 from inertia.recording.playback import Frames, frames_of, largest
 from inertia.recording.screen import Screen, drift_plot, eye, finished, plot, text_view, trail
 from inertia.recording.series import (
-    ascending,
     drift_unit,
     write_angular_velocity,
     write_drift,

@@ -1,0 +1,160 @@
+"""Plots of runs: which suit a model, that they show what the run has, with units, and nothing on top of another."""
+
+import subprocess
+import sys
+from itertools import combinations
+
+import matplotlib as mpl
+import numpy as np
+import pytest
+from matplotlib.axes import Axes
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.figure import Figure
+from tests.dynamics.scenes import PLAIN, TOP, scene
+
+from inertia.dynamics.plots.kinds import KINDS, kinds_of
+from inertia.dynamics.run import Run
+from inertia.dynamics.scene.document import Scene
+from inertia.dynamics.simulate import simulate
+from inertia.errors import UsageError
+from inertia_meshes import path
+
+SUITABLE = {
+    "t_handle": ["polhode", "momentum sphere", "angular velocity"],
+    "feynman_plate": ["polhode", "momentum sphere", "angular velocity"],
+    "cube": ["angular velocity"],
+    "heavy_top": ["effective potential", "nutation", "angular velocity"],
+    "kovalevskaya_top": ["nutation", "angular velocity"],
+    "pendulum": ["phase portrait", "angular velocity"],
+    "tilted_disc": ["angular velocity"],
+    "rolling_disc": ["phase portrait", "nutation", "angular velocity"],
+    "manoeuvre": ["momentum sphere", "angular velocity"],
+    "cat": ["angular velocity"],
+}
+UNITS = ("rad/s", "rad", ", s", ", J", "kg m²/s")
+
+
+def run_of(name: str) -> Run:
+    return simulate(Scene.load(path(f"scenes/{name}.toml")))
+
+
+def line(axes: Axes, label: str) -> np.ndarray:
+    """Return the points (n, 2) of what the legend calls so."""
+    (one,) = [each for each in axes.lines if each.get_label() == label]
+    return np.asarray(one.get_xydata())
+
+
+@pytest.mark.parametrize("name", SUITABLE)
+def test_every_model_has_the_plots_that_suit_it_and_no_text_lies_on_another(name: str) -> None:
+    run = run_of(name)
+    assert kinds_of(run) == SUITABLE[name]
+    figure = run.plot()
+    assert len(figure.axes) == len(SUITABLE[name])
+    canvas = FigureCanvasAgg(figure)
+    canvas.draw()
+    boxes = [] if figure.get_suptitle() == "" else [figure.texts[0].get_window_extent()]
+    for axes in figure.axes:
+        texts = [axes.title, *axes.texts]
+        for axis in (axes.xaxis, axes.yaxis) if axes.axison else ():
+            low, high = sorted(axis.get_view_interval())
+            texts += [axis.label, *(tick.label1 for tick in axis.get_major_ticks() if low <= tick.get_loc() <= high)]
+        shown = [text for text in texts if text.get_text() and text.get_visible()]
+        boxes += [text.get_window_extent() for text in shown]
+        legend = axes.get_legend()
+        assert legend is not None
+        boxes += [text.get_window_extent() for text in legend.get_texts()]
+        words = " ".join(text.get_text() for text in shown)
+        assert any(unit in words for unit in UNITS)
+    for one, other in combinations([box for box in boxes if box.width and box.height], 2):
+        overlap = min(one.x1, other.x1) - max(one.x0, other.x0), min(one.y1, other.y1) - max(one.y0, other.y0)
+        assert min(overlap) < 2.0  # pixels
+    assert max(box.x1 for box in boxes) <= figure.bbox.x1 + 1
+    assert min(box.y0 for box in boxes) >= -1
+
+
+def test_the_spin_is_what_the_run_has() -> None:
+    run = simulate(scene(PLAIN, run__samples=401))
+    axes = run.plot("angular velocity").axes[0]
+    for k, label in enumerate(("ω₁", "ω₂", "ω₃")):
+        assert np.array_equal(line(axes, label), np.column_stack([run.time, run.angular_velocity[:, k]]))
+
+
+def test_samples_that_are_far_apart_are_joined_by_what_the_model_gives_between() -> None:
+    few, many = (simulate(scene(PLAIN, run__samples=count)) for count in (3, 2001))
+    drawn = line(few.plot("angular velocity").axes[0], "ω₂")
+    assert len(drawn) > 100
+    assert np.abs(np.interp(drawn[:, 0], many.time, many.angular_velocity[:, 1]) - drawn[:, 1]).max() < 1e-4
+    (dots,) = [each for each in few.at([1.0, 9.0]).plot("angular velocity").axes[0].lines if each.get_label() == "ω₂"]
+    assert (len(dots.get_xdata()), dots.get_linestyle(), dots.get_marker()) == (2, "None", ".")
+
+
+def test_many_samples_are_thinned_to_their_extent() -> None:
+    run = simulate(scene(PLAIN, run__samples=50_001))
+    drawn = line(run.plot("angular velocity").axes[0], "ω₂")
+    assert len(drawn) < 5000
+    assert drawn[:, 1].max() == run.angular_velocity[:, 1].max()
+    assert drawn[:, 1].min() == run.angular_velocity[:, 1].min()
+
+
+def test_the_state_lies_on_the_effective_potential_at_its_energy() -> None:
+    run = simulate(scene(TOP))
+    axes = run.plot("effective potential").axes[0]
+    (state,) = line(axes, "at the start")
+    curve, level = line(axes, "V(θ)"), line(axes, "energy E′")
+    assert state[0] == run.quantities["theta"][0]
+    assert state[1] == pytest.approx(np.interp(state[0], *curve.T), rel=1e-4)
+    # It starts at rest on its turning circle: all of E′ is potential.
+    assert level[:, 1] == pytest.approx(state[1], rel=1e-9)
+    assert level[:, 0] == pytest.approx(run.quantities["turning theta"])
+    i1, i3 = 2e-4 + 0.1 * 0.04**2, 1.25e-4  # V = (p_φ − p_ψ cos θ)²/(2 I₁ sin²θ) + M g h cos θ
+    spin, tilt = i3 * 150.0, 2 * np.arctan2(0.6, 0.8)
+    around = spin * np.cos(tilt)
+    theta = curve[:, 0]
+    expected = (around - spin * np.cos(theta)) ** 2 / (2 * i1 * np.sin(theta) ** 2) + 0.1 * 9.80665 * 0.04 * np.cos(
+        theta
+    )
+    np.testing.assert_allclose(curve[:, 1], expected, rtol=1e-9)
+
+
+def test_a_pendulum_has_the_separatrix_of_its_energy() -> None:
+    run = run_of("pendulum")
+    axes = run.plot("phase portrait").axes[0]
+    drawn = line(axes, "the run")
+    assert np.array_equal(drawn[:, 0], run.quantities["angle"])
+    assert "separatrix" in {each.get_label() for each in axes.lines}
+    assert axes.collections  # curves of equal energy
+
+
+def test_axes_of_any_figure_are_drawn_on_and_nothing_else_is_touched() -> None:
+    figure = Figure()
+    left, right = figure.subplots(1, 2)
+    before = dict(mpl.rcParams)
+    run = simulate(scene(PLAIN))
+    assert run.plot("polhode", left) is figure
+    assert run.plot(ax=left) is figure
+    assert left.lines
+    assert not right.lines
+    assert dict(mpl.rcParams) == before
+    script = (
+        "import sys, inertia\nfrom inertia_meshes import path\n"
+        "inertia.simulate(inertia.Scene.load(path('scenes/t_handle.toml'))).plot()\n"
+        "print('matplotlib.pyplot' in sys.modules)"
+    )
+    done = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, check=True)
+    assert done.stdout == "False\n"
+
+
+def test_a_kind_that_does_not_suit_or_is_none_is_refused_with_those_that_do() -> None:
+    run = simulate(scene(PLAIN))
+    with pytest.raises(UsageError, match="'nutation' does not suit this run: use 'polhode' or 'momentum sphere' or"):
+        run.plot("nutation")
+    with pytest.raises(UsageError, match="'polhod' is no kind of plot: did you mean 'polhode'"):
+        run.plot("polhod")
+    assert set(KINDS) == {kind for kinds in SUITABLE.values() for kind in kinds}
+
+
+def test_the_light_theme_does_not_depend_on_the_user_s() -> None:
+    with mpl.rc_context({"axes.facecolor": "black", "figure.facecolor": "black"}):
+        figure = simulate(scene(PLAIN)).plot("angular velocity")
+    assert mpl.colors.to_hex(figure.get_facecolor()) == "#ffffff"
+    assert mpl.colors.to_hex(figure.axes[0].get_facecolor()) == "#ffffff"
