@@ -54,15 +54,16 @@ class Taylor(Adaptive):
             return None
         tolerance = self.tolerance(control, level)
         scratch = np.empty((4 + 2 * units.vectors) * _ROWS * _ROW)
-        return Call(kernel, (_order(tolerance), tolerance, address(scratch)), (scratch,))
+        return Call(kernel, (order_of(tolerance), tolerance, address(scratch)), (scratch,))
 
     def stepper(self, piece: Piece, state: Float, control: float, level: int) -> Stepper:
         """Do what the kernel does, one matrix product a coefficient."""
         tolerance = self.tolerance(control, level)
-        return _Series(piece.units, state, _order(tolerance), tolerance)
+        return _Series(piece.units, state, order_of(tolerance), tolerance)
 
 
-def _order(tolerance: float) -> int:
+def order_of(tolerance: float) -> int:
+    """Return the order of the series for a tolerance."""
     return min(math.ceil(-0.7 * math.log(tolerance)) + 2, _ROWS - 3)
 
 
