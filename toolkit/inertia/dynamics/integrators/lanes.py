@@ -13,7 +13,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from inertia.arrays import Float
-from inertia.dynamics.integrators.error_control import rounding
 from inertia.dynamics.integrators.loop import EPS
 from inertia.dynamics.integrators.taylor import STEP_COST, Taylor, order_of
 from inertia.dynamics.integrators.terms import HEAD, VECTOR
@@ -137,7 +136,7 @@ def _estimate(runs: list[tuple[Float, Float]], duration: float) -> Float:
     """Return the error (m,) of the first of three runs, as `error_control.Adaptive.solve` does."""
     near, far = (quaternion.angle_between(one[0], other[0]).max(axis=1) for one, other in pairwise(runs))
     apart = np.maximum(near, np.maximum(np.minimum(far, 3.0 * near), 0.3 * far))
-    least = np.array([rounding(spin, duration) for spin in runs[0][1]])
+    least = 2.0 * EPS * (1.0 + np.linalg.norm(runs[0][1], axis=2).max(axis=1) * duration)  # as `error_control.rounding`
     error: Float = _METHOD.safety * apart + least
     return np.where(np.isfinite(error), error, np.inf)
 
@@ -192,7 +191,7 @@ def _follow(numbers: Float, time: Float, order: int, tolerance: float, rows: Flo
             reach = lengths.min(axis=1)
             while True:
                 ahead = (targets[sample[alive]] * rates[alive] - now[alive]) - slack[alive]
-                (due,) = np.nonzero(ahead <= reach)
+                (due,) = np.nonzero((ahead <= reach) & (sample[alive] < len(time)))
                 if not due.size:
                     break
                 values = np.einsum("mn,mnk->mk", ahead[due, None] ** powers, series[due, :, :7])

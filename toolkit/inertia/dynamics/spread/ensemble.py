@@ -16,6 +16,7 @@ from inertia.dynamics.simulate import simulate
 from inertia.dynamics.spread.fields import changed, value_at
 from inertia.dynamics.spread.follow import FOLLOWED, Block, Task
 from inertia.dynamics.spread.inputs import Input, Law, inputs_of, values_of
+from inertia.dynamics.spread.many import method_for
 from inertia.dynamics.spread.quantities import Reference, States, quantity, require_names
 from inertia.dynamics.spread.workers import blocks_of
 from inertia.errors import GeometryError, UsageError, require_kind
@@ -222,7 +223,7 @@ def _task(scene: Scene, inputs: tuple[Input, ...], names: tuple[str, ...], sampl
     require_names(States.of(nominal), names)
     paths = tuple(each.path for each in inputs)
     asked_for = tuple(dict.fromkeys(names or ("deviation", "tilt", "spin")))
-    return Task(nominal.scene, paths, asked_for, Reference.of(nominal), nominal.model), nominal
+    return Task(nominal.scene, paths, asked_for, Reference.of(nominal), method_for(nominal, paths, asked_for)), nominal
 
 
 def _require_memory(values: Float, task: Task) -> None:

@@ -169,11 +169,13 @@ def _body(body: SceneBody, entries: Mapping[str, Entries]) -> SceneBody:
     elif "mass" in entries:
         mass = entries["mass"][()]
     share = 1.0
-    if properties is not None and mass != body.mass:
-        assert mass is not None
+    if properties is not None:
+        assert mass is not None  # a part has one
         if not 0 < mass < np.inf:
             raise GeometryError(f"the mass is {mass:.6g} kg: it must be positive and finite")
         if not entries.keys() - {"mass", "density"}:
+            if mass == body.mass:
+                return body
             scaled = properties.with_mass(mass)
             return replace(body, inertia=scaled.inertia, mass=mass, axes=body.axes, properties=scaled)
         share = mass / (body.mass or mass)

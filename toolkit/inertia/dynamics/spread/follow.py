@@ -5,6 +5,7 @@ from __future__ import annotations
 import warnings
 from collections.abc import Iterator
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
@@ -13,6 +14,7 @@ from inertia.dynamics.run import Run
 from inertia.dynamics.scene.document import Scene
 from inertia.dynamics.simulate import simulate
 from inertia.dynamics.spread.fields import changed
+from inertia.dynamics.spread.many import Motions, follow_many
 from inertia.dynamics.spread.quantities import Reference, States, quantity
 from inertia.errors import InertiaError, reworded
 
@@ -28,14 +30,15 @@ class Task:
     ----------
     scene : the one that numbers are changed in, with the instants of the results as its samples
     paths : of the numbers; names : of the quantities
-    reference : what draws are compared with; model : what followed it
+    reference : what draws are compared with
+    method : by which draws are followed all at once (`many.method_for`); None where each is its own run
     """
 
     scene: Scene
     paths: tuple[str, ...]
     names: tuple[str, ...]
     reference: Reference
-    model: str
+    method: str | None
 
     def of(self, values: Float) -> Scene:
         """Return the scene with numbers (k,)."""
@@ -76,7 +79,7 @@ class Block:
             {},
         )
 
-    def put(self, task: Task, rows: slice, states: States) -> None:
+    def put(self, task: Task, rows: Any, states: States) -> None:
         """Enter the motion of some draws."""
         for name, values in self.quantities.items():
             values[rows] = quantity(name, states, task.reference)
@@ -90,6 +93,8 @@ class Block:
 def follow(task: Task, values: Float) -> Block:
     """Follow draws (m, k), and return what is asked of them."""
     block = Block.empty(len(values), task.scene.run.samples, task.names)
+    if task.method is not None:
+        _enter_many(block, task, follow_many(task.scene, task.paths, values, task.method, "energy" in task.names))
     for row, scene in _scenes(task, values, block):
         try:
             with warnings.catch_warnings():
@@ -107,6 +112,8 @@ def follow(task: Task, values: Float) -> Block:
 def _scenes(task: Task, values: Float, block: Block) -> Iterator[tuple[int, Scene]]:
     """Yield the scenes of the draws, but for those that make no sense."""
     for row, figures in enumerate(values):
+        if block.states[row] == FOLLOWED:
+            continue
         try:
             with warnings.catch_warnings():
                 warnings.simplefilter("error", RuntimeWarning)
@@ -117,6 +124,16 @@ def _scenes(task: Task, values: Float, block: Block) -> Iterator[tuple[int, Scen
             block.refuse(row, REFUSED, f"its figures lead beyond what float64 holds ({beyond})")
         else:
             yield row, scene
+
+
+def _enter_many(block: Block, task: Task, motions: Motions) -> None:
+    block.put(task, motions.rows, motions.states)
+    block.reached[motions.rows] = motions.reached
+    for row in motions.rows.tolist():
+        block.model[row], block.states[row] = motions.model, FOLLOWED
+    for name, instants in motions.events.items():
+        first = block.events.setdefault(name, np.full(len(block.states), np.nan))
+        first[motions.rows] = instants
 
 
 def _enter(block: Block, task: Task, row: int, run: Run) -> None:

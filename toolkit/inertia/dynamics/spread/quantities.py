@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from inertia.arrays import Float
+from inertia.arrays import Bool, Float
 from inertia.dynamics.kinematics import quaternion
 from inertia.dynamics.run import Run
 from inertia.errors import UsageError
@@ -34,6 +34,10 @@ class States:
     energy: Float
     position: Float | None = None
     further: Mapping[str, Float] = field(default_factory=dict)
+
+    def some(self, rows: Bool) -> States:
+        """Return some of the draws, without what only single runs have."""
+        return States(self.attitude[rows], self.angular_velocity[rows], self.angular_momentum[rows], self.energy[rows])
 
     @classmethod
     def of(cls, run: Run) -> States:

@@ -81,6 +81,25 @@ def flip_times(moments: ArrayLike, angular_velocity: ArrayLike, duration: float)
     return inside
 
 
+def first_flip(moments: ArrayLike, angular_velocity: ArrayLike, duration: float) -> Float:
+    """Return the first of `flip_times` (…) in s of bodies that tumble; not a number where none is within `duration`.
+
+    >>> first_flip([1, 2, 3], [[0.001, 10, 0], [1, 0, 10]], 10.0).round(6).tolist()
+    [1.835391, nan]
+    """
+    start = initial_conditions(moments, angular_velocity)
+    first = np.full(len(start.moments), np.nan)
+    rows = np.flatnonzero(tumbles(moments, angular_velocity))
+    for begin in range(0, rows.size, _BLOCK):
+        some = rows[begin : begin + _BLOCK]
+        form = asymmetric.closed_form(start.moments[some], start.angular_velocity[some])
+        half, rate, u0 = (np.reshape(each, -1) for each in (form.half_period[0], form.rate[0], form.start[0]))
+        number = np.where(rate > 0, np.floor(u0 / half) + 1.0, np.ceil(u0 / half) - 1.0)
+        instant = np.ldexp((half * number - u0) / rate, -start.exponent[some])
+        first[some] = np.where(instant <= duration, instant, np.nan)
+    return first.reshape(start.shape)
+
+
 def tumbles(moments: ArrayLike, angular_velocity: ArrayLike) -> NDArray[np.bool_]:
     """Say (…) which bodies turn over: L comes within 45° of the intermediate axis, in turn from either side.
 
