@@ -251,6 +251,15 @@ def test_drills_make_up_for_what_a_kit_leaves(rotor, case_14, capfd):
     )
 
 
+def test_the_least_residual_may_take_more_places_than_what_was_asked_for(rotor, case_14):
+    coarse = [replace(k, depth_step=2e-3, angle_step=math.radians(20)) for k in DRILLS]
+    asked, least = (
+        correct([rotor], [STEEL], on_z(), case_14[0], coarse, case_14[1], aim=aim, seconds=3) for aim in (0.75, 0.0)
+    )
+    assert len(asked.operations) < len(least.operations)
+    assert least.worst < 0.6 * asked.worst <= 0.6 * 0.75
+
+
 def test_nothing_is_done_to_a_rotor_within_its_tolerance(rotor, case_14):
     correction = correct([rotor], [STEEL], on_z(), case_14[0], DRILLS, permits(1000))
     assert (correction.operations, correction.iterations, correction.within) == ((), 0, True)

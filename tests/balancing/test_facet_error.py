@@ -1,17 +1,24 @@
 """The vector sum over facets against the true error of twenty families of turned and milled parts."""
 
+import cmath
+
 import numpy as np
 import pytest
+from tests.balancing.corrections.workpieces import round_part
 from tests.balancing.rotors import STEEL, on_z
 from tests.balancing.turned_and_milled import FAMILIES, MM, cylinder, mesh_moments, polar
 from tests.mass.parts import surface
 
 import inertia
 from inertia.balancing.axis.shaft import Shaft
+from inertia.balancing.balance import balance
+from inertia.balancing.corrections.drilling import radial_unbalance
+from inertia.balancing.corrections.milling import arc_unbalance, flat_unbalance
 from inertia.balancing.facet_error import FacetLayers
 from inertia.balancing.rotor import Rotor
 from inertia.balancing.tessellation_bound import facet_uncertainty
 from inertia.balancing.unbalance import plane_weights
+from inertia.mesh.write import write_stl
 from inertia_meshes import path
 from inertia_meshes.shapes import box, sphere
 
@@ -146,3 +153,41 @@ def write(file, corners):
     lines = [f"v {x!r} {y!r} {z!r}" for x, y, z in (1e3 * corners.reshape(-1, 3)).tolist()]
     lines += [f"f {3 * k + 1} {3 * k + 2} {3 * k + 3}" for k in range(len(corners))]
     file.write_text("\n".join(lines) + "\n")
+
+
+@pytest.mark.parametrize("work", ["drill_radial", "mill", "mill_arc"])
+@pytest.mark.parametrize("sides", [36, 120])
+def test_the_bound_covers_what_tools_take_of_the_layer_over_facets(tmp_path, work, sides):
+    """A cylinder of true radius 100 mm, in facets, with a key to correct: the tools' closed forms are the oracle."""
+    step = 2 * np.pi / sides
+    rim = 100 / np.sqrt(step / np.sin(step))  # the corners lie on the true surface
+    part = round_part((0, 0), (rim, 0), (rim, 40), (0, 40), sides=sides, unit="mm")
+    write_stl([part], tmp_path / "plate.stl", part.unit)
+    plane = {"id": "I", "z": 20, "method": work, "radius": 100, "max_depth": 20, "depth_step": 0.1}
+    plane |= {"drill_radial": {"diameters": [10]}, "mill": {"width": 12}, "mill_arc": {"width": 12, "max_depth": 2}}[
+        work
+    ]
+    fields = {
+        "body": [{"file": "plate.stl", "material": "steel"}],
+        "axis": {"bearing_a": [0, 0, 0], "bearing_b": [0, 0, 40]},
+        "service": {"rpm": 3000},
+        "tolerance": {"e_um": 5},
+        "key": [{"convention": "F", "width": 12, "height": 12, "length": 10, "floor": 70, "z": 20, "angle": 33.3}],
+        "plane": [plane],
+        "plan": {"time": 3},
+    }
+    result = balance(Rotor.from_dict(fields, folder=tmp_path))
+    (key,) = result.rotor.key_masses
+    true = cmath.rect(key.mass * key.radius, key.angle)
+    for k in result.correction.operations:
+        deep = {"mill": (0.012, k.depth), "mill_arc": (0.012, k.depth, k.arc)}.get(work)
+        size = (
+            radial_unbalance(7850, 0.1, 0.01, k.depth, k.point_angle)
+            if deep is None
+            else (flat_unbalance if work == "mill" else arc_unbalance)(7850, 0.1, *deep)
+        )
+        true -= cmath.rect(size, k.angle)
+    off = abs(true - result.residual.static)
+    stated = result.residual.bounds_of(1.0, 0.0)["tessellation"]
+    assert off <= stated
+    assert off > 0.05 * stated

@@ -12,14 +12,14 @@ from tests.balancing.corrections.workpieces import POINT, STEEL, drilled
 from inertia.balancing.correction_loop import tools_of_density
 from inertia.balancing.corrections.correction_plane import CorrectionPlane, KitWeight, Sector, evenly
 from inertia.balancing.corrections.drilling import radial_unbalance
-from inertia.balancing.corrections.search import Search
+from inertia.balancing.corrections.search import AIM, Search
 from inertia.balancing.corrections.steps import steps_of
 
 LIMIT = 1e-4  # kg m
 CLOSE = 1e-6
 
 
-def searched(planes, levers, start, seconds=60.0, limit=LIMIT):
+def searched(planes, levers, start, seconds=60.0, limit=LIMIT, aim=AIM):
     """Return the plan for a vector in each tolerance plane (kg m), and its places as (plane, tool, angle, setting)."""
     steps = [
         steps_of(number, tool, 2 * np.abs(start).max())
@@ -27,7 +27,7 @@ def searched(planes, levers, start, seconds=60.0, limit=LIMIT):
         for tool in tools_of_density(plane, STEEL)
     ]
     gains = np.array([each.tool.sign * levers[:, each.plane] for each in steps], complex) / limit
-    plan = Search(steps, gains, np.asarray(start, complex) / limit, seconds=seconds).plan()
+    plan = Search(steps, gains, np.asarray(start, complex) / limit, aim, seconds=seconds).plan()
     return plan, [(steps[k].plane, steps[k].tool, steps[k].angles[a], steps[k].settings[s]) for k, a, s in plan.spots]
 
 
@@ -113,6 +113,9 @@ class TestBruteForce:
         assert rank(plan)[:2] <= (best[0] * (1 + CLOSE), best[1])
         assert plan.worst <= max(best[2], 0.002) * (1 + CLOSE) or rank(plan)[:2] < best[:2]
         assert plan.bound <= plan.worst
+        if number % 10 == 0:
+            least, _ = searched(planes, levers, start, aim=0.0)
+            assert least.worst <= max(best[3], 0.002) * (1 + CLOSE)
 
     def best(self, options, levers, start, most, kit):
         """Return the rank of the best plan with at most so many places in a plane."""
@@ -133,8 +136,8 @@ class TestBruteForce:
         worst = left.max(axis=0)
         if (worst <= 1).any():
             fewest = number[worst <= 1].min()
-            return 1.0, fewest, worst[number == fewest].min()
-        return worst.min(), number[worst <= worst.min() * (1 + CLOSE)].min(), worst.min()
+            return 1.0, fewest, worst[number == fewest].min(), worst.min()
+        return worst.min(), number[worst <= worst.min() * (1 + CLOSE)].min(), worst.min(), worst.min()
 
     def possible(self, plan, kit):
         if len({angle for angle, _, _ in plan}) < len(plan):

@@ -33,6 +33,7 @@ from inertia.balancing.rotor_bodies import (
     read_bodies,
     unbalance_of,
 )
+from inertia.balancing.tessellation_bound import surface_cut_away
 from inertia.balancing.tolerance import Planes, Tolerance, achieved_grade, allocate
 from inertia.balancing.unbalance import Unbalance
 from inertia.balancing.verdict import Verdict, count_the_shop, judge
@@ -188,7 +189,7 @@ def balance(
     planes = _correction_planes(rotor, bodies, shaft)
     correction = _corrected(rotor, bodies, shaft, initial, together, planes, tolerance)
     tell(0.9)
-    residual = initial if correction is None else correction.residual
+    residual = initial if correction is None else _residual(correction, bodies)
     exact = None if rotor.radial_uncertainty or measured else bounds.axis(shaft.resolve(properties), shaft.span, 1.0)
     initial_verdict = _judged(initial, tolerance, axis, rigid, exact)
     verdict = initial_verdict if correction is None else _judged(residual, tolerance, axis, rigid, exact)
@@ -213,6 +214,14 @@ def balance(
         scatter=scatter,
         notes=tuple(_notes(rotor, bodies, measured is not None)),
     )
+
+
+def _residual(correction: Correction, bodies: Sequence[RotorBody]) -> Unbalance:
+    """Return what a correction leaves, with what its tools may have taken of the surface over the facets."""
+    residual = correction.residual
+    layer = max(body.density * body.chord for body in bodies)
+    more = surface_cut_away(correction.operations, layer, residual.z)
+    return residual if more is None else residual.with_uncertainties(more)
 
 
 def _binding(correction: Correction | None) -> str:
@@ -258,6 +267,7 @@ def _corrected(
         return None
     parts, densities, at = [body.part for body in bodies], [body.density for body in bodies], (shaft.z_a, shaft.z_b)
     limit, asked, best, most = _aim(initial, tolerance, at), rotor.fields.plan, None, -1.0
+    aim = 0.0 if asked.aim == "least" else asked.aim
     until = thread_time() + asked.time
     attempts = [(lower, 0.0) for lower in _LOWER]
     if any(plane.method == "mill_arc" for plane in planes):
@@ -273,19 +283,19 @@ def _corrected(
                 [_no_shallower(plane, deeper) for plane in planes],
                 limit,
                 uncut=together,
-                aim=lower * asked.aim,
+                aim=lower * aim,
                 seconds=seconds,
             )
         except (UsageError, GeometryError) as error:
             if best is not None and deeper:
                 continue
             raise placed(error, rotor.name) from None
-        within = _scatter(rotor, tried.residual, tried.operations, tolerance, at).within or 0.0
+        within = _scatter(rotor, _residual(tried, bodies), tried.operations, tolerance, at).within or 0.0
         if within > most:
             best, most = tried, within
         if not tried.operations or thread_time() > until or within >= rotor.fields.uncertainty.confidence:
             break
-        if not deeper and (not tried.within or tried.worst > lower * asked.aim):
+        if not deeper and (not tried.within or tried.worst > lower * aim):
             break
     return best
 

@@ -289,19 +289,33 @@ class UncertaintyFields(Section):
     seed: Annotated[int, integer(0, 2**31)] = 0
 
 
+def _aim(value: Any, path: str) -> float | str:
+    if value == "least":
+        return "least"
+    if isinstance(value, str):
+        raise FieldError(path, f"is {value!r}: use 'least', or a share of the tolerance below 1")
+    share: float = _SHARE(value, path)
+    return share
+
+
+_SHARE = number("", positive=True, below=1.0)
+_AIM = Reader(_aim, {"oneOf": [{"const": "least"}, _SHARE.schema]})
+
+
 @dataclass(frozen=True, eq=False)
 class PlanFields(Section):
     """The section ``[plan]``: how corrections are planned.
 
     Attributes
     ----------
-    aim : what is to be left at most, as a share of what is permissible less what is uncertain, if it can be
+    aim : what is to be left at most, as a share of what is permissible less what is uncertain, if it can be; "least"
+        for the least that the steps of the shop allow, whatever number of operations that takes
     time : how long a plan is looked for; then the best so far is taken
     """
 
     section: ClassVar[str] = "plan"
 
-    aim: Annotated[float, number("", positive=True, below=1.0)] = AIM
+    aim: Annotated[float | Literal["least"], _AIM] = AIM
     time: Annotated[float, number("s", positive=True)] = SECONDS
 
 

@@ -12,12 +12,14 @@ on cylinders and cones are summed as vectors (`inertia.balancing.facet_error`), 
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 
 import numpy as np
 
 from inertia.arrays import Bool, Float, Int
 from inertia.balancing.axis.shaft import Shaft
 from inertia.balancing.bounds import Uncertainty
+from inertia.balancing.corrections.operation import Operation
 from inertia.balancing.facet_error import FacetLayers
 from inertia.errors import UsageError
 from inertia.mesh.geometry.closure import components, merge_equal_vertices
@@ -164,3 +166,36 @@ def _cut_short(corners: Float, layer: Float, thick: Float, depth: float) -> tupl
         layer, thick = np.tile(0.5 * layer[steep], 2), np.tile(thick[steep], 2)
     short, over, each = zip(*pieces, strict=True)
     return np.concatenate(short), np.concatenate(over), np.concatenate(each)
+
+
+def surface_cut_away(operations: Sequence[Operation], layer: float, z: float) -> Uncertainty | None:
+    """Return what tools may take beside what they take of the mesh: the layer over the facets where they start.
+
+    A depth counts from the true surface, which stands out of facets that are cut by up to their sag: each tool takes so
+    much more over its footprint on the rim, at most. Holes along the shaft start in flat faces.
+
+    Parameters
+    ----------
+    operations : as cut
+    layer : kg/m², the density of a body times the sag of its facets, the largest
+    z : m, the plane that couples are about
+    """
+    modes = []
+    for work in operations:
+        if area := _footprint(work):
+            size = layer * area * work.radius
+            modes.append((complex(size), complex(size * (work.unbalance_z - z))))
+    return Uncertainty("tessellation", tuple(modes), bodies=("the surface cut",)) if modes and layer else None
+
+
+def _footprint(work: Operation) -> float:
+    """Return the area that a tool takes of the rim, m²; none along the shaft."""
+    match work.kind:
+        case "drill_radial":
+            return 0.25 * math.pi * (work.tool_diameter or 0.0) ** 2
+        case "mill_flat":
+            return 2 * work.radius * math.acos(1 - (work.depth or 0.0) / work.radius) * (work.width or 0.0)
+        case "mill_arc":
+            return 2 * (work.half_angle or 0.0) * work.radius * (work.width or 0.0)
+        case _:
+            return 0.0

@@ -43,6 +43,7 @@ _LISTED = 700_000  # plans of one plane that are listed
 _SPOTS = 700_000  # places of one plane that are listed
 _PAIRED = 300_000  # pairs that are tried at once
 _FOLLOWED = 100  # of them, the best
+_OUT_OF_REACH = 0.3  # of the time
 _MORE = 6  # places more than the bound asks for
 _LAYOUTS = 3  # of a plane that are followed up
 _WINDOW = 7  # steps of angle to each side of a place, in pairs
@@ -79,7 +80,7 @@ class Search:
     steps : of all planes
     gains : (k, t) what a unit vector of each of the steps does in the tolerance planes, over their limits
     start : (t,) what is there, over the limits
-    aim : what is to be left at most, as a share of the limits, if it can be
+    aim : what is to be left at most, as a share of the limits, if it can be; 0 for the least that the steps allow
     seconds : how long it may take
     """
 
@@ -121,7 +122,9 @@ class Search:
                         break
             return result
 
-        for goal in dict.fromkeys((self.aim, 1.0)):
+        if lowest > 1:  # what is out of reach takes no more than a share of the time
+            self.seconds *= _OUT_OF_REACH
+        for goal in dict.fromkeys((self.aim, 1.0)) if self.aim else ():
             if lowest <= goal < best.worst:
                 first = self._first(most, reach, gains, goal)
                 fewest = first if goal == 1.0 or not fewest else fewest
@@ -131,11 +134,13 @@ class Search:
                         break
             if best.worst <= goal or self._late():
                 break
-        if best.worst > 1:
-            # Out of reach, any number of places may leave the least; first those from where more of them add nothing.
+        if best.worst > 1 or self.aim == 0:
+            # Any number of places may leave the least; first those from where more of them add nothing.
             first = self._first(most, reach, gains, max(1.0, lowest * (1 + _NEARLY)))
             last = min(sum(most), first + _MORE)
             for number in (*range(first, last + 1), *range(first - 1, 0, -1)):
+                if best.worst <= max(_FINE, lowest * (1 + _TIE)):
+                    break
                 best = attempt(number, best.worst, best.worst)
         bound = lowest
         if best.worst <= 1:
@@ -156,9 +161,9 @@ class Search:
 
     def rank(self, number: int, worst: float) -> tuple[int, float, float]:
         """Return what plans are ordered by: as good as asked for, or within the limits, with the fewest places."""
-        if worst <= max(self.aim, 1.0) * (1 + _GAIN):
+        if self.aim and worst <= max(self.aim, 1.0) * (1 + _GAIN):
             return int(worst > self.aim * (1 + _GAIN)), number, worst
-        return 2, round(math.log(worst) / _TIE), number
+        return 2, round(math.log(max(worst, _FINE if self.aim == 0 else _GAIN)) / _TIE), number
 
     def _binds(self, plane: int, gains: Complex, reach: Sequence[Float], lowest: float) -> bool:
         if lowest <= 1:

@@ -90,7 +90,7 @@ def _plan(correction: Correction | None) -> str:
     if correction.fewest:
         plan += ", the fewest there can be" if correction.fewest >= number else f", {correction.fewest} at least"
     plan += f"; {100 * correction.worst:.3g} % of the limit aimed at is left, and the bound for so many places is "
-    plan += f"{100 * correction.bound:.3g} %"
+    plan += f"{100 * correction.bound:.3g} %: a gap of {100 * (correction.worst - correction.bound):.3g} %"
     return plan + ("; the time was up before all was tried" if correction.cut_short else "")
 
 
