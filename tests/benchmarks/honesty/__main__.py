@@ -8,7 +8,6 @@ import os
 import platform
 import sys
 import time
-from collections import Counter
 from collections.abc import Iterator
 from datetime import UTC, datetime
 from importlib.metadata import version
@@ -22,14 +21,23 @@ from inertia.work_precision.machine import this_machine
 
 from ..measure import ROOT
 from .judge import Verdict, judge, reproduction
-from .page import COMMAND, page, summary
-from .quad import MOST_STEPS
+from .page import COMMAND, FAULTY, OUTCOMES, page, summary
 from .scenes import KINDS, case
 
 CASES = 11_000
-SHARES = {"functions": 0.2, "deforming": 0.6, "stiff": 0.4}
+SHARES = {
+    "upright": 0.8,
+    "nearly_heavy": 0.6,
+    "hinged": 0.6,
+    "inverted": 0.5,
+    "rolling": 0.5,
+    "deforming": 0.4,
+    "methods": 0.6,
+    "stiff": 0.25,
+    "functions": 0.25,
+    "orbiting": 0.25,
+}
 """Of the cases that a kind has on average; 1 without, but more where others have less."""
-FAULTY = "exceeded", "misadvised", "fault"
 TOGETHER = 25
 PACKAGES = ["inertia", "numpy", "scipy", "heyoka", "mpmath"]
 
@@ -55,17 +63,16 @@ def main(arguments: list[str]) -> int:
             for each in some:
                 if each.outcome in FAULTY:
                     print(_line(each), flush=True)
-    figures = summary(verdicts)
+    figures = {kind: summary([each for each in verdicts if each.kind == kind]) for kind in options.only}
     for kind, row in figures.items():
-        print(kind, row)
-    judged = [each.ratio for each in verdicts if each.outcome in ("held", "exceeded")]
-    document = _document(options.seed, verdicts, float(np.median(judged)) if judged else 0.0, figures)
-    wall = time.time() - begin
-    print(f"median claim ÷ error {document['median']:.1f}; {document['seconds']:.0f} s of CPU, {wall:.0f} s")
+        middle = f"{np.median(row['ratios']):.1f}" if row["ratios"] else "–"
+        counts = ", ".join(f"{row[name]} {name}" for name in OUTCOMES if row[name])
+        print(f"{kind}: {counts}; claim ÷ error {middle}; {row['seconds']} + {row['seconds of the truth']} s")
+    print(f"{len(verdicts):,} cases in {time.time() - begin:.0f} s")
     if options.out:
         options.out.write_text(json.dumps([vars(each) for each in verdicts], indent=1), encoding="utf-8")
     if options.write:
-        _write(document, verdicts)
+        _write(ROOT / "docs", options.seed, figures)
     return int(any(each.outcome in FAULTY for each in verdicts))
 
 
@@ -117,39 +124,28 @@ def _line(each: Verdict) -> str:
     return " ".join(filter(None, [*words, until, each.sentence, *each.warnings]))
 
 
-def _document(seed: int, verdicts: list[Verdict], median: float, figures: dict[str, Any]) -> dict[str, Any]:
-    machine = this_machine()
-    return {
-        "command": " ".join([COMMAND, *sys.argv[1:]]),
+def _write(docs: Path, seed: int, figures: dict[str, Any]) -> None:
+    """Write page and figures; those of kinds that did not run now stay."""
+    file, machine = docs / "honesty.json", this_machine()
+    before = json.loads(file.read_text(encoding="utf-8"))["kinds"] if file.exists() else {}
+    document = {
         "seed": seed,
         "date": datetime.now(UTC).date().isoformat(),
         "machine": {"cpu": machine.cpu, "cores": os.cpu_count(), "system": f"{platform.system()} {platform.machine()}"},
         "versions": {"Python": platform.python_version()} | {name: version(name) for name in PACKAGES},
-        "seconds": round(sum(each.seconds + each.truth_seconds for each in verdicts)),
-        "most steps": MOST_STEPS,
-        "median": median,
-        "outcomes": dict(Counter(each.outcome for each in verdicts)),
-        "kinds": figures,
+        "kinds": {kind: (before | figures)[kind] for kind in KINDS if kind in before | figures},
     }
+    file.write_text(_as_json(document) + "\n", encoding="utf-8")
+    (docs / "honesty.md").write_text(page(document), encoding="utf-8")
 
 
-def _write(document: dict[str, Any], verdicts: list[Verdict]) -> None:
-    """Write page and figures; of refused cases their sentences, of those that are faulty their scenes."""
-    rows = [
-        {name: value for name, value in vars(each).items() if value == value and value not in ("", ())}
-        | (
-            {"scene": reproduction(case(each.kind, each.seed, each.number))}
-            if each.outcome not in ("refused", "held")
-            else {}
-        )
-        for each in verdicts
-        if each.outcome != "held" or each.sentence
-    ]
-    lines = ",\n".join(f"  {json.dumps(row, ensure_ascii=False)}" for row in rows)
-    head = json.dumps(document, indent=1, ensure_ascii=False)[:-2]
-    docs = ROOT / "docs"
-    (docs / "honesty.json").write_text(f'{head},\n "cases": [\n{lines}\n ]\n}}\n', encoding="utf-8")
-    (docs / "honesty.md").write_text(page(document, verdicts), encoding="utf-8")
+def _as_json(value: Any, depth: int = 3, indent: str = "") -> str:
+    """Write a line for each entry of the first `depth` levels of dictionaries."""
+    if not isinstance(value, dict) or not value or not depth:
+        return json.dumps(value, ensure_ascii=False)
+    inner = indent + " "
+    entries = (f"{inner}{json.dumps(key)}: {_as_json(item, depth - 1, inner)}" for key, item in value.items())
+    return "{\n" + ",\n".join(entries) + f"\n{indent}}}"
 
 
 if __name__ == "__main__":

@@ -16,7 +16,7 @@ import mpmath
 import numpy as np
 
 Quad = heyoka.real128
-TOLERANCES = "1e-33", "1e-28"
+TOLERANCES = "1e-31", "1e-27"
 MOST_STEPS = 4000
 DIGITS = 50
 

@@ -98,7 +98,7 @@ def _follow(scene: Table, body: Body, times: np.ndarray, function: Table) -> Tru
     loads = _Loads(scene.get("load", []), function, body, axes, [*(axes.T * mp.matrix(arm))])
     end = mpf(float(times[-1]))
     pace = mpf(2) ** mp.ceil(mp.log(loads.pace(moments, omega, end), 2))
-    state = [*(x / pace for x in omega), *start]
+    state = [*(x / pace for x in omega), *start, *loads.orbit(pace)]
     cuts = loads.cuts(end)
     spans = [Span(t * pace, loads.parameters(moments, pace, t0, t)) for t0, t in pairwise(cuts)]
     answer = flow(loads.kinds).follow(state, spans, np.asarray(times).astype(Quad) * quad(pace))
@@ -202,6 +202,14 @@ def _equations(kinds: tuple[str, ...], par: Any) -> list[tuple[Any, Any]]:
     if "gradient" in kinds:
         g = expressed_in_body(q, [par[at()] for _ in range(3)])
         rate = [r + par[at()] * (g[k - 2] * g[k - 1]) for k, r in enumerate(rate)]
+    orbit = []
+    if "orbit" in kinds:
+        place, speed = heyoka.make_vars("px", "py", "pz"), heyoka.make_vars("vx", "vy", "vz")
+        square = place[0] * place[0] + place[1] * place[1] + place[2] * place[2]
+        pull = par[at()] * square**-1.5
+        g = expressed_in_body(q, place)
+        rate = [r + par[at()] * pull / square * (g[k - 2] * g[k - 1]) for k, r in enumerate(rate)]
+        orbit = [*zip(place, speed, strict=True), *((v, -pull * x) for v, x in zip(speed, place, strict=True))]
     if "space" in kinds:
         values, slopes = ([par[at()] for _ in range(3)] for _ in range(2))
         n = expressed_in_body(q, [v + s * t for v, s in zip(values, slopes, strict=True)])
@@ -218,7 +226,7 @@ def _equations(kinds: tuple[str, ...], par: Any) -> list[tuple[Any, Any]]:
         rate = [r - par[at()] * speed * o for r, o in zip(rate, w, strict=True)]
     if "servo" in kinds:
         rate = [r - par[at()] * x * q[3] for r, x in zip(rate, q[:3], strict=True)]
-    return [*zip(w, rate, strict=True), *attitude_rates(q, turn)]
+    return [*zip(w, rate, strict=True), *attitude_rates(q, turn), *orbit]
 
 
 def attitude_rates(q: Sequence[Any], turn: Sequence[Any]) -> list[tuple[Any, Any]]:
@@ -257,6 +265,7 @@ class _Loads:
         self.function, self.first_moment = function, [mpf(0) if body.mass is None else body.mass * x for x in arm]
         self.gravity, self.damping, self.kappa = [mpf(0)] * 3, mpf(0), mpf(0)
         self.gradient: tuple[Any, Vector] = mpf(0), [mpf(0)] * 3
+        self.kepler: tuple[Any, Vector, Vector] | None = None  # μ, place, velocity
         self.tables: list[tuple[bool, list[tuple[Any, Vector]]]] = []  # in space?, rows of time and torque
         kinds = {name for name in ("sine", "gauss", "drag", "servo") if name in function}
 
@@ -279,6 +288,9 @@ class _Loads:
                 size = mp.norm(place)
                 self.gradient = 3 * mpf(load["mu"]) / size**3, [x / size for x in place]
                 kinds.add("gradient")
+            elif load["kind"] == "orbit":
+                self.kepler = kepler(load)
+                kinds.add("orbit")
             else:
                 frame = load.get("frame", "part")
                 rows = load["table"] if "table" in load else [[0.0, *load["torque"]]]
@@ -303,7 +315,17 @@ class _Loads:
         sizes += [mp.norm(v) for v in self.along.values()]
         sizes += [mp.norm(self.gravity) * mp.norm(self.first_moment), self.gradient[0] * max(moments)]
         sizes += [sum(map(mpf, self.function.get("servo", {}).get("gains", [])))]
+        if self.kepler is not None:
+            sizes.append(self.kepler[0] / mp.norm(self.kepler[1]) ** 3 * least)
         return max([mp.norm(omega), self.damping / least, 1 / end, *(mp.sqrt(s / least) for s in sizes)])
+
+    def orbit(self, pace: Any) -> Vector:
+        """Return place and velocity on the orbit, in units of the place at the start."""
+        if self.kepler is None:
+            return []
+        _, place, speed = self.kepler
+        size = mp.norm(place)
+        return [*(x / size for x in place), *(v / size / pace for v in speed)]
 
     def cuts(self, end: Any) -> Vector:
         """Return the instants, 0 and `end` among them, between which every table is a line."""
@@ -336,6 +358,9 @@ class _Loads:
             out += place
             for k in range(3):
                 out += [strength * (moments[(k + 2) % 3] - moments[(k + 1) % 3]) * inverse[k] / square]
+        if self.kepler is not None:
+            out.append(self.kepler[0] / mp.norm(self.kepler[1]) ** 3 / square)
+            out += [3 * (moments[(k + 2) % 3] - moments[(k + 1) % 3]) * inverse[k] for k in range(3)]
         if "space" in self.kinds:
             out += [*spatial[0], *(x / pace for x in spatial[1]), *(i / square for i in inverse)]
         if "sine" in self.kinds:
@@ -365,6 +390,29 @@ class _Loads:
             slope = [a + b for a, b in zip(slope, rise, strict=True)]
             value = [v + a - b * t for v, a, b in zip(value, here, rise, strict=True)]
         return value, slope
+
+
+def kepler(load: Table) -> tuple[Any, Vector, Vector]:
+    """Return μ, place and velocity at t = 0 of an orbit of elements, or as they are."""
+    mu = mpf(load["mu"])
+    if "position" in load:
+        return mu, vector(load["position"]), vector(load["velocity"])
+    names = ("eccentricity", "inclination", "node", "argument", "anomaly")
+    e, inclination, node, argument, anomaly = (mpf(load.get(name, 0.0)) for name in names)
+    parameter = mpf(load["semi_major_axis"]) * (1 - e * e)
+    angle, distance, pace = argument + anomaly, parameter / (1 + e * mp.cos(anomaly)), mp.sqrt(mu / parameter)
+    along = [mp.cos(node), mp.sin(node), mpf(0)]
+    across = [-mp.sin(node) * mp.cos(inclination), mp.cos(node) * mp.cos(inclination), mp.sin(inclination)]
+
+    def turned(x: Any, y: Any) -> Vector:
+        return [x * a + y * b for a, b in zip(along, across, strict=True)]
+
+    place = turned(distance * mp.cos(angle), distance * mp.sin(angle))
+    return (
+        mu,
+        place,
+        turned(-pace * (mp.sin(angle) + e * mp.sin(argument)), pace * (mp.cos(angle) + e * mp.cos(argument))),
+    )
 
 
 def steiner(body: Body, arm: Vector) -> Any:

@@ -428,6 +428,29 @@ def gradient(random: Random) -> Table:
     return made
 
 
+def orbiting(random: Random) -> Table:
+    """Return a body that goes round a primary, in libration, spinning, or past a near periapsis."""
+    body, moments, columns = _body(random)
+    size = _power(random, 6, 8)
+    mu = 3.986004418e14 * (1.0 if random.random() < 0.7 else _power(random, -3, 3))
+    motion = float(np.sqrt(mu / size**3))
+    load: Table = {"kind": "orbit", "mu": mu}
+    eccentricity = 0.0 if random.random() < 0.3 else random.uniform(0, 0.9)
+    if random.random() < 0.4:
+        place = size * _direction(random)
+        velocity = np.cross(_direction(random), place)
+        velocity *= np.sqrt(mu / size) * random.uniform(0.5, 1.2) / np.linalg.norm(velocity)
+        load |= {"position": place.tolist(), "velocity": velocity.tolist()}
+    else:
+        angles = random.uniform(-3, 3, 4) * (random.random(4) < 0.8)
+        load |= {"semi_major_axis": size, "eccentricity": eccentricity}
+        load |= dict(zip(("inclination", "node", "argument", "anomaly"), angles.tolist(), strict=True))
+    rate = motion * _power(random, -1, 1)
+    start = _start(random, body, moments, columns, rate)
+    run = _run(random, max(rate, motion), _turned(random, 15.0))
+    return {"scene": {"body": body, "start": start, "load": [load], "run": run}}
+
+
 def functions(random: Random) -> Table:
     """Return a body that a Python function turns: a wave, a bell, a pulse, drag, a spring to space."""
     moments = np.array([1.0, 2.0, 2.5]) * random.uniform(0.9, 1.08, 3) * _scale(random)
@@ -848,6 +871,7 @@ KINDS: dict[str, Callable[[Random], Table]] = {
     "axial": axial,
     "dissipation": dissipation,
     "gradient": gradient,
+    "orbiting": orbiting,
     "functions": functions,
     "hinged": hinged,
     "inverted": inverted,
