@@ -10,6 +10,7 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from inertia.batching.columns import STATES
+from inertia.batching.lot import Lot
 from inertia.errors import visible
 from inertia.report.numerals import row as line
 
@@ -32,6 +33,7 @@ class Summary:
     refusals : how many rows have each sentence without its figures, and the first of these files
     assumed_units : rows whose unit was assumed
     slowest : (s, file)
+    lot : of `balance`, the rotors together
     """
 
     verb: str
@@ -42,6 +44,7 @@ class Summary:
     refusals: dict[str, tuple[int, str]] = field(default_factory=dict)
     assumed_units: int = 0
     slowest: list[tuple[float, str]] = field(default_factory=list)
+    lot: Lot = field(default_factory=Lot)
 
     @property
     def rows(self) -> int:
@@ -63,6 +66,8 @@ class Summary:
             kind = _kind(row)
             number, first = self.refusals.get(kind, (0, row["path"]))
             self.refusals[kind] = number + 1, first
+        if self.verb == "balance":
+            self.lot.count(row)
         if row["seconds"] is not None and not stored:
             heapq.heappush(self.slowest, (row["seconds"], row["path"]))
             if len(self.slowest) > _LISTED:
@@ -80,6 +85,7 @@ class Summary:
             "refusals": [{"count": n, "message": kind, "first": path} for kind, n, path in self._commonest()],
             "assumed_units": self.assumed_units,
             "slowest": [{"seconds": seconds, "path": path} for seconds, path in self._slowest()],
+            **({"lot": self.lot.document()} if self.verb == "balance" else {}),
         }
 
     def text(self) -> str:
@@ -96,7 +102,7 @@ class Summary:
             line("Slowest" if number == 0 else "", f"{seconds:.3g} s  {path}")
             for number, (seconds, path) in enumerate(self._slowest())
         ]
-        return "\n".join(lines)
+        return "\n".join([*lines, *self.lot.text()])
 
     def _commonest(self) -> Iterator[tuple[str, int, str]]:
         entries = sorted(self.refusals.items(), key=lambda entry: (-entry[1][0], entry[0]))
