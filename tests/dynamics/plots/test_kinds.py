@@ -28,6 +28,7 @@ SUITABLE = {
     "pendulum": ["phase portrait", "angular velocity"],
     "tilted_disc": ["angular velocity"],
     "rolling_disc": ["phase portrait", "nutation", "angular velocity"],
+    "tippe_top": ["nutation", "angular velocity"],
     "manoeuvre": ["momentum sphere", "angular velocity"],
     "cat": ["angular velocity"],
 }
@@ -123,6 +124,13 @@ def test_a_pendulum_has_the_separatrix_of_its_energy() -> None:
     assert np.array_equal(drawn[:, 0], run.quantities["angle"])
     assert "separatrix" in {each.get_label() for each in axes.lines}
     assert axes.collections  # curves of equal energy
+
+
+def test_a_tippe_top_is_seen_to_turn_over() -> None:
+    title = run_of("tippe_top").plot("nutation").axes[0].get_title()
+    low, high = (float(word) for word in title.split("tilt ")[1].split(" rad")[0].split(" … "))
+    assert low < 0.2
+    assert high > 3.0
 
 
 def test_axes_of_any_figure_are_drawn_on_and_nothing_else_is_touched() -> None:

@@ -81,7 +81,7 @@ def _style(coarse: bool, count: int, width: float) -> dict[str, Any]:
     """Return how samples are drawn: as a line, thinner where it winds a lot, or as dots where they are far apart."""
     if coarse:
         return {"linestyle": "none", "marker": ".", "markersize": 4 if count < 1000 else 1.5}
-    return {"linewidth": width if count < _MOST else 0.5 * width}
+    return {"linewidth": width if count < 3 * _MOST else 0.5 * width}
 
 
 def _line(axes: Axes, x: Float, y: Float, coarse: bool, **how: Any) -> None:
@@ -246,13 +246,21 @@ def _effective_potential(axes: Axes, run: Subject) -> None:
     _legend_below(axes)
 
 
+def _axis_and_vertical(run: Subject) -> tuple[Float, Float]:
+    """Return the axis (3,) that nutation is of, part axes, and what it nods about (3,), space axes."""
+    problem = run.plan.problem
+    scene = problem.scene
+    if problem.rolls:
+        return run.plan.axes[:, 2], np.array([0.0, 0.0, 1.0])
+    if problem.slides:
+        arm = scene.constraint.fixed_point - scene.body.center_of_mass
+        return arm / np.linalg.norm(arm), np.asarray(scene.constraint.plane)
+    return problem.axes @ problem.arm / np.linalg.norm(problem.arm), -scene.gravity / np.linalg.norm(scene.gravity)
+
+
 def _nutation(axes: Axes, run: Subject) -> None:
     problem = run.plan.problem
-    if problem.rolls:
-        axis, up = run.plan.axes[:, 2], np.array([0.0, 0.0, 1.0])
-    else:
-        axis = problem.axes @ problem.arm / np.linalg.norm(problem.arm)
-        up = -problem.scene.gravity / np.linalg.norm(problem.scene.gravity)
+    axis, up = _axis_and_vertical(run)
     path = quaternion.to_space(run.attitude, np.broadcast_to(axis, (len(run.time), 3)))
     side = path.mean(axis=0) - (path.mean(axis=0) @ up) * up
     if np.linalg.norm(side) < 1e-3:
@@ -383,6 +391,9 @@ def _has_momentum_sphere(run: Subject) -> bool:
 
 def _has_axis(run: Subject) -> bool:
     problem = run.plan.problem
+    scene = problem.scene
+    if problem.slides:
+        return bool(np.any(scene.constraint.fixed_point - scene.body.center_of_mass))
     return problem.rolls or (problem.rigid and problem.weight > 0)
 
 
