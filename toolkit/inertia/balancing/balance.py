@@ -22,8 +22,9 @@ from inertia.balancing.correction_loop import Correction, correct
 from inertia.balancing.corrections.correction_plane import CorrectionPlane
 from inertia.balancing.corrections.operation import Operation
 from inertia.balancing.forces import RigidLimit, axle_torque, bearing_forces, rigid_limit
-from inertia.balancing.monte_carlo import Scatter, monte_carlo
+from inertia.balancing.monte_carlo import Scatter, Term, monte_carlo
 from inertia.balancing.monte_carlo_terms import operation_terms, rotor_terms
+from inertia.balancing.mounting import mounting_terms
 from inertia.balancing.rotor import Rotor
 from inertia.balancing.rotor_bodies import (
     RotorBody,
@@ -187,7 +188,9 @@ def balance(
     critical = rotor.fields.service.critical_rpm
     rigid = None if critical is None else rigid_limit(rotor.fields.service.rpm, critical)
     planes = _correction_planes(rotor, bodies, shaft)
-    correction = _corrected(rotor, bodies, shaft, initial, together, planes, tolerance)
+    # A rotor that was measured has been assembled.
+    mounted = () if measured else mounting_terms(rotor, bodies, shaft, at)
+    correction = _corrected(rotor, bodies, shaft, initial, together, planes, tolerance, mounted)
     tell(0.9)
     residual = initial if correction is None else _residual(correction, bodies)
     exact = None if rotor.radial_uncertainty or measured else bounds.axis(shaft.resolve(properties), shaft.span, 1.0)
@@ -195,7 +198,7 @@ def balance(
     verdict = initial_verdict if correction is None else _judged(residual, tolerance, axis, rigid, exact)
     if verdict.outcome == "fail":
         verdict = replace(verdict, why=(*verdict.why, _binding(correction)))
-    scatter = _scatter(rotor, residual, () if correction is None else correction.operations, tolerance, at)
+    scatter = _scatter(rotor, residual, () if correction is None else correction.operations, tolerance, at, mounted)
     return Balance(
         rotor=rotor,
         bodies=bodies,
@@ -261,6 +264,7 @@ def _corrected(
     together: Unbalance,
     planes: Sequence[CorrectionPlane],
     tolerance: Tolerance,
+    mounted: Sequence[Term],
 ) -> Correction | None:
     """Return the correction with the fewest operations for which enough parts are within tolerance as made."""
     if not planes:
@@ -290,7 +294,7 @@ def _corrected(
             if best is not None and deeper:
                 continue
             raise placed(error, rotor.name) from None
-        within = _scatter(rotor, _residual(tried, bodies), tried.operations, tolerance, at).within or 0.0
+        within = _scatter(rotor, _residual(tried, bodies), tried.operations, tolerance, at, mounted).within or 0.0
         if within > most:
             best, most = tried, within
         if not tried.operations or thread_time() > until or within >= rotor.fields.uncertainty.confidence:
@@ -311,12 +315,17 @@ def _no_shallower(plane: CorrectionPlane, share: float) -> CorrectionPlane:
 
 
 def _scatter(
-    rotor: Rotor, residual: Unbalance, operations: Sequence[Operation], tolerance: Tolerance, at: Planes
+    rotor: Rotor,
+    residual: Unbalance,
+    operations: Sequence[Operation],
+    tolerance: Tolerance,
+    at: Planes,
+    mounted: Sequence[Term],
 ) -> Scatter:
     settings = rotor.fields.uncertainty
     return monte_carlo(
         residual.in_many_planes(at),
-        rotor_terms(residual, at) + operation_terms(operations, residual, at, rotor.shop),
+        (*rotor_terms(residual, at), *mounted, *operation_terms(operations, residual, at, rotor.shop)),
         permissible=tolerance.permissible,
         confidence=settings.confidence,
         draws=settings.draws,

@@ -150,6 +150,15 @@ class Rotor(Document):
             spreads[name] = Spread(scale * value.common, scale * value.separate)
         return ShopTolerance(**spreads)
 
+    def mounting(self, number: int) -> dict[str, Spread]:
+        """Return how far a body may be off as mounted: its eccentricity, m, and its tilt, rad; both are radii."""
+        body, spreads = self.fields.body[number], {}
+        for name, scale in (("eccentricity", self._metres), ("tilt", math.radians(1.0))):
+            value = getattr(body, name) or HalfWidths()
+            value = value if isinstance(value, HalfWidths) else HalfWidths(separate=value)
+            spreads[name] = Spread(scale * value.common, scale * value.separate)
+        return spreads
+
     def tolerance(self, rotor: Unbalance, planes: Planes) -> Tolerance:
         """Return what is permissible in the tolerance planes (A, B) m, for a rotor of this mass and centre of mass."""
         fields, rpm = self.fields.tolerance, self.fields.service.rpm

@@ -65,6 +65,35 @@ material = Reader(_material, text.schema)
 
 
 @dataclass(frozen=True, eq=False)
+class HalfWidths(Section):
+    """A half-width in two parts.
+
+    Attributes
+    ----------
+    common : drawn once for all that has it in common
+    separate : drawn for each operation by itself
+    """
+
+    section: ClassVar[str] = "half-width"
+
+    common: Annotated[float, number("the same unit", negative=False)] = 0.0
+    separate: Annotated[float, number("the same unit", negative=False)] = 0.0
+
+
+def _half_width(unit: str, **limits: Any) -> Reader:
+    """Read a half-width: a number, or a table of its common and separate parts."""
+    single = number(unit, negative=False, **limits)
+
+    def read(value: Any, path: str) -> float | HalfWidths:
+        if isinstance(value, Mapping | HalfWidths):
+            return section_of(HalfWidths, value, path=path) if isinstance(value, Mapping) else value
+        width: float = single(value, path)
+        return width
+
+    return Reader(read, {"oneOf": [single.schema, schema_of(HalfWidths)]})
+
+
+@dataclass(frozen=True, eq=False)
 class BodyFields(Section):
     """One of ``[[body]]``: a closed mesh and how heavy it is.
 
@@ -80,6 +109,9 @@ class BodyFields(Section):
     sigma : standard deviation of the noise of every coordinate of the mesh
     chord_tolerance : how far the true surface may be from the mesh, where that is more than its facets show; what they
         show counts without it
+    eccentricity : how far off the shaft the body may sit once it is mounted, a radius; a number, or {common, separate};
+        a number is separate
+    tilt : the same in degrees, how far it may lean about its centre of mass
     """
 
     section: ClassVar[str] = "body"
@@ -93,6 +125,8 @@ class BodyFields(Section):
     mass: Annotated[float | None, estimate("kg")] = None
     sigma: Annotated[float | None, number(_LENGTH, positive=True)] = None
     chord_tolerance: Annotated[float | None, number(_LENGTH, negative=False)] = None
+    eccentricity: Annotated[float | HalfWidths | None, _half_width(_LENGTH)] = None
+    tilt: Annotated[float | HalfWidths | None, _half_width("degrees", below=10.0)] = None
 
     def require_sense(self, path: str) -> None:
         """Raise `FieldError` where it is said twice how heavy the body is."""
@@ -225,35 +259,6 @@ class ToleranceFields(Section):
                 raise FieldError(f"{path}.{each}", f"is missing: {name} goes by {example}")
             if not wanted and not others and getattr(self, each) is not None:
                 raise FieldError(f"{path}.{each}", f"goes with no {name}, which has limits of its own: leave it out")
-
-
-@dataclass(frozen=True, eq=False)
-class HalfWidths(Section):
-    """A half-width in two parts.
-
-    Attributes
-    ----------
-    common : drawn once for all that has it in common
-    separate : drawn for each operation by itself
-    """
-
-    section: ClassVar[str] = "half-width"
-
-    common: Annotated[float, number("the same unit", negative=False)] = 0.0
-    separate: Annotated[float, number("the same unit", negative=False)] = 0.0
-
-
-def _half_width(unit: str, **limits: Any) -> Reader:
-    """Read a half-width: a number, or a table of its common and separate parts."""
-    single = number(unit, negative=False, **limits)
-
-    def read(value: Any, path: str) -> float | HalfWidths:
-        if isinstance(value, Mapping | HalfWidths):
-            return section_of(HalfWidths, value, path=path) if isinstance(value, Mapping) else value
-        width: float = single(value, path)
-        return width
-
-    return Reader(read, {"oneOf": [single.schema, schema_of(HalfWidths)]})
 
 
 @dataclass(frozen=True, eq=False)
