@@ -36,6 +36,8 @@ SHARES = {
     "stiff": 0.25,
     "functions": 0.25,
     "orbiting": 0.25,
+    "sliding": 0.25,
+    "idle": 0.4,
 }
 """Of the cases that a kind has on average; 1 without, but more where others have less."""
 TOGETHER = 25

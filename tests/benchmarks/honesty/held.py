@@ -1,4 +1,4 @@
-"""The true motion of bodies on an axle and of bodies that roll on their rim, in quadruple precision.
+"""The true motion of bodies on an axle, that roll on their rim, and of balls that slide, in quadruple precision.
 
 On an axle, with a the axle and r from it to the centre of mass, turned by θ,
 
@@ -9,7 +9,12 @@ A rolling body touches the plane at ρ from its centre of mass, along body axes 
 
     (I + M (ρ² − ρρᵀ)) ω̇ = −ω × I ω + M ρ × (ρ̇ × ω + ω × (ρ × ω) + g k),
 
-for any tensor I: a body that is not quite one of revolution rolls too.
+for any tensor I: a body that is not quite one of revolution rolls too. A ball of radius R that slides touches it at
+a = b − R k, b leading to the ball's centre; with u = v + ω × a and F = N (k − μ u/√(u² + u₀²)),
+
+    m v̇ = F + m g,    I ω̇ = I ω × ω + a × F,
+
+all along the principal axes, and N from k · d/dt (v + ω × b) = 0.
 """
 
 from __future__ import annotations
@@ -147,3 +152,62 @@ def _rim() -> Flow:
         return [*zip(w, rate, strict=True), *rigid.attitude_rates(q, w)]
 
     return Flow(equations)
+
+
+def slide(scene: Table, body: Body, times: np.ndarray) -> Truth:
+    """Return the true motion of a ball that slides on the plane z = 0."""
+    with mpmath.workdps(DIGITS):
+        held = scene["constraint"]
+        moments, axes = rigid.principal(body.inertia)
+        start = unit(vector(scene["start"].get("attitude", (0, 0, 0, 1))))
+        turn = rigid.quaternion_of(axes)
+        attitude = product(start, turn)
+        omega = axes.T * in_part(
+            scene["start"]["angular_velocity"], scene["start"].get("frame", "principal"), body, start
+        )
+        radius, slip = mpf(held["radius"]), mpf(held.get("slip_speed", 0.01))
+        center = [p - c for p, c in zip(vector(held.get("point", (0, 0, 0))), body.center, strict=True)]
+        arm = [x / radius for x in axes.T * mp.matrix(center)]
+        gravity = [mpf(0)] * 3
+        for load in scene["load"]:
+            each = vector(load.get("acceleration", (0, 0, -9.80665)))
+            gravity = [x + y for x, y in zip(gravity, each, strict=True)]
+        pace = max(mp.norm(omega), mp.sqrt(mp.norm(gravity) / radius))
+        pace = mpf(2) ** mp.ceil(mp.log(pace, 2))
+        spin, up = [x / pace for x in omega], to_body(attitude, [mpf(0), mpf(0), mpf(1)])
+        speed = [x / radius / pace for x in vector(scene["start"].get("velocity", (0, 0, 0)))]
+        speed[2] = -sum(x * y for x, y in zip(up, cross(spin, arm), strict=True))
+        figures = [i / body.mass / radius**2 for i in moments] + arm
+        figures += [x / radius / pace**2 for x in gravity] + [mpf(held["friction"]), slip / radius / pace]
+        state = [*spin, *attitude, *to_body(attitude, speed)]
+        span = Span(mpf(float(times[-1])) * pace, figures)
+        answer = _ball().follow(state, [span], times.astype(Quad) * quad(pace))
+        return rigid.in_part_axes(answer, slice(3, 7), turn)
+
+
+@cache
+def _ball() -> Flow:
+    def equations(par: Any) -> list[tuple[Any, Any]]:
+        w, q = heyoka.make_vars("x", "y", "z"), heyoka.make_vars("qx", "qy", "qz", "qw")
+        v = heyoka.make_vars("vx", "vy", "vz")
+        k = rigid.expressed_in_body(q, [0.0, 0.0, 1.0])
+        moments, b, friction, slip = [par[0], par[1], par[2]], [par[3], par[4], par[5]], par[9], par[10]
+        pull = rigid.expressed_in_body(q, [par[6], par[7], par[8]])
+        a = [x - y for x, y in zip(b, k, strict=True)]
+        u = [x + y for x, y in zip(v, cross(w, a), strict=True)]
+        drag = friction / heyoka.sqrt(_dot(u, u) + slip * slip)
+        push = [x - drag * y for x, y in zip(k, u, strict=True)]  # F/N
+        gyroscopic = cross([i * x for i, x in zip(moments, w, strict=True)], w)
+        lever, turned = cross(b, k), [x / i for x, i in zip(cross(a, push), moments, strict=True)]
+        steady = [x / i for x, i in zip(gyroscopic, moments, strict=True)]
+        inward = _dot(k, cross(w, cross(w, b)))
+        normal = (-par[8] - _dot(lever, steady) - inward) / (1.0 + _dot(lever, turned))
+        rate = [x + normal * y for x, y in zip(steady, turned, strict=True)]
+        fall = [normal * x + y - z for x, y, z in zip(push, pull, cross(w, v), strict=True)]
+        return [*zip(w, rate, strict=True), *rigid.attitude_rates(q, w), *zip(v, fall, strict=True)]
+
+    return Flow(equations)
+
+
+def _dot(a: Any, b: Any) -> Any:
+    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]

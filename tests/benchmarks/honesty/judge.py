@@ -86,8 +86,8 @@ def judge(case: Case) -> Verdict:
     assert run is not None
     middle = time.process_time()
     error = run.error
-    inputs, until = getattr(error, "inputs", 0.0), getattr(error, "until", math.inf)
-    known = min(inputs, error.requested) if until < run.time[-1] else inputs
+    until = error.until
+    known = min(error.inputs, error.requested) if until < run.time[-1] else error.inputs
     about |= {
         "model": run.model,
         "method": error.method,
@@ -101,7 +101,9 @@ def judge(case: Case) -> Verdict:
         truth = truth_of(case, scene, run.time)
     except TooLongError:
         return Verdict(**about, outcome="dear", truth_seconds=time.process_time() - middle)
-    rows = run.time <= until
+    # A plane that pulls, as it must after a lift-off, is no part of the equations of the truth.
+    leaves = min((each.time for each in run.events if "leaves the plane" in each.what), default=math.inf)
+    rows = run.time <= min(until, leaves if scene.constraint.kind == "sliding" else math.inf)
     off, apart = truth.off(run.attitude)[rows], truth.error[rows]
     worst = int(np.argmax(off - apart))
     if not off[worst] - apart[worst] <= about["claim"]:
@@ -174,6 +176,8 @@ def truth_of(case: Case, scene: inertia.Scene, times: np.ndarray) -> rigid.Truth
             return held.hinge(case.scene, body, times)
         case "rolling":
             return held.roll(case.scene, body, times)
+        case "sliding":
+            return held.slide(case.scene, body, times)
     return rigid.follow(case.scene, body, times, case.function)
 
 

@@ -654,6 +654,46 @@ def rescaled(table: Any, mass: float, length: float, rate: float) -> Any:
     return out
 
 
+def sliding(random: Random) -> Table:
+    """Return a ball that slides on a plane with friction, its centre of mass off centre: tippe tops among them."""
+    mass, radius = _power(random, -2, 1), _power(random, -2, 0)
+    moments = mass * radius**2 * np.array([0.4, 0.4, 0.4]) * random.uniform(0.7, 1.1, 3)
+    if random.random() < 0.5:
+        moments[1] = moments[0]
+    slow = float(np.sqrt(9.80665 / radius))
+    rate = slow * _power(random, -0.5, 1)
+    body: Table = {"principal_moments": moments.tolist(), "mass": mass}
+    body["center_of_mass"] = _vector(random, radius * random.uniform(0, 0.3))
+    if random.random() < 0.4:
+        body["center_of_mass"] = [0.0, 0.0, -radius * random.uniform(0, 0.3)]
+    friction = 0.0 if random.random() < 0.1 else _power(random, -2, 0)
+    constraint: Table = {"kind": "sliding", "radius": radius, "friction": friction}
+    if random.random() < 0.7:
+        constraint["slip_speed"] = radius * rate * _power(random, -3, 0)
+    start: Table = {"attitude": _attitude(random), "angular_velocity": _vector(random, rate), "frame": "part"}
+    if random.random() < 0.4:
+        start["velocity"] = [*(radius * slow * random.normal(size=2)).tolist(), 0.0]
+    run = _run(random, rate, _turned(random, 15.0))
+    return {
+        "scene": {"body": body, "start": start, "constraint": constraint, "load": [{"kind": "gravity"}], "run": run}
+    }
+
+
+def idle(random: Random) -> Table:
+    """Return a body whose loads are zero, or add up to zero."""
+    made = free(random)
+    torque = random.normal(size=3)
+    one: Table = {"kind": "torque", "torque": torque.tolist()}
+    rows = [[0.0, 0.0, 0.0, 0.0], [made["scene"]["run"]["duration"], 0.0, 0.0, 0.0]]
+    made["scene"]["load"] = [
+        [{"kind": "torque", "torque": [0.0, 0.0, 0.0]}],
+        [{"kind": "damping", "coefficient": 0.0}, {"kind": "dissipation", "rate": 0.0}],
+        [{"kind": "torque", "table": rows}],
+        [one, {"kind": "torque", "torque": (-torque).tolist()}],
+    ][random.integers(4)]
+    return made
+
+
 _SAMPLES = "box", "cube", "tetrahedron", "thin_plate", "t_handle", "cone", "needle", "spinning_top", "disc"
 
 
@@ -876,6 +916,8 @@ KINDS: dict[str, Callable[[Random], Table]] = {
     "hinged": hinged,
     "inverted": inverted,
     "rolling": rolling,
+    "sliding": sliding,
+    "idle": idle,
     "mesh": mesh,
     "deforming": deforming,
     "long": long,
