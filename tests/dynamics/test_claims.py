@@ -185,3 +185,28 @@ def test_a_part_that_is_known_exactly_has_no_bound() -> None:
     assert (error.inputs, error.until) == (0.0, 3.0)
     scene = Scene.load(path("scenes/t_handle.toml"))  # which integrates its part exactly
     assert plan(scene).candidate.input_bound.until(1e-10) == scene.run.duration
+
+
+@pytest.mark.parametrize(("wobble", "duration"), [(1e-125, 20.0), (1e-125, 50.0), (1e-300, 100.0), (5e-324, 20.0)])
+def test_a_wobble_however_small_is_not_left_out_where_it_grows(wobble: float, duration: float) -> None:
+    # exp(5.77 t): 1e-125 of the spin has become 1 after 50 s.
+    table = {
+        "body": {"principal_moments": [1, 2, 3]},
+        "start": {"angular_velocity": [0, 10, wobble]},
+        "run": {"duration": duration, "samples": 5},
+    }
+    run = simulate(Scene.from_dict(table))
+    truth = free_top([1, 2, 3], [0, 10, wobble], run.time.tolist(), digits=700)
+    with mp.workdps(60):
+        error = max(angle(matrix(q), turn) for q, (turn, _) in zip(run.attitude.tolist(), truth, strict=True))
+    assert error <= run.error.reached <= 1e-10
+
+
+def test_a_wobble_too_small_for_any_model_is_refused_where_it_takes_over() -> None:
+    table = {
+        "body": {"principal_moments": [1, 2, 3]},
+        "start": {"angular_velocity": [0, 10, 1e-125]},
+        "run": {"duration": 100.0},
+    }
+    with pytest.raises(GeometryError, match="does not reach"):
+        simulate(Scene.from_dict(table))

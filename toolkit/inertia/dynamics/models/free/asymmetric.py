@@ -70,7 +70,8 @@ class ClosedForm:
     precession : dφ/dt, without J
     turn : what 2 K adds to φ by way of J
     share : the factor of J in φ
-    closeness : d over the sum of the two terms it is the difference of
+    closeness : d over the sum of the two terms it is the difference of, times how close moments are to each other
+        where those have more digits than a float64
     """
 
     axes: tuple[Number, Number, Number]
@@ -134,6 +135,8 @@ def closed_form(moments: Float, angular_velocity: Float, rest: tuple[Float, Floa
     dn = sqrt(cn * cn + mc[0] * sn * sn)
     start = elliptic.first_kind(sn, cn, mc[0]), sn, cn, dn, elliptic.third_kind(sn, cn, dn, mc[0], n[0])
     ca_g = sqrt(ca[0]) * g[0]
+    # Moments of one float64 each have an exact difference, those of two lose what is alike in them.
+    alike = 1.0 if rest is None else 1.0 + b[0] / lower[0] + high[0][0] / upper[0]
     return ClosedForm(
         axes=select(about_k, (i, j, k), (k, j, i)),
         signs=select(about_k, (sign_i, sign_j, sign_k), (sign_k, -sign_j, sign_i)),
@@ -148,7 +151,7 @@ def closed_form(moments: Float, angular_velocity: Float, rest: tuple[Float, Floa
         precession=precession,
         turn=multiply(times(share, 2.0), third),
         share=share[0],
-        closeness=d[0] / (one[0] + other[0]),
+        closeness=d[0] / (one[0] + other[0]) / alike,
     )
 
 

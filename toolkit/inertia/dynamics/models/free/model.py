@@ -16,6 +16,7 @@ import numpy as np
 from inertia.arrays import Float
 from inertia.dynamics.kinematics import quaternion
 from inertia.dynamics.kinematics.stability import growth_rate
+from inertia.dynamics.models.free.initial_conditions import NEGLIGIBLE
 from inertia.dynamics.models.model import AXIS_PAIRS, NEARLY_EQUAL, Candidate, Model, Problem
 from inertia.dynamics.models.neighbours import InputBound, instants_of, nudge_of, parted
 from inertia.dynamics.motion import Motion
@@ -115,6 +116,17 @@ def _tensors_parted(moments: Float, angular_velocity: Float, time: Float, nudge:
     return parted(quaternion.multiply(quaternion.multiply(turn, moved), quaternion.conjugate(turn)), attitude, nudge)
 
 
+def _grown_wobble(problem: Problem) -> float:
+    """Return the angle in rad to which a deviation from the spin about the intermediate axis grows: off exp(λ T)."""
+    x, y, z = problem.angular_velocity.tolist()
+    off = math.hypot(x, z)
+    if not off:
+        return 0.0
+    ratio = float(problem.moments[2] / problem.moments[0])
+    grown = float(growth_rate(problem.moments, math.hypot(x, y, z))) * problem.duration
+    return math.exp(min(math.log(off) - math.log(abs(y)) + math.log(ratio) + grown, _MOST))
+
+
 class SphericalTop(FreeBody):
     """A body with three equal moments."""
 
@@ -145,12 +157,8 @@ class SteadyAxis(FreeBody):
         share = np.abs(omega) / size if size else np.array([0.0, 0.0, 1.0])
         ratio = float(moments[2] / moments[0])
         axis = int(np.argmax(share))
-        off = float(np.linalg.norm(np.delete(share, axis)))
-        if axis == 1:
-            grown = min(float(growth_rate(moments, size)) * problem.duration, _MOST)
-            wobble = off * ratio * math.exp(grown)
-        else:
-            wobble = off * ratio * (1.0 + off * turned)
+        off = math.hypot(*np.delete(share, axis))
+        wobble = _grown_wobble(problem) if axis == 1 else off * ratio * (1.0 + off * turned)
         across = [
             (moments[j] - moments[i]) / moments[0] * turned + share[3 - i - j] * ratio * (1.0 + turned)
             for i, j in ((0, 1), (1, 2))
@@ -210,9 +218,11 @@ class AsymmetricTop(FreeBody):
     equal = 1
 
     def idealised(self, problem: Problem) -> Idealisation:
-        """Take the body as it is."""
+        """Take the body as it is, but for a wobble about the intermediate axis that is too small for elliptic functions."""
+        size = np.abs(problem.angular_velocity)
+        negligible = size[1] > 0 and max(size[0], size[2]) < NEGLIGIBLE * size[1]
         return Idealisation(
-            0.0,
+            _grown_wobble(problem) if negligible else 0.0,
             "The three principal moments differ: the closed form in Jacobi's elliptic functions gives every sample "
             "directly, attitude included, without steps.",
         )
