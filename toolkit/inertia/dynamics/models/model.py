@@ -126,7 +126,8 @@ class Problem:
         """How far a moment may be off, as a part of it; 0 where the tensor was typed."""
         if self.scene.body.properties is None:
             return 0.0
-        return self.uncertainty if not self.arm.any() else self.exact.tensor_bound / float(self.moments[0])
+        bound = self.exact.tensor_bound / float(self.moments[0])
+        return bound if self.arm.any() else min(bound, self.uncertainty)
 
     @property
     def relative_weight_bound(self) -> float:

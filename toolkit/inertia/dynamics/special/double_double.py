@@ -8,7 +8,7 @@ TOMS 44, 2017). Products are split after Dekker, which is exact for magnitudes f
 
 from __future__ import annotations
 
-from inertia.dynamics.special.elementary import Number, rint, sqrt
+from inertia.dynamics.special.elementary import Number, anywhere, rint, sqrt
 
 Pair = tuple[Number, Number]
 """High and low part of a double-double."""
@@ -16,6 +16,7 @@ Pair = tuple[Number, Number]
 PI: Pair = (3.141592653589793, 1.2246467991473532e-16)
 ZERO: Pair = (0.0, 0.0)
 
+_MANY = 1e9
 _SPLIT = 134217729.0  # 2²⁷ + 1
 
 
@@ -95,4 +96,8 @@ def square_root(x: Pair) -> Pair:
 def reduce(x: Pair, period: Pair) -> tuple[Number, Pair]:
     """Return the whole number of periods nearest to x / period, and what is left of x, within half a period."""
     count = rint(x[0] / period[0])
-    return count, add(x, minus(times(period, count)))
+    rest = add(x, minus(times(period, count)))
+    if anywhere(abs(count) > _MANY):  # such a quotient is rounded by more than a millionth
+        again = rint(rest[0] / period[0])
+        count, rest = count + again, add(rest, minus(times(period, again)))
+    return count, rest
