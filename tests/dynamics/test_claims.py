@@ -210,3 +210,26 @@ def test_a_wobble_too_small_for_any_model_is_refused_where_it_takes_over() -> No
     }
     with pytest.raises(GeometryError, match="does not reach"):
         simulate(Scene.from_dict(table))
+
+
+def test_a_coarse_accuracy_takes_moments_as_equal_that_are_in_no_class() -> None:
+    table = {
+        "body": {"principal_moments": [1.0, 1.00007, 1.6]},
+        "start": {"angular_velocity": [0.1, 0.2, 1.0]},
+        "run": {"duration": 1.0, "samples": 5, "accuracy": 0.01},
+    }
+    run = simulate(Scene.from_dict(table))
+    truth = rotate([1.0, 1.00007, 1.6], [0.1, 0.2, 1.0], run.time.tolist())
+    assert run.model == "symmetric top"
+    assert truth.attitude_error(run.attitude).max() <= run.error.reached
+
+
+@pytest.mark.parametrize("duration", [1e13, 3.77e14, 1e15])
+def test_a_claim_holds_for_1e15_radians(duration: float) -> None:
+    table = {
+        "body": {"inertia": [[0.55, -0.0125, -0.000125], [-0.0125, 1.25, 0.0025], [-0.000125, 0.0025, 0.75]]},
+        "start": {"angular_velocity": [0.07, 0.09, -0.99], "frame": "part"},
+        "run": {"duration": duration, "samples": 40, "accuracy": 1e-6},
+    }
+    run = simulate(Scene.from_dict(table))
+    assert free_errors(table, run).max() <= run.error.reached < 1e-13

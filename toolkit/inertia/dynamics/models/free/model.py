@@ -202,7 +202,8 @@ class SymmetricTop(FreeBody):
         """
         from inertia.dynamics.kinematics.geometry import cones
 
-        rolling = cones(moments, angular_velocity)
+        across = 0.5 * (moments[0] + moments[1])  # which the model takes as equal, however far apart they are
+        rolling = cones([across, across, moments[2]], angular_velocity)
         return {
             "precession of the body": rolling.precession,
             "precession in the body": rolling.body_precession,
