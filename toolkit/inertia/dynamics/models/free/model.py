@@ -219,7 +219,7 @@ class AsymmetricTop(FreeBody):
     equal = 1
 
     def idealised(self, problem: Problem) -> Idealisation:
-        """Take the body as it is, but for a wobble about the intermediate axis that is too small for elliptic functions."""
+        """Take the body as it is, but for a wobble about the intermediate axis that is below any float."""
         size = np.abs(problem.angular_velocity)
         negligible = size[1] > 0 and max(size[0], size[2]) < NEGLIGIBLE * size[1]
         return Idealisation(
