@@ -141,6 +141,7 @@ def test_small_pitch_swings_at_its_rate() -> None:
     rate = n * np.sqrt(3 * (j - i) / k)  # Hughes, § 9.2: the long axis to the Earth, the largest moment across
     run = orbiting(load, [0, 0, n], about(2, 1e-5), duration=20000.0, samples=401, accuracy=1e-12)
     np.testing.assert_allclose(pitch(run), 1e-5 * np.cos(rate * run.time), atol=2e-13)
+    assert float(run.quantities["libration period in the plane"]) == pytest.approx(2 * np.pi / rate, rel=1e-12)
 
 
 def test_roll_and_yaw_swing_at_both_their_rates() -> None:
@@ -156,6 +157,35 @@ def test_roll_and_yaw_swing_at_both_their_rates() -> None:
     (p, q), *_ = np.linalg.lstsq(np.column_stack([sides, roll[2:-2]]), -outer, rcond=None)
     rates = np.sort(np.abs(np.angle(np.roots([1.0, p, q, p, 1.0]))))[::2] / step
     np.testing.assert_allclose(rates, np.sort(n * np.sqrt(squares)), rtol=1e-6)
+    stated = [float(run.quantities[f"libration period out of the plane, {which}"]) for which in ("slow", "fast")]
+    np.testing.assert_allclose(2 * np.pi / rates, stated, rtol=1e-6)
+
+
+@pytest.mark.parametrize(
+    ("moments", "rate"),
+    [
+        ([180.0, 20.0, 190.0], np.sqrt(3 * 160 / 190)),  # the long axis across the radius: the pitch grows
+        ([100.0, 190.0, 180.0], 0.0),  # roll and yaw grow: a b < 0
+    ],
+)
+def test_swings_that_grow_are_said_to(moments: list[float], rate: float) -> None:
+    load, n = circling()
+    run = orbiting(load, [0, 0, n], about(0, 1e-3), moments, duration=10.0, samples=3)
+    one, two, three = moments
+    a, b = (three - one) / two, (three - two) / one
+    squares = np.roots([1.0, 0.0, 1 + 3 * a + a * b, 0.0, 4 * a * b])  # of λ⁴ + (1 + 3 a + a b) λ² + 4 a b
+    growth = n * max(rate, squares.real.max())
+    assert f"small swings grow e-fold every {1 / growth:.4g} s" in run.remarks[-1]
+    assert "libration period in the plane" not in run.quantities
+
+
+def test_a_body_that_does_not_swing_is_not_said_to() -> None:
+    load, n = circling()
+    for spin, attitude in (
+        ([0, 0, 3 * n], about(0, 0.0)),
+        ([0, 0, n], quaternion.normalise([1.0, 1, 1, 1.5]).tolist()),
+    ):
+        assert not orbiting(load, spin, attitude, duration=10.0, samples=3).remarks
 
 
 @pytest.mark.parametrize("stated", ["elements", "state"])

@@ -120,6 +120,15 @@ CASES: dict[str, dict[str, Any]] = {
         "constraint": {"normal": [0.1, -0.2, 0.9], "slip_speed": 0.1},
         "run": {"duration": 0.1},
     },
+    "a few steps": {
+        "body": {"principal_moments": [1.25e-6, 1.25e-6, 1.54e-6], "mass": 0.02, "center_of_mass": [0, 0, -0.0048]},
+        "start": {
+            "angular_velocity": [-5.413213794999394, 6.145819387356929, -48.70418854522684],
+            "attitude": [0.345102529729075, -0.7600179617511906, -0.49615345294501295, 0.23897425158560334],
+        },
+        "constraint": {"radius": 0.02, "friction": 0.3904, "slip_speed": 0.066},
+        "run": {"duration": 0.03974643772110975, "samples": 4, "accuracy": 3.765501052078873e-06},
+    },
     "smooth": {"start": {"angular_velocity": [1.0, 0.0, 50.0]}, "constraint": {"friction": 0.0}},
 }
 
@@ -129,17 +138,16 @@ def test_the_claim_holds_against_newton_and_euler(name: str) -> None:
     run = run_of(**CASES[name])
     with mpmath.workdps(30):
         rate, start = newton_and_euler(run.scene)
-        truth = follow(rate, start, [run.time[2], run.time[-1]], 0.002)
+        truth = follow(rate, start, run.time[1:].tolist(), 0.002)
     assert run.position is not None
-    for k, row in zip((2, -1), truth, strict=True):
+    for k, row in enumerate(truth, 1):
         apart = quaternion.angle_between(np.array(row[6:10], dtype=np.float64), run.attitude[k])
         assert apart <= run.error.reached
-        np.testing.assert_allclose(run.position[k], np.array(row[:3], dtype=np.float64), atol=1e-9)
-    assert run.error.reached <= 1e-8
+        np.testing.assert_allclose(run.position[k], np.array(row[:3], dtype=np.float64), atol=0.1 * run.error.reached)
 
 
 def test_jellett_and_the_energy_with_its_heat_are_kept_while_the_energy_falls() -> None:
-    run = run_of(run={"duration": 1.0, "samples": 501})
+    run = run_of(run={"duration": 1.0, "samples": 501, "accuracy": 1e-7})
     assert run.invariants.keys() == {"energy and heat", "Jellett's integral"}
     assert max(kept.largest_relative_drift for kept in run.invariants.values()) < 1e-9
     assert (np.diff(run.energy) < 0).all()

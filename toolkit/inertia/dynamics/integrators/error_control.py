@@ -59,7 +59,7 @@ class FixedStep(Integrator):
         least = rounding(fine.angular_velocity, time[-1] - problem.start)
         if apart < 10.0 * least * np.sqrt(fine.steps):
             apart = max(apart, fine.apart(self.run(problem, time, control, 2)))
-        return fine, 2.0 * apart / min((4.0 / 3.0) ** self.order - 1.0, 1.0) + least
+        return fine, 2.0 * problem.caution * apart / min((4.0 / 3.0) ** self.order - 1.0, 1.0) + least
 
 
 class Adaptive(Integrator):
@@ -92,7 +92,7 @@ class Adaptive(Integrator):
         fine, middle, *rest = (self.run(problem, time, control, level) for level in range(self.runs))
         near = fine.apart(middle)
         apart = max([near, *(max(min(far, 3.0 * near), 0.3 * far) for far in map(middle.apart, rest))])
-        return fine, self.safety * apart + rounding(fine.angular_velocity, time[-1] - problem.start)
+        return fine, self.safety * problem.caution * apart + rounding(fine.angular_velocity, time[-1] - problem.start)
 
     def tolerance(self, control: float, level: int) -> float:
         """Return the tolerance of a level."""

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 from functools import cached_property
+from typing import ClassVar
 
 import numpy as np
 
@@ -36,6 +37,9 @@ class RotationProblem:
     start : s, the instant at which the body is so
     mass : kg; arm : (3,) m, along the principal axes, from the reference point to the centre of mass: for gravity
     """
+
+    caution: ClassVar[float] = 1.0
+    """What estimates of the error from two runs are multiplied by, for equations that change much within a step."""
 
     moments: Float
     angular_velocity: Float

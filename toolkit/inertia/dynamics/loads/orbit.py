@@ -30,6 +30,7 @@ _DIGITS = 50
 _PI = Decimal("3.14159265358979323846264338327950288419716939937510")
 _ROUND = 1e-15  # the eccentricity below which an orbit is a circle to rounding
 _SLENDER = 0.1  # the eccentricity from which on passages of the periapsis are instants to step to
+_EVEN = 1e-6  # the square of a rate of swings, over that of the orbit, which is no rate
 _PASSAGES = 100_000  # that are listed: more revolutions are beyond any limit of computing time
 _SMALL = 1.0  # rad, below which E − sin E is summed as a series
 _TERMS = [(-1.0) ** k / math.factorial(2 * k + 3) for k in range(9)][::-1]
@@ -332,6 +333,47 @@ class Orbit(Load):
         carried = rate * (quaternion.to_space(attitude, momentum) @ normal)
         size = float((kinetic + potential + np.abs(carried)).max())
         return {"Jacobi integral": (kinetic + potential - carried, size)}
+
+    def librations(
+        self, attitude: Float, angular_velocity: Float, moments: Float
+    ) -> tuple[dict[str, Float], tuple[str, ...]]:
+        """Return the periods in s of small swings about the principal axes nearest to those of the orbit, and say them.
+
+        With I₁, I₂, I₃ along the radius, across it in the plane and along the normal, a circular orbit has the rates
+        ω² = 3 n² (I₂ − I₁)/I₃ in its plane and, out of it, ω⁴ − (1 + 3 a + a b) n² ω² + 4 a b n⁴ = 0 with a =
+        (I₃ − I₁)/I₂ and b = (I₃ − I₂)/I₁; where they are not real, swings grow. Hughes (1986), § 9.2.
+
+        Parameters
+        ----------
+        attitude : (4,) of the principal axes at t = 0; angular_velocity : (3,) rad/s along them; moments : (3,) kg m²
+        """
+        ellipse = self.ellipse
+        if ellipse.eccentricity > _SLENDER:
+            return {}, ()
+        turn = quaternion.matrix(ellipse.seen_from(np.zeros(1), attitude[None])["attitude in the orbit"][0])
+        normal = int(np.argmax(np.abs(turn[2])))
+        radial, along = sorted({0, 1, 2} - {normal}, key=lambda k: -abs(turn[0, k]))
+        slip = angular_velocity - ellipse.motion * turn[2]
+        near = min(abs(turn[0, radial]), abs(turn[1, along]), abs(turn[2, normal])) > math.sqrt(0.5)
+        if not near or np.linalg.norm(slip) > ellipse.motion:
+            return {}, ()
+        one, two, three = (float(moments[k]) for k in (radial, along, normal))
+        flat, a, b = (two - one) / three, (three - one) / two, (three - two) / one
+        roots = np.roots([1.0, -(1.0 + 3.0 * a + a * b), 4.0 * a * b]).astype(complex)
+        squares = np.array([3.0 * flat, *sorted(roots, key=lambda root: -root.real)])
+        if (np.abs(squares) < _EVEN).any():
+            return {}, ()
+        how = (
+            f"With axis {radial + 1} along the radius and axis {normal + 1} along the normal of a circular orbit, small"
+        )
+        growth = float(np.sqrt(-squares).real.max()) * ellipse.motion
+        if growth > _EVEN * ellipse.motion:
+            return {}, (f"{how} swings grow e-fold every {1.0 / growth:.4g} s.",)
+        periods = 2.0 * math.pi / (np.sqrt(squares.real) * ellipse.motion)
+        first, second, third = (f"{period:.6g}" for period in periods.tolist())
+        names = ("in the plane", "out of the plane, fast", "out of the plane, slow")
+        quantities = {f"libration period {name}": np.array(x) for name, x in zip(names, periods, strict=True)}
+        return quantities, (f"{how} swings have periods of {first} s in its plane, {second} and {third} s out of it.",)
 
     def described(self, listed: Callable[[Float | float], str]) -> str:
         """Return the size and shape of the orbit, and its period."""

@@ -20,6 +20,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 from functools import cached_property
+from typing import ClassVar
 
 import numpy as np
 
@@ -43,6 +44,8 @@ class SlidingBall(RotationProblem):
     gravity : (3,) m/s², towards the plane
     velocity : (2,) m/s, of the centre of mass along the plane at the start
     """
+
+    caution: ClassVar[float] = 3.0
 
     radius: float = 1.0
     friction: float = 0.0

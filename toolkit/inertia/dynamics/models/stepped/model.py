@@ -62,7 +62,9 @@ class EulerEquations(Model):
         if scene.orbit is None:
             return motion
         attitude = quaternion.multiply(motion.attitude, quaternion.conjugate(quaternion.from_matrix(candidate.axes)))
-        return replace(motion, quantities=scene.orbit.ellipse.seen_from(time, attitude))
+        periods, remarks = scene.orbit.librations(rotation.attitude, rotation.angular_velocity, rotation.moments)
+        quantities = scene.orbit.ellipse.seen_from(time, attitude) | periods
+        return replace(motion, quantities=quantities, remarks=(*motion.remarks, *remarks))
 
     def view(self, problem: Problem) -> str:
         """Show what becomes of L and the energy where a torque acts."""
