@@ -171,6 +171,34 @@ def test_faces_of_any_length_take_axial_holes(tmp_path):
         assert balance(Rotor.from_dict(fields, folder=tmp_path)).correction is not None
 
 
+@pytest.mark.parametrize(("face_z", "at"), [(90, 0.09), ("find", 0.09), (None, None)])
+def test_a_web_beside_the_plane_takes_axial_holes(tmp_path, face_z, at):
+    """A wheel with a rim from 80 to 100 mm along the shaft, a hub, and a web from 90 to 98 between them."""
+    profile = [(0, 60), (25, 60), (25, 90), (70, 90), (70, 80), (90, 80), (90, 100), (70, 100), (70, 98), (25, 98)]
+    wheel = round_part(*profile, (25, 110), (0, 110), sides=180)
+    write_stl([wheel], tmp_path / "wheel.stl", wheel.unit)
+    plane = {"id": "web", "z": 80, "method": "drill_axial", "radius": 50, "diameters": [8], "face": "a"}
+    fields = {
+        "body": [{"file": "wheel.stl", "material": "steel"}],
+        "axis": {"bearing_a": [0, 0, 62], "bearing_b": [0, 0, 108]},
+        "service": {"rpm": 3000},
+        "tolerance": {"e_um": 10},
+        "key": [{"convention": "F", "width": 8, "height": 3, "length": 5, "floor": 70, "z": 92, "angle": 100}],
+        "plane": [plane | ({} if face_z is None else {"face_z": face_z})],
+    }
+    if face_z is None:
+        with pytest.raises(GeometryError, match=r"at that radius the faces to A are at z = 90 mm: give one .* face_z"):
+            balance(Rotor.from_dict(fields, folder=tmp_path))
+        return
+    correction = balance(Rotor.from_dict(fields, folder=tmp_path)).correction
+    assert correction.operations
+    for work in correction.operations:
+        assert work.z == pytest.approx(at, abs=1e-6)
+        assert work.mass == pytest.approx(work.tool_diameter**2 * math.pi / 4 * STEEL * work.depth, rel=0.7)
+        assert work.remaining_wall >= 0.001 - 1e-9
+        assert work.unbalance_z > at
+
+
 def test_the_wall_goes_to_the_next_surface():
     part = two_disc_part()
     start = unbalance_of(part)

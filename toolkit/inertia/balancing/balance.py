@@ -12,15 +12,19 @@ from functools import reduce
 from operator import add
 from time import thread_time
 
+import numpy as np
+
 from inertia.arrays import Progress
 from inertia.balancing import bounds
 from inertia.balancing.axis.location import Axis, rotor_axis
 from inertia.balancing.axis.shaft import Shaft
 from inertia.balancing.axis.tilt import Tilt, principal_tilt
 from inertia.balancing.bounds import Uncertainty
-from inertia.balancing.correction_loop import Correction, correct
-from inertia.balancing.corrections.correction_plane import CorrectionPlane
+from inertia.balancing.correction_loop import Correction, correct, tools_of_density
+from inertia.balancing.corrections.correction_plane import CorrectionPlane, evenly
 from inertia.balancing.corrections.operation import Operation
+from inertia.balancing.corrections.room import faces, no_room
+from inertia.balancing.corrections.workpiece import bodies as in_shaft_axes
 from inertia.balancing.forces import RigidLimit, axle_torque, bearing_forces, rigid_limit
 from inertia.balancing.monte_carlo import Scatter, Term, monte_carlo
 from inertia.balancing.monte_carlo_terms import operation_terms, rotor_terms
@@ -43,6 +47,7 @@ from inertia.mass.properties import MassProperties
 
 _LOWER = (1.0, 0.4, 0.1)  # of what is asked for, aimed at while the shop's work leaves too few parts within tolerance
 _DEEPER = (0.5, 0.95)  # of the greatest depth, of arcs, for the same
+_LOOKED_AT = 360  # angles at which a face is looked for
 _LEAST_TIME = 0.1  # of the time, for each of them
 _ROUNDED = 1e-6  # of a place along the shaft: what float32 leaves of it, as in STL
 
@@ -250,10 +255,21 @@ def _correction_planes(rotor: Rotor, bodies: Sequence[RotorBody], shaft: Shaft) 
         if fields.method is not None:
             radius = outer_radius(bodies, shaft, metres * fields.z) if fields.radius is None else 0.0
             try:
-                planes.append(rotor.correction_plane(number, radius))
-            except UsageError as error:
+                plane = rotor.correction_plane(number, radius)
+                planes.append(_on_its_face(plane, bodies, shaft) if fields.face_z == "find" else plane)
+            except (UsageError, GeometryError) as error:
                 raise placed(error, rotor.name) from None
     return tuple(planes)
+
+
+def _on_its_face(plane: CorrectionPlane, bodies: Sequence[RotorBody], shaft: Shaft) -> CorrectionPlane:
+    """Return a plane of axial holes with the face nearest to its place; `GeometryError` where there is none."""
+    placed_bodies = in_shaft_axes([k.part for k in bodies], [k.density for k in bodies], shaft)
+    tool = tools_of_density(plane, 0.0)[0]
+    places = faces(placed_bodies, tool, np.array(evenly(_LOOKED_AT)))
+    if len(places) == 0:
+        raise no_room(placed_bodies, tool, 0.0)
+    return replace(plane, face_z=float(places[np.abs(places - plane.z).argmin()]))
 
 
 def _corrected(

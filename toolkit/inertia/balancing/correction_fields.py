@@ -88,6 +88,19 @@ _DEGREES = several(number("degrees"))
 _ANGLES = Reader(_angles, {"oneOf": [{"const": "free"}, table(EvenAngles).schema, _DEGREES.schema]})
 
 
+def _place(value: Any, path: str) -> float | str:
+    if value == "find":
+        return "find"
+    if isinstance(value, str):
+        raise FieldError(path, f"is {value!r}: use 'find', or a place along the shaft")
+    z: float = _Z(value, path)
+    return z
+
+
+_Z = number(_LENGTH)
+_PLACE = Reader(_place, {"oneOf": [{"const": "find"}, _Z.schema]})
+
+
 @dataclass(frozen=True, eq=False)
 class WeightFields(Section):
     """One weight of a kit.
@@ -131,6 +144,7 @@ class PlaneFields(Section):
     web : least material between two holes
     wall : least material left under a hole
     face : of axial holes: "a" where they enter the face to bearing A, "b" to bearing B
+    face_z : where along the shaft that face is, where it is not at z, as of a web; "find" for the nearest to z
     through : axial holes go through; max_depth is the thickness
     width : of a flat or an arc, along the shaft
     min_depth : of an arc
@@ -158,6 +172,7 @@ class PlaneFields(Section):
     web: Annotated[float | None, number(_LENGTH, negative=False)] = None
     wall: Annotated[float | None, number(_LENGTH, negative=False)] = None
     face: Annotated[Literal["a", "b"] | None, choice("a", "b")] = None
+    face_z: Annotated[float | Literal["find"] | None, _PLACE] = None
     through: Annotated[bool, flag] = False
     width: Annotated[float | None, number(_LENGTH, positive=True)] = None
     min_depth: Annotated[float | None, number(_LENGTH, negative=False)] = None

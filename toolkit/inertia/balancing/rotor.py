@@ -190,6 +190,8 @@ class Rotor(Document):
         for name in ("angle_step", "arc_step", "max_arc"):
             if (degrees := getattr(plane, name)) is not None:
                 options[name] = math.radians(degrees)
+        if isinstance(plane.face_z, float | int):
+            options["face_z"] = metres * plane.face_z
         if plane.mass_step_g is not None:
             options["mass_step"] = 1e-3 * plane.mass_step_g
         if plane.max_mass_g is not None:

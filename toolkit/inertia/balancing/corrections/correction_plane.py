@@ -105,6 +105,7 @@ class CorrectionPlane:
     web : m, least material between two holes side by side
     min_wall : m, least material left under a tool, and beside a hole
     face : of axial holes: "a" if the face looks to bearing A (the drill goes towards B), else "b"
+    face_z : m along the shaft, of the face that axial holes enter, where it is another than z
     through : axial holes go through: `max_depth` is the thickness
     width : m along the shaft, of a flat or an arc
     min_depth : m, of an arc
@@ -134,6 +135,7 @@ class CorrectionPlane:
     web: float = 0.001
     min_wall: float = 0.001
     face: Literal["a", "b"] | None = None
+    face_z: float | None = None
     through: bool = False
     width: float | None = None
     min_depth: float = 0.0
@@ -149,8 +151,11 @@ class CorrectionPlane:
     def __post_init__(self) -> None:
         if self.method not in PROCESSES:
             raise self._fault(f"method is {self.method!r}", f"use one of {', '.join(PROCESSES)}")
-        if not math.isfinite(self.z):
-            raise self._fault(f"z is {self.z!r} m", "give a finite place along the shaft")
+        for name in ("z", "face_z"):
+            if (place := getattr(self, name)) is not None and not math.isfinite(place):
+                raise self._fault(f"{name} is {place!r} m", "give a finite place along the shaft")
+        if self.face_z is not None and self.method != "drill_axial":
+            raise self._fault("face_z is given", "only axial holes enter a face")
         for name in ("radius", "max_depth", "width", "max_arc", "cutter", "pass_depth", "max_mass"):
             value = getattr(self, name)
             if value is not None and not 0 < value < math.inf:
@@ -247,6 +252,11 @@ class CorrectionPlane:
     def sign(self) -> int:
         """+1 where mass is added, −1 where it is removed."""
         return 1 if self.method in ("add", "kit") else -1
+
+    @property
+    def entry(self) -> float:
+        """Where along the shaft its tools begin, m."""
+        return self.z if self.face_z is None else self.face_z
 
     @property
     def cuts(self) -> bool:

@@ -264,7 +264,9 @@ class AxialDrill(Drill):
     def axes(self, angles: Float) -> tuple[Float, Float]:
         """Return the axes, which run along the shaft."""
         radius = self.plane.radius
-        starts = np.column_stack([radius * np.cos(angles), radius * np.sin(angles), np.full(len(angles), self.plane.z)])
+        starts = np.column_stack(
+            [radius * np.cos(angles), radius * np.sin(angles), np.full(len(angles), self.plane.entry)]
+        )
         return starts, np.tile(self._ahead, (len(angles), 1))
 
     def depth_apart(self, need: float, away: Float) -> Float:
@@ -298,7 +300,7 @@ class AxialDrill(Drill):
 
     def unbalance_z(self, setting: float) -> float:
         """Return where the centroid of the hole is along the shaft, m."""
-        return self.plane.z + float(self._ahead[2]) * axial_middle(self.diameter, setting, self._point)
+        return self.plane.entry + float(self._ahead[2]) * axial_middle(self.diameter, setting, self._point)
 
     def operation(self, name: str, angle: float, setting: float) -> Operation:
         """Return the hole."""
@@ -306,7 +308,7 @@ class AxialDrill(Drill):
         return Operation(
             id=name,
             plane=plane.id,
-            z=plane.z,
+            z=plane.entry,
             method="remove",
             kind="drill_axial",
             angle=angle_of(cmath.rect(1.0, angle)),
@@ -333,4 +335,4 @@ class AxialDrill(Drill):
 
     def _start(self, angle: float) -> Float:
         radius = self.plane.radius
-        return np.array([radius * math.cos(angle), radius * math.sin(angle), self.plane.z])
+        return np.array([radius * math.cos(angle), radius * math.sin(angle), self.plane.entry])

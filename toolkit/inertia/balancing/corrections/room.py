@@ -14,7 +14,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from inertia.arrays import Bool, Float, Int
-from inertia.balancing.corrections.correction_plane import FULL_TURN
+from inertia.balancing.corrections.correction_plane import FULL_TURN, CorrectionPlane
 from inertia.balancing.corrections.milling import ArcCutter
 from inertia.balancing.corrections.tool import Ray, Tool
 from inertia.balancing.corrections.workpiece import Body, run
@@ -23,6 +23,7 @@ from inertia.errors import GeometryError
 _TOUCHING = 1e-6  # m: bodies with a gap no wider than this are one wall
 _PROUD = 0.01  # of the radius: how far the surface may be from where the tool starts
 _TINY = 1e-12
+_OFTEN = 0.1
 _AROUND = 720  # angles at which the rim is looked at for an arc
 _BESIDE = 1.7e-8  # m or rad: rays run beside the edges of round parts, which stand at round angles
 
@@ -121,8 +122,20 @@ def _hits(corners: Float, tool: Tool, ray: Ray, angles: Float) -> tuple[Int, Flo
     turned = math.atan2(ray.aside, plane.radius + ray.along) + _BESIDE
     ray_number, z, upward = _upward(corners, radius, angles + turned)
     if plane.face == "a":
-        return ray_number, z - plane.z, ~upward
-    return ray_number, plane.z - z, upward
+        return ray_number, z - plane.entry, ~upward
+    return ray_number, plane.entry - z, upward
+
+
+def faces(bodies: Sequence[Body], tool: Tool, angles: Float) -> Float:
+    """Return where along the shaft the faces are that a tool along it could enter at its radius, ascending, m.
+
+    Faces within a hundredth of the radius are one; each has to be there at a tenth of the angles.
+    """
+    sign = 1.0 if tool.plane.face == "a" else -1.0
+    hits = [_hits(body.corners, tool, tool.rays()[0], angles) for body in bodies]
+    z = np.sort(tool.plane.entry + sign * np.concatenate([depth[entering] for _, depth, entering in hits]))
+    groups = np.split(z, np.flatnonzero(np.diff(z) > _PROUD * tool.plane.radius) + 1) if len(z) else []
+    return np.array([np.median(k) for k in groups if len(k) >= _OFTEN * len(angles)])
 
 
 def _section(corners: Float, z: float) -> tuple[Float, Float]:
@@ -221,21 +234,31 @@ def remaining_wall(bodies: Sequence[Body], tool: Tool, angle: float, setting: fl
     return min(limits)
 
 
+def _there(places: Float, plane: CorrectionPlane) -> str:
+    """Say where the faces are that a tool along the shaft could enter."""
+    towards = (plane.face or "").upper()
+    if len(places) == 0:
+        return f"; no face to {towards} is at that radius"
+    listed = " and ".join(f"{1e3 * z:.6g}" for z in places.tolist())
+    return f"; at that radius the faces to {towards} are at z = {listed} mm: give one of them as face_z"
+
+
 def no_room(bodies: Sequence[Body], tool: Tool, angle: float) -> GeometryError:
     """Return why a tool can start at no angle, said of one of them (rad)."""
     plane = tool.plane
     where = f"plane {plane.id!r} at z = {1e3 * plane.z:.6g} mm, {math.degrees(angle) % 360:.4g} degrees"
     enter, _, _ = (float(k[0]) for k in _material(bodies, tool, tool.rays()[0], np.array([angle])))
     reach = _PROUD * plane.radius
+    there = "" if tool.towards_shaft else _there(faces(bodies, tool, FULL_TURN * np.arange(_AROUND) / _AROUND), plane)
     if not math.isfinite(enter) or enter > reach:
         return GeometryError(
             f"{where}: there is no material for the tool under the radius of {1e3 * plane.radius:.6g} mm: move the "
-            "plane onto the part, or correct its radius"
+            f"plane onto the part, or correct its radius{there}"
         )
     if enter < -reach:
         return GeometryError(
             f"{where}: the part begins {-1e3 * enter:.4g} mm before the surface that depths are measured from: give "
-            f"the {'radius' if tool.towards_shaft else 'face'} where the tool enters"
+            f"the {'radius' if tool.towards_shaft else 'face'} where the tool enters{there}"
         )
     return GeometryError(
         f"plane {plane.id!r} at z = {1e3 * plane.z:.6g} mm: at every angle its tools break out of the part, or leave "

@@ -85,7 +85,8 @@ class BearingRow:
 class PlaneRow:
     """A correction plane: its id and z (mm); how it is corrected, at which radius (mm), None where nothing is done.
 
-    `face` is the one that axial holes enter, `forbidden` are sectors (start, stop) that no tool may come into.
+    `face` is the one that axial holes enter, at `entry` (mm) along the shaft, `forbidden` are sectors (start, stop) that no
+    tool may come into.
     """
 
     id: str
@@ -94,6 +95,7 @@ class PlaneRow:
     radius: float | None = None
     face: str | None = None
     forbidden: tuple[tuple[float, float], ...] = ()
+    entry: float | None = None
 
 
 @dataclass(frozen=True)
@@ -317,8 +319,9 @@ class ReportData:
         from inertia.report.svg.section import section
 
         deep = max((work.depth or 0.0 for _, work in self.steps(plane)), default=0.0)
+        begins = plane.z if plane.entry is None else plane.entry
         inward = {"a": 0.5, "b": -0.5}.get(plane.face or "", 0.0)
-        return [MM * loop for loop in section(self.parts, self.axis.shaft, (plane.z + inward * deep) / MM)]
+        return [MM * loop for loop in section(self.parts, self.axis.shaft, (begins + inward * deep) / MM)]
 
     @cached_property
     def outline(self) -> Float:

@@ -138,7 +138,9 @@ def _planes(balance: Balance) -> tuple[PlaneRow, ...]:
     rows = {plane.id: PlaneRow(plane.id, MM * plane.z) for plane in balance.planes}
     for plane in balance.correction_planes:
         sectors = tuple((math.degrees(k.start) % 360.0, math.degrees(k.stop) % 360.0) for k in plane.forbidden)
-        rows[plane.id] = PlaneRow(plane.id, rows[plane.id].z, plane.method, MM * plane.radius, plane.face, sectors)
+        rows[plane.id] = PlaneRow(
+            plane.id, rows[plane.id].z, plane.method, MM * plane.radius, plane.face, sectors, MM * plane.entry
+        )
     return tuple(rows.values())
 
 
