@@ -17,10 +17,14 @@ CATEGORIES: dict[str, tuple[float, tuple[str, ...]]] = {
     "BV-1": (16.0, ("ceiling and attic fans, window units",)),
     "BV-2": (16.0, ("fans for buildings and agriculture, up to 3.7 kW",)),
     "BV-3": (6.3, ("fans for buildings and agriculture, above 3.7 kW", "process and power plant fans, up to 300 kW")),
-    "BV-4": (2.5, ("process and power plant fans, above 300 kW", "petrochemical fans, above 37 kW")),
+    "BV-4": (2.5, ("process and power plant fans, above 300 kW (AMCA 204)", "petrochemical fans, above 37 kW")),
     "BV-5": (1.0, ("fans of clean rooms for chips",)),
 }
-"""The fan application categories of ISO 14694:2003, the balance quality grade of each, and examples."""
+"""The fan application categories of ISO 14694:2003, the balance quality grade of each, and examples.
+
+Its scope ends at 300 kW; ANSI/AMCA 204, which is in harmony with it, goes on. Its tables are not public: these are as
+the literature cites them, to be checked against one's own copy.
+"""
 
 _FLEXIBLE = (
     "ISO 21940-12 judges a flexible rotor mode by mode: modal tolerances take mode shapes and modal masses, which a "

@@ -85,8 +85,8 @@ class BearingRow:
 class PlaneRow:
     """A correction plane: its id and z (mm); how it is corrected, at which radius (mm), None where nothing is done.
 
-    `face` is the one that axial holes enter, at `entry` (mm) along the shaft, `forbidden` are sectors (start, stop) that
-    no tool may come into.
+    `face` is the one that axial holes enter, at `entry` (mm) along the shaft; `forbidden` are sectors (start, stop)
+    that no tool may come into.
     """
 
     id: str
