@@ -1,18 +1,20 @@
 """How the distances between runs become an estimate of the error."""
 
+import mpmath
 import numpy as np
 import pytest
-from tests.dynamics.integrators.loaded import case
+from tests.dynamics.oracle import rotate
 
 from inertia.dynamics.integrators.error_control import Adaptive
 from inertia.dynamics.integrators.loop import Piece, States, Stepper
 from inertia.dynamics.integrators.rotation import RotationProblem
+from inertia.dynamics.integrators.taylor import Taylor
+from inertia.dynamics.loads.torque import Torque
+from inertia.dynamics.models.stepped.solve import solve_stepped
 
 
-class Turning(Adaptive):
-    """A method whose runs end turned about one axis by given angles."""
-
-    name, order, tightest, coarsest, runs, safety = "turning", 4, 1e-17, 1e-17, 3, 5.0
+class Turned:
+    """Runs that end turned about one axis by given angles, whatever the method."""
 
     def __init__(self, *turned: float) -> None:
         self.turned = turned
@@ -25,17 +27,67 @@ class Turning(Adaptive):
         return States(np.array([[np.sin(half), 0.0, 0.0, np.cos(half)]]), np.zeros((1, 3)), 1)
 
 
+class Turning(Turned, Adaptive):
+    """A method that compares two runs."""
+
+    name, order, tightest, coarsest = "turning", 4, 1e-17, 1e-17
+
+
+class TurningSeries(Turned, Taylor):
+    """The Taylor method, which compares three."""
+
+
+AT_REST = RotationProblem([1.0, 2.0, 3.0], [0.0, 0.0, 1e-9], loads=(Torque([0.0, 0.0, 1e-9]),))
+
+
+def test_estimate_of_two_runs_is_four_times_their_distance() -> None:
+    _, estimate = Turning(0.0, 1e-6).solve(AT_REST, np.array([1.0]), 1e-12)
+    assert estimate == pytest.approx(4e-6, rel=1e-4)
+
+
 @pytest.mark.parametrize(
     ("near", "far", "counted"),
     [
-        (1.0, 10.0, 3.0),  # the tolerance rules
-        (1.0, 100.0, 30.0),
-        (1.0, 2.5, 2.5),  # rounding rules: the second distance says as much as the first
-        (1.0, 0.5, 1.0),
-        (0.1, 2.0, 0.6),  # two runs happen to agree
+        (1.0, 10.0, 1.0),  # the tolerance rules
+        (1.0, 100.0, 10.0),
+        (1.0, 0.5, 1.0),  # rounding rules
+        (0.1, 2.0, 0.2),  # two runs happen to agree
     ],
 )
 def test_what_the_distances_of_three_runs_say_of_the_error(near: float, far: float, counted: float) -> None:
     unit = 1e-6
-    _, estimate = Turning(0.0, near * unit, (near + far) * unit).solve(case("free").problem, np.array([1.0]), 1e-9)
-    assert estimate == pytest.approx(5.0 * counted * unit, rel=1e-6)
+    _, estimate = TurningSeries(0.0, near * unit, (near + far) * unit).solve(AT_REST, np.array([1.0]), 1e-9)
+    assert estimate == pytest.approx(2.0 * counted * unit, rel=1e-6)
+
+
+@pytest.mark.parametrize("seed", range(12))
+def test_rounding_that_walks_one_way_is_in_the_estimate(seed: int) -> None:
+    """A free symmetric body over 30,000 rad, by two uniform turns with 40 digits (textbook § 13.20)."""
+    random = np.random.default_rng(seed)
+    moments = [a := float(random.uniform(0.2, 1.0)), a, float(random.uniform(0.1, 1.9)) * a]
+    spin = random.normal(size=3).tolist()
+    end = 3e4 / float(np.linalg.norm(spin))
+    states, estimate = Taylor().solve(RotationProblem(moments, spin), np.array([end]), 1e-17)
+    with mpmath.workdps(40):
+        i, _, k = map(mpmath.mpf, moments)
+        x, y, z = map(mpmath.mpf, spin)
+        size = mpmath.sqrt((i * x) ** 2 + (i * y) ** 2 + (k * z) ** 2)
+        half, own = size * end / i / 2, (1 - k / i) * z * end / 2
+        vector = [mpmath.sin(half) * m / size for m in (i * x, i * y, k * z)]
+        lead, c, s = mpmath.cos(half), mpmath.cos(own), mpmath.sin(own)
+        true = [
+            c * vector[0] + s * vector[1],
+            c * vector[1] - s * vector[0],
+            c * vector[2] + s * lead,
+            c * lead - s * vector[2],
+        ]
+        sign = 1 if sum(p * q for p, q in zip(states.attitude[0].tolist(), true, strict=True)) > 0 else -1
+        error = 2 * mpmath.norm([p - sign * q for p, q in zip(states.attitude[0].tolist(), true, strict=True)])
+    assert error < estimate < 1e-6
+
+
+def test_accuracy_of_1e_13_is_reached_under_a_torque() -> None:
+    problem = RotationProblem([1.0, 2.0, 3.0], [1.0, 0.5, 2.0], loads=(Torque([0.1, 0.2, 0.3]),))
+    motion = solve_stepped(problem, [0.0, 4.0, 8.0], 1e-13)
+    truth = rotate([1.0, 2.0, 3.0], [1.0, 0.5, 2.0], [0.0, 4.0, 8.0], body_torque=(0.1, 0.2, 0.3))
+    assert truth.attitude_error(motion.attitude).max() < motion.reached < 1e-13

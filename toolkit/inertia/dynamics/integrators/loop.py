@@ -203,18 +203,20 @@ class Integrator(ABC):
     ----------
     name, order : of the method
     keeps_length : whether the quaternions that it gives have unit length to rounding
+    aside : the roundings by which the quaternion of other levels than the finest begins elsewhere
     """
 
     name: str
     order: int
     keeps_length = False
+    aside = 4.0
 
     def run(self, problem: RotationProblem, time: Float, control: float, level: int = 0) -> States:
         """Return the states at `time` (n,), ascending from the start on; another `level` is another run to compare."""
         time = np.array(time)  # in one piece
         axes = self.axes(problem)
         turn = quaternion.from_matrix(np.eye(3)[:, axes]) if axes != (0, 1, 2) else None
-        state = begin(problem, level)
+        state = begin(problem, level, self.aside)
         if turn is not None:
             state = np.concatenate([quaternion.multiply(state[:4], turn), state[4:][list(axes)]])
         cut = pieces(problem, time, axes)
@@ -315,16 +317,16 @@ class Integrator(ABC):
         """Return a run and the estimate, in rad, of its largest attitude error."""
 
 
-def begin(problem: RotationProblem, level: int) -> Float:
+def begin(problem: RotationProblem, level: int, turned: float) -> Float:
     """Return the state (q, ω), (7,), that a run begins with, ω in rad/s, and what the problem carries along.
 
-    Other levels than the finest begin a few roundings aside, so that their distance also holds what the motion makes
-    of rounding: near a separatrix that is much.
+    Other levels than the finest begin a rounding aside in ω, `turned` of them in the quaternion, so that their distance
+    also holds what the motion makes of rounding: near a separatrix that is much.
     """
     state = np.empty(7)
     state[:4], state[4:] = problem.attitude, problem.angular_velocity
     if level:
         aside = EPS * np.array([(1.0, -1.0, 1.0), (1.0, 1.0, -1.0)][level - 1])
-        state[:4] = quaternion.multiply(state[:4], (*(4.0 * aside), 1.0))
+        state[:4] = quaternion.multiply(state[:4], (*(turned * aside), 1.0))
         state[4:] *= 1.0 + aside
     return np.concatenate([state, problem.carried])

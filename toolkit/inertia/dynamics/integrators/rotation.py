@@ -192,6 +192,21 @@ class RotationProblem:
             invariants[f"angular momentum about body axis {k + 1}"] = self.moments[k] * angular_velocity[..., k]
         return invariants
 
+    def drift(self, attitude: Float, angular_velocity: Float) -> float:
+        """Return by how much of itself what the loads keep drifts from the start over the states (n, 4) and (n, 3)."""
+        q, w = np.vstack([self.attitude, attitude]), np.vstack([self.angular_velocity, angular_velocity])
+        momentum = float(np.linalg.norm(self.moments * w, axis=1).max())
+        strayed = 0.0
+        for name, values in self.invariants(q, w).items():
+            rows = values.reshape(len(q), -1)
+            if name == "energy":
+                potential = sum(float(np.abs(load.potential(q, self)).max()) for load in self.loads)
+                scale = 0.5 * float((self.moments * w**2).sum(axis=1).max()) + potential
+            else:
+                scale = momentum
+            strayed = max(strayed, float(np.linalg.norm(rows - rows[0], axis=1).max()) / (scale or 1.0))
+        return strayed
+
     @cached_property
     def _kept_directions(self) -> Float:
         """Directions (k, 3) in space across all torques."""
