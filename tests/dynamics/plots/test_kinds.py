@@ -166,3 +166,11 @@ def test_the_light_theme_does_not_depend_on_the_user_s() -> None:
         figure = simulate(scene(PLAIN)).plot("angular velocity")
     assert mpl.colors.to_hex(figure.get_facecolor()) == "#ffffff"
     assert mpl.colors.to_hex(figure.axes[0].get_facecolor()) == "#ffffff"
+
+
+def test_a_top_that_hangs_or_is_drawn_out_has_plots_without_rounding_in_them() -> None:
+    hanging = simulate(scene(TOP, start={"angular_velocity": [5.0, 0.0, 0.0], "attitude": [1.0, 0.0, 0.0, 0.0]}))
+    (state,) = line(hanging.plot("effective potential").axes[0], "at the start")
+    assert state == pytest.approx([np.pi, -0.1 * 9.80665 * 0.04])
+    rod = simulate(scene(PLAIN, body__principal_moments=[1e-12, 1.0, 1.0]))
+    assert kinds_of(rod) == ["momentum sphere", "angular velocity"]

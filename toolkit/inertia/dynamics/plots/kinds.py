@@ -29,6 +29,8 @@ _MOST = 4000  # points of a line
 _COARSE = 0.7  # rad between samples, from which on no line is drawn between them
 _NEIGHBOURS = (0.2, 0.45, 0.7, 0.9)
 _LEVELS = 9
+_VERTICAL = 1e-4  # rad from the vertical, nearer to which V is all rounding
+_LONGEST = 30.0  # times as long as wide: longer ellipsoids are lines
 _EQUAL = 1e-9  # relative difference up to which moments, or rates, are the same
 _SUBSCRIPTS = "₁₂₃"
 
@@ -86,7 +88,9 @@ def _style(coarse: bool, count: int, width: float) -> dict[str, Any]:
 
 def _line(axes: Axes, x: Float, y: Float, coarse: bool, **how: Any) -> None:
     """Draw samples as a line, or as dots where they are too far apart; of very many, what a line would show of them."""
-    if len(x) > _MOST:
+    if len(x) > _MOST and coarse:
+        x, y = x[:: len(x) // _MOST], y[:: len(x) // _MOST]
+    elif len(x) > _MOST:
         width = -(-len(x) // (_MOST // 2))
         whole = len(x) // width * width
         blocks = y[:whole].reshape(-1, width)
@@ -181,7 +185,7 @@ def _momentum_sphere(axes: Axes, run: Subject) -> None:
     axes.plot(*seen.at(path[0]), "o", color=INK, markersize=7, zorder=9, label=f"L {_when(run, 0)}")
     seen.draw_axes(axes, [f"L{_SUBSCRIPTS[k]}{'' if seen.toward[k] >= 0 else ' < 0'}" for k in range(3)])
     bare(axes)
-    ends = " … ".join(dict.fromkeys(f"{each:.4g}" for each in (size[0], size[-1])))
+    ends = _extent(size[0], size[-1])
     axes.set_title(f"Momentum sphere, along the principal axes\n|L| = {ends} kg m²/s", fontsize=12)
     _legend_below(axes)
 
@@ -207,6 +211,10 @@ def _family(moments: Float) -> list[Float]:
     return curves
 
 
+def _extent(one: float, other: float) -> str:
+    return " … ".join(dict.fromkeys(f"{each:.4g}" for each in (one, other)))
+
+
 def _distinct(moments: Float) -> int:
     """Return how many moments, ascending, there are that differ by more than rounding."""
     return 1 + int((np.diff(moments) > _EQUAL * moments[2]).sum())
@@ -227,22 +235,21 @@ def _effective_potential(axes: Axes, run: Subject) -> None:
     top = HeavyTop.of_state(moments, weight, start, run.angular_velocity[0] @ plan.axes)
     first, last = top.turning_angles
     beside = max(0.7 * (last - first), 0.15)
-    theta = np.linspace(max(first - beside, 1e-3), min(last + beside, np.pi - 1e-3), 601)
+    theta = np.linspace(max(first - beside, _VERTICAL), min(last + beside, np.pi - _VERTICAL), 601)
     values, level = np.asarray(top.effective_potential(theta)), top.effective_energy
     low = float(values.min())
     depth = max(level - low, 0.05 * float(np.median(values) - low), 1e-9 * abs(level))
     axes.plot(theta, values, color=BLUE, linewidth=2.2, label="V(θ)")
     axes.plot([first, last], [level, level], color=RED, linewidth=2.0, marker="|", markersize=12, label="energy E′")
     tilt = float(run.quantities["theta"][0])
-    axes.plot([tilt], top.effective_potential([tilt]), "o", color=INK, markersize=7, zorder=5, label=_when(run, 0))
+    at_start = top.effective_potential([np.clip(tilt, theta[0], theta[-1])])
+    axes.plot([tilt], at_start, "o", color=INK, markersize=7, zorder=5, label=_when(run, 0))
     ceiling = level + 0.6 * depth
     shown = theta[values <= ceiling]
     shown = shown[np.abs(shown - 0.5 * (first + last)) <= 0.5 * (last - first) + beside]
     axes.set_ylim(low - 0.15 * depth, ceiling)
     axes.set_xlim(shown[0] - 0.1 * np.ptp(shown), shown[-1] + 0.1 * np.ptp(shown))
-    _plain(
-        axes, "tilt of the axis θ, rad", "V and E′, J", f"Effective potential\nθ between {first:.4g} and {last:.4g} rad"
-    )
+    _plain(axes, "tilt of the axis θ, rad", "V and E′, J", f"Effective potential\nθ = {_extent(first, last)} rad")
     _legend_below(axes)
 
 
@@ -285,7 +292,7 @@ def _nutation(axes: Axes, run: Subject) -> None:
     tilts = np.arccos(np.clip(heights, -1.0, 1.0))
     axes.set_title(
         f"Path of the {'symmetry axis' if problem.rolls else 'axis'} on the unit sphere\n"
-        f"tilt {tilts.min():.4g} … {tilts.max():.4g} rad",
+        f"tilt {_extent(tilts.min(), tilts.max())} rad",
         fontsize=12,
     )
     _legend_below(axes)
@@ -352,7 +359,8 @@ def _draw_levels(axes: Axes, run: Subject, angles: Float, rates: Float) -> None:
     axes.add_line(Line2D([], [], color=FAINT, linewidth=0.8, label="equal energy"))
     turn = np.linspace(-np.pi, np.pi, 721) + 0.5 * (angles[0] + angles[-1])
     hills = _potential(run, turn)
-    if not run.plan.problem.scene.constraint.stiffness and np.ptp(hills) > 0 and energy.max() > hills.max():
+    held = run.plan.problem.scene.constraint
+    if not held.stiffness and np.ptp(hills) > 0 and energy.min() < hills.max() < energy.max():
         axes.contour(angles, rates, energy, levels=[float(hills.max())], colors=VIOLET, linewidths=1.3, zorder=2)
         axes.add_line(Line2D([], [], color=VIOLET, linewidth=1.3, label="separatrix"))
 
@@ -382,6 +390,11 @@ def _is_free(run: Subject) -> bool:
     return bool(turns) and _distinct(moments) > 1
 
 
+def _has_ellipsoid(run: Subject) -> bool:
+    moments, _ = ascending(run.plan)
+    return _is_free(run) and float(moments[2] / moments[0]) <= _LONGEST**2
+
+
 def _has_momentum_sphere(run: Subject) -> bool:
     problem = run.plan.problem
     return _is_free(run) or bool(
@@ -401,7 +414,7 @@ KINDS = {
     "effective potential": Kind(lambda run: "effective potential energy" in run.quantities, _effective_potential),
     "phase portrait": Kind(_swings, _phase_portrait),
     "nutation": Kind(_has_axis, _nutation),
-    "polhode": Kind(_is_free, _polhode),
+    "polhode": Kind(_has_ellipsoid, _polhode),
     "momentum sphere": Kind(_has_momentum_sphere, _momentum_sphere),
     "angular velocity": Kind(lambda run: True, _angular_velocity),
 }
