@@ -219,12 +219,13 @@ def follow(scene: Scene, options: argparse.Namespace) -> int:
 
 def _require_writable(options: argparse.Namespace) -> None:
     """Ask what the files and the viewer need before the work, which may take a while."""
-    from inertia.dynamics.columns import FORMATS, pyarrow
+    from inertia.dynamics.columns import FORMATS
     from inertia.output import require_writable
+    from inertia.tables import load_pyarrow
 
     files = [require_writable(file, _RECORDING, *FORMATS, force=options.force) for file in options.output]
     if any(file.suffix.lower() == ".parquet" for file in _distinct(files)):
-        pyarrow()
+        load_pyarrow()
     if options.plot is not None:
         from inertia.dynamics.plots.kinds import require_kind
         from inertia.plotting import require_plottable

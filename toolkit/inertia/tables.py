@@ -72,7 +72,7 @@ def require_table(file: str, *, force: bool = False) -> Path:
     """Return the path of a table that can be written; raise `UsageError` where it cannot: see `require_writable`."""
     path = require_writable(file, *SUFFIXES, force=force)
     if path.suffix.lower() == ".parquet":
-        _pyarrow()
+        load_pyarrow()
     else:
         require_writable(_beside(path), force=force)
     return path
@@ -141,17 +141,18 @@ def _beside(path: Path) -> Path:
     return path.with_name(f"{path.name}.meta.json")
 
 
-def _pyarrow() -> Any:
+def load_pyarrow() -> Any:
+    """Return pyarrow, with its `parquet`; raise `UsageError` where it is not installed."""
     try:
         import pyarrow.parquet
     except ImportError:
-        raise UsageError("pyarrow is missing, which writes and reads Parquet: install inertia[parquet]") from None
+        raise UsageError("Parquet needs pyarrow: install it by pip install 'inertia[parquet]'") from None
     return pyarrow
 
 
 @contextmanager
 def _parquet(path: Path, columns: Sequence[Column], described: str) -> Iterator[Callable[[list[Any]], None]]:
-    pyarrow = _pyarrow()
+    pyarrow = load_pyarrow()
     schema = pyarrow.schema(
         [
             pyarrow.field(
@@ -187,7 +188,7 @@ def read_table(path: Path) -> tuple[dict[str, Any], Iterator[dict[str, Any]]]:
     """
     try:
         if path.suffix.lower() == ".parquet":
-            file = _pyarrow().parquet.ParquetFile(path)
+            file = load_pyarrow().parquet.ParquetFile(path)
             about = json.loads((file.schema_arrow.metadata or {})[b"inertia"])
             return about, (row for batch in file.iter_batches() for row in batch.to_pylist())
         about = json.loads(_beside(path).read_text(encoding="utf-8"))

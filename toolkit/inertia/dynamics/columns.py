@@ -18,8 +18,8 @@ from typing import Any
 import numpy as np
 
 from inertia.arrays import Float
-from inertia.errors import UsageError
 from inertia.output import require_writable, whole
+from inertia.tables import load_pyarrow
 
 FORMATS = (".csv", ".npz", ".parquet")
 
@@ -138,25 +138,15 @@ class Table:
     def to_parquet(self, path: str | os.PathLike[str], *, force: bool) -> None:
         """Write columns that have their units, without nulls; raises `UsageError` where pyarrow is not installed."""
         file = require_writable(path, ".parquet", force=force)
-        pa, parquet = pyarrow()
+        pa = load_pyarrow()
         columns = self.columns
         fields = [
             pa.field(name, pa.float64(), nullable=False, metadata={"unit": unit}) for name, (_, unit) in columns.items()
         ]
         schema = pa.schema(fields, metadata={"inertia": _json(self.about)})
-        with whole(file) as beside, parquet.ParquetWriter(beside, schema, use_dictionary=False) as writer:
+        with whole(file) as beside, pa.parquet.ParquetWriter(beside, schema, use_dictionary=False) as writer:
             for some in _blocks(columns):
                 writer.write_table(pa.table([pa.array(np.ascontiguousarray(each)) for each in some], schema=schema))
-
-
-def pyarrow() -> tuple[Any, Any]:
-    """Return pyarrow and its module for Parquet; raise `UsageError` where it is not installed."""
-    try:
-        import pyarrow
-        import pyarrow.parquet
-    except ImportError:
-        raise UsageError("Parquet needs pyarrow: install it by pip install 'inertia[parquet]'") from None
-    return pyarrow, pyarrow.parquet
 
 
 def _labels(name: str, shape: tuple[int, ...]) -> list[str]:

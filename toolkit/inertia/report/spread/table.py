@@ -7,7 +7,7 @@ from pathlib import Path
 
 from inertia.dynamics.spread.ensemble import Ensemble
 from inertia.output import whole, write_whole
-from inertia.tables import csv_text
+from inertia.tables import csv_text, load_pyarrow
 
 SUFFIXES = (".csv", ".parquet")
 
@@ -16,12 +16,10 @@ def write_table(ensemble: Ensemble, path: Path) -> None:
     """Write the table of an ensemble; what a draw does not have stays empty."""
     columns = ensemble.columns()
     if path.suffix.lower() == ".parquet":
-        import pyarrow as pa
-        import pyarrow.parquet as pq
-
+        pa = load_pyarrow()
         table = pa.table({name: pa.array(values, from_pandas=True) for name, values in columns.items()})
         with whole(path) as beside:
-            pq.write_table(table, beside)
+            pa.parquet.write_table(table, beside)
         return
     lists = [values if isinstance(values, list) else values.tolist() for values in columns.values()]
     rows = ([_cell(value) for value in row] for row in zip(*lists, strict=True))
