@@ -59,7 +59,7 @@ class FixedStep(Integrator):
         least = rounding(fine.angular_velocity, time[-1] - problem.start)
         if apart < 10.0 * least * np.sqrt(fine.steps):
             apart = max(apart, fine.apart(self.run(problem, time, control, 2)))
-            least += 2.0 * apart + float(4.0 * EPS * np.sqrt(fine.steps))  # of each step, at random
+            least += 2.0 * apart + float(8.0 * EPS * np.sqrt(fine.steps))  # of each step, at random
         return fine, 2.0 * problem.caution * apart / min((4.0 / 3.0) ** self.order - 1.0, 1.0) + least
 
 
