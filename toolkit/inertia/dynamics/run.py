@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import hashlib
 import math
 import os
 from collections.abc import Callable, Mapping
@@ -15,7 +14,6 @@ from numpy.typing import ArrayLike
 
 from inertia import __version__
 from inertia.arrays import Float, Int
-from inertia.dynamics.columns import Table
 from inertia.dynamics.kinematics import quaternion
 from inertia.dynamics.kinematics.andoyer import Andoyer, to_andoyer
 from inertia.dynamics.kinematics.canonical import momenta
@@ -24,11 +22,12 @@ from inertia.dynamics.motion import Event, Motion
 from inertia.dynamics.plan import Plan
 from inertia.dynamics.scene.document import Scene
 from inertia.errors import GeometryError, UsageError, visible
-from inertia.plotting import quiet_matplotlib, require_matplotlib
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
+
+    from inertia.dynamics.columns import Table
 
 _PAIRS = ("turning theta", "steady precession, slow and fast")
 """Quantities that are two numbers, however many samples there are."""
@@ -217,6 +216,7 @@ class Run:
         Raises `UsageError` where a kind does not suit the run, or matplotlib is not installed.
         """
         from inertia.dynamics.plots.kinds import draw
+        from inertia.plotting import quiet_matplotlib, require_matplotlib
 
         require_matplotlib()
         with quiet_matplotlib():
@@ -258,6 +258,10 @@ class Run:
 
     def _table(self) -> Table:
         """Return what goes with the time, and what it is of."""
+        import hashlib
+
+        from inertia.dynamics.columns import Table
+
         scene, body = self.scene, self.scene.body
         series = {name: getattr(self, name) for name in _SERIES if getattr(self, name) is not None} | self.series
         text = scene.source_text
