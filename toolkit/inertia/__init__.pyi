@@ -95,6 +95,8 @@ from inertia.dynamics.simulate import simulate as simulate
 from inertia.dynamics.spread.ensemble import ensemble as ensemble
 from inertia.dynamics.spread.ensemble import Ensemble as Ensemble
 from inertia.dynamics.run import Run as Run
+from inertia.dynamics.sensitivity import sensitivity as sensitivity
+from inertia.dynamics.sensitivity import Sensitivity as Sensitivity
 from inertia.recording.record import record as record
 
 # The models by themselves, as functions of arrays.
