@@ -61,7 +61,7 @@ class Sensitivity:
         """
         columns = np.column_stack([np.zeros(3), self.mass, self.center_of_mass, self.inertia])
         variance = np.einsum("ik,kl,il->i", columns, covariance, columns)
-        return np.sqrt(np.maximum(variance, 0.0))
+        return np.asarray(np.sqrt(np.maximum(variance, 0.0)))
 
 
 def sensitivity(run: Run | Scene) -> Sensitivity:
