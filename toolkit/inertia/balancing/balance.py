@@ -11,6 +11,7 @@ from dataclasses import dataclass, replace
 from functools import reduce
 from operator import add
 from time import thread_time
+from typing import Literal
 
 import numpy as np
 
@@ -108,6 +109,11 @@ class Balance:
     tilt: Tilt
     scatter: Scatter
     notes: tuple[str, ...]
+
+    @property
+    def origin(self) -> Literal["modelled", "measured"]:
+        """How the rotor's own unbalance is known: from its meshes, or as a machine showed it."""
+        return "measured" if any(k.source == "measurement" for k in self.initial.uncertainties) else "modelled"
 
     @property
     def shaft(self) -> Shaft:
@@ -434,7 +440,8 @@ def _notes(rotor: Rotor, bodies: Sequence[RotorBody], measured: bool) -> list[st
         if body.analysis.density_from == "assumed"
     ]
     notes += [f"{body.name}: {note}" for body in bodies for note in body.analysis.notes]
-    notes += [note for body in bodies for note in _facet_notes(rotor, body)]
+    if not measured:  # of a measured rotor the facets tell nothing
+        notes += [note for body in bodies for note in _facet_notes(rotor, body)]
     if not rotor.radial_uncertainty and not measured:
         notes.append("the axis is taken as exact, as no radial_uncertainty is given")
     if rotor.fields.service.critical_rpm is None:

@@ -161,7 +161,7 @@ def _summary(balance: Balance, speed: float, notes: Iterable[str]) -> str:
 def _verdict(balance: Balance) -> Iterator[str]:
     yield f"**{markdown(Path(balance.rotor.name).name)}: {balance.verdict.outcome.upper()}**"
     if balance.verdict.outcome != balance.initial_verdict.outcome:
-        yield f"after correction, {balance.initial_verdict.outcome.upper()} as modelled."
+        yield f"after correction, {balance.initial_verdict.outcome.upper()} as {balance.origin}."
     yield f"{balance.tolerance.standard}. {' '.join(sentence(each) for each in balance.verdict.why)}"
 
 
@@ -175,7 +175,7 @@ def _planes(balance: Balance) -> Iterator[str]:
     if not balance.planes:
         return
     corrected = balance.correction is not None
-    yield f"| Correction plane | As modelled |{' Corrected |' if corrected else ''}"
+    yield f"| Correction plane | As {balance.origin} |{' Corrected |' if corrected else ''}"
     yield f"|-|-|{'-|' if corrected else ''}"
     for plane in balance.planes:
         after = f" {_polar(plane.residual)} |" if corrected else ""
@@ -183,7 +183,7 @@ def _planes(balance: Balance) -> Iterator[str]:
 
 
 def _bearings(balance: Balance) -> Iterator[str]:
-    states: list[tuple[str, Unbalance]] = [("as modelled", balance.initial)]
+    states: list[tuple[str, Unbalance]] = [(f"as {balance.origin}", balance.initial)]
     if balance.correction is not None:
         states.append(("corrected", balance.residual))
     yield f"| Bearing | Permissible | {' | '.join(f'Force {name}' for name, _ in states)} |"

@@ -289,9 +289,14 @@ class ReportData:
         return self.head.part or Path(self.rotor).stem
 
     @property
+    def origin(self) -> str:
+        """How the rotor's own unbalance is known: "modelled" from its meshes, or "measured" by a machine."""
+        return "measured" if "measurement" in self.initial.bearing_bounds[0] else "modelled"
+
+    @property
     def basis(self) -> str:
         """What the unbalance comes from: meshes, or a machine."""
-        if "measurement" in self.initial.bearing_bounds[0]:
+        if self.origin == "measured":
             return "unbalance as measured – what the corrections do is predicted"
         return "predicted from geometry – not a measurement"
 

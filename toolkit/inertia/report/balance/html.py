@@ -162,7 +162,8 @@ def _service_facts(data: ReportData) -> Iterator[tuple[str, str]]:
     yield "Axis", data.axis.obtained
     for bearing, point in zip(data.bearings, (shaft.bearing_a, shaft.bearing_b), strict=True):
         yield f"Bearing {bearing.name}", f"({_listed(MM * point)}) mm; z = {plain(bearing.z, 3)} mm"
-    yield "Known to", f"{plain(radius, 4)} mm about each bearing centre" if radius else "taken as exact"
+    if data.origin == "modelled":
+        yield "Known to", f"{plain(radius, 4)} mm about each bearing centre" if radius else "taken as exact"
     yield "Key convention", "; ".join(_keys(data)) or "no keys"
     yield "Speed", f"{plain(service.rpm, 2)} r/min"
     if service.run_up is not None:
@@ -182,9 +183,10 @@ def _notes(data: ReportData) -> Iterator[str]:
     if data.corrected:
         yield f"correction: {data.ending}"
     if data.verdict.share:
+        inputs = "the measurement" if data.origin == "measured" else "axis, tessellation, densities"
         yield (
-            f"the share of parts within tolerance is that of {data.scatter.draws} draws over axis, tessellation, "
-            "densities and the shop's tolerances"
+            f"the share of parts within tolerance is that of {data.scatter.draws} draws over {inputs} and the shop's "
+            "tolerances"
         )
     for candidate in data.axis.candidates:
         a, b = (_listed(MM * point) for point in (candidate.bearing_a, candidate.bearing_b))

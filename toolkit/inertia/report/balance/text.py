@@ -112,7 +112,7 @@ def _cleared(value: complex, bounds: Mapping[Source, float]) -> complex:
 
 def _planes(data: ReportData) -> Iterator[str]:
     """Yield the table: tolerance planes with limits and forces, then correction planes."""
-    states = {"modelled": data.initial}
+    states = {data.origin: data.initial}
     if data.corrected:
         states["corrected"] = data.residual
     head = f"{'Plane':<{_ID}}{'z, mm':>9}{'limit, g·mm':>13}"
@@ -130,7 +130,7 @@ def _planes(data: ReportData) -> Iterator[str]:
         yield f"{plane.id:<{_ID}}{fixed(plane.z, 2):>9}{'':>13}{''.join(cells)}".rstrip()
     if data.service.run_up is not None:
         a, b = map(significant, data.initial.forces_running_up)
-        yield f"While it still runs up, as modelled: A {a} N, B {b} N"
+        yield f"While it still runs up, as {data.origin}: A {a} N, B {b} N"
 
 
 def _cell(vector: complex, force: str) -> str:
@@ -189,7 +189,7 @@ def _candidates(data: ReportData) -> Iterator[str]:
 
 
 def _closing(data: ReportData) -> Iterator[str]:
-    grades = [f"{significant(data.initial.grade)} as modelled"]
+    grades = [f"{significant(data.initial.grade)} as {data.origin}"]
     if data.corrected:
         grades.append(f"{significant(data.residual.grade)} as corrected")
     yield row("Achieved", f"balance quality grade G {', '.join(grades)} (mm/s)")
@@ -197,7 +197,7 @@ def _closing(data: ReportData) -> Iterator[str]:
     for sentence in data.verdict.why:
         yield from wrapped("", sentence)
     if data.operations:
-        yield row("", f"as modelled, before any correction: {data.initial.outcome.upper()}")
+        yield row("", f"as {data.origin}, before any correction: {data.initial.outcome.upper()}")
     for k, note in enumerate(data.notes):
         yield from wrapped("" if k else "Notes", note)
 
