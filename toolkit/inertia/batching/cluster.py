@@ -35,16 +35,18 @@ class Cluster:
 
     def __init__(self, setup: Setup, address: str, jobs: int) -> None:
         try:
+            import dask
             import distributed
         except ImportError:
             raise UsageError("Dask is not installed: run pip install 'inertia[dask]'") from None
         self._setup, self._packed = setup, pickle.dumps(setup)
         self._bundle: list[tuple[int, Task]] = []
-        self._size = _FIRST
+        self._size: int | None = None
         self._sent: dict[str, tuple[Any, list[tuple[int, Task]]]] = {}
         with ExitStack() as stack:
             scheduler: Any = address
             if address == "local":
+                stack.enter_context(dask.config.set({"distributed.worker.profile.enabled": False}))
                 scheduler = stack.enter_context(
                     distributed.LocalCluster(
                         n_workers=1, threads_per_worker=jobs, processes=False, dashboard_address=None, silence_logs=50
@@ -55,19 +57,21 @@ class Cluster:
             except (OSError, ValueError) as error:
                 raise UsageError(f"no Dask scheduler answers at {visible(address)}: {error}") from None
             self._client = stack.enter_context(client)
+            self._threads: int = max(1, sum(client.nthreads().values()))
             self._done = distributed.as_completed(loop=client.loop, with_results=True, raise_errors=False)
             self._stack = stack.pop_all()
 
     @property
     def window(self) -> int:
-        """Files that are under way at most: enough for all threads there are."""
-        threads: int = sum(self._client.nthreads().values())
-        return max(4096, 64 * threads)
+        """Files that are under way at most: enough for all threads there are, and few until it is known how long."""
+        if self._size is None:
+            return 2 * self._threads * _FIRST
+        return max(4096, 4 * self._threads * self._size)
 
     def submit(self, number: int, task: Task) -> None:
         """Have a file answered for."""
         self._bundle.append((number, task))
-        if len(self._bundle) >= self._size:
+        if len(self._bundle) >= (self._size or _FIRST):
             self._send()
 
     def results(self) -> list[tuple[int, Answer]]:
@@ -87,6 +91,7 @@ class Cluster:
                     answers += [(number, self._crashed(task, future)) for number, task in bundle]
         seconds = sum(answer.row["seconds"] or 0.0 for _, answer in answers)
         self._size = max(1, min(_MOST, int(_BUNDLE * len(answers) / (seconds + 1e-9))))
+        self._threads = max(1, sum(self._client.nthreads().values()))
         return answers
 
     def close(self) -> None:

@@ -239,22 +239,19 @@ def in_order(tasks: Iterable[Task | Answer], engine: Callable[[], Engine]) -> Ge
     first = last = 0
     with ExitStack() as stack:
         at_work: Engine | None = None
-        window = 0
         for task in chain(tasks, [None]):
             if isinstance(task, Answer):
                 ready[last] = task
             elif task is not None:
                 if at_work is None:
                     at_work = stack.enter_context(closing(engine()))
-                    window = at_work.window
                 at_work.submit(last, task)
             last += task is not None
             while first < last:
                 if first in ready:
                     yield ready.pop(first)
                     first += 1
-                elif task is None or last - first >= window:
-                    assert at_work is not None
+                elif at_work is not None and (task is None or last - first >= at_work.window):
                     ready.update(at_work.results())
                 else:
                     break

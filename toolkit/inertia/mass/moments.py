@@ -12,7 +12,8 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from fractions import Fraction
-from math import ceil, isqrt
+from functools import cached_property
+from math import isqrt, lcm
 
 from inertia.arrays import Float
 
@@ -49,7 +50,7 @@ class Moments:
     second_bound: Six = (ZERO, ZERO, ZERO, ZERO, ZERO, ZERO)
     norms: tuple[Fraction, Fraction] | None = None
 
-    @property
+    @cached_property
     def error_norms(self) -> tuple[Fraction, Fraction]:
         """Bounds on the norms of the errors of `first` and of the inertia tensor; see `norms`."""
         elements = norm_above(self.first_bound), inertia_bound(self.second_bound)
@@ -241,13 +242,19 @@ class Moments:
         The central moments are s − f fᵀ/v. With c = f̂/v̂ and ε the bound on c, f fᵀ/v moves by at most
         |c| B_f + B_f |c|ᵀ + |c||c|ᵀ B_v + ε εᵀ |v| (expand about c; the last term is of second order).
         """
+        return self._central
+
+    @cached_property
+    def _central(self) -> Moments:
         v, vb = self.zeroth, self.zeroth_bound
         least = abs(v) - vb
         if least <= 0:
             raise ZeroDivisionError
         c = [f / v for f in self.first]
         fb = self.first_bound
-        eps = [(b + abs(k) * vb) / least for k, b in zip(c, fb, strict=True)]
+        far_along = [abs(k) for k in c]
+        off_along = [b + k * vb for k, b in zip(far_along, fb, strict=True)]  # ε times `least`
+        weight = (abs(v) + vb) / least**2
         norms = None
         if self.norms is not None:
             far, (first, tensor) = norm_above(c), self.error_norms
@@ -262,10 +269,9 @@ class Moments:
             (ZERO, ZERO, ZERO),
             six(
                 self.second_bound[k]
-                + abs(c[i]) * fb[j]
-                + abs(c[j]) * fb[i]
-                + abs(c[i] * c[j]) * vb
-                + eps[i] * eps[j] * (abs(v) + vb)
+                + far_along[i] * fb[j]
+                + far_along[j] * off_along[i]
+                + off_along[i] * off_along[j] * weight
                 for k, (i, j) in enumerate(PAIRS)
             ),
             norms,
@@ -298,7 +304,9 @@ def inertia_bound(bound: Six) -> Fraction:
 
 def norm_above(values: Iterable[Fraction]) -> Fraction:
     """Return a rational at least as large as the root of the sum of the squares, by at most a part in 2⁶⁰."""
-    return root_above(sum((k * k for k in values), ZERO))
+    pairs = [(k.numerator, k.denominator) for k in values]
+    common = lcm(*(d for _, d in pairs))
+    return root_above(Fraction(sum((n * (common // d)) ** 2 for n, d in pairs), common * common))
 
 
 def root_above(square: Fraction) -> Fraction:
@@ -313,8 +321,11 @@ def root_above(square: Fraction) -> Fraction:
 
 def _rounded_up(bound: Fraction) -> Fraction:
     """Return a short rational at least as large, by at most a part in 2⁶³: long ones make all that follows slow."""
-    unit = _last_bit(bound)
-    return ceil(bound / unit) * unit
+    n, d = bound.numerator, bound.denominator
+    last = n.bit_length() - d.bit_length() - 64
+    if last >= 0:
+        return Fraction(-(-n // (d << last)) << last)
+    return Fraction(-((-n << -last) // d), 1 << -last)
 
 
 def nearby(value: Fraction) -> Fraction:

@@ -88,10 +88,11 @@ def crossings(
         runs = vectorised_crossings(a)
     pairs, points, total = np.empty((0, 2), np.int64), np.empty((0, 3)), 0
     for crossed, places, done in runs:
-        total += len(crossed)
-        pairs, points = np.vstack([pairs, crossed]), np.vstack([points, places])
-        first = np.lexsort(pairs.T[::-1])[:limit]
-        pairs, points = pairs[first], points[first]
+        if len(crossed):
+            total += len(crossed)
+            pairs, points = np.vstack([pairs, crossed]), np.vstack([points, places])
+            first = np.lexsort(pairs.T[::-1])[:limit]
+            pairs, points = pairs[first], points[first]
         if progress is not None:
             progress(done)
     return Crossings(pairs, points, total, total > len(pairs))
@@ -143,6 +144,9 @@ def compiled_crossings(triangles: Triangles) -> Crossed:
         COMPILED.function(*tables, _address(pairs), _CROSSED, _STEPS, _address(state))
         done = float(state[2] / count) if state[0] else 1.0
         crossed = pairs[: state[1]]
+        if not len(crossed):
+            yield crossed, np.empty((0, 3)), done
+            continue
         vertices, faces = merge_equal_vertices(triangles.select(crossed.ravel()))
         which, places = crossing(vertices, faces[0::2], faces[1::2])
         yield crossed[which], places, done
