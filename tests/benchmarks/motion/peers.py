@@ -125,7 +125,7 @@ def mujoco(integrator: str) -> Callable[[Motion, float, float], Callable[[], Any
 
         mujoco.set_mju_user_warning(_ignore)  # an unstable run has an error that says so
         steps = int(np.ceil(duration * float(np.linalg.norm(motion.spin)) / setting))
-        model = mujoco.MjModel.from_xml_string(_model(motion, integrator))
+        model = mujoco.MjModel.from_xml_string(model_of(motion, integrator))
         model.opt.timestep = duration / steps
         data = mujoco.MjData(model)
 
@@ -144,7 +144,7 @@ def _ignore(message: str) -> None:
     """Keep a warning out of the log file that MuJoCo would write."""
 
 
-def _model(motion: Motion, integrator: str) -> str:
+def model_of(motion: Motion, integrator: str) -> str:
     """Return the body in MuJoCo's language; its tensor is about the centre of mass (Steiner)."""
     mass, offset, gravity = 1.0, np.zeros(3), (0.0, 0.0, 0.0)
     if motion.weight:

@@ -1,6 +1,8 @@
 """Ensembles of scenes: draws, sweeps, percentiles and what drives them, against closed forms."""
 
 import math
+import multiprocessing
+import os
 from dataclasses import replace
 from typing import Any
 
@@ -8,7 +10,7 @@ import numpy as np
 import pytest
 from tests.dynamics.oracle import rotate
 
-from inertia import Estimate, GeometryError, Scene, SceneBody, UsageError, ensemble, simulate
+from inertia import Estimate, GeometryError, Scene, SceneBody, Torque, UsageError, ensemble, simulate
 from inertia.documents import FieldError
 from inertia_meshes import path
 
@@ -237,3 +239,24 @@ def test_scenes_of_every_kind_have_a_spread(name: str) -> None:
     assert spread.followed.all()
     assert np.isfinite(spread.percentiles("deviation")).all()
     assert set(spread.models) == {spread.nominal.model}
+
+
+def test_a_dask_cluster_gives_the_same_draws() -> None:
+    distributed = pytest.importorskip("distributed")
+    scene, vary = Scene.from_dict(TOP), {"body.mass": "±1%"}
+    with distributed.LocalCluster(
+        n_workers=1, threads_per_worker=1, processes=False, dashboard_address=None, silence_logs=50
+    ) as cluster:
+        shares: list[float] = []
+        there = ensemble(scene, vary, 20, samples=3, dask=cluster.scheduler_address, progress=shares.append)
+    here = ensemble(scene, vary, 20, samples=3, jobs=1)
+    assert shares == [1.0]
+    for name, rows in here.quantities.items():
+        assert rows.tolist() == there.quantities[name].tolist()
+
+
+def test_a_worker_that_is_ended_is_an_error_that_says_so() -> None:
+    scene = Scene.from_dict(TOP | {"load": [], "constraint": {"kind": "free"}, "run": {"duration": 0.01}})
+    ends = Torque(lambda time, attitude, omega: os._exit(9) if multiprocessing.parent_process() else np.zeros(3))
+    with pytest.raises(GeometryError, match="a process that followed draws was ended"):
+        ensemble(replace(scene, applied_loads=(ends,)), {"body.mass": "±1%"}, 12, samples=2, jobs=2)

@@ -113,13 +113,13 @@ def solve_bodies(bodies: Bodies, time: Float, accuracy: float) -> tuple[Float, F
     count, duration = len(bodies.moments), float(time[-1])
     attitude, spin = np.full((count, len(time), 4), np.nan), np.full((count, len(time), 3), np.nan)
     reached = np.full(count, np.inf)
-    phase = 1.0 + float(bodies.rates.max()) * duration
-    control = min(max(accuracy / (30.0 * phase), _METHOD.tightest), 1e-3)
+    control = first_tolerance(bodies, time, accuracy)
     left = np.arange(count)
     for _ in range(_ATTEMPTS):
         some = bodies.some(left)
         runs = [
-            _run(some.aside(level) if level else some, time, _METHOD.tolerance(control, level)) for level in range(3)
+            follow_bodies(some.aside(level) if level else some, time, _METHOD.tolerance(control, level))
+            for level in range(3)
         ]
         error = _estimate(runs, duration)
         better = error < reached[left]
@@ -132,6 +132,12 @@ def solve_bodies(bodies: Bodies, time: Float, accuracy: float) -> tuple[Float, F
     return attitude, spin, reached
 
 
+def first_tolerance(bodies: Bodies, time: Float, accuracy: float) -> float:
+    """Return the tolerance at which an accuracy in rad is probably reached, as `error_control.Adaptive.first`."""
+    phase = 1.0 + float(bodies.rates.max(initial=0.0)) * float(time[-1])
+    return min(max(accuracy / (30.0 * phase), _METHOD.tightest), 1e-3)
+
+
 def _estimate(runs: list[tuple[Float, Float]], duration: float) -> Float:
     """Return the error (m,) of the first of three runs, as `error_control.Adaptive.solve` does."""
     near, far = (quaternion.angle_between(one[0], other[0]).max(axis=1) for one, other in pairwise(runs))
@@ -141,7 +147,7 @@ def _estimate(runs: list[tuple[Float, Float]], duration: float) -> Float:
     return np.where(np.isfinite(error), error, np.inf)
 
 
-def _run(bodies: Bodies, time: Float, tolerance: float) -> tuple[Float, Float]:
+def follow_bodies(bodies: Bodies, time: Float, tolerance: float) -> tuple[Float, Float]:
     """Return attitudes (m, n, 4) and spins (m, n, 3); not numbers where a body is lost."""
     order, rates = order_of(tolerance), bodies.rates
     numbers = np.ascontiguousarray(bodies.numbers(rates))

@@ -139,6 +139,7 @@ def minus(s, table, a, m, b, k):
 def expand(table, work, force, vectors, squares, order):
     """Fill the series of q (rows 0 … 3), ω (4 … 6) and the vectors in the body (7 …) from their first coefficients on.
 
+    The products of q and Ω are summed in two loops, so that the sums of each stay in the registers of AVX2.
     `work` holds 1/I (rows 0 … 2), Euler's coefficients (3 … 5), damping/I (6 … 8) and the constant torque/I (9 … 11);
     `force` of each vector its matrix over I (rows 0 … 8) and the differences of its squares over I (9 … 11).
     """
@@ -153,10 +154,13 @@ def expand(table, work, force, vectors, squares, order):
             y = plus(y, table, 3, m, 5, k)
             z = plus(z, table, 3, m, 6, k)
             w = minus(w, table, 0, m, 4, k)
+            c = minus(plus(c, table, 0, m, 5, k), table, 1, m, 4, k)
+            d = plus(d, table, 1, m, 5, k)
+        for m in range(np.uint64(0), last + np.uint64(1)):
+            k = last - m
             a = minus(plus(a, table, 1, m, 6, k), table, 2, m, 5, k)
             b = minus(plus(b, table, 2, m, 4, k), table, 0, m, 6, k)
-            c = minus(plus(c, table, 0, m, 5, k), table, 1, m, 4, k)
-            d = plus(plus(d, table, 1, m, 5, k), table, 2, m, 6, k)
+            d = plus(d, table, 2, m, 6, k)
             e = plus(e, table, 5, m, 6, k)
             f = plus(f, table, 6, m, 4, k)
             g = plus(g, table, 4, m, 5, k)

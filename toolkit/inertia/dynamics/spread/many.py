@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from inertia.arrays import Bool, Float
 from inertia.documents import LARGEST, SMALLEST
-from inertia.dynamics.integrators.lanes import Bodies, fits, solve_bodies
+from inertia.dynamics.integrators.lanes import Bodies, first_tolerance, fits, follow_bodies, solve_bodies
 from inertia.dynamics.integrators.terms import Terms
 from inertia.dynamics.kinematics import quaternion
 from inertia.dynamics.loads.gravity import Gravity
@@ -24,6 +24,7 @@ from inertia.dynamics.loads.load import Load
 from inertia.dynamics.models.free.flips import first_flip, flip_period
 from inertia.dynamics.models.free.motion import MOST_EVENTS, free_ensemble, rounding
 from inertia.dynamics.models.model import Problem
+from inertia.dynamics.models.rational import rounded
 from inertia.dynamics.run import Run
 from inertia.dynamics.scene.document import Scene
 from inertia.dynamics.spread.fields import changed
@@ -107,12 +108,12 @@ def follow_many(scene: Scene, paths: tuple[str, ...], values: Float, method: str
     draws = _Draws.of(scene, paths, values)
     time = np.linspace(0.0, scene.run.duration, scene.run.samples)
     follow = _free if method == "free" else _loaded
-    rows, attitude, spin, reached, loads = follow(scene, paths, values, draws, time)
+    rows, attitude, spin, reached, loads = follow(scene, paths, values, draws, time, True)
     some = draws.some(rows)
     states = _states(some, attitude, spin, loads, energy)
     if not draws.exact:
         aside = _Draws.of(scene, paths, values, aside=True).some(rows)
-        every, moved, turned, _, _ = follow(scene, paths, values[rows], aside, time)
+        every, moved, turned, _, _ = follow(scene, paths, values[rows], aside, time, False)
         off = np.full(len(rows), np.inf)
         there = _states(aside.some(every), moved, turned, [], False).attitude
         off[every] = quaternion.angle_between(there, states.attitude[every]).max(axis=1)
@@ -132,7 +133,9 @@ _Followed = tuple[NDArray[np.intp], Float, Float, Float, list[tuple[Load, ...]]]
 """Draws (m,), attitudes (m, n, 4) and spins (m, n, 3) of the principal axes, errors (m,) in rad, and loads."""
 
 
-def _free(scene: Scene, paths: tuple[str, ...], values: Float, draws: _Draws, time: Float) -> _Followed:
+def _free(
+    scene: Scene, paths: tuple[str, ...], values: Float, draws: _Draws, time: Float, estimated: bool
+) -> _Followed:
     """Follow bodies that nothing turns, by their closed forms."""
     rows = np.flatnonzero(draws.sound)
     some = draws.some(rows)
@@ -141,15 +144,21 @@ def _free(scene: Scene, paths: tuple[str, ...], values: Float, draws: _Draws, ti
     return rows, quaternion.multiply(some.attitude[:, None], relative), spin, reached, [()] * len(rows)
 
 
-def _loaded(scene: Scene, paths: tuple[str, ...], values: Float, draws: _Draws, time: Float) -> _Followed:
-    """Follow bodies under loads, by Taylor series."""
+def _loaded(
+    scene: Scene, paths: tuple[str, ...], values: Float, draws: _Draws, time: Float, estimated: bool
+) -> _Followed:
+    """Follow bodies under loads, by Taylor series; where the error need not be `estimated`, once only."""
     terms, every = _terms(scene, paths, values, draws)
     rows = np.flatnonzero(draws.sound & np.isfinite(terms).all(axis=1))
     if not fits(terms[rows]):
         rows = rows[:0]
     some = draws.some(rows)
     bodies = Bodies(some.moments, some.attitude, some.spin, terms[rows])
-    return rows, *solve_bodies(bodies, time, scene.run.accuracy), [every[k] for k in rows]
+    acting = [every[k] for k in rows]
+    if estimated:
+        return rows, *solve_bodies(bodies, time, scene.run.accuracy), acting
+    tolerance = first_tolerance(bodies, time, scene.run.accuracy)
+    return rows, *follow_bodies(bodies, time, tolerance), np.zeros(len(rows)), acting
 
 
 def _states(draws: _Draws, attitude: Float, spin: Float, loads: list[tuple[Load, ...]], energy: bool) -> States:
@@ -242,6 +251,7 @@ class _Draws:
             spin = spin + _ASIDE * np.linalg.norm(spin, axis=1, keepdims=True) * (1.0, -1.0, 1.0)
         shapes = {name for name in columns if not name.startswith("start.")} - (set() if arm.any() else {"body.mass"})
         turned = bool(shapes) and (bool(arm.any()) or "body.inertia" in columns)
+        whole = not turned
         if turned:
             moments, axes = _principal(inertia, mass, arm, sound, _ASIDE if aside else 0.0)
         elif "body.principal_moments" in columns:
@@ -249,15 +259,15 @@ class _Draws:
         else:
             problem = Problem.of(scene)
             moments, axes = share[:, None] * problem.moments, np.tile(problem.axes, (count, 1, 1))
+            whole = bool((share == 1.0).all()) and not rounded(problem.exact.frame.values)[1].any()
             if aside:
                 moments = moments * (1.0 + _ASIDE / 4.0 * np.array((1.0, -1.0, 1.0)))
         along = np.einsum("mij,mi->mj", axes, spin)
         straight = scene.start.frame == "principal" and not turned and bool((axes[0] == body.axes).all())
         if straight:
             along = elsewhere
-        unscaled = body.properties is None or not {"body.mass", "body.density"} & columns.keys()
         unturned = scene.start.frame != "space" and bool((axes[0] == np.eye(3)).all())
-        exact = unscaled and not turned and (straight or unturned)
+        exact = whole and (straight or unturned)
         return cls(
             moments=moments,
             axes=axes,

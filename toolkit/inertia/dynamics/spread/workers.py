@@ -5,18 +5,26 @@ from __future__ import annotations
 import os
 import signal
 import time
+from collections import deque
 from collections.abc import Iterator
 from functools import partial
+from itertools import islice
+from typing import TYPE_CHECKING
 
 from inertia.arrays import Float, Progress
 from inertia.dynamics.spread.follow import Block, Task, follow
-from inertia.errors import UsageError
+from inertia.errors import GeometryError, Remedy, UsageError, visible
+
+if TYPE_CHECKING:
+    from concurrent.futures import Future
 
 _BLOCK = 2048
 """Draws that are followed together, at most."""
 
 _REPAYS = 3.0  # s of work that is left, from which on processes are started
 _SPAN = 0.5  # s that a block should take, so that progress is told and Ctrl-C is heard
+
+_PATIENCE = "10 s"  # for a scheduler to answer
 
 _task: Task | None = None  # of a worker
 
@@ -52,22 +60,33 @@ def _ahead(tell: Progress, done: float, share: float) -> None:
 
 def _by_processes(task: Task, values: Float, size: int, processes: int, tell: Progress) -> list[Block]:
     from concurrent.futures import ProcessPoolExecutor
+    from concurrent.futures.process import BrokenProcessPool
     from multiprocessing import get_context
 
     # A fork has the task as it is, with functions that cannot be pickled.
     context = get_context("fork" if hasattr(os, "fork") else "spawn")
-    blocks = []
+    blocks: list[Block] = []
     pool = ProcessPoolExecutor(processes, context, _begin, (task,))
     try:
-        for number, block in enumerate(pool.map(_follow, list(_pieces(values, size)))):
-            blocks.append(block)
-            tell(min(1.0, (number + 1) * size / len(values)))
+        waiting: deque[Future[Block]] = deque()
+        pieces = _pieces(values, size)
+        while len(blocks) * size < len(values):
+            waiting.extend(pool.submit(_follow, piece) for piece in islice(pieces, 2 * processes - len(waiting)))
+            blocks.append(waiting.popleft().result())
+            tell(min(1.0, len(blocks) * size / len(values)))
+    except BrokenProcessPool:
+        raise GeometryError(
+            "a process that followed draws was ended, by the system for its memory perhaps: ask for fewer ",
+            Remedy("ensemble", "jobs"),
+            ", or for fewer ",
+            Remedy("ensemble", "samples"),
+        ) from None
     except BaseException:
         for process in list((pool._processes or {}).values()):
-            process.terminate()
-        pool.shutdown(wait=False, cancel_futures=True)
+            process.terminate()  # they would finish their blocks first
         raise
-    pool.shutdown()
+    finally:
+        pool.shutdown()
     return blocks
 
 
@@ -89,10 +108,14 @@ def _by_dask(task: Task, values: Float, address: str, tell: Progress) -> list[Bl
         import distributed
     except ImportError:
         raise UsageError("Dask is not installed: run pip install 'inertia[dask]'") from None
-    with distributed.Client(address) as client:
+    try:
+        session = distributed.Client(address, timeout=_PATIENCE, set_as_default=False)
+    except (OSError, ValueError) as error:
+        raise UsageError(f"no Dask scheduler answers at {visible(address)}: {error}") from None
+    with session as client:
         shared = client.scatter(task, broadcast=True)
         futures = [client.submit(follow, shared, piece, pure=False) for piece in _pieces(values, _BLOCK)]
-        for number, _ in enumerate(distributed.as_completed(futures)):
+        for number, _ in enumerate(distributed.as_completed(futures, loop=client.loop)):
             tell((number + 1) / len(futures))
         blocks: list[Block] = client.gather(futures)
     return blocks
