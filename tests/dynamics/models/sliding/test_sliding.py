@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from tests.dynamics.extrapolation import follow
 
-from inertia import Run, Scene, UsageError, simulate
+from inertia import GeometryError, Run, Scene, UsageError, simulate
 from inertia.dynamics.kinematics import quaternion
 from inertia_meshes import path
 
@@ -248,10 +248,22 @@ def test_a_body_that_leaves_the_plane_says_when() -> None:
     assert start > before > 0 > after
     assert f"the normal force falls to zero at t = {event.time:.6g} s" in run.warnings[-1]
     assert not run_of().events
+    with pytest.raises(GeometryError, match=r"float64.*; the normal force falls to zero at t = "):
+        run_of(start={"angular_velocity": [80.0, 0.0, 0.0]}, run={"accuracy": 1e-14})
+
+
+def test_a_top_that_is_balanced_upright_is_not_foretold() -> None:
+    upright = {"attitude": [0.0, 0.0, 0.0, 1.0]}
+    with pytest.raises(GeometryError, match=r"centre of mass low, which is unstable above 31\.16 rad/s, and small"):
+        run_of(start=upright, run={"duration": 4.0})
+    slow = run_of(start=upright | {"angular_velocity": [0.0, 0.0, 25.0]})
+    np.testing.assert_allclose(slow.quantities["theta"], 0.0, atol=1e-12)
 
 
 def test_friction_that_jams_the_ball_is_refused() -> None:
-    with pytest.raises(Exception, match="jams the ball: no normal force keeps it on the plane"):
+    with pytest.raises(
+        Exception, match=r"the scene: run: the friction, 9, jams the ball: no normal force keeps it on the plane"
+    ):
         run_of(
             body={"principal_moments": [1e-9, 1e-9, 1e-9], "center_of_mass": [0.0, 0.012, -0.012]},
             start={"angular_velocity": [0.0, 0.0, 1.0], "velocity": [0.0, -5.0, 0.0], "attitude": [0, 0, 0, 1]},

@@ -155,6 +155,11 @@ class RotationProblem:
         return max(damped, float(np.sqrt(np.abs(pulls).max())))
 
     @property
+    def stable_step(self) -> float:
+        """The longest step in s over which an explicit method does not let errors grow that the equations damp."""
+        return np.inf
+
+    @property
     def carried(self) -> Float:
         """What is integrated beside (q, ω), (k,), at the start: nothing, but for problems with a `rhs` of their own."""
         return np.empty(0)

@@ -53,7 +53,10 @@ class SciPy(Adaptive):
 
         tolerance = self.tolerance(control, level)
         method, rhs, end = getattr(scipy.integrate, self.name), piece.rhs(), float(piece.targets[-1])
-        most = piece.problem.longest_step * piece.problem.rate
+        explicit = self.name == "DOP853"
+        longest = min(piece.problem.longest_step, piece.problem.stable_step if explicit else np.inf)
+        # Where this limit rules and not the tolerance, runs of two levels must differ all the same to be compared.
+        most = longest * piece.problem.rate * 10.0 ** ((level - 1) / ORDERS["DOP853"])
 
         def begin(time: float, state: Float, longest: float) -> Any:
             return method(rhs, time, state, end, rtol=tolerance, atol=tolerance, max_step=min(longest, most))

@@ -67,6 +67,14 @@ class SlidingBall(RotationProblem):
         return power_of_two(math.sqrt(square))
 
     @cached_property
+    def stable_step(self) -> float:
+        """5/λ in s, λ being the rate at which friction takes slip away where it is viscous: DOP853 is stable to 6/λ."""
+        reach = self.radius + float(np.linalg.norm(self.arm))
+        mobility = 1.0 / self.mass + reach**2 / float(self.moments.min())
+        decay = self.friction * -float(self.gravity[2]) * self.mass / self.slip_speed * mobility
+        return 5.0 / decay if decay else np.inf
+
+    @cached_property
     def unit(self) -> Float:
         """The units (12,) of the state: 1, the rate, R times the rate, R, and m R² times the square of the rate."""
         pace = self.radius * self.rate

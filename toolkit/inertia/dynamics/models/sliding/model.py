@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
+from contextlib import suppress
 from dataclasses import replace
 
 import numpy as np
@@ -20,6 +21,7 @@ _EVEN = 0.1  # part of the accuracy that what is left of symmetry may cost, for 
 _UPRIGHT = 1e-9  # rad between the plane's normal and gravity, below which the plane is level
 _GRID, _FINER = 2049, 65  # instants at which the normal force is looked at for its sign, and again about a change
 _GRID_TOLERANCE = 1e-9
+_BALANCED = 1e-3  # rad from the normal, within which a spin is balanced on it
 _REAL = 1e-9  # of the imaginary part of a root that is real
 _METHODS = ("DOP853", "LSODA", "Radau", "RK4")
 
@@ -57,7 +59,11 @@ class Sliding(Model):
             attitude, spin = states.attitude, states.angular_velocity
             leaves = _lift_off(ball, float(time[-1]))
         except (UsageError, GeometryError) as error:
-            raise placed(error, scene.name, FieldPath("run")) from None
+            why = _unstable(ball, problem.symmetric_about(_axis(ball))[1])
+            with suppress(GeometryError):
+                why = why or "".join(event.what for event in _lift_off(ball, float(time[-1])))
+            words = GeometryError(*error.words, f"; {why}", places=error.places) if why else error
+            raise placed(words, scene.name, FieldPath("run")) from None
         place, heat = states.carried[:, 2:4], states.carried[:, 4]
         arm = ball.contact(attitude)
         center = np.column_stack([place, -arm[:, 2]])
@@ -188,12 +194,10 @@ def _end(ball: SlidingBall, moments: Float, jellett: float) -> tuple[tuple[str, 
     λ² ((1 + α) I₃ − I₁) > m g R³ α I₃² (1 + α)⁴. Bou-Rabee, Marsden & Romero (2004), § 5; Cohen, Am. J. Phys. 45 (1977)
     12.
     """
-    axial, shape = float(moments[2]), float(moments[0] / moments[2])
-    offset = float(np.linalg.norm(ball.arm)) / ball.radius
-    weight = -ball.mass * float(ball.gravity[2]) * ball.radius * offset / axial
-    low, high = shape - (1.0 - offset), (1.0 + offset) - shape
-    below = f"below {(1.0 - offset) * math.sqrt(weight / low):.6g} rad/s" if low > 0 else "at any speed"
-    above = f"above {(1.0 + offset) * math.sqrt(weight / high):.6g} rad/s" if high > 0 else "at no speed"
+    axial, shape, offset, weight = _shape(ball, moments)
+    low, high = _thresholds(ball, moments)
+    below = f"below {low:.6g} rad/s" if low < math.inf else "at any speed"
+    above = f"above {high:.6g} rad/s" if high < math.inf else "at no speed"
     stable = f"Spinning about the vertical is stable {below} with the centre of mass low, and {above} with it high."
     spin = abs(jellett) / (ball.radius * axial)
     cosine = _least(shape, offset, 2.0 * weight / spin**2) if spin else 1.0
@@ -204,6 +208,38 @@ def _end(ball: SlidingBall, moments: Float, jellett: float) -> tuple[tuple[str, 
         how = f"goes round with its axis tilted by {math.degrees(math.acos(cosine)):.4g}°"
     least = f"Of the motions without slip that have its Jellett's integral, the one with the least energy {how}."
     return (stable, least), math.acos(cosine)
+
+
+def _shape(ball: SlidingBall, moments: Float) -> tuple[float, float, float, float]:
+    """Return I₃, I₁/I₃, α and m g R α/I₃."""
+    offset, axial = float(np.linalg.norm(ball.arm)) / ball.radius, float(moments[2])
+    weight = -ball.mass * float(ball.gravity[2]) * ball.radius * offset / axial
+    return axial, float(moments[0] / moments[2]), offset, weight
+
+
+def _thresholds(ball: SlidingBall, moments: Float) -> tuple[float, float]:
+    """Return the spins in rad/s below which upright is stable, and above which upside down is; infinite for none."""
+    _, shape, offset, weight = _shape(ball, moments)
+    low, high = shape - (1.0 - offset), (1.0 + offset) - shape
+    return (
+        (1.0 - offset) * math.sqrt(weight / low) if low > 0 else math.inf,
+        (1.0 + offset) * math.sqrt(weight / high) if high > 0 else math.inf,
+    )
+
+
+def _unstable(ball: SlidingBall, moments: Float) -> str:
+    """Say so where the start is so near an unstable spin about the normal that small errors decide what follows."""
+    axis = _axis(ball)
+    across, along = (float(part[0]) for part in _sides(quaternion.to_space(ball.attitude, axis)[None]))
+    low, high = _thresholds(ball, moments)
+    spin, upright = abs(float(ball.angular_velocity @ axis)), along > 0
+    if across > _BALANCED or not ball.arm.any() or (spin <= low if upright else spin >= high):
+        return ""
+    return (
+        f"the start is {across:.2g} rad from a spin with the centre of mass {'low' if upright else 'high'}, which is "
+        f"unstable {'above' if upright else 'below'} {low if upright else high:.4g} rad/s, and small errors grow: tilt "
+        "the axis more"
+    )
 
 
 def _least(shape: float, offset: float, pull: float) -> float:
