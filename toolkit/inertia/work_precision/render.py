@@ -52,7 +52,9 @@ def trade_document(trade: PartTrade | SceneTrade, *, wording: Wording = str) -> 
         "duration": trade.scene.run.duration,
         "samples": trade.scene.run.samples,
         **_head_document(trade),
-        "reference": trade.rows.index(trade.reference),
+        "reference": trade.rows.index(trade.reference) if trade.reference in trade.rows else None,
+        "reference_method": trade.reference.method,
+        "reference_error": trade.reference.estimate,
         **_rows_document(trade, [_scene_row_document(line, on_front=line in best) for line in trade.rows], wording),
     }
 
@@ -184,7 +186,8 @@ def _scene_head(trade: SceneTrade) -> Iterator[str]:
     yield from _machine(trade)
     yield from _paragraph("Time", "CPU time of the whole simulation with the estimate of its error, median of the runs")
     best = trade.reference
-    whose = f" for {best.asked[0]:g} rad, which its own estimate" if best.steps else ", which its bound"
+    whose = f" for {best.asked[0]:g} rad, which its own estimate" if best.asked else ", which a second run of it"
+    whose = whose if best.steps else ", which its bound"
     yield from _paragraph("Reference", f"{best.model}, {best.method}{whose} puts within {best.estimate:.2g} rad")
 
 
@@ -232,13 +235,19 @@ def _scene_table(trade: SceneTrade) -> Iterator[str]:
     def accuracy(line: SceneRow) -> str:
         return "" if len(line.asked) > 1 and not line.steps else f"{line.asked[-1]:g}"
 
+    def error(line: SceneRow) -> str:
+        if line.error is None:
+            return "–"
+        doubt = trade.reference.estimate
+        return f"{line.error:.1e}" if line.error >= doubt else f"<{doubt:.1e}"
+
     columns: list[_Column[SceneRow]] = [
         _Column("Method", 39, lambda line: line.method),
         _Column("rad", 7, accuracy),
         _Column("ms", 9, lambda line: _milliseconds(line.time.median)),
         _Column("runs", 5, lambda line: f"{line.time.runs}"),
         _Column("steps", 9, lambda line: f"{line.steps}"),
-        _Column("rad", 9, lambda line: "–" if line.error is None else f"{line.error:.1e}"),
+        _Column("rad", 9, error),
         _Column("estimate", 9, lambda line: f"{line.estimate:.1e}"),
         _Column("", 7, lambda line: "front" if line in best else ""),
         _Column("", 6, lambda line: "plan" if line.planned else ""),

@@ -2,14 +2,17 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, replace
 from functools import cached_property, partial
 
 import numpy as np
 
 from inertia.arrays import Progress
+from inertia.dynamics.integrators.heyoka_taylor import Quadruple, quadruple
 from inertia.dynamics.kinematics import quaternion
 from inertia.dynamics.models.model import Model
+from inertia.dynamics.models.stepped.model import EulerEquations
 from inertia.dynamics.plan import plan
 from inertia.dynamics.run import Run
 from inertia.dynamics.scene.document import Scene
@@ -21,8 +24,15 @@ from inertia.work_precision.stopwatch import Stopwatch, Timing
 LADDER = (1e-3, 1e-5, 1e-7, 1e-9, 1e-11, 1e-13)
 """The accuracies in rad that are gone through."""
 
-_PROBE = 32
-"""The first run of a method is of this part of the duration, and tells what all of it may take."""
+QUADRUPLE = "heyoka, in quadruple precision"
+"""What the reference is called that no row is."""
+
+_PROBES = (32, 4)
+"""The first run of a method is of this part of the duration, and tells what all of it may take; where that seems too
+long, a larger part is run, for which what is compiled repays."""
+
+_QUICK = 0.01
+"""s; what takes longer may be faster where it is compiled."""
 
 _PART = 4
 """No run may take more than this part of what is left of the budget."""
@@ -43,15 +53,19 @@ class _Measured:
     asked: tuple[float, ...]
     planned: bool
 
-    def row(self, standard: _Measured) -> SceneRow:
-        """Return the row of a run, whose error is the largest angle over the samples to a run that is the standard."""
+    def row(self, standard: _Measured | Quadruple) -> SceneRow:
+        """Return the row of a run, whose error is the largest angle over the samples to the standard."""
         run, error = self.run, None
-        if self is not standard:
-            error = float(np.max(quaternion.angle_between(run.attitude, standard.run.attitude)))
+        if isinstance(standard, Quadruple):
+            error, doubt = float(standard.apart(run.attitude).max()), standard.error
+        else:
+            doubt = standard.run.error.reached
+            if self is not standard:
+                error = float(np.max(quaternion.angle_between(run.attitude, standard.run.attitude)))
         return SceneRow(
             method=run.error.method,
             time=self.time,
-            reached=(error or 0.0) + standard.run.error.reached,
+            reached=(error or 0.0) + doubt,
             model=run.model,
             asked=self.asked,
             planned=self.planned,
@@ -67,7 +81,8 @@ def measure_scene(
     """Run a scene by every method for every accuracy in rad, the coarsest first, within the budget of a watch.
 
     What the planner selects comes before the others. The reference is the closed form where one serves the finest
-    accuracy, else the run with the least estimate of its error. Raises `GeometryError` where no method follows the
+    accuracy; else a run in quadruple precision, where heyoka is installed and the loads are polynomial; else the run
+    with the least estimate of its error. Raises `GeometryError` where no method follows the
     scene, `UsageError` where no run fits into the budget.
     """
     ascent = _Ascent(scene, ladder, watch)
@@ -79,8 +94,24 @@ def measure_scene(
         raise UsageError(f"{scene.name}: no run fits into the budget of {watch.budget:g} s: give a larger budget")
     closed = [item for item in runs if item.run.steps == 0 and ladder[-1] in item.asked]
     standard = min(closed or runs, key=lambda item: item.run.error.reached)
-    rows = tuple(item.row(standard) for item in runs)
-    return Measurement(rows, rows[runs.index(standard)], tuple(skipped))
+    seconds, finer = (0.0, None) if closed else watch.once(partial(_quadruple, standard.run))
+    rows = tuple(item.row(finer or standard) for item in runs)
+    reference = rows[runs.index(standard)]
+    if finer is not None:
+        time = Timing(seconds, seconds, seconds, 1)
+        reference = replace(
+            reference, method=QUADRUPLE, time=time, reached=finer.error, asked=(), estimate=finer.error, error=None
+        )
+    return Measurement(rows, reference, tuple(skipped))
+
+
+def _quadruple(run: Run) -> Quadruple | None:
+    """Return the attitudes of a run in quadruple precision; None where that cannot be had."""
+    candidate = run.plan.candidates[-1]
+    if not isinstance(candidate.model, EulerEquations):
+        return None
+    turn = quaternion.conjugate(quaternion.from_matrix(candidate.axes))
+    return quadruple(candidate.model.rotation(candidate), run.time, turn)
 
 
 class _Ascent:
@@ -149,18 +180,22 @@ class _Ascent:
 
     def _foreseen(self, method: str | None) -> float | None:
         """Return the seconds that the coarsest run may take, from the first part of it; None where it fails."""
-        run = self._scene.run
-        short = replace(run, duration=run.duration / _PROBE, samples=max(2, run.samples // _PROBE))
-        scene = self._asking(self._ladder[0], method)
-        settings = replace(scene.run, duration=short.duration, samples=short.samples)
-        simulated = partial(simulate, replace(scene, run=settings))
-        try:
-            self._watch.once(simulated)  # this one may compile something
-            seconds, first = self._watch.once(simulated)
-        except (GeometryError, UsageError) as fault:
-            self.skipped.append(Skipped(_called(method), _reason(fault)))
-            return None
-        return seconds * (_PROBE if first.steps else run.samples / short.samples)
+        run, seconds = self._scene.run, math.inf
+        for share in _PROBES:
+            samples = max(2, run.samples // share)
+            scene = self._asking(self._ladder[0], method)
+            settings = replace(scene.run, duration=run.duration / share, samples=samples)
+            simulated = partial(simulate, replace(scene, run=settings))
+            try:
+                self._watch.once(simulated)  # this one may compile something
+                spent, first = self._watch.once(simulated)
+            except (GeometryError, UsageError) as fault:
+                self.skipped.append(Skipped(_called(method), _reason(fault)))
+                return None
+            seconds = min(seconds, spent * (share if first.steps else run.samples / samples))
+            if seconds < _QUICK or not self._watch.affords(2 * _PART * seconds / _PROBES[-1]):
+                break
+        return seconds
 
 
 def _reason(fault: GeometryError | UsageError) -> str:

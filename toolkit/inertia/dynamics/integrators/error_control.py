@@ -96,6 +96,17 @@ class Adaptive(Integrator):
         return max(control * 10.0**level, level * self.coarsest)
 
 
+def walk(problem: RotationProblem, states: States, length: float) -> float:
+    """Return the angle in rad that rounding costs over `length` s, ε (2 + θ (2 + √n/2)) + θ δ.
+
+    θ bounds the angle turned through, n is the number of steps, whose rounding errors walk at random, and δ the
+    relative drift of what the loads keep, which tells whether they walk in one direction.
+    """
+    turned = float(np.linalg.norm(states.angular_velocity, axis=1).max()) * length
+    at_random = float(EPS * (2.0 + turned * (2.0 + 0.5 * np.sqrt(states.steps))))
+    return at_random + turned * problem.drift(states.attitude, states.angular_velocity)
+
+
 def rounding(spin: Float, length: float) -> float:
     """Return the angle in rad that rounding alone costs over `length` s at `spin` (…, 3): 2 ε a radian, and 2 ε."""
     return float(2.0 * EPS * (1.0 + np.linalg.norm(spin, axis=-1).max() * length))

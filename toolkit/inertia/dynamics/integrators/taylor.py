@@ -16,8 +16,8 @@ import math
 import numpy as np
 
 from inertia.arrays import Float
-from inertia.dynamics.integrators.error_control import Adaptive
-from inertia.dynamics.integrators.loop import EPS, Call, Piece, States, Stepper, Units
+from inertia.dynamics.integrators.error_control import Adaptive, walk
+from inertia.dynamics.integrators.loop import Call, Piece, States, Stepper, Units
 from inertia.dynamics.integrators.rotation import RotationProblem
 from inertia.dynamics.integrators.terms import HEAD, VECTOR
 from inertia.dynamics.kinematics import quaternion
@@ -46,17 +46,13 @@ class Taylor(Adaptive):
     aside = 0.5
 
     def solve(self, problem: RotationProblem, time: Float, control: float) -> tuple[States, float]:
-        """Return the run at `control` and the estimate 2 max(d₁, d₂/10) + ε (2 + θ (2 + √n/2)) + θ δ.
+        """Return the run at `control`, and 2 max(d₁, d₂/10) and what rounding costs (`walk`) as the estimate.
 
-        d₁, d₂ are the distances to runs at ten and a hundred times the tolerance, θ bounds the angle turned through, n
-        is the number of steps, whose rounding errors walk at random, and δ the relative drift of what the loads keep,
-        which tells whether they walk in one direction.
+        d₁, d₂ are the distances of runs, each of which has ten times the tolerance of the one before.
         """
         fine, middle, coarse = (self.run(problem, time, control, level) for level in range(3))
         apart = max(fine.apart(middle), 0.1 * middle.apart(coarse))
-        turned = float(np.linalg.norm(fine.angular_velocity, axis=1).max()) * float(time[-1] - problem.start)
-        walk = EPS * (2.0 + turned * (2.0 + 0.5 * math.sqrt(fine.steps)))
-        return fine, 2.0 * problem.caution * apart + walk + turned * problem.drift(fine.attitude, fine.angular_velocity)
+        return fine, 2.0 * problem.caution * apart + walk(problem, fine, float(time[-1] - problem.start))
 
     def compiled(self, piece: Piece, control: float, level: int) -> Call | None:
         """Return the kernel where the radians are many."""

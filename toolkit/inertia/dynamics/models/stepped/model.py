@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import replace
+from typing import TYPE_CHECKING
 
 from inertia.arrays import Float
 from inertia.dynamics.kinematics import quaternion
@@ -12,6 +13,9 @@ from inertia.dynamics.loads.torque import Torque
 from inertia.dynamics.models.model import Candidate, Model, Problem
 from inertia.dynamics.motion import Motion
 from inertia.errors import FieldPath, GeometryError, UsageError, placed
+
+if TYPE_CHECKING:
+    from inertia.dynamics.integrators.rotation import RotationProblem
 
 
 class EulerEquations(Model):
@@ -43,18 +47,9 @@ class EulerEquations(Model):
 
     def solve(self, candidate: Candidate, time: Float, method: str | None = None) -> Motion:
         """Return what stepping gives, by the method asked for, or the one that the loads need."""
-        from inertia.dynamics.integrators.rotation import RotationProblem
         from inertia.dynamics.models.stepped.solve import solve_stepped
 
-        problem, scene = candidate.problem, candidate.problem.scene
-        rotation = RotationProblem(
-            candidate.moments,
-            candidate.angular_velocity,
-            candidate.attitude,
-            tuple(_named(load, problem).along(candidate.axes, scene.body.axes) for load in problem.acting),
-            mass=scene.body.mass or 0.0,
-            arm=problem.arm,
-        )
+        scene, rotation = candidate.problem.scene, self.rotation(candidate)
         try:
             motion = solve_stepped(rotation, time, scene.run.accuracy, method)
         except (UsageError, GeometryError) as error:
@@ -65,6 +60,20 @@ class EulerEquations(Model):
         periods, remarks = scene.orbit.librations(rotation.attitude, rotation.angular_velocity, rotation.moments)
         quantities = scene.orbit.ellipse.seen_from(time, attitude) | periods
         return replace(motion, quantities=quantities, remarks=(*motion.remarks, *remarks))
+
+    def rotation(self, candidate: Candidate) -> RotationProblem:
+        """Return the body with its start and its loads, along the candidate's axes, as methods step it."""
+        from inertia.dynamics.integrators.rotation import RotationProblem
+
+        problem, body = candidate.problem, candidate.problem.scene.body
+        return RotationProblem(
+            candidate.moments,
+            candidate.angular_velocity,
+            candidate.attitude,
+            tuple(_named(load, problem).along(candidate.axes, body.axes) for load in problem.acting),
+            mass=body.mass or 0.0,
+            arm=problem.arm,
+        )
 
     def view(self, problem: Problem) -> str:
         """Show what becomes of L and the energy where a torque acts."""
