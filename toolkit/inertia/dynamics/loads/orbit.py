@@ -321,18 +321,21 @@ class Orbit(Load):
     def integrals(
         self, time: Float, attitude: Float, angular_velocity: Float, body: TurningBody
     ) -> dict[str, tuple[Float, float]]:
-        """Return the energy as seen from a circular orbit, and the size of what it is made of."""
+        """Return the energy as seen from a circular orbit, and the angular momentum about an axis of revolution."""
+        momentum = body.moments * angular_velocity
+        largest = float(np.linalg.norm(momentum, axis=1).max())
+        even = [k for k in range(3) if body.moments[k - 1] == body.moments[k - 2]]
+        kept = {f"angular momentum about body axis {k + 1}": (momentum[:, k], largest) for k in even}
         if not self.ellipse.circular:
-            return {}
+            return kept
         rate, normal = self.ellipse.motion, self.ellipse.axes[:, 2]
         places = self.ellipse.position(time)
         toward = quaternion.to_body(attitude, places / np.linalg.norm(places, axis=1)[:, None])
-        momentum = body.moments * angular_velocity
         kinetic = 0.5 * (momentum * angular_velocity).sum(axis=-1)
         potential = 1.5 * rate**2 * (body.moments * toward**2).sum(axis=-1)
         carried = rate * (quaternion.to_space(attitude, momentum) @ normal)
         size = float((kinetic + potential + np.abs(carried)).max())
-        return {"Jacobi integral": (kinetic + potential - carried, size)}
+        return kept | {"Jacobi integral": (kinetic + potential - carried, size)}
 
     def librations(
         self, attitude: Float, angular_velocity: Float, moments: Float
