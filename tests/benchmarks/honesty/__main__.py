@@ -34,9 +34,9 @@ SHARES = {
     "deforming": 0.4,
     "methods": 0.6,
     "stiff": 0.25,
-    "functions": 0.25,
-    "orbiting": 0.25,
-    "sliding": 0.25,
+    "functions": 0.1,
+    "orbiting": 0.15,
+    "sliding": 0.15,
     "idle": 0.4,
 }
 """Of the cases that a kind has on average; 1 without, but more where others have less."""
