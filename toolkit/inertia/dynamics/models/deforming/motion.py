@@ -8,6 +8,7 @@ the centre of mass is fixed in space where nothing but uniform gravity acts (tex
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from dataclasses import dataclass
 from itertools import pairwise
@@ -28,6 +29,8 @@ _PHASE = 2.0  # rad, at most, by which anything turns in one of the first, longe
 _MOST_STEPS = 100_000  # at first
 _PROBES = 33  # instants between two keyframes at which the speed of the motion is looked at
 _ASTRAY = 1e-2  # rad, of steps that are too long for their difference to say anything
+_NUDGE = 2.0**-26  # rad, by which a neighbouring motion starts off
+_NUDGED = quaternion.from_rotation_vector(np.full(3, _NUDGE / math.sqrt(3.0)))
 _SINGULAR = 1e-13
 _BLOCK = 4096  # samples that are worked on at once: what is made of them on the way takes far more than the answer
 
@@ -243,8 +246,12 @@ def _refined(flow: _Flow, start: Float, time: Float, accuracy: float) -> tuple[T
             f"{_PHASE * _MOST_STEPS:.3g} rad: end the run earlier"
         )
     counts = np.ceil(np.maximum(phases, 1.0) / _PHASE).astype(int)
-    rounding = 2.0 * _EPSILON * (1.0 + float(growths.sum()))
-    trajectory, error = collocate(flow.momentum, flow.coefficients, start, _divided(stops, counts)), np.inf
+    growth = 1.0 + float(growths.sum())
+    edges, nudged = _divided(stops, counts), quaternion.normalise(quaternion.multiply(start, _NUDGED))
+    trajectory, error = collocate(flow.momentum, flow.coefficients, start, edges), np.inf
+    # What steps are rounded by walks at random, and parts as neighbouring motions do.
+    parted = _apart(collocate(flow.momentum, flow.coefficients, nudged, edges), trajectory, time) / _NUDGE
+    rounding = 2.0 * _EPSILON * (growth + parted * math.sqrt(growth))
     while True:
         counts = 2 * counts
         coarse, before = trajectory, error
