@@ -21,7 +21,7 @@ INSTANTS = 33
 _FIRST = 1e-9  # of the duration
 _FAR = 0.1  # rad, up to which a difference is taken as proportional to the change
 _BEYOND = 0.1  # of that, where the accuracy is reached
-_LEAST, _MOST = 1e-12, 1e-7  # of a change, relative
+_LEAST, _MOST = 1e-14, 1e-7  # of a change, relative
 
 
 @dataclass(frozen=True, eq=False)

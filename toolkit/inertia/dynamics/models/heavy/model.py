@@ -41,7 +41,8 @@ _NUTATION = {
 }
 _UP = (Fraction(0), Fraction(0), Fraction(1))
 _HALF_TURN = tuple(map(Fraction, (1, 0, 0, 0)))
-_MARGIN = 2.0  # of what the growth of a change of the start says about a lack of symmetry
+_BEYOND = 1e300  # of what grows without bound
+_MARGIN = 3.0  # of what the growth of a change of the start says about a lack of symmetry
 
 
 class HeavySymmetricTop(Model):
@@ -77,15 +78,26 @@ class HeavySymmetricTop(Model):
         instants, accuracy = instants_of(problem.duration), problem.scene.run.accuracy
         moments, mgh, attitude, omega = _state(candidate, axes)
 
-        def follow(start: Float, spin: Float) -> Float:
+        def states(start: Float, spin: Float) -> tuple[Float, Float]:
             from inertia.dynamics.models.heavy import motion
             from inertia.dynamics.models.heavy.initial_conditions import of_state
 
             pace = float(moments[1] / moments[0]) * float(spin[2])
-            return motion.follow(of_state(moments, mgh, start.tolist(), spin.tolist()), pace, start, spin, instants)[0]
+            return motion.follow(of_state(moments, mgh, start.tolist(), spin.tolist()), pace, start, spin, instants)
+
+        def follow(start: Float, spin: Float) -> Float:
+            return states(start, spin)[0]
 
         nudge = nudge_of(defect + noise, accuracy)
-        grown = growth(follow, rounded(attitude)[0], rounded(omega)[0], rate, nudge)
+        first = rounded(attitude)[0], rounded(omega)[0]
+        grown = growth(follow, *first, rate, nudge)
+        # What disturbs it while it leans over tells more, the nearer to the vertical it passes afterwards.
+        attitudes, spins = states(*first)
+        lowest = int(np.argmax((attitudes[:, :2] ** 2).sum(axis=1)))
+        later = growth(follow, attitudes[lowest], spins[lowest], rate, nudge)
+        grown = np.maximum(
+            grown, np.interp(instants - instants[lowest], instants, np.minimum(later, _BEYOND), left=0.0)
+        )
         grown = _MARGIN * np.maximum(grown, rate * instants)
         inputs = InputBound(instants, noise * grown) if noise else InputBound.none(problem.duration)
         cost = defect * value_at(instants, grown, inputs.until(accuracy)) if defect else 0.0
