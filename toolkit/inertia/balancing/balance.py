@@ -27,6 +27,7 @@ from inertia.balancing.corrections.operation import Operation
 from inertia.balancing.corrections.room import faces, no_room
 from inertia.balancing.corrections.workpiece import bodies as in_shaft_axes
 from inertia.balancing.forces import RigidLimit, axle_torque, bearing_forces, rigid_limit
+from inertia.balancing.indexing import Indexing, best_indexing
 from inertia.balancing.monte_carlo import Scatter, Term, monte_carlo
 from inertia.balancing.monte_carlo_terms import operation_terms, rotor_terms
 from inertia.balancing.mounting import mounting_terms
@@ -37,6 +38,7 @@ from inertia.balancing.rotor_bodies import (
     outer_radius,
     outline,
     read_bodies,
+    turned,
     unbalance_of,
 )
 from inertia.balancing.tessellation_bound import surface_cut_away
@@ -91,6 +93,7 @@ class Balance:
     tilt : of the principal axis from the shaft
     scatter : how the residual may turn out, inputs and shop taken at their tolerances
     notes : what was decided or has to be known, in sentences
+    indexing : how the bodies are put together; None where none may be turned
     """
 
     rotor: Rotor
@@ -109,6 +112,7 @@ class Balance:
     tilt: Tilt
     scatter: Scatter
     notes: tuple[str, ...]
+    indexing: Indexing | None = None
 
     @property
     def origin(self) -> Literal["modelled", "measured"]:
@@ -190,6 +194,9 @@ def balance(
     axis = rotor_axis(rotor, bodies)
     shaft = axis.shaft
     at = (shaft.z_a, shaft.z_b)
+    indexing = None if measured else _indexing(rotor, bodies, shaft)
+    if indexing is not None:
+        bodies = turned(rotor, bodies, shaft, indexing.turns)
     _require_places(rotor, bodies, shaft)
     properties: MassProperties = reduce(add, (body.analysis.properties for body in bodies))
     together = Unbalance.of(properties, shaft, radial_uncertainty=rotor.radial_uncertainty)
@@ -226,7 +233,43 @@ def balance(
         rigid=rigid,
         tilt=principal_tilt(properties, shaft),
         scatter=scatter,
-        notes=tuple(_notes(rotor, bodies, measured is not None)),
+        notes=(*_indexed(bodies, indexing), *_notes(rotor, bodies, measured is not None)),
+        indexing=indexing,
+    )
+
+
+def _indexing(rotor: Rotor, bodies: Sequence[RotorBody], shaft: Shaft) -> Indexing | None:
+    """Return how the bodies are best put together; None where none may be turned."""
+    angles = [rotor.indexing(number) for number in range(len(bodies))]
+    if all(turns == (0.0,) for turns in angles):
+        return None
+    at = (shaft.z_a, shaft.z_b)
+    each = [Unbalance.of(body.analysis.properties, shaft) for body in bodies]
+    together = Unbalance.of(reduce(add, (body.analysis.properties for body in bodies)), shaft)
+    keyed = together.with_masses(rotor.key_masses)
+    vectors = np.array([unbalance.in_many_planes(at) for unbalance in each])
+    fixed = keyed.in_many_planes(at) - together.in_many_planes(at)
+    return best_indexing(vectors, fixed, rotor.tolerance(keyed, at).permissible, angles)
+
+
+def _indexed(bodies: Sequence[RotorBody], indexing: Indexing | None) -> Iterator[str]:
+    """Say how the bodies are put together."""
+    if indexing is None:
+        return
+    turns = ", ".join(
+        f"{body.name} turned by {math.degrees(turn) % 360:.4g}°"
+        for body, turn in zip(bodies, indexing.turns, strict=True)
+        if turn
+    )
+    nearest = (
+        "the best"
+        if indexing.bound >= indexing.left
+        else f"the best found, none leaves less than {indexing.bound:.3g},"
+    )
+    yield (
+        f"bodies are put together with {turns or 'none of them turned'}, counter-clockwise from where their files have "
+        f"them: before corrections {indexing.left:.3g} of the limit is in the worse plane, {indexing.as_filed:.3g} as "
+        f"filed; {nearest} of {indexing.ways} ways"
     )
 
 

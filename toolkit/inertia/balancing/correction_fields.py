@@ -85,6 +85,20 @@ def _angles(value: Any, path: str) -> str | tuple[float, ...] | EvenAngles:
 
 
 _DEGREES = several(number("degrees"))
+
+
+def _listed(value: Any, path: str) -> tuple[float, ...] | EvenAngles:
+    if isinstance(value, EvenAngles):
+        return value
+    if isinstance(value, Mapping):
+        return section_of(EvenAngles, value, path=path)
+    angles: tuple[float, ...] = _DEGREES(value, path)
+    return angles
+
+
+listed_angles = Reader(_listed, {"oneOf": [table(EvenAngles).schema, _DEGREES.schema]})
+"""Read angles evenly around the shaft, or a list of degrees."""
+
 _ANGLES = Reader(_angles, {"oneOf": [{"const": "free"}, table(EvenAngles).schema, _DEGREES.schema]})
 
 

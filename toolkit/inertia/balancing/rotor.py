@@ -159,6 +159,13 @@ class Rotor(Document):
             spreads[name] = Spread(scale * value.common, scale * value.separate)
         return spreads
 
+    def indexing(self, number: int) -> tuple[float, ...]:
+        """Return the angles, rad, by which a body may be turned about the shaft; 0 alone where nothing is said."""
+        angles = self.fields.body[number].indexing
+        if isinstance(angles, EvenAngles):
+            return evenly(angles.count, math.radians(angles.offset))
+        return (0.0,) if angles is None else tuple(math.radians(angle) for angle in angles)
+
     def tolerance(self, rotor: Unbalance, planes: Planes) -> Tolerance:
         """Return what is permissible in the tolerance planes (A, B) m, for a rotor of this mass and centre of mass."""
         fields, rpm = self.fields.tolerance, self.fields.service.rpm

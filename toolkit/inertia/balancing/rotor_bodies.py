@@ -24,7 +24,7 @@ from inertia.errors import FieldPath, GeometryError, InertiaError, UsageError, p
 from inertia.mass.analyse import analyse, sound_solids_only
 from inertia.mass.analysis import Analysis
 from inertia.mesh.geometry.intersect import overlap
-from inertia.mesh.part import Cells, Part, Surface
+from inertia.mesh.part import Cells, Part, Rounding, Surface
 from inertia.mesh.read import read
 
 ChordFrom = Literal["given", "read", "shape", "estimated", "mesh", "exact"]
@@ -102,7 +102,31 @@ def _read(rotor: Rotor, fields: BodyFields) -> RotorBody:
         whole = replace(whole, unit=rotor.unit, unit_from="option")
     if isinstance(whole.geometry, Cells):
         raise GeometryError(f"{whole.name} is a mesh of cells: give the surface of the body, as STL or STEP")
-    part = whole if fields.region is None else _region(whole, fields.region)
+    return _of_part(rotor, fields, whole, whole if fields.region is None else _region(whole, fields.region))
+
+
+def turned(rotor: Rotor, bodies: Sequence[RotorBody], shaft: Shaft, turns: Sequence[float]) -> tuple[RotorBody, ...]:
+    """Turn bodies about the shaft by angles (b,) rad, as triangles; `GeometryError` where they overlap then."""
+    result = [
+        _of_part(rotor, fields, _turned(body.whole, shaft, turn), _turned(body.part, shaft, turn)) if turn else body
+        for fields, body, turn in zip(rotor.fields.body, bodies, turns, strict=True)
+    ]
+    _require_apart(rotor, result)
+    return tuple(result)
+
+
+def _turned(part: Part, shaft: Shaft, turn: float) -> Part:
+    cosine, sine = math.cos(turn), math.sin(turn)
+    rotation = np.array([[cosine, -sine, 0.0], [sine, cosine, 0.0], [0.0, 0.0, 1.0]])
+    metres, triangles = float(part.unit.metres), part.triangles
+    corners = shaft.to_shaft(triangles.corners().reshape(-1, 3) * metres) @ rotation.T
+    vertices = shaft.to_part(corners) / metres
+    rounding = None if part.rounding is None else Rounding(part.rounding.distance)
+    surface = Surface(vertices, np.arange(len(vertices)).reshape(-1, 3))
+    return replace(part, geometry=surface, rounding=rounding, shape=None)
+
+
+def _of_part(rotor: Rotor, fields: BodyFields, whole: Part, part: Part) -> RotorBody:
     sigma = None if fields.sigma is None else fields.sigma * float(rotor.unit.metres / part.unit.metres)
     analysis = analyse(
         part,

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 from typing import Annotated, Any, ClassVar, Literal
 
 from inertia.arrays import Float
-from inertia.balancing.correction_fields import KeyFields, PlaneFields
+from inertia.balancing.correction_fields import EvenAngles, KeyFields, PlaneFields, listed_angles
 from inertia.balancing.corrections.search import AIM, SECONDS
 from inertia.balancing.standards import CATEGORIES, STANDARDS
 from inertia.documents import (
@@ -112,6 +112,8 @@ class BodyFields(Section):
     eccentricity : how far off the shaft the body may sit once it is mounted, a radius; a number, or {common, separate};
         a number is separate
     tilt : the same in degrees, how far it may lean about its centre of mass
+    indexing : angles by which the body may be turned about the shaft from where the file has it, as holes of a flange
+        or keyways allow: {count, offset}, or a list of degrees; the best are taken
     """
 
     section: ClassVar[str] = "body"
@@ -126,6 +128,7 @@ class BodyFields(Section):
     sigma: Annotated[float | None, number(_LENGTH, positive=True)] = None
     chord_tolerance: Annotated[float | None, number(_LENGTH, negative=False)] = None
     eccentricity: Annotated[float | HalfWidths | None, _half_width(_LENGTH)] = None
+    indexing: Annotated[tuple[float, ...] | EvenAngles | None, listed_angles] = None
     tilt: Annotated[float | HalfWidths | None, _half_width("degrees", below=10.0)] = None
 
     def require_sense(self, path: str) -> None:

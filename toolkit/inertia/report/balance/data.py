@@ -20,6 +20,7 @@ from inertia.balancing.correction_fields import KeyFields
 from inertia.balancing.corrections.correction_plane import Process
 from inertia.balancing.corrections.operation import Kind, Method
 from inertia.balancing.forces import RigidLimit
+from inertia.balancing.indexing import Indexing
 from inertia.balancing.monte_carlo import Scatter
 from inertia.balancing.rotor_bodies import ChordFrom
 from inertia.balancing.rotor_fields import ReportFields, ServiceFields
@@ -245,6 +246,7 @@ class ReportData:
     scatter : how the residual may turn out, and what matters most first
     verdict : on the residual
     notes : what else has to be known, in sentences
+    indexing : how the bodies are put together; None where none may be turned
     """
 
     rotor: str
@@ -282,6 +284,7 @@ class ReportData:
     scatter: Scatter
     verdict: Verdict
     notes: tuple[str, ...]
+    indexing: Indexing | None = None
 
     @property
     def part(self) -> str:

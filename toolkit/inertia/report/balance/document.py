@@ -40,6 +40,15 @@ def balance_document(data: ReportData) -> Document:
         "axis_taken_as_exact": _axis_taken_as_exact(data),
         "report": plain(data.head),
         "bodies": [_body(body) for body in data.bodies],
+        "indexing": None
+        if data.indexing is None
+        else {
+            "turned_deg": [math.degrees(turn) for turn in data.indexing.turns],
+            "left": data.indexing.left,
+            "as_filed": data.indexing.as_filed,
+            "left_at_least": data.indexing.bound,
+            "ways": data.indexing.ways,
+        },
         "axis": {
             "obtained": axis.obtained,
             "confirmed": axis.confirmed,

@@ -78,6 +78,7 @@ def report_data(balance: Balance, date: str | None = None) -> ReportData:
         scatter=balance.scatter,
         verdict=balance.verdict,
         notes=balance.notes,
+        indexing=balance.indexing,
     )
 
 
