@@ -31,6 +31,9 @@ _KERNEL, _SIMPLE = (
 _ROWS, _ROW = 33, 16
 """Rows in a block of the kernel, and numbers in a row. The last row is no coefficient; 30 are, at most."""
 
+_COMPARED = 65
+"""Instants at least at which runs are compared."""
+
 STEP_COST = 500
 """A step of the numpy path in units of `native.Kernel.worthwhile`."""
 
@@ -50,9 +53,14 @@ class Taylor(Adaptive):
 
         d₁, d₂ are the distances of runs, each of which has ten times the tolerance of the one before.
         """
-        fine, middle, coarse = (self.run(problem, time, control, level) for level in range(3))
+        instants = time
+        if len(time) < _COMPARED:  # runs that have parted may be near each other at a few samples
+            instants = np.union1d(time, np.linspace(problem.start, time[-1], _COMPARED))
+        fine, middle, coarse = (self.run(problem, instants, control, level) for level in range(3))
         apart = max(fine.apart(middle), 0.1 * middle.apart(coarse))
-        return fine, 2.0 * problem.caution * apart + walk(problem, fine, float(time[-1] - problem.start))
+        estimate = 2.0 * problem.caution * apart + walk(problem, fine, float(time[-1] - problem.start))
+        at = np.searchsorted(instants, time)
+        return States(fine.attitude[at], fine.angular_velocity[at], fine.steps), estimate
 
     def compiled(self, piece: Piece, control: float, level: int) -> Call | None:
         """Return the kernel where the radians are many."""
