@@ -26,7 +26,7 @@ _OPTIONS = {
 FIELDS = {f"run.{name}": option for name, option in _OPTIONS.items()} | {"start.angular_velocity": "--spin"}
 """The options that stand for fields of a scene."""
 
-_OF_VARY = ("draws", "seed", "quantity", "jobs", "dask")
+_OF_VARY = ("draws", "seed", "quantity", "reaches", "jobs", "dask")
 _RECORDING = ".rrd"
 
 _EXAMPLES = """examples:
@@ -75,6 +75,13 @@ def add(parsers: Any) -> None:
         default=[],
         metavar="NAME",
         help="state percentiles of this: deviation, tilt, spin, energy, position[2], ...; repeat it (the first three)",
+    )
+    vary.add_argument(
+        "--reaches",
+        action="append",
+        default=[],
+        metavar="NAME=LEVEL",
+        help="count the draws in which a quantity reaches a level, as tilt=1.57, and say when first; repeat it",
     )
     vary.add_argument("--jobs", type=int, metavar="N", help="processes to share the draws among (as it pays)")
     vary.add_argument("--dask", metavar="ADDRESS", help="scheduler of a Dask cluster to send the draws to")
@@ -149,6 +156,7 @@ def _spread(scene: Scene, options: argparse.Namespace) -> int:
             _laws(options.vary),
             options.draws,
             quantities=options.quantity,
+            reaches=_levels(options.reaches),
             jobs=options.jobs,
             dask=options.dask,
             progress=progress,
@@ -180,6 +188,18 @@ def _laws(words: list[str]) -> dict[str, str]:
             raise UsageError(f"--vary is given twice for {field.strip()}: give it once")
         laws[field.strip()] = law
     return laws
+
+
+def _levels(words: list[str]) -> dict[str, float]:
+    """Return the levels by the quantities that may reach them."""
+    levels: dict[str, float] = {}
+    for word in words:
+        name, _, level = word.rpartition("=")
+        try:
+            levels[name.strip()] = float(level)
+        except ValueError:
+            raise UsageError(f"--reaches {word} names no level: write it as tilt=1.57") from None
+    return levels
 
 
 def _overridden(scene: Scene, options: argparse.Namespace) -> Scene:

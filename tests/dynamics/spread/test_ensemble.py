@@ -260,3 +260,18 @@ def test_a_worker_that_is_ended_is_an_error_that_says_so() -> None:
     ends = Torque(lambda time, attitude, omega: os._exit(9) if multiprocessing.parent_process() else np.zeros(3))
     with pytest.raises(GeometryError, match="a process that followed draws was ended"):
         ensemble(replace(scene, applied_loads=(ends,)), {"body.mass": "±1%"}, 12, samples=2, jobs=2)
+
+
+def test_a_level_is_reached_when_the_closed_form_says() -> None:
+    scene = Scene.from_dict(BALL | {"run": {"duration": 1.0}})
+    spins = [1.0, 3.5, 4.0, 6.0]  # about z, from 3: they deviate by |spin − 3| t
+    vary = {"start.angular_velocity[2]": spins}
+    spread = ensemble(scene, vary, samples=11, quantities=["spin"], reaches={"deviation": 0.75, "spin": 4.0})
+    first = spread.events["deviation reaches 0.75"]
+    assert first[[0, 2, 3]] == pytest.approx([0.375, 0.75, 0.25], rel=1e-12)
+    assert np.isnan(first[1])
+    assert spread.events["spin reaches 4"][2] == 0.0
+    assert np.isnan(spread.events["spin reaches 4"][[0, 1, 3]]).all()
+    assert spread.columns()["first deviation reaches 0.75"].tolist()[0] == first[0]
+    with pytest.raises(UsageError, match="level of spin is nan"):
+        ensemble(scene, vary, reaches={"spin": math.nan})

@@ -24,6 +24,7 @@ from inertia.errors import GeometryError, UsageError, require_kind
 PERCENTILES = (5.0, 50.0, 95.0)
 """What is stated of a quantity where nothing else is asked for."""
 
+_USUAL = ("deviation", "tilt", "spin")
 _GIB = 2**30
 _MOST_BYTES = 4 * _GIB
 _LEAST_ROWS = 3  # beyond the inputs, for a regression
@@ -158,6 +159,7 @@ def ensemble(
     *,
     seed: int = 0,
     quantities: Sequence[str] = (),
+    reaches: Mapping[str, float] | None = None,
     samples: int = 101,
     jobs: int | None = None,
     dask: str | None = None,
@@ -175,6 +177,8 @@ def ensemble(
     seed : of the random numbers; a draw depends on it, its number and the path alone
     quantities : by name: deviation (rad from the run without deviations), tilt (rad), spin (rad/s), energy,
         angular_velocity[0] … and what the model states; the first three without
+    reaches : {quantity: a level}: when a draw first reaches it, from above or below, becomes one of the events; between
+        the instants the quantity counts as a straight line
     samples : instants, evenly spaced, at which they are taken
     jobs : processes; as many as there are processors where the work repays them
     dask : address of a scheduler to send the draws to
@@ -192,7 +196,11 @@ def ensemble(
     require_kind(scene, Scene, "scene", "inertia.Scene.load(path)")
     inputs = inputs_of(scene, vary)
     values = values_of(inputs, draws, seed)
-    task, nominal = _task(scene, inputs, tuple(quantities), samples)
+    levels = {name: float(level) for name, level in (reaches or {}).items()}
+    for name, level in levels.items():
+        if not np.isfinite(level):
+            raise UsageError(f"the level of {name} is {level}: it must be finite")
+    task, nominal = _task(scene, inputs, (*(quantities or _USUAL), *levels), samples)
     _require_memory(values, task)
     whole = _joined(blocks_of(task, values, jobs, dask, progress), task)
     made = Ensemble(
@@ -205,7 +213,11 @@ def ensemble(
         sentences=whole.sentences,
         models=tuple(whole.model),
         reached=whole.reached,
-        events=whole.events,
+        events=whole.events
+        | {
+            f"{name} reaches {level:g}": _first_at(nominal.time, whole.quantities[name], level)
+            for name, level in levels.items()
+        },
         turned=whole.turned,
     )
     if not made.followed.any():
@@ -222,7 +234,7 @@ def _task(scene: Scene, inputs: tuple[Input, ...], names: tuple[str, ...], sampl
     nominal = simulate(replace(centred, run=replace(centred.run, samples=samples)))
     require_names(States.of(nominal), names)
     paths = tuple(each.path for each in inputs)
-    asked_for = tuple(dict.fromkeys(names or ("deviation", "tilt", "spin")))
+    asked_for = tuple(dict.fromkeys(names))
     return Task(nominal.scene, paths, asked_for, Reference.of(nominal), method_for(nominal, paths, asked_for)), nominal
 
 
@@ -256,6 +268,20 @@ def _joined(blocks: Sequence[Block], task: Task) -> Block:
             for row, sentence in block.sentences.items()
         },
     )
+
+
+def _first_at(time: Float, rows: Float, level: float) -> Float:
+    """Return when each row (N, n) first is at a level, or passes it, (N,); not a number where it never does."""
+    above = rows - level
+    met = (above * np.sign(above[:, :1]) <= 0) & np.isfinite(rows)
+    (some,) = np.nonzero(met.any(axis=1))
+    after = met[some].argmax(axis=1)
+    before = np.maximum(after - 1, 0)
+    low, high = above[some, before], above[some, after]
+    share = np.divide(low, low - high, out=np.zeros(len(some)), where=low != high)
+    first = np.full(len(rows), np.nan)
+    first[some] = time[before] + share * (time[after] - time[before])
+    return first
 
 
 def _rank_correlation(x: Float, y: Float) -> float:

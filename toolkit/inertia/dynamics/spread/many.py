@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from inertia.arrays import Bool, Float
 from inertia.documents import LARGEST, SMALLEST
-from inertia.dynamics.integrators.lanes import Bodies, first_tolerance, fits, follow_bodies, solve_bodies
+from inertia.dynamics.integrators.lanes import Bodies, fits, follow_bodies, solve_bodies, tolerances
 from inertia.dynamics.integrators.terms import Terms
 from inertia.dynamics.kinematics import quaternion
 from inertia.dynamics.loads.gravity import Gravity
@@ -39,7 +39,7 @@ _SYMMETRIC = np.array([[1.0, 1.0, -1.0], [1.0, -1.0, 1.0], [-1.0, 1.0, 1.0]])
 
 _MARGIN = 1e-6  # of the largest moment, from what is no body
 _NEAR = 5.0  # lengths of a body, within which it is held
-_LONGEST = 1e5  # rad, of a run by steps
+_LONGEST = 1e4  # rad, of a run by steps
 
 
 @dataclass(frozen=True, eq=False)
@@ -157,8 +157,10 @@ def _loaded(
     acting = [every[k] for k in rows]
     if estimated:
         return rows, *solve_bodies(bodies, time, scene.run.accuracy), acting
-    tolerance = first_tolerance(bodies, time, scene.run.accuracy)
-    return rows, *follow_bodies(bodies, time, tolerance), np.zeros(len(rows)), acting
+    attitude, spin = np.full((len(rows), len(time), 4), np.nan), np.full((len(rows), len(time), 3), np.nan)
+    for at, tolerance in tolerances(bodies, time, scene.run.accuracy):
+        attitude[at], spin[at] = follow_bodies(bodies.some(at), time, tolerance)
+    return rows, attitude, spin, np.zeros(len(rows)), acting
 
 
 def _states(draws: _Draws, attitude: Float, spin: Float, loads: list[tuple[Load, ...]], energy: bool) -> States:
@@ -259,7 +261,9 @@ class _Draws:
         else:
             problem = Problem.of(scene)
             moments, axes = share[:, None] * problem.moments, np.tile(problem.axes, (count, 1, 1))
-            whole = bool((share == 1.0).all()) and not rounded(problem.exact.frame.values)[1].any()
+            whole = (
+                not {"body.mass", "body.density"} & columns.keys() and not rounded(problem.exact.frame.values)[1].any()
+            )
             if aside:
                 moments = moments * (1.0 + _ASIDE / 4.0 * np.array((1.0, -1.0, 1.0)))
         along = np.einsum("mij,mi->mj", axes, spin)

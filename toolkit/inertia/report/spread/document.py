@@ -55,5 +55,5 @@ def _instants(ensemble: Ensemble, name: str) -> dict[str, Any]:
     first = ensemble.events[name]
     met = first[np.isfinite(first)]
     share = len(met) / int(ensemble.followed.sum())
-    instants = np.percentile(met, PERCENTILES).tolist()
-    return {"share": share, "first": {f"{at:g}": t for at, t in zip(PERCENTILES, instants, strict=True)}}
+    instants = np.percentile(met, PERCENTILES).tolist() if met.size else []
+    return {"share": share, "first": {f"{at:g}": t for at, t in zip(PERCENTILES, instants, strict=False)}}

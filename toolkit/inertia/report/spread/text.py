@@ -116,9 +116,11 @@ def _event_lines(ensemble: Ensemble) -> Iterator[str]:
     count = int(ensemble.followed.sum())
     for k, (name, first) in enumerate(ensemble.events.items()):
         met = first[np.isfinite(first)]
-        low, middle, high = (f"{t:.6g}" for t in np.percentile(met, PERCENTILES))
-        share = f"{name} in {len(met)} of {count} draws, first at {middle} s"
-        yield from wrapped("" if k else "Events", f"{share} ({low} … {high} s, 5 … 95 %)")
+        share = f"{name} in {len(met)} of {count} draws"
+        if met.size:
+            low, middle, high = (f"{t:.6g}" for t in np.percentile(met, PERCENTILES))
+            share = f"{share}, first at {middle} s ({low} … {high} s, 5 … 95 %)"
+        yield from wrapped("" if k else "Events", share)
 
 
 def _table_row(label: str, cells: Iterable[str]) -> str:
