@@ -19,6 +19,8 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 import inertia
+from inertia.batching.answer import Setup, answer
+from inertia.batching.sources import Task
 from inertia_meshes import path
 
 CUBE, HANDLE, OPEN, CUT = (
@@ -118,6 +120,17 @@ def test_the_audit_of_a_robot_is_a_row() -> None:
     assert (row["state"], row["exit_code"]) == ("answered", {"consistent": 0, "inconsistent": 5}[audit.verdict])
 
 
+@pytest.mark.parametrize(
+    ("verb", "name", "other"),
+    [("balance", "rotors/disc.toml", "disc.stl"), ("audit", "robots/arm.urdf", ".stl")],
+)
+def test_an_answer_rests_on_the_files_that_its_file_refers_to(verb: str, name: str, other: str) -> None:
+    files = [used.path for used in answer(Task(str(path(name))), Setup(verb)).files]
+    assert files[0] == str(path(name))
+    assert any(other in file for file in files)
+    assert all(Path(file).suffix in (".toml", ".urdf", ".stl", ".obj", ".dae", ".gltf", ".bin") for file in files)
+
+
 def test_the_balance_of_a_rotor_is_a_row() -> None:
     (row,) = rows(path("rotors/disc.toml"), verb="balance")
     balance = inertia.balance(inertia.Rotor.load(path("rotors/disc.toml")))
@@ -153,6 +166,19 @@ def test_an_archive_with_one_mesh_is_a_file(tmp_path: Path) -> None:
     one, cut = rows(tmp_path / "part.zip", tmp_path / "cut.zip")
     assert (one["path"], one["state"]) == (str(tmp_path / "part.zip"), "answered")
     assert "damaged" in cut["message"]
+
+
+def test_a_url_is_read_where_its_back_end_is_there(tmp_path: Path) -> None:
+    pytest.importorskip("fsspec")
+    (tmp_path / "b.stl").write_bytes(CUBE.read_bytes())
+    (tmp_path / "a.stl").write_bytes(OPEN.read_bytes())
+    (bad, good), (missing,) = rows(f"file://{tmp_path}/*.stl"), rows(f"file://{tmp_path}/none.stl")
+    assert [bad["path"], good["path"]] == [f"file://{tmp_path}/{name}.stl" for name in "ab"]
+    assert good["sha256"] == hashlib.sha256(CUBE.read_bytes()).hexdigest()
+    assert bad["message"].startswith(f"file://{tmp_path}/a.stl: open: ")
+    assert (missing["state"], missing["exit_code"]) == ("unreadable", 3)
+    with pytest.raises(inertia.UsageError, match="nowhere"):
+        rows("nowhere://bucket/part.stl")
 
 
 def test_a_manifest_has_options_for_each_row(tmp_path: Path) -> None:
