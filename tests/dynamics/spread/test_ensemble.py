@@ -118,9 +118,31 @@ def test_a_draw_that_is_no_body_is_counted_and_says_why() -> None:
     assert np.isfinite(spread.percentiles("deviation")).all()
 
 
-def test_an_ensemble_in_which_nothing_can_be_followed_is_refused() -> None:
+@pytest.mark.parametrize("table", [BALL, TOP], ids=["free", "held"])
+def test_an_ensemble_in_which_nothing_can_be_followed_is_refused(table: dict[str, Any]) -> None:
     with pytest.raises(GeometryError, match=r"none of the 3 draws can be followed; draw 0: .*must be positive"):
-        ensemble(Scene.from_dict(BALL), {"body.mass": [-1.0, -2.0, -3.0]})
+        ensemble(Scene.from_dict(table), {"body.mass": [-1.0, -2.0, -3.0]})
+
+
+@pytest.mark.parametrize(
+    ("path_of", "values", "bad"),
+    [
+        ("body.mass", [1.0, 0.0, -1.0, 1e70], [1, 2, 3]),
+        ("body.principal_moments[0]", [0.02, 0.0, 0.026], [1, 2]),
+        ("body.center_of_mass[0]", [0.05, 1e3], [1]),
+        ("load[1].coefficient", [0.001, 0.0, -0.1], [2]),
+        ("load[0].acceleration[2]", [-9.8, 0.0, 1e70], [2]),
+        ("start.angular_velocity[0]", [1.0, 1e70], [1]),
+        ("constraint.point[2]", [0.0, 50.0], [1]),
+    ],
+)
+def test_draws_that_make_no_sense_leave_the_others_alone(path_of: str, values: list[float], bad: list[int]) -> None:
+    table = TOP | {"constraint": {"kind": "fixed_point", "point": [0.0, 0.0, 0.0]}}
+    spread = ensemble(Scene.from_dict(table), {path_of: values}, samples=3)
+    assert sorted(spread.sentences) == bad
+    assert [spread.states[k] for k in bad] == ["refused"] * len(bad)
+    alone = ensemble(Scene.from_dict(table), {path_of: values[:1]}, samples=3)
+    assert alone.quantities["tilt"][0] == pytest.approx(spread.quantities["tilt"][0], rel=1e-12)
 
 
 def test_events_of_the_model_are_counted() -> None:

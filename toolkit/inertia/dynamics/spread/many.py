@@ -111,7 +111,7 @@ def follow_many(scene: Scene, paths: tuple[str, ...], values: Float, method: str
     rows, attitude, spin, reached, loads = follow(scene, paths, values, draws, time, True)
     some = draws.some(rows)
     states = _states(some, attitude, spin, loads, energy)
-    if not draws.exact:
+    if rows.size and not draws.exact:
         aside = _Draws.of(scene, paths, values, aside=True).some(rows)
         every, moved, turned, _, _ = follow(scene, paths, values[rows], aside, time, False)
         off = np.full(len(rows), np.inf)
