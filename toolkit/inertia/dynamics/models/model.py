@@ -6,6 +6,7 @@ makes. Moments that differ by a relative δ (of the smallest) turn the body apar
 
 from __future__ import annotations
 
+import math
 from abc import ABC, abstractmethod
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -135,6 +136,20 @@ class Problem:
         if not self.weight:
             return 0.0
         return self.exact.mass_bound / float(self.exact.mass) + self.exact.arm_bound / float(np.linalg.norm(self.arm))
+
+    @cached_property
+    def pace(self) -> float:
+        """|ω| at t = 0, or the rate in rad/s at which the weight swings the body, where that is more."""
+        swing = math.sqrt(self.weight * float(np.linalg.norm(self.arm)) / float(self.moments[0]))
+        return max(float(np.linalg.norm(self.angular_velocity)), swing)
+
+    @property
+    def relative_bound(self) -> float:
+        """How far a moment, or the torque of the weight against the inertia, may be off, as a part of it."""
+        if not self.weight:
+            return self.relative_tensor_bound
+        pull = self.weight * float(np.linalg.norm(self.arm)) / float(self.moments[0]) / self.pace**2
+        return self.relative_tensor_bound + pull * self.relative_weight_bound
 
     @property
     def center_bound(self) -> float:

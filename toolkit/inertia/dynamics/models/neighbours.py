@@ -100,15 +100,19 @@ def parted(moved: Float, attitude: Float, nudge: float) -> Float:
 
 
 def growth(
-    follow: Callable[[Float, Float], Float], attitude: Float, angular_velocity: Float, rate: float, nudge: float
+    follow: Callable[[Float, Float], tuple[Float, Float]],
+    attitude: Float,
+    angular_velocity: Float,
+    rate: float,
+    nudge: float,
 ) -> Float:
     """Return (n,) how far the attitude moves for a change of the start of one: of ω by `rate`, of the axis by a radian.
 
     Parameters
     ----------
-    follow : takes attitude (4,) and ω (3,) at t = 0 to attitudes (n, 4)
+    follow : takes attitude (4,) and ω (3,) at t = 0 to attitudes (n, 4) and ω (n, 3)
     """
     steps = nudge * np.eye(3)
     starts = [(attitude, angular_velocity + rate * step) for step in steps]
     starts += [(quaternion.multiply(quaternion.from_rotation_vector(s), attitude), angular_velocity) for s in steps[:2]]
-    return parted(np.stack([follow(*start) for start in starts]), follow(attitude, angular_velocity), nudge)
+    return parted(np.stack([follow(*start)[0] for start in starts]), follow(attitude, angular_velocity)[0], nudge)

@@ -18,10 +18,11 @@ from inertia.dynamics.kinematics import quaternion
 from inertia.dynamics.kinematics.stability import growth_rate
 from inertia.dynamics.models.free.initial_conditions import NEGLIGIBLE
 from inertia.dynamics.models.model import AXIS_PAIRS, NEARLY_EQUAL, Candidate, Model, Problem
-from inertia.dynamics.models.neighbours import InputBound, instants_of, nudge_of, parted
+from inertia.dynamics.models.neighbours import InputBound, growth, instants_of, nudge_of, parted
 from inertia.dynamics.motion import Motion
 
 _ORDINAL = ("smallest", "intermediate", "largest")
+_NUDGE = 1e-9  # relative, of the spin of neighbours
 _MOST = 700.0  # exp of more is no float64
 
 
@@ -53,7 +54,7 @@ class FreeBody(Model):
 
     def candidate(self, problem: Problem) -> Candidate | None:
         """Return the cost of the idealisation and of leaving out a weight that hardly turns the body."""
-        left_out = problem.angle_by_weight
+        left_out = _left_out(problem)
         if not problem.rigid or problem.torques or left_out > math.pi:
             return None
         ideal = self.idealised(problem)
@@ -114,6 +115,23 @@ def _tensors_parted(moments: Float, angular_velocity: Float, time: Float, nudge:
     turn = quaternion.from_matrix(axes)[:, None]
     attitude, _ = free_motion(moments, angular_velocity, time)
     return parted(quaternion.multiply(quaternion.multiply(turn, moved), quaternion.conjugate(turn)), attitude, nudge)
+
+
+def _left_out(problem: Problem) -> float:
+    """Return the angle in rad by which the weight would turn the body: as without spin, and as neighbours part."""
+    from inertia.dynamics.models.free.motion import free_motion
+
+    pushed = problem.angle_by_weight
+    if not 0 < pushed <= math.pi or not problem.angle_turned or problem.torques or not problem.rigid:
+        return pushed
+    instants = instants_of(problem.duration)
+
+    def follow(attitude: Float, angular_velocity: Float) -> tuple[Float, Float]:
+        turned, omega = free_motion(problem.moments, angular_velocity, instants)
+        return quaternion.multiply(attitude, turned), omega
+
+    grown = growth(follow, np.array(quaternion.IDENTITY), problem.angular_velocity, problem.pace, _NUDGE)[-1]
+    return pushed * max(1.0, float(grown) / (problem.pace * problem.duration))
 
 
 def _grown_wobble(problem: Problem) -> float:

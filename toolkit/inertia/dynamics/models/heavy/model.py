@@ -70,29 +70,23 @@ class HeavySymmetricTop(Model):
             "The body is symmetric about the line from the fixed point to its centre of mass: energy and two momenta "
             "are kept, and the closed form in elliptic functions gives every sample directly.",
         )
-        swing = math.sqrt(problem.weight * height / problem.moments[0])
-        rate = max(float(np.linalg.norm(problem.angular_velocity)), swing)
-        noise = problem.relative_tensor_bound + (swing / rate) ** 2 * problem.relative_weight_bound
+        rate, noise = problem.pace, problem.relative_bound
         if not defect and not noise:
             return candidate
         instants, accuracy = instants_of(problem.duration), problem.scene.run.accuracy
         moments, mgh, attitude, omega = _state(candidate, axes)
 
-        def states(start: Float, spin: Float) -> tuple[Float, Float]:
+        def follow(start: Float, spin: Float) -> tuple[Float, Float]:
             from inertia.dynamics.models.heavy import motion
             from inertia.dynamics.models.heavy.initial_conditions import of_state
 
             pace = float(moments[1] / moments[0]) * float(spin[2])
             return motion.follow(of_state(moments, mgh, start.tolist(), spin.tolist()), pace, start, spin, instants)
 
-        def follow(start: Float, spin: Float) -> Float:
-            return states(start, spin)[0]
-
-        nudge = nudge_of(defect + noise, accuracy)
-        first = rounded(attitude)[0], rounded(omega)[0]
-        grown = growth(follow, *first, rate, nudge)
+        nudge, start, spin = nudge_of(defect + noise, accuracy), rounded(attitude)[0], rounded(omega)[0]
+        grown = growth(follow, start, spin, rate, nudge)
         # What disturbs it while it leans over tells more, the nearer to the vertical it passes afterwards.
-        attitudes, spins = states(*first)
+        attitudes, spins = follow(start, spin)
         lowest = int(np.argmax((attitudes[:, :2] ** 2).sum(axis=1)))
         later = growth(follow, attitudes[lowest], spins[lowest], rate, nudge)
         grown = np.maximum(

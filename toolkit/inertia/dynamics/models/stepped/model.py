@@ -6,16 +6,22 @@ from collections.abc import Mapping
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
+import numpy as np
+
 from inertia.arrays import Float
 from inertia.dynamics.kinematics import quaternion
 from inertia.dynamics.loads.load import Load
 from inertia.dynamics.loads.torque import Torque
 from inertia.dynamics.models.model import Candidate, Model, Problem
+from inertia.dynamics.models.neighbours import InputBound, growth, instants_of, nudge_of
 from inertia.dynamics.motion import Motion
 from inertia.errors import FieldPath, GeometryError, UsageError, placed
 
 if TYPE_CHECKING:
     from inertia.dynamics.integrators.rotation import RotationProblem
+
+_MARGIN = 3.0  # of what the growth of a change of the start says about other mass properties
+_NEIGHBOURS = 1e-13  # the tolerance with which neighbouring motions are stepped
 
 
 class EulerEquations(Model):
@@ -74,6 +80,27 @@ class EulerEquations(Model):
             mass=body.mass or 0.0,
             arm=problem.arm,
         )
+
+    def input_bound(self, candidate: Candidate) -> InputBound:
+        """Return how far the bounds of the mass properties may move the attitude: as a change of the start does."""
+        from inertia.dynamics.integrators import methods
+
+        problem, rotation = candidate.problem, self.rotation(candidate)
+        unknown = _MARGIN * problem.relative_bound
+        if not unknown:
+            return InputBound.none(problem.duration)
+        integrator = methods.METHODS["DOP853" if rotation.terms(rotation.start) is None else "Taylor"]
+        instants = instants_of(problem.duration)
+
+        def follow(attitude: Float, angular_velocity: Float) -> tuple[Float, Float]:
+            there = replace(rotation, attitude=attitude, angular_velocity=angular_velocity)
+            states = integrator.run(there, instants, _NEIGHBOURS)
+            return states.attitude, states.angular_velocity
+
+        nudge = nudge_of(unknown, problem.scene.run.accuracy)
+        pace = max(problem.pace, 1.0 / problem.duration)
+        grown = growth(follow, rotation.attitude, rotation.angular_velocity, pace, nudge)
+        return InputBound(instants, unknown * np.maximum(grown, problem.pace * instants))
 
     def view(self, problem: Problem) -> str:
         """Show what becomes of L and the energy where a torque acts."""
