@@ -103,6 +103,32 @@ def test_pulse_at_an_attitude_is_not_stepped_over() -> None:
     assert motion.angular_velocity[-1, 2] == pytest.approx(math.sqrt(0.04 + fallen), abs=1e-8)
 
 
+def test_two_runs_that_miss_the_same_share_of_a_pulse_do_not_agree_on_the_claim() -> None:
+    """Against a table of the Gaussian, stepped row by row, which is linear between its rows to within 1e-9 of it."""
+    push, middle, width = (
+        np.array([2.2953994426934867e-09, -2.334037796462599e-08, 1.1614809836918212e-07]),
+        0.076,
+        0.005,
+    )
+
+    def bell(time: float) -> np.ndarray:
+        pushed: np.ndarray = push * math.exp(-(((time - middle) / width) ** 2))
+        return pushed
+
+    body: dict[str, Any] = {
+        "moments": [3.297968453178947e-05, 6.686165365585966e-05, 8.128658377174037e-05],
+        "angular_velocity": [0.6165806283458779, -0.5074774490302529, 0.6019094346115115],
+    }
+    rows = np.unique(np.concatenate([[0.0, 3.0], np.linspace(middle - 6 * width, middle + 6 * width, 2001)]))
+    table = Torque(table=TorqueTable(rows, [bell(t) for t in rows.tolist()]))
+    truth = solve_stepped(RotationProblem(**body, loads=(table,)), [0.0, 3.0], 1e-9)
+    for accuracy in (1e-4, 4e-5, 1e-5):
+        motion = solve_stepped(
+            RotationProblem(**body, loads=(Torque(lambda time, attitude, omega: bell(time)),)), [0.0, 3.0], accuracy
+        )
+        assert quaternion.angle_between(motion.attitude, truth.attitude).max() < motion.reached + 1e-8
+
+
 def test_function_that_declares_its_pulses_is_not_probed() -> None:
     calls = []
 
