@@ -73,7 +73,11 @@ class HeavySymmetricTop(Model):
         rate, noise = problem.pace, problem.relative_bound
         if not defect and not noise:
             return candidate
+        near_miss = f"The moments about the line to the centre of mass are symmetric to within {defect:.2g}"
+        candidate = replace(candidate, near_miss=near_miss if defect < NEARLY_EQUAL else "")
         instants, accuracy = instants_of(problem.duration), problem.scene.run.accuracy
+        if not noise and (least := _MARGIN * defect * rate * problem.duration) > accuracy:
+            return replace(candidate, cost=least, unseen=least)  # however neighbours part
         moments, mgh, attitude, omega = _state(candidate, axes)
 
         def follow(start: Float, spin: Float) -> tuple[Float, Float]:
@@ -95,10 +99,7 @@ class HeavySymmetricTop(Model):
         grown = _MARGIN * np.maximum(grown, rate * instants)
         inputs = InputBound(instants, noise * grown) if noise else InputBound.none(problem.duration)
         cost = defect * value_at(instants, grown, inputs.until(accuracy)) if defect else 0.0
-        near_miss = f"The moments about the line to the centre of mass are symmetric to within {defect:.2g}"
-        return replace(
-            candidate, cost=cost, unseen=cost, near_miss=near_miss if defect < NEARLY_EQUAL else "", inputs=inputs
-        )
+        return replace(candidate, cost=cost, unseen=cost, inputs=inputs)
 
     def solve(self, candidate: Candidate, time: Float, method: str | None = None) -> Motion:
         """Return the closed form, turned so that gravity points along −z."""
