@@ -138,9 +138,7 @@ def page(document: Mapping[str, Any]) -> str:
 
 def _kind(kind: str, row: Row) -> str:
     ratios = row["ratios"]
-    shares = (
-        " | ".join(_short(float(np.quantile(ratios, part))) for part in (0.5, 0.95, 0.0)) if ratios else "– | – | –"
-    )
+    shares = [_short(float(np.quantile(ratios, part))) for part in (0.5, 0.95, 0.0)] if ratios else ["–"] * 3
     what = (KINDS[kind].__doc__ or "").removeprefix("Return ").rstrip(".")
     counts = [f"{count:,}" for count in (row["cases"], row["refused"], len(ratios), row["exceeded"])]
     return f"| `{kind}` | {' | '.join([what, *counts, *shares])} |"
