@@ -34,6 +34,9 @@ _ROWS, _ROW = 33, 16
 _COMPARED = 65
 """Instants at least at which runs are compared."""
 
+_STEADY = 0.3
+_AMPLIFIED = 7.0
+
 STEP_COST = 500
 """A step of the numpy path in units of `native.Kernel.worthwhile`."""
 
@@ -51,14 +54,19 @@ class Taylor(Adaptive):
     def solve(self, problem: RotationProblem, time: Float, control: float) -> tuple[States, float]:
         """Return the run at `control`, and 2 max(d₁, d₂/10) and what rounding costs (`walk`) as the estimate.
 
-        d₁, d₂ are the distances of runs, each of which has ten times the tolerance of the one before.
+        d₁, d₂ are the distances of runs, each of which has ten times the tolerance of the one before. Where d₁ neither
+        falls with the tolerance nor is what rounding costs, it is rounding that the motion has amplified, of which two
+        runs may have got alike: then it counts `_AMPLIFIED` times as much.
         """
         instants = time
         if len(time) < _COMPARED:  # runs that have parted may be near each other at a few samples
             instants = np.union1d(time, np.linspace(problem.start, time[-1], _COMPARED))
         fine, middle, coarse = (self.run(problem, instants, control, level) for level in range(3))
-        apart = max(fine.apart(middle), 0.1 * middle.apart(coarse))
-        estimate = 2.0 * problem.caution * apart + walk(problem, fine, float(time[-1] - problem.start))
+        finest, coarsest = fine.apart(middle), middle.apart(coarse)
+        cost = walk(problem, fine, float(time[-1] - problem.start))
+        amplified = finest > max(_STEADY * coarsest, 10.0 * cost)
+        apart = max((_AMPLIFIED if amplified else 1.0) * finest, 0.1 * coarsest)
+        estimate = 2.0 * problem.caution * apart + cost
         at = np.searchsorted(instants, time)
         return States(fine.attitude[at], fine.angular_velocity[at], fine.steps), estimate
 
