@@ -22,6 +22,8 @@ if TYPE_CHECKING:
 
 _MARGIN = 3.0  # of what the growth of a change of the start says about other mass properties
 _NEIGHBOURS = 1e-13  # the tolerance with which neighbouring motions are stepped
+_ROUNDED = 4 * 2.0**-52  # of attitude and ω, relative, on their way to the axes that are stepped
+_NUDGE = 1e-9  # of the start, which shows how far that counts
 
 
 class EulerEquations(Model):
@@ -56,8 +58,11 @@ class EulerEquations(Model):
         from inertia.dynamics.models.stepped.solve import solve_stepped
 
         scene, rotation = candidate.problem.scene, self.rotation(candidate)
+        noise = 0.0
+        if candidate.problem.weight and rotation.terms(rotation.start) is not None:  # what may fall over
+            noise = min(_ROUNDED * float(_growth(candidate.problem, rotation, _NUDGE)[-1]), np.pi)
         try:
-            motion = solve_stepped(rotation, time, scene.run.accuracy, method)
+            motion = solve_stepped(rotation, time, scene.run.accuracy, method, noise=noise)
         except (UsageError, GeometryError) as error:
             raise placed(error, scene.name, *(() if error.places else (FieldPath("run"),))) from None
         if scene.orbit is None:
@@ -83,28 +88,33 @@ class EulerEquations(Model):
 
     def input_bound(self, candidate: Candidate) -> InputBound:
         """Return how far the bounds of the mass properties may move the attitude: as a change of the start does."""
-        from inertia.dynamics.integrators import methods
-
-        problem, rotation = candidate.problem, self.rotation(candidate)
+        problem = candidate.problem
         unknown = _MARGIN * problem.relative_bound
         if not unknown:
             return InputBound.none(problem.duration)
-        integrator = methods.METHODS["DOP853" if rotation.terms(rotation.start) is None else "Taylor"]
+        grown = _growth(problem, self.rotation(candidate), nudge_of(unknown, problem.scene.run.accuracy))
         instants = instants_of(problem.duration)
-
-        def follow(attitude: Float, angular_velocity: Float) -> tuple[Float, Float]:
-            there = replace(rotation, attitude=attitude, angular_velocity=angular_velocity)
-            states = integrator.run(there, instants, _NEIGHBOURS)
-            return states.attitude, states.angular_velocity
-
-        nudge = nudge_of(unknown, problem.scene.run.accuracy)
-        pace = max(problem.pace, 1.0 / problem.duration)
-        grown = growth(follow, rotation.attitude, rotation.angular_velocity, pace, nudge)
         return InputBound(instants, unknown * np.maximum(grown, problem.pace * instants))
 
     def view(self, problem: Problem) -> str:
         """Show what becomes of L and the energy where a torque acts."""
         return "driven" if problem.torques else super().view(problem)
+
+
+def _growth(problem: Problem, rotation: RotationProblem, nudge: float) -> Float:
+    """Return (n,) how far the attitude moves for a change of the start of one, at `instants_of` the duration."""
+    from inertia.dynamics.integrators import methods
+
+    integrator = methods.METHODS["DOP853" if rotation.terms(rotation.start) is None else "Taylor"]
+    instants = instants_of(problem.duration)
+
+    def follow(attitude: Float, angular_velocity: Float) -> tuple[Float, Float]:
+        there = replace(rotation, attitude=attitude, angular_velocity=angular_velocity)
+        states = integrator.run(there, instants, _NEIGHBOURS)
+        return states.attitude, states.angular_velocity
+
+    pace = max(problem.pace, 1.0 / problem.duration)
+    return growth(follow, rotation.attitude, rotation.angular_velocity, pace, nudge)
 
 
 def _named(load: Load, problem: Problem) -> Load:

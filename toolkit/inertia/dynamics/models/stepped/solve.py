@@ -32,7 +32,9 @@ STIFF = 1e4
 """Decay times of the damping in a run above which an implicit method is taken, if nothing else is as fast."""
 
 
-def solve_stepped(problem: RotationProblem, time: ArrayLike, accuracy: float, method: str | None = None) -> Motion:
+def solve_stepped(
+    problem: RotationProblem, time: ArrayLike, accuracy: float, method: str | None = None, *, noise: float = 0.0
+) -> Motion:
     """Step a body through `time` to an attitude error of at most `accuracy`.
 
     The control of the method (step or tolerance) is first guessed from its order, then the run is repeated at a coarser
@@ -43,6 +45,7 @@ def solve_stepped(problem: RotationProblem, time: ArrayLike, accuracy: float, me
     problem : the body, its start and its loads
     time : (n,) s, ascending from the start on
     accuracy : rad, at every sample
+    noise : rad, what the rounding of the problem itself moves the attitude by
     method : one of `methods.METHODS`; None picks Taylor for polynomial loads, LSODA where damping is stiff, else DOP853
 
     Returns
@@ -61,7 +64,7 @@ def solve_stepped(problem: RotationProblem, time: ArrayLike, accuracy: float, me
     [0.0, 0.0, 2.0]
     """
     instants = _instants(problem, time)
-    integrator, states, reached = stepped(problem, instants, accuracy, method)
+    integrator, states, reached = stepped(problem, instants, accuracy, method, noise)
     invariants = problem.invariants(states.attitude, states.angular_velocity)
     start = problem.moments * problem.angular_velocity
     momentum = float(np.linalg.norm(start))
@@ -87,16 +90,16 @@ def solve_stepped(problem: RotationProblem, time: ArrayLike, accuracy: float, me
 
 
 def stepped(
-    problem: RotationProblem, instants: Float, accuracy: float, method: str | None
+    problem: RotationProblem, instants: Float, accuracy: float, method: str | None, noise: float = 0.0
 ) -> tuple[Integrator, States, float]:
     """Return the method, the states at the instants and the estimate of their largest attitude error."""
     if not accuracy > 0:
         raise UsageError(f"accuracy is {accuracy}: give an angle in rad above zero")
     integrator = _select(problem, method, float(instants[-1]))
-    least = rounding(problem.angular_velocity, instants[-1] - problem.start)
-    states, reached = _refine(integrator, problem, instants, accuracy) if accuracy >= least else (None, least)
+    least = rounding(problem.angular_velocity, instants[-1] - problem.start) + noise
+    states, reached = _refine(integrator, problem, instants, accuracy, noise) if accuracy >= least else (None, least)
     if states is None:
-        raise _unreachable(integrator, problem, instants, accuracy, reached)
+        raise _unreachable(integrator, problem, instants, accuracy, reached, noise)
     return integrator, states, reached
 
 
@@ -143,13 +146,14 @@ def _select(problem: RotationProblem, method: str | None, end: float) -> Integra
 
 
 def _refine(
-    integrator: Integrator, problem: RotationProblem, time: Float, accuracy: float
+    integrator: Integrator, problem: RotationProblem, time: Float, accuracy: float, noise: float
 ) -> tuple[States | None, float]:
     """Return the first run whose estimate is within the accuracy, and the estimate; None and the least without one."""
     control = integrator.first(problem, time, accuracy)
     best = np.inf
     for _ in range(ATTEMPTS):
         states, estimate = integrator.solve(problem, time, control)
+        estimate += noise
         if problem.probed and not isinstance(integrator, SciPy) and estimate <= accuracy:  # which may have missed one
             peer = methods.METHODS["DOP853"]
             estimate += states.apart(peer.run(problem, time, peer.first(problem, time, accuracy)))
@@ -163,7 +167,7 @@ def _refine(
 
 
 def _unreachable(
-    integrator: Integrator, problem: RotationProblem, time: Float, accuracy: float, reached: float
+    integrator: Integrator, problem: RotationProblem, time: Float, accuracy: float, reached: float, noise: float
 ) -> GeometryError:
     """Return what is wrong with an accuracy that is beyond float64 or the method, and one that has been tried."""
     phase = problem.fastest * (time[-1] - problem.start)
@@ -171,7 +175,7 @@ def _unreachable(
     while goal < ATTITUDE_LOST and within is None:
         if phase > _LONG:
             goal = within = 50.0 * goal
-        elif _refine(integrator, problem, time, float(rounded_up(goal)))[0] is not None:
+        elif _refine(integrator, problem, time, float(rounded_up(goal)), noise)[0] is not None:
             within = goal
         else:
             goal *= 5.0
