@@ -58,6 +58,7 @@ class ScaledFreeMotion(Model):
         tilt = min(wobble, unequal)  # of the angular velocity against the momentum
         pull = float(np.linalg.norm(torque))
         turned = _turned(_axle(problem, along, damping, torque), problem.duration)
+        off += _across(body, along) * min(turned, 1.0)  # what the body carries away from what is fixed in space
         in_space = not (damping or body.any() or any(load.dissipation for load in problem.torques))
         if not turned < 1.0 / _EPS or off > _NEARLY * pull or (tilt > _NEARLY and not in_space):
             return None

@@ -28,6 +28,7 @@ _STEADY = 1e-6
 """|ω₁| and |ω̇₁| below this part of what the pace of the motion makes of them count as steady."""
 
 _EPSILON = 2.0**-52
+_FINISH = 12.0  # roundings between the states and the attitude
 
 
 def solve_rolling(
@@ -188,7 +189,7 @@ def _refined(body: RollingBody, start: Float, time: Float, accuracy: float, repe
         attitude = _attitude(states)
         if before is not None:
             apart = float(quaternion.angle_between(attitude, before).max())
-            reached = 2.0 * apart + _EPSILON * float(np.abs(states[4:6]).max())
+            reached = 2.0 * apart + _EPSILON * (_FINISH + float(np.abs(states[4:6]).max()))
             if reached <= accuracy:
                 break
         before = attitude
