@@ -11,6 +11,7 @@ from pathlib import Path
 
 import numpy as np
 
+from inertia import native
 from inertia.errors import CacheWarning
 from inertia.mesh.geometry import closure
 from inertia.native import Kernel, address
@@ -25,6 +26,7 @@ def _answer() -> bytes:
     table = np.zeros((8, 2), np.uint64)
     table[:6:2] = [[3, 5], [9, 2], [17, 8]]
     larger = np.zeros((32, 2), np.uint64)
+    native.SHIPPED = native.SHIPPED / "none"  # in this process, which runs this campaign alone
     kernel = Kernel(closure.REHASH.module, closure.REHASH.name, closure.REHASH.abi)
     kernel.function(address(table), 8, address(larger), 32)
     return larger.tobytes()

@@ -53,7 +53,7 @@ def test_estimate_of_two_runs_is_four_times_their_distance() -> None:
     [
         (1.0, 10.0, 1.0),  # the tolerance rules
         (1.0, 100.0, 10.0),
-        (1.0, 0.5, 1.0),  # rounding rules
+        (1.0, 0.5, 7.0),  # rounding rules, and is amplified
         (0.1, 2.0, 0.2),  # two runs happen to agree
     ],
 )
