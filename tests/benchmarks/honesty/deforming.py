@@ -1,7 +1,7 @@
 """The true motion of a body that changes its shape, in 80-bit floats: q̇ = ½ q I⁻¹(t) (Rᵀ L − h(t)), L fixed in space.
 
 Poses follow from products of exponentials, the tensor and the internal momentum from sums over the parts, and the
-attitude from Gauss collocation between all keyframes and samples, with steps of two lengths.
+attitude from Gauss collocation between all keyframes and samples, with steps of one length and of half of it.
 """
 
 from __future__ import annotations
@@ -19,7 +19,8 @@ from .rigid import Table, Truth
 
 Long = np.longdouble
 STAGES = 12
-PHASES = 0.7, 0.45  # rad in a step
+PHASE = 0.35  # rad in the longer steps
+LEAST = 4  # of these between keyframes: joints may be quick where little turns
 ROUNDING = 1e-18
 MOST_STEPS = 1500
 
@@ -31,7 +32,7 @@ def follow(scene: Table, times: np.ndarray) -> Truth:
     start /= np.sqrt(start @ start)
     inertia, inside = shape(parts, np.zeros(1, dtype=Long))
     momentum = _to_space(start[None], inertia @ np.array(scene["start"]["angular_velocity"], dtype=Long) + inside)[0]
-    fine, coarse = (_integrated(parts, momentum, start, times, phase) for phase in reversed(PHASES))
+    fine, coarse = (_integrated(parts, momentum, start, times, halves) for halves in (2, 1))
     apart = np.abs(fine - coarse).max(axis=1).astype(float)
     attitude = np.array([[_quad(x) for x in row] for row in fine])
     return Truth(attitude, 4.0 * apart + ROUNDING * (1.0 + len(times)))
@@ -114,12 +115,12 @@ def _driven(joint: Table, time: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     return value, rate
 
 
-def _integrated(parts: Sequence[Table], momentum: Any, start: Any, times: np.ndarray, phase: float) -> np.ndarray:
+def _integrated(parts: Sequence[Table], momentum: Any, start: Any, times: np.ndarray, halves: int) -> np.ndarray:
     marks = {float(t) for part in parts for joint in part.get("joint", []) for t in joint["times"]}
     stops = sorted({0.0, *times.tolist(), *(t for t in marks if 0 < t < times[-1])})
     edges = [Long(0)]
     for a, b in pairwise(stops):
-        count = int(np.ceil(_turned(parts, momentum, Long(a), Long(b)) / phase)) or 1
+        count = halves * max(int(np.ceil(_turned(parts, momentum, Long(a), Long(b)) / PHASE)), LEAST)
         edges += [Long(a) + (Long(b) - Long(a)) * k / count for k in range(1, count)] + [Long(b)]
         if len(edges) > MOST_STEPS:
             raise TooLongError(f"{len(edges)} steps")

@@ -251,7 +251,7 @@ def _refined(flow: _Flow, start: Float, time: Float, accuracy: float) -> tuple[T
     trajectory, error = collocate(flow.momentum, flow.coefficients, start, edges), np.inf
     # What steps are rounded by walks at random, and parts as neighbouring motions do.
     parted = _apart(collocate(flow.momentum, flow.coefficients, nudged, edges), trajectory, time) / _NUDGE
-    rounding = 2.0 * _EPSILON * (growth + parted * math.sqrt(growth))
+    rounding = 6.0 * _EPSILON * (growth + parted * math.sqrt(growth))
     while True:
         counts = 2 * counts
         coarse, before = trajectory, error
