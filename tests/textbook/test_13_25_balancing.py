@@ -7,7 +7,7 @@ import math
 
 import numpy as np
 import pytest
-from tests.textbook.worked import free
+from tests.textbook.worked import follow, free
 
 import inertia
 
@@ -16,13 +16,16 @@ TURN = np.array([[math.cos(TILT), 0, math.sin(TILT)], [0, 1, 0], [-math.sin(TILT
 
 
 def test_the_torque_of_a_tilted_wheel():
-    """1e4 · 0.2 · sin 0.02 cos 0.02 = 39.989 N m, from L × ω of the tensor along the axle."""
-    tensor = inertia.reexpress(np.diag([I1, I1, I3]), TURN.T)
-    spin = np.array([0, 0, SPIN])
-    torque = np.cross(spin, tensor @ spin)
+    """1e4 · 0.2 · sin 0.02 cos 0.02 = 39.989 N m, which the two bearings of an axle hold, turning with it."""
+    wheel = {"inertia": inertia.reexpress(np.diag([I1, I1, I3]), TURN.T).tolist(), "mass": 1.0}
+    axle = {"kind": "hinge", "axis": [0, 0, 1], "drive": "constant_speed", "bearings": [-0.5, 0.5]}
+    run = follow(wheel, [0, 0, SPIN], 0.1, frame="part", constraint=axle)
+    torque, force = run.quantities["reaction torque"], run.quantities["force on bearing B"]
     expected = SPIN**2 * (I3 - I1) * math.sin(TILT) * math.cos(TILT)
     assert expected == pytest.approx(39.989, abs=1e-3)
-    np.testing.assert_allclose(np.abs(torque), [0, expected, 0], rtol=1e-12, atol=1e-12)
+    np.testing.assert_allclose(torque[:, 2], 0, atol=1e-12)
+    np.testing.assert_allclose(np.linalg.norm(torque, axis=1), expected, rtol=1e-12)
+    np.testing.assert_allclose(np.linalg.norm(force, axis=1), expected / 1.0, rtol=1e-12)  # 1 m between the bearings
 
 
 def test_statically_balanced_is_not_enough():

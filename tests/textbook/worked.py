@@ -27,6 +27,14 @@ def free(moments: Any, angular_velocity: Any, duration: float, **rest: Any) -> R
     return follow({"principal_moments": list(moments)}, angular_velocity, duration, **rest)
 
 
+def on_axle(body: inertia.MassProperties, axis: Any, omega: float) -> Run:
+    """Turn a body steadily on an axle through the origin of its axes, once round."""
+    unit = np.asarray(axis, float) / np.linalg.norm(axis)
+    table = {"inertia": body.inertia.tolist(), "mass": body.mass, "center_of_mass": body.center_of_mass.tolist()}
+    held = {"kind": "hinge", "axis": unit.tolist(), "drive": "constant_speed"}
+    return follow(table, omega * unit, 2.0 * math.pi / omega, 17, frame="part", constraint=held)
+
+
 def tilted(theta: float) -> list[float]:
     """Return the attitude (4,) of a body whose axis 3 is off the vertical by θ, turned about x."""
     return [math.sin(theta / 2), 0.0, 0.0, math.cos(theta / 2)]
