@@ -42,8 +42,10 @@ _SMALL = 2.0**-54
 _GUESS = 60
 _PAIRS = ((0, 1, 2), (1, 2, 0), (2, 0, 1))
 
-_FINE = 112
-"""Bits of a gap, or of the moments, below which an element off the diagonal is none in `frame_near`."""
+_FINE = 224
+"""Bits of a gap, or of the moments, below which an element off the diagonal is none in `frame_near`.
+
+Twice those of a double-double: of a spin along an axis, the small component across it keeps its digits, too."""
 
 _Rows = list[list[int]]
 _Quaternion = tuple[int, int, int, int]
@@ -110,7 +112,7 @@ class Frame:
     Attributes
     ----------
     turn : the integer quaternion (w, x, y, z), of any length, that takes the frame's axes to those of the matrix
-    values : the diagonal of the matrix in it, all else of which is less than a part in 10³³
+    values : the diagonal of the matrix in it, all else of which is less than a part in 10⁶⁷
     """
 
     turn: _Quaternion
