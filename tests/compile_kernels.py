@@ -1,6 +1,6 @@
 """Write the machine code that is shipped, `inertia/compiled`: ``python tests/compile_kernels.py`` on Linux, x86-64.
 
-The versions of numba and llvmlite are those of `constraints.txt`; the same ones write the same bytes.
+Python 3.11 with the numba and llvmlite of `constraints.txt` writes the same bytes on any such machine.
 """
 
 from __future__ import annotations

@@ -222,7 +222,8 @@ def test_every_kernel_is_shipped_as_its_source_is_now() -> None:
 
 @pytest.mark.skipif(not SHIPPED_HERE, reason="machine code is shipped for Linux on x86-64")
 def test_what_is_shipped_is_what_the_source_compiles_to(monkeypatch: pytest.MonkeyPatch) -> None:
-    if version("llvmlite") not in (Path(__file__).parents[1] / "constraints.txt").read_text():
+    constraints = (Path(__file__).parents[1] / "constraints.txt").read_text()
+    if sys.version_info[:2] != (3, 11) or f"llvmlite=={version('llvmlite')}\n" not in constraints:
         pytest.skip("another compiler than that which wrote it")
     monkeypatch.setenv("NUMBA_CPU_NAME", "")  # restores what compiling sets
     monkeypatch.setenv("NUMBA_CPU_FEATURES", "")
