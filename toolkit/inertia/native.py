@@ -22,6 +22,7 @@ from __future__ import annotations
 import contextlib
 import ctypes
 import functools
+import hashlib
 import importlib
 import importlib.util
 import itertools
@@ -139,7 +140,7 @@ class Kernel:
             raise ModuleNotFoundError(self.module)
         sources = sorted(Path(spec.origin).parent.glob("*_kernel.py"))  # kernels share functions
         text = b"".join(map(Path.read_bytes, sources)) + repr((self.abi, self.fused, *made_for)).encode()
-        return importlib.util.source_hash(text).hex()
+        return hashlib.sha256(text).hexdigest()[:16]
 
     def _compile(self) -> bytes:
         code = self.machine_code()

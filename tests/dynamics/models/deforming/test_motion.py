@@ -212,7 +212,7 @@ def test_raising_the_arm_at_the_right_instant_ends_the_twist() -> None:
     assert abs(early.angular_velocity[1, 2]) > 3
 
 
-@pytest.mark.parametrize("accuracy", [1e-2, 1e-5, 1e-8, 1e-11, 1e-13])
+@pytest.mark.parametrize("accuracy", [1e-2, 1e-5, 1e-8, 1e-11, 2e-13])
 def test_what_is_reached_is_what_was_asked_and_bounds_the_error(accuracy: float) -> None:
     time, bend = np.linspace(0, 0.45, 91), 1.9
     motion = solve_deforming(cat(bend), time, accuracy, angular_velocity=[0, 0, 0])
