@@ -8,7 +8,6 @@ import os
 import signal
 import sys
 import tarfile
-import threading
 import time
 import zipfile
 from pathlib import Path
@@ -267,52 +266,56 @@ LINUX = pytest.mark.skipif(sys.platform != "linux", reason="finds processes in /
 
 
 @pytest.fixture
-def slow(tmp_path: Path) -> Path:
-    """A mesh that takes about a second to read: text with many triangles."""
+def large(tmp_path: Path) -> Path:
+    """A mesh that takes more than a few MiB to read: text with many triangles."""
     facet = "facet normal 0 0 0\nouter loop\nvertex {0} 0 0\nvertex {0} 1 0\nvertex {0} 0 1\nendloop\nendfacet\n"
-    text = "solid slow\n" + "".join(map(facet.format, range(400_000))) + "endsolid slow\n"
-    (tmp_path / "slow.stl").write_text(text)
-    return tmp_path / "slow.stl"
+    text = "solid large\n" + "".join(map(facet.format, range(400_000))) + "endsolid large\n"
+    (tmp_path / "large.stl").write_text(text)
+    return tmp_path / "large.stl"
 
 
-def test_a_file_that_takes_too_long_has_a_row_that_says_so(slow: Path) -> None:
-    before, late, after = rows(CUBE, slow, HANDLE, timeout=0.5)
+@pytest.fixture
+def bad(tmp_path: Path) -> Path:
+    (tmp_path / "bad.stl").write_bytes(CUBE.read_bytes())
+    return tmp_path / "bad.stl"
+
+
+def upon_opening(bad: Path, action: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Let every process started from now on do something when it opens a file."""
+    (bad.parent / "sitecustomize.py").write_text(
+        "import os, sys, time\n"
+        "def hook(event, arguments):\n"
+        f"    if event == 'open' and str(arguments[0]) == {str(bad)!r}:\n"
+        f"        {action}\n"
+        "sys.addaudithook(hook)\n"
+    )
+    monkeypatch.setenv("PYTHONPATH", str(bad.parent), prepend=os.pathsep)
+
+
+def test_a_file_that_takes_too_long_has_a_row_that_says_so(bad: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    upon_opening(bad, "time.sleep(600)", monkeypatch)
+    before, late, after = rows(CUBE, bad, HANDLE, timeout=4.0)
     assert (late["state"], late["exit_code"]) == ("timed_out", 4)
-    assert "it took longer than the 0.5 s that a file may take" in late["message"]
+    assert "it took longer than the 4 s that a file may take" in late["message"]
     assert late["message"].endswith("allow it more by timeout=SECONDS")
-    assert late["sha256"] == hashlib.sha256(slow.read_bytes()).hexdigest()
+    assert late["sha256"] == hashlib.sha256(bad.read_bytes()).hexdigest()
     assert before["state"] == after["state"] == "answered"
 
 
 @LINUX
-def test_a_file_that_takes_too_much_memory_has_a_row_that_says_so(slow: Path) -> None:
-    refused, answered = rows(slow, CUBE, memory=10 * 2**20)
+def test_a_file_that_takes_too_much_memory_has_a_row_that_says_so(large: Path) -> None:
+    refused, answered = rows(large, CUBE, memory=10 * 2**20)
     assert refused["state"] in ("refused", "unreadable")
     assert "needs more memory than a file may take, 10 MiB: allow more by memory=BYTES" in refused["message"]
     assert answered["state"] == "answered"
 
 
 @LINUX
-def test_a_file_whose_process_dies_twice_has_a_row_and_all_others_too(slow: Path) -> None:
-    over = threading.Event()
-
-    def kill() -> None:
-        while not over.wait(0.05):
-            for number in workers():
-                for name in Path(f"/proc/{number}/fd").glob("*"):
-                    try:
-                        if name.readlink() == slow:
-                            os.kill(number, signal.SIGKILL)
-                    except OSError:
-                        continue
-
-    killer = threading.Thread(target=kill)
-    killer.start()
-    try:
-        before, dead, after = rows(CUBE, slow, HANDLE)
-    finally:
-        over.set()
-        killer.join()
+def test_a_file_whose_process_dies_twice_has_a_row_and_all_others_too(
+    bad: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    upon_opening(bad, "os.kill(os.getpid(), 9)", monkeypatch)
+    before, dead, after = rows(CUBE, bad, HANDLE)
     assert (dead["state"], dead["exit_code"]) == ("crashed", 1)
     assert "died (signal 9), and so did the second one" in dead["message"]
     assert before["state"] == after["state"] == "answered"
