@@ -344,7 +344,7 @@ def test_workers_go_when_nobody_wants_more_rows() -> None:
     next(started)
     assert workers()
     started.close()  # type: ignore[attr-defined]
-    until = time.monotonic() + 5
+    until = time.monotonic() + 60
     while workers() and time.monotonic() < until:
         time.sleep(0.01)
     assert not workers()

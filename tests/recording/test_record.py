@@ -49,7 +49,7 @@ def test_it_streams_to_an_open_viewer(handle: Run, tmp_path: Path, monkeypatch: 
     with open_viewer(tmp_path) as (client, port):
         monkeypatch.setattr(writer, "VIEWER", ("127.0.0.1", port))
         record(handle, live=True)
-        end = time.monotonic() + 20
+        end = time.monotonic() + 120
         while len(client.get_state().views) < 7 and time.monotonic() < end:
             time.sleep(0.1)
         state = client.get_state()

@@ -38,7 +38,7 @@ def test_a_conversion_that_does_not_end_is_ended(
     begin = time.monotonic()
     with pytest.raises(ReadError, match=r"OpenCASCADE took longer than . s .*set INERTIA_STEP_SECONDS to more"):
         read(sphere)
-    assert time.monotonic() - begin < 20
+    assert time.monotonic() - begin < 60
 
 
 @pytest.mark.parametrize("work", ["bytes(2**40)", "import os; os.kill(os.getpid(), 9)"])
