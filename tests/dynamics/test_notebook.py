@@ -56,7 +56,7 @@ def test_colours_are_told_from_a_light_page_and_a_dark_one(page: str) -> None:
         dark, light = sorted([_luminance(color), _luminance(page)])
         assert (light + 0.05) / (dark + 0.05) > 3  # WCAG 2.1, 1.4.11
     text = simulate(scene(PLAIN))._repr_html_()
-    assert set(re.findall(r"#[0-9a-f]{6}", text)) == set(COLORS)  # all else is the page's own
+    assert set(re.findall(r"#[0-9A-Fa-f]{6}", text)) == set(COLORS)  # all else is the page's own
     assert "<style" not in text
 
 

@@ -9,9 +9,10 @@ import numpy as np
 
 from inertia.arrays import Float
 from inertia.errors import visible
+from inertia.palette import BLUE, GREEN, VERMILLION
 
-COLORS = ("#2b83c6", "#d2641e", "#1f9a6d")
-"""Of the three components: at least 3 : 1 against white and against black."""
+COLORS = (BLUE, VERMILLION, GREEN)
+"""Of the three components."""
 
 _WIDTH, _HEIGHT, _LEFT, _TOP = 420, 130, 52, 8  # of the sketch's box
 _LINE = 12  # the height of a line of text

@@ -5,17 +5,25 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
+from numpy.typing import ArrayLike
 
+from inertia import palette
 from inertia.arrays import Float
 from inertia.recording import entities
 from inertia.recording.writer import Recording
 
 Color = tuple[int, int, int] | tuple[int, int, int, int]
 
-COLORS = ((230, 80, 70), (90, 190, 90), (80, 140, 255), (240, 190, 60), (200, 110, 220), (90, 210, 210))
+COLORS = tuple(map(palette.rgb, palette.COLORS))
 """Of series and of axes 1, 2, 3."""
-OMEGA, MOMENTUM, TRAIL, GROUND = (255, 200, 60), (90, 200, 255), (255, 140, 60), (110, 115, 125)
+OMEGA, MOMENTUM, TRAIL = palette.rgb(palette.ORANGE), palette.rgb(palette.SKY), palette.rgb(palette.YELLOW)
+GROUND = (110, 115, 125)
+STATE_COLORS = [int(f"{color[1:]}FF", 16) for color in (palette.GREEN, palette.VERMILLION)]
+"""Of the two states of a timeline, red, green, blue and opacity in one number."""
 
+_LABEL = {"colors": [palette.rgb(palette.WHITE)], "radii": [-0.01], "show_labels": True}
+"""Of a text in space: its plate is near-black in a dark theme, and mid-grey on dark ground in a light one."""
+_BEYOND = np.float32(1.07)  # of an arrow, where its name is
 _ROUND = 97  # points of a circle
 _POINTS = 20_000  # of a line that does not change
 
@@ -64,20 +72,29 @@ def write_arrow(
     color: Color,
     radius: float,
 ) -> None:
-    """Write an arrow (m, 3) that moves, in display units."""
+    """Write an arrow (m, 3) that moves, in display units, with its name beyond the tip."""
     import rerun as rr
 
-    recording.static(path, rr.Arrows3D.from_fields(labels=[label], colors=[color], radii=[radius], show_labels=True))
+    recording.static(path, rr.Arrows3D.from_fields(colors=[color], radii=[radius]))
+    recording.static(f"{path}/name", rr.Points3D.from_fields(labels=[label], **_LABEL))
     tips = vectors.astype(np.float32)
     recording.columns(path, time, lambda rows: rr.Arrows3D.columns(vectors=tips[rows]))
+    recording.columns(f"{path}/name", time, lambda rows: rr.Points3D.columns(positions=_BEYOND * tips[rows]))
 
 
 def write_axes(recording: Recording, path: str, axes: Float, radius: float) -> None:
     """Write arrows along the axes 1, 2, 3, the columns of (3, 3), that stay in their frame."""
     import rerun as rr
 
-    arrows = rr.Arrows3D(vectors=axes.T, colors=COLORS[:3], labels=["1", "2", "3"], radii=[radius] * 3)
-    recording.static(path, arrows)
+    recording.static(path, rr.Arrows3D(vectors=axes.T, colors=COLORS[:3], radii=[radius] * 3))
+    write_labels(recording, f"{path}/names", _BEYOND * axes.T, ["1", "2", "3"])
+
+
+def write_labels(recording: Recording, path: str, places: ArrayLike, labels: Sequence[str]) -> None:
+    """Write texts at places (k, 3) that stay."""
+    import rerun as rr
+
+    recording.static(path, rr.Points3D(places, labels=list(labels), **_LABEL))
 
 
 def write_trail(recording: Recording, path: str, time: Float, points: Float, color: Color, radius: float) -> None:

@@ -9,11 +9,14 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import ArrayLike
 
+from inertia import palette
 from inertia.recording import entities
 from inertia.recording.writer import Recording
 
 if TYPE_CHECKING:
     import rerun.blueprint as rrb
+
+DARK_GROUND = palette.rgb(palette.DARK)
 
 _FROM = np.array([0.62, -0.66, 0.42])
 _DISTANCE = 2.4  # radii: as near as a sphere still fits the view
@@ -74,6 +77,15 @@ def camera(offset: ArrayLike, target: ArrayLike, up: ArrayLike) -> rrb.EyeContro
     look = np.asarray(target, dtype=np.float64)
     position = look + np.asarray(offset)
     return rrb.EyeControls3D(kind=rrb.Eye3DKind.Orbital, position=position, look_target=look, eye_up=up)
+
+
+def space_view(origin: str, name: str, eye_controls: rrb.EyeControls3D, **more: Any) -> rrb.Spatial3DView:
+    """Return a view in space, on dark ground whatever the theme; `more` goes to Rerun."""
+    import rerun.blueprint as rrb
+
+    return rrb.Spatial3DView(
+        origin=f"/{origin}", name=name, eye_controls=eye_controls, background=DARK_GROUND, line_grid=False, **more
+    )
 
 
 def trail(seconds: float) -> rrb.VisibleTimeRanges:

@@ -9,6 +9,7 @@ from itertools import groupby
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from inertia.palette import BLUE, GREEN, ORANGE, PINK, SKY, VERMILLION
 from inertia.plotting import write_figure
 from inertia.work_precision.rows import PartRow, SceneRow, front
 from inertia.work_precision.trade import PartTrade, SceneTrade
@@ -17,14 +18,14 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-_WHOLE, _SIMPLER, _ASKED = "#0072B2", "#D55E00", "#666666"  # Okabe and Ito: told apart by the colour-blind
+_WHOLE, _SIMPLER, _ASKED = BLUE, VERMILLION, "#666666"
 _COLOURS = (
-    "#0072B2",
-    "#D55E00",
-    "#009E73",
-    "#CC79A7",
-    "#E69F00",
-    "#56B4E9",
+    BLUE,
+    VERMILLION,
+    GREEN,
+    PINK,
+    ORANGE,
+    SKY,
     "#000000",
     "#999933",
     "#882255",

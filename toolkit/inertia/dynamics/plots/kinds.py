@@ -16,13 +16,13 @@ from inertia.dynamics.motion import Motion
 from inertia.dynamics.plots.projection import FAINT, INK, Projection, bare
 from inertia.dynamics.plots.subject import Subject, ascending
 from inertia.errors import UsageError
+from inertia.palette import BLUE, GREEN, ORANGE, PLUM, VERMILLION
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-BLUE, RED, GREEN, VIOLET, AMBER = "#0072B2", "#D55E00", "#009E73", "#8a3f9e", "#E69F00"  # Okabe and Ito, mostly
-_LINES = (BLUE, RED, GREEN)
+_LINES = (BLUE, VERMILLION, GREEN)
 _EYE = (0.58, 0.46, 0.67)  # from where all three axes can be told apart
 _SAMPLES = 361
 _MOST = 4000  # points of a line
@@ -148,9 +148,9 @@ def _polhode(axes: Axes, run: Subject) -> None:
     if _distinct(moments) == 3:
         for k, curve in enumerate(separatrix(moments, float(np.sqrt(double * np.median(moments))), _SAMPLES)):
             label = None if k else "separatrix"
-            seen.draw(axes, curve, label, color=VIOLET, linewidth=1.2)
+            seen.draw(axes, curve, label, color=PLUM, linewidth=1.2)
     if np.ptp(moments):
-        seen.draw(axes, polhode(moments, omega, _SAMPLES).branches[0], "polhode", color=RED, linewidth=2.6)
+        seen.draw(axes, polhode(moments, omega, _SAMPLES).branches[0], "polhode", color=VERMILLION, linewidth=2.6)
     axes.plot(*seen.at(omega), "o", color=INK, markersize=7, zorder=9, label=f"ω {_when(run, 0)}")
     ends = [f"{'−' if seen.toward[k] < 0 else ''}{size:.3g}" for k, size in enumerate(seen.semi_axes)]
     seen.draw_axes(axes, [f"ω{_SUBSCRIPTS[k]} = {end} rad/s" for k, end in enumerate(ends)])
@@ -171,17 +171,17 @@ def _momentum_sphere(axes: Axes, run: Subject) -> None:
     curved = _distinct(moments) == 3
     if curved:
         for k, curve in enumerate(moments * separatrix(moments, 1.0, _SAMPLES)):
-            seen.draw(axes, curve, None if k else "separatrix", color=VIOLET, linewidth=1.2)
+            seen.draw(axes, curve, None if k else "separatrix", color=PLUM, linewidth=1.2)
     if free and np.ptp(moments):
         if curved:
             for curve in _family(moments):
                 seen.draw(axes, curve, color=FAINT, linewidth=0.8)
         curve = moments * polhode(moments, run.angular_velocity[0] @ along, _SAMPLES).branches[0] / size[0]
-        seen.draw(axes, curve, "path of L", color=RED, linewidth=2.6)
+        seen.draw(axes, curve, "path of L", color=VERMILLION, linewidth=2.6)
     elif not free:
         way = _in_pieces(path)
-        seen.draw(axes, way, "path of L / |L|", color=RED, **_style(_is_coarse(run), len(path), 1.8))
-        axes.plot(*seen.at(path[-1]), "s", color=AMBER, markersize=7, zorder=9, label=f"L {_when(run, -1)}")
+        seen.draw(axes, way, "path of L / |L|", color=VERMILLION, **_style(_is_coarse(run), len(path), 1.8))
+        axes.plot(*seen.at(path[-1]), "s", color=ORANGE, markersize=7, zorder=9, label=f"L {_when(run, -1)}")
     axes.plot(*seen.at(path[0]), "o", color=INK, markersize=7, zorder=9, label=f"L {_when(run, 0)}")
     seen.draw_axes(axes, [f"L{_SUBSCRIPTS[k]}{'' if seen.toward[k] >= 0 else ' < 0'}" for k in range(3)])
     bare(axes)
@@ -240,7 +240,9 @@ def _effective_potential(axes: Axes, run: Subject) -> None:
     low = float(values.min())
     depth = max(level - low, 0.05 * float(np.median(values) - low), 1e-9 * abs(level))
     axes.plot(theta, values, color=BLUE, linewidth=2.2, label="V(θ)")
-    axes.plot([first, last], [level, level], color=RED, linewidth=2.0, marker="|", markersize=12, label="energy E′")
+    axes.plot(
+        [first, last], [level, level], color=VERMILLION, linewidth=2.0, marker="|", markersize=12, label="energy E′"
+    )
     tilt = float(run.quantities["theta"][0])
     at_start = top.effective_potential([np.clip(tilt, theta[0], theta[-1])])
     axes.plot([tilt], at_start, "o", color=INK, markersize=7, zorder=5, label=_when(run, 0))
@@ -277,7 +279,7 @@ def _nutation(axes: Axes, run: Subject) -> None:
     toward = side / np.linalg.norm(side) * np.sqrt(1.0 - lift**2) + lift * up
     seen = Projection(np.ones(3), toward, up)
     _draw_globe(axes, seen, up)
-    seen.draw(axes, path, "path of the axis", color=RED, **_style(_is_coarse(run), len(path), 1.5))
+    seen.draw(axes, path, "path of the axis", color=VERMILLION, **_style(_is_coarse(run), len(path), 1.5))
     circles = np.asarray(run.quantities.get("turning theta", []), dtype=np.float64)
     for k, angle in enumerate(circles):
         seen.draw(axes, _circle(up, float(angle)), None if k else "θ turns", color=GREEN, linewidth=1.4)
@@ -335,7 +337,7 @@ def _phase_portrait(axes: Axes, run: Subject) -> None:
         _draw_levels(axes, run, np.linspace(lower, upper, 201), np.linspace(bottom, top, 161))
     every = slice(None, None, max(1, len(angle) // (4 * _MOST)))
     how = _style(_is_coarse(run), len(angle), 2.0)
-    axes.plot(angle[every], rate[every], color=RED, label="the run", zorder=4, **how)
+    axes.plot(angle[every], rate[every], color=VERMILLION, label="the run", zorder=4, **how)
     axes.plot(angle[:1], rate[:1], "o", color=INK, markersize=7, zorder=5, label=_when(run, 0))
     axes.set_xlim(lower, upper)
     axes.set_ylim(bottom, top)
@@ -361,8 +363,8 @@ def _draw_levels(axes: Axes, run: Subject, angles: Float, rates: Float) -> None:
     hills = _potential(run, turn)
     held = run.plan.problem.scene.constraint
     if not held.stiffness and np.ptp(hills) > 0 and energy.min() < hills.max() < energy.max():
-        axes.contour(angles, rates, energy, levels=[float(hills.max())], colors=VIOLET, linewidths=1.3, zorder=2)
-        axes.add_line(Line2D([], [], color=VIOLET, linewidth=1.3, label="separatrix"))
+        axes.contour(angles, rates, energy, levels=[float(hills.max())], colors=PLUM, linewidths=1.3, zorder=2)
+        axes.add_line(Line2D([], [], color=PLUM, linewidth=1.3, label="separatrix"))
 
 
 def _potential(run: Subject, angles: Float) -> Float:

@@ -17,7 +17,7 @@ from inertia.recording import entities
 from inertia.recording.display import Solid, equivalent_ellipsoid, solids_of
 from inertia.recording.drawing import COLORS, MOMENTUM, OMEGA, write_arrow, write_ellipsoid, write_place, write_text
 from inertia.recording.playback import Frames, frames_of, largest, longest_as
-from inertia.recording.screen import Screen, camera, drift_plot, eye, finished, plot, text_view
+from inertia.recording.screen import Screen, camera, drift_plot, eye, finished, plot, space_view, text_view
 from inertia.recording.series import drift_unit, write_angular_velocity, write_drift
 from inertia.recording.summary import summary, title
 from inertia.recording.writer import Recording
@@ -25,7 +25,7 @@ from inertia.recording.writer import Recording
 if TYPE_CHECKING:
     import rerun.blueprint as rrb
 
-ELLIPSOID = (230, 120, 80, 90)
+ELLIPSOID = (*COLORS[0], 90)
 
 _OMEGA, _MOMENTUM = 1.1, 1.25  # lengths of arrows, over the reach of the body
 _THICK = 0.01
@@ -81,18 +81,16 @@ def _blueprint(run: Run, assembly: JointedBody, motion: Motion) -> rrb.Blueprint
     import rerun.blueprint as rrb
 
     duration = float(run.time[-1])
-    parts = rrb.Spatial3DView(
-        origin=f"/{entities.CENTER}",
+    parts = space_view(
+        entities.CENTER,
         contents=f"/{entities.WORLD}/**",
         name="About the centre of mass",
         eye_controls=eye(_ROOM * motion.reach),
-        line_grid=False,
     )
-    beside: Any = rrb.Spatial3DView(
-        origin=f"/{entities.TENSOR}",
+    beside: Any = space_view(
+        entities.TENSOR,
         name="Ellipsoid of the same moments",
         eye_controls=eye(_ROOM * motion.reach),
-        line_grid=False,
     )
     position = motion.frames.position
     if position is not None and np.ptp(position, axis=0).any():
@@ -114,16 +112,14 @@ def _blueprint(run: Run, assembly: JointedBody, motion: Motion) -> rrb.Blueprint
 
 def _flight(path: Float, reach: float) -> rrb.Spatial3DView:
     """Look from the side at the whole path (m, 3) of a body that reaches so far from its centre of mass."""
-    import rerun.blueprint as rrb
 
     low, high = path.min(axis=0), path.max(axis=0)
     radius = 0.5 * float(np.linalg.norm(high - low)) + reach
     offset = 2.3 * radius * _SIDE / np.linalg.norm(_SIDE)
-    return rrb.Spatial3DView(
-        origin=f"/{entities.WORLD}",
+    return space_view(
+        entities.WORLD,
         name="Where it is",
         eye_controls=camera(offset, 0.5 * (low + high), (0.0, 0.0, 1.0)),
-        line_grid=False,
     )
 
 
@@ -171,7 +167,7 @@ def _write_arrows(recording: Recording, motion: Motion) -> Iterator[str]:
         for path in (entities.ANGULAR_VELOCITY, entities.TENSOR_OMEGA):
             arrow = longest_as(_OMEGA * size, frames.angular_velocity)
             write_arrow(recording, path, frames.time, arrow, "ω", OMEGA, thick)
-        yield f"the arrow of ω (yellow, of the root part) is {fastest:.4g} rad/s where it is longest"
+        yield f"the arrow of ω (orange, of the root part) is {fastest:.4g} rad/s where it is longest"
     if most <= _NO_MOMENTUM * carried:
         yield "the angular momentum is zero and has no arrow"
         return

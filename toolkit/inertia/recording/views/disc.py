@@ -16,6 +16,7 @@ from inertia.recording.drawing import (
     COLORS,
     MOMENTUM,
     OMEGA,
+    STATE_COLORS,
     TRAIL,
     basis,
     circle,
@@ -27,7 +28,7 @@ from inertia.recording.drawing import (
     write_trail,
 )
 from inertia.recording.playback import Frames, frames_of, longest_as, values_at
-from inertia.recording.screen import Screen, camera, drift_plot, finished, plot, text_view, trail
+from inertia.recording.screen import Screen, camera, drift_plot, finished, plot, space_view, text_view, trail
 from inertia.recording.series import drift_unit, write_drift, write_energy
 from inertia.recording.summary import summary, title
 from inertia.recording.writer import Recording
@@ -35,7 +36,7 @@ from inertia.recording.writer import Recording
 if TYPE_CHECKING:
     import rerun.blueprint as rrb
 
-FORCE, WEIGHT, PATH, RIM = (240, 90, 80), (150, 200, 120), (255, 235, 120), (235, 235, 240)
+FORCE, WEIGHT, PATH, RIM = COLORS[0], COLORS[1], TRAIL, (235, 235, 240)
 DISC, GRID = (*STEEL, 150), (75, 78, 86)
 STATES = ("on the plane", "held down by a plane that pulls")
 
@@ -114,13 +115,12 @@ def _blueprint(run: Run, frames: Frames, rim: Rim, reach: float) -> rrb.Blueprin
     duration = float(run.time[-1])
     overrides = {f"/{entities.CONTACT_TRAIL}": trail(min(_TRAIL * frames.play.speed, duration))}
     views = [
-        rrb.Spatial3DView(
-            origin=f"/{origin}",
+        space_view(
+            origin,
             contents=f"/{entities.WORLD}/**",
             name=name,
             eye_controls=camera(distance * _FROM / np.linalg.norm(_FROM), (0.0, 0.0, 0.0), (0.0, 0.0, 1.0)),
             overrides=overrides,
-            line_grid=False,
         )
         for origin, name, distance in (
             (entities.WORLD, "The path on the plane", 1.25 * _DISTANCE * (reach + 1.5 * rim.radius)),
@@ -278,7 +278,7 @@ def _write_lift_off(recording: Recording, run: Run) -> None:
 
     if not (instants := _lift_off(run)):
         return
-    recording.static(entities.CONTACT_STATE, rr.StateConfiguration(values=STATES, colors=[0x5ABE5AFF, 0xE65046FF]))
+    recording.static(entities.CONTACT_STATE, rr.StateConfiguration(values=STATES, colors=STATE_COLORS))
     states = list(STATES) if instants[0] > run.time[0] else [STATES[1]]
     time = np.array([run.time[0], instants[0]][-len(states) :])
     recording.columns(entities.CONTACT_STATE, time, lambda rows: rr.StateChange.columns(state=states[rows]))

@@ -14,7 +14,7 @@ from inertia.recording import entities
 from inertia.recording.display import Display, display_of
 from inertia.recording.drawing import COLORS, MOMENTUM, OMEGA, write_arrow, write_axes, write_text, write_trail
 from inertia.recording.playback import Frames, frames_of, largest, longest_as
-from inertia.recording.screen import Screen, drift_plot, eye, finished, plot, text_view, trail
+from inertia.recording.screen import Screen, drift_plot, eye, finished, plot, space_view, text_view, trail
 from inertia.recording.series import (
     drift_unit,
     write_angular_velocity,
@@ -62,19 +62,17 @@ def _blueprint(run: Run, body: Display, frames: Frames) -> rrb.Blueprint:
 
     duration = float(run.time[-1])
     behind = trail(min(_TRAIL * frames.play.speed, duration))
-    inertial = rrb.Spatial3DView(
-        origin=f"/{entities.CENTER}",
+    inertial = space_view(
+        entities.CENTER,
         name="Inertial view",
         eye_controls=eye(_MOMENTUM * body.radius),
         overrides={f"/{entities.MOMENTUM_TRAIL}": behind},
-        line_grid=False,
     )
-    along_axes = rrb.Spatial3DView(
-        origin=f"/{entities.MOMENTUM_SPACE}",
+    along_axes = space_view(
+        entities.MOMENTUM_SPACE,
         name="Body view: L over its largest",
         eye_controls=eye(1.25),
         overrides={f"/{entities.TRAIL_OF_MOMENTUM}": behind},
-        line_grid=False,
     )
     plots: list[Any] = [plot(entities.PLOT_MOMENTUM, "Angular momentum in space, kg m²/s", duration)]
     if "energy" not in run.invariants:
@@ -110,7 +108,7 @@ def _write_world(recording: Recording, run: Run, body: Display, frames: Frames) 
         write_arrow(recording, entities.PRIMARY, frames.time, _MOMENTUM * size * toward, "down", DOWN, 1.5 * thick)
         low, high = (getattr(run.quantities["distance to the primary"], end)() for end in ("min", "max"))
         yield f"the violet arrow, down, points to the primary of the orbit, {low:.4g} to {high:.4g} m away"
-    yield (f"the arrow of ω (yellow) is {fastest:.4g} rad/s where it is longest, that of L (blue) {most:.4g} kg m²/s")
+    yield (f"the arrow of ω (orange) is {fastest:.4g} rad/s where it is longest, that of L (blue) {most:.4g} kg m²/s")
 
 
 def _write_momentum(recording: Recording, run: Run) -> None:

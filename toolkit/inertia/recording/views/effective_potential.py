@@ -9,18 +9,20 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
+from inertia import palette
 from inertia.arrays import Float
 from inertia.dynamics.kinematics.euler_angles import from_angles
 from inertia.dynamics.models.heavy.top import HeavyTop
 from inertia.dynamics.run import Run
-from inertia.recording.drawing import COLORS
+from inertia.recording.drawing import MOMENTUM, OMEGA
 from inertia.recording.entities import EFFECTIVE_POTENTIAL
+from inertia.recording.screen import DARK_GROUND
 from inertia.recording.writer import Recording
 
 WIDTH, HEIGHT = 160.0, 100.0
 """Of a chart's box, in units of the view, whose y points down."""
 
-_INK, _GRID = (170, 175, 185), (60, 63, 70)
+_INK, _GRID = palette.rgb(palette.WHITE), (60, 63, 70)
 _TICKS = 5
 _BESIDE = 0.7  # of the swing, that is shown on either side of it
 _STILL = 0.2  # rad, shown on either side of a tilt that stays
@@ -40,10 +42,10 @@ class EffectivePotential:
         chart, level = self.chart, self.top.effective_energy
         chart.write_axes(recording, "θ, rad", "V, J")
         theta = np.linspace(chart.left, chart.right, _POINTS)
-        chart.write_curve(recording, "potential", theta, self.top.effective_potential(theta), COLORS[2])
-        chart.write_curve(recording, "energy", [chart.left, chart.right], [level, level], COLORS[3])
+        chart.write_curve(recording, "potential", theta, self.top.effective_potential(theta), MOMENTUM)
+        chart.write_curve(recording, "energy", [chart.left, chart.right], [level, level], OMEGA)
         chart.write_moving(recording, "point", time, tilt, self.top.effective_potential(tilt), (255, 255, 255))
-        return "the point runs along the effective potential (blue), below the energy less that of the spin (yellow)"
+        return "the point runs along the effective potential (blue), below the energy less that of the spin (orange)"
 
 
 def effective_potential(run: Run, tilt: float) -> EffectivePotential:
@@ -130,7 +132,7 @@ class Chart:
         import rerun.blueprint as rrb
 
         bounds = rrb.VisualBounds2D(x_range=(-34.0, WIDTH + 6.0), y_range=(-18.0, HEIGHT + 26.0))
-        return rrb.Spatial2DView(origin=f"/{self.path}", name=name, visual_bounds=bounds)
+        return rrb.Spatial2DView(origin=f"/{self.path}", name=name, visual_bounds=bounds, background=DARK_GROUND)
 
 
 def ticks(low: float, high: float) -> list[float]:

@@ -7,20 +7,32 @@ from __future__ import annotations
 
 import numpy as np
 
+from inertia import palette
 from inertia.arrays import Float
 from inertia.dynamics.kinematics import quaternion
 from inertia.dynamics.kinematics.polhode import polhode, separatrix
 from inertia.dynamics.plots.subject import ascending
 from inertia.dynamics.run import Run
 from inertia.recording import entities
-from inertia.recording.drawing import Color, thinned, write_arrow, write_axes, write_ellipsoid, write_lines, write_trail
+from inertia.recording.drawing import (
+    COLORS,
+    MOMENTUM,
+    TRAIL,
+    Color,
+    thinned,
+    write_arrow,
+    write_axes,
+    write_ellipsoid,
+    write_lines,
+    write_trail,
+)
 from inertia.recording.playback import Frames, largest, longest_as
 from inertia.recording.writer import Recording
 
-SPHERE, ELLIPSOID = (110, 150, 220), (230, 120, 80)
-POLHODE, SEPARATRIX, CURRENT = (255, 235, 120), (235, 90, 200), (255, 255, 255)
-MOVING_SPHERE, MOVING_ELLIPSOID = (120, 150, 200, 40), (230, 120, 80, 50)
-PATH, TRAIL = (170, 150, 70), (255, 235, 120)
+SPHERE, ELLIPSOID = MOMENTUM, COLORS[0]
+POLHODE, SEPARATRIX, CURRENT = TRAIL, palette.rgb(palette.PINK), (255, 255, 255)
+MOVING_SPHERE, MOVING_ELLIPSOID = (*SPHERE, 40), (*ELLIPSOID, 50)
+PATH = (170, 150, 70)
 
 _LINE, _SAMPLES = 0.006, 721
 _LONGEST = 2.0  # semi-axis beyond which an ellipsoid would hide what is inside it
@@ -47,7 +59,7 @@ def write_momentum_space(recording: Recording, run: Run, frames: Frames) -> str:
         return note
     curves = moments * separatrix(moments, 1.0, _SAMPLES)
     write_lines(recording, entities.SEPARATRIX, list(curves), SEPARATRIX, 0.7 * _LINE)
-    return f"{note}; the separatrix (violet) parts polhodes about axis 1 from those about axis 3"
+    return f"{note}; the separatrix (pink) parts polhodes about axis 1 from those about axis 3"
 
 
 def write_moving_momentum_space(recording: Recording, run: Run, frames: Frames) -> str:

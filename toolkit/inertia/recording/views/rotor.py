@@ -21,7 +21,7 @@ from inertia.errors import visible
 from inertia.recording import entities
 from inertia.recording.drawing import COLORS, write_text
 from inertia.recording.playback import playback
-from inertia.recording.screen import Screen, camera, finished, plot, text_view
+from inertia.recording.screen import DARK_GROUND, Screen, camera, finished, plot, text_view
 from inertia.recording.summary import markdown, sentence
 from inertia.recording.views.rotor_state import State, states_of, write_state
 from inertia.recording.writer import Recording
@@ -71,6 +71,7 @@ def _blueprint(balance: Balance, states: list[State], duration: float, speed: fl
             origin=f"/{state.room}",
             name=state.title,
             eye_controls=camera(offset, (0.0, 0.0, 0.0), (1.0, 0.0, 0.0)),
+            background=DARK_GROUND,
             line_grid=False,
         )
         for state in states
@@ -80,6 +81,7 @@ def _blueprint(balance: Balance, states: list[State], duration: float, speed: fl
         rrb.Spatial2DView(
             origin=f"/{path}",
             name=f"Plane {'AB'[number]}, seen from B: permissible {in_gmm(permissible):.4g} g·mm",
+            background=DARK_GROUND,
             visual_bounds=rrb.VisualBounds2D(x_range=span, y_range=span),
         )
         for number, (path, permissible) in enumerate(zip(_TARGETS, balance.tolerance.permissible, strict=True))

@@ -24,6 +24,7 @@ from inertia.recording.drawing import (
     circle,
     thinned,
     write_arrow,
+    write_labels,
     write_lines,
     write_place,
     write_point,
@@ -31,7 +32,7 @@ from inertia.recording.drawing import (
     write_trail,
 )
 from inertia.recording.playback import Frames, frames_followed, largest, longest_as
-from inertia.recording.screen import Screen, camera, drift_plot, finished, plot, text_view, trail
+from inertia.recording.screen import Screen, camera, drift_plot, finished, plot, space_view, text_view, trail
 from inertia.recording.series import drift_unit, write_drift
 from inertia.recording.summary import summary, title
 from inertia.recording.views.effective_potential import EffectivePotential, effective_potential
@@ -40,7 +41,7 @@ from inertia.recording.writer import Recording
 if TYPE_CHECKING:
     import rerun.blueprint as rrb
 
-LOCUS, TURNING, AXIS = (255, 235, 120), (90, 190, 90), (235, 235, 240)
+LOCUS, TURNING, AXIS = TRAIL, COLORS[1], (235, 235, 240)
 
 _SPHERE = 1.1  # over the reach of the body, of the sphere that its axis points at
 _OMEGA, _MOMENTUM = 1.15, 1.3  # lengths of arrows, over that sphere
@@ -110,19 +111,17 @@ def _blueprint(
 
     duration = float(run.time[-1])
     behind = trail(min(_TRAIL * frames.play.speed, duration))
-    space = rrb.Spatial3DView(
-        origin=f"/{entities.WORLD}",
+    space = space_view(
+        entities.WORLD,
         name="In space",
         eye_controls=_eye(axis, radius, tilts),
         overrides={f"/{entities.LOCUS}": behind},
-        line_grid=False,
     )
-    sphere = rrb.Spatial3DView(
-        origin=f"/{entities.UNIT_SPHERE}",
+    sphere = space_view(
+        entities.UNIT_SPHERE,
         name="Locus of the axis on the unit sphere",
         eye_controls=_eye_on_sphere(axis, tilts),
         overrides={f"/{entities.UNIT_SPHERE}/trail": behind},
-        line_grid=False,
     )
     below: list[Any] = [text_view()]
     if potential is not None:
@@ -191,8 +190,9 @@ def _write_world(recording: Recording, run: Run, body: Display, frames: Frames, 
     frames.write_attitude(recording)
     recording.static(
         entities.VERTICAL,
-        rr.Arrows3D(vectors=[1.2 * size * up], labels=["up"], colors=[GROUND], radii=[0.5 * thick]),
+        rr.Arrows3D(vectors=[1.2 * size * up], colors=[GROUND], radii=[0.5 * thick]),
     )
+    write_labels(recording, f"{entities.VERTICAL}/name", [1.27 * size * up], ["up"])
     recording.static(entities.FIXED_POINT, rr.Points3D([np.zeros(3)], colors=[AXIS], radii=[3.0 * thick]))
     omega = longest_as(_OMEGA * size, frames.angular_velocity)
     momentum = longest_as(_MOMENTUM * size, frames.angular_momentum)
@@ -201,7 +201,7 @@ def _write_world(recording: Recording, run: Run, body: Display, frames: Frames, 
     write_trail(recording, entities.LOCUS, frames.time, size * axis.direction(frames.attitude), LOCUS, thick)
     _write_turning(recording, entities.WORLD, run, axis, size, 0.5 * thick)
     yield (
-        f"the arrow of ω (yellow) is {largest(frames.angular_velocity):.4g} rad/s where it is longest, that of L "
+        f"the arrow of ω (orange) is {largest(frames.angular_velocity):.4g} rad/s where it is longest, that of L "
         f"(blue) {largest(frames.angular_momentum):.4g} kg m²/s"
     )
 
@@ -220,14 +220,13 @@ def _write_sphere(recording: Recording, run: Run, frames: Frames, axis: Axis, ca
         f"{room}/sphere",
         rr.Ellipsoids3D(
             half_sizes=[np.ones(3)],
-            colors=[(120, 150, 200, 40)],
+            colors=[(*MOMENTUM, 40)],
             line_radii=[0.0015 * cap],
             fill_mode=rr.components.FillMode.TransparentFillMajorWireframe,
         ),
     )
-    recording.static(
-        f"{room}/vertical", rr.Arrows3D(vectors=[1.25 * up], labels=["up"], colors=[GROUND], radii=[0.005 * cap])
-    )
+    recording.static(f"{room}/vertical", rr.Arrows3D(vectors=[1.25 * up], colors=[GROUND], radii=[0.005 * cap]))
+    write_labels(recording, f"{room}/vertical/name", [1.3 * up], ["up"])
     direction = axis.direction(frames.attitude)
     write_lines(recording, f"{room}/locus", [thinned(direction)], TRAIL, 0.004 * cap)
     write_arrow(recording, f"{room}/axis", frames.time, direction, "axis", AXIS, 0.007 * cap)

@@ -16,9 +16,19 @@ from inertia.dynamics.plots.subject import ascending
 from inertia.dynamics.run import Run
 from inertia.recording import entities
 from inertia.recording.display import Display, display_of
-from inertia.recording.drawing import MOMENTUM, OMEGA, TRAIL, write_arrow, write_axes, write_text, write_trail
+from inertia.recording.drawing import (
+    COLORS,
+    MOMENTUM,
+    OMEGA,
+    STATE_COLORS,
+    TRAIL,
+    write_arrow,
+    write_axes,
+    write_text,
+    write_trail,
+)
 from inertia.recording.playback import Frames, frames_of, largest
-from inertia.recording.screen import Screen, drift_plot, eye, finished, plot, text_view, trail
+from inertia.recording.screen import Screen, drift_plot, eye, finished, plot, space_view, text_view, trail
 from inertia.recording.series import (
     drift_unit,
     write_angular_velocity,
@@ -33,7 +43,7 @@ from inertia.recording.writer import Recording
 if TYPE_CHECKING:
     import rerun.blueprint as rrb
 
-BODY_CONE, SPACE_CONE = (90, 190, 90, 70), (240, 190, 60, 70)
+BODY_CONE, SPACE_CONE = (*COLORS[1], 90), (*OMEGA, 70)
 FLIP_STATES = ("+2", "−2")
 
 _OMEGA, _MOMENTUM, _AXES = 1.3, 1.55, 1.15  # lengths of arrows, over the radius of the body
@@ -70,17 +80,14 @@ def _blueprint(run: Run, body: Display, frames: Frames) -> rrb.Blueprint:
     import rerun.blueprint as rrb
 
     duration = float(run.time[-1])
-    inertial = rrb.Spatial3DView(
-        origin=f"/{entities.CENTER}",
+    inertial = space_view(
+        entities.CENTER,
         contents=f"/{entities.WORLD}/**",
         name="Inertial view",
         eye_controls=eye(_MOMENTUM * body.radius),
         overrides={f"/{entities.HERPOLHODE}": trail(_trail(run, frames))},
-        line_grid=False,
     )
-    along_axes = rrb.Spatial3DView(
-        origin=f"/{entities.MOMENTUM_SPACE}", name="Body view: L / |L|", eye_controls=eye(1.25), line_grid=False
-    )
+    along_axes = space_view(entities.MOMENTUM_SPACE, name="Body view: L / |L|", eye_controls=eye(1.25))
     plots: list[Any] = [
         plot(entities.PLOT_ANGULAR_VELOCITY, "Angular velocity along the principal axes, rad/s", duration),
         plot(entities.PLOT_EULER_ANGLES, "Euler angles z-x-z, rad", duration),
@@ -138,9 +145,9 @@ def _write_world(recording: Recording, run: Run, body: Display, frames: Frames, 
     write_arrow(recording, entities.ANGULAR_MOMENTUM, frames.time, momentum, "L", MOMENTUM, 1.5 * thick)
     if frames.play.smooth:
         write_trail(recording, entities.HERPOLHODE, frames.time, omega, TRAIL, 0.6 * thick)
-        yield "the orange trail of ω is the herpolhode"
+        yield "the yellow trail of ω is the herpolhode"
     yield (
-        f"the arrow of ω (yellow) is {largest(frames.angular_velocity):.4g} rad/s where it is longest, that of L "
+        f"the arrow of ω (orange) is {largest(frames.angular_velocity):.4g} rad/s where it is longest, that of L "
         f"(blue) {largest(frames.angular_momentum):.4g} kg m²/s"
     )
     yield from _write_cones(recording, run, _OMEGA * size)
@@ -165,7 +172,7 @@ def _write_cones(recording: Recording, run: Run, slant: float) -> Iterator[str]:
         recording.static(path, rr.Mesh3D(vertex_positions=corners.astype(np.float32), albedo_factor=color))
     how = "on the outside of" if 2.0 * moments[2] < moments[0] + moments[1] else "with its inside around"
     yield (
-        f"the body cone (green, half-angle {np.degrees(body_angle):.4g}°) rolls {how} the space cone (yellow, "
+        f"the body cone (green, half-angle {np.degrees(body_angle):.4g}°) rolls {how} the space cone (orange, "
         f"{np.degrees(space_angle):.4g}°): they touch along ω"
     )
 
@@ -193,6 +200,6 @@ def _write_flips(recording: Recording, run: Run) -> None:
         return
     first = 0 if run.angular_velocity[0] @ ascending(run.plan)[1][:, 1] > 0 else 1
     states = [FLIP_STATES[(first + k) % 2] for k in range(len(flips) + 1)]
-    recording.static(entities.FLIPS, rr.StateConfiguration(values=FLIP_STATES, colors=[0x5ABE5AFF, 0xE65046FF]))
+    recording.static(entities.FLIPS, rr.StateConfiguration(values=FLIP_STATES, colors=STATE_COLORS))
     time = np.array([run.time[0], *flips])
     recording.columns(entities.FLIPS, time, lambda rows: rr.StateChange.columns(state=states[rows]))
