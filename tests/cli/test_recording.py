@@ -113,9 +113,8 @@ def recording(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> str:
     return file
 
 
-@pytest.mark.parametrize("web", [False, True])
 def test_the_viewer_listens_on_this_machine_only(
-    capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch, recording: str, web: bool
+    capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch, recording: str
 ) -> None:
     commands = []
 
@@ -125,12 +124,21 @@ def test_the_viewer_listens_on_this_machine_only(
 
     monkeypatch.setattr("subprocess.run", fake)
     monkeypatch.setenv("DISPLAY", ":0")
-    assert run(capsys, "play", recording, *(["--web"] if web else [])) == (0, "", "")
+    assert run(capsys, "play", recording) == (0, "", "")
     (command,) = commands
     assert Path(command[0]).stem == "rerun"
     assert command[1] == recording
     assert command[command.index("--bind") + 1] == "127.0.0.1"
-    assert ("--web-viewer" in command) == web
+
+
+def test_a_page_is_written_once(capsys: pytest.CaptureFixture[str], recording: str, tmp_path: Path) -> None:
+    file = tmp_path / "run.html"
+    file.write_text("old")
+    code, out, err = run(capsys, "play", recording, "--html", str(file))
+    assert (code, out, err.count("\n")) == (2, "", 1)
+    assert "--force" in err
+    assert run(capsys, "play", recording, "--html", str(file), "--force") == (0, "", "")
+    assert file.read_text(encoding="utf-8").startswith("<!doctype html>")
 
 
 @pytest.mark.skipif("sys.platform != 'linux'", reason="how a screen is known")
@@ -143,6 +151,7 @@ def test_without_a_screen_it_says_what_to_do(
     assert (code, out, err.count("\n")) == (1, "", 1)
     assert "there is no screen" in err
     assert "--web" in err
+    assert "--html FILE" in err
 
 
 def test_a_viewer_that_fails_is_told(

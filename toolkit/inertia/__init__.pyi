@@ -98,6 +98,7 @@ from inertia.dynamics.run import Run as Run
 from inertia.dynamics.sensitivity import sensitivity as sensitivity
 from inertia.dynamics.sensitivity import Sensitivity as Sensitivity
 from inertia.recording.record import record as record
+from inertia.recording.web import export_html as export_html
 
 # The models by themselves, as functions of arrays.
 from inertia.dynamics.models.free.motion import free_motion as free_motion
