@@ -20,7 +20,7 @@ drawable = pytest.mark.skipif(not has_driver(), reason="no Vulkan driver is inst
 
 def written(screen: Screen, file: Path) -> Recorded:
     """Write a screen, see that the file is whole and all of its numbers are finite, and read it back."""
-    with to_file(file, screen.application, screen.blueprint) as recording:
+    with to_file(file, screen.application, screen.blueprint, screen.second) as recording:
         screen.write(recording)
     assert verified(file, file.parent)
     back = Recorded(file)
@@ -54,7 +54,7 @@ def series(recording: Recorded, path: str) -> NDArray[Any]:
 
 def errors_seen(screen: Screen, folder: Path, seconds: float) -> list[str]:
     """Return what the viewer complains of."""
-    with to_file(folder / "run.rrd", screen.application, screen.blueprint) as recording:
+    with to_file(folder / "run.rrd", screen.application, screen.blueprint, screen.second) as recording:
         screen.write(recording)
     _, errors = screenshot(folder / "run.rrd", folder / "seen.png", seconds)
     return errors

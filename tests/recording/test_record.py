@@ -8,12 +8,14 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from tests.recording.reading import Recorded, verified
 from tests.recording.scenes import t_handle
 from tests.recording.screenshot import has_driver, open_viewer
 
-from inertia import Run, record, simulate
+from inertia import Run, Scene, record, simulate
 from inertia.errors import GeometryError, UsageError
 from inertia.recording import writer
+from inertia.recording.provenance import properties
 from inertia.recording.record import VIEWS
 from inertia.recording.screen import Screen
 
@@ -62,3 +64,22 @@ def test_samples_out_of_order_are_not_recorded(handle: Run, tmp_path: Path) -> N
     with pytest.raises(GeometryError, match="the samples do not ascend"):
         record(run, tmp_path / "run.rrd")
     record(run.at([0.1, 0.2]), tmp_path / "run.rrd")
+
+
+@pytest.mark.parametrize(("duration", "second"), [(1e-9, 1e-9), (1e-5, 1e-6), (2.0, 1.0), (1e10, 1e9)])
+def test_every_sample_has_an_instant_of_its_own(duration: float, second: float, tmp_path: Path) -> None:
+    scene = {
+        "body": {"principal_moments": [1.0, 2.0, 3.0]},
+        "start": {"angular_velocity": [0.1 / duration, 2.0 / duration, 0.0]},
+        "run": {"duration": duration, "samples": 1001},
+    }
+    record(simulate(Scene.from_dict(scene)), tmp_path / "run.rrd")
+    assert verified(tmp_path / "run.rrd", tmp_path)
+    recorded = Recorded(tmp_path / "run.rrd")
+    assert properties(tmp_path / "run.rrd")["timeline"] == {"second_s": pytest.approx(second)}
+    assert len(set(recorded.time("/plots/drift"))) == 1001
+    poses = recorded.time("/world/center_of_mass/body")
+    assert len(set(poses)) == len(poses) >= 240
+    np.testing.assert_allclose([poses.min(), poses.max()], [0.0, duration / second], rtol=1e-9)
+    (text,) = recorded.texts("/text/summary", "TextDocument:text")
+    assert ("On the timeline 1 s is" in text) == (second != 1.0)

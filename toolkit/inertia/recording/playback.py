@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from inertia.arrays import Float
 from inertia.dynamics.kinematics import quaternion
 from inertia.dynamics.run import Run
+from inertia.errors import GeometryError
 from inertia.recording import entities
 from inertia.recording.drawing import thinned
 from inertia.recording.writer import Recording, blocks
@@ -18,10 +19,14 @@ PATH = (130, 130, 130)
 
 RATE = 60.0
 """Poses a second of playback: the viewer does not interpolate."""
-LONGEST = 3600.0
-"""Seconds that a playback lasts at most."""
+SHORTEST, LONGEST = 4.0, 3600.0
+"""Seconds that a playback lasts."""
 
 _FOLLOWED = 2.0 * math.pi, 0.2  # rad/s on the screen: the fastest turn that can be followed, the slowest that is seen
+_EVEN = 1e-7  # s between two rows, less than which is scaled
+_LATEST = 9e9  # s: Rerun counts nanoseconds in 64 bits
+_NEAREST = 2e-9  # s between two rows that nanoseconds tell apart
+_PREFIXES = {-3: "ms", -6: "µs", -9: "ns", -12: "ps", -15: "fs"}
 _COARSE = 1.0  # rad between two samples, beyond which the shortest turn between them need not be the true one
 
 
@@ -35,18 +40,30 @@ class Playback:
     frames : (m,) s, the instants shown
     smooth : whether they show the motion, or only instants of it that are far from each other
     notes : sentences
+    second : s of the run that a second on the timeline stands for
+    end : s on the timeline
     """
 
     speed: float
     frames: Float
     smooth: bool
     notes: tuple[str, ...]
+    second: float = 1.0
+    end: float = 0.0
+
+    @property
+    def pace(self) -> float:
+        """Seconds on the timeline in a second of playback."""
+        return self.speed / self.second
 
 
 def playback(time: Float, fastest: float) -> Playback:
     """Choose the speed at which a body can be followed that turns at `fastest` rad/s, sampled at `time` (n,) s.
 
-    Real time where that will do, else the nearest of 1, 2 and 5 times a power of ten on the safe side.
+    Real time where that will do, else the nearest of 1, 2 and 5 times a power of ten on the safe side, such that the
+    playback lasts from `SHORTEST` to `LONGEST`.
+
+    Raises `GeometryError` where no scale of time has nanoseconds that tell all rows apart.
     """
     duration = float(time[-1] - time[0])
     spacing = duration / (len(time) - 1)
@@ -56,7 +73,7 @@ def playback(time: Float, fastest: float) -> Playback:
             f"the body turns by up to {fastest * spacing:.2g} rad between samples: its motion between them is not "
             "shown, ask for more of them"
         )
-        return Playback(speed, time, False, (_pace(speed), note))
+        return _on_timeline(Playback(min(speed, _round_down(duration / SHORTEST)), time, False, (note,)), time)
     speed = 1.0
     if fastest > _FOLLOWED[0]:
         speed = _round_down(_FOLLOWED[0] / fastest)
@@ -64,8 +81,32 @@ def playback(time: Float, fastest: float) -> Playback:
         speed = max(1.0, min(_round_down(math.sqrt(_FOLLOWED[0] * _FOLLOWED[1]) / fastest), _round_down(duration)))
     if duration > LONGEST * speed:
         speed = 1.0 / _round_down(LONGEST / duration)
+    if duration < SHORTEST * speed:
+        speed = _round_down(duration / SHORTEST)
     count = max(2, math.ceil(RATE * duration / speed) + 1)
-    return Playback(speed, np.linspace(time[0], time[-1], count), True, (_pace(speed),))
+    return _on_timeline(Playback(speed, np.linspace(time[0], time[-1], count), True, ()), time)
+
+
+def _on_timeline(play: Playback, time: Float) -> Playback:
+    """Say the pace, and scale time where nanoseconds in 64 bits do not suit it."""
+    nearest = min(float(np.diff(each).min()) for each in (time, play.frames))
+    suits = nearest >= _EVEN and time[-1] <= _LATEST
+    power = 0 if suits else 3 * math.floor(math.log10(float(time[-1])) / 3.0 + 1e-9)
+    second = 10.0**power
+    if nearest < _NEAREST * second:
+        raise GeometryError(
+            f"samples lie {nearest:.3g} s from each other in a run that ends at {time[-1]:.3g} s: a recording counts "
+            "time in 64 bits, which do not tell them apart; ask for fewer samples, or a shorter run"
+        )
+    notes = (pace_of(play.speed), *play.notes)
+    if power:
+        notes = (f"on the timeline 1 s is {_named(power)} of the run", *notes)
+    return replace(play, notes=notes, second=second, end=float(time[-1]) / second)
+
+
+def _named(power: int) -> str:
+    """Return a power of ten of seconds in words."""
+    return f"1 {_PREFIXES[power]}" if power in _PREFIXES else f"1e{power} s"
 
 
 @dataclass(frozen=True, eq=False)
@@ -182,7 +223,8 @@ def _round_down(value: float) -> float:
     return max(step * power for step in (1.0, 2.0, 5.0) if step * power <= value * (1 + 1e-9))
 
 
-def _pace(speed: float) -> str:
+def pace_of(speed: float) -> str:
+    """Say how fast a run is played."""
     if speed == 1:
         return "played in real time"
     if speed < 1:

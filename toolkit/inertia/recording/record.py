@@ -56,13 +56,14 @@ def record(
         recording.name(screen.name)
         for name, values in properties_of(subject, file).items():
             recording.properties(name, values)
+        recording.properties("timeline", {"second_s": screen.second})
         screen.write(recording)
 
     if file is not None:
-        with to_file(file, screen.application, screen.blueprint) as recording:
+        with to_file(file, screen.application, screen.blueprint, screen.second) as recording:
             write(recording)
     if live:
-        with to_viewer(screen.application, screen.blueprint) as recording:
+        with to_viewer(screen.application, screen.blueprint, screen.second) as recording:
             write(recording)
 
 

@@ -32,16 +32,18 @@ class Screen:
     name : what the viewer calls the recording
     blueprint : the views, with which the file opens
     write : fills a recording
+    second : s of the run that a second on the timeline stands for
     """
 
     application: str
     name: str
     blueprint: rrb.Blueprint
     write: Callable[[Recording], None]
+    second: float = 1.0
 
 
 def finished(left: Any, right: Any, speed: float, shares: Sequence[float] = (3.0, 2.0)) -> rrb.Blueprint:
-    """Return a screen of two columns that plays at so many seconds of the run in a second."""
+    """Return a screen of two columns that plays at so many seconds of the timeline in a second."""
     import rerun.blueprint as rrb
 
     return rrb.Blueprint(
@@ -53,7 +55,7 @@ def finished(left: Any, right: Any, speed: float, shares: Sequence[float] = (3.0
 
 
 def _time_panel(speed: float) -> rrb.TimePanel:
-    """Return the panel that plays in a loop, at so many seconds of the run in a second."""
+    """Return the panel that plays in a loop, at so many seconds of the timeline in a second."""
     import rerun.blueprint as rrb
 
     return rrb.TimePanel(

@@ -30,17 +30,20 @@ PIPES = Path("/dev/fd")
 
 _PATIENCE = 600.0  # seconds for one block to reach the disk or the viewer
 _READ = 1 << 20
-_NANO = 1e9
 
 Columns = Callable[[slice], Any]
 """What makes the columns of a block of rows."""
 
 
 class Recording:
-    """A stream that is open for writing; all that moves goes in by columns, on the timeline of the run."""
+    """A stream that is open for writing; all that moves goes in by columns, on the timeline of the run.
 
-    def __init__(self, stream: rr.RecordingStream) -> None:
+    On it a second stands for `second` s of the run.
+    """
+
+    def __init__(self, stream: rr.RecordingStream, second: float = 1.0) -> None:
         self._stream = stream
+        self._tick = second * 1e-9
 
     def static(self, path: str, *archetypes: Any) -> None:
         """Write what does not change."""
@@ -51,7 +54,7 @@ class Recording:
         import rerun as rr
 
         for block in blocks(len(time)):
-            nanoseconds = np.round(_NANO * time[block]).astype("timedelta64[ns]")
+            nanoseconds = np.round(time[block] / self._tick).astype("timedelta64[ns]")
             index = [rr.TimeColumn(TIMELINE, duration=nanoseconds)]
             chunk = [column for make in columns for column in make(block)]
             self._stream.send_columns(path, index, chunk)
@@ -117,20 +120,20 @@ def require_viewer() -> None:
 
 
 @contextlib.contextmanager
-def to_file(path: Path, application: str, blueprint: rrb.Blueprint) -> Iterator[Recording]:
+def to_file(path: Path, application: str, blueprint: rrb.Blueprint, second: float = 1.0) -> Iterator[Recording]:
     """Open a recording that appears under `path` when the context is left, and not at all where an error leaves it."""
     import rerun as rr
 
     with whole(path) as beside, beside.open("wb") as file:
         with _into(file) as sink, _stream(rr.RecordingStream(application)) as stream:
             stream.save(sink, default_blueprint=blueprint)
-            yield Recording(stream)
+            yield Recording(stream, second)
         file.flush()
         os.fsync(file.fileno())
 
 
 @contextlib.contextmanager
-def to_viewer(application: str, blueprint: rrb.Blueprint) -> Iterator[Recording]:
+def to_viewer(application: str, blueprint: rrb.Blueprint, second: float = 1.0) -> Iterator[Recording]:
     """Open a recording that an open viewer of this machine shows as it is written."""
     import rerun as rr
 
@@ -138,7 +141,7 @@ def to_viewer(application: str, blueprint: rrb.Blueprint) -> Iterator[Recording]
     host, port = VIEWER
     with _stream(rr.RecordingStream(application)) as stream:
         stream.connect_grpc(f"rerun+http://{host}:{port}/proxy", default_blueprint=blueprint)
-        recording = Recording(stream)
+        recording = Recording(stream, second)
         yield recording
         recording.flush()
 

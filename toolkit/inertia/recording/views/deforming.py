@@ -73,14 +73,14 @@ def screen(run: Run) -> Screen:
         write_drift(recording, run)
         write_text(recording, summary(run, notes))
 
-    return Screen("inertia-deforming", title(run), _blueprint(run, assembly, motion), write)
+    return Screen("inertia-deforming", title(run), _blueprint(run, assembly, motion), write, frames.play.second)
 
 
 def _blueprint(run: Run, assembly: JointedBody, motion: Motion) -> rrb.Blueprint:
     """Arrange the parts, the tensor, the flight, plots and text."""
     import rerun.blueprint as rrb
 
-    duration = float(run.time[-1])
+    duration = motion.frames.play.end
     parts = space_view(
         entities.CENTER,
         contents=f"/{entities.WORLD}/**",
@@ -107,7 +107,7 @@ def _blueprint(run: Run, assembly: JointedBody, motion: Motion) -> rrb.Blueprint
         drift_plot(drift_unit(run), duration),
     ]
     left = rrb.Vertical(rrb.Horizontal(parts, beside), text_view(), row_shares=[3, 2])
-    return finished(left, rrb.Vertical(*plots), motion.frames.play.speed)
+    return finished(left, rrb.Vertical(*plots), motion.frames.play.pace)
 
 
 def _flight(path: Float, reach: float) -> rrb.Spatial3DView:

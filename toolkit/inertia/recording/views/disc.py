@@ -105,15 +105,15 @@ def screen(run: Run) -> Screen:
         _write_lift_off(recording, run)
         write_text(recording, summary(run, notes))
 
-    return Screen("inertia-roll", title(run), _blueprint(run, frames, rim, reach), write)
+    return Screen("inertia-roll", title(run), _blueprint(run, frames, rim, reach), write, frames.play.second)
 
 
 def _blueprint(run: Run, frames: Frames, rim: Rim, reach: float) -> rrb.Blueprint:
     """Arrange a view of the whole path, `reach` from its middle, one that goes along, plots and text."""
     import rerun.blueprint as rrb
 
-    duration = float(run.time[-1])
-    overrides = {f"/{entities.CONTACT_TRAIL}": trail(min(_TRAIL * frames.play.speed, duration))}
+    duration = frames.play.end
+    overrides = {f"/{entities.CONTACT_TRAIL}": trail(min(_TRAIL * frames.play.pace, duration))}
     views = [
         space_view(
             origin,
@@ -147,7 +147,7 @@ def _blueprint(run: Run, frames: Frames, rim: Rim, reach: float) -> rrb.Blueprin
         *others,
         drift_plot(drift_unit(run), duration),
     )
-    return finished(rrb.Vertical(*left, row_shares=shares), right, frames.play.speed)
+    return finished(rrb.Vertical(*left, row_shares=shares), right, frames.play.pace)
 
 
 def _slides(run: Run) -> bool:

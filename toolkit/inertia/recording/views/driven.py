@@ -53,15 +53,15 @@ def screen(run: Run) -> Screen:
             write_drift(recording, run)
         write_text(recording, summary(run, notes))
 
-    return Screen("inertia-driven", title(run), _blueprint(run, body, frames), write)
+    return Screen("inertia-driven", title(run), _blueprint(run, body, frames), write, frames.play.second)
 
 
 def _blueprint(run: Run, body: Display, frames: Frames) -> rrb.Blueprint:
     """Arrange inertial view, body view, plots and text."""
     import rerun.blueprint as rrb
 
-    duration = float(run.time[-1])
-    behind = trail(min(_TRAIL * frames.play.speed, duration))
+    duration = frames.play.end
+    behind = trail(min(_TRAIL * frames.play.pace, duration))
     inertial = space_view(
         entities.CENTER,
         name="Inertial view",
@@ -84,7 +84,7 @@ def _blueprint(run: Run, body: Display, frames: Frames) -> rrb.Blueprint:
     if run.invariants:
         plots.append(drift_plot(drift_unit(run), duration))
     left = rrb.Vertical(rrb.Horizontal(inertial, along_axes), text_view(), row_shares=[3, 2])
-    return finished(left, rrb.Vertical(*plots), frames.play.speed)
+    return finished(left, rrb.Vertical(*plots), frames.play.pace)
 
 
 def _write_world(recording: Recording, run: Run, body: Display, frames: Frames) -> Iterator[str]:

@@ -98,9 +98,8 @@ def screen(run: Run) -> Screen:
             notes.append(potential.write(recording, frames.time, np.interp(frames.time, run.time, tilts)))
         write_text(recording, summary(run, notes))
 
-    return Screen(
-        "inertia-top", title(run), _blueprint(run, frames, _sphere(body, axis), axis, tilts, potential), write
-    )
+    blueprint = _blueprint(run, frames, _sphere(body, axis), axis, tilts, potential)
+    return Screen("inertia-top", title(run), blueprint, write, frames.play.second)
 
 
 def _blueprint(
@@ -109,8 +108,8 @@ def _blueprint(
     """Arrange space, with a sphere of this radius that the axis points at, unit sphere, potential, plots and text."""
     import rerun.blueprint as rrb
 
-    duration = float(run.time[-1])
-    behind = trail(min(_TRAIL * frames.play.speed, duration))
+    duration = frames.play.end
+    behind = trail(min(_TRAIL * frames.play.pace, duration))
     space = space_view(
         entities.WORLD,
         name="In space",
@@ -132,7 +131,7 @@ def _blueprint(
         plot(entities.PLOT_EULER_ANGLES, "Precession φ and spin ψ, rad", duration),
         drift_plot(drift_unit(run), duration),
     )
-    return finished(left, right, frames.play.speed)
+    return finished(left, right, frames.play.pace)
 
 
 def _eye(axis: Axis, radius: float, tilts: Float) -> rrb.EyeControls3D:

@@ -72,14 +72,14 @@ def screen(run: Run) -> Screen:
         _write_flips(recording, run)
         write_text(recording, summary(run, notes))
 
-    return Screen("inertia-tumble", title(run), _blueprint(run, body, frames), write)
+    return Screen("inertia-tumble", title(run), _blueprint(run, body, frames), write, frames.play.second)
 
 
 def _blueprint(run: Run, body: Display, frames: Frames) -> rrb.Blueprint:
     """Arrange inertial view, body view, plots, flips and text."""
     import rerun.blueprint as rrb
 
-    duration = float(run.time[-1])
+    duration = frames.play.end
     inertial = space_view(
         entities.CENTER,
         contents=f"/{entities.WORLD}/**",
@@ -103,7 +103,7 @@ def _blueprint(run: Run, body: Display, frames: Frames) -> rrb.Blueprint:
         shares.append(0.6)
     left.append(text_view())
     shares.append(2.2)
-    return finished(rrb.Vertical(*left, row_shares=shares), rrb.Vertical(*plots), frames.play.speed)
+    return finished(rrb.Vertical(*left, row_shares=shares), rrb.Vertical(*plots), frames.play.pace)
 
 
 def _origin(body: Display, frames: Frames) -> Float | None:
@@ -119,10 +119,10 @@ def _origin(body: Display, frames: Frames) -> Float | None:
 
 
 def _trail(run: Run, frames: Frames) -> float:
-    """Return for how long in s the herpolhode is drawn behind ω."""
+    """Return for how long in s of the timeline the herpolhode is drawn behind ω."""
     omega = run.angular_velocity[0] @ run.plan.axes
     period = float(polhode_period(run.plan.moments, omega)) if omega.any() else np.inf
-    return min(period, _TRAIL * frames.play.speed, float(run.time[-1]))
+    return min(period / frames.play.second, _TRAIL * frames.play.pace, frames.play.end)
 
 
 def _write_world(recording: Recording, run: Run, body: Display, frames: Frames, origin: Float | None) -> Iterator[str]:
