@@ -4,6 +4,7 @@ import math
 import multiprocessing
 import os
 from dataclasses import replace
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -12,6 +13,8 @@ from tests.dynamics.oracle import rotate
 
 from inertia import Estimate, GeometryError, Scene, SceneBody, Torque, UsageError, ensemble, simulate
 from inertia.documents import FieldError
+from inertia.dynamics.spread.results import Histogram
+from inertia.report.spread.table import write_table
 from inertia_meshes import path
 
 BALL: dict[str, Any] = {
@@ -192,8 +195,6 @@ def test_arguments_that_make_no_sense_are_refused() -> None:
         ensemble(scene, spin, 5, quantities=["nutation"])
     with pytest.raises(UsageError, match="processes is 0"):
         ensemble(scene, spin, 5, jobs=0)
-    with pytest.raises(UsageError, match="GiB"):
-        ensemble(scene, spin, 10_000_000)
     with pytest.raises(FieldError, match="varies twice"):
         ensemble(scene, {"start.angular_velocity[2]": "±1", "start.angular_velocity": "±1"}, 5)
 
@@ -297,3 +298,50 @@ def test_a_level_is_reached_when_the_closed_form_says() -> None:
     assert spread.columns()["first deviation reaches 0.75"].tolist()[0] == first[0]
     with pytest.raises(UsageError, match="level of spin is nan"):
         ensemble(scene, vary, reaches={"spin": math.nan})
+
+
+def test_percentiles_without_the_series_are_those_with_them_to_half_a_bin(tmp_path: Path) -> None:
+    scene = Scene.from_dict(
+        {
+            "body": {"principal_moments": [1, 2, 3]},
+            "start": {"angular_velocity": [0.1, 5, 0.2]},
+            "run": {"duration": 10},
+        }
+    )
+    vary = {"start.angular_velocity[2]": "±1%", "body.principal_moments[1]": "2.1±0.05"}
+    whole = ensemble(scene, vary, 800, samples=5, jobs=1)
+    few, shared = (ensemble(scene, vary, 800, samples=5, jobs=jobs, memory=0, reaches={"tilt": 1.0}) for jobs in (1, 2))
+    assert not few.quantities
+    assert few.state_counts == whole.state_counts
+    assert few.sentences == whole.sentences
+    for name in ("deviation", "tilt", "spin"):
+        off = np.abs(few.percentiles(name) - whole.percentiles(name))
+        assert (off <= 0.5 * few.resolution(name)).all()
+        assert (few.resolution(name) <= np.ptp(whole.quantities[name][whole.followed], axis=0) / 2047 + 1e-14).all()
+        assert few.percentiles(name).tolist() == shared.percentiles(name).tolist()
+        assert few.largest(name).tolist() == whole.largest(name).tolist()
+        assert not whole.resolution(name).any()
+        of_few, of_whole = few.drivers(name), whole.drivers(name)
+        assert of_few is not None
+        assert of_whole is not None
+        assert of_few.share.tolist() == of_whole.share.tolist()
+    for file in (tmp_path / "few.csv", tmp_path / "whole.csv"):
+        write_table({"few": few, "whole": whole}[file.stem], file)
+    heads, *rows = (tmp_path / "few.csv").read_text().splitlines()
+    assert "first tilt reaches 1" in heads
+    assert len(rows) == 800
+
+
+@pytest.mark.parametrize("spread", [1.0, 1e-9, 0.0, 1e12])
+def test_a_histogram_depends_on_its_values_alone(spread: float) -> None:
+    values = 3.0 + spread * np.random.default_rng(5).standard_normal(5000)
+    orders = [np.array_split(values, 1), np.array_split(values, 40)[::-1], np.array_split(np.sort(values), 7)]
+    histograms = [Histogram() for _ in orders]
+    for histogram, blocks in zip(histograms, orders, strict=True):
+        for block in blocks:
+            histogram.add(block)
+    at = [0.0, 0.1, 5.0, 50.0, 99.99, 100.0]
+    results = [histogram.percentiles(at).tolist() for histogram in histograms]
+    assert results[0] == results[1] == results[2]
+    assert np.abs(results[0] - np.percentile(values, at)).max() <= 0.5 * histograms[0].width
+    assert histograms[0].width <= max(np.ptp(values) / 2047, 2.0**-48 * np.abs(values).max())

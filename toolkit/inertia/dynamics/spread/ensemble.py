@@ -3,30 +3,27 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from contextlib import closing
 from dataclasses import dataclass, replace
-from functools import cached_property
 from typing import Any
 
 import numpy as np
 
-from inertia.arrays import Bool, Float, Progress
+from inertia.arrays import Float, Progress
 from inertia.dynamics.run import Run
 from inertia.dynamics.scene.document import Scene
 from inertia.dynamics.simulate import simulate
 from inertia.dynamics.spread.fields import changed, value_at
-from inertia.dynamics.spread.follow import FOLLOWED, Block, Task
+from inertia.dynamics.spread.follow import STATES, Task
 from inertia.dynamics.spread.inputs import Input, Law, inputs_of, values_of
 from inertia.dynamics.spread.many import method_for
 from inertia.dynamics.spread.quantities import Reference, States, quantity, require_names
+from inertia.dynamics.spread.results import Results, gathered
 from inertia.dynamics.spread.workers import blocks_of
 from inertia.errors import GeometryError, UsageError, require_kind
 
-PERCENTILES = (5.0, 50.0, 95.0)
-"""What is stated of a quantity where nothing else is asked for."""
-
 _USUAL = ("deviation", "tilt", "spin")
-_GIB = 2**30
-_MOST_BYTES = 4 * _GIB
+_REGRESSED = 1_000_000  # draws that a regression takes, at most
 _LEAST_ROWS = 3  # beyond the inputs, for a regression
 
 
@@ -47,35 +44,20 @@ class Drivers:
 
 
 @dataclass(frozen=True, eq=False)
-class Ensemble:
-    """The runs of a scene with numbers that were drawn or swept: N draws at n instants.
+class Ensemble(Results):
+    """The runs of a scene with numbers that were drawn or swept: N draws at n instants, and what became of them.
 
     Attributes
     ----------
     nominal : `Run` with every input at its middle
     inputs : what varied; values : (N, k), what was drawn
     seed : of the draws
-    quantities : {name: (N, n)} as asked for; rows of draws that were not followed are not numbers
-    states : (N,) "followed"; "refused", where the numbers describe no body or scene; "not followed", where no model
-        reached the accuracy
-    sentences : {draw: why it was not followed}
-    models : (N,) names of the models that ran, "" without
-    reached : (N,) rad, the error of the attitude that each states
-    events : {name: (N,) s} when it first happened
-    turned : (N, 3) rad, rotation vector in space from the nominal attitude at the end
     """
 
     nominal: Run
     inputs: tuple[Input, ...]
     values: Float
     seed: int
-    quantities: Mapping[str, Float]
-    states: tuple[str, ...]
-    sentences: Mapping[int, str]
-    models: tuple[str, ...]
-    reached: Float
-    events: Mapping[str, Float]
-    turned: Float
 
     @property
     def scene(self) -> Scene:
@@ -87,29 +69,9 @@ class Ensemble:
         """The instants (n,) s of the quantities."""
         return self.nominal.time
 
-    @cached_property
-    def followed(self) -> Bool:
-        """Which draws (N,) were followed."""
-        return np.array([state == FOLLOWED for state in self.states])
-
     def nominal_quantity(self, name: str) -> Float:
         """Return a quantity (n,) of the run with every input at its middle."""
         return quantity(name, States.of(self.nominal), Reference.of(self.nominal))
-
-    def percentiles(self, name: str, at: Sequence[float] = PERCENTILES) -> Float:
-        """Return percentiles (p, n) of a quantity over the draws that were followed and have it, at every instant."""
-        return np.asarray(np.percentile(self._rows(name), at, axis=0))
-
-    def largest(self, name: str, at: Sequence[float] = PERCENTILES) -> Float:
-        """Return percentiles (p,) of the largest value that the quantity has at the instants of a draw."""
-        return np.asarray(np.percentile(self._rows(name).max(axis=1), at))
-
-    def _rows(self, name: str) -> Float:
-        rows = self.quantities[name]
-        whole = np.isfinite(rows).all(axis=1)
-        if not whole.any():
-            raise UsageError(f"no draw has the quantity {name!r} at all instants")
-        return rows[whole]
 
     def drivers(self, name: str) -> Drivers | None:
         """Return what the spread of a quantity at the end comes from; None where it has none, or draws are too few.
@@ -117,10 +79,12 @@ class Ensemble:
         With y = b₀ + Σ bᵢ xᵢ by least squares, the share of an input is bᵢ cov(xᵢ, y)/var(y), for independent inputs
         bᵢ² var(xᵢ)/var(y). Of the deviation, which has no sign, the components of its rotation vector are taken
         together. Pratt, Proc. 2nd Tampere Conf. Statistics (1987) 245; Saltelli et al., *Global Sensitivity Analysis*
-        (2008), § 1.2.
+        (2008), § 1.2. Of more than a million draws, that many are taken by chance, the same ones every time.
         """
-        end = self.quantities[name][:, -1]
-        rows = np.flatnonzero(np.isfinite(end) & np.isfinite(self.turned).all(axis=1))
+        end = self.ends[name]
+        rows = np.flatnonzero(np.isfinite(end) & self.followed)
+        if rows.size > _REGRESSED:
+            rows = rows[np.random.default_rng(self.seed).integers(rows.size, size=_REGRESSED)]
         inputs = self.values[rows]
         if len(rows) < len(self.inputs) + _LEAST_ROWS:
             return None
@@ -137,18 +101,19 @@ class Ensemble:
         shares = (slopes * (scaled.T @ centred)).sum(axis=1) / (total * len(rows))
         return Drivers(shares, ranks, 1.0 - left / total)
 
-    def columns(self) -> dict[str, Any]:
+    def columns(self, rows: slice = slice(None)) -> dict[str, Any]:
         """Return a table with a row for each draw: what was drawn, what came of it, each quantity at the end and most.
 
-        Where a draw was not followed, `message` says why.
+        Where a draw was not followed, `message` says why. With `rows`, it has these alone.
         """
-        table: dict[str, Any] = {"draw": np.arange(len(self.values)), "state": list(self.states)}
-        table |= {each.path: self.values[:, k] for k, each in enumerate(self.inputs)}
-        table |= {"model": list(self.models), "reached": self.reached}
-        for name, rows in self.quantities.items():
-            table |= {name: rows[:, -1], f"{name} largest": rows.max(axis=1)}
-        table |= {f"first {name}": instants for name, instants in self.events.items()}
-        table["message"] = [self.sentences.get(k, "") for k in range(len(self.values))]
+        draws = range(len(self.values))[rows]
+        table: dict[str, Any] = {"draw": np.array(draws), "state": [STATES[k] for k in self.state[rows].tolist()]}
+        table |= {each.path: self.values[rows, k] for k, each in enumerate(self.inputs)}
+        table |= {"model": [self.model_names[k] for k in self.model[rows].tolist()], "reached": self.reached[rows]}
+        for name in self.ends:
+            table |= {name: self.ends[name][rows], f"{name} largest": self.most[name][rows]}
+        table |= {f"first {name}": instants[rows] for name, instants in self.events.items()}
+        table["message"] = [self.sentences.get(k, "") for k in draws]
         return table
 
 
@@ -163,6 +128,7 @@ def ensemble(
     samples: int = 101,
     jobs: int | None = None,
     dask: str | None = None,
+    memory: float = 2**30,
     progress: Progress | None = None,
 ) -> Ensemble:
     """Follow a scene many times, with numbers in it drawn or swept, each draw to the accuracy that the scene asks for.
@@ -182,6 +148,8 @@ def ensemble(
     samples : instants, evenly spaced, at which they are taken
     jobs : processes; as many as there are processors where the work repays them
     dask : address of a scheduler to send the draws to
+    memory : bytes, beyond which the quantities do not stay at all instants: what remains of a draw is each of them at
+        the end and at its largest, and percentiles at the other instants are those of histograms (`Histogram`)
     progress : told the share that is done
 
     Raises `UsageError` where a field, a law or a quantity is none, `GeometryError` where no draw can be followed, and
@@ -201,27 +169,12 @@ def ensemble(
         if not np.isfinite(level):
             raise UsageError(f"the level of {name} is {level}: it must be finite")
     task, nominal = _task(scene, inputs, (*(quantities or _USUAL), *levels), samples)
-    _require_memory(values, task)
-    whole = _joined(blocks_of(task, values, jobs, dask, progress), task)
-    made = Ensemble(
-        nominal=nominal,
-        inputs=inputs,
-        values=values,
-        seed=seed,
-        quantities=whole.quantities,
-        states=tuple(whole.states),
-        sentences=whole.sentences,
-        models=tuple(whole.model),
-        reached=whole.reached,
-        events=whole.events
-        | {
-            f"{name} reaches {level:g}": _first_at(nominal.time, whole.quantities[name], level)
-            for name, level in levels.items()
-        },
-        turned=whole.turned,
-    )
+    series = 8.0 * len(values) * len(task.names) * samples <= memory
+    with closing(blocks_of(task, values, jobs, dask, progress)) as blocks:
+        results = gathered(blocks, task, len(values), nominal.time, levels, series=series)
+    made = Ensemble(**vars(results), nominal=nominal, inputs=inputs, values=values, seed=seed)
     if not made.followed.any():
-        draw, sentence = next(iter(whole.sentences.items()))
+        draw, sentence = next(iter(made.sentences.items()))
         raise GeometryError(
             f"none of the {len(values)} draws can be followed; draw {draw}: {sentence}", places=(scene.name,)
         )
@@ -236,52 +189,6 @@ def _task(scene: Scene, inputs: tuple[Input, ...], names: tuple[str, ...], sampl
     paths = tuple(each.path for each in inputs)
     asked_for = tuple(dict.fromkeys(names))
     return Task(nominal.scene, paths, asked_for, Reference.of(nominal), method_for(nominal, paths, asked_for)), nominal
-
-
-def _require_memory(values: Float, task: Task) -> None:
-    size = 8.0 * len(values) * (len(task.names) * task.scene.run.samples + values.shape[1] + 6)
-    if size > _MOST_BYTES:
-        raise UsageError(
-            f"{len(values)} draws of {len(task.names)} quantities at {task.scene.run.samples} instants take "
-            f"{size / _GIB:.3g} GiB, and the limit is {_MOST_BYTES / _GIB:g}: ask for fewer instants"
-        )
-
-
-def _joined(blocks: Sequence[Block], task: Task) -> Block:
-    """Return blocks as one, in their order."""
-    firsts = np.cumsum([0, *(len(block.states) for block in blocks)]).tolist()
-    events = dict.fromkeys(name for block in blocks for name in block.events)
-    blank = [np.full(len(block.states), np.nan) for block in blocks]
-    return Block(
-        quantities={name: np.concatenate([block.quantities[name] for block in blocks]) for name in task.names},
-        turned=np.concatenate([block.turned for block in blocks]),
-        reached=np.concatenate([block.reached for block in blocks]),
-        model=[model for block in blocks for model in block.model],
-        events={
-            name: np.concatenate([block.events.get(name, none) for block, none in zip(blocks, blank, strict=True)])
-            for name in events
-        },
-        states=[state for block in blocks for state in block.states],
-        sentences={
-            first + row: sentence
-            for block, first in zip(blocks, firsts[:-1], strict=True)
-            for row, sentence in block.sentences.items()
-        },
-    )
-
-
-def _first_at(time: Float, rows: Float, level: float) -> Float:
-    """Return when each row (N, n) first is at a level, or passes it, (N,); not a number where it never does."""
-    above = rows - level
-    met = (above * np.sign(above[:, :1]) <= 0) & np.isfinite(rows)
-    (some,) = np.nonzero(met.any(axis=1))
-    after = met[some].argmax(axis=1)
-    before = np.maximum(after - 1, 0)
-    low, high = above[some, before], above[some, after]
-    share = np.divide(low, low - high, out=np.zeros(len(some)), where=low != high)
-    first = np.full(len(rows), np.nan)
-    first[some] = time[before] + share * (time[after] - time[before])
-    return first
 
 
 def _rank_correlation(x: Float, y: Float) -> float:

@@ -18,8 +18,10 @@ from inertia.dynamics.spread.many import Motions, follow_many
 from inertia.dynamics.spread.quantities import Reference, States, quantity
 from inertia.errors import InertiaError, reworded
 
-REFUSED, LEFT, FOLLOWED = "refused", "not followed", "followed"
-"""What becomes of a draw: its numbers make no scene; no model reaches the accuracy; it is in the results."""
+STATES: tuple[str, ...] = ("followed", "refused", "not followed")
+"""What becomes of a draw: it is in the results; its numbers make no scene; no model reaches the accuracy."""
+
+FOLLOWED, REFUSED, LEFT = STATES
 
 
 @dataclass(frozen=True, eq=False)

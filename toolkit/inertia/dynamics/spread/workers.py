@@ -6,7 +6,7 @@ import os
 import signal
 import time
 from collections import deque
-from collections.abc import Iterator
+from collections.abc import Callable, Generator, Iterator
 from functools import partial
 from itertools import islice
 from typing import TYPE_CHECKING
@@ -24,56 +24,53 @@ _BLOCK = 2048
 _REPAYS = 3.0  # s of work that is left, from which on processes are started
 _SPAN = 0.5  # s that a block should take, so that progress is told and Ctrl-C is heard
 
+_AHEAD = 16  # blocks that a cluster has, at least
+
 _PATIENCE = "10 s"  # for a scheduler to answer
 
 _task: Task | None = None  # of a worker
 
 
-def blocks_of(task: Task, values: Float, jobs: int | None, dask: str | None, progress: Progress | None) -> list[Block]:
-    """Return what became of draws (N, k), in blocks, in their order: the same whoever works on them."""
+def blocks_of(
+    task: Task, values: Float, jobs: int | None, dask: str | None, progress: Progress | None
+) -> Generator[Block, None, None]:
+    """Yield what became of draws (N, k), in blocks, in their order: the same whoever works on them."""
     tell = progress or (lambda done: None)
     if jobs is not None and jobs < 1:
         raise UsageError(f"the number of processes is {jobs}: give 1 or more")
     if dask is not None:
-        return _by_dask(task, values, dask, tell)
-    blocks: list[Block] = []
+        yield from _by_dask(task, values, dask, tell)
+        return
     done, size = 0, min(8, len(values))
     processes = jobs or os.cpu_count() or 1
     while done < len(values):
         begin = time.perf_counter()
-        blocks.append(follow(task, values[done : done + size]))
+        block = follow(task, values[done : done + size])
+        each = (time.perf_counter() - begin) / size
+        yield block
         done = min(done + size, len(values))
         tell(done / len(values))
-        each = (time.perf_counter() - begin) / size
         left = each * (len(values) - done)
         size = max(1, min(_BLOCK, 4 * size, int(_SPAN / each)))
         if processes > 1 and (left > _REPAYS or (jobs and done < len(values))) and size < len(values) - done:
-            return blocks + _by_processes(
-                task, values[done:], size, processes, partial(_ahead, tell, done / len(values))
-            )
-    return blocks
+            yield from _by_processes(task, values[done:], size, processes, partial(_ahead, tell, done / len(values)))
+            return
 
 
 def _ahead(tell: Progress, done: float, share: float) -> None:
     tell(done + share * (1.0 - done))
 
 
-def _by_processes(task: Task, values: Float, size: int, processes: int, tell: Progress) -> list[Block]:
+def _by_processes(task: Task, values: Float, size: int, processes: int, tell: Progress) -> Iterator[Block]:
     from concurrent.futures import ProcessPoolExecutor
     from concurrent.futures.process import BrokenProcessPool
     from multiprocessing import get_context
 
     # A fork has the task as it is, with functions that cannot be pickled.
     context = get_context("fork" if hasattr(os, "fork") else "spawn")
-    blocks: list[Block] = []
     pool = ProcessPoolExecutor(processes, context, _begin, (task,))
     try:
-        waiting: deque[Future[Block]] = deque()
-        pieces = _pieces(values, size)
-        while len(blocks) * size < len(values):
-            waiting.extend(pool.submit(_follow, piece) for piece in islice(pieces, 2 * processes - len(waiting)))
-            blocks.append(waiting.popleft().result())
-            tell(min(1.0, len(blocks) * size / len(values)))
+        yield from _in_order(lambda piece: pool.submit(_follow, piece), values, size, 2 * processes, tell)
     except BrokenProcessPool:
         raise GeometryError(
             "a process that followed draws was ended, by the system for its memory perhaps: ask for fewer ",
@@ -87,7 +84,20 @@ def _by_processes(task: Task, values: Float, size: int, processes: int, tell: Pr
         raise
     finally:
         pool.shutdown()
-    return blocks
+
+
+def _in_order(
+    submit: Callable[[Float], Future[Block]], values: Float, size: int, ahead: int, tell: Progress
+) -> Iterator[Block]:
+    """Yield the blocks of pieces of the draws in their order, of which some are worked on ahead."""
+    waiting: deque[Future[Block]] = deque()
+    done, count = 0, -(-len(values) // size)
+    pieces = (values[first : first + size] for first in range(0, len(values), size))
+    while done < count:
+        waiting.extend(submit(piece) for piece in islice(pieces, ahead - len(waiting)))
+        yield waiting.popleft().result()
+        done += 1
+        tell(done / count)
 
 
 def _begin(task: Task) -> None:
@@ -103,7 +113,7 @@ def _follow(values: Float) -> Block:
     return follow(_task, values)
 
 
-def _by_dask(task: Task, values: Float, address: str, tell: Progress) -> list[Block]:
+def _by_dask(task: Task, values: Float, address: str, tell: Progress) -> Iterator[Block]:
     try:
         import distributed
     except ImportError:
@@ -114,13 +124,7 @@ def _by_dask(task: Task, values: Float, address: str, tell: Progress) -> list[Bl
         raise UsageError(f"no Dask scheduler answers at {visible(address)}: {error}") from None
     with session as client:
         shared = client.scatter(task, broadcast=True)
-        futures = [client.submit(follow, shared, piece, pure=False) for piece in _pieces(values, _BLOCK)]
-        for number, _ in enumerate(distributed.as_completed(futures, loop=client.loop)):
-            tell((number + 1) / len(futures))
-        blocks: list[Block] = client.gather(futures)
-    return blocks
-
-
-def _pieces(values: Float, size: int) -> Iterator[Float]:
-    for first in range(0, len(values), size):
-        yield values[first : first + size]
+        ahead = max(_AHEAD, 2 * sum(client.nthreads().values()))
+        yield from _in_order(
+            lambda piece: client.submit(follow, shared, piece, pure=False), values, _BLOCK, ahead, tell
+        )

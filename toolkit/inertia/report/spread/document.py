@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from collections import Counter
 from typing import Any
 
 import numpy as np
 
-from inertia.dynamics.spread.ensemble import PERCENTILES, Ensemble
+from inertia.dynamics.spread.ensemble import Ensemble
+from inertia.dynamics.spread.results import PERCENTILES
 
 
 def ensemble_document(ensemble: Ensemble) -> dict[str, Any]:
@@ -19,23 +19,24 @@ def ensemble_document(ensemble: Ensemble) -> dict[str, Any]:
         "inputs": [{"path": each.path, "law": each.law, "figures": each.figures.tolist()} for each in ensemble.inputs],
         "draws": len(ensemble.values),
         "seed": ensemble.seed,
-        "states": dict(Counter(ensemble.states)),
+        "states": ensemble.state_counts,
         "sentences": {str(draw): sentence for draw, sentence in ensemble.sentences.items()},
-        "models": dict(Counter(model for model in ensemble.models if model)),
+        "models": ensemble.model_counts,
         "accuracy": {"requested": nominal.error.requested, "reached": float(np.nanmax(ensemble.reached))},
         "time": ensemble.time.tolist(),
-        "quantities": {name: _quantity(ensemble, name) for name in ensemble.quantities},
+        "quantities": {name: _quantity(ensemble, name) for name in ensemble.ends},
         "events": {name: _instants(ensemble, name) for name in ensemble.events},
     }
 
 
 def _quantity(ensemble: Ensemble, name: str) -> dict[str, Any]:
-    if not np.isfinite(ensemble.quantities[name]).all(axis=1).any():
+    if not ensemble.has(name):
         return {"percentiles": {}, "largest": {}, "drivers": None}
     drivers = ensemble.drivers(name)
     over_time, largest = ensemble.percentiles(name), ensemble.largest(name)
     return {
         "percentiles": {f"{at:g}": row.tolist() for at, row in zip(PERCENTILES, over_time, strict=True)},
+        "resolution": float(ensemble.resolution(name).max()),
         "largest": {f"{at:g}": value for at, value in zip(PERCENTILES, largest.tolist(), strict=True)},
         "drivers": None
         if drivers is None

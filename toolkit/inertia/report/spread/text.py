@@ -7,7 +7,9 @@ from collections.abc import Iterable, Iterator
 
 import numpy as np
 
-from inertia.dynamics.spread.ensemble import PERCENTILES, Ensemble
+from inertia.dynamics.spread.ensemble import Ensemble
+from inertia.dynamics.spread.follow import FOLLOWED
+from inertia.dynamics.spread.results import PERCENTILES
 from inertia.report.numerals import LABEL, row, wrapped
 
 _LISTED = 3  # draws that were not followed
@@ -46,16 +48,17 @@ def _input_lines(ensemble: Ensemble) -> Iterator[str]:
     for k, each in enumerate(ensemble.inputs):
         yield row("" if k else "Varied", f"{each.path:<{width}}  {each.described}")
     drawn = "" if all(each.swept for each in ensemble.inputs) else f", seed {ensemble.seed}"
-    counts = Counter(ensemble.states)
+    counts = ensemble.state_counts
     yield row("Draws", f"{len(ensemble.values)}{drawn}: {', '.join(f'{n} {state}' for state, n in counts.items())}")
     for draw, sentence in list(ensemble.sentences.items())[:_LISTED]:
         yield from wrapped("", f"draw {draw}: {sentence}")
-    if len(ensemble.sentences) > _LISTED:
-        yield row("", f"… and {len(ensemble.sentences) - _LISTED} more")
+    out = len(ensemble.values) - counts.get(FOLLOWED, 0)
+    if out > _LISTED:
+        yield row("", f"… and {out - _LISTED} more")
 
 
 def _accuracy_lines(ensemble: Ensemble) -> Iterator[str]:
-    models = Counter(model for model in ensemble.models if model)
+    models = Counter(ensemble.model_counts)
     yield row("Model", ", ".join(f"{name} ({count})" for name, count in models.most_common()))
     worst, requested = float(np.nanmax(ensemble.reached)), ensemble.nominal.error.requested
     yield row("Accuracy", f"attitude of every draw to {worst:.2g} rad, {requested:g} rad asked for")
@@ -65,14 +68,14 @@ def _percentile_lines(ensemble: Ensemble) -> Iterator[str]:
     """Yield where each quantity lies at the end, and the largest that it was."""
     heads = [f"{at:g} %" for at in PERCENTILES]
     yield _table_row("At the end", ["nominal", "least", *heads, "most"])
-    for name, rows in ensemble.quantities.items():
-        end = rows[np.isfinite(rows[:, -1]), -1]
+    for name, column in ensemble.ends.items():
+        end = column[np.isfinite(column)]
         if end.size:
             figures = [end.min(), *np.percentile(end, PERCENTILES), end.max()]
             yield _table_row(f"  {name}{_unit(name)}", [_nominal(ensemble, name), *map(_figure, figures)])
     yield _table_row("Largest by then", ["", "least", *heads, "most"])
-    for name, rows in ensemble.quantities.items():
-        largest = rows[np.isfinite(rows).all(axis=1)].max(axis=1)
+    for name, column in ensemble.most.items():
+        largest = column[np.isfinite(column)]
         if largest.size:
             figures = [largest.min(), *np.percentile(largest, PERCENTILES), largest.max()]
             yield _table_row(f"  {name}{_unit(name)}", ["", *map(_figure, figures)])
@@ -84,19 +87,19 @@ def _nominal(ensemble: Ensemble, name: str) -> str:
 
 def _point_lines(ensemble: Ensemble) -> Iterator[str]:
     """Yield each point of a sweep, with the quantities at the end."""
-    names = list(ensemble.quantities)
+    names = list(ensemble.ends)
     paths = [each.path for each in ensemble.inputs]
     widths = [max(_WIDTH, len(head) + 2) for head in (*paths, *names)]
     yield f"{'At the end':<{LABEL}}" + "".join(f"{head:>{w}}" for head, w in zip((*paths, *names), widths, strict=True))
     for k, values in enumerate(ensemble.values.tolist()):
-        cells = [*map(_figure, values), *(_figure(rows[k, -1]) for rows in ensemble.quantities.values())]
+        cells = [*map(_figure, values), *(_figure(column[k]) for column in ensemble.ends.values())]
         yield " " * LABEL + "".join(f"{cell:>{w}}" for cell, w in zip(cells, widths, strict=True))
 
 
 def _driver_lines(ensemble: Ensemble) -> Iterator[str]:
     """Yield which inputs the spread at the end comes from, the largest share first."""
     label = "Driven by"
-    for name in ensemble.quantities:
+    for name in ensemble.ends:
         drivers = ensemble.drivers(name)
         if drivers is None:
             continue
