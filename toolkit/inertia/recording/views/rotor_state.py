@@ -1,6 +1,7 @@
-"""One state of a rotor, in space: the bodies that turn, the unbalance in every plane, and the force on each bearing.
+"""One state of a rotor, in space: bodies that turn on their bearings, unbalance in every plane, zero mark, and work.
 
-All that turns with the rotor hangs below one frame and is written once; only that frame moves.
+All that turns with the rotor hangs below one frame and is written once; only that frame moves. What is permissible sets
+the scale of the vectors, the same in every state; a vector that is much longer is broken.
 """
 
 from __future__ import annotations
@@ -13,20 +14,38 @@ import numpy as np
 
 from inertia.arrays import Float
 from inertia.balancing.balance import Balance
-from inertia.balancing.corrections.operation import Operation
 from inertia.balancing.shop_units import in_gmm
 from inertia.balancing.unbalance import Unbalance
 from inertia.mesh.part import Part
+from inertia.palette import YELLOW, rgb
 from inertia.recording import entities
-from inertia.recording.display import MOST, facets, shown_triangles
-from inertia.recording.drawing import circle, write_lines
+from inertia.recording.display import MOST, facets, meridian, shown_triangles
+from inertia.recording.drawing import Color, circle, write_lines
+from inertia.recording.views.rotor_target import AFTER, BEFORE, FAINT, INK, PERMISSIBLE, PLACE, WHITE, broken
+from inertia.recording.views.rotor_text import bearing_bounds, force_text, plane_bounds, resolved, states, vector_text
 from inertia.recording.writer import Recording
 
-BODY, SHAFT, PLACE = (150, 165, 185, 110), (200, 200, 205), (235, 235, 240)
-UNBALANCE, FORCE, PERMISSIBLE = (255, 220, 90), (240, 90, 80), (90, 200, 90)
+BODY, UNBALANCE = (150, 165, 185, 110), rgb(YELLOW)
 
-_LONGEST = 1.2  # over the outer radius of the rotor, of the longest vector or the largest circle
+_PERMISSIBLE = 0.6  # over the outer radius of the rotor: the larger circle of what is permissible
+_LONGEST = 1.2  # the same, of the longest vector
 _THICK = 0.018  # over that radius
+_LINE = 0.15  # over half the height of the view, from a line of labels to the next
+_MARGIN, _WIDE = 1.2, 1.4  # over the reach, what is seen along the shaft; over its height, the width of the view
+_CLOSE = 1.0  # over the reach: labels nearer than that are on different lines
+_MERIDIANS = (0, WHITE, 0.7), (90, FAINT, 0.35), (180, FAINT, 0.35), (270, FAINT, 0.35)  # degrees, color, thickness
+_NUMBERED = 6  # operations whose numbers are shown in space: more would cover the rotor
+_SAMPLES = 24  # of the arc that shows the sense of rotation
+
+
+@dataclass(frozen=True, eq=False)
+class Vector:
+    """An unbalance across the shaft: where along it, in units of the view; kg m; its bound; and what is written of it."""
+
+    z: float
+    value: complex
+    bound: float
+    text: str
 
 
 @dataclass(frozen=True, eq=False)
@@ -36,84 +55,106 @@ class State:
     Attributes
     ----------
     room : the entity below which it is written
-    title : what the view is called
+    name, verdict : "as modelled", "FAIL"
     unit : m, one unit of the view
-    radius, reach : of the rotor from its shaft and from the middle, in `unit`
+    radius, reach : of the rotor from its shaft, and along it from the middle, bearings included, in `unit`
     bodies : (k, 3, 3) each, corners in `unit`, shaft axes from the middle of the rotor
-    bearings : where A and B are along the shaft, in `unit` from the middle
-    planes : (where in `unit`, name, vector in kg m) of the correction planes
-    unbalance : the vectors in the tolerance planes A and B, kg m
-    permissible : in them, kg m
-    forces : on bearings A and B, N
-    operations : (place (3,) in `unit`, what is done there)
+    bearings, planes : what the tolerance planes and the correction planes have of the unbalance
+    permissible : in the tolerance planes, kg m
+    scale : `unit` in a kg m of unbalance, as drawn
+    forces : on bearings A and B, N, none where the arithmetic does not tell them from zero
+    operations : places (3,) in `unit`, in their order
+    turn : +1 or −1, about z′
     notes : what was done for display only
     """
 
     room: str
-    title: str
+    name: str
+    verdict: str
     unit: float
     radius: float
     reach: float
     bodies: tuple[Float, ...]
-    bearings: tuple[float, float]
-    planes: tuple[tuple[float, str, complex], ...]
-    unbalance: tuple[complex, complex]
+    bearings: tuple[Vector, ...]
+    planes: tuple[Vector, ...]
     permissible: tuple[float, float]
-    forces: tuple[complex, complex]
-    operations: tuple[tuple[Float, str], ...]
+    scale: float
+    forces: tuple[complex, ...]
+    operations: tuple[Float, ...]
+    turn: int
     notes: tuple[str, ...]
 
     @property
-    def longest(self) -> float:
-        """The longest of its vectors, kg m, that of the permissible unbalance included."""
-        return max(*map(abs, (vector for _, _, vector in self.planes)), *map(abs, self.unbalance), *self.permissible)
+    def title(self) -> str:
+        """What the view is called."""
+        return f"{self.name.capitalize()}: {self.verdict}"
+
+    @property
+    def extent(self) -> tuple[float, float]:
+        """How far the view has to reach across the shaft, labels included, and along it."""
+        lines = 1 + max(*_lines_of(self.planes, self.reach), *_lines_of(self.bearings, self.reach), 0)
+        along = _MARGIN * self.reach
+        return max(self.label_start / max(1.0 - _LINE * lines, 0.3), along / _WIDE), along
+
+    @property
+    def label_start(self) -> float:
+        """Where labels begin, across the shaft."""
+        return (_LONGEST + 0.1) * self.radius
 
 
 def states_of(balance: Balance) -> list[State]:
     """Return the rotor as modelled and, where something was done about it, as corrected."""
-    correction = balance.correction
     parts = [body.part for body in balance.bodies]
-    states = [_state(balance, entities.AS_MODELLED, "As modelled", parts, balance.initial, ())]
-    if correction is not None and correction.operations:
-        operations = correction.operations
-        states.append(_state(balance, entities.CORRECTED, "Corrected", correction.parts, balance.residual, operations))
-    return states
+    every = states(balance)
+    shown = [_state(balance, entities.AS_MODELLED, every[0], parts)]
+    if len(every) > 1 and balance.correction is not None:
+        shown.append(_state(balance, entities.CORRECTED, every[1], balance.correction.parts))
+    return shown
 
 
-def _state(
-    balance: Balance,
-    room: str,
-    title: str,
-    parts: Sequence[Part],
-    unbalance: Unbalance,
-    operations: Sequence[Operation],
-) -> State:
-    shaft = balance.shaft
+def _state(balance: Balance, room: str, named: tuple[str, str, Unbalance], parts: Sequence[Part]) -> State:
+    shaft, (name, verdict, unbalance) = balance.shaft, named
     bodies, notes = _corners(balance, parts)
     points = np.concatenate([body.reshape(-1, 3) for body in bodies])
-    low, high = points[:, 2].min(), points[:, 2].max()
-    middle = 0.5 * (min(low, shaft.z_a) + max(high, shaft.z_b))
+    low, high = min(points[:, 2].min(), shaft.z_a), max(points[:, 2].max(), shaft.z_b)
+    middle = 0.5 * (low + high)
     radius = float(np.hypot(points[:, 0], points[:, 1]).max())
-    reach = math.hypot(radius, max(high, shaft.z_b) - middle)
-    unit = 10.0 ** math.floor(math.log10(reach))
+    unit = 10.0 ** math.floor(math.log10(math.hypot(radius, high - middle)))
     shift = np.array([0.0, 0.0, middle])
     corrected = room == entities.CORRECTED
+    operations = balance.correction.operations if corrected and balance.correction is not None else ()
+    limits = balance.tolerance.permissible
+    planes = [plane.residual if corrected else plane.initial for plane in balance.planes]
+    at_planes, at_bearings = plane_bounds(balance, unbalance), bearing_bounds(balance, unbalance)
+    exact = [each.get("arithmetic", 0.0) for each in unbalance.bounds_in_planes(balance.tolerance_planes)]
+    vectors = unbalance.in_planes(*balance.tolerance_planes)
     return State(
         room=room,
-        title=title,
+        name=name,
+        verdict=verdict,
         unit=unit,
         radius=radius / unit,
-        reach=reach / unit,
+        reach=(high - middle) / unit,
         bodies=tuple((body - shift) / unit for body in bodies),
-        bearings=((shaft.z_a - middle) / unit, (shaft.z_b - middle) / unit),
-        planes=tuple(
-            ((plane.z - middle) / unit, plane.id, plane.residual if corrected else plane.initial)
-            for plane in balance.planes
+        bearings=tuple(
+            Vector((z - middle) / unit, vector, at_bearings[k], f"{'AB'[k]}: {force_text(balance, unbalance, k)}")
+            for k, (z, vector) in enumerate(zip(balance.tolerance_planes, vectors, strict=True))
         ),
-        unbalance=unbalance.in_planes(*balance.tolerance_planes),
-        permissible=balance.tolerance.permissible,
-        forces=balance.forces(unbalance),
-        operations=tuple((_place(each, middle) / unit, f"{each.id}: {_description(each)}") for each in operations),
+        planes=tuple(
+            Vector((plane.z - middle) / unit, vector, bound, f"{plane.id}: {vector_text(vector, bound, max(limits))}")
+            for plane, vector, bound in zip(balance.planes, planes, at_planes, strict=True)
+        ),
+        permissible=limits,
+        scale=_PERMISSIBLE * radius / unit / max(limits),
+        forces=tuple(
+            force if abs(vector) > bound else 0j
+            for force, vector, bound in zip(balance.forces(unbalance), vectors, exact, strict=True)
+        ),
+        operations=tuple(
+            np.array([k.radius * math.cos(k.angle), k.radius * math.sin(k.angle), k.z - middle]) / unit
+            for k in operations
+        ),
+        turn=shaft.turn,
         notes=tuple(notes),
     )
 
@@ -130,88 +171,132 @@ def _corners(balance: Balance, parts: Sequence[Part]) -> tuple[list[Float], list
     return bodies, notes
 
 
-def _place(operation: Operation, middle: float) -> Float:
-    angle, radius = operation.angle, operation.radius
-    return np.array([radius * math.cos(angle), radius * math.sin(angle), operation.z - middle])
-
-
-def _description(operation: Operation) -> str:
-    """Return what is done in a few words."""
-    if operation.arc is not None and operation.depth is not None and operation.half_angle is not None:
-        return f"arc of {math.degrees(2.0 * operation.half_angle):.4g}°, {1e3 * operation.depth:.4g} mm deep"
-    if operation.tool_diameter is not None and operation.depth is not None:
-        return f"Ø {1e3 * operation.tool_diameter:.4g}, {1e3 * operation.depth:.4g} mm deep"
-    if operation.depth is not None:
-        return f"flat, {1e3 * operation.depth:.4g} mm deep"
-    return f"{'add' if operation.method == 'add' else 'take'} {1e3 * operation.mass:.4g} g"
-
-
 def write_state(recording: Recording, state: State, time: Float, speed: float) -> Iterator[str]:
     """Write a state that turns at `speed` (rad/s, about z′), at instants (m,) s."""
     import rerun as rr
 
-    turning = f"{state.room}/rotor"
+    turning, thick = f"{state.room}/rotor", _THICK * state.radius
     half = 0.5 * speed * time
     zero = np.zeros_like(half)
     attitude = np.stack([zero, zero, np.sin(half), np.cos(half)], axis=1).astype(np.float32)
     recording.columns(turning, time, lambda rows: rr.Transform3D.columns(quaternion=attitude[rows]))
     for number, corners in enumerate(state.bodies):
         recording.static(f"{turning}/body_{number}", facets(corners, BODY))
-    length = _LONGEST * state.radius / state.longest
-    thick = _THICK * state.radius
-    ends = np.array([[0.0, 0.0, -1.15 * state.reach], [0.0, 0.0, 1.15 * state.reach]])
-    write_lines(recording, f"{state.room}/shaft", [ends], SHAFT, 0.4 * thick)
-    _write_vectors(
-        recording,
-        f"{turning}/unbalance",
-        [(z, f"{name} {in_gmm(vector):.4g} g·mm", length * vector) for z, name, vector in state.planes],
-        UNBALANCE,
-        thick,
-    )
-    _write_vectors(
-        recording,
-        f"{turning}/bearing_force",
-        [
-            (z, f"{name} {abs(force):.4g} N", length * vector)
-            for z, name, force, vector in zip(state.bearings, "AB", state.forces, state.unbalance, strict=True)
-        ],
-        FORCE,
-        thick,
-    )
-    circles = [circle(length * most, z, np.eye(3)) for z, most in zip(state.bearings, state.permissible, strict=True)]
-    write_lines(recording, f"{state.room}/permissible", circles, PERMISSIBLE, 0.6 * thick)
+        for angle, color, width in _MERIDIANS:
+            line = meridian(corners, math.radians(angle))
+            write_lines(recording, f"{turning}/body_{number}/meridian_{angle}", list(line), color, width * thick)
+    _write_frame(recording, state, thick)
+    _write_vectors(recording, f"{turning}/unbalance", state, state.planes, UNBALANCE, thick)
+    color = AFTER if state.room == entities.CORRECTED else BEFORE
+    _write_vectors(recording, f"{turning}/bearing_force", state, state.bearings, color, thick)
+    _write_labels(recording, f"{state.room}/plane_labels", state, state.planes, 1.0, UNBALANCE)
+    _write_labels(recording, f"{state.room}/bearing_labels", state, state.bearings, -1.0, color)
     if state.operations:
-        spots = [place for place, _ in state.operations]
-        labels = [what for _, what in state.operations]
-        recording.static(
-            f"{turning}/operations",
-            rr.Points3D(spots, labels=labels, colors=[PLACE], radii=[2.0 * thick], show_labels=True),
-        )
-    yield from (f"{state.title.lower()}: {each}" for each in state.notes)
-    yield (
-        f"{state.title.lower()}: one outer radius is {in_gmm(state.longest) / _LONGEST:.4g} g·mm of unbalance; the "
-        "vectors of the correction planes are yellow"
+        numbers = [f"{number}" for number, _ in enumerate(state.operations, 1)]
+        few = len(numbers) <= _NUMBERED
+        spots = rr.Points3D(state.operations, labels=numbers, colors=[PLACE], radii=[1.6 * thick], show_labels=few)
+        recording.static(f"{turning}/operations", spots)
+    yield from (f"{state.name}: {each}" for each in state.notes)
+
+
+def scale_text(state: State) -> str:
+    """Return what the lengths and colours in the views mean."""
+    size = in_gmm(complex(state.radius / state.scale))
+    farthest = _LONGEST / _PERMISSIBLE
+    return (
+        f"one outer radius is {size:.4g} g·mm of unbalance in every view in space; green circles are what is permissible "
+        "in the bearings, yellow vectors what the correction planes have, those at the bearings what causes the force; "
+        f"a vector over {farthest:.3g} times the larger circle is broken, and one that its bounds do not tell from zero "
+        "is not drawn"
     )
+
+
+def _write_frame(recording: Recording, state: State, thick: float) -> None:
+    """Write shaft, bearings, planes and zero mark, what is permissible, and the sense of rotation."""
+    import rerun as rr
+
+    turning, radius = f"{state.room}/rotor", state.radius
+    ends = np.array([[0.0, 0.0, -1.15 * state.reach], [0.0, 0.0, 1.15 * state.reach]])
+    write_lines(recording, f"{state.room}/shaft", [ends], INK, 0.4 * thick)
+    foot, wide = _LONGEST * radius, 0.12 * state.reach
+    supports = [
+        np.array([[0.0, 0.0, k.z], [-foot, 0.0, k.z - wide], [-foot, 0.0, k.z + wide], [0.0, 0.0, k.z]])
+        for k in state.bearings
+    ]
+    write_lines(recording, f"{state.room}/bearings", supports, INK, 0.5 * thick)
+    circles = [
+        circle(state.scale * most, bearing.z, np.eye(3))
+        for bearing, most in zip(state.bearings, state.permissible, strict=True)
+    ]
+    write_lines(recording, f"{state.room}/permissible", circles, PERMISSIBLE, 0.8 * thick)
+    if state.planes:
+        rings = [circle(1.06 * radius, plane.z, np.eye(3)) for plane in state.planes]
+        write_lines(recording, f"{state.room}/correction_planes", rings, FAINT, 0.6 * thick)
+    end = 1.08 * state.reach
+    mark = np.array([[0.0, 0.0, end], [0.8 * radius, 0.0, end]])
+    zero = rr.Arrows3D(
+        origins=[mark[0]], vectors=[mark[1] - mark[0]], colors=[WHITE], radii=[0.7 * thick], labels=["0°"],
+        show_labels=True,
+    )
+    recording.static(f"{turning}/zero_mark", zero)
+    turn = state.turn * np.linspace(-0.25 * math.pi, 0.5 * math.pi, _SAMPLES)
+    arc = np.stack([0.5 * radius * np.cos(turn), 0.5 * radius * np.sin(turn), np.full(_SAMPLES, end)], axis=1)
+    write_lines(recording, f"{state.room}/rotation", [arc], WHITE, 0.5 * thick)
+    along = np.array([[-math.sin(turn[-1]), math.cos(turn[-1]), 0.0]]) * state.turn * 0.16 * radius
+    head = rr.Arrows3D(origins=[arc[-1]], vectors=along, colors=[WHITE], radii=[0.7 * thick])
+    recording.static(f"{state.room}/rotation_head", head)
 
 
 def _write_vectors(
-    recording: Recording,
-    path: str,
-    vectors: Sequence[tuple[float, str, complex]],
-    color: tuple[int, int, int],
-    thick: float,
+    recording: Recording, path: str, state: State, vectors: Sequence[Vector], color: Color, thick: float
 ) -> None:
-    """Write arrows across the shaft: (where along it, label, vector)."""
+    """Write arrows across the shaft; of one that is broken, its tip, and its foot as a line that ends in a slant."""
     import rerun as rr
 
-    recording.static(
-        path,
-        rr.Arrows3D(
-            origins=[(0.0, 0.0, z) for z, _, _ in vectors],
-            vectors=[(vector.real, vector.imag, 0.0) for _, _, vector in vectors],
-            labels=[label for _, label, _ in vectors],
-            colors=[color],
-            radii=[thick],
-            show_labels=True,
-        ),
-    )
+    origins, arrows, feet = [], [], []
+    for vector in vectors:
+        size = abs(vector.value)
+        if not resolved(size, vector.bound):
+            continue
+        length, parts = broken(state.scale * size, _LONGEST * state.radius)
+        along = np.array([vector.value.real, vector.value.imag, 0.0]) * length / size
+        place = np.array([0.0, 0.0, vector.z])
+        origins.append(place + parts[-1][0] * along)
+        arrows.append((1.0 - parts[-1][0]) * along)
+        if len(parts) > 1:
+            slant = 0.08 * state.radius * np.array([-along[1], along[0], 0.6 * length]) / length
+            feet.append(np.stack([place, place + parts[0][1] * along]))
+            feet += [np.stack([place + end * along - slant, place + end * along + slant]) for end in _ends(parts)]
+    if arrows:
+        recording.static(path, rr.Arrows3D(origins=origins, vectors=arrows, colors=[color], radii=[thick]))
+    if feet:
+        write_lines(recording, f"{path}/cut", feet, color, thick)
+
+
+def _ends(parts: Sequence[tuple[float, float]]) -> tuple[float, float]:
+    """Return where the gap between two parts begins and ends."""
+    return parts[0][1], parts[1][0]
+
+
+def _write_labels(
+    recording: Recording, path: str, state: State, vectors: Sequence[Vector], side: float, color: Color
+) -> None:
+    """Write what the vectors are, above (1) or below (−1) the rotor, where labels do not lie over each other."""
+    import rerun as rr
+
+    if not vectors:
+        return
+    line = _LINE * state.extent[0]
+    heights = [state.label_start + (0.5 + number) * line for number in _lines_of(vectors, state.reach)]
+    points = [(side * height, 0.0, vector.z) for height, vector in zip(heights, vectors, strict=True)]
+    labels = [vector.text for vector in vectors]
+    recording.static(path, rr.Points3D(points, labels=labels, colors=[color], radii=[0.0], show_labels=True))
+
+
+def _lines_of(vectors: Sequence[Vector], reach: float) -> list[int]:
+    """Return the line of each label, 0 next to the rotor: labels that are close along the shaft are on different ones."""
+    lines: list[int] = []
+    for k, vector in enumerate(vectors):
+        near = {lines[j] for j in range(k) if abs(vectors[j].z - vector.z) < _CLOSE * reach}
+        lines.append(next(line for line in range(len(vectors)) if line not in near))
+    return lines

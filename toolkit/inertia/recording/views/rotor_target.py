@@ -1,0 +1,210 @@
+"""Flat diagrams of a rotor, seen from bearing B: tolerance planes as targets, where the work is done, and the verdict.
+
+0° is to the right and angles run counter-clockwise. A target is drawn in units of what is permissible, which is the
+circle of radius 1, whatever the unbalance; a vector that is much longer is broken, and says how long it is.
+"""
+
+from __future__ import annotations
+
+import cmath
+import math
+from collections.abc import Sequence
+
+import numpy as np
+
+from inertia.arrays import Float
+from inertia.balancing.balance import Balance
+from inertia.balancing.shop_units import in_gmm
+from inertia.palette import GREEN, ORANGE, PINK, SKY, VERMILLION, YELLOW, rgb
+from inertia.recording.drawing import Color
+from inertia.recording.views.rotor_text import bearing_bounds, resolved, states, vector_text
+from inertia.recording.writer import Recording
+
+FARTHEST = 1.6
+"""Over what is permissible, where a vector on a target ends at most."""
+TARGET_BOUNDS = (-2.2, 2.2), (-2.15, 3.72)
+"""What is seen of a target, x and y (down)."""
+DIAL_BOUNDS = (-2.0, 2.0), (-1.5, 1.5)
+_LINE = 0.385  # of a target's legend
+
+BEFORE, AFTER, PERMISSIBLE, SCATTER, PLACE = map(rgb, (VERMILLION, SKY, GREEN, PINK, YELLOW))
+INK, FAINT, WHITE = (165, 170, 180), (75, 78, 86), (235, 235, 240)
+VERDICTS = {"pass": rgb(GREEN), "conditional": rgb(ORANGE), "fail": rgb(VERMILLION), "undecided": rgb(PINK)}
+"""The ground of the badge."""
+
+_BREAK = 0.62, 0.76  # of a vector that is broken, where its gap begins and ends
+_STROKES = {  # of letters, on a grid 2 wide and 4 high
+    "A": ("00 02 14 22 20", "02 22"),
+    "C": ("24 04 00 20",),
+    "D": ("00 04 14 23 21 10 00",),
+    "E": ("24 04 00 20", "02 12"),
+    "F": ("24 04 00", "02 12"),
+    "I": ("00 04",),
+    "L": ("04 00 20",),
+    "N": ("00 04 20 24",),
+    "O": ("00 04 24 20 00",),
+    "P": ("00 04 24 22 02",),
+    "S": ("24 04 02 22 20 00",),
+    "T": ("10 14", "04 24"),
+    "U": ("04 00 20 24",),
+}
+_ADVANCE = {"I": 1.2}
+
+
+def broken(length: float, most: float) -> tuple[float, list[tuple[float, float]]]:
+    """Return how long an arrow is drawn, and the parts of it from 0 to 1 that are: two where it is broken.
+
+    >>> broken(1.0, 1.6), broken(8.0, 1.6)
+    ((1.0, [(0.0, 1.0)]), (1.6, [(0.0, 0.62), (0.76, 1.0)]))
+    """
+    return (length, [(0.0, 1.0)]) if length <= most else (most, [(0.0, _BREAK[0]), (_BREAK[1], 1.0)])
+
+
+def write_target(recording: Recording, path: str, balance: Balance, number: int) -> None:
+    """Write tolerance plane A (0) or B (1)."""
+    permissible = balance.tolerance.permissible[number]
+    _write_dial(recording, path, balance, FARTHEST)
+    _lines(recording, f"{path}/half", [_circle(0.5)], FAINT, 0.006)
+    _lines(recording, f"{path}/permissible", [_circle(1.0)], PERMISSIBLE, 0.02)
+    legend = [(f"circle: permissible, {in_gmm(permissible):.4g} g·mm", PERMISSIBLE)]
+    every = states(balance)
+    for (name, _, unbalance), color, entity in zip(every, (BEFORE, AFTER), ("before", "after"), strict=False):
+        vector = unbalance.in_planes(*balance.tolerance_planes)[number]
+        bound = bearing_bounds(balance, unbalance)[number]
+        _write_vector(recording, f"{path}/{entity}", vector / permissible, bound / permissible, color)
+        text = f"{name}: {vector_text(vector, bound, permissible)}"
+        times = abs(vector) / permissible
+        legend.append((f"{text}, {times:.3g} × limit" if times > FARTHEST else text, color))
+    if balance.scatter.sensitivities:
+        below = float(balance.scatter.residual_95[number])
+        if below <= FARTHEST * permissible:
+            _lines(recording, f"{path}/scatter", _dashed(below / permissible), SCATTER, 0.01)
+        legend.append((f"dashed: 95 % of parts below {in_gmm(below):.4g} g·mm", SCATTER))
+    places = [complex(0.0, -2.1 - _LINE * k) for k in range(len(legend))]
+    _labels(recording, f"{path}/legend", places, [text for text, _ in legend], [color for _, color in legend])
+
+
+def write_work(recording: Recording, path: str, balance: Balance) -> None:
+    """Write where the operations are, by their numbers in the list of work, in units of the outermost of them."""
+    operations = () if balance.correction is None else balance.correction.operations
+    if not operations:
+        return
+    _write_dial(recording, path, balance, 1.0)
+    outermost = max(work.radius for work in operations) or 1.0
+    spots = [cmath.rect(max(0.15, work.radius / outermost), work.angle) for work in operations]
+    import rerun as rr
+
+    recording.static(f"{path}/spots", rr.Points2D([_down(spot) for spot in spots], colors=[PLACE], radii=[0.07]))
+    few = len(operations) <= 4
+    texts = [f"{n}: {math.degrees(w.angle) % 360:.1f}°" if few else f"{n}" for n, w in enumerate(operations, 1)]
+    places = [cmath.rect(radius, work.angle) for radius, work in zip(_apart(operations), operations, strict=True)]
+    if few:  # labels are wide
+        places = [complex(1.25 * place.real, place.imag) for place in places]
+    leaders = [_points([spot, 0.88 * place]) for spot, place in zip(spots, places, strict=True)]
+    _lines(recording, f"{path}/leaders", leaders, FAINT, 0.008)
+    places = [place + 0.17j for place in places]  # a label hangs below its place
+    _labels(recording, f"{path}/numbers", places, texts, [PLACE] * len(texts))
+
+
+def write_verdict(recording: Recording, path: str, outcome: str) -> None:
+    """Write the word of the verdict in strokes, dark on the colour of its ground."""
+    strokes, x = [], 0.0
+    for letter in outcome.upper():
+        for stroke in _STROKES[letter]:
+            strokes.append(np.array([(x + float(point[0]), 4.0 - float(point[1])) for point in stroke.split()]))
+        x += _ADVANCE.get(letter, 3.2)
+    _lines(recording, f"{path}/word", strokes, (13, 13, 13), 0.32)
+
+
+def verdict_bounds(outcome: str) -> tuple[tuple[float, float], tuple[float, float]]:
+    """Return what is seen of the badge, x and y: the word, in the middle."""
+    width = sum(_ADVANCE.get(letter, 3.2) for letter in outcome.upper())
+    return (-1.0, width - 0.2), (-1.5, 5.5)
+
+
+def _apart(operations: Sequence[object]) -> list[float]:
+    """Return radii of numbers that do not lie over each other: those of near angles by turns."""
+    angles = [float(getattr(work, "angle", 0.0)) for work in operations]
+    order = sorted(range(len(angles)), key=angles.__getitem__)
+    radii = [1.3] * len(angles)
+    for last, this in zip(order, order[1:], strict=False):
+        if angles[this] - angles[last] < 0.25 and radii[last] == 1.3:
+            radii[this] = 1.6
+    return radii
+
+
+def _write_dial(recording: Recording, path: str, balance: Balance, radius: float) -> None:
+    """Write the angles, the zero mark and the sense of rotation."""
+    ticks = [np.stack([_down(cmath.rect(k * radius, math.radians(a))) for k in (0.94, 1.0)]) for a in range(0, 360, 30)]
+    cross = [np.array([[-radius, 0.0], [radius, 0.0]]), np.array([[0.0, -radius], [0.0, radius]])]
+    _lines(recording, f"{path}/cross", [*cross, *ticks, _circle(radius)], FAINT, 0.006)
+    mark = [_down(radius * k) for k in (1.0, 1.12 + 0.06j, 1.12 - 0.06j, 1.0)]
+    _lines(recording, f"{path}/zero_mark", [np.stack(mark)], WHITE, 0.02)
+    turn = balance.shaft.turn
+    arc = np.radians(np.linspace(50.0, 70.0, 12))[::turn]
+    head = cmath.rect(1.09 * radius, arc[-1])
+    back = cmath.rect(0.09 * radius, arc[-1] - turn * 0.5 * math.pi)
+    barbs = [head + back * cmath.rect(1.0, off) for off in (0.5, -0.5)]
+    strips = [_points(cmath.rect(1.09 * radius, a) for a in arc), _points([barbs[0], head, barbs[1]])]
+    _lines(recording, f"{path}/rotation", strips, WHITE, 0.014)
+    if radius > 1.0:  # of a target; a dial is small, and its numbers take this room
+        marks = {"0°": 2.05 + 0.2j, "90°": 2.05j, "180°": -1.95 + 0.2j, "270°": -1.66j}
+        _labels(recording, f"{path}/marks", list(marks.values()), list(marks), [INK] * 4)
+    else:
+        _labels(recording, f"{path}/marks", [0.78 + 0.13j], ["0°"], [INK])
+
+
+def _write_vector(recording: Recording, path: str, vector: complex, bound: float, color: Color) -> None:
+    """Write a vector, broken where it leaves the target, and the circle in which its tip is."""
+    import rerun as rr
+
+    size = abs(vector)
+    tip = vector
+    if resolved(size, bound):
+        length, parts = broken(size, FARTHEST)
+        tip = vector * length / size
+        strips = [_points([start * tip, stop * tip]) for start, stop in parts]
+        if len(parts) > 1:
+            slant = 0.09 * cmath.rect(1.0, cmath.phase(tip) + 1.1)
+            strips += [_points([end * tip - slant, end * tip + slant]) for end in _BREAK]
+        _lines(recording, f"{path}/line", strips, color, 0.022)
+        back = -0.16 * tip / abs(tip) if abs(tip) > 0.2 else 0.0
+        barbs = [tip + back * cmath.rect(1.0, off) for off in (0.45, -0.45)]
+        if back:
+            _lines(recording, f"{path}/head", [_points([barbs[0], tip, barbs[1]])], color, 0.022)
+    recording.static(f"{path}/tip", rr.Points2D([_down(tip)], colors=[color], radii=[0.025]))
+    if size <= FARTHEST:
+        _lines(recording, f"{path}/uncertainty", [_circle(bound) + _down(tip)], color, 0.008)
+
+
+def _labels(
+    recording: Recording, path: str, places: Sequence[complex], texts: Sequence[str], colors: Sequence[Color]
+) -> None:
+    import rerun as rr
+
+    points = [_down(place) for place in places]
+    recording.static(path, rr.Points2D(points, labels=list(texts), colors=list(colors), radii=[0.001], show_labels=True))
+
+
+def _lines(recording: Recording, path: str, strips: Sequence[Float], color: Color, radius: float) -> None:
+    import rerun as rr
+
+    recording.static(path, rr.LineStrips2D([np.float32(k) for k in strips], colors=[color], radii=[radius]))
+
+
+def _circle(radius: float) -> Float:
+    turn = np.linspace(0.0, 2.0 * math.pi, 181)
+    return radius * np.stack([np.cos(turn), np.sin(turn)], axis=1)
+
+
+def _dashed(radius: float) -> list[Float]:
+    return [_circle(radius)[k : k + 4] for k in range(0, 180, 6)]
+
+
+def _points(values: object) -> Float:
+    return np.stack([_down(value) for value in values])  # type: ignore[attr-defined]
+
+
+def _down(point: complex) -> Float:
+    """Return a point (2,) in a view whose y points down."""
+    return np.array([point.real, -point.imag])
