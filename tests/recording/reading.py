@@ -33,12 +33,12 @@ class Recorded:
                     columns.setdefault(name, []).append(column)
             if not chunk.is_static:
                 self.rows.setdefault(chunk.entity_path, []).append(chunk.num_rows)
-        self.views = [
-            str(column[0][0])
-            for chunk in reader.stream(store=self.blueprint)
-            for name, column in _columns(chunk)
-            if name == "ViewBlueprint:class_identifier"
-        ]
+        self._blueprint = [column for chunk in reader.stream(store=self.blueprint) for column in _columns(chunk)]
+        self.views = [str(column[0][0]) for name, column in self._blueprint if name == "ViewBlueprint:class_identifier"]
+
+    def property(self, name: str) -> list[Any]:
+        """Return what the blueprint says by this name, over all its views."""
+        return [value for column_name, column in self._blueprint if column_name == name for value in column[0].as_py()]
 
     def time(self, path: str) -> NDArray[np.float64]:
         """Return the times of an entity in s; all are on the timeline of the run."""

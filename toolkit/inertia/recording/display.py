@@ -209,8 +209,9 @@ def meridian(corners: Float, angle: float) -> Float:
     edges = (left >= 0) != (right >= 0)  # two of the three of each
     share = (left[edges] / (left[edges] - right[edges]))[:, None]
     points = before[edges] + share * (after[edges] - before[edges])
-    lines: Float = points.reshape(-1, 2, 3)
-    return lines[(lines @ out).sum(axis=1) > 0]
+    lines = points.reshape(-1, 2, 3)
+    outside: Float = lines[(lines @ out).sum(axis=1) > 0]
+    return outside
 
 
 def shown_triangles(part: Part, center: Float, most: int = MOST) -> tuple[Float, int]:

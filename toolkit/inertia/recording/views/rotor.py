@@ -153,7 +153,7 @@ def _force_plot(balance: Balance, states: Sequence[State], number: int, duration
     view = plot(_PLOTS[number], f"Force on {'AB'[number]} at 0°, N", duration)
     most = 1.15 * max(_force_limit(balance, number), *(abs(state.forces[number]) for state in states))
     view.properties["ScalarAxis"] = rrb.ScalarAxis(range=(-most, most))
-    view.properties["PlotLegend"] = rrb.PlotLegend(visible=False)  # it would lie over the curves, in the targets' colours
+    view.properties["PlotLegend"] = rrb.PlotLegend(visible=False)  # it would lie over the curves
     return view
 
 

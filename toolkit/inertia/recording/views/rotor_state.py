@@ -40,7 +40,7 @@ _SAMPLES = 24  # of the arc that shows the sense of rotation
 
 @dataclass(frozen=True, eq=False)
 class Vector:
-    """An unbalance across the shaft: where along it, in units of the view; kg m; its bound; and what is written of it."""
+    """An unbalance across the shaft: where along it, in units of the view; kg m; its bound; what is written of it."""
 
     z: float
     value: complex
@@ -204,10 +204,10 @@ def scale_text(state: State) -> str:
     size = in_gmm(complex(state.radius / state.scale))
     farthest = _LONGEST / _PERMISSIBLE
     return (
-        f"one outer radius is {size:.4g} g·mm of unbalance in every view in space; green circles are what is permissible "
-        "in the bearings, yellow vectors what the correction planes have, those at the bearings what causes the force; "
-        f"a vector over {farthest:.3g} times the larger circle is broken, and one that its bounds do not tell from zero "
-        "is not drawn"
+        "vermillion is as the rotor was, blue as corrected, green what is permissible in bearings, in all views and "
+        f"plots; yellow vectors are what the correction planes have. In space one outer radius is {size:.4g} g·mm; a "
+        f"vector over {farthest:.3g} times the larger circle is broken, and one that its bounds do not tell from zero "
+        "is not drawn. The white line on the rotor is at its zero mark"
     )
 
 
@@ -235,7 +235,11 @@ def _write_frame(recording: Recording, state: State, thick: float) -> None:
     end = 1.08 * state.reach
     mark = np.array([[0.0, 0.0, end], [0.8 * radius, 0.0, end]])
     zero = rr.Arrows3D(
-        origins=[mark[0]], vectors=[mark[1] - mark[0]], colors=[WHITE], radii=[0.7 * thick], labels=["0°"],
+        origins=[mark[0]],
+        vectors=[mark[1] - mark[0]],
+        colors=[WHITE],
+        radii=[0.7 * thick],
+        labels=["0°"],
         show_labels=True,
     )
     recording.static(f"{turning}/zero_mark", zero)
@@ -294,7 +298,7 @@ def _write_labels(
 
 
 def _lines_of(vectors: Sequence[Vector], reach: float) -> list[int]:
-    """Return the line of each label, 0 next to the rotor: labels that are close along the shaft are on different ones."""
+    """Return the line of each label, 0 next to the rotor: labels that are close along the shaft have different ones."""
     lines: list[int] = []
     for k, vector in enumerate(vectors):
         near = {lines[j] for j in range(k) if abs(vectors[j].z - vector.z) < _CLOSE * reach}

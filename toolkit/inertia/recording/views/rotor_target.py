@@ -8,7 +8,8 @@ from __future__ import annotations
 
 import cmath
 import math
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
+from itertools import pairwise
 
 import numpy as np
 
@@ -97,7 +98,10 @@ def write_work(recording: Recording, path: str, balance: Balance) -> None:
     recording.static(f"{path}/spots", rr.Points2D([_down(spot) for spot in spots], colors=[PLACE], radii=[0.07]))
     few = len(operations) <= 4
     texts = [f"{n}: {math.degrees(w.angle) % 360:.1f}°" if few else f"{n}" for n, w in enumerate(operations, 1)]
-    places = [cmath.rect(radius, work.angle) for radius, work in zip(_apart(operations), operations, strict=True)]
+    places = [
+        cmath.rect(radius, work.angle)
+        for radius, work in zip(_apart([work.angle for work in operations]), operations, strict=True)
+    ]
     if few:  # labels are wide
         places = [complex(1.25 * place.real, place.imag) for place in places]
     leaders = [_points([spot, 0.88 * place]) for spot, place in zip(spots, places, strict=True)]
@@ -122,12 +126,11 @@ def verdict_bounds(outcome: str) -> tuple[tuple[float, float], tuple[float, floa
     return (-1.0, width - 0.2), (-1.5, 5.5)
 
 
-def _apart(operations: Sequence[object]) -> list[float]:
-    """Return radii of numbers that do not lie over each other: those of near angles by turns."""
-    angles = [float(getattr(work, "angle", 0.0)) for work in operations]
+def _apart(angles: Sequence[float]) -> list[float]:
+    """Return radii of numbers that do not lie over each other: those of near angles (rad) by turns."""
     order = sorted(range(len(angles)), key=angles.__getitem__)
     radii = [1.3] * len(angles)
-    for last, this in zip(order, order[1:], strict=False):
+    for last, this in pairwise(order):
         if angles[this] - angles[last] < 0.25 and radii[last] == 1.3:
             radii[this] = 1.6
     return radii
@@ -183,7 +186,9 @@ def _labels(
     import rerun as rr
 
     points = [_down(place) for place in places]
-    recording.static(path, rr.Points2D(points, labels=list(texts), colors=list(colors), radii=[0.001], show_labels=True))
+    recording.static(
+        path, rr.Points2D(points, labels=list(texts), colors=list(colors), radii=[0.001], show_labels=True)
+    )
 
 
 def _lines(recording: Recording, path: str, strips: Sequence[Float], color: Color, radius: float) -> None:
@@ -201,8 +206,8 @@ def _dashed(radius: float) -> list[Float]:
     return [_circle(radius)[k : k + 4] for k in range(0, 180, 6)]
 
 
-def _points(values: object) -> Float:
-    return np.stack([_down(value) for value in values])  # type: ignore[attr-defined]
+def _points(values: Iterable[complex]) -> Float:
+    return np.stack([_down(value) for value in values])
 
 
 def _down(point: complex) -> Float:
