@@ -21,6 +21,7 @@ from inertia_cli.options import (
     estimate,
     read_part,
     scale,
+    size,
 )
 from inertia_cli.printing import show
 from inertia_cli.progress import Progress
@@ -80,6 +81,13 @@ def add(parsers: Any) -> None:
     )
     uncertain.add_argument(
         "--coverage", type=float, metavar="K", help="state the expanded uncertainties U = k u too, as 2"
+    )
+    large = parser.add_argument_group("larger than memory")
+    large.add_argument(
+        "--memory",
+        type=size,
+        metavar="BYTES",
+        help="that may be taken, as 2GB: beyond it a binary STL is worked through piece by piece, on disk (TMPDIR)",
     )
     result = parser.add_argument_group("result")
     result.add_argument(
@@ -217,6 +225,7 @@ def _analysis(part: Part, options: argparse.Namespace) -> Analysis:
             sigma=options.sigma,
             scale=options.scale,
             coverage=options.coverage,
+            memory=options.memory,
             progress=progress,
             **tolerance,
         )

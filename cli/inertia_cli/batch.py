@@ -19,6 +19,7 @@ from inertia_cli.options import (
     add_reading,
     by_name,
     estimate,
+    size,
 )
 from inertia_cli.printing import show
 from inertia_cli.wording import as_option
@@ -75,7 +76,7 @@ def add(parsers: Any) -> None:
     workers.add_argument("--jobs", type=int, metavar="N", help="worker processes: one for each processor, if not given")
     workers.add_argument("--dask", metavar="ADDRESS", help="use the workers of that Dask scheduler, as tcp://host:8786")
     work.add_argument("--timeout", type=float, metavar="SECONDS", help="that one file may take")
-    work.add_argument("--memory", type=_bytes, metavar="BYTES", help="that one file may take, as 4e9 (Linux)")
+    work.add_argument("--memory", type=size, metavar="BYTES", help="that one file may take, as 4GB (Linux)")
     work.add_argument("--shard", type=_shard, metavar="I/N", help="every N-th file from the I-th, as 3/8")
     work.add_argument(
         "--merge", nargs="+", metavar="TABLE", help="write one table from those of all shards, and do nothing else"
@@ -150,13 +151,6 @@ def _shard(text: str) -> tuple[int, int]:
         return int(number), int(count)
     except ValueError:
         raise argparse.ArgumentTypeError(f"{text!r} is no shard: give two numbers, as 3/8") from None
-
-
-def _bytes(text: str) -> int:
-    try:
-        return int(float(text))
-    except (ValueError, OverflowError):
-        raise argparse.ArgumentTypeError(f"{text!r} is no number of bytes, as 4e9") from None
 
 
 class _Progress:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import argparse
 import contextlib
 import math
+import re
 import threading
 from fractions import Fraction
 from typing import TYPE_CHECKING, Any, TypeVar
@@ -145,6 +146,24 @@ def estimate(text: str) -> Estimate:
 def scale(text: str) -> Estimate:
     """Return the scale 1 with its uncertainty, from ``1±0.001`` or ``±0.1%``."""
     return estimate(text if text.strip()[:1].isdigit() else f"1{text}")
+
+
+def size(text: str) -> int:
+    """Return a number of bytes from ``2GB``, ``512 MiB`` or ``4e9``.
+
+    >>> size("2GB"), size("512MiB"), size("4e9")
+    (2000000000, 536870912, 4000000000)
+    """
+    units = {"": 1, "b": 1} | {
+        f"{letter}{end}": base**power
+        for power, letter in enumerate("kmgt", 1)
+        for base, end in ((1000, "b"), (1000, ""), (1024, "ib"))
+    }
+    written = re.fullmatch(r"(-?[0-9.]+(?:e\+?[0-9]+)?) *([a-z]*)", text.strip().lower())
+    try:
+        return int(float(written[1]) * units[written[2]]) if written else int("")
+    except (ValueError, KeyError, OverflowError):
+        raise argparse.ArgumentTypeError(f"{text!r} is no number of bytes, as 2GB, 512MiB or 4e9") from None
 
 
 def decimal_triple(text: str) -> tuple[Fraction, ...]:

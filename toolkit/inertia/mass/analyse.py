@@ -143,6 +143,7 @@ def analyse(
     sigma: float | None = None,
     scale: float | None = None,
     coverage: float | None = None,
+    memory: float | None = None,
     progress: Progress | None = None,
 ) -> Analysis:
     """Integrate a part and gather what a report states; parameters as for `mass_properties`, and these.
@@ -160,6 +161,9 @@ def analyse(
     sigma : standard deviation of each coordinate of each vertex, in the part's unit, independent of all others
     scale : 1 with the standard uncertainty of a factor common to all coordinates, as ``Estimate(1, 0.001)``
     coverage : the factor k of the expanded uncertainties that are stated beside the standard ones
+    memory : bytes that this process may take. A part that takes more is integrated and checked piece by piece, with
+        temporary files where these do not fit either (TMPDIR names their place): a solid or a shell of one density, of
+        a binary STL file. Triangles that cross are not looked for then
     progress : called with the fraction done
     """
     require_kind(part, Part, "part", "inertia.read(path)")
@@ -196,6 +200,27 @@ def analyse(
         if shell is not None or wire is not None:
             raise UsageError("faults are allowed for in the surface of a solid only: leave that out")
 
+    if memory is not None:
+        if not (isinstance(memory, Real) and 0 < memory < math.inf):
+            raise UsageError(f"memory is {memory!r}: it must be positive and finite, in bytes")
+        from inertia.mass.external import fits, require_external
+
+        if fits(part, memory):
+            memory = None
+        else:
+            asked = {
+                "densities by name": bool(stated.named),
+                "what carries the mass as a wire": wire is not None,
+                "a search for crossings": intersections is True,
+                "a union": union,
+                "separate bodies": parts == "separate",
+                "an absolute orientation": orientation == "absolute",
+                "an allowance for faults": allow_faults is not None,
+                "a chord tolerance": chord is not None,
+                "the uncertainty of each vertex": sigma is not None,
+            }
+            require_external(part, memory, [words for words, given in asked.items() if given])
+
     def answer(part: Part, parts: Parts, doubts: tuple[Finding, ...] = (), allowance: float = 0.0) -> Analysis:
         return _answer(
             part,
@@ -217,9 +242,10 @@ def analyse(
             doubts=doubts,
             allowance=allowance,
             faults_apart=allow_faults is not None,
+            memory=memory,
         )
 
-    if shell is not None or wire is not None or isinstance(part.geometry, Cells):
+    if memory is not None or shell is not None or wire is not None or isinstance(part.geometry, Cells):
         return answer(part, parts)
     if allow_faults is None:
         try:
@@ -250,6 +276,7 @@ def _answer(
     doubts: tuple[Finding, ...],
     allowance: float,
     faults_apart: bool,
+    memory: float | None,
 ) -> Analysis:
     """Return the analysis of a part as it is; parameters as for `analyse`, and these.
 
@@ -258,6 +285,7 @@ def _answer(
     doubts : what is in doubt of the part before it is integrated
     allowance : volume, in the part's unit, that a shell may enclose twice and be in doubt only
     faults_apart : whether doubts count for the accuracy that is asked for
+    memory : bytes within which the part is integrated and checked piece by piece
     """
     united = origin = None
     if union:
@@ -278,6 +306,7 @@ def _answer(
         parts=parts,
         chord=chord,
         allowance=allowance,
+        memory=memory,
         progress=progress,
     )
     integrals = (replace(integral, doubts=(*doubts, *integral.doubts)) for integral in integrals)
@@ -363,6 +392,7 @@ def _integrals(
     parts: Parts,
     chord: float | None,
     allowance: float,
+    memory: float | None,
     progress: Progress | None,
 ) -> tuple[Literal["solid", "shell", "wire"], Fraction, Iterator[Integral]]:
     """Return what carries the mass, the volume (m³) of a unit of its integrals, and these, ever more accurate."""
@@ -401,6 +431,11 @@ def _integrals(
                 progress=progress,
             ),
         )
+    if memory is not None:
+        from inertia.mass.external import external_integrals
+
+        streamed = external_integrals(part, memory, shell=shell is not None, accuracy=accuracy, progress=progress)
+        return model, volume, streamed
     if shell is not None:
         return model, volume, surface_integrals(part, named, shell=True, accuracy=accuracy, progress=progress)
     if isinstance(part.geometry, Cells):

@@ -171,7 +171,7 @@ def surface_integrals(
         cells=0,
         closed=topology.open_edges == 0,
         bodies=len(bodies_of(pieces)) if pieces else topology.components,
-        area=_area(sums),
+        area=surface_area(sums),
         extents=extents,
         crossings_examined=examined or (proven and not shell),
     )
@@ -190,7 +190,7 @@ def surface_integrals(
             doubts = () if report is None else report.doubts
             yield replace(integral, groups=groups, method=METHODS[arithmetic], doubts=doubts)
         elif arithmetic == tries[-1]:
-            _refuse_flat(part, whole, extents)
+            refuse_flat(part, whole, extents)
 
 
 def _sound(part: Part, intersections: bool | None, parts: Parts, allowance: float, turned: bool) -> Report:
@@ -228,7 +228,8 @@ def _turned(triangles: Triangles, which: NDArray[np.bool_]) -> Triangles:
     return Surface(triangles.vertices, faces)
 
 
-def _refuse_flat(part: Part, whole: Moments, box: Float) -> None:
+def refuse_flat(part: Part, whole: Moments, box: Float) -> None:
+    """Raise `GeometryError` for a closed surface without volume, whose box (2, 3) says where it is."""
     raise GeometryError(
         f"{part.name} has no volume: {float(whole.zeroth):.3g} {part.unit.name}3 {around(middle(box), box)}, with "
         f"an error bound of {float(whole.zeroth_bound):.3g}: use ",
@@ -384,7 +385,7 @@ def _named_regions(regions: Regions) -> tuple[tuple[str, ...], NDArray[np.int32]
     return (*regions.names, ""), np.where(regions.index < 0, rest, regions.index)
 
 
-def _area(sums: Sums) -> float:
+def surface_area(sums: Sums) -> float:
     """Return the surface area Σ|n|/2 in the file's unit."""
     return float(Fraction(float(sums.sums[11])) / 2 * Fraction(4) ** -sums.exponent)
 

@@ -131,6 +131,8 @@ def _holes(surface: SurfaceTopology) -> Evidence | None:
 
 
 def _crack(surface: SurfaceTopology) -> tuple[Word, ...]:
+    if not surface.whole:
+        return ()
     edges = surface.edges
     distance = closing_distance(surface.triangles, surface.vertices, edges.ends, edges.forward - edges.backward)
     if distance is None:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Literal
+from typing import ClassVar, Literal
 
 import numpy as np
 
@@ -50,6 +50,8 @@ class SurfaceTopology:
     chord: Float | None
     separate: bool
     allowed: bool
+    whole: ClassVar[bool] = True
+    """Whether all triangles of the part are there; see `inertia.mesh.external.faults`."""
 
     @classmethod
     def of(cls, part: Part, *, separate: bool = False, room: float = 0.0) -> SurfaceTopology:

@@ -1,0 +1,164 @@
+"""Parts that take more memory than is allowed: the same answers and refusals, piece by piece."""
+
+import subprocess
+import sys
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from tests.mesh.solids import cube, facets, joined, ring, sphere
+
+import inertia
+from inertia.errors import GeometryError, UsageError
+from inertia.mesh.part import Facets, Part, Source, Surface
+
+MEMORY = 4e9
+"""What the tests' process stays below; that no part fits is said by `nothing_fits`."""
+
+
+@pytest.fixture
+def nothing_fits(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("inertia.mass.external.WHOLE", 10**12)
+
+
+def stored(surface: Surface, shuffled: bool = True) -> Part:
+    records = facets(surface).records
+    if shuffled:
+        records = records[np.random.default_rng(0).permutation(len(records))]
+    return Part(Facets(records), source=Source(None, "stl"))
+
+
+def turned(mesh: tuple[np.ndarray, np.ndarray]) -> tuple[np.ndarray, np.ndarray]:
+    return mesh[0], mesh[1][:, ::-1]
+
+
+SOUND = {
+    "one body": lambda: joined(ring(60, 50)),
+    "two bodies apart": lambda: joined(ring(60, 50), sphere((9, 9, 9))),
+    "a cavity": lambda: joined(sphere((0, 0, 0), 5), turned(sphere((0, 0, 0), 2))),
+    "a body in a ring's box": lambda: joined(ring(60, 50), sphere((0, 0, 0), 0.5)),
+    "bodies in cavities": lambda: joined(
+        sphere((0, 0, 0), 9), turned(sphere((0, 0, 0), 6)), sphere((0, 0, 0), 3), turned(sphere((0, 0, 0), 1))
+    ),
+}
+RESULTS: list[dict[str, Any]] = [
+    {},
+    {"accuracy": 1e-14},
+    {"accuracy": "exact"},
+    {"density": inertia.Estimate(7850, 50)},
+]
+
+
+@pytest.mark.usefixtures("nothing_fits")
+@pytest.mark.parametrize("options", RESULTS, ids=str)
+@pytest.mark.parametrize("make", SOUND.values(), ids=SOUND)
+def test_the_answer_has_the_same_bits(make: Callable[[], Surface], options: dict[str, Any]) -> None:
+    part = stored(make())
+    whole, external = inertia.analyse(part, **options), inertia.analyse(part, memory=MEMORY, **options)
+    for name in ("volume", "mass", "center_of_mass", "inertia"):
+        assert np.array_equal(getattr(external.properties, name), getattr(whole.properties, name)), name
+    assert external.properties.error == whole.properties.error
+    assert (external.closed, external.bodies, external.triangles) == (True, whole.bodies, whole.triangles)
+    assert (external.area, external.extents.tolist()) == (whole.area, whole.extents.tolist())
+    assert not external.crossings_examined
+    assert "triangles that cross were not looked for" in external.notes[-1]
+
+
+@pytest.mark.usefixtures("nothing_fits")
+def test_an_open_shell_has_the_same_bits() -> None:
+    part = stored(joined((ring()[0], ring()[1][:-7])))
+    whole, external = inertia.analyse(part, shell=0.1), inertia.analyse(part, shell=0.1, memory=MEMORY)
+    assert np.array_equal(external.properties.inertia, whole.properties.inertia)
+    assert (external.closed, external.bodies) == (False, 1)
+
+
+BROKEN = {
+    "a hole": lambda: joined((ring()[0], ring()[1][:-1])),
+    "holes": lambda: joined((ring()[0], np.delete(ring()[1], [3, 4, 5, 200, 300], axis=0))),
+    "one turned": lambda: joined((ring()[0], np.concatenate([ring()[1][:1, ::-1], ring()[1][1:]]))),
+    "a copy": lambda: joined((ring()[0], np.concatenate([ring()[1], ring()[1][7:8]]))),
+    "a fin": lambda: joined(ring(), (np.array([*ring()[0][:2], [0, 0, 9]]), np.array([[0, 1, 2]]))),
+    "inward": lambda: joined(turned(ring())),
+    "one inward": lambda: joined(ring(), turned(sphere((9, 9, 9)))),
+    "both inward": lambda: joined(turned(ring()), turned(sphere((9, 9, 9)))),
+    "one in another": lambda: joined(sphere((0, 0, 0), 5), sphere((0, 0, 0), 2)),
+    "not a number": lambda: joined((np.where(ring()[0] == ring()[0][5], np.nan, ring()[0]), ring()[1])),
+}
+
+
+@pytest.mark.usefixtures("nothing_fits")
+@pytest.mark.parametrize("make", BROKEN.values(), ids=BROKEN)
+def test_what_is_refused_is_refused_in_the_same_words(make: Callable[[], Surface]) -> None:
+    part = stored(make(), shuffled=False)
+    with pytest.raises(GeometryError) as external:
+        inertia.analyse(part, memory=MEMORY)
+    with pytest.raises(GeometryError) as whole:
+        inertia.analyse(part)
+    said = str(external.value).partition(" (inertia.check")[0]
+    assert str(whole.value).startswith(said)
+
+
+@pytest.mark.usefixtures("nothing_fits")
+def test_edges_of_four_triangles_are_named_as_what_was_not_looked_at() -> None:
+    part = stored(joined(cube(), cube((1, 1, 0))))
+    analysis = inertia.analyse(part, memory=MEMORY)
+    assert (analysis.bodies, analysis.properties.volume) == (2, pytest.approx(2e-9))
+    assert "nor whether material lies on material at 1 edges of more than two triangles" in analysis.notes[-1]
+
+
+REFUSED: dict[str, dict[str, Any]] = {
+    "a search for crossings": {"intersections": True},
+    "a union": {"union": True},
+    "separate bodies": {"parts": "separate"},
+    "an absolute orientation": {"orientation": "absolute"},
+    "an allowance for faults": {"allow_faults": 0.01},
+    "a chord tolerance": {"chord": 0.1},
+    "the uncertainty of each vertex": {"sigma": 0.1},
+    "densities by name": {"density": {"1": 7850.0}},
+}
+
+
+@pytest.mark.usefixtures("nothing_fits")
+@pytest.mark.parametrize("what", REFUSED)
+def test_what_takes_the_whole_part_in_memory_is_refused(what: str) -> None:
+    with pytest.raises(UsageError, match=rf"and {what} cannot be had otherwise: .* more by memory=BYTES"):
+        inertia.analyse(stored(joined(ring())), memory=MEMORY, **REFUSED[what])
+
+
+@pytest.mark.usefixtures("nothing_fits")
+def test_other_formats_are_refused() -> None:
+    vertices, faces = ring()
+    with pytest.raises(UsageError, match="larger than memory are binary STL files only"):
+        inertia.analyse(Part.from_arrays(vertices, faces), memory=MEMORY)
+
+
+def test_a_part_that_fits_is_analysed_as_ever() -> None:
+    part = stored(joined(ring()))
+    analysis = inertia.analyse(part, memory=MEMORY)
+    assert analysis.crossings_examined
+    assert analysis.notes == ()
+
+
+def test_too_little_memory_is_refused_with_what_is_enough() -> None:
+    with pytest.raises(UsageError, match=r"cannot be checked within 1 MB of memory: allow at least \d+ MB by memory"):
+        inertia.analyse(stored(joined(ring(200, 200))), memory=1e6)
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="memory is measured as Linux counts it")
+def test_the_command_stays_below_the_limit(tmp_path: Path) -> None:
+    """Two million triangles in an order that leaves half of all edges waiting take 165 MB at once."""
+    file, limit = tmp_path / "ring.stl", 120
+    records = stored(joined(ring(1000, 1000))).triangles.records  # type: ignore[union-attr]
+    file.write_bytes(bytes(80) + np.uint32(len(records)).tobytes() + records.tobytes())
+    program = (
+        "import pathlib, re, sys\nfrom inertia_cli.main import main\ncode = main(sys.argv[1:])\n"
+        "print(code, *re.findall(r'VmHWM:\\s*(\\d+) kB', pathlib.Path('/proc/self/status').read_text()))"
+    )
+    command = [sys.executable, "-c", program, "analyse", str(file), "--memory", f"{limit}MB"]
+    output = subprocess.run(command, capture_output=True, text=True, check=True).stdout
+    assert "2000000 triangles, closed, 1 body, crossings not examined" in output
+    code, peak = output.splitlines()[-1].split()
+    assert code == "0"
+    assert 1024 * int(peak) < limit * 1_000_000

@@ -1,0 +1,146 @@
+"""Pairing edges in bounded memory: against the pairing of coordinates, in memory and on disk."""
+
+import os
+import shutil
+from collections import defaultdict
+from pathlib import Path
+from typing import NamedTuple
+
+import numpy as np
+import pytest
+from tests.mesh.solids import cube, facets, joined, ring, sphere
+
+from inertia.errors import UsageError, WriteError
+from inertia.mesh.external.closure import external_closure, room_for
+from inertia.mesh.geometry.closure import vectorised_closure
+from inertia.mesh.part import FACET, Facets
+
+AMPLE = 10**8
+
+
+def soups() -> dict[str, np.ndarray]:
+    rng = np.random.default_rng(1)
+    closed = joined(ring(40, 30), ring(40, 30, radius=20), sphere((0, 0, 30)))
+    corners = facets(closed).corners().astype(np.float32)
+    corners = corners[rng.permutation(len(corners))]
+    point = corners[:9].copy()
+    point[:, 2] = point[:, 0]
+    return {
+        "closed": corners,
+        "a hole": corners[3:],
+        "a copy": np.concatenate([corners, corners[:1]]),
+        "one turned": np.concatenate([corners[:5], corners[5:6, ::-1], corners[6:]]),
+        "all twice": np.concatenate([corners, corners]),
+        "both ways": np.concatenate([corners, corners[:, ::-1]]),
+        "repeated corners": np.concatenate([corners[:50], point, corners[50:]]),
+        "loose triangles": rng.normal(size=(3000, 3, 3)).astype(np.float32),
+        "cubes edge to edge": facets(joined(cube(), cube((1, 1, 0)), cube((2, 2, 0)))).corners().astype(np.float32),
+        "zeros of both signs": np.where(corners == 0, -corners, corners),
+        "one edge for all": np.stack([[[0, 0, 0], [0, 0, 1], [k, 1, 0]] for k in range(2500)]).astype(np.float32),
+    }
+
+
+SOUPS = soups()
+
+
+def stored(corners: np.ndarray) -> Facets:
+    surface = Facets(np.zeros(len(corners), FACET))
+    surface.corners_f4()[:] = corners
+    return surface
+
+
+@pytest.mark.parametrize("native", ["1", "0"])
+@pytest.mark.parametrize("name", SOUPS)
+def test_the_pairing_is_that_of_the_coordinates(name: str, native: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("INERTIA_NATIVE", native)
+    surface = stored(SOUPS[name])
+    expected, found = vectorised_closure(surface), external_closure(surface, AMPLE).closure
+    assert (found.open_edges, found.components, found.repeated, found.crowded) == (
+        expected.open_edges,
+        expected.components,
+        expected.repeated,
+        expected.crowded,
+    )
+    assert found.labels.tolist() == expected.labels.tolist()
+
+
+def test_irregular_edges_are_those_that_are_not_used_once_each_way() -> None:
+    corners = SOUPS["a copy"]
+    uses = defaultdict(list)
+    for number, (a, b, c) in enumerate((corners + 0.0).tolist()):
+        for tail, head in ((a, b), (b, c), (c, a)):
+            uses[tuple(sorted((tuple(tail), tuple(head))))].append((number, tail < head))
+    odd = {edge: users for edge, users in uses.items() if len(users) != 2 or users[0][1] == users[1][1]}
+    irregular = external_closure(stored(corners), AMPLE).irregular
+    assert irregular is not None
+    ends = irregular.vertices[irregular.edges.ends]
+    assert {tuple(sorted(map(tuple, edge))) for edge in ends.tolist()} == set(odd)
+    assert sorted(irregular.edges.users.tolist()) == sorted(number for users in odd.values() for number, _ in users)
+
+
+def test_too_many_irregular_edges_are_counted_only() -> None:
+    count = 23_000  # 69,000 loose edges, and room to look at 65,536
+    corners = np.random.default_rng(2).normal(size=(count, 3, 3)).astype(np.float32)
+    pairing = external_closure(stored(corners), room_for(count))
+    assert pairing.irregular is None
+    assert (pairing.closure.open_edges, pairing.closure.components) == (3 * count, count)
+    assert pairing.triangle is not None
+
+
+class OnDisk(NamedTuple):
+    surface: Facets
+    room: int
+    folder: Path
+
+
+@pytest.fixture
+def on_disk(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> OnDisk:
+    """Return a shuffled ring whose edges take more than its room."""
+    monkeypatch.setattr("tempfile.tempdir", str(tmp_path))
+    corners = facets(joined(ring(500, 250))).corners()
+    surface = stored(corners[np.random.default_rng(3).permutation(len(corners))].astype(np.float32))
+    room = room_for(surface.count)
+    assert 36 * surface.count > room // 2
+    return OnDisk(surface, room, tmp_path)
+
+
+def temporary(folder: Path) -> set[str]:
+    return {file.name for file in folder.iterdir() if file.name.endswith(".inertia")}
+
+
+def test_edges_that_do_not_fit_are_paired_on_disk_and_nothing_stays_there(on_disk: OnDisk) -> None:
+    left_behind = on_disk.folder / ".killed.0123456789ab.inertia"
+    left_behind.mkdir()
+    (left_behind / "edges").write_bytes(bytes(1000))
+    during: set[str] = set()
+
+    def look(done: float) -> None:
+        during.update(temporary(on_disk.folder))
+
+    pairing = external_closure(on_disk.surface, on_disk.room, look)
+    assert (pairing.closure.open_edges, pairing.closure.components) == (0, 1)
+    assert len(during) == 1
+    assert left_behind.name not in during or os.name == "nt"
+    assert not temporary(on_disk.folder) - ({left_behind.name} if os.name == "nt" else set())
+
+
+def test_an_interruption_leaves_nothing_on_disk(on_disk: OnDisk) -> None:
+    def interrupt(done: float) -> None:
+        if done > 0.5:
+            raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        external_closure(on_disk.surface, on_disk.room, interrupt)
+    assert not temporary(on_disk.folder)
+
+
+def test_too_full_a_disk_is_refused_before_it_is_written_to(on_disk: OnDisk, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(shutil, "disk_usage", lambda folder: shutil._ntuple_diskusage(10**9, 10**9, 10**6))
+    with pytest.raises(WriteError, match=r"temporary files of 9 MB are needed, and .* has room for 1 MB: set TMPDIR"):
+        external_closure(on_disk.surface, on_disk.room)
+
+
+def test_too_little_room_is_refused() -> None:
+    surface = stored(SOUPS["closed"])
+    with pytest.raises(UsageError, match="allow more by memory=BYTES"):
+        external_closure(surface, room_for(surface.count) - 1)

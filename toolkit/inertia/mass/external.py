@@ -1,0 +1,174 @@
+"""Integration of a surface that is larger than the memory that may be taken: its file is read again and again.
+
+The sums are those of `inertia.mass.triangles`, which take triangles block by block whatever their number, so that the
+moments have the same bits as in memory. Closure, pieces and orientation come from `inertia.mesh.external`. Triangles
+that cross, and bodies that share space, are not looked for: the notes say so.
+"""
+
+from __future__ import annotations
+
+import re
+import sys
+from collections.abc import Collection, Iterator
+from pathlib import Path
+
+import numpy as np
+
+from inertia.arrays import Float, Progress
+from inertia.errors import UsageError
+from inertia.mass.integration import Group, Integral, naming, refuse_flat, surface_area
+from inertia.mass.moments import Moments
+from inertia.mass.triangles.arithmetic import METHODS, arithmetics, shell_moments, solid_moments
+from inertia.mass.triangles.sums import Sums, sum_triangles
+from inertia.mesh.checks.findings import Finding, Report
+from inertia.mesh.external.closure import MEMORY, Pairing, external_closure, in_bytes, room_for
+from inertia.mesh.external.faults import edge_faults, shell_findings
+from inertia.mesh.geometry.shells import Shell, all_apart, bodies, shells
+from inertia.mesh.part import Facets, Part
+
+WHOLE = 1000
+"""Bytes of memory that a triangle takes, at most, where all of them are analysed and checked at once."""
+
+_RESERVE = 32_000_000  # bytes for what is imported and made on the way
+_NESTING = 24  # bytes of memory that a triangle takes where shells are looked for in one another
+
+
+def fits(part: Part, memory: float) -> bool:
+    """Say whether a part is analysed in memory, as ever, within so many bytes of this process."""
+    return WHOLE * part.triangles.count <= memory - _resident() - _RESERVE
+
+
+def require_external(part: Part, memory: float, asked: Collection[str]) -> None:
+    """Raise `UsageError` where a part that does not fit into memory cannot be analysed otherwise.
+
+    Parameters
+    ----------
+    asked : in words, what takes the whole part in memory
+    """
+    if not isinstance(part.geometry, Facets):
+        raise UsageError(
+            f"{part.name} is {part.source.format}: larger than memory are binary STL files only: leave the limit of "
+            "memory out, or write it as one"
+        )
+    if asked:
+        raise UsageError(
+            f"{part.name} takes up to {in_bytes(WHOLE * part.triangles.count)} in memory, beyond {in_bytes(memory)}, "
+            f"and {' and '.join(asked)} cannot be had otherwise: leave that out, or allow more by ",
+            MEMORY,
+        )
+
+
+def external_integrals(
+    part: Part,
+    memory: float,
+    *,
+    shell: bool = False,
+    accuracy: float | str | None = None,
+    progress: Progress | None = None,
+) -> Iterator[Integral]:
+    """Integrate a binary STL file as a solid or a `shell`, within so many bytes of this process.
+
+    Yields as `inertia.mass.integration.surface_integrals` does, and raises what that raises; `UsageError` where the
+    memory is too little, `WriteError` where there is no room for temporary files.
+    """
+    triangles = part.triangles
+    tries = arithmetics(accuracy)
+    beside = _resident() + _RESERVE + triangles.count // 2
+    room = int(memory) - beside
+    if room < room_for(triangles.count):
+        least = 1.02 * (beside + room_for(triangles.count))
+        raise UsageError(
+            f"{part.name} has {triangles.count} triangles, which cannot be checked within {in_bytes(memory)} of "
+            f"memory: allow at least {in_bytes(least)} by ",
+            MEMORY,
+        )
+    with naming(part):
+        sums = sum_triangles(triangles, surface=shell, progress=_part_of(progress, 0.0, 0.2))
+        pairing = external_closure(triangles, room, _part_of(progress, 0.2, 0.9))
+    extents = np.array([sums.low, sums.high])
+    topology = pairing.closure
+    pieces: tuple[Shell, ...] = ()
+    doubts: tuple[Finding, ...] = ()
+    if not shell:
+        _require(part, edge_faults(triangles, pairing, part.unit.name, extents))
+        pieces = _shells(part, pairing, sums, room)
+        doubts = _require(part, shell_findings(pairing, pieces, part.unit.name, extents)) if pieces else ()
+    elif pairing.irregular is None:
+        raise _too_little(part, f"{topology.crowded} edges of more than two triangles", room)
+    integral = Integral(
+        groups=(),
+        method=METHODS["float64"],
+        triangles=triangles.count,
+        cells=0,
+        closed=topology.open_edges == 0,
+        bodies=len(bodies(pieces)) if pieces else topology.components,
+        area=surface_area(sums),
+        extents=extents,
+        notes=(_note(memory, pieces, topology.crowded),),
+        doubts=doubts,
+    )
+    for k, arithmetic in enumerate(tries[:2] if shell else tries):
+        further = _part_of(progress, 0.9 + 0.1 * k / len(tries), 0.9 + 0.1 * (k + 1) / len(tries))
+        of = shell_moments if shell else solid_moments
+        whole = of(triangles, arithmetic, sums, further, part.rounding)
+        if shell or whole.zeroth > whole.zeroth_bound:
+            yield Integral(**{**vars(integral), "groups": (Group("1", whole),), "method": METHODS[arithmetic]})
+        elif whole.zeroth < -whole.zeroth_bound and not pieces:
+            only = _inward(whole, triangles.count, extents)
+            _require(part, shell_findings(pairing, (only,), part.unit.name, extents))
+        elif arithmetic == tries[-1]:
+            refuse_flat(part, whole, extents)
+
+
+def _require(part: Part, remarks: Iterator[Finding]) -> tuple[Finding, ...]:
+    """Raise `GeometryError` for the first error; return what leaves some of the volume in doubt."""
+    report = Report(part.source, part.triangles.count, 0, False, False, None, 0, (), (), tuple(remarks))
+    report.require_fit()
+    return report.doubts
+
+
+def _shells(part: Part, pairing: Pairing, sums: Sums, room: int) -> tuple[Shell, ...]:
+    """Return the shells of a closed surface; none where it has one, or all of them are bodies that lie apart."""
+    triangles, topology = part.triangles, pairing.closure
+    if pairing.irregular is None:
+        raise _too_little(part, f"{topology.crowded} edges of more than two triangles", room)
+    if topology.components == 1 or (sums.exponent == 0 and all_apart(triangles, topology, sums.origin)):
+        return ()
+    needed = _NESTING * triangles.count
+    if room - 4 * triangles.count < needed:
+        raise _too_little(part, f"{topology.components} shells, and which of them lie in others,", room - needed)
+    return shells(triangles, topology)
+
+
+def _too_little(part: Part, what: str, room: int) -> UsageError:
+    return UsageError(f"{part.name} has {what} which cannot be looked at in so little memory: allow more by ", MEMORY)
+
+
+def _inward(whole: Moments, count: int, extents: Float) -> Shell:
+    return Shell(0, "inward", count, 0, float(whole.zeroth), extents, 0, 0, None)
+
+
+def _note(memory: float, pieces: tuple[Shell, ...], crowded: int) -> str:
+    """Say what was not looked for."""
+    others = ", nor whether bodies share space" if len(pieces) > 1 else ""
+    edges = f", nor whether material lies on material at {crowded} edges of more than two triangles" if crowded else ""
+    return f"checked within {in_bytes(memory)} of memory: triangles that cross were not looked for{others}{edges}"
+
+
+def _resident() -> int:
+    """Return the bytes of memory that this process takes now."""
+    try:
+        status = Path("/proc/self/status").read_text(encoding="ascii")
+        return 1024 * int(re.search(r"VmRSS:\s*(\d+) kB", status)[1])  # type: ignore[index]
+    except (OSError, TypeError):
+        pass
+    try:
+        import resource
+    except ImportError:  # Windows
+        return 100_000_000
+    most = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
+    return most if sys.platform == "darwin" else 1024 * most
+
+
+def _part_of(progress: Progress | None, start: float, stop: float) -> Progress | None:
+    return None if progress is None else lambda done: progress(start + done * (stop - start))

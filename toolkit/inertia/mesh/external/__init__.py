@@ -1,0 +1,1 @@
+"""Closure of surfaces that are larger than memory."""

@@ -1,0 +1,82 @@
+"""What is wrong with a surface whose edges were paired in bounded memory: the findings of `inertia.mesh.check`.
+
+They are made of the triangles at irregular edges and of the shells alone. What takes a search of the whole surface,
+for triangles that cross and for bodies that share space, is not among them.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import ClassVar
+
+from inertia.arrays import Float, Int
+from inertia.errors import SHELL, Sentence
+from inertia.mesh.checks.crossings import crossing_cavities, cutters, overlap_at_edges, overlapping_bodies
+from inertia.mesh.checks.findings import Evidence, Finding, around, listed, middle
+from inertia.mesh.checks.kinds import KINDS
+from inertia.mesh.checks.surface_topology import SurfaceTopology
+from inertia.mesh.external.closure import Irregular, Pairing
+from inertia.mesh.geometry.shells import Shell
+from inertia.mesh.part import Triangles
+
+_SEARCHES = (crossing_cavities, cutters, overlap_at_edges, overlapping_bodies)
+
+
+@dataclass(frozen=True, eq=False)
+class _Irregular(SurfaceTopology):
+    """The triangles of a surface that have irregular edges.
+
+    Attributes
+    ----------
+    numbers : (m,), which they are in the whole surface
+    extents : (2, 3), of the whole surface
+    """
+
+    whole: ClassVar[bool] = False
+    numbers: Int
+    extents: Float
+
+    def around(self, place: tuple[float, float, float]) -> str:
+        """Return a place in words."""
+        return around(place, self.extents)
+
+    def at_faces(self, which: Int) -> Evidence | None:
+        """Count the triangles; give the first of them and the middle of the first."""
+        if len(which) == 0:
+            return None
+        return Evidence(len(which), listed(self.numbers[which]), middle(self.vertices[self.faces[which[0]]]))
+
+
+def edge_faults(triangles: Triangles, pairing: Pairing, unit: str, extents: Float) -> Iterator[Finding]:
+    """Yield the errors that irregular edges are, the most important first."""
+    if pairing.irregular is not None:
+        surface = _topology(pairing.irregular, pairing, (), unit, extents)
+        errors = (kind for kind in KINDS if kind.subject == "surface" and kind.severity == "error")
+        yield from (finding for kind in errors if (finding := kind.finding(surface)))
+    elif pairing.closure.open_edges:
+        assert pairing.triangle is not None
+        place = middle(triangles.corners(pairing.triangle, pairing.triangle + 1)[0])
+        statement = (
+            f"open: {pairing.closure.open_edges} edges without an opposite partner, which are too many to be chained "
+            f"in this memory, one of them {around(place, extents)} at triangle {pairing.triangle}"
+        )
+        message = Sentence(statement, ": close the mesh, or use ", SHELL)
+        yield Finding("open", "error", message, pairing.closure.open_edges, (pairing.triangle,), place)
+
+
+def shell_findings(pairing: Pairing, shells: tuple[Shell, ...], unit: str, extents: Float) -> Iterator[Finding]:
+    """Yield what the shells of a closed surface tell without a search."""
+    assert pairing.irregular is not None
+    surface = _topology(pairing.irregular, pairing, shells, unit, extents)
+    own = (kind for kind in KINDS if kind.subject == "shells" and kind.evidence not in _SEARCHES)
+    yield from (finding for kind in own if (finding := kind.finding(surface)))
+
+
+def _topology(
+    irregular: Irregular, pairing: Pairing, shells: tuple[Shell, ...], unit: str, extents: Float
+) -> _Irregular:
+    return _Irregular(
+        irregular.triangles, unit, irregular.vertices, irregular.faces, irregular.edges, pairing.closure, shells,
+        room=0.0, chord=None, separate=False, allowed=False, numbers=irregular.numbers, extents=extents,
+    )  # fmt: skip
