@@ -108,6 +108,16 @@ def root(square: Fraction) -> Fraction:
     return Fraction(isqrt(scaled.numerator // scaled.denominator)) / Fraction(2) ** shift
 
 
+def dot(a: Iterable[Fraction], b: Iterable[Fraction]) -> Fraction:
+    """Return a·b."""
+    return sum((x * y for x, y in zip(a, b, strict=True)), _ZERO)
+
+
+def cross(a: Sequence[Fraction], b: Sequence[Fraction]) -> list[Fraction]:
+    """Return a × b."""
+    return [a[i - 2] * b[i - 1] - a[i - 1] * b[i - 2] for i in range(3)]
+
+
 def product(p: Sequence[Fraction], q: Sequence[Fraction]) -> Quaternion:
     """Return the quaternion p q."""
     px, py, pz, pw = p
@@ -145,12 +155,12 @@ def _spin(scene: Scene, attitude: Sequence[Fraction]) -> list[Fraction]:
         x, y, z, w = attitude
         return rotated((-x, -y, -z, w), spin)
     if scene.start.frame == "principal":
-        rows = _axes(body)
+        rows = principal_rows(body)
         return [sum((a * b for a, b in zip(row, spin, strict=True)), _ZERO) for row in rows]
     return spin
 
 
-def _axes(body: SceneBody) -> list[list[Fraction]]:
+def principal_rows(body: SceneBody) -> list[list[Fraction]]:
     """Return the rows of the axes that "principal" means: those of the tensor, or the ones that were given."""
     if body.principal.equal or not np.array_equal(body.axes, body.principal.axes):
         return [rationals(row) for row in body.axes.tolist()]

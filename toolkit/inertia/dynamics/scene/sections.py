@@ -180,6 +180,15 @@ class Constraint(Section):
     slip_speed: Annotated[float | None, number("m/s", positive=True)] = None
     normal: Annotated[Float | None, direction] = None
 
+    def __post_init__(self, path: str | None) -> None:
+        object.__setattr__(self, "_typed_axis", self.axis)
+        super().__post_init__(path)
+
+    @property
+    def typed_axis(self) -> Float:
+        """The axis (3,) as it was given, of any length."""
+        return np.asarray(self.__dict__["_typed_axis"], dtype=np.float64)
+
     def require_sense(self, path: str) -> None:
         """Raise `FieldError` where a field goes with another constraint, or is missing."""
         for name, kinds in _OWNERS.items():

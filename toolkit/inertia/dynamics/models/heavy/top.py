@@ -36,6 +36,8 @@ MOST_EVENTS = 1000
 CUSP = 1e-9
 """Speed of the axis at its upper turning point, relative to the lower one, below which it is a cusp."""
 
+_MOST = 700.0  # exp of more is no float64
+
 _ROUNDINGS = 16.0
 """Roundings of the start that nutation, momenta or the speed at a cusp are told from nothing by."""
 
@@ -251,7 +253,7 @@ def solve_heavy_top(
         attitude=attitudes,
         angular_velocity=omega,
         method=_method(n),
-        reached=_rounding(n, span),
+        reached=_rounding(n, span) + _left_out(top, span),
         invariants={"energy": energy, "p_phi": p_phi, "p_psi": p_psi},
         scales={"energy": float(np.max(energy - mgh * height, initial=0.0)) + abs(mgh)}
         | dict.fromkeys(("p_phi", "p_psi"), momentum),
@@ -281,6 +283,20 @@ def _rounding(n: Nutation, span: float) -> float:
     farthest = min(n.quarter, abs(n.start) + n.rate * span)
     secular = (abs(n.upper.rate[0]) + abs(n.lower.rate[0]) + n.rate) * span
     return float(EPSILON * (32.0 + 2.0 * farthest + EPSILON * secular))
+
+
+def _left_out(top: HeavyTop, span: float) -> float:
+    """Return what becomes of a tilt that is so small that the axis was taken as at rest upright, at most π."""
+    rate = math.sqrt(max(4.0 * abs(top.mgh) * top.I1 - top.p_psi**2, 0.0)) / (2.0 * top.I1)
+    if top.start is None or not top.nutation.still or not rate:
+        return 0.0
+    _, mgh, (x, y, z, w), (o1, o2, _) = top.start
+    level, upright = math.hypot(x, y), math.hypot(z, w)
+    off, other = (level, upright) if mgh > 0 else (upright, level)
+    if off > other:  # it hangs
+        return 0.0
+    disturbed = 2.0 * off / other + math.hypot(o1, o2) / rate
+    return min(disturbed * math.exp(min(rate * span, _MOST)), math.pi)
 
 
 def _turning_points(top: HeavyTop, time: Float) -> tuple[Event, ...]:

@@ -1,4 +1,4 @@
-"""The angle of a body on a fixed axle: I θ̈ = N − c θ̇ − k (θ − θᵣ) + A cos θ + B sin θ, from θ = 0 on.
+"""The angle of a body on a fixed axle: I θ̈ = N − c θ̇ − k θ + A cos θ + B sin θ, from θ = 0 on.
 
 What is linear, and the pendulum (N = c = k = 0), have closed forms; the rest is stepped by Taylor series.
 """
@@ -6,13 +6,15 @@ What is linear, and the pendulum (N = c = k = 0), have closed forms; the rest is
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
-from dataclasses import dataclass, fields, replace
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from fractions import Fraction
 
 import numpy as np
 
 from inertia.arrays import Float
 from inertia.dynamics.computing_time import Watch
+from inertia.dynamics.models.rational import root
 from inertia.errors import GeometryError
 
 _EPS = 2.0**-52
@@ -20,21 +22,23 @@ _ORDER = 24
 _LEVELS = (1.0, 0.7)  # of the step, in runs that are compared
 _STEP = 1e-19  # that the last terms of the series may amount to
 _SMALL = 0.3  # below which a difference is summed as a series
-_NUDGES = 2.0**-26, 2.0**-35, 2.0**-44  # relative, that a figure is changed by to see what that does to the angle
+_NUDGE = 2.0**-26  # relative, the most that a figure is changed by to see what that does to the angle
+_LESS = 2.0**-9  # of a nudge that does too much
+_INSTANTS = 257  # beside the samples, at which that is looked for: what parts may have met again by the end
 _NEAR = 1e-3  # rad, within which what it does is in proportion to it
+_TURN = 2.0 * math.pi
 _LOST = 1e-2  # rad, from which on it is not, and nothing is known
 
 
 @dataclass(frozen=True)
 class Axle:
-    """What decides the angle, SI units: inertia, spin, torque, damping, stiffness, rest, and gravity's A and B."""
+    """What decides the angle, SI units: inertia, spin, torque at θ = 0, damping, stiffness, and gravity's A and B."""
 
     inertia: float
     spin: float
     torque: float = 0.0
     damping: float = 0.0
     stiffness: float = 0.0
-    rest: float = 0.0
     cosine: float = 0.0
     sine: float = 0.0
 
@@ -46,54 +50,91 @@ class Axle:
     def acceleration(self, angle: Float, rate: Float) -> Float:
         """Return θ̈ (n,) rad/s²."""
         pull = self.cosine * np.cos(angle) + self.sine * np.sin(angle)
-        spring = self.stiffness * (angle - self.rest)
-        return np.asarray((self.torque - self.damping * rate - spring + pull) / self.inertia)
+        return np.asarray((self.torque - self.damping * rate - self.stiffness * angle + pull) / self.inertia)
 
 
-def solve_angle(axle: Axle, time: Float, known: Axle) -> tuple[Float, Float, float, str]:
-    """Return θ (n,) rad and θ̇ (n,) rad/s at the instants (n,) s, how far θ may be off, and the method.
+Figures = Mapping[str, Fraction]
+"""Those of an `Axle`, by name, before they are rounded."""
 
-    Parameters
+
+@dataclass(frozen=True, eq=False)
+class Swing:
+    """The angle of a body on an axle.
+
+    Attributes
     ----------
-    axle : what decides the angle
-    time : (n,) s, ascending from 0
-    known : how far each of these figures may be off
+    angle, rate : (n,) rad and rad/s; turn : (n,) rad, the angle up to whole turns, with the digits that those take
+    off : rad, how far `turn` may be off
+    method : that gave it
     """
-    solve, method = _method(axle)
-    angle, rate, off = solve(axle, time)
-    # What the figures themselves are off by grows as neighbouring motions part, exponentially near the upper rest.
-    for each in fields(Axle):
-        value, doubt = getattr(axle, each.name), getattr(known, each.name)
+
+    angle: Float
+    rate: Float
+    turn: Float
+    off: float
+    method: str
+
+
+def solve_angle(figures: Figures, time: Float, known: Mapping[str, float]) -> Swing:
+    """Return θ at the instants (n,) s, ascending from 0, of an axle with these figures.
+
+    `known` is how far each of them may be off. What that does to the angle grows as neighbouring motions part,
+    exponentially near the upper rest.
+    """
+    solve, method = _method(figures)
+    angle, rate, turn, off = solve(figures, time)
+    rounded = axle_of(figures)
+    instants = np.union1d(time, np.linspace(0.0, float(time[-1]), _INSTANTS))
+    path = None
+    for name, value in figures.items():
+        doubt = known.get(name, 0.0)
+        if solve is not _pendulum:
+            doubt += float(abs(value - Fraction(float(value))))
         if not doubt:
             continue
-        size = max(abs(value), axle.pull if each.name in ("cosine", "sine") else 0.0, _NUDGES[0])
+        path = solve(figures, instants)[0] if path is None else path
+        size = max(abs(float(value)), rounded.pull if name in ("cosine", "sine") else 0.0, doubt)
 
-        def moved(nudge: float, name: str = each.name, value: float = value, size: float = size) -> Float:
-            return solve(replace(axle, **{name: value + nudge * size}), time)[0]
+        def moved(nudge: float, name: str = name, size: float = size) -> Float:
+            return solve({**figures, name: figures[name] + Fraction(nudge * size)}, instants)[0]
 
-        off += doubt / size * _slope(moved, angle)
-    off = off if off < _LOST else math.pi
-    return angle, rate, off, method
-
-
-def _slope(moved: Callable[[float], Float], angle: Float) -> float:
-    """Return how much the angle (n,) moves for a nudge: the largest of three, for far neighbours part no more."""
-    slopes = []
-    for nudge in _NUDGES:
-        apart = float(np.abs(moved(nudge) - angle).max())
-        slopes.append(apart / nudge)
-        if apart < _NEAR:
-            break
-    return max(slopes)
+        off += doubt / size * _slope(moved, path, doubt / size)
+    return Swing(angle, rate, turn, off if off < _LOST else math.pi, method)
 
 
-def _method(axle: Axle) -> tuple[Callable[[Axle, Float], tuple[Float, Float, float]], str]:
-    heavy = axle.cosine or axle.sine
-    if not heavy:
-        return linear, "closed form: exponentials" if axle.damping or axle.stiffness else "closed form"
-    if not (axle.torque or axle.damping or axle.stiffness):
+def axle_of(figures: Figures) -> Axle:
+    """Return figures as float64."""
+    return Axle(**{name: float(value) for name, value in figures.items()})
+
+
+def _slope(moved: Callable[[float], Float], path: Float, least: float) -> float:
+    """Return how much the angle (n,) moves for a nudge: the largest of some, for far neighbours part no more.
+
+    Nudges shrink until what they do is in proportion to them, at every instant, to `least`, which is what counts.
+    """
+    nudge, slope = max(_NUDGE, least), 0.0
+    while True:
+        apart = float(np.abs(moved(nudge) - path).max())
+        slope = max(slope, apart / nudge)
+        if apart < _NEAR or nudge <= least:
+            return slope
+        nudge = max(nudge * _LESS, least)
+
+
+_Solution = tuple[Float, Float, Float, float]
+
+
+def _method(figures: Figures) -> tuple[Callable[[Figures, Float], _Solution], str]:
+    if not (figures["cosine"] or figures["sine"]):
+        return _linear, "closed form: exponentials" if figures["damping"] or figures["stiffness"] else "closed form"
+    if not (figures["torque"] or figures["damping"] or figures["stiffness"]):
         return _pendulum, "closed form: Jacobi elliptic functions"
     return _stepped, f"Taylor series of order {_ORDER}"
+
+
+def _linear(figures: Figures, time: Float) -> _Solution:
+    angle, rate, off = linear(axle_of(figures), time)
+    return angle, rate, angle, off
 
 
 def linear(axle: Axle, time: Float) -> tuple[Float, Float, float]:
@@ -101,7 +142,7 @@ def linear(axle: Axle, time: Float) -> tuple[Float, Float, float]:
 
     With x = c t/I and no spring, θ = ω₀ t φ₁(x) + (N/I) t² φ₂(x), φ₁ = (1 − e⁻ˣ)/x and φ₂ = (e⁻ˣ − 1 + x)/x².
     """
-    drive = (axle.torque + axle.stiffness * axle.rest) / axle.inertia
+    drive = axle.torque / axle.inertia
     half, square = 0.5 * axle.damping / axle.inertia, axle.stiffness / axle.inertia
     if not square:
         x = 2.0 * half * time
@@ -139,28 +180,57 @@ def _phi(order: int, x: Float) -> Float:
     return np.where(small, series, (np.expm1(-x) + x) / divisor**2)
 
 
-def _pendulum(axle: Axle, time: Float) -> tuple[Float, Float, float]:
-    """Solve I θ̈ = −M sin(θ − θ₀) as a top that has no momentum along its axis or the vertical."""
+def _pendulum(figures: Figures, time: Float) -> _Solution:
+    """Solve I θ̈ = M sin φ as a top that has no momentum along its axis or the vertical; φ, from the upper rest, is
+    θ + φ₀, with M sin φ₀ = A and M cos φ₀ = B.
+
+    All figures count as they are: the error is a few roundings, however near the upper rest it starts or passes.
+    """
     from inertia.dynamics.kinematics import quaternion
-    from inertia.dynamics.models.heavy.top import solve_heavy_top
+    from inertia.dynamics.models.heavy.top import HeavyTop, solve_heavy_top
 
-    size, lowest = axle.pull, math.atan2(axle.cosine, -axle.sine)
-    start = quaternion.from_rotation_vector([math.pi - lowest, 0.0, 0.0])
-    motion = solve_heavy_top((axle.inertia, axle.inertia), size, start, [axle.spin, 0.0, 0.0], time)
-    turned = quaternion.multiply(motion.attitude, quaternion.conjugate(start))
-    angle = np.unwrap(2.0 * np.arctan2(turned[:, 0], turned[:, 3]))
-    return angle, motion.angular_velocity[:, 0], motion.reached + 4.0 * _EPS
+    inertia, spin, cosine, sine = (figures[name] for name in ("inertia", "spin", "cosine", "sine"))
+    pull, zero = root(cosine * cosine + sine * sine), Fraction(0)
+    half = (cosine, pull + sine) if sine > 0 else (pull - sine, cosine)  # in proportion to sin ½φ₀ and cos ½φ₀
+    length = root(half[0] * half[0] + half[1] * half[1])
+    exact = (inertia, inertia), pull, (half[0] / length, zero, zero, half[1] / length), (spin, zero, zero)
+    moments = float(inertia), float(inertia)
+    rounded = moments, float(pull), np.array(exact[2], dtype=float), np.array(exact[3], dtype=float)
+    top, motion = HeavyTop.of_state(*rounded, exact), solve_heavy_top(*rounded, time, exact)
+    turned = quaternion.multiply(motion.attitude, quaternion.conjugate(rounded[2]))
+    turn = 2.0 * np.arctan2(turned[:, 0], turned[:, 3])
+    angle = turn - _TURN * np.round(turn / _TURN)
+    nutation = top.nutation
+    if nutation.rate:
+        # Which whole turn that is follows from where in its swing it is, counted from the lowest point.
+        from_lowest = math.remainder(2.0 * math.atan2(rounded[2][0], rounded[2][3]) - math.pi, _TURN)
+        forwards = float(spin) or -float(cosine) * nutation.start
+        since = nutation.start / nutation.rate + np.concatenate([[0.0], time])
+        if inertia * spin * spin > 2 * (pull - sine):  # it goes over the top, once in every period
+            middle = _TURN * nutation.cycles[0] * since
+        else:
+            middle = (
+                0.25 * _TURN * np.sign(np.sin(math.pi * nutation.cycles[0] * since) if nutation.cycles[0] else since)
+            )
+        whole = np.round((math.copysign(1.0, forwards) * middle - np.concatenate([[0.0], angle]) - from_lowest) / _TURN)
+        angle = angle + _TURN * (whole[1:] - whole[0])
+    return angle, motion.angular_velocity[:, 0], turn, motion.reached + 4.0 * _EPS
 
 
-def _stepped(axle: Axle, time: Float) -> tuple[Float, Float, float]:
+def _stepped(figures: Figures, time: Float) -> _Solution:
     """Step by Taylor series, twice, with steps of another length; the estimate is twice how far they are apart.
 
     What every step is rounded by comes on top, as far as neighbouring motions part.
     """
+    axle = axle_of(figures)
     with np.errstate(over="ignore", invalid="ignore"):
         (angle, rate), (other, _) = (_series(axle, time, level) for level in _LEVELS)
     off = 2.0 * float(np.abs(angle - other).max())
-    return angle, rate, off + 4.0 * _EPS * _slope(lambda noise: _series(axle, time, _LEVELS[0], noise)[0], angle)
+    instants = np.union1d(time, np.linspace(0.0, float(time[-1]), _INSTANTS))
+    path = _series(axle, instants, _LEVELS[0])[0]
+    rounding = 4.0 * _EPS
+    off += rounding * _slope(lambda noise: _series(axle, instants, _LEVELS[0], noise)[0], path, rounding)
+    return angle, rate, angle, off
 
 
 def _series(axle: Axle, time: Float, level: float, noise: float = 0.0) -> tuple[Float, Float]:
@@ -178,13 +248,15 @@ def _series(axle: Axle, time: Float, level: float, noise: float = 0.0) -> tuple[
             raise GeometryError(f"the angle leaves float64 after {at:.2g} s: check the units of the scene")
         last = max(abs(terms[-1]) ** (1.0 / _ORDER), abs(terms[-2]) ** (1.0 / (_ORDER - 1)), 1e-300)
         step = level * _STEP ** (1.0 / _ORDER) * max(1.0, abs(state[0])) ** (1.0 / _ORDER) / last
-        stop = int(np.searchsorted(time, at + step, side="right"))
+        following = at + step
+        step = following - at  # without a rounding
+        stop = int(np.searchsorted(time, following, side="right"))
         here = time[first:stop] - at
         slopes = terms[1:] * np.arange(1, len(terms))
         angle[first:stop], rate[first:stop] = np.polyval(terms[::-1], here), np.polyval(slopes[::-1], here)
         ends = float(np.polyval(terms[::-1], step)), float(np.polyval(slopes[::-1], step))
         state = ends[0] + noise * abs(ends[0]), ends[1] + noise * abs(ends[1])
-        at, first = at + step, stop
+        at, first = following, stop
     return angle, rate
 
 
@@ -192,12 +264,11 @@ def _terms(axle: Axle, angle: float, rate: float) -> Float:
     """Return the coefficients of θ in powers of the time; those of its sine and cosine follow from each other."""
     theta, sine, cosine = np.zeros((3, _ORDER + 1))
     theta[:2], sine[0], cosine[0] = (angle, rate), math.sin(angle), math.cos(angle)
-    constant = axle.torque + axle.stiffness * axle.rest
     for n in range(_ORDER - 1):
         slopes = theta[1 : n + 1] * np.arange(1, n + 1)
         if n:
             sine[n], cosine[n] = slopes @ cosine[n - 1 :: -1][:n] / n, -(slopes @ sine[n - 1 :: -1][:n]) / n
-        pull = axle.cosine * cosine[n] + axle.sine * sine[n] + (constant if n == 0 else 0.0)
+        pull = axle.cosine * cosine[n] + axle.sine * sine[n] + (axle.torque if n == 0 else 0.0)
         loss = axle.damping * (n + 1) * theta[n + 1] + axle.stiffness * theta[n]
         theta[n + 2] = (pull - loss) / (axle.inertia * (n + 1) * (n + 2))
     return theta

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from fractions import Fraction
 
 import numpy as np
 
@@ -12,8 +13,9 @@ from inertia.dynamics.kinematics import quaternion
 from inertia.dynamics.kinematics.euler_equations import inverse_dynamics
 from inertia.dynamics.loads.losses import Damping
 from inertia.dynamics.loads.torque import Torque
-from inertia.dynamics.models.hinged.angle import Axle, solve_angle
+from inertia.dynamics.models.hinged.angle import Axle, axle_of, solve_angle
 from inertia.dynamics.models.model import Candidate, Model, Problem
+from inertia.dynamics.models.rational import cross, dot, principal_rows, rationals, root, rotated
 from inertia.dynamics.motion import Motion
 
 _EPS = 2.0**-52
@@ -50,25 +52,18 @@ class HingedBody(Model):
         axis, start, mass = candidate.axes.T @ problem.axle, candidate.attitude, candidate.mass
         loads = [load.along(candidate.axes, problem.scene.body.axes) for load in problem.torques]
         torques = [load for load in loads if isinstance(load, Torque)]
-        damping = sum(load.coefficient for load in loads if isinstance(load, Damping))
-        pull = quaternion.to_body(start, mass * problem.scene.gravity)
-        across = np.cross(axis, candidate.arm)  # a·(r(θ) × m g) = A cos θ + B sin θ, as r turns about a
-        axle = Axle(
-            inertia=float(axis @ (candidate.moments * axis)),
-            spin=float(problem.angular_velocity @ axis),
-            torque=float(sum(_turned(load, start) @ axis for load in torques)),
-            damping=damping,
-            stiffness=held.stiffness,
-            rest=held.rest_angle,
-            cosine=float(across @ pull),
-            sine=float(np.cross(axis, across) @ pull),
-        )
+        figures = _figures(problem)
+        axle = axle_of(figures)
+        damping = axle.damping
         steady = held.drive == "constant_speed"
-        solved = Axle(axle.inertia, axle.spin) if steady else axle
-        angle, rate, off, how = solve_angle(solved, time, _known(solved, problem, pull))
-        turned = quaternion.from_rotation_vector(angle[:, None] * quaternion.to_space(start, axis))
+        if steady:
+            zeros = dict.fromkeys(figures, Fraction(0))
+            figures = {**zeros, "inertia": Fraction(1), "spin": figures["spin"]}
+        swing = solve_angle(figures, time, {} if steady else _known(axle, problem))
+        angle, rate = swing.angle, swing.rate
+        turned = quaternion.from_rotation_vector(swing.turn[:, None] * quaternion.to_space(start, axis))
         attitude = quaternion.multiply(turned, start)
-        omega, alpha = rate[:, None] * axis, solved.acceleration(angle, rate)[:, None] * axis
+        omega, alpha = rate[:, None] * axis, axle_of(figures).acceleration(angle, rate)[:, None] * axis
         weight = quaternion.to_body(attitude, mass * problem.scene.gravity)
         force = mass * (np.cross(alpha, candidate.arm) + np.cross(omega, np.cross(omega, candidate.arm))) - weight
         applied = np.cross(candidate.arm, weight) + sum(_turned(load, attitude) for load in torques) - damping * omega
@@ -88,8 +83,8 @@ class HingedBody(Model):
                 quantities[f"force on bearing {name}"] = -quaternion.to_space(attitude, one)
         if held.stiffness:
             quantities["energy of the spring"] = 0.5 * held.stiffness * spring**2
-        motion = Motion(attitude, omega, how, off + 8.0 * _EPS, quantities=quantities)
-        if steady or damping or axle.torque:
+        motion = Motion(attitude, omega, swing.method, swing.off + 8.0 * _EPS, quantities=quantities)
+        if steady or damping or torques:
             return motion
         energy = self.energy(candidate, motion)
         largest = 0.5 * axle.inertia * float((rate**2).max()) + axle.pull + held.stiffness * float((spring**2).max())
@@ -105,18 +100,43 @@ class HingedBody(Model):
         return "driven"
 
 
-def _known(axle: Axle, problem: Problem, pull: Float) -> Axle:
-    """Return how far each figure of an axle may be off: by rounding, and by the bounds of the mass properties."""
-    relative = 4.0 * _EPS + problem.uncertainty
-    weight = float(np.linalg.norm(pull)) * (problem.center_bound + 8.0 * _EPS * float(np.linalg.norm(problem.arm)))
-    gravity = weight if axle.pull else 0.0
-    return Axle(
-        inertia=relative * axle.inertia,
-        spin=4.0 * _EPS * abs(axle.spin),
-        torque=4.0 * _EPS * abs(axle.torque),
-        cosine=gravity,
-        sine=gravity,
-    )
+def _figures(problem: Problem) -> dict[str, Fraction]:
+    """Return what decides the angle: a·(r(θ) × m g) = A cos θ + B sin θ, as r turns about a, and so on."""
+    held, exact, body = problem.scene.constraint, problem.exact, problem.scene.body
+    direction = rationals(held.typed_axis)
+    length = root(dot(direction, direction))
+    axis = [k / length for k in direction]
+    x, y, z, w = exact.attitude
+    to_body = (-x, -y, -z, w)
+    pull = rotated(to_body, [exact.mass * k for k in rationals(problem.scene.gravity)])
+    across = cross(axis, exact.arm)
+    torque = Fraction(held.stiffness) * Fraction(held.rest_angle)
+    damping = Fraction(0)
+    for load in problem.torques:
+        if isinstance(load, Damping):
+            damping += Fraction(load.coefficient)
+        elif isinstance(load, Torque):
+            applied = rationals(np.asarray(load.torque))
+            if load.frame == "space":
+                applied = rotated(to_body, applied)
+            elif load.frame == "principal":
+                applied = [dot(row, applied) for row in principal_rows(body)]
+            torque += dot(applied, axis)
+    return {
+        "inertia": dot(axis, [dot(row, axis) for row in exact.tensor]),
+        "spin": dot(exact.spin, axis),
+        "torque": torque,
+        "damping": damping,
+        "stiffness": Fraction(held.stiffness),
+        "cosine": dot(across, pull),
+        "sine": dot(cross(axis, across), pull),
+    }
+
+
+def _known(axle: Axle, problem: Problem) -> dict[str, float]:
+    """Return how far figures of an axle may be off by the bounds of the mass properties."""
+    gravity = problem.weight * float(np.linalg.norm(problem.arm)) * problem.relative_weight_bound if axle.pull else 0.0
+    return {"inertia": problem.uncertainty * axle.inertia, "cosine": gravity, "sine": gravity}
 
 
 def _turned(load: Torque, attitude: Float) -> Float:
