@@ -1,4 +1,4 @@
-"""The command `play`: open a recording in Rerun's viewer, in a browser, or as a page that needs neither."""
+"""The command `play`: open a recording in Rerun's viewer or in a browser, or make a page or pictures of it."""
 
 from __future__ import annotations
 
@@ -9,17 +9,22 @@ import sys
 from pathlib import Path
 from typing import Any
 
-from inertia.errors import InertiaError, visible
+from inertia.errors import InertiaError, UsageError, visible
 from inertia.standard_input import file_of
 from inertia_cli.interruption import interruption
+from inertia_cli.progress import Progress
+
+_MOVING = "frames", "fps"
+_PICTURE = "at", "view", "size", *_MOVING
 
 
 def add(parsers: Any) -> None:
     """Add ``inertia play``."""
     parser = parsers.add_parser(
         "play",
-        help="open a recording in Rerun's viewer, or make a page of it",
-        description="Open a recording in Rerun's viewer, which listens on this machine only, or make a page of it.",
+        help="open a recording in Rerun's viewer, or make a page or pictures of it",
+        description="Open a recording in Rerun's viewer, which listens on this machine only, or make a page or "
+        "pictures of it.",
     )
     parser.set_defaults(run=run)
     parser.add_argument(
@@ -30,7 +35,22 @@ def add(parsers: Any) -> None:
     where.add_argument(
         "--html", metavar="FILE", help="write one page that plays in any browser, from the disk, without a network"
     )
+    where.add_argument("--png", metavar="FILE", help="draw one instant, without a screen")
+    where.add_argument("--gif", metavar="FILE", help="draw as many frames as --frames says, as fast as it plays")
+    picture = parser.add_argument_group("pictures")
+    picture.add_argument("--at", type=float, metavar="SECONDS", help="of the run, where the picture is or begins (0)")
+    picture.add_argument("--view", metavar="NAME", help="draw this view alone; the beginning of its name will do")
+    picture.add_argument("--size", type=_size, metavar="WxH", help="of the viewer's window, in pixels (1280x800)")
+    picture.add_argument("--frames", type=int, metavar="N", help="of a GIF (60)")
+    picture.add_argument("--fps", type=float, metavar="RATE", help="frames of a GIF in a second (15)")
     parser.add_argument("--force", action="store_true", help="write over FILE where it exists")
+
+
+def _size(text: str) -> tuple[int, int]:
+    width, cross, height = text.lower().partition("x")
+    if not (cross and width.isdecimal() and height.isdecimal()):
+        raise argparse.ArgumentTypeError(f"{text!r} is no size: give one as 1280x800")
+    return int(width), int(height)
 
 
 def run(options: argparse.Namespace) -> int:
@@ -38,6 +58,20 @@ def run(options: argparse.Namespace) -> int:
     from inertia.recording.provenance import properties
 
     recording = file_of(options.part)
+    wanted = {name: getattr(options, name) for name in _PICTURE if getattr(options, name) is not None}
+    file = options.png or options.gif
+    for name in wanted:
+        if file is None or (options.png and name in _MOVING):
+            kind = "moving pictures: add" if name in _MOVING else "pictures: add --png FILE or"
+            raise UsageError(f"--{name} is of {kind} --gif FILE")
+    if file is not None:
+        from inertia.recording.pictures import export_picture
+
+        if Path(file).suffix.lower() != (suffix := ".png" if options.png else ".gif"):
+            raise UsageError(f"cannot write {file}: its name must end in {suffix}")
+        with Progress("drawing") as progress:
+            export_picture(recording, file, **wanted, force=options.force, progress=progress)
+        return 0
     if options.html is not None:
         from inertia.recording.web import export_html
 

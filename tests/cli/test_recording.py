@@ -82,6 +82,10 @@ def test_overwriting_asks_for_force(capsys: pytest.CaptureFixture[str], tmp_path
         (3, ["simulate", "none.rrd"], "cannot read none.rrd: there is no such file"),
         (3, ["play", "none.rrd"], "cannot read none.rrd: there is no such file"),
         (3, ["play", HANDLE], "it is no whole Rerun recording"),
+        (3, ["play", HANDLE, "--png", "a.png"], "it is no whole Rerun recording"),
+        (2, ["play", HANDLE, "--at", "1"], "--at is of pictures: add --png FILE or --gif FILE"),
+        (2, ["play", HANDLE, "--png", "a.png", "--fps", "9"], "--fps is of moving pictures: add --gif FILE"),
+        (2, ["play", HANDLE, "--gif", "a.png"], "cannot write a.png: its name must end in .gif"),
     ],
 )
 def test_a_fault_is_one_sentence_and_a_code(

@@ -99,6 +99,7 @@ from inertia.dynamics.sensitivity import sensitivity as sensitivity
 from inertia.dynamics.sensitivity import Sensitivity as Sensitivity
 from inertia.recording.record import record as record
 from inertia.recording.web import export_html as export_html
+from inertia.recording.pictures import export_picture as export_picture
 
 # The models by themselves, as functions of arrays.
 from inertia.dynamics.models.free.motion import free_motion as free_motion

@@ -147,6 +147,20 @@ def properties(file: str | os.PathLike[str]) -> dict[str, dict[str, Any]]:
     return sections
 
 
+def playback_speed(file: str | os.PathLike[str]) -> float:
+    """Return how many seconds of the run the viewer plays in a second, 1 where a recording does not say."""
+    from rerun.chunk import RrdReader
+
+    reader = RrdReader(os.fspath(file))
+    for blueprint in reader.blueprints():
+        for chunk in reader.stream(store=blueprint):
+            batch = chunk.to_record_batch()
+            for name, column in zip(batch.schema.names, batch.columns, strict=True):
+                if name == "TimePanelBlueprint:playback_speed":
+                    return float(column[0].as_py()[0])
+    return 1.0
+
+
 def _require_same_part(name: str, part: Part, recorded: str | None) -> None:
     if recorded is None or part.source.sha256 == recorded:
         return

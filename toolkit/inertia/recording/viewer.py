@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import os
+import re
 import subprocess
 import sys
-from collections.abc import Iterator
+import threading
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from importlib.metadata import version
 from importlib.util import find_spec
@@ -37,9 +39,16 @@ def program() -> Path:
 
 
 @contextmanager
-def running(home: Path, *options: str) -> Iterator[subprocess.Popen[str]]:
-    """Run the program with a home folder of its own until the context is left; yield it, its log to be read."""
+def listening(
+    home: Path, address: re.Pattern[str], *options: str
+) -> Iterator[tuple[str, subprocess.Popen[str], Callable[[], str]]]:
+    """Run the program with a home folder of its own until the context is left.
+
+    Yield where it listens, as the first line of its log says that holds an `address`, or "" where it ends before; its
+    process; and what returns the rest of its log.
+    """
     environment = {
+        **({"WGPU_BACKEND": "vulkan"} if sys.platform == "linux" else {}),  # without a window it ends with another
         **os.environ,
         **dict.fromkeys(("HOME", "XDG_RUNTIME_DIR", "XDG_CONFIG_HOME"), str(home)),
         **dict.fromkeys(("ALL_PROXY", "HTTPS_PROXY", "HTTP_PROXY"), _NOWHERE),
@@ -61,10 +70,22 @@ def running(home: Path, *options: str) -> Iterator[subprocess.Popen[str]]:
         encoding="utf-8",
         errors="replace",
     )
+    log: list[str] = []
+    rest = threading.Thread(target=lambda: log.extend(process.stdout or ()), daemon=True)  # else it would wait
     try:
-        yield process
+        match = next((match for line in process.stdout or () if (match := address.search(line))), None)
+        rest.start()
+        yield match[1] if match else "", process, lambda: _all(rest, log)
     finally:
         process.kill()
         process.wait()
+        if rest.is_alive():
+            rest.join()
         if process.stdout is not None:
             process.stdout.close()
+
+
+def _all(rest: threading.Thread, log: list[str]) -> str:
+    """Return a log of a program that has ended."""
+    rest.join()
+    return "".join(log)

@@ -161,10 +161,8 @@ def _web_viewer() -> _Viewer:
     if notices.is_file():
         texts.append(notices.read_text(encoding="utf-8"))
     options = ("--serve-web", "--web-viewer-port", "0", _NO_RECORDING)
-    with temporary_folder() as home, viewer.running(home, *options) as process:
-        assert process.stdout is not None
-        address = next((match[1] for line in process.stdout if (match := _ADDRESS.search(line))), None)
-        if address is not None:
+    with temporary_folder() as home, viewer.listening(home, _ADDRESS, *options) as (address, _, _):
+        if address:
             with suppress(OSError):
                 script, module = (_fetched(f"{address}/{name}") for name in ("re_viewer.js", "re_viewer_bg.wasm"))
                 if module.startswith(b"\0asm") and b"wasm_bindgen" in script:
