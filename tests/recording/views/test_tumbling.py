@@ -174,7 +174,7 @@ def test_plots_hold_every_sample_and_name_their_units(handle: Run, truth: Truth,
     angles = recording.values(f"/{entities.PLOT_EULER_ANGLES}", "Scalars:scalars")
     q = Rotation.from_euler("ZXZ", angles)
     assert (q[::5] * truth.attitude[::6].inv()).magnitude().max() < 1e-9
-    assert recording.texts(f"/{entities.PLOT_EULER_ANGLES}", "SeriesPoints:names") == ["φ, rad", "θ, rad", "ψ, rad"]
+    assert recording.texts(f"/{entities.PLOT_EULER_ANGLES}", "SeriesLines:names") == ["φ, rad", "θ, rad", "ψ, rad"]
     drift = recording.values(f"/{entities.PLOT_DRIFT}", "Scalars:scalars")
     names = recording.texts(f"/{entities.PLOT_DRIFT}", "SeriesLines:names")
     assert [name.split(",")[0] for name in names] == ["energy", "angular momentum"]

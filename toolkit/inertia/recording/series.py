@@ -28,19 +28,18 @@ def write_angular_velocity(recording: Recording, run: Run, axes: Float) -> None:
 
 
 def write_euler_angles(recording: Recording, run: Run) -> None:
-    """Write the z-x-z angles at every sample, as points: φ and ψ jump where they have gone round."""
-    import rerun as rr
+    """Write the z-x-z angles at every sample, φ and ψ in −π…π.
 
+    As lines, which a viewer thins where they are dense: points it draws one by one, for seconds.
+    """
     names = ["φ, rad", "θ, rad", "ψ, rad"]
-    recording.static(
-        entities.PLOT_EULER_ANGLES, rr.SeriesPoints(names=names, colors=COLORS[:3], marker_sizes=[1.5] * 3)
+    recording.scalars(
+        entities.PLOT_EULER_ANGLES,
+        run.time,
+        lambda rows: to_angles(run.attitude[rows], "z-x-z"),
+        names,
+        COLORS[:3],
     )
-
-    def columns(rows: slice) -> rr.ComponentColumnList:
-        angles = to_angles(run.attitude[rows], "z-x-z")
-        return rr.Scalars.columns(scalars=angles.ravel()).partition(np.full(len(angles), 3))
-
-    recording.columns(entities.PLOT_EULER_ANGLES, run.time, columns)
 
 
 def write_energy(recording: Recording, run: Run) -> None:

@@ -247,17 +247,8 @@ def _write_turning(recording: Recording, room: str, run: Run, axis: Axis, size: 
 
 
 def _write_angles(recording: Recording, run: Run, axis: Axis) -> None:
-    """Write θ as a line, φ and ψ as points: they jump where they have gone round."""
-    import rerun as rr
-
+    """Write θ, φ and ψ at every sample."""
     angles = axis.angles(run.attitude)
     recording.scalars(entities.PLOT_TILT, run.time, lambda rows: angles[rows, 1:2], ["θ, rad"], COLORS[1:2])
-    recording.static(
-        entities.PLOT_EULER_ANGLES,
-        rr.SeriesPoints(names=["φ, rad", "ψ, rad"], colors=[COLORS[0], COLORS[2]], marker_sizes=[1.5] * 2),
-    )
-    recording.columns(
-        entities.PLOT_EULER_ANGLES,
-        run.time,
-        lambda rows: rr.Scalars.columns(scalars=angles[rows, ::2].ravel()).partition(np.full(len(angles[rows]), 2)),
-    )
+    names, colors = ["φ, rad", "ψ, rad"], [COLORS[0], COLORS[2]]
+    recording.scalars(entities.PLOT_EULER_ANGLES, run.time, lambda rows: angles[rows, ::2], names, colors)
