@@ -82,9 +82,33 @@ def test_bodies_at_rest_stay_there(path: str) -> None:
     assert (reached < 1e-13).all()
 
 
-def test_terms_that_depend_on_time_do_not_fit() -> None:
+def test_a_torque_linear_between_instants_is_followed_to_what_is_stated(path: str) -> None:
+    # about one axis, ω = ∫ N/I dt and θ = ∫ ω dt: polynomials of each piece
+    moment, spin, times = 2.0, 0.7, np.linspace(0.0, 4.0, 9)
+    rows = [(0.0, 0.3, 0.5), (1.3, -2.0, 0.0), (2.5, 0.0, 4.0)]  # from which instant on: N, and how fast it grows
+    terms = [Terms(np.array([0.0, 0.0, n]), np.array([0.0, 0.0, s])).packed(1.0, 1.0)[None] for _, n, s in rows]
+    start, axis = np.array([[0.1, -0.2, 0.3, 0.9]]) / np.sqrt(0.95), np.array([[0.0, 0.0, spin]])
+    bodies = Bodies(
+        np.array([[1.0, 1.5, moment]]), start, axis, terms[0], tuple((rows[k][0], terms[k]) for k in (1, 2))
+    )
+    attitude, rate, reached = solve_bodies(bodies, times, 1e-11)
+    angle, fast, ends = 0.0, spin, [*(begin for begin, _, _ in rows[1:]), 4.0]
+    for (begin, torque, slope), end in zip(rows, ends, strict=True):
+        for k in np.flatnonzero((times >= begin) & (times <= end)):
+            t = times[k] - begin
+            turned = angle + fast * t + (torque * t**2 / 2 + slope * t**3 / 6) / moment
+            expected = quaternion.multiply(start[0], [0.0, 0.0, np.sin(turned / 2), np.cos(turned / 2)])
+            assert quaternion.angle_between(attitude[0, k], expected) <= reached[0] <= 1e-11
+            assert rate[0, k, 2] == pytest.approx(fast + (torque * t + slope * t**2 / 2) / moment, abs=1e-10)
+        t = end - begin
+        angle += fast * t + (torque * t**2 / 2 + slope * t**3 / 6) / moment
+        fast += (torque * t + slope * t**2 / 2) / moment
+
+
+def test_dissipation_and_what_grows_with_time_in_space_do_not_fit() -> None:
     steady = Terms(torque=np.ones(3), damping=np.ones(3)) + Terms.of_vector(np.ones(3), matrix=np.eye(3))
     assert fits(steady.packed(1.0, 1.0)[None])
     ramp = Terms.of_vector(np.ones(3), matrix=np.eye(3), slope=True)
-    for other in (Terms(torque_rate=np.ones(3)), Terms(dissipation=0.1), steady + ramp):
+    assert fits(Terms(torque_rate=np.ones(3)).packed(1.0, 1.0)[None])
+    for other in (Terms(dissipation=0.1), steady + ramp):
         assert not fits(other.packed(1.0, 1.0)[None])

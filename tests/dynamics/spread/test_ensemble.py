@@ -4,15 +4,19 @@ import math
 import multiprocessing
 import os
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
+from scipy.integrate import solve_ivp
 from tests.dynamics.oracle import rotate
 
-from inertia import Estimate, GeometryError, Scene, SceneBody, Torque, UsageError, ensemble, simulate
+from inertia import Ensemble, Estimate, GeometryError, Scene, SceneBody, Torque, UsageError, ensemble, simulate
+from inertia.arrays import Float
 from inertia.documents import FieldError
+from inertia.dynamics.kinematics import quaternion
 from inertia.dynamics.spread.results import Histogram
 from inertia.report.spread.table import write_table
 from inertia_meshes import path
@@ -261,7 +265,84 @@ def test_scenes_of_every_kind_have_a_spread(name: str) -> None:
     spread = ensemble(replace(scene, run=replace(scene.run, duration=0.3)), {path_of: law}, 4, samples=3, jobs=1)
     assert spread.followed.all()
     assert np.isfinite(spread.percentiles("deviation")).all()
-    assert set(spread.models) == {spread.nominal.model}
+    assert set(spread.models) == {{"heavy_top": "Euler equations"}.get(name, spread.nominal.model)}
+
+
+ATTITUDE = tuple(f"attitude[{k}]" for k in range(4))
+
+
+def attitudes_of(spread: Ensemble) -> Float:
+    return np.stack([spread.quantities[name] for name in ATTITUDE], axis=-1)
+
+
+def test_draws_of_a_heavy_top_are_followed_together_and_each_is_its_own_motion() -> None:
+    scene = Scene.load(path("scenes/heavy_top.toml"))
+    scene = replace(scene, run=replace(scene.run, duration=0.6, accuracy=1e-9))
+    vary = {"start.angular_velocity[2]": "±5%", "body.mass": "±5%", "body.center_of_mass[2]": "±5%"}
+    spread = ensemble(scene, vary, 12, samples=4, quantities=ATTITUDE)
+    assert spread.model_counts == {"Euler equations": 12}
+    attitudes, start = attitudes_of(spread), scene.start.attitude.tolist()
+    for k, (spin, mass, height) in enumerate(spread.values[:4].tolist()):
+        moments = [2e-4 + mass * height**2, 2e-4 + mass * height**2, 1.25e-4]
+        weight = {"mass": mass, "offset": [0, 0, height], "gravity": [0, 0, -9.80665]}
+        truth = rotate(moments, [0.0, 0.0, spin], spread.time.tolist(), attitude=start, **weight)
+        assert truth.attitude_error(attitudes[k]).max() <= spread.reached[k] <= 1e-9
+
+
+def test_draws_of_a_pendulum_are_followed_together_and_each_is_its_own_motion() -> None:
+    scene = Scene.load(path("scenes/pendulum.toml"))
+    scene = replace(scene, run=replace(scene.run, duration=2.0, accuracy=1e-9))
+    vary = {"body.mass": "±5%", "load[1].coefficient": "±5%", "start.angular_velocity[0]": "±0.1"}
+    spread = ensemble(scene, vary, 12, samples=4, quantities=ATTITUDE)
+    assert spread.model_counts == {"hinged body": 12}
+    begun = 2.0 * math.asin(float(scene.start.attitude[0]))  # from upright, about the axle x
+    for k, (mass, damping, spin) in enumerate(spread.values.tolist()):
+        inertia, pull = 0.0834 + mass * 0.25, mass * 9.80665 * 0.5
+
+        def rate(
+            _: float, y: Float, inertia: float = inertia, pull: float = pull, loss: float = damping
+        ) -> list[float]:
+            return [y[1], (pull * math.sin(y[0]) - loss * y[1]) / inertia]
+
+        angle = solve_ivp(rate, (0.0, 2.0), [begun, spin], "DOP853", spread.time, rtol=1e-13, atol=1e-15).y[0]
+        expected = np.stack([np.sin(angle / 2), 0 * angle, 0 * angle, np.cos(angle / 2)], axis=-1)
+        off = quaternion.angle_between(attitudes_of(spread)[k], expected).max()
+        assert off <= spread.reached[k] <= 1e-9
+
+
+def test_draws_under_a_table_of_torques_are_followed_together_and_each_is_its_own_motion() -> None:
+    table = np.array([[0, 0.1, 0, 0.2], [1, 0.3, 0.1, 0.2], [1, -0.1, 0, 0], [2.2, 0, 0.2, 0], [5, 0, 0, 0.3]])
+    body = {"principal_moments": [1.0, 1.5, 2.0], "mass": 1.0}
+    scene = Scene.from_dict(
+        {
+            "body": body,
+            "start": {"angular_velocity": [0.0, 0.0, 0.0]},
+            "load": [{"kind": "torque", "table": table}, {"kind": "damping", "coefficient": 0.1}],
+            "run": {"duration": 3.0, "accuracy": 1e-9},
+        }
+    )
+    vary = {"body.principal_moments[1]": "1.2..1.8", "load[1].coefficient": "±10%"}
+    spread = ensemble(scene, vary, 12, samples=4, quantities=ATTITUDE)
+    assert spread.model_counts == {"Euler equations": 12}
+    for k, (middle, damping) in enumerate(spread.values.tolist()):
+        moments = np.array([1.0, middle, 2.0])
+
+        def rate(t: float, y: Float, moments: Float = moments, loss: float = damping, row: int = 0) -> Float:
+            (t0, *n0), (t1, *n1) = table[row], table[row + 1]
+            torque = np.array(n0) + (np.array(n1) - np.array(n0)) * (t - t0) / (t1 - t0)
+            q, w = y[:4], y[4:]
+            turn = 0.5 * quaternion.multiply(q, [*w, 0.0])
+            return np.concatenate([turn, (torque - loss * w - np.cross(w, moments * w)) / moments])
+
+        state, expected = np.array([0.0, 0, 0, 1, 0, 0, 0]), []
+        for row, begin, end in ((0, 0.0, 1.0), (2, 1.0, 2.2), (3, 2.2, 3.0)):
+            piece = partial(rate, row=row)
+            at = [*(t for t in spread.time if begin < t < end), end]
+            states = solve_ivp(piece, (begin, end), state, "DOP853", at, rtol=1e-13, atol=1e-15).y.T
+            expected += [one[:4] for t, one in zip(at, states, strict=True) if t in spread.time]
+            state = states[-1]
+        off = quaternion.angle_between(attitudes_of(spread)[k, 1:], np.array(expected)).max()
+        assert off <= spread.reached[k] <= 1e-9
 
 
 def test_a_dask_cluster_gives_the_same_draws() -> None:

@@ -21,7 +21,7 @@ from inertia.dynamics.kinematics import quaternion
 from inertia.native import Kernel, address
 
 _KERNEL = Kernel("inertia.dynamics.integrators.lanes_kernel", "follow_bodies", "piiipiiddppp", fused=True)
-_ROWS, _WORK, _FORCE = 33, 20, 12  # of the kernel
+_ROWS, _WORK, _FORCE = 33, 23, 12  # of the kernel
 
 MOST_STEPS = 1e6
 """Steps of a body; one that needs more is not followed here."""
@@ -33,19 +33,21 @@ _METHOD = Taylor()
 
 @dataclass(frozen=True, eq=False)
 class Bodies:
-    """Rigid bodies that turn about their reference points under loads that do not depend on time.
+    """Rigid bodies that turn about their reference points under loads that are constant or linear in time, by pieces.
 
     Attributes
     ----------
     moments : (m, 3) kg m², principal; attitude : (m, 4), principal axes to space
     angular_velocity : (m, 3) rad/s along the principal axes
-    terms : (m, HEAD + VECTOR k), `terms.Terms.packed` in SI units; no torque rate, dissipation or slope
+    terms : (m, HEAD + VECTOR k), `terms.Terms.packed` in SI units; no dissipation or slope
+    later : from which instants on, s and ascending, other terms hold, and these
     """
 
     moments: Float
     attitude: Float
     angular_velocity: Float
     terms: Float
+    later: tuple[tuple[float, Float], ...] = ()
 
     @property
     def vectors(self) -> int:
@@ -54,7 +56,8 @@ class Bodies:
 
     def some(self, rows: NDArray[np.intp]) -> Bodies:
         """Return some of them."""
-        return Bodies(self.moments[rows], self.attitude[rows], self.angular_velocity[rows], self.terms[rows])
+        later = tuple((start, terms[rows]) for start, terms in self.later)
+        return Bodies(self.moments[rows], self.attitude[rows], self.angular_velocity[rows], self.terms[rows], later)
 
     def aside(self, level: int) -> Bodies:
         """Return bodies that begin a few roundings aside, with moments that are, as `loop.begin` does."""
@@ -77,7 +80,8 @@ class Bodies:
             pull = np.einsum("mij,mj->mi", row[:, 3:12].reshape(-1, 3, 3), v) + np.cross(v, row[:, 12:15] * v)
             torque = torque + row[:, 15:16] * pull
         swing = np.sqrt(np.abs(torque / self.moments).max(axis=1))
-        rate = np.maximum(spin, swing)
+        ramp = np.cbrt(np.abs(self.terms[:, 3:6] / self.moments).max(axis=1))
+        rate = np.maximum(np.maximum(spin, swing), ramp)
         return np.ldexp(1.0, np.frexp(np.where(rate > 0, rate, 1.0))[1])
 
     def numbers(self, rates: Float) -> Float:
@@ -87,7 +91,7 @@ class Bodies:
         torque = inertia * rate**2
         terms = np.empty_like(self.terms)
         terms[:, 0:3] = self.terms[:, 0:3] / torque
-        terms[:, 3:6] = 0.0
+        terms[:, 3:6] = self.terms[:, 3:6] / (torque * rate)
         terms[:, 6:9] = self.terms[:, 6:9] / (inertia * rate)
         terms[:, 9] = 0.0
         for at in range(HEAD, terms.shape[1], VECTOR):
@@ -100,9 +104,9 @@ class Bodies:
 
 
 def fits(terms: Float) -> bool:
-    """Say whether packed terms (m, …) are what this takes: no torque rate, dissipation or slope."""
-    slopes = terms[:, HEAD + 16 :: VECTOR]
-    return not (terms[:, 3:6].any() or terms[:, 9].any() or slopes.any())
+    """Say whether packed terms (m, …) are what this takes: no dissipation, and no vector whose torque grows."""
+    vectors = terms[:, HEAD:].reshape(len(terms), (terms.shape[1] - HEAD) // VECTOR, VECTOR)
+    return not (terms[:, 9].any() or (vectors[:, :, :3] * vectors[:, :, 16:]).any())
 
 
 def solve_bodies(bodies: Bodies, time: Float, accuracy: float) -> tuple[Float, Float, Float]:
@@ -157,6 +161,20 @@ def _estimate(runs: list[tuple[Float, Float]], duration: float) -> Float:
 
 def follow_bodies(bodies: Bodies, time: Float, tolerance: float) -> tuple[Float, Float]:
     """Return attitudes (m, n, 4) and spins (m, n, 3); not numbers where a body is lost."""
+    attitude, spin = np.empty((len(bodies.moments), len(time), 4)), np.empty((len(bodies.moments), len(time), 3))
+    here, start, first = replace(bodies, later=()), 0.0, 0
+    for end, terms in bodies.later:
+        last = int(np.searchsorted(time, end, side="right"))
+        states, spins = _follow_piece(here, np.append(time[first:last], end) - start, tolerance)
+        attitude[:, first:last], spin[:, first:last] = states[:, :-1], spins[:, :-1]
+        here = Bodies(bodies.moments, states[:, -1], spins[:, -1], terms)
+        start, first = end, last
+    attitude[:, first:], spin[:, first:] = _follow_piece(here, time[first:] - start, tolerance)
+    return attitude, spin
+
+
+def _follow_piece(bodies: Bodies, time: Float, tolerance: float) -> tuple[Float, Float]:
+    """Return the states at instants (n,) s from the start of a piece on."""
     order, rates = order_of(tolerance), bodies.rates
     numbers = np.ascontiguousarray(bodies.numbers(rates))
     rows = np.full((len(numbers), len(time), 7), np.nan)
@@ -198,7 +216,7 @@ def _follow(numbers: Float, time: Float, order: int, tolerance: float, rows: Flo
         if not alive.size:
             return
         with np.errstate(all="ignore"):
-            series = _series(moments[alive], terms[alive], state[alive], order)
+            series = _series(moments[alive], terms[alive], state[alive], now[alive], order)
             sizes = np.abs(series[:, order - 1 :, :7]) / np.maximum(1.0, np.abs(series[:, :1, :7]))
             sizes[:, :, :4] = np.abs(series[:, order - 1 :, :4])
             lengths = (tolerance / sizes.max(axis=2)) ** (1.0 / powers[order - 1 :])
@@ -224,7 +242,7 @@ def _follow(numbers: Float, time: Float, order: int, tolerance: float, rows: Flo
         alive = alive[np.isfinite(state[alive]).all(axis=1)]
 
 
-def _series(moments: Float, terms: Float, state: Float, order: int) -> Float:
+def _series(moments: Float, terms: Float, state: Float, now: Float, order: int) -> Float:
     """Return the coefficients (m, order + 1, 7 + 3 k) of q, ω and the k vectors in the body."""
     loads = terms[:, HEAD:].reshape(len(terms), -1, VECTOR)
     count = loads.shape[1]
@@ -245,7 +263,9 @@ def _series(moments: Float, terms: Float, state: Float, order: int) -> Float:
         square = np.einsum("mni,mnj->mij", past[:, :, 4:7], spin)
         torque = -terms[:, 6:9] * series[:, n, 4:7]
         if n == 0:
-            torque = torque + terms[:, :3]
+            torque = torque + terms[:, :3] + now[:, None] * terms[:, 3:6]
+        elif n == 1:
+            torque = torque + terms[:, 3:6]
         for k, at in enumerate(vectors):
             load, v = loads[:, k], past[:, :, at]
             pull = np.einsum("mij,mj->mi", load[:, 3:12].reshape(-1, 3, 3), series[:, n, at])

@@ -11,7 +11,7 @@ from numba import carray, njit
 
 from inertia.dynamics.integrators.loop_kernel import HEAD, VECTOR
 
-ROWS, WORK, FORCE = 33, 20, 12
+ROWS, WORK, FORCE = 33, 23, 12
 """Rows of coefficients of a series; rows of numbers of a body; rows of numbers of a vector fixed in space."""
 
 fused = njit(error_model="numpy", forceinline=True, fastmath={"contract"})
@@ -140,7 +140,8 @@ def expand(table, work, force, vectors, squares, order):
     """Fill the series of q (rows 0 … 3), ω (4 … 6) and the vectors in the body (7 …) from their first coefficients on.
 
     The products of q and Ω are summed in two loops, so that the sums of each stay in the registers of AVX2.
-    `work` holds 1/I (rows 0 … 2), Euler's coefficients (3 … 5), damping/I (6 … 8) and the constant torque/I (9 … 11);
+    `work` holds 1/I (rows 0 … 2), Euler's coefficients (3 … 5), damping/I (6 … 8), the torque/I of now (9 … 11) and how
+    fast that grows (20 … 22);
     `force` of each vector its matrix over I (rows 0 … 8) and the differences of its squares over I (9 … 11).
     """
     none = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
@@ -175,6 +176,8 @@ def expand(table, work, force, vectors, squares, order):
         e = sub(add(mul(row(work, 3, 0), e), scaled(first, row(work, 9, 0))), mul(row(work, 6, 0), p))
         f = sub(add(mul(row(work, 4, 0), f), scaled(first, row(work, 10, 0))), mul(row(work, 7, 0), q))
         g = sub(add(mul(row(work, 5, 0), g), scaled(first, row(work, 11, 0))), mul(row(work, 8, 0), r))
+        if n == 1:
+            e, f, g = add(e, row(work, 20, 0)), add(f, row(work, 21, 0)), add(g, row(work, 22, 0))
         for j in range(vectors):
             at, to = 7 + 3 * j, FORCE * j
             x = y = z = a = b = c = none
@@ -254,6 +257,7 @@ def load(table, work, force, vectors, numbers, body, j):
         work[3 + a, 0, j] = (b - c) / i
         work[6 + a, 0, j] = of[11 + 6 + a] / i
         work[9 + a, 0, j] = of[11 + a] / i
+        work[20 + a, 0, j] = of[11 + 3 + a] / i
     x, y, z, w = of[3], of[4], of[5], of[6]
     for v in range(vectors):
         at, to = 11 + HEAD + VECTOR * v, FORCE * v
@@ -360,4 +364,6 @@ def follow_bodies(
             ahead = work[12, 0, j] + span
             work[19, 0, j] = span - (ahead - work[12, 0, j])
             work[12, 0, j] = ahead
+            for a in range(3):
+                work[9 + a, 0, j] = numbers[body, 11 + a] / numbers[body, a] + work[20 + a, 0, j] * ahead
     return 0

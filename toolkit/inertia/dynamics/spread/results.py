@@ -210,7 +210,9 @@ def gathered(
             for histogram, column in zip(histograms[name], whole.T[:-1], strict=True):
                 histogram.add(column)
         for name, instants in block.events.items():
-            events.setdefault(name, np.full(count, np.nan))[rows] = instants
+            if name not in events:
+                events[name] = np.full(count, np.nan)
+            events[name][rows] = instants
         for (name, level), instants in zip(levels.items(), crossings.values(), strict=True):
             instants[rows] = _first_at(time, block.quantities[name], level)
         some = None if series else _SENTENCES - len(sentences)

@@ -8,7 +8,6 @@ import time
 from collections import deque
 from collections.abc import Callable, Generator, Iterator
 from functools import partial
-from itertools import islice
 from typing import TYPE_CHECKING
 
 from inertia.arrays import Float, Progress
@@ -24,7 +23,7 @@ _BLOCK = 2048
 _REPAYS = 3.0  # s of work that is left, from which on processes are started
 _SPAN = 0.5  # s that a block should take, so that progress is told and Ctrl-C is heard
 
-_AHEAD = 16  # blocks that a cluster has, at least
+_AHEAD, _FIRST = 16, 256  # blocks that a cluster has at least, and draws in the first of them
 
 _PATIENCE = "10 s"  # for a scheduler to answer
 
@@ -44,9 +43,8 @@ def blocks_of(
     done, size = 0, min(8, len(values))
     processes = jobs or os.cpu_count() or 1
     while done < len(values):
-        begin = time.perf_counter()
-        block = follow(task, values[done : done + size])
-        each = (time.perf_counter() - begin) / size
+        block, seconds = _timed(task, values[done : done + size])
+        each = seconds / size
         yield block
         done = min(done + size, len(values))
         tell(done / len(values))
@@ -87,17 +85,26 @@ def _by_processes(task: Task, values: Float, size: int, processes: int, tell: Pr
 
 
 def _in_order(
-    submit: Callable[[Float], Future[Block]], values: Float, size: int, ahead: int, tell: Progress
+    submit: Callable[[Float], Future[tuple[Block, float]]], values: Float, size: int, ahead: int, tell: Progress
 ) -> Iterator[Block]:
     """Yield the blocks of pieces of the draws in their order, of which some are worked on ahead."""
-    waiting: deque[Future[Block]] = deque()
-    done, count = 0, -(-len(values) // size)
-    pieces = (values[first : first + size] for first in range(0, len(values), size))
-    while done < count:
-        waiting.extend(submit(piece) for piece in islice(pieces, ahead - len(waiting)))
-        yield waiting.popleft().result()
-        done += 1
-        tell(done / count)
+    waiting: deque[Future[tuple[Block, float]]] = deque()
+    done = first = 0
+    while done < len(values):
+        while first < len(values) and len(waiting) < ahead:
+            waiting.append(submit(values[first : first + size]))
+            first += size
+        block, seconds = waiting.popleft().result()
+        yield block
+        done += len(block.states)
+        size = max(1, min(_BLOCK, 4 * size, int(_SPAN * len(block.states) / max(seconds, 1e-6))))
+        tell(done / len(values))
+
+
+def _timed(task: Task, values: Float) -> tuple[Block, float]:
+    """Follow draws, and return how long that took, s."""
+    begin = time.perf_counter()
+    return follow(task, values), time.perf_counter() - begin
 
 
 def _begin(task: Task) -> None:
@@ -108,9 +115,9 @@ def _begin(task: Task) -> None:
             signal.signal(getattr(signal, name), signal.SIG_IGN if name == "SIGINT" else signal.SIG_DFL)
 
 
-def _follow(values: Float) -> Block:
+def _follow(values: Float) -> tuple[Block, float]:
     assert _task is not None
-    return follow(_task, values)
+    return _timed(_task, values)
 
 
 def _by_dask(task: Task, values: Float, address: str, tell: Progress) -> Iterator[Block]:
@@ -126,5 +133,5 @@ def _by_dask(task: Task, values: Float, address: str, tell: Progress) -> Iterato
         shared = client.scatter(task, broadcast=True)
         ahead = max(_AHEAD, 2 * sum(client.nthreads().values()))
         yield from _in_order(
-            lambda piece: client.submit(follow, shared, piece, pure=False), values, _BLOCK, ahead, tell
+            lambda piece: client.submit(_timed, shared, piece, pure=False), values, _FIRST, ahead, tell
         )
