@@ -14,20 +14,20 @@ from typing import NoReturn, TextIO
 
 import inertia
 from inertia.errors import CacheWarning, GeometryError, InertiaError, UsageError, WriteError, visible
-from inertia_cli import analyse, audit, balance, batch, check, measure, play, simulate, trade, tumble
+from inertia_cli import analyse, assembly, audit, balance, batch, budget, check, measure, play, simulate, trade, tumble
 from inertia_cli.interruption import interruption
 from inertia_cli.printing import abandon_output
 from inertia_cli.wording import as_option
 
 FAULT = 1
 _SIGNED = ("--about", "--spin", "--axis", "--through", "--zero-mark", "--bearings", "--planes")  # may be negative
-_COMMANDS = (analyse, check, trade, simulate, tumble, play, balance, measure, audit, batch)
+_COMMANDS = (analyse, check, trade, simulate, tumble, play, balance, measure, audit, assembly, budget, batch)
 _CODES = """exit codes:
   0  done
   1  a fault of this program, or the result could not be written
   2  the command line is not usable
   3  the file cannot be read
-  4  the mesh or the data cannot give an honest answer; of `balance`: undecided, or conditional
+  4  the mesh or the data cannot give an honest answer; of `balance` and `budget`: undecided, or conditional
   5  judged, and out of tolerance; of `balance` too: fewer than half of the parts within it
 """
 

@@ -12,7 +12,7 @@ from importlib.resources import files
 from pathlib import Path
 from typing import Any
 
-__all__ = ["catalogue", "jobs", "names", "path", "robots", "rotors", "scenes"]
+__all__ = ["assemblies", "catalogue", "jobs", "names", "path", "robots", "rotors", "scenes"]
 
 _FOLDER = Path(str(files(__name__)))
 
@@ -58,6 +58,11 @@ def jobs() -> tuple[str, ...]:
     return _in_folder("jobs")
 
 
+def assemblies() -> tuple[str, ...]:
+    """Return the file names of the sample assemblies, such as `"assemblies/fan.toml"`."""
+    return _in_folder("assemblies")
+
+
 def robots() -> tuple[str, ...]:
     """Return the file names of the sample robots, such as `"robots/arm.urdf"`."""
     return _in_folder("robots", "*.urdf")
@@ -73,7 +78,7 @@ def path(name: str) -> Path:
     >>> path("t_handle.stl").name
     't_handle.stl'
     """
-    known = (*names(), *scenes(), *rotors(), *jobs(), *robots())
+    known = (*names(), *scenes(), *rotors(), *jobs(), *robots(), *assemblies())
     if name not in known:
         close = get_close_matches(name, known, n=3, cutoff=0.5)
         hint = f"did you mean {' or '.join(close)}" if close else f"use one of {', '.join(known)}"

@@ -41,6 +41,10 @@ from inertia.mass.tessellation import richardson as richardson
 from inertia.work_precision.trade import trade as trade
 from inertia.work_precision.trade import Trade as Trade
 
+# Parts hang together in an assembly, and their masses in a budget.
+from inertia.assembly.document import Assembly as Assembly
+from inertia.assembly.budget import Budget as Budget
+
 # Many files become a table.
 from inertia.batching.batch import batch as batch
 

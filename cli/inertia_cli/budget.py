@@ -1,0 +1,47 @@
+"""The command `budget`."""
+
+from __future__ import annotations
+
+import argparse
+from pathlib import Path
+from typing import Any
+
+from inertia_cli.printing import write_and_show
+
+_CODES = {None: 0, "pass": 0, "fail": 5, "undecided": 4}
+
+
+def add(parsers: Any) -> None:
+    """Add ``inertia budget``."""
+    parser = parsers.add_parser(
+        "budget",
+        help="the mass budget of an assembly: allowances, uncertainties, limits",
+        description="List what each part of an assembly contributes to its mass, with growth allowances and standard "
+        "uncertainties, and judge the limits; exit code 5 if one is exceeded, 4 if one is undecided.",
+    )
+    parser.set_defaults(run=run)
+    parser.add_argument("part", metavar="FILE", help="assembly file (TOML); - is standard input")
+    parser.add_argument("--csv", metavar="FILE.csv", help="write a row for each part, SI")
+    parser.add_argument("--force", action="store_true", help="replace files that are there")
+    parser.add_argument("--json", action="store_true", help="print one JSON document (inertia/budget/1)")
+
+
+def run(options: argparse.Namespace) -> int:
+    """Run ``inertia budget``."""
+    from inertia.assembly.document import Assembly
+    from inertia.output import require_writable, write_whole
+    from inertia.report.budget.document import budget_document
+    from inertia.report.budget.text import budget_text
+
+    if options.csv is not None:
+        require_writable(options.csv, ".csv", force=options.force)
+    whole = Assembly.load(options.part).budget()
+
+    def write() -> None:
+        if options.csv is not None:
+            from inertia.report.budget.table import budget_csv
+
+            write_whole(Path(options.csv), budget_csv(whole).encode())
+
+    write_and_show(write, options.json, lambda: budget_document(whole), lambda: budget_text(whole))
+    return _CODES[whole.verdict]

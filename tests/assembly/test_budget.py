@@ -1,0 +1,259 @@
+"""Budgets: uncertainties against differences of the exact sums and against draws, allowances, limits."""
+
+import math
+from typing import Any
+
+import numpy as np
+import pytest
+from scipy.spatial.transform import Rotation
+
+import inertia
+from inertia.assembly.budget import Budget, Limit
+from inertia.assembly.document import Assembly
+from inertia.errors import UsageError
+from inertia_meshes import path
+
+HANDLE = str(path("t_handle.stl"))
+ELEMENTS = ((0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2))
+
+
+def budget_of(*parts: dict[str, Any], **fields: Any) -> Budget:
+    return Assembly.from_dict({"part": list(parts), **fields}).budget()
+
+
+def figures(*parts: dict[str, Any], **fields: Any) -> np.ndarray:
+    """Return mass, centre of mass and tensor of the whole, as ten numbers."""
+    properties = Assembly.from_dict({"part": list(parts), **fields}).mass_properties()
+    elements = [properties.inertia[k] for k in ELEMENTS]
+    return np.array([properties.mass, *properties.center_of_mass, *elements])
+
+
+REST = {"name": "rest", "shape": "box", "size": [50, 40, 30], "mass": 0.3, "at": [3, -2, 7]}
+TURNED = {"euler": [10, 20, 30], "sequence": "ZXZ", "at": [20, 30, -10]}
+GROUP = {"name": "group", "at": [1, 2, 3], "euler": [25, 50], "sequence": "xz"}
+
+
+@pytest.mark.parametrize(
+    ("field", "value", "u", "others"),
+    [
+        ("density", 7850.0, 40.0, {}),
+        ("mass", 0.2, 0.01, {}),
+        ("mass", 0.2, 0.01, {"inertia": [[2e-5, 1e-6, 0], [1e-6, 3e-5, 0], [0, 0, 4e-5]]}),
+        ("mass", 0.2, 0.01, {"center_of_mass": [1, 2, 3]}),
+        ("density", 7850.0, 40.0, {"mirror": "y", "around": {"count": 3, "axis": [1, 2, 0]}}),
+        ("density", 7850.0, 40.0, {"quantity": 4, "parent": "group"}),
+    ],
+)
+def test_a_common_input_changes_the_whole_as_differences_do(
+    field: str, value: float, u: float, others: dict[str, Any]
+) -> None:
+    part = {"name": "h", "file": HANDLE, **TURNED, **others}
+    around = (REST, GROUP)
+    sigma = budget_of(part | {field: inertia.Estimate(value, u)}, *around).total.sigma
+    assert sigma.labels == (f"{field} of h",)
+    step = 1e-4 * u
+    low, high = (figures(part | {field: value + k * step}, *around) for k in (-1, 1))
+    expected = (high - low) / 2e-4
+    assert sigma.changes[0, :10] == pytest.approx(expected, rel=1e-6, abs=1e-9 * np.abs(expected[4:]).max())
+
+
+def test_a_scale_changes_the_whole_as_a_larger_file_does() -> None:
+    part = {"name": "h", "file": HANDLE, "density": 7850.0, "at": [20, 30, -10], "euler": [30], "sequence": "y"}
+    sigma = budget_of(part | {"scale": "1±0.01"}, REST).total.sigma
+    h = inertia.read(HANDLE, unit="mm")
+    base = inertia.mass_properties(h, 7850.0)
+    rotation = Rotation.from_euler("y", 30, degrees=True).as_matrix()
+    rest = Assembly.from_dict({"part": [REST]}).mass_properties()
+
+    def scaled(s: float) -> np.ndarray:
+        one = inertia.MassProperties(base.mass * s**3, 0.0, base.center_of_mass * s, base.inertia * s**5)
+        whole = one.expressed_in(rotation.T, -rotation.T @ np.array([0.02, 0.03, -0.01])) + rest
+        return np.array([whole.mass, *whole.center_of_mass, *(whole.inertia[k] for k in ELEMENTS)])
+
+    expected = 0.01 * (scaled(1 + 1e-5) - scaled(1 - 1e-5)) / 2e-5
+    assert sigma.changes[0, :10] == pytest.approx(expected, rel=1e-6, abs=1e-9 * np.abs(expected[4:]).max())
+
+
+def test_a_displaced_centre_and_tensor_change_the_whole_as_differences_do() -> None:
+    tensor = np.array([[2e-5, 1e-6, 0], [1e-6, 3e-5, 0], [0, 0, 4e-5]])
+    part = {"name": "r", "mass": 0.2, "center_of_mass": [1.0, 2.0, 3.0], "inertia": tensor.tolist(), **TURNED}
+    uncertain = part | {"center_of_mass_uncertainty": 0.5, "inertia_uncertainty": 1e-6}
+    sigma = budget_of(uncertain, REST).total.sigma
+    variance = np.zeros(10)
+    for k in range(3):
+        ends = []
+        for sign in (-1, 1):
+            center = [1.0, 2.0, 3.0]
+            center[k] += sign * 0.5e-3
+            ends.append(figures(part | {"center_of_mass": center}, REST))
+        variance += ((ends[1] - ends[0]) / 2e-3) ** 2
+    for i, j in ELEMENTS:
+        step = np.zeros((3, 3))
+        step[i, j] = step[j, i] = 1e-8
+        low, high = (figures(part | {"inertia": (tensor + sign * step).tolist()}, REST) for sign in (-1, 1))
+        variance += ((high - low) / 2e-2) ** 2
+    assert sigma.all[:10] == pytest.approx(np.sqrt(variance), rel=1e-5)
+
+
+def test_noise_of_vertices_is_that_of_the_analysis() -> None:
+    for weight in ({"density": 7850.0}, {"mass": 0.05}):
+        sigma = budget_of({"name": "h", "file": HANDLE, "sigma": 0.05, **weight}).total.sigma
+        analysis = inertia.analyse(inertia.read(HANDLE, unit="mm"), sigma=0.05, **weight)
+        assert analysis.uncertainty is not None
+        assert sigma.mass == pytest.approx(analysis.uncertainty.mass, rel=1e-9, abs=1e-20)
+        assert sigma.center_of_mass == pytest.approx(analysis.uncertainty.center_of_mass, rel=1e-7)
+        assert sigma.inertia == pytest.approx(analysis.uncertainty.inertia, rel=1e-7)
+
+
+def draws_of_places(count: int, seed: int, position: float, angle: float) -> np.ndarray:
+    """Draw the places of three boxes on a group, with numpy alone."""
+    rng = np.random.default_rng(seed)
+    tensor = 0.2 / 12 * np.diag([0.03**2 + 0.01**2, 0.04**2 + 0.01**2, 0.04**2 + 0.03**2])
+    result = []
+    for _ in range(count):
+        mass, first, second = 0.0, np.zeros(3), np.zeros((3, 3))
+        out = Rotation.from_rotvec(angle * rng.normal(size=3)) * Rotation.from_euler("xz", [25, 50], degrees=True)
+        base = np.array([0.001, 0.002, 0.003]) + position * rng.normal(size=3)
+        for k in range(3):
+            turn = Rotation.from_rotvec([0, 0, 2 * np.pi * k / 3])
+            at = turn.apply([0.05, 0, 0.01]) + position * rng.normal(size=3)
+            own = out * Rotation.from_rotvec(angle * rng.normal(size=3)) * turn
+            center = base + out.apply(at) + own.apply([0.004, 0.005, 0.006])
+            rows = own.as_matrix()
+            inside = rows @ (np.trace(tensor) / 2 * np.eye(3) - tensor) @ rows.T
+            mass, first = mass + 0.2, first + 0.2 * center
+            second += inside + 0.2 * np.outer(center, center)
+        c = first / mass
+        central = second - mass * np.outer(c, c)
+        i = np.trace(central) * np.eye(3) - central
+        result.append([mass, *c, *(i[k] for k in ELEMENTS)])
+    return np.array(result)
+
+
+def test_places_and_angles_are_those_of_draws() -> None:
+    tensor = 0.2 / 12 * np.diag([0.03**2 + 0.01**2, 0.04**2 + 0.01**2, 0.04**2 + 0.03**2])
+    wrong = {"position_uncertainty": 0.02, "angle_uncertainty": 0.1}
+    part = {"name": "b", "parent": "group", "mass": 0.2, "inertia": tensor.tolist(), "center_of_mass": [4, 5, 6]}
+    part |= {"at": [50, 0, 10], "around": {"count": 3, "axis": "z"}} | wrong
+    sigma = budget_of(GROUP | wrong, part).total.sigma
+    draws = draws_of_places(6000, 5, 2e-5, math.radians(0.1))
+    assert sigma.all[1:10] == pytest.approx(draws.std(axis=0)[1:], rel=0.05)
+    assert sigma.labels == ("position of b", "angle of b", "position of group", "angle of group")
+
+
+def test_parts_of_one_material_vary_together_and_others_do_not() -> None:
+    parts = [{"name": f"p{k}", "shape": "box", "size": [100, 100, 100], "at": [200 * k, 0, 0]} for k in range(4)]
+    common = budget_of(*(p | {"material": "oak"} for p in parts), densities={"oak": "700±10"}).total.sigma
+    apart = budget_of(*(p | {"density": "700±10"} for p in parts)).total.sigma
+    assert common.labels == ("density of oak",)
+    assert common.mass == pytest.approx(0.04)
+    assert apart.mass == pytest.approx(0.02)
+    assert common.center_of_mass == pytest.approx(0, abs=1e-16)
+    assert apart.center_of_mass[0] > 1e-4
+
+
+def test_the_whole_is_not_sure_of_what_a_part_is_sure_of() -> None:
+    whole = budget_of(REST, {"name": "b", "shape": "point", "mass": "0.1±0.01", "at": [30, 0, 0]})
+    rest, ball = whole.total.children
+    assert rest.sigma.mass == 0
+    assert ball.sigma.mass == pytest.approx(0.01)
+    assert ball.sigma.center_of_mass == pytest.approx(0, abs=1e-18)
+    assert whole.total.sigma.center_of_mass[0] > 0
+
+
+def test_allowances_come_from_the_nearest_that_states_one() -> None:
+    box = {"shape": "box", "size": [10, 10, 10], "mass": 1.0}
+    whole = budget_of(
+        {"name": "g", "category": "harness", "maturity": "layout"},
+        box | {"name": "cable", "parent": "g"},
+        box | {"name": "plug", "parent": "g", "maturity": "released", "category": "electronics"},
+        box | {"name": "clip", "parent": "g", "allowance": 0.5},
+        box | {"name": "loose"},
+        box | {"name": "odd", "category": "optics", "maturity": "concept"},
+        allowances={"optics": {"concept": 0.9}},
+    )
+    shares = {line.name: line.allowance for line in whole.total.lines()}
+    expected = {"cable": 0.35, "plug": 0.08, "clip": 0.5, "loose": 0.0, "odd": 0.9, "g": 0.93}
+    assert {name: shares[name] for name in expected} == pytest.approx(expected)
+    assert whole.total.predicted_mass == pytest.approx(5 + 0.93 + 0.9)
+    assert whole.notes == ("1 parts state no maturity and have no allowance: loose",)
+
+
+@pytest.mark.parametrize(
+    ("fields", "says"),
+    [
+        ({"maturity": "relesed"}, r"part\[0\]\.maturity is 'relesed': did you mean 'released'\?"),
+        ({"maturity": "released", "category": "string"}, r"part\[0\]\.category is 'string': use one of"),
+    ],
+)
+def test_a_word_that_the_table_has_not_is_refused(fields: dict[str, Any], says: str) -> None:
+    with pytest.raises(UsageError, match=says):
+        budget_of(REST | fields)
+
+
+@pytest.mark.parametrize(
+    ("low", "high", "u", "verdict"),
+    [
+        (None, 2.0, 0.0, "pass"),
+        (None, 1.0, 0.0, "pass"),
+        (None, 0.9, 0.0, "fail"),
+        (None, 1.1, 0.1, "undecided"),
+        (None, 1.2, 0.1, "pass"),
+        (None, 0.9, 0.1, "undecided"),
+        (None, 0.8, 0.1, "fail"),
+        (0.0, 3.0, 0.4, "pass"),
+        (0.9, 1.3, 0.1, "undecided"),
+    ],
+)
+def test_a_limit_is_judged_by_the_interval_of_95_percent(
+    low: float | None, high: float | None, u: float, verdict: str
+) -> None:
+    assert Limit("mass", 1.0, low, high, u, 0.0).verdict == verdict
+
+
+def test_limits_are_on_what_the_file_names() -> None:
+    point = {"name": "p", "shape": "point", "mass": "1±0.01", "at": [20, 0, 0], "allowance": 0.1}
+    whole = budget_of(
+        REST,
+        point,
+        limit=[
+            {"what": "mass", "max": 1.5},
+            {"what": "basic_mass", "max": 1.31},
+            {"what": "center_of_mass.x", "min": 10, "max": 20},
+            {"what": "inertia.zz/inertia.xx", "max": 1.0},
+            {"what": "principal.1", "min": 1e-9},
+        ],
+    )
+    total = whole.total
+    mass, basic, x, ratio, least = whole.limits
+    assert (mass.value, mass.uncertainty) == (pytest.approx(1.4), pytest.approx(0.011))
+    assert (basic.verdict, mass.verdict, x.verdict, ratio.verdict, least.verdict) == (
+        "undecided",
+        "pass",
+        "pass",
+        "fail",
+        "pass",
+    )
+    assert x.value == pytest.approx(total.center_of_mass[0])
+    assert x.low == pytest.approx(0.01)
+    assert ratio.value == pytest.approx(total.inertia[2, 2] / total.inertia[0, 0])
+    step = 1e-6
+
+    def ratio_at(m: float) -> float:
+        values = figures(REST, point | {"mass": m})
+        return float(values[6] / values[4])
+
+    assert ratio.uncertainty == pytest.approx(0.01 * abs(ratio_at(1 + step) - ratio_at(1 - step)) / 2 / step, rel=1e-5)
+    assert whole.verdict == "fail"
+
+
+def test_principal_moments_are_uncertain_as_differences_say() -> None:
+    parts = [REST | {"euler": [10, 20, 30], "sequence": "ZXZ"}, {"name": "p", "shape": "point", "at": [20, 9, 1]}]
+    limits = [{"what": f"principal.{k}", "max": 1.0} for k in (1, 2, 3)]
+    whole = budget_of(parts[0], parts[1] | {"mass": "0.1±0.01"}, limit=limits)
+    ends = [
+        Assembly.from_dict({"part": [parts[0], parts[1] | {"mass": m}]}).mass_properties().principal_moments
+        for m in (0.1 - 1e-6, 0.1 + 1e-6)
+    ]
+    expected = 0.01 * np.abs(ends[1] - ends[0]) / 2e-6
+    assert [limit.uncertainty for limit in whole.limits] == pytest.approx(expected.tolist(), rel=1e-5)

@@ -1,0 +1,308 @@
+"""What one part of an assembly is: its moments, and how they move with each of its uncertain inputs.
+
+A file is integrated once, however many parts it stands for: density and mass scale the moments. The ten moments of a
+part are its mass, ∫x and ∫x xᵀ (xx, yy, zz, yz, zx, xy) about its centre of mass; a change of the mass or the density
+goes with all of them, one of a scale s with s³, s⁴ and s⁵, one of the centre of mass with ∫x.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+from fractions import Fraction
+from pathlib import Path
+from typing import NamedTuple
+
+import numpy as np
+
+from inertia.arrays import Float
+from inertia.assembly.fields import PartFields
+from inertia.assembly.frames import mirror
+from inertia.errors import GeometryError, InertiaError, UsageError, placed
+from inertia.estimate import uncertainty_of
+from inertia.mass.analyse import analyse
+from inertia.mass.analysis import Analysis
+from inertia.mass.moments import PAIRS, ZERO, Moments, Vector
+from inertia.mass.properties import MassProperties
+from inertia.mesh.part import Part
+from inertia.mesh.read import read
+from inertia.units import Unit
+
+_PI = Fraction(314159265358979323846264338327950288419716939937510582097494459, 10**62)
+_OF_PI = Fraction(1, 2**200)  # how far that is off, relative
+
+
+class Input(NamedTuple):
+    """An uncertain input of a part.
+
+    Attributes
+    ----------
+    label : those of one label are one input, wherever they stand
+    change : (k, 10) of the ten moments for one standard uncertainty of each of k independent figures
+    """
+
+    label: str
+    change: Float
+
+
+@dataclass(frozen=True, eq=False)
+class Weight:
+    """How heavy a part is: a density, kg/m³, and where it is from, or a mass, kg."""
+
+    density: float
+    label: str
+    mass: float | None = None
+    assumed: bool = False
+
+
+@dataclass(frozen=True, eq=False)
+class Body:
+    """A kind of part.
+
+    Attributes
+    ----------
+    moments : kg and m, in its own axes
+    volume, volume_bound : m³; 0 where there is none
+    method : that ran
+    inputs : its uncertain ones
+    part : the mesh; None without one
+    notes : what was decided, in sentences
+    """
+
+    moments: Moments
+    volume: Fraction
+    volume_bound: Fraction
+    method: str
+    inputs: tuple[Input, ...] = ()
+    part: Part | None = None
+    notes: tuple[str, ...] = ()
+
+
+class Library:
+    """Files that were integrated, each once, with a density of 1 kg/m³; and what they are with others."""
+
+    def __init__(self) -> None:
+        self._analyses: dict[tuple[object, ...], Analysis] = {}
+        self._bodies: dict[tuple[object, ...], Body] = {}
+
+    def body(self, fields: PartFields, weight: Weight, label: str, folder: Path, unit: Unit) -> Body:
+        """Return what a part is, read and integrated where it has a file; its own inputs are those of `label`.
+
+        Raises `ReadError`, `GeometryError` and `UsageError` of the file, which they name.
+        """
+        analysis = None
+        if fields.file is not None:
+            analysis = self._analysis(folder / fields.file, fields, unit)
+        tensor = None if fields.inertia is None else fields.inertia.tobytes()
+        key = (
+            *(
+                analysis,
+                fields.shape,
+                fields.size,
+                unit.name,
+                float(weight.density),
+                weight.mass and float(weight.mass),
+            ),
+            *(fields.mirror, fields.center_of_mass, tensor),
+        )
+        if key not in self._bodies:
+            self._bodies[key] = _certain(fields, weight, analysis, unit.metres)
+        body = self._bodies[key]
+        inputs = (
+            tuple(_inputs(fields, weight, label, body, analysis, unit.metres)) if _is_uncertain(fields, weight) else ()
+        )
+        return replace(body, inputs=inputs) if inputs else body
+
+    def _analysis(self, path: Path, fields: PartFields, unit: Unit) -> Analysis:
+        """Return the analysis of a part's file, whose unit is that of the assembly where neither says another."""
+        sigma = None if fields.sigma is None else Fraction(fields.sigma) * unit.metres
+        key = path, fields.unit, unit.name, sigma, fields.shell and float(fields.shell)
+        if key not in self._analyses:
+            part = read(path, fields.unit)
+            if part.unit_from == "assumed":
+                part = replace(part, unit=unit, unit_from="option")
+            try:
+                self._analyses[key] = analyse(
+                    part,
+                    1.0,
+                    shell=None if fields.shell is None else float(fields.shell),
+                    sigma=None if sigma is None else float(sigma / part.unit.metres),
+                )
+            except GeometryError as error:
+                raise placed(error, str(fields.file)) from None
+        return self._analyses[key]
+
+
+def _certain(fields: PartFields, weight: Weight, analysis: Analysis | None, metres: Fraction) -> Body:
+    """Return a body without its uncertain inputs."""
+    volume, volume_bound, method = ZERO, ZERO, "given"
+    notes: tuple[str, ...] = ()
+    shape = Moments((ZERO,) * 3, Fraction(1), (ZERO,) * 3, (ZERO,) * 6)
+    if analysis is not None:
+        properties = analysis.properties
+        shape = properties.moments_about(properties.center_of_mass.tolist())
+        volume = Fraction(properties.volume)
+        volume_bound, method = volume * Fraction(properties.error.volume), properties.error.method
+        notes = tuple(f"{fields.file}: {note}" for note in analysis.notes)
+    elif fields.shape is not None and fields.shape != "point":
+        shape = _solid(fields.shape, [metres * Fraction(k) for k in fields.size or ()])
+        volume, volume_bound, method = shape.zeroth, shape.zeroth_bound, "closed form"
+    moments = shape.scaled(Fraction(weight.density)) if weight.mass is None else shape.weighed(Fraction(weight.mass))
+    if fields.mirror is not None:
+        moments = moments.turned(mirror(fields.mirror), (ZERO,) * 3)
+    moments = _measured(moments, fields, metres)
+    part = None if analysis is None else analysis.part
+    return Body(moments, volume, volume_bound, method, part=part, notes=notes)
+
+
+def _is_uncertain(fields: PartFields, weight: Weight) -> bool:
+    stated = weight.density, weight.mass, fields.shell, fields.scale
+    further = fields.sigma, fields.center_of_mass_uncertainty, fields.inertia_uncertainty
+    return any(map(uncertainty_of, stated)) or any(further)
+
+
+def _measured(moments: Moments, fields: PartFields, metres: Fraction) -> Moments:
+    """Return the moments with what was measured in place of what was computed."""
+    if fields.center_of_mass is None and fields.inertia is None:
+        return moments
+    mass = moments.zeroth
+    central = moments.central()
+    bound, tensor_bound = moments.centroid_bound, central.error_norms[1]
+    center, second = central.origin, central.second
+    if fields.center_of_mass is not None:
+        x, y, z = fields.center_of_mass
+        center, bound = (metres * x, metres * y, metres * z), ZERO
+    if fields.inertia is not None:
+        try:
+            MassProperties(float(mass), 0.0, np.zeros(3), fields.inertia)
+        except InertiaError as error:
+            raise UsageError(f"inertia: {error}") from None
+        rows = [[Fraction(k) for k in row] for row in fields.inertia.tolist()]
+        half = sum((rows[k][k] for k in range(3)), ZERO) / 2
+        xx, yy, zz, yz, zx, xy = ((half if i == j else ZERO) - (rows[i][j] + rows[j][i]) / 2 for i, j in PAIRS)
+        second, tensor_bound = (xx, yy, zz, yz, zx, xy), ZERO
+    first = (mass + moments.zeroth_bound) * bound
+    elements = 2 * tensor_bound
+    return Moments(
+        center,
+        mass,
+        (ZERO,) * 3,
+        second,
+        moments.zeroth_bound,
+        (first,) * 3,
+        (elements,) * 6,
+        (first, tensor_bound),
+    )
+
+
+def _inputs(
+    fields: PartFields, weight: Weight, name: str, body: Body, analysis: Analysis | None, metres: Fraction
+) -> Iterator[Input]:
+    central = body.moments.central()
+    mass, center = float(central.zeroth), np.array([float(k) for k in central.origin])
+    second = np.array([float(k) for k in central.second])
+    whole = np.concatenate([[mass], np.zeros(3), second])
+    if weight.mass is None:
+        if u := uncertainty_of(weight.density):
+            yield Input(f"density of {weight.label}", u / weight.density * whole[np.newaxis])
+        shell = fields.shell
+        if shell is not None and (u := uncertainty_of(shell)):
+            yield Input(f"thickness of {name}", u / shell * whole[np.newaxis])
+    elif u := uncertainty_of(weight.mass):
+        change = u / weight.mass * whole
+        if fields.inertia is not None:
+            change[4:] = 0.0
+        yield Input(f"mass of {name}", change[np.newaxis])
+    if fields.scale is not None and (u := uncertainty_of(fields.scale)):
+        grown = np.concatenate([[3.0 * mass], mass * center, 5.0 * second])
+        if weight.mass is not None:
+            grown[0], grown[4:] = 0.0, 2.0 * second
+        if fields.center_of_mass is not None:
+            grown[1:4] = 0.0
+        if fields.inertia is not None:
+            grown[4:] = 0.0
+        yield Input(f"scale of {fields.scale_of or name}", u * grown[np.newaxis])
+    if u := fields.center_of_mass_uncertainty or 0.0:
+        moved = np.zeros((3, 10))
+        moved[:, 1:4] = float(metres) * u * mass * np.eye(3)
+        yield Input(f"centre of mass of {name}", moved)
+    if u := fields.inertia_uncertainty or 0.0:
+        yield Input(f"tensor of {name}", u * _of_elements(np.eye(6)))
+    if analysis is not None and analysis.uncertainty is not None:
+        yield Input(f"vertices of {name}", _vertex_changes(analysis, fields, weight, mass))
+
+
+def _vertex_changes(analysis: Analysis, fields: PartFields, weight: Weight, mass: float) -> Float:
+    """Return independent changes whose squares add up to what noise of the vertices does."""
+    assert analysis.uncertainty is not None
+    covariance, properties = analysis.uncertainty.components["vertices"], analysis.properties
+    tensor = properties.inertia[[0, 1, 2, 0, 0, 1], [0, 1, 2, 1, 2, 2]]
+    factor = mass / properties.mass
+    rates = np.zeros((10, 11))  # of m, ∫x and ∫x xᵀ with volume, m, centre, tensor
+    rates[0, 1] = factor
+    rates[1:4, 2:5] = mass * np.eye(3)
+    rates[4:, 5:] = factor * _of_elements(np.eye(6))[:, 4:].T
+    if weight.mass is not None:  # all are in proportion to the volume that the mass was found with
+        rates[0] = 0.0
+        rates[4:, 1] -= factor * (_of_elements(tensor[np.newaxis])[0, 4:]) / properties.mass
+    if fields.center_of_mass is not None:
+        rates[1:4] = 0.0
+    if fields.inertia is not None:
+        rates[4:] = 0.0
+    if fields.mirror is not None:
+        rates = _moved(mirror(fields.mirror)) @ rates
+    values, vectors = np.linalg.eigh(rates @ covariance @ rates.T)
+    changes: Float = (vectors * np.sqrt(np.maximum(values, 0.0))).T[values > 1e-30 * max(values[-1], 0.0)]
+    return changes
+
+
+def _of_elements(elements: Float) -> Float:
+    """Return changes (k, 10) of the moments for changes (k, 6) of the tensor's xx, yy, zz, xy, xz, yz."""
+    xx, yy, zz, xy, xz, yz = elements.T
+    half = (xx + yy + zz) / 2
+    none = np.zeros_like(xx)
+    return np.stack([none, none, none, none, half - xx, half - yy, half - zz, -yz, -xz, -xy], axis=1)
+
+
+def _moved(rows: tuple[Vector, ...]) -> Float:
+    """Return the map (10, 10) of moments about the centre of mass to those of the body turned by R (3, 3)."""
+    rotation = np.array([[float(k) for k in row] for row in rows])
+    result = np.zeros((10, 10))
+    result[0, 0] = 1.0
+    result[1:4, 1:4] = rotation
+    for column, (i, j) in enumerate(PAIRS):
+        unit = np.zeros((3, 3))
+        unit[i, j] = unit[j, i] = 1.0
+        turned = rotation @ unit @ rotation.T
+        result[4:, 4 + column] = [turned[p, q] for p, q in PAIRS]
+    return result
+
+
+def _solid(kind: str, sizes: list[Fraction]) -> Moments:
+    """Return the moments of volume of a solid about its origin, by its closed form."""
+    bound = ZERO if kind == "box" else _OF_PI
+    match kind:
+        case "box":
+            x, y, z = sizes
+            volume = x * y * z
+            squares = x * x / 12, y * y / 12, z * z / 12
+        case "sphere":
+            (r,) = sizes
+            volume, squares = _PI * r**3 * 4 / 3, (r * r / 5,) * 3
+        case "cone":
+            r, z = sizes
+            volume, squares = _PI * r * r * z / 3, (3 * r * r / 20, 3 * r * r / 20, 3 * z * z / 80)
+        case _:
+            outer, inner, z = sizes if kind == "tube" else (sizes[0], ZERO, sizes[1])
+            across = (outer * outer + inner * inner) / 4
+            volume, squares = _PI * (outer * outer - inner * inner) * z, (across, across, z * z / 12)
+    xx, yy, zz = (volume * k for k in squares)
+    return Moments(
+        (ZERO,) * 3,
+        volume,
+        (ZERO,) * 3,
+        (xx, yy, zz, ZERO, ZERO, ZERO),
+        bound * volume,
+        (ZERO,) * 3,
+        (bound * xx, bound * yy, bound * zz, ZERO, ZERO, ZERO),
+    )

@@ -1,0 +1,36 @@
+"""`Assembly`: a tree of parts from a file or in Python, its mass properties and its budget."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+from inertia.assembly.budget import Budget, budget
+from inertia.assembly.fields import AssemblyFields
+from inertia.assembly.tree import PartTree
+from inertia.documents import document_schema
+
+
+@dataclass(frozen=True, eq=False)
+class Assembly(PartTree):
+    """A tree of parts as its file describes it; see `PartTree` for what it holds.
+
+    >>> fan = Assembly.from_dict({"name": "fan", "part": [
+    ...     {"name": "hub", "shape": "cylinder", "size": [20, 30], "material": "aluminium"},
+    ...     {"name": "blade", "shape": "box", "size": [60, 25, 2], "mass": "0.012±0.0001", "at": [50, 0, 0],
+    ...      "around": {"count": 9, "axis": "z"}}]})
+    >>> fan.mass_properties().mass, round(fan.budget().total.sigma.mass, 6)
+    (0.2097876019763093, 0.0009)
+    """
+
+    def budget(self) -> Budget:
+        """Return what each part contributes, how sure that is, and what became of the limits.
+
+        Raises as `mass_properties` does, and `UsageError` for a maturity or category that the table has not.
+        """
+        return budget(self)
+
+
+def json_schema() -> dict[str, Any]:
+    """Return the JSON Schema of an assembly file."""
+    return document_schema(AssemblyFields, "Assembly file of inertia budget")

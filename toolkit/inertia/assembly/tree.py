@@ -1,0 +1,257 @@
+"""`PartTree`: parts, shapes, point masses and other assemblies placed and added up, as an assembly file says."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, replace
+from fnmatch import fnmatchcase
+from fractions import Fraction
+from functools import cached_property
+from pathlib import Path
+from typing import Any, ClassVar, Self
+
+from inertia.assembly.bodies import Body, Library, Weight
+from inertia.assembly.fields import AssemblyFields, PartFields
+from inertia.assembly.frames import IDENTITY, UNTURNED, Frame, frame, turned
+from inertia.assembly.rollup import Placed, place
+from inertia.documents import Document, FieldError, plain, section_of
+from inertia.errors import FieldPath, InertiaError, ReadError, UsageError, placed
+from inertia.mass.density import ASSUMED, density_of
+from inertia.mass.moments import ZERO
+from inertia.mass.properties import MassProperties
+from inertia.units import Unit, length_unit
+
+_MOST_COPIES = 1_000_000
+_DEEPEST = 64  # assemblies in assemblies
+
+
+@dataclass(frozen=True, eq=False)
+class Node:
+    """A place in the tree: a part, a group of parts, or another assembly.
+
+    Attributes
+    ----------
+    name : of the part, or of the assembly at the top
+    label : the name, with the file that it is from where that is not the one at the top
+    fields : what the file says of it; None at the top
+    path : what errors call it, as ``part[3]``
+    body : what it is; None of a group
+    frames : of its copies, in the axes of its parent
+    children : what is in it
+    """
+
+    name: str
+    label: str
+    fields: PartFields | None
+    path: str
+    body: Body | None
+    frames: tuple[Frame, ...]
+    children: tuple[Node, ...] = ()
+
+    @property
+    def leaves(self) -> Iterator[Node]:
+        """The parts in it, itself where it is one, from the top to the bottom."""
+        if self.body is not None:
+            yield self
+        for child in self.children:
+            yield from child.leaves
+
+
+@dataclass(frozen=True, eq=False)
+class PartTree(Document):
+    """A tree of parts as its file describes it.
+
+    Attributes
+    ----------
+    fields : what the file says, lengths in its own unit
+    folder : where the files are that it names
+    text : the file as it was read; None without one
+    path : the file's path, or "the assembly"
+
+    Raises `UsageError` naming the field.
+
+    >>> dumbbell = PartTree.from_dict({
+    ...     "unit": "m",
+    ...     "part": [{"name": "ball", "shape": "point", "mass": 1.0, "at": [1, 0, 0],
+    ...               "around": {"count": 2, "axis": "z"}}],
+    ... })
+    >>> dumbbell.mass_properties().inertia.diagonal().tolist()
+    [0.0, 2.0, 2.0]
+    """
+
+    noun: ClassVar[str] = "assembly"
+
+    fields: AssemblyFields
+    folder: Path = Path()
+    text: str | None = None
+    path: str = "the assembly"
+
+    @classmethod
+    def _from_table(cls, table: Mapping[str, Any], folder: Path, text: str | None, name: str) -> Self:
+        assembly = cls(section_of(AssemblyFields, table, path=""), folder, text, name)
+        assembly._require_sense()
+        return assembly
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return the assembly as a dictionary laid out as the file is; what is at its default is left out."""
+        return {"schema": self.fields.schema, "unit": self.fields.unit, **plain(self.fields)}
+
+    @property
+    def name(self) -> str:
+        """What reports call the whole."""
+        return self.fields.name or Path(self.path).stem
+
+    @property
+    def unit(self) -> Unit:
+        """The unit of all lengths in the file."""
+        return length_unit(self.fields.unit)
+
+    def mass_properties(self) -> MassProperties:
+        """Return mass, centre of mass and tensor of the whole, with their certified bound.
+
+        Raises `ReadError` and `GeometryError` of the files of parts, `UsageError` of fields that do not go together.
+        """
+        return self.placed.properties
+
+    @cached_property
+    def root(self) -> Node:
+        """The tree, its files read and integrated."""
+        return Node(self.name, self.name, None, "", None, (IDENTITY,), self._nodes(Library(), (), (self,)))
+
+    @cached_property
+    def placed(self) -> Placed:
+        """The parts in their places, in the order of the tree."""
+        parts = [(node.body, frames) for node, frames in self.in_places() if node.body is not None]
+        if not parts:
+            raise placed(UsageError("it has no part with a mass: give one a file, a shape or a mass"), self.path)
+        return place(*zip(*parts, strict=True))
+
+    def in_places(self) -> Iterator[tuple[Node, tuple[Frame, ...]]]:
+        """Yield all nodes in the order of the tree, each with the frames of its copies in the axes of the whole."""
+        return _in_places(self.root, (IDENTITY,))
+
+    @property
+    def notes(self) -> tuple[str, ...]:
+        """What was decided on the way, in sentences."""
+        leaves = list(self.root.leaves)
+        notes = dict.fromkeys(note for leaf in leaves if leaf.body for note in leaf.body.notes)
+        return tuple(notes)
+
+    def _require_sense(self) -> None:
+        """Raise `FieldError` where parts are not called, or hang together, as they must."""
+        parts = self.fields.part
+        names = {part.name: k for k, part in enumerate(parts)}
+        if len(names) < len(parts):
+            twice = next(name for name, count in Counter(part.name for part in parts).items() if count > 1)
+            number = names[twice]
+            raise FieldError(f"part[{number}].name", f"is {twice!r}, as that of another part: give it its own")
+        for k, part in enumerate(parts):
+            if part.parent is not None and part.parent not in names:
+                raise FieldError(f"part[{k}].parent", f"is {part.parent!r}: there is no part of that name")
+            above, seen = part.parent, {part.name}
+            while above is not None:
+                if above in seen:
+                    raise FieldError(f"part[{k}].parent", f"is {part.parent!r}, which hangs on this part itself")
+                seen.add(above)
+                above = parts[names[above]].parent
+
+    def _nodes(self, library: Library, chain: tuple[Path, ...], contexts: tuple[PartTree, ...]) -> tuple[Node, ...]:
+        """Return the nodes below the top; `contexts` are this assembly and those that it is in, innermost first."""
+        below: dict[str | None, list[int]] = {}
+        for k, part in enumerate(self.fields.part):
+            below.setdefault(part.parent, []).append(k)
+
+        def node(number: int) -> Node:
+            part, where = self.fields.part[number], f"part[{number}]"
+            try:
+                frames = self._frames(part)
+                body = self._body(part, library, contexts)
+                inner = self._nested(part, library, chain, contexts)
+            except InertiaError as error:
+                raise placed(error, self.path, FieldPath(where)) from None
+            own = tuple(node(k) for k in below.get(part.name, ()))
+            return Node(part.name, self._label(part.name, contexts), part, where, body, frames, inner + own)
+
+        return tuple(node(k) for k in below.get(None, ()))
+
+    def _nested(
+        self, part: PartFields, library: Library, chain: tuple[Path, ...], contexts: tuple[PartTree, ...]
+    ) -> tuple[Node, ...]:
+        if part.assembly is None:
+            return ()
+        file = self.folder / part.assembly
+        here = Path(self.path).resolve()
+        if file.resolve() in (here, *chain):
+            raise ReadError(f"{part.assembly} holds itself: an assembly cannot be one of its own parts")
+        if len(chain) >= _DEEPEST:
+            raise ReadError(f"{part.assembly} is {len(chain)} assemblies deep: {_DEEPEST} are the most")
+        nested = type(self).load(file)
+        return nested._nodes(library, (*chain, here), (nested, *contexts))
+
+    def _body(self, part: PartFields, library: Library, contexts: tuple[PartTree, ...]) -> Body | None:
+        if part.is_group or part.assembly is not None:
+            return None
+        weight, label = self._weight(part, contexts), self._label(part.name, contexts)
+        body = library.body(part, weight, label, self.folder, self.unit)
+        if weight.assumed:
+            says = f"the density of {part.name} is assumed to be {ASSUMED:g} kg/m³"
+            body = replace(body, notes=(*body.notes, says))
+        return body
+
+    def _weight(self, part: PartFields, contexts: tuple[PartTree, ...]) -> Weight:
+        """Return how heavy a part is: as weighed, by its own density or material, or by a glob that fits its name."""
+        if part.mass is not None:
+            return Weight(1.0, "", part.mass)
+        if part.density is not None:
+            return Weight(part.density, self._label(part.name, contexts))
+        material = part.material
+        for context in contexts if material is None else ():
+            globs = context.fields.materials or {}
+            material = next((globs[glob] for glob in globs if fnmatchcase(part.name, glob)), None)
+            if material is not None:
+                break
+        if material is None:
+            return Weight(ASSUMED, "", assumed=True)
+        for context in contexts:
+            if (density := (context.fields.densities or {}).get(material)) is not None:
+                return Weight(density, context._label(material, contexts))
+        return Weight(density_of(material), material)
+
+    def _label(self, name: str, contexts: tuple[PartTree, ...]) -> str:
+        """Return a name with this file's, where this is not the assembly at the top."""
+        return name if self is contexts[-1] else f"{name} ({Path(self.path).name})"
+
+    def _frames(self, part: PartFields) -> tuple[Frame, ...]:
+        """Return the frames of all copies of a part, in the axes of its parent."""
+        metres = self.unit.metres
+        rows, skew = part.rotation()
+        at = part.at or (ZERO,) * 3
+        if part.matrix is not None and part.matrix.shape == (4, 4):
+            at = tuple(Fraction(k) for k in part.matrix[:3, 3].tolist())
+        copies = [IDENTITY]
+        if part.around is not None:
+            point = [metres * k for k in part.around.through or (ZERO,) * 3]
+            back = frame(UNTURNED, [-k for k in point])
+            copies = [frame(turned(turn), point).then(back) for turn in part.around.turns()]
+        if part.rows is not None:
+            x, y, z = (metres * k for k in part.rows.step)
+            a, b, c = map(range, part.rows.count)
+            copies = [frame(UNTURNED, (i * x, j * y, k * z)) for i in a for j in b for k in c]
+        own = frame(rows, [metres * k for k in at], skew)
+        copies = [copy.then(own) for copy in copies] if len(copies) > 1 else [own]
+        return tuple(copies) * part.quantity
+
+
+def _in_places(node: Node, places: tuple[Frame, ...]) -> Iterator[tuple[Node, tuple[Frame, ...]]]:
+    if len(places) * len(node.frames) > _MOST_COPIES:
+        raise UsageError(f"{node.name}: {len(places) * len(node.frames)} copies are more than {_MOST_COPIES}")
+    if node.frames == (IDENTITY,):
+        here = places
+    elif places == (IDENTITY,):
+        here = node.frames
+    else:
+        here = tuple(outer.then(inner) for outer in places for inner in node.frames)
+    yield node, here
+    for child in node.children:
+        yield from _in_places(child, here)

@@ -1,0 +1,1 @@
+"""`Budget` and `Assembly` → JSON, text and CSV."""

@@ -1,0 +1,150 @@
+"""`Assembly` and `Budget` → the text that the commands print."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+
+from inertia.arrays import Float
+from inertia.assembly.budget import COVERAGE, Budget, Limit, Line
+from inertia.assembly.document import Assembly
+from inertia.report.budget.document import COLUMNS, contributors
+from inertia.report.numerals import cleared, columns, fixed, number, row, wrapped
+from inertia.units import Unit
+
+_LISTED = 60  # lines of the tree
+_CONTRIBUTORS = 8
+
+
+def assembly_text(assembly: Assembly) -> str:
+    """Return the whole's mass properties, and the tree of its parts."""
+    properties, whole = assembly.mass_properties(), assembly.budget()
+    lines = [
+        row("Assembly", f"{assembly.name} ({assembly.path})"),
+        row("Parts", f"{len(assembly.placed.moments)}, from {sum(1 for _ in assembly.root.leaves)} entries"),
+        "",
+        *_properties(whole),
+        row("Principal moments", columns(properties.principal_moments) + "  kg m²"),
+        row("Bounds", f"mass {properties.error.mass:.2g}, tensor {properties.error.inertia:.2g} (relative), centre of "
+            f"mass {properties.error.center_of_mass:.2g} m; {properties.error.method}"),
+        "",
+        *_tree(whole.total, assembly.unit),
+        *_notes(assembly.notes),
+    ]  # fmt: skip
+    return "\n".join(lines)
+
+
+def budget_text(whole: Budget) -> str:
+    """Return the budget as text: the verdict first, then the total, the limits, the parts and what is uncertain."""
+    unit, total = whole.assembly.unit, whole.total
+    verdict = "no limits are stated" if whole.verdict is None else whole.verdict.upper()
+    share = 100 * total.allowance / total.basic_mass
+    lines = [
+        row("Budget", f"{whole.assembly.name}: {verdict}"),
+        row("Basic mass", f"{_figure(total.basic_mass, total.sigma.mass)} kg"),
+        row("Allowance", f"{number(total.allowance)} kg ({share:.3g} %)"),
+        row("Predicted mass", f"{_figure(total.predicted_mass, total.sigma.predicted_mass)} kg"),
+        "",
+        *_properties(whole),
+        *(f"{'':18}± {_uncertain(total.sigma.inertia[k])}" for k in range(3) if total.sigma.changes.size),
+        "",
+        *(_limit(limit, unit) for limit in whole.limits),
+        *([""] if whole.limits else []),
+        *_tree(total, unit),
+        *_contributors(total),
+        *_notes(whole.notes),
+    ]
+    return "\n".join(lines)
+
+
+def _properties(whole: Budget) -> Iterator[str]:
+    properties, unit = whole.properties, whole.assembly.unit
+    center = properties.center_of_mass / float(unit.metres)
+    bound = properties.error.center_of_mass / float(unit.metres)
+    spread = whole.total.sigma.center_of_mass / float(unit.metres)
+    yield row("Mass", f"{number(properties.mass)} kg")
+    shown = [_figure(cleared(k, bound), u) for k, u in zip(center.tolist(), spread.tolist(), strict=True)]
+    yield row("Centre of mass", f"{', '.join(shown)} {unit.name}")
+    limit = properties.error.inertia * float((properties.inertia**2).sum() ** 0.5)
+    for k, label in enumerate(("Tensor about it", "", "")):
+        values = [cleared(value, limit) for value in properties.inertia[k].tolist()]
+        yield row(label, columns(values) + ("  kg m²" if k == 0 else ""))
+
+
+def _tree(total: Line, unit: Unit) -> Iterator[str]:
+    lines = list(total.lines())
+    rows: list[tuple[str, ...]] = [
+        ("part", "qty", "basic kg", "allow. kg", "predicted kg", "u kg", f"x {unit.name}", "y", "z")
+    ]
+    for line in lines[:_LISTED]:
+        center = line.center_of_mass / float(unit.metres)
+        rows.append(
+            (
+                "  " * line.level + line.name,
+                str(line.quantity) if line.level else "",
+                f"{line.basic_mass:.5g}",
+                f"{line.allowance:.3g}",
+                f"{line.predicted_mass:.5g}",
+                f"{line.sigma.mass:.2g}",
+                *(f"{k + 0.0:.5g}" if abs(k) > 1e-9 else "0" for k in center.tolist()),
+            )
+        )
+    widths = [max(len(each[k]) for each in rows) for k in range(len(rows[0]))]
+    for each in rows:
+        cells = (
+            cell.rjust(width) if k else cell.ljust(width)
+            for k, (cell, width) in enumerate(zip(each, widths, strict=True))
+        )
+        yield "  ".join(cells).rstrip()
+    if len(lines) > _LISTED:
+        yield f"… and {len(lines) - _LISTED} more: CSV, JSON and the report have them all"
+
+
+def _limit(limit: Limit, unit: Unit) -> str:
+    length = limit.what.startswith("center_of_mass")
+    scale = 1 / float(unit.metres) if length else 1.0
+    name = unit.name if length else "kg" if limit.what.endswith("mass") else "kg m²"
+    name = "" if "/" in limit.what else f" {name}"
+    ends = [f"≥ {scale * limit.low:.6g}"] if limit.low is not None else []
+    ends += [f"≤ {scale * limit.high:.6g}"] if limit.high is not None else []
+    value = _figure(scale * limit.value, scale * limit.uncertainty)
+    margin = f", margin {scale * limit.margin:.4g}" if math.isfinite(limit.margin) else ""
+    return row("Limit", f"{limit.what} {' and '.join(ends)}{name}: {value}{name}{margin}: {limit.verdict.upper()}")
+
+
+def _contributors(total: Line) -> Iterator[str]:
+    first = contributors(total.sigma, _CONTRIBUTORS)
+    if not first:
+        return
+    yield ""
+    yield "What the variances are made of, in %:"
+    shown = ("mass", *COLUMNS[1:4], "inertia.xx", "inertia.yy", "inertia.zz")
+    width = max(len(each["input"]) for each in first)
+    yield f"{'':{width}}  " + "  ".join(
+        name.removeprefix("center_of_mass.").replace("inertia.", "I").rjust(5) for name in shown
+    )
+    for each in first:
+        yield f"{each['input']:<{width}}  " + "  ".join(f"{100 * each['share'][name]:5.1f}" for name in shown)
+
+
+def _notes(notes: tuple[str, ...]) -> Iterator[str]:
+    if notes:
+        yield ""
+    for note in notes:
+        yield from wrapped("Note", note)
+
+
+def _figure(value: float, uncertainty: float) -> str:
+    """Return a figure with its 95 % interval, to the digits that it has."""
+    if not uncertainty:
+        return number(value)
+    reach = COVERAGE * uncertainty
+    places = max(0, 1 - math.floor(math.log10(reach)))
+    if places > 12:
+        return f"{number(value)} ± {reach:.2g}"
+    return f"{fixed(value, places)} ± {fixed(reach, places)} (95 %)"
+
+
+def _uncertain(values: Float) -> str:
+    words = ("0" if value == 0 else f"{COVERAGE * value:.2e}" for value in values.tolist())
+    return "".join(f"{word:>{18 if k else 16}}" for k, word in enumerate(words)) + "  (95 %)"
