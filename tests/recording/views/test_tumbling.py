@@ -80,6 +80,7 @@ def test_everything_has_its_place(recording: Recorded) -> None:
     drawn = {f"/{name}" for name in vars(entities).values() if isinstance(name, str)}
     expected = {
         "/world", "/world/center_of_mass/body", "/world/center_of_mass/body/mesh",
+        "/world/center_of_mass/body/mark", "/world/center_of_mass/body/edges",
         "/world/center_of_mass/body/principal_axes", "/world/center_of_mass/angular_velocity",
         "/world/center_of_mass/angular_momentum", "/world/center_of_mass/herpolhode",
         "/body/principal_axes", "/body/momentum_sphere", "/body/energy_ellipsoid", "/body/polhode",

@@ -193,27 +193,6 @@ def facets(corners: Float, color: Color, shift: Float | float = 0.0) -> Any:
     )
 
 
-def meridian(corners: Float, angle: float) -> Float:
-    """Return the lines (n, 2, 3) in which triangles (k, 3, 3) meet the half-plane at this angle (rad) about z.
-
-    >>> edge = meridian(np.array([[[1.0, -1.0, 0.0], [1.0, 1.0, 0.0], [1.0, 1.0, 2.0]]]), 0.0)
-    >>> edge.tolist()
-    [[[1.0, 0.0, 1.0], [1.0, 0.0, 0.0]]]
-    """
-    out, aside = np.array([math.cos(angle), math.sin(angle), 0.0]), np.array([-math.sin(angle), math.cos(angle), 0.0])
-    off = corners @ aside
-    crossed = (off >= 0).any(axis=1) & (off < 0).any(axis=1)
-    some, off = corners[crossed], off[crossed]
-    before, after = some[:, [2, 0, 1]], some
-    left, right = off[:, [2, 0, 1]], off
-    edges = (left >= 0) != (right >= 0)  # two of the three of each
-    share = (left[edges] / (left[edges] - right[edges]))[:, None]
-    points = before[edges] + share * (after[edges] - before[edges])
-    lines = points.reshape(-1, 2, 3)
-    outside: Float = lines[(lines @ out).sum(axis=1) > 0]
-    return outside
-
-
 def shown_triangles(part: Part, center: Float, most: int = MOST) -> tuple[Float, int]:
     """Return the corners (k, 3, 3) in m about `center` (3,) m of what is shown, and how many triangles the part has.
 

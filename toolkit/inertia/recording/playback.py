@@ -210,6 +210,24 @@ def longest_as(length: float, vectors: Float) -> Float:
     return length / size * vectors if size else vectors
 
 
+def never_short(length: float, least: float, vectors: Float) -> tuple[Float, str]:
+    """Return vectors (m, 3) whose longest has `length`, and what else was done so that none is shorter than `least`.
+
+    Proportional where that will do; else their lengths, from `least` to `length`, tell only more from less. Zero stays.
+
+    >>> never_short(2.0, 1.0, np.array([[4.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 0.0]]))[0].tolist()
+    [[2.0, 0.0, 0.0], [0.0, 1.25, 0.0], [0.0, 0.0, 0.0]]
+    """
+    drawn = longest_as(length, vectors)
+    sizes = np.linalg.norm(drawn, axis=1)
+    if not ((sizes > 0) & (sizes < least)).any():
+        return drawn, ""
+    lengthened: Float = (
+        drawn * (np.divide(least, sizes, where=sizes > 0, out=np.zeros_like(sizes)) + 1.0 - least / length)[:, None]
+    )
+    return lengthened, "it grows short and is drawn by its direction: its length tells only more from less"
+
+
 def _bracket(time: Float, instants: Float) -> tuple[np.ndarray, Float]:
     """Return for each instant the sample before it, and the share of the way to the next."""
     before = np.clip(np.searchsorted(time, instants, side="right") - 1, 0, len(time) - 2)

@@ -13,7 +13,7 @@ from inertia.dynamics.run import Run
 from inertia.recording import entities
 from inertia.recording.display import Display, display_of
 from inertia.recording.drawing import COLORS, MOMENTUM, OMEGA, write_arrow, write_axes, write_text, write_trail
-from inertia.recording.playback import Frames, frames_of, largest, longest_as
+from inertia.recording.playback import Frames, frames_of, largest, never_short
 from inertia.recording.screen import Screen, drift_plot, eye, finished, plot, space_view, text_view, trail
 from inertia.recording.series import (
     drift_unit,
@@ -22,6 +22,7 @@ from inertia.recording.series import (
     write_energy,
     write_euler_angles,
 )
+from inertia.recording.spin_marks import spin_axes, write_marks
 from inertia.recording.summary import summary, title
 from inertia.recording.views.momentum_space import write_moving_momentum_space
 from inertia.recording.writer import Recording
@@ -31,7 +32,7 @@ if TYPE_CHECKING:
 
 DOWN = COLORS[4]
 
-_OMEGA, _MOMENTUM, _AXES = 1.3, 1.55, 1.15  # lengths of arrows, over the radius of the body
+_OMEGA, _MOMENTUM, _AXES, _LEAST = 1.3, 1.55, 1.15, 1.1  # lengths of arrows, over the radius of the body
 _THICK = 0.012
 _TRAIL = 8.0  # seconds of playback that the trail of L lasts
 
@@ -94,11 +95,14 @@ def _write_world(recording: Recording, run: Run, body: Display, frames: Frames) 
     size, thick = body.radius, _THICK * body.radius
     recording.static(entities.WORLD, rr.ViewCoordinates.RIGHT_HAND_Z_UP)
     recording.static(entities.MESH, body.archetype())
-    write_axes(recording, entities.BODY_AXES, _AXES * size * ascending(run.plan)[1], thick)
+    axes = ascending(run.plan)[1]
+    yield from write_marks(recording, body, spin_axes(axes, run.angular_velocity[0]))
+    write_axes(recording, entities.BODY_AXES, _AXES * size * axes, thick)
     frames.write_attitude(recording)
     fastest, most = largest(frames.angular_velocity), largest(frames.angular_momentum)
-    omega = longest_as(_OMEGA * size, frames.angular_velocity)
-    momentum = longest_as(_MOMENTUM * size, frames.angular_momentum)
+    omega, omega_note = never_short(_OMEGA * size, _LEAST * size, frames.angular_velocity)
+    momentum, momentum_note = never_short(_MOMENTUM * size, _LEAST * size, frames.angular_momentum)
+    yield from (f"{name}: {note}" for name, note in (("ω", omega_note), ("L", momentum_note)) if note)
     write_arrow(recording, entities.ANGULAR_VELOCITY, frames.time, omega, "ω", OMEGA, 1.5 * thick)
     write_arrow(recording, entities.ANGULAR_MOMENTUM, frames.time, momentum, "L", MOMENTUM, 1.5 * thick)
     if frames.play.smooth:

@@ -73,6 +73,8 @@ def write_moving_momentum_space(recording: Recording, run: Run, frames: Frames) 
     write_axes(recording, entities.PRINCIPAL_AXES, 1.25 * np.eye(3), _LINE)
     spheres = np.repeat(radius[:, None], 3, axis=1)
     write_ellipsoid(recording, entities.MOMENTUM_SPHERE, frames.time, spheres, MOVING_SPHERE, 0.3 * _LINE)
+    hiding = semi_axes.max(axis=1) > _LONGEST * radius
+    semi_axes[hiding] = 0.0
     write_ellipsoid(recording, entities.ENERGY_ELLIPSOID, frames.time, semi_axes, MOVING_ELLIPSOID, 0.3 * _LINE)
     write_arrow(recording, entities.CURRENT, frames.time, along, "L", CURRENT, 2.0 * _LINE)
     if frames.play.smooth:
@@ -81,9 +83,10 @@ def write_moving_momentum_space(recording: Recording, run: Run, frames: Frames) 
     else:
         dots = rr.Points3D(thinned(along).astype(np.float32), colors=[PATH], radii=[_LINE])
         recording.static(entities.PATH_OF_MOMENTUM, dots)
+    left_out = f"; it is left out while it is over {_LONGEST:g} times as long as the sphere" if hiding.any() else ""
     return (
         "in the body view L moves along the yellow path, where the momentum sphere (blue) meets the energy ellipsoid "
-        "(red), both as they are at the instant"
+        f"(red), both as they are at the instant{left_out}"
     )
 
 

@@ -19,8 +19,9 @@ from inertia.balancing.unbalance import Unbalance
 from inertia.mesh.part import Part
 from inertia.palette import YELLOW, rgb
 from inertia.recording import entities
-from inertia.recording.display import MOST, facets, meridian, shown_triangles
-from inertia.recording.drawing import Color, circle, write_lines
+from inertia.recording.display import MOST, facets, shown_triangles
+from inertia.recording.drawing import Color, circle, write_labels, write_lines
+from inertia.recording.spin_marks import meridian
 from inertia.recording.views.rotor_target import AFTER, BEFORE, FAINT, INK, PERMISSIBLE, PLACE, WHITE, broken
 from inertia.recording.views.rotor_text import bearing_bounds, force_text, plane_bounds, resolved, states, vector_text
 from inertia.recording.writer import Recording
@@ -294,7 +295,8 @@ def _write_labels(
     heights = [state.label_start + (0.5 + number) * line for number in _lines_of(vectors, state.reach)]
     points = [(side * height, 0.0, vector.z) for height, vector in zip(heights, vectors, strict=True)]
     labels = [vector.text for vector in vectors]
-    recording.static(path, rr.Points3D(points, labels=labels, colors=[color], radii=[0.0], show_labels=True))
+    write_labels(recording, path, points, labels)
+    recording.static(f"{path}/keys", rr.Points3D(points, colors=[color], radii=[-3.0]))
 
 
 def _lines_of(vectors: Sequence[Vector], reach: float) -> list[int]:

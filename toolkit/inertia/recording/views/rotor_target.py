@@ -26,7 +26,7 @@ FARTHEST = 1.6
 TARGET_BOUNDS = (-2.2, 2.2), (-2.15, 3.72)
 """What is seen of a target, x and y (down)."""
 DIAL_BOUNDS = (-2.0, 2.0), (-1.5, 1.5)
-_LINE = 0.385  # of a target's legend
+_LINE, _KEY = 0.385, 3.2  # of a target's legend: from line to line, and how far its colour reaches to either side
 
 BEFORE, AFTER, PERMISSIBLE, SCATTER, PLACE = map(rgb, (VERMILLION, SKY, GREEN, PINK, YELLOW))
 INK, FAINT, WHITE = (165, 170, 180), (75, 78, 86), (235, 235, 240)
@@ -82,7 +82,10 @@ def write_target(recording: Recording, path: str, balance: Balance, number: int)
             _lines(recording, f"{path}/scatter", _dashed(below / permissible), SCATTER, 0.01)
         legend.append((f"dashed: 95 % of parts below {in_gmm(below):.4g} g·mm", SCATTER))
     places = [complex(0.0, -2.1 - _LINE * k) for k in range(len(legend))]
-    _labels(recording, f"{path}/legend", places, [text for text, _ in legend], [color for _, color in legend])
+    _labels(recording, f"{path}/legend", places, [text for text, _ in legend])
+    for number, (place, (_, color)) in enumerate(zip(places, legend, strict=True)):
+        middle = place - 0.5j * _LINE
+        _lines(recording, f"{path}/legend/key_{number}", [_points([middle - _KEY, middle + _KEY])], color, 0.03)
 
 
 def write_work(recording: Recording, path: str, balance: Balance) -> None:
@@ -107,7 +110,7 @@ def write_work(recording: Recording, path: str, balance: Balance) -> None:
     leaders = [_points([spot, 0.88 * place]) for spot, place in zip(spots, places, strict=True)]
     _lines(recording, f"{path}/leaders", leaders, FAINT, 0.008)
     places = [place + 0.17j for place in places]  # a label hangs below its place
-    _labels(recording, f"{path}/numbers", places, texts, [PLACE] * len(texts))
+    _labels(recording, f"{path}/numbers", places, texts)
 
 
 def write_verdict(recording: Recording, path: str, outcome: str) -> None:
@@ -152,9 +155,9 @@ def _write_dial(recording: Recording, path: str, balance: Balance, radius: float
     _lines(recording, f"{path}/rotation", strips, WHITE, 0.014)
     if radius > 1.0:  # of a target; a dial is small, and its numbers take this room
         marks = {"0°": 2.05 + 0.2j, "90°": 2.05j, "180°": -1.95 + 0.2j, "270°": -1.66j}
-        _labels(recording, f"{path}/marks", list(marks.values()), list(marks), [INK] * 4)
+        _labels(recording, f"{path}/marks", list(marks.values()), list(marks))
     else:
-        _labels(recording, f"{path}/marks", [0.78 + 0.13j], ["0°"], [INK])
+        _labels(recording, f"{path}/marks", [0.78 + 0.13j], ["0°"])
 
 
 def _write_vector(recording: Recording, path: str, vector: complex, bound: float, color: Color) -> None:
@@ -180,15 +183,12 @@ def _write_vector(recording: Recording, path: str, vector: complex, bound: float
         _lines(recording, f"{path}/uncertainty", [_circle(bound) + _down(tip)], color, 0.008)
 
 
-def _labels(
-    recording: Recording, path: str, places: Sequence[complex], texts: Sequence[str], colors: Sequence[Color]
-) -> None:
+def _labels(recording: Recording, path: str, places: Sequence[complex], texts: Sequence[str]) -> None:
+    """Write texts that hang below places."""
     import rerun as rr
 
-    points = [_down(place) for place in places]
-    recording.static(
-        path, rr.Points2D(points, labels=list(texts), colors=list(colors), radii=[0.001], show_labels=True)
-    )
+    points = rr.Points2D(_points(places), labels=list(texts), colors=[WHITE], radii=[0.001], show_labels=True)
+    recording.static(path, points)
 
 
 def _lines(recording: Recording, path: str, strips: Sequence[Float], color: Color, radius: float) -> None:

@@ -34,6 +34,7 @@ from inertia.recording.drawing import (
 from inertia.recording.playback import Frames, frames_followed, largest, longest_as
 from inertia.recording.screen import Screen, camera, drift_plot, finished, plot, space_view, text_view, trail
 from inertia.recording.series import drift_unit, write_drift
+from inertia.recording.spin_marks import write_marks
 from inertia.recording.summary import summary, title
 from inertia.recording.views.effective_potential import EffectivePotential, effective_potential
 from inertia.recording.writer import Recording
@@ -184,6 +185,7 @@ def _write_world(recording: Recording, run: Run, body: Display, frames: Frames, 
     along, up = axis.axes[:, 2], axis.vertical[:, 2]
     foot = -axis.arm / body.unit * along
     recording.static(entities.MESH, body.archetype())
+    yield from write_marks(recording, body, axis.axes)
     write_lines(recording, entities.BODY_AXES, [np.stack([foot, foot + size * along])], AXIS, thick)
     write_place(recording, entities.CENTER, frames.time, axis.arm / body.unit * axis.direction(frames.attitude))
     frames.write_attitude(recording)

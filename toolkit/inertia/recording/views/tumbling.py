@@ -15,7 +15,7 @@ from inertia.dynamics.models.free.flips import polhode_period
 from inertia.dynamics.plots.subject import ascending
 from inertia.dynamics.run import Run
 from inertia.recording import entities
-from inertia.recording.display import Display, display_of
+from inertia.recording.display import Display, display_of, facets
 from inertia.recording.drawing import (
     COLORS,
     MOMENTUM,
@@ -24,6 +24,7 @@ from inertia.recording.drawing import (
     TRAIL,
     write_arrow,
     write_axes,
+    write_lines,
     write_text,
     write_trail,
 )
@@ -36,6 +37,7 @@ from inertia.recording.series import (
     write_energy,
     write_euler_angles,
 )
+from inertia.recording.spin_marks import spin_axes, write_marks
 from inertia.recording.summary import summary, title
 from inertia.recording.views.momentum_space import write_momentum_space
 from inertia.recording.writer import Recording
@@ -52,6 +54,8 @@ _FARTHEST = 1e4  # radii that a body may travel and still be where it is to a th
 _TRAIL = 10.0  # seconds of playback that a trail lasts, where no polhode closes sooner
 _FACETS = 72  # of a cone
 _NARROWEST = 1e-3  # rad: a cone that could not be told from a line is not drawn
+_WIDE, _PALE = 1.0, 35  # rad: a cone that is wider would hide what is behind it, and is paler
+_RIBS = 12  # of a cone: facets from one line along it to the next is their number over this
 
 
 def screen(run: Run) -> Screen:
@@ -131,7 +135,9 @@ def _write_world(recording: Recording, run: Run, body: Display, frames: Frames, 
     size = body.radius
     recording.static(entities.WORLD, rr.ViewCoordinates.RIGHT_HAND_Z_UP)
     recording.static(entities.MESH, body.archetype())
-    write_axes(recording, entities.BODY_AXES, _AXES * size * ascending(run.plan)[1], _THICK * size)
+    axes = ascending(run.plan)[1]
+    yield from write_marks(recording, body, spin_axes(axes, run.angular_velocity[0]))
+    write_axes(recording, entities.BODY_AXES, _AXES * size * axes, _THICK * size)
     frames.write_attitude(recording)
     if origin is not None:
         frames.write_position(recording, body.unit, origin)
@@ -155,8 +161,6 @@ def _write_world(recording: Recording, run: Run, body: Display, frames: Frames, 
 
 def _write_cones(recording: Recording, run: Run, slant: float) -> Iterator[str]:
     """Write the cones of a symmetric top, as long as the arrow of ω: that of the body rolls on that of space."""
-    import rerun as rr
-
     if "body cone" not in run.quantities:
         return
     body_angle, space_angle = (float(run.quantities[name]) for name in ("body cone", "space cone"))
@@ -168,8 +172,10 @@ def _write_cones(recording: Recording, run: Run, slant: float) -> Iterator[str]:
         (entities.BODY_CONE, symmetry * np.copysign(1.0, run.angular_velocity[0] @ symmetry), body_angle, BODY_CONE),
         (entities.SPACE_CONE, momentum, space_angle, SPACE_CONE),
     ):
-        corners = slant * _cone(axis, half_angle).reshape(-1, 3)
-        recording.static(path, rr.Mesh3D(vertex_positions=corners.astype(np.float32), albedo_factor=color))
+        corners = slant * _cone(axis, half_angle)
+        recording.static(path, facets(corners, color if half_angle < _WIDE else (*color[:3], _PALE)))
+        ribs = [*corners[:: _FACETS // _RIBS, :2], np.concatenate([corners[:, 1], corners[:1, 1]])]
+        write_lines(recording, f"{path}/ribs", ribs, color[:3], 0.3 * _THICK * slant)
     how = "on the outside of" if 2.0 * moments[2] < moments[0] + moments[1] else "with its inside around"
     yield (
         f"the body cone (green, half-angle {np.degrees(body_angle):.4g}°) rolls {how} the space cone (orange, "
