@@ -1,5 +1,6 @@
 """Runs at other instants than their samples: what is there is what a run sampled there has."""
 
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -8,6 +9,7 @@ from tests.dynamics.oracle import rotate
 from tests.dynamics.scenes import DISC, PLAIN, TOP, scene
 
 from inertia.dynamics.kinematics import quaternion
+from inertia.dynamics.loads.torque import Torque
 from inertia.dynamics.run import Run
 from inertia.dynamics.scene.document import Scene
 from inertia.dynamics.scene.sections import Settings
@@ -113,3 +115,28 @@ def test_one_instant_and_those_at_both_ends_are_as_good_as_others() -> None:
 def test_an_instant_outside_of_the_run_is_refused(instants: Any, says: str) -> None:
     with pytest.raises(UsageError, match=says):
         simulate(scene(PLAIN)).at(instants)
+
+
+@pytest.mark.parametrize("method", ["Taylor", "DOP853", "splitting 8", "RK4"])
+def test_between_samples_a_stepped_run_takes_the_steps_of_one_span_and_keeps_its_claim(method: str) -> None:
+    accuracy = 1e-7 if method == "RK4" else 1e-9
+    torque = {"kind": "torque", "torque": [0.3, 0.0, -0.2], "frame": "part"}
+    subject = scene(PLAIN, load=[torque], run__method=method, run__samples=201, run__accuracy=accuracy)
+    run = simulate(subject)
+    instants = np.array([7.3, 0.123, 9.99])
+    at = run.at(instants)
+    assert 0 < at.steps <= 0.15 * run.steps
+    truth = rotate((1, 2, 3), (0.3, 1.0, 2.0), sorted(instants.tolist()), body_torque=(0.3, 0.0, -0.2))
+    assert truth.attitude_error(at.attitude[np.argsort(instants)]).max() <= at.error.reached <= accuracy
+    assert np.array_equal(run.at(0.123).attitude[0], at.attitude[1])
+
+
+def test_a_pulse_between_samples_is_found_there() -> None:
+    # about one axis: ω = 0.2 + 0.4 (t − 2.001) within 0.002 s, a pulse that ends before the next sample
+    pulse = Torque(lambda time, attitude, omega: [0.0, 0.0, 40.0 * (2.001 <= time < 2.003)], breaks=[2.001, 2.003])
+    subject = scene(PLAIN, body__principal_moments=[1, 1, 1], start__angular_velocity=[0, 0, 0.2], run__samples=101)
+    run = simulate(replace(subject, applied_loads=(pulse,), run=replace(subject.run, accuracy=1e-9)))
+    at = run.at([2.002, 2.05])
+    angle = np.array([0.2 * 2.002 + 20.0 * 0.001**2, 0.2 * 2.05 + 20.0 * 0.002**2 + 0.08 * (2.05 - 2.003)])
+    assert np.abs(2.0 * np.arcsin(at.attitude[:, 2]) - angle).max() <= at.error.reached
+    assert at.steps < 0.5 * run.steps

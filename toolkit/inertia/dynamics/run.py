@@ -138,8 +138,9 @@ class Run:
     def at(self, time: ArrayLike) -> Run:
         """Return the run at other instants, with all that it has at its samples.
 
-        A closed form is evaluated there; a motion that is stepped is stepped again, from the start to its end, and
-        read off there. Nothing is interpolated, and the claim `error` is that of the run or a larger one.
+        A closed form is evaluated there; a rigid body that is stepped is stepped again from the samples before these
+        instants to those after them, or, where that is no less work, from the start to its end; any other motion is
+        followed again. Nothing is interpolated, and the claim `error` is that of the run or a larger one.
 
         Parameters
         ----------

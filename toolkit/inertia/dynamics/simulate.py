@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from functools import partial
 
 import numpy as np
@@ -58,21 +59,23 @@ def _in_time(scene: Scene) -> Run:
 
 def _run(plan: Plan) -> Run:
     """Solve what is planned."""
-    return _sampled(plan, np.linspace(0.0, plan.problem.duration, plan.problem.scene.run.samples))
+    time = np.linspace(0.0, plan.problem.duration, plan.problem.scene.run.samples)
+    motion = _solved(plan, time)
+    return replace(_in_part_axes(plan, time, motion), follow=partial(_again, plan, (time, motion)))
 
 
-def _sampled(plan: Plan, time: Float) -> Run:
+def _solved(plan: Plan, time: Float) -> Motion:
     try:
-        motion = plan.candidate.model.solve(plan.candidate, time, plan.method)
+        return plan.candidate.model.solve(plan.candidate, time, plan.method)
     except (UsageError, GeometryError) as error:
         raise error if error.places else placed(error, plan.problem.scene.name) from None
-    return _in_part_axes(plan, time, motion)
 
 
-def _again(plan: Plan, time: Float) -> Run:
-    """Solve it again at other instants (n,), under the same limits."""
+def _again(plan: Plan, known: tuple[Float, Motion], time: Float) -> Run:
+    """Solve it again at other instants (n,), under the same limits, from what is known at samples if that is enough."""
     with limited(plan.problem.scene.run.time_limit):
-        run = _sampled(plan, time)
+        motion = plan.candidate.model.resolved(plan.candidate, time, known) or _solved(plan, time)
+        run = replace(_in_part_axes(plan, time, motion), follow=partial(_again, plan, known))
     _require_accuracy(run)
     return run
 
@@ -106,7 +109,6 @@ def _in_part_axes(plan: Plan, time: Float, motion: Motion) -> Run:
         warnings=(*_uncertainty(plan.problem, error), *scene.body.notes, *motion.warnings),
         quantities=dict(motion.quantities),
         steps=motion.steps,
-        follow=partial(_again, plan),
     )
 
 

@@ -293,6 +293,10 @@ class Model(ABC):
     def solve(self, candidate: Candidate, time: Float, method: str | None = None) -> Motion:
         """Return the motion of the candidate's axes, in space, at the instants (n,), with what is known of it."""
 
+    def resolved(self, candidate: Candidate, time: Float, known: tuple[Float, Motion]) -> Motion | None:
+        """Return the motion at other instants (n,) from that at samples (k,); None where it is to be solved again."""
+        return None
+
     def input_bound(self, candidate: Candidate) -> InputBound:
         """Return how far the bounds of the mass properties may move the attitude: here as far as the body turns."""
         problem = candidate.problem

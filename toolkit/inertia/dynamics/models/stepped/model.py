@@ -65,6 +65,23 @@ class EulerEquations(Model):
             motion = solve_stepped(rotation, time, scene.run.accuracy, method, noise=noise)
         except (UsageError, GeometryError) as error:
             raise placed(error, scene.name, *(() if error.places else (FieldPath("run"),))) from None
+        return self._with_orbit(candidate, rotation, time, motion)
+
+    def resolved(self, candidate: Candidate, time: Float, known: tuple[Float, Motion]) -> Motion | None:
+        """Return the motion at other instants, stepped from the samples before them."""
+        from inertia.dynamics.integrators.loop import States
+        from inertia.dynamics.models.stepped.solve import motion_of, restarted
+
+        samples, motion = known
+        rotation, accuracy = self.rotation(candidate), candidate.problem.scene.run.accuracy
+        states = States(motion.attitude, motion.angular_velocity, motion.steps)
+        answer = restarted(rotation, time, accuracy, motion.method, (samples, states), motion.reached)
+        if answer is None:
+            return None
+        return self._with_orbit(candidate, rotation, time, motion_of(rotation, time, motion.method, *answer))
+
+    def _with_orbit(self, candidate: Candidate, rotation: RotationProblem, time: Float, motion: Motion) -> Motion:
+        scene = candidate.problem.scene
         if scene.orbit is None:
             return motion
         attitude = quaternion.multiply(motion.attitude, quaternion.conjugate(quaternion.from_matrix(candidate.axes)))

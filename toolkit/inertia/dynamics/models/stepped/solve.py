@@ -16,6 +16,8 @@ from inertia.dynamics.integrators.error_control import rounding
 from inertia.dynamics.integrators.loop import Integrator, States
 from inertia.dynamics.integrators.rotation import RotationProblem
 from inertia.dynamics.integrators.scipy_methods import PROBES, SciPy
+from inertia.dynamics.kinematics import quaternion
+from inertia.dynamics.loads.torque import Torque
 from inertia.dynamics.motion import Motion
 from inertia.errors import GeometryError, UsageError
 
@@ -27,6 +29,11 @@ ATTITUDE_LOST = 0.1
 
 _LONG = 1e5  # rad, of a run that is not made again to find what can be reached
 _TOO_LONG = 1e7  # rad, of a run for which nothing is advised but a shorter one
+
+_REPAYS = 3.0  # times the steps between two samples, that a restart takes
+_NUDGE = 1e-6 * np.array([1.0, -1.0, 0.5])  # rad, and of ω in units of its rate
+_MARGIN = 3.0  # of what a nudge grows by
+_FASTER = 100.0  # times the error of the attitude in a unit of time, that ω at the next sample may be off by
 
 STIFF = 1e4
 """Decay times of the damping in a run above which an implicit method is taken, if nothing else is as fast."""
@@ -65,6 +72,11 @@ def solve_stepped(
     """
     instants = _instants(problem, time)
     integrator, states, reached = stepped(problem, instants, accuracy, method, noise)
+    return motion_of(problem, instants, integrator.name, states, reached)
+
+
+def motion_of(problem: RotationProblem, instants: Float, method: str, states: States, reached: float) -> Motion:
+    """Return states at instants (n,), which begin with the start, with what the loads keep of them."""
     invariants = problem.invariants(states.attitude, states.angular_velocity)
     start = problem.moments * problem.angular_velocity
     momentum = float(np.linalg.norm(start))
@@ -79,7 +91,7 @@ def solve_stepped(
     return Motion(
         attitude=states.attitude,
         angular_velocity=states.angular_velocity,
-        method=integrator.name,
+        method=method,
         reached=reached,
         invariants=invariants,
         scales=scales,
@@ -101,6 +113,61 @@ def stepped(
     if states is None:
         raise _unreachable(integrator, problem, instants, accuracy, reached, noise)
     return integrator, states, reached
+
+
+def restarted(
+    problem: RotationProblem, time: Float, accuracy: float, method: str, known: tuple[Float, States], reached: float
+) -> tuple[States, float] | None:
+    """Return the states at instants from those of a run at its samples, and the error; None where that does not repay.
+
+    From the sample before an instant the motion is stepped to the next one. What the sample is off by grows on the way
+    as a nudge of it does; where the next sample is not met within that, or the accuracy is not, all has to be stepped
+    again.
+
+    Parameters
+    ----------
+    problem : as it was stepped; time : (n,) s, within the run; method : that ran
+    known : instants (k,) s of samples and states there, of which the attitudes are off by `reached` rad at most
+    """
+    samples, there = known
+    rows = np.searchsorted(samples, time, side="right") - 1
+    attitude, spin = there.attitude[rows], there.angular_velocity[rows]
+    between = samples[rows] != time
+    spans = np.unique(rows[between]).tolist()
+    if _REPAYS * sum(samples[k + 1] - samples[k] for k in spans) > samples[-1] - samples[0]:
+        return None
+    integrator, worst, steps = methods.METHODS[method], reached, 0
+    for k in spans:
+        length, some = float(samples[k + 1] - samples[k]), between & (rows == k)
+        # The next sample shows pulses that are stepped over, and no step need be probed for them.
+        loads = tuple(
+            replace(load, longest_step=length) if isinstance(load, Torque) and load.probed else load
+            for load in problem.loads
+        )
+        begun = replace(
+            problem,
+            attitude=there.attitude[k],
+            angular_velocity=there.angular_velocity[k],
+            start=samples[k],
+            loads=loads,
+        )
+        instants = np.append(time[some], samples[k + 1])
+        control = integrator.first(begun, instants, 0.1 * max(reached, 1e-13))
+        states, estimate = integrator.solve(begun, instants, control)
+        aside = replace(
+            begun,
+            attitude=quaternion.multiply(begun.attitude, (*(0.5 * _NUDGE), 1.0)),
+            angular_velocity=begun.angular_velocity + begun.rate * _NUDGE[::-1],
+        )
+        grown = states.apart(integrator.run(aside, instants, control)) / float(np.linalg.norm(_NUDGE))
+        off = reached * (1.0 + _MARGIN * max(grown - 1.0, 0.0)) + estimate
+        met = quaternion.angle_between(states.attitude[-1], there.attitude[k + 1]) <= 2.0 * off
+        faster = float(np.linalg.norm(states.angular_velocity[-1] - there.angular_velocity[k + 1]))
+        if not (off <= accuracy and met and faster <= _FASTER * off * begun.fastest):
+            return None
+        attitude[some], spin[some] = states.attitude[:-1], states.angular_velocity[:-1]
+        worst, steps = max(worst, off), steps + states.steps
+    return States(attitude, spin, steps), worst
 
 
 def state_between(problem: RotationProblem, time: Float, motion: Motion) -> Callable[[float], tuple[Float, Float]]:
