@@ -47,3 +47,16 @@ def test_links_lead_somewhere(page: Path) -> None:
     targets = re.findall(r"\]\((?!https?:)([^)#]+)", page.read_text(encoding="utf-8"))
     missing = [target for target in targets if not (page.parent / target).exists()]
     assert missing == []
+
+
+def test_every_scene_and_rotor_is_in_the_gallery() -> None:
+    folder = path("cube.stl").parent
+    shipped = {f"{kind}/{file.name}" for kind in ("scenes", "rotors") for file in folder.glob(f"{kind}/*.toml")}
+    page = (ROOT / "docs/gallery.md").read_text(encoding="utf-8")
+    for file in shipped:
+        assert f"](gallery/{Path(file).stem}.webp)" in page
+        assert f"(`{file}`)" in page
+        assert f'"{file}": ' in (ROOT / "docs/draw_gallery.py").read_text(encoding="utf-8")
+    pictures = {picture.stem: picture.stat().st_size for picture in (ROOT / "docs/gallery").iterdir()}
+    assert pictures.keys() == {Path(file).stem for file in shipped} | {"flip"}
+    assert max(pictures.values()) < 300_000

@@ -47,6 +47,18 @@ def test_a_moving_picture_turns_as_fast_as_the_run_is_played(recording: Path, tm
 
 
 @DRIVER
+def test_a_picture_has_the_size_asked_for_and_nothing_of_the_window(recording: Path, tmp_path: Path) -> None:
+    from PIL import Image
+
+    inertia.export_picture(recording, tmp_path / "run.png", at=1.0, size=SMALL)
+    with Image.open(tmp_path / "run.png") as picture:
+        assert picture.size == SMALL
+        shown = np.asarray(picture.convert("RGB")).astype(int)
+    titles = shown[:30]  # of the views: no bar is above them
+    assert (titles.max(axis=2) > 120).any(axis=1).nonzero()[0].min() < 14
+
+
+@DRIVER
 def test_one_view_is_drawn_alone(recording: Path, tmp_path: Path) -> None:
     inertia.export_picture(recording, tmp_path / "view.png", at=1.0, size=SMALL, view="inertial")
     data = (tmp_path / "view.png").read_bytes()

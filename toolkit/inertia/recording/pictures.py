@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import io
 import os
-import re
 import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
@@ -20,11 +19,11 @@ from inertia.recording.provenance import playback_speed, properties
 if TYPE_CHECKING:
     from PIL.Image import Image  # slow to import
 
-_ADDRESS = re.compile(r"gRPC connections on (127\.0\.0\.1:\d+)")
 _NANO = 1e9
 _LARGEST = 4096  # pixels along an edge
 _TICK = 100  # a second: what the durations of a GIF are counted in
 _COLORS = 128
+_BAR, _EDGE = 36, 1  # pixels of the window's own frame
 _SAMPLED = 8  # frames that the colours of all are chosen from
 _PATIENCE = 600.0  # s, for a recording to be loaded, or to be drawn
 
@@ -53,7 +52,7 @@ def export_picture(
     path : of the file, ending in .png or .gif
     at : s from the start of the run
     view : the name of one view, or how it begins; None for all of them
-    size : of the viewer's window, pixels
+    size : of what the viewer shows, pixels
     frames : of a GIF
     fps : frames of a GIF in a second, 50 at most
     force : write over a file that is there
@@ -78,12 +77,13 @@ def export_picture(
             raise UsageError(f"there is nothing to see at {at:.6g} s: the recording lasts {screen.duration:.6g} s")
         number = screen.number_of(view)
         instants = [t for k in range(count) if (t := at + k * step) <= screen.duration]
-        pictures = []
+        images = []
         for k, instant in enumerate(instants):
-            pictures.append(screen.picture(instant, number, settled=k == 0))
+            image = _image(screen.picture(instant, number, settled=k == 0))
+            images.append(image.crop((_EDGE, _BAR, _EDGE + size[0], _BAR + size[1])) if view is None else image)
             if progress is not None:
                 progress((k + 1) / len(instants))
-    write_whole(target, _gif([_image(picture) for picture in pictures], fps) if moving else pictures[0])
+    write_whole(target, _gif(images, fps) if moving else _png(images[0]))
 
 
 class _Screen:
@@ -127,8 +127,9 @@ def _opened(recording: Path, home: Path, size: tuple[int, int]) -> Iterator[_Scr
     """Open a viewer of a size in pixels that has no window, and a recording in it."""
     from rerun.experimental import ViewerClient
 
-    options = ("--headless", "--port", "0", "--window-size", f"{size[0]}x{size[1]}", "--hide-welcome-screen")
-    with viewer.listening(home, _ADDRESS, *options) as (address, process, log):
+    window = f"{size[0] + 2 * _EDGE}x{size[1] + _BAR + _EDGE}"
+    options = ("--headless", "--port", "0", "--window-size", window, "--hide-welcome-screen")
+    with viewer.listening(home, *options) as (address, process, log):
         end = time.monotonic() + _PATIENCE
 
         def waited(ask: Callable[[], Answer]) -> Answer:
@@ -155,6 +156,7 @@ def _opened(recording: Path, home: Path, size: tuple[int, int]) -> Iterator[_Scr
             return bool(state.recordings and state.views and not state.loading)
 
         waited(loaded)
+        client.run_command("ui.toggle_top_panel")
         yield _Screen(client, waited)
 
 
@@ -173,6 +175,12 @@ def _image(picture: bytes) -> Image:
     from PIL import Image
 
     return Image.open(io.BytesIO(picture)).convert("RGB")
+
+
+def _png(image: Image) -> bytes:
+    file = io.BytesIO()
+    image.save(file, "PNG", optimize=True)
+    return file.getvalue()
 
 
 def _gif(images: list[Image], fps: float) -> bytes:

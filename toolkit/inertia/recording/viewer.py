@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 import os
-import re
 import subprocess
 import sys
 import threading
+import time
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from importlib.metadata import version
 from importlib.util import find_spec
 from pathlib import Path
@@ -17,6 +17,7 @@ from inertia.errors import InertiaError
 
 _NOWHERE = "http://127.0.0.1:9"
 """What is given as proxy to a viewer that would look for a newer release."""
+_PATIENCE = 60.0  # s, until it listens
 # It ends with the process that started it, however that ends.
 _TIED = (
     "import ctypes, os, sys; ctypes.CDLL(None).prctl(1, 9); "  # PR_SET_PDEATHSIG, SIGKILL
@@ -39,23 +40,21 @@ def program() -> Path:
 
 
 @contextmanager
-def listening(
-    home: Path, address: re.Pattern[str], *options: str
-) -> Iterator[tuple[str, subprocess.Popen[str], Callable[[], str]]]:
+def listening(home: Path, *options: str) -> Iterator[tuple[str, subprocess.Popen[str], Callable[[], str]]]:
     """Run the program with a home folder of its own until the context is left.
 
-    Yield where it listens, as the first line of its log says that holds an `address`, or "" where it ends before; its
-    process; and what returns the rest of its log.
+    Yield where it listens, as "127.0.0.1:9876", or "" where it does not; its process; and what returns its log when it
+    has ended.
     """
     environment = {
         **({"WGPU_BACKEND": "vulkan"} if sys.platform == "linux" else {}),  # without a window it ends with another
         **os.environ,
         **dict.fromkeys(("HOME", "XDG_RUNTIME_DIR", "XDG_CONFIG_HOME"), str(home)),
-        **dict.fromkeys(("ALL_PROXY", "HTTPS_PROXY", "HTTP_PROXY"), _NOWHERE),
-        "NO_PROXY": "127.0.0.1",
+        **dict.fromkeys(("ALL_PROXY", "HTTPS_PROXY", "HTTP_PROXY", "all_proxy", "https_proxy", "http_proxy"), _NOWHERE),
+        **dict.fromkeys(("NO_PROXY", "no_proxy"), "127.0.0.1"),
         "CI": "1",  # no statistics
         "NO_COLOR": "1",
-        "RUST_LOG": "info",
+        "RUST_LOG": "error",  # less would be shown in pictures as well
     }
     command = [str(program()), "--bind", "127.0.0.1", *options]
     if sys.platform == "linux":
@@ -71,21 +70,33 @@ def listening(
         errors="replace",
     )
     log: list[str] = []
-    rest = threading.Thread(target=lambda: log.extend(process.stdout or ()), daemon=True)  # else it would wait
+    lines = threading.Thread(target=lambda: log.extend(process.stdout or ()), daemon=True)
+    lines.start()
     try:
-        match = next((match for line in process.stdout or () if (match := address.search(line))), None)
-        rest.start()
-        yield match[1] if match else "", process, lambda: _all(rest, log)
+        yield _address(process), process, lambda: _all(lines, log)
     finally:
         process.kill()
         process.wait()
-        if rest.is_alive():
-            rest.join()
+        lines.join()
         if process.stdout is not None:
             process.stdout.close()
 
 
-def _all(rest: threading.Thread, log: list[str]) -> str:
-    """Return a log of a program that has ended."""
-    rest.join()
+def _address(process: subprocess.Popen[str]) -> str:
+    """Return where a process listens as soon as it does; "" where it ends before, or never does."""
+    import psutil
+
+    end = time.monotonic() + _PATIENCE
+    while process.poll() is None and time.monotonic() < end:
+        with suppress(psutil.Error):
+            for each in psutil.Process(process.pid).net_connections("tcp4"):
+                if each.status == psutil.CONN_LISTEN:
+                    return f"{each.laddr.ip}:{each.laddr.port}"
+        time.sleep(0.02)
+    return ""
+
+
+def _all(lines: threading.Thread, log: list[str]) -> str:
+    """Return the log of a program that has ended."""
+    lines.join()
     return "".join(log)

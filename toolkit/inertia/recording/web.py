@@ -33,7 +33,6 @@ from inertia.recording import viewer
 from inertia.recording.provenance import properties
 from inertia.recording.record import record
 
-_ADDRESS = re.compile(r"web-viewer at (http://127\.0\.0\.1:\d+)")
 _NO_RECORDING = "http://127.0.0.1:9/none.rrd"
 """What the server is told to show, so that it does not listen for recordings."""
 _BLOCK = 3 << 20  # bytes, a multiple of three: base64 of the blocks in a row is that of the whole
@@ -161,10 +160,12 @@ def _web_viewer() -> _Viewer:
     if notices.is_file():
         texts.append(notices.read_text(encoding="utf-8"))
     options = ("--serve-web", "--web-viewer-port", "0", _NO_RECORDING)
-    with temporary_folder() as home, viewer.listening(home, _ADDRESS, *options) as (address, _, _):
+    with temporary_folder() as home, viewer.listening(home, *options) as (address, _, _):
         if address:
             with suppress(OSError):
-                script, module = (_fetched(f"{address}/{name}") for name in ("re_viewer.js", "re_viewer_bg.wasm"))
+                script, module = (
+                    _fetched(f"http://{address}/{name}") for name in ("re_viewer.js", "re_viewer_bg.wasm")
+                )
                 if module.startswith(b"\0asm") and b"wasm_bindgen" in script:
                     licences = "\n\n".join(text for text in texts if text)
                     return _Viewer(sdk.version, _inline(script.decode()), module, licences)
