@@ -17,7 +17,9 @@ def add(parsers: Any) -> None:
         "with their certified bound.",
     )
     parser.set_defaults(run=run)
-    parser.add_argument("part", nargs="?", metavar="FILE", help="assembly file (TOML); - is standard input")
+    parser.add_argument(
+        "part", nargs="?", metavar="FILE", help="assembly file (TOML), or bill of materials (CSV); - is standard input"
+    )
     parser.add_argument("--schema", action="store_true", help="print the JSON Schema of an assembly file")
     parser.add_argument("--json", action="store_true", help="print one JSON document (inertia/assembly/1)")
 

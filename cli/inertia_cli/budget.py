@@ -6,7 +6,7 @@ import argparse
 from pathlib import Path
 from typing import Any
 
-from inertia_cli.printing import write_and_show
+from inertia_cli.printing import show, write_and_show
 
 _CODES = {None: 0, "pass": 0, "fail": 5, "undecided": 4}
 
@@ -20,19 +20,36 @@ def add(parsers: Any) -> None:
         "uncertainties, and judge the limits; exit code 5 if one is exceeded, 4 if one is undecided.",
     )
     parser.set_defaults(run=run)
-    parser.add_argument("part", metavar="FILE", help="assembly file (TOML); - is standard input")
+    parser.add_argument(
+        "part", nargs="?", metavar="FILE", help="assembly file (TOML), or bill of materials (CSV); - is standard input"
+    )
+    parser.add_argument(
+        "--diff",
+        nargs=2,
+        metavar=("OLD", "NEW"),
+        help="what changed from one assembly file to another, and what it did",
+    )
     parser.add_argument("--csv", metavar="FILE.csv", help="write a row for each part, SI")
     parser.add_argument("--force", action="store_true", help="replace files that are there")
-    parser.add_argument("--json", action="store_true", help="print one JSON document (inertia/budget/1)")
+    parser.add_argument(
+        "--json",
+        action="store_true",
+        help="print one JSON document (inertia/budget/1, with --diff inertia/budget-diff/1)",
+    )
 
 
 def run(options: argparse.Namespace) -> int:
     """Run ``inertia budget``."""
     from inertia.assembly.document import Assembly
+    from inertia.errors import UsageError
     from inertia.output import require_writable, write_whole
     from inertia.report.budget.document import budget_document
     from inertia.report.budget.text import budget_text
 
+    if options.diff is not None:
+        return _diff(options)
+    if options.part is None:
+        raise UsageError("no assembly is named: give an assembly file, see `inertia budget --help`")
     if options.csv is not None:
         require_writable(options.csv, ".csv", force=options.force)
     whole = Assembly.load(options.part).budget()
@@ -45,3 +62,16 @@ def run(options: argparse.Namespace) -> int:
 
     write_and_show(write, options.json, lambda: budget_document(whole), lambda: budget_text(whole))
     return _CODES[whole.verdict]
+
+
+def _diff(options: argparse.Namespace) -> int:
+    from inertia.assembly.compare import compare
+    from inertia.assembly.document import Assembly
+    from inertia.errors import UsageError
+    from inertia.report.budget.comparison import comparison_document, comparison_text
+
+    if options.part is not None or options.csv is not None:
+        raise UsageError("--diff takes two assembly files and nothing else but --json: leave the rest out")
+    comparison = compare(*(Assembly.load(file).budget() for file in options.diff))
+    show(options.json, lambda: comparison_document(comparison), lambda: comparison_text(comparison))
+    return 0

@@ -4,13 +4,16 @@ from __future__ import annotations
 
 import argparse
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from inertia.errors import GeometryError, UsageError
 from inertia.standard_input import NAME as STANDARD_INPUT
 from inertia_cli.options import add_density, add_input, by_name, triple
 from inertia_cli.simulate import FIELDS, add_result, add_settings, follow
 from inertia_cli.wording import with_options
+
+if TYPE_CHECKING:
+    from inertia.dynamics.scene.body import SceneBody
 
 _EXAMPLES = """examples:
   inertia tumble t_handle.stl --spin 0.001,10,0 --for 60
@@ -44,9 +47,20 @@ def add(parsers: Any) -> None:
 
 def run(options: argparse.Namespace) -> int:
     """Run ``inertia tumble``."""
-    from inertia.dynamics.scene.body import SceneBody, accuracy_for
+    from inertia.dynamics.scene.body import is_assembly, of_tree
     from inertia.dynamics.scene.document import Scene
     from inertia.dynamics.scene.sections import Settings, Start
+
+    body = of_tree(Path(options.part)) if is_assembly(options.part) else _integrated(options)
+    try:
+        start, settings = Start(options.spin), Settings(options.duration)
+        return follow(Scene(body, start, settings, text=_text(options), name=options.part), options)
+    except (UsageError, GeometryError) as error:
+        raise with_options(error, FIELDS) from None
+
+
+def _integrated(options: argparse.Namespace) -> SceneBody:
+    from inertia.dynamics.scene.body import SceneBody, accuracy_for
     from inertia.mass.analyse import analyse, sound_solids_only
     from inertia.mesh.read import read
 
@@ -55,11 +69,7 @@ def run(options: argparse.Namespace) -> int:
     density, material = by_name("density", options.density), by_name("material", options.material)
     with sound_solids_only("tumbling takes a sound solid only"):
         analysis = analyse(part, density, material=material, mass=options.mass, accuracy=accuracy_for(part))
-    try:
-        body, start, settings = SceneBody.of_analysis(analysis), Start(options.spin), Settings(options.duration)
-        return follow(Scene(body, start, settings, text=_text(options), name=options.part), options)
-    except (UsageError, GeometryError) as error:
-        raise with_options(error, FIELDS) from None
+    return SceneBody.of_analysis(analysis)
 
 
 def _text(options: argparse.Namespace) -> str | None:

@@ -83,3 +83,72 @@ def test_what_cannot_be_is_one_sentence(
     assert says in error
     assert error.count("\n") == 1
     assert "Traceback" not in error
+
+
+def test_what_changed_is_told_part_by_part(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    text = Path(FAN).read_text(encoding="utf-8")
+    text = text.replace("count = 9", "count = 7").replace('name = "screw"', 'name = "bolt"')
+    (tmp_path / "new.toml").write_text(text, encoding="utf-8")
+    assert main(["budget", "--diff", FAN, str(tmp_path / "new.toml"), "--json"]) == 0
+    document = json.loads(capsys.readouterr().out)
+    assert document["schema"] == "inertia/budget-diff/1"
+    changes = {each["part"]: each for each in document["changes"]}
+    kinds = {name: each["kind"] for name, each in changes.items()}
+    assert kinds == {"impeller/blade": "changed", "bolt": "added", "screw": "removed"}
+    blade = changes["impeller/blade"]
+    assert blade["quantity"] == [9, 7]
+    assert blade["effect"]["mass"] == pytest.approx(-2 * 0.07 * 0.024 * 0.002 * 1150)
+    old, new = document["mass"]
+    assert new - old == pytest.approx(sum(each["effect"]["mass"] for each in changes.values()))
+    assert main(["budget", "--diff", FAN, FAN]) == 0
+    assert "No part changed." in capsys.readouterr().out
+    assert main(["budget", FAN, "--diff", FAN, FAN]) == 2
+
+
+def test_a_bill_of_materials_is_the_same_as_the_file(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    (tmp_path / "bill.csv").write_text(
+        "Name;Quantity;Mass;Shape;Size;At;Material\nbattery;2;0.35±0.01;box;[80, 60, 30];[5,0,0];\n"
+        '"plate";;;box;[10, 20, 30.5];"[0, ""1/3"", 2]";aluminium\n\n',
+        encoding="utf-8",
+    )
+    (tmp_path / "bill.toml").write_text(
+        '[[part]]\nname = "battery"\nquantity = 2\nmass = "0.35±0.01"\nshape = "box"\nsize = [80, 60, 30]\n'
+        "at = [5, 0, 0]\n"
+        '[[part]]\nname = "plate"\nshape = "box"\nsize = [10, 20, 30.5]\nat = [0, "1/3", 2]\nmaterial = "aluminium"\n',
+        encoding="utf-8",
+    )
+    documents = []
+    for name in ("bill.csv", "bill.toml"):
+        assert main(["budget", str(tmp_path / name), "--json"]) == 0
+        documents.append(json.loads(capsys.readouterr().out))
+    assert documents[0] == documents[1]
+
+
+@pytest.mark.parametrize(
+    ("text", "code", "says"),
+    [
+        ("part,mass\nx,1\n", 3, "its first line names no column `name`"),
+        ("name,mass\nx,1,2\n", 3, "line 2 has 3 cells, and the first line 2 names"),
+        ("name,mas\nx,1\n", 2, "part[0].mas is unknown: did you mean mass?"),
+        ("name,mass\nx,one\n", 2, "part[0].mass is no number"),
+    ],
+)
+def test_a_bill_that_is_none_is_refused(
+    text: str, code: int, says: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    (tmp_path / "bill.csv").write_text(text, encoding="utf-8")
+    assert main(["budget", str(tmp_path / "bill.csv")]) == code
+    assert says in capsys.readouterr().err
+
+
+def test_an_assembly_tumbles_and_is_the_body_of_a_scene(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["tumble", FAN, "--spin", "0,0.01,3", "--for", "2", "--json"]) == 0
+    tumbled = json.loads(capsys.readouterr().out)
+    scene = f"[body]\npart = '{FAN}'\n[start]\nangular_velocity = [0, 0.01, 3]\n[run]\nduration = 2\n"
+    (tmp_path / "scene.toml").write_text(scene, encoding="utf-8")
+    assert main(["simulate", str(tmp_path / "scene.toml"), "--json"]) == 0
+    simulated = json.loads(capsys.readouterr().out)
+    assert simulated["attitude"] == tumbled["attitude"]
+    (tmp_path / "scene.toml").write_text(scene.replace("[start]", "density = 7850\n[start]"), encoding="utf-8")
+    assert main(["simulate", str(tmp_path / "scene.toml")]) == 2
+    assert "body.density goes with a mesh" in capsys.readouterr().err

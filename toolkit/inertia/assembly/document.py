@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
+import os
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, Self
 
+from inertia.assembly.bill import parts_of
 from inertia.assembly.budget import Budget, budget
 from inertia.assembly.fields import AssemblyFields
 from inertia.assembly.tree import PartTree
 from inertia.documents import document_schema
+from inertia.errors import ReadError, placed
 
 
 @dataclass(frozen=True, eq=False)
@@ -22,6 +25,17 @@ class Assembly(PartTree):
     >>> fan.mass_properties().mass, round(fan.budget().total.sigma.mass, 6)
     (0.2097876019763093, 0.0009)
     """
+
+    @classmethod
+    def loads(cls, text: str, folder: str | os.PathLike[str] = ".", name: str | None = None) -> Self:
+        """Read the text of a file; that of one called .csv is a bill of materials."""
+        if name is None or not name.lower().endswith(".csv"):
+            return super().loads(text, folder, name)
+        try:
+            parts = parts_of(text)
+        except ReadError as error:
+            raise placed(error, f"cannot read {name}") from None
+        return cls.from_dict({"part": parts}, folder, text=text, name=name)
 
     def budget(self) -> Budget:
         """Return what each part contributes, how sure that is, and what became of the limits.

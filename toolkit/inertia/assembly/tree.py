@@ -11,15 +11,18 @@ from functools import cached_property
 from pathlib import Path
 from typing import Any, ClassVar, Self
 
+import numpy as np
+
 from inertia.assembly.bodies import Body, Library, Weight
 from inertia.assembly.fields import AssemblyFields, PartFields
-from inertia.assembly.frames import IDENTITY, UNTURNED, Frame, frame, turned
+from inertia.assembly.frames import IDENTITY, LENGTH_BITS, TURN_BITS, UNTURNED, Frame, frame, mirror, turned
 from inertia.assembly.rollup import Placed, place
 from inertia.documents import Document, FieldError, plain, section_of
 from inertia.errors import FieldPath, InertiaError, ReadError, UsageError, placed
 from inertia.mass.density import ASSUMED, density_of
 from inertia.mass.moments import ZERO
 from inertia.mass.properties import MassProperties
+from inertia.mesh.part import Cells, Part
 from inertia.units import Unit, length_unit
 
 _MOST_COPIES = 1_000_000
@@ -130,6 +133,24 @@ class PartTree(Document):
     def in_places(self) -> Iterator[tuple[Node, tuple[Frame, ...]]]:
         """Yield all nodes in the order of the tree, each with the frames of its copies in the axes of the whole."""
         return _in_places(self.root, (IDENTITY,))
+
+    def mesh(self) -> Part | None:
+        """Return the triangles of all files in their places, for drawings: (m), turned in float64; None without any."""
+        corners = []
+        for node, frames in self.in_places():
+            if node.body is None or node.body.part is None or isinstance(node.body.part.geometry, Cells):
+                continue
+            own = node.body.part.triangles.corners() * float(node.body.part.unit.metres)
+            if node.fields is not None and node.fields.mirror is not None:
+                rows = np.array([[float(k) for k in row] for row in mirror(node.fields.mirror)])
+                own = (own @ rows.T)[:, ::-1]
+            for each in frames:
+                turn = np.array([k / (1 << TURN_BITS) for k in each.rotation]).reshape(3, 3)
+                corners.append(own @ turn.T + np.array([k / (1 << LENGTH_BITS) for k in each.origin]))
+        if not corners:
+            return None
+        vertices = np.concatenate(corners).reshape(-1, 3)
+        return Part.from_arrays(vertices, np.arange(len(vertices)).reshape(-1, 3))
 
     @property
     def notes(self) -> tuple[str, ...]:

@@ -10,6 +10,7 @@ from typing import Literal
 import numpy as np
 
 from inertia.arrays import Float
+from inertia.documents import FieldError
 from inertia.dynamics.models.deforming.jointed_body import JointedBody
 from inertia.dynamics.scene.sections import BodySource
 from inertia.errors import FieldPath, GeometryError, UsageError, placed
@@ -167,6 +168,19 @@ def build(source: BodySource, folder: Path) -> SceneBody:
         raise placed(error, FieldPath(f"body.{field}")) from None
 
 
+def is_assembly(file: str) -> bool:
+    """Whether a file's name says that it holds an assembly."""
+    return file.lower().endswith((".toml", ".csv"))
+
+
+def of_tree(path: Path) -> SceneBody:
+    """Return the body that an assembly is, all its parts held together; raises as `Assembly.mass_properties`."""
+    from inertia.assembly.document import Assembly
+
+    assembly = Assembly.load(path)
+    return SceneBody.of(assembly.mass_properties(), assembly.mesh(), assembly.notes)
+
+
 def accuracy_for(part: Part) -> Literal["exact"] | None:
     """Return how accurately to integrate a part whose motion is followed: exactly, where that takes next to no time.
 
@@ -177,7 +191,12 @@ def accuracy_for(part: Part) -> Literal["exact"] | None:
 
 
 def integrated(source: BodySource, folder: Path, path: str) -> SceneBody:
-    """Read and integrate a part file in `folder`; `path` is the table that names it."""
+    """Read and integrate a part or an assembly file in `folder`; `path` is the table that names it."""
+    if is_assembly(str(source.part)):
+        for name in ("unit", "density", "material", "mass", "sigma", "allow_faults"):
+            if getattr(source, name) is not None:
+                raise FieldError(f"{path}.{name}", "goes with a mesh: the parts of an assembly have their own")
+        return of_tree(folder / str(source.part))
     try:
         part = read(folder / str(source.part), source.unit)
         analysis = analyse(

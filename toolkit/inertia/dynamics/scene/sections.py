@@ -55,7 +55,7 @@ class BodySource(Section):
 
     Attributes
     ----------
-    part : path of a mesh or STEP file, relative to the scene file
+    part : path of a mesh, STEP or assembly file (TOML), relative to the scene file
     unit : length unit of its coordinates; millimetres are assumed where neither this nor the file says one
     density, material : kg/m³, or a name in the table of materials; 1000 kg/m³ is assumed without them
     mass : kg; with a part, as weighed

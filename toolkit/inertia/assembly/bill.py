@@ -1,0 +1,50 @@
+"""A bill of materials in CSV, read as the parts of an assembly: a row a part, a column a field of ``[[part]]``."""
+
+from __future__ import annotations
+
+import csv
+import io
+import tomllib
+from typing import Any
+
+from inertia.errors import ReadError
+from inertia.tables import cell_text
+
+
+def parts_of(text: str) -> list[dict[str, Any]]:
+    """Return the parts as tables.
+
+    A cell is a number, a list or a table as TOML writes them, or else text; an empty one is not given. Semicolons and
+    tabs may stand for commas, and the names of columns may be in any case.
+
+    Raises `ReadError` where it is no such table.
+
+    >>> parts_of("name;quantity;at\\nbolt;4;[1, 2, 0.5]\\n")
+    [{'name': 'bolt', 'quantity': 4, 'at': [1, 2, 0.5]}]
+    """
+    first = text.lstrip().partition("\n")[0]
+    delimiter = max(",;\t", key=first.count)
+    rows = csv.reader(io.StringIO(text), delimiter=delimiter, skipinitialspace=True)
+    try:
+        names = [name.strip().lower().replace(" ", "_") for name in next(rows, [])]
+        if "name" not in names:
+            raise ReadError("its first line names no column `name`: a bill of materials has a row a part")
+        parts = []
+        for row in rows:
+            if len(row) > len(names):
+                raise ReadError(f"line {rows.line_num} has {len(row)} cells, and the first line {len(names)} names")
+            if any(cell.strip() for cell in row):
+                parts.append({name: _value(cell) for name, cell in zip(names, row, strict=False) if cell.strip()})
+    except csv.Error as error:
+        raise ReadError(f"it is not CSV: {error}") from None
+    return parts
+
+
+def _value(cell: str) -> Any:
+    word = cell_text(cell.strip())
+    if word[:1] in "[{+-.0123456789":
+        try:
+            return tomllib.loads(f"value = {word.replace(chr(10), ' ')}")["value"]
+        except tomllib.TOMLDecodeError:
+            pass
+    return word
