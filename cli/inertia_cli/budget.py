@@ -29,6 +29,7 @@ def add(parsers: Any) -> None:
         metavar=("OLD", "NEW"),
         help="what changed from one assembly file to another, and what it did",
     )
+    parser.add_argument("--report", metavar="FILE.html", help="write a report with pictures, to be printed or folded")
     parser.add_argument("--csv", metavar="FILE.csv", help="write a row for each part, SI")
     parser.add_argument("--force", action="store_true", help="replace files that are there")
     parser.add_argument(
@@ -42,7 +43,7 @@ def run(options: argparse.Namespace) -> int:
     """Run ``inertia budget``."""
     from inertia.assembly.document import Assembly
     from inertia.errors import UsageError
-    from inertia.output import require_writable, write_whole
+    from inertia.output import require_writable, together, write_whole
     from inertia.report.budget.document import budget_document
     from inertia.report.budget.text import budget_text
 
@@ -50,15 +51,21 @@ def run(options: argparse.Namespace) -> int:
         return _diff(options)
     if options.part is None:
         raise UsageError("no assembly is named: give an assembly file, see `inertia budget --help`")
-    if options.csv is not None:
-        require_writable(options.csv, ".csv", force=options.force)
+    for file, suffix in ((options.csv, ".csv"), (options.report, ".html")):
+        if file is not None:
+            require_writable(file, suffix, force=options.force)
     whole = Assembly.load(options.part).budget()
 
     def write() -> None:
-        if options.csv is not None:
-            from inertia.report.budget.table import budget_csv
+        with together():
+            if options.report is not None:
+                from inertia.report.budget.html import write_budget
 
-            write_whole(Path(options.csv), budget_csv(whole).encode())
+                write_budget(whole, options.report, force=options.force)
+            if options.csv is not None:
+                from inertia.report.budget.table import budget_csv
+
+                write_whole(Path(options.csv), budget_csv(whole).encode())
 
     write_and_show(write, options.json, lambda: budget_document(whole), lambda: budget_text(whole))
     return _CODES[whole.verdict]
@@ -70,7 +77,7 @@ def _diff(options: argparse.Namespace) -> int:
     from inertia.errors import UsageError
     from inertia.report.budget.comparison import comparison_document, comparison_text
 
-    if options.part is not None or options.csv is not None:
+    if options.part is not None or options.csv is not None or options.report is not None:
         raise UsageError("--diff takes two assembly files and nothing else but --json: leave the rest out")
     comparison = compare(*(Assembly.load(file).budget() for file in options.diff))
     show(options.json, lambda: comparison_document(comparison), lambda: comparison_text(comparison))

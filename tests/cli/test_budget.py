@@ -152,3 +152,17 @@ def test_an_assembly_tumbles_and_is_the_body_of_a_scene(tmp_path: Path, capsys: 
     (tmp_path / "scene.toml").write_text(scene.replace("[start]", "density = 7850\n[start]"), encoding="utf-8")
     assert main(["simulate", str(tmp_path / "scene.toml")]) == 2
     assert "body.density goes with a mesh" in capsys.readouterr().err
+
+
+def test_the_report_is_one_page_that_asks_nobody(tmp_path: Path) -> None:
+    text = Path(FAN).read_text(encoding="utf-8").replace('name = "motor"', 'name = "<b>motor</b>"')
+    (tmp_path / "a.toml").write_text(text, encoding="utf-8")
+    assert main(["budget", str(tmp_path / "a.toml"), "--report", str(tmp_path / "a.html")]) == 0
+    page = (tmp_path / "a.html").read_text(encoding="utf-8")
+    assert '<p class="verdict pass">PASS</p>' in page
+    assert "http" not in page
+    assert "<b>motor" not in page
+    assert page.count("<details") == 2  # the whole, and the impeller
+    assert page.count("<svg") == 3 + 3 + 2  # limits, variances, views of the centre of mass
+    assert main(["budget", str(tmp_path / "a.toml"), "--report", str(tmp_path / "a.html")]) == 2
+    assert main(["budget", str(tmp_path / "a.toml"), "--report", str(tmp_path / "a.pdf")]) == 2

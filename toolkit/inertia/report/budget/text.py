@@ -41,9 +41,9 @@ def budget_text(whole: Budget) -> str:
     share = 100 * total.allowance / total.basic_mass
     lines = [
         row("Budget", f"{whole.assembly.name}: {verdict}"),
-        row("Basic mass", f"{_figure(total.basic_mass, total.sigma.mass)} kg"),
+        row("Basic mass", f"{figure(total.basic_mass, total.sigma.mass)} kg"),
         row("Allowance", f"{number(total.allowance)} kg ({share:.3g} %)"),
-        row("Predicted mass", f"{_figure(total.predicted_mass, total.sigma.predicted_mass)} kg"),
+        row("Predicted mass", f"{figure(total.predicted_mass, total.sigma.predicted_mass)} kg"),
         "",
         *_properties(whole),
         *(f"{'':18}± {_uncertain(total.sigma.inertia[k])}" for k in range(3) if total.sigma.changes.size),
@@ -63,7 +63,7 @@ def _properties(whole: Budget) -> Iterator[str]:
     bound = properties.error.center_of_mass / float(unit.metres)
     spread = whole.total.sigma.center_of_mass / float(unit.metres)
     yield row("Mass", f"{number(properties.mass)} kg")
-    shown = [_figure(cleared(k, bound), u) for k, u in zip(center.tolist(), spread.tolist(), strict=True)]
+    shown = [figure(cleared(k, bound), u) for k, u in zip(center.tolist(), spread.tolist(), strict=True)]
     yield row("Centre of mass", f"{', '.join(shown)} {unit.name}")
     limit = properties.error.inertia * float((properties.inertia**2).sum() ** 0.5)
     for k, label in enumerate(("Tensor about it", "", "")):
@@ -107,7 +107,7 @@ def _limit(limit: Limit, unit: Unit) -> str:
     name = "" if "/" in limit.what else f" {name}"
     ends = [f"≥ {scale * limit.low:.6g}"] if limit.low is not None else []
     ends += [f"≤ {scale * limit.high:.6g}"] if limit.high is not None else []
-    value = _figure(scale * limit.value, scale * limit.uncertainty)
+    value = figure(scale * limit.value, scale * limit.uncertainty)
     margin = f", margin {scale * limit.margin:.4g}" if math.isfinite(limit.margin) else ""
     return row("Limit", f"{limit.what} {' and '.join(ends)}{name}: {value}{name}{margin}: {limit.verdict.upper()}")
 
@@ -134,7 +134,7 @@ def _notes(notes: tuple[str, ...]) -> Iterator[str]:
         yield from wrapped("Note", note)
 
 
-def _figure(value: float, uncertainty: float) -> str:
+def figure(value: float, uncertainty: float) -> str:
     """Return a figure with its 95 % interval, to the digits that it has."""
     if not uncertainty:
         return number(value)
