@@ -31,10 +31,12 @@ from inertia.mass.density import Densities, densities
 from inertia.mass.integration import Integral, cell_integrals, surface_integrals, wire_integrals
 from inertia.mass.principal import CLASS_TOLERANCE
 from inertia.mass.properties import MassProperties
+from inertia.mass.small import small_properties
 from inertia.mass.tensor import exact_point
 from inertia.mass.triangles.arithmetic import FINEST
 from inertia.mesh.checks.findings import Finding
-from inertia.mesh.part import Cells, Part
+from inertia.mesh.geometry.simple import MOST
+from inertia.mesh.part import Cells, Part, Surface
 
 if TYPE_CHECKING:
     pass  # slow to import, and seldom needed
@@ -105,6 +107,11 @@ def mass_properties(
     >>> inertia.mass_properties(cube, 6.0).inertia.tolist()
     [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]]
     """
+    plain = mass is None and accuracy is None and shell is None and wire is None and allow_faults is None
+    if plain and not union and orientation == "stored" and parts == "together" and isinstance(part, Part):
+        properties = _of_small_solid(part, density, material)
+        if properties is not None:
+            return properties
     return analyse(
         part,
         density,
@@ -120,6 +127,19 @@ def mass_properties(
         allow_faults=allow_faults,
         tessellated=tessellated,
     ).properties
+
+
+def _of_small_solid(
+    part: Part, density: float | Mapping[str, float] | None, material: str | Mapping[str, str] | None
+) -> MassProperties | None:
+    """Return the properties of a small surface in memory of one density; None where nothing is known at once."""
+    surface = part.geometry
+    if type(surface) is not Surface or surface.count > MOST or part.rounding is not None or part.shape is not None:
+        return None
+    stated = densities(density, material)
+    if stated.named or type(stated.default) is not float:
+        return None
+    return small_properties(surface, part.unit, stated.default)
 
 
 def analyse(

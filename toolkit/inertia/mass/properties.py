@@ -10,6 +10,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field
 from fractions import Fraction
 from functools import cached_property
+from typing import TYPE_CHECKING, Any, Protocol
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -46,6 +47,16 @@ class ErrorBound:
     inertia: float
 
 
+_GIVEN = ErrorBound("given", 0.0, 0.0, 0.0, 0.0)
+
+
+class Summed(Protocol):
+    """A solid whose sums are at hand, and from which the bounds follow in rational arithmetic."""
+
+    def properties(self) -> MassProperties:
+        """Return the mass properties, with their bounds."""
+
+
 @dataclass(frozen=True, eq=False)
 class MassProperties:
     """Mass properties of a body, in SI units and part axes.
@@ -69,8 +80,8 @@ class MassProperties:
     volume: float
     center_of_mass: Float
     inertia: Float
-    error: ErrorBound = ErrorBound("given", 0.0, 0.0, 0.0, 0.0)
-    _exact: Moments | None = field(default=None, init=False, repr=False)  # before rounding, where at hand
+    error: ErrorBound = field(default_factory=lambda: _GIVEN)
+    _exact: Moments | None = field(default_factory=lambda: None, init=False, repr=False)  # before rounding, if at hand
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "center_of_mass", array_of(self.center_of_mass, (3,), "center_of_mass"))
@@ -104,6 +115,26 @@ class MassProperties:
         if volume and not size:
             raise GeometryError(*_TOO_SMALL)
         return cls._rounded(moments, size, _relative(volume_bound, [volume], [size]), None, method)
+
+    @classmethod
+    def of_small(cls, mass: float, volume: float, center: Float, inertia: Float, solid: Summed) -> MassProperties:
+        """Return what `solid` has, of which these are known already; its bounds are formed where they are read."""
+        properties = object.__new__(cls)
+        center.setflags(write=False)
+        inertia.setflags(write=False)
+        properties.__dict__.update(mass=mass, volume=volume, center_of_mass=center, inertia=inertia, _solid=solid)
+        return properties
+
+    if not TYPE_CHECKING:
+
+        def __getattr__(self, name: str) -> Any:
+            """Form the bounds, and what was exact before it was rounded, where either is read for the first time."""
+            solid = self.__dict__.get("_solid")
+            if name not in ("error", "_exact") or solid is None:
+                raise AttributeError(f"{type(self).__name__!r} object has no attribute {name!r}")
+            whole = solid.properties()
+            self.__dict__.update(error=whole.error, _exact=whole._exact)
+            return self.__dict__[name]
 
     @classmethod
     def _rounded(

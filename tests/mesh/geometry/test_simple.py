@@ -1,0 +1,83 @@
+"""A surface that is called simple is closed, in one piece and free of crossings, by the passes that sort and search."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from tests.benchmarks.extremes.cases import ball
+from tests.benchmarks.meshes import wavy_torus
+
+from inertia.mesh.geometry.closure import vectorised_closure
+from inertia.mesh.geometry.intersect import vectorised_crossings
+from inertia.mesh.geometry.simple import MOST, at_hand, simple
+from inertia.mesh.part import Surface
+
+pytestmark = pytest.mark.skipif(not at_hand(), reason="the pass is a compiled one")
+
+
+def sound(surface: Surface) -> bool:
+    topology = vectorised_closure(surface)
+    closed = (topology.open_edges, topology.components, topology.crowded, topology.repeated) == (0, 1, 0, 0)
+    return closed and not any(len(pairs) for pairs, _, _ in vectorised_crossings(surface))
+
+
+def alone(vertices: np.ndarray, faces: np.ndarray) -> bool:
+    return bool(simple(vertices, faces, np.array([[0, len(vertices), 0, len(faces)]]))[0])
+
+
+def hostile(seed: int) -> Surface:
+    """Return a ball, torus or octahedron with noise of any size, on a grid or not, stretched and moved off."""
+    rng = np.random.default_rng(seed)
+    vertices, faces = (ball(0), ball(1), wavy_torus(60))[seed % 3]
+    if seed % 5 == 0:
+        vertices = rng.integers(-2, 3, vertices.shape).astype(float)
+    vertices = vertices + rng.normal(size=vertices.shape) * 10.0 ** rng.uniform(-18, 0)
+    vertices = vertices * rng.choice([1.0, 1e-3, 1e4], size=3) + rng.normal(size=3) * rng.choice([0.0, 1e6])
+    if rng.random() < 0.3:
+        vertices[rng.integers(len(vertices))] = vertices[rng.integers(len(vertices))]
+    return Surface(vertices, faces)
+
+
+def test_simple_is_sound_and_sound_is_simple() -> None:
+    answers = []
+    for seed in range(150):
+        surface = hostile(seed)
+        answers.append(alone(surface.vertices, surface.faces))
+        assert answers[-1] == sound(surface), seed
+    assert 20 < sum(answers) < 130
+
+
+def test_planar_faces_with_many_triangles_are_simple() -> None:
+    grid = np.linspace(0.0, 1.0, 6)
+    faces, points = [], []
+    for axis in range(3):
+        for end in (0.0, 1.0):
+            for k in range(5):
+                for l in range(5):
+                    corners = [(grid[k + a], grid[l + b]) for a, b in ((0, 0), (1, 0), (1, 1), (0, 1))]
+                    square = [np.insert(corner, axis, end) for corner in corners]
+                    # inserting the coordinate in the middle mirrors the square
+                    square = square if (end == 1.0) != (axis == 1) else square[::-1]
+                    points += [square[0], square[1], square[2], square[0], square[2], square[3]]
+    vertices = np.array(points)
+    faces = np.arange(len(points)).reshape(-1, 3)
+    assert sound(Surface(vertices, faces))
+    assert alone(vertices, faces)
+
+
+def test_a_bad_surface_does_not_touch_its_neighbours() -> None:
+    vertices, faces = ball(1)
+    wrong = faces.copy()
+    wrong[3, 2] = len(vertices)
+    below = faces.copy()
+    below[3, 2] = -1
+    blocks = [faces, wrong, faces[1:], below, np.concatenate([faces, faces]), faces]
+    starts = np.cumsum([0, *map(len, blocks)])[:-1]
+    table = np.array([[0, len(vertices), start, len(block)] for start, block in zip(starts, blocks, strict=True)])
+    assert simple(vertices, np.concatenate(blocks), table).tolist() == [True, False, False, False, False, True]
+
+
+def test_what_is_too_large_for_the_pass_is_not_shown_to_be_simple() -> None:
+    vertices, faces = wavy_torus(4 * MOST)
+    assert len(faces) > MOST
+    assert not alone(vertices, faces)

@@ -1,0 +1,151 @@
+"""Mass properties of small parts in memory, at once: compiled sums, and rational arithmetic where it is asked for.
+
+What is read first, volume, mass, centre of mass and tensor, are quotients of integers made of the float64 sums, each
+rounded once, so that they have the bits that `inertia.mass.analyse` gives them. Its bounds are formed where they are
+read. That the volume and the principal moments are certain to a part in 10⁹, as there, is known beforehand: the sums
+are formed in double-double, too, and how far the two are apart bounds what the first are off by.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from fractions import Fraction
+from math import inf
+
+import numpy as np
+
+from inertia.arrays import Bool, Float, Int
+from inertia.mass.properties import CERTAIN, MassProperties
+from inertia.mass.triangles.arithmetic import METHODS, solid_moments
+from inertia.mass.triangles.sums import SUMS, Sums
+from inertia.mesh.geometry.simple import MOST, at_hand, place, simple
+from inertia.mesh.part import Surface
+from inertia.native import Kernel
+from inertia.units import Unit
+
+_KERNEL = Kernel("inertia.mass.triangles.small_kernel", "sum_small", "pipipippp")
+_COLUMNS = 3 + SUMS + 6 + 20
+_ROOM = 48 * 32 + 8
+
+_A_PRIORI = 1e-28
+"""More than 70 roundings of double-double, 2⁻¹⁰³ each: no term of the sums passes through more."""
+
+_ROUNDOFF = 2.0**-53
+_INFLATED = 1.0 + 1e-9
+
+
+def small_sums(vertices: Float, faces: Int, table: Int) -> tuple[Float, Bool]:
+    """Return a row for each surface of a batch (see `simple`), and which of them are simple and could be summed.
+
+    A row holds the origin, the thirteen sums and the extents of `inertia.mass.triangles.sums`, and the first ten sums
+    in double-double, high and low.
+    """
+    usable = simple(vertices, faces, table)
+    rows, room = np.empty((len(table), _COLUMNS)), np.empty(_ROOM)
+    scratch = place(room)
+    _KERNEL.function(
+        place(vertices), len(vertices), place(faces), len(faces), place(table), len(table), place(usable),
+        scratch + -scratch % 64, place(rows),
+    )  # fmt: skip
+    return rows, usable
+
+
+@dataclass(frozen=True, eq=False)
+class SmallSolid:
+    """A small solid of one density, kg/m³, that was summed up already."""
+
+    vertices: Float
+    faces: Int
+    sums: Sums
+    unit: Unit
+    density: float
+
+    def properties(self) -> MassProperties:
+        """Return what `inertia.mass.analyse` does, bounds and all."""
+        factor, weight = self.unit.metres**3, Fraction(self.density)
+        whole = solid_moments(Surface(self.vertices, self.faces), "float64", self.sums)
+        moments = whole.in_unit(self.unit.metres).scaled(factor * weight)
+        volume, bound = factor * whole.zeroth, factor * whole.zeroth_bound
+        return MassProperties.from_moments(moments, volume, bound, METHODS["float64"])
+
+
+def small_properties(surface: Surface, unit: Unit, density: float) -> MassProperties | None:
+    """Return the mass properties of a small, simple solid; None where it is not known to be one, or not certain."""
+    vertices, faces = surface.vertices, surface.faces
+    if not 0 < len(faces) <= MOST or not at_hand():
+        return None
+    rows, usable = small_sums(vertices, faces, np.array([[0, len(vertices), 0, len(faces)]]))
+    if not usable[0]:
+        return None
+    row = rows[0].tolist()
+    if not _certain(row):
+        return None
+    try:
+        mass, volume, center, tensor = _rounded(row, unit.metres, density)
+    except OverflowError:
+        return None
+    if not (0 < mass < inf and 0 < volume < inf and min(tensor[0], tensor[4], tensor[8]) > 0):
+        return None
+    own = rows[0]
+    sums = Sums(own[:3], 0, own[3 : 3 + SUMS], own[3 + SUMS : 6 + SUMS], own[6 + SUMS : 9 + SUMS], len(faces))
+    solid = SmallSolid(vertices.copy(), faces.copy(), sums, unit, density)  # which may be written to meanwhile
+    return MassProperties.of_small(mass, volume, np.array(center), np.array(tensor).reshape(3, 3), solid)
+
+
+def _certain(row: Sequence[float]) -> bool:
+    """Say whether the volume and each principal moment are certain to a part in 10⁹, and the tensor is physical.
+
+    The test is that of `MassProperties.moments_within`, with a bound on the tensor's error that is never smaller.
+    """
+    sums, low, high, accurate = row[3:16], row[16:19], row[19:22], row[22:]
+    v, origin = sums[0], row[:3]
+    reach = max(max(o - a, b - o) for o, a, b in zip(origin, low, high, strict=True))
+    size = _A_PRIORI * (sums[10] + sums[12])
+    apart = [abs((s - h) - l) for s, h, l in zip(sums, accurate[::2], accurate[1::2], strict=False)]
+    off = apart[0] + size
+    if not CERTAIN * v > 2 * off:
+        return False
+    x, y, z = (k / (4 * v) for k in sums[1:4])
+    far = max(abs(x), abs(y), abs(z))
+    first = 6 * ((max(apart[1:4]) + 3 * reach * size) / 24 + far * off / 6) / v  # of the centre
+    second = 6 * (max(apart[4:10]) / 60 + 12 * reach * reach * size) / v
+    bound = 5 * (second + 3 * far * first + first * first) * _INFLATED
+    xx, yy, zz = (k / (10 * v) - c * c for k, c in zip(sums[4:7], (x, y, z), strict=True))
+    yz, zx, xy = sums[7] / (20 * v) - y * z, sums[8] / (20 * v) - z * x, sums[9] / (20 * v) - x * y
+    trace = 2 * (xx + yy + zz)
+    if not (xx > 0 and yy > 0 and zz > 0 and trace > 0):
+        return False
+    xx, yy, zz, yz, zx, xy, error = (k / trace for k in (xx, yy, zz, yz, zx, xy, bound))
+    # Of the second moments: positive as they are those of some body, whose tensor then keeps to the triangle rule.
+    body = xx * (yy * zz - yz * yz) - xy * (xy * zz - yz * zx) + zx * (xy * yz - yy * zx)
+    a, b, c = yy + zz, zz + xx, xx + yy
+    determinant = a * (b * c - yz * yz) - xy * (xy * c + yz * zx) - zx * (xy * yz + b * zx)
+    error = 2 * error + 8 * _ROUNDOFF
+    return body > 3 * error + 1e-14 and 27 * error < CERTAIN * (determinant - 1e-13)
+
+
+def _rounded(row: Sequence[float], metres: Fraction, density: float) -> tuple[float, float, list[float], list[float]]:
+    """Return mass, volume, centre and tensor of the sums, each rounded once.
+
+    With Σd = A₀ and so on: V = A₀/6, c = o + A₁/(4 A₀), and Ixx = (8 A₀ (A₅ + A₆) − 5 (A₂² + A₃²))/(480 A₀).
+    """
+    ratios = [k.as_integer_ratio() for k in row[3:13]]
+    unit = max(d for _, d in ratios)
+    v, x, y, z, xx, yy, zz, yz, zx, xy = (n * (unit // d) for n, d in ratios)
+    n, d = metres.numerator, metres.denominator
+    w, e = density.as_integer_ratio()
+    n3, d3 = n**3, d**3
+    volume = n3 * v / (6 * d3 * unit)
+    mass = w * n3 * v / (6 * d3 * unit * e)
+    center = []
+    for o, k in zip(row[:3], (x, y, z), strict=True):
+        on, od = o.as_integer_ratio()
+        center.append(n * (4 * on * v + k * od) / (4 * d * od * v))
+    over, times = 480 * d3 * d * d * e * v * unit, w * n3 * n * n
+    ixx, iyy, izz = (
+        times * (8 * v * (p + q) - 5 * (f * f + g * g)) / over
+        for p, q, f, g in ((yy, zz, y, z), (zz, xx, z, x), (xx, yy, x, y))
+    )
+    iyz, izx, ixy = (times * (5 * f * g - 4 * v * k) / over for k, f, g in ((yz, y, z), (zx, z, x), (xy, x, y)))
+    return mass, volume, center, [ixx, ixy, izx, ixy, iyy, iyz, izx, iyz, izz]

@@ -1,0 +1,67 @@
+"""Check of small surfaces by one compiled pass: closed, in one piece, and free of triangles that cross.
+
+Corners with equal coordinates are one (−0 equals +0), each edge must have exactly one other that runs against it, and
+all triangles must hang together by them. Triangles cross as `inertia.mesh.geometry.triangle_pairs` says. Most pairs
+need no look: those around a corner share nothing but the corner and their edges if they can be flattened, that is, if
+they all face one way and go around it once, seen from there. Of the others, a plane shows most to be apart, and exact
+signs decide the rest. What is not shown to be simple here may still be sound: who wants to know asks
+`inertia.mesh.check`.
+"""
+
+from __future__ import annotations
+
+import threading
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from inertia.arrays import Bool, Float, Int
+from inertia.native import Kernel, address
+
+MOST = 1024
+"""Triangles of a small surface, at most."""
+
+_KERNEL = Kernel("inertia.mesh.geometry.simple_kernel", "check_small", "pipipipipp")
+_DOUBLES = 60_000  # that the kernel has its tables in, at most
+_own = threading.local()
+
+
+def at_hand() -> bool:
+    """Say whether the compiled pass is, or can be had for the price of what it saves."""
+    return _KERNEL.worthwhile(2 * MOST)
+
+
+def simple(vertices: Float, faces: Int, table: Int) -> Bool:
+    """Say of each surface of a batch whether it is shown to be closed, in one piece and free of crossings.
+
+    Parameters
+    ----------
+    vertices, faces : (v, 3) and (f, 3), of all surfaces one after another
+    table : (n, 4), of each the first vertex and how many it has, the first face and how many; faces number the vertices
+        of their surface from 0 on
+
+    >>> cube = np.array([[x, y, z] for x in (0.0, 1.0) for y in (0.0, 1.0) for z in (0.0, 1.0)])
+    >>> faces = np.array([[0, 1, 3], [0, 3, 2], [4, 6, 7], [4, 7, 5], [0, 4, 5], [0, 5, 1],
+    ...                   [2, 3, 7], [2, 7, 6], [0, 2, 6], [0, 6, 4], [1, 5, 7], [1, 7, 3]])
+    >>> simple(cube, faces, np.array([[0, 8, 0, 12], [0, 8, 0, 11]])).tolist()
+    [True, False]
+    """
+    if not hasattr(_own, "tables"):
+        _own.tables = np.empty(_DOUBLES)
+    room = int(table[:, 1].max(initial=1))
+    ids, states = np.empty(room, np.int32), np.empty(len(table), np.int64)
+    _KERNEL.function(
+        place(vertices), len(vertices), place(faces), len(faces), place(table), len(table), place(ids), room,
+        place(_own.tables), place(states),
+    )  # fmt: skip
+    alike: Bool = states == 0
+    return alike
+
+
+def place(array: NDArray[Any]) -> int:
+    """Return where a contiguous array lies."""
+    try:
+        return address(array)
+    except (TypeError, ValueError):  # it is read-only, or empty
+        return int(array.ctypes.data)
