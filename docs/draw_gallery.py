@@ -22,7 +22,7 @@ INSTANTS = {
     "scenes/thrown_box.toml": 0.45,
     "scenes/feynman_plate.toml": 0.3,
     "scenes/cube.toml": 2.0,
-    "scenes/explorer_1.toml": 40.0,
+    "scenes/explorer_1.toml": 15.0,
     "scenes/detumbling.toml": 10.0,
     "scenes/flywheel.toml": 100.0,
     "scenes/manoeuvre.toml": 12.0,

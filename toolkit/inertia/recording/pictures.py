@@ -24,6 +24,7 @@ _LARGEST = 4096  # pixels along an edge
 _TICK = 100  # a second: what the durations of a GIF are counted in
 _COLORS = 128
 _BAR, _EDGE = 36, 1  # pixels of the window's own frame
+_TOAST = 5.0  # s, for which the viewer shows a message in a corner after its first frame
 _SAMPLED = 8  # frames that the colours of all are chosen from
 _PATIENCE = 600.0  # s, for a recording to be loaded, or to be drawn
 
@@ -107,16 +108,20 @@ class _Screen:
         return str(numbers[0])
 
     def picture(self, instant: float, view: str | None, *, settled: bool) -> bytes:
-        """Return the PNG of what is seen at an instant; `settled`: when two in a row agree, as plots scale late."""
+        """Return the PNG of what is seen at an instant.
+
+        `settled`: when no message is shown any more, and two in a row agree, as plots find their range late.
+        """
         seconds = self._timeline.start / _NANO + instant
-        last = b""
+        last, begin = b"", 0.0
 
         def drawn() -> bytes:
-            nonlocal last
+            nonlocal last, begin
             if not last:
                 self._client.set_time(self._timeline.name, duration=seconds, play_state="paused")
             last, before = self._client.take_screenshot(view), last
-            return last if last == before or not settled else b""
+            begin = begin or time.monotonic()
+            return last if not settled or (last == before and time.monotonic() > begin + _TOAST) else b""
 
         picture: bytes = self._waited(drawn)
         return picture

@@ -54,7 +54,7 @@ def listening(home: Path, *options: str) -> Iterator[tuple[str, subprocess.Popen
         **dict.fromkeys(("NO_PROXY", "no_proxy"), "127.0.0.1"),
         "CI": "1",  # no statistics
         "NO_COLOR": "1",
-        "RUST_LOG": "error",  # less would be shown in pictures as well
+        "RUST_LOG": "error",
     }
     command = [str(program()), "--bind", "127.0.0.1", *options]
     if sys.platform == "linux":
