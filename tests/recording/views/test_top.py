@@ -74,7 +74,7 @@ def test_the_tilt_is_plotted_at_every_sample(run: Run, recording: Recorded) -> N
     assert series(recording, f"/{entities.PLOT_EULER_ANGLES}").shape == (401, 2)
     assert series(recording, f"/{entities.PLOT_DRIFT}").shape == (401, 3)
     names = recording.texts(f"/{entities.PLOT_DRIFT}", "SeriesLines:names")
-    assert [name.split(",")[0] for name in names] == ["energy", "p_phi", "p_psi"]
+    assert [name.split(",")[0] for name in names] == ["energy", "vertical L", "L along the axis"]
 
 
 def test_the_point_stays_on_the_effective_potential_and_below_the_energy(run: Run, recording: Recorded) -> None:

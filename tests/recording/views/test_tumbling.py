@@ -84,8 +84,9 @@ def test_everything_has_its_place(recording: Recorded) -> None:
         "/world/center_of_mass/body/principal_axes", "/world/center_of_mass/angular_velocity",
         "/world/center_of_mass/angular_momentum", "/world/center_of_mass/herpolhode",
         "/body/principal_axes", "/body/momentum_sphere", "/body/energy_ellipsoid", "/body/polhode",
-        "/body/separatrix", "/body/angular_momentum", "/plots/angular_velocity", "/plots/euler_angles",
-        "/plots/drift", "/states/flips", "/text/summary",
+        "/body/separatrix", "/body/angular_momentum", "/plots/angular_velocity", "/plots/angular_velocity/events",
+        "/plots/euler_angles",
+        "/plots/drift", "/flips", "/text/summary",
     }  # fmt: skip
     paths = {name for name in recording.columns if not name.startswith("/__") and not name.endswith(NAMES)}
     assert paths == expected
@@ -110,6 +111,20 @@ def test_poses_are_those_of_the_true_motion(handle: Run, truth: Truth, recording
     away = (turned(poses) * truth.attitude.inv()).magnitude()
     assert away[::6].max() < 4 * FLOAT32  # there is a sample
     assert away.max() < 5e-3  # a turn at an even rate between samples
+
+
+def test_flips_are_marked_where_the_spin_about_axis_2_is_zero(handle: Run, recording: Recorded) -> None:
+    flips = [event.time for event in handle.events if event.name == "flip"]
+    np.testing.assert_allclose(recording.time(f"/{entities.PLOT_FLIPS}"), flips, atol=1e-9)
+    assert abs(recording.values(f"/{entities.PLOT_FLIPS}", "Scalars:scalars")).max() < 1e-2  # of 10 rad/s, on a line
+
+
+def test_the_legend_has_room_beside_the_curves(recording: Recorded) -> None:
+    """Six seconds of curves, and room to 8.1 s."""
+    ranges = recording.property("TimeAxis:view_range")
+    assert len(ranges) == 4
+    ends = sorted(each["end"] for each in ranges)
+    assert ends == [6_000_000_000, *3 * [8_100_000_000]]
 
 
 def test_the_mesh_is_the_part(handle: Run, recording: Recorded) -> None:
@@ -178,7 +193,7 @@ def test_plots_hold_every_sample_and_name_their_units(handle: Run, truth: Truth,
     assert recording.texts(f"/{entities.PLOT_EULER_ANGLES}", "SeriesLines:names") == ["φ, rad", "θ, rad", "ψ, rad"]
     drift = recording.values(f"/{entities.PLOT_DRIFT}", "Scalars:scalars")
     names = recording.texts(f"/{entities.PLOT_DRIFT}", "SeriesLines:names")
-    assert [name.split(",")[0] for name in names] == ["energy", "angular momentum"]
+    assert [name.split(",")[0] for name in names] == ["energy", "L"]
     unit = float(names[0].split(",")[1])
     energy = handle.invariants["energy"]
     np.testing.assert_allclose(drift[:, 0] * unit, energy.values / energy.values[0] - 1, atol=3e-16)

@@ -18,6 +18,7 @@ if TYPE_CHECKING:
 
 DARK_GROUND = palette.rgb(palette.DARK)
 
+_ROOM = 1.35  # over the run: an axis of time that leaves the right of a plot to its legend
 _FROM = np.array([0.62, -0.66, 0.42])
 _DISTANCE = 2.4  # radii: as near as a sphere still fits the view
 
@@ -100,23 +101,37 @@ def trail(seconds: float) -> rrb.VisibleTimeRanges:
     )
 
 
-def plot(path: str, name: str, duration: float) -> rrb.TimeSeriesView:
-    """Return a plot of the whole run, its legend inside."""
-    import rerun as rr
+def plot(path: str, name: str, duration: float, *, legend: bool = True) -> rrb.TimeSeriesView:
+    """Return a plot of the whole run, with room for the legend beside the curves."""
     import rerun.blueprint as rrb
 
-    ends = [rrb.TimeRangeBoundary.absolute(seconds=seconds) for seconds in (0.0, duration)]
     return rrb.TimeSeriesView(
         origin=f"/{path}",
         name=name,
-        axis_x=rrb.TimeAxis(view_range=rr.TimeRange(*ends)),
-        plot_legend=rrb.PlotLegend(visible=True),
+        axis_x=_until(_ROOM * duration if legend else duration),
+        plot_legend=rrb.PlotLegend(corner=rrb.Corner2D.RightTop, visible=legend),
     )
+
+
+def state_timeline(path: str, name: str, duration: float) -> rrb.StateTimelineView:
+    """Return the view of what holds when, for the whole run."""
+    import rerun.blueprint as rrb
+
+    return rrb.StateTimelineView(origin=f"/{path}", name=name, time_view=_until(duration))
+
+
+def _until(end: float) -> rrb.TimeAxis:
+    """Return an axis of time from the start to `end` (s of the timeline)."""
+    import rerun as rr
+    import rerun.blueprint as rrb
+
+    ends = [rrb.TimeRangeBoundary.absolute(seconds=seconds) for seconds in (0.0, end)]
+    return rrb.TimeAxis(view_range=rr.TimeRange(*ends))
 
 
 def drift_plot(unit: float, duration: float) -> rrb.TimeSeriesView:
     """Return the plot of how far what is kept drifts."""
-    return plot(entities.PLOT_DRIFT, f"Drift of what is kept, in units of {unit:.0e} of itself", duration)
+    return plot(entities.PLOT_DRIFT, f"Drift of what is kept, in units of {unit:.0e} of its size", duration)
 
 
 def text_view() -> rrb.TextDocumentView:

@@ -6,13 +6,16 @@ import math
 
 import numpy as np
 
+from inertia import palette
 from inertia.arrays import Float
 from inertia.dynamics.kinematics.euler_angles import to_angles
 from inertia.dynamics.run import Invariant, Run
 from inertia.recording import entities
 from inertia.recording.drawing import COLORS
+from inertia.recording.summary import symbol
 from inertia.recording.writer import Recording, blocks
 
+_EVENT = palette.rgb(palette.PLUM)
 _LEAST = 1e-16  # unit of drifts, about one rounding
 
 
@@ -42,6 +45,19 @@ def write_euler_angles(recording: Recording, run: Run) -> None:
     )
 
 
+def write_events(recording: Recording, path: str, run: Run, name: str, values: Float) -> None:
+    """Mark the events of a name on a plot: `values` (n,) at the samples are those of the series that they lie on."""
+    import rerun as rr
+
+    time = np.array([event.time for event in run.events if event.name == name])
+    if not len(time):
+        return
+    marks = np.interp(time, run.time, values)
+    look = rr.SeriesPoints(names=[name], colors=[_EVENT], markers=["diamond"], marker_sizes=[4.0])
+    recording.static(f"{path}/events", look)
+    recording.columns(f"{path}/events", time, lambda rows: rr.Scalars.columns(scalars=marks[rows]))
+
+
 def write_energy(recording: Recording, run: Run) -> None:
     """Write the energy at every sample."""
     recording.scalars(entities.PLOT_ENERGY, run.time, lambda rows: run.energy[rows, None], ["energy, J"], COLORS[3:4])
@@ -61,7 +77,7 @@ def write_drift(recording: Recording, run: Run) -> None:
     def drifts(rows: slice) -> Float:
         return np.stack([_change(each, rows) / scale for each, scale in zip(invariants, scales, strict=True)], axis=1)
 
-    names = [f"{name}, {drift_unit(run):.0e}" for name in run.invariants]
+    names = [f"{symbol(name)}, {drift_unit(run):.0e}" for name in run.invariants]
     colors = [COLORS[(3 + k) % len(COLORS)] for k in range(len(invariants))]
     recording.scalars(entities.PLOT_DRIFT, run.time, drifts, names, colors)
 

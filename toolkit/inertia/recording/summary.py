@@ -12,9 +12,14 @@ from inertia.dynamics.run import Run
 from inertia.errors import visible
 
 
-def summary(run: Run, notes: Iterable[str]) -> str:
-    """Return Markdown; `notes` say what was chosen for display only."""
-    return "\n".join([*_body(run), "", *_model(run), "", *_accuracy(run), "", *_notes(run, notes)])
+def summary(run: Run, notes: Iterable[str], *, columns: int = 2) -> str:
+    """Return Markdown; `notes` say what was chosen for display only, `columns` how many the table has."""
+    return "\n".join([*_body(run, columns), "", *_model(run), "", *_accuracy(run), "", *_notes(run, notes)])
+
+
+def symbol(name: str) -> str:
+    """Return what a screen calls something that is kept."""
+    return {"angular momentum": "L", "p_phi": "vertical L", "p_psi": "L along the axis"}.get(name, name)
 
 
 def title(run: Run) -> str:
@@ -37,7 +42,7 @@ def listed(values: Float) -> str:
     return ", ".join(f"{0.0 if abs(value) <= least else value:.6g}" for value in values.tolist())
 
 
-def _body(run: Run) -> Iterator[str]:
+def _body(run: Run, columns: int) -> Iterator[str]:
     scene, body = run.scene, run.scene.body
     cells = [("Scene", markdown(title(run))), ("Duration", f"{scene.run.duration:g} s, {len(run.time)} samples")]
     if body.part is not None:
@@ -48,10 +53,10 @@ def _body(run: Run) -> Iterator[str]:
         cells.append(("Centre of mass", f"{listed(body.center_of_mass)} m"))
     cells.append(("Moments", f"{listed(body.principal.moments)} kg m²"))
     cells.append(("Spin", f"{listed(scene.start.angular_velocity)} rad/s, {scene.start.frame} axes"))
-    yield "| | | | |"
-    yield "|-|-|-|-|"
-    for left, right in zip_longest(cells[::2], cells[1::2], fillvalue=("", "")):
-        yield f"| {' | '.join((*left, *right))} |"
+    yield "| | " * columns + "|"
+    yield "|-|-" * columns + "|"
+    for row in zip_longest(*(cells[k::columns] for k in range(columns)), fillvalue=("", "")):
+        yield f"| {' | '.join(text for cell in row for text in cell)} |"
 
 
 def _model(run: Run) -> Iterator[str]:
@@ -60,13 +65,15 @@ def _model(run: Run) -> Iterator[str]:
 
 def _accuracy(run: Run) -> Iterator[str]:
     error = run.error
-    drifts = ", ".join(
-        f"{name} to {each.largest_relative_drift:.1e} of itself" for name, each in run.invariants.items()
-    )
+    drifts = ", ".join(f"{symbol(name)} {_kept(each.largest_relative_drift)}" for name, each in run.invariants.items())
     yield (
         f"**Accuracy: {error.reached:.1e} rad** of attitude, {error.requested:g} rad asked for. "
         f"{sentence(error.method)}{f' Kept: {drifts}.' if drifts else ''}"
     )
+
+
+def _kept(drift: float) -> str:
+    return f"to {drift:.1e} of its size" if drift else "exactly"
 
 
 def _notes(run: Run, notes: Iterable[str]) -> Iterator[str]:

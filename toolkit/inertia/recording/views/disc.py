@@ -28,8 +28,18 @@ from inertia.recording.drawing import (
     write_trail,
 )
 from inertia.recording.playback import Frames, frames_of, longest_as, values_at
-from inertia.recording.screen import Screen, camera, drift_plot, finished, plot, space_view, text_view, trail
-from inertia.recording.series import drift_unit, write_drift, write_energy
+from inertia.recording.screen import (
+    Screen,
+    camera,
+    drift_plot,
+    finished,
+    plot,
+    space_view,
+    state_timeline,
+    text_view,
+    trail,
+)
+from inertia.recording.series import drift_unit, write_drift, write_energy, write_events
 from inertia.recording.summary import summary, title
 from inertia.recording.writer import Recording
 
@@ -130,7 +140,7 @@ def _blueprint(run: Run, frames: Frames, rim: Rim, reach: float) -> rrb.Blueprin
     left: list[Any] = [rrb.Horizontal(*views)]
     shares = [3.0]
     if _lift_off(run):
-        left.append(rrb.StateTimelineView(origin=f"/{entities.CONTACT_STATE}", name="Contact"))
+        left.append(state_timeline(entities.CONTACT_STATE, "Contact", duration))
         shares.append(0.6)
     left.append(text_view())
     shares.append(1.6)
@@ -251,6 +261,7 @@ def _write_plots(recording: Recording, run: Run) -> None:
         ["normal, N", "friction, N", "weight, N"],
         [FORCE, COLORS[3], WEIGHT],
     )
+    write_events(recording, entities.PLOT_FORCE, run, "lift-off", force[:, 2])
     tilt = run.quantities["theta"]
     recording.scalars(entities.PLOT_TILT, run.time, lambda rows: tilt[rows, None], ["θ, rad"], COLORS[1:2])
     if _slides(run):

@@ -150,10 +150,9 @@ def _force_plot(balance: Balance, states: Sequence[State], number: int, duration
     """Return the plot of the force on bearing A (0) or B (1), whose scale holds what is permissible."""
     import rerun.blueprint as rrb
 
-    view = plot(_PLOTS[number], f"Force on {'AB'[number]} at 0°, N", duration)
+    view = plot(_PLOTS[number], f"Force on {'AB'[number]} at 0°, N", duration, legend=False)
     most = 1.15 * max(_force_limit(balance, number), *(abs(state.forces[number]) for state in states))
     view.properties["ScalarAxis"] = rrb.ScalarAxis(range=(-most, most))
-    view.properties["PlotLegend"] = rrb.PlotLegend(visible=False)  # it would lie over the curves
     return view
 
 

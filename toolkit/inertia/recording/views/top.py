@@ -33,7 +33,7 @@ from inertia.recording.drawing import (
 )
 from inertia.recording.playback import Frames, frames_followed, largest, longest_as
 from inertia.recording.screen import Screen, camera, drift_plot, finished, plot, space_view, text_view, trail
-from inertia.recording.series import drift_unit, write_drift
+from inertia.recording.series import drift_unit, write_drift, write_events
 from inertia.recording.spin_marks import write_marks
 from inertia.recording.summary import summary, title
 from inertia.recording.views.effective_potential import EffectivePotential, effective_potential
@@ -97,7 +97,7 @@ def screen(run: Run) -> Screen:
         write_drift(recording, run)
         if potential is not None:
             notes.append(potential.write(recording, frames.time, np.interp(frames.time, run.time, tilts)))
-        write_text(recording, summary(run, notes))
+        write_text(recording, summary(run, notes, columns=1))
 
     blueprint = _blueprint(run, frames, _sphere(body, axis), axis, tilts, potential)
     return Screen("inertia-top", title(run), blueprint, write, frames.play.second)
@@ -252,5 +252,6 @@ def _write_angles(recording: Recording, run: Run, axis: Axis) -> None:
     """Write θ, φ and ψ at every sample."""
     angles = axis.angles(run.attitude)
     recording.scalars(entities.PLOT_TILT, run.time, lambda rows: angles[rows, 1:2], ["θ, rad"], COLORS[1:2])
+    write_events(recording, entities.PLOT_TILT, run, "turning point", angles[:, 1])
     names, colors = ["φ, rad", "ψ, rad"], [COLORS[0], COLORS[2]]
     recording.scalars(entities.PLOT_EULER_ANGLES, run.time, lambda rows: angles[rows, ::2], names, colors)

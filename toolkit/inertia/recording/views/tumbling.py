@@ -29,13 +29,24 @@ from inertia.recording.drawing import (
     write_trail,
 )
 from inertia.recording.playback import Frames, frames_of, largest
-from inertia.recording.screen import Screen, drift_plot, eye, finished, plot, space_view, text_view, trail
+from inertia.recording.screen import (
+    Screen,
+    drift_plot,
+    eye,
+    finished,
+    plot,
+    space_view,
+    state_timeline,
+    text_view,
+    trail,
+)
 from inertia.recording.series import (
     drift_unit,
     write_angular_velocity,
     write_drift,
     write_energy,
     write_euler_angles,
+    write_events,
 )
 from inertia.recording.spin_marks import spin_axes, write_marks
 from inertia.recording.summary import summary, title
@@ -68,6 +79,8 @@ def screen(run: Run) -> Screen:
         notes += _write_world(recording, run, body, frames, origin)
         notes.append(write_momentum_space(recording, run, frames))
         write_angular_velocity(recording, run, ascending(run.plan)[1])
+        along = run.angular_velocity @ ascending(run.plan)[1][:, 1]
+        write_events(recording, entities.PLOT_ANGULAR_VELOCITY, run, "flip", along)
         write_euler_angles(recording, run)
         if run.invariants:
             write_drift(recording, run)
@@ -103,7 +116,7 @@ def _blueprint(run: Run, body: Display, frames: Frames) -> rrb.Blueprint:
     left: list[Any] = [rrb.Horizontal(inertial, along_axes, column_shares=[1, 1])]
     shares = [3.0]
     if _flips(run):
-        left.append(rrb.StateTimelineView(origin=f"/{entities.FLIPS}", name="Flips: sense of the spin about axis 2"))
+        left.append(state_timeline(entities.FLIPS, "Flips: sense of the spin about axis 2", duration))
         shares.append(0.6)
     left.append(text_view())
     shares.append(2.2)
