@@ -39,8 +39,8 @@ from inertia.output import temporary_folder
 
 KEY_FACETS = Kernel("inertia.mesh.external.partition_kernel", "key_facets", "pippp" + "ii")
 SCATTER = Kernel("inertia.mesh.external.partition_kernel", "scatter", "pii" + "ipi" + "pi")
-COUNT = Kernel("inertia.mesh.external.partition_kernel", "count_uses", "pi" + "pi" + "i")
-SETTLE = Kernel("inertia.mesh.external.partition_kernel", "settle", "pi" + "pi" + "pp")
+COUNT = Kernel("inertia.mesh.external.partition_kernel", "count_uses", "pi" + "pip" + "i")
+SETTLE = Kernel("inertia.mesh.external.partition_kernel", "settle", "pip" + "pi" + "pp")
 IRREGULAR = Kernel("inertia.mesh.external.partition_kernel", "irregular_uses", "pi" + "pi" + "pii")
 NUMBER = Kernel("inertia.mesh.external.partition_kernel", "number_pieces", "pi")
 _KERNELS = (KEY_FACETS, SCATTER, COUNT, SETTLE, IRREGULAR, NUMBER)
@@ -147,7 +147,7 @@ class _Runs:
     """Records of directed edges, in runs sorted by bucket: in memory where they fit in `room` bytes, else in a file."""
 
     def __init__(self, count: int, room: int, stack: ExitStack) -> None:
-        self.bits = min(max((3 * count // _BUCKET).bit_length(), 1), 14)
+        self.bits = min(max((3 * count // (2 * _BUCKET)).bit_length(), 1), 14)
         self.in_memory = 3 * _BYTES * count + _RUN * min(count, _CHUNK) <= room // 2
         self._arrays: list[NDArray[np.uint32]] = []
         self._starts: list[Int] = []
@@ -275,7 +275,7 @@ class _Compiled:
 
     def __init__(self, salt: NDArray[np.uint64]) -> None:
         self._salt = np.array(salt)
-        self._table = np.zeros((2 * _BUCKET, 3), np.uint64)
+        self._table, self._uses = np.zeros((_BUCKET, 2), np.uint64), np.zeros((_BUCKET, 2), np.uint32)
         self._pairs = np.empty((64, 2), np.int64)
         self.state = np.zeros(2, np.int64)
         """Directed edges without an opposite partner, and edges used more than twice, by their keys."""
@@ -302,15 +302,15 @@ class _Compiled:
         while True:
             used, table = 0, self._table
             table[:] = 0
+            at = table.ctypes.data, len(table), self._uses.ctypes.data
             for records in pieces():
-                used = COUNT.function(records.ctypes.data, len(records), table.ctypes.data, len(table), used)
+                used = COUNT.function(records.ctypes.data, len(records), *at, used)
                 if used < 0:
                     break
             else:
                 break
-            self._table = np.zeros((2 * len(table), 3), np.uint64)
-        at = self._pairs.ctypes.data, address(self.state)
-        return SETTLE.function(self._table.ctypes.data, len(self._table), parent.ctypes.data, len(parent), *at)
+            self._table, self._uses = np.zeros((2 * len(table), 2), np.uint64), np.zeros((2 * len(table), 2), np.uint32)
+        return SETTLE.function(*at, parent.ctypes.data, len(parent), self._pairs.ctypes.data, address(self.state))
 
     def irregular(self, records: NDArray[np.uint32], halves: NDArray[np.uint32], size: int) -> int:
         """Append the irregular directed edges of the bucket that was joined last."""

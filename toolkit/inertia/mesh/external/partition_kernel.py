@@ -24,6 +24,8 @@ PAIRS = 64
 """Pairs of triangles whose places are brought into the cache together."""
 
 REPEATED = np.uint32(0xFFFFFFFF)
+ONCE, IRREGULAR = np.uint64(0xFFFFFFFF), np.uint64(0xFFFFFFFE)
+"""In place of the number of a second directed edge: there is none, or the edge is irregular."""
 
 
 @njit(inline="always")
@@ -123,83 +125,94 @@ def scatter(keys_at, count, first, shift, places_at, buckets, out_at, room):
 def slot_of(table, mask, key):
     """Return the slot that holds a key, or the free one where it would go."""
     slot = np.int64(key >> S1) & mask
-    while table[slot, 0] != 0 and table[slot, 0] != key:
+    while table[slot, 0] != 0 and (table[slot, 0] ^ key) > ONE:  # that differ by more than the way
         slot = (slot + 1) & mask
     return slot
 
 
-def count_uses(records_at, count, table_at, capacity, used):
-    """Count how often each edge of a bucket is used, and which way; −1 where the table is too small.
+def count_uses(records_at, count, table_at, capacity, uses_at, used):
+    """Look up who uses each edge of a bucket; −1 where the table is too small.
 
-    A row is the key, the numbers of the first two directed edges, and how many run one way and the other. With `used`
-    rows so far, it returns how many there are.
+    A row is the key with the way of the first directed edge that has it, the number of that, and of the second, or
+    `ONCE`, or `IRREGULAR`: then there are more, or both run the same way, and `uses` holds how many run which way.
+    With `used` rows so far, it returns how many there are.
     """
     records = carray(records_at, (count, 3), np.uint32)
-    table = carray(table_at, (capacity, 3), np.uint64)
+    table = carray(table_at, (capacity, 2), np.uint64)
+    uses = carray(uses_at, (capacity, 2), np.uint32)
     mask = capacity - 1
     for k in range(count):
         key = uint64(records[k, 0]) | (uint64(records[k, 1]) << S32)
         number = uint64(records[k, 2])
-        slot = slot_of(table, mask, key | ONE)
-        step = ONE << S32 if key & ONE else ONE
-        if table[slot, 0] == 0:
+        slot = slot_of(table, mask, key)
+        own = table[slot, 0]
+        if own == 0:
             used += 1
             if 5 * used > 4 * capacity:
                 return -1
-            table[slot, 0], table[slot, 1], table[slot, 2] = key | ONE, number, step
-        else:
-            uses = table[slot, 2]
-            if uses == ONE or uses == ONE << S32:
-                table[slot, 1] |= number << S32
-            table[slot, 2] = uses + step
+            table[slot, 0], table[slot, 1] = key, number | (ONCE << S32)
+            continue
+        other = table[slot, 1] >> S32
+        if other == ONCE and own != key:
+            table[slot, 1] = (table[slot, 1] & LOW) | (number << S32)
+            continue
+        if other != IRREGULAR:
+            table[slot, 1] = (table[slot, 1] & LOW) | (IRREGULAR << S32)
+            uses[slot, 0] = uses[slot, 1] = 0 if other == ONCE else 1
+            if other == ONCE:
+                uses[slot, np.int64(own & ONE)] = 1
+        uses[slot, np.int64(key & ONE)] += 1
     return used
 
 
 @njit(inline="always")
-def find(parent, place):
-    """Return the first triangle of the piece that one belongs to, halving the path to it."""
-    while parent[place] != place:
-        above = parent[parent[place]]
-        parent[place] = above
-        place = np.int64(above)
-    return place
-
-
-@njit(inline="always")
 def unite(parent, a, b):
-    """Join two pieces under the first of their triangles."""
-    a, b = find(parent, a), find(parent, b)
-    if a < b:
-        parent[b] = a
-    elif b < a:
-        parent[a] = b
+    """Join two pieces; no triangle lies under one behind it.
+
+    Rem's algorithm (M. Patwary, J. Blair and F. Manne, "Experiments on union-find algorithms for the disjoint-set data
+    structure", SEA 2010, figure 2), which stops as soon as both have one parent.
+    """
+    above, other = parent[a], parent[b]
+    while above != other:
+        if above < other:
+            a, b, above, other = b, a, other, above
+        parent[a] = other
+        if np.int64(above) == a:
+            return
+        a = np.int64(above)
+        above = parent[a]
 
 
-def settle(table_at, capacity, parent_at, count, pairs_at, state_at):
+def settle(table_at, capacity, uses_at, parent_at, count, pairs_at, state_at):
     """Join the triangles at each edge that is used once each way; return how many edges are used otherwise.
 
     `state` adds up how many directed edges have no opposite partner, and how many edges are used more than twice.
     """
-    table = carray(table_at, (capacity, 3), np.uint64)
+    table = carray(table_at, (capacity, 2), np.uint64)
+    uses = carray(uses_at, (capacity, 2), np.uint32)
     parent = carray(parent_at, (count,), np.uint32)
     pairs = carray(pairs_at, (PAIRS, 2), np.int64)
     state = carray(state_at, (2,), np.int64)
     irregular, waiting, warm = 0, 0, uint64(0)
-    both = (ONE << S32) | ONE
     for slot in range(capacity):
         if table[slot, 0] != 0:
-            if table[slot, 2] == both:
-                pairs[waiting, 0] = np.int64(table[slot, 1] & LOW) // 3
-                pairs[waiting, 1] = np.int64(table[slot, 1] >> S32) // 3
+            one, other = table[slot, 1] & LOW, table[slot, 1] >> S32
+            if other < IRREGULAR:
+                pairs[waiting, 0], pairs[waiting, 1] = np.int64(one) // 3, np.int64(other) // 3
                 waiting += 1
+            elif other == ONCE:
+                irregular += 1
+                state[0] += 1
             else:
-                forward, backward = np.int64(table[slot, 2] & LOW), np.int64(table[slot, 2] >> S32)
+                forward, backward = np.int64(uses[slot, 1]), np.int64(uses[slot, 0])
                 irregular += 1
                 state[0] += abs(forward - backward)
                 state[1] += forward + backward > 2
         if waiting == PAIRS or (waiting > 0 and slot == capacity - 1):
             for k in range(waiting):  # to read them all before any is waited for
                 warm += uint64(parent[pairs[k, 0]]) + uint64(parent[pairs[k, 1]])
+            for k in range(waiting):
+                warm += uint64(parent[np.int64(parent[pairs[k, 0]])]) + uint64(parent[np.int64(parent[pairs[k, 1]])])
             for k in range(waiting):
                 unite(parent, pairs[k, 0], pairs[k, 1])
             waiting = 0
@@ -213,26 +226,16 @@ def irregular_uses(records_at, count, table_at, capacity, out_at, size, room):
     Those for which there is no room are counted only.
     """
     records = carray(records_at, (count, 3), np.uint32)
-    table = carray(table_at, (capacity, 3), np.uint64)
+    table = carray(table_at, (capacity, 2), np.uint64)
     out = carray(out_at, (room,), np.uint32)
     mask = capacity - 1
-    both = (ONE << S32) | ONE
     for k in range(count):
         key = uint64(records[k, 0]) | (uint64(records[k, 1]) << S32)
-        if table[slot_of(table, mask, key | ONE), 2] != both:
+        if table[slot_of(table, mask, key), 1] >> S32 >= IRREGULAR:
             if size < room:
                 out[size] = records[k, 2]
             size += 1
     return size
-
-
-def join_pairs(pairs_at, pairs, parent_at, count):
-    """Join pairs of triangles."""
-    each = carray(pairs_at, (pairs, 2), np.uint32)
-    parent = carray(parent_at, (count,), np.uint32)
-    for k in range(pairs):
-        unite(parent, np.int64(each[k, 0]), np.int64(each[k, 1]))
-    return 0
 
 
 def number_pieces(parent_at, count):
