@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import math
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -82,12 +83,17 @@ def add(parsers: Any) -> None:
     uncertain.add_argument(
         "--coverage", type=float, metavar="K", help="state the expanded uncertainties U = k u too, as 2"
     )
-    large = parser.add_argument_group("larger than memory")
+    large = parser.add_argument_group("larger than memory, or on many machines")
     large.add_argument(
         "--memory",
         type=size,
         metavar="BYTES",
         help="that may be taken, as 2GB: beyond it a binary STL is worked through piece by piece, on disk (TMPDIR)",
+    )
+    large.add_argument(
+        "--dask",
+        metavar="ADDRESS",
+        help="have the workers of that Dask scheduler do it, as tcp://host:8786; local for one in this process",
     )
     result = parser.add_argument_group("result")
     result.add_argument(
@@ -196,6 +202,12 @@ def _exported(analysis: Analysis, repaired: Repaired | None, options: argparse.N
 def _repair(part: Part, options: argparse.Namespace) -> Repaired | None:
     if not options.repair and options.weld is None:
         return None
+    if options.dask is not None or options.memory is not None:
+        from inertia.mass.external import fits, require_external
+
+        memory = math.inf if options.memory is None else options.memory
+        if options.dask is not None or not fits(part, memory):
+            require_external(part, memory, ["a repair"])
     from inertia.mass.repair import repair, weld
 
     return repair(part, options.weld) if options.repair else weld(part, options.weld)
@@ -226,6 +238,7 @@ def _analysis(part: Part, options: argparse.Namespace) -> Analysis:
             scale=options.scale,
             coverage=options.coverage,
             memory=options.memory,
+            dask=options.dask,
             progress=progress,
             **tolerance,
         )

@@ -13,6 +13,8 @@ from tests.mesh.solids import cube, facets, joined, ring, sphere
 import inertia
 from inertia.errors import GeometryError, UsageError
 from inertia.mesh.part import Facets, Part, Source, Surface
+from inertia_cli.main import main
+from inertia_meshes import path
 
 MEMORY = 4e9
 """What the tests' process stays below; that no part fits is said by `nothing_fits`."""
@@ -130,7 +132,7 @@ def test_what_takes_the_whole_part_in_memory_is_refused(what: str) -> None:
 @pytest.mark.usefixtures("nothing_fits")
 def test_other_formats_are_refused() -> None:
     vertices, faces = ring()
-    with pytest.raises(UsageError, match="larger than memory are binary STL files only"):
+    with pytest.raises(UsageError, match="piece by piece go binary STL files only"):
         inertia.analyse(Part.from_arrays(vertices, faces), memory=MEMORY)
 
 
@@ -139,6 +141,18 @@ def test_a_part_that_fits_is_analysed_as_ever() -> None:
     analysis = inertia.analyse(part, memory=MEMORY)
     assert analysis.crossings_examined
     assert analysis.notes == ()
+
+
+def test_a_volume_mesh_that_fits_is_analysed_as_ever() -> None:
+    part = inertia.read(path("two_region_bar.vtk"))
+    assert inertia.analyse(part, memory=MEMORY).properties.mass == inertia.analyse(part).properties.mass
+
+
+def test_the_command_refuses_to_mend_what_does_not_fit(capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["analyse", str(path("t_handle.stl")), "--repair", "--memory", "1MB"]) == 2
+    assert "beyond 1 MB, and a repair cannot be had otherwise: leave that out" in capsys.readouterr().err
+    assert main(["analyse", str(path("t_handle.stl")), "--weld", "0.1", "--dask", "local"]) == 2
+    assert "a repair cannot be had from Dask workers" in capsys.readouterr().err
 
 
 def test_too_little_memory_is_refused_with_what_is_enough() -> None:

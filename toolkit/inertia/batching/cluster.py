@@ -14,13 +14,13 @@ from typing import Any
 from inertia.batching.answer import Answer, Setup
 from inertia.batching.engines import Processes
 from inertia.batching.sources import Task
-from inertia.errors import InertiaError, UsageError, visible
+from inertia.errors import InertiaError, visible
+from inertia.scheduler import connected
 
 _BUNDLE = 0.5
 """s that a bundle of files is to take: a task of Dask's costs some milliseconds."""
 
 _FIRST, _MOST = 4, 256  # files in the first bundles, and in any
-_PATIENCE = "10 s"  # for the scheduler to answer
 
 
 class Cluster:
@@ -34,30 +34,15 @@ class Cluster:
     """
 
     def __init__(self, setup: Setup, address: str, jobs: int) -> None:
-        try:
-            import dask
-            import distributed
-        except ImportError:
-            raise UsageError("Dask is not installed: run pip install 'inertia[dask]'") from None
         self._setup, self._packed = setup, pickle.dumps(setup)
         self._bundle: list[tuple[int, Task]] = []
         self._size: int | None = None
         self._sent: dict[str, tuple[Any, list[tuple[int, Task]]]] = {}
         with ExitStack() as stack:
-            scheduler: Any = address
-            if address == "local":
-                stack.enter_context(dask.config.set({"distributed.worker.profile.enabled": False}))
-                scheduler = stack.enter_context(
-                    distributed.LocalCluster(
-                        n_workers=1, threads_per_worker=jobs, processes=False, dashboard_address=None, silence_logs=50
-                    )
-                )
-            try:
-                client = distributed.Client(scheduler, timeout=_PATIENCE, set_as_default=False)
-            except (OSError, ValueError) as error:
-                raise UsageError(f"no Dask scheduler answers at {visible(address)}: {error}") from None
-            self._client = stack.enter_context(client)
+            self._client = client = stack.enter_context(connected(address, jobs))
             self._threads: int = max(1, sum(client.nthreads().values()))
+            import distributed
+
             self._done = distributed.as_completed(loop=client.loop, with_results=True, raise_errors=False)
             self._stack = stack.pop_all()
 

@@ -6,6 +6,7 @@
 from __future__ import annotations
 
 import math
+import os
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import replace
@@ -39,7 +40,7 @@ from inertia.mesh.geometry.simple import MOST
 from inertia.mesh.part import Cells, Part, Surface
 
 if TYPE_CHECKING:
-    pass  # slow to import, and seldom needed
+    from inertia.mesh.external.shuffle import DaskWorkers  # seldom needed
 
 from inertia.mass.allowance import allowing, with_allowance
 from inertia.mass.analysis import Accuracy, Analysis
@@ -164,6 +165,7 @@ def analyse(
     scale: float | None = None,
     coverage: float | None = None,
     memory: float | None = None,
+    dask: str | None = None,
     progress: Progress | None = None,
 ) -> Analysis:
     """Integrate a part and gather what a report states; parameters as for `mass_properties`, and these.
@@ -184,6 +186,8 @@ def analyse(
     memory : bytes that this process may take. A part that takes more is integrated and checked piece by piece, with
         temporary files where these do not fit either (TMPDIR names their place): a solid or a shell of one density, of
         a binary STL file. Triangles that cross are not looked for then
+    dask : address of a Dask scheduler whose workers do that, all of which can read the file by its path; "local" for
+        one in this process
     progress : called with the fraction done
     """
     require_kind(part, Part, "part", "inertia.read(path)")
@@ -220,13 +224,14 @@ def analyse(
         if shell is not None or wire is not None:
             raise UsageError("faults are allowed for in the surface of a solid only: leave that out")
 
-    if memory is not None:
-        if not (isinstance(memory, Real) and 0 < memory < math.inf):
-            raise UsageError(f"memory is {memory!r}: it must be positive and finite, in bytes")
+    if memory is not None and not (isinstance(memory, Real) and 0 < memory < math.inf):
+        raise UsageError(f"memory is {memory!r}: it must be positive and finite, in bytes")
+    limit = math.inf if memory is None and dask is not None else memory
+    if limit is not None:
         from inertia.mass.external import fits, require_external
 
-        if fits(part, memory):
-            memory = None
+        if dask is None and fits(part, limit):
+            limit = None
         else:
             asked = {
                 "densities by name": bool(stated.named),
@@ -239,7 +244,9 @@ def analyse(
                 "a chord tolerance": chord is not None,
                 "the uncertainty of each vertex": sigma is not None,
             }
-            require_external(part, memory, [words for words, given in asked.items() if given])
+            require_external(part, limit, [words for words, given in asked.items() if given])
+
+    workers: DaskWorkers | None = None
 
     def answer(part: Part, parts: Parts, doubts: tuple[Finding, ...] = (), allowance: float = 0.0) -> Analysis:
         return _answer(
@@ -262,10 +269,19 @@ def analyse(
             doubts=doubts,
             allowance=allowance,
             faults_apart=allow_faults is not None,
-            memory=memory,
+            memory=limit,
+            workers=workers,
         )
 
-    if memory is not None or shell is not None or wire is not None or isinstance(part.geometry, Cells):
+    if dask is not None:
+        from inertia.mesh.external.shuffle import DaskWorkers, StoredFacets
+        from inertia.scheduler import connected
+
+        file = StoredFacets.of(part)
+        with connected(dask, os.cpu_count() or 1) as client:
+            workers = DaskWorkers(client, file)
+            return answer(part, parts)
+    if limit is not None or shell is not None or wire is not None or isinstance(part.geometry, Cells):
         return answer(part, parts)
     if allow_faults is None:
         try:
@@ -297,6 +313,7 @@ def _answer(
     allowance: float,
     faults_apart: bool,
     memory: float | None,
+    workers: DaskWorkers | None,
 ) -> Analysis:
     """Return the analysis of a part as it is; parameters as for `analyse`, and these.
 
@@ -306,6 +323,7 @@ def _answer(
     allowance : volume, in the part's unit, that a shell may enclose twice and be in doubt only
     faults_apart : whether doubts count for the accuracy that is asked for
     memory : bytes within which the part is integrated and checked piece by piece
+    workers : who does that
     """
     united = origin = None
     if union:
@@ -327,6 +345,7 @@ def _answer(
         chord=chord,
         allowance=allowance,
         memory=memory,
+        workers=workers,
         progress=progress,
     )
     integrals = (replace(integral, doubts=(*doubts, *integral.doubts)) for integral in integrals)
@@ -413,6 +432,7 @@ def _integrals(
     chord: float | None,
     allowance: float,
     memory: float | None,
+    workers: DaskWorkers | None,
     progress: Progress | None,
 ) -> tuple[Literal["solid", "shell", "wire"], Fraction, Iterator[Integral]]:
     """Return what carries the mass, the volume (m³) of a unit of its integrals, and these, ever more accurate."""
@@ -454,7 +474,9 @@ def _integrals(
     if memory is not None:
         from inertia.mass.external import external_integrals
 
-        streamed = external_integrals(part, memory, shell=shell is not None, accuracy=accuracy, progress=progress)
+        streamed = external_integrals(
+            part, memory, shell=shell is not None, accuracy=accuracy, workers=workers, progress=progress
+        )
         return model, volume, streamed
     if shell is not None:
         return model, volume, surface_integrals(part, named, shell=True, accuracy=accuracy, progress=progress)

@@ -7,6 +7,7 @@ that cross, and bodies that share space, are not looked for: the notes say so.
 
 from __future__ import annotations
 
+import math
 import re
 import sys
 from collections.abc import Collection, Iterator
@@ -19,10 +20,12 @@ from inertia.errors import UsageError
 from inertia.mass.integration import Group, Integral, naming, refuse_flat, surface_area
 from inertia.mass.moments import Moments
 from inertia.mass.triangles.arithmetic import METHODS, arithmetics, shell_moments, solid_moments
-from inertia.mass.triangles.sums import Sums, sum_triangles
+from inertia.mass.triangles.sums import Sums, block_rows, local_frame, sum_triangles, sums_of
 from inertia.mesh.checks.findings import Finding, Report
-from inertia.mesh.external.closure import MEMORY, Pairing, external_closure, in_bytes, room_for
+from inertia.mesh.external.buckets import MEMORY, in_bytes
+from inertia.mesh.external.closure import Pairing, external_closure, room_for
 from inertia.mesh.external.faults import edge_faults, shell_findings
+from inertia.mesh.external.shuffle import DaskWorkers
 from inertia.mesh.geometry.shells import Shell, all_apart, bodies, shells
 from inertia.mesh.part import Facets, Part
 
@@ -30,12 +33,13 @@ WHOLE = 1000
 """Bytes of memory that a triangle takes, at most, where all of them are analysed and checked at once."""
 
 _RESERVE = 32_000_000  # bytes for what is imported and made on the way
+_AMPLE = 1_000_000_000  # bytes beside the least, where workers do what takes most
 _NESTING = 24  # bytes of memory that a triangle takes where shells are looked for in one another
 
 
 def fits(part: Part, memory: float) -> bool:
     """Say whether a part is analysed in memory, as ever, within so many bytes of this process."""
-    return WHOLE * part.triangles.count <= memory - _resident() - _RESERVE
+    return WHOLE * part.geometry.count <= memory - _resident() - _RESERVE
 
 
 def require_external(part: Part, memory: float, asked: Collection[str]) -> None:
@@ -47,9 +51,11 @@ def require_external(part: Part, memory: float, asked: Collection[str]) -> None:
     """
     if not isinstance(part.geometry, Facets):
         raise UsageError(
-            f"{part.name} is {part.source.format}: larger than memory are binary STL files only: leave the limit of "
-            "memory out, or write it as one"
+            f"{part.name} is {part.source.format}: piece by piece go binary STL files only: leave the limit of memory, "
+            "or the Dask workers, out, or write it as one"
         )
+    if asked and not math.isfinite(memory):
+        raise UsageError(f"{' and '.join(asked)} cannot be had from Dask workers: leave one or the other out")
     if asked:
         raise UsageError(
             f"{part.name} takes up to {in_bytes(WHOLE * part.triangles.count)} in memory, beyond {in_bytes(memory)}, "
@@ -64,17 +70,19 @@ def external_integrals(
     *,
     shell: bool = False,
     accuracy: float | str | None = None,
+    workers: DaskWorkers | None = None,
     progress: Progress | None = None,
 ) -> Iterator[Integral]:
     """Integrate a binary STL file as a solid or a `shell`, within so many bytes of this process.
 
-    Yields as `inertia.mass.integration.surface_integrals` does, and raises what that raises; `UsageError` where the
+    With workers, these sum its triangles in float64 and pair their edges. Yields as
+    `inertia.mass.integration.surface_integrals` does, and raises what that raises; `UsageError` where the
     memory is too little, `WriteError` where there is no room for temporary files.
     """
     triangles = part.triangles
     tries = arithmetics(accuracy)
     beside = _resident() + _RESERVE + triangles.count // 2
-    room = int(memory) - beside
+    room = int(min(memory - beside, room_for(triangles.count) + _AMPLE if workers else memory))
     if room < room_for(triangles.count):
         least = 1.02 * (beside + room_for(triangles.count))
         raise UsageError(
@@ -83,8 +91,13 @@ def external_integrals(
             MEMORY,
         )
     with naming(part):
-        sums = sum_triangles(triangles, surface=shell, progress=_part_of(progress, 0.0, 0.2))
-        pairing = external_closure(triangles, room, _part_of(progress, 0.2, 0.9))
+        summing, pairing_up = _part_of(progress, 0.0, 0.2), _part_of(progress, 0.2, 0.9)
+        if workers is None:
+            sums = sum_triangles(triangles, surface=shell, progress=summing)
+        else:
+            frame = local_frame(triangles)
+            sums = sums_of(triangles, *frame, workers.over_ranges(_rows, *frame, shell, progress=summing))
+        pairing = external_closure(triangles, room, pairing_up, workers=workers)
     extents = np.array([sums.low, sums.high])
     topology = pairing.closure
     pieces: tuple[Shell, ...] = ()
@@ -104,7 +117,7 @@ def external_integrals(
         bodies=len(bodies(pieces)) if pieces else topology.components,
         area=surface_area(sums),
         extents=extents,
-        notes=(_note(memory, pieces, topology.crowded),),
+        notes=(_note(memory, workers is not None, pieces, topology.crowded),),
         doubts=doubts,
     )
     for k, arithmetic in enumerate(tries[:2] if shell else tries):
@@ -118,6 +131,12 @@ def external_integrals(
             _require(part, shell_findings(pairing, (only,), part.unit.name, extents))
         elif arithmetic == tries[-1]:
             refuse_flat(part, whole, extents)
+
+
+def _rows(triangles: Facets, origin: Float, exponent: int, surface: bool) -> Float:
+    """Return the rows of the blocks of some triangles."""
+    with np.errstate(invalid="ignore", over="ignore"):
+        return np.concatenate([rows for _, rows in block_rows(triangles, origin, exponent, surface)])
 
 
 def _require(part: Part, remarks: Iterator[Finding]) -> tuple[Finding, ...]:
@@ -148,11 +167,12 @@ def _inward(whole: Moments, count: int, extents: Float) -> Shell:
     return Shell(0, "inward", count, 0, float(whole.zeroth), extents, 0, 0, None)
 
 
-def _note(memory: float, pieces: tuple[Shell, ...], crowded: int) -> str:
+def _note(memory: float, distributed: bool, pieces: tuple[Shell, ...], crowded: int) -> str:
     """Say what was not looked for."""
     others = ", nor whether bodies share space" if len(pieces) > 1 else ""
     edges = f", nor whether material lies on material at {crowded} edges of more than two triangles" if crowded else ""
-    return f"checked within {in_bytes(memory)} of memory: triangles that cross were not looked for{others}{edges}"
+    how = "by the workers of a Dask scheduler" if distributed else f"within {in_bytes(memory)} of memory"
+    return f"checked {how}: triangles that cross were not looked for{others}{edges}"
 
 
 def _resident() -> int:

@@ -22,7 +22,7 @@ follow the same order with the same roundings, so their answers have the same bi
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -66,16 +66,25 @@ def sum_triangles(triangles: Triangles, *, surface: bool = False, progress: Prog
     Raises `GeometryError` where a coordinate is infinite or not a number.
     """
     origin, exponent = local_frame(triangles)
-    if exponent == 0 and KERNEL.worthwhile(triangles):
-        runs = KERNEL.rows(triangles, (*origin.tolist(), int(surface)))
-    else:
-        runs = vectorised_rows(triangles, origin, exponent, surface)
     blocks = []
     with np.errstate(invalid="ignore", over="ignore"):
-        for stop, rows in runs:
+        for stop, rows in block_rows(triangles, origin, exponent, surface):
             blocks.append(rows)
             if progress is not None:
                 progress(stop / triangles.count)
+    return sums_of(triangles, origin, exponent, blocks)
+
+
+def block_rows(triangles: Triangles, origin: Float, exponent: int, surface: bool) -> Iterator[tuple[int, Float]]:
+    """Yield the number of triangles done so far and the rows of the blocks that it took, compiled where that pays."""
+    if exponent == 0 and KERNEL.worthwhile(triangles):
+        return KERNEL.rows(triangles, (*origin.tolist(), int(surface)))
+    return vectorised_rows(triangles, origin, exponent, surface)
+
+
+def sums_of(triangles: Triangles, origin: Float, exponent: int, blocks: Sequence[Float]) -> Sums:
+    """Add the rows of all blocks, in their order."""
+    with np.errstate(invalid="ignore", over="ignore"):
         table = np.ascontiguousarray(np.concatenate(blocks).T)
     if not np.isfinite(table).all():
         _refuse_non_finite(triangles)

@@ -10,14 +10,15 @@ from numba import carray, njit, uint64
 
 S1, S32, S33 = np.uint64(1), np.uint64(32), np.uint64(33)
 LOW = np.uint64(0xFFFFFFFF)
-ONE, TWO = np.uint64(1), np.uint64(2)
+ONE, TWO, THREE = np.uint64(1), np.uint64(2), np.uint64(3)
 SIGN = np.uint64(0x80000000)
 
 STRIDE = 25
 """Half-words (uint16) in a binary STL record; its corners begin at half-word 6."""
 
-VERTEX, EDGE = 4, 5
-"""Salts of a sum over a vertex (one alone, one for each float32) and over an edge (one for each half of two keys)."""
+VERTEX, EDGE = 7, 5
+"""Salts of a sum over a vertex and over an edge: one alone, and one for each 32-bit word of three float64 (of three
+float32, the first of them), or of two keys. A key is made of two sums."""
 
 SALTS = 2 * (VERTEX + EDGE)
 PAIRS = 64
@@ -183,41 +184,47 @@ def unite(parent, a, b):
         above = parent[a]
 
 
-def settle(table_at, capacity, uses_at, parent_at, count, pairs_at, state_at):
-    """Join the triangles at each edge that is used once each way; return how many edges are used otherwise.
+def regular_pairs(table_at, capacity, uses_at, pairs_at, state_at):
+    """Write the pairs of triangles at edges that are used once each way; return how many there are.
 
-    `state` adds up how many directed edges have no opposite partner, and how many edges are used more than twice.
+    `state` adds up how many directed edges have no opposite partner, how many edges are used more than twice, and how
+    many otherwise than once each way.
     """
     table = carray(table_at, (capacity, 2), np.uint64)
     uses = carray(uses_at, (capacity, 2), np.uint32)
-    parent = carray(parent_at, (count,), np.uint32)
-    pairs = carray(pairs_at, (PAIRS, 2), np.int64)
-    state = carray(state_at, (2,), np.int64)
-    irregular, waiting, warm = 0, 0, uint64(0)
+    pairs = carray(pairs_at, (capacity, 2), np.uint32)
+    state = carray(state_at, (3,), np.int64)
+    size = 0
     for slot in range(capacity):
-        if table[slot, 0] != 0:
-            one, other = table[slot, 1] & LOW, table[slot, 1] >> S32
-            if other < IRREGULAR:
-                pairs[waiting, 0], pairs[waiting, 1] = np.int64(one) // 3, np.int64(other) // 3
-                waiting += 1
-            elif other == ONCE:
-                irregular += 1
-                state[0] += 1
-            else:
-                forward, backward = np.int64(uses[slot, 1]), np.int64(uses[slot, 0])
-                irregular += 1
-                state[0] += abs(forward - backward)
-                state[1] += forward + backward > 2
-        if waiting == PAIRS or (waiting > 0 and slot == capacity - 1):
-            for k in range(waiting):  # to read them all before any is waited for
-                warm += uint64(parent[pairs[k, 0]]) + uint64(parent[pairs[k, 1]])
-            for k in range(waiting):
-                warm += uint64(parent[np.int64(parent[pairs[k, 0]])]) + uint64(parent[np.int64(parent[pairs[k, 1]])])
-            for k in range(waiting):
-                unite(parent, pairs[k, 0], pairs[k, 1])
-            waiting = 0
-    pairs[0, 0] = np.int64(warm)  # a sum that nobody reads would not be formed
-    return irregular
+        if table[slot, 0] == 0:
+            continue
+        one, other = table[slot, 1] & LOW, table[slot, 1] >> S32
+        if other < IRREGULAR:
+            pairs[size, 0], pairs[size, 1] = np.uint32(one // THREE), np.uint32(other // THREE)
+            size += 1
+            continue
+        state[2] += 1
+        if other == ONCE:
+            state[0] += 1
+        else:
+            forward, backward = np.int64(uses[slot, 1]), np.int64(uses[slot, 0])
+            state[0] += abs(forward - backward)
+            state[1] += forward + backward > 2
+    return size
+
+
+def join_pairs(pairs_at, size, parent_at, count, warm_at):
+    """Join pairs of triangles."""
+    pairs = carray(pairs_at, (size, 2), np.uint32)
+    parent = carray(parent_at, (count,), np.uint32)
+    warm = carray(warm_at, (1,), np.uint64)
+    for start in range(0, size, PAIRS):
+        stop = min(start + PAIRS, size)
+        for k in range(start, stop):  # to read them all before any is waited for; a sum that is not kept is not formed
+            warm[0] += uint64(parent[np.int64(pairs[k, 0])]) + uint64(parent[np.int64(pairs[k, 1])])
+        for k in range(start, stop):
+            unite(parent, np.int64(pairs[k, 0]), np.int64(pairs[k, 1]))
+    return 0
 
 
 def irregular_uses(records_at, count, table_at, capacity, out_at, size, room):

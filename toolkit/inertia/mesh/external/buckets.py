@@ -1,0 +1,354 @@
+"""Directed edges of triangles as records in buckets, by the first bits of their keys; the edges of a bucket, paired.
+
+A record has 12 bytes: the 64-bit key of the edge, whose lowest bit says which way it runs, and the number of the
+directed edge, 3 × triangle + side. Runs of records are sorted by bucket and kept in memory where they fit, else in a
+temporary file. What a bucket has in all runs is counted in a table inside the cache. There are two forms of each step:
+compiled, and by numpy for any triangles.
+"""
+
+from __future__ import annotations
+
+import os
+import shutil
+from collections.abc import Callable, Iterable, Iterator
+from contextlib import ExitStack
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from inertia.arrays import Bool, Int
+from inertia.errors import Remedy, WriteError
+from inertia.mesh.part import Facets, Triangles
+from inertia.native import Kernel, address
+from inertia.output import temporary_folder
+
+KEY_FACETS = Kernel("inertia.mesh.external.partition_kernel", "key_facets", "pippp" + "ii")
+SCATTER = Kernel("inertia.mesh.external.partition_kernel", "scatter", "pii" + "ipi" + "pi")
+COUNT = Kernel("inertia.mesh.external.partition_kernel", "count_uses", "pi" + "pip" + "i")
+PAIRS = Kernel("inertia.mesh.external.partition_kernel", "regular_pairs", "pip" + "pp")
+IRREGULAR = Kernel("inertia.mesh.external.partition_kernel", "irregular_uses", "pi" + "pi" + "pii")
+JOIN = Kernel("inertia.mesh.external.partition_kernel", "join_pairs", "pi" + "pi" + "p")
+NUMBER = Kernel("inertia.mesh.external.partition_kernel", "number_pieces", "pi")
+_KERNELS = (KEY_FACETS, SCATTER, COUNT, PAIRS, IRREGULAR, JOIN, NUMBER)
+
+MEMORY = Remedy("analyse", "memory", "BYTES")
+SALTS = 24
+"""Random numbers of the keys: seven and seven for a vertex, five and five for an edge (see `partition_kernel`)."""
+BYTES = 12
+"""Of a record."""
+BUCKET = 1 << 16
+"""Records in a bucket, about, or twice as many: the table of their edges lies in the cache."""
+CHUNK = 1 << 15
+"""Triangles that are read at a time."""
+REPEATED = 0xFFFFFFFF
+"""In place of the piece of a triangle with a repeated corner."""
+
+_RUN = 3 * (8 + BYTES)  # bytes of memory that a triangle of a run takes
+
+
+def in_bytes(size: float) -> str:
+    """Return a number of bytes in words.
+
+    >>> in_bytes(3.6e9), in_bytes(16777216)
+    ('3.6 GB', '16.8 MB')
+    """
+    return f"{size / 1e9:.3g} GB" if size >= 1e9 else f"{size / 1e6:.3g} MB"
+
+
+class Runs:
+    """Records of directed edges, in runs sorted by bucket: in memory where they fit in `room` bytes, else in a file."""
+
+    def __init__(self, count: int, room: int, slack: int, stack: ExitStack) -> None:
+        self.bits = bits_for(count)
+        self.in_memory = 3 * BYTES * count + _RUN * min(count, CHUNK) <= room // 2
+        self._arrays: list[NDArray[np.uint32]] = []
+        self._starts: list[Int] = []
+        self._begin: list[int] = []
+        self._end = 0
+        if self.in_memory:
+            self.length = min(count, max(CHUNK, room // 4 // _RUN))
+            return
+        self.length = min(count, max(CHUNK, (room - slack) // _RUN))
+        folder = stack.enter_context(temporary_folder())
+        require_space(folder, 3 * BYTES * count)
+        self._file = os.open(folder / "edges", os.O_RDWR | os.O_CREAT | getattr(os, "O_BINARY", 0), 0o600)
+        stack.callback(os.close, self._file)
+        self._folder = folder
+
+    @property
+    def buckets(self) -> int:
+        """How many there are."""
+        return int(1 << self.bits)
+
+    def add(self, records: NDArray[np.uint32], starts: Int) -> None:
+        """Keep a run (n, 3), whose bucket b is `starts[b]:starts[b + 1]`."""
+        self._starts.append(starts)
+        if self.in_memory:
+            self._arrays.append(records.copy())
+            return
+        self._begin.append(self._end)
+        data = records.data.cast("B")
+        try:
+            while len(data):
+                written = os.pwrite(self._file, data, self._end) if hasattr(os, "pwrite") else self._write(data)
+                self._end += written
+                data = data[written:]
+        except OSError as error:
+            raise WriteError(
+                f"cannot write temporary files to {self._folder.parent}: {error.strerror}: set TMPDIR to another folder"
+            ) from None
+
+    def bucket(self, number: int, buffer: NDArray[np.uint32]) -> Iterator[NDArray[np.uint32]]:
+        """Yield what all runs have of a bucket, in pieces no longer than the buffer, which they may lie in."""
+        filled = 0
+        for run, starts in enumerate(self._starts):
+            at, stop = int(starts[number]), int(starts[number + 1])
+            if self.in_memory:
+                for first in range(at, stop, len(buffer)):
+                    yield self._arrays[run][first : min(first + len(buffer), stop)]
+                continue
+            while at < stop:
+                size = min(stop - at, len(buffer) - filled)
+                self._read(self._begin[run] + BYTES * at, buffer[filled : filled + size].data.cast("B"))
+                at, filled = at + size, filled + size
+                if filled == len(buffer):
+                    yield buffer
+                    filled = 0
+        if filled:
+            yield buffer[:filled]
+
+    def _write(self, data: memoryview) -> int:
+        os.lseek(self._file, self._end, os.SEEK_SET)
+        return os.write(self._file, data)
+
+    def _read(self, at: int, into: memoryview) -> None:
+        if hasattr(os, "preadv"):
+            size = os.preadv(self._file, [into], at)
+        else:
+            os.lseek(self._file, at, os.SEEK_SET)
+            data = os.read(self._file, len(into))
+            size = len(data)
+            into[:size] = data
+        if size < len(into):
+            raise WriteError("a temporary file is shorter than what was written to it: run again")
+
+
+def require_space(folder: Path, size: int) -> None:
+    """Raise `WriteError` where a folder has no room for a temporary file."""
+    free = shutil.disk_usage(folder).free
+    if free < size:
+        raise WriteError(
+            f"temporary files of {in_bytes(size)} are needed, and {folder.parent} has room for {in_bytes(free)}: set "
+            "TMPDIR to another folder, or allow more memory by ",
+            MEMORY,
+        )
+
+
+class Compiled:
+    """The steps by the compiled kernels, for binary STL records."""
+
+    def __init__(self, salt: NDArray[np.uint64]) -> None:
+        self._salt = np.array(salt)
+        self._table, self._uses = np.zeros((BUCKET, 2), np.uint64), np.zeros((BUCKET, 2), np.uint32)
+        self._pairs, self._warm = np.empty((BUCKET, 2), np.uint32), np.zeros(1, np.uint64)
+        self.state = np.zeros(3, np.int64)
+        """Directed edges without an opposite partner, and edges used more than twice, by their keys."""
+
+    def keys(
+        self, triangles: Triangles, start: int, stop: int, keys: NDArray[np.uint64], counts: Int, bits: int
+    ) -> int:
+        """Write the keys of the edges of triangles `start:stop`, and count them by bucket; 0 for a repeated corner."""
+        assert isinstance(triangles, Facets)
+        block = triangles.block(start, stop)
+        at = address(self._salt), keys.ctypes.data, address(counts)
+        return KEY_FACETS.function(block.ctypes.data, stop - start, *at, len(counts), 64 - bits)
+
+    def scatter(
+        self, keys: NDArray[np.uint64], first: int, starts: Int, records: NDArray[np.uint32], bits: int
+    ) -> None:
+        """Sort records by bucket."""
+        places = starts[:-1].copy()
+        out = places.ctypes.data, len(places), records.ctypes.data, len(records)
+        SCATTER.function(keys.ctypes.data, len(keys), first, 64 - bits, *out)
+
+    def pairs(self, pieces: Callable[[], Iterable[NDArray[np.uint32]]]) -> tuple[NDArray[np.uint32], int]:
+        """Return the pairs (k, 2) of triangles at the regular edges of a bucket, and how many edges are irregular."""
+        while True:
+            used, table = 0, self._table
+            table[:] = 0
+            at = table.ctypes.data, len(table), self._uses.ctypes.data
+            for records in pieces():
+                used = COUNT.function(records.ctypes.data, len(records), *at, used)
+                if used < 0:
+                    break
+            else:
+                break
+            size = 2 * len(table)
+            self._table, self._uses = np.zeros((size, 2), np.uint64), np.zeros((size, 2), np.uint32)
+            self._pairs = np.empty((size, 2), np.uint32)
+        before = int(self.state[2])
+        size = PAIRS.function(*at, self._pairs.ctypes.data, address(self.state))
+        return self._pairs[:size], int(self.state[2]) - before
+
+    def irregular(self, records: NDArray[np.uint32], halves: NDArray[np.uint32], size: int) -> int:
+        """Append the irregular directed edges of the bucket that was joined last."""
+        table = self._table.ctypes.data, len(self._table)
+        return IRREGULAR.function(records.ctypes.data, len(records), *table, halves.ctypes.data, size, len(halves))
+
+    def join(self, parent: NDArray[np.uint32], pairs: NDArray[Any]) -> None:
+        """Join pairs (k, 2) of triangles."""
+        each = np.ascontiguousarray(pairs, np.uint32)
+        JOIN.function(each.ctypes.data, len(each), parent.ctypes.data, len(parent), self._warm.ctypes.data)
+
+    def number(self, parent: NDArray[np.uint32]) -> int:
+        """Number the pieces in the order of the file, in place."""
+        return NUMBER.function(parent.ctypes.data, len(parent))
+
+
+class Vectorised:
+    """The same steps by numpy, for any triangles."""
+
+    def __init__(self, salt: NDArray[np.uint64]) -> None:
+        self._salt = np.array(salt)
+        self._odd: NDArray[np.uint64] = np.empty(0, np.uint64)
+        self.state = np.zeros(3, np.int64)
+        """Directed edges without an opposite partner, and edges used more than twice, by their keys."""
+
+    def keys(
+        self, triangles: Triangles, start: int, stop: int, keys: NDArray[np.uint64], counts: Int, bits: int
+    ) -> int:
+        """Write the keys of the edges of triangles `start:stop`, and count them by bucket; 0 for a repeated corner."""
+        stored = triangles.corners_f4 if isinstance(triangles, Facets) else triangles.corners
+        corners: NDArray[Any] = np.ascontiguousarray(stored(start, stop))
+        corners = corners + corners.dtype.type(0)  # −0 becomes +0
+        vertex = _hashed(corners.view(np.uint32).reshape(len(corners), 3, -1), *self._salt[:14].reshape(2, 7))
+        tail, head = vertex, np.roll(vertex, -1, axis=1)
+        forward = (tail < head).astype(np.uint64)
+        ends = np.sort(np.stack([tail, head], axis=2), axis=2).view(np.uint32).reshape(len(corners), 3, 4)
+        edge = _hashed(ends, *self._salt[14:].reshape(2, 5)) & ~np.uint64(1)
+        edge = np.where(edge == 0, np.uint64(2), edge) | forward
+        repeated: Bool = (tail == head).any(axis=1)
+        keys[:] = np.where(repeated[:, None], np.uint64(0), edge).reshape(-1)
+        counts += np.bincount(keys[keys != 0] >> np.uint64(64 - bits), minlength=len(counts)).astype(np.int64)
+        return int(repeated.sum())
+
+    def scatter(
+        self, keys: NDArray[np.uint64], first: int, starts: Int, records: NDArray[np.uint32], bits: int
+    ) -> None:
+        """Sort records by bucket."""
+        order = np.argsort(keys >> np.uint64(64 - bits), kind="stable")
+        order = order[keys[order] != 0]
+        records[: len(order), :2] = keys[order].view(np.uint32).reshape(-1, 2)
+        records[: len(order), 2] = first + order
+
+    def pairs(self, pieces: Callable[[], Iterable[NDArray[np.uint32]]]) -> tuple[NDArray[np.uint32], int]:
+        """Return the pairs (k, 2) of triangles at the regular edges of a bucket, and how many edges are irregular."""
+        records = np.concatenate([np.empty((0, 3), np.uint32), *(piece.copy() for piece in pieces())])
+        keys = _keys_of(records)
+        order = np.argsort(keys, kind="stable")
+        edges, first, uses = np.unique(keys[order] >> np.uint64(1), return_index=True, return_counts=True)
+        forward = np.add.reduceat(keys[order] & np.uint64(1), first, dtype=np.int64) if len(first) else uses
+        regular = (uses == 2) & (forward == 1)
+        self._odd = edges[~regular]
+        self.state += np.abs(2 * forward - uses).sum(), (uses > 2).sum(), len(self._odd)
+        return records[order, 2][first[regular][:, None] + [0, 1]] // 3, len(self._odd)
+
+    def irregular(self, records: NDArray[np.uint32], halves: NDArray[np.uint32], size: int) -> int:
+        """Append the irregular directed edges of the bucket that was joined last."""
+        which = records[np.isin(_keys_of(records) >> np.uint64(1), self._odd), 2]
+        fit = which[: max(len(halves) - size, 0)]
+        halves[size : size + len(fit)] = fit
+        return size + len(which)
+
+    def join(self, parent: NDArray[np.uint32], pairs: NDArray[Any]) -> None:
+        """Join pairs (k, 2) of triangles."""
+        _join(parent, pairs)
+
+    def number(self, parent: NDArray[np.uint32]) -> int:
+        """Number the pieces in the order of the file, in place."""
+        roots = []
+        whole = parent != REPEATED
+        for start in range(0, len(parent), CHUNK):
+            own = parent[start : start + CHUNK]
+            which = whole[start : start + CHUNK]
+            own[which] = roots_of(parent, own[which])
+            roots.append(start + np.flatnonzero(which & (own == np.arange(start, start + len(own)))))
+        first = np.concatenate(roots)
+        for start in range(0, len(parent), CHUNK):
+            own, which = parent[start : start + CHUNK], whole[start : start + CHUNK]
+            own[which] = np.searchsorted(first, own[which])
+        return len(first)
+
+
+Steps = Compiled | Vectorised
+
+
+class Sorter:
+    """Sorts the directed edges of up to `length` triangles by bucket.
+
+    Parameters
+    ----------
+    bits : of a key that number the bucket
+    """
+
+    def __init__(self, steps: Steps, length: int, bits: int) -> None:
+        self._steps, self._bits = steps, bits
+        self._keys, self._records = np.empty(3 * length, np.uint64), np.empty((3 * length, 3), np.uint32)
+
+    def run(self, triangles: Triangles, start: int, stop: int, first: int) -> tuple[NDArray[np.uint32], Int, Int]:
+        """Return the records of triangles `start:stop`, where each bucket begins, and who has a repeated corner.
+
+        `first` is the number of the first triangle in the whole surface; the records are overwritten by the next run.
+        """
+        counts, repeated = np.zeros(1 << self._bits, np.int64), []
+        keys = self._keys[: 3 * (stop - start)]
+        for at in range(start, stop, CHUNK):
+            end = min(at + CHUNK, stop)
+            own = keys[3 * (at - start) : 3 * (end - start)]
+            if self._steps.keys(triangles, at, end, own, counts, self._bits):
+                repeated.append(first + at - start + np.flatnonzero(own[::3] == 0))
+        starts = np.append(0, np.cumsum(counts))
+        self._steps.scatter(keys, 3 * first, starts, self._records, self._bits)
+        return self._records[: starts[-1]], starts, np.concatenate([np.empty(0, np.int64), *repeated])
+
+
+def steps_for(triangles: Triangles, count: int, salt: NDArray[np.uint64]) -> Steps:
+    """Return the form of the steps for triangles, of which there are so many."""
+    compiled = isinstance(triangles, Facets) and all(kernel.worthwhile(count) for kernel in _KERNELS)
+    return Compiled(salt) if compiled else Vectorised(salt)
+
+
+def bits_for(count: int) -> int:
+    """Return how many bits of a key number the buckets for so many triangles."""
+    return min(max((3 * count // (2 * BUCKET)).bit_length(), 1), 14)
+
+
+def _hashed(words: NDArray[np.uint32], one: NDArray[np.uint64], other: NDArray[np.uint64]) -> NDArray[np.uint64]:
+    """Return 64-bit keys of words (..., k): the upper halves of two sums over random numbers."""
+    each, shift = words.astype(np.uint64), np.uint64(32)
+    high, low = (salt[0] + (each * salt[1 : each.shape[-1] + 1]).sum(axis=-1, dtype=np.uint64) for salt in (one, other))
+    key: NDArray[np.uint64] = (high >> shift << shift) | (low >> shift)
+    return key
+
+
+def _keys_of(records: NDArray[np.uint32]) -> NDArray[np.uint64]:
+    return np.ascontiguousarray(records[:, :2]).view(np.uint64).reshape(-1)
+
+
+def roots_of(parent: NDArray[np.uint32], places: NDArray[Any]) -> NDArray[np.uint32]:
+    """Return the first triangles of the pieces that triangles belong to, by the table of joined ones."""
+    while True:
+        above: NDArray[np.uint32] = parent[places]
+        if np.array_equal(above, places):
+            return above
+        places = above
+
+
+def _join(parent: NDArray[np.uint32], pairs: NDArray[Any]) -> None:
+    """Join pairs (k, 2) of triangles under the first of each piece."""
+    while len(pairs):
+        ends = np.sort(np.stack([roots_of(parent, pairs[:, 0]), roots_of(parent, pairs[:, 1])], axis=1), axis=1)
+        pairs = ends[ends[:, 0] != ends[:, 1]]
+        np.minimum.at(parent, pairs[:, 1], pairs[:, 0])

@@ -1,0 +1,184 @@
+"""Edges of a binary STL file paired by the workers of a Dask scheduler: ranges of triangles, then shares of buckets.
+
+Each range becomes records sorted by bucket, of which every share of the buckets takes its own (a shuffle); what is
+paired comes back here. All workers read the file, by the same path, and it has to be the same.
+"""
+
+from __future__ import annotations
+
+import operator
+from asyncio import CancelledError
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, TypeVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+from inertia.arrays import Int, Progress
+from inertia.errors import InertiaError, ReadError, UsageError, visible
+from inertia.mesh.external.buckets import BYTES, Sorter, bits_for, steps_for
+from inertia.mesh.external.closure import Paired
+from inertia.mesh.part import Facets, FacetsInFile, Part
+from inertia.mesh.readers.stl import HEADER, is_binary_stl
+
+T = TypeVar("T")
+
+RANGE = 1 << 20
+"""Triangles that a worker reads at a time, at least: a multiple of the blocks in which they are summed."""
+
+SHARE = 1 << 26
+"""Bytes of records that a worker pairs at a time, about."""
+
+_RANGES = 128  # at most, so that there are not too many pieces to move
+_GONE = "the Dask scheduler does not answer any more: start it again, and run again"
+
+
+@dataclass(frozen=True)
+class StoredFacets:
+    """A binary STL file: its path, number of triangles, size and time of the last change (ns)."""
+
+    path: str
+    count: int
+    size: int
+    modified: int
+
+    @classmethod
+    def of(cls, part: Part) -> StoredFacets:
+        """Describe the file of a part; raises `UsageError` where it is none that other processes can read in ranges."""
+        path = part.source.path
+        if path is not None and isinstance(part.geometry, Facets):
+            try:
+                status = Path(path).stat()
+                with Path(path).open("rb") as file:
+                    head = file.read(HEADER)
+                if is_binary_stl(head, status.st_size):
+                    return cls(str(Path(path).resolve()), part.triangles.count, status.st_size, status.st_mtime_ns)
+            except OSError as error:
+                raise ReadError(f"cannot read {visible(path)}: {error.strerror}: check the disk") from None
+        raise UsageError(f"{part.name} is no binary STL file as it is, which workers read in ranges: write it as one")
+
+    def read(self, start: int, stop: int) -> Facets:
+        """Return triangles `start:stop`; raises `ReadError` where the file is another one here."""
+        try:
+            status = Path(self.path).stat()
+            if (status.st_size, status.st_mtime_ns) == (self.size, self.modified):
+                return Facets(FacetsInFile(Path(self.path), self.count, HEADER).block(start, stop))
+            what = "it is not the file that the command has read"
+        except OSError as error:
+            what = error.strerror or str(error)
+        raise ReadError(f"a Dask worker cannot read {visible(self.path)}: {what}: give it the same file by that path")
+
+
+class DaskWorkers:
+    """The workers of a Dask scheduler, and the file that they read.
+
+    Parameters
+    ----------
+    client : of the scheduler (`distributed.Client`)
+    """
+
+    def __init__(self, client: Any, file: StoredFacets) -> None:
+        self._client, self._file = client, file
+
+    def over_ranges(self, function: Callable[..., T], *arguments: object, progress: Progress | None = None) -> list[T]:
+        """Return ``function(triangles, *arguments)`` for each range of triangles, in their order."""
+        futures = [self._client.submit(_of_range, function, *at, *arguments, pure=False) for at in self._ranges()]
+        results: dict[int, T] = {}
+        for number, result in self._results(futures):
+            results[number] = result
+            if progress is not None:
+                progress(len(results) / len(futures))
+        return [results[number] for number in range(len(futures))]
+
+    def pair(self, salt: NDArray[np.uint64], room: int, progress: Progress) -> Iterator[Paired]:
+        """Yield paired edges, share by share, each with no more than `room` irregular directed edges."""
+        bits = bits_for(self._file.count)
+        shares = 1 << min(bits, max(3 * BYTES * self._file.count // SHARE, 1).bit_length())
+        submit = self._client.submit
+        runs = [submit(_run, *at, salt, bits, shares, pure=False) for at in self._ranges()]
+        futures = [
+            submit(_pair, [submit(operator.getitem, run, share, pure=False) for run in runs], salt, room, pure=False)
+            for share in range(shares)
+        ]
+        points = [submit(operator.getitem, run, shares, pure=False) for run in runs]
+        del runs
+        for done, (_, paired) in enumerate(self._results(futures)):
+            yield paired
+            progress((done + 1) / shares)
+        for _, repeated in self._results(points):
+            nothing = np.empty((0, 2), np.uint32)
+            yield Paired(nothing, nothing[:, 0], 0, np.zeros(3, np.int64), repeated)
+
+    def _ranges(self) -> list[tuple[StoredFacets, int, int]]:
+        count = self._file.count
+        length = RANGE * max(1, -(-count // (RANGE * _RANGES)))
+        return [(self._file, start, min(start + length, count)) for start in range(0, count, length)]
+
+    def _results(self, futures: Sequence[Any]) -> Iterator[tuple[int, Any]]:
+        """Yield results as they come, each with the number of its future, which is let go of."""
+        import distributed
+
+        number = {future.key: k for k, future in enumerate(futures)}
+        done = distributed.as_completed(futures, loop=self._client.loop, with_results=True, raise_errors=False)
+        while number:
+            try:
+                future, result = next(done)
+            except (OSError, CancelledError, StopIteration):  # the connection is lost
+                raise InertiaError(_GONE) from None
+            if future.status != "finished":
+                raise _fault(future)
+            yield number.pop(future.key), result
+            future.release()
+
+
+def _fault(future: Any) -> InertiaError:
+    """Say why there is no result."""
+    if future.status == "error":
+        error = future.exception()
+        if isinstance(error, InertiaError):
+            return error
+        return InertiaError(
+            f"the Dask workers failed ({visible(type(error).__name__)}: {visible(str(error))}): look at their logs, "
+            "and whether they have the same version of inertia and memory enough"
+        )
+    return InertiaError(_GONE)
+
+
+def _of_range(function: Callable[..., T], file: StoredFacets, start: int, stop: int, *arguments: object) -> T:
+    return function(file.read(start, stop), *arguments)
+
+
+_Piece = tuple[NDArray[np.uint32], Int]
+"""Records of a run in one share of the buckets, and where each bucket begins."""
+
+
+def _run(
+    file: StoredFacets, start: int, stop: int, salt: NDArray[np.uint64], bits: int, shares: int
+) -> list[_Piece | Int]:
+    """Return the pieces of a range for each share, and then which triangles have a repeated corner."""
+    triangles = file.read(start, stop)
+    sorter = Sorter(steps_for(triangles, file.count, salt), stop - start, bits)
+    records, starts, repeated = sorter.run(triangles, 0, stop - start, start)
+    each = (len(starts) - 1) // shares
+    own = (starts[share * each : (share + 1) * each + 1] for share in range(shares))
+    return [*((records[at[0] : at[-1]].copy(), at - at[0]) for at in own), repeated]
+
+
+def _pair(pieces: Sequence[_Piece], salt: NDArray[np.uint64], room: int) -> Paired:
+    """Pair the edges of a share of the buckets."""
+    steps = steps_for(Facets(np.empty(0, np.uint8)), sum(len(records) for records, _ in pieces), salt)
+    halves, odd, pairs = np.empty(room, np.uint32), 0, [np.empty((0, 2), np.uint32)]
+    for bucket in range(len(pieces[0][1]) - 1):
+
+        def own(bucket: int = bucket) -> Iterable[NDArray[np.uint32]]:
+            return (records[starts[bucket] : starts[bucket + 1]] for records, starts in pieces)
+
+        regular, irregular = steps.pairs(own)
+        pairs.append(regular.astype(np.uint32))
+        if irregular:
+            for records in own():
+                odd = steps.irregular(records, halves, odd)
+    size = min(odd, room)
+    return Paired(np.concatenate(pairs), halves[:size].copy(), odd - size, steps.state, np.empty(0, np.int64))
