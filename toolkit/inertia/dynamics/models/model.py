@@ -139,9 +139,22 @@ class Problem:
 
     @cached_property
     def pace(self) -> float:
-        """|ω| at t = 0, or the rate in rad/s at which the weight swings the body, where that is more."""
+        """|ω| at t = 0, or the rate in rad/s at which the weight swings or tips the body, where that is more."""
+        radius = self.scene.constraint.radius
+        if radius is not None:
+            speed = float(np.linalg.norm(self.angular_velocity))
+            return math.hypot(speed, math.sqrt(float(np.linalg.norm(self.scene.gravity)) / radius))
         swing = math.sqrt(self.weight * float(np.linalg.norm(self.arm)) / float(self.moments[0]))
         return max(float(np.linalg.norm(self.angular_velocity)), swing)
+
+    @property
+    def relative_contact_bound(self) -> float:
+        """How far the tensor, mass and centre of mass of a body on a plane may be off, as parts of what they are."""
+        radius = self.scene.constraint.radius
+        if radius is None or self.scene.body.properties is None:
+            return 0.0
+        mass = self.exact.mass_bound / float(self.exact.mass)
+        return self.relative_tensor_bound + mass + self.center_bound / radius
 
     @property
     def relative_bound(self) -> float:

@@ -21,6 +21,13 @@ INSTANTS = 33
 _FIRST = 1e-9  # of the duration
 _FAR = 0.1  # rad, up to which a difference is taken as proportional to the change
 _BEYOND = 0.1  # of that, where the accuracy is reached
+ROUNDED = 4 * 2.0**-52
+"""Of every figure of a start, relative: what is lost on its way into equations and through their first steps."""
+
+_LOOSELY, _CLOSELY = (1e-6, 1e-9), 1e-13  # a change of a start and a tolerance with which it shows; the finest of them
+_NEAR = 1e-3  # rad, up to which that effect is taken as proportional to the change
+_PATTERNS = 4
+_CHANCE = 3.0  # by which noise may do more than a few patterns of it
 _LEAST, _MOST = 1e-14, 1e-7  # of a change, relative
 
 
@@ -116,3 +123,30 @@ def growth(
     starts = [(attitude, angular_velocity + rate * step) for step in steps]
     starts += [(quaternion.multiply(quaternion.from_rotation_vector(s), attitude), angular_velocity) for s in steps[:2]]
     return parted(np.stack([follow(*start)[0] for start in starts]), follow(attitude, angular_velocity)[0], nudge)
+
+
+def left_open(follow: Callable[[Float, float], Float], figures: int, relative: float) -> Float:
+    """Return (n,) how far what is left open of a start may move the attitude, at most up to each instant, in rad.
+
+    A start next to an unstable motion may be off that by no more than is left open: only changes of that size show
+    what becomes of it, and so they are what is compared where larger ones do too much.
+
+    Parameters
+    ----------
+    follow : takes a relative change (k,) of the figures of the start, and a tolerance, to attitudes (n, 4), at instants
+        that show how far neighbours part meanwhile
+    figures : k
+    relative : how far each figure may be off
+    """
+    signs = np.random.default_rng(figures).choice([-1.0, 1.0], (_PATTERNS, figures))
+    chance = 1.0
+    for change, tolerance in (_LOOSELY, (relative, _CLOSELY)):
+        if change < relative:
+            continue
+        path = follow(np.zeros(figures), tolerance)
+        apart = np.stack([quaternion.angle_between(follow(change * each, tolerance), path) for each in signs])
+        if apart.max() <= _NEAR:
+            break
+        chance = _CHANCE
+    moved = chance * relative / change * np.linalg.norm(apart, axis=0)
+    return np.asarray(np.minimum(np.maximum.accumulate(moved), np.pi))

@@ -188,6 +188,8 @@ def _is_turned(scene: Scene) -> bool:
         return True
     if scene.constraint.stiffness and scene.constraint.rest_angle:
         return True
+    if scene.constraint.kind == "rolling" or (scene.constraint.friction and scene.start.velocity is not None):
+        return bool(scene.gravity.any())
     arm = scene.constraint.fixed_point - scene.body.center_of_mass
     return scene.constraint.kind != "free" and bool(scene.gravity.any() and arm.any())
 

@@ -9,7 +9,10 @@ import numpy as np
 from inertia.arrays import Float
 from inertia.documents import FieldError
 from inertia.dynamics.models.model import AXIS_PAIRS, NEARLY_EQUAL, Candidate, Model, Problem, affordable, angle_text
+from inertia.dynamics.models.neighbours import InputBound, instants_of
 from inertia.dynamics.motion import Motion
+
+_MARGIN = 3.0  # of what the growth of a change of the start says about other mass properties
 
 
 class Rolling(Model):
@@ -44,7 +47,7 @@ class Rolling(Model):
             axis = np.eye(3)[int(np.argmin(unequal))]
         axes, moments, defect = problem.symmetric_about(axis)
         why = "A body of revolution on its rim: the nonholonomic equations are integrated, contact forces included."
-        cost = defect * problem.angle_turned
+        cost = defect * problem.pace * problem.duration
         return Candidate(self, problem, axes, moments, cost, why, unseen=cost)
 
     def solve(self, candidate: Candidate, time: Float, method: str | None = None) -> Motion:
@@ -52,20 +55,30 @@ class Rolling(Model):
         from inertia.dynamics.models.rolling.motion import solve_rolling
 
         scene = candidate.problem.scene
-        mass, radius = scene.body.mass, scene.constraint.radius
-        assert mass is not None and radius is not None  # noqa: PT018  # the scene saw to it
         return solve_rolling(
-            mass,
-            (float(candidate.moments[0]), float(candidate.moments[2])),
-            radius,
-            scene.constraint.offset or 0.0,
-            float(np.linalg.norm(scene.gravity)),
+            *_figures(candidate),
             candidate.attitude,
             candidate.angular_velocity,
             time,
             scene.run.accuracy,
             method,
+            candidate.problem.symmetric_about(candidate.problem.axes.T @ candidate.axes[:, 2])[2],
         )
+
+    def input_bound(self, candidate: Candidate) -> InputBound:
+        """Return how far the bounds of the mass properties may move the attitude: as a change of the start does."""
+        from inertia.dynamics.models.rolling.equations import RollingBody
+        from inertia.dynamics.models.rolling.motion import left_open, state_of
+
+        problem = candidate.problem
+        unknown = _MARGIN * problem.relative_contact_bound
+        if not unknown:
+            return InputBound.none(problem.duration)
+        mass, (transverse, axial), *rest = _figures(candidate)
+        body, instants = RollingBody(mass, transverse, axial, *rest), instants_of(problem.duration)
+        start = state_of(body, candidate.attitude, candidate.angular_velocity)
+        moved = left_open(body, start, instants, True, unknown)
+        return InputBound(instants, np.maximum(moved, unknown * problem.pace * instants))
 
     def view(self, problem: Problem) -> str:
         """Show the path and the forces of contact."""
@@ -80,3 +93,12 @@ class Rolling(Model):
             f"{defect:.2g} of its smallest moment, {angle_text(candidate.cost)} in the time of the run: "
             + (affordable(candidate.cost) if defect < NEARLY_EQUAL else "name its axis, or give it two equal moments"),
         )
+
+
+def _figures(candidate: Candidate) -> tuple[float, tuple[float, float], float, float, float]:
+    """Return mass, moments, radius, offset and gravity."""
+    scene = candidate.problem.scene
+    mass, radius = scene.body.mass, scene.constraint.radius
+    assert mass is not None and radius is not None  # noqa: PT018  # the scene saw to it
+    moments = float(candidate.moments[0]), float(candidate.moments[2])
+    return mass, moments, radius, scene.constraint.offset or 0.0, float(np.linalg.norm(scene.gravity))

@@ -10,6 +10,8 @@ from numpy.typing import ArrayLike
 
 from inertia.arrays import Float
 from inertia.dynamics.kinematics import quaternion
+from inertia.dynamics.models import neighbours
+from inertia.dynamics.models.neighbours import ROUNDED, instants_of
 from inertia.dynamics.models.rolling.constants import appell_korteweg
 from inertia.dynamics.models.rolling.equations import RollingBody, angular_acceleration, energy, reaction
 from inertia.dynamics.models.rolling.integration import FINEST, FLAT, Path, clearance, follow, pace
@@ -27,6 +29,7 @@ _LOOSEST = 1e-8
 _STEADY = 1e-6
 """|ω₁| and |ω̇₁| below this part of what the pace of the motion makes of them count as steady."""
 
+_UNLIKE = 0.1  # what a lack of symmetry does to what a change of the start by as much does
 _EPSILON = 2.0**-52
 _FINISH = 12.0  # roundings between the states and the attitude
 
@@ -42,6 +45,7 @@ def solve_rolling(
     time: ArrayLike,
     accuracy: float,
     method: str | None = None,
+    unlike: float = 0.0,
 ) -> Motion:
     """Return how a body of revolution rolls without slipping on its rim, on the horizontal plane z = 0 of space.
 
@@ -61,6 +65,7 @@ def solve_rolling(
     angular_velocity : (3,) rad/s at t = 0, along the body's axes; the velocity follows from it
     time : (n,) s, ascending from 0 or later
     accuracy : rad
+    unlike : how far the body is from one of revolution, relative to its smallest moment
     method : "nutation", as above (default), or "DOP853" over the whole time
 
     Returns
@@ -85,13 +90,16 @@ def solve_rolling(
         raise UsageError(f"the accuracy is {accuracy} rad: it must be positive and finite")
     transverse, axial = array_of(moments, (2,), "moments").tolist()
     body = RollingBody(mass, transverse, axial, radius, offset, gravity)
-    start = _state(body, array_of(attitude, (4,), "attitude"), array_of(angular_velocity, (3,), "angular_velocity"))
+    start = state_of(body, array_of(attitude, (4,), "attitude"), array_of(angular_velocity, (3,), "angular_velocity"))
     instants = array_of(time, (np.size(time),), "time")
     if not instants.size or instants[0] < 0 or (np.diff(instants) < 0).any():
         raise UsageError("the times of a rolling body must ascend from 0 or later")
 
-    path, states, reached = _refined(body, start, instants, accuracy, method != "DOP853")
-    growth, unstable = _instability(body, start, instants[-1])
+    repeat = method != "DOP853"
+    between = np.union1d(instants, instants_of(float(instants[-1]) or 1e-3 / pace(body, start)))
+    noise = float(left_open(body, start, between, repeat, max(_UNLIKE * unlike, ROUNDED))[-1])
+    path, states, reached = _refined(body, start, instants, accuracy, repeat, noise)
+    unstable = _instability(body, start)
     events, warnings = _lift_off(body, path, instants[-1])
     theta, w1, w2, w3, sigma, delta, x, y = states
     s, c, phi, psi = np.sin(theta), np.cos(theta), 0.5 * (sigma + delta), 0.5 * (sigma - delta)
@@ -104,12 +112,12 @@ def solve_rolling(
     contact = np.stack([position[:, 0] + reach * turn[1], position[:, 1] - reach * turn[0], np.zeros_like(x)], axis=-1)
     repeated = "" if path.nutation is None else f" over one nutation of {path.nutation.period:.6g} s, which repeats"
     return Motion(
-        attitude=_attitude(states),
+        attitude=attitude_of(states),
         angular_velocity=np.stack(
             [w1 * np.cos(psi) + w2 * np.sin(psi), w2 * np.cos(psi) - w1 * np.sin(psi), w3], axis=-1
         ),
         method=f"DOP853 (order 8){repeated}",
-        reached=min(np.pi, max(reached, _EPSILON * growth)),
+        reached=min(np.pi, reached),
         position=position,
         invariants={
             "energy": energy(body, s, c, w1, w2, w3),
@@ -135,7 +143,19 @@ def solve_rolling(
     )
 
 
-def _state(body: RollingBody, attitude: Float, angular_velocity: Float) -> Float:
+def left_open(body: RollingBody, start: Float, instants: Float, repeat: bool, relative: float) -> Float:
+    """Return (n,) how far what is left open of the figures of a start (8,) may move the attitude, rad."""
+    rate, end = pace(body, start), float(instants[-1]) or 1e-3 / pace(body, start)
+
+    def attitudes(change: Float, tolerance: float) -> Float:
+        there = start + np.concatenate([change * [1.0, rate, rate, rate], np.zeros(4)])
+        path = follow(body, there, end, repeat, max(tolerance, FINEST))
+        return attitude_of(path(instants if path.flat is None else np.minimum(instants, path.flat)))
+
+    return neighbours.left_open(attitudes, 4, relative)
+
+
+def state_of(body: RollingBody, attitude: Float, angular_velocity: Float) -> Float:
     """Return the state (8,) that `follow` starts from."""
     if not attitude.any():
         raise UsageError("the attitude is zero: give a quaternion (x, y, z, w)")
@@ -166,33 +186,38 @@ def _state(body: RollingBody, attitude: Float, angular_velocity: Float) -> Float
     return state
 
 
-def _attitude(states: Float) -> Float:
+def attitude_of(states: Float) -> Float:
     """Return the quaternions (n, 4) of states (8, n)."""
     half, sigma, delta = 0.5 * states[0], 0.5 * states[4], 0.5 * states[5]
     s, c = np.sin(half), np.cos(half)
     return np.stack([s * np.cos(delta), s * np.sin(delta), c * np.sin(sigma), c * np.cos(sigma)], axis=-1)
 
 
-def _refined(body: RollingBody, start: Float, time: Float, accuracy: float, repeat: bool) -> tuple[Path, Float, float]:
-    """Return the path, its states (8, n) at `time`, and twice the angle in rad by which the run before was off.
+def _refined(
+    body: RollingBody, start: Float, time: Float, accuracy: float, repeat: bool, noise: float
+) -> tuple[Path, Float, float]:
+    """Return the path, its states (8, n) at `time`, and twice the angle in rad by which the run before was off, with
+    the noise, rad, of the start.
 
     Twice, since two runs that differ by rounding alone may agree by chance.
     """
     end = float(time[-1]) or 1e-3 / pace(body, start)
-    before: Float | None = None
+    before: tuple[Float, Float] | None = None
     reached = np.inf
     for tolerance, share in _rungs(accuracy):
         path = follow(body, start, end, repeat, tolerance, share)
         if path.flat is not None:
             continue
         states = path(time)
-        attitude = _attitude(states)
-        if before is not None:
-            apart = float(quaternion.angle_between(attitude, before).max())
-            reached = 2.0 * apart + _EPSILON * (_FINISH + float(np.abs(states[4:6]).max()))
+        attitude = attitude_of(states)
+        least = _EPSILON * (_FINISH + float(np.abs(states[4:6]).max())) + noise
+        if before is not None and not np.array_equal(before[0], path.times):  # the same steps say nothing
+            reached = 2.0 * float(quaternion.angle_between(attitude, before[1]).max()) + least
             if reached <= accuracy:
                 break
-        before = attitude
+        before = path.times, attitude
+    if path.flat is None and reached == np.inf:  # in a step or two, whatever the tolerance
+        reached = _FINISH * FINEST + least
     if path.flat is not None:
         raise GeometryError(
             f"the body falls flat at t = {path.flat:.9g} s, which an impact follows: end the run before"
@@ -207,20 +232,18 @@ def _rungs(accuracy: float) -> Iterator[tuple[float, float]]:
     yield from ((FINEST, 0.6), (FINEST, 0.45))
 
 
-def _instability(body: RollingBody, start: Float, end: float) -> tuple[float, tuple[str, ...]]:
-    """Return by how much the rounding of a start next to an unstable steady motion grows, and a warning of it."""
+def _instability(body: RollingBody, start: Float) -> tuple[str, ...]:
+    """Return a warning where the start is next to an unstable steady motion."""
     rate = pace(body, start)
     theta, w1, w2, w3 = start[:4].tolist()
     push = angular_acceleration(body, np.sin(theta), np.cos(theta), w1, w2, w3)[0]
     apart = max(abs(w1) / rate, abs(push) / rate**2)
     squared = nutation_squared(body, theta, w2, w3)
     if apart > _STEADY or squared >= 0:
-        return 1.0, ()
-    exponent = np.sqrt(-squared)
-    growth = min(np.exp(min(exponent * end, 700.0)), 1.0 / max(apart, _EPSILON))
-    return growth, (
+        return ()
+    return (
         f"the start is within {apart:.1e} of an unstable steady motion: a change of it grows by e every "
-        f"{1 / exponent:.3g} s",
+        f"{1 / np.sqrt(-squared):.3g} s",
     )
 
 

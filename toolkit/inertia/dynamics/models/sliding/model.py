@@ -12,6 +12,7 @@ import numpy as np
 from inertia.arrays import Float
 from inertia.dynamics.kinematics import quaternion
 from inertia.dynamics.models.model import Candidate, Model, Problem
+from inertia.dynamics.models.neighbours import ROUNDED, InputBound, instants_of, left_open
 from inertia.dynamics.models.sliding.equations import SlidingBall
 from inertia.dynamics.motion import Event, Motion
 from inertia.dynamics.scene.sections import SLIP_SPEED
@@ -23,6 +24,7 @@ _GRID, _FINER = 2049, 65  # instants at which the normal force is looked at for 
 _GRID_TOLERANCE = 1e-9
 _BALANCED = 1e-3  # rad from the normal, within which a spin is balanced on it
 _REAL = 1e-9  # of the imaginary part of a root that is real
+_MARGIN = 3.0  # of what the growth of a change of the start says about other mass properties
 _METHODS = ("DOP853", "LSODA", "Radau", "RK4")
 
 
@@ -55,7 +57,8 @@ class Sliding(Model):
         problem, scene = candidate.problem, candidate.problem.scene
         ball, turn = _ball(candidate)
         try:
-            integrator, states, reached = stepped(ball, time, scene.run.accuracy, method)
+            noise = float(_left_open(ball, np.union1d(time, instants_of(float(time[-1]))), ROUNDED)[-1])
+            integrator, states, reached = stepped(ball, time, scene.run.accuracy, method, noise)
             attitude, spin = states.attitude, states.angular_velocity
             leaves = _lift_off(ball, float(time[-1]))
         except (UsageError, GeometryError) as error:
@@ -76,7 +79,7 @@ class Sliding(Model):
         axis = _axis(ball)
         jellett = ball.jellett(attitude, spin)
         _, moments, defect = problem.symmetric_about(axis)
-        even = not ball.arm.any() or defect * problem.angle_turned <= _EVEN * scene.run.accuracy
+        even = not ball.arm.any() or defect * problem.pace * problem.duration <= _EVEN * scene.run.accuracy
         if even:
             invariants["Jellett's integral"] = jellett
             scales["Jellett's integral"] = ball.radius * float(np.linalg.norm(ball.moments * spin, axis=1).max())
@@ -106,6 +109,16 @@ class Sliding(Model):
         energy: Float = motion.invariants["energy and heat"] - motion.quantities["heat"]
         return energy
 
+    def input_bound(self, candidate: Candidate) -> InputBound:
+        """Return how far the bounds of the mass properties may move the attitude: as a change of the start does."""
+        problem = candidate.problem
+        unknown = _MARGIN * problem.relative_contact_bound
+        if not unknown:
+            return InputBound.none(problem.duration)
+        instants = instants_of(problem.duration)
+        moved = _left_open(_ball(candidate)[0], instants, unknown)
+        return InputBound(instants, np.maximum(moved, unknown * problem.pace * instants))
+
     def view(self, problem: Problem) -> str:
         """Show the path and the forces of contact."""
         return "disc"
@@ -132,6 +145,22 @@ def _ball(candidate: Candidate) -> tuple[SlidingBall, Float]:
         velocity=velocity[:2],
     )
     return ball, turn
+
+
+def _left_open(ball: SlidingBall, instants: Float, relative: float) -> Float:
+    """Return (n,) how far what is left open of the figures of the start may move the attitude, rad."""
+    from inertia.dynamics.integrators import methods
+
+    def follow(change: Float, tolerance: float) -> Float:
+        there = replace(
+            ball,
+            attitude=quaternion.multiply(quaternion.from_rotation_vector(change[:3]), ball.attitude),
+            angular_velocity=ball.angular_velocity + ball.rate * change[3:6],
+            velocity=ball.velocity + ball.radius * ball.rate * change[6:],
+        )
+        return methods.METHODS["DOP853"].run(there, instants, tolerance).attitude
+
+    return left_open(follow, 8, relative)
 
 
 def _upwards(normal: Float) -> Float:
