@@ -20,7 +20,7 @@ True
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from operator import mul
@@ -246,3 +246,23 @@ def _angle(p: np.ndarray, q: np.ndarray) -> float:
         q = [-x for x in q]
     chord = mpmath.norm([a - b for a, b in zip(p, q, strict=True)])
     return float(4 * mpmath.asin(chord / 2))
+
+
+def off_by(
+    inertia: Callable[[mpmath.mpf], mpmath.mpf], pull: float, start: mpmath.mpf, end: float, time: float
+) -> float:
+    """Return how far an angle is off that is said to be reached at `time` by what falls from rest at `start`.
+
+    ½ J(φ) φ̇² = pull (cos φ₀ − cos φ); with sin ½φ = sin ½φ₀ cosh u, the time is ∫ √(J/pull)/cos ½φ du.
+    """
+    with mpmath.workdps(30):
+        small = mpmath.sin(start / 2)
+
+        def slowness(u: mpmath.mpf) -> mpmath.mpf:
+            angle = 2 * mpmath.asin(small * mpmath.cosh(u))
+            return mpmath.sqrt(inertia(angle) / pull) / mpmath.cos(angle / 2)
+
+        last = mpmath.acosh(mpmath.sin(mpmath.mpf(end) / 2) / small)
+        spent = mpmath.quad(slowness, mpmath.linspace(0, last, 20))
+        speed = mpmath.sqrt(2 * pull * (mpmath.cos(start) - mpmath.cos(end)) / inertia(mpmath.mpf(end)))
+        return float(abs(spent - mpmath.mpf(time)) * speed)

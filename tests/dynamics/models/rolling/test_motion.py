@@ -9,6 +9,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from tests.dynamics.models.rolling.rolling_oracle import Answer, Wheel, roll
+from tests.dynamics.oracle import off_by
 
 from inertia.dynamics.kinematics import quaternion
 from inertia.dynamics.models.rolling.motion import solve_rolling
@@ -202,6 +203,24 @@ class TestClosedForms:
         assert "unstable steady motion" in motion.warnings[0]
         rate = math.sqrt((G - 3.0) / 1.25)  # (MgR − (I₃ + MR²) I₃ n²/I₁)/(I₁ + MR²)
         assert f"every {1 / rate:.3g} s" in motion.warnings[0]
+
+    @pytest.mark.parametrize(("lean", "end"), [(1e-3, 2.5), (1e-9, 7.5), (3e-12, 9.3), (1e-13, 10.5)])
+    def test_a_disc_that_is_let_go_near_the_upright_is_known_as_badly_as_its_start(self, lean, end):
+        half = 0.25 * math.pi - 0.5 * lean
+        start = [math.sin(half), 0.0, 0.0, math.cos(half)]
+        motion = disc(start, [0.0, 0.0, 0.0], [0.0, end])
+        with mpmath.workdps(30):
+            begun = mpmath.pi / 2 - 2 * mpmath.atan(mpmath.mpf(start[0]) / mpmath.mpf(start[3]))
+            fallen = float(mpmath.pi / 2 - mpmath.mpf(motion.quantities["theta"][-1]))
+        assert fallen > 0.1
+        assert off_by(lambda _: mpmath.mpf(1.25), G, begun, fallen, end) <= motion.reached < 0.1
+
+    def test_a_run_of_one_step_does_not_claim_that_it_is_exact(self):
+        """Whatever the tolerance, a step or two to the end give the same: that they agree proves nothing."""
+        for accuracy in (1e-3, 1e-6, 1e-9):
+            coarse, fine = (disc(LEANING, [0.3, 1.0, 2.0], [0.0, 0.02], tried) for tried in (accuracy, 1e-14))
+            off = quaternion.angle_between(coarse.attitude[-1], fine.attitude[-1])
+            assert off <= coarse.reached + fine.reached
 
     def test_a_steady_circle_is_a_circle_about_the_same_point(self):
         steady = steady_rolling(RollingBody(1.0, *DISC, 1.0, 0.0, G), 1.0, 3.0)

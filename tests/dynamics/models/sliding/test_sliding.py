@@ -8,6 +8,7 @@ import mpmath
 import numpy as np
 import pytest
 from tests.dynamics.extrapolation import follow
+from tests.dynamics.oracle import off_by
 
 from inertia import GeometryError, Run, Scene, UsageError, simulate
 from inertia.dynamics.kinematics import quaternion
@@ -258,6 +259,53 @@ def test_a_top_that_is_balanced_upright_is_not_foretold() -> None:
         run_of(start=upright, run={"duration": 4.0})
     slow = run_of(start=upright | {"angular_velocity": [0.0, 0.0, 25.0]})
     np.testing.assert_allclose(slow.quantities["theta"], 0.0, atol=1e-12)
+
+
+@pytest.mark.parametrize(("lean", "duration"), [(1e-6, 1.4), (1e-11, 2.6), (1e-12, 2.8)])
+def test_a_ball_balanced_on_ice_is_known_as_badly_as_its_start(lean: float, duration: float) -> None:
+    """Without friction its centre of mass falls straight down: J = I₁ + m b² sin²φ."""
+    moment, mass, arm = 1e-6, 0.006, 0.0016
+    body = {"principal_moments": [moment] * 3, "mass": mass, "center_of_mass": [0.0, 0.0, arm]}
+    start = {
+        "angular_velocity": [0.0, 0.0, 0.0],
+        "frame": "part",
+        "attitude": [np.sin(lean / 2), 0, 0, np.cos(lean / 2)],
+    }
+    run = simulate(
+        Scene.from_dict(
+            {
+                "body": body,
+                "start": start,
+                "constraint": {"kind": "sliding", "radius": 0.02, "friction": 0.0},
+                "load": [{"kind": "gravity"}],
+                "run": {"duration": duration, "samples": 2, "accuracy": 0.1},
+            }
+        )
+    )
+    x, _, _, w = run.attitude[-1]
+    with mpmath.workdps(30):
+        begun = 2 * mpmath.atan(mpmath.mpf(start["attitude"][0]) / mpmath.mpf(start["attitude"][3]))
+        pull = mpmath.mpf(mass) * mpmath.mpf(9.80665) * mpmath.mpf(arm)
+
+        def inertia(angle: mpmath.mpf) -> mpmath.mpf:
+            return mpmath.mpf(moment) + mpmath.mpf(mass) * mpmath.mpf(arm) ** 2 * mpmath.sin(angle) ** 2
+
+        fallen = float(2 * abs(mpmath.atan(mpmath.mpf(x) / mpmath.mpf(w))))
+        assert fallen > 0.1
+        assert off_by(inertia, pull, begun, fallen, duration) <= run.error.reached < 0.1
+
+
+def test_a_pushed_ball_without_spin_and_a_disc_at_rest_are_scenes() -> None:
+    ball = {"principal_moments": [0.4, 0.4, 0.4], "mass": 1.0}
+    start = {"angular_velocity": [0, 0, 0], "velocity": [1.0, 0, 0]}
+    table = {"body": ball, "start": start, "load": [{"kind": "gravity"}], "run": {"duration": 1.0, "samples": 2}}
+    run = simulate(Scene.from_dict(table | {"constraint": {"kind": "sliding", "radius": 1.0, "friction": 0.3}}))
+    assert run.angular_velocity[-1, 1] == pytest.approx(5.0 / 7.0, rel=0.1)
+    disc = {"principal_moments": [0.25, 0.25, 0.5], "mass": 1.0}
+    leaning = {"angular_velocity": [0, 0, 0], "attitude": [0.6, 0, 0, 0.8]}
+    table = {"body": disc, "start": leaning, "load": [{"kind": "gravity"}], "run": {"duration": 0.1, "samples": 2}}
+    run = simulate(Scene.from_dict(table | {"constraint": {"kind": "rolling", "radius": 1.0}}))
+    assert run.quantities["theta"][-1] < run.quantities["theta"][0]
 
 
 def test_friction_that_jams_the_ball_is_refused() -> None:
