@@ -57,7 +57,7 @@ def listening(home: Path, *options: str) -> Iterator[tuple[str, subprocess.Popen
         "RUST_LOG": "error",
     }
     command = [str(program()), "--bind", "127.0.0.1", *options]
-    if sys.platform == "linux":
+    if sys.platform == "linux" and sys.executable:
         command = [sys.executable, "-ISc", _TIED, str(os.getpid()), *command]
     process = subprocess.Popen(
         command,
