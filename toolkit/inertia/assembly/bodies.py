@@ -24,7 +24,8 @@ from inertia.mass.analyse import analyse
 from inertia.mass.analysis import Analysis
 from inertia.mass.moments import PAIRS, ZERO, Moments, Vector
 from inertia.mass.properties import MassProperties
-from inertia.mesh.part import Part
+from inertia.mesh import primitives
+from inertia.mesh.part import Cells, Part
 from inertia.mesh.read import read
 from inertia.units import Unit
 
@@ -306,3 +307,40 @@ def _solid(kind: str, sizes: list[Fraction]) -> Moments:
         (ZERO,) * 3,
         (bound * xx, bound * yy, bound * zz, ZERO, ZERO, ZERO),
     )
+
+
+def triangles_of(fields: PartFields, body: Body, unit: Unit) -> Float | None:
+    """Return the triangles (m, 3, 3) m of a part in its own axes; None of what has no surface.
+
+    Those of round shapes have their corners on the shape.
+    """
+    metres = float(unit.metres)
+    if body.part is not None:
+        if isinstance(body.part.geometry, Cells):
+            return None
+        corners = body.part.triangles.corners() * float(body.part.unit.metres)
+    elif fields.shape is not None and fields.shape != "point":
+        corners = _surface(fields.shape, [metres * float(k) for k in fields.size or ()])
+    else:
+        return None
+    if fields.mirror is not None:
+        rows = np.array([[float(k) for k in row] for row in mirror(fields.mirror)])
+        corners = (corners @ rows.T)[:, ::-1]
+    return corners
+
+
+def _surface(kind: str, sizes: list[float]) -> Float:
+    match kind:
+        case "box":
+            return primitives.box(np.array(sizes) / 2)
+        case "sphere":
+            return sizes[0] * primitives.ball()
+        case "cone":
+            r, z = sizes
+            return primitives.revolved(z * np.array([-0.25, 0.75]), np.array([r, 0.0]))
+        case "tube":
+            outer, inner, z = sizes
+            heights = z / 2 * np.array([-1.0, 1.0, 1.0, -1.0])
+            return primitives.revolved(heights, np.array([outer, outer, inner, inner]), hollow=True)
+        case _:
+            return primitives.revolved(sizes[1] / 2 * np.array([-1.0, 1.0]), np.full(2, sizes[0]))

@@ -9,6 +9,7 @@ from typing import Any, Self
 from inertia.assembly.bill import parts_of
 from inertia.assembly.budget import Budget, budget
 from inertia.assembly.fields import AssemblyFields
+from inertia.assembly.interference import Interference, interferences
 from inertia.assembly.tree import PartTree
 from inertia.documents import document_schema
 from inertia.errors import ReadError, placed
@@ -43,6 +44,13 @@ class Assembly(PartTree):
         Raises as `mass_properties` does, and `UsageError` for a maturity or category that the table has not.
         """
         return budget(self)
+
+    def interferences(self, clearance: float = 0.0) -> tuple[Interference, ...]:
+        """Return the pairs of parts that share space, or that are nearer than `clearance`, m.
+
+        See `inertia.assembly.interference`.
+        """
+        return interferences(self, clearance)
 
 
 def json_schema() -> dict[str, Any]:

@@ -13,16 +13,17 @@ from typing import Any, ClassVar, Self
 
 import numpy as np
 
-from inertia.assembly.bodies import Body, Library, Weight
+from inertia.arrays import Float
+from inertia.assembly.bodies import Body, Library, Weight, triangles_of
 from inertia.assembly.fields import AssemblyFields, PartFields
-from inertia.assembly.frames import IDENTITY, LENGTH_BITS, TURN_BITS, UNTURNED, Frame, frame, mirror, turned
+from inertia.assembly.frames import IDENTITY, LENGTH_BITS, TURN_BITS, UNTURNED, Frame, frame, turned
 from inertia.assembly.rollup import Placed, place
 from inertia.documents import Document, FieldError, plain, section_of
 from inertia.errors import FieldPath, InertiaError, ReadError, UsageError, placed
 from inertia.mass.density import ASSUMED, density_of
 from inertia.mass.moments import ZERO
 from inertia.mass.properties import MassProperties
-from inertia.mesh.part import Cells, Part
+from inertia.mesh.part import Part
 from inertia.units import Unit, length_unit
 
 _MOST_COPIES = 1_000_000
@@ -134,19 +135,17 @@ class PartTree(Document):
         """Yield all nodes in the order of the tree, each with the frames of its copies in the axes of the whole."""
         return _in_places(self.root, (IDENTITY,))
 
-    def mesh(self) -> Part | None:
-        """Return the triangles of all files in their places, for drawings: (m), turned in float64; None without any."""
-        corners = []
+    def surfaces(self) -> Iterator[tuple[Node, int, Float]]:
+        """Yield the triangles (m, 3, 3) m of each copy of each part in its place, turned in float64; and its number."""
         for node, frames in self.in_places():
-            if node.body is None or node.body.part is None or isinstance(node.body.part.geometry, Cells):
-                continue
-            own = node.body.part.triangles.corners() * float(node.body.part.unit.metres)
-            if node.fields is not None and node.fields.mirror is not None:
-                rows = np.array([[float(k) for k in row] for row in mirror(node.fields.mirror)])
-                own = (own @ rows.T)[:, ::-1]
-            for each in frames:
+            own = None if node.body is None or node.fields is None else triangles_of(node.fields, node.body, self.unit)
+            for number, each in enumerate(frames if own is not None else ()):
                 turn = np.array([k / (1 << TURN_BITS) for k in each.rotation]).reshape(3, 3)
-                corners.append(own @ turn.T + np.array([k / (1 << LENGTH_BITS) for k in each.origin]))
+                yield node, number, own @ turn.T + np.array([k / (1 << LENGTH_BITS) for k in each.origin])
+
+    def mesh(self) -> Part | None:
+        """Return all parts in their places as one, for drawings; None where none has a surface."""
+        corners = [corners for _, _, corners in self.surfaces()]
         if not corners:
             return None
         vertices = np.concatenate(corners).reshape(-1, 3)

@@ -2,10 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from fractions import Fraction
-from itertools import pairwise
 from pathlib import Path
 
 import numpy as np
@@ -18,11 +16,11 @@ from inertia.exchange.robots.links import Geometry, Primitive
 from inertia.mass.analyse import analyse
 from inertia.mass.faults import widths
 from inertia.mass.properties import ErrorBound, MassProperties
+from inertia.mesh import primitives
 from inertia.mesh.part import Part, Surface
 from inertia.mesh.read import read
 from inertia.units import METRE, Unit
 
-_FACETS = 48  # of the outline of a primitive, for its hull alone
 _ROUNDOFF = 2.0**-50
 _ALLOWED = 0.999  # for faults: what is more leaves nothing certain
 
@@ -128,21 +126,21 @@ def _primitive(shape: Primitive) -> _Mesh:
         raise GeometryError(f"a {shape.kind} of {', '.join(f'{size:g}' for size in sizes)} m encloses nothing")
     if shape.kind == "box":
         squares = sizes**2 / 12
-        volume, corners = float(np.prod(sizes)), _box(sizes / 2)
+        volume, corners = float(np.prod(sizes)), primitives.box(sizes / 2)
     elif shape.kind in ("sphere", "ellipsoid"):
         axes = sizes if len(sizes) == 3 else np.full(3, sizes[0])
         squares = axes**2 / 5
-        volume, corners = 4 / 3 * np.pi * float(np.prod(axes)), _revolved(np.linspace(-1, 1, 13), None) * axes
+        volume, corners = 4 / 3 * np.pi * float(np.prod(axes)), primitives.ball() * axes
     elif shape.kind == "cylinder":
         radius, length = sizes
         squares = np.array([radius**2 / 4, radius**2 / 4, length**2 / 12])
         volume = np.pi * radius**2 * length
-        corners = _revolved(np.array([-1.0, 1.0]), np.ones(2)) * [radius, radius, length / 2]
+        corners = primitives.revolved(np.array([-1.0, 1.0]), np.ones(2)) * [radius, radius, length / 2]
     elif shape.kind == "cone":
         radius, height = sizes
         squares = np.array([3 / 20 * radius**2, 3 / 20 * radius**2, 3 / 80 * height**2])
         volume, center = np.pi / 3 * radius**2 * height, np.array([0.0, 0.0, -height / 4])
-        corners = _revolved(np.array([-1.0, 1.0]), np.array([1.0, 0.0])) * [radius, radius, height / 2]
+        corners = primitives.revolved(np.array([-1.0, 1.0]), np.array([1.0, 0.0])) * [radius, radius, height / 2]
     else:
         radius, length = sizes
         barrel, ball = np.pi * radius**2 * length, 4 / 3 * np.pi * radius**3
@@ -151,36 +149,8 @@ def _primitive(shape: Primitive) -> _Mesh:
         # Two half balls, each 3r/8 beyond its face: ∫z² of a half ball about the middle of the barrel.
         along = (barrel * length**2 / 12 + ball * (radius**2 / 5 + length**2 / 4 + 3 / 8 * length * radius)) / volume
         squares = np.array([beside, beside, along])
-        ends = _revolved(np.linspace(-1, 1, 13), None) * radius
+        ends = primitives.ball() * radius
         corners = ends + np.sign(ends[..., 2:]) * np.array([0, 0, length / 2])
     inertia = volume * (squares.sum() * np.eye(3) - np.diag(squares))
     error = ErrorBound("closed form", _ROUNDOFF, _ROUNDOFF, 0.0, _ROUNDOFF)
     return _Mesh(MassProperties(float(volume), float(volume), center, inertia, error), corners)
-
-
-def _box(half: Float) -> Float:
-    corners = np.array([[x, y, z] for x in (-1, 1) for y in (-1, 1) for z in (-1, 1)]) * half
-    faces = [[0, 1, 3], [0, 3, 2], [4, 6, 7], [4, 7, 5], [0, 4, 5], [0, 5, 1]]
-    faces += [[2, 3, 7], [2, 7, 6], [0, 2, 6], [0, 6, 4], [1, 5, 7], [1, 7, 3]]
-    return np.asarray(corners[np.array(faces)], float)
-
-
-def _revolved(heights: Float, radii: Float | None) -> Float:
-    """Return the triangles of a body of revolution about z, of the unit ball where no radii are given."""
-    if radii is None:
-        angles = np.arcsin(heights)
-        heights, radii = np.sin(angles), np.cos(angles)
-    turns = np.linspace(0, 2 * np.pi, _FACETS, endpoint=False)
-    ring = np.stack([np.cos(turns), np.sin(turns), np.zeros_like(turns)], axis=1)
-    rings = [ring * radius + [0, 0, height] for height, radius in zip(heights, radii, strict=True)]
-    return np.concatenate(
-        list(_bands([np.tile([0, 0, heights[0]], (_FACETS, 1)), *rings]))
-        + list(_bands([rings[-1], np.tile([0, 0, heights[-1]], (_FACETS, 1))]))
-    )
-
-
-def _bands(rings: list[Float]) -> Iterator[Float]:
-    for below, above in pairwise(rings):
-        next_below, next_above = np.roll(below, -1, axis=0), np.roll(above, -1, axis=0)
-        yield np.stack([below, next_below, next_above], axis=1)
-        yield np.stack([below, next_above, above], axis=1)

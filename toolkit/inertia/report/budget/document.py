@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from typing import Any
 
 from inertia.assembly.budget import COVERAGE, Budget, Limit, Line, Sigma
 from inertia.assembly.document import Assembly
+from inertia.assembly.interference import Interference
 
 _SHOWN = 50  # contributors
 COLUMNS = (
@@ -18,11 +20,11 @@ COLUMNS = (
 """The figures whose variances are shared out among the inputs."""
 
 
-def assembly_document(assembly: Assembly) -> dict[str, Any]:
-    """Return the assembly as ``inertia/assembly/1``; numbers are SI."""
+def assembly_document(assembly: Assembly, pairs: Sequence[Interference] | None = None) -> dict[str, Any]:
+    """Return the assembly as ``inertia/assembly/1``; numbers are SI; with the interferences that were looked for."""
     properties, whole = assembly.mass_properties(), assembly.budget()
     error, principal = properties.error, properties.principal
-    return {
+    document: dict[str, Any] = {
         "schema": "inertia/assembly/1",
         "name": assembly.name,
         "mass": properties.mass,
@@ -41,6 +43,18 @@ def assembly_document(assembly: Assembly) -> dict[str, Any]:
         "parts": [_part(line) for line in whole.total.children],
         "notes": list(assembly.notes),
     }
+    if pairs is not None:
+        document["interferences"] = [
+            {
+                "parts": [each.first, each.second],
+                "volume": each.volume,
+                "mass": each.mass,
+                "place": each.place.tolist(),
+                "gap": each.gap if not each.volume else None,
+            }
+            for each in pairs
+        ]
+    return document
 
 
 def budget_document(whole: Budget) -> dict[str, Any]:

@@ -3,21 +3,23 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 
 from inertia.arrays import Float
 from inertia.assembly.budget import COVERAGE, Budget, Limit, Line
 from inertia.assembly.document import Assembly
+from inertia.assembly.interference import Interference
 from inertia.report.budget.document import COLUMNS, contributors
 from inertia.report.numerals import cleared, columns, fixed, number, row, wrapped
 from inertia.units import Unit
 
 _LISTED = 60  # lines of the tree
 _CONTRIBUTORS = 8
+_NOTHING = 1e-9  # of the unit of length: what is less is rounding
 
 
-def assembly_text(assembly: Assembly) -> str:
-    """Return the whole's mass properties, and the tree of its parts."""
+def assembly_text(assembly: Assembly, pairs: Sequence[Interference] | None = None) -> str:
+    """Return the whole's mass properties, the tree of its parts, and the interferences that were looked for."""
     properties, whole = assembly.mass_properties(), assembly.budget()
     lines = [
         row("Assembly", f"{assembly.name} ({assembly.path})"),
@@ -29,6 +31,7 @@ def assembly_text(assembly: Assembly) -> str:
             f"mass {properties.error.center_of_mass:.2g} m; {properties.error.method}"),
         "",
         *_tree(whole.total, assembly.unit),
+        *_interferences(pairs, assembly.unit),
         *_notes(assembly.notes),
     ]  # fmt: skip
     return "\n".join(lines)
@@ -86,7 +89,7 @@ def _tree(total: Line, unit: Unit) -> Iterator[str]:
                 f"{line.allowance:.3g}",
                 f"{line.predicted_mass:.5g}",
                 f"{line.sigma.mass:.2g}",
-                *(f"{k + 0.0:.5g}" if abs(k) > 1e-9 else "0" for k in center.tolist()),
+                *(f"{k + 0.0:.5g}" if abs(k) > _NOTHING else "0" for k in center.tolist()),
             )
         )
     widths = [max(len(each[k]) for each in rows) for k in range(len(rows[0]))]
@@ -98,6 +101,24 @@ def _tree(total: Line, unit: Unit) -> Iterator[str]:
         yield "  ".join(cells).rstrip()
     if len(lines) > _LISTED:
         yield f"… and {len(lines) - _LISTED} more: CSV, JSON and the report have them all"
+
+
+def _interferences(pairs: Sequence[Interference] | None, unit: Unit) -> Iterator[str]:
+    if pairs is None:
+        return
+    metres = float(unit.metres)
+    yield ""
+    if not pairs:
+        yield row("Interference", "none")
+    for each in pairs[:_LISTED]:
+        place = ", ".join(f"{k / metres:.5g}" if abs(k) > _NOTHING * metres else "0" for k in each.place.tolist())
+        what = f"{each.gap / metres:.4g} {unit.name} apart"
+        if each.volume:
+            what = f"share {each.volume / metres**3:.4g} {unit.name}³"
+            what += f", {each.mass:.3g} kg of which counts twice" if each.mass else ""
+        yield row("Interference", f"{each.first} and {each.second}: {what}, near ({place})")
+    if len(pairs) > _LISTED:
+        yield f"… and {len(pairs) - _LISTED} more: JSON has them all"
 
 
 def _limit(limit: Limit, unit: Unit) -> str:

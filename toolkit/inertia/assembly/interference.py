@@ -1,0 +1,116 @@
+"""Parts that share space, or lie nearer to each other than they may: where, how much, and what mass counts twice."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from inertia.arrays import Float
+from inertia.assembly.tree import Node, PartTree
+from inertia.errors import GeometryError
+from inertia.mesh.geometry.boxes import BoxTree, overlapping
+from inertia.mesh.geometry.closure import merge_equal_vertices, repeated_corners
+from inertia.mesh.geometry.common_volume import common_volume
+from inertia.mesh.manifold import exponent_of, solid
+from inertia.mesh.part import Surface
+
+_SHARE, _ROUND_SHARE = 1e-6, 5e-3
+"""Of the smaller part's volume: less is contact; of round shapes, whose facets lie inside them, the second."""
+_ROUND = ("sphere", "cylinder", "tube", "cone")
+
+
+@dataclass(frozen=True, eq=False)
+class Interference:
+    """Two parts that share space, or that are too near.
+
+    Attributes
+    ----------
+    first, second : their names, with the number of the copy where there are several
+    volume : m³ that they share; 0 where they are only too near
+    mass : kg that counts twice: that volume of the lighter material
+    place : (3,) m, the middle of the box that both reach into
+    gap : m between them, where they share nothing
+    """
+
+    first: str
+    second: str
+    volume: float
+    mass: float
+    place: Float
+    gap: float
+
+
+def interferences(tree: PartTree, clearance: float = 0.0) -> tuple[Interference, ...]:
+    """Return the pairs of parts that share space, those that share most first, and then those that are too near.
+
+    Volumes are those of the triangles (`inertia.mesh.geometry.common_volume`); what is a millionth of the smaller
+    part, or half a percent where a round shape is given without a mesh, is contact. Parts without a surface are left
+    out.
+
+    Parameters
+    ----------
+    clearance : m, the least distance between parts; 0 does not ask for one
+
+    Raises `GeometryError` where a pair has too many triangles.
+    """
+    parts = list(tree.surfaces())
+    if len(parts) < 2:
+        return ()
+    half = clearance / 2
+    boxes = np.array([[corners.min(axis=(0, 1)) - half, corners.max(axis=(0, 1)) + half] for _, _, corners in parts])
+    found = []
+    counts: dict[str, int] = {}
+    for node, _, _ in parts:
+        counts[node.label] = counts.get(node.label, 0) + 1
+    for i, j, _ in overlapping(BoxTree(boxes[:, 0], boxes[:, 1]), touching=clearance > 0):
+        for a, b in sorted(zip(i.tolist(), j.tolist(), strict=True)):
+            volume, gap = _shared(parts[a], parts[b], clearance)
+            if not volume and gap is None:
+                continue
+            one, other = (_called(parts[k][0], parts[k][1], counts) for k in (a, b))
+            low, high = np.maximum(boxes[a, 0], boxes[b, 0]), np.minimum(boxes[a, 1], boxes[b, 1])
+            densities = [_density(parts[k][0]) for k in (a, b)]
+            found.append(Interference(one, other, volume, volume * min(densities), (low + high) / 2, gap or 0.0))
+    return tuple(sorted(found, key=lambda each: (-each.volume, each.gap, each.first, each.second)))
+
+
+def _shared(a: tuple[Node, int, Float], b: tuple[Node, int, Float], clearance: float) -> tuple[float, float | None]:
+    """Return the volume that two parts share, and how near they are where that is less than they may be."""
+    result = common_volume(a[2], b[2])
+    if result is None:
+        raise GeometryError(
+            f"{a[0].label} and {b[0].label} have too many triangles where they are near each other: simplify one"
+        )
+    volume, rounding = result
+    is_round = any(node.fields is not None and node.fields.shape in _ROUND for node, _, _ in (a, b))
+    least = min(_volume(a[0]), _volume(b[0])) * (_ROUND_SHARE if is_round else _SHARE)
+    if volume > least + rounding:
+        return volume, None
+    if clearance:
+        exponent = max(exponent_of(each[2].reshape(-1, 3)) for each in (a, b))
+        one, other = (_solid(each[2], exponent) for each in (a, b))
+        gap = float(np.ldexp(one.min_gap(other, np.ldexp(clearance, -exponent)), exponent))
+        if gap < clearance:
+            return 0.0, gap
+    return 0.0, None
+
+
+def _solid(corners: Float, exponent: int) -> Any:
+    vertices, faces = merge_equal_vertices(Surface(corners.reshape(-1, 3), np.arange(3 * len(corners)).reshape(-1, 3)))
+    return solid(vertices, faces[~repeated_corners(faces)], exponent)
+
+
+def _called(node: Node, number: int, counts: dict[str, int]) -> str:
+    return f"{node.label} {number + 1}" if counts[node.label] > 1 else node.label
+
+
+def _volume(node: Node) -> float:
+    return 0.0 if node.body is None else float(node.body.volume)
+
+
+def _density(node: Node) -> float:
+    if node.body is None or not node.body.volume:
+        return 0.0
+    return float(node.body.moments.zeroth / node.body.volume)
