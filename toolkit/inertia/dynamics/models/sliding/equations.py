@@ -66,6 +66,11 @@ class SlidingBall(RotationProblem):
         square = float(self.angular_velocity @ self.angular_velocity) - float(self.gravity[2]) / self.radius
         return power_of_two(math.sqrt(square))
 
+    @property
+    def longest_step(self) -> float:
+        """1/`rate` in s: what grows from below a tolerance grows at its own rate only where steps follow it."""
+        return 1.0 / self.rate
+
     @cached_property
     def stable_step(self) -> float:
         """5/λ in s, λ being the rate at which friction takes slip away where it is viscous: DOP853 is stable to 6/λ."""
