@@ -163,7 +163,13 @@ def test_longest_step_is_kept() -> None:
 
 
 def test_runge_kutta_that_steps_over_a_pulse_does_not_claim_so() -> None:
-    problem = RotationProblem([1.0, 2.0, 3.0], [0.1, 0.0, 0.2], loads=(during(3.3, 3.31),))
+    body: dict[str, Any] = {"moments": [1.0, 2.0, 3.0], "angular_velocity": [0.1, 0.0, 0.2]}
+    table = TorqueTable([0.0, 3.3, 3.3, 3.31, 3.31, 10.0], np.array([0, 0, 1, 1, 0, 0])[:, None] * PULSE)
+    truth = solve_stepped(RotationProblem(**body, loads=(Torque(table=table),)), [0.0, 10.0], 1e-10)
+    motion = solve_stepped(RotationProblem(**body, loads=(during(3.3, 3.31),)), [0.0, 10.0], 1e-4, "RK4")
+    assert quaternion.angle_between(motion.attitude, truth.attitude).max() <= motion.reached  # which found its jumps
+    bell = Torque(lambda time, attitude, omega: PULSE * math.exp(-(((time - 3.305) / 0.004) ** 2)))
+    problem = RotationProblem(**body, loads=(bell,))
     with pytest.raises(GeometryError, match=r"RK4 does not reach 0\.0001 rad over 10 s"):
         solve_stepped(problem, [0.0, 10.0], 1e-4, "RK4")
 
@@ -245,3 +251,13 @@ def test_csv_that_is_missing_or_no_text(tmp_path: Path) -> None:
 def test_tables_that_cannot_be(times: list[float], torques: list[list[float]], says: str) -> None:
     with pytest.raises(UsageError, match=says):
         TorqueTable(times, torques)  # type: ignore[arg-type]
+
+
+def test_jumps_of_a_function_of_time_are_had_to_the_last_bit() -> None:
+    wave = Torque(lambda time, attitude, omega: np.array([0.5 if time % 0.7 < 0.31 else -0.4, 0.0, math.sin(time)]))
+    jumps = wave.jumps(0.0, 5.0, np.array([0.0, 0.0, 0.0, 1.0]), np.zeros(3), 500)
+    assert jumps == pytest.approx(np.sort(np.concatenate([0.7 * np.arange(1, 8), 0.7 * np.arange(7) + 0.31])))
+    for jump in jumps.tolist():
+        assert (jump % 0.7 < 0.31) != (math.nextafter(jump, 0.0) % 0.7 < 0.31)
+    steep = Torque(lambda time, attitude, omega: np.array([math.tanh(1e6 * (time - 2.0)), 0.0, 0.0]))
+    assert not steep.jumps(0.0, 5.0, np.array([0.0, 0.0, 0.0, 1.0]), np.zeros(3), 500).size

@@ -1,6 +1,7 @@
 """Stepping to an accuracy: what is reached, what is said about it, and integrals of tops that are no energy."""
 
 import itertools
+from typing import Any
 
 import numpy as np
 import pytest
@@ -264,3 +265,22 @@ def test_body_starts_from_rest_under_a_torque() -> None:
     truth = oracle.rotate(MOMENTS, (0.0, 0.0, 0.0), [1e5], body_torque=(1e-9, 2e-10, 0.0))
     motion = solve_stepped(problem, [1e5], 1e-11)
     assert truth.attitude_error(motion.attitude)[0] < motion.reached
+
+
+@pytest.mark.parametrize("breaks", [[], np.sort(np.concatenate([0.7 * np.arange(1, 8), 0.7 * np.arange(8) + 0.31]))])
+def test_a_square_wave_is_followed_to_1e_10_with_and_without_breaks(breaks: Any) -> None:
+    # about one axis: the angle of a body is a polynomial of second degree between the jumps of the torque
+    wave = Torque(lambda time, attitude, omega: np.array([0.0, 0.0, 0.5 if time % 0.7 < 0.31 else -0.4]), breaks=breaks)
+    times = np.linspace(0.0, 5.2, 14)
+    motion = solve_stepped(RotationProblem([1.0, 1.0, 2.0], [0.0, 0.0, 0.3], loads=(wave,)), times, 1e-10)
+    angle, spin, now, expected = 0.0, 0.3, 0.0, [0.0]
+    jumps = [0.7 * k + part for k in range(8) for part in (0.0, 0.31)][1:]
+    for end in sorted([*jumps, *times[1:]]):
+        rate = (0.5 if 0.5 * (now + end) % 0.7 < 0.31 else -0.4) / 2.0
+        length = end - now
+        angle, spin, now = angle + spin * length + 0.5 * rate * length**2, spin + rate * length, end
+        if end in times:
+            expected.append(angle)
+    off = np.abs(2.0 * np.arctan2(motion.attitude[:, 2], motion.attitude[:, 3]) - expected).max()
+    assert off <= motion.reached <= 1e-10
+    assert motion.steps < 5000

@@ -18,6 +18,10 @@ from inertia.dynamics.kinematics import quaternion
 from inertia.dynamics.loads.load import Load, TurningBody
 from inertia.errors import ReadError, UsageError
 
+_STANDS_OUT = 30.0  # times the median of the changes between two probes, that a jump changes a function by
+_NO_JUMP = 1e-12  # of its largest value, and what is less is none
+_SHARE = 1e-3  # of the change between two probes, that a jump is at least
+
 TorqueFrame = Literal["part", "principal", "space"]
 TorqueFunction = Callable[[float, Float, Float], Float]
 
@@ -122,7 +126,8 @@ class Torque(Load):
     frame : of the torque: "part" axes, "principal" axes (as ``start.frame``) or "space"
     breaks : (k,) s, instants at which a function jumps or has a kink; a table has them at its rows
     longest_step : s, as short as the shortest pulse of a function between breaks; without it, steps are probed for
-        pulses that they missed, at `PROBES` instants of the run and at four or more in each step
+        pulses that they missed, at `PROBES` instants of the run and at four or more in each step, and jumps that the
+        time makes are looked for and stepped to
 
     >>> Torque(lambda time, attitude, omega: [0, 0, float(2 <= time < 2.5)], breaks=[2, 2.5], longest_step=10).probed
     False
@@ -185,6 +190,33 @@ class Torque(Load):
         if value.shape != (3,) or not np.isfinite(value).all():
             raise UsageError(f"the function returned {value} at t = {time:.6g} s: return three finite numbers")
         return value
+
+    def jumps(self, begin: float, end: float, attitude: Float, angular_velocity: Float, probes: int) -> Float:
+        """Return instants (k,) s within a span at which a function of the time jumps, each the first after its jump.
+
+        Between two of so many instants where it changes by far more than elsewhere, in one state of the body, it is
+        halved down to neighbouring numbers; what changes there still is a jump.
+        """
+        instants = np.sort(np.random.default_rng(0).uniform(begin, end, probes))
+        times = [begin, *instants[(instants > begin) & (instants < end)].tolist(), end]
+        values = [self.of_function(time, attitude, angular_velocity) for time in times]
+        changes = np.abs(np.diff(values, axis=0)).max(axis=1)
+        least = max(_STANDS_OUT * float(np.median(changes)), _NO_JUMP * float(np.abs(values).max()))
+        jumps: list[float] = []
+        spans = [(times[k], times[k + 1], values[k], values[k + 1]) for k in np.flatnonzero(changes > least)]
+        while spans and len(jumps) < probes:
+            low, high, before, after = span = spans.pop()
+            while low < (middle := 0.5 * (low + high)) < high:
+                value = self.of_function(middle, attitude, angular_velocity)
+                if np.abs(value - before).max() > np.abs(after - value).max():
+                    high, after = middle, value
+                else:
+                    low, before = middle, value
+            if np.abs(after - before).max() > max(least, _SHARE * np.abs(span[3] - span[2]).max()):
+                jumps.append(high)
+                halves = (span[0], low, span[2], before), (high, span[1], after, span[3])
+                spans += [each for each in halves if np.abs(each[3] - each[2]).max() > least]
+        return np.unique(jumps)
 
     def directions(self) -> Float:
         """Return N where it stands in space."""

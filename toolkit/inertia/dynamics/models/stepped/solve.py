@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import replace
 from difflib import get_close_matches
+from typing import TypeGuard
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -17,6 +18,7 @@ from inertia.dynamics.integrators.loop import Integrator, States
 from inertia.dynamics.integrators.rotation import RotationProblem
 from inertia.dynamics.integrators.scipy_methods import PROBES, SciPy
 from inertia.dynamics.kinematics import quaternion
+from inertia.dynamics.loads.load import Load
 from inertia.dynamics.loads.torque import Torque
 from inertia.dynamics.motion import Motion
 from inertia.errors import GeometryError, UsageError
@@ -29,6 +31,8 @@ ATTITUDE_LOST = 0.1
 
 _LONG = 1e5  # rad, of a run that is not made again to find what can be reached
 _TOO_LONG = 1e7  # rad, of a run for which nothing is advised but a shorter one
+
+_FEW = 64  # probes between two samples
 
 _REPAYS = 3.0  # times the steps between two samples, that a restart takes
 _NUDGE = 1e-6 * np.array([1.0, -1.0, 0.5])  # rad, and of ω in units of its rate
@@ -71,6 +75,7 @@ def solve_stepped(
     [0.0, 0.0, 2.0]
     """
     instants = _instants(problem, time)
+    problem = _cut_at_jumps(problem, float(instants[-1]), PROBES)
     integrator, states, reached = stepped(problem, instants, accuracy, method, noise)
     return motion_of(problem, instants, integrator.name, states, reached)
 
@@ -139,19 +144,17 @@ def restarted(
     integrator, worst, steps = methods.METHODS[method], reached, 0
     for k in spans:
         length, some = float(samples[k + 1] - samples[k]), between & (rows == k)
-        # The next sample shows pulses that are stepped over, and no step need be probed for them.
-        loads = tuple(
-            replace(load, longest_step=length) if isinstance(load, Torque) and load.probed else load
-            for load in problem.loads
-        )
         begun = replace(
             problem,
             attitude=there.attitude[k],
             angular_velocity=there.angular_velocity[k],
             start=samples[k],
-            loads=loads,
         )
         instants = np.append(time[some], samples[k + 1])
+        begun = _cut_at_jumps(begun, float(samples[k + 1]), _FEW)
+        # The next sample shows pulses that are stepped over, and no step need be probed for them.
+        loads = (replace(load, longest_step=length) if _is_probed(load) else load for load in begun.loads)
+        begun = replace(begun, loads=tuple(loads))
         control = integrator.first(begun, instants, 0.1 * max(reached, 1e-13))
         states, estimate = integrator.solve(begun, instants, control)
         aside = replace(
@@ -186,6 +189,23 @@ def state_between(problem: RotationProblem, time: Float, motion: Motion) -> Call
         return states.attitude[0], states.angular_velocity[0]
 
     return refine
+
+
+def _is_probed(load: Load) -> TypeGuard[Torque]:
+    return isinstance(load, Torque) and load.probed
+
+
+def _cut_at_jumps(problem: RotationProblem, end: float, probes: int) -> RotationProblem:
+    """Return the problem with breaks where a function that declares none jumps at an instant."""
+    if not problem.probed or not end > problem.start:
+        return problem
+    loads = []
+    for load in problem.loads:
+        if _is_probed(load):
+            jumps = load.jumps(problem.start, end, problem.attitude, problem.angular_velocity, probes)
+            load = replace(load, breaks=np.union1d(load.breaks, jumps))
+        loads.append(load)
+    return replace(problem, loads=tuple(loads))
 
 
 def _instants(problem: RotationProblem, time: ArrayLike) -> Float:
