@@ -35,7 +35,42 @@ def test_a_damped_sphere_loses_its_momentum_exponentially(tmp_path: Path) -> Non
     np.testing.assert_allclose(arrow, np.exp(-0.2 * recording.time(f"/{entities.CURRENT}")), atol=2e-4)
     radius = recording.values(f"/{entities.MOMENTUM_SPHERE}", "Ellipsoids3D:half_sizes")[:, 0, 0]
     np.testing.assert_allclose(radius, arrow, rtol=1e-5)
-    assert sorted(recording.views) == ["3D", "3D", "TextDocument", *5 * ["TimeSeries"]]
+    assert sorted(recording.views) == ["3D", "3D", "TextDocument", *6 * ["TimeSeries"]]
+
+
+@pytest.mark.parametrize("name", ["boom_satellite", "detumbling", "gravity_gradient", "manoeuvre"])
+def test_the_torque_is_the_rate_of_the_angular_momentum(name: str, tmp_path: Path) -> None:
+    run = simulate(Scene.load(path(f"scenes/{name}.toml")))
+    recording = written(screen(run), tmp_path / "run.rrd")
+    torque = series(recording, f"/{entities.PLOT_TORQUE}")
+    rate = np.gradient(run.angular_momentum, run.time, axis=0, edge_order=2)
+    size = np.linalg.norm(rate, axis=1).max()
+    assert len(torque) == len(run.time)
+    np.testing.assert_allclose(torque[:, 3], np.linalg.norm(torque[:, :3], axis=1), rtol=1e-9)
+    off = np.linalg.norm(torque[:, :3] - rate, axis=1)
+    assert np.median(off) < 1e-4 * size
+    assert off.max() < 2e-2 * size  # the table has kinks, where differences of samples are no rate
+    arrow = tips(recording, f"/{entities.TORQUE}")
+    at = np.searchsorted(run.time, recording.time(f"/{entities.TORQUE}")).clip(0, len(run.time) - 1)
+    large = np.linalg.norm(arrow, axis=1) > 0
+    cosine = (arrow[large] * torque[at[large], :3]).sum(axis=1)
+    assert np.median(cosine / np.linalg.norm(arrow[large], axis=1) / torque[at[large], 3].clip(1e-300)) > 0.999
+
+
+def test_what_is_lost_inside_is_no_torque(tmp_path: Path) -> None:
+    run = made([1.0, 2.0, 3.0], [1.0, 0.1, 0.0], [{"kind": "dissipation", "rate": 0.1}])
+    recording = written(screen(run), tmp_path / "run.rrd")
+    assert f"/{entities.TORQUE}" not in recording.columns
+    assert f"/{entities.PLOT_TORQUE}" not in recording.columns
+
+
+def test_the_primary_of_a_fixed_gradient_is_shown(tmp_path: Path) -> None:
+    load = {"kind": "gravity_gradient", "mu": 3.986e14, "position": [0.0, -7e6, 0.0]}
+    recording = written(screen(made([1.0, 2.0, 3.0], [0, 0, 1e-3], [load])), tmp_path / "run.rrd")
+    down = tips(recording, f"/{entities.PRIMARY}")
+    np.testing.assert_allclose(down / np.linalg.norm(down, axis=1)[:, None], [[0.0, 1.0, 0.0]] * len(down), atol=1e-6)
+    (text,) = recording.texts(f"/{entities.SUMMARY}", "TextDocument:text")
+    assert "7e+06 m away" in text
 
 
 def test_a_body_that_starts_at_rest_is_shown(tmp_path: Path) -> None:

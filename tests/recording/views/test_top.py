@@ -43,7 +43,7 @@ def test_it_applies_where_gravity_has_an_arm(run: Run) -> None:
 
 def test_the_screen_has_its_views(recording: Recorded) -> None:
     assert recording.recording.application_id == "inertia-top"
-    assert sorted(recording.views) == ["2D", "3D", "3D", "TextDocument", *3 * ["TimeSeries"]]
+    assert sorted(recording.views) == ["2D", "3D", "3D", "TextDocument", *4 * ["TimeSeries"]]
 
 
 def test_the_centre_of_mass_hangs_on_the_fixed_point(run: Run, recording: Recorded) -> None:
@@ -75,6 +75,22 @@ def test_the_tilt_is_plotted_at_every_sample(run: Run, recording: Recorded) -> N
     assert series(recording, f"/{entities.PLOT_DRIFT}").shape == (401, 3)
     names = recording.texts(f"/{entities.PLOT_DRIFT}", "SeriesLines:names")
     assert [name.split(",")[0] for name in names] == ["energy", "vertical L", "L along the axis"]
+
+
+def test_the_spin_is_plotted_beside_the_least_to_sleep(recording: Recorded) -> None:
+    """Upright it is stable where I₃² ω₃² > 4 I₁ M g h."""
+    spin, least = series(recording, f"/{entities.PLOT_SPIN}").T
+    np.testing.assert_allclose(spin, SPIN, rtol=1e-9)
+    np.testing.assert_allclose(least, 2.0 * math.sqrt(I1 * MGH) / I3, rtol=1e-9)
+    (text,) = recording.texts(f"/{entities.SUMMARY}", "TextDocument:text")
+    assert "sleep from 60.13 rad/s about its axis on: its spin of 150 is enough" in text
+
+
+def test_the_weight_hangs_from_the_centre_of_mass(recording: Recorded) -> None:
+    ((arrow,),) = recording.values(f"/{entities.WEIGHT}", "Arrows3D:vectors").astype(float)
+    np.testing.assert_allclose(arrow / np.linalg.norm(arrow), [0.0, 0.0, -1.0], atol=1e-6)
+    (text,) = recording.texts(f"/{entities.SUMMARY}", "TextDocument:text")
+    assert "The weight mg (green) is 0.9807 N." in text
 
 
 def test_the_point_stays_on_the_effective_potential_and_below_the_energy(run: Run, recording: Recorded) -> None:

@@ -24,13 +24,12 @@ from inertia.recording.series import (
 )
 from inertia.recording.spin_marks import spin_axes, write_marks
 from inertia.recording.summary import summary, title
+from inertia.recording.views.loads import is_turned, write_primary, write_torque
 from inertia.recording.views.momentum_space import write_moving_momentum_space
 from inertia.recording.writer import Recording
 
 if TYPE_CHECKING:
     import rerun.blueprint as rrb
-
-DOWN = COLORS[4]
 
 _OMEGA, _MOMENTUM, _AXES, _LEAST = 1.3, 1.55, 1.15, 1.1  # lengths of arrows, over the radius of the body
 _THICK = 0.012
@@ -78,12 +77,11 @@ def _blueprint(run: Run, body: Display, frames: Frames) -> rrb.Blueprint:
     plots: list[Any] = [plot(entities.PLOT_MOMENTUM, "Angular momentum in space, kg m²/s", duration)]
     if "energy" not in run.invariants:
         plots.append(plot(entities.PLOT_ENERGY, "Energy, J", duration))
-    plots += [
-        plot(entities.PLOT_ANGULAR_VELOCITY, "Angular velocity along the principal axes, rad/s", duration),
-        plot(entities.PLOT_EULER_ANGLES, "Euler angles z-x-z, rad", duration),
-    ]
-    if run.invariants:
-        plots.append(drift_plot(drift_unit(run), duration))
+    plots.append(plot(entities.PLOT_ANGULAR_VELOCITY, "Angular velocity along the principal axes, rad/s", duration))
+    if is_turned(run):
+        plots.append(plot(entities.PLOT_TORQUE, "Torque in space, N m", duration))
+    angles = plot(entities.PLOT_EULER_ANGLES, "Euler angles z-x-z, rad", duration)
+    plots.append(rrb.Tabs(angles, drift_plot(drift_unit(run), duration)) if run.invariants else angles)
     left = rrb.Vertical(rrb.Horizontal(inertial, along_axes), text_view(), row_shares=[3, 2])
     return finished(left, rrb.Vertical(*plots), frames.play.pace)
 
@@ -107,11 +105,8 @@ def _write_world(recording: Recording, run: Run, body: Display, frames: Frames) 
     write_arrow(recording, entities.ANGULAR_MOMENTUM, frames.time, momentum, "L", MOMENTUM, 1.5 * thick)
     if frames.play.smooth:
         write_trail(recording, entities.MOMENTUM_TRAIL, frames.time, momentum, MOMENTUM, 0.6 * thick)
-    if run.scene.orbit is not None and frames.position is not None:
-        toward = -frames.position / np.linalg.norm(frames.position, axis=1)[:, None]
-        write_arrow(recording, entities.PRIMARY, frames.time, _MOMENTUM * size * toward, "down", DOWN, 1.5 * thick)
-        low, high = (getattr(run.quantities["distance to the primary"], end)() for end in ("min", "max"))
-        yield f"the violet arrow, down, points to the primary of the orbit, {low:.4g} to {high:.4g} m away"
+    yield from write_torque(recording, run, frames, size, 1.5 * thick)
+    yield from write_primary(recording, run, frames, size, thick)
     yield (f"the arrow of ω (orange) is {fastest:.4g} rad/s where it is longest, that of L (blue) {most:.4g} kg m²/s")
 
 

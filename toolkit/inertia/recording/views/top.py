@@ -37,6 +37,7 @@ from inertia.recording.series import drift_unit, write_drift, write_events
 from inertia.recording.spin_marks import write_marks
 from inertia.recording.summary import summary, title
 from inertia.recording.views.effective_potential import EffectivePotential, effective_potential
+from inertia.recording.views.loads import write_weight
 from inertia.recording.writer import Recording
 
 if TYPE_CHECKING:
@@ -96,6 +97,7 @@ def screen(run: Run) -> Screen:
         _write_angles(recording, run, axis)
         write_drift(recording, run)
         if potential is not None:
+            notes.append(_write_spin(recording, run))
             notes.append(potential.write(recording, frames.time, np.interp(frames.time, run.time, tilts)))
         write_text(recording, summary(run, notes, columns=1))
 
@@ -127,10 +129,15 @@ def _blueprint(
     if potential is not None:
         below.insert(0, potential.chart.view("Effective potential"))
     left = rrb.Vertical(rrb.Horizontal(space, sphere), rrb.Horizontal(*below), row_shares=[3, 2])
+    lower = [drift_plot(drift_unit(run), duration)]
+    if potential is not None:
+        lower.insert(
+            0, plot(entities.PLOT_SPIN, "Spin about the axis, and the least to sleep upright, rad/s", duration)
+        )
     right = rrb.Vertical(
         plot(entities.PLOT_TILT, "Tilt θ of the axis from the vertical, rad", duration),
         plot(entities.PLOT_EULER_ANGLES, "Precession φ and spin ψ, rad", duration),
-        drift_plot(drift_unit(run), duration),
+        rrb.Tabs(*lower) if len(lower) > 1 else lower[0],
     )
     return finished(left, right, frames.play.pace)
 
@@ -200,6 +207,7 @@ def _write_world(recording: Recording, run: Run, body: Display, frames: Frames, 
     write_arrow(recording, entities.OMEGA_OF_TOP, frames.time, omega, "ω", OMEGA, thick)
     write_arrow(recording, entities.MOMENTUM_OF_TOP, frames.time, momentum, "L", MOMENTUM, thick)
     write_trail(recording, entities.LOCUS, frames.time, size * axis.direction(frames.attitude), LOCUS, thick)
+    yield from write_weight(recording, run, 0.5 * size, thick)
     _write_turning(recording, entities.WORLD, run, axis, size, 0.5 * thick)
     yield (
         f"the arrow of ω (orange) is {largest(frames.angular_velocity):.4g} rad/s where it is longest, that of L "
@@ -246,6 +254,20 @@ def _write_turning(recording: Recording, room: str, run: Run, axis: Axis, size: 
     circles = [circle(size * np.sin(angle), size * np.cos(angle), axis.vertical) for angle in angles]
     write_lines(recording, f"{room}/turning_circles", circles, TURNING, radius)
     return " and ".join(f"{angle:.6g}" for angle in angles)
+
+
+def _write_spin(recording: Recording, run: Run) -> str:
+    """Write the spin about the axis of symmetry, and the least, 2 √(I₁ M g h) / I₃, with which it stays upright."""
+    problem, moments = run.plan.problem, run.plan.moments
+    least = 2.0 * np.sqrt(moments[0] * problem.weight * np.linalg.norm(problem.arm)) / moments[2]
+    spin = run.angular_velocity @ run.plan.axes[:, 2]
+    table = np.stack([spin, np.full_like(spin, np.copysign(least, spin[0]))], axis=1)
+    names = ["spin, rad/s", "least to sleep, rad/s"]
+    recording.scalars(entities.PLOT_SPIN, run.time, table.__getitem__, names, [COLORS[2], COLORS[1]])
+    sleeps = "enough" if abs(spin[0]) >= least else "too slow"
+    return (
+        f"upright it would sleep from {least:.4g} rad/s about its axis on: its spin of {abs(spin[0]):.4g} is {sleeps}"
+    )
 
 
 def _write_angles(recording: Recording, run: Run, axis: Axis) -> None:

@@ -50,6 +50,7 @@ from inertia.recording.series import (
 )
 from inertia.recording.spin_marks import spin_axes, write_marks
 from inertia.recording.summary import summary, title
+from inertia.recording.views.loads import write_weight
 from inertia.recording.views.momentum_space import write_momentum_space
 from inertia.recording.writer import Recording
 
@@ -162,6 +163,7 @@ def _write_world(recording: Recording, run: Run, body: Display, frames: Frames, 
     thick = _THICK * size
     write_arrow(recording, entities.ANGULAR_VELOCITY, frames.time, omega, "ω", OMEGA, 1.5 * thick)
     write_arrow(recording, entities.ANGULAR_MOMENTUM, frames.time, momentum, "L", MOMENTUM, 1.5 * thick)
+    yield from write_weight(recording, run, size, thick)
     if frames.play.smooth:
         write_trail(recording, entities.HERPOLHODE, frames.time, omega, TRAIL, 0.6 * thick)
         yield "the yellow trail of ω is the herpolhode"
