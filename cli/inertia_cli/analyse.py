@@ -88,7 +88,7 @@ def add(parsers: Any) -> None:
         "--memory",
         type=size,
         metavar="BYTES",
-        help="that may be taken, as 2GB: beyond it a binary STL is worked through piece by piece, on disk (TMPDIR)",
+        help="that may be taken, as 2GB: beyond it binary STL and PLY go piece by piece, on disk (TMPDIR)",
     )
     large.add_argument(
         "--dask",
@@ -203,10 +203,10 @@ def _repair(part: Part, options: argparse.Namespace) -> Repaired | None:
     if not options.repair and options.weld is None:
         return None
     if options.dask is not None or options.memory is not None:
-        from inertia.mass.external import fits, require_external
+        from inertia.mass.external import answered_at_once, require_external
 
         memory = math.inf if options.memory is None else options.memory
-        if options.dask is not None or not fits(part, memory):
+        if options.dask is not None or not answered_at_once(part, memory):
             require_external(part, memory, ["a repair"])
     from inertia.mass.repair import repair, weld
 

@@ -208,7 +208,8 @@ def read_part(options: argparse.Namespace, coarser: float = 1.0) -> tuple[Part, 
     from inertia.mesh.read import read
 
     limit = {} if options.unpack_limit is None else {"unpack_limit": options.unpack_limit}
-    part = read(options.part, options.unit, format=options.format, coarser=coarser, **limit)
+    memory = getattr(options, "memory", None)
+    part = read(options.part, options.unit, format=options.format, coarser=coarser, memory=memory, **limit)
 
     def digest() -> None:
         with contextlib.suppress(InertiaError):  # it is raised again where the digest is needed

@@ -12,7 +12,7 @@ from tests.mesh.solids import cube, facets, joined, ring, sphere
 
 import inertia
 from inertia.errors import GeometryError, UsageError
-from inertia.mesh.part import Facets, Part, Source, Surface
+from inertia.mesh.part import FacesInFile, Facets, Part, Source, Surface
 from inertia_cli.main import main
 from inertia_meshes import path
 
@@ -22,7 +22,7 @@ MEMORY = 4e9
 
 @pytest.fixture
 def nothing_fits(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("inertia.mass.external.WHOLE", 10**12)
+    monkeypatch.setattr("inertia.mesh.external.memory.WHOLE", 10**12)
 
 
 def stored(surface: Surface, shuffled: bool = True) -> Part:
@@ -132,7 +132,7 @@ def test_what_takes_the_whole_part_in_memory_is_refused(what: str) -> None:
 @pytest.mark.usefixtures("nothing_fits")
 def test_other_formats_are_refused() -> None:
     vertices, faces = ring()
-    with pytest.raises(UsageError, match="piece by piece go binary STL files only"):
+    with pytest.raises(UsageError, match="piece by piece go binary STL files, and binary PLY"):
         inertia.analyse(Part.from_arrays(vertices, faces), memory=MEMORY)
 
 
@@ -141,6 +141,73 @@ def test_a_part_that_fits_is_analysed_as_ever() -> None:
     analysis = inertia.analyse(part, memory=MEMORY)
     assert analysis.crossings_examined
     assert analysis.notes == ()
+
+
+def as_ply(file: Path, vertices: np.ndarray, faces: np.ndarray, kind: str = "float", order: str = "little") -> Path:
+    """Write a binary PLY file whose vertices have a colour, and whose faces a number each."""
+    end, real = {"little": "<", "big": ">"}[order], {"float": "f4", "double": "f8"}[kind]
+    points = np.zeros(len(vertices), [(axis, end + real) for axis in "xyz"] + [("red", "u1")])
+    for axis, values in zip("xyz", vertices.T, strict=True):
+        points[axis] = values
+    rows = np.zeros(len(faces), [("count", "u1"), ("corners", f"{end}i4", faces.shape[1]), ("id", f"{end}i4")])
+    rows["count"], rows["corners"] = faces.shape[1], faces
+    header = (
+        f"ply\nformat binary_{order}_endian 1.0\nelement vertex {len(points)}\n"
+        + "".join(f"property {kind} {axis}\n" for axis in "xyz")
+        + f"property uchar red\nelement face {len(rows)}\nproperty list uchar int vertex_indices\n"
+        + "property int id\nend_header\n"
+    )
+    file.write_bytes(header.encode() + points.tobytes() + rows.tobytes())
+    return file
+
+
+@pytest.mark.usefixtures("nothing_fits")
+@pytest.mark.parametrize("native", ["1", "0"])
+@pytest.mark.parametrize(("kind", "order"), [("float", "little"), ("double", "big")])
+def test_a_binary_ply_file_has_the_same_bits(
+    kind: str, order: str, native: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("INERTIA_NATIVE", native)
+    solid = joined(ring(60, 50), sphere((9, 9, 9)))
+    file = as_ply(tmp_path / "two.ply", solid.vertices, solid.faces[::-1], kind, order)
+    part = inertia.read(file, memory=MEMORY)
+    assert isinstance(part.geometry, FacesInFile)
+    whole, external = inertia.analyse(inertia.read(file)), inertia.analyse(part, memory=MEMORY)
+    for name in ("volume", "mass", "center_of_mass", "inertia"):
+        assert np.array_equal(getattr(external.properties, name), getattr(whole.properties, name)), name
+    assert external.properties.error == whole.properties.error
+    assert (external.closed, external.bodies, external.area) == (True, 2, whole.area)
+    assert inertia.analyse(part).properties.volume == whole.properties.volume  # read at once after all
+
+
+@pytest.mark.usefixtures("nothing_fits")
+def test_an_open_binary_ply_file_is_refused_in_the_same_words(tmp_path: Path) -> None:
+    vertices, faces = ring()
+    file = as_ply(tmp_path / "open.ply", vertices, faces[5:])
+    with pytest.raises(GeometryError) as external:
+        inertia.analyse(inertia.read(file, memory=MEMORY), memory=MEMORY)
+    with pytest.raises(GeometryError) as whole:
+        inertia.analyse(inertia.read(file))
+    assert str(whole.value).startswith(str(external.value))
+
+
+@pytest.mark.usefixtures("nothing_fits")
+def test_a_face_of_a_ply_file_that_names_no_vertex_is_refused(tmp_path: Path) -> None:
+    vertices, faces = ring()
+    faces = faces.copy()
+    faces[77, 1] = len(vertices)
+    part = inertia.read(as_ply(tmp_path / "beyond.ply", vertices, faces), memory=MEMORY)
+    with pytest.raises(GeometryError, match=rf"face 77 names one of the vertices .*{len(vertices)}.* export the mesh"):
+        inertia.analyse(part, memory=MEMORY)
+
+
+@pytest.mark.usefixtures("nothing_fits")
+def test_other_polygons_of_a_ply_file_are_refused(tmp_path: Path) -> None:
+    vertices, _ = cube()
+    quads = np.array([[0, 2, 3, 1], [4, 5, 7, 6], [0, 1, 5, 4], [2, 6, 7, 3], [0, 4, 6, 2], [1, 3, 7, 5]])
+    part = inertia.read(as_ply(tmp_path / "quads.ply", vertices, quads), memory=MEMORY)
+    with pytest.raises(UsageError, match="piece by piece go binary STL files, and binary PLY files of triangles"):
+        inertia.analyse(part, memory=MEMORY)
 
 
 def test_a_volume_mesh_that_fits_is_analysed_as_ever() -> None:

@@ -124,5 +124,5 @@ def test_a_worker_with_another_file_says_so(tmp_path: Path) -> None:
 
 def test_what_is_no_binary_stl_file_is_refused(cluster: Any) -> None:
     vertices, faces = ring()
-    with pytest.raises(UsageError, match="piece by piece go binary STL files only"):
+    with pytest.raises(UsageError, match="piece by piece go binary STL files, and binary PLY"):
         inertia.analyse(inertia.Part.from_arrays(vertices, faces), dask=cluster.scheduler_address)

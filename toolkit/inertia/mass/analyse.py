@@ -185,7 +185,8 @@ def analyse(
     coverage : the factor k of the expanded uncertainties that are stated beside the standard ones
     memory : bytes that this process may take. A part that takes more is integrated and checked piece by piece, with
         temporary files where these do not fit either (TMPDIR names their place): a solid or a shell of one density, of
-        a binary STL file. Triangles that cross are not looked for then
+        a binary STL file, or of a binary PLY file of triangles that was read with the same limit. Triangles that cross
+        are not looked for then
     dask : address of a Dask scheduler whose workers do that, all of which can read the file by its path; "local" for
         one in this process
     progress : called with the fraction done
@@ -228,9 +229,9 @@ def analyse(
         raise UsageError(f"memory is {memory!r}: it must be positive and finite, in bytes")
     limit = math.inf if memory is None and dask is not None else memory
     if limit is not None:
-        from inertia.mass.external import fits, require_external
+        from inertia.mass.external import answered_at_once, require_external
 
-        if dask is None and fits(part, limit):
+        if dask is None and answered_at_once(part, limit):
             limit = None
         else:
             asked = {

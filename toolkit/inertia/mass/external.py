@@ -8,10 +8,7 @@ that cross, and bodies that share space, are not looked for: the notes say so.
 from __future__ import annotations
 
 import math
-import re
-import sys
 from collections.abc import Collection, Iterator
-from pathlib import Path
 
 import numpy as np
 
@@ -22,24 +19,21 @@ from inertia.mass.moments import Moments
 from inertia.mass.triangles.arithmetic import METHODS, arithmetics, shell_moments, solid_moments
 from inertia.mass.triangles.sums import Sums, block_rows, local_frame, sum_triangles, sums_of
 from inertia.mesh.checks.findings import Finding, Report
-from inertia.mesh.external.buckets import MEMORY, in_bytes
+from inertia.mesh.external.buckets import MEMORY
 from inertia.mesh.external.closure import Pairing, external_closure, room_for
 from inertia.mesh.external.faults import edge_faults, shell_findings
+from inertia.mesh.external.memory import RESERVE, WHOLE, fits, in_bytes, resident
 from inertia.mesh.external.shuffle import DaskWorkers
 from inertia.mesh.geometry.shells import Shell, all_apart, bodies, shells
-from inertia.mesh.part import Facets, Part
+from inertia.mesh.part import FacesInFile, Facets, Part, Triangles
 
-WHOLE = 1000
-"""Bytes of memory that a triangle takes, at most, where all of them are analysed and checked at once."""
-
-_RESERVE = 32_000_000  # bytes for what is imported and made on the way
 _AMPLE = 1_000_000_000  # bytes beside the least, where workers do what takes most
 _NESTING = 24  # bytes of memory that a triangle takes where shells are looked for in one another
 
 
-def fits(part: Part, memory: float) -> bool:
+def answered_at_once(part: Part, memory: float) -> bool:
     """Say whether a part is analysed in memory, as ever, within so many bytes of this process."""
-    return WHOLE * part.geometry.count <= memory - _resident() - _RESERVE
+    return not isinstance(part.geometry, FacesInFile) and fits(part.geometry.count, memory)
 
 
 def require_external(part: Part, memory: float, asked: Collection[str]) -> None:
@@ -49,10 +43,10 @@ def require_external(part: Part, memory: float, asked: Collection[str]) -> None:
     ----------
     asked : in words, what takes the whole part in memory
     """
-    if not isinstance(part.geometry, Facets):
+    if not isinstance(part.geometry, Facets | FacesInFile):
         raise UsageError(
-            f"{part.name} is {part.source.format}: piece by piece go binary STL files only: leave the limit of memory, "
-            "or the Dask workers, out, or write it as one"
+            f"{part.name} is {part.source.format}: piece by piece go binary STL files, and binary PLY files of "
+            "triangles: leave the limit of memory, or the Dask workers, out, or write it as one"
         )
     if asked and not math.isfinite(memory):
         raise UsageError(f"{' and '.join(asked)} cannot be had from Dask workers: leave one or the other out")
@@ -73,7 +67,7 @@ def external_integrals(
     workers: DaskWorkers | None = None,
     progress: Progress | None = None,
 ) -> Iterator[Integral]:
-    """Integrate a binary STL file as a solid or a `shell`, within so many bytes of this process.
+    """Integrate a file of triangles as a solid or a `shell`, within so many bytes of this process.
 
     With workers, these sum its triangles in float64 and pair their edges. Yields as
     `inertia.mass.integration.surface_integrals` does, and raises what that raises; `UsageError` where the
@@ -81,7 +75,7 @@ def external_integrals(
     """
     triangles = part.triangles
     tries = arithmetics(accuracy)
-    beside = _resident() + _RESERVE + triangles.count // 2
+    beside = resident() + RESERVE + triangles.count // 2
     room = int(min(memory - beside, room_for(triangles.count) + _AMPLE if workers else memory))
     if room < room_for(triangles.count):
         least = 1.02 * (beside + room_for(triangles.count))
@@ -133,7 +127,7 @@ def external_integrals(
             refuse_flat(part, whole, extents)
 
 
-def _rows(triangles: Facets, origin: Float, exponent: int, surface: bool) -> Float:
+def _rows(triangles: Triangles, origin: Float, exponent: int, surface: bool) -> Float:
     """Return the rows of the blocks of some triangles."""
     with np.errstate(invalid="ignore", over="ignore"):
         return np.concatenate([rows for _, rows in block_rows(triangles, origin, exponent, surface)])
@@ -173,21 +167,6 @@ def _note(memory: float, distributed: bool, pieces: tuple[Shell, ...], crowded: 
     edges = f", nor whether material lies on material at {crowded} edges of more than two triangles" if crowded else ""
     how = "by the workers of a Dask scheduler" if distributed else f"within {in_bytes(memory)} of memory"
     return f"checked {how}: triangles that cross were not looked for{others}{edges}"
-
-
-def _resident() -> int:
-    """Return the bytes of memory that this process takes now."""
-    try:
-        status = Path("/proc/self/status").read_text(encoding="ascii")
-        return 1024 * int(re.search(r"VmRSS:\s*(\d+) kB", status)[1])  # type: ignore[index]
-    except (OSError, TypeError):
-        pass
-    try:
-        import resource
-    except ImportError:  # Windows
-        return 100_000_000
-    most = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
-    return most if sys.platform == "darwin" else 1024 * most
 
 
 def _part_of(progress: Progress | None, start: float, stop: float) -> Progress | None:

@@ -106,8 +106,8 @@ class Facets:
         return Facets(self._records[index])
 
 
-class FacetsInFile(Facets):
-    """Triangles as binary STL records in a file, read block by block where they are used.
+class RowsInFile:
+    """Rows of one length in a file, read block by block.
 
     They are not mapped: to touch a page of a file that was cut short meanwhile ends the process. Each block is known
     to be that of the version of the file that was opened; `ReadError` says so where it has changed.
@@ -115,24 +115,21 @@ class FacetsInFile(Facets):
     Parameters
     ----------
     path : the file
-    count : of triangles
-    offset : byte at which the records begin
+    row : the type of a row
+    count : of rows
+    offset : byte at which they begin
     """
 
-    def __init__(self, path: Path, count: int, offset: int) -> None:
-        self._name, self._version, self._count, self._offset = str(path), Version(path), count, offset
+    def __init__(self, path: Path, row: np.dtype[Any], count: int, offset: int) -> None:
+        self._name, self._version, self._row, self._offset = str(path), Version(path), row, offset
+        self.count = count
         self._file = os.open(path, os.O_RDONLY | getattr(os, "O_BINARY", 0))
         self._seeking = threading.Lock()
         weakref.finalize(self, os.close, self._file)
 
-    @property
-    def count(self) -> int:
-        """Number of triangles."""
-        return self._count
-
     def block(self, start: int, stop: int) -> NDArray[Any]:
-        """Return the records of triangles `start:stop`; raises `ReadError` where the file has changed."""
-        size, at = FACET.itemsize * (stop - start), self._offset + FACET.itemsize * start
+        """Return rows `start:stop`; raises `ReadError` where the file has changed."""
+        size, at = self._row.itemsize * (stop - start), self._offset + self._row.itemsize * start
         try:
             data = self._read(size, at)
             self._version.require(os.fstat(self._file), links=False)
@@ -142,21 +139,21 @@ class FacetsInFile(Facets):
             raise ReadError(f"cannot read {self._name}: {error.strerror}: check the disk") from error
         except ReadError as error:
             raise placed(error, f"cannot read {self._name}") from None
-        return np.frombuffer(data, FACET)
+        return np.frombuffer(data, self._row)
 
-    def select(self, index: NDArray[Any]) -> Facets:
-        """Return the triangles picked by an index or mask array, as a copy in memory."""
+    def select(self, index: NDArray[Any]) -> NDArray[Any]:
+        """Return the rows picked by an index or mask array."""
         places = np.flatnonzero(index) if index.dtype == bool else index
         order = np.argsort(places, kind="stable")
         ordered = places[order]
-        records = np.empty(len(places), FACET)
-        ends = np.flatnonzero(np.diff(ordered, append=self._count + _GAP) >= _GAP) + 1
+        rows = np.empty(len(places), self._row)
+        ends = np.flatnonzero(np.diff(ordered, append=self.count + _GAP) >= _GAP) + 1
         for first, last in pairwise([0, *ends.tolist()]):
             for some in range(first, last, _SCANNED):
                 run = ordered[some : min(some + _SCANNED, last)]
                 block = self.block(int(run[0]), int(run[-1]) + 1)
-                records[order[some : some + len(run)]] = block[run - run[0]]
-        return Facets(records)
+                rows[order[some : some + len(run)]] = block[run - run[0]]
+        return rows
 
     def _read(self, size: int, at: int) -> bytes:
         if hasattr(os, "pread"):
@@ -164,6 +161,33 @@ class FacetsInFile(Facets):
         with self._seeking:
             os.lseek(self._file, at, os.SEEK_SET)
             return os.read(self._file, size)
+
+
+class FacetsInFile(Facets):
+    """Triangles as binary STL records in a file, read block by block where they are used; raises as `RowsInFile`.
+
+    Parameters
+    ----------
+    path : the file
+    count : of triangles
+    offset : byte at which the records begin
+    """
+
+    def __init__(self, path: Path, count: int, offset: int) -> None:
+        self._rows = RowsInFile(path, FACET, count, offset)
+
+    @property
+    def count(self) -> int:
+        """Number of triangles."""
+        return self._rows.count
+
+    def block(self, start: int, stop: int) -> NDArray[Any]:
+        """Return the records of triangles `start:stop`; raises `ReadError` where the file has changed."""
+        return self._rows.block(start, stop)
+
+    def select(self, index: NDArray[Any]) -> Facets:
+        """Return the triangles picked by an index or mask array, as a copy in memory."""
+        return Facets(self._rows.select(index))
 
 
 class Surface:
@@ -202,6 +226,10 @@ class Surface:
         """Number of triangles."""
         return len(self.faces)
 
+    def block(self, start: int, stop: int) -> Int:
+        """Return the faces of triangles `start:stop`, (k, 3)."""
+        return self.faces[start:stop]
+
     def corners(self, start: int = 0, stop: int | None = None) -> Float:
         """Return the corners of triangles `start:stop`, (k, 3, 3)."""
         return self.vertices[self.faces[start:stop]]
@@ -213,6 +241,61 @@ class Surface:
     def select(self, index: NDArray[Any]) -> Surface:
         """Return the triangles picked by an index or mask array; the vertices are shared."""
         return Surface(self.vertices, self.faces[index])
+
+
+class FacesInFile(Surface):
+    """Triangles over shared vertices, of which the vertices are in memory and the faces in a file.
+
+    Parameters
+    ----------
+    vertices : (n, 3) float64
+    rows : with the fields `count`, which is 3, and `corners`, (3,), indices into `vertices`
+    """
+
+    def __init__(self, vertices: Float, rows: RowsInFile) -> None:
+        self.vertices, self._rows = vertices, rows
+
+    @property
+    def faces(self) -> Int:  # type: ignore[override]  # read anew each time
+        """All faces, (m, 3)."""
+        return self.block(0, self.count)
+
+    @property
+    def count(self) -> int:
+        """Number of triangles."""
+        return self._rows.count
+
+    def block(self, start: int, stop: int) -> Int:
+        """Return the faces of triangles `start:stop`, (k, 3)."""
+        return self._faces(self._rows.block(start, min(stop, self.count)), start)
+
+    def corners(self, start: int = 0, stop: int | None = None) -> Float:
+        """Return the corners of triangles `start:stop`, (k, 3, 3)."""
+        return self.vertices[self.block(start, self.count if stop is None else stop)]
+
+    def sample(self, count: int) -> Float:
+        """Return the corners of at least `count` triangles (or all), evenly spread, (k, 3, 3)."""
+        return self.select(np.arange(0, self.count, max(1, self.count // count))).corners()
+
+    def select(self, index: NDArray[Any]) -> Surface:
+        """Return the triangles picked by an index or mask array; the vertices are shared."""
+        return Surface(self.vertices, self._faces(self._rows.select(index), None))
+
+    def _faces(self, rows: NDArray[Any], first: int | None) -> Int:
+        """Return the faces of rows, which begin with face `first` where they follow on one another."""
+        wrong = rows["count"] != 3
+        if wrong.any():
+            where = "" if first is None else f" {first + int(wrong.argmax())}"
+            raise ReadError(f"face{where} has {rows['count'][wrong][0]} corners, not 3: write triangles only")
+        faces = rows["corners"].astype(np.int64)
+        beyond = ((faces < 0) | (faces >= len(self.vertices))).any(axis=1)
+        if beyond.any():
+            where = "" if first is None else f" {first + int(beyond.argmax())}"
+            raise GeometryError(
+                f"face{where} names one of the vertices {faces[beyond][0].tolist()}, but these are 0 to "
+                f"{len(self.vertices) - 1}: export the mesh again"
+            )
+        return faces
 
 
 Triangles = Facets | Surface

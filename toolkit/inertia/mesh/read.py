@@ -49,6 +49,7 @@ def read(
     format: str | None = None,
     coarser: float = 1.0,
     unpack_limit: float = UNPACK_LIMIT,
+    memory: float | None = None,
     progress: Progress | None = None,
 ) -> Part:
     """Read a mesh from a file.
@@ -62,6 +63,8 @@ def read(
     coarser : by how much coarser than usual the triangles are that replace curved faces, where reading makes them
         (STEP): for an estimate of what they leave out, see `inertia.richardson`
     unpack_limit : GiB that a compressed file (gzip, bzip2, xz, zip, tar) may unpack to; it holds one mesh
+    memory : bytes that this process may take: the faces of a binary PLY file of triangles that would take more stay in
+        the file, as a large binary STL file does anyway; for `inertia.analyse` with the same limit
     progress : called with the fraction of the work that is done; a file is read in one step
 
     Raises
@@ -91,7 +94,7 @@ def read(
         raise UsageError(f"unpack_limit is {unpack_limit!r}: it must be positive and finite, in GiB")
     name = os.fspath(path)
     try:
-        kind, contents, version = _contents(name, format, coarser, unpack_limit)
+        kind, contents, version = _contents(name, format, coarser, unpack_limit, memory)
     except ReadError as error:
         raise placed(error, f"cannot read {name}") from error
     notes = list(contents.notes)
@@ -139,7 +142,9 @@ def _unit(override: Unit | None, of_file: Unit | None) -> tuple[Unit, UnitFrom]:
     return (DEFAULT_UNIT, "assumed") if of_file is None else (of_file, "file")
 
 
-def _contents(name: str, format: str | None, coarser: float, unpack_limit: float) -> tuple[str, Contents, Version]:
+def _contents(
+    name: str, format: str | None, coarser: float, unpack_limit: float, memory: float | None
+) -> tuple[str, Contents, Version]:
     """Return the kind of a file, what is in it, and the version of it that was read."""
     if "\0" in name:
         raise ReadError(_REASONS[errno.ENOENT])
@@ -155,7 +160,7 @@ def _contents(name: str, format: str | None, coarser: float, unpack_limit: float
                 head = file.read(HEAD)
             packed = None if format in _ZIPPED else packed_as(path, head)
             if packed is None:
-                return *_sniffed(path, head, version.size, format, coarser, name), version
+                return *_sniffed(path, head, version.size, format, coarser, name, memory), version
             return *_unpacked(path, packed, format, coarser, unpack_limit), version
     except OSError as error:
         reason = _REASONS.get(error.errno or 0, f"{error.strerror or error}: check the path and the disk")
@@ -170,14 +175,14 @@ def _contents(name: str, format: str | None, coarser: float, unpack_limit: float
 
 
 def _sniffed(
-    path: Path, head: bytes, size: int, format: str | None, coarser: float, called: str
+    path: Path, head: bytes, size: int, format: str | None, coarser: float, called: str, memory: float | None = None
 ) -> tuple[str, Contents]:
     if not head:
         raise ReadError("it is empty: export the part again")
     kind = format or sniff(path, head, size)
     if coarser != 1.0 and kind != "step":
         raise UsageError(f"{called} is {kind}, whose triangles are in the file: only STEP can be meshed coarser")
-    return kind, _read_as(kind, path, coarser)
+    return kind, _read_as(kind, path, coarser, memory)
 
 
 def _unpacked(path: Path, packed: str, format: str | None, coarser: float, limit: float) -> tuple[str, Contents]:
@@ -205,10 +210,11 @@ def _unpacked(path: Path, packed: str, format: str | None, coarser: float, limit
     return kind, replace(contents, notes=(member.note, *contents.notes), rounding=rounding)
 
 
-def _read_as(kind: str, path: Path, coarser: float) -> Contents:
+def _read_as(kind: str, path: Path, coarser: float, memory: float | None = None) -> Contents:
     """Read a file with the reader of its kind; the readers are imported when they are used."""
     _, _, module, function = FORMATS[kind]
-    options = (kind,) if module == "meshio" else (coarser,) if kind == "step" else ()
+    of_kind: dict[str, tuple[object, ...]] = {"step": (coarser,), "ply": (memory,)}
+    options = (kind,) if module == "meshio" else of_kind.get(kind, ())
     with np.errstate(all="ignore"):  # what is not finite is refused by name
         contents: Contents = getattr(import_module(f"inertia.mesh.readers.{module}"), function)(path, *options)
     return contents

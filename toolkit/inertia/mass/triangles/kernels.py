@@ -45,7 +45,7 @@ class BlockKernel:
             kernel, fixed, chunk = self.faces, (triangles.vertices.ctypes.data,), _FACES_CHUNK
         for start in range(0, count, chunk):
             stop = min(start + chunk, count)
-            rows = triangles.block(start, stop) if isinstance(triangles, Facets) else triangles.faces[start:stop]
+            rows = triangles.block(start, stop)
             first = start // BLOCK
             kernel.function(
                 *fixed, rows.ctypes.data, len(rows), *frame, scratch.ctypes.data, out + first * table.strides[0]

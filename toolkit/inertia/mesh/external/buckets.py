@@ -20,6 +20,7 @@ from numpy.typing import NDArray
 
 from inertia.arrays import Bool, Int
 from inertia.errors import Remedy, WriteError
+from inertia.mesh.external.memory import in_bytes
 from inertia.mesh.part import Facets, Triangles
 from inertia.native import Kernel, address
 from inertia.output import temporary_folder
@@ -46,15 +47,6 @@ REPEATED = 0xFFFFFFFF
 """In place of the piece of a triangle with a repeated corner."""
 
 _RUN = 3 * (8 + BYTES)  # bytes of memory that a triangle of a run takes
-
-
-def in_bytes(size: float) -> str:
-    """Return a number of bytes in words.
-
-    >>> in_bytes(3.6e9), in_bytes(16777216)
-    ('3.6 GB', '16.8 MB')
-    """
-    return f"{size / 1e9:.3g} GB" if size >= 1e9 else f"{size / 1e6:.3g} MB"
 
 
 class Runs:
@@ -147,10 +139,10 @@ def require_space(folder: Path, size: int) -> None:
 
 
 class Compiled:
-    """The steps by the compiled kernels, for binary STL records."""
+    """The steps by the compiled kernels; numpy makes the keys of faces over vertices."""
 
     def __init__(self, salt: NDArray[np.uint64]) -> None:
-        self._salt = np.array(salt)
+        self._salt, self._by_numpy = np.array(salt), Vectorised(salt)
         self._table, self._uses = np.zeros((BUCKET, 2), np.uint64), np.zeros((BUCKET, 2), np.uint32)
         self._pairs, self._warm = np.empty((BUCKET, 2), np.uint32), np.zeros(1, np.uint64)
         self.state = np.zeros(3, np.int64)
@@ -160,7 +152,8 @@ class Compiled:
         self, triangles: Triangles, start: int, stop: int, keys: NDArray[np.uint64], counts: Int, bits: int
     ) -> int:
         """Write the keys of the edges of triangles `start:stop`, and count them by bucket; 0 for a repeated corner."""
-        assert isinstance(triangles, Facets)
+        if not isinstance(triangles, Facets):
+            return self._by_numpy.keys(triangles, start, stop, keys, counts, bits)
         block = triangles.block(start, stop)
         at = address(self._salt), keys.ctypes.data, address(counts)
         return KEY_FACETS.function(block.ctypes.data, stop - start, *at, len(counts), 64 - bits)
@@ -314,10 +307,9 @@ class Sorter:
         return self._records[: starts[-1]], starts, np.concatenate([np.empty(0, np.int64), *repeated])
 
 
-def steps_for(triangles: Triangles, count: int, salt: NDArray[np.uint64]) -> Steps:
-    """Return the form of the steps for triangles, of which there are so many."""
-    compiled = isinstance(triangles, Facets) and all(kernel.worthwhile(count) for kernel in _KERNELS)
-    return Compiled(salt) if compiled else Vectorised(salt)
+def steps_for(count: int, salt: NDArray[np.uint64]) -> Steps:
+    """Return the form of the steps for so many triangles."""
+    return Compiled(salt) if all(kernel.worthwhile(count) for kernel in _KERNELS) else Vectorised(salt)
 
 
 def bits_for(count: int) -> int:

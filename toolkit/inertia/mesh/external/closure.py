@@ -34,10 +34,10 @@ from inertia.mesh.external.buckets import (
     Runs,
     Sorter,
     Steps,
-    in_bytes,
     roots_of,
     steps_for,
 )
+from inertia.mesh.external.memory import in_bytes
 from inertia.mesh.geometry.closure import Closure, merge_equal_vertices
 from inertia.mesh.geometry.edge_fans import links
 from inertia.mesh.geometry.edges import Edges
@@ -147,7 +147,7 @@ def external_closure(
     if room < room_for(count):
         raise UsageError(f"{count} triangles take {in_bytes(room_for(count))} or more: allow more by ", MEMORY)
     salt = np.frombuffer(os.urandom(8 * SALTS), np.uint64) if salt is None else salt
-    steps = steps_for(triangles, count, salt)
+    steps = steps_for(count, salt)
     parent = np.arange(count, dtype=np.uint32)
     left = room - 4 * count
     most = max(BUCKET, left // 2 // _EXACTLY)

@@ -159,7 +159,7 @@ def _run(
 ) -> list[_Piece | Int]:
     """Return the pieces of a range for each share, and then which triangles have a repeated corner."""
     triangles = file.read(start, stop)
-    sorter = Sorter(steps_for(triangles, file.count, salt), stop - start, bits)
+    sorter = Sorter(steps_for(file.count, salt), stop - start, bits)
     records, starts, repeated = sorter.run(triangles, 0, stop - start, start)
     each = (len(starts) - 1) // shares
     own = (starts[share * each : (share + 1) * each + 1] for share in range(shares))
@@ -168,7 +168,7 @@ def _run(
 
 def _pair(pieces: Sequence[_Piece], salt: NDArray[np.uint64], room: int) -> Paired:
     """Pair the edges of a share of the buckets."""
-    steps = steps_for(Facets(np.empty(0, np.uint8)), sum(len(records) for records, _ in pieces), salt)
+    steps = steps_for(sum(len(records) for records, _ in pieces), salt)
     halves, odd, pairs = np.empty(room, np.uint32), 0, [np.empty((0, 2), np.uint32)]
     for bucket in range(len(pieces[0][1]) - 1):
 

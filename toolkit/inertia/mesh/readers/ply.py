@@ -18,6 +18,8 @@ from numpy.typing import NDArray
 
 from inertia.arrays import Float, Int
 from inertia.errors import ReadError
+from inertia.mesh.external.memory import fits
+from inertia.mesh.part import FacesInFile, RowsInFile
 from inertia.mesh.readers.contents import Contents, fan, fan_note, numbers, shown, surface, text_of
 from inertia.mesh.readers.decimals import rounding_of
 
@@ -32,6 +34,7 @@ _TYPES = {
 _ORDERS = {"ascii": "", "binary_little_endian": "<", "binary_big_endian": ">"}
 _CORNERS = ("vertex_indices", "vertex_index")
 _HEADER_LIMIT = 2**20
+_VERTICES = 1 << 18  # read at a time
 
 
 @dataclass
@@ -56,8 +59,11 @@ _Table = dict[str, tuple[NDArray[Any], Int]]
 """Name of a column → its numbers, row after row, and how many each row has."""
 
 
-def read_ply(path: Path) -> Contents:
-    """Read a PLY file; colours, normals and other elements are left aside."""
+def read_ply(path: Path, memory: float | None = None) -> Contents:
+    """Read a PLY file; colours, normals and other elements are left aside.
+
+    Binary faces that take more than `memory`, bytes of this process, stay in the file where all are triangles.
+    """
     with path.open("rb") as file:
         head = file.read(_HEADER_LIMIT)
     end = head.find(b"end_header")
@@ -67,6 +73,8 @@ def read_ply(path: Path) -> Contents:
     body = line_end + (2 if head[line_end : line_end + 2] == b"\r\n" else 1)
     encoding, elements = _header([line.decode("utf-8", "replace") for line in head[:end].splitlines()])
     order = _ORDERS[encoding] or "="
+    if memory is not None and order != "=" and (surface_in_file := _in_file(path, elements, order, body, memory)):
+        return Contents(surface_in_file)
     if encoding == "ascii":
         text = text_of(path)[body:]
         data = numbers(text, np.float64, "its rows").view(np.uint8)
@@ -92,6 +100,34 @@ def read_ply(path: Path) -> Contents:
     if encoding == "ascii":
         rounding = rounding_of(vertices, lambda: text, lambda: _coordinates(text_of(path)[body:].split(), elements))
     return Contents(surface(vertices, faces), notes=fan_note(int((counts > 3).sum())), rounding=rounding)
+
+
+def _in_file(path: Path, elements: list[_Element], order: str, body: int, memory: float) -> FacesInFile | None:
+    """Return the surface with its faces in the file, where it is vertices and triangles that do not fit otherwise."""
+    if [element.name for element in elements] != ["vertex", "face"] or fits(elements[1].rows, memory):
+        return None
+    vertex, face = elements
+    if any(column.count for column in vertex.properties):
+        return None
+    if [column.name for column in face.properties if column.count] not in ([name] for name in _CORNERS):
+        return None
+    point = np.dtype([(column.name, order + column.type) for column in vertex.properties])
+    fields: list[tuple[Any, ...]] = []
+    for k, column in enumerate(face.properties):
+        fields += [("count", order + column.count)] if column.count else []
+        fields += [("corners", order + column.type, 3) if column.count else (f"{k}", order + column.type)]
+    row = np.dtype(fields)
+    begin = body + vertex.rows * point.itemsize
+    if row["corners"].base.kind == "f" or path.stat().st_size != begin + face.rows * row.itemsize:
+        return None  # other polygons are among them, or its counts are wrong
+    if not face.rows or not {"x", "y", "z"} <= set(point.names or ()):
+        return None
+    stored, vertices = RowsInFile(path, point, vertex.rows, body), np.empty((vertex.rows, 3))
+    for start in range(0, vertex.rows, _VERTICES):
+        block = stored.block(start, min(start + _VERTICES, vertex.rows))
+        for axis, name in enumerate("xyz"):
+            vertices[start : start + len(block), axis] = block[name]
+    return FacesInFile(vertices, RowsInFile(path, row, face.rows, begin))
 
 
 def _coordinates(words: list[bytes], elements: list[_Element]) -> Iterator[bytes]:

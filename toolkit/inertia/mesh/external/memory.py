@@ -1,0 +1,42 @@
+"""Memory that a process takes, and what a part takes where it is analysed at once."""
+
+from __future__ import annotations
+
+import re
+import sys
+from pathlib import Path
+
+WHOLE = 1000
+"""Bytes of memory that a triangle takes, at most, where all of them are analysed and checked at once."""
+
+RESERVE = 32_000_000
+"""Bytes for what is imported and made on the way."""
+
+
+def fits(triangles: int, memory: float) -> bool:
+    """Say whether so many triangles, or cells, are analysed at once within so many bytes of this process."""
+    return WHOLE * triangles <= memory - resident() - RESERVE
+
+
+def resident() -> int:
+    """Return the bytes of memory that this process takes now."""
+    try:
+        status = Path("/proc/self/status").read_text(encoding="ascii")
+        return 1024 * int(re.search(r"VmRSS:\s*(\d+) kB", status)[1])  # type: ignore[index]
+    except (OSError, TypeError):
+        pass
+    try:
+        import resource
+    except ImportError:  # Windows
+        return 100_000_000
+    most = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
+    return most if sys.platform == "darwin" else 1024 * most
+
+
+def in_bytes(size: float) -> str:
+    """Return a number of bytes in words.
+
+    >>> in_bytes(3.6e9), in_bytes(16777216)
+    ('3.6 GB', '16.8 MB')
+    """
+    return f"{size / 1e9:.3g} GB" if size >= 1e9 else f"{size / 1e6:.3g} MB"
