@@ -27,6 +27,7 @@ from inertia.mass.properties import MassProperties
 from inertia.mesh import primitives
 from inertia.mesh.part import Cells, Part
 from inertia.mesh.read import read
+from inertia.mesh.regions import region_of
 from inertia.units import Unit
 
 _PI = Fraction(314159265358979323846264338327950288419716939937510582097494459, 10**62)
@@ -84,6 +85,7 @@ class Library:
 
     def __init__(self) -> None:
         self._analyses: dict[tuple[object, ...], Analysis] = {}
+        self._parts: dict[tuple[Path, str | None], Part] = {}
         self._bodies: dict[tuple[object, ...], Body] = {}
 
     def body(self, fields: PartFields, weight: Weight, label: str, folder: Path, unit: Unit) -> Body:
@@ -117,9 +119,11 @@ class Library:
     def _analysis(self, path: Path, fields: PartFields, unit: Unit) -> Analysis:
         """Return the analysis of a part's file, whose unit is that of the assembly where neither says another."""
         sigma = None if fields.sigma is None else Fraction(fields.sigma) * unit.metres
-        key = path, fields.unit, unit.name, sigma, fields.shell and float(fields.shell)
+        key = path, fields.region, fields.unit, unit.name, sigma, fields.shell and float(fields.shell)
         if key not in self._analyses:
-            part = read(path, fields.unit)
+            part = self._read(path, fields.unit)
+            if fields.region is not None:
+                part = region_of(part, fields.region)
             if part.unit_from == "assumed":
                 part = replace(part, unit=unit, unit_from="option")
             try:
@@ -132,6 +136,11 @@ class Library:
             except GeometryError as error:
                 raise placed(error, str(fields.file)) from None
         return self._analyses[key]
+
+    def _read(self, path: Path, unit: str | None) -> Part:
+        if (path, unit) not in self._parts:
+            self._parts[path, unit] = read(path, unit)
+        return self._parts[path, unit]
 
 
 def _certain(fields: PartFields, weight: Weight, analysis: Analysis | None, metres: Fraction) -> Body:

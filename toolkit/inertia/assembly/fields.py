@@ -197,6 +197,7 @@ class PartFields(Section):
     name : by which others call it their parent, globs give it a material, and reports list it
     parent : the part or group that its placement is relative to
     file : path of a mesh or STEP file, relative to the assembly file
+    region : the region of the file that is the part, where it is not all of it
     assembly : path of another assembly file
     shape : of what has no mesh, centred on its origin: box, sphere, cylinder, tube and cone stand along z
     size : its lengths: box x, y, z; sphere radius; cylinder radius, length; tube outer radius, inner radius, length;
@@ -234,6 +235,7 @@ class PartFields(Section):
     name: Annotated[str, text]
     parent: Annotated[str | None, text] = None
     file: Annotated[str | None, text] = None
+    region: Annotated[str | None, text] = None
     assembly: Annotated[str | None, text] = None
     shape: Annotated[str | None, choice(*SIZES)] = None
     size: Annotated[tuple[Fraction, ...] | None, several(number(_LENGTH, positive=True))] = None
@@ -294,7 +296,7 @@ class PartFields(Section):
         ):
             if getattr(self, name) is not None and getattr(self, needs) is None:
                 raise FieldError(f"{path}.{name}", f"is given without {needs}: give both, or none")
-        for name in ("shell", "sigma", "scale", "unit"):
+        for name in ("region", "shell", "sigma", "scale", "unit"):
             if getattr(self, name) is not None and self.file is None:
                 raise FieldError(f"{path}.{name}", "is that of a file, and the part has none: leave it out")
         self._require_turn(path)

@@ -20,12 +20,13 @@ from inertia.balancing.rotor import Rotor
 from inertia.balancing.rotor_fields import BodyFields
 from inertia.balancing.tessellation_bound import chord_uncertainty, facet_uncertainty
 from inertia.balancing.unbalance import Unbalance
-from inertia.errors import FieldPath, GeometryError, InertiaError, UsageError, placed
+from inertia.errors import FieldPath, GeometryError, InertiaError, placed
 from inertia.mass.analyse import analyse, sound_solids_only
 from inertia.mass.analysis import Analysis
 from inertia.mesh.geometry.intersect import overlap
 from inertia.mesh.part import Cells, Part, Rounding, Surface
 from inertia.mesh.read import read
+from inertia.mesh.regions import region_of
 
 ChordFrom = Literal["given", "read", "shape", "estimated", "mesh", "exact"]
 
@@ -102,7 +103,7 @@ def _read(rotor: Rotor, fields: BodyFields) -> RotorBody:
         whole = replace(whole, unit=rotor.unit, unit_from="option")
     if isinstance(whole.geometry, Cells):
         raise GeometryError(f"{whole.name} is a mesh of cells: give the surface of the body, as STL or STEP")
-    return _of_part(rotor, fields, whole, whole if fields.region is None else _region(whole, fields.region))
+    return _of_part(rotor, fields, whole, whole if fields.region is None else region_of(whole, fields.region))
 
 
 def turned(rotor: Rotor, bodies: Sequence[RotorBody], shaft: Shaft, turns: Sequence[float]) -> tuple[RotorBody, ...]:
@@ -156,20 +157,6 @@ def _chord(fields: BodyFields, layers: FacetLayers, metres: float) -> tuple[floa
     if chord < _LESS * layers.sag:
         return layers.sag, "mesh"
     return chord, "given" if chord else "exact"
-
-
-def _region(part: Part, name: str) -> Part:
-    names = () if part.regions is None else part.regions.names
-    if part.regions is None or name not in names:
-        there = f"it has {', '.join(map(repr, names))}" if names else "it names none: leave region out"
-        raise UsageError(f"{part.name} has no region {name!r}: {there}")
-    triangles = np.flatnonzero(part.regions.index == names.index(name))
-    chord = None if part.chord is None else part.chord[triangles]
-    shape = part.shape
-    if shape is not None:
-        own = tuple(solid for solid in shape.solids if solid.name == name)
-        shape = replace(shape, solids=own) if own else None
-    return replace(part, geometry=part.triangles.select(triangles), regions=None, chord=chord, shape=shape)
 
 
 def _require_apart(rotor: Rotor, bodies: Sequence[RotorBody]) -> None:

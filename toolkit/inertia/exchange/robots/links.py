@@ -17,6 +17,7 @@ from inertia.errors import visible
 from inertia.mesh.part import Part
 
 Role = Literal["visual", "collision"]
+Motion = Literal["turns", "slides", "fixed", "other"]
 
 
 @dataclass(frozen=True, eq=False)
@@ -85,6 +86,32 @@ class Geometry:
 
 
 @dataclass(frozen=True, eq=False)
+class Joint:
+    """What a link hangs on.
+
+    Attributes
+    ----------
+    name : of the joint; of the link where it has none
+    parent : the link that it hangs from
+    placement : of the axes of the link in those of `parent`, where the joint is at 0
+    kind : whether it "turns" about its axis, "slides" along it, is "fixed", or moves as none of these
+    axis : (3,) of any length, in the axes of the link
+    point : (3,) m on it, likewise
+    """
+
+    name: str
+    parent: str
+    placement: Placement
+    kind: Motion = "fixed"
+    axis: Float = field(default_factory=lambda: np.array([0.0, 0.0, 1.0]))
+    point: Float = field(default_factory=lambda: np.zeros(3))
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "name", visible(self.name))
+        object.__setattr__(self, "parent", visible(self.parent))
+
+
+@dataclass(frozen=True, eq=False)
 class Link:
     """A rigid body of a robot.
 
@@ -94,6 +121,7 @@ class Link:
     parent : the link it hangs from by a joint that does not move; None otherwise
     placement : of its axes in those of `parent`
     fault : why what is stated of it cannot be read, a sentence; "" where it can
+    joint : what it hangs on, whether that moves or not; None of a root, and where the format's joints are not read
     """
 
     name: str
@@ -102,6 +130,7 @@ class Link:
     parent: str | None = None
     placement: Placement = field(default_factory=Placement)
     fault: str = ""
+    joint: Joint | None = None
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "name", visible(self.name))

@@ -19,7 +19,7 @@ import numpy as np
 from inertia.arrays import Float
 from inertia.errors import ReadError
 from inertia.exchange.conventions import CONVENTIONS
-from inertia.exchange.robots.links import Geometry, Inertial, Link, Placement, Primitive, Robot, Role
+from inertia.exchange.robots.links import Geometry, Inertial, Joint, Link, Motion, Placement, Primitive, Robot, Role
 from inertia.exchange.robots.text import decimals, floats, robot_xml
 from inertia.exchange.rotations import rotation_of_quaternion
 from inertia.mesh.readers.contents import shown
@@ -29,6 +29,7 @@ Attributes = Mapping[str, str]
 
 _UNREAD = ("composite", "flexcomp", "attach", "replicate", "plugin")
 _CHANGES = ("balanceinertia", "boundmass", "boundinertia", "settotalmass")  # what MuJoCo does to what is stated
+_MOTIONS: dict[str, Motion] = {"hinge": "turns", "slide": "slides"}
 _NO_SOLID = ("plane", "hfield", "sdf")
 _DEEPEST = 32  # files that include one another
 _NESTED = 200  # elements in one another
@@ -181,11 +182,32 @@ def _body(
     childclass = element.get("childclass", childclass)
     what = f"body {shown(name)}"
     placement = where.then(_placement(element.attrib, what, model))
-    moves = any(child.tag in ("joint", "freejoint") for child in element)
+    joints = [child for child in element if child.tag in ("joint", "freejoint")]
     geometries = tuple(_geometries(element, what, Placement(), childclass, model, [0]))
-    hangs = parent if not moves else None
-    yield Link(name, _inertial(element, what, model), geometries, hangs, placement if hangs else Placement())
+    hangs = parent if not joints else None
+    yield Link(
+        name,
+        _inertial(element, what, model),
+        geometries,
+        hangs,
+        placement if hangs else Placement(),
+        joint=None if parent is None else _joint(joints, name, parent, placement, childclass, model),
+    )
     yield from _bodies(element, name, Placement(), childclass, model, count)
+
+
+def _joint(
+    elements: list[Element], link: str, parent: str, placement: Placement, childclass: str, model: _Model
+) -> Joint:
+    if not elements:
+        return Joint(link, parent, placement)
+    name = elements[0].get("name") or link
+    if len(elements) > 1 or elements[0].tag == "freejoint":
+        return Joint(name, parent, placement, "other")
+    attributes, what = model.attributes(elements[0], childclass), f"joint {shown(name)}"
+    kind: Motion = _MOTIONS.get(attributes.get("type", "hinge"), "other")
+    axis = _numbers(attributes, "axis", 3, [0.0, 0.0, 1.0], what)
+    return Joint(name, parent, placement, kind, axis, _numbers(attributes, "pos", 3, [0.0, 0.0, 0.0], what))
 
 
 def _inertial(body: Element, what: str, model: _Model) -> Inertial | None:

@@ -19,7 +19,7 @@ import numpy as np
 
 from inertia.arrays import Float
 from inertia.errors import ReadError
-from inertia.exchange.robots.links import Geometry, Inertial, Link, Placement, Primitive, Robot, Role
+from inertia.exchange.robots.links import Geometry, Inertial, Joint, Link, Motion, Placement, Primitive, Robot, Role
 from inertia.exchange.robots.text import decimals, floats, mesh_file, robot_xml
 from inertia.exchange.rotations import rotation_of_rpy
 from inertia.mesh.readers.contents import shown
@@ -80,9 +80,12 @@ def read_urdf(path: Path) -> Robot:
     if re.search(rb"<xacro:(?!property|arg)", re.sub(rb"(?s)<!--.*?-->", b"", data)):
         raise ReadError(_MACROS)
     attributes = _Attributes(notes)
-    fixed = dict(_fixed_joints(root, attributes))
+    joints = dict(_joints(root, attributes))
     elements = [element for element in root.findall("link") if element.get("name") is not None]
-    links = [_link(element, element.get("name", ""), path, fixed, attributes) for element in elements]
+    links = [
+        _link(element, element.get("name", ""), path, joints.get(element.get("name", "")), attributes)
+        for element in elements
+    ]
     twice = [name for name, count in Counter(link.name for link in links).items() if count > 1]
     if twice:
         raise ReadError(f"more than one link is called {shown(twice[0])}: their names must differ")
@@ -91,27 +94,36 @@ def read_urdf(path: Path) -> Robot:
     return Robot(path, "urdf", root.get("name", ""), tuple(links), tuple(attributes.notes))
 
 
-def _fixed_joints(root: Element, attributes: _Attributes) -> list[tuple[str, tuple[str, Placement]]]:
-    joints = []
+_MOTIONS: dict[str, Motion] = {
+    "revolute": "turns",
+    "continuous": "turns",
+    "prismatic": "slides",
+    "fixed": "fixed",
+}
+
+
+def _joints(root: Element, attributes: _Attributes) -> Iterator[tuple[str, Joint]]:
     for joint in root.findall("joint"):
-        parent, child = joint.find("parent"), joint.find("child")
-        if joint.get("type") == "fixed" and parent is not None and child is not None:
-            where = attributes.placement(joint, f"joint {shown(joint.get('name', ''))}")
-            joints.append((child.get("link", ""), (parent.get("link", ""), where)))
-    return joints
+        parent, child, name = joint.find("parent"), joint.find("child"), joint.get("name", "")
+        if parent is not None and child is not None:
+            where = attributes.placement(joint, f"joint {shown(name)}")
+            axis = attributes.numbers(joint.find("axis"), "xyz", 3, f"joint {shown(name)}, axis")
+            if not axis.any():
+                axis = np.array([1.0, 0.0, 0.0])  # what URDF says of a joint without one
+            kind: Motion = _MOTIONS.get(joint.get("type", ""), "other")
+            yield child.get("link", ""), Joint(name, parent.get("link", ""), where, kind, axis)
 
 
-def _link(
-    element: Element, name: str, path: Path, fixed: dict[str, tuple[str, Placement]], attributes: _Attributes
-) -> Link:
-    parent, placement = fixed.get(name, (None, Placement()))
+def _link(element: Element, name: str, path: Path, joint: Joint | None, attributes: _Attributes) -> Link:
+    fixed = joint if joint is not None and joint.kind == "fixed" else None
+    parent, placement = (None, Placement()) if fixed is None else (fixed.parent, fixed.placement)
     try:
         inertial, fault = _inertial(element, f"link {shown(name)}, inertial", attributes), ""
     except ReadError as error:
         if str(error) == _MACROS:
             raise
         inertial, fault = None, str(error)
-    return Link(name, inertial, tuple(_geometries(element, name, path, attributes)), parent, placement, fault)
+    return Link(name, inertial, tuple(_geometries(element, name, path, attributes)), parent, placement, fault, joint)
 
 
 def _inertial(link: Element, what: str, attributes: _Attributes) -> Inertial | None:

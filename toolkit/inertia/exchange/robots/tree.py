@@ -1,0 +1,77 @@
+"""The links of a robot at a stated position of its joints, laid out as an assembly file is."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+
+from inertia.arrays import Float
+from inertia.errors import GeometryError, UsageError
+from inertia.exchange.robots.links import Link, Placement, Robot
+from inertia.exchange.rotations import rotation_of_quaternion
+from inertia.mass.tensor import faults
+
+_FORMATS = ("urdf", "mjcf")
+
+
+def robot_tree(robot: Robot, joints: Mapping[str, float] | None = None) -> tuple[dict[str, Any], tuple[str, ...]]:
+    """Return an assembly laid out as its file is, a part for each link, in metres; and what had to be decided.
+
+    Parameters
+    ----------
+    robot : as read; of a format whose joints are read (URDF, MJCF)
+    joints : rad, or m of one that slides, of joints by name; 0 of all others
+
+    Raises `UsageError` for a format without, an unknown joint, and one that does not move; `GeometryError` for a link
+    whose stated tensor no body can have.
+    """
+    if robot.format not in _FORMATS:
+        raise UsageError(f"{robot.path}: the joints of {robot.format} are not read: give URDF or MJCF")
+    positions = dict(joints or {})
+    known = {link.joint.name: link.joint for link in robot.links if link.joint is not None}
+    for name, value in positions.items():
+        if name not in known or known[name].kind not in ("turns", "slides"):
+            what = "does not turn or slide" if name in known else "is none of the robot's"
+            moving = ", ".join(name for name, joint in known.items() if joint.kind in ("turns", "slides"))
+            raise UsageError(f"joint {name!r} {what}: name one of {moving or 'none, as none moves'}")
+        if not np.isfinite(value):
+            raise UsageError(f"joint {name!r} is at {value!r}: it must be a finite number of rad or m")
+    parts, notes = [], list(robot.notes)
+    for link in robot.links:
+        parts.append(_part(link, positions))
+        if link.inertial is None:
+            notes.append(f"link {link.name} states no mass: it is a group; {link.fault or 'give it a file or a mass'}")
+        if link.joint is not None and link.joint.kind == "other":
+            notes.append(f"joint {link.joint.name} neither turns nor slides about one axis: it is at its rest")
+    return {"schema": 1, "name": robot.name or robot.path.stem, "unit": "m", "part": parts}, tuple(notes)
+
+
+def _part(link: Link, positions: Mapping[str, float]) -> dict[str, Any]:
+    part: dict[str, Any] = {"name": link.name}
+    if (joint := link.joint) is not None:
+        part["parent"] = joint.parent
+        place = joint.placement.then(_moved(joint.kind, joint.axis, joint.point, positions.get(joint.name, 0.0)))
+        if place.origin.any():
+            part["at"] = place.origin.tolist()
+        if not np.array_equal(place.rotation, np.eye(3)):
+            part["matrix"] = place.rotation.tolist()
+    if (stated := link.inertial) is not None and stated.mass > 0:
+        rotation = stated.placement.rotation
+        tensor = rotation @ stated.inertia @ rotation.T
+        tensor = (tensor + tensor.T) / 2
+        if broken := faults(tensor):
+            raise GeometryError(f"link {link.name}: {broken[0]}: mend it with `audit`, or leave the tensor out")
+        part |= {"mass": stated.mass, "center_of_mass": stated.placement.origin.tolist(), "inertia": tensor.tolist()}
+    return part
+
+
+def _moved(kind: str, axis: Float, point: Float, value: float) -> Placement:
+    if kind not in ("turns", "slides") or value == 0:
+        return Placement()
+    along = axis / np.linalg.norm(axis)
+    if kind == "slides":
+        return Placement(np.eye(3), value * along)
+    rotation = rotation_of_quaternion([np.cos(value / 2), *(np.sin(value / 2) * along)])
+    return Placement(rotation, point - rotation @ point)

@@ -1,0 +1,25 @@
+"""One named region of a part as a part of its own."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+
+from inertia.errors import UsageError
+from inertia.mesh.part import Part
+
+
+def region_of(part: Part, name: str) -> Part:
+    """Return what a part has under a name; raise `UsageError` where it has no region of that name."""
+    names = () if part.regions is None else part.regions.names
+    if part.regions is None or name not in names:
+        there = f"it has {', '.join(map(repr, names))}" if names else "it names none: leave region out"
+        raise UsageError(f"{part.name} has no region {name!r}: {there}")
+    triangles = np.flatnonzero(part.regions.index == names.index(name))
+    chord = None if part.chord is None else part.chord[triangles]
+    shape = part.shape
+    if shape is not None:
+        own = tuple(solid for solid in shape.solids if solid.name == name)
+        shape = replace(shape, solids=own) if own else None
+    return replace(part, geometry=part.triangles.select(triangles), regions=None, chord=chord, shape=shape)
