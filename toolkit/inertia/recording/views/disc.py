@@ -52,6 +52,7 @@ STATES = ("on the plane", "held down by a plane that pulls")
 
 _THICK = 0.015
 _WEIGHT = 1.2  # radii, of the arrow of the weight
+_ASIDE = 0.15  # radii, of the weight from the centre of mass
 _ARROW = 1.4  # radii, of ω and L
 _TRAIL = 6.0  # seconds of playback
 _SPOKES = 8
@@ -214,6 +215,8 @@ def _write_world(
     scale = _WEIGHT * rim.radius / float(np.linalg.norm(weight))
     force = scale * values_at(run.time, run.quantities["contact force"], frames.time)
     write_arrow(recording, entities.CONTACT_FORCE, frames.time, force, "F", FORCE, 1.5 * thick)
+    aside = _ASIDE * rim.radius * basis(run.scene.constraint.plane)[:, 0]  # or it would lie on the contact force
+    recording.static(entities.WEIGHT, rr.Transform3D(translation=aside))
     weights = np.broadcast_to(scale * weight, force.shape)
     write_arrow(recording, entities.WEIGHT, frames.time, weights, "mg", WEIGHT, 1.5 * thick)
     for path, vectors, label, color in (
@@ -225,7 +228,7 @@ def _write_world(
     yield f"1 unit is {body.unit:g} m, from ({', '.join(f'{x:.4g}' for x in middle)}) m of space"
     yield (
         "the point of contact leaves the yellow path on the plane; the contact force F (red) and the weight mg "
-        f"(green, {np.linalg.norm(weight):.4g} N) are drawn to one scale"
+        f"(green, {np.linalg.norm(weight):.4g} N) are drawn to one scale, the weight a little aside"
     )
 
 

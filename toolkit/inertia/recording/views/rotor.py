@@ -100,11 +100,12 @@ def _blueprint(balance: Balance, states: list[State], duration: float, speed: fl
     if states[-1].operations:
         dial = _flat(entities.WORK, "Work, seen from B", DIAL_BOUNDS)
         below: list[Any] = [rrb.Tabs(work, notes), rrb.Horizontal(dial, forces, column_shares=[1.0, 1.1])]
+        work_height = min(100.0 + 23.0 * len(states[-1].operations), 200.0)
     else:
-        below = [forces, notes]
+        below, work_height = [forces, notes], 170.0
     # Pixels that the rows take: lines of text are 15 high, rows of tables 23.
-    tables = [95.0 + 23.0 * (5 + len(states[-1].planes)), min(100.0 + 23.0 * len(states[-1].operations), 200.0)]
-    right = rrb.Vertical(badge, text, *below, row_shares=[44.0, *tables, 190.0])
+    table_height = 95.0 + 23.0 * (5 + len(states[-1].planes))
+    right = rrb.Vertical(badge, text, *below, row_shares=[44.0, table_height, work_height, 190.0])
     middle = rrb.Vertical(*targets)
     return finished(rrb.Vertical(*views), rrb.Horizontal(middle, right, column_shares=[0.64, 1.0]), speed, (1.0, 2.05))
 

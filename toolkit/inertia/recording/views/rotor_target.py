@@ -26,7 +26,11 @@ FARTHEST = 1.6
 TARGET_BOUNDS = (-2.2, 2.2), (-2.15, 3.72)
 """What is seen of a target, x and y (down)."""
 DIAL_BOUNDS = (-2.0, 2.0), (-1.5, 1.5)
-_LINE, _KEY = 0.385, 3.2  # of a target's legend: from line to line, and how far its colour reaches to either side
+_LINE, _LETTER, _KEY = (
+    0.385,
+    0.065,
+    0.4,
+)  # of a legend: its pitch, half a letter, and the line in its colour either side
 
 BEFORE, AFTER, PERMISSIBLE, SCATTER, PLACE = map(rgb, (VERMILLION, SKY, GREEN, PINK, YELLOW))
 INK, FAINT, WHITE = (165, 170, 180), (75, 78, 86), (235, 235, 240)
@@ -83,9 +87,10 @@ def write_target(recording: Recording, path: str, balance: Balance, number: int)
         legend.append((f"dashed: 95 % of parts below {in_gmm(below):.4g} g·mm", SCATTER))
     places = [complex(0.0, -2.1 - _LINE * k) for k in range(len(legend))]
     _labels(recording, f"{path}/legend", places, [text for text, _ in legend])
-    for number, (place, (_, color)) in enumerate(zip(places, legend, strict=True)):
-        middle = place - 0.5j * _LINE
-        _lines(recording, f"{path}/legend/key_{number}", [_points([middle - _KEY, middle + _KEY])], color, 0.03)
+    for number, (place, (text, color)) in enumerate(zip(places, legend, strict=True)):
+        middle, aside = place - 0.6j * _LINE, min(_LETTER * len(text) + 0.3, 2.9)
+        keys = [_points([middle + side * aside, middle + side * (aside + _KEY)]) for side in (-1.0, 1.0)]
+        _lines(recording, f"{path}/legend/key_{number}", keys, color, 0.04)
 
 
 def write_work(recording: Recording, path: str, balance: Balance) -> None:
