@@ -208,7 +208,7 @@ def read_part(options: argparse.Namespace, coarser: float = 1.0) -> tuple[Part, 
     from inertia.mesh.read import read
 
     limit = {} if options.unpack_limit is None else {"unpack_limit": options.unpack_limit}
-    memory = getattr(options, "memory", None)
+    memory = 0.0 if getattr(options, "dask", None) else getattr(options, "memory", None)  # workers read the file too
     part = read(options.part, options.unit, format=options.format, coarser=coarser, memory=memory, **limit)
 
     def digest() -> None:

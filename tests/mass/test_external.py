@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from tests.mesh.solids import cube, facets, joined, ring, sphere
+from tests.mesh.solids import as_ply, cube, facets, joined, ring, sphere
 
 import inertia
 from inertia.errors import GeometryError, UsageError
@@ -141,24 +141,6 @@ def test_a_part_that_fits_is_analysed_as_ever() -> None:
     analysis = inertia.analyse(part, memory=MEMORY)
     assert analysis.crossings_examined
     assert analysis.notes == ()
-
-
-def as_ply(file: Path, vertices: np.ndarray, faces: np.ndarray, kind: str = "float", order: str = "little") -> Path:
-    """Write a binary PLY file whose vertices have a colour, and whose faces a number each."""
-    end, real = {"little": "<", "big": ">"}[order], {"float": "f4", "double": "f8"}[kind]
-    points = np.zeros(len(vertices), [(axis, end + real) for axis in "xyz"] + [("red", "u1")])
-    for axis, values in zip("xyz", vertices.T, strict=True):
-        points[axis] = values
-    rows = np.zeros(len(faces), [("count", "u1"), ("corners", f"{end}i4", faces.shape[1]), ("id", f"{end}i4")])
-    rows["count"], rows["corners"] = faces.shape[1], faces
-    header = (
-        f"ply\nformat binary_{order}_endian 1.0\nelement vertex {len(points)}\n"
-        + "".join(f"property {kind} {axis}\n" for axis in "xyz")
-        + f"property uchar red\nelement face {len(rows)}\nproperty list uchar int vertex_indices\n"
-        + "property int id\nend_header\n"
-    )
-    file.write_bytes(header.encode() + points.tobytes() + rows.tobytes())
-    return file
 
 
 @pytest.mark.usefixtures("nothing_fits")

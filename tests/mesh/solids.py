@@ -1,6 +1,7 @@
 """Small solids with known answers, for the tests of the mesh."""
 
 import itertools
+from pathlib import Path
 
 import numpy as np
 
@@ -139,3 +140,21 @@ def cylinder(height: float, radius: float, sides: int = 24) -> Mesh:
     ]
     vertices = np.concatenate([rim, np.array([0, 0, height]) + rim, [[0, 0, 0], [0, 0, height]]])
     return vertices, np.concatenate([np.column_stack(face) for face in faces])
+
+
+def as_ply(file: Path, vertices: np.ndarray, faces: np.ndarray, kind: str = "float", order: str = "little") -> Path:
+    """Write a binary PLY file whose vertices have a colour, and whose faces a number each."""
+    end, real = {"little": "<", "big": ">"}[order], {"float": "f4", "double": "f8"}[kind]
+    points = np.zeros(len(vertices), [(axis, end + real) for axis in "xyz"] + [("red", "u1")])
+    for axis, values in zip("xyz", vertices.T, strict=True):
+        points[axis] = values
+    rows = np.zeros(len(faces), [("count", "u1"), ("corners", f"{end}i4", faces.shape[1]), ("id", f"{end}i4")])
+    rows["count"], rows["corners"] = faces.shape[1], faces
+    header = (
+        f"ply\nformat binary_{order}_endian 1.0\nelement vertex {len(points)}\n"
+        + "".join(f"property {kind} {axis}\n" for axis in "xyz")
+        + f"property uchar red\nelement face {len(rows)}\nproperty list uchar int vertex_indices\n"
+        + "property int id\nend_header\n"
+    )
+    file.write_bytes(header.encode() + points.tobytes() + rows.tobytes())
+    return file

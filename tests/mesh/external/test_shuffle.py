@@ -8,11 +8,11 @@ from typing import Any
 
 import numpy as np
 import pytest
-from tests.mesh.solids import facets, joined, ring, sphere
+from tests.mesh.solids import as_ply, facets, joined, ring, sphere
 
 import inertia
 from inertia.errors import GeometryError, InertiaError, ReadError, UsageError
-from inertia.mesh.external.shuffle import StoredFacets
+from inertia.mesh.external.shuffle import StoredTriangles
 from inertia.mesh.part import Surface
 
 distributed = pytest.importorskip("distributed")
@@ -53,6 +53,16 @@ def test_any_ranges_give_the_same_bits(
     assert shared.properties.error == whole.properties.error
     assert (shared.area, shared.extents.tolist()) == (whole.area, whole.extents.tolist())
     assert "by the workers of a Dask scheduler" in shared.notes[-1]
+
+
+@pytest.mark.usefixtures("in_small_ranges")
+def test_a_binary_ply_file_has_the_same_bits(cluster: Any, tmp_path: Path) -> None:
+    solid = joined(ring(250, 160), sphere((9, 9, 9)))
+    file = as_ply(tmp_path / "bodies.ply", solid.vertices, solid.faces)
+    shared = inertia.analyse(inertia.read(file, memory=0.0), dask=cluster.scheduler_address)
+    whole = inertia.analyse(inertia.read(file))
+    assert np.array_equal(shared.properties.inertia, whole.properties.inertia)
+    assert (shared.closed, shared.bodies, shared.properties.error) == (True, 2, whole.properties.error)
 
 
 @pytest.mark.usefixtures("in_small_ranges")
@@ -112,7 +122,7 @@ def test_a_scheduler_that_ends_is_said(tmp_path: Path) -> None:
 
 
 def test_a_worker_with_another_file_says_so(tmp_path: Path) -> None:
-    file = StoredFacets.of(inertia.read(written(tmp_path / "ring.stl", joined(ring()))))
+    file = StoredTriangles.of(inertia.read(written(tmp_path / "ring.stl", joined(ring()))))
     assert file.read(3, 5).count == 2
     written(tmp_path / "ring.stl", joined(ring(20, 20)))
     with pytest.raises(ReadError, match=r"a Dask worker cannot read .*: it is not the file that the command has read"):

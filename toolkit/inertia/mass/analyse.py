@@ -275,10 +275,10 @@ def analyse(
         )
 
     if dask is not None:
-        from inertia.mesh.external.shuffle import DaskWorkers, StoredFacets
+        from inertia.mesh.external.shuffle import DaskWorkers, StoredTriangles
         from inertia.scheduler import connected
 
-        file = StoredFacets.of(part)
+        file = StoredTriangles.of(part)
         with connected(dask, os.cpu_count() or 1) as client:
             workers = DaskWorkers(client, file)
             return answer(part, parts)

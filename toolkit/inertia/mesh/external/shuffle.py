@@ -1,4 +1,4 @@
-"""Edges of a binary STL file paired by the workers of a Dask scheduler: ranges of triangles, then shares of buckets.
+"""Edges of a binary STL or PLY file paired by the workers of a Dask scheduler: ranges of triangles, shares of buckets.
 
 Each range becomes records sorted by bucket, of which every share of the buckets takes its own (a shuffle); what is
 paired comes back here. All workers read the file, by the same path, and it has to be the same.
@@ -10,6 +10,7 @@ import operator
 from asyncio import CancelledError
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass
+from functools import lru_cache
 from pathlib import Path
 from typing import Any, TypeVar
 
@@ -20,7 +21,8 @@ from inertia.arrays import Int, Progress
 from inertia.errors import InertiaError, ReadError, UsageError, visible
 from inertia.mesh.external.buckets import BYTES, Sorter, bits_for, steps_for
 from inertia.mesh.external.closure import Paired
-from inertia.mesh.part import Facets, FacetsInFile, Part
+from inertia.mesh.part import FacesInFile, Facets, FacetsInFile, Part, Surface, Triangles
+from inertia.mesh.readers.ply import read_ply
 from inertia.mesh.readers.stl import HEADER, is_binary_stl
 
 T = TypeVar("T")
@@ -36,39 +38,54 @@ _GONE = "the Dask scheduler does not answer any more: start it again, and run ag
 
 
 @dataclass(frozen=True)
-class StoredFacets:
-    """A binary STL file: its path, number of triangles, size and time of the last change (ns)."""
+class StoredTriangles:
+    """A binary STL or PLY file: its path, format, number of triangles, size and time of the last change (ns)."""
 
     path: str
+    format: str
     count: int
     size: int
     modified: int
 
     @classmethod
-    def of(cls, part: Part) -> StoredFacets:
+    def of(cls, part: Part) -> StoredTriangles:
         """Describe the file of a part; raises `UsageError` where it is none that other processes can read in ranges."""
-        path = part.source.path
-        if path is not None and isinstance(part.geometry, Facets):
+        path, kind = part.source.path, part.source.format
+        if path is not None and isinstance(part.geometry, Facets | FacesInFile):
             try:
                 status = Path(path).stat()
                 with Path(path).open("rb") as file:
                     head = file.read(HEADER)
-                if is_binary_stl(head, status.st_size):
-                    return cls(str(Path(path).resolve()), part.triangles.count, status.st_size, status.st_mtime_ns)
+                if kind == "ply" or is_binary_stl(head, status.st_size):
+                    where, count = str(Path(path).resolve()), part.triangles.count
+                    return cls(where, kind, count, status.st_size, status.st_mtime_ns)
             except OSError as error:
                 raise ReadError(f"cannot read {visible(path)}: {error.strerror}: check the disk") from None
-        raise UsageError(f"{part.name} is no binary STL file as it is, which workers read in ranges: write it as one")
+        raise UsageError(
+            f"{part.name} is no binary STL or PLY file as it is, which workers read in ranges: write it as one"
+        )
 
-    def read(self, start: int, stop: int) -> Facets:
+    def read(self, start: int, stop: int) -> Triangles:
         """Return triangles `start:stop`; raises `ReadError` where the file is another one here."""
         try:
             status = Path(self.path).stat()
             if (status.st_size, status.st_mtime_ns) == (self.size, self.modified):
-                return Facets(FacetsInFile(Path(self.path), self.count, HEADER).block(start, stop))
+                triangles = _opened(self)
+                block = triangles.block(start, stop)
+                return Facets(block) if isinstance(triangles, Facets) else Surface(triangles.vertices, block)
             what = "it is not the file that the command has read"
         except OSError as error:
             what = error.strerror or str(error)
         raise ReadError(f"a Dask worker cannot read {visible(self.path)}: {what}: give it the same file by that path")
+
+
+@lru_cache(maxsize=1)  # the vertices of a PLY file are read once by each worker
+def _opened(file: StoredTriangles) -> Triangles:
+    if file.format != "ply":
+        return FacetsInFile(Path(file.path), file.count, HEADER)
+    geometry = read_ply(Path(file.path), memory=0.0).geometry
+    assert isinstance(geometry, Surface)
+    return geometry
 
 
 class DaskWorkers:
@@ -79,7 +96,7 @@ class DaskWorkers:
     client : of the scheduler (`distributed.Client`)
     """
 
-    def __init__(self, client: Any, file: StoredFacets) -> None:
+    def __init__(self, client: Any, file: StoredTriangles) -> None:
         self._client, self._file = client, file
 
     def over_ranges(self, function: Callable[..., T], *arguments: object, progress: Progress | None = None) -> list[T]:
@@ -111,7 +128,7 @@ class DaskWorkers:
             nothing = np.empty((0, 2), np.uint32)
             yield Paired(nothing, nothing[:, 0], 0, np.zeros(3, np.int64), repeated)
 
-    def _ranges(self) -> list[tuple[StoredFacets, int, int]]:
+    def _ranges(self) -> list[tuple[StoredTriangles, int, int]]:
         count = self._file.count
         length = RANGE * max(1, -(-count // (RANGE * _RANGES)))
         return [(self._file, start, min(start + length, count)) for start in range(0, count, length)]
@@ -146,7 +163,7 @@ def _fault(future: Any) -> InertiaError:
     return InertiaError(_GONE)
 
 
-def _of_range(function: Callable[..., T], file: StoredFacets, start: int, stop: int, *arguments: object) -> T:
+def _of_range(function: Callable[..., T], file: StoredTriangles, start: int, stop: int, *arguments: object) -> T:
     return function(file.read(start, stop), *arguments)
 
 
@@ -155,7 +172,7 @@ _Piece = tuple[NDArray[np.uint32], Int]
 
 
 def _run(
-    file: StoredFacets, start: int, stop: int, salt: NDArray[np.uint64], bits: int, shares: int
+    file: StoredTriangles, start: int, stop: int, salt: NDArray[np.uint64], bits: int, shares: int
 ) -> list[_Piece | Int]:
     """Return the pieces of a range for each share, and then which triangles have a repeated corner."""
     triangles = file.read(start, stop)
