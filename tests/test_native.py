@@ -16,7 +16,7 @@ from tests import compile_kernels
 
 from inertia import native
 from inertia.errors import CacheWarning
-from inertia.mesh.geometry import closure
+from inertia.mesh.geometry import closure, pairing
 from inertia.mesh.part import Surface
 from inertia.native import COMPILE_ABOVE, LOAD_ABOVE, SHIPPED_ABOVE, Kernel
 
@@ -43,9 +43,11 @@ def is_one_closed_piece(surface: Surface) -> bool:
 
 def forget_kernels(monkeypatch: pytest.MonkeyPatch) -> None:
     """Make this process look for its kernels again, as another process would."""
-    for name in ("KEYS", "FACETS", "FACES", "REHASH"):
-        kernel: Kernel = getattr(closure, name)
-        monkeypatch.setattr(closure, name, Kernel(kernel.module, kernel.name, kernel.abi))
+    for name, kernel in vars(pairing).copy().items():
+        if isinstance(kernel, Kernel):
+            monkeypatch.setattr(pairing, name, Kernel(kernel.module, kernel.name, kernel.abi))
+            if hasattr(closure, name):
+                monkeypatch.setattr(closure, name, getattr(pairing, name))
 
 
 def forbid_compiler(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -75,7 +77,7 @@ def compiled(tmp_path_factory: pytest.TempPathFactory) -> Path:
         monkeypatch.setenv("INERTIA_CACHE", str(folder))
         forget_kernels(monkeypatch)
         assert is_one_closed_piece(LARGE)
-        (file,) = folder.glob("pair_faces-*")
+        (file,) = folder.glob("pair_rows-*")
         return file
 
 
@@ -151,7 +153,7 @@ def test_a_cache_that_others_may_write_to_is_not_loaded_from(
     put(cache, compiled, compiled.read_bytes())
     cache.chmod(0o777)
     with pytest.warns(CacheWarning, match="others may write to"):
-        assert not closure.FACES.worthwhile(LOAD_ABOVE)
+        assert not pairing.FACES.worthwhile(LOAD_ABOVE)
     with pytest.warns(CacheWarning, match="others may write to"):
         assert is_one_closed_piece(LARGE)
 
@@ -165,7 +167,7 @@ def test_without_a_compiler_the_answer_is_the_same(cache: Path, monkeypatch: pyt
 def test_kernels_are_compiled_where_numba_is_switched_off_for_other_code(tmp_path: Path) -> None:
     program = """if True:
         from inertia.native import Kernel
-        kernel = Kernel("inertia.mesh.geometry.edge_kernel", "rehash", "pipi")
+        kernel = Kernel("inertia.mesh.geometry.edge_kernel", "key_vertices", "pipp")
         print(len(kernel.machine_code()) > 1000, __import__("numba").config.DISABLE_JIT)
     """
     environment = {**os.environ, "NUMBA_DISABLE_JIT": "1", "INERTIA_CACHE": str(tmp_path / "cache")}
@@ -184,7 +186,7 @@ def test_a_kernel_is_compiled_for_many_triangles_and_loaded_for_fewer(
     cache: Path, compiled: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     def worthwhile() -> list[bool]:
-        return [closure.FACES.worthwhile(count) for count in (LOAD_ABOVE - 1, LOAD_ABOVE, COMPILE_ABOVE)]
+        return [pairing.FACES.worthwhile(count) for count in (LOAD_ABOVE - 1, LOAD_ABOVE, COMPILE_ABOVE)]
 
     assert worthwhile() == [False, False, True]
     put(cache, compiled, compiled.read_bytes())
@@ -202,7 +204,7 @@ def test_what_is_shipped_needs_neither_a_compiler_nor_a_cache(tmp_path: Path, mo
     forget_kernels(monkeypatch)
     forbid_compiler(monkeypatch)
     forbid_llvm(monkeypatch)
-    assert [closure.FACES.worthwhile(count) for count in (SHIPPED_ABOVE - 1, SHIPPED_ABOVE)] == [False, True]
+    assert [pairing.FACES.worthwhile(count) for count in (SHIPPED_ABOVE - 1, SHIPPED_ABOVE)] == [False, True]
     assert is_one_closed_piece(LARGE)
     assert not (tmp_path / "cache").exists()
 
@@ -212,7 +214,7 @@ def test_what_is_shipped_is_left_alone_by_an_older_processor(lacking: str, monke
     flags = "flags : " + " ".join(native.LEVEL_FLAGS - {lacking})
     monkeypatch.setattr(native, "processor_lines", lambda: ("vendor_id : X", flags))
     forget_kernels(monkeypatch)
-    assert not closure.FACES.worthwhile(SHIPPED_ABOVE)
+    assert not pairing.FACES.worthwhile(SHIPPED_ABOVE)
 
 
 def test_every_kernel_is_shipped_as_its_source_is_now() -> None:
@@ -227,5 +229,5 @@ def test_what_is_shipped_is_what_the_source_compiles_to(monkeypatch: pytest.Monk
         pytest.skip("another compiler than that which wrote it")
     monkeypatch.setenv("NUMBA_CPU_NAME", "")  # restores what compiling sets
     monkeypatch.setenv("NUMBA_CPU_FEATURES", "")
-    kernel = Kernel("inertia.mesh.geometry.edge_kernel", "rehash", "pipi")
+    kernel = Kernel("inertia.mesh.geometry.edge_kernel", "key_vertices", "pipp")
     assert compile_kernels.machine_code(kernel) == kernel.shipped_as.read_bytes()

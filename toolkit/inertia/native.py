@@ -63,6 +63,8 @@ _ALLOCATED, _WRITABLE = 2, 1  # flags of a section in an ELF file
 _CONTENTS, _RELOCATIONS, _SYMBOLS = 1, 4, 2  # kinds of section
 _ABSOLUTE_64, _RELATIVE_64 = 1, 24  # kinds of relocation, of x86-64
 
+_MOST_THREADS = 8  # more wait for memory
+
 _loaded: list[Any] = []
 """Memory and engines of LLVM that hold machine code, which lives as long as they do."""
 
@@ -188,6 +190,13 @@ def _warn(message: str) -> None:
 def address(array: Any) -> int:
     """Return where a contiguous array that may be written to lies; five times as fast as the array's own attribute."""
     return ctypes.addressof(ctypes.c_char.from_buffer(array))
+
+
+def threads() -> int:
+    """Return how many threads may run kernels at once: one a processor, or as few as the environment allows."""
+    processors = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
+    limits = (os.environ.get(name, "").split(",")[0] for name in ("OMP_NUM_THREADS", "NUMBA_NUM_THREADS"))
+    return max(1, min([processors, _MOST_THREADS, *(int(limit) for limit in limits if limit.strip().isdigit())]))
 
 
 def _machine(processor: str | None = None) -> Any:

@@ -22,6 +22,7 @@ from inertia.mesh.geometry.closure import (
     merge_equal_vertices,
     vectorised_closure,
 )
+from inertia.mesh.geometry.pairing import DESCEND, LEAF, SCATTER
 from inertia.mesh.part import Facets, Surface, Triangles
 from inertia.native import LOAD_ABOVE
 
@@ -357,3 +358,55 @@ def test_components_of_a_long_chain_in_random_order() -> None:
     count = 100_000
     chain = np.random.default_rng(3).permutation(count)
     assert not components(np.column_stack([chain[1:], chain[:-1]]), count).any()
+
+
+ORDERS: dict[str, Callable[[int], np.ndarray]] = {
+    "as made": np.arange,
+    "in two sweeps": lambda count: np.concatenate([np.arange(0, count, 2), np.arange(1, count, 2)]),
+    "shuffled": lambda count: np.random.default_rng(3).permutation(count),
+    "half of it shuffled": lambda count: np.concatenate(
+        [np.arange(count // 2), count // 2 + np.random.default_rng(3).permutation(count - count // 2)]
+    ),
+}
+
+
+@pytest.mark.parametrize("number", [1, 3])
+@pytest.mark.parametrize("order", ORDERS)
+@pytest.mark.parametrize("kind", [Surface, Facets])
+def test_neither_the_order_nor_the_threads_change_anything(
+    kind: type[Triangles], order: str, number: int, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("inertia.mesh.geometry.pairing.threads", lambda: number)
+    monkeypatch.setattr("inertia.mesh.geometry.closure.vectorised_closure", None)
+    for kernel in (LEAF, DESCEND, SCATTER):
+        assert kernel.function  # machine code at hand is used from here on
+    rings = joined(ring(500, 300), ring(60, 40, radius=20, tube=2), cube((99, 0, 0)))
+    body = np.repeat([0, 1, 2], [500 * 300 * 2, 60 * 40 * 2, 12])
+    faces = rings.faces.copy()
+    faces[[7, 200_000], 1] = faces[[7, 200_000], 0]  # two triangles fewer: a hole of three edges each
+    which = ORDERS[order](len(faces))
+    ordered = Surface(rings.vertices, faces[which])
+    pairing = compiled_closure(ordered if kind is Surface else facets(ordered))
+    assert (pairing.open_edges, pairing.components, pairing.repeated, pairing.crowded) == (6, 3, 2, 0)
+    body[[7, 200_000]] = -1
+    expected = body[which]
+    _, first = np.unique(expected, return_index=True)
+    rank = np.argsort(np.argsort(first[1:]))
+    assert np.array_equal(pairing.labels, np.where(expected < 0, -1, rank[expected]))
+
+
+@pytest.mark.parametrize("kind", [Surface, Facets])
+def test_bodies_far_apart_and_triangles_at_one_place(kind: type[Triangles]) -> None:
+    """What halves a sample of the triangles need not halve them all: nearly all lie in one leaf, or all begin there."""
+    vertices, faces = cube((0, 0, 0))
+    heap = joined(ring(300, 200), (1e30 * vertices, faces))
+    around = np.arange(30_000)
+    rim = np.column_stack([np.cos(around / 4775), np.sin(around / 4775), np.zeros(len(around))])
+    beside = np.roll(around, -1)
+    cones = np.vstack([[[0, 0, 1]], rim, [[0, 0, -1]]])
+    upper = np.column_stack([np.zeros_like(around), around + 1, beside + 1])
+    lower = np.column_stack([np.full_like(around, len(around) + 1), beside + 1, around + 1])
+    for surface, pieces in ((heap, 2), (Surface(cones, np.vstack([upper, lower])), 1)):
+        shuffled = surface.select(np.random.default_rng(4).permutation(surface.count))
+        pairing = compiled_closure(shuffled if kind is Surface else facets(shuffled))
+        assert (pairing.open_edges, pairing.components, pairing.crowded) == (0, pieces, 0)

@@ -44,11 +44,12 @@ def _warm_up(setup: Setup) -> None:
     import inertia.mesh.check
     import inertia.mesh.read  # noqa: F401
     from inertia.mass.triangles.sums import KERNEL
-    from inertia.mesh.geometry.closure import FACES, FACETS, KEYS, REHASH
     from inertia.mesh.geometry.intersect import CODES, COMPILED, ENCLOSE
+    from inertia.mesh.geometry.pairing import CLOSE, EDGES, FACES, FACETS, KEYS, REPEATED, ROWS
     from inertia.native import LOAD_ABOVE
 
-    for kernel in (KERNEL.facets, KERNEL.faces, FACETS, FACES, KEYS, REHASH, CODES, ENCLOSE, COMPILED):
+    pairing = (FACETS, FACES, KEYS, ROWS, CLOSE, EDGES, REPEATED)
+    for kernel in (KERNEL.facets, KERNEL.faces, *pairing, CODES, ENCLOSE, COMPILED):
         if kernel.worthwhile(LOAD_ABOVE):
             kernel.function  # noqa: B018  # it is loaded by being asked for
 

@@ -22,7 +22,6 @@ from __future__ import annotations
 import os
 from dataclasses import dataclass
 from functools import cache
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -30,19 +29,10 @@ from numpy.typing import NDArray
 from inertia.arrays import Bool, Float, Int, Progress
 from inertia.mesh.geometry.edge_fans import links
 from inertia.mesh.geometry.halfedges import HalfEdges, half_edges
-from inertia.mesh.part import Facets, Surface, Triangles
-from inertia.native import Kernel
-
-FACETS = Kernel("inertia.mesh.geometry.edge_kernel", "pair_facets", "ppiipippippipipip")
-FACES = Kernel("inertia.mesh.geometry.edge_kernel", "pair_faces", "ppipiipippippipipip")
-KEYS = Kernel("inertia.mesh.geometry.edge_kernel", "key_vertices", "pipp")
-REHASH = Kernel("inertia.mesh.geometry.edge_kernel", "rehash", "pipi")
+from inertia.mesh.geometry.pairing import FACES, FACETS, paired_edges
+from inertia.mesh.part import Facets, Triangles
 
 _SALTS = 24  # seven and seven for a vertex, five and five for an edge: see `edge_kernel`
-_CHUNK = 4096  # triangles a call: keeps the table of a well-ordered file inside the cache
-_BLOCK = 64  # triangles whose keys the kernel computes together
-_REPORTED = 16 * _CHUNK
-_BIN = 16384  # paired edges whose keys are compared at a time
 
 
 @dataclass(frozen=True, eq=False)
@@ -88,72 +78,12 @@ def closure(triangles: Triangles, progress: Progress | None = None) -> Closure:
     return vectorised_closure(triangles)
 
 
-def _address(array: NDArray[Any]) -> int:
-    return int(array.ctypes.data)
-
-
 def compiled_closure(
     triangles: Triangles, progress: Progress | None = None, salt: NDArray[np.uint64] | None = None
 ) -> Closure:
-    """Return what `closure` does, by the compiled kernel; `salt` (24,) is this process's own unless given."""
-    salt = process_salt() if salt is None else salt
-    count = triangles.count
-    labels = np.empty(count, np.int32)
-    state = np.zeros(4, np.int64)
-    edges = 3 * count // 2
-    bins = 1 << min(max(edges // _BIN, 1).bit_length() - 1, 12)
-    room = edges // bins + 8 * int(np.sqrt(edges // bins)) + 64
-    log, sizes = np.empty(bins * room, np.uint64), np.zeros(bins, np.int64)
-    slots = np.empty(1 << (4 * room).bit_length(), np.uint16)
-    crowded = 0
-    capacity = 8 * _CHUNK
-    table, edge_keys = np.zeros((capacity, 2), np.uint64), np.empty(3 * _BLOCK, np.uint64)
-    parent = np.empty(16 * _CHUNK, np.int32)
-    if isinstance(triangles, Surface):
-        vertices, faces = triangles.vertices, triangles.faces
-        vertex_keys = np.empty(len(vertices), np.uint64)
-        KEYS.function(_address(vertices), len(vertices), _address(salt), _address(vertex_keys))
-    for start in range(0, count, _CHUNK):
-        stop = min(start + _CHUNK, count)
-        if 2 * (state[0] + 3 * _CHUNK) > capacity:
-            larger = np.zeros((4 * capacity, 2), np.uint64)
-            REHASH.function(_address(table), capacity, _address(larger), 4 * capacity)
-            table, capacity = larger, 4 * capacity
-        if state[1] + _CHUNK > len(parent):
-            parent = np.concatenate([parent, np.empty_like(parent)])
-        tables = (
-            _address(table), capacity, _address(edge_keys),
-            _address(parent), len(parent), _address(labels),
-            _address(log), room, _address(sizes), bins,
-            _address(slots), len(slots) if stop == count else 0, _address(state),
-        )  # fmt: skip
-        if isinstance(triangles, Facets):
-            block = triangles.block(start, stop)
-            records = _address(block) - start * block.itemsize  # the kernel counts from the first triangle
-            crowded = FACETS.function(records, _address(salt), start, stop, *tables)
-        else:
-            own = _address(faces), _address(vertex_keys), len(vertices)
-            crowded = FACES.function(*own, _address(salt), start, stop, *tables)
-        if progress is not None and start % _REPORTED == 0:
-            progress(stop / count)
-    if crowded:
-        return vectorised_closure(triangles)
-    roots = _roots(parent[: state[1]])
-    components, number = np.unique(roots, return_inverse=True)
-    if len(components) > 1:
-        labelled = labels >= 0
-        labels[labelled] = number.astype(np.int32)[labels[labelled]]
-    else:
-        np.minimum(labels, 0, out=labels)
-    return Closure(int(state[0]), len(components), labels, int(state[2]), 0)
-
-
-def _roots(parent: NDArray[np.int32]) -> NDArray[np.int32]:
-    while True:
-        above = parent[parent]
-        if np.array_equal(above, parent):
-            return parent
-        parent = above
+    """Return what `closure` does, by the compiled kernels; `salt` (24,) is this process's own unless given."""
+    paired = paired_edges(triangles, process_salt() if salt is None else salt, progress)
+    return vectorised_closure(triangles) if paired is None else Closure(*paired, crowded=0)
 
 
 def merge_equal_vertices(triangles: Triangles) -> tuple[NDArray[np.float64], Int]:

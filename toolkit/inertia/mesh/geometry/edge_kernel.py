@@ -1,4 +1,4 @@
-"""The compiled kernels that pair the edges of triangles as they stream by; see `closure`.
+"""The compiled kernels that pair the edges of triangles, group by group; see `pairing`.
 
 Imported only to be compiled (`inertia.native`).
 """
@@ -62,6 +62,16 @@ def prefetch(context, base, offset):
         return context.get_dummy_value()
 
     return types.void(types.voidptr, types.int64), code
+
+
+@intrinsic
+def pointer(context, address):
+    """Return the pointer to an address."""
+
+    def code(context, builder, signature, arguments):
+        return builder.inttoptr(arguments[0], context.get_value_type(types.voidptr))
+
+    return types.voidptr(types.int64), code
 
 
 @njit(inline="always")
@@ -149,10 +159,22 @@ def record(log_at, log, sizes, key, state):
 
 
 @njit(inline="always")
+def join(parent, label, other):
+    """Join two labels, of which the first may be −1 for none, and return the root: the older of their roots."""
+    other = find(parent, other)
+    if label < 0:
+        return other
+    low, high = min(label, other), max(label, other)
+    parent[high] = low
+    return low
+
+
+@njit(inline="always")
 def pair(edges, place, triangle, table, mask, parent, labels, log_at, log, sizes, state):
     """Pair the three directed edges of a triangle, whose keys begin at `place`, with those that wait; the rest wait.
 
-    `state` is (edges waiting, labels given, triangles with a repeated corner, paired edges left out of the log).
+    `state` is (edges waiting, labels given, triangles with a repeated corner, paired edges left out of the log,
+    triangles done).
     """
     if edges[place] == 0:  # its edges cancel among themselves
         state[2] += 1
@@ -167,15 +189,7 @@ def pair(edges, place, triangle, table, mask, parent, labels, log_at, log, sizes
         if other >= 0:
             state[0] -= 1
             record(log_at, log, sizes, key, state)
-            other = find(parent, other)
-            if label < 0:
-                label = other
-            elif label != other:  # keep the older label: numbering follows the file
-                if label < other:
-                    parent[other] = label
-                else:
-                    parent[label] = other
-                    label = other
+            label = join(parent, label, other)
         else:
             edges[place + pending] = edges[place + side]
             pending += 1
@@ -190,120 +204,270 @@ def pair(edges, place, triangle, table, mask, parent, labels, log_at, log, sizes
     state[0] += pending
 
 
-@njit(inline="always")
-def any_repeated(table, log_at, log, sizes, slots, state):
-    """Say whether any edge was paired twice, or still waits and was used before: whether a key occurs twice."""
-    if state[0] > 0:
-        for slot in range(len(table)):
-            if table[slot, 0] != 0:
-                record(log_at, log, sizes, table[slot, 0], state)
-    if state[3] != 0:
-        return 1
-    mask = len(slots) - 1
-    for place in range(len(sizes)):
-        slots[:] = 0
-        for at in range(sizes[place]):
-            key = log[place, at]
-            slot = home(key, mask)
-            while slots[slot] != 0:
-                if slots[slot] == np.uint16(key):  # few bits of it (it is odd): nearly always another key
-                    for before in range(at):
-                        if log[place, before] == key:
-                            return 1
-                slot = (slot + 1) & mask
-            slots[slot] = np.uint16(key)
+def pair_rows(
+    rows_at,
+    width,
+    runs_at,
+    number,
+    passed,
+    salt_at,
+    table_at,
+    capacity,
+    parent_at,
+    labels_at,
+    group,
+    log_at,
+    bins,
+    logged,
+    sizes_at,
+    state_at,
+):
+    """Pair the edges of triangles of one group, by the keys of their corners: the first three columns of `rows`.
+
+    The runs are (first row, rows), and `passed` are the triangles of the group before them. It goes on after state[4]
+    triangles, and returns 1 where less than half of the table would be left free.
+    """
+    runs = carray(runs_at, (number, 2), np.int64)
+    salt = carray(salt_at, (SALTS,), np.uint64)
+    table = carray(table_at, (capacity, 2), np.uint64)
+    parent = carray(parent_at, (group,), np.int32)
+    labels = carray(labels_at, (group,), np.int32)
+    log = carray(log_at, (bins, logged), np.uint64)
+    sizes = carray(sizes_at, (bins,), np.int64)
+    state = carray(state_at, (5 + 3 * BLOCK,), np.int64)
+    edges = carray(state_at, (5 + 3 * BLOCK,), np.uint64)[5:]
+    mask = capacity - 1
+    for run in range(number):
+        rows = carray(rows_at, (runs[run, 0] + runs[run, 1], width), np.uint64)
+        for first in range(0, runs[run, 1], BLOCK):
+            count = min(BLOCK, runs[run, 1] - first)
+            passed += count
+            if passed <= state[4]:
+                continue
+            if 2 * (state[0] + 3 * BLOCK) > capacity:
+                return 1
+            for k in range(count):
+                row = runs[run, 0] + first + k
+                edge_keys(rows[row, 0], rows[row, 1], rows[row, 2], salt, edges, 3 * k, table_at, mask)
+            for k in range(count):
+                pair(edges, 3 * k, state[4] + k, table, mask, parent, labels, log_at, log, sizes, state)
+            state[4] += count
     return 0
 
 
-def pair_facets(
-    records,
-    salt_at,
-    start,
-    stop,
-    table_at,
-    capacity,
-    edges_at,
-    parent_at,
-    room,
-    labels_at,
-    log_at,
-    logged,
-    sizes_at,
-    bins,
-    slots_at,
-    places,
-    state_at,
-):
-    """Pair the edges of binary STL records `start:stop` (all the tables are carried from call to call).
+def close_group(table_at, capacity, parent_at, labels_at, group, edges_at, pieces_at, state_at):
+    """Number the pieces of a group in the order of their first triangles, and list the edges that still wait.
 
-    With room for `places`, as the last call has, it returns whether an edge is used more than twice.
+    `edges` are their keys with the way that they run, `pieces` whose they are. Returns how many pieces there are.
     """
-    halves = carray(records, (stop * STRIDE_F4,), np.uint16)
-    salt = carray(salt_at, (SALTS,), np.uint64)
     table = carray(table_at, (capacity, 2), np.uint64)
-    edges = carray(edges_at, (3 * BLOCK,), np.uint64)
-    parent = carray(parent_at, (room,), np.int32)
-    labels = carray(labels_at, (stop,), np.int32)
-    log = carray(log_at, (bins, logged), np.uint64)
-    sizes = carray(sizes_at, (bins,), np.int64)
-    slots = carray(slots_at, (places,), np.uint16)
-    state = carray(state_at, (4,), np.int64)
-    mask = capacity - 1
-    for first in range(start, stop, BLOCK):
-        count = min(BLOCK, stop - first)
-        for k in range(count):
-            at = (first + k) * STRIDE_F4 + 6
-            u = corner_key(halves, at, salt)
-            v = corner_key(halves, at + 6, salt)
-            w = corner_key(halves, at + 12, salt)
-            edge_keys(u, v, w, salt, edges, 3 * k, table_at, mask)
-        for k in range(count):
-            pair(edges, 3 * k, first + k, table, mask, parent, labels, log_at, log, sizes, state)
-    return any_repeated(table, log_at, log, sizes, slots, state) if places > 0 else 0
+    parent = carray(parent_at, (group,), np.int32)
+    labels = carray(labels_at, (group,), np.int32)
+    state = carray(state_at, (5,), np.int64)
+    edges = carray(edges_at, (state[0],), np.uint64)
+    pieces = carray(pieces_at, (state[0],), np.int32)
+    number = 0
+    for label in range(state[1]):
+        if parent[label] == label:
+            parent[label] = number
+            number += 1
+        else:
+            parent[label] = parent[parent[label]]  # an older one, which has its number
+    for k in range(state[4]):
+        if labels[k] >= 0:
+            labels[k] = parent[labels[k]]
+    waiting = slot = 0
+    while waiting < state[0]:
+        if table[slot, 0] != 0:
+            edges[waiting] = table[slot, 0] & ~ONE | table[slot, 1] & ONE
+            pieces[waiting] = parent[table[slot, 1] >> ONE]
+            waiting += 1
+            table[slot, 0] = 0
+        slot += 1
+    return number
 
 
-def pair_faces(
-    faces_at,
-    vertex_keys,
-    vertices,
+def pair_leaf(
+    rows_at,
+    width,
+    runs_at,
+    number,
     salt_at,
-    start,
-    stop,
     table_at,
     capacity,
-    edges_at,
+    slots_at,
     parent_at,
-    room,
     labels_at,
+    group,
     log_at,
+    bins,
     logged,
     sizes_at,
-    bins,
-    slots_at,
-    places,
+    edges_at,
+    pieces_at,
     state_at,
 ):
-    """Pair the edges of faces `start:stop`, whose vertices have the 64-bit keys `vertex_keys`."""
-    faces = carray(faces_at, (stop, 3), np.int64)
-    of = carray(vertex_keys, (vertices,), np.uint64)
+    """Do what `pair_rows` and `close_group` do for triangles in an order that no processor foresees.
+
+    An edge stays in the table, whose entries are its key and, for each way that it runs, 1 + the triangle; there is
+    room for all. A second use of the same way sets state[3].
+    """
+    runs = carray(runs_at, (number, 2), np.int64)
     salt = carray(salt_at, (SALTS,), np.uint64)
     table = carray(table_at, (capacity, 2), np.uint64)
-    edges = carray(edges_at, (3 * BLOCK,), np.uint64)
-    parent = carray(parent_at, (room,), np.int32)
-    labels = carray(labels_at, (stop,), np.int32)
+    users = carray(table_at, (capacity, 4), np.uint32)
+    slots = carray(slots_at, (3 * group + 1,), np.int32)
+    parent = carray(parent_at, (group,), np.int32)
+    labels = carray(labels_at, (group,), np.int32)
     log = carray(log_at, (bins, logged), np.uint64)
     sizes = carray(sizes_at, (bins,), np.int64)
-    slots = carray(slots_at, (places,), np.uint16)
-    state = carray(state_at, (4,), np.int64)
+    found = carray(edges_at, (3 * group,), np.uint64)
+    pieces = carray(pieces_at, (3 * group,), np.int32)
+    state = carray(state_at, (5 + 3 * BLOCK,), np.int64)
+    edges = carray(state_at, (5 + 3 * BLOCK,), np.uint64)[5:]
     mask = capacity - 1
-    for first in range(start, stop, BLOCK):
-        count = min(BLOCK, stop - first)
-        for k in range(count):
-            u, v, w = of[faces[first + k, 0]], of[faces[first + k, 1]], of[faces[first + k, 2]]
-            edge_keys(u, v, w, salt, edges, 3 * k, table_at, mask)
-        for k in range(count):
-            pair(edges, 3 * k, first + k, table, mask, parent, labels, log_at, log, sizes, state)
-    return any_repeated(table, log_at, log, sizes, slots, state) if places > 0 else 0
+    triangle, used = 0, np.int64(0)
+    again = np.uint32(0)
+    for run in range(number):
+        rows = carray(rows_at, (runs[run, 0] + runs[run, 1], width), np.uint64)
+        ahead = runs[min(run + 1, number - 1), 0]
+        for first in range(0, runs[run, 1], BLOCK):
+            count = min(BLOCK, runs[run, 1] - first)
+            for k in range(count):
+                row = runs[run, 0] + first + k
+                prefetch(rows_at, (ahead + first + k) * width * 8)  # the next run is elsewhere
+                edge_keys(rows[row, 0], rows[row, 1], rows[row, 2], salt, edges, 3 * k, table_at, mask)
+            for k in range(count):
+                parent[triangle] = triangle
+                labels[triangle] = 0
+                triangle += 1
+                if edges[3 * k] == 0:
+                    state[2] += 1
+                    labels[triangle - 1] = -1
+                    continue
+                for side in range(3):
+                    key = edges[3 * k + side] | ONE
+                    way = 2 + np.int64(edges[3 * k + side] & ONE)
+                    slot = home(key, mask)
+                    while (table[slot, 0] != 0) & (table[slot, 0] != key):  # one branch: which of both, none foresees
+                        slot = (slot + 1) & mask
+                    slots[used] = slot
+                    used += np.int64(table[slot, 0] == 0)
+                    table[slot, 0] = key
+                    again |= users[slot, way]
+                    users[slot, way] = triangle
+    waiting = 0
+    for k in range(used):
+        slot = slots[k]
+        key, one, other = table[slot, 0], np.int64(users[slot, 2]), np.int64(users[slot, 3])
+        table[slot, 0] = table[slot, 1] = 0
+        if one != 0 and other != 0:
+            record(log_at, log, sizes, key, state)
+            join(parent, find(parent, one - 1), other - 1)
+        else:
+            found[waiting] = key & ~ONE | uint64(other != 0)
+            pieces[waiting] = one + other - 1
+            waiting += 1
+    own = 0
+    for k in range(triangle):
+        if labels[k] >= 0:
+            if parent[k] == k:
+                labels[k] = own
+                own += 1
+            else:
+                labels[k] = labels[parent[k]]  # an earlier one
+    for k in range(waiting):
+        pieces[k] = labels[pieces[k]]
+    state[0] = waiting
+    state[3] |= np.int64(again != 0)
+    return own
+
+
+def pair_edges(
+    edges_at, pieces_at, count, table_at, capacity, parent_at, number, log_at, bins, logged, sizes_at, state_at
+):
+    """Pair single edges, of pieces that have a label each, as `pair_rows` does; those that stay alone are logged."""
+    edges = carray(edges_at, (count,), np.uint64)
+    pieces = carray(pieces_at, (count,), np.int32)
+    table = carray(table_at, (capacity, 2), np.uint64)
+    parent = carray(parent_at, (number,), np.int32)
+    log = carray(log_at, (bins, logged), np.uint64)
+    sizes = carray(sizes_at, (bins,), np.int64)
+    state = carray(state_at, (5,), np.int64)
+    mask = capacity - 1
+    for first in range(0, count, BLOCK):
+        last = min(first + BLOCK, count)
+        for k in range(first, last):
+            prefetch(table_at, home(edges[k] | ONE, mask) * ENTRY)
+        for k in range(first, last):
+            key, way = edges[k] | ONE, edges[k] & ONE
+            other = take(table, mask, key, way)
+            if other >= 0:
+                state[0] -= 1
+                record(log_at, log, sizes, key, state)
+                join(parent, find(parent, np.int64(pieces[k])), other)
+            else:
+                state[0] += 1
+                insert(table, mask, key, uint64(pieces[k]) << ONE | way)
+    if state[0] > 0:
+        for slot in range(capacity):
+            if table[slot, 0] != 0:
+                record(log_at, log, sizes, table[slot, 0], state)
+    return 0
+
+
+def repeated_edges(logs_at, number, bins, first, last, slots_at, places):
+    """Say whether a key occurs twice in bins `first:last` of the logs (keys, room of a bin, sizes of the bins)."""
+    logs = carray(logs_at, (number, 3), np.int64)
+    slots = carray(slots_at, (places,), np.uint16)
+    mask = places - 1
+    for place in range(first, last):
+        slots[:] = 0
+        for which in range(number):
+            size = carray(pointer(logs[which, 2]), (bins,), np.int64)[place]
+            log = carray(pointer(logs[which, 0]), (bins, logs[which, 1]), np.uint64)
+            for at in range(size):
+                key = log[place, at]
+                slot = home(key, mask)
+                while slots[slot] != 0:
+                    if slots[slot] == np.uint16(key):  # few bits of it (it is odd): nearly always another key
+                        for earlier in range(which + 1):
+                            other = carray(pointer(logs[earlier, 0]), (bins, logs[earlier, 1]), np.uint64)
+                            own = carray(pointer(logs[earlier, 2]), (bins,), np.int64)[place]
+                            for before in range(at if earlier == which else own):
+                                if other[place, before] == key:
+                                    return 1
+                    slot = (slot + 1) & mask
+                slots[slot] = np.uint16(key)
+    return 0
+
+
+def key_facets(records_at, count, salt_at, rows_at, points_at):
+    """Give the corners of binary STL records their keys, three a row, and copy the first of each."""
+    halves = carray(records_at, (count * STRIDE_F4,), np.uint16)
+    salt = carray(salt_at, (SALTS,), np.uint64)
+    rows = carray(rows_at, (count, 3), np.uint64)
+    points = carray(points_at, (count, 3), np.uint32)
+    for k in range(count):
+        at = k * STRIDE_F4 + 6
+        for corner in range(3):
+            rows[k, corner] = corner_key(halves, at + 6 * corner, salt)
+            points[k, corner] = word(halves, at + 2 * corner)
+    return 0
+
+
+def key_faces(faces_at, count, vertex_keys_at, vertices_at, vertices, rows_at, points_at):
+    """Give the corners of faces the keys of their vertices, three a row, and copy the first of each."""
+    faces = carray(faces_at, (count, 3), np.int64)
+    of = carray(vertex_keys_at, (vertices,), np.uint64)
+    coordinates = carray(vertices_at, (vertices, 3), np.float64)
+    rows = carray(rows_at, (count, 3), np.uint64)
+    points = carray(points_at, (count, 3), np.float32)
+    for k in range(count):
+        for corner in range(3):
+            rows[k, corner] = of[faces[k, corner]]
+            points[k, corner] = np.float32(coordinates[faces[k, 0], corner])
+    return 0
 
 
 def key_vertices(vertices_at, count, salt_at, keys_at):
@@ -320,18 +484,4 @@ def key_vertices(vertices_at, count, salt_at, keys_at):
             high += one * salt[k + 1] + other * salt[k + 2]
             low += one * salt[VERTEX + k + 1] + other * salt[VERTEX + k + 2]
         keys[vertex] = (high >> S32 << S32) | (low >> S32)
-    return 0
-
-
-def rehash(old_at, old_capacity, table_at, capacity):
-    """Move all entries into a larger, empty table; those of one key stay in the order in which they came."""
-    old = carray(old_at, (old_capacity, 2), np.uint64)
-    table = carray(table_at, (capacity, 2), np.uint64)
-    free = 0
-    while old[free, 0] != 0:
-        free += 1
-    for step in range(old_capacity):
-        slot = (free + step) & (old_capacity - 1)
-        if old[slot, 0] != 0:
-            insert(table, capacity - 1, old[slot, 0], old[slot, 1])
     return 0

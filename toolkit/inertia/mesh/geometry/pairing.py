@@ -1,0 +1,405 @@
+"""Edges of a triangle surface paired by compiled kernels: group by group of triangles, each inside the cache.
+
+Triangles that follow one another in a file mostly are neighbours, so that a group is what stands together there; of its
+edges few are left for the other groups. Where more wait for their partners than the cache holds, the triangles are put
+into groups by where they are in space: by the leaf of a tree of planes, each of which halves a sample of them. What is
+found does not depend on the groups, nor on how many threads pair them.
+"""
+
+from __future__ import annotations
+
+import threading
+from collections.abc import Callable, Sequence
+from itertools import pairwise
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from inertia.arrays import Int, Progress
+from inertia.mesh.part import Facets, Triangles
+from inertia.native import Kernel, address, threads
+
+_MODULE = "inertia.mesh.geometry.edge_kernel"
+FACETS = Kernel(_MODULE, "key_facets", "pippp")
+FACES = Kernel(_MODULE, "key_faces", "pippipp")
+KEYS = Kernel(_MODULE, "key_vertices", "pipp")
+ROWS = Kernel(_MODULE, "pair_rows", "pipii" + "ppippi" + "piipp")
+CLOSE = Kernel(_MODULE, "close_group", "pippi" + "ppp")
+LEAF = Kernel(_MODULE, "pair_leaf", "pipip" + "pi" + "pppi" + "piip" + "ppp")
+EDGES = Kernel(_MODULE, "pair_edges", "ppipi" + "pi" + "piipp")
+REPEATED = Kernel(_MODULE, "repeated_edges", "piiiipi")
+DESCEND = Kernel("inertia.mesh.geometry.partition_kernel", "descend", "pippip")
+SCATTER = Kernel("inertia.mesh.geometry.partition_kernel", "scatter", "piiipipippp")
+
+_BLOCK = 4096  # triangles whose corners' keys are computed at a time
+_GROUP = 1 << 17  # triangles that are paired together where they stand together
+_REPORTED = 16 * _BLOCK
+_TABLE = 1 << 15  # room for the edges that wait, of which half is used: it stays inside the cache
+_LEAF = 4096  # triangles that are paired together where they are near each other, about
+_RUN = 64  # rows that lie together, as `partition_kernel` has them
+_SAMPLED = 16  # triangles a leaf that the planes are from:
+_EVERY, _READ, _APART = 16, 512, 8192  # every so manieth of so many that are read of so many
+_BIN = 16384  # paired edges whose keys are compared at a time
+_SHARED = 1 << 18  # triangles from which on threads repay their start
+
+Keys = Callable[[int, int, NDArray[np.uint64], NDArray[np.float32]], None]
+"""Writes the keys of the corners of triangles `start:stop`, and where the first of each is."""
+
+
+class _Scattered(Exception):
+    """Triangles that follow one another are no neighbours."""
+
+
+class _Log:
+    """The keys of edges that were paired, in bins."""
+
+    def __init__(self, edges: int, bins: int) -> None:
+        self.room = edges // bins + 8 * int(np.sqrt(edges // bins)) + 64
+        self.keys, self.sizes = np.empty(bins * self.room, np.uint64), np.zeros(bins, np.int64)
+        self.arguments = address(self.keys), bins, self.room, address(self.sizes)
+
+
+class _Thread:
+    """What one thread has for pairing, and the groups that it has done: see `group`."""
+
+    def __init__(self, salt: NDArray[np.uint64], log: _Log) -> None:
+        self.salt, self.log = salt, log
+        self.state = np.zeros(5 + 3 * 64, np.int64)
+        self.table = np.zeros((_TABLE, 2), np.uint64)
+        self.parent, self.slots, self.whose = (np.empty(0, np.int32) for _ in range(3))
+        self.waiting = np.empty(0, np.uint64)
+        self.edges: list[NDArray[np.uint64]] = []
+        self.pieces: list[NDArray[np.int32]] = []
+        self.labels: list[NDArray[np.int32]] = []
+        self.numbers: list[int] = []
+        self.repeated = 0
+        self.overfull = False
+
+    def begin(self, labels: NDArray[np.int32]) -> None:
+        """Begin a group, to whose triangles labels are given."""
+        self.state[:3] = self.state[4] = 0
+        self.labels.append(labels)
+        if len(self.parent) < len(labels):
+            self.parent = np.empty(len(labels), np.int32)
+
+    def pair(self, rows: NDArray[np.uint64], runs: Int, passed: int = 0) -> bool:
+        """Pair the rows of runs, after those `passed` in the group; say whether the table is too small for them."""
+        labels, table = self.labels[-1], self.table
+        return ROWS.function(
+            address(rows), rows.shape[1], address(runs), len(runs), passed, address(self.salt),
+            address(table), len(table), address(self.parent), address(labels), len(labels),
+            *self.log.arguments, address(self.state),
+        ) == 1  # fmt: skip
+
+    def end(self) -> None:
+        """End the group: keep its edges that still wait, and how many pieces it has."""
+        labels = self.labels[-1]
+        edges, pieces = np.empty(self.state[0], np.uint64), np.empty(self.state[0], np.int32)
+        number = CLOSE.function(
+            address(self.table), len(self.table), address(self.parent), address(labels), len(labels),
+            edges.ctypes.data, pieces.ctypes.data, address(self.state),
+        )  # fmt: skip
+        self._keep(edges, pieces, number)
+
+    def leaf(self, rows: NDArray[np.uint64], runs: Int) -> None:
+        """Pair the rows of some runs, which are a group by themselves."""
+        labels = self.labels[-1]
+        if len(self.slots) < 3 * len(labels) + 1:
+            self.table = np.zeros((1 << (4 * len(labels) - 1).bit_length(), 2), np.uint64)
+            self.slots, self.waiting = np.empty(3 * len(labels) + 1, np.int32), np.empty(3 * len(labels), np.uint64)
+            self.whose = np.empty(3 * len(labels), np.int32)
+        number = LEAF.function(
+            address(rows), rows.shape[1], address(runs), len(runs), address(self.salt),
+            address(self.table), len(self.table), address(self.slots),
+            address(self.parent), address(labels), len(labels), *self.log.arguments,
+            address(self.waiting), address(self.whose), address(self.state),
+        )  # fmt: skip
+        self._keep(self.waiting[: self.state[0]].copy(), self.whose[: self.state[0]].copy(), number)
+
+    def _keep(self, edges: NDArray[np.uint64], pieces: NDArray[np.int32], number: int) -> None:
+        self.edges.append(edges)
+        self.pieces.append(pieces)
+        self.numbers.append(number)
+        self.repeated += int(self.state[2])
+        self.overfull |= bool(self.state[3])
+
+
+def paired_edges(
+    triangles: Triangles, salt: NDArray[np.uint64], progress: Progress | None = None
+) -> tuple[int, int, NDArray[np.int32], int] | None:
+    """Return open edges, components, labels and repeated triangles; None where an edge may have more than two."""
+    count, salt, progress = (
+        triangles.count,
+        salt.copy(),
+        _rising(progress),
+    )  # which may be written to, as `address` asks
+    bins = 1 << min(max(3 * count // 2 // _BIN, 1).bit_length() - 1, 12)
+    cuts = np.linspace(0, count, (threads() if count >= _SHARED else 1) + 1).astype(np.int64).tolist()
+    keys = _corner_keys(triangles, salt)
+    _load(ROWS, CLOSE, EDGES, REPEATED)
+    index = None
+    labels = np.empty(count, np.int32)
+    try:
+        done = _pair_in_order(labels, keys, cuts, salt, bins, progress)
+    except _Scattered:
+        if not all(kernel.worthwhile(count) for kernel in (LEAF, DESCEND, SCATTER)):
+            return None
+        done, index = _pair_by_place(triangles, labels, keys, cuts, salt, bins, progress)
+    numbers = np.array([number for thread in done for number in thread.numbers], np.int64)
+    base = np.cumsum(numbers) - numbers
+    edges = np.concatenate([np.empty(0, np.uint64), *(each for thread in done for each in thread.edges)])
+    apart = [each for thread in done for each in thread.pieces]
+    pieces = np.concatenate(
+        [np.empty(0, np.int32), *(each + np.int32(of) for each, of in zip(apart, base, strict=True))]
+    )
+    parent, log, state = np.arange(numbers.sum(), dtype=np.int32), _Log(len(edges), bins), np.zeros(5, np.int64)
+    table = np.zeros((1 << (2 * len(edges) + 1).bit_length(), 2), np.uint64)
+    EDGES.function(
+        edges.ctypes.data, pieces.ctypes.data, len(edges), address(table), len(table), parent.ctypes.data, len(parent),
+        *log.arguments, address(state),
+    )  # fmt: skip
+    del table
+    overfull = any(thread.overfull for thread in done) or bool(state[3])
+    if overfull or _any_repeated([*(thread.log for thread in done), log], bins, len(cuts) - 1):
+        return None
+    components, number = np.unique(_roots(parent), return_inverse=True)
+    repeated = sum(thread.repeated for thread in done)
+    if len(components) > 1:
+        number = number.astype(np.int32)
+        for group, of in zip((group for thread in done for group in thread.labels), base, strict=True):
+            group[:] = np.where(group < 0, -1, number[group + of])
+    else:
+        np.minimum(labels, 0, out=labels)
+    if index is not None and (len(components) > 1 or repeated):
+        labels = _in_file_order(labels, index(), len(components))
+    return int(state[0]), len(components), labels, repeated
+
+
+def _rising(progress: Progress | None) -> Progress | None:
+    """Return a report of progress that leaves out what is done again."""
+    if progress is None:
+        return None
+    report, reached = progress, 0.0
+
+    def rise(fraction: float) -> None:
+        nonlocal reached
+        if fraction > reached:
+            reached = fraction
+            report(fraction)
+
+    return rise
+
+
+def _load(*kernels: Kernel) -> None:
+    """Load kernels here, before threads ask for them."""
+    for kernel in kernels:
+        kernel.function  # noqa: B018
+
+
+def _corner_keys(triangles: Triangles, salt: NDArray[np.uint64]) -> Keys:
+    if isinstance(triangles, Facets):
+        facets, key_facets = triangles, FACETS.function
+
+        def of_facets(start: int, stop: int, rows: NDArray[np.uint64], points: NDArray[np.float32]) -> None:
+            records = facets.block(start, stop)
+            key_facets(records.ctypes.data, stop - start, address(salt), address(rows), address(points))
+
+        return of_facets
+    surface, vertices, key_faces = triangles, triangles.vertices, FACES.function
+    of = np.empty(len(vertices), np.uint64)
+    KEYS.function(vertices.ctypes.data, len(vertices), address(salt), of.ctypes.data)
+
+    def of_faces(start: int, stop: int, rows: NDArray[np.uint64], points: NDArray[np.float32]) -> None:
+        faces = surface.block(start, stop)
+        those = of.ctypes.data, vertices.ctypes.data, len(vertices)
+        key_faces(faces.ctypes.data, len(faces), *those, address(rows), address(points))
+
+    return of_faces
+
+
+def _pair_in_order(
+    labels: NDArray[np.int32],
+    keys: Keys,
+    cuts: Sequence[int],
+    salt: NDArray[np.uint64],
+    bins: int,
+    progress: Progress | None,
+) -> list[_Thread]:
+    def pair(which: int, stopped: threading.Event) -> _Thread:
+        start, stop = cuts[which : which + 2]
+        thread, rows = _Thread(salt, _Log(3 * (stop - start) // 2, bins)), np.empty((_BLOCK, 3), np.uint64)
+        points = np.empty((_BLOCK, 3), np.float32)
+        for first in range(start, stop, _GROUP):
+            last = min(first + _GROUP, stop)
+            thread.begin(labels[first:last])
+            for at in range(first, last, _BLOCK):
+                size = min(_BLOCK, last - at)
+                keys(at, at + size, rows, points)
+                if stopped.is_set() or thread.pair(rows, np.array([[0, size]]), at - first):
+                    raise _Scattered
+                if progress is not None and which == 0 and at % _REPORTED == 0:
+                    progress((at + size) / stop)
+            thread.end()
+        return thread
+
+    return _in_threads(len(cuts) - 1, pair)
+
+
+def _pair_by_place(
+    triangles: Triangles,
+    labels: NDArray[np.int32],
+    keys: Keys,
+    cuts: Sequence[int],
+    salt: NDArray[np.uint64],
+    bins: int,
+    progress: Progress | None,
+) -> tuple[list[_Thread], Callable[[], Int]]:
+    _load(LEAF, DESCEND, SCATTER)
+    count, parts = triangles.count, len(cuts) - 1
+    depth = max((count // _LEAF).bit_length() - 1, 1)
+    leaves = 1 << depth
+    axes, planes = _tree(_sample(triangles, _SAMPLED * leaves), depth)
+    most = [-(-(stop - start) // _RUN) + leaves for start, stop in pairwise(cuts)]
+    ends = np.cumsum([0, *most]).tolist()
+    pool, owners = np.empty((ends[-1] * _RUN, 4), np.uint64), np.empty(ends[-1], np.int64)
+
+    def scatter(which: int, stopped: threading.Event) -> tuple[Int, int]:
+        heads, state = np.zeros(leaves, np.int64), np.array([ends[which]])
+        rows, points = np.empty((_BLOCK, 3), np.uint64), np.empty((_BLOCK, 3), np.float32)
+        leaf = np.empty(_BLOCK, np.int64)
+        start, stop = cuts[which : which + 2]
+        for at in range(start, stop, _BLOCK):
+            size = min(_BLOCK, stop - at)
+            keys(at, at + size, rows, points)
+            DESCEND.function(address(points), size, address(axes), address(planes), depth, address(leaf))
+            SCATTER.function(
+                address(rows), 3, at, size, address(leaf), leaves,
+                address(pool), ends[-1], address(heads), address(owners), address(state),
+            )  # fmt: skip
+            if stopped.is_set():
+                break
+            if progress is not None and which == 0 and at % _REPORTED == 0:
+                progress(0.5 * (at + size) / stop)
+        return heads, int(state[0])
+
+    scattered = _in_threads(parts, scatter)
+    taken = np.concatenate([np.arange(first, last) for first, (_, last) in zip(ends, scattered, strict=False)])
+    sizes = np.full(ends[-1], _RUN)
+    for heads, _ in scattered:
+        partial = heads[heads % _RUN != 0]
+        sizes[partial // _RUN] = partial % _RUN
+    taken = taken[np.argsort(owners[taken], kind="stable")]
+    runs = np.column_stack([taken * _RUN, sizes[taken]])
+    first_run = np.searchsorted(owners[taken], np.arange(leaves + 1))
+    ends_of = np.concatenate([[0], np.cumsum(runs[:, 1])])
+    shares = np.searchsorted(ends_of[first_run], np.array(cuts))  # leaves, as many triangles to each thread
+
+    def pair(which: int, stopped: threading.Event) -> _Thread:
+        low, high = shares[which : which + 2]
+        total = int(ends_of[first_run[high]] - ends_of[first_run[low]])
+        thread = _Thread(salt, _Log(3 * total // 2, bins))
+        for leaf in range(low, high):
+            first, last = first_run[leaf : leaf + 2]
+            if first == last:
+                continue
+            thread.begin(labels[ends_of[first] : ends_of[last]])
+            own = np.ascontiguousarray(runs[first:last])
+            thread.leaf(pool, own)
+            if stopped.is_set():
+                break
+            if progress is not None and which == 0:
+                progress(0.5 + 0.5 * (leaf + 1) / high)
+        return thread
+
+    def index() -> Int:
+        inside = np.arange(_RUN) < runs[:, 1:]
+        return pool.reshape(-1, _RUN, 4)[taken, :, 3][inside].astype(np.int64)
+
+    return _in_threads(parts, pair), index
+
+
+def _in_threads(number: int, work: Callable[[int, threading.Event], Any]) -> list[Any]:
+    """Return what `work` returns for 0, 1, … `number` − 1, each in a thread; of what they raise, the first."""
+    results: list[Any] = [None] * number
+    errors: list[BaseException | None] = [None] * number
+    stopped = threading.Event()
+
+    def one(which: int) -> None:
+        try:
+            results[which] = work(which, stopped)
+        except BaseException as error:  # it is raised again where the others have ended
+            errors[which] = error
+            stopped.set()
+
+    others = [threading.Thread(target=one, args=(which,)) for which in range(1, number)]
+    for thread in others:
+        thread.start()
+    one(0)
+    for thread in others:
+        thread.join()
+    for error in errors:
+        if error is not None:
+            raise error
+    return results
+
+
+def _sample(triangles: Triangles, number: int) -> NDArray[np.float32]:
+    """Return corners (number, 3) of triangles from all over the file, a few of each block that is read."""
+    blocks = range(0, triangles.count, _APART)
+    corners = triangles.corners_f4 if isinstance(triangles, Facets) else triangles.corners
+    with np.errstate(over="ignore", invalid="ignore"):
+        some = [corners(at, at + _READ)[::_EVERY, 0].astype(np.float32) for at in blocks]
+    return np.resize(np.concatenate(some), (number, 3))
+
+
+def _tree(points: NDArray[np.float32], depth: int) -> tuple[Int, NDArray[np.float32]]:
+    """Return axes and planes (2^depth,) that halve the points (k 2^depth, 3), and again their halves, along the widest.
+
+    Node 0 comes first, and the nodes 2 k + 1 and 2 k + 2 below and above node k.
+    """
+    axes, planes = np.zeros(1 << depth, np.int64), np.zeros(1 << depth, np.float32)
+    nodes = points[None]
+    for level in range(depth):
+        with np.errstate(over="ignore", invalid="ignore"):
+            widest = np.ptp(nodes, axis=1).argmax(axis=1)
+        along = np.take_along_axis(nodes, widest[:, None, None], axis=2)[:, :, 0]
+        order = np.argsort(along, axis=1)
+        half = along.shape[1] // 2
+        here = slice((1 << level) - 1, (2 << level) - 1)
+        axes[here], planes[here] = widest, np.take_along_axis(along, order[:, half : half + 1], axis=1)[:, 0]
+        nodes = np.take_along_axis(nodes, order[:, :, None], axis=1).reshape(2 << level, half, 3)
+    return axes, planes
+
+
+def _any_repeated(logs: list[_Log], bins: int, parts: int) -> bool:
+    """Say whether a key is in the logs twice."""
+    table = np.array([(address(log.keys), log.room, address(log.sizes)) for log in logs])
+    places = 1 << (4 * int(np.sum([log.sizes for log in logs], axis=0).max())).bit_length()
+    cuts = np.linspace(0, bins, parts + 1).astype(np.int64).tolist()
+
+    def repeated(which: int, _: threading.Event) -> bool:
+        slots = np.empty(places, np.uint16)
+        return REPEATED.function(address(table), len(logs), bins, *cuts[which : which + 2], address(slots), places) == 1
+
+    return any(_in_threads(parts, repeated))
+
+
+def _in_file_order(labels: NDArray[np.int32], index: Int, components: int) -> NDArray[np.int32]:
+    """Put the labels of triangles at the numbers that they have in the file, and number those by their first."""
+    result = np.empty_like(labels)
+    result[index] = labels
+    first = np.empty(components + 1, np.int64)
+    first[result[::-1]] = np.arange(len(result))[::-1]  # of several values for one place, the last stays
+    number = np.empty(components + 1, np.int32)
+    number[np.argsort(first[:components])] = np.arange(components)
+    number[components] = -1
+    return number[result]
+
+
+def _roots(parent: NDArray[np.int32]) -> NDArray[np.int32]:
+    while True:
+        above = parent[parent]
+        if np.array_equal(above, parent):
+            return parent
+        parent = above
