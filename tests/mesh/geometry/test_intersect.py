@@ -441,3 +441,31 @@ def wall(cells: set[tuple[int, int, int]]) -> Corners:
         normal = np.cross(faces[:, 1] - faces[:, 0], faces[:, 2] - faces[:, 0]).astype(int)
         pieces.append(faces[[tuple(np.add(cell, n).tolist()) not in cells for n in normal]])
     return np.concatenate(pieces)
+
+
+@pytest.mark.parametrize("limit", [1, 7, 40, 10_000])
+def test_copies_cross_what_the_first_of_them_crosses(limit: int) -> None:
+    """Copies with their corners in any order: the pairs listed are the first of all those that there are."""
+    rng = np.random.default_rng(limit)
+    vertices = [[0, 0, 0], [9, 0, 0], [0, 9, 0], [1, 1, -1], [2, 1, 1], [1, 2, 1], [3, 3, -1], [4, 3, 1], [3, 4, 1]]
+    kind = rng.permutation(np.repeat([0, 1, 2, 3], [5, 9, 1, 3]))
+    faces = np.array([[0, 1, 2], [3, 4, 5], [6, 7, 8], [0, 0, 1]])[kind]
+    turned = rng.permuted(faces, axis=1)
+    contacts = crossings(Surface(vertices, turned), limit=limit)
+    every = [(i, j) for i in range(18) for j in range(i + 1, 18) if {kind[i], kind[j]} in ({0, 1}, {0, 2})]
+    assert contacts.total == len(every) == 50
+    assert [tuple(pair) for pair in contacts.pairs.tolist()] == every[:limit]
+    assert contacts.truncated == (limit < 50)
+    for (i, j), (x, y, z) in zip(contacts.pairs, contacts.points, strict=True):
+        near = 1.0 if 1 in kind[[i, j]] else 3.0
+        assert near < x < near + 1
+        assert near < y < near + 1
+        assert z == 0
+
+
+def test_very_many_copies_are_not_compared_with_one_another() -> None:
+    """Of 300,000 copies there are 45 billion pairs."""
+    faces = np.vstack([np.tile([[0, 1, 2]], (150_000, 1)), np.tile([[1, 2, 0]], (150_000, 1)), [[3, 4, 5], [0, 0, 0]]])
+    contacts = crossings(Surface([[0, 0, 0], [9, 0, 0], [0, 9, 0], [1, 1, -1], [2, 1, 1], [1, 2, 1]], faces), limit=3)
+    assert contacts.total == 300_000
+    assert contacts.pairs.tolist() == [[0, 300_000], [1, 300_000], [2, 300_000]]

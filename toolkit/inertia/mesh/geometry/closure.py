@@ -1,8 +1,8 @@
 """Closure and connected components of a triangle surface, in one pass over its triangles.
 
 A surface bounds a solid when its boundary chain is zero: every directed edge u→v is matched by an edge v→u.
-Edges are paired as the triangles stream by; only those that still wait for their partner are kept, so a file
-in any sensible order needs a small table. Triangles whose edges were paired belong to one component. Where more
+Edges are paired group by group
+of triangles (`inertia.mesh.geometry.pairing`), in any order and on all processors. Triangles whose edges were paired belong to one component. Where more
 than two triangles meet at an edge, the angles around it tell which belong together, so that nothing depends on
 the order of the triangles: then all edges are sorted. Whether there is such an edge, the keys of all paired edges tell
 (12 bytes a triangle), as none may come twice. Vertices are equal when their stored coordinates are (−0

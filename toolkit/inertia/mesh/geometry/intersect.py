@@ -18,6 +18,7 @@ from numpy.typing import NDArray
 from inertia.arrays import Float, Int, Progress
 from inertia.mesh.geometry.boxes import CELLS, BoxTree, overlapping
 from inertia.mesh.geometry.closure import closure, merge_equal_vertices
+from inertia.mesh.geometry.edges import first_equal
 from inertia.mesh.geometry.triangle_pairs import crossing, orient3d_filter, unit, unit_normals
 from inertia.mesh.geometry.winding import windings
 from inertia.mesh.part import Surface, Triangles
@@ -34,6 +35,8 @@ _WORK = (
 _STEPS = 1 << 22  # pairs of boxes opened in a call, and
 _CROSSED = 1 << 16  # crossings listed at most
 _SCRATCH = 18 + 192  # numbers, as `crossing_kernel.exact_sign` asks
+_STEPPED = 1 << 16  # triangles whose keys are computed at a time, by
+_FACTORS = np.array([0x9E3779B97F4A7C15, 0xBF58476D1CE4E5B9, 0x94D049BB133111EB], np.uint64)  # of SplitMix64
 _LARGEST = 1000  # exponent of a power of two that coordinates are multiplied by
 CONTACT = 1e-6
 """Depth below which bodies only touch, over the largest extent of the smaller one."""
@@ -80,16 +83,22 @@ def crossings(
     >>> crossings(flat, upright).points
     array([[1.5, 1.5, 0. ]])
     """
+    copies = None if b is not None else _Copies.among(a)
+    alone = a if copies is None else a.select(copies.first)
     if b is not None:
         runs = _crossings_between(a, b)
     elif COMPILED.worthwhile(_WORK * a.count):
-        runs = compiled_crossings(a)
+        runs = compiled_crossings(alone)
     else:
-        runs = vectorised_crossings(a)
+        runs = vectorised_crossings(alone)
     pairs, points, total = np.empty((0, 2), np.int64), np.empty((0, 3)), 0
     for crossed, places, done in runs:
         if len(crossed):
-            total += len(crossed)
+            if copies is None:
+                total += len(crossed)
+            else:
+                crossed, places, number = copies.crossed(crossed, places, limit)
+                total += number
             pairs, points = np.vstack([pairs, crossed]), np.vstack([points, places])
             first = np.lexsort(pairs.T[::-1])[:limit]
             pairs, points = pairs[first], points[first]
@@ -100,6 +109,58 @@ def crossings(
 
 Crossed = Iterator[tuple[Int, Float, float]]
 """Pairs (k, 2) of triangles that cross, the middles (k, 3) of their common segments, and the fraction done."""
+
+
+@dataclass(frozen=True, eq=False)
+class _Copies:
+    """Triangles of the same corners, which cross the same others and not one another.
+
+    Attributes
+    ----------
+    first : (k,), the first of each
+    count : (k,), how many there are of each
+    members : (n,), all of them, those of one kind together and ascending; kind k begins at `start[k]`
+    """
+
+    first: Int
+    count: Int
+    members: Int
+    start: Int
+
+    @classmethod
+    def among(cls, triangles: Triangles) -> _Copies | None:
+        """Find the copies among triangles; None where there are none."""
+        keys = np.empty(triangles.count, np.uint64)
+        for at in range(0, len(keys), _STEPPED):
+            words = (triangles.corners(at, at + _STEPPED) + 0.0).view(np.uint64)
+            words = (words * _FACTORS).sum(axis=2)
+            keys[at : at + _STEPPED] = ((words ^ words >> np.uint64(29)) * _FACTORS[0]).sum(axis=1)
+        ranked = np.sort(keys)
+        again = ranked[1:][ranked[1:] == ranked[:-1]]
+        if len(again) == 0:
+            return None
+        which = np.flatnonzero(np.isin(keys, again))
+        first = np.arange(len(keys))
+        faces = merge_equal_vertices(triangles.select(which))[1]
+        first[which] = which[first_equal(np.sort(faces, axis=1))]
+        members = np.argsort(first, kind="stable")
+        firsts, start, count = np.unique(first[members], return_index=True, return_counts=True)
+        return None if len(firsts) == len(keys) else cls(firsts, count, members, start)
+
+    def crossed(self, pairs: Int, places: Float, limit: int) -> tuple[Int, Float, int]:
+        """Return, for pairs (k, 2) of kinds that cross, pairs of triangles with the first `limit` among them.
+
+        Returns their places and the number of all pairs too. The pair of the a-th copy of one kind and the b-th of the
+        other comes after a·b others of the two.
+        """
+        count = self.count[pairs]
+        crossed, where = [], []
+        for a in range(min(int(count[:, 0].max()), limit)):
+            for b in range(min(int(count[:, 1].max()), limit // (a + 1))):
+                here = np.flatnonzero((count > (a, b)).all(axis=1))
+                crossed.append(self.members[self.start[pairs[here]] + (a, b)])
+                where.append(places[here])
+        return np.sort(np.concatenate(crossed), axis=1), np.concatenate(where), int((count[:, 0] * count[:, 1]).sum())
 
 
 def vectorised_crossings(triangles: Triangles) -> Crossed:
