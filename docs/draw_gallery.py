@@ -16,7 +16,6 @@ from inertia_meshes import path
 
 FOLDER = Path(__file__).with_name("gallery")
 SIZE = 1120, 700
-COLORS = 64
 INSTANTS = {
     "scenes/t_handle.toml": 1.6,
     "scenes/thrown_box.toml": 0.45,
@@ -36,7 +35,7 @@ INSTANTS = {
     "scenes/kovalevskaya_top.toml": 3.0,
     "scenes/rolling_disc.toml": 2.5,
     "scenes/tippe_top.toml": 1.5,
-    "scenes/skater.toml": 2.5,
+    "scenes/skater.toml": 1.4,
     "scenes/diver.toml": 0.9,
     "scenes/cat.toml": 0.2,
     "rotors/disc.toml": 0.0,
@@ -69,7 +68,9 @@ def main(names: list[str]) -> None:
             if not names or name in names:
                 recorded(file, recording)
                 inertia.export_picture(recording, drawn, at=instant, size=SIZE, force=True)
-                few = Image.open(drawn).quantize(COLORS, dither=Image.Dither.NONE).convert("RGB")
+                few = (
+                    Image.open(drawn).quantize(256, Image.Quantize.MAXCOVERAGE, dither=Image.Dither.NONE).convert("RGB")
+                )
                 few.save(FOLDER / f"{name}.webp", lossless=True, method=6)
                 print(name, flush=True)
         if not names or "flip" in names:

@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 _NANO = 1e9
 _LARGEST = 4096  # pixels along an edge
 _TICK = 100  # a second: what the durations of a GIF are counted in
-_COLORS = 128
+_COLORS = 256
 _BAR, _EDGE = 36, 1  # pixels of the window's own frame
 _TOAST = 5.0  # s, for which the viewer shows a message in a corner after its first frame
 _SAMPLED = 8  # frames that the colours of all are chosen from
@@ -197,7 +197,7 @@ def _gif(images: list[Image], fps: float) -> bytes:
     sheet = Image.new("RGB", (width, height * len(some)))
     for k, image in enumerate(some):
         sheet.paste(image, (0, k * height))
-    palette = sheet.quantize(_COLORS, dither=Image.Dither.NONE)
+    palette = sheet.quantize(_COLORS, Image.Quantize.MAXCOVERAGE, dither=Image.Dither.NONE)  # curves keep theirs
     flat = [image.quantize(palette=palette, dither=Image.Dither.NONE) for image in images]
     ends = [round((k + 1) * _TICK / fps) for k in range(len(images))]
     durations = [1000 * (end - start) // _TICK for start, end in zip([0, *ends], ends, strict=False)]
