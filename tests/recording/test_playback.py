@@ -1,13 +1,18 @@
-"""How fast a run is played, and attitudes between its samples."""
+"""How fast a run is played, and its poses between samples."""
+
+from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from scipy.spatial.transform import Rotation, Slerp
+from scipy.spatial.transform import Rotation
+from tests.recording.scenes import scene_table
 
+from inertia import Scene, record, simulate
 from inertia.errors import GeometryError
-from inertia.recording.playback import LONGEST, RATE, SHORTEST, attitudes_at, playback, values_at
+from inertia.recording.playback import LONGEST, MOST, NEAR, RATE, SHORTEST, frames_of, playback
 
 
 @pytest.mark.parametrize(
@@ -28,47 +33,73 @@ def test_the_speed_lets_the_motion_be_followed(fastest: float, duration: float, 
 
 
 @given(st.floats(1e-6, 1e6), st.floats(1e-6, 1e6))
-def test_frames_are_uniform_and_the_playback_ends(fastest: float, duration: float) -> None:
+def test_frames_are_near_each_other_and_the_playback_ends(fastest: float, duration: float) -> None:
     time = np.linspace(0, duration, 101)
     play = playback(time, fastest)
     assert play.frames[0] == 0
     assert play.frames[-1] == duration
-    if play.smooth:
-        np.testing.assert_allclose(np.diff(play.frames), play.frames[1], rtol=1e-9)
-    if play.smooth:
-        assert play.speed / play.frames[1] >= RATE * (1 - 1e-9) or len(play.frames) == 2
-        assert len(play.frames) <= LONGEST * RATE * 1.01 + 2
-    assert duration / play.speed >= SHORTEST * (1 - 1e-9)
+    near = play.frames[: play.near]
+    assert np.diff(near).max() <= min(NEAR / fastest, play.speed / RATE) * (1 + 1e-6)
+    assert len(play.frames) <= max(MOST, LONGEST * RATE * 1.01) + MOST
+    assert near[-1] == pytest.approx(play.loop[1] * play.second if play.loop else duration)
+    assert SHORTEST * (1 - 1e-9) <= near[-1] / play.speed <= LONGEST * 2.6
 
 
-def test_samples_too_far_apart_are_shown_as_they_are() -> None:
-    time = np.linspace(0, 10, 11)
+def test_what_turns_too_often_to_be_drawn_loops_while_poses_are_near() -> None:
+    time = np.linspace(0, 1e4, 101)
     play = playback(time, 5.0)
-    assert not play.smooth
-    assert np.array_equal(play.frames, time)
-    assert "the body turns by up to 5 rad between samples" in play.notes[1]
+    end = MOST * NEAR / 5.0
+    assert play.loop == pytest.approx((0.0, end))
+    assert f"the loop is the first {end:g} s" in play.notes[1]
+    assert np.diff(play.frames[: play.near]).max() <= NEAR / 5.0 * (1 + 1e-9)
+    assert play.frames[play.near - 1] == pytest.approx(end)
+    assert np.array_equal(play.frames[play.near :], time[time > end + 1e-9])
 
 
-def test_attitudes_between_samples_are_on_the_shortest_turn() -> None:
-    rng = np.random.default_rng(5)
-    time = np.sort(rng.uniform(0, 10, 40))
-    turns = Rotation.from_rotvec(rng.uniform(-0.4, 0.4, (40, 3)).cumsum(axis=0))
-    instants = np.linspace(time[0], time[-1], 301)
-    signs = np.where(rng.random(40) < 0.5, -1.0, 1.0)[:, None]
-    attitudes = Rotation.from_quat(attitudes_at(time, turns.as_quat() * signs, instants))
-    away = (attitudes * Slerp(time, turns)(instants).inv()).magnitude()
-    assert away.max() < 1e-14 * 10
+def test_samples_that_are_near_enough_are_the_poses() -> None:
+    time = np.linspace(0, 10, 100_001)
+    play = playback(time, 3.0)
+    assert set(play.frames) <= set(time)
+    assert (play.frames[0], play.frames[-1]) == (0, 10)
+    assert np.diff(play.frames).max() <= 1 / 60
+    assert len(play.frames) <= 10 * 61
 
 
-def test_a_body_that_hardly_turns_is_followed_too() -> None:
-    q = np.array([[0, 0, 0, 1.0], [1e-9, 0, 0, 1.0], [1e-9, 0, 0, 1.0]])
-    attitudes = attitudes_at(np.arange(3.0), q, np.array([0.0, 0.25, 1.5, 2.0]))
-    np.testing.assert_allclose(attitudes[:, 0], [0, 0.25e-9, 1e-9, 1e-9], atol=1e-24)
+def precession(time: np.ndarray) -> Rotation:
+    """The attitude of a body of moments 2, 2, 3 kg m² with ω = (1, 0, 20) rad/s, its own axes being those of space at
+    first: about L at |L|/I₁, and about its own axis at ω₃ (1 − I₃/I₁)."""
+    momentum = np.array([2.0, 0.0, 60.0])
+    return Rotation.from_rotvec(np.outer(time, momentum / 2.0)) * Rotation.from_rotvec(
+        np.outer(time, [0.0, 0.0, 20.0 * (1.0 - 3.0 / 2.0)])
+    )
 
 
-def test_values_between_samples_are_on_a_line() -> None:
-    time, values = np.array([0.0, 1.0, 3.0]), np.array([[0.0, 1.0], [2.0, 1.0], [4.0, 7.0]])
-    assert values_at(time, values, np.array([0.5, 2.0, 3.0])).tolist() == [[1.0, 1.0], [3.0, 4.0], [4.0, 7.0]]
+@pytest.mark.parametrize("samples", [3, 40, 4001])
+def test_poses_are_the_model_s_however_far_apart_the_samples_are(samples: int) -> None:
+    scene = {
+        "body": {"principal_moments": [2.0, 2.0, 3.0]},
+        "start": {"angular_velocity": [1.0, 0.0, 20.0]},
+        "run": {"duration": 7.0, "samples": samples},
+    }
+    run = simulate(Scene.from_dict(scene))
+    frames = frames_of(run)
+    drawn = Rotation.from_quat(frames.attitude)
+    assert (drawn * precession(frames.time).inv()).magnitude().max() < 1e-12
+    turned = (drawn[1:] * drawn[:-1].inv()).magnitude().max()
+    assert turned <= NEAR * (1 + 1e-9)
+    assert f"the body turns by {turned:.2g} rad at most" in frames.play.notes[-1]
+    assert "to 1.2e-07 rad in single precision" in frames.play.notes[-1]
+
+
+def test_a_run_that_cannot_be_followed_again_is_shown_at_its_samples(tmp_path: Path) -> None:
+    scene = Scene.from_dict(scene_table("asymmetric"))
+    for samples in (101, 12):
+        run = replace(simulate(replace(scene, run=replace(scene.run, samples=samples))), follow=None)
+        frames = frames_of(run)
+        assert np.array_equal(frames.attitude, run.attitude)
+        assert frames.play.near == (samples if samples == 101 else 0)
+        assert "could not be followed between its samples" in frames.play.notes[-2]
+        record(run, tmp_path / f"{samples}.rrd")
 
 
 @pytest.mark.parametrize(

@@ -96,9 +96,7 @@ def test_the_samples_are_written_whole(name: str, tmp_path: Path) -> None:
     recording = written(screen(run), tmp_path / "run.rrd")
     assert (f"/{entities.PLOT_ENERGY}" in recording.columns) == ("energy" not in run.invariants)
     assert (f"/{entities.PLOT_DRIFT}" in recording.columns) == bool(run.invariants)
-    assert (f"/{entities.TRAIL_OF_MOMENTUM}" in recording.columns) == (
-        name != "explorer_1"
-    )  # its samples are far apart
+    assert f"/{entities.TRAIL_OF_MOMENTUM}" in recording.columns
 
 
 @drawable

@@ -98,8 +98,9 @@ def test_the_point_stays_on_the_effective_potential_and_below_the_energy(run: Ru
     points = recording.values(f"/{entities.EFFECTIVE_POTENTIAL}/point", "Points2D:positions")[:, 0].astype(float)
     (level,) = {round(float(y), 3) for y in np.ravel(_strip(recording, "energy"))[1::2]}
     assert points[:, 1].min() > level - 1e-2  # y points down
-    spun = Rotation.from_quat(run.attitude).apply([0.0, 0.0, 1.0])
-    theta = np.interp(recording.time(f"/{entities.EFFECTIVE_POTENTIAL}/point"), run.time, np.arccos(spun[:, 2]))
+    instants = recording.time(f"/{entities.EFFECTIVE_POTENTIAL}/point")
+    spun = Rotation.from_quat(run.at(instants).attitude).apply([0.0, 0.0, 1.0])
+    theta = np.arccos(spun[:, 2])
     potential = (p * math.cos(TILT) - p * np.cos(theta)) ** 2 / (2 * I1 * np.sin(theta) ** 2) + MGH * np.cos(theta)
     slope, offset = np.polyfit(potential, points[:, 1], 1)
     assert slope < 0

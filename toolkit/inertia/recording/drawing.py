@@ -25,6 +25,7 @@ _LABEL = {"colors": [palette.rgb(palette.WHITE)], "radii": [-0.01], "show_labels
 """Of a text in space: its plate is near-black in a dark theme, and mid-grey on dark ground in a light one."""
 _BEYOND = np.float32(1.07)  # of an arrow, where its name is
 _ROUND = 97  # points of a circle
+_STRIPS = 256  # rows of lines: readers take time that grows with the square of them
 _POINTS = 20_000  # of a line that does not change
 
 
@@ -105,7 +106,10 @@ def write_trail(recording: Recording, path: str, time: Float, points: Float, col
     ends = points.astype(np.float32)
     starts = np.concatenate([ends[:1], ends[:-1]])
     recording.columns(
-        path, time, lambda rows: rr.LineStrips3D.columns(strips=np.stack([starts[rows], ends[rows]], axis=1))
+        path,
+        time,
+        lambda rows: rr.LineStrips3D.columns(strips=np.stack([starts[rows], ends[rows]], axis=1)),
+        block=_STRIPS,
     )
 
 
@@ -133,7 +137,7 @@ def write_ellipsoid(
 
 def thinned(points: np.ndarray) -> np.ndarray:
     """Return a path (m, 3), or every few points of it where it has very many."""
-    return points[:: -(-len(points) // _POINTS)]
+    return points[:: max(1, -(-len(points) // _POINTS))]
 
 
 def basis(axis: Float) -> Float:

@@ -1,8 +1,9 @@
-"""How fast a run is played, and the run at the evenly spaced instants that are shown, in float64 and SI units."""
+"""How fast a run is played, and the run at the instants that are shown, by its own model, in float64 and SI units."""
 
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -10,7 +11,7 @@ import numpy as np
 from inertia.arrays import Float
 from inertia.dynamics.kinematics import quaternion
 from inertia.dynamics.run import Run
-from inertia.errors import GeometryError
+from inertia.errors import GeometryError, InertiaError
 from inertia.recording import entities
 from inertia.recording.drawing import thinned
 from inertia.recording.writer import Recording, blocks
@@ -18,7 +19,11 @@ from inertia.recording.writer import Recording, blocks
 PATH = (130, 130, 130)
 
 RATE = 60.0
-"""Poses a second of playback: the viewer does not interpolate."""
+"""Poses a second of playback, at least: the viewer does not interpolate."""
+NEAR = 0.05
+"""Radians that a body turns from one pose to the next, at most."""
+MOST = 20_000
+"""Poses that may be drawn so near to each other: a loop is as long as they last."""
 SHORTEST, LONGEST = 4.0, 3600.0
 """Seconds that a playback lasts."""
 
@@ -27,7 +32,8 @@ _EVEN = 1e-7  # s between two rows, less than which is scaled
 _LATEST = 9e9  # s: Rerun counts nanoseconds in 64 bits
 _NEAREST = 2e-9  # s between two rows that nanoseconds tell apart
 _PREFIXES = {-3: "ms", -6: "µs", -9: "ns", -12: "ps", -15: "fs"}
-_COARSE = 1.0  # rad between two samples, beyond which the shortest turn between them need not be the true one
+_SINGLE = 2.0**-23  # rad: twice the length of what rounding to float32 adds to a quaternion
+_JOINED = 1.0  # rad between two poses, beyond which no line is drawn from one to the next
 
 
 @dataclass(frozen=True, eq=False)
@@ -38,18 +44,20 @@ class Playback:
     ----------
     speed : seconds of the run in a second of playback
     frames : (m,) s, the instants shown
-    smooth : whether they show the motion, or only instants of it that are far from each other
+    near : how many of them, from the first on, are so near each other that they show the motion
     notes : sentences
     second : s of the run that a second on the timeline stands for
     end : s on the timeline
+    loop : s on the timeline, from when to when it is played; None for all of the run
     """
 
     speed: float
     frames: Float
-    smooth: bool
+    near: int
     notes: tuple[str, ...]
     second: float = 1.0
     end: float = 0.0
+    loop: tuple[float, float] | None = None
 
     @property
     def pace(self) -> float:
@@ -57,41 +65,75 @@ class Playback:
         return self.speed / self.second
 
 
-def playback(time: Float, fastest: float) -> Playback:
-    """Choose the speed at which a body can be followed that turns at `fastest` rad/s, sampled at `time` (n,) s.
+def playback(time: Float, fastest: float, turning: Float | float | None = None) -> Playback:
+    """Choose how to play a run sampled at `time` (n,) s, so that what moves at `fastest` rad/s can be followed.
 
-    Real time where that will do, else the nearest of 1, 2 and 5 times a power of ten on the safe side, such that the
-    playback lasts from `SHORTEST` to `LONGEST`.
+    In real time where that will do, else the nearest of 1, 2 and 5 times a power of ten on the safe side, such that the
+    playback lasts from `SHORTEST` to `LONGEST`. Poses are `RATE` to a second of playback or more, and no farther
+    apart than a body turns by `NEAR` at `turning` (n,) rad/s (`fastest` without it): they are samples where these are
+    as many. Where more than `MOST` would be needed, the loop ends with them; after it are samples, at most so many.
 
     Raises `GeometryError` where no scale of time has nanoseconds that tell all rows apart.
     """
+    rate = np.broadcast_to(fastest if turning is None else turning, time.shape) / NEAR
     duration = float(time[-1] - time[0])
-    spacing = duration / (len(time) - 1)
-    if fastest * spacing > _COARSE:
-        speed = _round_down(RATE * spacing)
-        note = (
-            f"the body turns by up to {fastest * spacing:.2g} rad between samples: its motion between them is not "
-            "shown, ask for more of them"
-        )
-        return _on_timeline(Playback(min(speed, _round_down(duration / SHORTEST)), time, False, (note,)), time)
+    span = _instant(_counted(time, rate), time, MOST) - float(time[0])
     speed = 1.0
     if fastest > _FOLLOWED[0]:
         speed = _round_down(_FOLLOWED[0] / fastest)
     elif 0 < fastest < _FOLLOWED[1]:
         speed = max(1.0, min(_round_down(math.sqrt(_FOLLOWED[0] * _FOLLOWED[1]) / fastest), _round_down(duration)))
-    if duration > LONGEST * speed:
-        speed = 1.0 / _round_down(LONGEST / duration)
-    if duration < SHORTEST * speed:
-        speed = _round_down(duration / SHORTEST)
-    count = max(2, math.ceil(RATE * duration / speed) + 1)
-    return _on_timeline(Playback(speed, np.linspace(time[0], time[-1], count), True, ()), time)
+    if span > LONGEST * speed:
+        speed = 1.0 / _round_down(LONGEST / span)
+    if span < SHORTEST * speed:
+        speed = _round_down(span / SHORTEST)
+    frames = _instants(time, _counted(time, np.maximum(rate, RATE / speed)), float(time[0]) + span)
+    play = Playback(speed, frames, len(frames), ())
+    if span < duration:
+        later = time[time > frames[-1]]
+        later = later[:: -(-len(later) // MOST)]
+        note = (
+            f"the loop is the first {span:.4g} s, as so many poses are drawn where they are near each other; later "
+            f"ones, every {np.diff(later).max(initial=0.0):.4g} s, are there for the time to be set by hand"
+        )
+        loop = float(time[0]), float(frames[-1])
+        play = replace(play, frames=np.concatenate([frames, later]), notes=(note,), loop=loop)
+    return _on_timeline(play, time)
+
+
+def _counted(time: Float, rate: Float) -> Float:
+    """Return how many poses are needed up to each sample (n,) at so many (n,) a second, never fewer between two of
+    them than the larger rate asks for."""
+    return np.concatenate([[0.0], np.cumsum(np.diff(time) * np.maximum(rate[1:], rate[:-1]))])
+
+
+def _instant(count: Float, time: Float, number: float) -> float:
+    """Return when so many poses have been needed, the end of the run at the latest."""
+    return float(np.interp(number, count, time)) if count[-1] > number else float(time[-1])
+
+
+def _instants(time: Float, count: Float, end: float) -> Float:
+    """Return instants from the start to `end`, one or more for each unit of `count` (n,): samples where these do."""
+    coarsest = float(np.diff(count).max())
+    if coarsest <= 1.0:
+        samples = int(np.searchsorted(time, end, side="right"))
+        targets = np.arange(0.0, count[samples - 1], 1.0 - coarsest) if coarsest <= 0.5 else count[:samples]
+        rows = np.unique(np.searchsorted(count[:samples], targets, side="right") - 1)
+        chosen: Float = time[np.union1d(rows, [0, samples - 1])]
+        return chosen
+    needed = float(np.interp(end, time, count))
+    instants = np.interp(np.linspace(0.0, needed, max(2, math.ceil(needed) + 1)), count, time)
+    instants[-1] = end
+    return instants
 
 
 def _on_timeline(play: Playback, time: Float) -> Playback:
     """Say the pace, and scale time where nanoseconds in 64 bits do not suit it."""
     nearest = min(float(np.diff(each).min()) for each in (time, play.frames))
-    suits = nearest >= _EVEN and time[-1] <= _LATEST
-    power = 0 if suits else 3 * math.floor(math.log10(float(time[-1])) / 3.0 + 1e-9)
+    last = float(time[-1])
+    power = 0 if nearest >= _EVEN and last <= _LATEST else 3 * math.floor(math.log10(last) / 3.0 + 1e-9)
+    if nearest < _EVEN * 10.0**power:
+        power = 3 * math.ceil(math.log10(last / _LATEST) / 3.0)
     second = 10.0**power
     if nearest < _NEAREST * second:
         raise GeometryError(
@@ -101,7 +143,8 @@ def _on_timeline(play: Playback, time: Float) -> Playback:
     notes = (pace_of(play.speed), *play.notes)
     if power:
         notes = (f"on the timeline 1 s is {_named(power)} of the run", *notes)
-    return replace(play, notes=notes, second=second, end=float(time[-1]) / second)
+    loop = None if play.loop is None else (play.loop[0] / second, play.loop[1] / second)
+    return replace(play, notes=notes, second=second, end=float(time[-1]) / second, loop=loop)
 
 
 def _named(power: int) -> str:
@@ -121,6 +164,7 @@ class Frames:
     angular_velocity : (m, 3) rad/s, space axes
     angular_momentum : (m, 3) kg m²/s, space axes
     position : (m, 3) m, the centre of mass in space; None where it stays
+    series : (m, …), the quantities of the run that go with time
     """
 
     play: Playback
@@ -129,6 +173,12 @@ class Frames:
     angular_velocity: Float
     angular_momentum: Float
     position: Float | None
+    series: Mapping[str, Float]
+
+    @property
+    def near(self) -> slice:
+        """The instants that lines are drawn through; none where samples are all there is, and far apart."""
+        return slice(self.play.near)
 
     def write_attitude(self, recording: Recording) -> None:
         """Write how the part axes are turned."""
@@ -145,58 +195,56 @@ class Frames:
             return
         place = ((self.position - origin) / unit).astype(np.float32)
         recording.columns(entities.CENTER, self.time, lambda rows: rr.Transform3D.columns(translation=place[rows]))
-        recording.static(entities.PATH, rr.LineStrips3D([thinned(place)], colors=[PATH], radii=[-1.0]))
+        recording.static(entities.PATH, rr.LineStrips3D([thinned(place[self.near])], colors=[PATH], radii=[-1.0]))
 
 
 def frames_of(run: Run) -> Frames:
-    """Choose a speed at which the fastest turn of a run can be followed, and resample it for that."""
-    return frames_at(run, playback(run.time, largest(run.angular_velocity)))
-
-
-def frames_at(run: Run, play: Playback) -> Frames:
-    """Resample a run."""
-    attitude = attitudes_at(run.time, run.attitude, play.frames)
-    return Frames(
-        play=play,
-        time=play.frames,
-        attitude=attitude,
-        angular_velocity=quaternion.to_space(attitude, values_at(run.time, run.angular_velocity, play.frames)),
-        angular_momentum=values_at(run.time, run.angular_momentum, play.frames),
-        position=None if run.position is None else values_at(run.time, run.position, play.frames),
-    )
+    """Choose a speed at which the fastest turn of a run can be followed, and take its poses for that."""
+    return frames_followed(run, largest(run.angular_velocity))
 
 
 def frames_followed(run: Run, rate: float) -> Frames:
-    """Choose a speed at which `rate` (rad/s) can be followed, and resample a run for that.
+    """Choose a speed at which `rate` (rad/s) can be followed, and take a run's poses for that.
 
-    Where the samples are too far apart to go between them, it is that of the fastest turn, as of any run.
+    What is no sample is evaluated by the model (`Run.at`). A run that cannot be followed again is shown at its samples.
     """
-    spacing = float(run.time[-1] - run.time[0]) / (len(run.time) - 1)
-    return frames_of(run) if largest(run.angular_velocity) * spacing > 1 else frames_at(run, playback(run.time, rate))
+    play = playback(run.time, rate, np.linalg.norm(run.angular_velocity, axis=1))
+    rows = np.minimum(np.searchsorted(run.time, play.frames), len(run.time) - 1)
+    error = run.error.reached
+    if not np.array_equal(run.time[rows], play.frames):
+        try:
+            run, rows = run.at(play.frames), np.arange(len(play.frames))
+        except InertiaError:
+            rows = np.arange(len(run.time))
+            turned = _largest_turn(run.attitude)
+            play = replace(
+                play,
+                frames=run.time,
+                near=len(rows) if turned < _JOINED else 0,
+                notes=(*play.notes, "the run could not be followed between its samples: only these are shown"),
+            )
+        error = max(error, run.error.reached)
+    attitude = run.attitude[rows]
+    of_loop = f"of the first {play.near} " if 0 < play.near < len(rows) else ""
+    note = (
+        f"{len(rows)} poses are drawn, each as the model has it, to {error + _SINGLE:.1e} rad in single precision; "
+        f"from one to the next {of_loop}the body turns by {_largest_turn(attitude[: play.near or None]):.2g} rad at "
+        "most, and the viewer shows nothing between them"
+    )
+    return Frames(
+        play=replace(play, notes=(*play.notes, note)),
+        time=play.frames,
+        attitude=attitude,
+        angular_velocity=quaternion.to_space(attitude, run.angular_velocity[rows]),
+        angular_momentum=run.angular_momentum[rows],
+        position=None if run.position is None else run.position[rows],
+        series={name: values[rows] for name, values in run.series.items()},
+    )
 
 
-def attitudes_at(time: Float, attitude: Float, instants: Float) -> Float:
-    """Return the attitudes (m, 4) at instants, along the shortest turn at an even rate between samples (n, 4)."""
-    if np.array_equal(time, instants):
-        return attitude
-    before, share = _bracket(time, instants)
-    p, q = attitude[before], attitude[before + 1]
-    cosine = np.einsum("ij,ij->i", p, q)
-    q = np.where(cosine[:, None] < 0, -q, q)
-    half = 0.5 * quaternion.angle_between(p, q)
-    near = half < 1e-6  # where the sines below cancel, and a straight line will do
-    sine = np.where(near, 1.0, np.sin(half))
-    weights = [np.where(near, w, np.sin(w * half) / sine)[:, None] for w in (1.0 - share, share)]
-    return quaternion.normalise(weights[0] * p + weights[1] * q)
-
-
-def values_at(time: Float, values: Float, instants: Float) -> Float:
-    """Return values (m, k) at instants, on a straight line between samples (n, k)."""
-    if np.array_equal(time, instants):
-        return values
-    before, share = _bracket(time, instants)
-    between: Float = values[before] + share[:, None] * (values[before + 1] - values[before])
-    return between
+def _largest_turn(attitude: Float) -> float:
+    """Return the largest angle from one attitude (m, 4) to the next."""
+    return float(quaternion.angle_between(attitude[:-1], attitude[1:]).max(initial=0.0))
 
 
 def largest(vectors: Float) -> float:
@@ -226,13 +274,6 @@ def never_short(length: float, least: float, vectors: Float) -> tuple[Float, str
         drawn * (np.divide(least, sizes, where=sizes > 0, out=np.zeros_like(sizes)) + 1.0 - least / length)[:, None]
     )
     return lengthened, "it grows short and is drawn by its direction: its length tells only more from less"
-
-
-def _bracket(time: Float, instants: Float) -> tuple[np.ndarray, Float]:
-    """Return for each instant the sample before it, and the share of the way to the next."""
-    before = np.clip(np.searchsorted(time, instants, side="right") - 1, 0, len(time) - 2)
-    share = (instants - time[before]) / (time[before + 1] - time[before])
-    return before, share
 
 
 def _round_down(value: float) -> float:

@@ -43,27 +43,39 @@ class Screen:
     second: float = 1.0
 
 
-def finished(left: Any, right: Any, speed: float, shares: Sequence[float] = (3.0, 2.0)) -> rrb.Blueprint:
-    """Return a screen of two columns that plays at so many seconds of the timeline in a second."""
+def finished(
+    left: Any,
+    right: Any,
+    speed: float,
+    shares: Sequence[float] = (3.0, 2.0),
+    loop: tuple[float, float] | None = None,
+) -> rrb.Blueprint:
+    """Return a screen of two columns that plays at so many seconds of the timeline in a second.
+
+    `loop` says from when to when, in s of the timeline; None for all of it.
+    """
     import rerun.blueprint as rrb
 
     return rrb.Blueprint(
         rrb.Horizontal(left, right, column_shares=list(shares)),
-        _time_panel(speed),
+        _time_panel(speed, loop),
         rrb.BlueprintPanel(state="hidden"),
         rrb.SelectionPanel(state="hidden"),
     )
 
 
-def _time_panel(speed: float) -> rrb.TimePanel:
+def _time_panel(speed: float, loop: tuple[float, float] | None) -> rrb.TimePanel:
     """Return the panel that plays in a loop, at so many seconds of the timeline in a second."""
+    import rerun as rr
     import rerun.blueprint as rrb
 
+    selection = None if loop is None else rr.encodings.AbsoluteTimeRange(*(round(1e9 * end) for end in loop))
     return rrb.TimePanel(
         timeline=entities.TIMELINE,
         playback_speed=speed,
         play_state=rrb.components.PlayState.Playing,
-        loop_mode=rrb.components.LoopMode.All,
+        loop_mode=rrb.components.LoopMode.All if loop is None else rrb.components.LoopMode.Selection,
+        time_selection=selection,
         state="collapsed",
     )
 

@@ -49,14 +49,14 @@ class Recording:
         """Write what does not change."""
         self._stream.log(path, *archetypes, static=True)
 
-    def columns(self, path: str, time: Float, *columns: Columns) -> None:
+    def columns(self, path: str, time: Float, *columns: Columns, block: int = BLOCK) -> None:
         """Write a row for each time (n,) in s, block by block; each of `columns` makes some of a block's columns."""
         import rerun as rr
 
-        for block in blocks(len(time)):
-            nanoseconds = np.round(time[block] / self._tick).astype("timedelta64[ns]")
+        for rows in blocks(len(time), block):
+            nanoseconds = np.round(time[rows] / self._tick).astype("timedelta64[ns]")
             index = [rr.TimeColumn(TIMELINE, duration=nanoseconds)]
-            chunk = [column for make in columns for column in make(block)]
+            chunk = [column for make in columns for column in make(rows)]
             self._stream.send_columns(path, index, chunk)
             self.flush()
 
@@ -98,14 +98,14 @@ class Recording:
             raise InertiaError(f"the recording cannot be written: {error}") from error
 
 
-def blocks(count: int) -> Iterator[slice]:
-    """Yield slices of at most `BLOCK` rows that cover `count` of them.
+def blocks(count: int, block: int = BLOCK) -> Iterator[slice]:
+    """Yield slices of at most `block` rows that cover `count` of them.
 
     >>> list(blocks(70_000))
     [slice(0, 65536, None), slice(65536, 70000, None)]
     """
-    for start in range(0, count, BLOCK):
-        yield slice(start, min(start + BLOCK, count))
+    for start in range(0, count, block):
+        yield slice(start, min(start + block, count))
 
 
 def require_viewer() -> None:

@@ -107,7 +107,7 @@ def _blueprint(run: Run, assembly: JointedBody, motion: Motion) -> rrb.Blueprint
         drift_plot(drift_unit(run), duration),
     ]
     left = rrb.Vertical(rrb.Horizontal(parts, beside), text_view(), row_shares=[3, 2])
-    return finished(left, rrb.Vertical(*plots), motion.frames.play.pace)
+    return finished(left, rrb.Vertical(*plots), motion.frames.play.pace, loop=motion.frames.play.loop)
 
 
 def _flight(path: Float, reach: float) -> rrb.Spatial3DView:

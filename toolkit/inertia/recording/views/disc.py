@@ -27,7 +27,7 @@ from inertia.recording.drawing import (
     write_text,
     write_trail,
 )
-from inertia.recording.playback import Frames, frames_of, longest_as, values_at
+from inertia.recording.playback import Frames, frames_of, longest_as
 from inertia.recording.screen import (
     Screen,
     camera,
@@ -158,7 +158,7 @@ def _blueprint(run: Run, frames: Frames, rim: Rim, reach: float) -> rrb.Blueprin
         *others,
         drift_plot(drift_unit(run), duration),
     )
-    return finished(rrb.Vertical(*left, row_shares=shares), right, frames.play.pace)
+    return finished(rrb.Vertical(*left, row_shares=shares), right, frames.play.pace, loop=frames.play.loop)
 
 
 def _slides(run: Run) -> bool:
@@ -202,18 +202,18 @@ def _write_world(
 
     assert frames.position is not None  # a rolling body has one
     recording.static(entities.WORLD, rr.ViewCoordinates.RIGHT_HAND_Z_UP)
-    contact = (_origin(run) + values_at(run.time, run.quantities["contact"], frames.time) - middle) / body.unit
+    contact = (_origin(run) + frames.series["contact"] - middle) / body.unit
     write_place(recording, entities.CENTER, frames.time, (frames.position - middle) / body.unit)
     frames.write_attitude(recording)
     write_place(recording, entities.CONTACT, frames.time, contact)
     thick = _THICK * rim.radius
-    write_lines(recording, entities.CONTACT_PATH, [thinned(contact)], PATH, -1.0)
-    write_trail(recording, entities.CONTACT_TRAIL, frames.time, contact, TRAIL, -2.0)
+    write_lines(recording, entities.CONTACT_PATH, [thinned(contact[frames.near])], PATH, -1.0)
+    write_trail(recording, entities.CONTACT_TRAIL, frames.time[frames.near], contact[frames.near], TRAIL, -2.0)
     recording.static(entities.CONTACT_POINT, rr.Points3D([np.zeros(3)], colors=[FORCE], radii=[2.5 * thick]))
     write_lines(recording, entities.GRID, _grid(contact, rim.radius, basis(run.scene.constraint.plane)), GRID, -0.3)
     weight = _weight(run)
     scale = _WEIGHT * rim.radius / float(np.linalg.norm(weight))
-    force = scale * values_at(run.time, run.quantities["contact force"], frames.time)
+    force = scale * frames.series["contact force"]
     write_arrow(recording, entities.CONTACT_FORCE, frames.time, force, "F", FORCE, 1.5 * thick)
     aside = _ASIDE * rim.radius * basis(run.scene.constraint.plane)[:, 0]  # or it would lie on the contact force
     recording.static(entities.WEIGHT, rr.Transform3D(translation=aside))

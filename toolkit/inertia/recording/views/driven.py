@@ -83,7 +83,7 @@ def _blueprint(run: Run, body: Display, frames: Frames) -> rrb.Blueprint:
     angles = plot(entities.PLOT_EULER_ANGLES, "Euler angles z-x-z, rad", duration)
     plots.append(rrb.Tabs(angles, drift_plot(drift_unit(run), duration)) if run.invariants else angles)
     left = rrb.Vertical(rrb.Horizontal(inertial, along_axes), text_view(), row_shares=[3, 2])
-    return finished(left, rrb.Vertical(*plots), frames.play.pace)
+    return finished(left, rrb.Vertical(*plots), frames.play.pace, loop=frames.play.loop)
 
 
 def _write_world(recording: Recording, run: Run, body: Display, frames: Frames) -> Iterator[str]:
@@ -103,8 +103,9 @@ def _write_world(recording: Recording, run: Run, body: Display, frames: Frames) 
     yield from (f"{name}: {note}" for name, note in (("ω", omega_note), ("L", momentum_note)) if note)
     write_arrow(recording, entities.ANGULAR_VELOCITY, frames.time, omega, "ω", OMEGA, 1.5 * thick)
     write_arrow(recording, entities.ANGULAR_MOMENTUM, frames.time, momentum, "L", MOMENTUM, 1.5 * thick)
-    if frames.play.smooth:
-        write_trail(recording, entities.MOMENTUM_TRAIL, frames.time, momentum, MOMENTUM, 0.6 * thick)
+    if frames.play.near:
+        near, path = frames.near, entities.MOMENTUM_TRAIL
+        write_trail(recording, path, frames.time[near], momentum[near], MOMENTUM, 0.6 * thick)
     yield from write_torque(recording, run, frames, size, 1.5 * thick)
     yield from write_primary(recording, run, frames, size, thick)
     yield (f"the arrow of ω (orange) is {fastest:.4g} rad/s where it is longest, that of L (blue) {most:.4g} kg m²/s")

@@ -77,10 +77,12 @@ def write_moving_momentum_space(recording: Recording, run: Run, frames: Frames) 
     semi_axes[hiding] = 0.0
     write_ellipsoid(recording, entities.ENERGY_ELLIPSOID, frames.time, semi_axes, MOVING_ELLIPSOID, 0.3 * _LINE)
     write_arrow(recording, entities.CURRENT, frames.time, along, "L", CURRENT, 2.0 * _LINE)
-    if frames.play.smooth:
+    if frames.play.near == len(frames.time):
         write_lines(recording, entities.PATH_OF_MOMENTUM, [thinned(along)], PATH, 0.5 * _LINE)
-        write_trail(recording, entities.TRAIL_OF_MOMENTUM, frames.time, along, TRAIL, 1.5 * _LINE)
-    else:
+    if frames.play.near:
+        near = along[frames.near]
+        write_trail(recording, entities.TRAIL_OF_MOMENTUM, frames.time[frames.near], near, TRAIL, 1.5 * _LINE)
+    if frames.play.near < len(frames.time):
         dots = rr.Points3D(thinned(along).astype(np.float32), colors=[PATH], radii=[_LINE])
         recording.static(entities.PATH_OF_MOMENTUM, dots)
     left_out = f"; it is left out while it is over {_LONGEST:g} times as long as the sphere" if hiding.any() else ""

@@ -98,7 +98,7 @@ def screen(run: Run) -> Screen:
         write_drift(recording, run)
         if potential is not None:
             notes.append(_write_spin(recording, run))
-            notes.append(potential.write(recording, frames.time, np.interp(frames.time, run.time, tilts)))
+            notes.append(potential.write(recording, frames.time, axis.angles(frames.attitude)[:, 1]))
         write_text(recording, summary(run, notes, columns=1))
 
     blueprint = _blueprint(run, frames, _sphere(body, axis), axis, tilts, potential)
@@ -139,7 +139,7 @@ def _blueprint(
         plot(entities.PLOT_EULER_ANGLES, "Precession φ and spin ψ, rad", duration),
         rrb.Tabs(*lower) if len(lower) > 1 else lower[0],
     )
-    return finished(left, right, frames.play.pace)
+    return finished(left, right, frames.play.pace, loop=frames.play.loop)
 
 
 def _eye(axis: Axis, radius: float, tilts: Float) -> rrb.EyeControls3D:
@@ -206,7 +206,10 @@ def _write_world(recording: Recording, run: Run, body: Display, frames: Frames, 
     momentum = longest_as(_MOMENTUM * size, frames.angular_momentum)
     write_arrow(recording, entities.OMEGA_OF_TOP, frames.time, omega, "ω", OMEGA, thick)
     write_arrow(recording, entities.MOMENTUM_OF_TOP, frames.time, momentum, "L", MOMENTUM, thick)
-    write_trail(recording, entities.LOCUS, frames.time, size * axis.direction(frames.attitude), LOCUS, thick)
+    near = frames.near
+    write_trail(
+        recording, entities.LOCUS, frames.time[near], size * axis.direction(frames.attitude[near]), LOCUS, thick
+    )
     yield from write_weight(recording, run, 0.5 * size, thick)
     _write_turning(recording, entities.WORLD, run, axis, size, 0.5 * thick)
     yield (
@@ -237,9 +240,9 @@ def _write_sphere(recording: Recording, run: Run, frames: Frames, axis: Axis, ca
     recording.static(f"{room}/vertical", rr.Arrows3D(vectors=[1.25 * up], colors=[GROUND], radii=[0.005 * cap]))
     write_labels(recording, f"{room}/vertical/name", [1.3 * up], ["up"])
     direction = axis.direction(frames.attitude)
-    write_lines(recording, f"{room}/locus", [thinned(direction)], TRAIL, 0.004 * cap)
+    write_lines(recording, f"{room}/locus", [thinned(direction[frames.near])], TRAIL, 0.004 * cap)
     write_arrow(recording, f"{room}/axis", frames.time, direction, "axis", AXIS, 0.007 * cap)
-    write_trail(recording, f"{room}/trail", frames.time, direction, LOCUS, 0.008 * cap)
+    write_trail(recording, f"{room}/trail", frames.time[frames.near], direction[frames.near], LOCUS, 0.008 * cap)
     write_point(recording, f"{room}/tip", frames.time, direction, AXIS, 0.02 * cap)
     circles = _write_turning(recording, room, run, axis, 1.0, 0.0025 * cap)
     between = f", between the circles at which it turns (green), θ = {circles} rad" if circles else ""

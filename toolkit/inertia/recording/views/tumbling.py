@@ -121,7 +121,9 @@ def _blueprint(run: Run, body: Display, frames: Frames) -> rrb.Blueprint:
         shares.append(0.6)
     left.append(text_view())
     shares.append(2.2)
-    return finished(rrb.Vertical(*left, row_shares=shares), rrb.Vertical(*plots), frames.play.pace)
+    return finished(
+        rrb.Vertical(*left, row_shares=shares), rrb.Vertical(*plots), frames.play.pace, loop=frames.play.loop
+    )
 
 
 def _origin(body: Display, frames: Frames) -> Float | None:
@@ -164,8 +166,8 @@ def _write_world(recording: Recording, run: Run, body: Display, frames: Frames, 
     write_arrow(recording, entities.ANGULAR_VELOCITY, frames.time, omega, "ω", OMEGA, 1.5 * thick)
     write_arrow(recording, entities.ANGULAR_MOMENTUM, frames.time, momentum, "L", MOMENTUM, 1.5 * thick)
     yield from write_weight(recording, run, size, thick)
-    if frames.play.smooth:
-        write_trail(recording, entities.HERPOLHODE, frames.time, omega, TRAIL, 0.6 * thick)
+    if frames.play.near:
+        write_trail(recording, entities.HERPOLHODE, frames.time[frames.near], omega[frames.near], TRAIL, 0.6 * thick)
         yield "the yellow trail of ω is the herpolhode"
     yield (
         f"the arrow of ω (orange) is {largest(frames.angular_velocity):.4g} rad/s where it is longest, that of L "
