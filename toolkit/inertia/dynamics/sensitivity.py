@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from dataclasses import dataclass, replace
+from collections.abc import Callable, Mapping
+from copy import copy
+from dataclasses import dataclass, field, replace
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -11,12 +13,16 @@ import numpy as np
 from inertia.arrays import Float
 from inertia.dynamics.computing_time import limited
 from inertia.dynamics.kinematics import quaternion
+from inertia.dynamics.models.deforming.jointed_body import JointedBody
+from inertia.dynamics.models.deforming.joints import JointedPart
+from inertia.dynamics.models.rolling.any_tensor import roll_any
+from inertia.dynamics.models.sliding.model import slid
 from inertia.dynamics.plan import plan
 from inertia.dynamics.run import Run
 from inertia.dynamics.scene.body import SceneBody
 from inertia.dynamics.scene.document import Scene
 from inertia.dynamics.scene.sections import Settings, Start
-from inertia.errors import GeometryError, UsageError, require_kind
+from inertia.errors import GeometryError, require_kind
 from inertia.mass.tensor import faults
 
 ELEMENTS = ((0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2))
@@ -42,6 +48,8 @@ class Sensitivity:
     inertia : (3, 6) rad/(kg m²), by the elements xx, yy, zz, xy, xz, yz of the tensor about the centre of mass
     center_of_mass : (3, 3) rad/m, part axes
     mass : (3,) rad/kg, the tensor staying as it is
+    parts : of a body that changes its shape, by the name of a part: the same with that part's tensor, centre of mass
+        and mass; those above are then of the root
     """
 
     time: float
@@ -50,6 +58,7 @@ class Sensitivity:
     inertia: Float
     center_of_mass: Float
     mass: Float
+    parts: Mapping[str, Sensitivity] = field(default_factory=dict)
 
     def standard_uncertainty(self, covariance: Float) -> Float:
         """Return the standard uncertainty (3,) rad of the rotation vector θ, to first order.
@@ -71,8 +80,9 @@ def sensitivity(run: Run | Scene) -> Sensitivity:
     those that are no longer symmetric, or no longer spin along a principal axis, by the next more general model. With h
     such that neighbours are some 1e-4 rad apart, seven digits are left of a closed form and of a stepped motion.
 
-    Raises `UsageError` for a body that rolls, slides or changes its shape, `GeometryError` where no model follows the
-    motion to 1e-8 rad or neighbours part too far for a derivative.
+    A body that rolls is followed with any tensor and any centre of mass, its rim staying where it is in the part.
+
+    Raises `GeometryError` where no model follows the motion to 1e-8 rad or neighbours part too far for a derivative.
 
     >>> scene = Scene.from_dict({"body": {"principal_moments": [2, 2, 2]},
     ...                          "start": {"angular_velocity": [0, 0, 3]}, "run": {"duration": 10}})
@@ -81,26 +91,32 @@ def sensitivity(run: Run | Scene) -> Sensitivity:
     """
     scene = run.scene if isinstance(run, Run) else run
     require_kind(scene, Scene, "run", "inertia.simulate(scene), or a scene")
-    kind = scene.constraint.kind
-    if scene.body.deforms or kind not in ("free", "fixed_point", "hinge"):
-        raise UsageError(
-            "sensitivity is that of a rigid body that is free, held at a point or on an axle: this one "
-            f"{'changes its shape' if scene.body.deforms else f'is of the kind {kind!r}'}"
-        )
     with limited(scene.run.time_limit):
-        return _Neighbours(scene).derivatives()
+        if not scene.body.deforms:
+            return _Neighbours(scene).derivatives()
+        assert scene.body.assembly is not None
+        each = {part.name: _Neighbours(scene, k) for k, part in enumerate(scene.body.assembly.parts)}
+        parts: dict[str, Sensitivity] = {}
+        for name, neighbours in each.items():
+            parts[name] = neighbours.derivatives(next(iter(parts.values()), None))
+        root = next(part.name for part in scene.body.assembly.parts if part.parent is None)
+        return replace(parts[root], parts=parts)
 
 
 class _Neighbours:
     """The motions next to that of a scene, at its end."""
 
-    def __init__(self, scene: Scene) -> None:
-        self.scene = scene
+    def __init__(self, scene: Scene, part: int | None = None) -> None:
+        self.scene, self.part = scene, part
         body = scene.body
-        self.tensor = 0.5 * (body.inertia + body.inertia.T)
-        self.center, self.mass = np.asarray(body.center_of_mass), body.mass
+        own: SceneBody | JointedPart = body
+        if part is not None:
+            assert body.assembly is not None
+            own = body.assembly.parts[part]
+        self.tensor = 0.5 * (own.inertia + own.inertia.T)
+        self.center, self.mass = np.asarray(own.center_of_mass), own.mass
         self.spin, self.attitude = scene.angular_velocity, scene.start.attitude
-        least = float(body.principal.moments[0])
+        least = float(body.principal.moments[0])  # of the whole, for a part may have none
         self.turned = 1.0 + float(np.linalg.norm(self.spin)) * scene.run.duration
         for accuracy in _ACCURACIES:
             self.accuracy = accuracy
@@ -117,22 +133,54 @@ class _Neighbours:
     def follow(self, tensor: Float, center: Float, mass: float | None, spin: Float, attitude: Float) -> Float:
         """Return the attitude (4,) at the end."""
         scene, start = self.scene, self.scene.start
+        if scene.constraint.kind == "rolling":
+            return self.rolled(tensor, center, mass, spin, attitude)
+        if self.part is None:
+            body = SceneBody(tensor, mass, center, axes=scene.body.axes)
+        else:
+            assert scene.body.assembly is not None
+            parts = list(scene.body.assembly.parts)
+            parts[self.part] = _part(parts[self.part], tensor, center, mass)
+            body = SceneBody.of_assembly(JointedBody(tuple(parts)))
         there = replace(
             scene,
-            body=SceneBody(tensor, mass, center, axes=scene.body.axes),
+            body=body,
             start=Start(spin, "part", attitude, start.position, start.velocity),
             run=Settings(scene.run.duration, 2, self.accuracy, time_limit=scene.run.time_limit),
             text=None,
         )
         chosen = plan(there)
-        motion = chosen.candidate.model.solve(chosen.candidate, np.array([0.0, scene.run.duration]), None)
+        if scene.constraint.kind == "sliding":
+            end = slid(chosen.candidate, scene.run.duration)
+        else:
+            end = chosen.candidate.model.solve(chosen.candidate, np.array([0.0, scene.run.duration]), None).attitude[-1]
         turn = quaternion.conjugate(quaternion.from_matrix(chosen.candidate.axes))
-        return quaternion.multiply(motion.attitude[-1], turn)
+        return quaternion.multiply(end, turn)
 
-    def derivatives(self) -> Sensitivity:
-        """Return ∂θ/∂p for all of them."""
+    def rolled(self, tensor: Float, center: Float, mass: float | None, spin: Float, attitude: Float) -> Float:
+        """Return the attitude (4,) at the end of a body that rolls, whatever its tensor and its centre of mass."""
+        scene = self.scene
+        rim, body = self.rim, scene.body
+        middle = np.asarray(body.center_of_mass) + (scene.constraint.offset or 0.0) * rim
+        assert mass is not None and scene.constraint.radius is not None  # noqa: PT018  # the scene saw to it
+        gravity = float(np.linalg.norm(scene.gravity))
+        return roll_any(
+            tensor, mass, middle - center, rim, scene.constraint.radius, gravity, attitude, spin, scene.run.duration
+        )
+
+    @cached_property
+    def rim(self) -> Float:
+        """The direction (3,) of the axis of the rim, part axes; the body itself rolls as it should, or this raises."""
+        scene = self.scene
+        settings = Settings(scene.run.duration, 2, _ACCURACIES[-1], time_limit=scene.run.time_limit)
+        chosen = plan(replace(scene, run=settings, text=None))
+        chosen.candidate.model.solve(chosen.candidate, np.array([0.0, scene.run.duration]), None)
+        return chosen.candidate.axes[:, 2]
+
+    def derivatives(self, start: Sensitivity | None = None) -> Sensitivity:
+        """Return ∂θ/∂p for all of them; those by the start may be known."""
         pace = max(float(np.linalg.norm(self.spin)), 1.0 / self.scene.run.duration)
-        held = self.scene.constraint.holds and self.mass is not None
+        felt = (self.scene.constraint.kind != "free" or self.part is not None) and self.mass is not None
         axle = self.scene.constraint.axis if self.scene.constraint.kind == "hinge" else None
         along = [e if axle is None else axle * axle[k] for k, e in enumerate(np.eye(3))]
         elements = []
@@ -142,14 +190,18 @@ class _Neighbours:
             elements.append(element)
         return Sensitivity(
             time=self.scene.run.duration,
-            attitude=self.columns(lambda h, e: {"attitude": h * e}, list(np.eye(3)), 1.0),
-            angular_velocity=self.columns(lambda h, e: {"spin": h * e}, along, pace),
+            attitude=self.columns(lambda h, e: {"attitude": h * e}, list(np.eye(3)), 1.0)
+            if start is None
+            else start.attitude,
+            angular_velocity=self.columns(lambda h, e: {"spin": h * e}, along, pace)
+            if start is None
+            else start.angular_velocity,
             inertia=self.columns(lambda h, e: {"tensor": h * e}, elements, self.scales["inertia"]),
             center_of_mass=self.columns(lambda h, e: {"center": h * e}, list(np.eye(3)), self.scales["center"])
-            if held
+            if felt
             else np.zeros((3, 3)),
             mass=self.columns(lambda h, _: {"mass": h}, [_NOTHING], self.scales["mass"])[:, 0]
-            if held
+            if felt
             else _NOTHING.copy(),
         )
 
@@ -162,7 +214,7 @@ class _Neighbours:
         step = self.apart * scale / self.turned
         for _ in range(_TRIES):
             changes = [change(sign * step, direction) for sign in (1.0, -1.0)]
-            lacking = [bool(faults(self.tensor + each.get("tensor", 0.0))) for each in changes]
+            lacking = [self.part is None and bool(faults(self.tensor + each.get("tensor", 0.0))) for each in changes]
             if any(lacking):  # the body is flat, and no body is flatter: both neighbours on the other side
                 side = -step if lacking[0] else step
                 one, two = (self.moved(**change(k * side, direction)) for k in (1.0, 2.0))
@@ -195,3 +247,11 @@ class _Neighbours:
         turn = turn if turn[3] >= 0 else -turn
         half = float(np.linalg.norm(turn[:3]))
         return turn[:3] * (2.0 * np.arctan2(half, turn[3]) / half) if half else np.zeros(3)
+
+
+def _part(part: JointedPart, tensor: Float, center: Float, mass: float | None) -> JointedPart:
+    """Return a part with other mass properties, which need be no body's: that of a point mass has no tensor."""
+    other = copy(part)
+    for name, value in (("inertia", tensor), ("center_of_mass", center), ("mass", mass)):
+        object.__setattr__(other, name, value)
+    return other

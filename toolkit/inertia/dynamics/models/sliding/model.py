@@ -25,6 +25,7 @@ _GRID_TOLERANCE = 1e-9
 _BALANCED = 1e-3  # rad from the normal, within which a spin is balanced on it
 _REAL = 1e-9  # of the imaginary part of a root that is real
 _MARGIN = 3.0  # of what the growth of a change of the start says about other mass properties
+_FINEST = 1e-13  # the tolerance of neighbours whose difference is taken
 _METHODS = ("DOP853", "LSODA", "Radau", "RK4")
 
 
@@ -122,6 +123,15 @@ class Sliding(Model):
     def view(self, problem: Problem) -> str:
         """Show the path and the forces of contact."""
         return "disc"
+
+
+def slid(candidate: Candidate, duration: float) -> Float:
+    """Return the attitude (4,) of the candidate's axes after `duration` s, as finely as it is stepped."""
+    from inertia.dynamics.integrators import methods
+
+    ball, turn = _ball(candidate)
+    states = methods.METHODS["DOP853"].run(ball, np.array([duration]), _FINEST)
+    return quaternion.multiply(turn, states.attitude[-1])
 
 
 def _ball(candidate: Candidate) -> tuple[SlidingBall, Float]:
