@@ -1,13 +1,19 @@
 """The sample assemblies, against their parts added up by hand."""
 
+import json
 import math
+from fractions import Fraction
+from pathlib import Path
 
 import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
+from tests.balancing.test_rotor import valid
 
-from inertia.assembly.document import Assembly
+from inertia.assembly.document import Assembly, json_schema
 from inertia_meshes import assemblies, path
+
+DOCS = Path(__file__).resolve().parents[2] / "docs"
 
 Body = tuple[float, np.ndarray, np.ndarray]
 
@@ -138,3 +144,22 @@ def test_the_whole_is_the_sum_of_the_parts(name: str) -> None:
 @pytest.mark.parametrize("name", assemblies())
 def test_no_sample_has_parts_in_one_another(name: str) -> None:
     assert Assembly.load(path(name)).interferences() == ()
+
+
+@pytest.mark.parametrize("name", assemblies())
+def test_a_sample_obeys_the_schema_and_reads_back_as_itself(name: str) -> None:
+    assembly = Assembly.load(path(name))
+    valid(assembly.to_dict(), json_schema(), "assembly")
+    again = Assembly.loads(assembly.to_toml(), path(name).parent)
+    assert again.mass_properties().inertia.tolist() == assembly.mass_properties().inertia.tolist()
+
+
+def test_what_is_written_keeps_fractions_and_uncertainties() -> None:
+    table = {"name": "x", "mass": "1±0.1", "at": ["-1/3", 0.5, "0.1"], "mirror": "y"}
+    again = Assembly.loads(Assembly.from_dict({"part": [table]}).to_toml()).fields.part[0]
+    assert again.at == (Fraction(-1, 3), Fraction(1, 2), Fraction(1, 10))
+    assert repr(again.mass) == "Estimate(1.0, 0.1)"
+
+
+def test_the_schema_in_the_documents_is_the_one_that_is_printed() -> None:
+    assert json.loads((DOCS / "assembly.schema.json").read_text(encoding="utf-8")) == json_schema()

@@ -287,9 +287,12 @@ def valid(value: object, schema: dict, where: str = "rotor") -> None:
     assert value in schema.get("enum", [value]), where
     assert value == schema.get("const", value), where
     if isinstance(value, dict):
-        assert set(schema["required"]) <= set(value) <= set(schema["properties"]), where
+        properties = schema.get("properties", {})
+        others = schema.get("additionalProperties")
+        assert set(schema.get("required", ())) <= set(value), where
+        assert others or set(value) <= set(properties), where
         for name, entry in value.items():
-            valid(entry, schema["properties"][name], f"{where}.{name}")
+            valid(entry, properties.get(name, others), f"{where}.{name}")
     if isinstance(value, list):
         assert schema.get("minItems", 0) <= len(value) <= schema.get("maxItems", len(value)), where
         for entry in value:

@@ -16,6 +16,7 @@ from abc import ABC, abstractmethod
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import MISSING, InitVar, dataclass, field, fields
 from difflib import get_close_matches
+from fractions import Fraction
 from numbers import Integral, Real
 from pathlib import Path
 from typing import Any, ClassVar, Self, TypeVar, get_type_hints
@@ -487,6 +488,8 @@ def plain(value: Any) -> Any:
         return {key: plain(one) for key, one in value.items() if one is not None}
     if isinstance(value, np.ndarray | np.generic):
         return value.tolist()
+    if isinstance(value, Fraction):
+        return float(value) if float(value) == value else str(value)
     if isinstance(value, Estimate):
         return f"{value}±{value.uncertainty}" if value.uncertainty else float(value)
     return [plain(one) for one in value] if isinstance(value, tuple | list) else value

@@ -137,6 +137,12 @@ def _normal(value: Any, path: str) -> tuple[Fraction, ...]:
     return normal
 
 
+direction = Reader(_normal, {"oneOf": [{"enum": ["x", "y", "z"]}, rationals(3, "").schema]})
+"""Read a direction of any length, or the name of an axis."""
+
+_ROWS = {"type": "array", "items": {"type": "array", "items": {"type": "number"}}, "minItems": 3, "maxItems": 4}
+
+
 @dataclass(frozen=True, eq=False)
 class Around(Section):
     """Copies around an axis, the first as it is placed.
@@ -152,7 +158,7 @@ class Around(Section):
     section: ClassVar[str] = "around"
 
     count: Annotated[int, integer(1, _MOST_COPIES)]
-    axis: Annotated[tuple[Fraction, ...], Reader(_normal, {"oneOf": [{"enum": ["x", "y", "z"]}, {"type": "array"}]})]
+    axis: Annotated[tuple[Fraction, ...], direction]
     through: Annotated[tuple[Fraction, ...] | None, rationals(3, _LENGTH)] = None
     angle: Annotated[float, number("degrees")] = 360.0
 
@@ -254,12 +260,10 @@ class PartFields(Section):
     quantity: Annotated[int, integer(1, _MOST_COPIES)] = 1
     at: Annotated[tuple[Fraction, ...] | None, rationals(3, _LENGTH)] = None
     quaternion: Annotated[Float | None, numbers((4,), "x, y, z, w")] = None
-    matrix: Annotated[Float | None, Reader(_matrix, {"type": "array"})] = None
+    matrix: Annotated[Float | None, Reader(_matrix, _ROWS)] = None
     euler: Annotated[tuple[float, ...] | None, several(number("degrees"))] = None
     sequence: Annotated[str | None, Reader(_sequence, text.schema)] = None
-    mirror: Annotated[
-        tuple[Fraction, ...] | None, Reader(_normal, {"oneOf": [{"enum": ["x", "y", "z"]}, {"type": "array"}]})
-    ] = None
+    mirror: Annotated[tuple[Fraction, ...] | None, direction] = None
     around: Annotated[Around | None, table(Around)] = None
     rows: Annotated[Rows | None, table(Rows)] = None
     position_uncertainty: Annotated[float | None, number(_LENGTH, negative=False)] = None
@@ -395,6 +399,9 @@ class LimitFields(Section):
             raise FieldError(f"{path}.max", f"is {self.max:g}, below min, {self.min:g}: swap them")
 
 
+_ALLOWANCES = mapping(_relative, {"type": "number", "minimum": 0})
+
+
 @dataclass(frozen=True, eq=False, kw_only=True)
 class AssemblyFields(Section):
     """An assembly file.
@@ -421,7 +428,7 @@ class AssemblyFields(Section):
     densities: Annotated[Mapping[str, float] | None, mapping(estimate("kg/m3"), estimate("kg/m3").schema)] = None
     allowances: Annotated[
         Mapping[str, Mapping[str, float]] | None,
-        mapping(mapping(_relative, {"type": "number"}), {"type": "object"}),
+        mapping(_ALLOWANCES, _ALLOWANCES.schema),
     ] = None
     limit: Annotated[tuple[LimitFields, ...], tables(LimitFields)] = ()
     schema: Annotated[Literal[1], layout_version(1)] = 1
