@@ -57,6 +57,16 @@ def test_the_torque_is_the_rate_of_the_angular_momentum(name: str, tmp_path: Pat
     assert np.median(cosine / np.linalg.norm(arrow[large], axis=1) / torque[at[large], 3].clip(1e-300)) > 0.999
 
 
+def test_the_forces_that_hold_an_axle_are_those_of_the_couple(tmp_path: Path) -> None:
+    """A disc 1° off its axle: (I₃ − I₁) ω² sin τ cos τ over the 0.2 m from bearing to bearing, on each."""
+    run = simulate(Scene.load(path("scenes/tilted_disc.toml")))
+    recording = written(screen(run), tmp_path / "run.rrd")
+    tilt, speed = np.radians(1.0), 100.0 * np.pi
+    forces = series(recording, f"/{entities.PLOT_REACTION}")
+    assert forces.shape == (401, 2)
+    np.testing.assert_allclose(forces, 0.05 * speed**2 * np.sin(tilt) * np.cos(tilt) / 0.2, rtol=1e-9)
+
+
 def test_what_is_lost_inside_is_no_torque(tmp_path: Path) -> None:
     run = made([1.0, 2.0, 3.0], [1.0, 0.1, 0.0], [{"kind": "dissipation", "rate": 0.1}])
     recording = written(screen(run), tmp_path / "run.rrd")

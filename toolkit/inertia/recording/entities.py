@@ -89,6 +89,7 @@ TORQUE = f"{CENTER}/torque"
 MOMENTUM_TRAIL = f"{CENTER}/momentum_trail"
 PATH_OF_MOMENTUM = f"{MOMENTUM_SPACE}/path"
 TRAIL_OF_MOMENTUM = f"{MOMENTUM_SPACE}/trail"
+PLOT_REACTION = f"{PLOTS}/reaction"
 PLOT_TORQUE = f"{PLOTS}/torque"
 PLOT_MOMENTUM = f"{PLOTS}/angular_momentum"
 

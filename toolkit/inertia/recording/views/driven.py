@@ -24,7 +24,7 @@ from inertia.recording.series import (
 )
 from inertia.recording.spin_marks import spin_axes, write_marks
 from inertia.recording.summary import summary, title
-from inertia.recording.views.loads import is_turned, write_primary, write_torque
+from inertia.recording.views.loads import is_turned, reactions, write_primary, write_reactions, write_torque
 from inertia.recording.views.momentum_space import write_moving_momentum_space
 from inertia.recording.writer import Recording
 
@@ -45,6 +45,7 @@ def screen(run: Run) -> Screen:
         notes += _write_world(recording, run, body, frames)
         notes.append(write_moving_momentum_space(recording, run, frames))
         _write_momentum(recording, run)
+        write_reactions(recording, run)
         if "energy" not in run.invariants:
             write_energy(recording, run)
         write_angular_velocity(recording, run, ascending(run.plan)[1])
@@ -78,6 +79,8 @@ def _blueprint(run: Run, body: Display, frames: Frames) -> rrb.Blueprint:
     if "energy" not in run.invariants:
         plots.append(plot(entities.PLOT_ENERGY, "Energy, J", duration))
     plots.append(plot(entities.PLOT_ANGULAR_VELOCITY, "Angular velocity along the principal axes, rad/s", duration))
+    if reactions(run):
+        plots.append(plot(entities.PLOT_REACTION, "Forces that hold the axle, N", duration))
     if is_turned(run):
         plots.append(plot(entities.PLOT_TORQUE, "Torque in space, N m", duration))
     angles = plot(entities.PLOT_EULER_ANGLES, "Euler angles z-x-z, rad", duration)

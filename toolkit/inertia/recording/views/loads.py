@@ -108,6 +108,21 @@ def write_weight(recording: Recording, run: Run, size: float, thick: float) -> I
     yield f"the weight mg (green) is {run.scene.body.mass * pull:.4g} N"
 
 
+def reactions(run: Run) -> list[str]:
+    """Return the names of the forces that hold a body on its axle: in both bearings, or, without these, in all."""
+    bearings = [name for name in ("force on bearing A", "force on bearing B") if name in run.quantities]
+    return bearings or [name for name in ("reaction force",) if name in run.quantities]
+
+
+def write_reactions(recording: Recording, run: Run) -> None:
+    """Write how large these forces are, at every sample."""
+    if not (names := reactions(run)):
+        return
+    sizes = np.stack([np.linalg.norm(run.quantities[name], axis=1) for name in names], axis=1)
+    units = [f"{name}, N" for name in names]
+    recording.scalars(entities.PLOT_REACTION, run.time, sizes.__getitem__, units, COLORS[: len(names)])
+
+
 def _outer(run: Run) -> list[Load]:
     """Return the loads with a torque about the centre of mass: not those inside the body."""
     return [load for load in run.plan.problem.torques if not load.dissipation]
