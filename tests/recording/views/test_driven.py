@@ -63,8 +63,10 @@ def test_the_forces_that_hold_an_axle_are_those_of_the_couple(tmp_path: Path) ->
     recording = written(screen(run), tmp_path / "run.rrd")
     tilt, speed = np.radians(1.0), 100.0 * np.pi
     forces = series(recording, f"/{entities.PLOT_REACTION}")
-    assert forces.shape == (401, 2)
-    np.testing.assert_allclose(forces, 0.05 * speed**2 * np.sin(tilt) * np.cos(tilt) / 0.2, rtol=1e-9)
+    assert forces.shape == (401, 1)  # both are the same, and one would hide the other
+    each = 0.05 * speed**2 * np.sin(tilt) * np.cos(tilt) / 0.2
+    np.testing.assert_allclose(forces, each, rtol=1e-9)
+    np.testing.assert_allclose(recording.property("ScalarAxis:range"), [[0.0, 1.15 * each]], rtol=1e-9)
 
 
 def test_what_is_lost_inside_is_no_torque(tmp_path: Path) -> None:

@@ -113,14 +113,17 @@ def trail(seconds: float) -> rrb.VisibleTimeRanges:
     )
 
 
-def plot(path: str, name: str, duration: float, *, legend: bool = True) -> rrb.TimeSeriesView:
-    """Return a plot of the whole run, with room for the legend beside the curves."""
+def plot(
+    path: str, name: str, duration: float, *, legend: bool = True, values: tuple[float, float] | None = None
+) -> rrb.TimeSeriesView:
+    """Return a plot of the whole run, with room for the legend beside the curves; `values` that it shows, or all."""
     import rerun.blueprint as rrb
 
     return rrb.TimeSeriesView(
         origin=f"/{path}",
         name=name,
         axis_x=_until(_ROOM * duration if legend else duration),
+        axis_y=None if values is None else rrb.ScalarAxis(range=values),
         plot_legend=rrb.PlotLegend(corner=rrb.Corner2D.RightTop, visible=legend),
     )
 

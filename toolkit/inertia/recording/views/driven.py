@@ -24,7 +24,14 @@ from inertia.recording.series import (
 )
 from inertia.recording.spin_marks import spin_axes, write_marks
 from inertia.recording.summary import summary, title
-from inertia.recording.views.loads import is_turned, reactions, write_primary, write_reactions, write_torque
+from inertia.recording.views.loads import (
+    is_turned,
+    reaction_plot,
+    reactions,
+    write_primary,
+    write_reactions,
+    write_torque,
+)
 from inertia.recording.views.momentum_space import write_moving_momentum_space
 from inertia.recording.writer import Recording
 
@@ -80,7 +87,7 @@ def _blueprint(run: Run, body: Display, frames: Frames) -> rrb.Blueprint:
         plots.append(plot(entities.PLOT_ENERGY, "Energy, J", duration))
     plots.append(plot(entities.PLOT_ANGULAR_VELOCITY, "Angular velocity along the principal axes, rad/s", duration))
     if reactions(run):
-        plots.append(plot(entities.PLOT_REACTION, "Forces that hold the axle, N", duration))
+        plots.append(reaction_plot(run, duration))
     if is_turned(run):
         plots.append(plot(entities.PLOT_TORQUE, "Torque in space, N m", duration))
     angles = plot(entities.PLOT_EULER_ANGLES, "Euler angles z-x-z, rad", duration)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -18,7 +19,11 @@ from inertia.dynamics.run import Run
 from inertia.recording import entities
 from inertia.recording.drawing import COLORS, write_arrow, write_labels, write_point
 from inertia.recording.playback import Frames, largest, never_short
+from inertia.recording.screen import plot
 from inertia.recording.writer import Recording
+
+if TYPE_CHECKING:
+    import rerun.blueprint as rrb
 
 TORQUE, WEIGHT, PRIMARY = palette.rgb(palette.PINK), COLORS[1], COLORS[2]
 
@@ -108,19 +113,28 @@ def write_weight(recording: Recording, run: Run, size: float, thick: float) -> I
     yield f"the weight mg (green) is {run.scene.body.mass * pull:.4g} N"
 
 
-def reactions(run: Run) -> list[str]:
-    """Return the names of the forces that hold a body on its axle: in both bearings, or, without these, in all."""
-    bearings = [name for name in ("force on bearing A", "force on bearing B") if name in run.quantities]
-    return bearings or [name for name in ("reaction force",) if name in run.quantities]
+def reactions(run: Run) -> dict[str, Float]:
+    """Return how large the forces (n,) N are that hold a body on its axle, by name: in its bearings, or in all."""
+    names = [name for name in ("force on bearing A", "force on bearing B") if name in run.quantities]
+    names = names or [name for name in ("reaction force",) if name in run.quantities]
+    sizes = {name: np.linalg.norm(run.quantities[name], axis=1) for name in names}
+    if len(names) == 2 and np.allclose(sizes[names[0]], sizes[names[1]], rtol=1e-9, atol=0.0):  # one hides the other
+        return {"force on each bearing": sizes[names[0]]}
+    return sizes
+
+
+def reaction_plot(run: Run, duration: float) -> rrb.TimeSeriesView:
+    """Return the plot of these forces, from zero on."""
+    most = max(float(size.max()) for size in reactions(run).values())
+    return plot(entities.PLOT_REACTION, "Forces that hold the axle, N", duration, values=(0.0, 1.15 * most or 1.0))
 
 
 def write_reactions(recording: Recording, run: Run) -> None:
     """Write how large these forces are, at every sample."""
-    if not (names := reactions(run)):
-        return
-    sizes = np.stack([np.linalg.norm(run.quantities[name], axis=1) for name in names], axis=1)
-    units = [f"{name}, N" for name in names]
-    recording.scalars(entities.PLOT_REACTION, run.time, sizes.__getitem__, units, COLORS[: len(names)])
+    if sizes := reactions(run):
+        table = np.stack(list(sizes.values()), axis=1)
+        units = [f"{name}, N" for name in sizes]
+        recording.scalars(entities.PLOT_REACTION, run.time, table.__getitem__, units, COLORS[: len(units)])
 
 
 def _outer(run: Run) -> list[Load]:

@@ -149,12 +149,9 @@ def _force_limit(balance: Balance, number: int) -> float:
 
 def _force_plot(balance: Balance, states: Sequence[State], number: int, duration: float) -> rrb.TimeSeriesView:
     """Return the plot of the force on bearing A (0) or B (1), whose scale holds what is permissible."""
-    import rerun.blueprint as rrb
-
-    view = plot(_PLOTS[number], f"Force on {'AB'[number]} at 0°, N", duration, legend=False)
     most = 1.15 * max(_force_limit(balance, number), *(abs(state.forces[number]) for state in states))
-    view.properties["ScalarAxis"] = rrb.ScalarAxis(range=(-most, most))
-    return view
+    name = f"Force on {'AB'[number]} at 0°, N"
+    return plot(_PLOTS[number], name, duration, legend=False, values=(-most, most))
 
 
 def _write_forces(recording: Recording, balance: Balance, states: list[State], time: Float) -> None:
