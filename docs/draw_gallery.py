@@ -24,7 +24,7 @@ INSTANTS = {
     "scenes/explorer_1.toml": 15.0,
     "scenes/detumbling.toml": 10.0,
     "scenes/flywheel.toml": 100.0,
-    "scenes/manoeuvre.toml": 12.0,
+    "scenes/manoeuvre.toml": 6.0,
     "scenes/gravity_gradient.toml": 700.0,
     "scenes/boom_satellite.toml": 3000.0,
     "scenes/pendulum.toml": 3.0,
