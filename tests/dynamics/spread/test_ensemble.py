@@ -13,10 +13,24 @@ import pytest
 from scipy.integrate import solve_ivp
 from tests.dynamics.oracle import rotate
 
-from inertia import Ensemble, Estimate, GeometryError, Scene, SceneBody, Torque, UsageError, ensemble, simulate
+from inertia import (
+    Ensemble,
+    Estimate,
+    GeometryError,
+    Scene,
+    SceneBody,
+    Torque,
+    UsageError,
+    analyse,
+    ensemble,
+    read,
+    simulate,
+)
 from inertia.arrays import Float
 from inertia.documents import FieldError
 from inertia.dynamics.kinematics import quaternion
+from inertia.dynamics.sensitivity import attitude_uncertainty
+from inertia.dynamics.spread.fields import changed, deviations
 from inertia.dynamics.spread.results import Histogram
 from inertia.report.spread.table import write_table
 from inertia_meshes import path
@@ -426,3 +440,55 @@ def test_a_histogram_depends_on_its_values_alone(spread: float) -> None:
     assert results[0] == results[1] == results[2]
     assert np.abs(results[0] - np.percentile(values, at)).max() <= 0.5 * histograms[0].width
     assert histograms[0].width <= max(np.ptp(values) / 2047, 2.0**-48 * np.abs(values).max())
+
+
+UNCERTAIN: dict[str, Any] = {
+    "body": {"part": str(path("box.stl")), "unit": "mm", "density": "7850±50", "sigma": 0.05},
+    "start": {"angular_velocity": [0.0, 0.0, 10.0], "frame": "part"},
+    "run": {"duration": 2.0},
+}
+
+
+def test_draws_of_a_scale_are_those_of_the_part_in_another_unit() -> None:
+    scene = Scene.from_dict(UNCERTAIN | {"body": {"part": str(path("box.stl")), "unit": "mm", "density": 7850}})
+    larger = Scene.from_dict(UNCERTAIN | {"body": {"part": str(path("box.stl")), "unit": "cm", "density": 7850}})
+    names = ["energy", "angular_velocity[1]", "angular_momentum[2]"]
+    for vary in ({"body.scale": [1.0, 10.0]}, {"body.scale": [10.0], "body.density": [7850.0]}):
+        spread = ensemble(scene, vary, samples=5, quantities=names)
+        run = simulate(replace(larger, run=replace(larger.run, samples=5)))
+        assert spread.followed.all()
+        assert spread.quantities["energy"][-1] == pytest.approx(run.energy, rel=1e-13)
+        assert spread.quantities["angular_momentum[2]"][-1] == pytest.approx(run.angular_momentum[:, 2], rel=1e-13)
+        one = simulate(changed(scene, {"body.scale": 10.0}))
+        assert one.energy[0] == pytest.approx(run.energy[0], rel=1e-13)
+        assert one.scene.body.mass == pytest.approx(run.scene.body.mass, rel=1e-14)
+        assert one.scene.body.center_of_mass == pytest.approx(run.scene.body.center_of_mass, rel=1e-14)
+    twice = ensemble(
+        scene, {"body.scale": "2±0.001", "start.angular_velocity[2]": "±1%"}, 5, samples=2, quantities=names
+    )
+    expected = 2.0**5 * simulate(scene).energy[0]
+    assert twice.nominal.energy[0] == pytest.approx(expected, rel=1e-12)
+    scaled = expected * (twice.values[:, 0] / 2.0) ** 5 * (twice.values[:, 1] / 10.0) ** 2
+    assert twice.ends["energy"] == pytest.approx(scaled, rel=1e-12)
+    with pytest.raises(FieldError, match=r"body\.scale is unknown"):
+        ensemble(Scene.from_dict(BALL), {"body.scale": "1±0.1"}, 3)
+
+
+def test_what_is_stated_as_uncertain_of_a_part_is_drawn_with_its_covariance() -> None:
+    scene = Scene.from_dict(UNCERTAIN)
+    spread = ensemble(scene, {"body.uncertainty": "±1"}, 1500, samples=2, quantities=["angular_momentum[2]"])
+    u = analyse(read(path("box.stl"), "mm"), Estimate(7850.0, 50.0), sigma=0.05).uncertainty
+    assert u is not None
+    assert spread.ends["angular_momentum[2]"].std() == pytest.approx(10.0 * u.inertia[2, 2], rel=0.08)
+    # the same start along the part axes: the root mean square of the deviation is that of the law of propagation
+    start = replace(scene.start, angular_velocity=np.array([1.0, 3.0, 8.0]))
+    turned = ensemble(replace(scene, start=start), {"body.uncertainty": "±1"}, 1500, samples=2).turned
+    claim = attitude_uncertainty(simulate(replace(scene, start=start)))
+    assert math.sqrt((turned**2).sum(axis=1).mean()) == pytest.approx(claim, rel=0.1)
+    assert attitude_uncertainty(simulate(Scene.from_dict(BALL))) is None
+    parts = deviations(scene.body)
+    assert parts @ parts.T == pytest.approx(
+        u.covariance[1:, 1:], rel=1e-9, abs=1e-9 * np.abs(u.covariance[5:, 5:]).max()
+    )
+    with pytest.raises(FieldError, match=r"body\.uncertainty is unknown"):
+        ensemble(Scene.from_dict(BALL), {"body.uncertainty": "±1"}, 3)

@@ -31,6 +31,7 @@ ELEMENTS = ((0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2))
 _ACCURACIES = (1e-12, 1e-10, 1e-8)  # rad, of the motions that are compared; the first that is reached
 _FAR = 30.0  # times the angle that neighbours are meant to be apart
 _TRIES = 6
+_PATIENCE = 10.0  # s, for what is said beside a run
 _NOTHING = np.zeros(3)
 
 
@@ -101,6 +102,22 @@ def sensitivity(run: Run | Scene) -> Sensitivity:
             parts[name] = neighbours.derivatives(next(iter(parts.values()), None))
         root = next(part.name for part in scene.body.assembly.parts if part.parent is None)
         return replace(parts[root], parts=parts)
+
+
+def attitude_uncertainty(run: Run) -> float | None:
+    """Return how far what is stated as uncertain of a part moves the attitude at the end, one standard deviation, rad.
+
+    The root of the sum of squares of `Sensitivity.standard_uncertainty`; None where nothing is stated, or no derivative
+    can be had within ten seconds.
+    """
+    scene = run.scene
+    if scene.body.covariance is None:
+        return None
+    try:
+        slopes = sensitivity(replace(scene, run=replace(scene.run, time_limit=min(scene.run.time_limit, _PATIENCE))))
+    except (GeometryError, UsageError):
+        return None
+    return float(np.linalg.norm(slopes.standard_uncertainty(scene.body.covariance)))
 
 
 class _Neighbours:

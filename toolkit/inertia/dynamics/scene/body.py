@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
 from typing import Literal
@@ -44,6 +44,8 @@ class SceneBody:
     assembly : the parts on joints that the body is made of; the tensor and the axes are then those at t = 0, in the
         axes of the root part. None where the body is one part
     meshes : of each part of the assembly, for drawings; None where there is none
+    covariance : (11, 11) of volume, mass, centre of mass and tensor, `StandardUncertainty.covariance`; None where
+        nothing is stated to be uncertain
 
     Raises `GeometryError` where the tensor is not physical, `UsageError` where a value is not finite.
 
@@ -60,6 +62,7 @@ class SceneBody:
     notes: tuple[str, ...] = ()
     assembly: JointedBody | None = None
     meshes: tuple[Part | None, ...] = ()
+    covariance: Float | None = None
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "inertia", array_of(self.inertia, (3, 3), "inertia"))
@@ -105,7 +108,8 @@ class SceneBody:
                 f"the principal moments have standard uncertainties of {each} kg m², for those of "
                 f"{' and '.join(uncertainty.inputs)}; the motion is that of the moments as they are"
             )
-        return cls.of(analysis.properties, analysis.part, tuple(notes))
+        body = cls.of(analysis.properties, analysis.part, tuple(notes))
+        return body if uncertainty is None else replace(body, covariance=uncertainty.covariance)
 
     @classmethod
     def of_assembly(

@@ -74,7 +74,11 @@ class Draws:
         mass = filled(body.mass or 0.0, "body.mass")
         if "body.density" in columns and body.properties is not None:
             mass = columns["body.density"][0][1] * body.properties.volume
+        scale = columns["body.scale"][0][1] if "body.scale" in columns else np.ones(count)
+        if "body.scale" in columns and "body.mass" not in columns:
+            mass = mass * scale**3
         share = mass / body.mass if body.properties is not None and body.mass else np.ones(count)
+        share = share * scale**2
         inertia = share[:, None, None] * body.inertia
         if "body.principal_moments" in columns:
             moments = filled(np.diagonal(body.axes.T @ body.inertia @ body.axes), "body.principal_moments")
@@ -86,8 +90,11 @@ class Draws:
         for (i, j), column in columns.get("body.inertia", ()):
             inertia[:, i, j] = inertia[:, j, i] = column
         center = filled(body.center_of_mass, "body.center_of_mass")
+        for k in range(3):
+            if ((k,),) not in {(at,) for at, _ in columns.get("body.center_of_mass", ())}:
+                center[:, k] *= scale
         arm = center - filled(scene.constraint.fixed_point, "constraint.point") if held else np.zeros((count, 3))
-        finite = np.asarray(np.isfinite(values).all(axis=1))
+        finite = np.asarray(np.isfinite(values).all(axis=1)) & (scale > 0)
         sound = finite & _is_body(np.where(finite[:, None, None], inertia, np.eye(3)), mass, arm, body.mass is not None)
         attitude = filled(scene.start.attitude, "start.attitude")
         length = np.linalg.norm(attitude, axis=1, keepdims=True)
@@ -116,7 +123,8 @@ class Draws:
             problem = Problem.of(scene)
             moments, axes = share[:, None] * problem.moments, np.tile(problem.axes, (count, 1, 1))
             whole = (
-                not {"body.mass", "body.density"} & columns.keys() and not rounded(problem.exact.frame.values)[1].any()
+                not {"body.mass", "body.density", "body.scale"} & columns.keys()
+                and not rounded(problem.exact.frame.values)[1].any()
             )
             if aside:
                 moments = moments * (1.0 + _ASIDE / 4.0 * np.array((1.0, -1.0, 1.0)))

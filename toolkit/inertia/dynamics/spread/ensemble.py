@@ -188,7 +188,10 @@ def _task(scene: Scene, inputs: tuple[Input, ...], names: tuple[str, ...], sampl
     require_names(States.of(nominal), names)
     paths = tuple(each.path for each in inputs)
     asked_for = tuple(dict.fromkeys(names))
-    return Task(nominal.scene, paths, asked_for, Reference.of(nominal), method_for(nominal, paths, asked_for)), nominal
+    # What is relative to the scene as it stands must not be applied to one that it has been applied to.
+    relative = any(path.startswith(("body.scale", "body.uncertainty")) for path in paths)
+    base = replace(scene, run=nominal.scene.run) if relative else nominal.scene
+    return Task(base, paths, asked_for, Reference.of(nominal), method_for(nominal, paths, asked_for)), nominal
 
 
 def _rank_correlation(x: Float, y: Float) -> float:

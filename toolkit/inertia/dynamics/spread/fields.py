@@ -20,7 +20,9 @@ from inertia.dynamics.scene.body import SceneBody
 from inertia.dynamics.scene.document import Scene
 from inertia.errors import GeometryError
 
-_BODY = ("mass", "density", "center_of_mass", "inertia", "principal_moments")
+_BODY = ("mass", "center_of_mass", "inertia", "principal_moments")
+_OF_PART = ("density", "scale")
+_LEAST = 1e-12  # of the correlations, below which a direction is taken for one that nothing is uncertain in
 _PART = ("mass", "center_of_mass", "inertia", "principal_moments")
 _PATH = re.compile(r"(?P<section>[a-z_]+(?:\[\d+\])?(?:\.joint\[\d+\])?)\.(?P<name>[a-z_]+)(?P<at>(?:\[\d+\])*)")
 
@@ -70,7 +72,8 @@ def value_at(scene: Scene, path: str) -> Any:
 def _stated(scene: Scene, field: _Field, path: str) -> Any:
     section = _section(scene, field.section, path)
     if isinstance(section, SceneBody):
-        names = tuple(name for name in _BODY if name != "density" or section.properties is not None)
+        names: tuple[str, ...] = _BODY if section.properties is None else (*_BODY, *_OF_PART)
+        names = names if section.covariance is None else (*names, "uncertainty")
     elif field.section.startswith("part") and ".joint" not in field.section:
         names = _PART
     else:
@@ -81,6 +84,10 @@ def _stated(scene: Scene, field: _Field, path: str) -> Any:
         raise FieldError(path, f"is unknown: {hint}")
     if field.name == "density":
         return section.properties.mass / section.properties.volume
+    if field.name == "scale":
+        return 1.0
+    if field.name == "uncertainty":
+        return np.zeros(deviations(section).shape[1])
     if field.name == "principal_moments":
         return section.moments if isinstance(section, SceneBody) else np.diagonal(section.inertia)
     return getattr(section, field.name)
@@ -108,12 +115,34 @@ def _section(scene: Scene, name: str, path: str) -> Any:
     raise FieldError(path, "is not in the scene: name a field of start, constraint, load[k], body or part[k]")
 
 
+def deviations(body: SceneBody) -> Float:
+    """Return what one standard deviation of each of k independent causes makes of a body whose figures are uncertain.
+
+    The columns (10, k) are of mass, centre of mass and the elements xx, yy, zz, xy, xz, yz of the tensor, and their
+    outer products add up to the covariance: the eigenvectors of the correlations, the largest first.
+    """
+    assert body.covariance is not None  # `value_at` saw to it
+    size = np.sqrt(np.maximum(body.covariance[1:, 1:].diagonal(), 0.0))
+    unit = np.where(size > 0, size, 1.0)
+    values, vectors = np.linalg.eigh(body.covariance[1:, 1:] / np.outer(unit, unit))
+    order = np.argsort(-values)[: int((values > _LEAST * max(values.max(), 0.0)).sum())]
+    signs = np.sign(vectors[np.abs(vectors).argmax(axis=0), range(len(values))])
+    columns: Float = (unit[:, None] * vectors * signs * np.sqrt(np.maximum(values, 0.0)))[:, order]
+    return columns
+
+
+def tensor_of(elements: Float) -> Float:
+    """Return symmetric tensors (…, 3, 3) of elements xx, yy, zz, xy, xz, yz (…, 6)."""
+    return elements[..., [[0, 3, 4], [3, 1, 5], [4, 5, 2]]]
+
+
 def changed(scene: Scene, values: Mapping[str, float]) -> Scene:
     """Return a scene with numbers in place of others, by their paths; the rest as it is.
 
     An attitude is brought back to unit length. The axes that ``frame = "principal"`` means stay those of the scene, and
     where entries of the tensor change, they are the nearest of its principal axes. A mass or density of a part
-    scales its tensor, and any other field of a body is taken as it is stated.
+    scales its tensor, ``scale`` its lengths, ``uncertainty`` moves its figures by standard deviations (`deviations`),
+    and any other field of a body is taken as it is stated.
 
     Raises `UsageError` and `GeometryError` where the scene would make no sense.
 
@@ -168,7 +197,11 @@ def _body(body: SceneBody, entries: Mapping[str, Entries]) -> SceneBody:
         mass = entries["density"][()] * properties.volume
     elif "mass" in entries:
         mass = entries["mass"][()]
-    share = 1.0
+    share, scale = 1.0, entries.get("scale", {}).get((), 1.0)
+    if not 0 < scale < np.inf:
+        raise FieldError("body.scale", f"is {scale:g}: it must be positive and finite")
+    if mass is not None and "mass" not in entries:
+        mass *= scale**3
     if properties is not None:
         assert mass is not None  # a part has one
         if not 0 < mass < np.inf:
@@ -179,8 +212,15 @@ def _body(body: SceneBody, entries: Mapping[str, Entries]) -> SceneBody:
             scaled = properties.with_mass(mass)
             return replace(body, inertia=scaled.inertia, mass=mass, axes=body.axes, properties=scaled)
         share = mass / (body.mass or mass)
-    center = _filled(body.center_of_mass, entries.get("center_of_mass", {}))
-    inertia, axes = _tensor(share * body.inertia, body.axes, entries)
+    center, tensor, axes = scale * body.center_of_mass, share * scale**2 * body.inertia, body.axes
+    if "uncertainty" in entries:
+        both = deviations(body)
+        more = both @ _filled(np.zeros(both.shape[1]), entries["uncertainty"])
+        mass = None if mass is None else mass + more[0]
+        center, tensor = center + more[1:4], tensor + tensor_of(more[4:])
+        axes = _nearest(np.linalg.eigh(tensor)[1], axes)
+    center = _filled(center, entries.get("center_of_mass", {}))
+    inertia, axes = _tensor(tensor, axes, entries)
     return replace(body, inertia=inertia, mass=mass, center_of_mass=center, axes=axes, properties=None)
 
 

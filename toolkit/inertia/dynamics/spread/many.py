@@ -84,7 +84,7 @@ def method_for(nominal: Run, paths: tuple[str, ...], names: tuple[str, ...]) -> 
 
 
 _VARIED = frozenset(
-    {f"body.{name}" for name in ("mass", "density", "center_of_mass", "inertia", "principal_moments")}
+    {f"body.{name}" for name in ("mass", "density", "scale", "center_of_mass", "inertia", "principal_moments")}
     | {"start.angular_velocity", "start.attitude", "constraint.point", "load"}
 )
 

@@ -9,6 +9,7 @@ import numpy as np
 from inertia.dynamics.plan import Plan
 from inertia.dynamics.run import Invariant, Run
 from inertia.dynamics.scene.document import Scene
+from inertia.dynamics.sensitivity import attitude_uncertainty
 
 
 def plan_document(scene: Scene, plan: Plan) -> dict[str, Any]:
@@ -31,6 +32,7 @@ def run_document(run: Run) -> dict[str, Any]:
 
     What goes with the time is an array still: a list of its numbers takes ten times the memory.
     """
+    moved = attitude_uncertainty(run)
     document: dict[str, Any] = {
         "schema": "inertia/run/1",
         "scene": run.scene.name,
@@ -42,6 +44,7 @@ def run_document(run: Run) -> dict[str, Any]:
             "method": run.error.method,
             "inputs": run.error.inputs,
             "until": min(run.error.until, run.scene.run.duration),
+            **({} if moved is None else {"standard_uncertainty": moved}),
         },
         "steps": run.steps,
         "body": _body_document(run.scene),

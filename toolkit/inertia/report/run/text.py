@@ -13,6 +13,7 @@ from inertia.dynamics.plan import Plan
 from inertia.dynamics.run import Run
 from inertia.dynamics.scene.body import SceneBody
 from inertia.dynamics.scene.document import Scene
+from inertia.dynamics.sensitivity import attitude_uncertainty
 from inertia.report.numerals import LABEL, cleared, number, row, wrapped
 
 _LISTED = 6  # events in the text
@@ -99,8 +100,12 @@ def _accuracy_lines(run: Run) -> Iterator[str]:
     until = "" if error.until >= run.scene.run.duration else f" up to {error.until:.3g} s"
     yield row("Accuracy", f"attitude to {error.reached:.2g} rad{until}, {error.requested:g} rad asked for")
     if error.inputs:
-        moved = "a whole turn" if error.inputs >= np.pi else f"{error.inputs:.2g} rad"
-        yield row("", f"by the end up to {moved} more from the bounds of the mass properties")
+        most = "a whole turn" if error.inputs >= np.pi else f"{error.inputs:.2g} rad"
+        yield row("", f"by the end up to {most} more from the bounds of the mass properties")
+    if (moved := attitude_uncertainty(run)) is not None:
+        known = f"{moved:.2g} rad" if moved < np.pi else "more than a whole turn"
+        stated = "from what is stated as uncertain of the part, the spin along the part axes staying"
+        yield from wrapped("", f"by the end {known} (one standard deviation) {stated}")
     for k, (name, invariant) in enumerate(run.invariants.items()):
         drift = f"{_unit(name)}, drift {invariant.largest_relative_drift:.2g}"
         yield row("" if k else "Kept", f"{name} {_listed(np.atleast_1d(invariant.initial))}{drift}")
