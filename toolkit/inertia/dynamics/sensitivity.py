@@ -22,7 +22,7 @@ from inertia.dynamics.run import Run
 from inertia.dynamics.scene.body import SceneBody
 from inertia.dynamics.scene.document import Scene
 from inertia.dynamics.scene.sections import Settings, Start
-from inertia.errors import GeometryError, require_kind
+from inertia.errors import GeometryError, UsageError, require_kind
 from inertia.mass.tensor import faults
 
 ELEMENTS = ((0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2))
