@@ -23,7 +23,8 @@ DATA = Path(__file__).resolve().parent / "data"
 SIZES = [20_000, 320_000, 1_300_000, 10_000_000]
 QUICK = [20_000, 320_000]
 ONE_THREAD = dict.fromkeys(("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "VTK_SMP_MAX_THREADS"), "1")
-SHUFFLED_FROM, SHUFFLED_TO = 100_000, 2_000_000
+ORDERS = "in two sweeps", "shuffled", "in bodies"
+ORDERED_FROM = 100_000
 PACKAGES = ["inertia", "numpy", "numba", "llvmlite", "libigl", "vtk", "trimesh", "mujoco"]
 
 
@@ -59,17 +60,16 @@ def measure(sizes: list[int], environment: dict[str, str]) -> dict[str, Any]:
         printed = python_module("tests.benchmarks.kernel", count, env=environment | ONE_THREAD)
         document["kernel"][str(count)] = json.loads(printed)
     with tempfile.TemporaryDirectory() as folder:  # compiles what is not yet in the cache
-        warm_up(stl_file(Path(folder), COMPILE_ABOVE, shuffled=False), environment)
+        warm_up(stl_file(Path(folder), COMPILE_ABOVE), environment)
     for count in sizes:
-        _file(document, count, environment, shuffled=False)
-        if SHUFFLED_FROM < count < SHUFFLED_TO:
-            _file(document, count, environment, shuffled=True)
+        for order in ("", *ORDERS) if count > ORDERED_FROM else ("",):
+            _file(document, count, environment, order)
     return document
 
 
-def _file(document: dict[str, Any], count: int, environment: dict[str, str], *, shuffled: bool) -> None:
-    label = f"{count:,}{' shuffled' if shuffled else ''}"
-    path = stl_file(DATA, count, shuffled=shuffled)
+def _file(document: dict[str, Any], count: int, environment: dict[str, str], order: str) -> None:
+    label = f"{count:,} {order}".strip()
+    path = stl_file(DATA, count, order)
     document["files"][label] = whole(path, count, environment, lambda line: _say(f"{label}, {line}"))
 
 

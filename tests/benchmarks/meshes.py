@@ -1,6 +1,6 @@
 """The meshes that are measured: closed wavy tori without any symmetry, of any number of triangles.
 
-Run as a program, it writes one as a binary STL file: ``python -m tests.benchmarks.meshes PATH COUNT [shuffled]``.
+Run as a program, it writes one as a binary STL file: ``python -m tests.benchmarks.meshes PATH COUNT ORDER``.
 """
 
 from __future__ import annotations
@@ -55,10 +55,27 @@ def facets(vertices: Vertices, faces: Faces) -> NDArray[np.void]:
     return records
 
 
-def write_stl(path: Path, count: int, *, shuffled: bool = False) -> None:
-    """Write a wavy torus as a binary STL file, its triangles row by row or (`shuffled`) in random order."""
-    vertices, faces = wavy_torus(count)
-    if shuffled:
+def many_bodies(count: int) -> tuple[Vertices, Faces]:
+    """Return vertices and faces of wavy tori of 224 triangles, one after the other, whose boxes do not meet."""
+    vertices, faces = wavy_torus(224)
+    bodies = -(-count // len(faces))
+    side = int(np.ceil(bodies ** (1 / 3)))
+    place = np.stack(np.unravel_index(np.arange(bodies), (side, side, side)), axis=-1)
+    far = np.ptp(vertices, axis=0).max() * 1.25
+    moved = (vertices + far * place[:, None]).astype(np.float32).astype(np.float64)
+    return moved.reshape(-1, 3), (faces + len(vertices) * np.arange(bodies)[:, None, None]).reshape(-1, 3)
+
+
+def write_stl(path: Path, count: int, order: str = "") -> None:
+    """Write a wavy torus as a binary STL file, its triangles in the order that is named; or many of them.
+
+    `order` is nothing for row by row, "in two sweeps" for the first triangle of every two before the second ones,
+    "shuffled" for a random order, and "in bodies" for many tori, each row by row.
+    """
+    vertices, faces = many_bodies(count) if order == "in bodies" else wavy_torus(count)
+    if order == "in two sweeps":
+        faces = np.concatenate([faces[::2], faces[1::2]])
+    if order == "shuffled":
         faces = np.random.default_rng(0).permutation(faces)
     beside = path.with_suffix(".part")
     with beside.open("wb") as file:
@@ -68,4 +85,4 @@ def write_stl(path: Path, count: int, *, shuffled: bool = False) -> None:
 
 
 if __name__ == "__main__":
-    write_stl(Path(sys.argv[1]), int(sys.argv[2]), shuffled="shuffled" in sys.argv[3:])
+    write_stl(Path(sys.argv[1]), int(sys.argv[2]), *sys.argv[3:])

@@ -49,12 +49,12 @@ def programs() -> list[Program]:
     ]
 
 
-def stl_file(folder: Path, count: int, *, shuffled: bool) -> Path:
-    """Return the file of a wavy torus, made if it is not there yet."""
-    path = folder / f"torus_{count}{'_shuffled' if shuffled else ''}.stl"
+def stl_file(folder: Path, count: int, order: str = "") -> Path:
+    """Return the file of a wavy torus, made if it is not there yet; for `order` see `meshes.write_stl`."""
+    path = folder / f"{'_'.join(['torus', str(count), *order.split()])}.stl"
     if not path.exists():
         folder.mkdir(parents=True, exist_ok=True)
-        python_module("tests.benchmarks.meshes", path, count, *(["shuffled"] if shuffled else []), env={})
+        python_module("tests.benchmarks.meshes", path, count, order, env={})
     return path
 
 

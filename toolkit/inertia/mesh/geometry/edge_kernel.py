@@ -273,9 +273,13 @@ def close_group(table_at, capacity, parent_at, labels_at, group, edges_at, piece
             number += 1
         else:
             parent[label] = parent[parent[label]]  # an older one, which has its number
-    for k in range(state[4]):
-        if labels[k] >= 0:
-            labels[k] = parent[labels[k]]
+    if number == 1:
+        for k in range(state[4]):
+            labels[k] = min(labels[k], 0)
+    else:
+        for k in range(state[4]):
+            if labels[k] >= 0:
+                labels[k] = parent[labels[k]]
     waiting = slot = 0
     while waiting < state[0]:
         if table[slot, 0] != 0:
@@ -442,8 +446,8 @@ def repeated_edges(logs_at, number, bins, first, last, slots_at, places):
     return 0
 
 
-def key_facets(records_at, count, salt_at, rows_at, points_at):
-    """Give the corners of binary STL records their keys, three a row, and copy the first of each."""
+def key_facets(records_at, count, salt_at, rows_at, points_at, wanted):
+    """Give the corners of binary STL records their keys, three a row; where wanted, copy the first of each."""
     halves = carray(records_at, (count * STRIDE_F4,), np.uint16)
     salt = carray(salt_at, (SALTS,), np.uint64)
     rows = carray(rows_at, (count, 3), np.uint64)
@@ -452,12 +456,14 @@ def key_facets(records_at, count, salt_at, rows_at, points_at):
         at = k * STRIDE_F4 + 6
         for corner in range(3):
             rows[k, corner] = corner_key(halves, at + 6 * corner, salt)
-            points[k, corner] = word(halves, at + 2 * corner)
+    for k in range(count if wanted else 0):
+        for axis in range(3):
+            points[k, axis] = word(halves, k * STRIDE_F4 + 6 + 2 * axis)
     return 0
 
 
-def key_faces(faces_at, count, vertex_keys_at, vertices_at, vertices, rows_at, points_at):
-    """Give the corners of faces the keys of their vertices, three a row, and copy the first of each."""
+def key_faces(faces_at, count, vertex_keys_at, vertices_at, vertices, rows_at, points_at, wanted):
+    """Give the corners of faces the keys of their vertices, three a row; where wanted, copy the first of each."""
     faces = carray(faces_at, (count, 3), np.int64)
     of = carray(vertex_keys_at, (vertices,), np.uint64)
     coordinates = carray(vertices_at, (vertices, 3), np.float64)
@@ -466,7 +472,9 @@ def key_faces(faces_at, count, vertex_keys_at, vertices_at, vertices, rows_at, p
     for k in range(count):
         for corner in range(3):
             rows[k, corner] = of[faces[k, corner]]
-            points[k, corner] = np.float32(coordinates[faces[k, 0], corner])
+    for k in range(count if wanted else 0):
+        for axis in range(3):
+            points[k, axis] = np.float32(coordinates[faces[k, 0], axis])
     return 0
 
 

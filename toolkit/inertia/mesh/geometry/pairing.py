@@ -21,8 +21,8 @@ from inertia.mesh.part import Facets, Triangles
 from inertia.native import Kernel, address, threads
 
 _MODULE = "inertia.mesh.geometry.edge_kernel"
-FACETS = Kernel(_MODULE, "key_facets", "pippp")
-FACES = Kernel(_MODULE, "key_faces", "pippipp")
+FACETS = Kernel(_MODULE, "key_facets", "pippp" + "i")
+FACES = Kernel(_MODULE, "key_faces", "pippipp" + "i")
 KEYS = Kernel(_MODULE, "key_vertices", "pipp")
 ROWS = Kernel(_MODULE, "pair_rows", "pipii" + "ppippi" + "piipp")
 CLOSE = Kernel(_MODULE, "close_group", "pippi" + "ppp")
@@ -32,7 +32,7 @@ REPEATED = Kernel(_MODULE, "repeated_edges", "piiiipi")
 DESCEND = Kernel("inertia.mesh.geometry.partition_kernel", "descend", "pippip")
 SCATTER = Kernel("inertia.mesh.geometry.partition_kernel", "scatter", "piiipipippp")
 
-_BLOCK = 4096  # triangles whose corners' keys are computed at a time
+_BLOCK = 8192  # triangles whose corners' keys are computed at a time
 _GROUP = 1 << 17  # triangles that are paired together where they stand together
 _REPORTED = 16 * _BLOCK
 _TABLE = 1 << 15  # room for the edges that wait, of which half is used: it stays inside the cache
@@ -43,8 +43,8 @@ _EVERY, _READ, _APART = 16, 512, 8192  # every so manieth of so many that are re
 _BIN = 16384  # paired edges whose keys are compared at a time
 _SHARED = 1 << 18  # triangles from which on threads repay their start
 
-Keys = Callable[[int, int, NDArray[np.uint64], NDArray[np.float32]], None]
-"""Writes the keys of the corners of triangles `start:stop`, and where the first of each is."""
+Keys = Callable[[int, int, NDArray[np.uint64], NDArray[np.float32] | None], None]
+"""Writes the keys of the corners of triangles `start:stop`, and, where that is wanted, where the first of each is."""
 
 
 class _Scattered(Exception):
@@ -148,32 +148,33 @@ def paired_edges(
         done, index = _pair_by_place(triangles, labels, keys, cuts, salt, bins, progress)
     numbers = np.array([number for thread in done for number in thread.numbers], np.int64)
     base = np.cumsum(numbers) - numbers
-    edges = np.concatenate([np.empty(0, np.uint64), *(each for thread in done for each in thread.edges)])
-    apart = [each for thread in done for each in thread.pieces]
-    pieces = np.concatenate(
-        [np.empty(0, np.int32), *(each + np.int32(of) for each, of in zip(apart, base, strict=True))]
-    )
-    parent, log, state = np.arange(numbers.sum(), dtype=np.int32), _Log(len(edges), bins), np.zeros(5, np.int64)
-    table = np.zeros((1 << (2 * len(edges) + 1).bit_length(), 2), np.uint64)
-    EDGES.function(
-        edges.ctypes.data, pieces.ctypes.data, len(edges), address(table), len(table), parent.ctypes.data, len(parent),
-        *log.arguments, address(state),
-    )  # fmt: skip
-    del table
+    edges = [each for thread in done for each in thread.edges]
+    logs, state = [thread.log for thread in done], np.zeros(5, np.int64)
+    number = np.arange(numbers.sum(), dtype=np.int32)
+    if waiting := sum(map(len, edges)):
+        apart = [each for thread in done for each in thread.pieces]
+        keys_left = np.concatenate(edges)
+        pieces = np.concatenate([each + np.int32(of) for each, of in zip(apart, base, strict=True)])
+        logs.append(_Log(waiting, bins))
+        table = np.zeros((1 << (2 * waiting + 1).bit_length(), 2), np.uint64)
+        EDGES.function(
+            address(keys_left), address(pieces), waiting, address(table), len(table), address(number), len(number),
+            *logs[-1].arguments, address(state),
+        )  # fmt: skip
+        number = np.unique(_roots(number), return_inverse=True)[1].astype(np.int32)
     overfull = any(thread.overfull for thread in done) or bool(state[3])
-    if overfull or _any_repeated([*(thread.log for thread in done), log], bins, len(cuts) - 1):
+    if overfull or _any_repeated(logs, bins, len(cuts) - 1):
         return None
-    components, number = np.unique(_roots(parent), return_inverse=True)
+    components = int(number.max(initial=-1)) + 1
     repeated = sum(thread.repeated for thread in done)
-    if len(components) > 1:
-        number = number.astype(np.int32)
+    if components > 1:
         for group, of in zip((group for thread in done for group in thread.labels), base, strict=True):
             group[:] = np.where(group < 0, -1, number[group + of])
     else:
         np.minimum(labels, 0, out=labels)
-    if index is not None and (len(components) > 1 or repeated):
-        labels = _in_file_order(labels, index(), len(components))
-    return int(state[0]), len(components), labels, repeated
+    if index is not None and (components > 1 or repeated):
+        labels = _in_file_order(labels, index(), components)
+    return int(state[0]), components, labels, repeated
 
 
 def _rising(progress: Progress | None) -> Progress | None:
@@ -201,19 +202,22 @@ def _corner_keys(triangles: Triangles, salt: NDArray[np.uint64]) -> Keys:
     if isinstance(triangles, Facets):
         facets, key_facets = triangles, FACETS.function
 
-        def of_facets(start: int, stop: int, rows: NDArray[np.uint64], points: NDArray[np.float32]) -> None:
+        def of_facets(start: int, stop: int, rows: NDArray[np.uint64], points: NDArray[np.float32] | None) -> None:
             records = facets.block(start, stop)
-            key_facets(records.ctypes.data, stop - start, address(salt), address(rows), address(points))
+            wanted = points is not None
+            at = address(points if wanted else rows), wanted
+            key_facets(records.ctypes.data, stop - start, address(salt), address(rows), *at)
 
         return of_facets
     surface, vertices, key_faces = triangles, triangles.vertices, FACES.function
     of = np.empty(len(vertices), np.uint64)
     KEYS.function(vertices.ctypes.data, len(vertices), address(salt), of.ctypes.data)
 
-    def of_faces(start: int, stop: int, rows: NDArray[np.uint64], points: NDArray[np.float32]) -> None:
+    def of_faces(start: int, stop: int, rows: NDArray[np.uint64], points: NDArray[np.float32] | None) -> None:
         faces = surface.block(start, stop)
         those = of.ctypes.data, vertices.ctypes.data, len(vertices)
-        key_faces(faces.ctypes.data, len(faces), *those, address(rows), address(points))
+        wanted = points is not None
+        key_faces(faces.ctypes.data, len(faces), *those, address(rows), address(points if wanted else rows), wanted)
 
     return of_faces
 
@@ -229,13 +233,12 @@ def _pair_in_order(
     def pair(which: int, stopped: threading.Event) -> _Thread:
         start, stop = cuts[which : which + 2]
         thread, rows = _Thread(salt, _Log(3 * (stop - start) // 2, bins)), np.empty((_BLOCK, 3), np.uint64)
-        points = np.empty((_BLOCK, 3), np.float32)
         for first in range(start, stop, _GROUP):
             last = min(first + _GROUP, stop)
             thread.begin(labels[first:last])
             for at in range(first, last, _BLOCK):
                 size = min(_BLOCK, last - at)
-                keys(at, at + size, rows, points)
+                keys(at, at + size, rows, None)
                 if stopped.is_set() or thread.pair(rows, np.array([[0, size]]), at - first):
                     raise _Scattered
                 if progress is not None and which == 0 and at % _REPORTED == 0:
