@@ -167,8 +167,8 @@ def _certain(fields: PartFields, weight: Weight, analysis: Analysis | None, metr
 
 def _is_uncertain(fields: PartFields, weight: Weight) -> bool:
     stated = weight.density, weight.mass, fields.shell, fields.scale
-    further = fields.sigma, fields.center_of_mass_uncertainty, fields.inertia_uncertainty
-    return any(map(uncertainty_of, stated)) or any(further)
+    further = fields.sigma, fields.center_of_mass_uncertainty
+    return any(map(uncertainty_of, stated)) or any(further) or fields.inertia_uncertainty is not None
 
 
 def _measured(moments: Moments, fields: PartFields, metres: Fraction) -> Moments:
@@ -236,8 +236,9 @@ def _inputs(
         moved = np.zeros((3, 10))
         moved[:, 1:4] = float(metres) * u * mass * np.eye(3)
         yield Input(f"centre of mass of {name}", moved)
-    if u := fields.inertia_uncertainty or 0.0:
-        yield Input(f"tensor of {name}", u * _of_elements(np.eye(6)))
+    if (spread := fields.inertia_uncertainty) is not None and spread.any():
+        each = spread[[0, 1, 2, 0, 0, 1], [0, 1, 2, 1, 2, 2]]
+        yield Input(f"tensor of {name}", _of_elements(np.diag(each)))
     if analysis is not None and analysis.uncertainty is not None:
         yield Input(f"vertices of {name}", _vertex_changes(analysis, fields, weight, mass))
 

@@ -116,6 +116,22 @@ def _matrix(value: Any, path: str) -> Float:
     return matrix
 
 
+_TENSOR = numbers((3, 3), "kg m2")
+
+
+def _spread(value: Any, path: str) -> Float:
+    """Read one figure for all elements of a tensor, or a symmetric matrix of them."""
+    if not isinstance(value, Sequence | np.ndarray):
+        return np.full((3, 3), number("kg m2", negative=False)(value, path))
+    spread: Float = _TENSOR(value, path)
+    if (spread < 0).any() or (spread != spread.T).any():
+        raise FieldError(path, "must be a symmetric matrix of standard uncertainties, none of them negative")
+    return spread
+
+
+_SPREAD = Reader(_spread, {"oneOf": [{"type": "number"}, _TENSOR.schema]})
+
+
 def _sequence(value: Any, path: str) -> str:
     word: str = text(value, path)
     if re.fullmatch(r"[xyz]{1,3}|[XYZ]{1,3}", word) and not re.search(r"(.)\1", word):
@@ -219,7 +235,7 @@ class PartFields(Section):
     scale : 1 with the standard uncertainty of a factor common to all coordinates of the mesh, as "1±0.002"
     scale_of : a name that parts of one common scale share, as of one printer
     center_of_mass_uncertainty : standard uncertainty of each coordinate of the centre of mass as measured
-    inertia_uncertainty : kg m², standard uncertainty of each element of the tensor as measured
+    inertia_uncertainty : kg m², standard uncertainty of every element of the tensor as measured, or (3, 3) of each
     quantity : copies at one and the same place
     at : where its origin lies in the axes of the parent
     quaternion : x, y, z, w, of its axes in those of the parent
@@ -256,7 +272,7 @@ class PartFields(Section):
     scale: Annotated[float | None, estimate("")] = None
     scale_of: Annotated[str | None, text] = None
     center_of_mass_uncertainty: Annotated[float | None, number(_LENGTH, negative=False)] = None
-    inertia_uncertainty: Annotated[float | None, number("kg m2", negative=False)] = None
+    inertia_uncertainty: Annotated[Float | None, _SPREAD] = None
     quantity: Annotated[int, integer(1, _MOST_COPIES)] = 1
     at: Annotated[tuple[Fraction, ...] | None, rationals(3, _LENGTH)] = None
     quaternion: Annotated[Float | None, numbers((4,), "x, y, z, w")] = None
