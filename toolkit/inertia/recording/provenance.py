@@ -2,11 +2,15 @@
 
 from __future__ import annotations
 
-import contextlib
+import base64
 import os
+import tempfile
+import tomllib
 import warnings
+import zlib
+from collections.abc import Iterator
 from dataclasses import replace
-from pathlib import Path
+from pathlib import Path, PurePosixPath
 from typing import Any
 
 from inertia import __version__
@@ -18,20 +22,26 @@ from inertia.dynamics.scene.sections import Settings
 from inertia.errors import ReadError, visible
 from inertia.mesh.part import Part
 
+ENCLOSED = 32 << 20
+"""Bytes of parts and tables that a recording holds at most."""
+
+_OPENED: dict[Path, tuple[tempfile.TemporaryDirectory[str], Path]] = {}  # by recording, and where its scene is
 _SETTINGS = ("duration", "samples", "accuracy", "model", "method")
 _PROPERTIES = "/__properties"
 
 
-def properties_of(subject: Run | Balance, file: Path | None) -> dict[str, dict[str, Any]]:
-    """Return the properties by section; paths are relative to the folder of `file`."""
+def properties_of(subject: Run | Balance) -> dict[str, dict[str, Any]]:
+    """Return the properties by section; no folder of this machine is in them."""
     tool = {"tool": {"name": "inertia", "version": __version__}}
-    return tool | (_of_balance(subject, file) if isinstance(subject, Balance) else _of_run(subject, file))
+    return tool | (_of_balance(subject) if isinstance(subject, Balance) else _of_run(subject))
 
 
-def _of_run(run: Run, file: Path | None) -> dict[str, dict[str, Any]]:
+def _of_run(run: Run) -> dict[str, dict[str, Any]]:
     scene = run.scene
+    text, files = _enclosed(scene)
     return {
-        "scene": {"name": visible(scene.name), "text": scene.source_text, "folder": _folder(scene.name, file)},
+        "scene": {"name": _last(scene.name), "text": text},
+        "files": files,
         "settings": {name: getattr(scene.run, name) for name in _SETTINGS},
         **{name: _source(part) for name, part in _source_sections(scene.body).items()},
         "accuracy": {
@@ -43,10 +53,10 @@ def _of_run(run: Run, file: Path | None) -> dict[str, dict[str, Any]]:
     }
 
 
-def _of_balance(balance: Balance, file: Path | None) -> dict[str, dict[str, Any]]:
+def _of_balance(balance: Balance) -> dict[str, dict[str, Any]]:
     rotor, error = balance.rotor, balance.properties.error
     return {
-        "rotor": {"name": visible(rotor.name), "text": rotor.to_toml(), "folder": _folder(rotor.name, file)},
+        "rotor": {"name": _last(rotor.name), "text": _without_folders(rotor.to_toml())},
         **{name: _source(part) for name, part in _numbered([body.whole for body in balance.bodies]).items()},
         "accuracy": {"method": error.method, "mass": error.mass, "inertia": error.inertia},
         "verdict": {"outcome": balance.verdict.outcome},
@@ -65,7 +75,7 @@ def _numbered(parts: list[Part]) -> dict[str, Part]:
 def _source(part: Part) -> dict[str, Any]:
     source = part.source
     return {
-        "path": source.path and visible(source.path),
+        "path": source.path and _last(source.path),
         "format": source.format,
         "unit": part.unit.name,
         "sha256": source.sha256,
@@ -78,19 +88,80 @@ def _files(part: Part) -> str | None:
     return "\n".join(f"{digest}  {visible(name)}" for name, digest in part.source.files.items()) or None
 
 
-def _folder(name: str, file: Path | None) -> str:
-    """Return where the files are that a scene or a rotor of this name refers to."""
-    folder = str(Path(name).resolve().parent)
-    if file is not None:
-        with contextlib.suppress(ValueError):  # on another drive
-            folder = os.path.relpath(folder, file.resolve().parent)
-    return folder.encode("utf-8", "replace").decode()
+def _last(path: str) -> str:
+    """Return a path without its folders, which are nobody else's business."""
+    return visible(Path(path).name)
+
+
+def _texts(value: Any) -> Iterator[str]:
+    """Yield all texts of a document."""
+    if isinstance(value, str):
+        yield value
+    elif isinstance(value, dict | list):
+        for each in value.values() if isinstance(value, dict) else value:
+            yield from _texts(each)
+
+
+def _without_folders(text: str) -> str:
+    """Return a document whose absolute paths are names."""
+    for each in set(_texts(tomllib.loads(text))):
+        if Path(each).is_absolute():
+            text = text.replace(each, Path(each).name)
+    return text
+
+
+def _enclosed(scene: Scene) -> tuple[str | None, dict[str, str]]:
+    """Return the text of a scene, and all files that it names or these refer to: path seen from it, and contents."""
+    text = scene.source_text
+    if text is None:
+        return None, {}
+    folder = _folder_of(scene.name)
+    parts = [part for part in (scene.body.part, *scene.body.meshes) if part is not None and part.source.path]
+    beside = {Path(part.source.path or "").resolve(): part.source.files for part in parts}
+    found = {}
+    for value in _texts(tomllib.loads(text)):
+        file = folder / value
+        if Path(value).suffix and file.is_file():
+            near = Path(Path(value).name if Path(value).is_absolute() else value)
+            found[near.as_posix()] = file
+            for name in beside.get(file.resolve(), ()):
+                found[(near.parent / name).as_posix()] = file.parent / name
+    whole = [path for path in found.values() if path.is_file()]
+    if sum(path.stat().st_size for path in whole) > ENCLOSED or len(whole) < len(found):
+        found = {}
+    files = {}
+    for k, (name, path) in enumerate(found.items(), 1):
+        files[f"path_{k}"] = name
+        files[f"contents_{k}"] = base64.b64encode(zlib.compress(path.read_bytes())).decode()
+    return _without_folders(text), files
+
+
+def _folder_of(name: str) -> Path:
+    """Return where the files are that a scene of this name refers to."""
+    opened = _OPENED.get(Path(name).resolve())
+    return Path(name).resolve().parent if opened is None else opened[1]
+
+
+def _opened(name: str, files: dict[str, str]) -> Path:
+    """Write the files of a recording to a folder that lasts as long as the program, and return it."""
+    root = tempfile.TemporaryDirectory(prefix="inertia-")
+    names = [files[f"path_{k}"] for k in range(1, len(files) // 2 + 1)]
+    folder = Path(root.name).resolve().joinpath(*"d" * max(PurePosixPath(each).parts.count("..") for each in names))
+    for k, each in enumerate(names, 1):
+        path = Path(os.path.normpath(folder / each))
+        if not path.is_relative_to(Path(root.name).resolve()):
+            raise ReadError(f"cannot read {name}: a file in it wants to be outside of it: simulate its scene anew")
+        path.parent.mkdir(parents=True, exist_ok=True)
+        path.write_bytes(zlib.decompress(base64.b64decode(files[f"contents_{k}"])))
+    folder.mkdir(parents=True, exist_ok=True)
+    _OPENED[Path(name).resolve()] = root, folder
+    return folder
 
 
 def scene_of(file: str | os.PathLike[str]) -> Scene:
     """Return the scene of a recording, with the settings that it was run with.
 
-    Parts and tables are looked for where they were, seen from the recording.
+    Parts and tables come out of the recording; those of more than `ENCLOSED` bytes are looked for beside it.
 
     Raises
     ------
@@ -100,14 +171,15 @@ def scene_of(file: str | os.PathLike[str]) -> Scene:
     name = os.fspath(file)
     sections = properties(file)
     table, settings = sections.get("scene", {}), sections.get("settings", {})
-    if "folder" not in table:
+    if not table:
         raise ReadError(f"cannot read {name}: it is no recording of a run: simulate its scene and record that")
     if "text" not in table:
         raise ReadError(
             f"cannot read {name}: its scene has a torque that was given in Python as a function or a table: simulate "
             "it from there"
         )
-    folder = Path(name).resolve().parent / table["folder"]
+    enclosed = sections.get("files")
+    folder = _opened(name, enclosed) if enclosed else Path(name).resolve().parent / table.get("folder", ".")
     scene = Scene.loads(table["text"], folder, name)
     for section, part in _source_sections(scene.body).items():
         recorded = sections.get(section, {})

@@ -54,7 +54,7 @@ def record(
 
     def write(recording: Recording) -> None:
         recording.name(screen.name)
-        for name, values in properties_of(subject, file).items():
+        for name, values in properties_of(subject).items():
             recording.properties(name, values)
         recording.properties("timeline", {"second_s": screen.second})
         screen.write(recording)
