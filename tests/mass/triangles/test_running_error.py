@@ -1,4 +1,4 @@
-"""The bounds for few triangles hold whatever the sums come from, are near the error, and are used up to a size."""
+"""The bounds from a second evaluation hold whatever the sums come from, are near the error, and are used up to a size."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from tests.benchmarks.meshes import wavy_torus
 from tests.mesh.solids import facets
 
 from inertia.mass.moments import Moments
-from inertia.mass.triangles import running_error
+from inertia.mass.triangles import arithmetic, running_error
 from inertia.mass.triangles.arithmetic import solid_moments
 from inertia.mass.triangles.moments_from_sums import moments_of
 from inertia.mass.triangles.running_error import FEW, running_bounds
@@ -250,10 +250,46 @@ def test_up_to_the_limit_the_nearer_bound_counts(stored: Callable[[Surface], Tri
     assert all(3 * near < far for near, far in zip(bounds_of(moments), bounds_of(plain), strict=True))
 
 
-def test_beyond_the_limit_the_bound_costs_nothing(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(
-        "inertia.mass.triangles.arithmetic.running_bounds", lambda *_: pytest.fail("the triangles were gone through")
-    )
+@pytest.mark.parametrize("stored", [facets, lambda surface: surface], ids=["facets", "surface"])
+def test_beyond_the_limit_sums_of_more_digits_say_how_far_off_they_are(stored: Callable[[Surface], Triangles]) -> None:
+    triangles = stored(Surface(*ABOVE))
+    moments, plain = solid_moments(triangles, "float64"), moments_of(sum_triangles(triangles))
+    assert (moments.zeroth, moments.first, moments.second) == (plain.zeroth, plain.first, plain.second)
+    assert all(30 * near < far for near, far in zip(bounds_of(moments), bounds_of(plain), strict=True))
+
+
+def test_of_very_many_triangles_the_bound_costs_nothing(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(arithmetic, "MANY", len(ABOVE[1]) - 1)
+    monkeypatch.setattr(arithmetic, "running_bounds", lambda *_: pytest.fail("the triangles were gone through"))
+    monkeypatch.setattr(arithmetic, "distances", lambda *_: pytest.fail("the triangles were gone through"))
+    triangles = Surface(*ABOVE)
+    assert solid_moments(triangles, "float64") == moments_of(sum_triangles(triangles))
+
+
+@pytest.mark.parametrize("compiled", [True, False])
+@pytest.mark.parametrize("shape", [(1, 1, 1), (1, 1, 1e-3), (1, 1e-2, 1), (1, 1e-3, 1e-3)])
+def test_bounds_of_more_triangles_are_near_the_error_in_any_shape(
+    shape: tuple[float, float, float], compiled: bool, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    if not compiled:
+        monkeypatch.setenv("INERTIA_NATIVE", "0")
+    vertices, faces = wavy_torus(1500)
+    for seed, offset in ((1, 0.0), (2, 30.0)):
+        triangles = Surface(placed(vertices * shape, seed, 0.0, offset, 1.0), faces)
+        moments = solid_moments(triangles, "float64")
+        exact = rational.moments(triangles.corners()).moved(*(-k for k in moments.origin))
+        true = [exact.volume, *exact.first, *exact.second]
+        values = [moments.zeroth, *moments.first, *moments.second]
+        for value, expected, bound in zip(values, true, bounds_of(moments), strict=True):
+            assert abs(value - expected) <= bound <= 1.001 * abs(value - expected) + F(1, 10**25)
+
+
+@pytest.mark.parametrize("kind", ["overflow", "not a number"])
+def test_where_more_digits_leave_float64_the_plain_bound_counts(kind: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    def off(*_: object) -> None:
+        raise OverflowError if kind == "overflow" else ValueError
+
+    monkeypatch.setattr(arithmetic.double_double, "sum_in_double_double", off)
     triangles = Surface(*ABOVE)
     assert solid_moments(triangles, "float64") == moments_of(sum_triangles(triangles))
 

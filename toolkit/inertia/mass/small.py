@@ -2,8 +2,8 @@
 
 What is read first, volume, mass, centre of mass and tensor, are quotients of integers made of the float64 sums, each
 rounded once, so that they have the bits that `inertia.mass.analyse` gives them. Its bounds are formed where they are
-read. That the volume and the principal moments are certain to a part in 10⁹, as there, is known beforehand: the sums
-are formed in double-double, too, and how far the two are apart bounds what the first are off by.
+read. Where the roughest of them do not say that the volume and the principal moments are certain to a part in 10⁹, as
+there, it is asked.
 """
 
 from __future__ import annotations
@@ -16,8 +16,10 @@ from math import inf
 import numpy as np
 
 from inertia.arrays import Bool, Float, Int
+from inertia.errors import GeometryError
 from inertia.mass.properties import CERTAIN, MassProperties
 from inertia.mass.triangles.arithmetic import METHODS, solid_moments
+from inertia.mass.triangles.moments_from_sums import FLOAT64
 from inertia.mass.triangles.sums import SUMS, Sums
 from inertia.mesh.geometry.simple import MOST, at_hand, place, simple
 from inertia.mesh.part import Surface
@@ -27,9 +29,6 @@ from inertia.units import Unit
 _KERNEL = Kernel("inertia.mass.triangles.small_kernel", "sum_small", "pipipippp")
 _COLUMNS = 3 + SUMS + 6 + 20
 _ROOM = 48 * 32 + 8
-
-_A_PRIORI = 1e-28
-"""More than 70 roundings of double-double, 2⁻¹⁰³ each: no term of the sums passes through more."""
 
 _ROUNDOFF = 2.0**-53
 _INFLATED = 1.0 + 1e-9
@@ -78,51 +77,54 @@ def small_properties(surface: Surface, unit: Unit, density: float) -> MassProper
     rows, usable = small_sums(vertices, faces, np.array([[0, len(vertices), 0, len(faces)]]))
     if not usable[0]:
         return None
-    row = rows[0].tolist()
-    if not _certain(row):
+    row, own = rows[0].tolist(), rows[0]
+    sums = Sums(own[:3], 0, own[3 : 3 + SUMS], own[3 + SUMS : 6 + SUMS], own[6 + SUMS : 9 + SUMS], len(faces))
+    solid = SmallSolid(vertices.copy(), faces.copy(), sums, unit, density)  # which may be written to meanwhile
+    if not row[3] > 0:
         return None
+    if not _certain(row, len(faces)):
+        try:
+            whole = solid.properties()
+        except GeometryError:
+            return None
+        return whole if whole.error.volume <= CERTAIN and whole.moments_within(CERTAIN) else None
     try:
         mass, volume, center, tensor = _rounded(row, unit.metres, density)
     except OverflowError:
         return None
     if not (0 < mass < inf and 0 < volume < inf and min(tensor[0], tensor[4], tensor[8]) > 0):
         return None
-    own = rows[0]
-    sums = Sums(own[:3], 0, own[3 : 3 + SUMS], own[3 + SUMS : 6 + SUMS], own[6 + SUMS : 9 + SUMS], len(faces))
-    solid = SmallSolid(vertices.copy(), faces.copy(), sums, unit, density)  # which may be written to meanwhile
     return MassProperties.of_small(mass, volume, np.array(center), np.array(tensor).reshape(3, 3), solid)
 
 
-def _certain(row: Sequence[float]) -> bool:
+def _certain(row: Sequence[float], count: int) -> bool:
     """Say whether the volume and each principal moment are certain to a part in 10⁹, and the tensor is physical.
 
-    The test is that of `MassProperties.moments_within`, with a bound on the tensor's error that is never smaller.
+    The test is that of `MassProperties.moments_within`, with a bound on the tensor's error that is never smaller: of
+    what `inertia.mass.triangles.moments_from_sums` says, with every triangle as far out as the farthest.
     """
-    sums, low, high, accurate = row[3:16], row[16:19], row[19:22], row[22:]
-    v, origin = sums[0], row[:3]
+    sums, low, high, origin = row[3:16], row[16:19], row[19:22], row[:3]
+    v = sums[0]
     reach = max(max(o - a, b - o) for o, a, b in zip(origin, low, high, strict=True))
-    size = _A_PRIORI * (sums[10] + sums[12])
-    apart = [abs((s - h) - l) for s, h, l in zip(sums, accurate[::2], accurate[1::2], strict=False)]
-    off = apart[0] + size
-    if not CERTAIN * v > 2 * off:
+    size = (FLOAT64.normal + FLOAT64.bracket + FLOAT64.across(count) + 2) * _ROUNDOFF * (sums[10] + sums[12]) / v
+    if not 2 * size < CERTAIN:  # a volume of zero or below has an infinite or negative one
         return False
     x, y, z = (k / (4 * v) for k in sums[1:4])
     far = max(abs(x), abs(y), abs(z))
-    first = 6 * ((max(apart[1:4]) + 3 * reach * size) / 24 + far * off / 6) / v  # of the centre
-    second = 6 * (max(apart[4:10]) / 60 + 12 * reach * reach * size) / v
-    bound = 5 * (second + 3 * far * first + first * first) * _INFLATED
+    first = 0.75 * reach * size + far * size  # of the centre
+    second = 0.6 * reach * reach * size
     xx, yy, zz = (k / (10 * v) - c * c for k, c in zip(sums[4:7], (x, y, z), strict=True))
     yz, zx, xy = sums[7] / (20 * v) - y * z, sums[8] / (20 * v) - z * x, sums[9] / (20 * v) - x * y
     trace = 2 * (xx + yy + zz)
-    if not (xx > 0 and yy > 0 and zz > 0 and trace > 0):
+    if not trace > 0:
         return False
-    xx, yy, zz, yz, zx, xy, error = (k / trace for k in (xx, yy, zz, yz, zx, xy, bound))
+    error = 5 * (second + 3 * far * first + 2 * first * first) * _INFLATED / trace + 8 * _ROUNDOFF
+    xx, yy, zz, yz, zx, xy = (k / trace for k in (xx, yy, zz, yz, zx, xy))
     # Of the second moments: positive as they are those of some body, whose tensor then keeps to the triangle rule.
     body = xx * (yy * zz - yz * yz) - xy * (xy * zz - yz * zx) + zx * (xy * yz - yy * zx)
     a, b, c = yy + zz, zz + xx, xx + yy
     determinant = a * (b * c - yz * yz) - xy * (xy * c + yz * zx) - zx * (xy * yz + b * zx)
-    error = 2 * error + 8 * _ROUNDOFF
-    return body > 3 * error + 1e-14 and 27 * error < CERTAIN * (determinant - 1e-13)
+    return body > 3 * error + 1e-14 and 2 * error < CERTAIN * (determinant - 1e-13)
 
 
 def _rounded(row: Sequence[float], metres: Fraction, density: float) -> tuple[float, float, list[float], list[float]]:

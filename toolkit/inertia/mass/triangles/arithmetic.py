@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
+from contextlib import suppress
 from typing import Literal
 
-from inertia.arrays import Progress
+import numpy as np
+
+from inertia.arrays import Float, Progress
 from inertia.mass.moments import Moments
 from inertia.mass.rounding import as_written, shell_as_written
 from inertia.mass.triangles import double_double, exact
-from inertia.mass.triangles.moments_from_sums import moments_of, moments_with_bounds
+from inertia.mass.triangles.moments_from_sums import distances, moments_of, moments_with_bounds
 from inertia.mass.triangles.running_error import FEW, running_bounds
 from inertia.mass.triangles.sums import Sums, sum_triangles
 from inertia.mesh.part import Rounding, Triangles
@@ -20,6 +23,9 @@ METHODS: dict[Arithmetic, str] = {
     "double-double": double_double.METHOD,
     "exact": exact.METHOD,
 }
+
+MANY = 200_000
+"""Triangles up to which float64 sums are compared with double-double ones: a thirtieth of looking for crossings."""
 
 FINEST = 1.2e-16
 """Smallest relative accuracy that results in float64 can have: their rounding is up to 1.1e-16."""
@@ -54,9 +60,20 @@ def solid_moments(
     if sums is None:
         sums = sum_triangles(triangles)
     if arithmetic == "float64":
-        return moments_of(sums, running=running_bounds(triangles, sums) if triangles.count <= FEW else None)
+        return moments_of(sums, running=_measured(triangles, sums, progress))
     values = double_double.sum_in_double_double(triangles, sums, progress)
     return moments_with_bounds(values, sums, double_double.ROUNDINGS)
+
+
+def _measured(triangles: Triangles, sums: Sums, progress: Progress | None) -> Float | None:
+    """Return bounds on the errors of float64 sums that are near them; None where they would cost too much."""
+    if triangles.count <= FEW:
+        return running_bounds(triangles, sums)
+    if triangles.count > MANY:
+        return None
+    with np.errstate(over="ignore", invalid="ignore"), suppress(OverflowError, ValueError):  # beyond float64
+        return distances(sums, double_double.sum_in_double_double(triangles, sums, progress), double_double.ROUNDINGS)
+    return None
 
 
 def shell_moments(

@@ -38,6 +38,7 @@ _KERNEL = BlockKernel(
     Kernel("inertia.mass.triangles.double_double_kernel", "sum_facets", "pi" + "ddd" + "pp"),
     Kernel("inertia.mass.triangles.double_double_kernel", "sum_faces", "ppi" + "ddd" + "pp"),
     columns=2 * _TERMS,
+    cost=2,
 )
 _CHUNK = 32 * BLOCK
 

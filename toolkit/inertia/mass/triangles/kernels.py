@@ -20,16 +20,20 @@ _FACETS_CHUNK, _FACES_CHUNK = 32 * BLOCK, 256 * BLOCK  # records may be read fro
 
 @dataclass(frozen=True)
 class BlockKernel:
-    """The two forms of a kernel, for binary STL records and for faces over vertices, and the columns of its rows."""
+    """The two forms of a kernel, for binary STL records and for faces over vertices, and the columns of its rows.
+
+    `cost` is what its work on a triangle counts for where the question is whether compiling or loading it pays.
+    """
 
     facets: Kernel
     faces: Kernel
     columns: int
+    cost: int = 1
 
     def worthwhile(self, triangles: Triangles) -> bool:
         """Say whether the work repays compiling or loading the form that these triangles need."""
         kernel = self.facets if isinstance(triangles, Facets) else self.faces
-        return kernel.worthwhile(triangles.count)
+        return kernel.worthwhile(self.cost * triangles.count)
 
     def rows(self, triangles: Triangles, frame: tuple[float, ...]) -> Iterator[tuple[int, Float]]:
         """Yield the number of triangles done so far and the rows of the blocks that it took, (blocks, columns)."""

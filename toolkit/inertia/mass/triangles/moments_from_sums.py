@@ -49,11 +49,11 @@ def moments_of(sums: Sums, *, surface: bool = False, running: Float | None = Non
 
     For a solid, V = Σd/6, ∫x = Σd s/24, ∫x xᵀ = Σd(…)/120 (twice that on the diagonal); for a shell, with |n| for d,
     A = Σ|n|/2, ∫x = Σ|n|s/6, ∫x xᵀ = Σ|n|(…)/24. The bounds are the a-priori ones of `moments_with_bounds`, or those of
-    `inertia.mass.triangles.running_error` where they are smaller.
+    a second evaluation where they are smaller.
 
     Parameters
     ----------
-    running : (10,) bounds of `inertia.mass.triangles.running_error` for the same triangles, where they are at hand
+    running : (10,) such bounds, of `inertia.mass.triangles.running_error` or `distances`, where they are at hand
     """
     values = tuple(map(Fraction, sums.sums[:10].tolist()))
     return moments_with_bounds(values, sums, FLOAT64, surface=surface, running=running)
@@ -89,8 +89,7 @@ def moments_with_bounds(
     """
     shrink = Fraction(2) ** -sums.exponent
     origin = vector(Fraction(float(k)) for k in sums.origin)
-    farthest = np.maximum(np.abs(sums.high - sums.origin), np.abs(sums.low - sums.origin))
-    reach = (np.ldexp(farthest, sums.exponent) * _INFLATED).tolist()
+    reach = _reach(sums)
     tiny = sums.count * (2.0**-500 if surface else 100 * 2.0**-1022) * max(1.0, *reach) ** 4
     bounds = _bounds(value, sums, roundings, reach)
     if running is not None:
@@ -110,6 +109,24 @@ def moments_with_bounds(
         vector(first_factor * k for k in others[:3]),
         six(second_factor * k for k in others[3:]),
     )
+
+
+def distances(sums: Sums, accurate: Sequence[Fraction], roundings: Roundings) -> Float:
+    """Return bounds (10,) on the errors of Σd, Σd s and Σd(…) of a solid, twice that on the diagonal.
+
+    They are the distances from sums of more digits, and the a-priori bounds on the errors of these.
+    """
+    bounds = _bounds(accurate, sums, roundings, _reach(sums))
+    apart = (abs(Fraction(k) - exact) for k, exact in zip(sums.sums[:10].tolist(), accurate, strict=True))
+    times = (1, 1, 1, 1, 2, 2, 2, 1, 1, 1)
+    return np.array([t * float(k) + bound for t, k, bound in zip(times, apart, bounds, strict=True)])
+
+
+def _reach(sums: Sums) -> list[float]:
+    """Return the largest distances from the origin along the axes, in the scaled frame."""
+    farthest = np.maximum(np.abs(sums.high - sums.origin), np.abs(sums.low - sums.origin))
+    reach: list[float] = (np.ldexp(farthest, sums.exponent) * _INFLATED).tolist()
+    return reach
 
 
 _INFLATED = 1.0 + 1e-9
