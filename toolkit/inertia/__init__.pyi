@@ -31,6 +31,8 @@ from inertia.mesh.repairs.simplify import halvings as halvings
 # A part is integrated to its mass properties.
 from inertia.mass.analyse import mass_properties as mass_properties
 from inertia.mass.analyse import analyse as analyse
+from inertia.mass.many import many as many
+from inertia.mass.many import Many as Many
 from inertia.mass.analysis import Analysis as Analysis
 from inertia.mass.properties import MassProperties as MassProperties
 from inertia.mass.properties import ErrorBound as ErrorBound

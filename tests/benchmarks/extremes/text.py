@@ -49,6 +49,7 @@ def text(document: dict[str, Any]) -> str:
         sweep="\n\n".join(f"{rung}:\n\n{_sweep(counts[rung])}" for rung in RUNGS),
         typical=", ".join(f"{rung} {_typical(counts[rung])}" for rung in RUNGS),
         few=FEW,
+        many=MANY,
         bodies=BODIES,
         growth=_growth(document["growth"]),
         refused=", ".join(f"{rung} {counts['refused'][rung]}" for rung in RUNGS),

@@ -1,4 +1,4 @@
-"""The bounds from a second evaluation hold whatever the sums come from, are near the error, and are used up to a size."""
+"""Bounds from a second evaluation hold whatever the sums come from, are near the error, and are used up to a size."""
 
 from __future__ import annotations
 

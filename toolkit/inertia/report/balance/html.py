@@ -151,7 +151,7 @@ def _rotor_facts(data: ReportData) -> Iterator[tuple[str, str]]:
     yield "Mass", f"{plain(data.initial.mass, 4)} kg"
     yield "Centre of mass", f"z = {plain(data.initial.z, 3)} mm"
     if tilt.certain:
-        leans = math.degrees(tilt.direction) % 360.0
+        leans = round(math.degrees(tilt.direction), 1) % 360.0
         yield "Principal axis", f"{fixed(math.degrees(tilt.angle), 3)}° from the shaft, toward {fixed(leans, 1)}°"
     yield "Unbalance", f"{data.initial.kind} before, {data.residual.kind} after"
 

@@ -1,0 +1,118 @@
+"""Small parts in memory: microseconds of CPU time each, beside trimesh, and how far the bounds are above the error.
+
+A program: ``python -m tests.benchmarks.small``.
+"""
+
+from __future__ import annotations
+
+import sys
+import time
+from collections.abc import Callable
+from fractions import Fraction
+from statistics import median
+
+import numpy as np
+
+import inertia
+from inertia.mass.triangles.arithmetic import solid_moments
+from inertia.mesh.part import Surface
+
+from .meshes import Faces, Vertices, wavy_torus
+
+COUNTS = (60, 200, 1000)
+MEASURED = (200, 2_000, 20_000, 180_000)
+SHAPES = {"torus": (1, 1, 1), "plate": (1, 1, 1e-3), "wall": (1, 1e-2, 1), "needle": (1, 1e-3, 1e-3)}
+MESHES = 500
+ROUNDS = 7
+
+
+def microseconds(call: Callable[[], object], times: int) -> float:
+    """Return the least CPU time of `ROUNDS` runs, of each of so many answers in it."""
+    call()
+    runs = []
+    for _ in range(ROUNDS):
+        begin = time.process_time()
+        call()
+        runs.append(time.process_time() - begin)
+    return 1e6 * min(runs) / times
+
+
+def speed(count: int) -> dict[str, float]:
+    """Return the microseconds that each way takes for a mesh of about so many triangles."""
+    import trimesh
+
+    vertices, faces = wavy_torus(count)
+    sizes = np.random.default_rng(0).uniform(0.5, 2.0, MESHES)
+    several = sizes[:, None, None] * vertices
+    corners = [each[faces] for each in several]
+
+    def ours() -> list[float]:
+        return [inertia.mass_properties(inertia.Part.from_arrays(each, faces)).mass for each in several]
+
+    def with_bounds() -> list[float]:
+        return [inertia.mass_properties(inertia.Part.from_arrays(each, faces)).error.mass for each in several[:50]]
+
+    def analysed() -> list[float]:
+        return [inertia.analyse(inertia.Part.from_arrays(each, faces)).properties.mass for each in several[:50]]
+
+    def core() -> list[float]:
+        return [float(trimesh.triangles.mass_properties(each).mass) for each in corners]
+
+    def checked() -> list[bool]:
+        return [bool(trimesh.Trimesh(each, faces).is_volume) for each in several[:50]]
+
+    return {
+        "`inertia.many`": microseconds(lambda: inertia.many(several, faces), MESHES),
+        "`inertia.mass_properties`": microseconds(ours, MESHES),
+        "... and its bounds read": microseconds(with_bounds, 50),
+        "`inertia.analyse`": microseconds(analysed, 50),
+        "trimesh, sums alone": microseconds(core, MESHES),
+        "trimesh, closed and wound": microseconds(checked, 50),
+    }
+
+
+def placed(vertices: Vertices, shape: tuple[float, ...], seed: int) -> Vertices:
+    """Return a mesh stretched, turned and moved off."""
+    rng = np.random.default_rng(seed)
+    turned: Vertices = (vertices * shape) @ np.linalg.qr(rng.normal(size=(3, 3)))[0] + rng.normal(size=3)
+    return turned
+
+
+def ratio(vertices: Vertices, faces: Faces) -> float:
+    """Return the bound over the error, the median of the ten moments that are off; stop where one is below it."""
+    surface = Surface(vertices, faces)
+    moments, exact = solid_moments(surface, "float64"), solid_moments(surface, "exact")
+    exact = exact.about(moments.origin)
+    ratios = []
+    for value, true, bound in zip(
+        (moments.zeroth, *moments.first, *moments.second),
+        (exact.zeroth, *exact.first, *exact.second),
+        (moments.zeroth_bound, *moments.first_bound, *moments.second_bound),
+        strict=True,
+    ):
+        if abs(value - true) > bound:
+            sys.exit(f"{len(faces)} triangles: off by {float(abs(value - true)):g}, the bound is {float(bound):g}")
+        if value != true:
+            ratios.append(float(bound / Fraction(abs(value - true))))
+    return median(ratios)
+
+
+def main() -> None:
+    """Print both tables."""
+    print("| microseconds a mesh |" + "".join(f" {len(wavy_torus(count)[1])} triangles |" for count in COUNTS))
+    print("|---|" + "---:|" * len(COUNTS))
+    columns = [speed(count) for count in COUNTS]
+    for name in columns[0]:
+        print(f"| {name} |" + "".join(f" {column[name]:.1f} |" for column in columns))
+    print("\n| bound over error, moments |" + "".join(f" {count:,} |" for count in MEASURED))
+    print("|---|" + "---:|" * len(MEASURED))
+    for name, shape in SHAPES.items():
+        row = []
+        for count in MEASURED:
+            vertices, faces = wavy_torus(count)
+            row.append(ratio(placed(vertices, shape, count), faces))
+        print(f"| {name} |" + "".join(f" {value:.3g} |" for value in row))
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,138 @@
+"""Many small meshes at once: within their bounds of the exact moments, and one that is refused stops no other."""
+
+from __future__ import annotations
+
+from fractions import Fraction
+
+import numpy as np
+import pytest
+from tests.benchmarks.extremes.cases import ball
+from tests.benchmarks.meshes import wavy_torus
+
+import inertia
+from inertia.errors import UsageError
+from inertia.mass.small import small_sums
+from inertia.mesh.geometry import simple as passes
+from inertia_meshes import rational
+
+F = Fraction
+Mesh = tuple[np.ndarray, np.ndarray]
+
+
+def shaped(seed: int) -> Mesh:
+    """Return a ball or torus that is noisy, stretched to a plate, wall or needle, turned and moved off."""
+    rng = np.random.default_rng(seed)
+    vertices, faces = ball(seed % 3) if seed % 2 else wavy_torus(int(rng.integers(60, 300)))
+    vertices = vertices * (1.0 + 1e-3 * rng.normal(size=(len(vertices), 1))) * rng.choice([1.0, 0.1, 0.02], size=3)
+    turn = np.linalg.qr(rng.normal(size=(3, 3)))[0]
+    turn[0] *= np.sign(np.linalg.det(turn))
+    return vertices @ turn + rng.normal(size=3) * rng.choice([0.0, 1.0, 100.0]), np.asarray(faces, np.int64)
+
+
+def norm(values: list[Fraction]) -> Fraction:
+    return sum((k * k for k in values), F(0))
+
+
+def test_each_figure_is_within_its_bound_of_the_exact_one() -> None:
+    meshes = [shaped(seed) for seed in range(40)]
+    density = np.linspace(0.5, 3.0, len(meshes))
+    answer = inertia.many([v for v, _ in meshes], [f for _, f in meshes], density, unit="mm")
+    assert answer.answered.all()
+    assert answer.refusals == {}
+    for k, (vertices, faces) in enumerate(meshes):
+        f, weight = F(1, 1000), F(float(density[k]))
+        exact = rational.moments(vertices[faces])
+        volume = exact.volume * f**3
+        centre = [x / exact.volume * f for x in exact.first]
+        xx, yy, zz, yz, zx, xy = (
+            weight * (s * f**5 - centre[i] * centre[j] * volume)
+            for s, (i, j) in zip(exact.second, ((0, 0), (1, 1), (2, 2), (1, 2), (2, 0), (0, 1)), strict=True)
+        )
+        tensor = [yy + zz, -xy, -zx, -xy, zz + xx, -yz, -zx, -yz, xx + yy]
+        assert abs(F(answer.volume[k]) - volume) <= F(answer.volume_error[k]) * volume
+        assert abs(F(answer.mass[k]) - weight * volume) <= F(answer.volume_error[k]) * weight * volume
+        off = norm([F(a) - b for a, b in zip(answer.center_of_mass[k].tolist(), centre, strict=True)])
+        assert off <= F(answer.center_of_mass_error[k]) ** 2
+        off = norm([F(a) - b for a, b in zip(answer.inertia[k].ravel().tolist(), tensor, strict=True)])
+        assert off <= F(answer.inertia_error[k]) ** 2 * norm(tensor)
+        assert answer.volume_error[k] < 1e-11
+        assert answer.inertia_error[k] < 1e-9
+
+
+def test_the_figures_are_those_of_one_mesh_by_itself() -> None:
+    meshes = [shaped(seed) for seed in range(30)]
+    answer = inertia.many([v for v, _ in meshes], [f for _, f in meshes], 7850.0)
+    for k, mesh in enumerate(meshes):
+        one = inertia.mass_properties(inertia.Part.from_arrays(*mesh), 7850.0)
+        assert answer.volume[k] == pytest.approx(one.volume, rel=one.error.volume + answer.volume_error[k])
+        off = np.linalg.norm(answer.inertia[k] - one.inertia) / np.linalg.norm(one.inertia)
+        assert off <= one.error.inertia + answer.inertia_error[k]
+
+
+@pytest.mark.skipif(not passes.at_hand(), reason="without compiled kernels each mesh goes its way alone")
+def test_small_simple_meshes_are_answered_in_one_pass(monkeypatch: pytest.MonkeyPatch) -> None:
+    vertices, faces = ball(2)
+    sizes = np.arange(1.0, 9.0)
+    monkeypatch.setattr("inertia.mass.many.mass_properties", lambda *_: pytest.fail("a mesh went its way alone"))
+    answer = inertia.many(sizes[:, None, None] * vertices, faces)
+    assert answer.mass / answer.mass[0] == pytest.approx(sizes**3, rel=1e-14)
+    assert answer.inertia[:, 0, 0] / answer.inertia[0, 0, 0] == pytest.approx(sizes**5, rel=1e-14)
+
+
+def test_a_mesh_that_is_refused_stops_no_other() -> None:
+    vertices, faces = ball(1)
+    gone = faces.copy()
+    gone[0, 0] = len(vertices)
+    bad = vertices.copy()
+    bad[2, 2] = np.nan
+    meshes = [
+        (vertices, faces), (vertices, faces[1:]), (vertices, gone), (bad, faces), (vertices[:, :2], faces),
+        ([["a", "b", "c"]], faces), (vertices, faces[:0]), (vertices, faces[:, ::-1]), (vertices, faces),
+    ]  # fmt: skip
+    answer = inertia.many([v for v, _ in meshes], [f for _, f in meshes])
+    assert np.flatnonzero(answer.answered).tolist() == [0, 8]
+    assert sorted(answer.refusals) == [1, 2, 3, 4, 5, 6, 7]
+    assert answer.mass[0] == answer.mass[8]
+    assert np.isnan(answer.inertia[1:8]).all()
+    assert "open" in answer.refusals[1]
+    assert "names vertex" in answer.refusals[2]
+    assert "shape" in answer.refusals[4]
+    assert "inside out" in answer.refusals[7]
+
+
+def test_what_is_large_slender_or_of_several_bodies_goes_its_way_alone() -> None:
+    vertices, faces = ball(1)
+    two = np.concatenate([vertices, vertices + 3.0]), np.concatenate([faces, faces + len(vertices)])
+    needle = vertices * [1.0, 1e-9, 1e-9]
+    meshes = [wavy_torus(2000), two, (needle, faces)]
+    answer = inertia.many([v for v, _ in meshes], [f for _, f in meshes])
+    for k, (points, corners) in enumerate(meshes):
+        one = inertia.mass_properties(inertia.Part.from_arrays(points, corners))
+        assert (answer.mass[k], answer.inertia[k].tolist()) == (one.mass, one.inertia.tolist())
+        assert answer.inertia_error[k] == one.error.inertia
+
+
+def test_no_mesh_at_all_is_an_empty_answer() -> None:
+    answer = inertia.many([], [])
+    assert (answer.mass.shape, answer.inertia.shape, answer.refusals) == ((0,), (0, 3, 3), {})
+
+
+@pytest.mark.parametrize(
+    ("arguments", "said"),
+    [
+        (([[[0, 0, 0]]], [[[0, 0, 0]], [[0, 0, 0]]]), "1 arrays of vertices and 2 of faces"),
+        (([[[0, 0, 0]]], [[0, 0, 0]], [1.0, 2.0]), "one number or 1 of them"),
+        (([[[0, 0, 0]]], [[0, 0, 0]], -1.0), "density is -1"),
+    ],
+)
+def test_what_cannot_be_meant_is_said(arguments: tuple[object, ...], said: str) -> None:
+    with pytest.raises(UsageError, match=said):
+        inertia.many(*arguments)  # type: ignore[arg-type]
+
+
+def test_rows_of_what_is_not_simple_are_not_read() -> None:
+    if not passes.at_hand():
+        return
+    vertices, faces = ball(0)
+    table = np.array([[0, len(vertices), 0, len(faces)], [0, len(vertices), 1, len(faces) - 1]])
+    assert small_sums(vertices, np.asarray(faces, np.int64), table)[1].tolist() == [True, False]
