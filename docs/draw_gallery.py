@@ -68,9 +68,7 @@ def main(names: list[str]) -> None:
             if not names or name in names:
                 recorded(file, recording)
                 inertia.export_picture(recording, drawn, at=instant, size=SIZE, force=True)
-                few = (
-                    Image.open(drawn).quantize(256, Image.Quantize.MAXCOVERAGE, dither=Image.Dither.NONE).convert("RGB")
-                )
+                few = Image.open(drawn).quantize(256, Image.Quantize.MAXCOVERAGE, kmeans=1).convert("RGB")
                 few.save(FOLDER / f"{name}.webp", lossless=True, method=6)
                 print(name, flush=True)
         if not names or "flip" in names:
