@@ -403,3 +403,43 @@ def test_a_plot_that_cannot_be_drawn_is_refused_before_the_run(
     code, out, err = run(capsys, "simulate", file, *words)
     assert (code, out) == (2, "")
     assert says in err
+
+
+_HEAVY = 'mass = 2.0\ncenter_of_mass = [0.0, 0.0, 0.3]\n[[load]]\nkind = "gravity"\n[constraint]\n'
+_NOTHING = {
+    "zero energy, hanging at rest": ("0, 0, 0", "[1, 1, 1.5]", _HEAVY + 'kind = "fixed_point"', "[1, 0, 0, 0]"),
+    "upright at rest": ("0, 0, 0", "[1, 1, 1.5]", _HEAVY + 'kind = "fixed_point"', "[0, 0, 0, 1]"),
+    "a pendulum upright at rest": ("0, 0, 0", "[1, 2, 3]", _HEAVY + 'kind = "hinge"\naxis = [1, 0, 0]', "[0, 0, 0, 1]"),
+    "an axle at rest": (
+        "0, 0, 0",
+        "[1, 2, 3]",
+        _HEAVY + 'kind = "hinge"\naxis = [0, 0, 1]\nstiffness = 1',
+        "[0, 0, 0, 1]",
+    ),
+    "a ball at rest": ("0, 0, 0", "[1, 1, 1]", _HEAVY + 'kind = "sliding"\nradius = 1\nfriction = 0.1', "[0, 0, 0, 1]"),
+    "a spin that squares to nothing": ("1e-300, 0, 0", "[1, 2, 3]", "", "[0, 0, 0, 1]"),
+    "a spin that is subnormal": ("0, 0, 1e-320", "[1, 1, 1]", "", "[0, 0, 0, 1]"),
+    "a spin whose square is no float64": ("1e160, 0, 0", "[1, 2, 3]", "", "[0, 0, 0, 1]"),
+    "damped away": ("0, 0, 1", "[1, 2, 3]", '[[load]]\nkind = "damping"\ncoefficient = 1e9', "[0, 0, 0, 1]"),
+    "driven from rest": ("0, 0, 0", "[1, 2, 3]", '[[load]]\nkind = "torque"\ntorque = [0, 0, 1e-300]', "[0, 0, 0, 1]"),
+    "an orbit at rest": (
+        "0, 0, 0",
+        "[1, 2, 3]",
+        '[[load]]\nkind = "orbit"\nmu = 4e14\nsemi_major_axis = 7e6',
+        "[0, 0, 0, 1]",
+    ),
+}
+
+
+@pytest.mark.parametrize("name", _NOTHING)
+def test_nothing_that_is_printed_or_written_is_not_a_number(
+    capsys: pytest.CaptureFixture[str], tmp_path: Path, name: str
+) -> None:
+    """Where energy, momentum or spin are nothing, or no float64: a drift relative to it has no figure."""
+    spin, moments, more, attitude = _NOTHING[name]
+    start = f"[start]\nangular_velocity = [{spin}]\nattitude = {attitude}\n[run]\nduration = 0.5\nsamples = 3\n"
+    file = scene(tmp_path, f"[body]\nprincipal_moments = {moments}\n{more}\n{start}")
+    for form in ((), ("--json",)):
+        code, out, err = run(capsys, "simulate", file, *form)
+        assert code in (0, 2, 4)
+        assert not re.search(r"\b(nan|inf|infinity)\b", out + err, re.IGNORECASE)
