@@ -29,7 +29,8 @@ true? Random scenes of every kind, those first of all in which errors grow, agai
 
 {headline}
 
-{machine} The figures are in [honesty.json](honesty.json); with `--only KIND … --write` those of the others stay.
+{machine} The figures are in [honesty.json](honesty.json); with `--only KIND … --write` those of the
+others stay as they were taken, from the code of then.
 
 | Kind | | Cases | Refused | Judged | Error above claim | Claim ÷ error, median | 95 % | least |
 | --- | --- | ---: | ---: | ---: | ---: | ---: | ---: | ---: |
