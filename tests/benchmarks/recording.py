@@ -41,17 +41,41 @@ Columns are made and written in blocks of 65 536 rows, so that the memory does n
 files were on the disk (`fsync`) when the clock stopped.
 
 Measured by `python -m tests.benchmarks.recording`.
+
+## What looking at it costs
+
+CPU time of the viewer, without a window and drawing in software, from opening a recording of {samples} samples until
+two pictures in a row are the same.
+
+| screen | s |
+|-|-:|
+{screens}
+
+Measured by `python -m tests.benchmarks.recording --screens`.
 """
+SAMPLES = 100_000
+SCREENS = {
+    "a body that tumbles": "t_handle",
+    "a body that is driven": "boom_satellite",
+    "a top": "heavy_top",
+    "a body that rolls": "rolling_disc",
+    "a body that changes its shape": "diver",
+}
 
 
 def main() -> None:
     """Run what the command line asks for."""
     parser = argparse.ArgumentParser(prog="python -m tests.benchmarks.recording", description=__doc__)
     parser.add_argument("--into", type=Path, default=ROOT / "docs", help="the folder to write to (docs)")
+    parser.add_argument("--screens", action="store_true", help="print what looking at each screen costs, and no more")
     parser.add_argument("--one", nargs=2, metavar=("KIND", "FRAMES"), help=argparse.SUPPRESS)
     options = parser.parse_args()
     if options.one:
         print(json.dumps(measure(options.one[0], int(options.one[1]))))
+        return
+    screens = "\n".join(f"| {label} | {seconds_to_settle(name):.1f} |" for label, name in SCREENS.items())
+    if options.screens:
+        print(screens)
         return
     from importlib.metadata import version
 
@@ -70,6 +94,8 @@ def main() -> None:
         machine=f"{_cpu()}, {os.cpu_count()} cores",
         version=version("rerun-sdk"),
         rows="\n".join(lines),
+        samples=f"{SAMPLES:,}",
+        screens=screens,
     )
     (options.into / "recording.md").write_text(text, encoding="utf-8")
 
@@ -137,6 +163,43 @@ def run(count: int) -> Callable[[Path], None]:
     scene = Scene.load(sample("scenes/t_handle.toml"))
     followed = simulate(replace(scene, run=replace(scene.run, samples=count)))
     return lambda path: record(followed, path)
+
+
+def seconds_to_settle(name: str) -> float:
+    """Return the CPU time in s that the viewer takes until the picture of a scene with `SAMPLES` samples stands."""
+    from dataclasses import replace
+
+    from tests.recording.screenshot import open_viewer
+
+    from inertia import Scene, record, simulate
+    from inertia_meshes import path as sample
+
+    scene = Scene.load(sample(f"scenes/{name}.toml"))
+    with tempfile.TemporaryDirectory() as folder, open_viewer(Path(folder)) as (client, _):
+        file = Path(folder) / "run.rrd"
+        record(simulate(replace(scene, run=replace(scene.run, samples=SAMPLES))), file)
+        client.take_screenshot()
+        before, last, picture = _cpu_of_children(), b"", b"-"
+        client.open(str(file))
+        while client.get_state().loading or not client.get_state().recordings:
+            time.sleep(0.05)
+        client.set_time(play_state="paused")
+        while picture != last:
+            last, picture = picture, client.take_screenshot()
+        return _cpu_of_children() - before
+
+
+def _cpu_of_children() -> float:
+    """Return the CPU time in s of the processes that this one started and that still run."""
+    ticks = 0
+    for process in Path("/proc").glob("[0-9]*"):
+        try:
+            fields = (process / "stat").read_text().rpartition(")")[2].split()
+        except OSError:
+            continue
+        if int(fields[1]) == os.getpid():
+            ticks += int(fields[11]) + int(fields[12])
+    return ticks / os.sysconf("SC_CLK_TCK")
 
 
 def _memory(name: str) -> float:
