@@ -476,15 +476,15 @@ def test_draws_of_a_scale_are_those_of_the_part_in_another_unit() -> None:
 
 def test_what_is_stated_as_uncertain_of_a_part_is_drawn_with_its_covariance() -> None:
     scene = Scene.from_dict(UNCERTAIN)
-    spread = ensemble(scene, {"body.uncertainty": "±1"}, 1500, samples=2, quantities=["angular_momentum[2]"])
+    spread = ensemble(scene, {"body.uncertainty": "±1"}, 250, samples=2, quantities=["angular_momentum[2]"])
     u = analyse(read(path("box.stl"), "mm"), Estimate(7850.0, 50.0), sigma=0.05).uncertainty
     assert u is not None
-    assert spread.ends["angular_momentum[2]"].std() == pytest.approx(10.0 * u.inertia[2, 2], rel=0.08)
+    assert spread.ends["angular_momentum[2]"].std() == pytest.approx(10.0 * u.inertia[2, 2], rel=0.15)
     # the same start along the part axes: the root mean square of the deviation is that of the law of propagation
     start = replace(scene.start, angular_velocity=np.array([1.0, 3.0, 8.0]))
-    turned = ensemble(replace(scene, start=start), {"body.uncertainty": "±1"}, 1500, samples=2).turned
+    turned = ensemble(replace(scene, start=start), {"body.uncertainty": "±1"}, 250, samples=2).turned
     claim = attitude_uncertainty(simulate(replace(scene, start=start)))
-    assert math.sqrt((turned**2).sum(axis=1).mean()) == pytest.approx(claim, rel=0.1)
+    assert math.sqrt((turned**2).sum(axis=1).mean()) == pytest.approx(claim, rel=0.15)
     assert attitude_uncertainty(simulate(Scene.from_dict(BALL))) is None
     parts = deviations(scene.body)
     assert parts @ parts.T == pytest.approx(
