@@ -75,7 +75,11 @@ class Recording:
             rows = values(block)
             return rr.Scalars.columns(scalars=rows.ravel()).partition(np.full(len(rows), len(names)))
 
-        self.static(path, rr.SeriesLines(names=list(names), colors=list(colors), widths=[1.5] * len(names)))
+        extremes = rr.components.AggregationPolicy.MinMax  # a mean of several samples would cut the tops off
+        lines = rr.SeriesLines(
+            names=list(names), colors=list(colors), widths=[1.5] * len(names), aggregation_policy=extremes
+        )
+        self.static(path, lines)
         self.columns(path, time, columns)
 
     def properties(self, name: str, values: Mapping[str, Any]) -> None:
