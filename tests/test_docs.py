@@ -3,6 +3,7 @@
 import contextlib
 import doctest
 import io
+import math
 import re
 import shlex
 from pathlib import Path
@@ -28,6 +29,7 @@ def test_prints_what_the_page_says(command: str, expected: str, monkeypatch: pyt
     assert program == "inertia"
     monkeypatch.chdir(path("cube.stl").parent)
     monkeypatch.setenv("COLUMNS", "100")
+    monkeypatch.setattr("inertia_cli.batch.EVERY", math.inf)  # s: no line of progress, however slow the machine is
     output = io.StringIO()
     with contextlib.redirect_stdout(output), contextlib.redirect_stderr(output):
         main(arguments)

@@ -28,7 +28,7 @@ if TYPE_CHECKING:
     from inertia.batching.summary import Summary
 
 _REFUSED = 4
-_EVERY = 10.0  # s between lines of progress where there is no terminal
+EVERY = 10.0  # s between lines of progress where there is no terminal
 
 _EXAMPLES = """examples:
   inertia batch 'parts/**/*.stl' -o parts.parquet --material steel
@@ -159,7 +159,7 @@ class _Progress:
     def __init__(self, files: int) -> None:
         self._files, self._started = files, time.monotonic()
         self._terminal = sys.stderr is not None and sys.stderr.isatty()
-        self._next = self._started + (0.5 if self._terminal else _EVERY)
+        self._next = self._started + (0.5 if self._terminal else EVERY)
         self._bar: Any = None
 
     def __enter__(self) -> _Progress:
@@ -176,7 +176,7 @@ class _Progress:
         now = time.monotonic()
         if now < self._next or sys.stderr is None:
             return
-        self._next = now + (0.1 if self._terminal else _EVERY)
+        self._next = now + (0.1 if self._terminal else EVERY)
         done = summary.rows - summary.stored
         rate = done / (now - self._started)
         left = f"{_time((self._files - summary.rows) / rate)} left" if rate else "time left not known"
