@@ -254,6 +254,9 @@ def test_an_assembly_in_itself_is_refused(tmp_path: Path) -> None:
         ({"parent": "ball"}, "hangs on this part itself"),
         ({"size": [1]}, "has 1 lengths: a point has no"),
         ({"at": ["1/0", 0, 0]}, "nothing is divided by zero"),
+        ({"at": ["9" * 5000, 0, 0]}, r"part\[0\]\.at\[0\] has 5000 characters: 1000 are the most"),
+        ({"at": [0, "9" * 400, 0]}, r"part\[0\]\.at\[1\] is '9+\.\.\.: no length is of that size"),
+        ({"mass": "0±1"}, r"part\[0\]\.mass is 0\.0: it must be positive"),
         ({"mirror": [0, 0, 0]}, r"mirror is zero"),
         ({"rows": {"count": [2000, 2000, 1], "step": [1, 1, 1]}}, "asks for 4000000 copies"),
         ({"quantitty": 2}, "did you mean quantity"),
@@ -265,6 +268,13 @@ def test_an_assembly_in_itself_is_refused(tmp_path: Path) -> None:
 def test_what_cannot_be_is_refused_in_a_sentence(fields: dict[str, Any], says: str) -> None:
     with pytest.raises(InertiaError, match=says):
         assembly(ball(**fields)).mass_properties()
+
+
+def test_parts_on_parts_end_somewhere() -> None:
+    links = [ball(f"p{k}", at=[1, 0, 0], **({"parent": f"p{k - 1}"} if k else {})) for k in range(1200)]
+    assert assembly(*links[:100]).budget().total.quantity == 1
+    with pytest.raises(UsageError, match=r"part\[100\]: p100 is 101 levels deep: 100 are the most"):
+        assembly(*links).mass_properties()
 
 
 def test_names_differ() -> None:

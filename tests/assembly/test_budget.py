@@ -1,6 +1,7 @@
 """Budgets: uncertainties against differences of the exact sums and against draws, allowances, limits."""
 
 import math
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -141,6 +142,25 @@ def test_places_and_angles_are_those_of_draws() -> None:
     assert sigma.labels == ("position of b", "angle of b", "position of group", "angle of group")
 
 
+def test_a_place_in_a_nested_file_is_uncertain_in_its_unit(tmp_path: Path) -> None:
+    (tmp_path / "inner.toml").write_text(
+        'unit = "in"\n[[part]]\nname = "p"\nshape = "point"\nmass = 1\nposition_uncertainty = 1\n'
+    )
+    whole = Assembly.from_dict({"part": [{"name": "n", "assembly": "inner.toml"}]}, tmp_path)
+    assert whole.budget().total.sigma.center_of_mass == pytest.approx([0.0254] * 3)
+
+
+def test_parts_of_files_of_one_name_vary_by_themselves(tmp_path: Path) -> None:
+    parts = []
+    for side in ("left", "right"):
+        (tmp_path / side).mkdir()
+        (tmp_path / side / "arm.toml").write_text('[[part]]\nname = "p"\nshape = "point"\nmass = "3±0.3"\n')
+        parts.append({"name": side, "assembly": f"{side}/arm.toml"})
+    sigma = Assembly.from_dict({"part": [*parts, {**parts[0], "name": "again"}]}, tmp_path).budget().total.sigma
+    assert sigma.labels == ("mass of p (left/arm.toml)", "mass of p (right/arm.toml)")
+    assert sigma.mass == pytest.approx(math.hypot(0.6, 0.3))
+
+
 def test_parts_of_one_material_vary_together_and_others_do_not() -> None:
     parts = [{"name": f"p{k}", "shape": "box", "size": [100, 100, 100], "at": [200 * k, 0, 0]} for k in range(4)]
     common = budget_of(*(p | {"material": "oak"} for p in parts), densities={"oak": "700±10"}).total.sigma
@@ -189,6 +209,18 @@ def test_allowances_come_from_the_nearest_that_states_one() -> None:
 def test_a_word_that_the_table_has_not_is_refused(fields: dict[str, Any], says: str) -> None:
     with pytest.raises(UsageError, match=says):
         budget_of(REST | fields)
+
+
+def test_a_word_of_a_nested_file_is_refused_with_that_file(tmp_path: Path) -> None:
+    (tmp_path / "inner.toml").write_text('[[part]]\nname = "p"\nshape = "point"\nmass = 1\ncategory = "string"\n')
+    nested = Assembly.from_dict({"part": [{"name": "n", "assembly": "inner.toml"}]}, tmp_path)
+    with pytest.raises(UsageError, match=r"inner\.toml: part\[0\]\.category is 'string'"):
+        nested.budget()
+
+
+def test_a_row_without_maturities_says_so() -> None:
+    with pytest.raises(UsageError, match="none, as that row is empty"):
+        budget_of(REST | {"maturity": "released"}, allowances={"other": {}})
 
 
 @pytest.mark.parametrize(

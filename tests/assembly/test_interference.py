@@ -54,6 +54,25 @@ def test_copies_are_told_apart() -> None:
     assert names == [("r 1", "r 2"), ("r 2", "r 3")]
 
 
+def test_parts_of_a_file_that_is_nested_twice_are_numbered_through(tmp_path: Path) -> None:
+    (tmp_path / "inner.toml").write_text('[[part]]\nname = "b"\nshape = "box"\nsize = [10, 10, 10]\n')
+    nested = [{"name": f"n{k}", "assembly": "inner.toml", "at": [9 * k, 0, 0]} for k in range(3)]
+    pairs = Assembly.from_dict({"part": nested}, tmp_path).interferences()
+    assert [(each.first[-1], each.second[-1]) for each in pairs] == [("1", "2"), ("2", "3")]
+
+
+def test_a_nested_file_keeps_its_unit(tmp_path: Path) -> None:
+    (tmp_path / "inner.toml").write_text('unit = "in"\n[[part]]\nname = "b"\nshape = "box"\nsize = [1, 1, 1]\n')
+    nested = {"name": "n", "assembly": "inner.toml"}
+    whole = Assembly.from_dict({"part": [nested, box("a", 17, 0, 0)]}, tmp_path)
+    (pair,) = whole.interferences()
+    assert pair.volume == pytest.approx(0.7e-3 * 1e-4)
+    mesh = whole.mesh()
+    assert mesh is not None
+    corners = mesh.triangles.corners() * float(mesh.unit.metres)
+    assert (corners.min(), corners.max()) == pytest.approx((-0.0127, 0.022))
+
+
 def test_a_shaft_in_its_hub_is_in_contact(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     fan = str(path("assemblies/fan.toml"))
     assert main(["assembly", fan, "--interference"]) == 0

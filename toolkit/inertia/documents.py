@@ -284,8 +284,9 @@ def estimate(unit: str) -> Reader:
                 value = Estimate.parse(value)
             except UsageError as error:
                 raise FieldError(path, "is no number: ", error.sentence) from None
-        figure: float = single(value, path)
-        return value if isinstance(value, Estimate) else figure
+        estimated = isinstance(value, Estimate)
+        figure: float = single(float(value) if estimated else value, path)
+        return value if estimated else figure
 
     return Reader(read, {"oneOf": [single.schema, {"type": "string", "pattern": "±|\\+/?-"}]})
 

@@ -54,4 +54,8 @@ def allowance_of(
 
 def _choices(word: str, known: Mapping[str, object]) -> str:
     close = get_close_matches(word, known, n=1, cutoff=0.5)
-    return f"did you mean {close[0]!r}?" if close else f"use one of {', '.join(map(repr, known))}"
+    return (
+        f"did you mean {close[0]!r}?"
+        if close
+        else f"use one of {', '.join(map(repr, known)) or 'none, as that row is empty'}"
+    )

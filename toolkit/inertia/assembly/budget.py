@@ -253,7 +253,7 @@ class _Lines:
                 try:
                     share = allowance_of(self._table, category, maturity, node.path)
                 except UsageError as error:
-                    raise placed(error, self._assembly.path) from None
+                    raise placed(error, node.file) from None
             if share is None:
                 self.immature.append(node.name)
             allowance = (share or 0.0) * float(moments[:, 0].sum())
@@ -310,7 +310,7 @@ class _Lines:
         fields = node.fields
         assert fields is not None
         mass, first, second = moments[:, 0], moments[:, 1:4], _square(moments[:, 4:])
-        if u := float(self._assembly.unit.metres) * (fields.position_uncertainty or 0.0):
+        if u := float(node.unit.metres) * (fields.position_uncertainty or 0.0):
             change = np.zeros((len(frames), 3, 10))
             for k, e in enumerate(np.eye(3)):
                 change[:, k, 1:4] = mass[:, np.newaxis] * e

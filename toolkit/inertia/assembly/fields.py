@@ -50,6 +50,7 @@ from inertia.units import length_unit
 
 _LENGTH = "the file's unit"
 _MOST_COPIES = 1_000_000
+_LONGEST = 1000  # characters of a number in quotes
 _RATIONAL = re.compile(r"\s*[+-]?\d+(?:\.\d*)?(?:\s*/\s*\d+)?\s*")
 
 SIZES = {"box": 3, "sphere": 1, "cylinder": 2, "tube": 3, "cone": 2, "point": 0}
@@ -80,12 +81,19 @@ def rationals(count: int, unit: str) -> Reader:
                 if isinstance(entry, Fraction):
                     exact[k] = entry
                 elif isinstance(entry, str) and _RATIONAL.fullmatch(entry):
+                    if len(entry) > _LONGEST:
+                        raise FieldError(f"{path}[{k}]", f"has {len(entry)} characters: {_LONGEST} are the most")
                     above, _, below = entry.partition("/")
                     try:
                         exact[k] = Fraction(above.strip()) / Fraction(below.strip() or 1)
                     except ZeroDivisionError:
                         raise FieldError(f"{path}[{k}]", f"is {entry!r}: nothing is divided by zero") from None
-                entries[k] = float(exact[k]) if k in exact else entry
+                try:
+                    entries[k] = float(exact[k]) if k in exact else entry
+                except OverflowError:
+                    raise FieldError(
+                        f"{path}[{k}]", f"is {short_repr(str(entry))}: no length is of that size"
+                    ) from None
         values = plain(entries, path).tolist()
         return tuple(exact.get(k, Fraction(one)) for k, one in enumerate(values))
 
@@ -149,7 +157,7 @@ def _normal(value: Any, path: str) -> tuple[Fraction, ...]:
         return tuple(Fraction(axis == k) for k in "xyz")
     normal: tuple[Fraction, ...] = rationals(3, "any length")(value, path)
     if not any(normal):
-        raise FieldError(path, "is zero: give the normal of the plane, or 'x', 'y' or 'z'")
+        raise FieldError(path, "is zero: give a direction, or 'x', 'y' or 'z'")
     return normal
 
 

@@ -59,38 +59,40 @@ def interferences(tree: PartTree, clearance: float = 0.0) -> tuple[Interference,
     if len(parts) < 2:
         return ()
     half = clearance / 2
-    boxes = np.array([[corners.min(axis=(0, 1)) - half, corners.max(axis=(0, 1)) + half] for _, _, corners in parts])
+    boxes = np.array([[corners.min(axis=(0, 1)) - half, corners.max(axis=(0, 1)) + half] for _, corners in parts])
     found = []
     counts: dict[str, int] = {}
-    for node, _, _ in parts:
+    numbers = []
+    for node, _ in parts:
         counts[node.label] = counts.get(node.label, 0) + 1
+        numbers.append(counts[node.label])
     for i, j, _ in overlapping(BoxTree(boxes[:, 0], boxes[:, 1]), touching=clearance > 0):
         for a, b in sorted(zip(i.tolist(), j.tolist(), strict=True)):
             volume, gap = _shared(parts[a], parts[b], clearance)
             if not volume and gap is None:
                 continue
-            one, other = (_called(parts[k][0], parts[k][1], counts) for k in (a, b))
+            one, other = (_called(parts[k][0].label, numbers[k], counts) for k in (a, b))
             low, high = np.maximum(boxes[a, 0], boxes[b, 0]), np.minimum(boxes[a, 1], boxes[b, 1])
             densities = [_density(parts[k][0]) for k in (a, b)]
             found.append(Interference(one, other, volume, volume * min(densities), (low + high) / 2, gap or 0.0))
     return tuple(sorted(found, key=lambda each: (-each.volume, each.gap, each.first, each.second)))
 
 
-def _shared(a: tuple[Node, int, Float], b: tuple[Node, int, Float], clearance: float) -> tuple[float, float | None]:
+def _shared(a: tuple[Node, Float], b: tuple[Node, Float], clearance: float) -> tuple[float, float | None]:
     """Return the volume that two parts share, and how near they are where that is less than they may be."""
-    result = common_volume(a[2], b[2])
+    result = common_volume(a[1], b[1])
     if result is None:
         raise GeometryError(
             f"{a[0].label} and {b[0].label} have too many triangles where they are near each other: simplify one"
         )
     volume, rounding = result
-    is_round = any(node.fields is not None and node.fields.shape in _ROUND for node, _, _ in (a, b))
+    is_round = any(node.fields is not None and node.fields.shape in _ROUND for node, _ in (a, b))
     least = min(_volume(a[0]), _volume(b[0])) * (_ROUND_SHARE if is_round else _SHARE)
     if volume > least + rounding:
         return volume, None
     if clearance:
-        exponent = max(exponent_of(each[2].reshape(-1, 3)) for each in (a, b))
-        one, other = (_solid(each[2], exponent) for each in (a, b))
+        exponent = max(exponent_of(each[1].reshape(-1, 3)) for each in (a, b))
+        one, other = (_solid(each[1], exponent) for each in (a, b))
         gap = float(np.ldexp(one.min_gap(other, np.ldexp(clearance, -exponent)), exponent))
         if gap < clearance:
             return 0.0, gap
@@ -102,8 +104,8 @@ def _solid(corners: Float, exponent: int) -> Any:
     return solid(vertices, faces[~repeated_corners(faces)], exponent)
 
 
-def _called(node: Node, number: int, counts: dict[str, int]) -> str:
-    return f"{node.label} {number + 1}" if counts[node.label] > 1 else node.label
+def _called(label: str, number: int, counts: dict[str, int]) -> str:
+    return f"{label} {number}" if counts[label] > 1 else label
 
 
 def _volume(node: Node) -> float:

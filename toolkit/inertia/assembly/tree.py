@@ -17,6 +17,7 @@ from inertia.arrays import Float
 from inertia.assembly.bodies import Body, Library, Weight, triangles_of
 from inertia.assembly.fields import AssemblyFields, PartFields
 from inertia.assembly.frames import IDENTITY, LENGTH_BITS, TURN_BITS, UNTURNED, Frame, frame, turned
+from inertia.assembly.outline import relative
 from inertia.assembly.rollup import Placed, place
 from inertia.documents import Document, FieldError, plain, section_of
 from inertia.errors import FieldPath, InertiaError, ReadError, UsageError, placed
@@ -28,6 +29,7 @@ from inertia.units import Unit, length_unit
 
 _MOST_COPIES = 1_000_000
 _DEEPEST = 64  # assemblies in assemblies
+_LEVELS = 100  # parts on parts, those of assemblies in assemblies counted on
 
 
 @dataclass(frozen=True, eq=False)
@@ -40,6 +42,8 @@ class Node:
     label : the name, with the file that it is from where that is not the one at the top
     fields : what the file says of it; None at the top
     path : what errors call it, as ``part[3]``
+    file : that says so
+    unit : of the lengths in that file
     body : what it is; None of a group
     frames : of its copies, in the axes of its parent
     children : what is in it
@@ -49,6 +53,8 @@ class Node:
     label: str
     fields: PartFields | None
     path: str
+    file: str
+    unit: Unit
     body: Body | None
     frames: tuple[Frame, ...]
     children: tuple[Node, ...] = ()
@@ -121,7 +127,9 @@ class PartTree(Document):
     @cached_property
     def root(self) -> Node:
         """The tree, its files read and integrated."""
-        return Node(self.name, self.name, None, "", None, (IDENTITY,), self._nodes(Library(), (), (self,)))
+        return Node(
+            self.name, self.name, None, "", self.path, self.unit, None, (IDENTITY,), self._nodes(Library(), (), (self,))
+        )
 
     @cached_property
     def placed(self) -> Placed:
@@ -135,17 +143,17 @@ class PartTree(Document):
         """Yield all nodes in the order of the tree, each with the frames of its copies in the axes of the whole."""
         return _in_places(self.root, (IDENTITY,))
 
-    def surfaces(self) -> Iterator[tuple[Node, int, Float]]:
-        """Yield the triangles (m, 3, 3) m of each copy of each part in its place, turned in float64; and its number."""
+    def surfaces(self) -> Iterator[tuple[Node, Float]]:
+        """Yield the triangles (m, 3, 3) m of each copy of each part in its place, turned in float64."""
         for node, frames in self.in_places():
-            own = None if node.body is None or node.fields is None else triangles_of(node.fields, node.body, self.unit)
-            for number, each in enumerate(frames if own is not None else ()):
+            own = None if node.body is None or node.fields is None else triangles_of(node.fields, node.body, node.unit)
+            for each in frames if own is not None else ():
                 turn = np.array([k / (1 << TURN_BITS) for k in each.rotation]).reshape(3, 3)
-                yield node, number, own @ turn.T + np.array([k / (1 << LENGTH_BITS) for k in each.origin])
+                yield node, own @ turn.T + np.array([k / (1 << LENGTH_BITS) for k in each.origin])
 
     def mesh(self) -> Part | None:
         """Return all parts in their places as one, for drawings; None where none has a surface."""
-        corners = [corners for _, _, corners in self.surfaces()]
+        corners = [corners for _, corners in self.surfaces()]
         if not corners:
             return None
         vertices = np.concatenate(corners).reshape(-1, 3)
@@ -176,27 +184,32 @@ class PartTree(Document):
                 seen.add(above)
                 above = parts[names[above]].parent
 
-    def _nodes(self, library: Library, chain: tuple[Path, ...], contexts: tuple[PartTree, ...]) -> tuple[Node, ...]:
-        """Return the nodes below the top; `contexts` are this assembly and those that it is in, innermost first."""
+    def _nodes(
+        self, library: Library, chain: tuple[Path, ...], contexts: tuple[PartTree, ...], level: int = 1
+    ) -> tuple[Node, ...]:
+        """Return the nodes from a level on; `contexts` are this assembly and those that it is in, innermost first."""
         below: dict[str | None, list[int]] = {}
         for k, part in enumerate(self.fields.part):
             below.setdefault(part.parent, []).append(k)
 
-        def node(number: int) -> Node:
+        def node(number: int, level: int) -> Node:
             part, where = self.fields.part[number], f"part[{number}]"
             try:
+                if level > _LEVELS:
+                    raise UsageError(f"{part.name} is {level} levels deep: {_LEVELS} are the most")
                 frames = self._frames(part)
                 body = self._body(part, library, contexts)
-                inner = self._nested(part, library, chain, contexts)
+                inner = self._nested(part, library, chain, contexts, level + 1)
             except InertiaError as error:
                 raise placed(error, self.path, FieldPath(where)) from None
-            own = tuple(node(k) for k in below.get(part.name, ()))
-            return Node(part.name, self._label(part.name, contexts), part, where, body, frames, inner + own)
+            own = tuple(node(k, level + 1) for k in below.get(part.name, ()))
+            label = self._label(part.name, contexts)
+            return Node(part.name, label, part, where, self.path, self.unit, body, frames, inner + own)
 
-        return tuple(node(k) for k in below.get(None, ()))
+        return tuple(node(k, level) for k in below.get(None, ()))
 
     def _nested(
-        self, part: PartFields, library: Library, chain: tuple[Path, ...], contexts: tuple[PartTree, ...]
+        self, part: PartFields, library: Library, chain: tuple[Path, ...], contexts: tuple[PartTree, ...], level: int
     ) -> tuple[Node, ...]:
         if part.assembly is None:
             return ()
@@ -207,7 +220,7 @@ class PartTree(Document):
         if len(chain) >= _DEEPEST:
             raise ReadError(f"{part.assembly} is {len(chain)} assemblies deep: {_DEEPEST} are the most")
         nested = type(self).load(file)
-        return nested._nodes(library, (*chain, here), (nested, *contexts))
+        return nested._nodes(library, (*chain, here), (nested, *contexts), level)
 
     def _body(self, part: PartFields, library: Library, contexts: tuple[PartTree, ...]) -> Body | None:
         if part.is_group or part.assembly is not None:
@@ -240,7 +253,7 @@ class PartTree(Document):
 
     def _label(self, name: str, contexts: tuple[PartTree, ...]) -> str:
         """Return a name with this file's, where this is not the assembly at the top."""
-        return name if self is contexts[-1] else f"{name} ({Path(self.path).name})"
+        return name if self is contexts[-1] else f"{name} ({relative(Path(self.path), contexts[-1].folder)})"
 
     def _frames(self, part: PartFields) -> tuple[Frame, ...]:
         """Return the frames of all copies of a part, in the axes of its parent."""
