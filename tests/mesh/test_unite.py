@@ -323,3 +323,22 @@ def test_boxes_on_a_grid_are_counted_cell_by_cell(seed: int) -> None:
     assert abs(Fraction(result.volume) - cells * abs(scale)) <= Fraction(result.error.volume) * cells * abs(scale)
     centre = (np.argwhere(windings >= 1) + 0.5).mean(axis=0) @ linear.T
     assert np.allclose(result.center_of_mass, centre, rtol=0, atol=1e-12)
+
+
+LINES = [[0, 0, 0], [1, 1, 1], [2, 2, 2]], [[0, 0, 0]] * 3, [[1e9, 0, 0], [1e9, 1, 1], [1e9, 2, 2]]
+
+
+@pytest.mark.parametrize("faces", [[[0, 1, 2], [0, 2, 1]], [[0, 1, 2]] * 3, [[0, 1, 2], [0, 2, 1]] * 3])
+@pytest.mark.parametrize("points", LINES)
+def test_triangles_without_area_are_refused_in_a_sentence(points: list, faces: list) -> None:
+    part = inertia.Part.from_arrays(points, faces, "mm")
+    with pytest.raises(inertia.GeometryError, match=r"none of its triangles has an area|stored again"):
+        inertia.unite(part)
+    with pytest.raises(inertia.GeometryError):
+        inertia.mass_properties(part, 1.0, union=True)
+
+
+@pytest.mark.parametrize("points", [LINES[0], LINES[2]])
+def test_the_repair_of_a_triangle_without_area_has_no_volume(points: list) -> None:
+    repaired = inertia.repair(inertia.Part.from_arrays(points, [[0, 1, 2]] * 3, "mm"))
+    assert (repaired.volume_before, repaired.volume_after) == (0.0, 0.0)

@@ -52,6 +52,8 @@ def doubt_error(
     method : what the bounds are
     mass : kg, where it was weighed: then it has no error of this kind
     """
+    if not moments.zeroth:  # it has no centre
+        return ErrorBound(method, math.inf, math.inf if mass is None else 0.0, math.inf, math.inf)
     f = unit.metres
     central = moments.about(moments.centroid)
     between = doubt_bounds(doubt, vector(k / f for k in central.origin)).in_unit(f).scaled(f**3 * density)

@@ -89,6 +89,10 @@ def unite(part: Part, progress: Progress | None = None) -> Union:
     vertices, faces, origin = _in_order(part)
     triangles = Triangles(vertices, faces)
     solid = np.flatnonzero(~_flat(triangles))
+    if not len(solid):
+        raise GeometryError(
+            f"{part.name}: none of its triangles has an area, so that they bound nothing: export a solid"
+        )
     meetings = contacts(triangles, solid, _part_of(progress, 0.0, 0.4))
     free = np.zeros(len(faces), bool)
     free[solid] = True
