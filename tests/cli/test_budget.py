@@ -129,6 +129,7 @@ def test_a_bill_of_materials_is_the_same_as_the_file(tmp_path: Path, capsys: pyt
     [
         ("part,mass\nx,1\n", 3, "its first line names no column `name`"),
         ("name,mass\nx,1,2\n", 3, "line 2 has 3 cells, and the first line 2 names"),
+        ("name,mass,Name\nx,1,y\n", 3, "its first line names the column `name` twice"),
         ("name,mas\nx,1\n", 2, "part[0].mas is unknown: did you mean mass?"),
         ("name,mass\nx,one\n", 2, "part[0].mass is no number"),
     ],
@@ -166,3 +167,30 @@ def test_the_report_is_one_page_that_asks_nobody(tmp_path: Path) -> None:
     assert page.count("<svg") == 3 + 3 + 2  # limits, variances, views of the centre of mass
     assert main(["budget", str(tmp_path / "a.toml"), "--report", str(tmp_path / "a.html")]) == 2
     assert main(["budget", str(tmp_path / "a.toml"), "--report", str(tmp_path / "a.pdf")]) == 2
+
+
+def test_the_tensor_of_one_point_is_zero_and_its_bound_no_infinity(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    limit = '[[limit]]\nwhat = "inertia.xx"\nmax = 1e-9\n'
+    (tmp_path / "ball.toml").write_text('[[part]]\nname = "ball"\nshape = "point"\nmass = 1\n' + limit)
+    assert main(["budget", str(tmp_path / "ball.toml"), "--json"]) == 0
+    assert json.loads(capsys.readouterr().out)["total"]["bound"]["inertia"] is None
+    assert main(["assembly", str(tmp_path / "ball.toml"), "--json"]) == 0
+    assert json.loads(capsys.readouterr().out)["error"]["inertia"] is None
+    assert main(["assembly", str(tmp_path / "ball.toml")]) == 0
+    assert "tensor zero, centre" in capsys.readouterr().out
+
+
+def test_a_column_of_text_holds_part_numbers(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    (tmp_path / "bill.csv").write_text("name,parent,shape,mass\n10,,,\n2024-01-01,10,point,1\n1e5,10,point,2\n")
+    assert main(["budget", str(tmp_path / "bill.csv"), "--json"]) == 0
+    (group,) = json.loads(capsys.readouterr().out)["parts"]
+    assert (group["name"], [part["name"] for part in group["parts"]]) == ("10", ["2024-01-01", "1e5"])
+
+
+def test_an_assembly_that_is_a_link_to_itself_is_refused(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    (tmp_path / "loop.toml").symlink_to("loop.toml")
+    (tmp_path / "outer.toml").write_text('[[part]]\nname = "x"\nassembly = "loop.toml"\n')
+    assert main(["budget", str(tmp_path / "outer.toml")]) == 3
+    assert "outer.toml: part[0]: cannot read" in capsys.readouterr().err

@@ -5,8 +5,9 @@ from __future__ import annotations
 import csv
 import io
 import tomllib
-from typing import Any
+from typing import Any, get_type_hints
 
+from inertia.assembly.fields import PartFields
 from inertia.errors import ReadError
 from inertia.tables import cell_text
 
@@ -14,8 +15,9 @@ from inertia.tables import cell_text
 def parts_of(text: str) -> list[dict[str, Any]]:
     """Return the parts as tables.
 
-    A cell is a number, a list or a table as TOML writes them, or else text; an empty one is not given. Semicolons and
-    tabs may stand for commas, and the names of columns may be in any case.
+    A cell is a number, a list or a table as TOML writes them, or else text, as always in a column of text (a name may
+    be a part number); an empty one is not given. Semicolons and tabs may stand for commas, and the names of columns may
+    be in any case.
 
     Raises `ReadError` where it is no such table.
 
@@ -29,19 +31,22 @@ def parts_of(text: str) -> list[dict[str, Any]]:
         names = [name.strip().lower().replace(" ", "_") for name in next(rows, [])]
         if "name" not in names:
             raise ReadError("its first line names no column `name`: a bill of materials has a row a part")
+        if twice := next((name for name in names if name and names.count(name) > 1), None):
+            raise ReadError(f"its first line names the column `{twice}` twice: leave one out")
+        words = {name for name, kind in get_type_hints(PartFields).items() if kind in (str, str | None)}
         parts = []
         for row in rows:
             if len(row) > len(names):
                 raise ReadError(f"line {rows.line_num} has {len(row)} cells, and the first line {len(names)} names")
             if any(cell.strip() for cell in row):
-                parts.append({name: _value(cell) for name, cell in zip(names, row, strict=False) if cell.strip()})
+                cells = ((name, cell_text(cell.strip())) for name, cell in zip(names, row, strict=False))
+                parts.append({name: word if name in words else _value(word) for name, word in cells if word})
     except csv.Error as error:
         raise ReadError(f"it is not CSV: {error}") from None
     return parts
 
 
-def _value(cell: str) -> Any:
-    word = cell_text(cell.strip())
+def _value(word: str) -> Any:
     if word[:1] in "[{+-.0123456789":
         try:
             return tomllib.loads(f"value = {word.replace(chr(10), ' ')}")["value"]

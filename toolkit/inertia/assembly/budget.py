@@ -383,7 +383,8 @@ def _figure(what: str, total: Line, properties: MassProperties) -> tuple[float, 
     """Return a quantity of the whole, how it changes with the eleven of `Sigma.changes`, and its bound."""
     rates, error = np.zeros(11), properties.error
     kind, _, which = what.partition(".")
-    tensor_bound = error.inertia * float(np.linalg.norm(properties.inertia))
+    size = float(np.linalg.norm(properties.inertia))
+    tensor_bound = error.inertia * size if size else 0.0  # the tensor of one point is zero to the last bit
     if kind in ("mass", "basic_mass"):
         rates[10 if kind == "mass" else 0] = 1.0
         value = properties.mass + (total.allowance if kind == "mass" else 0.0)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from collections import Counter
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
@@ -185,7 +186,7 @@ class PartTree(Document):
                 above = parts[names[above]].parent
 
     def _nodes(
-        self, library: Library, chain: tuple[Path, ...], contexts: tuple[PartTree, ...], level: int = 1
+        self, library: Library, chain: tuple[str, ...], contexts: tuple[PartTree, ...], level: int = 1
     ) -> tuple[Node, ...]:
         """Return the nodes from a level on; `contexts` are this assembly and those that it is in, innermost first."""
         below: dict[str | None, list[int]] = {}
@@ -209,13 +210,13 @@ class PartTree(Document):
         return tuple(node(k, level) for k in below.get(None, ()))
 
     def _nested(
-        self, part: PartFields, library: Library, chain: tuple[Path, ...], contexts: tuple[PartTree, ...], level: int
+        self, part: PartFields, library: Library, chain: tuple[str, ...], contexts: tuple[PartTree, ...], level: int
     ) -> tuple[Node, ...]:
         if part.assembly is None:
             return ()
         file = self.folder / part.assembly
-        here = Path(self.path).resolve()
-        if file.resolve() in (here, *chain):
+        here = os.path.realpath(self.path)
+        if os.path.realpath(file) in (here, *chain):
             raise ReadError(f"{part.assembly} holds itself: an assembly cannot be one of its own parts")
         if len(chain) >= _DEEPEST:
             raise ReadError(f"{part.assembly} is {len(chain)} assemblies deep: {_DEEPEST} are the most")

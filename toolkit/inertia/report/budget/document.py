@@ -38,7 +38,7 @@ def assembly_document(assembly: Assembly, pairs: Sequence[Interference] | None =
             "volume": error.volume,
             "mass": error.mass,
             "center_of_mass": error.center_of_mass,
-            "inertia": error.inertia,
+            "inertia": _finite(error.inertia),
         },
         "parts": [_part(line) for line in whole.total.children],
         "notes": list(assembly.notes),
@@ -75,7 +75,7 @@ def budget_document(whole: Budget) -> dict[str, Any]:
             "bound": {
                 "mass": whole.properties.error.mass,
                 "center_of_mass": whole.properties.error.center_of_mass,
-                "inertia": whole.properties.error.inertia,
+                "inertia": _finite(whole.properties.error.inertia),
             },
             "sigma": _sigma(total.sigma),
             "coverage_95": COVERAGE,
@@ -127,12 +127,17 @@ def _sigma(sigma: Sigma) -> dict[str, Any]:
     }
 
 
+def _finite(value: float) -> float | None:
+    """Return a number; None of an infinite one, as the relative bound of a tensor that is zero."""
+    return value if math.isfinite(value) else None
+
+
 def _limit(limit: Limit) -> dict[str, Any]:
     return {
         "what": limit.what,
         "value": limit.value,
         "sigma": limit.uncertainty,
         "limit": [limit.low, limit.high],
-        "margin": limit.margin if math.isfinite(limit.margin) else None,
+        "margin": _finite(limit.margin),
         "verdict": limit.verdict,
     }

@@ -27,7 +27,7 @@ def assembly_text(assembly: Assembly, pairs: Sequence[Interference] | None = Non
         "",
         *_properties(whole),
         row("Principal moments", columns(properties.principal_moments) + "  kg m²"),
-        row("Bounds", f"mass {properties.error.mass:.2g}, tensor {properties.error.inertia:.2g} (relative), centre of "
+        row("Bounds", f"mass {properties.error.mass:.2g}, tensor {_relative(properties.error.inertia)}, centre of "
             f"mass {properties.error.center_of_mass:.2g} m; {properties.error.method}"),
         "",
         *_tree(whole.total, assembly.unit),
@@ -60,6 +60,10 @@ def budget_text(whole: Budget) -> str:
     return "\n".join(lines)
 
 
+def _relative(bound: float) -> str:
+    return f"{bound:.2g} (relative)" if math.isfinite(bound) else "zero"
+
+
 def _properties(whole: Budget) -> Iterator[str]:
     properties, unit = whole.properties, whole.assembly.unit
     center = properties.center_of_mass / float(unit.metres)
@@ -68,7 +72,8 @@ def _properties(whole: Budget) -> Iterator[str]:
     yield row("Mass", f"{number(properties.mass)} kg")
     shown = [figure(cleared(k, bound), u) for k, u in zip(center.tolist(), spread.tolist(), strict=True)]
     yield row("Centre of mass", f"{', '.join(shown)} {unit.name}")
-    limit = properties.error.inertia * float((properties.inertia**2).sum() ** 0.5)
+    size = float((properties.inertia**2).sum() ** 0.5)
+    limit = properties.error.inertia * size if size else 0.0
     for k, label in enumerate(("Tensor about it", "", "")):
         values = [cleared(value, limit) for value in properties.inertia[k].tolist()]
         yield row(label, columns(values) + ("  kg m²" if k == 0 else ""))
