@@ -83,6 +83,7 @@ def run(options: argparse.Namespace) -> int:
 
 
 def _to_toml(options: argparse.Namespace) -> int:
+    from inertia.assembly.document import Assembly
     from inertia.assembly.outline import outline
     from inertia.documents import toml_text
     from inertia.errors import UsageError
@@ -101,6 +102,7 @@ def _to_toml(options: argparse.Namespace) -> int:
         raise UsageError(f"{options.part} is no robot, and has no joints: leave --joint out")
     else:
         table = outline(read(options.part, options.unit), path, Path() if out == "-" else Path(out).parent)
+    Assembly.from_dict(table, name=options.part)  # refuses what could not be read again
     text = toml_text(table)
     for note in notes:
         print(f"note: {note}", file=sys.stderr)

@@ -37,7 +37,15 @@ URDF = f"""<robot name="u"><link name="base">{URDF_INERTIAL.format(0.01, 2.0)}</
 """
 
 
-@pytest.mark.parametrize(("text", "suffix"), [(MJCF, "xml"), (URDF, "urdf")])
+ON_WORLD = MJCF.replace("<freejoint/>", '<joint name="ja" axis="0 1 0"/>').replace(
+    'name="ja" axis="1', 'name="a" axis="1'
+)
+ON_WORLD = ON_WORLD.replace(
+    "</worldbody>", f'<body name="d" pos="3 1 2">{INERTIAL.format(0.2, 0.7)}</body></worldbody>'
+)
+
+
+@pytest.mark.parametrize(("text", "suffix"), [(MJCF, "xml"), (ON_WORLD, "xml"), (URDF, "urdf")])
 def test_the_whole_is_that_of_mujoco(text: str, suffix: str, tmp_path: Path) -> None:
     mujoco = pytest.importorskip("mujoco")
     file = tmp_path / f"robot.{suffix}"
@@ -54,20 +62,33 @@ def test_the_whole_is_that_of_mujoco(text: str, suffix: str, tmp_path: Path) -> 
         data.qpos[model.joint(name).qposadr[0]] = value
     mujoco.mj_kinematics(model, data)
     mass = model.body_mass.sum()
-    base = model.body("base").id if suffix == "xml" else 0
-    origin, turn = data.xpos[base], data.xmat[base].reshape(3, 3)
-    centers = (data.xipos - origin) @ turn  # as seen from the base
-    center = model.body_mass @ centers / mass
+    center = model.body_mass @ data.xipos / mass
     tensor = np.zeros((3, 3))
     for k in range(model.nbody):
-        axes = turn.T @ data.ximat[k].reshape(3, 3)
+        axes = data.ximat[k].reshape(3, 3)
         tensor += axes @ np.diag(model.body_inertia[k]) @ axes.T + point_inertia(
-            model.body_mass[k], centers[k] - center
+            model.body_mass[k], data.xipos[k] - center
         )
     assert properties.mass == pytest.approx(mass, rel=1e-14)
     assert properties.center_of_mass == pytest.approx(center, abs=1e-12)
     assert properties.inertia == pytest.approx(tensor, abs=1e-12)
     assert notes == ()
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "says"),
+    [
+        ('link="base"/><child', 'link="ghost"/><child', "part[1].parent is 'ghost': there is no part of that name"),
+        ('link="base"/><child', 'link="b"/><child', "part[1].parent is 'b', which hangs on this part itself"),
+    ],
+)
+def test_a_tree_that_is_none_is_not_written(
+    old: str, new: str, says: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    (tmp_path / "robot.urdf").write_text(URDF.replace(old, new), encoding="utf-8")
+    assert main(["assembly", str(tmp_path / "robot.urdf"), "--to-toml", str(tmp_path / "out.toml")]) == 2
+    assert f"robot.urdf: {says}" in capsys.readouterr().err
+    assert not (tmp_path / "out.toml").exists()
 
 
 def test_joints_that_are_not_there_or_do_not_move_are_refused(tmp_path: Path) -> None:

@@ -92,7 +92,7 @@ class Joint:
     Attributes
     ----------
     name : of the joint; of the link where it has none
-    parent : the link that it hangs from
+    parent : the link that it hangs from; None of the world
     placement : of the axes of the link in those of `parent`, where the joint is at 0
     kind : whether it "turns" about its axis, "slides" along it, is "fixed", or moves as none of these
     axis : (3,) of any length, in the axes of the link
@@ -100,7 +100,7 @@ class Joint:
     """
 
     name: str
-    parent: str
+    parent: str | None
     placement: Placement
     kind: Motion = "fixed"
     axis: Float = field(default_factory=lambda: np.array([0.0, 0.0, 1.0]))
@@ -108,7 +108,7 @@ class Joint:
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "name", visible(self.name))
-        object.__setattr__(self, "parent", visible(self.parent))
+        object.__setattr__(self, "parent", self.parent and visible(self.parent))
 
 
 @dataclass(frozen=True, eq=False)

@@ -191,18 +191,18 @@ def _body(
         geometries,
         hangs,
         placement if hangs else Placement(),
-        joint=None if parent is None else _joint(joints, name, parent, placement, childclass, model),
+        joint=_joint(joints, name, parent, placement, childclass, model),
     )
     yield from _bodies(element, name, Placement(), childclass, model, count)
 
 
 def _joint(
-    elements: list[Element], link: str, parent: str, placement: Placement, childclass: str, model: _Model
+    elements: list[Element], link: str, parent: str | None, placement: Placement, childclass: str, model: _Model
 ) -> Joint:
-    if not elements:
+    if not elements or elements[0].tag == "freejoint":
         return Joint(link, parent, placement)
     name = elements[0].get("name") or link
-    if len(elements) > 1 or elements[0].tag == "freejoint":
+    if len(elements) > 1:
         return Joint(name, parent, placement, "other")
     attributes, what = model.attributes(elements[0], childclass), f"joint {shown(name)}"
     kind: Motion = _MOTIONS.get(attributes.get("type", "hinge"), "other")

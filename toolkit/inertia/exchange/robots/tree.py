@@ -35,7 +35,8 @@ def robot_tree(robot: Robot, joints: Mapping[str, float] | None = None) -> tuple
         if name not in known or known[name].kind not in ("turns", "slides"):
             what = "does not turn or slide" if name in known else "is none of the robot's"
             moving = ", ".join(name for name, joint in known.items() if joint.kind in ("turns", "slides"))
-            raise UsageError(f"joint {name!r} {what}: name one of {moving or 'none, as none moves'}")
+            remedy = f"name one of {moving}" if moving else "leave it out, as none of them does"
+            raise UsageError(f"joint {name!r} {what}: {remedy}")
         if not np.isfinite(value):
             raise UsageError(f"joint {name!r} is at {value!r}: it must be a finite number of rad or m")
     parts, notes = [], list(robot.notes)
@@ -51,7 +52,8 @@ def robot_tree(robot: Robot, joints: Mapping[str, float] | None = None) -> tuple
 def _part(link: Link, positions: Mapping[str, float]) -> dict[str, Any]:
     part: dict[str, Any] = {"name": link.name}
     if (joint := link.joint) is not None:
-        part["parent"] = joint.parent
+        if joint.parent is not None:
+            part["parent"] = joint.parent
         place = joint.placement.then(_moved(joint.kind, joint.axis, joint.point, positions.get(joint.name, 0.0)))
         if place.origin.any():
             part["at"] = place.origin.tolist()
