@@ -134,7 +134,7 @@ class Library:
                     sigma=None if sigma is None else float(sigma / part.unit.metres),
                 )
             except GeometryError as error:
-                raise placed(error, str(fields.file)) from None
+                raise error if error.places else placed(error, str(fields.file)) from None
         return self._analyses[key]
 
     def _read(self, path: Path, unit: str | None) -> Part:

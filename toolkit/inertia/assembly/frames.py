@@ -23,8 +23,8 @@ Quaternion = tuple[Rational | float, Rational | float, Rational | float, Rationa
 """w, x, y, z; of any length but zero."""
 
 _PI = Fraction(314159265358979323846264338327950288419716939937510582097494459, 10**62)
-_CERTAIN = 2e-15  # of the skewness of a rotation in float64
-_COARSEST = 1e-3  # skewness beyond which no rotation is meant
+_CERTAIN = 1e-14  # of the skewness of a rotation that a few products or a decomposition in float64 made
+_COARSEST = 3.03e-3  # skewness beyond which no rotation is meant: that of three digits
 
 
 class Frame(NamedTuple):
@@ -192,11 +192,14 @@ def require_unit(quaternion: Sequence[float], path: str) -> None:
 
 
 def _allowed(values: Sequence[float]) -> float:
-    """Return how far from orthonormal the rounding of the last decimal may have made what was written."""
+    """Return how far from orthonormal the rounding of the last decimal may have made what was written.
+
+    With ‖E‖ ≤ √n 10⁻ᵈ/2 for n numbers of d digits, ‖(R + E)ᵀ(R + E) − 1‖ ≤ 2 ‖E‖ + ‖E‖².
+    """
     if all(float(k).is_integer() for k in values):
         return _CERTAIN
     places = max(-_exponent(repr(float(k))) for k in values if k)
-    return min(max(2.0 * 10.0**-places, _CERTAIN), _COARSEST)
+    return min(max(1.01 * math.sqrt(len(values)) * 10.0**-places, _CERTAIN), _COARSEST)
 
 
 def _exponent(word: str) -> int:
