@@ -105,6 +105,18 @@ def test_what_changed_is_told_part_by_part(tmp_path: Path, capsys: pytest.Captur
     assert main(["budget", FAN, "--diff", FAN, FAN]) == 2
 
 
+def test_a_part_beside_one_of_its_name_in_a_nested_file_is_compared_by_itself(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    part = '[[part]]\nname = "m"\nshape = "point"\nmass = 1\n'
+    (tmp_path / "inner.toml").write_text(part)
+    (tmp_path / "old.toml").write_text(f'[[part]]\nname = "x"\nassembly = "inner.toml"\n{part}parent = "x"\n')
+    (tmp_path / "new.toml").write_text(f'[[part]]\nname = "x"\n{part}parent = "x"\n')
+    assert main(["budget", "--diff", str(tmp_path / "old.toml"), str(tmp_path / "new.toml"), "--json"]) == 0
+    (change,) = json.loads(capsys.readouterr().out)["changes"]
+    assert (change["part"], change["kind"], change["effect"]["mass"]) == ("x/m (2)", "removed", -1.0)
+
+
 def test_a_bill_of_materials_is_the_same_as_the_file(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     (tmp_path / "bill.csv").write_text(
         "Name;Quantity;Mass;Shape;Size;At;Material\nbattery;2;0.35±0.01;box;[80, 60, 30];[5,0,0];\n"

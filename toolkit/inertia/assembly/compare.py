@@ -76,7 +76,7 @@ def compare(old: Budget, new: Budget) -> Comparison:
     >>> [(each.name, each.kind, each.center_of_mass[0].item()) for each in compare(one, two).changes]
     [('b', 'changed', 1.0)]
     """
-    before, after = dict(_own(old.total)), dict(_own(new.total))
+    before, after = _named(_own(old.total)), _named(_own(new.total))
     whole = _summed(list(before.values()))
     size = float(np.abs(whole.tensor).max())
     changes = []
@@ -90,6 +90,18 @@ def compare(old: Budget, new: Budget) -> Comparison:
         was, stood = _central(whole)
         changes.append(Change(name, kind, a, b, center - was, tensor - stood))
     return Comparison(old, new, tuple(sorted(changes, key=lambda each: (-abs(each.mass), each.name))))
+
+
+def _named(lines: Iterator[tuple[str, Own]]) -> dict[str, Own]:
+    """Return lines by name, those of a name that is there already numbered, as beside a nested file's own parts."""
+    result: dict[str, Own] = {}
+    for name, own in lines:
+        key, number = name, 1
+        while key in result:
+            number += 1
+            key = f"{name} ({number})"
+        result[key] = own
+    return result
 
 
 def _own(line: Line, above: str = "") -> Iterator[tuple[str, Own]]:
