@@ -246,7 +246,7 @@ def test_the_command_answers_the_same_whatever_is_in_the_cache(ball: Path, folde
 
     answer, errors = analyse()
     assert errors == ""
-    (file,) = folder.glob("sum_facets-*")
+    file = min(folder.glob("sum_facets-*"))
     content = bytearray(file.read_bytes())
     content[40] ^= 4  # in the head of the machine code: its first bytes are the hash
     file.write_bytes(content)

@@ -205,7 +205,9 @@ def test_the_command_refuses_to_mend_what_does_not_fit(capsys: pytest.CaptureFix
 
 
 def test_too_little_memory_is_refused_with_what_is_enough() -> None:
-    with pytest.raises(UsageError, match=r"cannot be checked within 1 MB of memory: allow at least \d+ MB by memory"):
+    with pytest.raises(
+        UsageError, match=r"cannot be checked within 1 MB of memory: allow at least [\d.]+ [MG]B by memory"
+    ):
         inertia.analyse(stored(joined(ring(200, 200))), memory=1e6)
 
 

@@ -408,4 +408,4 @@ def refuse_unknown(named: Iterable[str], known: Iterable[str], regions: Regions 
 
 
 def _part_of(progress: Progress | None, start: float, stop: float) -> Progress | None:
-    return None if progress is None else lambda done: progress(start + done * (stop - start))
+    return None if progress is None or start == stop else lambda done: progress(start + done * (stop - start))
