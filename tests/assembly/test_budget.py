@@ -9,8 +9,9 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 import inertia
-from inertia.assembly.budget import Budget, Limit
+from inertia.assembly.budget import Budget
 from inertia.assembly.document import Assembly
+from inertia.assembly.limits import Limit
 from inertia.errors import UsageError
 from inertia_meshes import path
 

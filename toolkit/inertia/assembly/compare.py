@@ -9,7 +9,8 @@ from typing import Literal
 import numpy as np
 
 from inertia.arrays import Float
-from inertia.assembly.budget import Budget, Line
+from inertia.assembly.budget import Budget
+from inertia.assembly.lines import Line
 from inertia.mass.tensor import point_inertia
 
 _SAME = 1e-12  # of the whole: less is rounding

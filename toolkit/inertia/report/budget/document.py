@@ -6,9 +6,11 @@ import math
 from collections.abc import Sequence
 from typing import Any
 
-from inertia.assembly.budget import COVERAGE, Budget, Limit, Line, Sigma
+from inertia.assembly.budget import Budget
 from inertia.assembly.document import Assembly
 from inertia.assembly.interference import Interference
+from inertia.assembly.limits import COVERAGE, Limit
+from inertia.assembly.lines import Line, Sigma
 
 _SHOWN = 50  # contributors
 COLUMNS = (

@@ -12,7 +12,8 @@ import numpy as np
 from markupsafe import Markup
 
 from inertia.arrays import Float
-from inertia.assembly.budget import COVERAGE, Budget, Limit
+from inertia.assembly.budget import Budget
+from inertia.assembly.limits import COVERAGE, Limit
 from inertia.output import require_writable, write_whole
 from inertia.report.budget.text import figure
 from inertia.report.numerals import cleared

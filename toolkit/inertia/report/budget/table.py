@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from inertia.assembly.budget import Budget, Line
+from inertia.assembly.budget import Budget
+from inertia.assembly.lines import Line
 from inertia.tables import csv_text
 
 _ELEMENTS = ((0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2))

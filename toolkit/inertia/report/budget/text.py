@@ -6,9 +6,11 @@ import math
 from collections.abc import Iterator, Sequence
 
 from inertia.arrays import Float
-from inertia.assembly.budget import COVERAGE, Budget, Limit, Line
+from inertia.assembly.budget import Budget
 from inertia.assembly.document import Assembly
 from inertia.assembly.interference import Interference
+from inertia.assembly.limits import COVERAGE, Limit
+from inertia.assembly.lines import Line
 from inertia.report.budget.document import COLUMNS, contributors
 from inertia.report.numerals import cleared, columns, fixed, number, row, wrapped
 from inertia.units import Unit
