@@ -21,7 +21,7 @@ from typing import Any
 
 SIZE = "1600x1000"
 DRIVERS = [Path(folder) / "vulkan/icd.d" for folder in ("/usr/share", "/usr/local/share", "/etc")]
-_PATIENCE = 60.0
+_PATIENCE = 600.0
 
 
 def has_driver() -> bool:
@@ -65,7 +65,7 @@ def open_viewer(home: Path) -> Iterator[tuple[Any, int]]:
         yield _wait(lambda: _connected(ViewerClient, process, f"rerun+http://127.0.0.1:{port}/proxy")), port
     finally:
         process.terminate()
-        process.wait(10)
+        process.wait(120)
 
 
 def _connected(kind: Any, process: subprocess.Popen[bytes], address: str) -> Any:
