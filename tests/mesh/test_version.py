@@ -134,7 +134,7 @@ def test_hash_and_volume_belong_together_while_another_process_writes(
             for _, content in contents.values():
                 with path.open("r+b") as file:
                     file.write(content)
-                done.wait(0.002)
+                done.wait(0.02)
 
     writer = threading.Thread(target=write)
     writer.start()

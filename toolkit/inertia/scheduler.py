@@ -33,7 +33,11 @@ def connected(address: str, threads: int) -> Iterator[Any]:
             stack.enter_context(dask.config.set({"distributed.worker.profile.enabled": False}))
             scheduler = stack.enter_context(
                 distributed.LocalCluster(
-                    n_workers=1, threads_per_worker=threads, processes=False, dashboard_address=None, silence_logs=50
+                    n_workers=1,
+                    threads_per_worker=threads,
+                    processes=False,
+                    dashboard_address="127.0.0.1:0",
+                    silence_logs=50,
                 )
             )
         try:

@@ -144,6 +144,9 @@ class DaskWorkers:
                 future, result = next(done)
             except (OSError, CancelledError, StopIteration):  # the connection is lost
                 raise InertiaError(_GONE) from None
+            if future.status in ("lost", "pending"):  # its worker ended with the result, and another one makes it anew
+                done.add(future)
+                continue
             if future.status != "finished":
                 raise _fault(future)
             yield number.pop(future.key), result
