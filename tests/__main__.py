@@ -1,4 +1,4 @@
-"""Run every gate: lint, format, types, import contracts, tests. Arguments are passed on to pytest."""
+"""Run every gate: lint, format, types, import contracts, the site, tests. Arguments are passed on to pytest."""
 
 import subprocess
 import sys
@@ -15,6 +15,7 @@ def main(pytest_arguments: list[str]) -> int:
         "ruff format": [*PYTHON, "ruff", "format", "--check"],
         "mypy": [*PYTHON, "mypy"],
         "import contracts": [str(Path(sysconfig.get_path("scripts")) / "lint-imports"), "--no-logo"],
+        "site": [sys.executable, "docs/build_site.py"],
         "pytest": [*PYTHON, "pytest", "-n", "auto", *pytest_arguments],
     }
     failed = []

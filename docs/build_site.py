@@ -1,0 +1,225 @@
+"""Build the site: the pages of docs/, with a reference made from the docstrings, the command's parser and the schemas.
+
+    python docs/build_site.py [FOLDER]     into FOLDER, build/site without one: open FOLDER/index.html
+
+Whatever is amiss is an error: a page in none of the parts, a link that leads nowhere, a public name without an entry.
+The pages stay as they are: what is written here stands in none of them, and what stands in them is not written again.
+"""
+
+from __future__ import annotations
+
+import argparse
+import re
+import shutil
+import sys
+import tempfile
+from collections.abc import Iterator
+from pathlib import Path
+from types import ModuleType
+from typing import Any
+
+from sphinx.application import Sphinx
+
+import inertia
+from inertia_cli.main import build_parser
+
+ROOT = Path(__file__).resolve().parent.parent
+PARTS = {
+    "Tutorials": "gallery",
+    "How to": "analysing reading checking exchange assembly batch algebra uncertainty audit balancing measuring "
+    "simulating spread playback trade outputs",
+    "Reference": "python command json",
+    "Explanation": "accuracy shapes dynamics security extremes honesty reliability robots benchmarks motion-benchmarks "
+    "balancing-benchmarks recording",
+    "Project": "CONTRIBUTING CHANGELOG",
+}
+"""Every page, in the part where one looks for it."""
+ALIASES = ("ArrayLike", "Float", "Int", "Bool", "Progress", "Orientation", "Parts")
+SETTINGS = {
+    "project": "inertia",
+    "author": "the inertia authors",
+    "copyright": "the inertia authors, MIT licence",
+    "release": inertia.__version__,
+    "extensions": ["myst_parser", "sphinx.ext.autodoc"],
+    "myst_heading_anchors": 4,
+    "smartquotes": False,
+    "default_role": "code",
+    "autodoc_member_order": "bysource",
+    "autodoc_preserve_defaults": True,
+    "autodoc_type_aliases": {
+        name: name for name in ("ArrayLike", "Float", "Int", "Bool", "Progress", "Orientation", "Parts")
+    },
+    "add_module_names": False,
+    "python_maximum_signature_line_length": 100,
+    "html_theme": "furo",
+    "html_static_path": ["_static"],
+    "html_css_files": ["inertia.css"],
+    "html_title": f"inertia {inertia.__version__}",
+    "html_copy_source": False,
+    "html_show_sphinx": False,
+    "html_last_updated_fmt": "",
+    "show_warning_types": True,
+}
+STYLE = """
+.content { width: min(52em, 100%); }
+td code { white-space: normal; overflow-wrap: break-word; }
+dl.py dt.sig { overflow-wrap: anywhere; }
+"""
+
+
+def build(out: Path) -> None:
+    """Write the site into a folder; raise `SystemExit` with what is amiss."""
+    with tempfile.TemporaryDirectory() as folder:
+        source, trees = Path(folder) / "docs", Path(folder) / "trees"
+        shutil.copytree(ROOT / "docs", source, ignore=shutil.ignore_patterns("*.py", "__pycache__"))
+        (Path(folder) / "toolkit").symlink_to(ROOT / "toolkit")  # pages may link to a module
+        _write_pages(source)
+        app = Sphinx(
+            source, None, out, trees, "html", SETTINGS, warningiserror=True, status=None, exception_on_warning=False
+        )
+        app.connect("autodoc-process-docstring", _as_lists)
+        app.connect("autodoc-process-signature", _as_python)
+        app.build()
+        missing = set(inertia.__all__) - {
+            name.removeprefix("inertia.") for name in app.env.domains.python_domain.objects
+        }
+        if missing:
+            sys.exit(f"no entry in the reference: {', '.join(sorted(missing))}")
+        if app.statuscode:
+            sys.exit("the site has faults: see above")
+
+
+def _write_pages(source: Path) -> None:
+    """Write what is not a page of docs/: the home page, the reference and the pages of the project."""
+    (source / "_static").mkdir()
+    (source / "_static/inertia.css").write_text(STYLE, encoding="utf-8")
+    for name in ("CONTRIBUTING", "CHANGELOG", "README"):
+        text = (ROOT / f"{name}.md").read_text(encoding="utf-8").replace("](docs/", "](")
+        (source / f"{name}.md").write_text(text, encoding="utf-8")
+    home = (source / "README.md").rename(source / "index.md")
+    trees = (
+        f"```{{toctree}}\n:hidden:\n:caption: {part}\n\n" + "\n".join(pages.split()) + "\n```\n"
+        for part, pages in PARTS.items()
+    )
+    home.write_text(home.read_text(encoding="utf-8") + "\n" + "\n".join(trees), encoding="utf-8")
+    _write_names(source)
+    _write_commands(source)
+
+
+def _write_names(source: Path) -> None:
+    """Write a page for each group of public names, and let the list of names lead to them."""
+    listing = source / "python.md"
+    head, *groups = listing.read_text(encoding="utf-8").split("\n## ")
+    (source / "names").mkdir()
+    pages = []
+    for group in groups:
+        title, _, table = group.partition("\n")
+        names = re.findall(r"^\| `(\w+)`", table, re.MULTILINE)
+        page = f"names/{names[0].lower()}"
+        pages.append(page)
+        entries = map(_entry, names)
+        text = "\n".join([_heading(title), *entries])
+        (source / f"{page}.rst").write_text(text, encoding="utf-8")
+    text = re.sub(r"^\| `(\w+)`", r"| {py:obj}`\1 <inertia.\1>`", "\n## ".join([head, *groups]), flags=re.MULTILINE)
+    text += "\n```{toctree}\n:hidden:\n\n" + "\n".join(pages) + "\n```\n"
+    listing.write_text(text, encoding="utf-8")
+
+
+def _entry(name: str) -> str:
+    """Return the directive that documents a public name, with what is public of it."""
+    thing = getattr(inertia, name)
+    if isinstance(thing, ModuleType):
+        sys.modules[f"inertia.{name}"] = thing
+        here = (k for k, each in vars(thing).items() if getattr(each, "__module__", "") == thing.__name__)
+        members = [k for k in here if not k.startswith("_")]
+        return f".. automodule:: inertia.{name}\n   :members: {', '.join(members)}\n"
+    if not isinstance(thing, type):
+        return f".. autofunction:: inertia.{name}\n"
+    return f".. auto{'exception' if issubclass(thing, BaseException) else 'class'}:: inertia.{name}\n   :members:\n"
+
+
+def _as_lists(_app: Sphinx, _what: str, _name: str, _thing: object, _options: object, lines: list[str]) -> None:
+    """Turn the sections of a docstring, `name : text` below an underlined title, into lists of definitions."""
+    written, within = [], False
+    for line in lines:
+        if set(line) == {"-"}:
+            written[-1:] = [f".. rubric:: {written[-1]}", ""]
+            within = True
+        elif within and line and not line.startswith(" "):
+            names, colon, text = line.partition(" : ")
+            written += [f"``{names}``", f"    {_linked(text)}"] if colon else [_linked(line)]
+        else:
+            within = within and bool(line)
+            written.append(line if line.lstrip()[:3] in (">>>", "...") else _linked(line))
+    lines[:] = written
+
+
+def _as_python(*about: Any) -> tuple[str | None, ...]:
+    """Return signature and result as they are written: a default that is made, and an alias, are shown otherwise."""
+    readable = (text and re.sub("<[^>]*>", "...", text) for text in about[-2:])
+    return tuple(text and re.sub(r"TypeAliasForwardRef\('(\w+)'\)", r"\1", text) for text in readable)
+
+
+def _linked(text: str) -> str:
+    """Return text with a link wherever code names what is public; what would be a mark of the notation is none."""
+    parts = re.split("(``?[^`]+``?)", text)
+    parts[::2] = [part.replace("|", "\\|").replace("**", "\\*\\*") for part in parts[::2]]
+    return "".join(_CODE.sub(_link, part) for part in parts)
+
+
+_CODE = re.compile(r"^`((\w+)[^`]*)`$")
+
+
+def _link(code: re.Match[str]) -> str:
+    return f":py:obj:`~inertia.{code[1]}`" if code[2] in inertia.__all__ else code[0]
+
+
+def _write_commands(source: Path) -> None:
+    """Write a page for each command from its parser."""
+    (source / "commands").mkdir()
+    parser = build_parser()
+    commands = next(each for each in parser._actions if isinstance(each, argparse._SubParsersAction))
+    pages, table = [], ""
+    for each in commands._choices_actions:  # the parsers without their aliases
+        name, command = each.dest, commands.choices[each.dest]
+        pages.append(f"commands/{name.replace(' ', '-')}")
+        (source / f"{pages[-1]}.rst").write_text("\n".join(_command(command)), encoding="utf-8")
+        table += f"| [`{command.prog}`]({pages[-1]}.rst) | {each.help} |\n"
+    codes = f"```text\n{parser.epilog}```\n"
+    toctree = "```{toctree}\n:hidden:\n\n" + "\n".join(pages) + "\n```\n"
+    text = f"# The command\n\n| | |\n|---|---|\n{table}\n{codes}\n{toctree}"
+    (source / "command.md").write_text(text, encoding="utf-8")
+
+
+def _command(parser: argparse.ArgumentParser) -> Iterator[str]:
+    """Yield the lines of the page of a command."""
+    yield _heading(parser.prog)
+    yield f".. program:: {parser.prog}\n\n{_escaped(parser.description or '')}\n\n::\n"
+    yield from (f"   {line}" for line in parser.format_usage().splitlines())
+    for group in parser._action_groups:
+        if group._group_actions:
+            yield f"\n.. rubric:: {(group.title or '').capitalize()}\n"
+        for action in group._group_actions:
+            if action.help == argparse.SUPPRESS:
+                continue
+            formatter = parser._get_formatter()
+            formatter.add_argument(action)
+            invocation = formatter._format_action_invocation(action)
+            text = formatter._expand_help(action) if action.help else ""
+            yield f".. option:: {invocation}\n\n   {_escaped(text)}\n"
+    if parser.epilog:
+        yield "\n::\n\n" + "\n".join(f"   {line}" for line in parser.epilog.splitlines())
+
+
+def _heading(title: str) -> str:
+    return f"{title}\n{'=' * len(title)}\n"
+
+
+def _escaped(text: str) -> str:
+    """Return plain text with code in single marks as reStructuredText."""
+    parts = " ".join(text.split()).split("`")
+    return "".join(f"``{each}``" if k % 2 else re.sub(r"([*|\\_])", r"\\\1", each) for k, each in enumerate(parts))
+
+
+if __name__ == "__main__":
+    build(Path(sys.argv[1] if len(sys.argv) > 1 else ROOT / "build/site"))
