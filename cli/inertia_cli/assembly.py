@@ -5,11 +5,17 @@ from __future__ import annotations
 import argparse
 import math
 import sys
+from dataclasses import replace
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from inertia_cli.options import by_name, named_number
 from inertia_cli.printing import print_document, print_text, show
+
+if TYPE_CHECKING:
+    from inertia.assembly.document import Assembly
+
+_ROBOTS = (".urdf", ".xml", ".mjcf", ".xacro", ".sdf", ".world", ".usd", ".usda", ".usdc", ".usdz")
 
 
 def add(parsers: Any) -> None:
@@ -22,7 +28,11 @@ def add(parsers: Any) -> None:
     )
     parser.set_defaults(run=run)
     parser.add_argument(
-        "part", nargs="?", metavar="FILE", help="assembly file (TOML), or bill of materials (CSV); - is standard input"
+        "part",
+        nargs="?",
+        metavar="FILE",
+        help="assembly file (TOML), bill of materials (CSV), or a file that carries a tree (glTF, 3MF, STEP, Collada, "
+        "URDF, MJCF, …); - is standard input",
     )
     parser.add_argument(
         "--interference", action="store_true", help="look for parts that share space; exit code 5 where there are some"
@@ -38,26 +48,42 @@ def add(parsers: Any) -> None:
         metavar="OUT.toml",
         nargs="?",
         const="-",
-        help="write an assembly file to fill in: a part for each region of a mesh or STEP file, or for each link of a "
-        "robot (URDF, MJCF); without OUT print it",
+        help="write an assembly file to fill in: a part for each node of a scene or product file, for each region of "
+        "another mesh, or for each link of a robot; without OUT print it",
     )
+    add_tree_options(parser)
+    parser.add_argument("--force", action="store_true", help="replace a file that is there")
+    parser.add_argument("--schema", action="store_true", help="print the JSON Schema of an assembly file")
+    parser.add_argument("--json", action="store_true", help="print one JSON document (inertia/assembly/1)")
+
+
+def add_tree_options(parser: argparse.ArgumentParser) -> None:
+    """Add how a file that carries a tree is to be read."""
     parser.add_argument(
         "--joint",
         action="append",
         default=[],
         type=named_number,
         metavar="NAME=VALUE",
-        help="with --to-toml, where a robot's joint stands, in rad or m (repeat it); others are at 0",
+        help="where a robot's joint stands, in rad or m (repeat it); others are at 0",
     )
-    parser.add_argument("--unit", metavar="UNIT", help="with --to-toml, of a mesh whose file states none")
-    parser.add_argument("--force", action="store_true", help="replace a file that is there")
-    parser.add_argument("--schema", action="store_true", help="print the JSON Schema of an assembly file")
-    parser.add_argument("--json", action="store_true", help="print one JSON document (inertia/assembly/1)")
+    parser.add_argument("--unit", metavar="UNIT", help="of the coordinates of a mesh, in place of its file's own")
+
+
+def assembly_of(options: argparse.Namespace) -> Assembly:
+    """Return the assembly that a file describes, or the tree that it carries."""
+    from inertia.assembly.document import Assembly
+
+    path = Path(options.part)
+    if not (options.joint or options.unit) and path.suffix.lower() not in _ROBOTS:
+        return Assembly.load(options.part)
+    table, notes = _table(options, path.parent)
+    return replace(Assembly.from_dict(table, path.parent, name=options.part), remarks=notes)
 
 
 def run(options: argparse.Namespace) -> int:
     """Run ``inertia assembly``."""
-    from inertia.assembly.document import Assembly, json_schema
+    from inertia.assembly.document import json_schema
     from inertia.errors import UsageError
 
     if options.schema:
@@ -67,14 +93,12 @@ def run(options: argparse.Namespace) -> int:
         raise UsageError("no assembly is named: give an assembly file, see `inertia assembly --help`")
     if options.to_toml is not None:
         return _to_toml(options)
-    if options.joint or options.unit:
-        raise UsageError("--joint and --unit go with --to-toml: an assembly file has its own")
     from inertia.report.budget.document import assembly_document
     from inertia.report.budget.text import assembly_text
 
     if options.clearance is not None and not 0 <= options.clearance < math.inf:
         raise UsageError(f"the clearance is {options.clearance:g}: it must be a length that is not negative")
-    assembly = Assembly.load(options.part)
+    assembly = assembly_of(options)
     asked = options.interference or options.clearance is not None
     clearance = (options.clearance or 0.0) * float(assembly.unit.metres)
     pairs = assembly.interferences(clearance) if asked else None
@@ -82,28 +106,37 @@ def run(options: argparse.Namespace) -> int:
     return 5 if pairs else 0
 
 
-def _to_toml(options: argparse.Namespace) -> int:
-    from inertia.assembly.document import Assembly
+def _table(options: argparse.Namespace, folder: Path) -> tuple[dict[str, Any], tuple[str, ...]]:
+    """Return the tree that a file carries, laid out as an assembly file in a folder is, and what had to be decided."""
     from inertia.assembly.outline import outline
-    from inertia.documents import toml_text
     from inertia.errors import UsageError
     from inertia.exchange.robots.read import read_robot
     from inertia.exchange.robots.tree import robot_tree
-    from inertia.mesh.read import read
+
+    path = Path(options.part)
+    if path.suffix.lower() in (".toml", ".csv"):
+        raise UsageError("--joint and --unit are for files that carry a tree: an assembly file has its own")
+    if path.suffix.lower() in _ROBOTS:
+        if options.unit:
+            raise UsageError(f"{options.part} is a robot, whose lengths are in metres: leave --unit out")
+        return robot_tree(read_robot(options.part), by_name("joint", options.joint) or {})
+    if options.joint:
+        raise UsageError(f"{options.part} is no robot, and has no joints: leave --joint out")
+    return outline(path, folder, options.unit)
+
+
+def _to_toml(options: argparse.Namespace) -> int:
+    from inertia.assembly.document import Assembly
+    from inertia.assembly.outline import rounded
+    from inertia.documents import toml_text
     from inertia.output import require_writable, write_whole
 
-    path, out = Path(options.part), options.to_toml
+    out = options.to_toml
     if out != "-":
         require_writable(out, ".toml", force=options.force)
-    notes: tuple[str, ...] = ()
-    if path.suffix.lower() in (".urdf", ".xml", ".mjcf", ".xacro"):
-        table, notes = robot_tree(read_robot(options.part), by_name("joint", options.joint) or {})
-    elif options.joint:
-        raise UsageError(f"{options.part} is no robot, and has no joints: leave --joint out")
-    else:
-        table = outline(read(options.part, options.unit), path, Path() if out == "-" else Path(out).parent)
+    table, notes = _table(options, Path() if out == "-" else Path(out).parent)
     Assembly.from_dict(table, name=options.part)  # refuses what could not be read again
-    text = toml_text(table)
+    text = toml_text(rounded(table))
     for note in notes:
         print(f"note: {note}", file=sys.stderr)
     if out == "-":

@@ -6,6 +6,7 @@ import argparse
 from pathlib import Path
 from typing import Any
 
+from inertia_cli.assembly import add_tree_options, assembly_of
 from inertia_cli.printing import show, write_and_show
 
 _CODES = {None: 0, "pass": 0, "fail": 5, "undecided": 4}
@@ -21,8 +22,13 @@ def add(parsers: Any) -> None:
     )
     parser.set_defaults(run=run)
     parser.add_argument(
-        "part", nargs="?", metavar="FILE", help="assembly file (TOML), or bill of materials (CSV); - is standard input"
+        "part",
+        nargs="?",
+        metavar="FILE",
+        help="assembly file (TOML), bill of materials (CSV), or a file that carries a tree (glTF, 3MF, STEP, Collada, "
+        "URDF, MJCF, …); - is standard input",
     )
+    add_tree_options(parser)
     parser.add_argument(
         "--diff",
         nargs=2,
@@ -41,7 +47,6 @@ def add(parsers: Any) -> None:
 
 def run(options: argparse.Namespace) -> int:
     """Run ``inertia budget``."""
-    from inertia.assembly.document import Assembly
     from inertia.errors import UsageError
     from inertia.output import require_writable, together, write_whole
     from inertia.report.budget.document import budget_document
@@ -54,7 +59,7 @@ def run(options: argparse.Namespace) -> int:
     for file, suffix in ((options.csv, ".csv"), (options.report, ".html")):
         if file is not None:
             require_writable(file, suffix, force=options.force)
-    whole = Assembly.load(options.part).budget()
+    whole = assembly_of(options).budget()
 
     def write() -> None:
         with together():
@@ -77,7 +82,8 @@ def _diff(options: argparse.Namespace) -> int:
     from inertia.errors import UsageError
     from inertia.report.budget.comparison import comparison_document, comparison_text
 
-    if options.part is not None or options.csv is not None or options.report is not None:
+    others = options.part, options.csv, options.report, options.unit, options.joint or None
+    if any(other is not None for other in others):
         raise UsageError("--diff takes two assembly files and nothing else but --json: leave the rest out")
     comparison = compare(*(Assembly.load(file).budget() for file in options.diff))
     show(options.json, lambda: comparison_document(comparison), lambda: comparison_text(comparison))

@@ -18,7 +18,7 @@ import numpy as np
 from inertia.arrays import Float
 from inertia.assembly.fields import PartFields
 from inertia.assembly.frames import mirror
-from inertia.errors import GeometryError, InertiaError, UsageError, placed
+from inertia.errors import GeometryError, InertiaError, UsageError, placed, visible
 from inertia.estimate import uncertainty_of
 from inertia.mass.analyse import analyse
 from inertia.mass.analysis import Analysis
@@ -26,8 +26,9 @@ from inertia.mass.moments import PAIRS, ZERO, Moments, Vector
 from inertia.mass.properties import MassProperties
 from inertia.mesh import primitives
 from inertia.mesh.part import Cells, Part
-from inertia.mesh.read import read
+from inertia.mesh.read import read, read_tree
 from inertia.mesh.regions import region_of
+from inertia.mesh.tree import MeshTree, determinant
 from inertia.units import Unit
 
 _PI = Fraction(314159265358979323846264338327950288419716939937510582097494459, 10**62)
@@ -69,6 +70,7 @@ class Body:
     inputs : its uncertain ones
     part : the mesh; None without one
     notes : what was decided, in sentences
+    assumed : whether its density is one that nobody stated
     """
 
     moments: Moments
@@ -78,14 +80,20 @@ class Body:
     inputs: tuple[Input, ...] = ()
     part: Part | None = None
     notes: tuple[str, ...] = ()
+    assumed: bool = False
 
 
 class Library:
-    """Files that were integrated, each once, with a density of 1 kg/m³; and what they are with others."""
+    """Files that were integrated, each once, with a density of 1 kg/m³; and what they are with others.
+
+    `remarks` are what reading the trees of nested files had to decide, in sentences.
+    """
 
     def __init__(self) -> None:
+        self.remarks: dict[str, None] = {}
         self._analyses: dict[tuple[object, ...], Analysis] = {}
         self._parts: dict[tuple[Path, str | None], Part] = {}
+        self._trees: dict[tuple[Path, str | None], MeshTree | None] = {}
         self._bodies: dict[tuple[object, ...], Body] = {}
 
     def body(self, fields: PartFields, weight: Weight, label: str, folder: Path, unit: Unit) -> Body:
@@ -106,7 +114,7 @@ class Library:
                 float(weight.density),
                 weight.mass and float(weight.mass),
             ),
-            *(fields.mirror, fields.center_of_mass, tensor),
+            *(fields.stretch, fields.mirror, fields.center_of_mass, tensor),
         )
         if key not in self._bodies:
             self._bodies[key] = _certain(fields, weight, analysis, unit.metres)
@@ -119,9 +127,9 @@ class Library:
     def _analysis(self, path: Path, fields: PartFields, unit: Unit) -> Analysis:
         """Return the analysis of a part's file, whose unit is that of the assembly where neither says another."""
         sigma = None if fields.sigma is None else Fraction(fields.sigma) * unit.metres
-        key = path, fields.region, fields.unit, unit.name, sigma, fields.shell and float(fields.shell)
+        key = path, fields.region, fields.mesh, fields.unit, unit.name, sigma, fields.shell and float(fields.shell)
         if key not in self._analyses:
-            part = self._read(path, fields.unit)
+            part = self._read(path, fields.unit, fields.mesh)
             if fields.region is not None:
                 part = region_of(part, fields.region)
             if part.unit_from == "assumed":
@@ -137,7 +145,14 @@ class Library:
                 raise error if error.places else placed(error, str(fields.file)) from None
         return self._analyses[key]
 
-    def _read(self, path: Path, unit: str | None) -> Part:
+    def _read(self, path: Path, unit: str | None, mesh: str | None) -> Part:
+        if mesh is not None:
+            if (path, unit) not in self._trees:
+                self._trees[path, unit] = read_tree(path, unit)
+            tree = self._trees[path, unit]
+            if tree is None:
+                raise UsageError(f"{visible(str(path))} is of a format that places no meshes: leave mesh out")
+            return tree.part(mesh, visible(str(path)))
         if (path, unit) not in self._parts:
             self._parts[path, unit] = read(path, unit)
         return self._parts[path, unit]
@@ -153,6 +168,9 @@ def _certain(fields: PartFields, weight: Weight, analysis: Analysis | None, metr
         shape = properties.moments_about(properties.center_of_mass.tolist())
         volume = Fraction(properties.volume)
         volume_bound, method = volume * Fraction(properties.error.volume), properties.error.method
+        if fields.stretch is not None:
+            shape, size = shape.stretched(fields.stretch), abs(determinant(fields.stretch))
+            volume, volume_bound = size * volume, size * volume_bound
         notes = tuple(f"{fields.file}: {note}" for note in analysis.notes)
     elif fields.shape is not None and fields.shape != "point":
         shape = _solid(fields.shape, [metres * Fraction(k) for k in fields.size or ()])
@@ -333,9 +351,11 @@ def triangles_of(fields: PartFields, body: Body, unit: Unit) -> Float | None:
         corners = _surface(fields.shape, [metres * float(k) for k in fields.size or ()])
     else:
         return None
-    if fields.mirror is not None:
-        rows = np.array([[float(k) for k in row] for row in mirror(fields.mirror)])
-        corners = (corners @ rows.T)[:, ::-1]
+    maps = [] if fields.stretch is None else [fields.stretch]
+    maps += [] if fields.mirror is None else [mirror(fields.mirror)]
+    for rows in maps:
+        corners = corners @ np.array([[float(k) for k in row] for row in rows]).T
+        corners = corners[:, ::-1] if determinant(rows) < 0 else corners
     return corners
 
 

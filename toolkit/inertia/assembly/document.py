@@ -3,16 +3,19 @@
 from __future__ import annotations
 
 import os
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from pathlib import Path
 from typing import Any, Self
 
 from inertia.assembly.bill import parts_of
 from inertia.assembly.budget import Budget, budget
 from inertia.assembly.fields import AssemblyFields
 from inertia.assembly.interference import Interference, interferences
+from inertia.assembly.outline import outline
 from inertia.assembly.tree import PartTree
 from inertia.documents import document_schema
 from inertia.errors import ReadError, placed
+from inertia.mesh.readers.formats import format_of_name
 
 
 @dataclass(frozen=True, eq=False)
@@ -26,6 +29,17 @@ class Assembly(PartTree):
     >>> fan.mass_properties().mass, round(fan.budget().total.sigma.mass, 6)
     (0.2097876019763093, 0.0009)
     """
+
+    @classmethod
+    def load(cls, path: str | os.PathLike[str]) -> Self:
+        """Read a file, `-` for standard input; one of meshes (glTF, STEP, …) is the tree that it carries.
+
+        Raises `ReadError`, `UsageError`.
+        """
+        if format_of_name(Path(path)) is None:
+            return super().load(path)
+        table, remarks = outline(Path(path), Path(path).parent)
+        return replace(cls.from_dict(table, Path(path).parent, name=os.fspath(path)), remarks=remarks)
 
     @classmethod
     def loads(cls, text: str, folder: str | os.PathLike[str] = ".", name: str | None = None) -> Self:

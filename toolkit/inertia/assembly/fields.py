@@ -46,6 +46,7 @@ from inertia.documents import (
     text,
 )
 from inertia.errors import UsageError
+from inertia.mesh.tree import Matrix, determinant
 from inertia.units import length_unit
 
 _LENGTH = "the file's unit"
@@ -124,6 +125,21 @@ def _matrix(value: Any, path: str) -> Float:
     return matrix
 
 
+def _stretch(value: Any, path: str) -> Matrix:
+    """Read three factors along x, y and z, or a matrix that is not singular."""
+    entries = list(value) if isinstance(value, Sequence | np.ndarray) and not isinstance(value, str) else []
+    if len(entries) == 3 and all(
+        isinstance(row, Sequence | np.ndarray) and not isinstance(row, str) for row in entries
+    ):
+        rows: Matrix = tuple(rationals(3, "")(row, f"{path}[{k}]") for k, row in enumerate(entries))
+    else:
+        factors = rationals(3, "")(value, path)
+        rows = tuple(tuple(factors[i] if i == j else Fraction(0) for j in range(3)) for i in range(3))
+    if not determinant(rows):
+        raise FieldError(path, "leaves nothing of the part: its determinant is zero")
+    return rows
+
+
 _TENSOR = numbers((3, 3), "kg m2")
 
 
@@ -161,7 +177,10 @@ def _normal(value: Any, path: str) -> tuple[Fraction, ...]:
     return normal
 
 
-direction = Reader(_normal, {"oneOf": [{"enum": ["x", "y", "z"]}, rationals(3, "").schema]})
+_THREE = rationals(3, "").schema
+_STRETCH = {"oneOf": [_THREE, {"type": "array", "items": _THREE, "minItems": 3, "maxItems": 3}]}
+
+direction = Reader(_normal, {"oneOf": [{"enum": ["x", "y", "z"]}, _THREE]})
 """Read a direction of any length, or the name of an axis."""
 
 _ROWS = {"type": "array", "items": {"type": "array", "items": {"type": "number"}}, "minItems": 3, "maxItems": 4}
@@ -228,6 +247,10 @@ class PartFields(Section):
     parent : the part or group that its placement is relative to
     file : path of a mesh or STEP file, relative to the assembly file
     region : the region of the file that is the part, where it is not all of it
+    mesh : the mesh of the file that is the part, in its own axes, where the file places several (glTF, 3MF, Collada,
+        STEP)
+    stretch : factors along x, y and z, or a matrix (3, 3), that the coordinates of the file are multiplied by before
+        the part is placed; a mirror has a negative determinant
     assembly : path of another assembly file
     shape : of what has no mesh, centred on its origin: box, sphere, cylinder, tube and cone stand along z
     size : its lengths: box x, y, z; sphere radius; cylinder radius, length; tube outer radius, inner radius, length;
@@ -266,6 +289,8 @@ class PartFields(Section):
     parent: Annotated[str | None, text] = None
     file: Annotated[str | None, text] = None
     region: Annotated[str | None, text] = None
+    mesh: Annotated[str | None, text] = None
+    stretch: Annotated[Matrix | None, Reader(_stretch, _STRETCH)] = None
     assembly: Annotated[str | None, text] = None
     shape: Annotated[str | None, choice(*SIZES)] = None
     size: Annotated[tuple[Fraction, ...] | None, several(number(_LENGTH, positive=True))] = None
@@ -324,9 +349,14 @@ class PartFields(Section):
         ):
             if getattr(self, name) is not None and getattr(self, needs) is None:
                 raise FieldError(f"{path}.{name}", f"is given without {needs}: give both, or none")
-        for name in ("region", "shell", "sigma", "scale", "unit"):
+        for name in ("region", "mesh", "stretch", "shell", "sigma", "scale", "unit"):
             if getattr(self, name) is not None and self.file is None:
                 raise FieldError(f"{path}.{name}", "is that of a file, and the part has none: leave it out")
+        if self.mesh is not None and self.region is not None:
+            raise FieldError(f"{path}.region", "is given beside mesh: give one")
+        for name in ("shell", "sigma") if self.stretch is not None else ():
+            if getattr(self, name) is not None:
+                raise FieldError(f"{path}.{name}", "is given beside stretch, which would stretch it: give one")
         self._require_turn(path)
 
     def _require_shape(self, path: str) -> None:

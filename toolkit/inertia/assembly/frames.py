@@ -9,9 +9,9 @@ adds them up (`inertia.assembly.rollup`).
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from fractions import Fraction
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 from inertia.documents import FieldError
 from inertia.mass.moments import Vector, dot, norm_above, vector
@@ -189,6 +189,24 @@ def require_unit(quaternion: Sequence[float], path: str) -> None:
             path,
             f"has a squared length that is off 1 by {off:.2g}, and its digits explain {allowed:.2g}: give more digits",
         )
+
+
+def is_rotation(rows: Sequence[Sequence[float]]) -> bool:
+    """Whether `require_rotation` takes it."""
+    return _passes(require_rotation, rows)
+
+
+def is_unit(quaternion: Sequence[float]) -> bool:
+    """Whether `require_unit` takes it."""
+    return _passes(require_unit, quaternion)
+
+
+def _passes(require: Callable[[Any, str], None], value: object) -> bool:
+    try:
+        require(value, "")
+    except FieldError:
+        return False
+    return True
 
 
 def _allowed(values: Sequence[float]) -> float:

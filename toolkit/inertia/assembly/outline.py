@@ -1,33 +1,155 @@
-"""The regions of a mesh or STEP file as the parts of an assembly, for its user to fill in."""
+"""The tree that a mesh, scene or STEP file carries as an assembly laid out as its file is: names, placements, meshes.
+
+Placements of nodes are applied in moments: the turn and the shift of a node become those of a part or group. What
+scales, mirrors or shears is handed down to the meshes below it as their `stretch`, which no group can have.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+import math
+from collections.abc import Mapping, Sequence
+from fractions import Fraction
 from pathlib import Path
 from typing import Any
 
-from inertia.mesh.part import Part
+import numpy as np
+
+from inertia.assembly.frames import is_rotation, is_unit
+from inertia.errors import visible
+from inertia.mass.moments import dot
+from inertia.mesh.geometry.cell_shapes import volume_blocks
+from inertia.mesh.part import Cells, Part
+from inertia.mesh.read import read, read_tree
+from inertia.mesh.readers.contents import plural, was
+from inertia.mesh.tree import ONE, Matrix, MeshTree, Motion, determinant, unique
 
 
-def outline(part: Part, path: Path, folder: Path) -> dict[str, Any]:
-    """Return an assembly laid out as its file is: a part for each region, where the file has it.
+def outline(path: Path, folder: Path, unit: str | None = None) -> tuple[dict[str, Any], tuple[str, ...]]:
+    """Return an assembly laid out as its file is, and what had to be decided, in sentences.
+
+    It has a part for each node of a file that places its meshes (glTF, 3MF, Collada, STEP), or for each region of
+    another; lengths, as rational numbers, are in the unit of the file.
 
     Parameters
     ----------
-    part : as read from `path`
     folder : that the file of the assembly will be in
+    unit : of the coordinates, as of `inertia.read`
     """
     file = relative(path, folder)
-    unit = None if part.unit_from == "file" else part.unit.name
-    names: Sequence[str] = part.regions.names if part.regions is not None else ()
-    parts = [
-        {"name": name, "file": file, "region": name} | ({"unit": unit} if unit else {}) for name in dict.fromkeys(names)
-    ]
-    alone = {"name": path.stem, "file": file} | ({"unit": unit} if unit else {})
-    return {"schema": 1, "name": path.stem, "unit": part.unit.name, "part": parts or [alone]}
+    tree = read_tree(path, unit)
+    if tree is not None and tree.meshes:
+        parts, notes = _parts(tree, {"file": file} | ({"unit": unit} if unit else {}))
+        named = next(iter(tree.meshes.values())).unit.name
+        return {"schema": 1, "name": visible(path.stem), "unit": named, "part": parts}, (*tree.notes, *notes)
+    part = read(path, unit)
+    own = {} if part.unit_from == "file" else {"unit": part.unit.name}
+    names, rest = _regions_with_mass(part)
+    regions = [{"name": name, "file": file, "region": name} | own for name in names]
+    alone = {"name": visible(path.stem), "file": file} | own
+    notes = (f"{plural(rest, 'element')} in no region {was(rest)} left out",) if names and rest else ()
+    return {"schema": 1, "name": visible(path.stem), "unit": part.unit.name, "part": regions or [alone]}, notes
+
+
+def _regions_with_mass(part: Part) -> tuple[list[str], int]:
+    """Return the regions that have triangles, or volume where there are cells, and how many of these are in none."""
+    if part.regions is None:
+        return [], 0
+    index = part.regions.index
+    if isinstance(part.geometry, Cells):
+        solid = volume_blocks(part.geometry)
+        index = np.concatenate([index[first : first + len(block.nodes)] for first, block in solid] or [index])
+    own = set(np.unique(index).tolist())
+    return [name for k, name in enumerate(part.regions.names) if k in own], int((index < 0).sum())
 
 
 def relative(path: Path, folder: Path) -> str:
     """Return how a file in or beneath a folder names another; the whole path of one elsewhere."""
     whole, base = path.resolve(), folder.resolve()
     return whole.relative_to(base).as_posix() if whole.is_relative_to(base) else whole.as_posix()
+
+
+def rounded(table: Any) -> Any:
+    """Return a table with the float64 nearest to each of its rational numbers, for people to read."""
+    if isinstance(table, Mapping):
+        return {key: rounded(value) for key, value in table.items()}
+    if isinstance(table, list | tuple):
+        return [rounded(value) for value in table]
+    if isinstance(table, Fraction):
+        return int(table) if table.denominator == 1 and abs(table) < 2**53 else float(table)
+    return table
+
+
+def _parts(tree: MeshTree, common: Mapping[str, str]) -> tuple[list[dict[str, Any]], tuple[str, ...]]:
+    nodes = tree.nodes
+    needed = [node.mesh is not None for node in nodes]
+    for k in reversed(range(len(nodes))):
+        above = nodes[k].parent
+        if needed[k] and above is not None:
+            needed[above] = True
+    names = unique(visible(node.name or node.mesh or "group") for node in nodes)
+    stretches: list[Matrix] = []
+    parts, notes = [], []
+    for node, name, has_mesh_below in zip(nodes, names, needed, strict=True):
+        place, stretch = _placed(node.motion, ONE if node.parent is None else stretches[node.parent])
+        stretches.append(stretch)
+        if not has_mesh_below:
+            continue
+        part: dict[str, Any] = {"name": name}
+        if node.parent is not None:
+            part["parent"] = names[node.parent]
+        if node.mesh is not None:
+            if determinant(stretch):
+                part |= {**common, "mesh": node.mesh}
+                if stretch != ONE:
+                    part["stretch"] = [stretch[k][k] for k in range(3)] if _is_diagonal(stretch) else stretch
+            else:
+                notes.append(f"{name} is scaled to nothing: its mesh is left out")
+        parts.append(part | place)
+    return parts, tuple(notes)
+
+
+def _placed(motion: Motion, above: Matrix) -> tuple[dict[str, Any], Matrix]:
+    """Return the fields of a place for x ↦ B (R A x + t), and what is left of B and A for the meshes below."""
+    place: dict[str, Any] = {}
+    at = tuple(dot(row, motion.at) for row in above)
+    if any(at):
+        place["at"] = at
+    quaternion, scale = motion.quaternion, above[0][0]
+    uniform = above == tuple(tuple(scale * k for k in row) for row in ONE)
+    if quaternion is not None and uniform:
+        figures = [float(k) for k in quaternion]
+        place["quaternion"] = figures if is_unit(figures) else _whole(quaternion)
+        return place, _times(above, motion.linear)
+    turn = ONE if quaternion is None else _rotation(quaternion)
+    linear = _times(above, _times(turn, motion.linear))
+    rows = [[float(k) for k in row] for row in linear]
+    if linear == ONE or not is_rotation(rows):
+        return place, linear
+    return place | {"matrix": rows}, ONE
+
+
+def _whole(quaternion: Sequence[Fraction]) -> list[int]:
+    """Return whole numbers in the proportion of a quaternion, whose length then does not matter."""
+    scale = math.lcm(*(k.denominator for k in quaternion))
+    whole = [int(k * scale) for k in quaternion]
+    return [k // math.gcd(*whole) for k in whole]
+
+
+def _rotation(quaternion: Sequence[Fraction]) -> Matrix:
+    x, y, z, w = quaternion
+    twice = 2 / (x * x + y * y + z * z + w * w)
+    return (
+        (1 - twice * (y * y + z * z), twice * (x * y - z * w), twice * (x * z + y * w)),
+        (twice * (x * y + z * w), 1 - twice * (x * x + z * z), twice * (y * z - x * w)),
+        (twice * (x * z - y * w), twice * (y * z + x * w), 1 - twice * (x * x + y * y)),
+    )
+
+
+def _times(a: Matrix, b: Matrix) -> Matrix:
+    if a == ONE or b == ONE:
+        return b if a == ONE else a
+    return tuple(tuple(dot(row, column) for column in zip(*b, strict=True)) for row in a)
+
+
+def _is_diagonal(rows: Matrix) -> bool:
+    return not any(rows[i][j] for i in range(3) for j in range(3) if i != j)

@@ -30,6 +30,7 @@ from inertia.units import Unit, length_unit
 
 _MOST_COPIES = 1_000_000
 _DEEPEST = 64  # assemblies in assemblies
+_NAMED = 5  # parts that a note lists
 _LEVELS = 100  # parts on parts, those of assemblies in assemblies counted on
 
 
@@ -79,6 +80,7 @@ class PartTree(Document):
     folder : where the files are that it names
     text : the file as it was read; None without one
     path : the file's path, or "the assembly"
+    remarks : what reading had to decide, in sentences
 
     Raises `UsageError` naming the field.
 
@@ -97,6 +99,7 @@ class PartTree(Document):
     folder: Path = Path()
     text: str | None = None
     path: str = "the assembly"
+    remarks: tuple[str, ...] = ()
 
     @classmethod
     def _from_table(cls, table: Mapping[str, Any], folder: Path, text: str | None, name: str) -> Self:
@@ -128,9 +131,12 @@ class PartTree(Document):
     @cached_property
     def root(self) -> Node:
         """The tree, its files read and integrated."""
-        return Node(
-            self.name, self.name, None, "", self.path, self.unit, None, (IDENTITY,), self._nodes(Library(), (), (self,))
-        )
+        nodes = self._nodes(self._library, (), (self,))
+        return Node(self.name, self.name, None, "", self.path, self.unit, None, (IDENTITY,), nodes)
+
+    @cached_property
+    def _library(self) -> Library:
+        return Library()
 
     @cached_property
     def placed(self) -> Placed:
@@ -163,8 +169,13 @@ class PartTree(Document):
     @property
     def notes(self) -> tuple[str, ...]:
         """What was decided on the way, in sentences."""
-        leaves = list(self.root.leaves)
-        notes = dict.fromkeys(note for leaf in leaves if leaf.body for note in leaf.body.notes)
+        leaves = [(leaf.name, leaf.body) for leaf in self.root.leaves if leaf.body is not None]
+        notes = dict.fromkeys((*self.remarks, *self._library.remarks))
+        notes |= dict.fromkeys(note for _, body in leaves for note in body.notes)
+        assumed = list(dict.fromkeys(name for name, body in leaves if body.assumed))
+        several = f"{', '.join(assumed[:_NAMED])} and {len(assumed) - _NAMED} other parts"
+        for what in [several] if len(assumed) > _NAMED else assumed:
+            notes[f"the density of {what} is assumed to be {ASSUMED:g} kg/m³"] = None
         return tuple(notes)
 
     def _require_sense(self) -> None:
@@ -221,6 +232,7 @@ class PartTree(Document):
         if len(chain) >= _DEEPEST:
             raise ReadError(f"{part.assembly} is {len(chain)} assemblies deep: {_DEEPEST} are the most")
         nested = type(self).load(file)
+        library.remarks |= dict.fromkeys(nested.remarks)
         return nested._nodes(library, (*chain, here), (nested, *contexts), level)
 
     def _body(self, part: PartFields, library: Library, contexts: tuple[PartTree, ...]) -> Body | None:
@@ -228,10 +240,7 @@ class PartTree(Document):
             return None
         weight, label = self._weight(part, contexts), self._label(part.name, contexts)
         body = library.body(part, weight, label, self.folder, self.unit)
-        if weight.assumed:
-            says = f"the density of {part.name} is assumed to be {ASSUMED:g} kg/m³"
-            body = replace(body, notes=(*body.notes, says))
-        return body
+        return replace(body, assumed=True) if weight.assumed else body
 
     def _weight(self, part: PartFields, contexts: tuple[PartTree, ...]) -> Weight:
         """Return how heavy a part is: as weighed, by its own density or material, or by a glob that fits its name."""

@@ -135,6 +135,28 @@ class Moments:
             norms,
         )
 
+    def stretched(self, rows: Sequence[Sequence[Fraction]]) -> Moments:
+        """Return the moments of volume of a body whose points x are moved to A x.
+
+        With |det A| = d they are d V, d A ∫x and d A ∫x xᵀ Aᵀ.
+
+        Parameters
+        ----------
+        rows : of A (3, 3), not singular
+        """
+        (a, b, c), (d, e, f), (g, h, i) = rows
+        size = abs(a * (e * i - f * h) - b * (d * i - f * g) + c * (d * h - e * g))
+        largest = [[abs(k) for k in row] for row in rows]
+        return Moments(
+            vector(dot(row, self.origin) for row in rows),
+            size * self.zeroth,
+            vector(size * dot(row, self.first) for row in rows),
+            six(size * k for k in _congruent(rows, self.second)),
+            size * self.zeroth_bound,
+            vector(size * dot(row, self.first_bound) for row in largest),
+            six(size * k for k in _congruent(largest, self.second_bound)),
+        )
+
     def turned(self, axes: Sequence[Sequence[Fraction]], origin: Sequence[Fraction]) -> Moments:
         """Return the moments in another frame: x′ = Rᵀ (x − o), the columns of R (3, 3) being the new axes.
 

@@ -13,6 +13,8 @@ import errno
 import math
 import os
 import stat
+from collections.abc import Iterator
+from contextlib import contextmanager
 from dataclasses import replace
 from importlib import import_module
 from pathlib import Path
@@ -23,8 +25,9 @@ from inertia.arrays import Float, Progress
 from inertia.errors import ReadError, UsageError, placed, visible
 from inertia.mesh.part import Part, Rounding, Source
 from inertia.mesh.readers.compressed import UNPACK_LIMIT, packed_as, unpacked
-from inertia.mesh.readers.contents import Contents
+from inertia.mesh.readers.contents import Contents, Layout
 from inertia.mesh.readers.formats import FORMATS, HEAD, format_of_name, sniff
+from inertia.mesh.tree import MeshTree
 from inertia.mesh.version import CHANGED, Version, unchanged
 from inertia.standard_input import file_of
 from inertia.units import DEFAULT_UNIT, Unit, UnitFrom, length_unit
@@ -142,10 +145,59 @@ def _unit(override: Unit | None, of_file: Unit | None) -> tuple[Unit, UnitFrom]:
     return (DEFAULT_UNIT, "assumed") if of_file is None else (of_file, "file")
 
 
+def read_tree(path: str | os.PathLike[str], unit: str | None = None) -> MeshTree | None:
+    """Read the nodes of a scene or product file, and its meshes, each once; None where the format has no tree.
+
+    Parameters
+    ----------
+    path, unit : as of `read`; of a compressed file no tree is read
+
+    Raises `ReadError` as `read` does.
+    """
+    override = None if unit is None else length_unit(unit)
+    name = os.fspath(path)
+    try:
+        with _opened(name) as (file, head, version):
+            if packed_as(file, head) is not None:
+                return None
+            kind = sniff(file, head, version.size)
+            module, function = FORMATS[kind].module, FORMATS[kind].tree
+            if not function:
+                return None
+            with np.errstate(all="ignore"):  # what is not finite is refused by name
+                layout: Layout = getattr(import_module(f"inertia.mesh.readers.{module}"), function)(file)
+    except ReadError as error:
+        raise placed(error, f"cannot read {name}") from error
+    meshes = {
+        title: Part(
+            contents.geometry,
+            *_unit(override, contents.unit),
+            Source(name, kind, version),
+            None,
+            contents.notes,
+            contents.chord,
+            contents.rounding and _named(contents.rounding, version, name),
+            shape=contents.shape,
+        )
+        for title, contents in layout.meshes.items()
+    }
+    return MeshTree(tuple(layout.nodes), meshes, layout.notes)
+
+
 def _contents(
     name: str, format: str | None, coarser: float, unpack_limit: float, memory: float | None
 ) -> tuple[str, Contents, Version]:
     """Return the kind of a file, what is in it, and the version of it that was read."""
+    with _opened(name) as (path, head, version):
+        packed = None if format in _ZIPPED else packed_as(path, head)
+        if packed is None:
+            return *_sniffed(path, head, version.size, format, coarser, name, memory), version
+        return *_unpacked(path, packed, format, coarser, unpack_limit), version
+
+
+@contextmanager
+def _opened(name: str) -> Iterator[tuple[Path, bytes, Version]]:
+    """Yield where a file is, how it begins, and its version, which is the same when it has been read."""
     if "\0" in name:
         raise ReadError(_REASONS[errno.ENOENT])
     try:
@@ -158,10 +210,7 @@ def _contents(
         with unchanged(path) as version:
             with path.open("rb") as file:
                 head = file.read(HEAD)
-            packed = None if format in _ZIPPED else packed_as(path, head)
-            if packed is None:
-                return *_sniffed(path, head, version.size, format, coarser, name, memory), version
-            return *_unpacked(path, packed, format, coarser, unpack_limit), version
+            yield path, head, version
     except OSError as error:
         reason = _REASONS.get(error.errno or 0, f"{error.strerror or error}: check the path and the disk")
         raise ReadError(reason) from error
@@ -212,7 +261,7 @@ def _unpacked(path: Path, packed: str, format: str | None, coarser: float, limit
 
 def _read_as(kind: str, path: Path, coarser: float, memory: float | None = None) -> Contents:
     """Read a file with the reader of its kind; the readers are imported when they are used."""
-    _, _, module, function = FORMATS[kind]
+    module, function = FORMATS[kind].module, FORMATS[kind].function
     of_kind: dict[str, tuple[object, ...]] = {"step": (coarser,), "ply": (memory,)}
     options = (kind,) if module == "meshio" else of_kind.get(kind, ())
     with np.errstate(all="ignore"):  # what is not finite is refused by name

@@ -6,8 +6,9 @@ from dataclasses import replace
 
 import numpy as np
 
+from inertia.arrays import Bool
 from inertia.errors import UsageError
-from inertia.mesh.part import Part
+from inertia.mesh.part import CellBlock, Cells, Part
 
 
 def region_of(part: Part, name: str) -> Part:
@@ -16,10 +17,19 @@ def region_of(part: Part, name: str) -> Part:
     if part.regions is None or name not in names:
         there = f"it has {', '.join(map(repr, names))}" if names else "it names none: leave region out"
         raise UsageError(f"{part.name} has no region {name!r}: {there}")
-    triangles = np.flatnonzero(part.regions.index == names.index(name))
+    elements = part.regions.index == names.index(name)
+    if isinstance(part.geometry, Cells):
+        return replace(part, geometry=_cells(part.geometry, elements), regions=None)
+    triangles = np.flatnonzero(elements)
     chord = None if part.chord is None else part.chord[triangles]
     shape = part.shape
     if shape is not None:
         own = tuple(solid for solid in shape.solids if solid.name == name)
         shape = replace(shape, solids=own) if own else None
     return replace(part, geometry=part.triangles.select(triangles), regions=None, chord=chord, shape=shape)
+
+
+def _cells(cells: Cells, elements: Bool) -> Cells:
+    ends = np.cumsum([len(block.nodes) for block in cells.blocks])[:-1]
+    own = zip(cells.blocks, np.split(elements, ends), strict=True)
+    return Cells(cells.points, tuple(CellBlock(block.kind, block.nodes[which]) for block, which in own if which.any()))

@@ -22,6 +22,7 @@ from inertia.arrays import Float, Int
 from inertia.errors import ReadError
 from inertia.mesh.part import Cells, Facets, Regions, Rounding, Surface
 from inertia.mesh.shape import Shape
+from inertia.mesh.tree import MeshNode
 from inertia.mesh.version import refer_to
 from inertia.units import Unit
 
@@ -33,6 +34,9 @@ LINE_LIMIT = 16 * 2**20
 
 EXPANDED_LIMIT = 100_000_000
 """Triangles that the instances in a scene may make."""
+
+MOST_NODES = 1_000_000
+"""Parts and groups that a scene may make, its instances counted."""
 
 _LONE_SIGN = re.compile(rb"[-+](?!\d)")
 
@@ -61,6 +65,15 @@ class Piece:
     vertices: Float
     faces: Int
     rounding: Rounding | None = None
+
+
+@dataclass(frozen=True, eq=False)
+class Layout:
+    """The nodes of a scene, and the meshes that they show by name, each once and in its own axes."""
+
+    nodes: list[MeshNode]
+    meshes: dict[str, Contents]
+    notes: tuple[str, ...] = ()
 
 
 @contextlib.contextmanager

@@ -16,12 +16,16 @@ from inertia.mesh.readers.strangers import stranger
 
 
 class Format(NamedTuple):
-    """A format: its usual extensions, the pattern that its files begin with (None: see `sniff`), and its reader."""
+    """A format: its usual extensions, the pattern that its files begin with (None: see `sniff`), and its reader.
+
+    `tree` reads the nodes of a file and their meshes in own axes, where files of that format have them.
+    """
 
     extensions: tuple[str, ...]
     begins: bytes | None
     module: str
     function: str
+    tree: str = ""
 
 
 FORMATS = {
@@ -29,9 +33,9 @@ FORMATS = {
     "obj": Format((".obj",), rb"(?:\s*#[^\n]*\n)*\s*(?:mtllib\s|o\s|g\s|v\s+[-+.\d])", "obj", "read_obj"),
     "ply": Format((".ply",), rb"ply[ \t]*\r?\n|ply\r", "ply", "read_ply"),
     "off": Format((".off",), rb"\s*(?:#[^\n]*\n\s*)*(?:ST)?C?N?4?n?OFF(?![A-Za-z])", "off", "read_off"),
-    "glb": Format((".glb",), rb"glTF", "gltf", "read_gltf"),
-    "gltf": Format((".gltf",), rb"(?s)\s*\{.*\"asset\"\s*:", "gltf", "read_gltf"),
-    "3mf": Format((".3mf",), rb"PK(?:\x03\x04|\x05\x06)", "three_mf", "read_3mf"),
+    "glb": Format((".glb",), rb"glTF", "gltf", "read_gltf", "gltf_tree"),
+    "gltf": Format((".gltf",), rb"(?s)\s*\{.*\"asset\"\s*:", "gltf", "read_gltf", "gltf_tree"),
+    "3mf": Format((".3mf",), rb"PK(?:\x03\x04|\x05\x06)", "three_mf", "read_3mf", "three_mf_tree"),
     "step": Format((".step", ".stp", ".p21"), rb"\s*ISO-10303-21\s*;", "step", "read_step"),
     "dae": Format((".dae",), rb"(?s)\s*<(?:.*<)?COLLADA\b", "collada", "read_collada"),
     "zae": Format((".zae",), None, "collada", "read_collada"),

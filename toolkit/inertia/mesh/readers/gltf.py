@@ -15,17 +15,18 @@ from collections.abc import Callable, Iterator
 from fractions import Fraction
 from functools import partial
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, TypeVar
 from urllib.parse import unquote, urlsplit
 
 import numpy as np
 from numpy.typing import NDArray
 
 from inertia.arrays import Float, Int
-from inertia.errors import ReadError
+from inertia.errors import ReadError, visible
 from inertia.mesh.readers.contents import (
     EXPANDED_LIMIT,
     Contents,
+    Layout,
     Piece,
     assemble,
     beneath,
@@ -36,7 +37,10 @@ from inertia.mesh.readers.contents import (
 )
 from inertia.mesh.readers.decimals import written
 from inertia.mesh.readers.placement import Exact, Placement
+from inertia.mesh.tree import MeshNode, Motion, unique
 from inertia.units import METRE
+
+T = TypeVar("T")
 
 _MAGIC = b"glTF"
 _JSON, _BINARY = b"JSON", b"BIN\0"
@@ -48,19 +52,34 @@ _HARMLESS = ("KHR_materials_", "KHR_texture_", "KHR_lights_", "KHR_xmp", "EXT_te
 
 def read_gltf(path: Path) -> Contents:
     """Read a glTF file of either kind; the unit is the metre, as the format has it."""
+    pieces, notes = _read(path, lambda scene: list(scene.pieces()))
+    whole, regions, rounding = assemble(pieces)
+    return Contents(whole, METRE, regions, notes, rounding=rounding)
+
+
+def gltf_tree(path: Path) -> Layout:
+    """Read the nodes of a glTF file, and each mesh in its own axes."""
+    (nodes, pieces), notes = _read(path, lambda scene: scene.layout())
+    meshes = {}
+    for name, own in pieces.items():
+        whole, _, rounding = assemble(own)
+        meshes[name] = Contents(whole, METRE, rounding=rounding)
+    return Layout(nodes, meshes, notes)
+
+
+def _read(path: Path, do: Callable[[Scene], T]) -> tuple[T, tuple[str, ...]]:
+    """Return what is made of the scene of a file, and the notes."""
     text, binary = _chunks(path)
     try:
         scene = Scene(json.loads(text, parse_float=_Written), binary, path.parent)
-        pieces = list(scene.pieces())
+        result = do(scene)
     except ReadError:
         raise
     except (KeyError, TypeError, ValueError, AttributeError, OverflowError, RecursionError) as error:
         fault = shown(f"{type(error).__name__}: {error}", 80)
         raise ReadError(f"its JSON is not that of a glTF 2.0 file ({fault}): export it again") from None
-    whole, regions, rounding = assemble(pieces)
     left_out = scene.left_out
-    notes = (f"{plural(left_out, 'set')} of lines or points {was(left_out)} left out",) if left_out else ()
-    return Contents(whole, METRE, regions, notes, rounding=rounding)
+    return result, (f"{plural(left_out, 'set')} of lines or points {was(left_out)} left out",) if left_out else ()
 
 
 class Stored(NamedTuple):
@@ -133,8 +152,41 @@ class Scene:
     def pieces(self) -> Iterator[Piece]:
         """Yield every mesh of the scene, where its node puts it."""
         total = 0
+        places = {-1: Placement.identity()}
+        for index, above, node in self._walk():
+            place = places[index] = places[above] @ _placement(node)
+            if "mesh" not in node:
+                continue
+            mesh = self._item("meshes", node["mesh"])
+            name = node.get("name") or mesh.get("name") or f"mesh {node['mesh']}"
+            for vertices, faces in self._surfaces(mesh):
+                total += len(faces)
+                if total > EXPANDED_LIMIT:
+                    raise ReadError(f"its instances make more than {EXPANDED_LIMIT} triangles: split the scene")
+                yield Piece(str(name), *place.move(vertices, faces, partial(map, Fraction, vertices.ravel().tolist())))
+
+    def layout(self) -> tuple[list[MeshNode], dict[str, list[Piece]]]:
+        """Return the nodes, and the pieces of each mesh that they show, in its own axes."""
+        nodes: list[MeshNode] = []
+        pieces: dict[int, list[Piece]] = {}
+        named = [(mesh.get("name"), f"mesh {k}") for k, mesh in enumerate(self.tree.get("meshes", []))]
+        keys = unique(visible(str(name or number)) for name, number in named)
+        places: dict[int, int] = {}
+        for index, above, node in self._walk():
+            shows = node.get("mesh")
+            if shows is not None and shows not in pieces:
+                pieces[shows] = [Piece(None, *mesh) for mesh in self._surfaces(self._item("meshes", shows))]
+            _placement(node)  # refuses what cannot be one
+            places[index] = len(nodes)
+            key = keys[shows] if shows is not None and pieces[shows] else None
+            name = node.get("name") or (None if shows is None else named[shows][0])
+            nodes.append(MeshNode(None if name is None else str(name), places.get(above), _motion(node), key))
+        return nodes, {keys[shows]: own for shows, own in pieces.items() if own}
+
+    def _walk(self) -> Iterator[tuple[int, int, dict[str, Any]]]:
+        """Yield each node of the scene after the one above it, with the number of that, −1 at the top."""
         visited: set[int] = set()
-        waiting = [(root, Placement.identity()) for root in reversed(self._roots())]
+        waiting = [(root, -1) for root in reversed(self._roots())]
         while waiting:
             index, above = waiting.pop()
             node = self._item("nodes", index)
@@ -143,21 +195,16 @@ class Scene:
             visited.add(index)
             if "EXT_mesh_gpu_instancing" in node.get("extensions", {}):
                 raise ReadError(f"node {index} uses EXT_mesh_gpu_instancing: export it without instancing")
-            place = above @ _placement(node)
-            waiting += [(child, place) for child in reversed(node.get("children", []))]
-            if "mesh" not in node:
-                continue
-            mesh = self._item("meshes", node["mesh"])
-            name = node.get("name") or mesh.get("name") or f"mesh {node['mesh']}"
-            for primitive in mesh["primitives"]:
-                if primitive.get("mode", _TRIANGLES) < _TRIANGLES:
-                    self.left_out += 1
-                    continue
-                vertices, faces = self._mesh(primitive)
-                total += len(faces)
-                if total > EXPANDED_LIMIT:
-                    raise ReadError(f"its instances make more than {EXPANDED_LIMIT} triangles: split the scene")
-                yield Piece(str(name), *place.move(vertices, faces, partial(map, Fraction, vertices.ravel().tolist())))
+            yield index, above, node
+            waiting += [(child, index) for child in reversed(node.get("children", []))]
+
+    def _surfaces(self, mesh: dict[str, Any]) -> Iterator[tuple[Float, Int]]:
+        """Yield vertices and faces of each primitive of a mesh that has faces."""
+        for primitive in mesh["primitives"]:
+            if primitive.get("mode", _TRIANGLES) < _TRIANGLES:
+                self.left_out += 1
+            else:
+                yield self._mesh(primitive)
 
     def _roots(self) -> list[int]:
         if "scenes" in self.tree:
@@ -293,6 +340,16 @@ def _placement(node: dict[str, Any]) -> Placement:
         size[:3, :3] = (np.eye(3) + 2) * np.abs(scale)  # |2 x y|, and the like, are at most the sum of the squares
         size[:3, 3] = np.abs(matrix[:3, 3])
     return Placement.of(matrix, lambda: _exactly(node), roundings=20, size=size)
+
+
+def _motion(node: dict[str, Any]) -> Motion:
+    if "matrix" in node:
+        return Motion.of(_columns(_fractions(node["matrix"])))
+    if not any(node.get("rotation", [1])):
+        raise ReadError("a node has a quaternion of zero for its rotation: export it again")
+    turn, size = _fractions(node.get("rotation", [0, 0, 0, 1])), _fractions(node.get("scale", [1, 1, 1]))
+    linear = tuple(tuple(size[k] if k == j else Fraction(0) for j in range(3)) for k in range(3))
+    return Motion(tuple(_fractions(node.get("translation", [0, 0, 0]))), linear, tuple(turn) if any(turn[:3]) else None)
 
 
 def _fractions(values: list[float]) -> list[Fraction]:

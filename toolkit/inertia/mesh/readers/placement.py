@@ -17,6 +17,7 @@ import numpy as np
 from inertia.arrays import Float, Int
 from inertia.mesh.part import Rounding
 from inertia.mesh.readers.decimals import remainders
+from inertia.mesh.tree import Motion
 
 Exact = list[list[Fraction]]
 """The rows of a (4, 4) matrix."""
@@ -81,11 +82,19 @@ class Placement:
         rounding = Rounding(distance, cache(lambda: remainders(moved, self._exactly(exact()), distance)))
         return moved, faces[:, ::-1] if mirrored else faces, rounding
 
-    def _exactly(self, coordinates: Iterable[Fraction]) -> Iterator[Fraction]:
+    def motion(self) -> Motion:
+        """Return it exactly."""
+        return Motion.of(self._product())
+
+    def _product(self) -> Exact:
         product = _IDENTITY
         for factor in self.factors:
             columns = [*zip(*factor(), strict=True)]
             product = [[sum(map(_times, row, column), _ZERO) for column in columns] for row in product]
+        return product
+
+    def _exactly(self, coordinates: Iterable[Fraction]) -> Iterator[Fraction]:
+        product = self._product()
         numbers = iter(coordinates)
         for x, y, z in zip(numbers, numbers, numbers, strict=True):
             yield from (a * x + b * y + c * z + d for a, b, c, d in product[:3])

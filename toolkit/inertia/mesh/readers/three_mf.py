@@ -7,7 +7,7 @@ Source: 3MF Consortium, "Core Specification" 1.3, sections 3 and 4, and "Product
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property, partial
 from pathlib import Path
 from xml.parsers import expat
@@ -15,11 +15,13 @@ from xml.parsers import expat
 import numpy as np
 
 from inertia.arrays import Float, Int
-from inertia.errors import ReadError
+from inertia.errors import ReadError, visible
 from inertia.mesh.part import Rounding
 from inertia.mesh.readers.contents import (
     EXPANDED_LIMIT,
+    MOST_NODES,
     Contents,
+    Layout,
     Piece,
     assemble,
     check_indices,
@@ -30,6 +32,7 @@ from inertia.mesh.readers.contents import (
 from inertia.mesh.readers.decimals import rounding_of, written
 from inertia.mesh.readers.placement import Exact, Placement
 from inertia.mesh.readers.zip import inflate
+from inertia.mesh.tree import MeshNode, unique
 from inertia.units import Unit, length_unit
 
 _UNITS = ("micron", "millimeter", "centimeter", "inch", "foot", "meter")
@@ -76,15 +79,45 @@ class _Model:
 
 def read_3mf(path: Path) -> Contents:
     """Read the build of a 3MF file, in the unit that it states (millimetres where it states none)."""
+    package, model, items, notes = _build(path)
+    whole, regions, rounding = assemble([piece for key, place in items for piece in package.pieces(key, place)])
+    return Contents(whole, model.unit, regions, notes, rounding=rounding)
+
+
+def three_mf_tree(path: Path) -> Layout:
+    """Read the build of a 3MF file as a tree: its items, their components, and each mesh in its own axes."""
+    package, model, items, notes = _build(path)
+    nodes: list[MeshNode] = []
+    keys: list[_Key] = []
+    waiting: list[tuple[_Key, Placement, int | None]] = [(*item, None) for item in reversed(items)]
+    while waiting:
+        key, place, above = waiting.pop()
+        item = package.object(key)
+        waiting += [(component, inside, len(nodes)) for component, inside in reversed(item.components)]
+        nodes.append(MeshNode(item.name, above, place.motion(), str(len(keys)) if item.corners else None))
+        keys.append(key)
+        if len(nodes) > MOST_NODES:
+            raise ReadError(f"its components make more than {MOST_NODES} parts: split the build")
+    shows = list(dict.fromkeys(key for key, node in zip(keys, nodes, strict=True) if node.mesh is not None))
+    titles = unique(visible(package.object(key).name or f"object {key[1]}") for key in shows)
+    called = dict(zip(shows, titles, strict=True))
+    nodes = [replace(node, mesh=node.mesh and called[key]) for key, node in zip(keys, nodes, strict=True)]
+    meshes = {}
+    for key, title in called.items():
+        whole, _, rounding = assemble([Piece(None, *package.object(key).mesh)])
+        meshes[title] = Contents(whole, model.unit, rounding=rounding)
+    return Layout(nodes, meshes, notes)
+
+
+def _build(path: Path) -> tuple[_Package, _Model, list[tuple[_Key, Placement]], tuple[str, ...]]:
+    """Return what a file holds, what it builds of that but for the printer's helpers, and the notes."""
     package = _Package(inflate(path, lambda name: name.endswith((".model", ".rels"))))
     model = package.model(package.root)
     items = [(key, place) for key, place in model.items if package.object(key).type not in _HELPERS]
     if sum(package.count(key) for key, _ in items) > EXPANDED_LIMIT:
         raise ReadError(f"its components make more than {EXPANDED_LIMIT} triangles: split the build")
-    whole, regions, rounding = assemble([piece for key, place in items for piece in package.pieces(key, place)])
     left_out = len(model.items) - len(items)
-    notes = (f"{plural(left_out, 'support')} {was(left_out)} left out",) if left_out else ()
-    return Contents(whole, model.unit, regions, notes, rounding=rounding)
+    return package, model, items, (f"{plural(left_out, 'support')} {was(left_out)} left out",) if left_out else ()
 
 
 class _Package:
