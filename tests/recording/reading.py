@@ -42,7 +42,7 @@ class Recorded:
 
     def time(self, path: str) -> NDArray[np.float64]:
         """Return the times of an entity in s; all are on the timeline of the run."""
-        assert {name for name, _ in self.times[path]} == {"sim_time"}
+        assert {name for name, _ in self.times[path]} == {"time"}
         return np.concatenate([column.cast("int64").to_numpy() for _, column in self.times[path]]) * 1e-9
 
     def values(self, path: str, name: str) -> NDArray[Any]:

@@ -37,7 +37,7 @@ def screenshot(recording: Path, picture: Path, seconds: float | None = None) -> 
         if seconds is None:
             client.set_time(play_state="paused")
         else:
-            client.set_time("sim_time", duration=seconds, play_state="paused")
+            client.set_time("time", duration=seconds, play_state="paused")
         picture.write_bytes(_settled(client))
         views = [view for view in client.get_state().views if view.visible]
         errors = [

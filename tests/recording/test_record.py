@@ -56,7 +56,7 @@ def test_it_streams_to_an_open_viewer(handle: Run, tmp_path: Path, monkeypatch: 
             time.sleep(0.1)
         state = client.get_state()
         assert {"Inertial view", "What is shown"} <= {view.name for view in state.views}
-        assert [each.name for each in state.recordings[0].timelines] == ["sim_time"]
+        assert [each.name for each in state.recordings[0].timelines] == ["time"]
 
 
 def test_samples_out_of_order_are_not_recorded(handle: Run, tmp_path: Path) -> None:

@@ -77,6 +77,7 @@ def test_the_file_is_whole(file: Path, tmp_path: Path) -> None:
 
 NAMES = ("/name", "/names")
 """Texts beyond the tips of arrows."""
+PARTS_OF = f"/{entities.INERTIA_ELLIPSOID}/", f"/{entities.INVARIABLE_PLANE}/"
 
 
 def test_everything_has_its_place(recording: Recorded) -> None:
@@ -87,18 +88,22 @@ def test_everything_has_its_place(recording: Recorded) -> None:
         "/world/center_of_mass/body/principal_axes", "/world/center_of_mass/angular_velocity",
         "/world/center_of_mass/angular_momentum", "/world/center_of_mass/herpolhode",
         "/body/principal_axes", "/body/momentum_sphere", "/body/energy_ellipsoid", "/body/polhode",
-        "/body/separatrix", "/body/angular_momentum", "/plots/angular_velocity", "/plots/angular_velocity/events",
+        "/world/center_of_mass/body/inertia_ellipsoid", "/world/center_of_mass/body/inertia_ellipsoid/polhode",
+        "/world/center_of_mass/invariable_plane", "/world/center_of_mass/invariable_plane/grid",
+        "/world/center_of_mass/invariable_plane/limits", "/world/center_of_mass/invariable_plane/contact",
+        "/body/separatrix", "/body/polhodes_beside", "/body/angular_momentum", "/plots/angles_from_momentum",
+        "/plots/angular_velocity", "/plots/angular_velocity/events",
         "/plots/euler_angles",
-        "/plots/drift", "/flips", "/text/summary",
+        "/plots/drift", "/spin_about_axis_2", "/text/summary",
     }  # fmt: skip
     paths = {name for name in recording.columns if not name.startswith("/__") and not name.endswith(NAMES)}
     assert paths == expected
-    assert paths <= drawn
+    assert {name for name in paths if not name.startswith(PARTS_OF)} <= drawn
 
 
 def test_the_screen_has_its_views(recording: Recorded) -> None:
     assert recording.recording.application_id == recording.blueprint.application_id == "inertia-tumble"
-    assert sorted(recording.views) == ["3D", "3D", "StateTimeline", "TextDocument", *3 * ["TimeSeries"]]
+    assert sorted(recording.views) == [*3 * ["3D"], "StateTimeline", "TextDocument", *4 * ["TimeSeries"]]
 
 
 def test_poses_are_those_of_the_true_motion(handle: Run, truth: Truth, recording: Recorded) -> None:
@@ -120,9 +125,8 @@ def test_flips_are_marked_where_the_spin_about_axis_2_is_zero(handle: Run, recor
 def test_the_legend_has_room_beside_the_curves(recording: Recorded) -> None:
     """Six seconds of curves, and room to 8.1 s."""
     ranges = recording.property("TimeAxis:view_range")
-    assert len(ranges) == 4
     ends = sorted(each["end"] for each in ranges)
-    assert ends == [6_000_000_000, *3 * [8_100_000_000]]
+    assert ends == [6_000_000_000, *4 * [8_100_000_000]]
 
 
 def test_the_mesh_is_the_part(handle: Run, recording: Recorded) -> None:
@@ -174,6 +178,49 @@ def test_momentum_is_on_the_sphere_and_the_ellipsoid(truth: Truth, recording: Re
     assert distance.max() < 0.01
 
 
+def test_polhodes_beside_have_the_same_momentum_and_another_energy(truth: Truth, recording: Recorded) -> None:
+    curves = recording.values(f"/{entities.POLHODE_FAMILY}", "LineStrips3D:strips")[0].reshape(16, -1, 3).astype(float)
+    np.testing.assert_allclose(np.linalg.norm(curves, axis=2), 1.0, atol=1e-6)
+    energies = (curves**2 / truth.moments).sum(axis=2)
+    np.testing.assert_allclose(energies, energies[:, :1].repeat(curves.shape[1], 1), rtol=1e-5)
+    about_1 = energies[:, 0] > 1.0 / truth.moments[1]
+    assert about_1.sum() == 8
+    assert np.unique(energies[:, 0].round(-2)).size == 8
+
+
+def test_the_inertia_ellipsoid_rolls_on_the_invariable_plane(truth: Truth, recording: Recorded) -> None:
+    """It touches the plane, which is 2T/|L| from the centre, at the tip of ω (textbook § 13.21)."""
+    path_, plane = f"/{entities.INERTIA_ELLIPSOID}", f"/{entities.INVARIABLE_PLANE}"
+    contact = recording.values(f"{plane}/contact", "Points3D:positions")[:, 0].astype(float)
+    scale = np.linalg.norm(contact, axis=1).max() / np.linalg.norm(truth.angular_velocity, axis=1).max()
+    normal = truth.angular_momentum / np.linalg.norm(truth.angular_momentum)
+    height = scale * float(truth.moments @ SPIN**2) / np.linalg.norm(truth.angular_momentum)
+    np.testing.assert_allclose(contact @ normal, height, rtol=1e-5)
+    np.testing.assert_allclose(recording.values(plane, "Mesh3D:vertex_positions")[0] @ normal, height, rtol=1e-5)
+    semi_axes = recording.values(path_, "Ellipsoids3D:half_sizes")[0, 0].astype(float)
+    own = turned(recording.values(path_, "Ellipsoids3D:quaternions")[0])
+    poses = turned(recording.values(f"/{entities.BODY}", "Transform3D:quaternion")[:, 0])
+    inside = (poses * own).inv().apply(contact) / semi_axes
+    np.testing.assert_allclose(np.linalg.norm(inside, axis=1), 1.0, rtol=1e-4)
+    gradient = (poses * own).apply(inside / semi_axes)
+    gradient /= np.linalg.norm(gradient, axis=1)[:, None]
+    np.testing.assert_allclose(gradient, normal[None].repeat(len(gradient), 0), atol=1e-4)
+    polhode = recording.values(f"{path_}/polhode", "LineStrips3D:strips")[0].reshape(-1, 3).astype(float)
+    np.testing.assert_allclose(np.linalg.norm(own.inv().apply(polhode) / semi_axes, axis=1), 1.0, rtol=1e-5)
+    limits = recording.values(f"{plane}/limits", "LineStrips3D:strips")[0].reshape(2, -1, 3).astype(float)
+    radii = np.linalg.norm(limits - (limits @ normal)[..., None] * normal, axis=2)
+    across = np.linalg.norm(contact - np.outer(contact @ normal, normal), axis=1)
+    np.testing.assert_allclose(radii.mean(axis=1), [across.min(), across.max()], atol=1e-5)
+
+
+def test_angles_from_momentum_are_plotted(handle: Run, recording: Recorded) -> None:
+    angles = recording.values(f"/{entities.PLOT_FROM_MOMENTUM}", "Scalars:scalars")
+    np.testing.assert_allclose((np.cos(angles) ** 2).sum(axis=1), 1.0, atol=1e-12)
+    axis = Rotation.from_quat(handle.attitude).apply(AXES[:, 1])
+    momentum = handle.angular_momentum / np.linalg.norm(handle.angular_momentum, axis=1)[:, None]
+    np.testing.assert_allclose(np.cos(angles[:, 1]), (axis * momentum).sum(axis=1), atol=1e-12)
+
+
 def test_plots_hold_every_sample_and_name_their_units(handle: Run, truth: Truth, recording: Recorded) -> None:
     for name in (entities.PLOT_ANGULAR_VELOCITY, entities.PLOT_EULER_ANGLES, entities.PLOT_DRIFT):
         np.testing.assert_allclose(recording.time(f"/{name}"), handle.time, atol=1e-9)
@@ -194,7 +241,7 @@ def test_plots_hold_every_sample_and_name_their_units(handle: Run, truth: Truth,
     drift = recording.values(f"/{entities.PLOT_DRIFT}", "Scalars:scalars")
     names = recording.texts(f"/{entities.PLOT_DRIFT}", "SeriesLines:names")
     assert [name.split(",")[0] for name in names] == ["energy", "L"]
-    unit = float(names[0].split(",")[1])
+    unit = 10.0 ** int(names[0].split(", 10")[1].translate(str.maketrans("⁻⁰¹²³⁴⁵⁶⁷⁸⁹", "-0123456789")))
     energy = handle.invariants["energy"]
     np.testing.assert_allclose(drift[:, 0] * unit, energy.values / energy.values[0] - 1, atol=3e-16)
     largest = max(each.largest_relative_drift for each in handle.invariants.values())
@@ -218,9 +265,9 @@ def test_the_text_tells_model_accuracy_and_what_is_shown(handle: Run, recording:
     (text,) = recording.texts(f"/{entities.SUMMARY}", "TextDocument:text")
     assert "t_handle.stl, in mm" in text
     assert f"Model: asymmetric top.** {handle.why[0]}" in text
-    assert "1e-10 rad asked for" in text
+    assert "10⁻¹⁰ rad asked for" in text
     assert "Played 2 times slower than it is." in text
-    assert "each as the model has it, to 1.2e-07 rad in single precision" in text
+    assert "each as the model has it, to 1.2·10⁻⁷ rad in single precision" in text
     assert "In the inertial view 1 unit is 0.01 m." in text
 
 
@@ -236,6 +283,9 @@ def test_every_look_is_written_whole(look: str, tmp_path: Path) -> None:
     assert (f"/{entities.PATH}" in paths) == (look == "thrown")
     assert f"/{entities.HERPOLHODE}" in paths
     assert f"/{entities.ENERGY_ELLIPSOID}" in paths - set(recording.rows)
+    assert (f"/{entities.INERTIA_ELLIPSOID}" in paths) == (look != "spherical")
+    assert (f"/{entities.GHOSTS}" in paths) == (look == "thrown")
+    assert (f"/{entities.POLHODE_FAMILY}" in paths) == (f"/{entities.SEPARATRIX}" in paths)
 
 
 @pytest.mark.parametrize(
@@ -287,6 +337,13 @@ def test_a_thrown_body_is_where_it_is(tmp_path: Path) -> None:
     unit = np.ptp(truth[:, 0]) / np.ptp(place[:, 0])
     assert np.log10(unit) == pytest.approx(np.round(np.log10(unit)), abs=1e-6)
     np.testing.assert_allclose(place * unit, truth - truth.min(axis=0), atol=5e-4)
+    now = f"/{entities.GHOSTS}/now"
+    np.testing.assert_array_equal(recording.values(now, "Transform3D:translation")[:, 0], place.astype(np.float32))
+    ghosts = recording.values(f"/{entities.GHOSTS}", "Ellipsoids3D:centers")[0].astype(float) * unit
+    flash = np.arange(len(ghosts))[:, None] * [1.0, 0.0, 0.0]  # s: 8 s have nine of them
+    expected = np.hstack([3 * flash[:, :1], 0 * flash[:, :1], 4 * flash[:, :1] - 0.5 * 9.80665 * flash[:, :1] ** 2])
+    assert len(ghosts) == 9
+    np.testing.assert_allclose(ghosts, expected - truth.min(axis=0), atol=0.4)  # at the nearest pose
 
 
 @pytest.mark.skipif(not has_driver(), reason="no Vulkan driver is installed")

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -31,6 +31,7 @@ PART_COLORS = (STEEL, (200, 150, 110), (130, 180, 140), (190, 140, 180), (180, 1
 MOST = 50_000
 """Triangles that are shown; merging aims at this number."""
 
+_DIM = 0.6  # of its colour, that a body has at other instants than that shown
 _THINNEST = 0.01  # of the largest semi-axis, for an equivalent ellipsoid that would be flat
 _POINT = 0.05  # of the body, the radius of a part that is a point
 _BLOCK = 1 << 18
@@ -65,6 +66,15 @@ class Display:
             return facets(self.triangles, color)
         assert self.semi_axes is not None
         return _ellipsoid(self.semi_axes, self.attitude, color)
+
+    def enlarged(self, factor: float) -> Display:
+        """Return the body as it is shown so many times as large."""
+        triangles, semi_axes = (None if each is None else factor * each for each in (self.triangles, self.semi_axes))
+        return replace(self, radius=factor * self.radius, triangles=triangles, semi_axes=semi_axes)
+
+    def copies(self, places: Float, attitudes: Float) -> list[Any]:
+        """Return what draws the body dim at places (k, 3), turned by attitudes (k, 4)."""
+        return _copies(self.triangles, self.semi_axes, np.zeros(3), self.attitude, places, attitudes, STEEL)
 
 
 def display_of(body: SceneBody) -> Display:
@@ -116,6 +126,14 @@ class Solid:
         if self.triangles is not None:
             return facets(self.triangles / unit, color, self.center / unit)
         return _ellipsoid(self.semi_axes / unit, self.attitude, color, self.center / unit, fill="Solid")
+
+    def copies(self, unit: float, number: int, places: Float, attitudes: Float) -> list[Any]:
+        """Return what draws it dim, with the assembly at places (k, 3), in units of `unit` m, and attitudes (k, 4)."""
+        color, triangles = PART_COLORS[number % len(PART_COLORS)], self.triangles
+        if triangles is not None:
+            triangles = (triangles + self.center) / unit
+        center = self.center / unit
+        return _copies(triangles, self.semi_axes / unit, center, self.attitude, places, attitudes, color)
 
 
 def solids_of(assembly: JointedBody, meshes: Sequence[Part | None]) -> list[Solid]:
@@ -179,6 +197,34 @@ def _ellipsoid(
         colors=[color],
         fill_mode=rr.components.FillMode[fill],
     )
+
+
+def _copies(
+    triangles: Float | None,
+    semi_axes: Float | None,
+    center: Float,
+    attitude: Float,
+    places: Float,
+    attitudes: Float,
+    color: Color,
+) -> list[Any]:
+    """Return what draws triangles (n, 3, 3), else an ellipsoid about `center` (3,), at k places and attitudes."""
+    import rerun as rr
+
+    red, green, blue = (round(_DIM * part + (1.0 - _DIM) * 13) for part in color[:3])
+    dim = red, green, blue
+    if triangles is not None:
+        return [facets(triangles, dim), rr.InstancePoses3D(translations=places, quaternions=attitudes)]
+    assert semi_axes is not None
+    return [
+        rr.Ellipsoids3D(
+            half_sizes=np.broadcast_to(semi_axes, places.shape),
+            centers=places + quaternion.to_space(attitudes, center),
+            quaternions=quaternion.multiply(attitudes, attitude),
+            colors=[dim],
+            fill_mode=rr.components.FillMode.Solid,
+        )
+    ]
 
 
 def facets(corners: Float, color: Color, shift: Float | float = 0.0) -> Any:

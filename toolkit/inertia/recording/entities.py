@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-TIMELINE = "sim_time"
+TIMELINE = "time"
 """Duration since the start of the run."""
 
 WORLD = "world"
@@ -22,6 +22,10 @@ BODY_CONE_RIBS, SPACE_CONE_RIBS = f"{BODY_CONE}/ribs", f"{SPACE_CONE}/ribs"
 ANGULAR_VELOCITY = f"{CENTER}/angular_velocity"
 ANGULAR_MOMENTUM = f"{CENTER}/angular_momentum"
 HERPOLHODE = f"{CENTER}/herpolhode"
+INERTIA_ELLIPSOID = f"{BODY}/inertia_ellipsoid"
+INVARIABLE_PLANE = f"{CENTER}/invariable_plane"
+GHOSTS = f"{WORLD}/ghosts"
+"""The body at instants that are equally far apart."""
 
 MOMENTUM_SPACE = "body"
 """Angular momentum along the principal axes, in units of its largest magnitude."""
@@ -30,6 +34,7 @@ MOMENTUM_SPHERE = f"{MOMENTUM_SPACE}/momentum_sphere"
 ENERGY_ELLIPSOID = f"{MOMENTUM_SPACE}/energy_ellipsoid"
 POLHODE = f"{MOMENTUM_SPACE}/polhode"
 SEPARATRIX = f"{MOMENTUM_SPACE}/separatrix"
+POLHODE_FAMILY = f"{MOMENTUM_SPACE}/polhodes_beside"
 CURRENT = f"{MOMENTUM_SPACE}/angular_momentum"
 
 PLOTS = "plots"
@@ -37,10 +42,11 @@ PLOTS = "plots"
 PLOT_ANGULAR_VELOCITY = f"{PLOTS}/angular_velocity"
 PLOT_FLIPS = f"{PLOT_ANGULAR_VELOCITY}/events"
 PLOT_EULER_ANGLES = f"{PLOTS}/euler_angles"
+PLOT_FROM_MOMENTUM = f"{PLOTS}/angles_from_momentum"
 PLOT_ENERGY = f"{PLOTS}/energy"
 PLOT_DRIFT = f"{PLOTS}/drift"
 
-FLIPS = "flips"
+FLIPS = "spin_about_axis_2"
 SUMMARY = "text/summary"
 
 FIXED_POINT = f"{WORLD}/fixed_point"

@@ -8,12 +8,13 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from inertia.arrays import Float
+from inertia.arrays import Float, Int
 from inertia.dynamics.kinematics import quaternion
 from inertia.dynamics.run import Run
 from inertia.errors import GeometryError, InertiaError
 from inertia.recording import entities
 from inertia.recording.drawing import thinned
+from inertia.recording.summary import figure
 from inertia.recording.writer import Recording, blocks
 
 PATH = (130, 130, 130)
@@ -33,6 +34,7 @@ _LATEST = 9e9  # s: Rerun counts nanoseconds in 64 bits
 _NEAREST = 2e-9  # s between two rows that nanoseconds tell apart
 _PREFIXES = {-3: "ms", -6: "µs", -9: "ns", -12: "ps", -15: "fs"}
 _SINGLE = 2.0**-23  # rad: twice the length of what rounding to float32 adds to a quaternion
+_FLASHES = 12.0  # at most, of a stroboscope
 _JOINED = 1.0  # rad between two poses, beyond which no line is drawn from one to the next
 
 
@@ -80,13 +82,13 @@ def playback(time: Float, fastest: float, turning: Float | float | None = None) 
     span = _instant(_counted(time, rate), time, MOST) - float(time[0])
     speed = 1.0
     if fastest > _FOLLOWED[0]:
-        speed = _round_down(_FOLLOWED[0] / fastest)
+        speed = round_down(_FOLLOWED[0] / fastest)
     elif 0 < fastest < _FOLLOWED[1]:
-        speed = max(1.0, min(_round_down(math.sqrt(_FOLLOWED[0] * _FOLLOWED[1]) / fastest), _round_down(duration)))
+        speed = max(1.0, min(round_down(math.sqrt(_FOLLOWED[0] * _FOLLOWED[1]) / fastest), round_down(duration)))
     if span > LONGEST * speed:
-        speed = 1.0 / _round_down(LONGEST / span)
+        speed = 1.0 / round_down(LONGEST / span)
     if span < SHORTEST * speed:
-        speed = _round_down(span / SHORTEST)
+        speed = round_down(span / SHORTEST)
     frames = _instants(time, _counted(time, np.maximum(rate, RATE / speed)), float(time[0]) + span)
     play = Playback(speed, frames, len(frames), ())
     if span < duration:
@@ -165,6 +167,7 @@ class Frames:
     angular_momentum : (m, 3) kg m²/s, space axes
     position : (m, 3) m, the centre of mass in space; None where it stays
     series : (m, …), the quantities of the run that go with time
+    note : how many poses are drawn, and to how many rad
     """
 
     play: Playback
@@ -174,6 +177,7 @@ class Frames:
     angular_momentum: Float
     position: Float | None
     series: Mapping[str, Float]
+    note: str = ""
 
     @property
     def near(self) -> slice:
@@ -227,18 +231,19 @@ def frames_followed(run: Run, rate: float) -> Frames:
     attitude = run.attitude[rows]
     of_loop = f"of the first {play.near} " if 0 < play.near < len(rows) else ""
     note = (
-        f"{len(rows)} poses are drawn, each as the model has it, to {error + _SINGLE:.1e} rad in single precision; "
+        f"{len(rows)} poses are drawn, each as the model has it, to {figure(error + _SINGLE)} rad in single precision; "
         f"from one to the next {of_loop}the body turns by {_largest_turn(attitude[: play.near or None]):.2g} rad at "
         "most, and the viewer shows nothing between them"
     )
     return Frames(
-        play=replace(play, notes=(*play.notes, note)),
+        play=play,
         time=play.frames,
         attitude=attitude,
         angular_velocity=quaternion.to_space(attitude, run.angular_velocity[rows]),
         angular_momentum=run.angular_momentum[rows],
         position=None if run.position is None else run.position[rows],
         series={name: values[rows] for name, values in run.series.items()},
+        note=note,
     )
 
 
@@ -250,6 +255,21 @@ def _largest_turn(attitude: Float) -> float:
 def largest(vectors: Float) -> float:
     """Return the largest length among vectors (n, k)."""
     return max(float(np.linalg.norm(vectors[block], axis=1).max()) for block in blocks(len(vectors)))
+
+
+def strobe(time: Float) -> tuple[Int, float]:
+    """Return the rows of instants (m,) s nearest to even ones, and how far apart these are: a round number of s.
+
+    >>> rows, apart = strobe(np.linspace(0.0, 0.8, 801))
+    >>> rows.tolist(), apart
+    ([0, 100, 200, 300, 400, 500, 600, 700, 800], 0.1)
+    """
+    duration = float(time[-1] - time[0])
+    apart = 1.0 / round_down(_FLASHES / duration)
+    targets = time[0] + apart * np.arange(math.floor(duration / apart * (1.0 + 1e-9)) + 1)
+    after = np.clip(np.searchsorted(time, targets), 1, len(time) - 1)
+    rows: Int = np.unique(after - (targets - time[after - 1] < time[after] - targets))
+    return rows, apart
 
 
 def longest_as(length: float, vectors: Float) -> Float:
@@ -276,7 +296,7 @@ def never_short(length: float, least: float, vectors: Float) -> tuple[Float, str
     return lengthened, "it grows short and is drawn by its direction: its length tells only more from less"
 
 
-def _round_down(value: float) -> float:
+def round_down(value: float) -> float:
     """Return the largest of 1, 2 and 5 times a power of ten that is no larger."""
     power = 10.0 ** math.floor(math.log10(value))
     return max(step * power for step in (1.0, 2.0, 5.0) if step * power <= value * (1 + 1e-9))

@@ -10,7 +10,9 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from inertia import palette
+from inertia.arrays import Float
 from inertia.recording import entities
+from inertia.recording.summary import figure
 from inertia.recording.writer import Recording
 
 if TYPE_CHECKING:
@@ -20,6 +22,7 @@ DARK_GROUND = palette.rgb(palette.DARK)
 
 _ROOM = 1.35  # over the run: an axis of time that leaves the right of a plot to its legend
 _FROM = np.array([0.62, -0.66, 0.42])
+_SIDE, _FARTHER = np.array([0.25, -0.93, 0.2]), 2.0
 _DISTANCE = 2.4  # radii: as near as a sphere still fits the view
 
 
@@ -94,6 +97,14 @@ def camera(offset: ArrayLike, target: ArrayLike, up: ArrayLike) -> rrb.EyeContro
     return rrb.EyeControls3D(kind=rrb.Eye3DKind.Orbital, position=position, look_target=look, eye_up=up)
 
 
+def whole_path(path: Float, reach: float) -> rrb.EyeControls3D:
+    """Return a camera that sees from the side all of a path (m, 3) of a body that reaches so far from it."""
+    low, high = path.min(axis=0), path.max(axis=0)
+    radius = 0.5 * float(np.linalg.norm(high - low)) + reach
+    offset = _FARTHER * radius * _SIDE / np.linalg.norm(_SIDE)
+    return camera(offset, 0.5 * (low + high), (0.0, 0.0, 1.0))
+
+
 def space_view(origin: str, name: str, eye_controls: rrb.EyeControls3D, **more: Any) -> rrb.Spatial3DView:
     """Return a view in space, on dark ground whatever the theme; `more` goes to Rerun."""
     import rerun.blueprint as rrb
@@ -146,7 +157,7 @@ def _until(end: float) -> rrb.TimeAxis:
 
 def drift_plot(unit: float, duration: float) -> rrb.TimeSeriesView:
     """Return the plot of how far what is kept drifts."""
-    return plot(entities.PLOT_DRIFT, f"Drift of what is kept, in units of {unit:.0e} of its size", duration)
+    return plot(entities.PLOT_DRIFT, f"Drift of what is kept, {figure(unit)} of its size", duration)
 
 
 def text_view() -> rrb.TextDocumentView:

@@ -8,11 +8,12 @@ import numpy as np
 
 from inertia import palette
 from inertia.arrays import Float
+from inertia.dynamics.kinematics import quaternion
 from inertia.dynamics.kinematics.euler_angles import to_angles
 from inertia.dynamics.run import Invariant, Run
 from inertia.recording import entities
 from inertia.recording.drawing import COLORS
-from inertia.recording.summary import symbol
+from inertia.recording.summary import figure, symbol
 from inertia.recording.writer import Recording, blocks
 
 _EVENT = palette.rgb(palette.PLUM)
@@ -28,6 +29,18 @@ def write_angular_velocity(recording: Recording, run: Run, axes: Float) -> None:
         ["ω1, rad/s", "ω2, rad/s", "ω3, rad/s"],
         COLORS[:3],
     )
+
+
+def write_angles_from_momentum(recording: Recording, run: Run, axes: Float) -> None:
+    """Write at every sample how far axes (3, 3), columns in part axes, are from L."""
+    names = [f"axis {k}, rad" for k in (1, 2, 3)]
+
+    def angles(rows: slice) -> Float:
+        along = quaternion.to_body(run.attitude[rows], run.angular_momentum[rows]) @ axes
+        others = np.stack([np.linalg.norm(np.delete(along, k, axis=1), axis=1) for k in range(3)], axis=1)
+        return np.asarray(np.arctan2(others, along))
+
+    recording.scalars(entities.PLOT_FROM_MOMENTUM, run.time, angles, names, COLORS[:3])
 
 
 def write_euler_angles(recording: Recording, run: Run) -> None:
@@ -77,7 +90,7 @@ def write_drift(recording: Recording, run: Run) -> None:
     def drifts(rows: slice) -> Float:
         return np.stack([_change(each, rows) / scale for each, scale in zip(invariants, scales, strict=True)], axis=1)
 
-    names = [f"{symbol(name)}, {drift_unit(run):.0e}" for name in run.invariants]
+    names = [f"{symbol(name)}, {figure(drift_unit(run))}" for name in run.invariants]
     colors = [COLORS[(3 + k) % len(COLORS)] for k in range(len(invariants))]
     recording.scalars(entities.PLOT_DRIFT, run.time, drifts, names, colors)
 

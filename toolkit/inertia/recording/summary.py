@@ -2,19 +2,23 @@
 
 from __future__ import annotations
 
+import math
 import re
 from collections.abc import Iterable, Iterator
-from itertools import zip_longest
 from pathlib import Path
+
+import numpy as np
 
 from inertia.arrays import Float
 from inertia.dynamics.run import Run
 from inertia.errors import visible
 
+_ZERO = 1e-12  # of the largest component: what is less is rounding
 
-def summary(run: Run, notes: Iterable[str], *, columns: int = 2) -> str:
-    """Return Markdown; `notes` say what was chosen for display only, `columns` how many the table has."""
-    return "\n".join([*_body(run, columns), "", *_model(run), "", *_accuracy(run), "", *_notes(run, notes)])
+
+def summary(run: Run, notes: Iterable[str]) -> str:
+    """Return Markdown, in paragraphs that fit a view of any width; `notes` say what is drawn, and how."""
+    return "\n\n".join([_body(run), *_notes(run, notes), _model(run), _accuracy(run)])
 
 
 def symbol(name: str) -> str:
@@ -37,49 +41,72 @@ def markdown(name: str) -> str:
 
 
 def listed(values: Float) -> str:
-    """Return a vector with six digits, what rounding left of a zero as 0."""
-    least = 1e-12 * max(map(abs, values.tolist()), default=0.0)
-    return ", ".join(f"{0.0 if abs(value) <= least else value:.6g}" for value in values.tolist())
+    """Return a vector with six digits, times a power of ten where that is short, what rounding left of a zero as 0.
+
+    >>> listed(np.array([2.5e-7, 1.25e-6, 1e-30])), listed(np.array([0.0, 1.5]))
+    ('(0.25, 1.25, 0)·10⁻⁶', '0, 1.5')
+    """
+    size = float(np.abs(values).max(initial=0.0))
+    power = math.floor(math.log10(size)) if 0 < size < math.inf else 0
+    power = 0 if -4 <= power < 6 else power
+    cleared = np.where(np.abs(values) <= _ZERO * size, 0.0, values / 10.0**power)
+    numbers = ", ".join(f"{value:.6g}" for value in cleared.tolist())
+    return f"({numbers})·{ten_to(power)}" if power else numbers
 
 
-def _body(run: Run, columns: int) -> Iterator[str]:
+def ten_to(power: int) -> str:
+    """Return a power of ten as it is printed.
+
+    >>> ten_to(-15)
+    '10⁻¹⁵'
+    """
+    return "10" + str(power).translate(str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹"))
+
+
+def figure(value: float) -> str:
+    """Return a number with two digits, as it is printed.
+
+    >>> figure(7.3e-08), figure(0.05), figure(1e-9)
+    ('7.3·10⁻⁸', '0.05', '10⁻⁹')
+    """
+    if not math.isfinite(value) or value == 0 or 1e-3 <= abs(value) < 1e4:
+        return f"{value:.2g}"
+    digits, power = f"{value:.1e}".split("e")
+    return f"{'' if digits == '1.0' else f'{float(digits):g}·'}{ten_to(int(power))}"
+
+
+def _body(run: Run) -> str:
     scene, body = run.scene, run.scene.body
-    cells = [("Scene", markdown(title(run))), ("Duration", f"{scene.run.duration:g} s, {len(run.time)} samples")]
+    facts = [f"**{markdown(title(run))}**: {scene.run.duration:g} s, {len(run.time)} samples"]
     if body.part is not None:
-        cells.append(("Part", f"{markdown(Path(body.part.name).name)}, in {body.part.unit.name}"))
-    cells.append(("Class", body.principal.kind))
+        facts.append(f"{markdown(Path(body.part.name).name)}, in {body.part.unit.name}")
     if body.mass is not None:
-        cells.append(("Mass", f"{body.mass:.6g} kg"))
-        cells.append(("Centre of mass", f"{listed(body.center_of_mass)} m"))
-    cells.append(("Moments", f"{listed(body.principal.moments)} kg m²"))
-    cells.append(("Spin", f"{listed(scene.start.angular_velocity)} rad/s, {scene.start.frame} axes"))
-    yield "| | " * columns + "|"
-    yield "|-|-" * columns + "|"
-    for row in zip_longest(*(cells[k::columns] for k in range(columns)), fillvalue=("", "")):
-        yield f"| {' | '.join(text for cell in row for text in cell)} |"
+        facts.append(f"{body.mass:.6g} kg, centre of mass {listed(body.center_of_mass)} m")
+    facts.append(f"{body.principal.kind}, moments {listed(body.principal.moments)} kg m²")
+    facts.append(f"spin {listed(scene.start.angular_velocity)} rad/s along {scene.start.frame} axes")
+    return "; ".join(facts) + "."
 
 
-def _model(run: Run) -> Iterator[str]:
-    yield f"**Model: {run.model}.** {' '.join([*run.why, *map(sentence, run.remarks)])}"
+def _model(run: Run) -> str:
+    return f"**Model: {run.model}.** {' '.join([*run.why, *map(sentence, run.remarks)])}"
 
 
-def _accuracy(run: Run) -> Iterator[str]:
+def _accuracy(run: Run) -> str:
     error = run.error
     drifts = ", ".join(f"{symbol(name)} {_kept(each.largest_relative_drift)}" for name, each in run.invariants.items())
-    yield (
-        f"**Accuracy: {error.reached:.1e} rad** of attitude, {error.requested:g} rad asked for. "
+    return (
+        f"**Accuracy: {figure(error.reached)} rad** of attitude, {figure(error.requested)} rad asked for. "
         f"{sentence(error.method)}{f' Kept: {drifts}.' if drifts else ''}"
     )
 
 
 def _kept(drift: float) -> str:
-    return f"to {drift:.1e} of its size" if drift else "exactly"
+    return f"to {figure(drift)} of its size" if drift else "exactly"
 
 
 def _notes(run: Run, notes: Iterable[str]) -> Iterator[str]:
     yield f"**On the screen.** {' '.join(map(sentence, notes))}"
     for warning in run.warnings:
-        yield ""
         yield f"**Note.** {sentence(warning)}"
 
 

@@ -24,6 +24,8 @@ from inertia.dynamics.special.elliptic import first_kind
 from inertia.errors import GeometryError
 from inertia.mass.tensor import array_of
 
+_SHARES = 0.2, 0.45, 0.7, 0.9  # of the way to the separatrix, in 2T/L²
+
 
 @dataclass(frozen=True, eq=False)
 class Polhode:
@@ -142,6 +144,30 @@ def herpolhode(moments: ArrayLike, angular_velocity: ArrayLike, samples: int = 3
     azimuth = azimuth - azimuth[0]
     points = np.stack([radius * np.cos(azimuth), radius * np.sin(azimuth), np.full(samples, distance)], axis=-1)
     return Herpolhode(distance, min(at_p, at_q), max(at_p, at_q), float(azimuth[-1]), points)
+
+
+def polhode_family(moments: ArrayLike, samples: int = 361) -> list[Float]:
+    """Return polhodes of one |L|, some about axis 1 and some about axis 3, as unit vectors (n, 3) along L.
+
+    They lie where 2 T / L² is a share of the way from 1/I1, or 1/I3, to 1/I2, which is that of the separatrix.
+
+    Parameters
+    ----------
+    moments : (3,) kg m², ascending, all different
+    samples : along each curve
+
+    >>> curves = polhode_family([1, 2, 3], samples=5)
+    >>> len(curves), (curves[0] ** 2).sum(axis=1).round(12).tolist()
+    (16, [1.0, 1.0, 1.0, 1.0, 1.0])
+    """
+    moments = moments_of(array_of(moments, (3,), "moments"))
+    curves: list[Float] = []
+    for share in _SHARES:
+        for axis in (0, 2):
+            direction = np.zeros(3)
+            direction[[axis, 1]] = math.sqrt(1.0 - share), math.sqrt(share)
+            curves += list(moments * polhode(moments, direction / moments, samples).branches)
+    return curves
 
 
 class _Curve:

@@ -11,7 +11,7 @@ import numpy as np
 from inertia.arrays import Float
 from inertia.dynamics.kinematics import quaternion
 from inertia.dynamics.kinematics.euler_angles import from_angles
-from inertia.dynamics.kinematics.polhode import polhode, separatrix
+from inertia.dynamics.kinematics.polhode import polhode, polhode_family, separatrix
 from inertia.dynamics.motion import Motion
 from inertia.dynamics.plots.projection import FAINT, INK, Projection, bare
 from inertia.dynamics.plots.subject import Subject, ascending
@@ -27,7 +27,6 @@ _EYE = (0.58, 0.46, 0.67)  # from where all three axes can be told apart
 _SAMPLES = 361
 _MOST = 4000  # points of a line
 _COARSE = 0.7  # rad between samples, from which on no line is drawn between them
-_NEIGHBOURS = (0.2, 0.45, 0.7, 0.9)
 _LEVELS = 9
 _VERTICAL = 1e-4  # rad from the vertical, nearer to which V is all rounding
 _LONGEST = 30.0  # times as long as wide: longer ellipsoids are lines
@@ -174,7 +173,7 @@ def _momentum_sphere(axes: Axes, run: Subject) -> None:
             seen.draw(axes, curve, None if k else "separatrix", color=PLUM, linewidth=1.2)
     if free and np.ptp(moments):
         if curved:
-            for curve in _family(moments):
+            for curve in polhode_family(moments, _SAMPLES):
                 seen.draw(axes, curve, color=FAINT, linewidth=0.8)
         curve = moments * polhode(moments, run.angular_velocity[0] @ along, _SAMPLES).branches[0] / size[0]
         seen.draw(axes, curve, "path of L", color=VERMILLION, linewidth=2.6)
@@ -194,21 +193,6 @@ def _in_pieces(path: Float) -> Float:
     """Return directions (m, 3) with a gap where they jump, as that of L does where L passes through zero."""
     jumps = np.flatnonzero(np.linalg.norm(np.diff(path, axis=0), axis=1) > _COARSE) + 1
     return np.insert(path, jumps, np.nan, axis=0)
-
-
-def _family(moments: Float) -> list[Float]:
-    """Return polhodes beside, as unit vectors (n, 3) along L, on both sides of the separatrix."""
-    curves = []
-    low, middle, high = moments.tolist()
-    for share in _NEIGHBOURS:
-        for axis, extreme in ((0, low), (2, high)):
-            # 2 T / L² between that of the axis and that of the separatrix.
-            inverse = 1.0 / extreme + share * (1.0 / middle - 1.0 / extreme)
-            across = (inverse - 1.0 / extreme) / (1.0 / middle - 1.0 / extreme)
-            direction = np.zeros(3)
-            direction[axis], direction[1] = np.sqrt(1.0 - across), np.sqrt(across)
-            curves += list(moments * polhode(moments, direction / moments, _SAMPLES).branches)
-    return curves
 
 
 def _extent(one: float, other: float) -> str:

@@ -16,8 +16,8 @@ from inertia.dynamics.run import Run
 from inertia.recording import entities
 from inertia.recording.display import Solid, equivalent_ellipsoid, solids_of
 from inertia.recording.drawing import COLORS, MOMENTUM, OMEGA, write_arrow, write_ellipsoid, write_place, write_text
-from inertia.recording.playback import Frames, frames_of, largest, longest_as
-from inertia.recording.screen import Screen, camera, drift_plot, eye, finished, plot, space_view, text_view
+from inertia.recording.playback import Frames, frames_of, largest, longest_as, strobe
+from inertia.recording.screen import Screen, drift_plot, eye, finished, plot, space_view, text_view, whole_path
 from inertia.recording.series import drift_unit, write_angular_velocity, write_drift
 from inertia.recording.summary import summary, title
 from inertia.recording.writer import Recording
@@ -25,13 +25,12 @@ from inertia.recording.writer import Recording
 if TYPE_CHECKING:
     import rerun.blueprint as rrb
 
-ELLIPSOID = (*COLORS[0], 90)
+ELLIPSOID = COLORS[0]
 
 _OMEGA, _MOMENTUM = 1.1, 1.25  # lengths of arrows, over the reach of the body
 _THICK = 0.01
 _NO_MOMENTUM = 1e-12  # of |I ω|, at most: an L that is nothing but rounding is not drawn
 _ROOM = 1.25  # around the body, for the arrows
-_SIDE = np.array([0.25, -0.93, 0.2])
 
 
 @dataclass(frozen=True, eq=False)
@@ -71,7 +70,7 @@ def screen(run: Run) -> Screen:
         notes += _write_tensor(recording, motion)
         _write_plots(recording, run, assembly)
         write_drift(recording, run)
-        write_text(recording, summary(run, notes))
+        write_text(recording, summary(run, [*notes, frames.note]))
 
     return Screen("inertia-deforming", title(run), _blueprint(run, assembly, motion), write, frames.play.second)
 
@@ -83,18 +82,19 @@ def _blueprint(run: Run, assembly: JointedBody, motion: Motion) -> rrb.Blueprint
     duration = motion.frames.play.end
     parts = space_view(
         entities.CENTER,
-        contents=f"/{entities.WORLD}/**",
+        contents=[f"/{entities.WORLD}/**", f"- /{entities.GHOSTS}/**", f"- /{entities.PATH}"],
         name="About the centre of mass",
         eye_controls=eye(_ROOM * motion.reach),
     )
-    beside: Any = space_view(
+    beside = space_view(
         entities.TENSOR,
         name="Ellipsoid of the same moments",
         eye_controls=eye(_ROOM * motion.reach),
     )
     position = motion.frames.position
-    if position is not None and np.ptp(position, axis=0).any():
-        beside = rrb.Vertical(beside, _flight((position - position[0]) / motion.unit, motion.reach))
+    below: list[Any] = [text_view()]
+    if position is not None and _flies(motion):
+        below.insert(0, _flight((position - position[0]) / motion.unit, motion.reach))
     plots: list[Any] = []
     if any(joint.revolute for joint in assembly.joints):
         plots.append(plot(entities.PLOT_JOINTS, "Angles of the joints, rad", duration))
@@ -106,21 +106,14 @@ def _blueprint(run: Run, assembly: JointedBody, motion: Motion) -> rrb.Blueprint
         plot(entities.PLOT_WORK, "Kinetic energy and work of the joints, J", duration),
         drift_plot(drift_unit(run), duration),
     ]
-    left = rrb.Vertical(rrb.Horizontal(parts, beside), text_view(), row_shares=[3, 2])
+    left = rrb.Vertical(rrb.Horizontal(parts, beside), rrb.Horizontal(*below), row_shares=[3, 2])
     return finished(left, rrb.Vertical(*plots), motion.frames.play.pace, loop=motion.frames.play.loop)
 
 
 def _flight(path: Float, reach: float) -> rrb.Spatial3DView:
     """Look from the side at the whole path (m, 3) of a body that reaches so far from its centre of mass."""
-
-    low, high = path.min(axis=0), path.max(axis=0)
-    radius = 0.5 * float(np.linalg.norm(high - low)) + reach
-    offset = 2.3 * radius * _SIDE / np.linalg.norm(_SIDE)
-    return space_view(
-        entities.WORLD,
-        name="Where it is",
-        eye_controls=camera(offset, 0.5 * (low + high), (0.0, 0.0, 1.0)),
-    )
+    contents = [f"/{path}/**" for path in (entities.GHOSTS, entities.PATH, entities.PARTS)]
+    return space_view(entities.WORLD, contents=contents, name="Stroboscope", eye_controls=whole_path(path, reach))
 
 
 def _solids_in_motion(run: Run, assembly: JointedBody, frames: Frames) -> tuple[list[Solid], Motion]:
@@ -135,6 +128,26 @@ def _solids_in_motion(run: Run, assembly: JointedBody, frames: Frames) -> tuple[
     return solids, Motion(frames, shape, unit, farthest / unit)
 
 
+def _flies(motion: Motion) -> bool:
+    position = motion.frames.position
+    return position is not None and bool(np.ptp(position, axis=0).any())
+
+
+def _write_ghosts(recording: Recording, assembly: JointedBody, solids: list[Solid], motion: Motion) -> str:
+    """Write the parts, dim, at instants that are equally far apart; say so."""
+    frames, shape, unit = motion.frames, motion.shape, motion.unit
+    assert frames.position is not None  # it flies
+    rows, apart = strobe(frames.time[frames.near])
+    root = frames.attitude[rows]
+    origin = (frames.position[rows] - frames.position[0]) / unit
+    origin = origin + quaternion.to_space(root, motion.from_center(np.zeros(3))[rows])
+    for k, solid in enumerate(solids):
+        places = origin + quaternion.to_space(root, shape.part_position[rows, k] / unit)
+        attitudes = quaternion.multiply(root, shape.part_attitude[rows, k])
+        recording.static(f"{entities.GHOSTS}/{k + 1}", *solid.copies(unit, k, places, attitudes))
+    return f"the dim bodies are where it is every {apart:.4g} s"
+
+
 def _write_parts(recording: Recording, assembly: JointedBody, solids: list[Solid], motion: Motion) -> Iterator[str]:
     import rerun as rr
 
@@ -143,6 +156,8 @@ def _write_parts(recording: Recording, assembly: JointedBody, solids: list[Solid
     if frames.position is not None:
         frames.write_position(recording, unit, frames.position[0])
         yield "the grey line is the path of the centre of mass"
+        if _flies(motion):
+            yield _write_ghosts(recording, assembly, solids, motion)
     root = quaternion.to_space(frames.attitude, motion.from_center(np.zeros(3)))
     write_place(recording, entities.BODY, frames.time, root, frames.attitude)
     for k, (part, solid) in enumerate(zip(assembly.parts, solids, strict=True)):

@@ -114,7 +114,7 @@ def screen(run: Run) -> Screen:
         _write_plots(recording, run)
         write_drift(recording, run)
         _write_lift_off(recording, run)
-        write_text(recording, summary(run, notes))
+        write_text(recording, summary(run, [*notes, frames.note]))
 
     return Screen("inertia-roll", title(run), _blueprint(run, frames, rim, reach), write, frames.play.second)
 

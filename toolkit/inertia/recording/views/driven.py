@@ -59,7 +59,7 @@ def screen(run: Run) -> Screen:
         write_euler_angles(recording, run)
         if run.invariants:
             write_drift(recording, run)
-        write_text(recording, summary(run, notes))
+        write_text(recording, summary(run, [*notes, frames.note]))
 
     return Screen("inertia-driven", title(run), _blueprint(run, body, frames), write, frames.play.second)
 

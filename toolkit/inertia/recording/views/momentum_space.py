@@ -10,7 +10,7 @@ import numpy as np
 from inertia import palette
 from inertia.arrays import Float
 from inertia.dynamics.kinematics import quaternion
-from inertia.dynamics.kinematics.polhode import polhode, separatrix
+from inertia.dynamics.kinematics.polhode import polhode, polhode_family, separatrix
 from inertia.dynamics.plots.subject import ascending
 from inertia.dynamics.run import Run
 from inertia.recording import entities
@@ -31,9 +31,11 @@ from inertia.recording.writer import Recording
 
 SPHERE, ELLIPSOID = MOMENTUM, COLORS[0]
 POLHODE, SEPARATRIX, CURRENT = TRAIL, palette.rgb(palette.PINK), (255, 255, 255)
+FAMILY = (120, 135, 155)
 MOVING_SPHERE, MOVING_ELLIPSOID = (*SPHERE, 40), (*ELLIPSOID, 50)
 PATH = (170, 150, 70)
 
+_EQUAL = 1e-9  # relative difference up to which moments are the same
 _LINE, _SAMPLES = 0.006, 721
 _LONGEST = 2.0  # semi-axis beyond which an ellipsoid would hide what is inside it
 
@@ -55,11 +57,17 @@ def write_momentum_space(recording: Recording, run: Run, frames: Frames) -> str:
     curves = moments * polhode(moments, omega, _SAMPLES).branches / unit
     write_lines(recording, entities.POLHODE, list(curves), POLHODE, 1.5 * _LINE)
     note = "L moves along the polhode (yellow), where the momentum sphere (blue) meets the energy ellipsoid (red)"
-    if len(np.unique(moments)) < 3:
+    if np.diff(moments).min() <= _EQUAL * moments[2]:
         return note
+    _write_family(recording, moments)
+    return f"{note}; the separatrix (pink) parts polhodes about axis 1 from those about axis 3, some of which are grey"
+
+
+def _write_family(recording: Recording, moments: Float) -> None:
+    """Write polhodes that the body could have with the same L, and the separatrix between them."""
+    write_lines(recording, entities.POLHODE_FAMILY, polhode_family(moments, _SAMPLES), FAMILY, 0.4 * _LINE)
     curves = moments * separatrix(moments, 1.0, _SAMPLES)
     write_lines(recording, entities.SEPARATRIX, list(curves), SEPARATRIX, 0.7 * _LINE)
-    return f"{note}; the separatrix (pink) parts polhodes about axis 1 from those about axis 3"
 
 
 def write_moving_momentum_space(recording: Recording, run: Run, frames: Frames) -> str:

@@ -99,7 +99,7 @@ def screen(run: Run) -> Screen:
         if potential is not None:
             notes.append(_write_spin(recording, run))
             notes.append(potential.write(recording, frames.time, axis.angles(frames.attitude)[:, 1]))
-        write_text(recording, summary(run, notes, columns=1))
+        write_text(recording, summary(run, [*notes, frames.note]))
 
     blueprint = _blueprint(run, frames, _sphere(body, axis), axis, tilts, potential)
     return Screen("inertia-top", title(run), blueprint, write, frames.play.second)

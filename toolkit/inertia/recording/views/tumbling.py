@@ -25,10 +25,11 @@ from inertia.recording.drawing import (
     write_arrow,
     write_axes,
     write_lines,
+    write_place,
     write_text,
     write_trail,
 )
-from inertia.recording.playback import Frames, frames_of, largest
+from inertia.recording.playback import Frames, frames_of, largest, round_down, strobe
 from inertia.recording.screen import (
     Screen,
     drift_plot,
@@ -39,9 +40,11 @@ from inertia.recording.screen import (
     state_timeline,
     text_view,
     trail,
+    whole_path,
 )
 from inertia.recording.series import (
     drift_unit,
+    write_angles_from_momentum,
     write_angular_velocity,
     write_drift,
     write_energy,
@@ -52,6 +55,7 @@ from inertia.recording.spin_marks import spin_axes, write_marks
 from inertia.recording.summary import summary, title
 from inertia.recording.views.loads import write_weight
 from inertia.recording.views.momentum_space import write_momentum_space
+from inertia.recording.views.poinsot import poinsot_view, rolls, write_poinsot
 from inertia.recording.writer import Recording
 
 if TYPE_CHECKING:
@@ -62,6 +66,7 @@ FLIP_STATES = ("+2", "−2")
 
 _OMEGA, _MOMENTUM, _AXES = 1.3, 1.55, 1.15  # lengths of arrows, over the radius of the body
 _THICK = 0.012
+_OF_PATH = 0.09  # of the length of a path, a body that is to be seen along it
 _FARTHEST = 1e4  # radii that a body may travel and still be where it is to a thousandth of its size
 _TRAIL = 10.0  # seconds of playback that a trail lasts, where no polhode closes sooner
 _FACETS = 72  # of a cone
@@ -79,16 +84,21 @@ def screen(run: Run) -> Screen:
         notes = [*frames.play.notes, *body.notes, f"in the inertial view 1 unit is {body.unit:g} m"]
         notes += _write_world(recording, run, body, frames, origin)
         notes.append(write_momentum_space(recording, run, frames))
+        if rolls(run):
+            scale, thick = _scale(run, body), _THICK * body.radius
+            notes.append(write_poinsot(recording, run, frames, scale, thick))
         write_angular_velocity(recording, run, ascending(run.plan)[1])
         along = run.angular_velocity @ ascending(run.plan)[1][:, 1]
         write_events(recording, entities.PLOT_ANGULAR_VELOCITY, run, "flip", along)
+        if run.angular_momentum[0].any():
+            write_angles_from_momentum(recording, run, ascending(run.plan)[1])
         write_euler_angles(recording, run)
         if run.invariants:
             write_drift(recording, run)
         if "energy" not in run.invariants:
             write_energy(recording, run)
         _write_flips(recording, run)
-        write_text(recording, summary(run, notes))
+        write_text(recording, summary(run, [*notes, frames.note]))
 
     return Screen("inertia-tumble", title(run), _blueprint(run, body, frames), write, frames.play.second)
 
@@ -98,32 +108,52 @@ def _blueprint(run: Run, body: Display, frames: Frames) -> rrb.Blueprint:
     import rerun.blueprint as rrb
 
     duration = frames.play.end
+    behind = {f"/{entities.HERPOLHODE}": trail(_trail(run, frames))}
+    apart = (entities.INERTIA_ELLIPSOID, entities.INVARIABLE_PLANE, entities.GHOSTS, entities.PATH)
     inertial = space_view(
         entities.CENTER,
-        contents=f"/{entities.WORLD}/**",
+        contents=[f"/{entities.WORLD}/**", *(f"- /{path}/**" for path in apart)],
         name="Inertial view",
         eye_controls=eye(_MOMENTUM * body.radius),
-        overrides={f"/{entities.HERPOLHODE}": trail(_trail(run, frames))},
+        overrides=behind,
     )
     along_axes = space_view(entities.MOMENTUM_SPACE, name="Body view: L / |L|", eye_controls=eye(1.25))
     plots: list[Any] = [
         plot(entities.PLOT_ANGULAR_VELOCITY, "Angular velocity along the principal axes, rad/s", duration),
-        plot(entities.PLOT_EULER_ANGLES, "Euler angles z-x-z, rad", duration),
+        plot(entities.PLOT_FROM_MOMENTUM, "Angles between L and the principal axes, rad", duration),
     ]
-    if run.invariants:
-        plots.append(drift_plot(drift_unit(run), duration))
     if "energy" not in run.invariants:
         plots.append(plot(entities.PLOT_ENERGY, "Energy, J", duration))
+    last = [plot(entities.PLOT_EULER_ANGLES, "Euler angles z-x-z, rad", duration)]
+    if run.invariants:
+        last.insert(0, drift_plot(drift_unit(run), duration))
+    plots.append(rrb.Tabs(*last) if len(last) > 1 else last[0])
     left: list[Any] = [rrb.Horizontal(inertial, along_axes, column_shares=[1, 1])]
     shares = [3.0]
     if _flips(run):
-        left.append(state_timeline(entities.FLIPS, "Flips: sense of the spin about axis 2", duration))
-        shares.append(0.6)
-    left.append(text_view())
-    shares.append(2.2)
+        left.append(state_timeline(entities.FLIPS, "Flips: the spin about axis 2", duration))
+        shares.append(0.8)
+    below: list[Any] = [text_view()]
+    others: list[Any] = []
+    if (origin := _origin(body, frames)) is not None and frames.position is not None:
+        contents = [f"/{path}/**" for path in (entities.GHOSTS, entities.PATH)]
+        path = (frames.position - origin) / body.unit
+        sight = whole_path(path, _enlargement(body, path) * body.radius)
+        others.append(space_view(entities.WORLD, contents=contents, name="Stroboscope", eye_controls=sight))
+    if rolls(run):
+        others.append(poinsot_view(run, _scale(run, body), behind))
+    if others:
+        below.insert(0, rrb.Tabs(*others) if len(others) > 1 else others[0])
+    left.append(rrb.Horizontal(*below))
+    shares.append(2.6)
     return finished(
         rrb.Vertical(*left, row_shares=shares), rrb.Vertical(*plots), frames.play.pace, loop=frames.play.loop
     )
+
+
+def _scale(run: Run, body: Display) -> float:
+    """Return how long in a view 1 rad/s is."""
+    return _OMEGA * body.radius / largest(run.angular_velocity)
 
 
 def _origin(body: Display, frames: Frames) -> Float | None:
@@ -157,10 +187,10 @@ def _write_world(recording: Recording, run: Run, body: Display, frames: Frames, 
     frames.write_attitude(recording)
     if origin is not None:
         frames.write_position(recording, body.unit, origin)
-        yield "the view goes with the centre of mass, along the grey path"
+        yield from _write_ghosts(recording, body, frames, origin)
     elif frames.position is not None:
         yield "the body travels far: it is shown without its path, from its centre of mass"
-    omega = _OMEGA * size * frames.angular_velocity / largest(frames.angular_velocity)
+    omega = _scale(run, body) * frames.angular_velocity
     momentum = _MOMENTUM * size * frames.angular_momentum / largest(frames.angular_momentum)
     thick = _THICK * size
     write_arrow(recording, entities.ANGULAR_VELOCITY, frames.time, omega, "ω", OMEGA, 1.5 * thick)
@@ -174,6 +204,27 @@ def _write_world(recording: Recording, run: Run, body: Display, frames: Frames, 
         f"(blue) {largest(frames.angular_momentum):.4g} kg m²/s"
     )
     yield from _write_cones(recording, run, _OMEGA * size)
+
+
+def _write_ghosts(recording: Recording, body: Display, frames: Frames, origin: Float) -> Iterator[str]:
+    """Write the body along its path, dim at instants that are equally far apart, large enough to be seen."""
+    assert frames.position is not None  # it has an origin
+    path = (frames.position - origin) / body.unit
+    factor = _enlargement(body, path)
+    larger = body.enlarged(factor)
+    recording.static(f"{entities.GHOSTS}/now", larger.archetype())
+    write_place(recording, f"{entities.GHOSTS}/now", frames.time, path, frames.attitude)
+    size = f", {factor:g} times as large" if factor > 1.0 else ""
+    yield f"the inertial view goes with the centre of mass, the stroboscope shows where that goes and the body{size}"
+    if frames.play.near:
+        rows, apart = strobe(frames.time[frames.near])
+        recording.static(entities.GHOSTS, *larger.copies(path[rows], frames.attitude[rows]))
+        yield f"the dim ones are {apart:.4g} s apart"
+
+
+def _enlargement(body: Display, path: Float) -> float:
+    """Return how many times as large a body is drawn along a path (m, 3) that is long for it."""
+    return round_down(max(1.0, _OF_PATH * float(np.linalg.norm(np.ptp(path, axis=0))) / body.radius))
 
 
 def _write_cones(recording: Recording, run: Run, slant: float) -> Iterator[str]:
