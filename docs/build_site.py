@@ -25,7 +25,7 @@ from inertia_cli.main import build_parser
 
 ROOT = Path(__file__).resolve().parent.parent
 PARTS = {
-    "Tutorials": "gallery",
+    "Tutorials": "tutorial-part tutorial-robot tutorial-rotor tutorial-top gallery",
     "How to": "analysing reading checking exchange assembly batch algebra uncertainty audit balancing measuring "
     "simulating spread playback trade outputs",
     "Reference": "python command json",

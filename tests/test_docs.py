@@ -15,9 +15,11 @@ from inertia_meshes import path
 
 ROOT = Path(__file__).resolve().parent.parent
 PAGES = [ROOT / "README.md", *sorted((ROOT / "docs").glob("*.md"))]
+TUTORIALS = [page for page in PAGES if page.stem.startswith("tutorial-")]
 EXAMPLES = [
     pytest.param(command, expected, id=f"{page.stem}: {command}")
     for page in PAGES
+    if page not in TUTORIALS
     for block in re.findall(r"^```console\n(.*?)^```$", page.read_text(encoding="utf-8"), re.DOTALL | re.MULTILINE)
     for command, expected in re.findall(r"^\$ (.*)\n((?:(?!\$ ).*\n)*)", block, re.MULTILINE)
 ]
@@ -25,9 +27,14 @@ EXAMPLES = [
 
 @pytest.mark.parametrize(("command", "expected"), EXAMPLES)
 def test_prints_what_the_page_says(command: str, expected: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(path("cube.stl").parent)
+    prints(command, expected, monkeypatch)
+
+
+def prints(command: str, expected: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Run a command; what it prints must be what is expected."""
     program, *arguments = shlex.split(command)
     assert program == "inertia"
-    monkeypatch.chdir(path("cube.stl").parent)
     monkeypatch.setenv("COLUMNS", "100")
     monkeypatch.setattr("inertia_cli.batch.EVERY", math.inf)  # s: no line of progress, however slow the machine is
     output = io.StringIO()
@@ -38,6 +45,22 @@ def test_prints_what_the_page_says(command: str, expected: str, monkeypatch: pyt
     assert checker.check_output(expected, output.getvalue(), flags), checker.output_difference(
         example, output.getvalue(), flags
     )
+
+
+@pytest.mark.parametrize("page", TUTORIALS, ids=lambda page: page.stem)
+def test_a_tutorial_leads_from_its_first_step_to_its_last(
+    page: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    for sample in path("cube.stl").parent.iterdir():
+        (tmp_path / sample.name).symlink_to(sample)
+    monkeypatch.chdir(tmp_path)
+    blocks = r"^(?:[^\n]*Save this as `([^`\n]*)`:\n\n)?```(\w+)\n(.*?)^```$"
+    for name, language, block in re.findall(blocks, page.read_text(encoding="utf-8"), re.DOTALL | re.MULTILINE):
+        if name:
+            Path(name).write_text(block, encoding="utf-8")
+        elif language == "console":
+            for command, expected in re.findall(r"^\$ (.*)\n((?:(?!\$ ).*\n)*)", block, re.MULTILINE):
+                prints(command, expected, monkeypatch)
 
 
 def test_there_are_examples() -> None:
