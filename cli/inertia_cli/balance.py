@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from inertia.errors import GeometryError, ReadError, UsageError
-from inertia_cli.options import estimate, names_document, record, require_recordable, triple
+from inertia_cli.options import estimate, names_document, record, require_recordable, tell_of_viewer, triple
 from inertia_cli.printing import print_document, print_text, write_and_show
 from inertia_cli.progress import Progress
 from inertia_cli.wording import with_options
@@ -203,6 +203,7 @@ def _balance(rotor: Rotor, options: argparse.Namespace) -> int:
         lambda: balance_document(data),
         lambda: "\n".join([balance_text(data), *(row("Missing", sentence) for sentence in _missing(options))]),
     )
+    tell_of_viewer(options)
     return _code(result.verdict)
 
 
@@ -224,7 +225,8 @@ def _write(balance: Balance, data: ReportData, options: argparse.Namespace) -> N
             write_whole(Path(options.csv), balance_csv(data).encode())
         if options.report is not None:
             save_balance_html(data, options.report, force=options.force)
-        record(balance, options)
+        if options.output is not None or options.live:
+            record(balance, options.output, options, live=options.live)
         if options.cut_part is not None and balance.correction is not None:
             write_stl(balance.correction.parts, options.cut_part, balance.rotor.unit, force=options.force)
 

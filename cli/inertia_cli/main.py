@@ -107,6 +107,8 @@ def main(arguments: Sequence[str]) -> int:
         if argument.startswith("--") and argument.endswith("=--"):  # argparse would go on without the value
             parser.error(f"argument {argument[:-3]}: expected one argument")
     options = parser.parse_args(_join_names(_join_signed(arguments)))
+    if getattr(options, "live", False):  # what Rerun would print of a viewer that ends is told in a sentence
+        os.environ.setdefault("RUST_LOG", "off")
     if sys.stdout is None:
         return _say("cannot write the result: standard output is closed", FAULT)
     try:

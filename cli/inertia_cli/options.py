@@ -6,6 +6,7 @@ import argparse
 import contextlib
 import math
 import re
+import sys
 import threading
 from fractions import Fraction
 from typing import TYPE_CHECKING, Any, TypeVar
@@ -16,6 +17,8 @@ from inertia.standard_input import NAME as STANDARD_INPUT
 from inertia.standard_input import file_of
 
 if TYPE_CHECKING:
+    from pathlib import Path
+
     from inertia.mesh.part import Part
 
 T = TypeVar("T")
@@ -245,7 +248,7 @@ def require_recordable(options: argparse.Namespace) -> None:
     if options.output is None and not options.live:
         return
     from inertia.output import require_writable
-    from inertia.recording.writer import require_viewer
+    from inertia.recording.live import require_viewer
 
     if options.output is not None:
         require_writable(options.output, ".rrd", force=options.force)
@@ -253,9 +256,18 @@ def require_recordable(options: argparse.Namespace) -> None:
         require_viewer()
 
 
-def record(result: Any, options: argparse.Namespace) -> None:
-    """Record a run or a balance where that was asked for."""
-    if options.output is not None or options.live:
-        from inertia.recording.record import record
+def record(result: Any, file: str | Path | None, options: argparse.Namespace, *, live: bool) -> None:
+    """Record a run or a balance to a file, on the viewer, or both; a viewer that ends takes nothing along."""
+    from inertia.recording.live import ViewerError
+    from inertia.recording.record import record
 
-        record(result, options.output, force=options.force, live=options.live)
+    try:
+        record(result, file, force=options.force, live=live)
+    except ViewerError as error:
+        options.lost = error
+
+
+def tell_of_viewer(options: argparse.Namespace) -> None:
+    """Say so at the end where the viewer did not get all."""
+    if (error := getattr(options, "lost", None)) is not None:
+        print(f"inertia: {error}", file=sys.stderr)

@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from inertia.errors import UsageError
+from inertia_cli.options import record, tell_of_viewer
 from inertia_cli.printing import show, write_and_show
 from inertia_cli.progress import Progress
 from inertia_cli.wording import with_options
@@ -234,6 +235,7 @@ def follow(scene: Scene, options: argparse.Namespace) -> int:
     write_and_show(
         lambda: _write(motion, options), options.json, lambda: run_document(motion), lambda: run_text(motion)
     )
+    tell_of_viewer(options)
     return 0
 
 
@@ -255,7 +257,7 @@ def _require_writable(options: argparse.Namespace) -> None:
     elif options.plot_kind is not None:
         raise UsageError("--plot-kind goes with a plot: name its file by --plot")
     if options.live:
-        from inertia.recording.writer import require_viewer
+        from inertia.recording.live import require_viewer
 
         require_viewer()
 
@@ -282,6 +284,4 @@ def _write(motion: Run, options: argparse.Namespace) -> None:
 
             write_figure(lambda: motion.plot(options.plot_kind), options.plot, force=options.force)
         for k, file in enumerate(recordings or ([None] if options.live else [])):
-            from inertia.recording.record import record
-
-            record(motion, file, force=options.force, live=options.live and k == 0)
+            record(motion, file, options, live=options.live and k == 0)

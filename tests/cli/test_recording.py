@@ -1,13 +1,14 @@
 """`-o`, `--live`, `inertia play`, and running a recording again, as a user sees them."""
 
 import json
+import socket
 import subprocess
 from pathlib import Path
 
 import pytest
 from tests.recording.reading import verified
 
-from inertia.recording import writer
+from inertia.recording import live
 from inertia.recording.provenance import properties
 from inertia_cli.main import main
 from inertia_meshes import path
@@ -104,7 +105,7 @@ def test_a_fault_is_one_sentence_and_a_code(
 
 
 def test_live_needs_a_viewer(capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(writer, "VIEWER", ("127.0.0.1", 1))
+    monkeypatch.setattr(live, "VIEWER", ("127.0.0.1", 1))
     code, out, err = run(capsys, "simulate", SCENE, "--live")
     assert (code, out) == (1, "")
     assert "no viewer listens on 127.0.0.1:1" in err
@@ -169,7 +170,7 @@ def test_a_viewer_that_fails_is_told(
 
 
 def test_a_rotor_needs_a_viewer_too(capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(writer, "VIEWER", ("127.0.0.1", 1))
+    monkeypatch.setattr(live, "VIEWER", ("127.0.0.1", 1))
     code, out, err = run(capsys, "balance", str(path("rotors/disc.toml")), "--live")
     assert (code, out) == (1, "")
     assert "no viewer listens on 127.0.0.1:1" in err
@@ -179,3 +180,19 @@ def test_a_balanced_rotor_is_recorded(capsys: pytest.CaptureFixture[str], tmp_pa
     code, _, err = run(capsys, "balance", str(path("rotors/disc.toml")), "-o", str(tmp_path / "rotor.rrd"))
     assert (code, err) == (0, "")
     assert properties(tmp_path / "rotor.rrd")["verdict"] == {"outcome": "pass"}
+
+
+def test_a_viewer_that_never_answers_takes_no_result_along(
+    capsys: pytest.CaptureFixture[str], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    file, table = tmp_path / "run.rrd", tmp_path / "run.csv"
+    outputs = ("-o", str(file), "-o", str(table))
+    with socket.create_server(("127.0.0.1", 0)) as listener:
+        monkeypatch.setattr(live, "VIEWER", listener.getsockname())
+        monkeypatch.setattr(live, "PATIENCE", 0.2)
+        code, out, err = run(capsys, "simulate", SCENE, "--for", "2", "--samples", "11", *outputs, "--live", "--json")
+    assert (code, err.count("\n")) == (0, 1), err
+    assert "took nothing for 0.2 s before it had all; the result and its files are whole" in err
+    assert len(json.loads(out)["time"]) == 11
+    assert verified(file, tmp_path)
+    assert table.read_text().count("\n") == 13

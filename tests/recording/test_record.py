@@ -14,7 +14,7 @@ from tests.recording.screenshot import has_driver, open_viewer
 
 from inertia import Run, Scene, record, simulate
 from inertia.errors import GeometryError, UsageError
-from inertia.recording import writer
+from inertia.recording import live
 from inertia.recording.provenance import properties
 from inertia.recording.record import VIEWS
 from inertia.recording.screen import Screen
@@ -49,7 +49,7 @@ def test_there_must_be_somewhere_to_record_to(handle: Run) -> None:
 @pytest.mark.skipif(not has_driver(), reason="no Vulkan driver is installed")
 def test_it_streams_to_an_open_viewer(handle: Run, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     with open_viewer(tmp_path) as (client, port):
-        monkeypatch.setattr(writer, "VIEWER", ("127.0.0.1", port))
+        monkeypatch.setattr(live, "VIEWER", ("127.0.0.1", port))
         record(handle, live=True)
         end = time.monotonic() + 120
         while len(client.get_state().views) < 7 and time.monotonic() < end:

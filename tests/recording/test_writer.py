@@ -9,7 +9,6 @@ import numpy as np
 import pytest
 from tests.recording.reading import Recorded, verified
 
-from inertia.errors import InertiaError
 from inertia.recording import writer
 from inertia.recording.writer import BLOCK, Recording, to_file
 
@@ -110,9 +109,3 @@ def test_a_full_disk_is_one_sentence_and_leaves_no_file(tmp_path: Path) -> None:
     message = out.splitlines()[-1]
     assert message.startswith(f"cannot write {tmp_path / 'run.rrd'}: File too large: raise the limit")
     assert list(tmp_path.iterdir()) == []
-
-
-def test_streaming_needs_an_open_viewer(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(writer, "VIEWER", ("127.0.0.1", 1))
-    with pytest.raises(InertiaError, match=r"no viewer listens on 127\.0\.0\.1:1: open one first"):
-        writer.require_viewer()

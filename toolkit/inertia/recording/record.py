@@ -12,9 +12,10 @@ from inertia.balancing.balance import Balance
 from inertia.dynamics.run import Run
 from inertia.errors import GeometryError, UsageError
 from inertia.output import require_writable
+from inertia.recording.live import require_viewer, to_viewer
 from inertia.recording.provenance import properties_of
 from inertia.recording.screen import Screen
-from inertia.recording.writer import Recording, blocks, require_viewer, to_file, to_viewer
+from inertia.recording.writer import Recording, blocks, to_file
 
 VIEWS = ("tumbling", "top", "driven", "disc", "deforming")
 """The views of a run, by the names that models give: modules of `views`, each with a function `screen`."""
@@ -41,7 +42,8 @@ def record(
     ------
     UsageError : neither a path nor `live`, a path that is not usable, or a file that is there
     GeometryError : the run has fewer than two samples, some that are not finite, or none in the order of time
-    InertiaError : the place cannot be written to, the disk is full, or no viewer listens
+    InertiaError : the place cannot be written to, the disk is full, or no viewer listens; `live.ViewerError` where it
+        ends, or falls silent, before it has all: the file is whole then
     """
     if path is None and not live:
         raise UsageError("there is nowhere to record to: give a path, or live=True with an open viewer")

@@ -1,10 +1,9 @@
-"""Writing recordings: columns in blocks to a private stream, into a file that is whole or not there, or to a viewer."""
+"""Writing recordings: columns in blocks to a private stream, into a file that is whole or not there."""
 
 from __future__ import annotations
 
 import contextlib
 import os
-import socket
 import threading
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from pathlib import Path
@@ -23,12 +22,10 @@ if TYPE_CHECKING:
 
 BLOCK = 65_536
 """Rows of a chunk: as many as are turned into columns at once, so that memory does not grow with the run."""
-VIEWER = "127.0.0.1", 9876
-"""Where an open viewer of this machine listens."""
 PIPES = Path("/dev/fd")
 """Where the system names the ends of a pipe."""
 
-_PATIENCE = 600.0  # seconds for one block to reach the disk or the viewer
+_PATIENCE = 600.0  # seconds for one block to reach the disk
 _READ = 1 << 20
 
 Columns = Callable[[slice], Any]
@@ -38,12 +35,20 @@ Columns = Callable[[slice], Any]
 class Recording:
     """A stream that is open for writing; all that moves goes in by columns, on the timeline of the run.
 
-    On it a second stands for `second` s of the run.
+    On it a second stands for `second` s of the run; `wait` returns when what was written is out of memory.
+
+    Attributes
+    ----------
+    live : whether it goes to a viewer
     """
 
-    def __init__(self, stream: rr.RecordingStream, second: float = 1.0) -> None:
+    def __init__(
+        self, stream: rr.RecordingStream, second: float = 1.0, wait: Callable[[rr.RecordingStream], None] | None = None
+    ) -> None:
         self._stream = stream
         self._tick = second * 1e-9
+        self._wait = wait or _written
+        self.live = wait is not None
 
     def static(self, path: str, *archetypes: Any) -> None:
         """Write what does not change."""
@@ -96,10 +101,14 @@ class Recording:
 
     def flush(self) -> None:
         """Wait until everything is out of memory."""
-        try:
-            self._stream.flush(timeout_sec=_PATIENCE)
-        except RuntimeError as error:
-            raise InertiaError(f"the recording cannot be written: {error}") from error
+        self._wait(self._stream)
+
+
+def _written(stream: rr.RecordingStream) -> None:
+    try:
+        stream.flush(timeout_sec=_PATIENCE)
+    except RuntimeError as error:
+        raise InertiaError(f"the recording cannot be written: {error}") from error
 
 
 def blocks(count: int, block: int = BLOCK) -> Iterator[slice]:
@@ -112,52 +121,28 @@ def blocks(count: int, block: int = BLOCK) -> Iterator[slice]:
         yield slice(start, min(start + block, count))
 
 
-def require_viewer() -> None:
-    """Raise `InertiaError` where no viewer of this machine listens."""
-    host, port = VIEWER
-    try:
-        socket.create_connection(VIEWER, timeout=5.0).close()
-    except OSError:
-        raise InertiaError(
-            f"no viewer listens on {host}:{port}: open one first by `rerun --bind {host}`, or record to a file"
-        ) from None
-
-
 @contextlib.contextmanager
 def to_file(path: Path, application: str, blueprint: rrb.Blueprint, second: float = 1.0) -> Iterator[Recording]:
     """Open a recording that appears under `path` when the context is left, and not at all where an error leaves it."""
     import rerun as rr
 
     with whole(path) as beside, beside.open("wb") as file:
-        with _into(file) as sink, _stream(rr.RecordingStream(application)) as stream:
+        with _into(file) as sink:
+            stream = rr.RecordingStream(application)
+            prepare(stream)
             stream.save(sink, default_blueprint=blueprint)
-            yield Recording(stream, second)
+            try:
+                yield Recording(stream, second)
+            finally:
+                stream.disconnect()  # writes the footer
         file.flush()
         os.fsync(file.fileno())
 
 
-@contextlib.contextmanager
-def to_viewer(application: str, blueprint: rrb.Blueprint, second: float = 1.0) -> Iterator[Recording]:
-    """Open a recording that an open viewer of this machine shows as it is written."""
-    import rerun as rr
-
-    require_viewer()
-    host, port = VIEWER
-    with _stream(rr.RecordingStream(application)) as stream:
-        stream.connect_grpc(f"rerun+http://{host}:{port}/proxy", default_blueprint=blueprint)
-        recording = Recording(stream, second)
-        yield recording
-        recording.flush()
-
-
-@contextlib.contextmanager
-def _stream(stream: rr.RecordingStream) -> Iterator[rr.RecordingStream]:
+def prepare(stream: rr.RecordingStream) -> None:
+    """Leave out the times of the clock."""
     stream.set_log_time_enabled(False)
     stream.set_log_tick_enabled(False)
-    try:
-        yield stream
-    finally:
-        stream.disconnect()  # writes the footer
 
 
 @contextlib.contextmanager
