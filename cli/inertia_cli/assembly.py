@@ -15,6 +15,7 @@ from inertia_cli.printing import print_document, print_text, show
 if TYPE_CHECKING:
     from inertia.assembly.document import Assembly
 
+_OWN = (".toml", ".csv")
 _ROBOTS = (".urdf", ".xml", ".mjcf", ".xacro", ".sdf", ".world", ".usd", ".usda", ".usdc", ".usdz")
 
 
@@ -77,6 +78,8 @@ def assembly_of(options: argparse.Namespace) -> Assembly:
     path = Path(options.part)
     if not (options.joint or options.unit) and path.suffix.lower() not in _ROBOTS:
         return Assembly.load(options.part)
+    if path.suffix.lower() not in (*_ROBOTS, *_OWN) and not options.joint:
+        return Assembly.carried_by(options.part, options.unit)
     table, notes = _table(options, path.parent)
     return replace(Assembly.from_dict(table, path.parent, name=options.part), remarks=notes)
 
@@ -114,7 +117,7 @@ def _table(options: argparse.Namespace, folder: Path) -> tuple[dict[str, Any], t
     from inertia.exchange.robots.tree import robot_tree
 
     path = Path(options.part)
-    if path.suffix.lower() in (".toml", ".csv"):
+    if path.suffix.lower() in _OWN:
         raise UsageError("--joint and --unit are for files that carry a tree: an assembly file has its own")
     if path.suffix.lower() in _ROBOTS:
         if options.unit:
@@ -122,7 +125,7 @@ def _table(options: argparse.Namespace, folder: Path) -> tuple[dict[str, Any], t
         return robot_tree(read_robot(options.part), by_name("joint", options.joint) or {})
     if options.joint:
         raise UsageError(f"{options.part} is no robot, and has no joints: leave --joint out")
-    return outline(path, folder, options.unit)
+    return outline(path, folder, options.unit)[:2]
 
 
 def _to_toml(options: argparse.Namespace) -> int:

@@ -1,6 +1,7 @@
 """Trees that files carry against sums over their triangles, moved corner by corner in rational arithmetic."""
 
 import json
+import math
 import struct
 import zipfile
 from collections.abc import Sequence
@@ -8,13 +9,17 @@ from fractions import Fraction
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pytest
+from scipy.spatial.transform import Rotation
 from tests.assembly.test_assembly import Matrix, assert_within_bounds, moved, then, turn
+from tests.assembly.test_samples import body, box, together, tube, tube_mass
+from tests.assembly.test_samples import moved as moved_bodies
 
 import inertia
 from inertia.assembly.document import Assembly
 from inertia.assembly.outline import outline
-from inertia.errors import ReadError, UsageError
+from inertia.errors import GeometryError, ReadError, UsageError
 from inertia_cli.main import main
 from inertia_meshes import path
 
@@ -25,7 +30,7 @@ BOX_FACES = [(0, 1, 3), (0, 3, 2), (4, 6, 7), (4, 7, 5), (0, 4, 5), (0, 5, 1), (
              (0, 6, 4), (1, 5, 7), (1, 7, 3)]  # fmt: skip
 WEDGE = [(0, 0, 0), (1, 0, 0), (0, 1, 0), (0, 0, 1)]
 WEDGE_FACES = [(0, 2, 1), (0, 1, 3), (1, 2, 3), (0, 3, 2)]
-MESHES = [(BOX, BOX_FACES), (WEDGE, WEDGE_FACES)]
+MESHES = {0: (BOX, BOX_FACES), 1: (WEDGE, WEDGE_FACES)}
 
 
 def triangles(kind: int) -> Triangles:
@@ -52,7 +57,7 @@ def instance(kind: int, placement: Matrix) -> tuple[Triangles, Fraction]:
 def glb(file: Path, nodes: list[dict[str, Any]], names: Sequence[str | None] = (None, None)) -> Path:
     """Write the meshes, box and wedge, below nodes; those that are nobody's children are at the top."""
     blob, views, accessors = b"", [], []
-    for points, faces in MESHES:
+    for points, faces in MESHES.values():
         for code, rows, kind in (("3f", points, 5126), ("3I", faces, 5125)):
             data = b"".join(struct.pack(f"<{code}", *row) for row in rows)
             views.append({"buffer": 0, "byteOffset": len(blob), "byteLength": len(data)})
@@ -79,6 +84,33 @@ def package(file: Path, objects: str, items: str, unit: str = "millimeter") -> P
     model = f'<model unit="{unit}" xmlns="{space}"><resources>{objects}</resources><build>{items}</build></model>'
     with zipfile.ZipFile(file, "w") as archive:
         archive.writestr("3D/3dmodel.model", model)
+    return file
+
+
+def collada(file: Path, scene: str, library: str = "", unit: str = "1") -> Path:
+    """Write the meshes as the geometries `box` and `wedge`, below the nodes of a scene."""
+    geometries = ""
+    for name, (points, faces) in zip(("box", "wedge"), MESHES.values(), strict=True):
+        numbers = " ".join(str(k) for point in points for k in point)
+        corners = " ".join(str(k) for face in faces for k in face)
+        accessor = (
+            f'<accessor source="#{name}-a" count="{len(points)}" stride="3"><param name="X" type="float"/>'
+            '<param name="Y" type="float"/><param name="Z" type="float"/></accessor>'
+        )
+        geometries += (
+            f'<geometry id="{name}" name="{name} mesh"><mesh><source id="{name}-s">'
+            f'<float_array id="{name}-a" count="{3 * len(points)}">{numbers}</float_array>'
+            f"<technique_common>{accessor}</technique_common></source>"
+            f'<vertices id="{name}-v"><input semantic="POSITION" source="#{name}-s"/></vertices>'
+            f'<triangles count="{len(faces)}"><input semantic="VERTEX" source="#{name}-v" offset="0"/>'
+            f"<p>{corners}</p></triangles></mesh></geometry>"
+        )
+    file.write_text(
+        '<?xml version="1.0"?><COLLADA xmlns="http://www.collada.org/2005/11/COLLADASchema" version="1.4.1">'
+        f'<asset><unit meter="{unit}"/></asset><library_geometries>{geometries}</library_geometries>{library}'
+        f'<library_visual_scenes><visual_scene id="all">{scene}</visual_scene></library_visual_scenes>'
+        '<scene><instance_visual_scene url="#all"/></scene></COLLADA>'
+    )
     return file
 
 
@@ -112,7 +144,7 @@ def test_nodes_of_gltf_are_parts_where_their_matrices_put_them(tmp_path: Path) -
     box = then(root, turn((0, 0, 38268343, 92387950), [Fraction(0)] * 3))
     wedge = then(arm, linear([[1, 0, 0], [0, 1, 0], [0, 0, 1]], (0.25, 0, 0)))
     assert_within_bounds(whole.mass_properties(), [instance(0, box), instance(1, wedge)], 1e-13)
-    table, _ = outline(file, tmp_path)
+    table = outline(file, tmp_path).table
     assert names(table) == [("root", None), ("box", "root"), ("arm", "root"), ("mesh 1", "arm")]
     assert "stretch" not in str(table)
 
@@ -160,13 +192,77 @@ def test_items_and_components_of_3mf_are_parts_where_their_transforms_put_them(t
     metres = Fraction("0.0254")
     parts = [([[[metres * k for k in p] for p in each] for each in corners], density) for corners, density in parts]
     assert_within_bounds(whole.mass_properties(), parts)
-    table, _ = outline(file, tmp_path)
+    table = outline(file, tmp_path).table
     assert table["unit"] == "in"
     assert names(table) == [
         ("pair", None), ("plate", "pair"), ("object 2", "pair"), ("object 2 2", "pair"),
         ("pair 2", None), ("plate 2", "pair 2"), ("object 2 3", "pair 2"), ("object 2 4", "pair 2"), ("plate 3", None),
     ]  # fmt: skip
     assert {part["mesh"] for part in table["part"] if "mesh" in part} == {"plate", "object 2"}
+
+
+def test_nodes_of_collada_are_parts_where_their_transforms_put_them(tmp_path: Path) -> None:
+    library = (
+        '<library_nodes><node id="pair" name="pair"><translate>0.5 0 0</translate>'
+        '<instance_geometry url="#box"/><instance_geometry url="#wedge"/></node></library_nodes>'
+    )
+    scene = (
+        '<node id="n1" name="top"><translate>1 2 0.3</translate><rotate>0 0 2 90</rotate><rotate>1 0 0 -180</rotate>'
+        '<scale>2 2 2</scale><instance_node url="#pair"/><node id="n2"><matrix>0.6 -0.8 0 4 0.8 0.6 0 5 0 0 1 6 0 0 0 1'
+        '</matrix><instance_geometry url="#wedge"/></node></node><node name="other"><instance_node url="#pair"/></node>'
+    )
+    file = collada(tmp_path / "scene.dae", scene, library, "0.01")
+    place = then(
+        turn((0, 0, 1, 1), [Fraction(1), Fraction(2), Fraction("0.3")]), turn((-1, 0, 0, 0), [Fraction(0)] * 3)
+    )
+    top, pair = then(place, scaled(2, 2, 2)), linear([[1, 0, 0], [0, 1, 0], [0, 0, 1]], (0.5, 0, 0))
+    turned = linear([["0.6", "-0.8", 0], ["0.8", "0.6", 0], [0, 0, 1]], (4, 5, 6))
+    parts = [instance(kind, then(outer, pair)) for outer in (top, scaled(1, 1, 1)) for kind in (0, 1)]
+    parts.append(instance(1, then(top, turned)))
+    parts = [([[[k / 100 for k in p] for p in each] for each in corners], density) for corners, density in parts]
+    assert_within_bounds(Assembly.load(file).mass_properties(), parts)
+    table = outline(file, tmp_path).table
+    assert names(table) == [
+        ("top", None), ("n2", "top"), ("pair", "top"), ("box mesh", "pair"), ("wedge mesh", "pair"),
+        ("other", None), ("pair 2", "other"), ("box mesh 2", "pair 2"), ("wedge mesh 2", "pair 2"),
+    ]  # fmt: skip
+    assert {part["mesh"] for part in table["part"] if "mesh" in part} == {"box mesh", "wedge mesh"}
+
+
+def test_an_angle_of_collada_is_the_turn_to_its_last_digit(tmp_path: Path) -> None:
+    scene = (
+        '<node name="a"><rotate>0 3 4 37.5</rotate><translate>7 0 0</translate><instance_geometry url="#box"/></node>'
+    )
+    whole = Assembly.load(collada(tmp_path / "a.dae", scene)).mass_properties()
+    turned = Rotation.from_rotvec(np.array([0, 0.6, 0.8]) * 37.5, degrees=True)
+    assert whole.center_of_mass == pytest.approx(turned.apply([7.5, 1, 1.5]), rel=1e-15)
+    own = np.diag([13, 10, 5]) * 500.0
+    assert whole.inertia == pytest.approx(turned.as_matrix() @ own @ turned.as_matrix().T, rel=1e-14)
+
+
+def test_products_of_step_are_parts_where_the_assembly_puts_them(tmp_path: Path) -> None:
+    pytest.importorskip("OCP")
+    from tests.mesh.readers.kernel_solids import write_assembly
+
+    write_assembly(tmp_path / "machine.step")
+    file = tmp_path / "machine.step"
+    tree = outline(file, tmp_path).table["part"]
+    plate = ["bolted plate", *["bolt"] * 4, "plate"]
+    assert [part["name"].rstrip(" 0123456789") for part in tree] == ["machine", *plate, *plate, *["pair"] * 3]
+    assert [part.get("parent") for part in tree[1:7]] == ["machine", *["bolted plate"] * 5]
+    assert len({part["mesh"] for part in tree if "mesh" in part}) == 4
+    bolt = Rotation.identity(), (tube_mass(3, 0, 20, 1000), tube(3, 0, 20), (0, 0, 10))
+    flat = [body(0.0125, box(50, 50, 5), (25, 25, 2.5))]
+    for k in range(4):
+        flat += moved_bodies([body(*bolt[1])], bolt[0], (10 + 30 * (k % 2), 10 + 30 * (k // 2), 6))
+    leaning = Rotation.from_rotvec(np.array([1, 1, 0]) / math.sqrt(2))
+    pair = [body(6e-6, box(1, 2, 3), (0.5, 1, 1.5)), body(tube_mass(2, 0, 2, 1000), tube(2, 0, 2), (20, 0, 1))]
+    everything = [*flat, *moved_bodies(flat, leaning, (100, 0, 0)), *moved_bodies(pair, bolt[0], (0, 200, 0))]
+    mass, center, tensor = together(everything)
+    whole = Assembly.load(file).mass_properties()
+    assert whole.mass == pytest.approx(mass, rel=1e-13)
+    assert whole.center_of_mass == pytest.approx(center, rel=1e-13)
+    assert whole.inertia == pytest.approx(tensor, rel=1e-12)
 
 
 def test_a_mesh_is_integrated_once_however_often_it_stands(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -225,6 +321,13 @@ def test_a_faulty_tree_is_refused_in_a_sentence(nodes: list[dict[str, Any]], say
         Assembly.load(glb(tmp_path / "faulty.glb", nodes)).mass_properties()
 
 
+def test_a_faulty_mesh_is_named(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setitem(MESHES, 1, (WEDGE, WEDGE_FACES[:3]))
+    file = glb(tmp_path / "open.glb", [{"name": "whole", "mesh": 0}, {"name": "gap", "mesh": 1}])
+    with pytest.raises(GeometryError, match=r"part\[1\]: 'mesh 1' of open.glb: open: 1 boundary loop"):
+        Assembly.load(file).mass_properties()
+
+
 def test_an_object_that_holds_itself_is_refused(tmp_path: Path) -> None:
     objects = '<object id="1"><components><component objectid="1"/></components></object>'
     with pytest.raises(ReadError, match="component of itself"):
@@ -264,7 +367,7 @@ def test_a_mesh_or_stretch_without_a_file_is_refused() -> None:
 
 
 def test_regions_of_cells_are_parts(tmp_path: Path) -> None:
-    table, notes = outline(path("two_region_bar.vtk"), tmp_path)
+    table, notes, _ = outline(path("two_region_bar.vtk"), tmp_path)
     assert [part["region"] for part in table["part"]] == ["1", "2"]
     assert notes == ()
     parts = Assembly.from_dict(

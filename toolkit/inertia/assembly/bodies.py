@@ -7,7 +7,7 @@ goes with all of them, one of a scale s with s³, s⁴ and s⁵, one of the cent
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, replace
 from fractions import Fraction
 from pathlib import Path
@@ -96,6 +96,12 @@ class Library:
         self._trees: dict[tuple[Path, str | None], MeshTree | None] = {}
         self._bodies: dict[tuple[object, ...], Body] = {}
 
+    def add(self, remarks: Iterable[str], tree: tuple[Path, str | None, MeshTree] | None) -> None:
+        """Keep what the reading of a file had to decide, and the meshes that it read, by the file and the unit."""
+        self.remarks |= dict.fromkeys(remarks)
+        if tree is not None:
+            self._trees[tree[:2]] = tree[2]
+
     def body(self, fields: PartFields, weight: Weight, label: str, folder: Path, unit: Unit) -> Body:
         """Return what a part is, read and integrated where it has a file; its own inputs are those of `label`.
 
@@ -142,7 +148,9 @@ class Library:
                     sigma=None if sigma is None else float(sigma / part.unit.metres),
                 )
             except GeometryError as error:
-                raise error if error.places else placed(error, str(fields.file)) from None
+                piece = fields.mesh or fields.region
+                called = str(fields.file) if piece is None else f"{piece!r} of {fields.file}"
+                raise error if error.places else placed(error, called) from None
         return self._analyses[key]
 
     def _read(self, path: Path, unit: str | None, mesh: str | None) -> Part:

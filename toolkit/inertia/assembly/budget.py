@@ -17,13 +17,14 @@ import numpy as np
 from inertia.arrays import Float
 from inertia.assembly.allowances import EXAMPLE, allowance_of
 from inertia.assembly.bodies import Input
-from inertia.assembly.frames import LENGTH_BITS, TURN_BITS, Frame
+from inertia.assembly.frames import LENGTH_BITS, Frame
 from inertia.assembly.limits import Limit, Verdict, judged
 from inertia.assembly.lines import Line, central_of, six_of, square
 from inertia.assembly.rollup import Placed
 from inertia.assembly.tree import Node, PartTree
 from inertia.errors import UsageError, placed
 from inertia.mass.properties import MassProperties
+from inertia.mesh.turns import TURN_BITS
 
 _CHUNK = 4096
 

@@ -11,7 +11,7 @@ from inertia.assembly.bill import parts_of
 from inertia.assembly.budget import Budget, budget
 from inertia.assembly.fields import AssemblyFields
 from inertia.assembly.interference import Interference, interferences
-from inertia.assembly.outline import outline
+from inertia.assembly.outline import outline, relative
 from inertia.assembly.tree import PartTree
 from inertia.documents import document_schema
 from inertia.errors import ReadError, placed
@@ -38,8 +38,15 @@ class Assembly(PartTree):
         """
         if format_of_name(Path(path)) is None:
             return super().load(path)
-        table, remarks = outline(Path(path), Path(path).parent)
-        return replace(cls.from_dict(table, Path(path).parent, name=os.fspath(path)), remarks=remarks)
+        return cls.carried_by(path)
+
+    @classmethod
+    def carried_by(cls, path: str | os.PathLike[str], unit: str | None = None) -> Self:
+        """Read the tree that a file of meshes carries, its coordinates in a unit other than its own if one is given."""
+        file = Path(path)
+        table, remarks, tree = outline(file, file.parent, unit)
+        own = None if tree is None else (file.parent / relative(file, file.parent), unit, tree)
+        return replace(cls.from_dict(table, file.parent, name=os.fspath(path)), remarks=remarks, tree=own)
 
     @classmethod
     def loads(cls, text: str, folder: str | os.PathLike[str] = ".", name: str | None = None) -> Self:

@@ -17,8 +17,6 @@ import numpy as np
 from inertia.arrays import Float
 from inertia.assembly.frames import (
     UNTURNED,
-    Quaternion,
-    about,
     by_rows,
     euler,
     require_rotation,
@@ -47,6 +45,7 @@ from inertia.documents import (
 )
 from inertia.errors import UsageError
 from inertia.mesh.tree import Matrix, determinant
+from inertia.mesh.turns import Quaternion, about
 from inertia.units import length_unit
 
 _LENGTH = "the file's unit"

@@ -9,20 +9,16 @@ adds them up (`inertia.assembly.rollup`).
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Sequence
 from fractions import Fraction
 from typing import Any, NamedTuple
 
 from inertia.documents import FieldError
 from inertia.mass.moments import Vector, dot, norm_above, vector
+from inertia.mesh.turns import TURN_BITS, Quaternion, Rational, about
 
-LENGTH_BITS, TURN_BITS = 256, 192
+LENGTH_BITS = 256
 
-Rational = Fraction | int
-Quaternion = tuple[Rational | float, Rational | float, Rational | float, Rational | float]
-"""w, x, y, z; of any length but zero."""
-
-_PI = Fraction(314159265358979323846264338327950288419716939937510582097494459, 10**62)
 _CERTAIN = 1e-14  # of the skewness of a rotation that a few products or a decomposition in float64 made
 _COARSEST = 3.03e-3  # skewness beyond which no rotation is meant: that of three digits
 
@@ -137,18 +133,6 @@ def euler(degrees: Sequence[Rational], sequence: str) -> Quaternion:
     return result
 
 
-def about(axis: int | Sequence[Rational], degrees: Rational) -> Quaternion:
-    """Return the quaternion of a turn about an axis, by its number or its direction of any length."""
-    cosine, sine = _half(Fraction(degrees))
-    if isinstance(axis, int):
-        direction: Sequence[Rational] = tuple(int(k == axis) for k in range(3))
-        length: Rational = 1
-    else:
-        direction, length = axis, _root(dot(map(Fraction, axis), map(Fraction, axis)))
-    x, y, z = (sine * k for k in direction)
-    return cosine * length, x, y, z
-
-
 def mirror(normal: Sequence[Rational]) -> tuple[Vector, ...]:
     """Return the reflection in the plane through the origin with a normal of any length: 1 − 2 n nᵀ/n²."""
     n = vector(Fraction(k) for k in normal)
@@ -234,31 +218,3 @@ def _times(a: Quaternion, b: Quaternion) -> Quaternion:
         w * r - x * s + y * p + z * q,
         w * s + x * r - y * q + z * p,
     )
-
-
-def _half(degrees: Fraction) -> tuple[Rational, Rational]:
-    """Return what is in proportion to the cosine and the sine of half an angle: exact for multiples of 90°."""
-    turn = degrees % 360
-    if turn % 90 == 0:
-        return ((1, 0), (1, 1), (0, 1), (-1, 1))[int(turn / 90)]
-    cosine, sine = (sum(terms) for terms in zip(*_terms(turn * _PI / 360), strict=True))
-    return Fraction(cosine, 1 << TURN_BITS), Fraction(sine, 1 << TURN_BITS)
-
-
-def _terms(angle: Fraction) -> Iterator[tuple[int, int]]:
-    """Yield the terms of the series of cosine and sine, in 2⁻¹⁹²."""
-    scaled, term, k = round(angle * (1 << TURN_BITS)), 1 << TURN_BITS, 0
-    while term:
-        following = ((term * scaled) >> TURN_BITS) // (k + 1)
-        sign = -1 if k % 4 else 1
-        yield sign * term, sign * following
-        term, k = ((following * scaled) >> TURN_BITS) // (k + 2), k + 2
-
-
-def _root(square: Fraction) -> Fraction:
-    """Return the root of a rational to 57 digits, exactly where it is rational."""
-    n, d = square.numerator, square.denominator
-    if math.isqrt(n) ** 2 == n and math.isqrt(d) ** 2 == d:
-        return Fraction(math.isqrt(n), math.isqrt(d))
-    shift = max(0, TURN_BITS - (n.bit_length() - d.bit_length()) // 2)
-    return Fraction(math.isqrt((n << (2 * shift)) // d), 1 << shift)

@@ -10,7 +10,7 @@ import math
 from collections.abc import Mapping, Sequence
 from fractions import Fraction
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -21,11 +21,19 @@ from inertia.mesh.geometry.cell_shapes import volume_blocks
 from inertia.mesh.part import Cells, Part
 from inertia.mesh.read import read, read_tree
 from inertia.mesh.readers.contents import plural, was
-from inertia.mesh.tree import ONE, Matrix, MeshTree, Motion, determinant, unique
+from inertia.mesh.tree import ONE, Matrix, MeshTree, Motion, determinant, rotation, times, unique
 
 
-def outline(path: Path, folder: Path, unit: str | None = None) -> tuple[dict[str, Any], tuple[str, ...]]:
-    """Return an assembly laid out as its file is, and what had to be decided, in sentences.
+class Outline(NamedTuple):
+    """An assembly laid out as its file is, what had to be decided, in sentences, and the tree that was read."""
+
+    table: dict[str, Any]
+    notes: tuple[str, ...]
+    tree: MeshTree | None = None
+
+
+def outline(path: Path, folder: Path, unit: str | None = None) -> Outline:
+    """Return a file as an assembly.
 
     It has a part for each node of a file that places its meshes (glTF, 3MF, Collada, STEP), or for each region of
     another; lengths, as rational numbers, are in the unit of the file.
@@ -40,14 +48,15 @@ def outline(path: Path, folder: Path, unit: str | None = None) -> tuple[dict[str
     if tree is not None and tree.meshes:
         parts, notes = _parts(tree, {"file": file} | ({"unit": unit} if unit else {}))
         named = next(iter(tree.meshes.values())).unit.name
-        return {"schema": 1, "name": visible(path.stem), "unit": named, "part": parts}, (*tree.notes, *notes)
+        table = {"schema": 1, "name": visible(path.stem), "unit": named, "part": parts}
+        return Outline(table, (*tree.notes, *notes), tree)
     part = read(path, unit)
     own = {} if part.unit_from == "file" else {"unit": part.unit.name}
     names, rest = _regions_with_mass(part)
     regions = [{"name": name, "file": file, "region": name} | own for name in names]
     alone = {"name": visible(path.stem), "file": file} | own
     notes = (f"{plural(rest, 'element')} in no region {was(rest)} left out",) if names and rest else ()
-    return {"schema": 1, "name": visible(path.stem), "unit": part.unit.name, "part": regions or [alone]}, notes
+    return Outline({"schema": 1, "name": visible(path.stem), "unit": part.unit.name, "part": regions or [alone]}, notes)
 
 
 def _regions_with_mass(part: Part) -> tuple[list[str], int]:
@@ -119,9 +128,9 @@ def _placed(motion: Motion, above: Matrix) -> tuple[dict[str, Any], Matrix]:
     if quaternion is not None and uniform:
         figures = [float(k) for k in quaternion]
         place["quaternion"] = figures if is_unit(figures) else _whole(quaternion)
-        return place, _times(above, motion.linear)
-    turn = ONE if quaternion is None else _rotation(quaternion)
-    linear = _times(above, _times(turn, motion.linear))
+        return place, times(above, motion.linear)
+    turn = ONE if quaternion is None else rotation(quaternion)
+    linear = times(above, times(turn, motion.linear))
     rows = [[float(k) for k in row] for row in linear]
     if linear == ONE or not is_rotation(rows):
         return place, linear
@@ -133,22 +142,6 @@ def _whole(quaternion: Sequence[Fraction]) -> list[int]:
     scale = math.lcm(*(k.denominator for k in quaternion))
     whole = [int(k * scale) for k in quaternion]
     return [k // math.gcd(*whole) for k in whole]
-
-
-def _rotation(quaternion: Sequence[Fraction]) -> Matrix:
-    x, y, z, w = quaternion
-    twice = 2 / (x * x + y * y + z * z + w * w)
-    return (
-        (1 - twice * (y * y + z * z), twice * (x * y - z * w), twice * (x * z + y * w)),
-        (twice * (x * y + z * w), 1 - twice * (x * x + z * z), twice * (y * z - x * w)),
-        (twice * (x * z - y * w), twice * (y * z + x * w), 1 - twice * (x * x + y * y)),
-    )
-
-
-def _times(a: Matrix, b: Matrix) -> Matrix:
-    if a == ONE or b == ONE:
-        return b if a == ONE else a
-    return tuple(tuple(dot(row, column) for column in zip(*b, strict=True)) for row in a)
 
 
 def _is_diagonal(rows: Matrix) -> bool:

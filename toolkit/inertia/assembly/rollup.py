@@ -16,9 +16,10 @@ import numpy as np
 
 from inertia.arrays import Float
 from inertia.assembly.bodies import Body
-from inertia.assembly.frames import LENGTH_BITS, TURN_BITS, Frame, float_above
+from inertia.assembly.frames import LENGTH_BITS, Frame, float_above
 from inertia.mass.moments import Moments, norm_above, six, vector
 from inertia.mass.properties import MassProperties
+from inertia.mesh.turns import TURN_BITS
 
 _MASS_BITS, _SECOND_BITS = 256, 320
 _LOST = 2.0**-150  # relative: more than the integers drop

@@ -17,7 +17,7 @@ import numpy as np
 from inertia.arrays import Float
 from inertia.assembly.bodies import Body, Library, Weight, triangles_of
 from inertia.assembly.fields import AssemblyFields, PartFields
-from inertia.assembly.frames import IDENTITY, LENGTH_BITS, TURN_BITS, UNTURNED, Frame, frame, turned
+from inertia.assembly.frames import IDENTITY, LENGTH_BITS, UNTURNED, Frame, frame, turned
 from inertia.assembly.outline import relative
 from inertia.assembly.rollup import Placed, place
 from inertia.documents import Document, FieldError, plain, section_of
@@ -26,6 +26,8 @@ from inertia.mass.density import ASSUMED, density_of
 from inertia.mass.moments import ZERO
 from inertia.mass.properties import MassProperties
 from inertia.mesh.part import Part
+from inertia.mesh.tree import MeshTree
+from inertia.mesh.turns import TURN_BITS
 from inertia.units import Unit, length_unit
 
 _MOST_COPIES = 1_000_000
@@ -81,6 +83,7 @@ class PartTree(Document):
     text : the file as it was read; None without one
     path : the file's path, or "the assembly"
     remarks : what reading had to decide, in sentences
+    tree : the meshes that were read already: of which file, in which unit
 
     Raises `UsageError` naming the field.
 
@@ -100,6 +103,7 @@ class PartTree(Document):
     text: str | None = None
     path: str = "the assembly"
     remarks: tuple[str, ...] = ()
+    tree: tuple[Path, str | None, MeshTree] | None = None
 
     @classmethod
     def _from_table(cls, table: Mapping[str, Any], folder: Path, text: str | None, name: str) -> Self:
@@ -136,7 +140,9 @@ class PartTree(Document):
 
     @cached_property
     def _library(self) -> Library:
-        return Library()
+        library = Library()
+        library.add(self.remarks, self.tree)
+        return library
 
     @cached_property
     def placed(self) -> Placed:
@@ -170,7 +176,7 @@ class PartTree(Document):
     def notes(self) -> tuple[str, ...]:
         """What was decided on the way, in sentences."""
         leaves = [(leaf.name, leaf.body) for leaf in self.root.leaves if leaf.body is not None]
-        notes = dict.fromkeys((*self.remarks, *self._library.remarks))
+        notes = dict(self._library.remarks)
         notes |= dict.fromkeys(note for _, body in leaves for note in body.notes)
         assumed = list(dict.fromkeys(name for name, body in leaves if body.assumed))
         several = f"{', '.join(assumed[:_NAMED])} and {len(assumed) - _NAMED} other parts"
@@ -232,7 +238,7 @@ class PartTree(Document):
         if len(chain) >= _DEEPEST:
             raise ReadError(f"{part.assembly} is {len(chain)} assemblies deep: {_DEEPEST} are the most")
         nested = type(self).load(file)
-        library.remarks |= dict.fromkeys(nested.remarks)
+        library.add(nested.remarks, nested.tree)
         return nested._nodes(library, (*chain, here), (nested, *contexts), level)
 
     def _body(self, part: PartFields, library: Library, contexts: tuple[PartTree, ...]) -> Body | None:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from fractions import Fraction
+from operator import mul
 
 from inertia.errors import UsageError
 from inertia.mesh.part import Part
@@ -19,6 +20,25 @@ def determinant(rows: Matrix) -> Fraction:
     """Return the determinant of a (3, 3) matrix."""
     (a, b, c), (d, e, f), (g, h, i) = rows
     return a * (e * i - f * h) - b * (d * i - f * g) + c * (d * h - e * g)
+
+
+def rotation(quaternion: Sequence[Fraction]) -> Matrix:
+    """Return the rotation of a quaternion x, y, z, w of any length but zero."""
+    x, y, z, w = quaternion
+    twice = 2 / (x * x + y * y + z * z + w * w)
+    return (
+        (1 - twice * (y * y + z * z), twice * (x * y - z * w), twice * (x * z + y * w)),
+        (twice * (x * y + z * w), 1 - twice * (x * x + z * z), twice * (y * z - x * w)),
+        (twice * (x * z - y * w), twice * (y * z + x * w), 1 - twice * (x * x + y * y)),
+    )
+
+
+def times(a: Matrix, b: Matrix) -> Matrix:
+    """Return the product of two (3, 3) matrices."""
+    if a == ONE or b == ONE:
+        return b if a == ONE else a
+    columns = list(zip(*b, strict=True))
+    return tuple(tuple(sum(map(mul, row, column), Fraction(0)) for column in columns) for row in a)
 
 
 @dataclass(frozen=True)

@@ -13,16 +13,30 @@ import contextlib
 import importlib
 import threading
 from collections.abc import Hashable, Iterable, Iterator
+from dataclasses import replace
+from fractions import Fraction
 from functools import cache
 from pathlib import Path
 from typing import Any, TypeVar
-from xml.etree.ElementTree import Element
+from xml.etree.ElementTree import Element, SubElement
 
 import numpy as np
 
 from inertia.arrays import Float, Int
-from inertia.errors import ReadError, UsageError
-from inertia.mesh.readers.contents import Contents, check_indices, fan_note, numbers, plural, quietly, shown, was
+from inertia.errors import ReadError, UsageError, visible
+from inertia.mesh.readers.contents import (
+    MOST_NODES,
+    Contents,
+    Layout,
+    check_indices,
+    fan_note,
+    numbers,
+    plural,
+    quietly,
+    shown,
+    was,
+)
+from inertia.mesh.readers.decimals import written
 from inertia.mesh.readers.trimesh import (
     Checked,
     Expansion,
@@ -37,6 +51,8 @@ from inertia.mesh.readers.trimesh import (
     xml_text,
 )
 from inertia.mesh.readers.zip import inflate
+from inertia.mesh.tree import ONE, Matrix, MeshNode, Motion, rotation, times, unique
+from inertia.mesh.turns import about
 from inertia.units import METRE, Unit, multiple_of
 
 T = TypeVar("T")
@@ -49,15 +65,106 @@ _APPEARANCE = (
 _LINES = ("lines", "linestrips", "points")
 _POLYGONS = ("triangles", "tristrips", "trifans", "polylist", "polygons")
 _TRANSFORMS = {"translate": 3, "scale": 3, "rotate": 4, "matrix": 16}
+_SCENE = "the-scene-of-one-geometry"
 _LOCK = threading.Lock()
 
 
 def read_collada(path: Path) -> Contents:
     """Read a Collada file, zipped or not."""
+    return _load(_checked(parse_xml(_text(path))))
+
+
+def collada_tree(path: Path) -> Layout:
+    """Read the nodes of a Collada file, and each geometry in its own axes."""
+    text = _text(path)
+    checked = parse_xml(text)
+    file = _checked(checked)  # which rounds the axes of rotations
+    root = parse_xml(text)
+    places = by_id([*root.iter("visual_scene"), *root.iter("node")])
+    geometries = by_id(checked.findall("library_geometries/geometry"))
+    shown_by = {name: each.get("name") or name for name, each in geometries.items()}
+    titles = dict(zip(shown_by, unique(map(visible, shown_by.values())), strict=True))
+    scene = root.find("scene/instance_visual_scene")
+    assert scene is not None
+    nodes: list[MeshNode] = []
+    meshes: dict[str, Contents | None] = {}
+    top = _target(scene, places)
+    waiting: list[tuple[Element, int | None]] = [(each, None) for each in reversed(_nodes_in(top, places))]
+    while waiting:
+        node, above = waiting.pop()
+        here, inner = len(nodes), _nodes_in(node, places)
+        nodes.append(MeshNode(node.get("name") or node.get("id"), above, _motion(node)))
+        shows = [_target(each, geometries).get("id", "") for each in node.findall("instance_geometry")]
+        for geometry in shows:
+            if geometry not in meshes:
+                meshes[geometry] = _alone(checked, geometries[geometry], file)
+            if meshes[geometry] is None:
+                continue
+            if shows == [geometry] and not inner:
+                nodes[here] = replace(nodes[here], mesh=titles[geometry])
+            else:
+                nodes.append(MeshNode(shown_by[geometry], here, Motion(), titles[geometry]))
+        waiting += [(each, here) for each in reversed(inner)]
+        if len(nodes) > MOST_NODES:
+            raise ReadError(f"its instances make more than {MOST_NODES} parts: split the scene")
+    return Layout(nodes, {titles[name]: mesh for name, mesh in meshes.items() if mesh is not None}, file.notes)
+
+
+def _text(path: Path) -> bytes:
     data = path.read_bytes()
-    file = _checked(parse_xml(_document(path) if data.startswith(b"PK") else data))
+    return _document(path) if data.startswith(b"PK") else data
+
+
+def _load(file: Checked) -> Contents:
     with quietly("trimesh", "dae"), _float64_in_pycollada():
         return load(file)
+
+
+def _nodes_in(element: Element, places: dict[str, Element]) -> list[Element]:
+    return [*element.findall("node"), *(_target(each, places) for each in element.findall("instance_node"))]
+
+
+def _alone(root: Element, geometry: Element, file: Checked) -> Contents | None:
+    """Return a geometry in its own axes; None of one without faces."""
+    triangles = int((_sizes_of_faces(geometry) - 2).sum())
+    if not triangles:
+        return None
+    alone = Element(root.tag, root.attrib)
+    alone.extend(root.findall("asset"))
+    SubElement(alone, "library_geometries").append(geometry)
+    scene = SubElement(SubElement(alone, "library_visual_scenes"), "visual_scene", id=_SCENE)
+    SubElement(SubElement(scene, "node"), "instance_geometry", url=f"#{geometry.get('id')}")
+    SubElement(SubElement(alone, "scene"), "instance_visual_scene", url=f"#{_SCENE}")
+    arrays = (numbers((array.text or "").encode(), np.float64, "an array") for array in geometry.iter("float_array"))
+    rounding = farthest(map(extent_of, arrays)).rounding
+    return replace(_load(replace(file, data=xml_text(alone), triangles=triangles, rounding=rounding)), regions=None)
+
+
+def _motion(node: Element) -> Motion:
+    """Return the product of the transforms of a node: exact, but for what angles have beyond 57 digits."""
+    linear: Matrix = ONE
+    at: tuple[Fraction, ...] = (Fraction(0),) * 3
+    for element in node:
+        if element.tag not in _TRANSFORMS:
+            continue
+        values = [written(word) for word in (element.text or "").split()]
+        one: Matrix = ONE
+        shift = (Fraction(0),) * 3
+        match element.tag:
+            case "translate":
+                shift = (values[0], values[1], values[2])
+            case "scale":
+                one = tuple(tuple(values[i] if i == j else Fraction(0) for j in range(3)) for i in range(3))
+            case "rotate":
+                w, *axis = about(values[:3], values[3])
+                one = rotation([Fraction(k) for k in (*axis, w)])
+            case _:
+                one = tuple(tuple(values[4 * i : 4 * i + 3]) for i in range(3))
+                shift = (values[3], values[7], values[11])
+        x, y, z = shift
+        at = tuple(t + a * x + b * y + c * z for t, (a, b, c) in zip(at, linear, strict=True))
+        linear = times(linear, one)
+    return Motion(at, linear)
 
 
 def _document(path: Path) -> bytes:

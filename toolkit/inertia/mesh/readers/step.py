@@ -15,13 +15,21 @@ import re
 import signal
 import subprocess
 import sys
+from collections import Counter
+from dataclasses import replace
+from fractions import Fraction
 from pathlib import Path
+from typing import Any, NamedTuple
 
 import numpy as np
 
+from inertia.arrays import Float
 from inertia.errors import ReadError, UsageError, visible
-from inertia.mesh.readers.contents import Contents, label, plural, shown, surface, was
+from inertia.mesh.part import Surface
+from inertia.mesh.readers.contents import Contents, Layout, label, plural, shown, surface, was
 from inertia.mesh.readers.opencascade.plain import shape_from_json
+from inertia.mesh.shape import Shape
+from inertia.mesh.tree import MeshNode, Motion, unique
 from inertia.output import temporary_folder
 from inertia.units import Unit, length_unit, multiple_of
 
@@ -42,11 +50,56 @@ _ROUNDING = 2.0**-50  # of the largest coordinate
 
 def read_step(path: Path, coarser: float = 1.0) -> Contents:
     """Read a STEP file, in its own unit: its true shape, and triangles by so much coarser than usual."""
+    own = _converted(path, coarser)
+    runs = [(name and visible(name), length) for name, length in own.document["runs"]]
+    return Contents(own.triangles, own.unit, label(runs), own.notes, own.chord, shape=own.shape)
+
+
+def step_tree(path: Path) -> Layout:
+    """Read the tree of products in a STEP file, and each solid once, in its own frame."""
+    own = _converted(path, 1.0, "tree")
+    runs, sizes, instances = (own.document[key] for key in ("runs", "vertices", "instances"))
+    names = unique(visible(name or f"solid {k + 1}") for k, (name, _) in enumerate(runs))
+    meshes, vertex, face = {}, 0, 0
+    for k, (name, (_, length), size) in enumerate(zip(names, runs, sizes, strict=True)):
+        faces = slice(face, face + length)
+        if length:
+            shape = own.shape and Shape((replace(own.shape.solids[k], name=name),), own.shape.tolerances)
+            part = surface(own.triangles.vertices[vertex : vertex + size], own.triangles.faces[faces] - vertex)
+            meshes[name] = Contents(part, own.unit, None, (), own.chord[faces], shape=shape)
+        vertex, face = vertex + size, face + length
+    nodes = [MeshNode(name, above, _motion(place)) for name, above, place in own.document["nodes"]]
+    counts = Counter(node for _, node, _, _ in instances)
+    for title, node, place, body in instances:
+        motion, mesh = _motion(place), names[body] if names[body] in meshes else None
+        if counts[node] == 1 and motion == Motion():
+            nodes[node] = replace(nodes[node], mesh=mesh)
+        else:
+            nodes.append(MeshNode(title, node, motion, mesh))
+    return Layout(nodes, meshes, own.notes)
+
+
+def _motion(rows: list[list[float]]) -> Motion:
+    return Motion.of([[Fraction(k) for k in row] for row in rows])
+
+
+class _Converted(NamedTuple):
+    """What OpenCASCADE made of a file: its words, triangles and how far off these are, unit, notes, true shape."""
+
+    document: dict[str, Any]
+    triangles: Surface
+    chord: Float
+    unit: Unit
+    notes: tuple[str, ...]
+    shape: Shape | None
+
+
+def _converted(path: Path, coarser: float, *how: str) -> _Converted:
     if importlib.util.find_spec("OCP") is None:
         raise ReadError("STEP needs the package cadquery-ocp-novtk: pip install 'inertia[step]'")
     with temporary_folder() as folder:
         source, left_out = _by_itself(path, folder)
-        _convert(source, folder, coarser, path.stat().st_size / 1e6)
+        _convert(source, folder, coarser, path.stat().st_size / 1e6, *how)
         document = json.loads((folder / "part.json").read_text())
         with np.load(folder / "arrays.npz", allow_pickle=False) as file:
             arrays = {name: file[name] for name in file.files}
@@ -79,8 +132,7 @@ def read_step(path: Path, coarser: float = 1.0) -> Contents:
     if document["untrue"]:
         notes.append(f"its true shape cannot be stated ({shown(document['untrue'], 120)})")
     shape = None if document["untrue"] else shape_from_json(document["shape"], arrays["numbers"])
-    runs = [(name and visible(name), length) for name, length in document["runs"]]
-    return Contents(triangles, unit, label(runs), tuple(notes), chord, shape=shape)
+    return _Converted(document, triangles, chord, unit, tuple(notes), shape)
 
 
 def _unit(millimetres: float) -> Unit:
@@ -92,14 +144,14 @@ def _unit(millimetres: float) -> Unit:
     return multiple_of(repr(millimetres), length_unit("mm"))
 
 
-def _convert(source: Path, folder: Path, coarser: float, size: float) -> None:
+def _convert(source: Path, folder: Path, coarser: float, size: float, *how: str) -> None:
     """Convert a STEP file of so many MB in a process of its own."""
     seconds = _limit(SECONDS, _SECONDS + _SECONDS_A_MB * size)
     gib = _limit(GIB, _GIB + _GIB_A_MB * size)
     figures = (coarser**2 * _LINEAR, coarser * _ANGULAR, math.ceil(seconds), math.ceil(gib * 2**30), os.getpid())
     try:
         process = subprocess.run(
-            [sys.executable, "-P", "-c", _CONVERT, str(source), str(folder), *map(str, figures)],
+            [sys.executable, "-P", "-c", _CONVERT, str(source), str(folder), *map(str, figures), *how],
             env={**os.environ, "OPENBLAS_NUM_THREADS": "1"},  # each thread takes of the memory
             stdin=subprocess.DEVNULL,
             capture_output=True,

@@ -22,11 +22,15 @@ if TYPE_CHECKING:
 
 
 def main() -> None:
-    """Convert a STEP file into a folder (sag relative to an edge, angle; s, bytes; the process that started this)."""
-    source, target, linear, angular, seconds, size, parent = sys.argv[1:]
+    """Convert a STEP file into a folder.
+
+    The further arguments are sag relative to an edge, angle; s, bytes; the process that started this; and "tree" where
+    each solid is to come once, in its own frame, with the tree of products that places it.
+    """
+    source, target, linear, angular, seconds, size, parent, *tree = sys.argv[1:]
     _limit(int(seconds), int(size), int(parent))
     try:
-        _convert(source, Path(target), float(linear), float(angular))
+        _convert(source, Path(target), float(linear), float(angular), bool(tree))
     except ValueError as error:
         (Path(target) / "refusal.txt").write_text(str(error))
 
@@ -58,14 +62,25 @@ class _Body:
     closed: bool
 
 
-def _convert(source: str, target: Path, linear: float, angular: float) -> None:
+def _convert(source: str, target: Path, linear: float, angular: float, tree: bool) -> None:
     from inertia.mesh.readers.opencascade.document import Document
+    from inertia.mesh.readers.opencascade.facets import matrix
     from inertia.mesh.readers.opencascade.plain import Pool, shape_to_json
+
+    def place(location: Any) -> list[list[float]]:
+        motion = matrix(location.Transformation())
+        motion[:, 3] *= document.scale
+        rows: list[list[float]] = motion.tolist()
+        return rows
 
     document = Document(source)
     bodies = _Bodies(linear, angular, document.scale)
+    instances = []
     for piece in document.pieces():
-        bodies.add(piece)
+        if tree:
+            instances.append((piece.name, piece.node, place(piece.within), bodies.add_once(piece)))
+        else:
+            bodies.add(piece)
     pool = Pool()
     answer = {
         "millimetres": document.millimetres,
@@ -75,6 +90,9 @@ def _convert(source: str, target: Path, linear: float, angular: float) -> None:
         "without_triangles": bodies.without_triangles,
         "faults": document.faults,
         "untrue": bodies.fault,
+        "nodes": [(name, above, place(location)) for name, above, location in document.nodes] if tree else [],
+        "instances": instances,
+        "vertices": bodies.sizes,
         "shape": shape_to_json(Shape(tuple(bodies.solids), np.array(bodies.tolerances)), pool),
     }
     vertices, triangles, distances = bodies.surface()
@@ -89,7 +107,7 @@ class _Bodies:
     ----------
     solids : true shapes
     tolerances : of edges
-    runs : name and count of triangles, one a solid
+    runs, sizes : name and count of triangles, and count of vertices, one a solid
     without_triangles : faces that OpenCASCADE could not mesh
     fault : why the true shape cannot be stated, if so
     """
@@ -105,6 +123,8 @@ class _Bodies:
         self.solids: list[Solid] = []
         self.tolerances: list[float] = []
         self.runs: list[tuple[str | None, int]] = []
+        self.sizes: list[int] = []
+        self._numbers: dict[int, int] = {}
         self.without_triangles = 0
         self.fault: str | None = None
 
@@ -112,17 +132,32 @@ class _Bodies:
         """Take over a piece of the document."""
         from OCP import BRepBuilderAPI
 
-        from inertia.mesh.readers.opencascade.facets import matrix, placed
+        from inertia.mesh.readers.opencascade.facets import matrix
 
         shape, motion = piece.shape, piece.location.Transformation()
         placement = matrix(motion)
         if motion.IsNegative() or abs(motion.ScaleFactor() - 1) > 1e-12:
             shape = BRepBuilderAPI.BRepBuilderAPI_Transform(shape, motion, True).Shape()
             placement = np.eye(3, 4)
+        self._place(piece, self._own(shape), placement)
+
+    def add_once(self, piece: Any) -> int:
+        """Take over a piece in its own frame, where none like it is there yet, and return its number."""
+        body = self._own(piece.shape)
+        if id(body) not in self._numbers:
+            self._numbers[id(body)] = len(self.solids)
+            self._place(piece, body, np.eye(3, 4))
+        return self._numbers[id(body)]
+
+    def _own(self, shape: Any) -> _Body:
         key = int(self._known.Add(shape)), shape.Orientation()
         if key not in self._bodies:
             self._bodies[key] = self._body(shape)
-        body = self._bodies[key]
+        return self._bodies[key]
+
+    def _place(self, piece: Any, body: _Body, placement: Float) -> None:
+        from inertia.mesh.readers.opencascade.facets import placed
+
         placement[:, 3] *= self._scale
         name = piece.name or str(len(self.solids) + 1)
         self.solids.append(Solid(name, body.faces, placement, body.closed, piece.colour, piece.path))
@@ -130,6 +165,7 @@ class _Bodies:
         self.runs.append((piece.name, len(facets.triangles)))
         vertices = placed(facets.vertices, placement)
         self._surfaces.append((vertices, facets.triangles + self._count, facets.distances))
+        self.sizes.append(len(vertices))
         self._count += len(vertices)
 
     def surface(self) -> tuple[Float, Int, Float]:

@@ -31,13 +31,18 @@ _DEEP = 200
 
 @dataclass(frozen=True)
 class Piece:
-    """A solid, shell or face, where the tree puts it (loose faces of one product come as one compound)."""
+    """A solid, shell or face, where the tree puts it (loose faces of one product come as one compound).
+
+    `node` is the product of the tree that it is in, by its number, and `within` its place there.
+    """
 
     shape: Any
     location: Any
     name: str | None
     path: tuple[str, ...]
     colour: Colour | None
+    node: int
+    within: Any
 
 
 class Document:
@@ -50,6 +55,7 @@ class Document:
     units : how many different ones the file has
     loose : points, edges and wires that belong to no face
     faults : what the kernel could not take over, in its words
+    nodes : the tree of products, as far as `pieces` has come: name, number of the one above, place in it
     """
 
     def __init__(self, source: str) -> None:
@@ -65,6 +71,7 @@ class Document:
         self.millimetres = max(factors, key=factors.count, default=1.0)
         self.scale = 2.0 ** -round(math.log2(self.millimetres))  # the kernel's tolerances are meant for millimetres
         self.loose = 0
+        self.nodes: list[tuple[str | None, int | None, Any]] = []
         self._document = TDocStd.TDocStd_Document(TCollection.TCollection_ExtendedString("XmlXCAF"))
         XCAFDoc.XCAFDoc_DocumentTool.SetLengthUnit_s(self._document, self.millimetres * self.scale / 1000)
         reader.ChangeReader().SetSystemLengthUnit(self.millimetres * self.scale)
@@ -81,17 +88,22 @@ class Document:
         for root in roots:
             yield from self._below(root, TopLoc.TopLoc_Location(), (), None)
 
-    def _below(self, label: Any, location: Any, path: tuple[str, ...], colour: Colour | None) -> Iterator[Piece]:
-        name = None
+    def _below(
+        self, label: Any, location: Any, path: tuple[str, ...], colour: Colour | None, above: int | None = None
+    ) -> Iterator[Piece]:
+        name, place = None, TopLoc.TopLoc_Location()
         if self._tree.IsReference_s(label):
-            location = location.Multiplied(self._tree.GetLocation_s(label))
+            place = self._tree.GetLocation_s(label)
+            location = location.Multiplied(place)
             colour = _colour(label) or colour
             product = TDF.TDF_Label()
             self._tree.GetReferredShape_s(label, product)
             name, label = _name(label), product
         name = _name(label) or name
+        number = len(self.nodes)
+        self.nodes.append((name, above, place))
         if not self._tree.IsAssembly_s(label):
-            yield from self._within(label, location, name, path, colour)
+            yield from self._within(label, location, name, path, colour, number)
             return
         if len(path) == _DEEP:
             raise ValueError(f"its assemblies are nested more than {_DEEP} deep")
@@ -99,11 +111,11 @@ class Document:
         self._tree.GetComponents_s(label, components, False)
         for component in components:
             yield from self._below(
-                component, location, path if name is None else (*path, name), colour or _colour(label)
+                component, location, path if name is None else (*path, name), colour or _colour(label), number
             )
 
     def _within(
-        self, label: Any, location: Any, name: str | None, path: tuple[str, ...], colour: Colour | None
+        self, label: Any, location: Any, name: str | None, path: tuple[str, ...], colour: Colour | None, number: int
     ) -> Iterator[Piece]:
         shape = self._tree.GetShape_s(label)
         several = sum(1 for _ in _solids(shape)) > 1
@@ -113,7 +125,8 @@ class Document:
             title = (_name(own) if known and several else None) or name or (path[-1] if path else None)
             shade = colour or (_colour(own) if known else None) or _colour(label)
             where = location.Multiplied(piece.Location())
-            yield Piece(piece.Located(TopLoc.TopLoc_Location()), where, title, path, shade)
+            here = piece.Located(TopLoc.TopLoc_Location())
+            yield Piece(here, where, title, path, shade, number, piece.Location())
 
     def _pieces_of(self, shape: Any) -> Iterator[Any]:
         kind = kind_of(shape)
