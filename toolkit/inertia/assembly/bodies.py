@@ -18,7 +18,7 @@ import numpy as np
 from inertia.arrays import Float
 from inertia.assembly.fields import PartFields
 from inertia.assembly.frames import mirror
-from inertia.errors import GeometryError, InertiaError, UsageError, placed, visible
+from inertia.errors import GeometryError, InertiaError, UsageError, reworded, visible
 from inertia.estimate import uncertainty_of
 from inertia.mass.analyse import analyse
 from inertia.mass.analysis import Analysis
@@ -149,8 +149,10 @@ class Library:
                 )
             except GeometryError as error:
                 piece = fields.mesh or fields.region
+                if piece is None and error.places:
+                    raise
                 called = str(fields.file) if piece is None else f"{piece!r} of {fields.file}"
-                raise error if error.places else placed(error, called) from None
+                raise reworded(error, error.words, (called,)) from None
         return self._analyses[key]
 
     def _read(self, path: Path, unit: str | None, mesh: str | None) -> Part:
