@@ -1,9 +1,12 @@
 """Robots as assemblies at stated positions of their joints, against MuJoCo."""
 
+import math
 from pathlib import Path
 
 import numpy as np
 import pytest
+from scipy.spatial.transform import Rotation
+from tests.assembly.test_samples import together
 
 import inertia
 from inertia.assembly.document import Assembly
@@ -73,6 +76,136 @@ def test_the_whole_is_that_of_mujoco(text: str, suffix: str, tmp_path: Path) -> 
     assert properties.center_of_mass == pytest.approx(center, abs=1e-12)
     assert properties.inertia == pytest.approx(tensor, abs=1e-12)
     assert notes == ()
+
+
+SDF_INERTIAL = (
+    "<inertial><pose>{0} 0.02 0.03 0.1 0.2 0.3</pose><mass>{1}</mass><inertia><ixx>0.002</ixx><iyy>0.003</iyy>"
+    "<izz>0.0025</izz><ixy>0.0002</ixy><ixz>-0.0003</ixz><iyz>0.0001</iyz></inertia></inertial>"
+)
+SDF = f"""<sdf version="{{version}}"><model name="m"><pose>1 2 3 0.3 0.2 0.1</pose>
+<link name="base"><pose>0 0 1 0 0 0.5</pose>{SDF_INERTIAL.format(0.01, 2.0)}</link>
+<link name="a"><pose relative_to="ja">0.05 0 0.02 0 0.4 0</pose>{SDF_INERTIAL.format(0.1, 1.5)}</link>
+<joint name="ja" type="revolute"><pose relative_to="base">0.2 0 0.1 0.3 -0.2 0.1</pose><parent>base</parent>
+<child>on_a</child><axis><xyz>0.6 0 0.8</xyz>{{where}}</axis></joint>
+<frame name="on_a" attached_to="a"><pose>7 8 9 1 2 3</pose></frame>
+<model name="hand"><pose relative_to="a">0 0.3 0 0 0 1</pose>
+<link name="b">{SDF_INERTIAL.format(0.05, 0.5)}</link></model>
+<joint name="jb" type="prismatic"><parent>a</parent><child>hand::b</child>
+<axis><xyz expressed_in="base">0 3 4</xyz></axis></joint>
+<joint name="loop" type="revolute"><parent>base</parent><child>hand::b</child><axis><xyz>0 0 1</xyz></axis></joint>
+<link name="loose"><pose>-1 0 0 0 0 0</pose>{SDF_INERTIAL.format(0.0, 0.25)}</link></model></sdf>
+"""
+
+
+def pose(x: float, y: float, z: float, *rpy: float) -> np.ndarray:
+    place = np.eye(4)
+    place[:3, :3], place[:3, 3] = Rotation.from_euler("xyz", rpy or (0, 0, 0)).as_matrix(), (x, y, z)
+    return place
+
+
+def turned(axis: list[float], angle: float) -> np.ndarray:
+    place = np.eye(4)
+    place[:3, :3] = Rotation.from_rotvec(angle * np.array(axis) / np.linalg.norm(axis)).as_matrix()
+    return place
+
+
+def whole(links: list[tuple[np.ndarray, float, np.ndarray]]) -> tuple[float, np.ndarray, np.ndarray]:
+    """Return mass, centre and tensor of links: where the axes at the centre lie, mass, and tensor in them."""
+    return together([(mass, place[:3, 3], place[:3, :3] @ own @ place[:3, :3].T) for place, mass, own in links])
+
+
+@pytest.mark.parametrize(
+    ("version", "where", "in_model"),
+    [("1.9", "", False), ("1.6", "<use_parent_model_frame>1</use_parent_model_frame>", True), ("1.4", "", True)],
+)
+def test_the_whole_of_sdformat_is_that_of_poses_multiplied_out(
+    version: str, where: str, in_model: bool, tmp_path: Path
+) -> None:
+    file = tmp_path / "robot.sdf"
+    file.write_text(SDF.format(version=version, where=where), encoding="utf-8")
+    table, notes = robot_tree(read_robot(file), {"ja": 0.7, "jb": -0.05})
+    assert notes == ("joint 'loop' closes a loop or joins frames of no link: it is left out of the tree",)
+    properties = Assembly.from_dict(table).mass_properties()
+    model, base = pose(1, 2, 3, 0.3, 0.2, 0.1), pose(0, 0, 1, 0, 0, 0.5)
+    at_joint, on_joint = pose(0.2, 0, 0.1, 0.3, -0.2, 0.1), pose(0.05, 0, 0.02, 0, 0.4, 0)
+    axis = np.array([0.6, 0, 0.8])
+    if in_model:
+        axis = (base @ at_joint)[:3, :3].T @ axis
+    a = model @ base @ at_joint @ turned(axis.tolist(), 0.7) @ on_joint
+    rest = base @ at_joint @ on_joint @ pose(0, 0.3, 0, 0, 0, 1)  # of b, in the model, where the joints are at 0
+    along = rest[:3, :3].T @ base[:3, :3] @ [0, 0.6, 0.8] * -0.05
+    b = a @ pose(0, 0.3, 0, 0, 0, 1) @ pose(*along.tolist())
+    own = np.array([[0.002, 0.0002, -0.0003], [0.0002, 0.003, 0.0001], [-0.0003, 0.0001, 0.0025]])
+    inertials = [(model @ base, 0.01, 2.0), (a, 0.1, 1.5), (b, 0.05, 0.5), (model @ pose(-1, 0, 0), 0.0, 0.25)]
+    mass, center, tensor = whole([(place @ pose(x, 0.02, 0.03, 0.1, 0.2, 0.3), m, own) for place, x, m in inertials])
+    assert properties.mass == pytest.approx(mass, rel=1e-14)
+    assert properties.center_of_mass == pytest.approx(center, abs=1e-12)
+    assert properties.inertia == pytest.approx(tensor, abs=1e-12)
+
+
+BODY = """def Xform "{name}" (prepend apiSchemas = ["PhysicsRigidBodyAPI", "PhysicsMassAPI"]) {{
+  double3 xformOp:translate = {at}
+  double xformOp:rotateZ = {turn}
+  double3 xformOp:scale = (2, 2, 2)
+  uniform token[] xformOpOrder = ["xformOp:translate", "xformOp:rotateZ", "xformOp:scale"]
+  point3f physics:centerOfMass = (0.5, 1, 1.5)
+  float3 physics:diagonalInertia = (2, 3, 4)
+  quatf physics:principalAxes = (1, 0, 0, 0)
+  float physics:mass = {mass}
+}}
+"""
+STAGE = (
+    "#usda 1.0\n(metersPerUnit = 0.01\n kilogramsPerUnit = 1)\n"
+    + BODY.format(name="base", at="(10, 20, 30)", turn="90", mass="2")
+    + BODY.format(name="arm", at="(14, 20, 30)", turn="90", mass="1.5")
+    + BODY.format(name="slider", at="(0, 0, 50)", turn="0", mass="0.5")
+    + BODY.format(name="free", at="(0, -50, 0)", turn="0", mass="0.25")
+    + """def PhysicsRevoluteJoint "hinge" {
+  rel physics:body0 = </base>
+  rel physics:body1 = </arm>
+  point3f physics:localPos0 = (0, -1, 0)
+  point3f physics:localPos1 = (0, 1, 0)
+  quatf physics:localRot0 = (0.5, 0.5, 0.5, 0.5)
+  quatf physics:localRot1 = (0.5, 0.5, 0.5, 0.5)
+  uniform token physics:axis = "Y"
+}
+def PhysicsPrismaticJoint "rail" {
+  rel physics:body0 = </slider>
+  point3f physics:localPos0 = (0, 0, 3)
+  point3f physics:localPos1 = (0, 0, 60)
+  uniform token physics:axis = "Z"
+}
+def PhysicsFixedJoint "off" {
+  rel physics:body0 = </base>
+  rel physics:body1 = </free>
+  bool physics:jointEnabled = false
+}
+"""
+)
+
+
+def test_the_whole_of_usd_is_that_of_frames_multiplied_out(tmp_path: Path) -> None:
+    pytest.importorskip("pxr")
+    file = tmp_path / "robot.usda"
+    file.write_text(STAGE, encoding="utf-8")
+    robot = read_robot(file)
+    table, notes = robot_tree(robot, {"hinge": 0.4, "rail": 0.1})
+    assert notes == ("joint 'rail' is not at 0 in the stage: its link stands where 0 puts it",)
+    assert [(part["name"], part.get("parent")) for part in table["part"]] == [
+        ("base", None), ("arm", "base"), ("slider", None), ("free", None),
+    ]  # fmt: skip
+    properties = Assembly.from_dict(table).mass_properties()
+    base = pose(0.1, 0.2, 0.3, 0, 0, math.pi / 2)
+    # The points of a body, its joints too, are scaled by 2: the hinge is 0.02 m from both origins. The half turns of
+    # the quaternions take the axis y to z. What stands on the world at z = 0.6 hangs 0.06 m below it, less 0.1 m.
+    arm = base @ pose(0, -0.02, 0) @ turned([0, 0, 1], 0.4) @ pose(0, -0.02, 0)
+    slider = pose(0, 0, 0.6 - 0.06 - 0.1)
+    own = 1e-4 * np.diag([2, 3, 4])
+    places = [(base, 2.0), (arm, 1.5), (slider, 0.5), (pose(0, -0.5, 0), 0.25)]
+    mass, center, tensor = whole([(place @ pose(0.01, 0.02, 0.03), m, own) for place, m in places])
+    assert properties.mass == pytest.approx(mass, rel=1e-14)
+    assert properties.center_of_mass == pytest.approx(center, abs=1e-8)  # positions are float32 in the file
+    assert properties.inertia == pytest.approx(tensor, abs=1e-8)
 
 
 @pytest.mark.parametrize(

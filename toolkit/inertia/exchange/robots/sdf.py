@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from fractions import Fraction
 from pathlib import Path
 from xml.etree.ElementTree import Element
@@ -19,7 +19,7 @@ import numpy as np
 
 from inertia.errors import ReadError
 from inertia.exchange.conventions import CONVENTIONS
-from inertia.exchange.robots.links import Geometry, Inertial, Link, Placement, Primitive, Robot, Role
+from inertia.exchange.robots.links import Geometry, Inertial, Joint, Link, Motion, Placement, Primitive, Robot, Role
 from inertia.exchange.robots.text import decimals, floats, mesh_file, robot_xml
 from inertia.exchange.rotations import rotation_of_quaternion, rotation_of_rpy
 from inertia.mesh.readers.contents import shown
@@ -29,6 +29,12 @@ _CONVENTION = CONVENTIONS["sdf"]
 _MODEL = "__model__"
 _DEEPEST = 32  # models that include one another
 _MOST = 1000  # models that are included in all: two in each would be 2³²
+_MOTIONS: dict[str, Motion] = {
+    "revolute": "turns",
+    "continuous": "turns",
+    "prismatic": "slides",
+    "fixed": "fixed",
+}
 _SHAPELESS = ("plane", "heightmap", "image", "empty", "polyline")
 
 
@@ -36,12 +42,15 @@ _SHAPELESS = ("plane", "heightmap", "image", "empty", "polyline")
 class _Frames:
     """Where the frames of a file lie: each by its full name, the full name of the one it counts from, and its pose.
 
-    `links` are those of them that are links; `fixed` is what each link hangs from by a fixed joint, and where.
+    `links` are those of them that are links; `fixed` is what each link hangs from by a fixed joint, and where;
+    `joints` is what each hangs on, moving or not, by full names; `attached` is what a frame goes with.
     """
 
     poses: dict[str, tuple[str, Placement]] = field(default_factory=dict)
     links: set[str] = field(default_factory=set)
     fixed: dict[str, tuple[str, Placement]] = field(default_factory=dict)
+    joints: dict[str, Joint] = field(default_factory=dict)
+    attached: dict[str, str] = field(default_factory=dict)
 
     def find(self, name: str, scope: str) -> str:
         """Return the full name of a frame that is called `name` within a model."""
@@ -51,6 +60,20 @@ class _Frames:
             if full in self.poses:
                 return full
         raise ReadError(f"there is no frame {shown(name)} in the model {shown(scope.removesuffix('::'))}")
+
+    def link(self, name: str, scope: str) -> str | None:
+        """Return the full name of the link that a frame goes with, "" for the world; None where that is not said."""
+        try:
+            full = self.find(name, scope)
+        except ReadError:
+            return None
+        path: set[str] = set()
+        while full and full not in self.links:
+            if full in path or full not in self.attached:
+                return None
+            path.add(full)
+            full = self.attached[full]
+        return full
 
     def between(self, outer: str, inner: str) -> Placement:
         """Return where one frame lies in another, by way of the nearest frame that both count from."""
@@ -91,8 +114,9 @@ def read_sdf(path: Path) -> Robot:
     scopes = [f"{model.get('name', '')}::" for model in models]
     for model, scope in zip(models, scopes, strict=True):
         _declare(model, scope, "", frames)
-    for model, scope in zip(models, scopes, strict=True):
-        _weld(model, scope, frames)
+    notes |= dict.fromkeys(
+        note for model, scope in zip(models, scopes, strict=True) for note in _join(model, scope, root, frames)
+    )
     drop = scopes[0] if len(models) == 1 else ""  # with one model its name says nothing
     links = [
         link
@@ -163,6 +187,8 @@ def _declare(model: Element, scope: str, outside: str, frames: _Frames) -> None:
             full = scope + element.get("name", "")
             usual = {"frame": element.get("attached_to"), "joint": element.findtext("child", "").strip()}.get(tag)
             relative = _relative_to(element) or usual or _MODEL
+            if tag == "frame" and usual:
+                frames.attached[full] = frames.find(usual, scope)
             frames.poses[full] = frames.find(relative, scope), frames.poses[full][1]
     for child, within in inner:
         if relative := _relative_to(child):
@@ -179,21 +205,62 @@ def _links(
         parent, placement = frames.fixed.get(full, (None, Placement()))
         geometries = tuple(_geometries(element, full, name, scope, frames, folder))
         hangs = None if parent is None else parent.removeprefix(drop)
-        yield Link(name, _inertial(element, f"link {shown(name)}"), geometries, hangs, placement)
+        joint = frames.joints.get(full)
+        if joint is None:
+            joint = Joint(name, None, frames.between("", full))
+        else:
+            above = joint.parent and joint.parent.removeprefix(drop)
+            joint = replace(joint, name=joint.name.removeprefix(drop), parent=above)
+        inertial = _inertial(element, f"link {shown(name)}")
+        yield Link(name, inertial, geometries, hangs, placement, joint=joint)
     for child in model.findall("model"):
         yield from _links(child, f"{scope}{child.get('name', '')}::", frames, drop, folder, folders)
 
 
-def _weld(model: Element, scope: str, frames: _Frames) -> None:
-    """Gather what hangs together by fixed joints."""
+def _join(model: Element, scope: str, root: Element, frames: _Frames) -> Iterator[str]:
+    """Gather what hangs together by joints, and yield what had to be decided."""
     for joint in model.findall("joint"):
+        if note := _hang(joint, scope, root, frames):
+            yield note
         ends = [joint.findtext(tag, "").strip() for tag in ("parent", "child")]
         if joint.get("type") == "fixed" and "world" not in ends:
             parent, child = (frames.find(end, scope) for end in ends)
             if {parent, child} <= frames.links:
                 frames.fixed[child] = parent, frames.between(parent, child)
     for child_model in model.findall("model"):
-        _weld(child_model, f"{scope}{child_model.get('name', '')}::", frames)
+        yield from _join(child_model, f"{scope}{child_model.get('name', '')}::", root, frames)
+
+
+def _hang(joint: Element, scope: str, root: Element, frames: _Frames) -> str | None:
+    """Gather what one link hangs on, where every joint is at 0; return why it is left out, if it is."""
+    name = joint.get("name", "")
+    parent, child = (frames.link(joint.findtext(tag, "").strip(), scope) for tag in ("parent", "child"))
+    if parent is None or not child or child in frames.joints:
+        return (
+            f"joint {shown(name)} closes a loop or joins frames of no link: it is left out of the tree"
+            if child
+            else None
+        )
+    full = scope + name
+    kind, axis = _MOTIONS.get(joint.get("type", ""), "other"), np.array([0.0, 0.0, 1.0])
+    element = joint.find("axis")
+    try:
+        if element is not None and (xyz := element.find("xyz")) is not None:
+            axis = np.array(floats(xyz.text or "", 3, f"joint {shown(name)}, axis"))
+            version = tuple(int(k) for k in root.get("version", "1.9").split(".")[:2] if k.isdecimal())
+            old = "true" if version < (1, 5) else "false"
+            in_model = element.findtext("use_parent_model_frame", old).strip() in ("true", "1")
+            expressed = scope + _MODEL if in_model else full
+            if xyz.get("expressed_in"):
+                expressed = frames.find(xyz.get("expressed_in", ""), scope)
+            axis = frames.between(child, expressed).rotation @ axis
+        if not axis.any():
+            raise ReadError("it has no direction")
+    except ReadError:
+        kind = "other" if kind in ("turns", "slides") else kind
+    point = frames.between(child, full).origin
+    frames.joints[child] = Joint(full, parent or None, frames.between(parent, child), kind, axis, point)
+    return None
 
 
 def _inertial(link: Element, what: str) -> Inertial | None:

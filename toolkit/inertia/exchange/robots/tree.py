@@ -13,7 +13,7 @@ from inertia.exchange.robots.links import Link, Placement, Robot
 from inertia.exchange.rotations import rotation_of_quaternion
 from inertia.mass.tensor import faults
 
-_FORMATS = ("urdf", "mjcf")
+_FORMATS = ("urdf", "mjcf", "sdf", "usd")
 
 
 def robot_tree(robot: Robot, joints: Mapping[str, float] | None = None) -> tuple[dict[str, Any], tuple[str, ...]]:
@@ -21,14 +21,14 @@ def robot_tree(robot: Robot, joints: Mapping[str, float] | None = None) -> tuple
 
     Parameters
     ----------
-    robot : as read; of a format whose joints are read (URDF, MJCF)
+    robot : as read; of a format whose joints are read (URDF, MJCF, SDFormat, USD)
     joints : rad, or m of one that slides, of joints by name; 0 of all others
 
     Raises `UsageError` for a format without, an unknown joint, and one that does not move; `GeometryError` for a link
     whose stated tensor no body can have.
     """
     if robot.format not in _FORMATS:
-        raise UsageError(f"{robot.path}: the joints of {robot.format} are not read: give URDF or MJCF")
+        raise UsageError(f"{robot.path}: the joints of {robot.format} are not read: give URDF, MJCF, SDFormat or USD")
     positions = dict(joints or {})
     known = {link.joint.name: link.joint for link in robot.links if link.joint is not None}
     for name, value in positions.items():

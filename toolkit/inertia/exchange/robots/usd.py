@@ -17,7 +17,7 @@ import numpy as np
 
 from inertia.arrays import Float
 from inertia.errors import ReadError
-from inertia.exchange.robots.links import Geometry, Inertial, Link, Placement, Primitive, Robot, Role
+from inertia.exchange.robots.links import Geometry, Inertial, Joint, Link, Motion, Placement, Primitive, Robot, Role
 from inertia.exchange.rotations import rotation_of_quaternion
 from inertia.mesh.part import Part
 from inertia.mesh.readers.contents import shown
@@ -27,6 +27,7 @@ from inertia.standard_input import file_of
 _SOLIDS = ("Mesh", "Cube", "Sphere", "Cylinder", "Capsule", "Cone")
 _ONTO = {"X": [[0, 0, 1], [1, 0, 0], [0, 1, 0]], "Y": [[0, 1, 0], [0, 0, 1], [1, 0, 0]], "Z": np.eye(3)}
 """The turn that takes z to an axis."""
+_ELSEWHERE = 1e-5  # m, and of a rotation: more than float32 rounds
 _LONGEST = 300  # characters of what OpenUSD says
 _SKEW = 1e-6  # of their lengths: axes at right angles to this are so up to what float32 stored of their matrix
 
@@ -66,6 +67,11 @@ class _Stage:
         for warning in self._diagnostics.TakeUncoalescedDiagnostics():
             yield f"OpenUSD warns: {' '.join(warning.commentary.split())[:_LONGEST]}"
 
+    def prim(self, path: str) -> Any:
+        """Return a prim by its path; None where there is none."""
+        prim = self._stage.GetPrimAtPath(path) if path else None
+        return prim if prim else None
+
     def body_of(self, path: str) -> str | None:
         """Return the path of the body that a prim belongs to: itself, or the nearest above it."""
         while path not in self.labels and path:
@@ -103,6 +109,7 @@ def read_usd(path: Path) -> Robot:
         raise ReadError("no prim of it has PhysicsRigidBodyAPI or PhysicsMassAPI")
     notes: dict[str, None] = {}
     hung = dict(_fixed_joints(stage))
+    joints = _joints(stage, notes)
     links = []
     for prim in stage.bodies:
         name = stage.labels[str(prim.GetPath())]
@@ -120,7 +127,8 @@ def read_usd(path: Path) -> Robot:
             stage.fault,
         ):  # what is against the schema is handed out
             raise ReadError(f"an attribute in {prim.GetPath()} has another type than its schema") from None
-        links.append(Link(name, inertial, geometries, parent, placement))
+        joint = joints.get(name) or Joint(name, None, _frame(stage, prim))
+        links.append(Link(name, inertial, geometries, parent, placement, joint=joint))
     return Robot(path, "usd", stage.name, tuple(links), (*notes, *dict.fromkeys(stage.warnings())))
 
 
@@ -156,6 +164,85 @@ def _fixed_joints(stage: _Stage) -> Iterator[tuple[str, tuple[str, Placement]]]:
         there, here = _rotation(a), _rotation(b)
         where = Placement(there.T @ here, there.T @ (q - p) * stage.metres)
         yield stage.labels[bodies[1]], (stage.labels[bodies[0]], where)
+
+
+def _frame(stage: _Stage, prim: Any) -> Placement:
+    """Return where the axes of a prim lie in the stage, without their scale, in metres."""
+    matrix, origin = stage.place(prim)
+    return Placement(_rotation(matrix), origin * stage.metres)
+
+
+def _joints(stage: _Stage, notes: dict[str, None]) -> dict[str, Joint]:
+    """Return what each link hangs on, by its name, where the joint is at 0."""
+    prims = {str(prim.GetPath()): prim for prim in stage.bodies}
+    joints: dict[str, Joint] = {}
+    for prim in stage.prims:
+        if not prim.IsA(stage.physics.Joint):
+            continue
+        joint = stage.physics.Joint(prim)
+        if joint.GetJointEnabledAttr().Get() is False:
+            continue
+        targets = [str((*relation.GetTargets(), "")[0]) for relation in (joint.GetBody0Rel(), joint.GetBody1Rel())]
+        bodies = [stage.body_of(target) for target in targets]
+        places = [
+            (joint.GetLocalPos0Attr(), joint.GetLocalRot0Attr()),
+            (joint.GetLocalPos1Attr(), joint.GetLocalRot1Attr()),
+        ]
+        inner = 0 if bodies[1] is None else 1  # the end that is on the world stands still
+        child, parent = bodies[inner], bodies[1 - inner]
+        if child is None or child == parent:
+            continue
+        name = stage.labels[child]
+        if name in joints:
+            notes[f"joint {shown(prim.GetName())} closes a loop: it is left out of the tree"] = None
+            continue
+        here, there = (_end(stage, prims, targets[k], bodies[k], *places[k]) for k in (inner, 1 - inner))
+        back = Placement(here.rotation.T, -here.rotation.T @ here.origin)
+        kind, axis = _motion(stage, prim)
+        outer = Placement() if parent is None else _frame(stage, prims[parent])
+        out = Placement(outer.rotation.T, -outer.rotation.T @ outer.origin)
+        authored, placement = out.then(_frame(stage, prims[child])), there.then(back)
+        apart = max(
+            float(np.abs(authored.rotation - placement.rotation).max()),
+            float(np.abs(authored.origin - placement.origin).max()),
+        )
+        if kind not in ("turns", "slides"):
+            placement = authored
+        elif apart > _ELSEWHERE:
+            notes[f"joint {shown(prim.GetName())} is not at 0 in the stage: its link stands where 0 puts it"] = None
+        along = here.rotation @ axis * (1 if inner else -1)
+        label = str(prim.GetPath()) if prim.GetName() in {each.name for each in joints.values()} else prim.GetName()
+        above = None if parent is None else stage.labels[parent]
+        joints[name] = Joint(label, above, placement, kind, along, here.origin)
+    return joints
+
+
+def _end(
+    stage: _Stage, prims: dict[str, Any], target: str, body: str | None, position: Any, rotation: Any
+) -> Placement:
+    """Return where the frame of a joint lies on one of its ends: in the axes of the link, or of the world."""
+    at, turn = np.array(position.Get() or (0, 0, 0), float), rotation.Get()
+    own = np.eye(3) if turn is None else rotation_of_quaternion([turn.GetReal(), *turn.GetImaginary()])
+    prim = stage.prim(target)
+    if prim is None:
+        return Placement(own, at * stage.metres)
+    matrix, origin = stage.place(prim)
+    there = Placement(_rotation(matrix) @ own, (matrix @ at + origin) * stage.metres)
+    if body is None:
+        return there
+    link = _frame(stage, prims[body])
+    return Placement(link.rotation.T, -link.rotation.T @ link.origin).then(there)
+
+
+def _motion(stage: _Stage, prim: Any) -> tuple[Motion, Float]:
+    """Return how a joint moves, and its axis in its own frame."""
+    if prim.IsA(stage.physics.FixedJoint):
+        return "fixed", np.eye(3)[2]
+    for kind, typed in (("turns", stage.physics.RevoluteJoint), ("slides", stage.physics.PrismaticJoint)):
+        if prim.IsA(typed):
+            motion: Motion = "turns" if kind == "turns" else "slides"
+            return motion, np.eye(3)["XYZ".index(str(typed(prim).GetAxisAttr().Get()))]
+    return "other", np.eye(3)[2]
 
 
 def _inertial(stage: _Stage, prim: Any, name: str, notes: dict[str, None]) -> Inertial | None:
