@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 import argparse
+import sys
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from inertia.errors import UsageError
+from inertia.errors import UsageError, visible
 from inertia_cli.options import record, tell_of_viewer
 from inertia_cli.printing import show, write_and_show
 from inertia_cli.progress import Progress
@@ -231,12 +232,37 @@ def follow(scene: Scene, options: argparse.Namespace) -> int:
         selection = plan(scene)
         show(options.json, lambda: plan_document(scene, selection), lambda: plan_text(scene, selection))
         return 0
-    motion = simulate_scene(scene)
+    motion = simulate_scene(scene) if not options.live else _shown(scene, options)
     write_and_show(
         lambda: _write(motion, options), options.json, lambda: run_document(motion), lambda: run_text(motion)
     )
     tell_of_viewer(options)
     return 0
+
+
+def _shown(scene: Scene, options: argparse.Namespace) -> Run:
+    """Follow a scene on the viewer; what there is of it when it is interrupted goes to the recording."""
+    from inertia.dynamics.simulate import simulate as simulate_scene
+    from inertia.recording.preview import Preview
+
+    try:
+        with Preview(scene) as preview:
+            motion = simulate_scene(scene, observer=preview.take)
+    except KeyboardInterrupt:
+        for file in filter(_is_recording, options.output):
+            if preview.save(Path(file)):
+                print(
+                    f"inertia: {visible(file)} has the first {preview.reached:.4g} of {scene.run.duration:g} s, as far "
+                    "as they were computed: their accuracy is not judged",
+                    file=sys.stderr,
+                )
+        raise
+    options.lost = preview.lost
+    return motion
+
+
+def _is_recording(file: str) -> bool:
+    return Path(file).suffix.lower() == _RECORDING
 
 
 def _require_writable(options: argparse.Namespace) -> None:
@@ -274,7 +300,8 @@ def _write(motion: Run, options: argparse.Namespace) -> None:
     """Write all files that were asked for, or none, and stream to the viewer."""
     from inertia.output import together
 
-    recordings = [file for file in options.output if Path(file).suffix.lower() == _RECORDING]
+    recordings = list(filter(_is_recording, options.output))
+    live = options.live and options.lost is None
     with together():
         for file in options.output:
             if file not in recordings:
@@ -283,5 +310,5 @@ def _write(motion: Run, options: argparse.Namespace) -> None:
             from inertia.plotting import write_figure
 
             write_figure(lambda: motion.plot(options.plot_kind), options.plot, force=options.force)
-        for k, file in enumerate(recordings or ([None] if options.live else [])):
-            record(motion, file, options, live=options.live and k == 0)
+        for k, file in enumerate(recordings or ([None] if live else [])):
+            record(motion, file, options, live=live and k == 0)

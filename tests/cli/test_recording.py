@@ -8,8 +8,12 @@ from pathlib import Path
 import pytest
 from tests.recording.reading import verified
 
+from inertia.arrays import Float
+from inertia.dynamics import observer
 from inertia.recording import live
+from inertia.recording.preview import Preview
 from inertia.recording.provenance import properties
+from inertia.recording.viewer import listening
 from inertia_cli.main import main
 from inertia_meshes import path
 
@@ -196,3 +200,31 @@ def test_a_viewer_that_never_answers_takes_no_result_along(
     assert len(json.loads(out)["time"]) == 11
     assert verified(file, tmp_path)
     assert table.read_text().count("\n") == 13
+
+
+def test_an_interrupted_live_run_leaves_what_it_has(
+    capsys: pytest.CaptureFixture[str], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    take, blocks = Preview.take, []
+
+    def interrupted(preview: Preview, *samples: Float) -> None:
+        take(preview, *samples)
+        blocks.append(samples)
+        if len(blocks) == 30:
+            raise KeyboardInterrupt
+
+    monkeypatch.setattr(Preview, "take", interrupted)
+    monkeypatch.setattr(observer, "INTERVAL", 0.0)
+    file = tmp_path / "run.rrd"
+    stepped = ("--for", "5", "--samples", "501", "--method", "DOP853", "--accuracy", "1e-6")
+    with listening(tmp_path / "home", "--serve-grpc", "--port", "0") as (address, _, _):
+        monkeypatch.setattr(live, "VIEWER", (address.split(":")[0], int(address.split(":")[1])))
+        code, out, err = run(capsys, "simulate", SCENE, *stepped, "--live", "-o", str(file), "-o", f"{file}.csv")
+    assert (code, out) == (130, "")
+    first, second = err.splitlines()
+    assert f"{file} has the first" in first
+    assert "of 5 s, as far as they were computed: their accuracy is not judged" in first
+    assert second == "inertia: interrupted"
+    assert not Path(f"{file}.csv").exists()
+    assert verified(file, tmp_path)
+    assert run(capsys, "simulate", str(file), "--json")[0] == 0

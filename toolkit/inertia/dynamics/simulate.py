@@ -13,6 +13,7 @@ from inertia.dynamics.computing_time import limited
 from inertia.dynamics.kinematics import quaternion
 from inertia.dynamics.models.model import Problem
 from inertia.dynamics.motion import Motion
+from inertia.dynamics.observer import Observer, Take, observed
 from inertia.dynamics.plan import Plan, plan
 from inertia.dynamics.run import Run, RunError, invariants_of
 from inertia.dynamics.scene.document import Scene
@@ -25,8 +26,14 @@ LOST = 0.1
 """The error in rad from which on an attitude is lost: no accuracy is advised."""
 
 
-def simulate(scene: Scene) -> Run:
+def simulate(scene: Scene, *, observer: Take | None = None) -> Run:
     """Follow a scene, by the smallest model that reaches the accuracy it asks for.
+
+    Parameters
+    ----------
+    scene : what moves, and how long it is followed
+    observer : takes samples as they are computed: instants (k,) s, attitudes (k, 4) and angular velocities (k, 3)
+        rad/s, of the part axes; each later than those before, and before anything is known of their accuracy
 
     Raises
     ------
@@ -41,14 +48,14 @@ def simulate(scene: Scene) -> Run:
     """
     require_kind(scene, Scene, "scene", "inertia.Scene.load(path)")
     with limited(scene.run.time_limit):
-        run = _in_time(scene)
+        run = _in_time(scene, None if observer is None else Observer(observer))
     _require_accuracy(run)
     return run
 
 
-def _in_time(scene: Scene) -> Run:
+def _in_time(scene: Scene, observer: Observer | None) -> Run:
     try:
-        return _run(plan(scene))
+        return _run(plan(scene), observer)
     except MemoryError:
         raise GeometryError(
             f"{scene.run.samples} samples need more memory than there is: ask for fewer ",
@@ -57,11 +64,15 @@ def _in_time(scene: Scene) -> Run:
         ) from None
 
 
-def _run(plan: Plan) -> Run:
+def _run(plan: Plan, observer: Observer | None) -> Run:
     """Solve what is planned."""
     time = np.linspace(0.0, plan.problem.duration, plan.problem.scene.run.samples)
-    motion = _solved(plan, time)
-    return replace(_in_part_axes(plan, time, motion), follow=partial(_again, plan, (time, motion)))
+    with observed(observer):
+        motion = _solved(plan, time)
+    run = replace(_in_part_axes(plan, time, motion), follow=partial(_again, plan, (time, motion)))
+    if observer is not None:  # of a closed form, all of it
+        observer(time, run.attitude, run.angular_velocity)
+    return run
 
 
 def _solved(plan: Plan, time: Float) -> Motion:

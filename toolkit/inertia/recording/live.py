@@ -23,16 +23,16 @@ PATIENCE = 20.0
 
 
 class ViewerError(InertiaError):
-    """The viewer ended, or fell silent, before it had all: what was shown on it is whole elsewhere."""
+    """No viewer listens, or it ended or fell silent before it had all: what was shown on it is whole elsewhere."""
 
 
 def require_viewer() -> None:
-    """Raise `InertiaError` where no viewer of this machine listens."""
+    """Raise `ViewerError` where no viewer of this machine listens."""
     host, port = VIEWER
     try:
         socket.create_connection(VIEWER, timeout=5.0).close()
     except OSError:
-        raise InertiaError(
+        raise ViewerError(
             f"no viewer listens on {host}:{port}: open one first by `rerun --bind {host}`, or record to a file"
         ) from None
 

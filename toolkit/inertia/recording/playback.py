@@ -132,10 +132,7 @@ def _instants(time: Float, count: Float, end: float) -> Float:
 def _on_timeline(play: Playback, time: Float) -> Playback:
     """Say the pace, and scale time where nanoseconds in 64 bits do not suit it."""
     nearest = min(float(np.diff(each).min()) for each in (time, play.frames))
-    last = float(time[-1])
-    power = 0 if nearest >= _EVEN and last <= _LATEST else 3 * math.floor(math.log10(last) / 3.0 + 1e-9)
-    if nearest < _EVEN * 10.0**power:
-        power = 3 * math.ceil(math.log10(last / _LATEST) / 3.0)
+    power = scale_of(nearest, float(time[-1]))
     second = 10.0**power
     if nearest < _NEAREST * second:
         raise GeometryError(
@@ -147,6 +144,17 @@ def _on_timeline(play: Playback, time: Float) -> Playback:
         notes = (f"on the timeline 1 s is {_named(power)} of the run", *notes)
     loop = None if play.loop is None else (play.loop[0] / second, play.loop[1] / second)
     return replace(play, notes=notes, second=second, end=float(time[-1]) / second, loop=loop)
+
+
+def scale_of(nearest: float, last: float) -> int:
+    """Return the power of ten of seconds that a second on the timeline stands for.
+
+    `nearest` is the least from one row to the next, `last` the end, s.
+    """
+    power = 0 if nearest >= _EVEN and last <= _LATEST else 3 * math.floor(math.log10(last) / 3.0 + 1e-9)
+    if nearest < _EVEN * 10.0**power:
+        power = 3 * math.ceil(math.log10(last / _LATEST) / 3.0)
+    return power
 
 
 def _named(power: int) -> str:

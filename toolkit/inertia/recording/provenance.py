@@ -37,19 +37,25 @@ def properties_of(subject: Run | Balance) -> dict[str, dict[str, Any]]:
 
 
 def _of_run(run: Run) -> dict[str, dict[str, Any]]:
-    scene = run.scene
-    text, files = _enclosed(scene)
     return {
-        "scene": {"name": _last(scene.name), "text": text},
-        "files": files,
-        "settings": {name: getattr(scene.run, name) for name in _SETTINGS},
-        **{name: _source(part) for name, part in _source_sections(scene.body).items()},
+        **of_scene(run.scene),
         "accuracy": {
             "model": run.model,
             "method": run.error.method,
             "requested_rad": run.error.requested,
             "reached_rad": run.error.reached,
         },
+    }
+
+
+def of_scene(scene: Scene) -> dict[str, dict[str, Any]]:
+    """Return what is needed to run a scene again, by section."""
+    text, files = _enclosed(scene)
+    return {
+        "scene": {"name": _last(scene.name), "text": text},
+        "files": files,
+        "settings": {name: getattr(scene.run, name) for name in _SETTINGS},
+        **{name: _source(part) for name, part in _source_sections(scene.body).items()},
     }
 
 

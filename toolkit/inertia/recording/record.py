@@ -12,7 +12,7 @@ from inertia.balancing.balance import Balance
 from inertia.dynamics.run import Run
 from inertia.errors import GeometryError, UsageError
 from inertia.output import require_writable
-from inertia.recording.live import require_viewer, to_viewer
+from inertia.recording.live import to_viewer
 from inertia.recording.provenance import properties_of
 from inertia.recording.screen import Screen
 from inertia.recording.writer import Recording, blocks, to_file
@@ -50,8 +50,6 @@ def record(
     if isinstance(subject, Run):
         _require_finite(subject)
     file = None if path is None else require_writable(path, ".rrd", force=force)
-    if live:
-        require_viewer()
     screen = _screen(subject)
 
     def write(recording: Recording) -> None:

@@ -67,6 +67,18 @@ def finished(
     )
 
 
+def following(left: Any, right: Any) -> rrb.Blueprint:
+    """Return a screen of two columns that shows the last of what has come."""
+    import rerun.blueprint as rrb
+
+    return rrb.Blueprint(
+        rrb.Horizontal(left, right, column_shares=[3, 2]),
+        rrb.TimePanel(timeline=entities.TIMELINE, play_state=rrb.components.PlayState.Following, state="collapsed"),
+        rrb.BlueprintPanel(state="hidden"),
+        rrb.SelectionPanel(state="hidden"),
+    )
+
+
 def _time_panel(speed: float, loop: tuple[float, float] | None) -> rrb.TimePanel:
     """Return the panel that plays in a loop, at so many seconds of the timeline in a second."""
     import rerun as rr

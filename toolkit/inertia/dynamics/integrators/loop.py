@@ -21,6 +21,7 @@ from inertia.dynamics.computing_time import Watch
 from inertia.dynamics.integrators.rotation import RotationProblem, power_of_two
 from inertia.dynamics.integrators.terms import HEAD, VECTOR
 from inertia.dynamics.kinematics import quaternion
+from inertia.dynamics.observer import meanwhile
 from inertia.errors import GeometryError, UsageError
 from inertia.native import Kernel, address
 
@@ -243,18 +244,19 @@ class Integrator(ABC):
         most = max(_FIRST_LOOK, expected) if watch.limits else MAX_STEPS
         while True:
             rows[piece.first + 1 : piece.last + 1, 0] = np.nan  # until a sample is reached
-            steps = call.kernel.function(
-                *units.addresses,
-                units.vectors,
-                address(piece.time) + 8 * piece.first,
-                piece.last - piece.first,
-                piece.start,
-                piece.end,
-                piece.problem.rate,
-                most,
-                address(rows) + 56 * piece.first,
-                *call.arguments,
-            )
+            with meanwhile(self._looking_on(piece, rows)):
+                steps = call.kernel.function(
+                    *units.addresses,
+                    units.vectors,
+                    address(piece.time) + 8 * piece.first,
+                    piece.last - piece.first,
+                    piece.start,
+                    piece.end,
+                    piece.problem.rate,
+                    most,
+                    address(rows) + 56 * piece.first,
+                    *call.arguments,
+                )
             if steps >= 0:
                 return steps
             if steps == -1 or most == MAX_STEPS:
@@ -273,6 +275,7 @@ class Integrator(ABC):
         targets, samples = np.unique(piece.targets, return_inverse=True)
         values = np.empty((len(targets), len(unit)))
         done, end = 0, float(targets[-1])
+        observer, before = piece.problem.observer, 0
         while done < len(targets):
             reason = stepper.step(float(targets[done]))
             if reason or stepper.steps > MAX_STEPS:
@@ -282,9 +285,37 @@ class Integrator(ABC):
             if last > done:
                 values[done:last] = stepper.values(targets[done:last])
                 done = last
+                ready = int(samples[:-1].searchsorted(done))
+                if observer and ready > before and (observer.due or done == len(targets)):
+                    self._hand_on(piece, before, values[samples[before:ready]] * unit)
+                    before = ready
         rows[piece.first : piece.last + 1] = (values * unit)[samples]
         rows[piece.last, :4] /= np.linalg.norm(rows[piece.last, :4])
         return stepper.steps
+
+    def _looking_on(self, piece: Piece, rows: Float) -> Callable[[], None] | None:
+        """Return what hands on the rows that a kernel has written: a row is whole when the next one is begun."""
+        if piece.problem.observer is None:
+            return None
+        before = piece.first
+
+        def look() -> None:
+            nonlocal before
+            ready = piece.first + int(np.isfinite(rows[piece.first + 1 : piece.last + 1, 0]).sum())
+            if ready > before:
+                self._hand_on(piece, before - piece.first, rows[before:ready].copy())
+                before = ready
+
+        return look
+
+    def _hand_on(self, piece: Piece, first: int, rows: Float) -> None:
+        """Hand on the states (k, 7) at the samples from `first` of a piece on, along the axes of the problem."""
+        assert piece.problem.observer is not None
+        begin = piece.first + first
+        turn = quaternion.conjugate(quaternion.from_matrix(np.eye(3)[:, piece.axes]))
+        attitude = quaternion.normalise(quaternion.multiply(rows[:, :4], turn))
+        spin = rows[:, 4:7][:, np.argsort(piece.axes)]
+        piece.problem.observer(piece.time[begin : begin + len(rows)], attitude, spin)
 
     def _stopped(self, reason: str | None = None) -> GeometryError:
         reason = reason or f"after {MAX_STEPS:.2g} steps"

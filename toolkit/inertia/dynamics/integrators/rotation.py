@@ -13,6 +13,7 @@ from inertia.arrays import Float
 from inertia.dynamics.integrators.terms import Terms
 from inertia.dynamics.kinematics import quaternion
 from inertia.dynamics.loads.load import Load
+from inertia.dynamics.observer import Observer
 from inertia.errors import GeometryError, UsageError
 from inertia.mass.tensor import array_of
 
@@ -36,6 +37,7 @@ class RotationProblem:
     loads : what acts; along part axes is along the principal axes
     start : s, the instant at which the body is so
     mass : kg; arm : (3,) m, along the principal axes, from the reference point to the centre of mass: for gravity
+    observer : what is handed samples, along the principal axes, while they are stepped
     """
 
     caution: ClassVar[float] = 1.0
@@ -48,6 +50,7 @@ class RotationProblem:
     start: float = 0.0
     mass: float = 0.0
     arm: Float = (0.0, 0.0, 0.0)  # type: ignore[assignment]
+    observer: Observer | None = None
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "moments", array_of(self.moments, (3,), "moments"))

@@ -60,7 +60,11 @@ def integrals(theta: Float) -> Float:
 
 
 def collocate(
-    momentum: Float, coefficients: Callable[[Float, Float], tuple[Float, Float]], start: Float, edges: Float
+    momentum: Float,
+    coefficients: Callable[[Float, Float], tuple[Float, Float]],
+    start: Float,
+    edges: Float,
+    reached: Callable[[Trajectory], None] | None = None,
 ) -> Trajectory:
     """Solve the equation from attitude `start` (4,) at edges[0] to edges[-1], stepping from edge to edge.
 
@@ -69,6 +73,7 @@ def collocate(
     momentum : L (3,) kg m²/s, in space
     coefficients : takes the beginning of a step and the time since then, (k,) s each, to I⁻¹ (k, 3, 3) and I⁻¹ h (k, 3)
     edges : (m + 1,) s, ascending; steps much longer than 1/(|I⁻¹| |L|) may not settle
+    reached : takes pieces of the trajectory as they are computed
     """
     nodes = 0.5 * (1.0 + leggauss(NODES)[0])
     inner, full = integrals(nodes), integrals(np.ones(1))[0]
@@ -87,6 +92,9 @@ def collocate(
             slopes[k] = _settle(q, length * inner, turn, b, c)
             q = q + length * (full @ slopes[k])
             attitude[k + 1] = q = q / np.sqrt(q @ q)
+        if reached is not None:
+            ends = slice(first, first + _TOGETHER + 1)
+            reached(Trajectory(edges[ends], attitude[ends], slopes[some]))
         watch.require((first + _TOGETHER) / len(lengths))
     return Trajectory(edges, attitude, slopes)
 

@@ -21,6 +21,7 @@ from inertia.dynamics.kinematics import quaternion
 from inertia.dynamics.models.deforming.collocation import NODES, Trajectory, collocate
 from inertia.dynamics.models.deforming.jointed_body import JointedBody, Shape
 from inertia.dynamics.motion import Motion
+from inertia.dynamics.observer import observing
 from inertia.errors import GeometryError, UsageError
 from inertia.mass.tensor import array_of
 
@@ -217,6 +218,21 @@ class _Flow:
         inverse = _inverse(shape)
         return inverse, _times(inverse, shape.internal_angular_momentum)
 
+    def hand_on(self, time: Float) -> Callable[[Trajectory], None] | None:
+        """Return what hands on the samples (n,) s that lie within a trajectory; None where nobody observes the run."""
+        observer = observing()
+        if observer is None:
+            return None
+
+        def reached(piece: Trajectory) -> None:
+            first, last = np.searchsorted(time, piece.edges[[0, -1]], side="right")
+            for begin in range(first, last, _BLOCK):
+                instants = time[begin : min(begin + _BLOCK, last)]
+                q = piece.at(instants)
+                observer(instants, q, _spin(self.assembly.shape(instants), quaternion.to_body(q, self.momentum)))
+
+        return reached
+
     def paces(self, time: Float) -> tuple[float, float]:
         """Return the largest rates, rad/s, at which things turn and at which rounding grows, at times (n,) s.
 
@@ -248,7 +264,7 @@ def _refined(flow: _Flow, start: Float, time: Float, accuracy: float) -> tuple[T
     counts = np.ceil(np.maximum(phases, 1.0) / _PHASE).astype(int)
     growth = 1.0 + float(growths.sum())
     edges, nudged = _divided(stops, counts), quaternion.normalise(quaternion.multiply(start, _NUDGED))
-    trajectory, error = collocate(flow.momentum, flow.coefficients, start, edges), np.inf
+    trajectory, error = collocate(flow.momentum, flow.coefficients, start, edges, flow.hand_on(time)), np.inf
     # What steps are rounded by walks at random, and parts as neighbouring motions do.
     parted = _apart(collocate(flow.momentum, flow.coefficients, nudged, edges), trajectory, time) / _NUDGE
     rounding = 6.0 * _EPSILON * (growth + parted * math.sqrt(growth))

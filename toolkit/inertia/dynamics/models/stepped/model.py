@@ -15,6 +15,7 @@ from inertia.dynamics.loads.torque import Torque
 from inertia.dynamics.models.model import Candidate, Model, Problem
 from inertia.dynamics.models.neighbours import InputBound, growth, instants_of, nudge_of
 from inertia.dynamics.motion import Motion
+from inertia.dynamics.observer import Observer, observing
 from inertia.errors import FieldPath, GeometryError, UsageError, placed
 
 if TYPE_CHECKING:
@@ -61,6 +62,7 @@ class EulerEquations(Model):
         noise = 0.0
         if candidate.problem.weight and rotation.terms(rotation.start) is not None:  # what may fall over
             noise = min(_ROUNDED * float(_growth(candidate.problem, rotation, _NUDGE)[-1]), np.pi)
+        rotation = replace(rotation, observer=_along_parts(candidate))
         try:
             motion = solve_stepped(rotation, time, scene.run.accuracy, method, noise=noise)
         except (UsageError, GeometryError) as error:
@@ -116,6 +118,19 @@ class EulerEquations(Model):
     def view(self, problem: Problem) -> str:
         """Show what becomes of L and the energy where a torque acts."""
         return "driven" if problem.torques else super().view(problem)
+
+
+def _along_parts(candidate: Candidate) -> Observer | None:
+    """Return what hands on samples that are along the candidate's axes, where somebody observes the run."""
+    observer = observing()
+    if observer is None:
+        return None
+    turn = quaternion.conjugate(quaternion.from_matrix(candidate.axes))
+
+    def take(time: Float, attitude: Float, angular_velocity: Float) -> None:
+        observer(time, quaternion.multiply(attitude, turn), angular_velocity @ candidate.axes.T)
+
+    return Observer(take)
 
 
 def _growth(problem: Problem, rotation: RotationProblem, nudge: float) -> Float:
