@@ -31,7 +31,7 @@ PARTS = {
     "Reference": "python command json",
     "Explanation": "accuracy shapes dynamics security extremes honesty reliability robots benchmarks motion-benchmarks "
     "balancing-benchmarks recording",
-    "Project": "CONTRIBUTING CHANGELOG",
+    "Project": "CONTRIBUTING CHANGELOG SECURITY CODE_OF_CONDUCT",
 }
 """Every page, in the part where one looks for it."""
 ALIASES = ("ArrayLike", "Float", "Int", "Bool", "Progress", "Orientation", "Parts")
@@ -93,7 +93,7 @@ def _write_pages(source: Path) -> None:
     """Write what is not a page of docs/: the home page, the reference and the pages of the project."""
     (source / "_static").mkdir()
     (source / "_static/inertia.css").write_text(STYLE, encoding="utf-8")
-    for name in ("CONTRIBUTING", "CHANGELOG", "README"):
+    for name in (*PARTS["Project"].split(), "README"):
         text = (ROOT / f"{name}.md").read_text(encoding="utf-8").replace("](docs/", "](")
         (source / f"{name}.md").write_text(text, encoding="utf-8")
     home = (source / "README.md").rename(source / "index.md")

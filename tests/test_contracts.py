@@ -70,7 +70,15 @@ def test_every_declared_dependency_is_pinned() -> None:
 
 
 def test_the_citation_names_this_version() -> None:
-    assert f"\nversion: {PROJECT['version']}\n" in (ROOT / "CITATION.cff").read_text()
+    assert f"\nversion: {inertia.__version__}\n" in (ROOT / "CITATION.cff").read_text()
+
+
+def test_the_conda_recipe_is_of_this_version_and_asks_for_the_same() -> None:
+    recipe = (ROOT / "conda/recipe.yaml").read_text()
+    assert f'  version: "{inertia.__version__}"\n' in recipe
+    run = re.search(r"^  run:\n((?:    - .*\n)+)", recipe, re.MULTILINE)[1]
+    asked = {line.removeprefix("    - ").replace(" ", "") for line in run.splitlines()}
+    assert asked == {f"python{PROJECT['requires-python']}", *PROJECT["dependencies"]}
 
 
 @pytest.mark.parametrize("verb", ["analyse", "balance", "check", "mass_properties", "simulate", "trade"])

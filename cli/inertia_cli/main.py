@@ -14,14 +14,31 @@ from typing import NoReturn, TextIO
 
 import inertia
 from inertia.errors import CacheWarning, GeometryError, InertiaError, UsageError, WriteError, visible
-from inertia_cli import analyse, assembly, audit, balance, batch, budget, check, measure, play, simulate, trade, tumble
+from inertia_cli import (
+    analyse,
+    assembly,
+    audit,
+    balance,
+    batch,
+    budget,
+    check,
+    cite,
+    completion,
+    measure,
+    play,
+    simulate,
+    trade,
+    tumble,
+)
 from inertia_cli.interruption import interruption
 from inertia_cli.printing import abandon_output
 from inertia_cli.wording import as_option
 
 FAULT = 1
 _SIGNED = ("--about", "--spin", "--axis", "--through", "--zero-mark", "--bearings", "--planes")  # may be negative
-_COMMANDS = (analyse, check, trade, simulate, tumble, play, balance, measure, audit, assembly, budget, batch)
+_COMMANDS = (
+    analyse, check, trade, simulate, tumble, play, balance, measure, audit, assembly, budget, batch, cite, completion,
+)  # fmt: skip
 _CODES = """exit codes:
   0  done
   1  a fault of this program, or the result could not be written

@@ -57,6 +57,9 @@ from inertia.exchange.export import export as export
 from inertia.auditing.audit import audit as audit
 from inertia.auditing.audit import Audit as Audit
 
+# Which publications the methods of an answer are from.
+from inertia.report.citation import cite as cite
+
 # Bodies without a mesh, and the algebra of tensors.
 from inertia.mass.elements import point_masses as point_masses
 from inertia.mass.elements import wire as wire

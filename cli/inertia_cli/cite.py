@@ -1,0 +1,41 @@
+"""The command `cite`."""
+
+from __future__ import annotations
+
+import argparse
+import json
+from typing import Any
+
+
+def add(parsers: Any) -> None:
+    """Add ``inertia cite``."""
+    parser = parsers.add_parser(
+        "cite",
+        help="BibTeX of this program and of the methods behind an answer",
+        description="Print BibTeX of this program, and of the publications that the methods named in a JSON document "
+        "of it are from.",
+        epilog="examples:\n  inertia simulate scene.toml --json | inertia cite -\n",
+        formatter_class=argparse.RawDescriptionHelpFormatter,
+    )
+    parser.set_defaults(run=run)
+    parser.add_argument(
+        "part", nargs="?", metavar="DOCUMENT", help="what a command printed with --json; - is standard input"
+    )
+
+
+def run(options: argparse.Namespace) -> int:
+    """Run ``inertia cite``."""
+    from inertia.errors import ReadError
+    from inertia.report.citation import cite
+    from inertia.standard_input import file_of
+
+    documents = []
+    if options.part is not None:
+        try:
+            documents = [json.loads(file_of(options.part).read_text(encoding="utf-8"))]
+        except OSError as error:
+            raise ReadError(f"cannot read {options.part}: {error.strerror}") from None
+        except ValueError:
+            raise ReadError(f"cannot read {options.part}: it is no JSON document") from None
+    print(cite(*documents), end="")
+    return 0

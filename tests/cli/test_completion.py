@@ -1,0 +1,65 @@
+"""Shells complete the commands, their options and their files."""
+
+import shutil
+import subprocess
+from pathlib import Path
+
+import pytest
+
+from inertia_cli.completion import SHELLS
+from inertia_cli.main import main
+
+needs_bash = pytest.mark.skipif(shutil.which("bash") is None, reason="there is no bash")
+
+
+def script(shell: str, capsys: pytest.CaptureFixture[str]) -> str:
+    assert main(["completion", shell]) == 0
+    return capsys.readouterr().out
+
+
+@needs_bash
+@pytest.mark.parametrize(
+    ("words", "offered"),
+    [
+        (["sim"], {"simulate"}),
+        (["bal"], {"balance"}),
+        (["analyse", "--mat"], {"--material"}),
+        (["analyse", "--orientation", ""], {"stored", "absolute"}),
+        (["analyse", "par"], {"part.stl"}),
+        (["simulate", "--explain", "sce"], {"scene.toml"}),
+        (["completion", ""], {*SHELLS}),
+    ],
+    ids=" ".join,
+)
+def test_bash_offers(words: list[str], offered: set[str], tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    for name in ("part.stl", "scene.toml"):
+        (tmp_path / name).touch()
+    line = " ".join(f"'{word}'" for word in ["inertia", *words])
+    ask = (
+        f"\nCOMP_WORDS=({line})\nCOMP_CWORD={len(words)}\n"
+        "$(complete -p inertia | sed 's/.*-F \\([^ ]*\\).*/\\1/')\nprintf '%s\\n' \"${COMPREPLY[@]}\"\n"
+    )
+    done = subprocess.run(
+        ["bash", "--norc", "--noprofile"],
+        input=script("bash", capsys) + ask,
+        cwd=tmp_path,
+        capture_output=True,
+        text=True,
+        check=True,
+    )
+    assert set(done.stdout.split()) == offered
+
+
+@pytest.mark.parametrize("shell", SHELLS)
+def test_every_command_and_option_is_in_the_script(shell: str, capsys: pytest.CaptureFixture[str]) -> None:
+    text = script(shell, capsys)
+    for word in ("analyse", "balance", "batch", "cite", "tessellated", "plot-kind"):
+        assert word in text
+    assert "balance measure" not in text
+
+
+def test_another_shell_is_refused(capsys: pytest.CaptureFixture[str]) -> None:
+    with pytest.raises(SystemExit) as leaving:
+        main(["completion", "csh"])
+    assert leaving.value.code == 2
+    assert "choose from" in capsys.readouterr().err
