@@ -469,6 +469,7 @@ class AssemblyFields(Section):
         parts
     allowances : rows of the table of mass growth allowances, beside the built-in ones or in place of them
     limit : what is permissible
+    rotor : the sections of a rotor file but for its bodies, where the whole is a rotor that `balance` takes
     schema : version of the layout
     """
 
@@ -484,4 +485,5 @@ class AssemblyFields(Section):
         mapping(_ALLOWANCES, _ALLOWANCES.schema),
     ] = None
     limit: Annotated[tuple[LimitFields, ...], tables(LimitFields)] = ()
+    rotor: Annotated[Mapping[str, Any] | None, Reader(table_of, {"type": "object"})] = None
     schema: Annotated[Literal[1], layout_version(1)] = 1

@@ -5,7 +5,7 @@ from __future__ import annotations
 import os
 from collections import Counter
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from fnmatch import fnmatchcase
 from fractions import Fraction
 from functools import cached_property
@@ -84,6 +84,7 @@ class PartTree(Document):
     path : the file's path, or "the assembly"
     remarks : what reading had to decide, in sentences
     tree : the meshes that were read already: of which file, in which unit
+    moves : nodes that are elsewhere, see `moved`
 
     Raises `UsageError` naming the field.
 
@@ -104,6 +105,7 @@ class PartTree(Document):
     path: str = "the assembly"
     remarks: tuple[str, ...] = ()
     tree: tuple[Path, str | None, MeshTree] | None = None
+    moves: Mapping[Node, tuple[Frame, ...]] = field(default_factory=dict)
 
     @classmethod
     def _from_table(cls, table: Mapping[str, Any], folder: Path, text: str | None, name: str) -> Self:
@@ -154,7 +156,19 @@ class PartTree(Document):
 
     def in_places(self) -> Iterator[tuple[Node, tuple[Frame, ...]]]:
         """Yield all nodes in the order of the tree, each with the frames of its copies in the axes of the whole."""
-        return _in_places(self.root, (IDENTITY,))
+        return _in_places(self.root, (IDENTITY,), self.moves)
+
+    def moved(self, moves: Mapping[Node, tuple[Frame, ...]]) -> Self:
+        """Return the same tree with the copies of some nodes elsewhere.
+
+        Parameters
+        ----------
+        moves : the frames of all copies of a node, in the axes of the whole; what hangs on it moves along where it is
+            not listed itself
+        """
+        result = replace(self, moves=moves)
+        result.__dict__["root"] = self.root
+        return result
 
     def surfaces(self) -> Iterator[tuple[Node, Float]]:
         """Yield the triangles (m, 3, 3) m of each copy of each part in its place, turned in float64."""
@@ -292,10 +306,14 @@ class PartTree(Document):
         return tuple(copies) * part.quantity
 
 
-def _in_places(node: Node, places: tuple[Frame, ...]) -> Iterator[tuple[Node, tuple[Frame, ...]]]:
+def _in_places(
+    node: Node, places: tuple[Frame, ...], moves: Mapping[Node, tuple[Frame, ...]]
+) -> Iterator[tuple[Node, tuple[Frame, ...]]]:
     if len(places) * len(node.frames) > _MOST_COPIES:
         raise UsageError(f"{node.name}: {len(places) * len(node.frames)} copies are more than {_MOST_COPIES}")
-    if node.frames == (IDENTITY,):
+    if node in moves:
+        here = moves[node]
+    elif node.frames == (IDENTITY,):
         here = places
     elif places == (IDENTITY,):
         here = node.frames
@@ -303,4 +321,4 @@ def _in_places(node: Node, places: tuple[Frame, ...]) -> Iterator[tuple[Node, tu
         here = tuple(outer.then(inner) for outer in places for inner in node.frames)
     yield node, here
     for child in node.children:
-        yield from _in_places(child, here)
+        yield from _in_places(child, here, moves)

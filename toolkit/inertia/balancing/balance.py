@@ -17,6 +17,7 @@ import numpy as np
 
 from inertia.arrays import Progress
 from inertia.balancing import bounds
+from inertia.balancing.assembled import AssembledRotor
 from inertia.balancing.axis.location import Axis, rotor_axis
 from inertia.balancing.axis.shaft import Shaft
 from inertia.balancing.axis.tilt import Tilt, principal_tilt
@@ -30,7 +31,7 @@ from inertia.balancing.forces import RigidLimit, axle_torque, bearing_forces, ri
 from inertia.balancing.indexing import Indexing, best_indexing
 from inertia.balancing.monte_carlo import Scatter, Term, monte_carlo
 from inertia.balancing.monte_carlo_terms import operation_terms, rotor_terms
-from inertia.balancing.mounting import mounting_terms
+from inertia.balancing.mounting import joint_terms, mounting_terms
 from inertia.balancing.rotor import Rotor
 from inertia.balancing.rotor_bodies import (
     RotorBody,
@@ -189,26 +190,46 @@ def balance(
     require_kind(rotor, Rotor, "rotor", "inertia.Rotor.load(path)")
     tell = progress or (lambda done: None)
     tell(0.0)
-    bodies = read_bodies(rotor)
+    assembled = None if rotor.assembly is None else AssembledRotor(rotor, rotor.assembly)
+    bodies = read_bodies(rotor) if assembled is None else assembled.bodies()
     tell(0.3)
     axis = rotor_axis(rotor, bodies)
     shaft = axis.shaft
     at = (shaft.z_a, shaft.z_b)
-    indexing = None if measured else _indexing(rotor, bodies, shaft)
-    if indexing is not None:
-        bodies = turned(rotor, bodies, shaft, indexing.turns)
+    indexing = None
+    if measured:
+        pass  # it has been put together
+    elif assembled is None:
+        indexing = _indexing(rotor, bodies, shaft)
+        if indexing is not None:
+            bodies = turned(rotor, bodies, shaft, indexing.turns)
+    elif (best := _put_together(assembled, shaft)) is not None:
+        assembled, indexing = best
+        bodies = assembled.bodies()
     _require_places(rotor, bodies, shaft)
-    properties: MassProperties = reduce(add, (body.analysis.properties for body in bodies))
+    if assembled is None:
+        properties: MassProperties = reduce(add, (body.analysis.properties for body in bodies))
+    else:
+        properties = assembled.properties
     together = Unbalance.of(properties, shaft, radial_uncertainty=rotor.radial_uncertainty)
     initial = unbalance_of(rotor, bodies, shaft, together) if measured is None else _as_measured(together, measured)
+    if assembled is not None and not measured:
+        known = assembled.uncertainty(shaft, initial.z)
+        initial = initial.with_uncertainties(known) if known.modes else initial
     tell(0.5)
     tolerance = rotor.tolerance(initial, at)
     critical = rotor.fields.service.critical_rpm
     rigid = None if critical is None else rigid_limit(rotor.fields.service.rpm, critical)
     planes = _correction_planes(rotor, bodies, shaft)
     # A rotor that was measured has been assembled.
-    mounted = () if measured else mounting_terms(rotor, bodies, shaft, at)
-    correction = _corrected(rotor, bodies, shaft, initial, together, planes, tolerance, mounted)
+    if measured:
+        mounted: tuple[Term, ...] = ()
+    elif assembled is None:
+        mounted = mounting_terms(rotor, bodies, shaft, at)
+    else:
+        mounted = joint_terms(assembled.joints(), shaft, at)
+    uncut = together if assembled is None else None  # an assembly's moments are not those of its triangles
+    correction = _corrected(rotor, bodies, shaft, initial, uncut, planes, tolerance, mounted)
     tell(0.9)
     residual = initial if correction is None else _residual(correction, bodies)
     exact = None if rotor.radial_uncertainty or measured else bounds.axis(shaft.resolve(properties), shaft.span, 1.0)
@@ -233,43 +254,55 @@ def balance(
         rigid=rigid,
         tilt=principal_tilt(properties, shaft),
         scatter=scatter,
-        notes=(*_indexed(bodies, indexing), *_notes(rotor, bodies, measured is not None)),
+        notes=(
+            *_indexed(indexing),
+            *(assembled.notes if assembled else ()),
+            *_notes(rotor, bodies, measured is not None),
+        ),
         indexing=indexing,
     )
 
 
 def _indexing(rotor: Rotor, bodies: Sequence[RotorBody], shaft: Shaft) -> Indexing | None:
     """Return how the bodies are best put together; None where none may be turned."""
-    angles = [rotor.indexing(number) for number in range(len(bodies))]
-    if all(turns == (0.0,) for turns in angles):
+    if all(fields.indexing is None for fields in rotor.fields.body):
         return None
+    angles = [[math.radians(angle) for angle in rotor.indexing(fields)] for fields in rotor.fields.body]
     at = (shaft.z_a, shaft.z_b)
     each = [Unbalance.of(body.analysis.properties, shaft) for body in bodies]
     together = Unbalance.of(reduce(add, (body.analysis.properties for body in bodies)), shaft)
     keyed = together.with_masses(rotor.key_masses)
     vectors = np.array([unbalance.in_many_planes(at) for unbalance in each])
     fixed = keyed.in_many_planes(at) - together.in_many_planes(at)
-    return best_indexing(vectors, fixed, rotor.tolerance(keyed, at).permissible, angles)
+    best = best_indexing(vectors, fixed, rotor.tolerance(keyed, at).permissible, angles)
+    return replace(best, names=tuple(body.name for body in bodies))
 
 
-def _indexed(bodies: Sequence[RotorBody], indexing: Indexing | None) -> Iterator[str]:
+def _put_together(assembled: AssembledRotor, shaft: Shaft) -> tuple[AssembledRotor, Indexing] | None:
+    """Return an assembly put together the best way; None where nothing is left open."""
+    at = (shaft.z_a, shaft.z_b)
+    together = Unbalance.of(assembled.properties, shaft)
+    keyed = together.with_masses(assembled.rotor.key_masses)
+    keys = keyed.in_many_planes(at) - together.in_many_planes(at)
+    return assembled.put_together(shaft, assembled.rotor.tolerance(keyed, at).permissible, keys)
+
+
+def _indexed(indexing: Indexing | None) -> Iterator[str]:
     """Say how the bodies are put together."""
     if indexing is None:
         return
     turns = ", ".join(
-        f"{body.name} turned by {math.degrees(turn) % 360:.4g}°"
-        for body, turn in zip(bodies, indexing.turns, strict=True)
+        f"{name} turned by {math.degrees(turn) % 360:.4g}°"
+        for name, turn in zip(indexing.names, indexing.turns, strict=True)
         if turn
     )
-    nearest = (
-        "the best"
-        if indexing.bound >= indexing.left
-        else f"the best found, none leaves less than {indexing.bound:.3g},"
-    )
+    count = sum(part != other for part, other in indexing.moves)
+    moves = f"{count} of {len(indexing.moves)} parts in other places" if count else ""
+    changes = f"{turns}, counter-clockwise from where their files have them" if turns else ""
+    how = " and with ".join(each for each in (changes, moves) if each) or "nothing turned or exchanged"
     yield (
-        f"bodies are put together with {turns or 'none of them turned'}, counter-clockwise from where their files have "
-        f"them: before corrections {indexing.left:.3g} of the limit is in the worse plane, {indexing.as_filed:.3g} as "
-        f"filed; {nearest} of {indexing.ways} ways"
+        f"bodies are put together with {how}: before corrections {indexing.left:.3g} of the limit is in the worse "
+        f"plane, {indexing.as_filed:.3g} as filed; {indexing.sentence}"
     )
 
 
@@ -326,7 +359,7 @@ def _corrected(
     bodies: Sequence[RotorBody],
     shaft: Shaft,
     initial: Unbalance,
-    together: Unbalance,
+    uncut: Unbalance | None,
     planes: Sequence[CorrectionPlane],
     tolerance: Tolerance,
     mounted: Sequence[Term],
@@ -351,7 +384,7 @@ def _corrected(
                 initial,
                 [_no_shallower(plane, deeper) for plane in planes],
                 limit,
-                uncut=together,
+                uncut=uncut,
                 aim=lower * aim,
                 seconds=seconds,
             )

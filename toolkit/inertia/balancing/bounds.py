@@ -39,7 +39,7 @@ class Uncertainty:
     cause : the size of the input that the modes are in proportion to: m of chord or radius, or a relative density;
         None where no input makes it smaller
     bodies : of a rotor with several, those that it is of: for a density one for each mode; of the source "input" the
-        input's name
+        input's name, or that of each mode
     """
 
     source: Source

@@ -1,38 +1,51 @@
-"""The angles at which the bodies of a rotor are best put together, among those that flanges and keyways allow.
+"""The angles and places at which the parts of a rotor are best put together: index positions, the order of blades.
 
-A body that is turned about the shaft by α turns what it brings to each tolerance plane by e^{iα}. The largest
-|Σ v_b e^{iα_b}| over its limit is made least: by trying all ways where they are not too many, else by turning bodies
-one by one and in pairs from several beginnings. No way leaves less in a plane than the longest vector is longer than
-all others together.
+A part that is turned about the shaft by α turns what it brings to each tolerance plane by e^{iα}; one that changes
+places brings what it has there. With one whole number for each position (1 where it is taken) this is an integer
+program: the largest |Σ v| over its limit is made least.
+
+It is solved by meeting in the middle: the choices are divided in two halves, all sums of each half are written down,
+and of the two lists the pair that cancels best is looked for in a k-d tree, in the norm max_k |u_k| itself, so that no
+other is better (Horowitz and Sahni, Journal of the ACM 21, 1974, 277). Where the halves are too long for that, parts
+are turned, and exchanged, one by one and in pairs from several beginnings, and the integer program with tangents in
+place of the circles (`scipy.optimize.milp`), searched for a stated number of nodes, gives what no way leaves less than.
 """
 
 from __future__ import annotations
 
 import itertools
 import math
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
+from typing import NamedTuple
 
 import numpy as np
 
 from inertia.arrays import Float, Int
+from inertia.balancing.arrangement import Answer, Choice, by_turning, sums_of
+from inertia.balancing.arrangement_program import by_program
 from inertia.balancing.unbalance import Complex
 
-_ALL = 1_000_000  # ways that are tried one and all
-_BEGINNINGS = 24
-_GAIN = 1e-12
+_ROWS = 1_000_000  # sums that are written down
+_WRITTEN = 9  # places whose orders are written down one by one; of more, their halves
+_PAIRS = 20_000_000  # that are looked at one by one
+_AT_ONCE = 1 << 20
+_SAME = 1e-13  # of all vectors together: sums that are no farther apart count as one
 
 
 @dataclass(frozen=True, eq=False)
 class Indexing:
-    """How bodies are put together.
+    """How the parts of a rotor are put together.
 
     Attributes
     ----------
-    turns : (b,) rad, by which each body is turned from where its file has it
-    left, as_filed : the largest |unbalance| over its limit, as indexed and as the files have it
+    turns : (b,) rad, by which each is turned from where its file has it
+    left, as_filed : the largest |unbalance| over its limit, as put together and as the files have it
     bound : no way leaves less
     ways : how many there are
+    names : (b,) what is turned
+    moves : (part, the one whose place it takes), of those that change places
+    planes_as_filed, planes_left : (k,) kg m, what is in each tolerance plane as the files have it, and as put together
     """
 
     turns: tuple[float, ...]
@@ -40,12 +53,30 @@ class Indexing:
     as_filed: float
     bound: float
     ways: int
+    names: tuple[str, ...] = ()
+    moves: tuple[tuple[str, str], ...] = ()
+    planes_as_filed: tuple[complex, ...] = ()
+    planes_left: tuple[complex, ...] = ()
+
+    @property
+    def proven(self) -> bool:
+        """Whether no way is better."""
+        return self.bound >= self.left
+
+    @property
+    def sentence(self) -> str:
+        """How near to the best it is."""
+        if self.proven:
+            return f"the best of {self.ways} ways, none leaves less"
+        gap = f"{100 * (self.left - self.bound):.2g} % of the limit"
+        least = f"{100 * self.bound:.3g} % of the limit" if self.bound else "nothing"
+        return f"of {self.ways} ways the best found: no way leaves less than {least}, a gap of {gap}"
 
 
 def best_indexing(
     vectors: Complex, fixed: Complex, limits: Sequence[float], angles: Sequence[Sequence[float]]
 ) -> Indexing:
-    """Return the best way to put bodies together.
+    """Return the best way to put bodies together that are turned about the shaft.
 
     Parameters
     ----------
@@ -58,55 +89,180 @@ def best_indexing(
     >>> round(two.left, 9), two.as_filed, two.ways
     (0.0, 2.0, 2)
     """
-    scaled, start = vectors / np.asarray(limits), fixed / np.asarray(limits)
-    options = [each * np.exp(1j * np.asarray(turns))[:, None] for each, turns in zip(scaled, angles, strict=True)]
-    ways = math.prod(len(turns) for turns in angles)
-    choice = _of_all(options, start) if ways <= _ALL else _by_turning(options, start)
-    made = start + sum(option[k] for option, k in zip(options, choice, strict=True))
-    lengths = np.abs(np.concatenate([scaled, start[None]]))
-    beyond = np.maximum(2 * lengths.max(axis=0) - lengths.sum(axis=0), 0.0)
-    left = float(np.abs(made).max())
+    scale = np.asarray(limits)
+    scaled, start = vectors / scale, fixed / scale
+    options = tuple(each * np.exp(1j * np.asarray(turns))[:, None] for each, turns in zip(scaled, angles, strict=True))
+    choice = Choice(start, options)
+    answer = best_answer(choice)
+    filed = start + scaled.sum(axis=0)
     return Indexing(
-        turns=tuple(float(turns[k]) for turns, k in zip(angles, choice, strict=True)),
-        left=left,
-        as_filed=float(np.abs(start + scaled.sum(axis=0)).max()),
-        bound=left if ways <= _ALL else float(beyond.max()),
-        ways=ways,
+        turns=tuple(float(turns[k]) for turns, k in zip(angles, answer.positions, strict=True)),
+        left=answer.left,
+        as_filed=float(np.abs(filed).max()),
+        bound=answer.bound,
+        ways=choice.ways,
+        planes_as_filed=tuple((filed * scale).tolist()),
+        planes_left=tuple((choice.sum(answer.positions, answer.places) * scale).tolist()),
     )
 
 
-def _of_all(options: Sequence[Complex], start: Complex) -> tuple[int, ...]:
-    sums: Complex = start[None]
-    for option in options:
-        sums = (sums[:, None] + option[None]).reshape(-1, len(start))
-    best = int(np.abs(sums).max(axis=1).argmin())
-    return tuple(int(k) for k in np.unravel_index(best, [len(option) for option in options]))
+def best_answer(choice: Choice) -> Answer:
+    """Return the best way, with a bound that no way beats; the two are equal where that is proven.
+
+    >>> three = np.array([3.0, 4.0, 5.0])[:, None, None] * np.exp(2j * np.pi / 3 * np.arange(3))[None, :, None]
+    >>> answer = best_answer(Choice(np.array([math.sqrt(3) + 0j]), (), (three,)))
+    >>> round(answer.left, 9), answer.bound == answer.left
+    (0.896575472, True)
+    """
+    size = float(np.abs(choice.start).max())
+    size += sum(float(np.abs(each).max()) for each in choice.options)
+    size += sum(float(np.abs(each).max(axis=(1, 2)).sum()) for each in choice.orders)
+    best = by_turning(choice)
+    halves = _halves(choice)
+    if halves is None:
+        return by_program(choice, best)
+    for half in halves:
+        if best.left <= _SAME * size:
+            break
+        first = sums_of(choice.start, [block.rows for block in half.first])
+        second = sums_of(np.zeros_like(choice.start), [block.rows for block in half.second])
+        met = _met(first, second, best.left, _SAME * size)
+        if met is None:
+            return by_program(choice, best)
+        if met[1] < best.left:
+            best = half.answer(met[0], choice)
+    return replace(best, bound=best.left)
 
 
-def _by_turning(options: Sequence[Complex], start: Complex) -> tuple[int, ...]:
-    draw, best, least = np.random.default_rng(0), None, math.inf
-    for _ in range(_BEGINNINGS):
-        choice = np.array([draw.integers(len(option)) for option in options])
-        left = _improved(options, start, choice)
-        if left < least:
-            best, least = choice, left
-    assert best is not None
-    return tuple(best.tolist())
+class _Block(NamedTuple):
+    """Sums that one of a half's choices makes.
+
+    Attributes
+    ----------
+    rows : (n, k), one for each way
+    number : of the part that is turned, or of the set whose parts change places
+    ways : (n, m), of the second: which of `parts` is at each place from `offset` on
+    """
+
+    rows: Complex
+    number: int
+    ways: Int | None = None
+    parts: tuple[int, ...] = ()
+    offset: int = 0
 
 
-def _improved(options: Sequence[Complex], start: Complex, choice: Int) -> float:
-    """Turn bodies one by one and in pairs, in place, while that leaves less; return what is left."""
-    left = math.inf
-    while True:
-        before = left
-        for group in [*itertools.combinations(range(len(options)), 1), *itertools.combinations(range(len(options)), 2)]:
-            rest = start + sum(options[n][choice[n]] for n in range(len(options)) if n not in group)
-            sums: Complex = np.asarray(rest)[None]
-            for n in group:
-                sums = (sums[:, None] + options[n][None]).reshape(-1, len(start))
-            worst: Float = np.abs(sums).max(axis=1)
-            if worst.min() < left * (1 - _GAIN):
-                left = float(worst.min())
-                choice[list(group)] = np.unravel_index(int(worst.argmin()), [len(options[n]) for n in group])
-        if not left < before * (1 - 1e-6):
-            return left
+class _Half(NamedTuple):
+    """Two lists of blocks; a sum of the first and one of the second make a way."""
+
+    first: tuple[_Block, ...]
+    second: tuple[_Block, ...]
+
+    def answer(self, pair: tuple[int, int], choice: Choice) -> Answer:
+        """Return the way that the sums of these numbers make."""
+        positions = [0] * len(choice.options)
+        places = [[0] * len(order) for order in choice.orders]
+        for number, blocks in zip(pair, self, strict=True):
+            for block, k in zip(blocks, np.unravel_index(number, [len(k.rows) for k in blocks] or [1]), strict=False):
+                if block.ways is None:
+                    positions[block.number] = int(k)
+                    continue
+                for place, part in enumerate(block.ways[k].tolist(), block.offset):
+                    places[block.number][block.parts[part]] = place
+        return choice.answer(positions, places)
+
+
+def _halves(choice: Choice) -> Iterator[_Half] | None:
+    """Return the halves whose pairs are all ways; None where they are too long."""
+    long = [number for number, order in enumerate(choice.orders) if len(order) > _WRITTEN]
+    blocks = [_Block(option, number) for number, option in enumerate(choice.options)]
+    blocks += [
+        _ordered(number, order, range(len(order)), 0)
+        for number, order in enumerate(choice.orders)
+        if len(order) <= _WRITTEN
+    ]
+    if not long:
+        first: list[_Block] = []
+        second: list[_Block] = []
+        for block in sorted(blocks, key=lambda block: -len(block.rows)):
+            (first if _size(first) <= _size(second) else second).append(block)
+        return iter([_Half(tuple(first), tuple(second))]) if _size(first) + _size(second) <= _ROWS else None
+    number, order = long[0], choice.orders[long[0]]
+    count, middle = len(order), len(order) // 2
+    rows = _size(blocks) * math.factorial(middle) + math.factorial(count - middle)
+    if len(long) > 1 or math.comb(count, middle) * rows > 2 * _ROWS:
+        return None
+    return (
+        _Half(
+            (*blocks, _ordered(number, order, front, 0)),
+            (_ordered(number, order, [part for part in range(count) if part not in front], middle),),
+        )
+        for front in itertools.combinations(range(count), middle)
+    )
+
+
+def _size(blocks: Sequence[_Block]) -> int:
+    return math.prod(len(block.rows) for block in blocks)
+
+
+def _ordered(number: int, order: Complex, parts: Sequence[int], offset: int) -> _Block:
+    """Return the sums of all orders of some parts at the places from `offset` on."""
+    ways = _permutations(len(parts))
+    rows: Complex = order[np.asarray(parts)[ways], offset + np.arange(len(parts))].sum(axis=1)
+    return _Block(rows, number, ways, tuple(parts), offset)
+
+
+def _permutations(count: int) -> Int:
+    """Return all orders of `count` things, (count!, count)."""
+    ways = np.zeros((1, 0), np.int8)
+    for k in range(count):
+        ways = np.concatenate([np.insert(ways, place, k, axis=1) for place in range(k + 1)])
+    return ways.astype(np.intp)
+
+
+def _met(first: Complex, second: Complex, best: float, same: float) -> tuple[tuple[int, int], float] | None:
+    """Return the pair of sums that leaves least, and how much; inf where none is below `best`, None if too many are.
+
+    |u|₂ ≤ √k max |u_k|: what leaves less than the best is within √k times that of the other list, in the plain
+    distance of k-d trees.
+    """
+    from scipy.spatial import cKDTree
+
+    (a, a_numbers), (b, b_numbers) = _distinct(first, same), _distinct(second, same)
+    if len(a) > len(b):
+        met = _met(second, first, best, same)
+        return met and (met[0][::-1], met[1])
+    targets, reach = _real(-a), math.sqrt(a.shape[1]) * (1 + 1e-9)
+    tree = cKDTree(_real(b))
+    result = ((0, 0), math.inf)
+
+    def look(i: Int, j: Int) -> None:
+        nonlocal result, best
+        left: Float = np.abs(a[i] + b[j]).max(axis=1)
+        if len(left) and left.min() < best:
+            k = int(left.argmin())
+            best = float(left[k])
+            result = (int(a_numbers[i[k]]), int(b_numbers[j[k]])), best
+
+    distance, nearest = tree.query(targets, distance_upper_bound=reach * best)
+    near = np.flatnonzero(np.isfinite(distance))
+    look(near, nearest[near])
+    near = near[distance[near] <= reach * best]
+    counts = tree.query_ball_point(targets[near], reach * best, return_length=True)
+    if int(counts.sum()) > _PAIRS:
+        return None
+    for some in np.array_split(near, 1 + int(counts.sum()) // _AT_ONCE):
+        lists = tree.query_ball_point(targets[some], reach * best)
+        look(np.repeat(some, [len(k) for k in lists]), np.fromiter(itertools.chain.from_iterable(lists), np.intp))
+    return result
+
+
+def _distinct(rows: Complex, same: float) -> tuple[Complex, Int]:
+    """Return rows that are not the same, and the number of each in the list."""
+    if not same:
+        return rows, np.arange(len(rows))
+    _, first = np.unique(np.round(_real(rows) / (4 * same)), axis=0, return_index=True)
+    return rows[first], first
+
+
+def _real(rows: Complex) -> Float:
+    return np.ascontiguousarray(rows).view(np.float64)

@@ -21,13 +21,13 @@ from inertia.balancing.unbalance import Complex
 from inertia.errors import UsageError
 from inertia.mass.tensor import array_of
 
-Distribution = Literal["normal", "uniform", "disc"]
+Distribution = Literal["normal", "uniform", "disc", "rayleigh"]
 
 DRAWS = 10_000
 LEVEL = 0.95
 """The share of draws that stay below the residual stated."""
 
-_VARIANCE: dict[Distribution, float] = {"normal": 1.0, "uniform": 1.0 / 3.0, "disc": 0.5}
+_VARIANCE: dict[Distribution, float] = {"normal": 1.0, "uniform": 1.0 / 3.0, "disc": 0.5, "rayleigh": 2.0}
 _NORMAL_95 = 1.959963984540054
 _NORMAL_999 = 3.2905267314919255
 _MOST_DRAWS = 1_000_000
@@ -40,7 +40,8 @@ class Term:
     Attributes
     ----------
     name : what is uncertain
-    distribution : "normal"; "uniform", between −spread and spread; "disc", a complex ξ, uniform over |ξ| ≤ spread
+    distribution : "normal"; "uniform", between −spread and spread; "disc", a complex ξ, uniform over |ξ| ≤ spread;
+        "rayleigh", a complex ξ, both of whose parts are normal
     spread : standard deviation, half-width or radius, in SI
     sensitivities : (k,) kg·m in each plane per unit of ξ
     step : the change of ξ that the table states the effect of, in SI
@@ -74,6 +75,9 @@ class Term:
             return random.normal(0.0, self.spread, count)
         if self.distribution == "uniform":
             return random.uniform(-self.spread, self.spread, count)
+        if self.distribution == "rayleigh":
+            pairs: Complex = random.normal(0.0, self.spread, (count, 2)).view(np.complex128)[:, 0]
+            return pairs
         angle = random.uniform(0.0, 2.0 * math.pi, count)
         points: Complex = self.spread * np.sqrt(random.uniform(0.0, 1.0, count)) * np.exp(1j * angle)
         return points

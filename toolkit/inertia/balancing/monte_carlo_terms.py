@@ -21,10 +21,14 @@ _AXIS = ("axis at bearing A", "axis at bearing B", "axis tilt, uneven transverse
 
 @dataclass(frozen=True)
 class Spread:
-    """Half-widths of a tolerance: of what operations have in common, and of what each has by itself."""
+    """Half-widths of a tolerance: of what operations have in common, and of what each has by itself.
+
+    With `rayleigh` they are standard deviations, in each of two directions.
+    """
 
     common: float = 0.0
     separate: float = 0.0
+    rayleigh: bool = False
 
     @property
     def total(self) -> float:
@@ -140,9 +144,10 @@ def _shared(name: str, work: Operation) -> str:
 def _of_source(uncertainty: Uncertainty, p: Float, q: Float) -> list[Term]:
     cause = uncertainty.cause
     if uncertainty.source == "input":
+        labels = uncertainty.bodies if len(uncertainty.bodies) > 1 else uncertainty.bodies * len(uncertainty.modes)
         return [
-            Term(uncertainty.bodies[0], "normal", 1.0, vectors, 1.0, "its u")
-            for vectors in _in_planes(uncertainty.modes, p, q)
+            Term(name, "normal", 1.0, vectors, 1.0, "its u")
+            for name, vectors in zip(labels, _in_planes(uncertainty.modes, p, q), strict=True)
         ]
     of_bodies = [f"{uncertainty.source} of {body}" for body in uncertainty.bodies]
     names = of_bodies or [uncertainty.source] * max(1, len(uncertainty.modes))

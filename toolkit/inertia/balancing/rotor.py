@@ -10,21 +10,23 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
+from fractions import Fraction
 from functools import cached_property
 from pathlib import Path
 from typing import Any, ClassVar, Literal
 
+from inertia.assembly.document import Assembly
 from inertia.balancing import tolerance as tolerances
 from inertia.balancing.axis.shaft import Shaft
 from inertia.balancing.correction_fields import EvenAngles, PlaneFields
 from inertia.balancing.corrections.correction_plane import CorrectionPlane, KitWeight, Sector, evenly
 from inertia.balancing.monte_carlo_terms import ShopTolerance, Spread
-from inertia.balancing.rotor_fields import HalfWidths, RotorFields
+from inertia.balancing.rotor_fields import BodyFields, HalfWidths, MountFields, Radii, RotorFields
 from inertia.balancing.shop_units import angular_speed
 from inertia.balancing.standards import STANDARDS, Request
 from inertia.balancing.tolerance import Planes, Tolerance
 from inertia.balancing.unbalance import PointMass, Unbalance
-from inertia.documents import Document, FieldError, document_schema, plain, section_of
+from inertia.documents import Document, FieldError, document_schema, plain, section_of, table_of
 from inertia.errors import FieldPath, UsageError
 from inertia.units import Unit, length_unit
 
@@ -81,7 +83,22 @@ class Rotor(Document):
     def _from_table(cls, table: Mapping[str, Any], folder: Path, text: str | None, name: str) -> Rotor:
         if "run" in table and "body" not in table:
             raise FieldError("run", "is that of a job of readings, not of a rotor: it is for `measure`")
+        if "part" in table:
+            return cls._of_assembly(table, folder, text, name)
         return cls(section_of(RotorFields, table), folder, text, name)
+
+    @classmethod
+    def _of_assembly(cls, table: Mapping[str, Any], folder: Path, text: str | None, name: str) -> Rotor:
+        """Return the rotor that an assembly file with a table [rotor] describes."""
+        if table.get("rotor") is None:
+            raise FieldError("rotor", "is missing: an assembly that is balanced says its axis, service and tolerance")
+        fields = {"unit": table.get("unit", "mm"), **table_of(table["rotor"], "rotor"), "assembly": Path(name).name}
+        try:
+            rotor = cls(section_of(RotorFields, fields), folder, text, name)
+        except FieldError as error:
+            raise FieldError(f"rotor.{error.path}", *error.words[2:]) from None
+        rotor.__dict__["assembly"] = Assembly.from_dict(table, folder, text=text, name=name)
+        return rotor
 
     def to_dict(self) -> dict[str, Any]:
         """Return the rotor as a dictionary laid out as the file is; what is at its default is left out."""
@@ -91,6 +108,14 @@ class Rotor(Document):
     def unit(self) -> Unit:
         """The unit of all lengths in the file."""
         return length_unit(self.fields.unit)
+
+    @cached_property
+    def assembly(self) -> Assembly | None:
+        """The assembly whose parts turn together; None where the file lists bodies.
+
+        Raises `ReadError` and `UsageError` of its file.
+        """
+        return None if self.fields.assembly is None else Assembly.load(self.folder / self.fields.assembly)
 
     @cached_property
     def shaft(self) -> Shaft | None:
@@ -150,21 +175,21 @@ class Rotor(Document):
             spreads[name] = Spread(scale * value.common, scale * value.separate)
         return ShopTolerance(**spreads)
 
-    def mounting(self, number: int) -> dict[str, Spread]:
-        """Return how far a body may be off as mounted: its eccentricity, m, and its tilt, rad; both are radii."""
-        body, spreads = self.fields.body[number], {}
+    def mounting(self, fields: BodyFields | MountFields) -> dict[str, Spread]:
+        """Return how far a part may be off as mounted: its eccentricity, m, and its tilt, rad; both are radii."""
+        spreads = {}
         for name, scale in (("eccentricity", self._metres), ("tilt", math.radians(1.0))):
-            value = getattr(body, name) or HalfWidths()
-            value = value if isinstance(value, HalfWidths) else HalfWidths(separate=value)
-            spreads[name] = Spread(scale * value.common, scale * value.separate)
+            value = getattr(fields, name) or Radii()
+            value = value if isinstance(value, Radii) else Radii(separate=value)
+            spreads[name] = Spread(scale * value.common, scale * value.separate, value.distribution == "rayleigh")
         return spreads
 
-    def indexing(self, number: int) -> tuple[float, ...]:
-        """Return the angles, rad, by which a body may be turned about the shaft; 0 alone where nothing is said."""
-        angles = self.fields.body[number].indexing
+    def indexing(self, fields: BodyFields | MountFields) -> tuple[Fraction, ...]:
+        """Return the angles, degrees, by which a part may be turned about the shaft; 0 alone where nothing is said."""
+        angles = fields.indexing
         if isinstance(angles, EvenAngles):
-            return evenly(angles.count, math.radians(angles.offset))
-        return (0.0,) if angles is None else tuple(math.radians(angle) for angle in angles)
+            return tuple(Fraction(angles.offset) + Fraction(360 * k, angles.count) for k in range(angles.count))
+        return (Fraction(0),) if angles is None else tuple(map(Fraction, angles))
 
     def tolerance(self, rotor: Unbalance, planes: Planes) -> Tolerance:
         """Return what is permissible in the tolerance planes (A, B) m, for a rotor of this mass and centre of mass."""

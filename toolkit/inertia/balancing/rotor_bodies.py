@@ -93,7 +93,7 @@ def read_bodies(rotor: Rotor) -> tuple[RotorBody, ...]:
                 bodies.append(_read(rotor, fields))
         except InertiaError as error:
             raise placed(error, rotor.name, FieldPath(f"body[{number}]")) from None
-    _require_apart(rotor, bodies)
+    require_apart(rotor, bodies)
     return tuple(bodies)
 
 
@@ -112,7 +112,7 @@ def turned(rotor: Rotor, bodies: Sequence[RotorBody], shaft: Shaft, turns: Seque
         _of_part(rotor, fields, _turned(body.whole, shaft, turn), _turned(body.part, shaft, turn)) if turn else body
         for fields, body, turn in zip(rotor.fields.body, bodies, turns, strict=True)
     ]
-    _require_apart(rotor, result)
+    require_apart(rotor, result)
     return tuple(result)
 
 
@@ -159,7 +159,8 @@ def _chord(fields: BodyFields, layers: FacetLayers, metres: float) -> tuple[floa
     return chord, "given" if chord else "exact"
 
 
-def _require_apart(rotor: Rotor, bodies: Sequence[RotorBody]) -> None:
+def require_apart(rotor: Rotor, bodies: Sequence[RotorBody]) -> None:
+    """Raise `GeometryError` where two bodies share space."""
     surfaces = [_in_metres(body.part) for body in bodies] if len(bodies) > 1 else []
     for one, other in combinations(range(len(bodies)), 2):
         place = overlap(surfaces[one], surfaces[other], contact=bodies[one].chord + bodies[other].chord)

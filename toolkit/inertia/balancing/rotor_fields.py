@@ -80,17 +80,38 @@ class HalfWidths(Section):
     separate: Annotated[float, number("the same unit", negative=False)] = 0.0
 
 
-def _half_width(unit: str, **limits: Any) -> Reader:
+@dataclass(frozen=True, eq=False)
+class Radii(HalfWidths):
+    """A radius about where something should be, in two parts.
+
+    Attributes
+    ----------
+    common : drawn once for all that has it in common
+    separate : drawn for each by itself
+    distribution : "uniform" over the disc of that radius; or "rayleigh", normal in each of two directions with that
+        standard deviation, so that the distance is Rayleigh distributed
+    """
+
+    section: ClassVar[str] = "radius"
+
+    distribution: Annotated[Literal["uniform", "rayleigh"], choice("uniform", "rayleigh")] = "uniform"
+
+
+def _half_width(unit: str, kind: type[HalfWidths] = HalfWidths, **limits: Any) -> Reader:
     """Read a half-width: a number, or a table of its common and separate parts."""
     single = number(unit, negative=False, **limits)
 
     def read(value: Any, path: str) -> float | HalfWidths:
         if isinstance(value, Mapping | HalfWidths):
-            return section_of(HalfWidths, value, path=path) if isinstance(value, Mapping) else value
+            return section_of(kind, value, path=path) if isinstance(value, Mapping) else value
         width: float = single(value, path)
         return width
 
-    return Reader(read, {"oneOf": [single.schema, schema_of(HalfWidths)]})
+    return Reader(read, {"oneOf": [single.schema, schema_of(kind)]})
+
+
+_ECCENTRICITY = _half_width(_LENGTH, Radii)
+_TILT = _half_width("degrees", Radii, below=10.0)
 
 
 @dataclass(frozen=True, eq=False)
@@ -109,8 +130,8 @@ class BodyFields(Section):
     sigma : standard deviation of the noise of every coordinate of the mesh
     chord_tolerance : how far the true surface may be from the mesh, where that is more than its facets show; what they
         show counts without it
-    eccentricity : how far off the shaft the body may sit once it is mounted, a radius; a number, or {common, separate};
-        a number is separate
+    eccentricity : how far off the shaft the body may sit once it is mounted, a radius; a number, or {common, separate,
+        distribution}; a number is separate
     tilt : the same in degrees, how far it may lean about its centre of mass
     indexing : angles by which the body may be turned about the shaft from where the file has it, as holes of a flange
         or keyways allow: {count, offset}, or a list of degrees; the best are taken
@@ -127,9 +148,9 @@ class BodyFields(Section):
     mass: Annotated[float | None, estimate("kg")] = None
     sigma: Annotated[float | None, number(_LENGTH, positive=True)] = None
     chord_tolerance: Annotated[float | None, number(_LENGTH, negative=False)] = None
-    eccentricity: Annotated[float | HalfWidths | None, _half_width(_LENGTH)] = None
+    eccentricity: Annotated[float | Radii | None, _ECCENTRICITY] = None
     indexing: Annotated[tuple[float, ...] | EvenAngles | None, listed_angles] = None
-    tilt: Annotated[float | HalfWidths | None, _half_width("degrees", below=10.0)] = None
+    tilt: Annotated[float | Radii | None, _TILT] = None
 
     def require_sense(self, path: str) -> None:
         """Raise `FieldError` where it is said twice how heavy the body is."""
@@ -140,6 +161,42 @@ class BodyFields(Section):
     def weights(self) -> list[str]:
         """Which of its fields say how heavy it is."""
         return [name for name in ("density", "material", "mass") if getattr(self, name) is not None]
+
+
+@dataclass(frozen=True, eq=False)
+class MountFields(Section):
+    """One of ``[[mount]]``: how a part of the assembly is mounted.
+
+    Attributes
+    ----------
+    part : name of a part or group in the assembly, or a glob of several
+    indexing : angles by which it may be turned about the shaft, with all that hangs on it, from where the assembly has
+        it: {count, offset}, or a list of degrees; the best are taken
+    interchangeable : the parts that the glob fits may change places with each other, as blades in their slots; the
+        best order is taken
+    eccentricity : how far off the shaft it may sit, a radius; a number, or {common, separate, distribution}; a number
+        is separate
+    tilt : the same in degrees, how far it may lean
+    z : place along the shaft about which it leans, as of the face that it is bolted to; its centre of mass without it
+    """
+
+    section: ClassVar[str] = "mount"
+
+    part: Annotated[str, text]
+    indexing: Annotated[tuple[float, ...] | EvenAngles | None, listed_angles] = None
+    interchangeable: Annotated[bool, flag] = False
+    eccentricity: Annotated[float | Radii | None, _ECCENTRICITY] = None
+    tilt: Annotated[float | Radii | None, _TILT] = None
+    z: Annotated[float | None, number(_LENGTH)] = None
+
+    def require_sense(self, path: str) -> None:
+        """Raise `FieldError` where it says nothing, or both that parts are turned and that they change places."""
+        if self.indexing is not None and self.interchangeable:
+            raise FieldError(f"{path}.indexing", "is given for interchangeable parts: turn what they are mounted on")
+        if self.indexing is None and not self.interchangeable and self.eccentricity is None and self.tilt is None:
+            raise FieldError(path, "says nothing: give indexing, interchangeable, eccentricity or tilt")
+        if self.z is not None and self.tilt is None:
+            raise FieldError(f"{path}.z", "is given without tilt: it is the place about which the part leans")
 
 
 def _journals(value: Any, path: str) -> str | tuple[str, ...]:
@@ -347,7 +404,7 @@ class ReportFields(Section):
     machine_angles: Annotated[Literal["ccw", "cw"], choice("ccw", "cw")] = "ccw"
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, kw_only=True)
 class RotorFields(Section):
     """A rotor file.
 
@@ -355,12 +412,16 @@ class RotorFields(Section):
     ----------
     schema : the version of the layout
     body : the bodies that turn together
+    assembly : path of an assembly file whose parts turn together, in place of bodies
+    mount : how parts of the assembly are mounted
     unit : of all lengths in the file
     """
 
     section: ClassVar[str] = ""
 
-    body: Annotated[tuple[BodyFields, ...], tables(BodyFields, least=1)]
+    body: Annotated[tuple[BodyFields, ...], tables(BodyFields)] = ()
+    assembly: Annotated[str | None, text] = None
+    mount: Annotated[tuple[MountFields, ...], tables(MountFields)] = ()
     axis: Annotated[AxisFields, table(AxisFields)]
     service: Annotated[ServiceFields, table(ServiceFields)]
     tolerance: Annotated[ToleranceFields, table(ToleranceFields)]
@@ -371,3 +432,12 @@ class RotorFields(Section):
     plan: Annotated[PlanFields, table(PlanFields)] = PlanFields()
     uncertainty: Annotated[UncertaintyFields, table(UncertaintyFields)] = UncertaintyFields()
     report: Annotated[ReportFields, table(ReportFields)] = ReportFields()
+
+    def require_sense(self, path: str) -> None:
+        """Raise `FieldError` where nothing turns, or bodies and an assembly do."""
+        if self.assembly is None and not self.body:
+            raise FieldError("body", "is missing: it has to be given, or an assembly in its place")
+        if self.assembly is not None and self.body:
+            raise FieldError("assembly", "is given beside body: make the bodies parts of the assembly")
+        if self.assembly is None and self.mount:
+            raise FieldError("mount[0]", "is that of an assembly: a body has its own eccentricity, tilt and indexing")

@@ -247,6 +247,7 @@ class ReportData:
     verdict : on the residual
     notes : what else has to be known, in sentences
     indexing : how the bodies are put together; None where none may be turned
+    assembled : whether the rotor is an assembly
     """
 
     rotor: str
@@ -285,6 +286,7 @@ class ReportData:
     verdict: Verdict
     notes: tuple[str, ...]
     indexing: Indexing | None = None
+    assembled: bool = False
 
     @property
     def part(self) -> str:

@@ -43,7 +43,11 @@ def balance_document(data: ReportData) -> Document:
         "indexing": None
         if data.indexing is None
         else {
+            "names": list(data.indexing.names),
             "turned_deg": [math.degrees(turn) for turn in data.indexing.turns],
+            "moves": [{"part": part, "place_of": other} for part, other in data.indexing.moves],
+            "tolerance_planes_as_filed": [_vector(value) for value in data.indexing.planes_as_filed],
+            "tolerance_planes_left": [_vector(value) for value in data.indexing.planes_left],
             "left": data.indexing.left,
             "as_filed": data.indexing.as_filed,
             "left_at_least": data.indexing.bound,

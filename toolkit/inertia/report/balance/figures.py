@@ -79,6 +79,7 @@ def report_data(balance: Balance, date: str | None = None) -> ReportData:
         verdict=balance.verdict,
         notes=balance.notes,
         indexing=balance.indexing,
+        assembled=rotor.assembly is not None,
     )
 
 

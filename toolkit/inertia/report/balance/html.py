@@ -81,6 +81,7 @@ def balance_html(data: ReportData) -> str:
     sensitivities = [line for line in data.scatter.sensitivities if line.share.max() > _LEAST_SHARE]
     return environment.get_template("balance.html.j2").render(
         data=data,
+        turned=[f"{math.degrees(turn) % 360:.4g}°" for turn in data.indexing.turns] if data.indexing else [],
         rotor_facts=list(_rotor_facts(data)),
         service_facts=list(_service_facts(data)),
         zero_mark=f"toward ({_listed(data.zero_mark)}) of the part's axes",

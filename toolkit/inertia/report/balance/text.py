@@ -24,6 +24,7 @@ def balance_text(data: ReportData) -> str:
         _head(data),
         _axis(data),
         _unbalance(data),
+        _together(data),
         _planes(data),
         _operations(data),
         _sensitivities(data),
@@ -41,7 +42,8 @@ def _head(data: ReportData) -> Iterator[str]:
     yield from wrapped("Verdict", data.verdict.headline)
     for k, body in enumerate(data.bodies):
         yield from wrapped("" if k else "Bodies", _body(body))
-        yield row("", f"SHA-256 {body.sha256}")
+        if body.sha256 is not None:
+            yield row("", f"SHA-256 {body.sha256}")
     if head.remark:
         yield from wrapped("Remark", head.remark)
 
@@ -110,6 +112,23 @@ def _cleared(value: complex, bounds: Mapping[Source, float]) -> complex:
     return 0j if abs(value) <= bounds.get("arithmetic", 0.0) else value
 
 
+def _together(data: ReportData) -> Iterator[str]:
+    """Yield how the parts are put together, and what that does before any correction."""
+    indexing = data.indexing
+    if indexing is None:
+        return
+    width = max([_ID, *(len(name) + 2 for name in (*indexing.names, *dict(indexing.moves)))])
+    yield "Put together"
+    for name, turn in zip(indexing.names, indexing.turns, strict=True):
+        yield f"  {name:<{width}}turned by {math.degrees(turn) % 360:.4g}°"
+    for part, other in indexing.moves:
+        yield f"  {part:<{width}}in the place of {other}"
+    planes = zip(data.bearings, indexing.planes_as_filed, indexing.planes_left, strict=True)
+    for bearing, before, after in planes:
+        yield f"  {bearing.name:<{width}}{_gmm(before)} g·mm as filed, {_gmm(after)} g·mm so"
+    yield from wrapped("", indexing.sentence)
+
+
 def _planes(data: ReportData) -> Iterator[str]:
     """Yield the table: tolerance planes with limits and forces, then correction planes."""
     states = {data.origin: data.initial}
@@ -166,7 +185,7 @@ def _operation(work: OperationRow, width: int) -> str:
 
 def _sensitivities(data: ReportData) -> Iterator[str]:
     lines = [line for line in data.scatter.sensitivities if line.at_spread.any()][:_LISTED]
-    if not data.corrected or not lines:
+    if not (data.corrected or data.assembled) or not lines:
         return
     yield f"{'Hold tightest':<30}{'a step of':>12}{'moves A, g·mm':>16}{'B, g·mm':>12}{'share of A':>12}{'of B':>8}"
     for line in lines:
