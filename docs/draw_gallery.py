@@ -43,6 +43,7 @@ INSTANTS = {
     "rotors/bent_wheel.toml": 0.0,
     "rotors/shaft_impeller.toml": 0.0,
     "rotors/overhung_impeller.toml": 0.0,
+    "rotors/pump_rotor.toml": 0.0,
 }
 """When each is seen, s from the start."""
 FLIP = {"at": 0.4, "view": "inertial", "size": (1200, 750), "frames": 60, "fps": 10.0}

@@ -455,6 +455,10 @@ class LimitFields(Section):
 _ALLOWANCES = mapping(_relative, {"type": "number", "minimum": 0})
 
 
+_ANYTHING = {"description": "as in a rotor file"}
+_ROTOR = Reader(table_of, {"type": "object", "additionalProperties": _ANYTHING})
+
+
 @dataclass(frozen=True, eq=False, kw_only=True)
 class AssemblyFields(Section):
     """An assembly file.
@@ -485,5 +489,5 @@ class AssemblyFields(Section):
         mapping(_ALLOWANCES, _ALLOWANCES.schema),
     ] = None
     limit: Annotated[tuple[LimitFields, ...], tables(LimitFields)] = ()
-    rotor: Annotated[Mapping[str, Any] | None, Reader(table_of, {"type": "object"})] = None
+    rotor: Annotated[Mapping[str, Any] | None, _ROTOR] = None
     schema: Annotated[Literal[1], layout_version(1)] = 1

@@ -19,7 +19,7 @@ from inertia.arrays import Float
 from inertia.assembly.bodies import Body, triangles_of
 from inertia.assembly.document import Assembly
 from inertia.assembly.fields import SIZES, PartFields
-from inertia.assembly.frames import IDENTITY, LENGTH_BITS, TURN_BITS, UNTURNED, Frame, about, frame
+from inertia.assembly.frames import IDENTITY, LENGTH_BITS, UNTURNED, Frame, frame
 from inertia.assembly.frames import turned as rotation
 from inertia.assembly.rollup import place
 from inertia.assembly.tree import Node
@@ -40,6 +40,7 @@ from inertia.mass.analyse import analyse, sound_solids_only
 from inertia.mass.density import DensityFrom
 from inertia.mass.properties import MassProperties
 from inertia.mesh.part import Part, Rounding, Surface
+from inertia.mesh.turns import TURN_BITS, about
 
 _SOLIDS = tuple(shape for shape, lengths in SIZES.items() if lengths)
 _OUTER = 1000  # positions of parts that carry others which are put together as well

@@ -129,7 +129,7 @@ def best_answer(choice: Choice) -> Answer:
         met = _met(first, second, best.left, _SAME * size)
         if met is None:
             return by_program(choice, best)
-        if met[1] < best.left:
+        if met[1] < best.left - _SAME * size:
             best = half.answer(met[0], choice)
     return replace(best, bound=best.left)
 
