@@ -22,7 +22,6 @@ def test_one_verb_for_parts_and_scenes() -> None:
     for subject in (part(cube()), scene):
         cost = inertia.trade(subject, 1e-6, repeats=1, budget=30.0)
         assert isinstance(cost, Trade)
-        assert cost.reference in cost.rows
         assert (cost.accuracy, cost.repeats, cost.budget) == (1e-6, 1, 30.0)
 
 

@@ -170,24 +170,14 @@ def _turned(parts: Sequence[Table], momentum: Any, a: Any, b: Any) -> float:
 def _gauss() -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Return matrix, weights and nodes of Gauss collocation on 0 … 1."""
     with mpmath.workdps(40):
-        nodes = sorted((1 + x) / 2 for x in mpmath.polyroots(_legendre(STAGES), maxsteps=400, extraprec=400))
+        about = np.polynomial.legendre.leggauss(STAGES)[0].tolist()
+        nodes = [(1 + mpmath.findroot(lambda x: mpmath.legendre(STAGES, x), x)) / 2 for x in about]
         powers = mpmath.matrix([[x**k for k in range(STAGES)] for x in nodes])
         inverse = powers**-1
         rows = mpmath.matrix([[x ** (k + 1) / (k + 1) for k in range(STAGES)] for x in [*nodes, mpmath.mpf(1)]])
         full = rows * inverse
         table = np.array([[_long(full[i, j]) for j in range(STAGES)] for i in range(STAGES + 1)])
         return table[:-1], table[-1], np.array([_long(x) for x in nodes])
-
-
-def _legendre(order: int) -> list[Any]:
-    """Return the coefficients of Legendre's polynomial, the highest first."""
-    before, now = [mpmath.mpf(1)], [mpmath.mpf(1), mpmath.mpf(0)]
-    for n in range(1, order):
-        longer = [(2 * n + 1) * x / (n + 1) for x in now] + [mpmath.mpf(0)]
-        for k, x in enumerate(before):
-            longer[k + 2] -= n * x / (n + 1)
-        before, now = now, longer
-    return now
 
 
 def _long(x: Any) -> Any:

@@ -45,7 +45,8 @@ def trade_document(trade: PartTrade | SceneTrade, *, wording: Wording = str) -> 
             **_rows_document(trade, [_part_row_document(line) for line in trade.rows], wording),
             "notes": list(analysis.notes),
         }
-    best = front(trade.rows)
+    best, doubt = front(trade.rows), trade.reference.estimate
+    lines = [_scene_row_document(line, doubt, on_front=line in best) for line in trade.rows]
     return {
         "schema": "inertia/trade-scene/1",
         "scene": trade.scene.name,
@@ -55,7 +56,7 @@ def trade_document(trade: PartTrade | SceneTrade, *, wording: Wording = str) -> 
         "reference": trade.rows.index(trade.reference) if trade.reference in trade.rows else None,
         "reference_method": trade.reference.method,
         "reference_error": trade.reference.estimate,
-        **_rows_document(trade, [_scene_row_document(line, on_front=line in best) for line in trade.rows], wording),
+        **_rows_document(trade, lines, wording),
     }
 
 
@@ -107,7 +108,7 @@ def _relative(error: Relative) -> dict[str, float]:
     return {"volume": error.volume, "center_of_mass_over_size": error.center_of_mass, "inertia": error.inertia}
 
 
-def _scene_row_document(line: SceneRow, *, on_front: bool) -> dict[str, Any]:
+def _scene_row_document(line: SceneRow, doubt: float, *, on_front: bool) -> dict[str, Any]:
     return {
         "model": line.model,
         "method": line.method,
@@ -117,6 +118,7 @@ def _scene_row_document(line: SceneRow, *, on_front: bool) -> dict[str, Any]:
         "time": asdict(line.time),
         "steps": line.steps,
         "error": line.error,
+        "below_reference": line.error is not None and line.error < doubt,
         "estimate": line.estimate,
         "reached": line.reached,
     }

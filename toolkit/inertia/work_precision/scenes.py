@@ -9,11 +9,10 @@ from functools import cached_property, partial
 import numpy as np
 
 from inertia.arrays import Progress
-from inertia.dynamics.integrators.heyoka_taylor import Quadruple, quadruple
 from inertia.dynamics.kinematics import quaternion
 from inertia.dynamics.models.model import Model
-from inertia.dynamics.models.stepped.model import EulerEquations
 from inertia.dynamics.plan import plan
+from inertia.dynamics.reference.motion import NAME, Reference, reference
 from inertia.dynamics.run import Run
 from inertia.dynamics.scene.document import Scene
 from inertia.dynamics.simulate import simulate
@@ -24,8 +23,8 @@ from inertia.work_precision.stopwatch import Stopwatch, Timing
 LADDER = (1e-3, 1e-5, 1e-7, 1e-9, 1e-11, 1e-13)
 """The accuracies in rad that are gone through."""
 
-QUADRUPLE = "heyoka, in quadruple precision"
-"""What the reference is called that no row is."""
+EQUATIONS = "equations of motion"
+"""The model of the reference that no row is."""
 
 _PROBES = (32, 4)
 """The first run of a method is of this part of the duration, and tells what all of it may take; where that seems too
@@ -36,6 +35,9 @@ _QUICK = 0.01
 
 _PART = 4
 """No run may take more than this part of what is left of the budget."""
+
+_SHARE = 0.5
+"""What the reference may take of what is left of the budget after the runs that the planner selects."""
 
 _REPEATS = 0.02
 """Of the budget: what may go into the repeats of one row."""
@@ -53,10 +55,10 @@ class _Measured:
     asked: tuple[float, ...]
     planned: bool
 
-    def row(self, standard: _Measured | Quadruple) -> SceneRow:
+    def row(self, standard: _Measured | Reference) -> SceneRow:
         """Return the row of a run, whose error is the largest angle over the samples to the standard."""
         run, error = self.run, None
-        if isinstance(standard, Quadruple):
+        if isinstance(standard, Reference):
             error, doubt = float(standard.apart(run.attitude).max()), standard.error
         else:
             doubt = standard.run.error.reached
@@ -80,38 +82,47 @@ def measure_scene(
 ) -> Measurement[SceneRow]:
     """Run a scene by every method for every accuracy in rad, the coarsest first, within the budget of a watch.
 
-    What the planner selects comes before the others. The reference is the closed form where one serves the finest
-    accuracy; else a run in quadruple precision, where heyoka is installed and the loads are polynomial; else the run
-    with the least estimate of its error. Raises `GeometryError` where no method follows the
-    scene, `UsageError` where no run fits into the budget.
+    What the planner selects comes before the others. The reference is the motion in double-double, where the budget
+    allows it and it is surer than any row; else the closed form, where one serves the finest accuracy, or the run with
+    the least estimate of its error. Raises `GeometryError` where no method follows the scene, `UsageError` where no run
+    fits into the budget.
     """
     ascent = _Ascent(scene, ladder, watch)
     ascent.run(progress)
-    runs, skipped = ascent.runs, ascent.skipped
+    runs, skipped, (seconds, finer) = ascent.runs, ascent.skipped, ascent.finer
     if not runs and skipped[0].seconds is None:
         raise GeometryError(skipped[0].why, places=(scene.name,))
     if not runs:
         raise UsageError(f"{scene.name}: no run fits into the budget of {watch.budget:g} s: give a larger budget")
     closed = [item for item in runs if item.run.steps == 0 and ladder[-1] in item.asked]
     standard = min(closed or runs, key=lambda item: item.run.error.reached)
-    seconds, finer = (0.0, None) if closed else watch.once(partial(_quadruple, standard.run))
-    rows = tuple(item.row(finer or standard) for item in runs)
-    reference = rows[runs.index(standard)]
-    if finer is not None:
-        time = Timing(seconds, seconds, seconds, 1)
-        reference = replace(
-            reference, method=QUADRUPLE, time=time, reached=finer.error, asked=(), estimate=finer.error, error=None
-        )
-    return Measurement(rows, reference, tuple(skipped))
+    if finer is None or finer.error >= standard.run.error.reached:
+        rows = tuple(item.row(standard) for item in runs)
+        return Measurement(rows, rows[runs.index(standard)], tuple(skipped))
+    rows = tuple(item.row(finer) for item in runs)
+    best = SceneRow(
+        method=NAME,
+        time=Timing(seconds, seconds, seconds, 1),
+        reached=finer.error,
+        model=EQUATIONS,
+        asked=(),
+        planned=False,
+        steps=finer.steps,
+        estimate=finer.error,
+        error=None,
+    )
+    return Measurement(rows, best, tuple(skipped))
 
 
-def _quadruple(run: Run) -> Quadruple | None:
-    """Return the attitudes of a run in quadruple precision; None where that cannot be had."""
-    candidate = run.plan.candidates[-1]
-    if not isinstance(candidate.model, EulerEquations):
-        return None
-    turn = quaternion.conjugate(quaternion.from_matrix(candidate.axes))
-    return quadruple(candidate.model.rotation(candidate), run.time, turn)
+def _finer(run: Run, watch: Stopwatch) -> Reference | None:
+    """Return the motion of a run in double-double, as far as the budget goes."""
+    begun = watch.elapsed
+
+    def affords(done: float) -> bool:
+        """Say whether all of it fits into a part of what was left, where it goes on as fast."""
+        return (watch.elapsed - begun) / done <= _SHARE * (watch.budget - begun)
+
+    return reference(run.plan.candidates[-1], run.time, affords)
 
 
 class _Ascent:
@@ -120,12 +131,15 @@ class _Ascent:
     def __init__(self, scene: Scene, ladder: tuple[float, ...], watch: Stopwatch) -> None:
         self._scene, self._ladder, self._watch = scene, ladder, watch
         self.runs: list[_Measured] = []
+        self.finer: tuple[float, Reference | None] = 0.0, None
         self.skipped: list[Skipped] = []
 
     def run(self, progress: Progress) -> None:
         """Run what the planner selects for each accuracy, then each method, those that are fast first."""
         self._climb(None, self._ladder, self._foreseen(None))
         planned = list(self.runs)
+        if planned:
+            self.finer = self._watch.once(partial(_finer, planned[-1].run, self._watch))
         reached = sum(len(item.asked) for item in planned)
         foreseen = {name: seconds for name in self._methods() if (seconds := self._foreseen(name)) is not None}
         for k, name in enumerate(sorted(foreseen, key=foreseen.__getitem__)):

@@ -46,9 +46,14 @@ class Stopwatch:
         self.repeats, self.budget, self._clock = repeats, budget, clock
         self._start = clock()
 
+    @property
+    def elapsed(self) -> float:
+        """The s since the watch was made."""
+        return self._clock() - self._start
+
     def affords(self, seconds: float) -> bool:
         """Say whether something that takes this long fits into what is left of the budget."""
-        return self._clock() - self._start + seconds <= self.budget
+        return self.elapsed + seconds <= self.budget
 
     def once(self, run: Callable[[], T]) -> tuple[float, T]:
         """Run once; return the time and the result."""

@@ -37,7 +37,8 @@ class Trade(Generic[R]):
     repeats, budget : runs of each row, and s for all: wall time for a part, CPU time for a scene
     rows : of a part every method over the whole mesh, then float64 over simpler and simpler meshes; of a scene what
         the planner selects for each accuracy, then every method over the ladder of accuracies
-    reference : the row that the errors are measured against: of a part "exact", where the budget allowed it
+    reference : what the errors are measured against: of a part the row "exact", where the budget allowed it; of a
+        scene the equations of motion in double-double, which no row is, else a row
     skipped : what was not measured, or did not reach what it was asked for
     recommendations : one for the accuracy asked for; without one, for every decade or rung of the ladder
     """
@@ -119,8 +120,8 @@ def trade(
 
     Of a scene, every row is a whole `inertia.simulate` for a stated accuracy: planning, the motion, and the estimate of
     its error, in CPU time. A first run counts only where there is no time for a second one. The error is the largest
-    angle over the samples to the closed form, where the scene has one that serves every accuracy, else to the run with
-    the least estimate of its own error.
+    angle over the samples to the motion in double-double, where the budget allows it; else to the closed form, where
+    the scene has one that serves every accuracy, or to the run with the least estimate of its own error.
 
     What does not fit into the budget is skipped, and listed.
 
@@ -150,7 +151,7 @@ def trade(
     ...                                  "start": {"angular_velocity": [1, 2, 3]},
     ...                                  "run": {"duration": 0.1, "samples": 2}})
     >>> cost = inertia.trade(scene, 1e-6, repeats=1, budget=1.0)
-    >>> cost.reference.model, all(row.reached < 1e-3 for row in cost.rows)
+    >>> cost.rows[0].model, all(row.reached < 1e-3 for row in cost.rows)
     ('asymmetric top', True)
     """
     show = progress or _nothing

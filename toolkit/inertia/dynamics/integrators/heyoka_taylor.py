@@ -6,16 +6,15 @@ Biscani & Izzo, Mon. Not. R. Astron. Soc. 504 (2021) 2614.
 from __future__ import annotations
 
 import functools
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 
 from inertia.arrays import Float
 from inertia.dynamics.integrators.error_control import Adaptive, walk
-from inertia.dynamics.integrators.loop import Piece, States, Stepper, pieces
+from inertia.dynamics.integrators.loop import Piece, States, Stepper
 from inertia.dynamics.integrators.rotation import RotationProblem
 from inertia.dynamics.integrators.terms import HEAD, VECTOR
-from inertia.dynamics.kinematics import quaternion
 from inertia.errors import UsageError
 
 
@@ -103,112 +102,6 @@ def _equations(heyoka: Any, vectors: int) -> list[tuple[Any, Any]]:
         *((e + n) / i for e, n, i in zip(swung, torque, moments, strict=True)),
     ]
     return list(zip([*q, *w], rates, strict=True))
-
-
-_FINE = ("1e-33", "1e-28")
-"""Tolerances of the two runs in quadruple precision."""
-
-_MOST_STEPS = 20_000
-
-
-class Quadruple(NamedTuple):
-    """Attitudes (n, 4) as sums of two float64 each, and in rad how far they may be off."""
-
-    high: Float
-    low: Float
-    error: float
-
-    def apart(self, attitude: Float) -> Float:
-        """Return the angles (n,) in rad to attitudes (n, 4), to many digits however small they are.
-
-        >>> identity = np.array([[0.0, 0.0, 0.0, 1.0]])
-        >>> Quadruple(identity, np.array([[1e-20, 0.0, 0.0, 0.0]]), 0.0).apart(identity).tolist()
-        [2e-20]
-        """
-        sign = np.where((attitude * self.high).sum(axis=1) < 0, -1.0, 1.0)[:, None]
-        off = (sign * attitude - self.high) - self.low
-        off = off - (off * self.high).sum(axis=1)[:, None] * self.high  # what is along it is no turn
-        near = 2.0 * np.linalg.norm(off, axis=1)
-        return np.where(near < 1e-4, near, quaternion.angle_between(attitude, self.high))
-
-
-def quadruple(problem: RotationProblem, time: Float, turn: Float) -> Quadruple | None:
-    """Follow a body under polynomial loads in quadruple precision, 113 bits, at the instants (n,) s.
-
-    The figures of the problem and of its `terms.Terms` are taken as the float64 numbers that they are. The error is how
-    far two runs with other tolerances, and so with other orders and steps, are apart.
-
-    Parameters
-    ----------
-    problem : what is followed
-    time : (n,) s, ascending from its start
-    turn : (4,) by which the attitudes are multiplied from the right
-
-    Returns
-    -------
-    None where heyoka is not there or has no such numbers, where a load is no polynomial, or after too many steps.
-    """
-    try:
-        import heyoka
-
-        number = heyoka.real128
-    except (ImportError, AttributeError):
-        return None
-    if problem.terms(problem.start) is None:
-        return None
-    one, other = (_followed(problem, time, turn, heyoka, number, tolerance) for tolerance in _FINE)
-    if one is None or other is None:
-        return None
-    apart = [max(abs(float(x)) for x in row) for row in one - other]
-    high = np.array(one, dtype=np.float64)
-    low = np.array(one - np.vectorize(number, otypes=[object])(high), dtype=np.float64)
-    return Quadruple(high, low, 4.0 * max(apart) + 1e-30)
-
-
-def _followed(problem: RotationProblem, time: Float, turn: Float, heyoka: Any, number: Any, tolerance: str) -> Any:
-    """Return the attitudes (n, 4) of one run, as objects; None after too many steps."""
-    quad = np.vectorize(number, otypes=[object])
-    state = np.array([*problem.attitude, *problem.angular_velocity / problem.rate])
-    now = quad(state)
-    now[:4] = now[:4] / sum(x * x for x in now[:4]) ** number("0.5")
-    rows = np.tile(now[:4], (len(time), 1))
-    for piece in pieces(problem, time):
-        units = piece.units
-        pars = quad(np.concatenate([units.moments, units.packed]))
-        solver = _quadruple(units.vectors, tolerance)
-        solver.time, solver.state[:], solver.pars[:] = number(0), np.array(list(now)), np.array(list(pars))
-        samples = time[piece.first : piece.last]
-        instants, at = np.unique([piece.start, *samples, piece.end], return_inverse=True)
-        grid = np.array([(number(t) - number(piece.start)) * number(piece.problem.rate) for t in instants.tolist()])
-        result = solver.propagate_grid(grid, max_steps=_MOST_STEPS)
-        if result[0] != heyoka.taylor_outcome.time_limit:
-            return None
-        rows[piece.first : piece.last] = result[5][at[1:-1], :4]
-        now = np.array(solver.state, dtype=object)
-    x, y, z, w = (quad(np.array([each]))[0] for each in turn.tolist())
-    a, b, c, d = rows.T
-    turned = np.stack(
-        [
-            d * x + a * w + b * z - c * y,
-            d * y + b * w + c * x - a * z,
-            d * z + c * w + a * y - b * x,
-            d * w - a * x - b * y - c * z,
-        ],
-        axis=1,
-    )
-    return turned / (turned * turned).sum(axis=1)[:, None] ** number("0.5")
-
-
-@functools.lru_cache(maxsize=4)
-def _quadruple(vectors: int, tolerance: str) -> Any:
-    """Return an integrator in quadruple precision, as `_compiled`."""
-    import heyoka
-
-    number = heyoka.real128
-    equations = _equations(heyoka, vectors)
-    start = np.array([number(x) for x in (0, 0, 0, 1, 0, 0, 0)])
-    pars = np.array([number(0)] * (3 + HEAD + VECTOR * vectors))
-    return heyoka.taylor_adaptive(equations, start, pars=pars, fp_type=number, tol=number(tolerance), compact_mode=True)
 
 
 def _cross(a: list[Any], b: list[Any]) -> list[Any]:

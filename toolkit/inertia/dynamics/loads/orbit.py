@@ -6,6 +6,7 @@ import math
 from collections.abc import Callable
 from dataclasses import dataclass, fields
 from decimal import Decimal, localcontext
+from fractions import Fraction
 from functools import cached_property
 from typing import Annotated, Any
 
@@ -238,8 +239,8 @@ class Orbit(Load):
         if self.position is not None and self.velocity is not None:
             if not np.any(np.cross(self.position, self.velocity)):
                 raise FieldError(f"{path}.velocity", "is along the position: the body would fall straight down")
-            if Ellipse.of_state(self._strength, self.position, self.velocity) is None:
-                speed, escape = np.linalg.norm(self.velocity), math.sqrt(2 * self._strength / _length(self.position))
+            if Ellipse.of_state(self.strength, self.position, self.velocity) is None:
+                speed, escape = np.linalg.norm(self.velocity), math.sqrt(2 * self.strength / _length(self.position))
                 raise FieldError(
                     f"{path}.velocity",
                     f"is {speed:.6g} m/s, and {escape:.6g} m/s is enough to escape: the orbit must close",
@@ -277,7 +278,7 @@ class Orbit(Load):
     def ellipse(self) -> Ellipse:
         """The orbit."""
         if self.position is not None and self.velocity is not None:
-            ellipse = Ellipse.of_state(self._strength, self.position, self.velocity)
+            ellipse = Ellipse.of_state(self.strength, self.position, self.velocity)
             assert ellipse is not None  # the section saw to it
             return ellipse
         x, _, z = np.eye(3)
@@ -286,16 +287,21 @@ class Orbit(Load):
             turn = quaternion.multiply(turn, quaternion.from_rotation_vector(along))
         with localcontext() as context:
             context.prec = _DIGITS
-            if self.semi_major_axis is not None:
-                size = Decimal(self.semi_major_axis)
-            else:
-                size = (Decimal(self._radius) + Decimal(self.altitude or 0.0)) / (1 - Decimal(self.eccentricity))
+            size = Decimal(self.size.numerator) / Decimal(self.size.denominator)
         axes = quaternion.matrix(turn)
-        return Ellipse.of_elements(self._strength, size, self.eccentricity, axes, self.anomaly)
+        return Ellipse.of_elements(self.strength, size, self.eccentricity, axes, self.anomaly)
 
     @property
-    def _strength(self) -> float:
+    def strength(self) -> float:
+        """The gravitational parameter of the primary, m³/s²."""
         return PRIMARIES[self.mu][0] if isinstance(self.mu, str) else self.mu
+
+    @property
+    def size(self) -> Fraction:
+        """The semi-major axis of an orbit of elements, m, before it is rounded."""
+        if self.semi_major_axis is not None:
+            return Fraction(self.semi_major_axis)
+        return (Fraction(self._radius) + Fraction(self.altitude or 0.0)) / (1 - Fraction(self.eccentricity))
 
     @property
     def _radius(self) -> float:
@@ -381,7 +387,7 @@ class Orbit(Load):
     def described(self, listed: Callable[[Float | float], str]) -> str:
         """Return the size and shape of the orbit, and its period."""
         ellipse = self.ellipse
-        primary = f"the {self.mu}" if isinstance(self.mu, str) else f"μ = {listed(self._strength)} m³/s²"
+        primary = f"the {self.mu}" if isinstance(self.mu, str) else f"μ = {listed(self.strength)} m³/s²"
         return (
             f"gravity gradient of {primary} on an orbit of semi-major axis {listed(ellipse.semi_major_axis)} m, "
             f"eccentricity {listed(0.0 if ellipse.circular else ellipse.eccentricity)}, period "

@@ -182,12 +182,19 @@ class Constraint(Section):
 
     def __post_init__(self, path: str | None) -> None:
         object.__setattr__(self, "_typed_axis", self.axis)
+        object.__setattr__(self, "_typed_normal", self.normal)
         super().__post_init__(path)
 
     @property
     def typed_axis(self) -> Float:
         """The axis (3,) as it was given, of any length."""
         return np.asarray(self.__dict__["_typed_axis"], dtype=np.float64)
+
+    @property
+    def typed_normal(self) -> Float:
+        """The normal (3,) of the plane that a ball slides on, as it was given, of any length."""
+        typed = self.__dict__["_typed_normal"]
+        return self.plane if typed is None else np.asarray(typed, dtype=np.float64)
 
     def require_sense(self, path: str) -> None:
         """Raise `FieldError` where a field goes with another constraint, or is missing."""

@@ -96,14 +96,14 @@ class JointedBody:
         roots = [part.name for part in self.parts if part.parent is None]
         if len(roots) > 1:
             raise FieldError("part", f"has {len(roots)} roots, {', '.join(roots)}: give all but one a parent")
-        if len(self._order) < len(self.parts):
-            astray = ", ".join(name for k, name in enumerate(names) if k not in self._order)
+        if len(self.order) < len(self.parts):
+            astray = ", ".join(name for k, name in enumerate(names) if k not in self.order)
             raise FieldError("part", f"has no way from a root to {astray}: one part, and one only, has no parent")
         if not self.parts:
             raise FieldError("part", "is empty: give one part or more")
 
     @cached_property
-    def _order(self) -> list[int]:
+    def order(self) -> list[int]:
         """Indices of the parts, each after its parent, as far as they can be reached from a root."""
         order = [k for k, part in enumerate(self.parts) if part.parent is None]
         for at in order:
@@ -131,7 +131,7 @@ class JointedBody:
         at_rest = np.tile(quaternion.IDENTITY, (count, 1)), *(np.zeros((count, 3)) for _ in range(3))
         moved: dict[str | None, _Moving] = {None: _Moving(*at_rest)}
         motion = {joint: joint.at(t, later) for joint in self.joints}
-        for k in self._order:
+        for k in self.order:
             part = self.parts[k]
             pose = moved[part.parent]
             for joint in part.joints:

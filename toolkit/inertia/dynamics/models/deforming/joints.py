@@ -75,9 +75,16 @@ class Joint:
         for what, column in ((name, values), ("rates", rates)):
             if len(column) != len(times):
                 raise FieldError(f"{path}.{what}", f"has {len(column)} entries for {len(times)} times: give one each")
+        object.__setattr__(self, "_typed_axis", axis)
         for what, value in (("axis", axis / length), ("times", times), (name, values), ("rates", rates)):
             object.__setattr__(self, what, value)
         object.__setattr__(self, "point", numbers((3,), "m")(self.point, f"{path}.point"))
+
+    @property
+    def typed_axis(self) -> Float:
+        """The axis (3,) as it was given, of any length."""
+        typed: Float = self.__dict__["_typed_axis"]
+        return typed
 
     @property
     def revolute(self) -> bool:
@@ -87,11 +94,12 @@ class Joint:
     @cached_property
     def moves(self) -> bool:
         """Whether the joint ever leaves its first value."""
-        values, rates = self._columns
+        values, rates = self.columns
         return bool(np.any(rates) or np.any(values != values[0]))
 
     @property
-    def _columns(self) -> tuple[Float, Float]:
+    def columns(self) -> tuple[Float, Float]:
+        """The values (k,) and the rates (k,) at the keyframes."""
         values = self.displacements if self.angles is None else self.angles
         assert values is not None
         assert self.rates is not None
@@ -103,7 +111,7 @@ class Joint:
         What is later is added to the time since the last keyframe, which two that are close leave few digits of in
         their sum. It must not lead past the next keyframe.
         """
-        values, rates = self._columns
+        values, rates = self.columns
         t, more = np.broadcast_arrays(np.asarray(time, dtype=np.float64), np.asarray(later, dtype=np.float64))
         ended = (t >= self.times[-1]) | (t < self.times[0])
         within = np.clip(t, self.times[0], self.times[-1])

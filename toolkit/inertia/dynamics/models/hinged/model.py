@@ -52,7 +52,7 @@ class HingedBody(Model):
         axis, start, mass = candidate.axes.T @ problem.axle, candidate.attitude, candidate.mass
         loads = [load.along(candidate.axes, problem.scene.body.axes) for load in problem.torques]
         torques = [load for load in loads if isinstance(load, Torque)]
-        figures = _figures(problem)
+        figures = figures_of(problem)
         axle = axle_of(figures)
         damping = axle.damping
         steady = held.drive == "constant_speed"
@@ -100,7 +100,7 @@ class HingedBody(Model):
         return "driven"
 
 
-def _figures(problem: Problem) -> dict[str, Fraction]:
+def figures_of(problem: Problem) -> dict[str, Fraction]:
     """Return what decides the angle: a·(r(θ) × m g) = A cos θ + B sin θ, as r turns about a, and so on."""
     held, exact, body = problem.scene.constraint, problem.exact, problem.scene.body
     direction = rationals(held.typed_axis)
