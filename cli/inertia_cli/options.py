@@ -256,13 +256,13 @@ def require_recordable(options: argparse.Namespace) -> None:
         require_viewer()
 
 
-def record(result: Any, file: str | Path | None, options: argparse.Namespace, *, live: bool) -> None:
+def record(result: Any, file: str | Path | None, options: argparse.Namespace, *, live: bool, other: Any = None) -> None:
     """Record a run or a balance to a file, on the viewer, or both; a viewer that ends takes nothing along."""
     from inertia.recording.live import ViewerError
     from inertia.recording.record import record
 
     try:
-        record(result, file, force=options.force, live=live)
+        record(result, file, other=other, force=options.force, live=live)
     except ViewerError as error:
         options.lost = error
 

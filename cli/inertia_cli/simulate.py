@@ -61,6 +61,11 @@ def add(parsers: Any) -> None:
     overrides = parser.add_argument_group("in place of what the scene says")
     overrides.add_argument("--for", dest="duration", type=float, metavar="SECONDS", help="how long to follow the body")
     add_settings(overrides)
+    parser.add_argument(
+        "--compare",
+        metavar="SCENE",
+        help="record the run of this scene, or recording, over that one; the options above hold for both",
+    )
     vary = parser.add_argument_group("many runs, with numbers of the scene drawn or swept")
     vary.add_argument(
         "--vary",
@@ -120,23 +125,28 @@ def add_result(parser: argparse.ArgumentParser) -> None:
 
 def run(options: argparse.Namespace) -> int:
     """Run ``inertia simulate``."""
-    from inertia.dynamics.scene.document import Scene
     from inertia.mesh.readers.formats import format_of_name
 
     if format_of_name(Path(options.part)) is not None and Path(options.part).exists():
         raise UsageError(f"{options.part} is a mesh and no scene: name a scene file, or use `inertia tumble`")
-    if Path(options.part).suffix.lower() == ".rrd":
-        from inertia.recording.provenance import scene_of
-
-        scene = scene_of(options.part)
-    else:
-        scene = Scene.load(options.part)
+    scene = _scene(options.part)
     if options.vary:
         return _spread(scene, options)
     for name in _OF_VARY:
         if getattr(options, name) not in (None, []):
             raise UsageError(f"--{name} goes with many runs: say by --vary what varies")
     return follow(scene, options)
+
+
+def _scene(file: str) -> Scene:
+    """Return the scene of a file, or of a recording."""
+    from inertia.dynamics.scene.document import Scene
+
+    if not _is_recording(file):
+        return Scene.load(file)
+    from inertia.recording.provenance import scene_of
+
+    return scene_of(file)
 
 
 def _spread(scene: Scene, options: argparse.Namespace) -> int:
@@ -147,7 +157,7 @@ def _spread(scene: Scene, options: argparse.Namespace) -> int:
     from inertia.report.spread.table import SUFFIXES, write_table
     from inertia.report.spread.text import ensemble_text
 
-    for name in ("explain", "live", "plot"):
+    for name in ("explain", "live", "plot", "compare"):
         if getattr(options, name):
             raise UsageError(f"--{name} is of one run, and --vary makes many: leave one of them out")
     outputs = _distinct([require_writable(file, *SUFFIXES, force=options.force) for file in options.output])
@@ -232,9 +242,12 @@ def follow(scene: Scene, options: argparse.Namespace) -> int:
         selection = plan(scene)
         show(options.json, lambda: plan_document(scene, selection), lambda: plan_text(scene, selection))
         return 0
+    other = None
+    if (file := getattr(options, "compare", None)) is not None:
+        other = simulate_scene(_overridden(_scene(file), options))
     motion = simulate_scene(scene) if not options.live else _shown(scene, options)
     write_and_show(
-        lambda: _write(motion, options), options.json, lambda: run_document(motion), lambda: run_text(motion)
+        lambda: _write(motion, other, options), options.json, lambda: run_document(motion), lambda: run_text(motion)
     )
     tell_of_viewer(options)
     return 0
@@ -282,6 +295,8 @@ def _require_writable(options: argparse.Namespace) -> None:
         require_kind(options.plot_kind)
     elif options.plot_kind is not None:
         raise UsageError("--plot-kind goes with a plot: name its file by --plot")
+    if getattr(options, "compare", None) is not None and not (options.live or any(map(_is_recording, options.output))):
+        raise UsageError("--compare is seen in a recording: add --output FILE.rrd, or --live")
     if options.live:
         from inertia.recording.live import require_viewer
 
@@ -296,7 +311,7 @@ def _distinct(files: list[Path]) -> list[Path]:
     return files
 
 
-def _write(motion: Run, options: argparse.Namespace) -> None:
+def _write(motion: Run, other: Run | None, options: argparse.Namespace) -> None:
     """Write all files that were asked for, or none, and stream to the viewer."""
     from inertia.output import together
 
@@ -311,4 +326,4 @@ def _write(motion: Run, options: argparse.Namespace) -> None:
 
             write_figure(lambda: motion.plot(options.plot_kind), options.plot, force=options.force)
         for k, file in enumerate(recordings or ([None] if live else [])):
-            record(motion, file, options, live=live and k == 0)
+            record(motion, file, options, live=live and k == 0, other=other)

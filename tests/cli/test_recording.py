@@ -228,3 +228,15 @@ def test_an_interrupted_live_run_leaves_what_it_has(
     assert not Path(f"{file}.csv").exists()
     assert verified(file, tmp_path)
     assert run(capsys, "simulate", str(file), "--json")[0] == 0
+
+
+def test_two_scenes_are_recorded_over_each_other(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
+    first, both = str(tmp_path / "first.rrd"), str(tmp_path / "both.rrd")
+    settings = ("--for", "2", "--samples", "21")
+    assert run(capsys, "simulate", SCENE, *settings, "-o", first)[0] == 0
+    code, _, err = run(capsys, "simulate", first, "--compare", str(path("scenes/thrown_box.toml")), "-o", both)
+    assert (code, err) == (0, "")
+    assert properties(Path(both))["other_scene"]["name"] == "thrown_box.toml"
+    code, out, err = run(capsys, "simulate", SCENE, "--compare", first)
+    assert (code, out) == (2, "")
+    assert "--compare is seen in a recording: add --output FILE.rrd, or --live" in err

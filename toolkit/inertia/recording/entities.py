@@ -45,6 +45,7 @@ PLOT_EULER_ANGLES = f"{PLOTS}/euler_angles"
 PLOT_FROM_MOMENTUM = f"{PLOTS}/angles_from_momentum"
 PLOT_ENERGY = f"{PLOTS}/energy"
 PLOT_DRIFT = f"{PLOTS}/drift"
+PLOT_APART = f"{PLOTS}/angle_between_runs"
 
 FLIPS = "spin_about_axis_2"
 SUMMARY = "text/summary"

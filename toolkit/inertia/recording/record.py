@@ -24,9 +24,14 @@ _ROTOR = "rotor"
 
 
 def record(
-    subject: Run | Balance, path: str | os.PathLike[str] | None = None, *, force: bool = False, live: bool = False
+    subject: Run | Balance,
+    path: str | os.PathLike[str] | None = None,
+    *,
+    other: Run | None = None,
+    force: bool = False,
+    live: bool = False,
 ) -> None:
-    """Write a run, or a rotor, to a Rerun recording, to an open viewer, or to both.
+    """Write a run, two runs over each other, or a rotor, to a Rerun recording, to an open viewer, or to both.
 
     The file holds the screen too, and what is needed to run it again: ``inertia simulate run.rrd``. It appears under
     its name when it is whole, and not at all where writing fails.
@@ -35,27 +40,33 @@ def record(
     ----------
     subject : what `inertia.simulate` or `inertia.balance` returned
     path : of the file, ending in .rrd; None for none
+    other : a run to be shown over the first, of a rigid body
     force : write over a file that is there
     live : stream to the viewer that listens on port 9876 of this machine
 
     Raises
     ------
-    UsageError : neither a path nor `live`, a path that is not usable, or a file that is there
+    UsageError : neither a path nor `live`, a path that is not usable, or a file that is there; `other` for a rotor, or
+        a body that changes its shape in either run
     GeometryError : the run has fewer than two samples, some that are not finite, or none in the order of time
     InertiaError : the place cannot be written to, the disk is full, or no viewer listens; `live.ViewerError` where it
         ends, or falls silent, before it has all: the file is whole then
     """
     if path is None and not live:
         raise UsageError("there is nowhere to record to: give a path, or live=True with an open viewer")
-    if isinstance(subject, Run):
-        _require_finite(subject)
+    for run in (subject, other):
+        if isinstance(run, Run):
+            _require_finite(run)
     file = None if path is None else require_writable(path, ".rrd", force=force)
-    screen = _screen(subject)
+    screen = _screen(subject, other)
 
     def write(recording: Recording) -> None:
         recording.name(screen.name)
         for name, values in properties_of(subject).items():
             recording.properties(name, values)
+        if other is not None:
+            for name, values in properties_of(other).items():
+                recording.properties(f"other_{name}", values)
         recording.properties("timeline", {"second_s": screen.second})
         screen.write(recording)
 
@@ -67,7 +78,13 @@ def record(
             write(recording)
 
 
-def _screen(subject: Run | Balance) -> Screen:
+def _screen(subject: Run | Balance, other: Run | None) -> Screen:
+    if other is not None:
+        if isinstance(subject, Balance):
+            raise UsageError("a rotor is not recorded with a run over it: record each by itself")
+        from inertia.recording.views import overlay
+
+        return overlay.screen(subject, other)
     name = _ROTOR if isinstance(subject, Balance) else subject.plan.view
     screen: Screen = import_module(f"inertia.recording.views.{name}").screen(subject)
     return screen

@@ -1,0 +1,71 @@
+"""Two runs over each other."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+from tests.recording.reading import Recorded, verified
+
+from inertia import Rotor, Run, Scene, balance, record, simulate
+from inertia.errors import UsageError
+from inertia.recording.provenance import properties, scene_of
+from inertia_meshes import path
+
+
+def spun(rate: float, duration: float, samples: int, moment: float = 2.0) -> Run:
+    """Return a ball that spins evenly about z: its attitude is turned by rate times t."""
+    scene = {
+        "body": {"principal_moments": [moment] * 3, "mass": 1.0},
+        "start": {"angular_velocity": [0.0, 0.0, rate]},
+        "run": {"duration": duration, "samples": samples},
+    }
+    return simulate(Scene.from_dict(scene))
+
+
+@pytest.mark.parametrize(
+    ("duration", "samples"), [(2.0, 201), (3.0, 301), (3.0, 77), (1.0, 33)], ids=["same", "longer", "other", "shorter"]
+)
+def test_the_angle_between_attitudes_is_that_of_the_spins(duration: float, samples: int, tmp_path: Path) -> None:
+    file = tmp_path / "both.rrd"
+    record(spun(1.0, 2.0, 201), file, other=spun(1.5, duration, samples, 2e-8))
+    assert verified(file, tmp_path)
+    recorded = Recorded(file)
+    entity = "/plots/angle_between_runs"
+    time, angle = recorded.time(entity), recorded.values(entity, "Scalars:scalars").ravel()
+    assert time[-1] == pytest.approx(min(2.0, duration))
+    assert angle == pytest.approx(0.5 * time, abs=1e-9)  # an instant is rounded to nanoseconds
+    ends = {name: recorded.time(f"/world/{name}/body")[-1] for name in ("first", "other")}
+    assert ends == {"first": pytest.approx(2.0), "other": pytest.approx(duration)}
+    (text,) = recorded.texts("/text/summary", "TextDocument:text")
+    assert f"Apart** by {0.5 * min(2.0, duration):.3g} rad at most" in text
+    assert ("body stays as it is then" in text) == (duration != 2.0)
+
+
+def test_both_bodies_turn_as_their_runs_do(tmp_path: Path) -> None:
+    file = tmp_path / "both.rrd"
+    record(spun(1.0, 2.0, 201), file, other=spun(-0.5, 2.0, 201))
+    recorded = Recorded(file)
+    for name, rate in (("first", 1.0), ("other", -0.5)):
+        time = recorded.time(f"/world/{name}/body")
+        rotation = recorded.values(f"/world/{name}/body", "Transform3D:quaternion").reshape(-1, 4)
+        half = 0.5 * rate * time
+        turned = np.stack([np.sin(half), np.cos(half)], axis=1)
+        assert np.abs(np.abs((rotation[:, 2:] * turned).sum(axis=1)) - 1.0).max() < 1e-6
+
+
+def test_the_first_is_run_again_and_both_are_named(tmp_path: Path) -> None:
+    file = tmp_path / "both.rrd"
+    first, other = (simulate(Scene.load(path(f"scenes/{name}.toml"))) for name in ("thrown_box", "heavy_top"))
+    record(first, file, other=other)
+    sections = properties(file)
+    assert sections["other_scene"]["name"] == "heavy_top.toml"
+    assert scene_of(file).run.duration == first.scene.run.duration
+
+
+def test_what_cannot_be_shown_over_each_other_is_refused(tmp_path: Path) -> None:
+    ball, cat = spun(1.0, 2.0, 11), simulate(Scene.load(path("scenes/cat.toml")))
+    with pytest.raises(UsageError, match="its body changes its shape"):
+        record(ball, tmp_path / "both.rrd", other=cat)
+    with pytest.raises(UsageError, match="a rotor is not recorded with a run over it"):
+        record(balance(Rotor.load(path("rotors/disc.toml"))), tmp_path / "both.rrd", other=ball)
+    assert list(tmp_path.iterdir()) == []
