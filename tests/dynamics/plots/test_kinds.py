@@ -123,7 +123,10 @@ def test_a_pendulum_has_the_separatrix_of_its_energy() -> None:
     drawn = line(axes, "the run")
     assert np.array_equal(drawn[:, 0], run.quantities["angle"])
     assert "separatrix" in {each.get_label() for each in axes.lines}
-    assert axes.collections  # curves of equal energy
+    level = line(axes, "equal energy")
+    energy = level[:, 1] ** 2 / 2.0 * 0.3334 - 1.0 * 9.80665 * 0.5 * (1.0 - np.cos(level[:, 0] + np.radians(1.0)))
+    shown = level[:, 1] > 0
+    assert np.ptp(energy[shown]) < 1e-9 * np.abs(energy[shown]).max()
 
 
 def test_a_tippe_top_is_seen_to_turn_over() -> None:

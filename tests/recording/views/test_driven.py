@@ -5,7 +5,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from tests.recording.kinds import drawable, errors_seen, series, tips, written
+from tests.recording.kinds import drawable, errors_seen, place, series, tips, written
 
 from inertia import Run, Scene, simulate
 from inertia.recording import entities
@@ -35,7 +35,7 @@ def test_a_damped_sphere_loses_its_momentum_exponentially(tmp_path: Path) -> Non
     np.testing.assert_allclose(arrow, np.exp(-0.2 * recording.time(f"/{entities.CURRENT}")), atol=2e-4)
     radius = recording.values(f"/{entities.MOMENTUM_SPHERE}", "Ellipsoids3D:half_sizes")[:, 0, 0]
     np.testing.assert_allclose(radius, arrow, rtol=1e-5)
-    assert sorted(recording.views) == ["3D", "3D", "TextDocument", *6 * ["TimeSeries"]]
+    assert sorted(recording.views) == ["3D", "3D", "TextDocument", *7 * ["TimeSeries"]]
 
 
 @pytest.mark.parametrize("name", ["boom_satellite", "detumbling", "gravity_gradient", "manoeuvre"])
@@ -115,3 +115,54 @@ def test_the_samples_are_written_whole(name: str, tmp_path: Path) -> None:
 def test_the_viewer_shows_it_without_an_error(tmp_path: Path) -> None:
     run = made([1.0, 2.0, 3.0], [0.1, 1.0, 0.2], [{"kind": "damping", "coefficient": 0.1}])
     assert errors_seen(screen(run), tmp_path, 5.0) == []
+
+
+def test_a_pendulum_goes_round_its_axle_and_runs_through_its_phase_portrait(tmp_path: Path) -> None:
+    """A rod of 1 m on a pin at its end: ½ J ω² + V, with J = I + m d² and V = m g d cos θ, its tilt from upright."""
+    run = simulate(Scene.load(path("scenes/pendulum.toml")))
+    recording = written(screen(run), tmp_path / "run.rrd")
+    assert sorted(recording.views) == ["2D", "3D", "TextDocument", *6 * ["TimeSeries"]]
+    time = recording.time(f"/{entities.CENTER}")
+    tilt = run.at(time).quantities["angle"] + np.radians(1.0)
+    expected = 5.0 * np.stack([0.0 * tilt, -np.sin(tilt), np.cos(tilt)], axis=1)  # one unit is 0.1 m
+    np.testing.assert_allclose(place(recording, f"/{entities.CENTER}"), expected, atol=1e-5)
+    below, above = (
+        recording.values(f"/{name}/point", "Points2D:positions")[:, 0].astype(float)
+        for name in (entities.PHASE_PORTRAIT, entities.EFFECTIVE_POTENTIAL)
+    )
+    np.testing.assert_allclose(below[:, 0], above[:, 0], atol=1e-4)
+    potential = 9.80665 * 0.5 * np.cos(tilt)
+    rate = run.at(time).angular_velocity[:, 0]
+    for drawn, values in ((above[:, 1], potential), (below[:, 1], rate), (below[:, 0], tilt)):
+        slope, offset = np.polyfit(values, drawn, 1)
+        np.testing.assert_allclose(drawn, slope * values + offset, atol=1e-3)
+    level = recording.values(f"/{entities.EFFECTIVE_POTENTIAL}/energy", "LineStrips2D:strips")[:, 0, :, 1].astype(float)
+    slope, offset = np.polyfit(potential, above[:, 1], 1)
+    energy = 0.5 * (0.0834 + 0.25) * rate**2 + potential
+    np.testing.assert_allclose(level, (slope * energy + offset)[:, None].repeat(2, 1), atol=1e-3)
+
+
+def test_the_forces_on_bearings_are_equal_and_opposite_arrows(tmp_path: Path) -> None:
+    recording = written(screen(simulate(Scene.load(path("scenes/tilted_disc.toml")))), tmp_path / "run.rrd")
+    first, second = (tips(recording, f"/{entities.AXLE}/{name}/force") for name in "AB")
+    np.testing.assert_allclose(first, -second, atol=1e-5)
+    np.testing.assert_allclose(np.linalg.norm(first, axis=1), np.linalg.norm(first[0]), rtol=1e-5)
+    places = [recording.values(f"/{entities.AXLE}/{name}", "Transform3D:translation")[0, 0] for name in "AB"]
+    axle = np.array([np.sin(np.radians(1.0)), 0.0, np.cos(np.radians(1.0))])
+    np.testing.assert_allclose(places[1] - places[0], 2.0 * axle, atol=1e-6)  # 0.2 m, one unit is 0.1 m
+    np.testing.assert_allclose(first @ axle, 0.0, atol=1e-4)
+
+
+def test_a_spring_has_no_separatrix(tmp_path: Path) -> None:
+    table = {
+        "body": {"principal_moments": [1.0, 1.0, 2.0], "mass": 1.0},
+        "start": {"angular_velocity": [0, 0, 1.0]},
+        "constraint": {"kind": "hinge", "axis": [0, 0, 1.0], "stiffness": 8.0},
+        "run": {"duration": 6.0, "samples": 301, "accuracy": 1e-9},
+    }
+    recording = written(screen(simulate(Scene.from_dict(table))), tmp_path / "run.rrd")
+    assert f"/{entities.PHASE_PORTRAIT}/levels" in recording.columns
+    assert f"/{entities.PHASE_PORTRAIT}/separatrix" not in recording.columns
+    angle, rate = series(recording, f"/{entities.PLOT_ANGLE}").T
+    np.testing.assert_allclose(angle, 0.5 * np.sin(2.0 * recording.time(f"/{entities.PLOT_ANGLE}")), atol=1e-8)
+    np.testing.assert_allclose(rate**2 + 4.0 * angle**2, 1.0, atol=1e-8)

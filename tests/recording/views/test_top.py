@@ -43,7 +43,7 @@ def test_it_applies_where_gravity_has_an_arm(run: Run) -> None:
 
 def test_the_screen_has_its_views(recording: Recorded) -> None:
     assert recording.recording.application_id == "inertia-top"
-    assert sorted(recording.views) == ["2D", "3D", "3D", "TextDocument", *4 * ["TimeSeries"]]
+    assert sorted(recording.views) == ["2D", "3D", "3D", "TextDocument", *5 * ["TimeSeries"]]
 
 
 def test_the_centre_of_mass_hangs_on_the_fixed_point(run: Run, recording: Recorded) -> None:

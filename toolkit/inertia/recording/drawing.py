@@ -21,11 +21,13 @@ GROUND = (110, 115, 125)
 STATE_COLORS = [int(f"{color[1:]}FF", 16) for color in (palette.GREEN, palette.VERMILLION)]
 """Of the two states of a timeline, red, green, blue and opacity in one number."""
 
+STRIPS = 256
+"""Rows of lines in a chunk: readers take time that grows with the square of them."""
+
 _LABEL = {"colors": [palette.rgb(palette.WHITE)], "radii": [-0.01], "show_labels": True}
 """Of a text in space: its plate is near-black in a dark theme, and mid-grey on dark ground in a light one."""
 _BEYOND = np.float32(1.07)  # of an arrow, where its name is
 _ROUND = 97  # points of a circle
-_STRIPS = 256  # rows of lines: readers take time that grows with the square of them
 _POINTS = 20_000  # of a line that does not change
 
 
@@ -109,7 +111,7 @@ def write_trail(recording: Recording, path: str, time: Float, points: Float, col
         path,
         time,
         lambda rows: rr.LineStrips3D.columns(strips=np.stack([starts[rows], ends[rows]], axis=1)),
-        block=_STRIPS,
+        block=STRIPS,
     )
 
 

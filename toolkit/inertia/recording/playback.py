@@ -301,7 +301,7 @@ def never_short(length: float, least: float, vectors: Float) -> tuple[Float, str
     lengthened: Float = (
         drawn * (np.divide(least, sizes, where=sizes > 0, out=np.zeros_like(sizes)) + 1.0 - least / length)[:, None]
     )
-    return lengthened, "it grows short and is drawn by its direction: its length tells only more from less"
+    return lengthened, "it grows short, so that its length tells only more from less"
 
 
 def round_down(value: float) -> float:

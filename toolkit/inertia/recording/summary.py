@@ -111,5 +111,10 @@ def _notes(run: Run, notes: Iterable[str]) -> Iterator[str]:
 
 
 def sentence(text: str) -> str:
-    """Return a text with a capital and a full stop."""
-    return f"{text[:1].upper()}{text[1:]}{'' if text.endswith('.') else '.'}"
+    """Return a text with a capital and a full stop; symbols keep their letter.
+
+    >>> sentence("it turns"), sentence("ω: short")
+    ('It turns.', 'ω: short.')
+    """
+    first = text[:1].upper() if text[:1].isascii() else text[:1]
+    return f"{first}{text[1:]}{'' if text.endswith('.') else '.'}"

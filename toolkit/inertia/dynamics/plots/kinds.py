@@ -10,11 +10,10 @@ import numpy as np
 
 from inertia.arrays import Float
 from inertia.dynamics.kinematics import quaternion
-from inertia.dynamics.kinematics.euler_angles import from_angles
 from inertia.dynamics.kinematics.polhode import polhode, polhode_family, separatrix
-from inertia.dynamics.motion import Motion
 from inertia.dynamics.plots.projection import FAINT, INK, Projection, bare
 from inertia.dynamics.plots.subject import Subject, ascending
+from inertia.dynamics.plots.swing import Swing, Window, heavy_top_of, swing_of
 from inertia.errors import UsageError
 from inertia.palette import BLUE, GREEN, ORANGE, PLUM, VERMILLION
 
@@ -27,7 +26,6 @@ _EYE = (0.58, 0.46, 0.67)  # from where all three axes can be told apart
 _SAMPLES = 361
 _MOST = 4000  # points of a line
 _COARSE = 0.7  # rad between samples, from which on no line is drawn between them
-_LEVELS = 9
 _VERTICAL = 1e-4  # rad from the vertical, nearer to which V is all rounding
 _LONGEST = 30.0  # times as long as wide: longer ellipsoids are lines
 _EQUAL = 1e-9  # relative difference up to which moments, or rates, are the same
@@ -210,13 +208,7 @@ def _legend_below(axes: Axes) -> None:
 
 
 def _effective_potential(axes: Axes, run: Subject) -> None:
-    from inertia.dynamics.models.heavy.top import HeavyTop
-
-    plan = run.plan
-    start = from_angles([float(run.quantities[name][0]) for name in ("phi", "theta", "psi")])
-    weight = plan.problem.weight * float(np.linalg.norm(plan.problem.arm))
-    moments = float(plan.moments[0]), float(plan.moments[2])
-    top = HeavyTop.of_state(moments, weight, start, run.angular_velocity[0] @ plan.axes)
+    top = heavy_top_of(run)
     first, last = top.turning_angles
     beside = max(0.7 * (last - first), 0.15)
     theta = np.linspace(max(first - beside, _VERTICAL), min(last + beside, np.pi - _VERTICAL), 601)
@@ -312,54 +304,35 @@ def _phase(run: Subject) -> tuple[Float, Float]:
 def _phase_portrait(axes: Axes, run: Subject) -> None:
     angle, rate = _phase(run)
     name, what = "tilt of the axis θ, rad", "Phase portrait of the tilt"
-    if "angle" in run.quantities:
+    window = Window.around(angle, rate)
+    if (swing := swing_of(run)) is not None:
         name, what = "angle θ from the start, rad", "Phase portrait"
-    width, height = max(float(np.ptp(angle)), 0.2), max(float(np.ptp(rate)), 1e-3 * float(np.abs(rate).max()), 1e-9)
-    lower, upper = float(angle.min()) - 0.15 * width, float(angle.max()) + 0.15 * width
-    bottom, top = float(rate.min()) - 0.25 * height, float(rate.max()) + 0.25 * height
-    if "angle" in run.quantities:
-        _draw_levels(axes, run, np.linspace(lower, upper, 201), np.linspace(bottom, top, 161))
+        _draw_levels(axes, swing, window)
     every = slice(None, None, max(1, len(angle) // (4 * _MOST)))
     how = _style(_is_coarse(run), len(angle), 2.0)
     axes.plot(angle[every], rate[every], color=VERMILLION, label="the run", zorder=4, **how)
     axes.plot(angle[:1], rate[:1], "o", color=INK, markersize=7, zorder=5, label=_when(run, 0))
-    axes.set_xlim(lower, upper)
-    axes.set_ylim(bottom, top)
+    axes.set_xlim(window.left, window.right)
+    axes.set_ylim(window.low, window.high)
     _plain(axes, name, "its rate θ̇, rad/s", what)
     _legend_below(axes)
 
 
-def _draw_levels(axes: Axes, run: Subject, angles: Float, rates: Float) -> None:
+def _draw_levels(axes: Axes, swing: Swing, window: Window) -> None:
     """Draw curves of other energies, and those through the rest that is not stable."""
-    from matplotlib.lines import Line2D
-
-    candidate, axle = run.plan.candidate, run.plan.problem.axle
-    axis = candidate.axes.T @ axle
-    inertia = float(axis @ (candidate.moments * axis))
-    potential = _potential(run, angles)
-    if not np.ptp(potential):
+    angles = np.linspace(window.left, window.right, 721)
+    if not np.ptp(swing.potential(angles)):
         return
-    energy = 0.5 * inertia * rates[:, None] ** 2 + potential
-    levels = np.linspace(energy.min(), energy.max(), _LEVELS + 2)[1:-1]
-    axes.contour(angles, rates, energy, levels=levels, colors=FAINT, linewidths=0.8, zorder=1)
-    axes.add_line(Line2D([], [], color=FAINT, linewidth=0.8, label="equal energy"))
-    turn = np.linspace(-np.pi, np.pi, 721) + 0.5 * (angles[0] + angles[-1])
-    hills = _potential(run, turn)
-    held = run.plan.problem.scene.constraint
-    if not held.stiffness and np.ptp(hills) > 0 and energy.min() < hills.max() < energy.max():
-        axes.contour(angles, rates, energy, levels=[float(hills.max())], colors=PLUM, linewidths=1.3, zorder=2)
-        axes.add_line(Line2D([], [], color=PLUM, linewidth=1.3, label="separatrix"))
-
-
-def _potential(run: Subject, angles: Float) -> Float:
-    """Return the energy (n,) in J at rest at angles (n,) rad of a body on an axle."""
-    candidate, held = run.plan.candidate, run.plan.problem.scene.constraint
-    start = candidate.attitude
-    axis = quaternion.to_space(start, candidate.axes.T @ run.plan.problem.axle)
-    attitude = quaternion.multiply(quaternion.from_rotation_vector(angles[:, None] * axis), start)
-    spring = {"energy of the spring": 0.5 * held.stiffness * (angles - held.rest_angle) ** 2}
-    at_rest = Motion(attitude, np.zeros((len(angles), 3)), "", 0.0, quantities=spring)
-    return candidate.model.energy(candidate, at_rest)
+    curves = [(energy, FAINT, 0.8, 1, "equal energy") for energy in swing.levels(window).tolist()]
+    if swing.barrier is not None:
+        curves.append((swing.barrier, PLUM, 1.3, 2, "separatrix"))
+    for k, (energy, color, width, order, label) in enumerate(curves):
+        rates = swing.rates(energy, angles)
+        if not (rates < max(-window.low, window.high)).any():
+            continue
+        for sign in (1.0, -1.0):
+            shown = label if sign > 0 and (k == 0 or label == "separatrix") else None
+            axes.plot(angles, sign * rates, color=color, linewidth=width, zorder=order, label=shown)
 
 
 def _swings(run: Subject) -> bool:

@@ -32,7 +32,6 @@ from inertia.recording.writer import Recording
 SPHERE, ELLIPSOID = MOMENTUM, COLORS[0]
 POLHODE, SEPARATRIX, CURRENT = TRAIL, palette.rgb(palette.PINK), (255, 255, 255)
 FAMILY = (120, 135, 155)
-MOVING_SPHERE, MOVING_ELLIPSOID = (*SPHERE, 40), (*ELLIPSOID, 50)
 PATH = (170, 150, 70)
 
 _EQUAL = 1e-9  # relative difference up to which moments are the same
@@ -80,10 +79,10 @@ def write_moving_momentum_space(recording: Recording, run: Run, frames: Frames) 
     semi_axes = np.sqrt((along**2 / moments).sum(axis=1)[:, None] * moments)
     write_axes(recording, entities.PRINCIPAL_AXES, 1.25 * np.eye(3), _LINE)
     spheres = np.repeat(radius[:, None], 3, axis=1)
-    write_ellipsoid(recording, entities.MOMENTUM_SPHERE, frames.time, spheres, MOVING_SPHERE, 0.3 * _LINE)
+    write_ellipsoid(recording, entities.MOMENTUM_SPHERE, frames.time, spheres, SPHERE, 0.3 * _LINE)
     hiding = semi_axes.max(axis=1) > _LONGEST * radius
     semi_axes[hiding] = 0.0
-    write_ellipsoid(recording, entities.ENERGY_ELLIPSOID, frames.time, semi_axes, MOVING_ELLIPSOID, 0.3 * _LINE)
+    write_ellipsoid(recording, entities.ENERGY_ELLIPSOID, frames.time, semi_axes, ELLIPSOID, 0.3 * _LINE)
     write_arrow(recording, entities.CURRENT, frames.time, along, "L", CURRENT, 2.0 * _LINE)
     if frames.play.near == len(frames.time):
         write_lines(recording, entities.PATH_OF_MOMENTUM, [thinned(along)], PATH, 0.5 * _LINE)

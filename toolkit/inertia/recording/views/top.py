@@ -36,8 +36,8 @@ from inertia.recording.screen import Screen, camera, drift_plot, finished, plot,
 from inertia.recording.series import drift_unit, write_drift, write_events
 from inertia.recording.spin_marks import write_marks
 from inertia.recording.summary import summary, title
-from inertia.recording.views.effective_potential import EffectivePotential, effective_potential
 from inertia.recording.views.loads import write_weight
+from inertia.recording.views.phase_portrait import PhasePortrait, phase_portrait
 from inertia.recording.writer import Recording
 
 if TYPE_CHECKING:
@@ -50,6 +50,7 @@ _OMEGA, _MOMENTUM = 1.15, 1.3  # lengths of arrows, over that sphere
 _THICK = 0.008
 _TRAIL = 12.0  # seconds of playback
 _LEAST_CAP = 0.15
+_UPRIGHT = 1e-12  # sin² of a tilt, below which the axis has no direction to precess in
 _FROM = np.array([0.62, -0.66, 0.42])
 _ABOVE = np.array([0.45, -0.55, 0.75])
 
@@ -84,7 +85,7 @@ def screen(run: Run) -> Screen:
     body, axis = display_of(run.scene.body), _axis(run)
     frames = _frames(run, axis)
     tilts = axis.angles(run.attitude)[:, 1]
-    potential = effective_potential(run, float(tilts[0])) if _is_symmetric(run) else None
+    portrait = phase_portrait(run)
 
     def write(recording: Recording) -> None:
         notes = [
@@ -96,17 +97,17 @@ def screen(run: Run) -> Screen:
         notes += _write_sphere(recording, run, frames, axis, _cap(tilts))
         _write_angles(recording, run, axis)
         write_drift(recording, run)
-        if potential is not None:
+        if portrait is not None:
             notes.append(_write_spin(recording, run))
-            notes.append(potential.write(recording, frames.time, axis.angles(frames.attitude)[:, 1]))
+            notes.append(portrait.write(recording, frames, run))
         write_text(recording, summary(run, [*notes, frames.note]))
 
-    blueprint = _blueprint(run, frames, _sphere(body, axis), axis, tilts, potential)
+    blueprint = _blueprint(run, frames, _sphere(body, axis), axis, tilts, portrait)
     return Screen("inertia-top", title(run), blueprint, write, frames.play.second)
 
 
 def _blueprint(
-    run: Run, frames: Frames, radius: float, axis: Axis, tilts: Float, potential: EffectivePotential | None
+    run: Run, frames: Frames, radius: float, axis: Axis, tilts: Float, portrait: PhasePortrait | None
 ) -> rrb.Blueprint:
     """Arrange space, with a sphere of this radius that the axis points at, unit sphere, potential, plots and text."""
     import rerun.blueprint as rrb
@@ -126,18 +127,19 @@ def _blueprint(
         overrides={f"/{entities.UNIT_SPHERE}/trail": behind},
     )
     below: list[Any] = [text_view()]
-    if potential is not None:
-        below.insert(0, potential.chart.view("Effective potential"))
+    if portrait is not None:
+        below.insert(0, portrait.view)
     left = rrb.Vertical(rrb.Horizontal(space, sphere), rrb.Horizontal(*below), row_shares=[3, 2])
-    lower = [drift_plot(drift_unit(run), duration)]
-    if potential is not None:
-        lower.insert(
-            0, plot(entities.PLOT_SPIN, "Spin about the axis, and the least to sleep upright, rad/s", duration)
-        )
+    lower = [
+        drift_plot(drift_unit(run), duration),
+        plot(entities.PLOT_EULER_ANGLES, "Precession φ and spin ψ, rad", duration),
+    ]
+    if portrait is not None:
+        lower.insert(0, plot(entities.PLOT_SPIN, "Spin, and the least to sleep upright, rad/s", duration))
     right = rrb.Vertical(
         plot(entities.PLOT_TILT, "Tilt θ of the axis from the vertical, rad", duration),
-        plot(entities.PLOT_EULER_ANGLES, "Precession φ and spin ψ, rad", duration),
-        rrb.Tabs(*lower) if len(lower) > 1 else lower[0],
+        plot(entities.PLOT_PRECESSION, "Rate of the precession φ, rad/s", duration),
+        rrb.Tabs(*lower),
     )
     return finished(left, right, frames.play.pace, loop=frames.play.loop)
 
@@ -274,8 +276,13 @@ def _write_spin(recording: Recording, run: Run) -> str:
 
 
 def _write_angles(recording: Recording, run: Run, axis: Axis) -> None:
-    """Write θ, φ and ψ at every sample."""
+    """Write θ, φ and ψ at every sample, and the rate of φ: (ω·u − ω·a cosθ)/sin²θ, with vertical u and axis a."""
     angles = axis.angles(run.attitude)
+    omega = quaternion.to_space(run.attitude, run.angular_velocity)
+    up, along, tilt = axis.vertical[:, 2], run.angular_velocity @ axis.axes[:, 2], angles[:, 1]
+    square = np.sin(tilt) ** 2
+    rate = np.divide(omega @ up - along * np.cos(tilt), square, out=np.zeros_like(square), where=square > _UPRIGHT)
+    recording.scalars(entities.PLOT_PRECESSION, run.time, lambda rows: rate[rows, None], ["φ rate, rad/s"], COLORS[:1])
     recording.scalars(entities.PLOT_TILT, run.time, lambda rows: angles[rows, 1:2], ["θ, rad"], COLORS[1:2])
     write_events(recording, entities.PLOT_TILT, run, "turning point", angles[:, 1])
     names, colors = ["φ, rad", "ψ, rad"], [COLORS[0], COLORS[2]]

@@ -1,6 +1,6 @@
 """Charts of what is no function of time."""
 
-from inertia.recording.views.effective_potential import Chart, ticks
+from inertia.recording.chart import Chart, ticks
 
 
 def test_charts_put_their_corners_into_the_corners() -> None:

@@ -1,0 +1,117 @@
+"""The phase portrait of one angle, below the potential that it moves in, with the point that runs through both.
+
+Of a body on an axle, and of the tilt of a heavy symmetric top, whose potential is the effective one.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from inertia import palette
+from inertia.arrays import Float
+from inertia.dynamics.plots.swing import Swing, Window, swing_of
+from inertia.dynamics.run import Run
+from inertia.recording.chart import HEIGHT, Chart, chart_view
+from inertia.recording.drawing import MOMENTUM, OMEGA, TRAIL, Color, thinned
+from inertia.recording.entities import EFFECTIVE_POTENTIAL, PHASE_PORTRAIT
+from inertia.recording.playback import Frames
+from inertia.recording.writer import Recording
+
+if TYPE_CHECKING:
+    import rerun.blueprint as rrb
+
+POINT, LEVEL, SEPARATRIX = (255, 255, 255), (105, 112, 125), palette.rgb(palette.PINK)
+
+_SHARE, _APART = 0.72, 18.0  # of the height of a chart, for each, and between them
+_BESIDE = 0.7  # of the swing of a top, that is shown on either side of it
+_STILL = 0.2  # rad, shown on either side of a tilt that stays
+_HEADROOM = 0.6  # of the well's depth, above the energy
+_POINTS = 801
+_SWINGS = 1e-9  # of the spin: a rate that changes by less is that of no swing
+
+
+@dataclass(frozen=True, eq=False)
+class PhasePortrait:
+    """A swing, and the charts of its potential and of its rate."""
+
+    swing: Swing
+    is_top: bool
+    potential: Chart
+    plane: Chart
+
+    @property
+    def view(self) -> rrb.Spatial2DView:
+        """The view of both charts."""
+        name = "Effective potential and phase portrait" if self.is_top else "Potential and phase portrait"
+        return chart_view(name, [self.potential, self.plane])
+
+    def write(self, recording: Recording, frames: Frames, run: Run) -> str:
+        """Write the charts with a point that moves as the run does at `frames`; return what they show."""
+        swing, potential, plane = self.swing, self.potential, self.plane
+        potential.write_axes(recording, "", "V, J")
+        plane.write_axes(recording, "θ, rad", "θ rate, rad/s")
+        theta = np.linspace(potential.left, potential.right, _POINTS)
+        energy = swing.energy
+        ends = [potential.left, potential.right]
+        potential.write_curves(recording, "potential", [(theta, swing.potential(theta))], MOMENTUM)
+        conserved = "energy" in run.invariants
+        if conserved:
+            potential.write_curves(recording, "energy", [(ends, [energy[0], energy[0]])], OMEGA)
+        window = Window(plane.left, plane.right, plane.low, plane.high)
+        if np.ptp(swing.potential(theta)):
+            self._write_levels(recording, "levels", swing.levels(window).tolist(), theta, LEVEL)
+            if swing.barrier is not None:
+                self._write_levels(recording, "separatrix", [swing.barrier], theta, SEPARATRIX)
+        path = thinned(np.stack([swing.angle, swing.rate], axis=1))
+        plane.write_curves(recording, "run", [(path[:, 0], path[:, 1])], TRAIL)
+        angle = frames.series["theta" if self.is_top else "angle"]
+        rate = swing.rate_of(frames.angular_velocity, frames.attitude, angle)
+        potential.write_moving(recording, "point", frames.time, angle, swing.potential(angle), POINT)
+        plane.write_moving(recording, "point", frames.time, angle, rate, POINT)
+        below = "below the energy less that of the spin (orange)" if self.is_top else "below its energy"
+        if not conserved:
+            level = 0.5 * swing.inertia * rate**2 + swing.potential(angle)
+            potential.write_level(recording, "energy", frames.time, level, OMEGA)
+            below += " (orange), which falls"
+        elif not self.is_top:
+            below += " (orange)"
+        beside = ", a separatrix (pink)" if swing.barrier is not None else ""
+        what = "effective potential" if self.is_top else "potential energy"
+        return (
+            f"the point runs along the {what} V (blue), {below}, and along the yellow curve of the phase portrait; "
+            f"grey are others of equal energy{beside}"
+        )
+
+    def _write_levels(self, recording: Recording, name: str, energies: list[float], theta: Float, color: Color) -> None:
+        curves = [(theta, sign * self.swing.rates(energy, theta)) for energy in energies for sign in (1.0, -1.0)]
+        self.plane.write_curves(recording, name, curves, color, 0.3)
+
+
+def phase_portrait(run: Run) -> PhasePortrait | None:
+    """Return the phase portrait of a run that has one: of a body that swings on an axle, and of a heavy top."""
+    swing, is_top = swing_of(run), "angle" not in run.quantities
+    if swing is None:
+        return None
+    if not is_top and np.ptp(swing.rate) <= _SWINGS * np.abs(swing.rate).max():
+        return None
+    window = Window.around(swing.angle, swing.rate)
+    left, right, level = window.left, window.right, float(swing.energy.max())
+    if is_top:
+        first, last = float(swing.angle.min()), float(swing.angle.max())
+        turning = run.quantities.get("turning theta", [first, last])
+        first, last = float(turning[0]), float(turning[1])
+        beside = _BESIDE * (last - first) or _STILL
+        left, right = max(first - beside, 1e-3), min(last + beside, np.pi - 1e-3)
+    values = np.asarray(swing.potential(np.linspace(left, right, _POINTS)))
+    low = float(values.min())
+    depth = max(level - low, 0.05 * float(np.median(values) - low), 1e-9 * abs(level)) or 1.0
+    height = _SHARE * HEIGHT
+    return PhasePortrait(
+        swing,
+        is_top,
+        Chart(EFFECTIVE_POTENTIAL, left, right, low - 0.15 * depth, level + _HEADROOM * depth, 0.0, height),
+        Chart(PHASE_PORTRAIT, left, right, window.low, window.high, height + _APART, height),
+    )
