@@ -284,6 +284,7 @@ def test_every_look_is_written_whole(look: str, tmp_path: Path) -> None:
     assert f"/{entities.HERPOLHODE}" in paths
     assert f"/{entities.ENERGY_ELLIPSOID}" in paths - set(recording.rows)
     assert (f"/{entities.INERTIA_ELLIPSOID}" in paths) == (look != "spherical")
+    assert (f"/{entities.DIAL}/count" in paths) == (look in ("prolate", "oblate"))
     assert (f"/{entities.GHOSTS}" in paths) == (look == "thrown")
     assert (f"/{entities.POLHODE_FAMILY}" in paths) == (f"/{entities.SEPARATRIX}" in paths)
 
@@ -325,6 +326,20 @@ def test_cones_touch_along_omega(look: str, tmp_path: Path) -> None:
         for rim in (in_space, poses[k].apply(in_body)):
             distance = np.linalg.norm(rim - omega[k], axis=1).min()
             assert distance < 0.05 * np.linalg.norm(omega[k])
+
+
+def test_feynmans_plate_wobbles_twice_while_it_spins_once_as_counted(tmp_path: Path) -> None:
+    """I₃ = 2 I₁, ω = (0.5, 0, 20): the wobble is at |L|/I₁ = √(0.5² + 40²) rad/s, the spin at 20."""
+    record(simulate(Scene.load(path("scenes/feynman_plate.toml"))), tmp_path / "run.rrd")
+    recording = Recorded(tmp_path / "run.rrd")
+    for hand, rate in (("wobble", math.hypot(0.5, 40.0)), ("spin", 20.0)):
+        tip = recording.values(f"/{entities.DIAL}/{hand}/tip", "Points2D:positions")[:, 0].astype(float)
+        angle = np.unwrap(np.arctan2(-tip[:, 1], tip[:, 0]))
+        np.testing.assert_allclose(angle, rate * recording.time(f"/{entities.DIAL}/{hand}/tip"), atol=1e-5)
+    counts = recording.texts(f"/{entities.DIAL}/count", "Points2D:labels")
+    assert counts[-1] == "wobble 5.09 turns, spin 2.55: 2.000 to 1"
+    (text,) = recording.texts(f"/{entities.SUMMARY}", "TextDocument:text")
+    assert f"{math.hypot(0.5, 40.0) / 20.0:.6g} times while the body turns once" in text
 
 
 def test_a_thrown_body_is_where_it_is(tmp_path: Path) -> None:

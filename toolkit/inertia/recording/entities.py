@@ -24,6 +24,8 @@ ANGULAR_MOMENTUM = f"{CENTER}/angular_momentum"
 HERPOLHODE = f"{CENTER}/herpolhode"
 INERTIA_ELLIPSOID = f"{BODY}/inertia_ellipsoid"
 INVARIABLE_PLANE = f"{CENTER}/invariable_plane"
+DIAL = "wobble"
+"""The wobble and the spin of a symmetric top, as the hands of a clock."""
 GHOSTS = f"{WORLD}/ghosts"
 """The body at instants that are equally far apart."""
 

@@ -56,6 +56,7 @@ from inertia.recording.summary import summary, title
 from inertia.recording.views.loads import write_weight
 from inertia.recording.views.momentum_space import write_momentum_space
 from inertia.recording.views.poinsot import poinsot_view, rolls, write_poinsot
+from inertia.recording.views.wobble import dial_view, wobbles, write_dial
 from inertia.recording.writer import Recording
 
 if TYPE_CHECKING:
@@ -87,6 +88,8 @@ def screen(run: Run) -> Screen:
         if rolls(run):
             scale, thick = _scale(run, body), _THICK * body.radius
             notes.append(write_poinsot(recording, run, frames, scale, thick))
+        if wobbles(run) and frames.play.near:
+            notes.append(write_dial(recording, run, frames))
         write_angular_velocity(recording, run, ascending(run.plan)[1])
         along = run.angular_velocity @ ascending(run.plan)[1][:, 1]
         write_events(recording, entities.PLOT_ANGULAR_VELOCITY, run, "flip", along)
@@ -134,7 +137,7 @@ def _blueprint(run: Run, body: Display, frames: Frames) -> rrb.Blueprint:
         left.append(state_timeline(entities.FLIPS, "Flips: the spin about axis 2", duration))
         shares.append(0.8)
     below: list[Any] = [text_view()]
-    others: list[Any] = []
+    others: list[Any] = [dial_view()] if wobbles(run) and frames.play.near else []
     if (origin := _origin(body, frames)) is not None and frames.position is not None:
         contents = [f"/{path}/**" for path in (entities.GHOSTS, entities.PATH)]
         path = (frames.position - origin) / body.unit
