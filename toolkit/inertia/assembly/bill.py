@@ -4,12 +4,15 @@ from __future__ import annotations
 
 import csv
 import io
+import re
 import tomllib
 from typing import Any, get_type_hints
 
 from inertia.assembly.fields import PartFields
 from inertia.errors import ReadError
 from inertia.tables import cell_text
+
+_DECIMAL_COMMA = re.compile(r"\d,\d")
 
 
 def parts_of(text: str) -> list[dict[str, Any]]:
@@ -39,7 +42,13 @@ def parts_of(text: str) -> list[dict[str, Any]]:
             if len(row) > len(names):
                 raise ReadError(f"line {rows.line_num} has {len(row)} cells, and the first line {len(names)} names")
             if any(cell.strip() for cell in row):
-                cells = ((name, cell_text(cell.strip())) for name, cell in zip(names, row, strict=False))
+                cells = [(name, cell_text(cell.strip())) for name, cell in zip(names, row, strict=False)]
+                for name, word in cells:
+                    if name not in words and _DECIMAL_COMMA.search(word) and word[0] not in "[{":
+                        raise ReadError(
+                            f"line {rows.line_num} has {word!r} as its {name}, with a comma: write "
+                            f"{word.replace(',', '.')}, with a decimal point"
+                        )
                 parts.append({name: word if name in words else _value(word) for name, word in cells if word})
     except csv.Error as error:
         raise ReadError(f"it is not CSV: {error}") from None

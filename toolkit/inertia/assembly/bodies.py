@@ -195,7 +195,7 @@ def _certain(fields: PartFields, weight: Weight, analysis: Analysis | None, metr
 
 def _is_uncertain(fields: PartFields, weight: Weight) -> bool:
     stated = weight.density, weight.mass, fields.shell, fields.scale
-    further = fields.sigma, fields.center_of_mass_uncertainty
+    further = fields.sigma, fields.surface_uncertainty, fields.center_of_mass_uncertainty
     return any(map(uncertainty_of, stated)) or any(further) or fields.inertia_uncertainty is not None
 
 
@@ -251,6 +251,8 @@ def _inputs(
         if fields.inertia is not None:
             change[4:] = 0.0
         yield Input(f"mass of {name}", change[np.newaxis])
+    if fields.surface_uncertainty and analysis is not None:
+        yield Input(f"surface of {name}", _grown(fields, weight, analysis, whole)[np.newaxis])
     if fields.scale is not None and (u := uncertainty_of(fields.scale)):
         grown = np.concatenate([[3.0 * mass], mass * center, 5.0 * second])
         if weight.mass is not None:
@@ -269,6 +271,24 @@ def _inputs(
         yield Input(f"tensor of {name}", _of_elements(np.diag(each)))
     if analysis is not None and analysis.uncertainty is not None:
         yield Input(f"vertices of {name}", _vertex_changes(analysis, fields, weight, mass))
+
+
+def _grown(fields: PartFields, weight: Weight, analysis: Analysis, whole: Float) -> Float:
+    """Return the change (10,) of the moments for a surface that lies outwards by its uncertainty t: t ∫dA for ∫dV."""
+    layer = analyse(analysis.part, 1.0, shell=fields.surface_uncertainty).properties
+    moments = layer.moments_about(analysis.properties.center_of_mass.tolist())
+    if fields.mirror is not None:
+        moments = moments.turned(mirror(fields.mirror), moments.origin)
+    change = np.array([float(k) for k in (moments.zeroth, *moments.first, *moments.second)])
+    if weight.mass is None:
+        change *= float(weight.density)
+    else:  # its density follows from its volume
+        change = (change * whole[0] - whole * change[0]) / analysis.properties.volume
+    if fields.center_of_mass is not None:
+        change[1:4] = 0.0
+    if fields.inertia is not None:
+        change[4:] = 0.0
+    return change
 
 
 def _vertex_changes(analysis: Analysis, fields: PartFields, weight: Weight, mass: float) -> Float:

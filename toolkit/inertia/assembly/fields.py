@@ -262,6 +262,8 @@ class PartFields(Section):
     inertia : kg m², as measured, about the centre of mass along the axes of the part
     shell : wall thickness in the file's unit, of a mesh that is a surface
     sigma : standard deviation of the noise of every coordinate of the mesh
+    surface_uncertainty : in the file's unit, standard uncertainty of how far the surface of the solid is from where the
+        mesh has it, outwards all over, as of a layer of paint or a casting's wall
     scale : 1 with the standard uncertainty of a factor common to all coordinates of the mesh, as "1±0.002"
     scale_of : a name that parts of one common scale share, as of one printer
     center_of_mass_uncertainty : standard uncertainty of each coordinate of the centre of mass as measured
@@ -301,6 +303,7 @@ class PartFields(Section):
     inertia: Annotated[Float | None, numbers((3, 3), "kg m2")] = None
     shell: Annotated[float | None, estimate(_LENGTH)] = None
     sigma: Annotated[float | None, number(_LENGTH, positive=True)] = None
+    surface_uncertainty: Annotated[float | None, number(_LENGTH, negative=False)] = None
     scale: Annotated[float | None, estimate("")] = None
     scale_of: Annotated[str | None, text] = None
     center_of_mass_uncertainty: Annotated[float | None, number(_LENGTH, negative=False)] = None
@@ -348,14 +351,18 @@ class PartFields(Section):
         ):
             if getattr(self, name) is not None and getattr(self, needs) is None:
                 raise FieldError(f"{path}.{name}", f"is given without {needs}: give both, or none")
-        for name in ("region", "mesh", "stretch", "shell", "sigma", "scale", "unit"):
+        for name in ("region", "mesh", "stretch", "shell", "sigma", "surface_uncertainty", "scale", "unit"):
             if getattr(self, name) is not None and self.file is None:
                 raise FieldError(f"{path}.{name}", "is that of a file, and the part has none: leave it out")
         if self.mesh is not None and self.region is not None:
             raise FieldError(f"{path}.region", "is given beside mesh: give one")
-        for name in ("shell", "sigma") if self.stretch is not None else ():
+        for name in ("shell", "sigma", "surface_uncertainty") if self.stretch is not None else ():
             if getattr(self, name) is not None:
                 raise FieldError(f"{path}.{name}", "is given beside stretch, which would stretch it: give one")
+        if self.surface_uncertainty is not None and self.shell is not None:
+            raise FieldError(
+                f"{path}.surface_uncertainty", "is given for a shell: give that of its thickness, as shell"
+            )
         self._require_turn(path)
 
     def _require_shape(self, path: str) -> None:

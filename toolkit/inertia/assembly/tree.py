@@ -22,7 +22,7 @@ from inertia.assembly.outline import relative
 from inertia.assembly.rollup import Placed, place
 from inertia.documents import Document, FieldError, plain, section_of
 from inertia.errors import FieldPath, InertiaError, ReadError, UsageError, placed
-from inertia.mass.density import ASSUMED, density_of
+from inertia.mass.density import ASSUMED, DENSITIES, density_of
 from inertia.mass.moments import ZERO
 from inertia.mass.properties import MassProperties
 from inertia.mesh.part import Part
@@ -167,7 +167,7 @@ class PartTree(Document):
             not listed itself
         """
         result = replace(self, moves=moves)
-        result.__dict__["root"] = self.root
+        result.__dict__ |= {"root": self.root, "_library": self._library}
         return result
 
     def surfaces(self) -> Iterator[tuple[Node, Float]]:
@@ -253,6 +253,10 @@ class PartTree(Document):
             raise ReadError(f"{part.assembly} is {len(chain)} assemblies deep: {_DEEPEST} are the most")
         nested = type(self).load(file)
         library.add(nested.remarks, nested.tree)
+        if unused := [name for name in ("allowances", "limit") if getattr(nested.fields, name)]:
+            does = "counts" if unused == ["limit"] else "count"
+            says = f"{part.assembly}: its {' and '.join(unused)} {does} where it is asked about by itself, not here"
+            library.add([says], None)
         return nested._nodes(library, (*chain, here), (nested, *contexts), level)
 
     def _body(self, part: PartFields, library: Library, contexts: tuple[PartTree, ...]) -> Body | None:
@@ -267,7 +271,9 @@ class PartTree(Document):
         if part.mass is not None:
             return Weight(1.0, "", part.mass)
         if part.density is not None:
-            return Weight(part.density, self._label(part.name, contexts))
+            named = (name for context in contexts for name in context.fields.densities or {})
+            own = f"{part.name} (part)" if part.name in {*DENSITIES, *named} else part.name
+            return Weight(part.density, self._label(own, contexts))
         material = part.material
         for context in contexts if material is None else ():
             globs = context.fields.materials or {}
