@@ -5,7 +5,7 @@ import pytest
 from tests.mesh.self_crossing import CROSSING, SOUND, Mesh, hairpin, pentagram, ring
 
 import inertia
-from inertia.mesh.checks.crossings import EXAMINED, to_be_examined
+from inertia.mesh.geometry.intersect import EXAMINED, to_be_examined
 from inertia.mesh.geometry.winding import misplaced_volume
 from inertia.mesh.part import Part, Surface
 

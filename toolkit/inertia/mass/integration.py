@@ -18,11 +18,9 @@ from inertia.mass.moments import Moments
 from inertia.mass.triangles.arithmetic import METHODS, Arithmetic, arithmetics, shell_moments, solid_moments
 from inertia.mass.triangles.moments_from_sums import moments_of
 from inertia.mass.triangles.sums import Sums, sum_triangles
-from inertia.mesh.check import check
-from inertia.mesh.checks.crossings import to_be_examined
 from inertia.mesh.checks.findings import Finding, Report, around, middle
 from inertia.mesh.geometry.closure import Closure, closure
-from inertia.mesh.geometry.intersect import crossings
+from inertia.mesh.geometry.intersect import crossings, to_be_examined
 from inertia.mesh.geometry.shells import Shell, absolute_orientation, all_apart, shells
 from inertia.mesh.geometry.shells import bodies as bodies_of
 from inertia.mesh.part import Cells, Facets, Part, Regions, Surface, Triangles, counts_once, usable
@@ -121,7 +119,7 @@ def surface_integrals(
     """
     triangles = part.triangles
     if triangles.count == 0:
-        check(part).require_fit()
+        _check(part).require_fit()
     if shell and accuracy == "exact":
         raise UsageError("exact arithmetic cannot give a shell's area, which holds square roots: leave it out")
     tries = arithmetics(accuracy)
@@ -131,7 +129,7 @@ def surface_integrals(
         sums = sum_triangles(triangles, surface=shell, progress=_part_of(progress, paired, summed))
     extents = np.array([sums.low, sums.high])
     if not usable(extents).all() or (topology.open_edges and not shell):
-        check(part, intersections=intersections).require_fit()
+        _check(part, intersections).require_fit()
     several = not shell and (topology.components != 1 or topology.crowded > 0)
     simple = several and not named and not topology.crowded and sums.exponent == 0
     if simple and all_apart(triangles, topology, sums.origin):
@@ -141,9 +139,7 @@ def surface_integrals(
     wrong = _wrong(triangles, pieces, moments_of(sums)) if absolute and not (turned or shell or proven) else ()
     if len(wrong):
         if pieces:
-            check(part, intersections=intersections, parts=parts, allowance=allowance).require_fit(
-                "absolute", turned=True
-            )
+            _check(part, intersections, parts, allowance).require_fit("absolute", turned=True)
         turn = np.isin(topology.labels, wrong)
         other = replace(part, geometry=_turned(triangles, turn))
         note = f"{len(wrong)} of {topology.components} shells turned, as absolute orientation was asked for"
@@ -194,9 +190,15 @@ def surface_integrals(
 
 
 def _sound(part: Part, intersections: bool | None, parts: Parts, allowance: float, turned: bool) -> Report:
-    report = check(part, intersections=intersections, parts=parts, allowance=allowance)
+    report = _check(part, intersections, parts, allowance)
     report.require_fit(turned=turned)
     return report
+
+
+def _check(part: Part, intersections: bool | None = None, parts: Parts = "together", allowance: float = 0.0) -> Report:
+    from inertia.mesh.check import check  # slow to import, and most surfaces need none
+
+    return check(part, intersections=intersections, parts=parts, allowance=allowance)
 
 
 @contextmanager
@@ -319,7 +321,7 @@ def cell_integrals(
     assert isinstance(cells, Cells)
     if all(block.kind in ("line", "line3", "vertex") for block in cells.blocks):
         raise GeometryError(f"{part.name} holds lines or points only, which have no volume: use ", _WIRE, " for lines")
-    report = check(part, intersections=intersections)
+    report = _check(part, intersections)
     report.require_fit()
     regions = part.regions
     if named:

@@ -9,11 +9,11 @@ import numpy as np
 from inertia.arrays import Parts
 from inertia.errors import UsageError, require_kind
 from inertia.mesh.checks.cells import CellTopology
-from inertia.mesh.checks.crossings import to_be_examined
 from inertia.mesh.checks.findings import Finding, Report, Severity
 from inertia.mesh.checks.kinds import Subject, findings
 from inertia.mesh.checks.surface_topology import SurfaceTopology
 from inertia.mesh.geometry.edges import pieces
+from inertia.mesh.geometry.intersect import to_be_examined
 from inertia.mesh.part import Cells, Part, Triangles, counts_once
 
 _IN_TURN: tuple[Subject, ...] = ("maps", "sides", "space")

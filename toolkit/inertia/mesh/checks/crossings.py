@@ -18,22 +18,11 @@ from inertia.mesh.geometry.edges import Place
 from inertia.mesh.geometry.halfedges import half_edges
 from inertia.mesh.geometry.shells import SLIVER, Body, absolute_orientation, bodies, bodies_apart, members
 from inertia.mesh.geometry.winding import misplaced_volume
-from inertia.mesh.part import Doubt, Surface, Triangles
-
-EXAMINED = 200_000
-"""Triangles up to which crossings are looked for without being asked: a tenth of a second."""
+from inertia.mesh.part import Doubt, Surface
 
 _TRIED = 3  # places on a patch at which the winding number is asked for
 _CLEAR = 100.0  # how many times deeper than a contact rays must find a crossing, to leave no doubt that it is one
 _CROSSINGS = 10_000  # crossings looked for, before those between different shells are taken out
-
-
-def to_be_examined(triangles: Triangles, intersections: bool | None, crowded: int = 0) -> bool:
-    """Say whether crossings are to be looked for: as is asked, or else in a surface of up to 200,000 triangles.
-
-    Where there are `crowded` edges, of more than two triangles, they are looked for in any.
-    """
-    return triangles.count <= EXAMINED or crowded > 0 if intersections is None else bool(intersections)
 
 
 def overlapping_bodies(surface: SurfaceTopology) -> Evidence | None:

@@ -38,6 +38,8 @@ _SCRATCH = 18 + 192  # numbers, as `crossing_kernel.exact_sign` asks
 _STEPPED = 1 << 16  # triangles whose keys are computed at a time, by
 _FACTORS = np.array([0x9E3779B97F4A7C15, 0xBF58476D1CE4E5B9, 0x94D049BB133111EB], np.uint64)  # of SplitMix64
 _LARGEST = 1000  # exponent of a power of two that coordinates are multiplied by
+EXAMINED = 200_000
+"""Triangles up to which crossings are looked for without being asked: a tenth of a second."""
 CONTACT = 1e-6
 """Depth below which bodies only touch, over the largest extent of the smaller one."""
 
@@ -45,6 +47,14 @@ _LAST_DIGITS = 4  # the same, over the spacing of the stored numbers at the larg
 _AT_ONCE = 1 << 17  # places tried at a time
 FACING = 0.02
 """|Sum of two unit normals| below which two faces face each other."""
+
+
+def to_be_examined(triangles: Triangles, intersections: bool | None, crowded: int = 0) -> bool:
+    """Say whether crossings are to be looked for: as is asked, or else in a surface of up to 200,000 triangles.
+
+    Where there are `crowded` edges, of more than two triangles, they are looked for in any.
+    """
+    return triangles.count <= EXAMINED or crowded > 0 if intersections is None else bool(intersections)
 
 
 @dataclass(frozen=True, eq=False)
