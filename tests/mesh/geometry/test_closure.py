@@ -309,13 +309,46 @@ def test_one_edge_of_four_is_seen_wherever_its_triangles_are(kind: type[Triangle
         assert (pairing.open_edges, pairing.components, pairing.crowded) == (0, 3, 1)
 
 
+def bipyramid(sides: int, height: float) -> tuple[np.ndarray, np.ndarray]:
+    """All of its triangles meet at two vertices, and go from one side of it to the middle."""
+    around = 2 * np.pi * np.arange(sides) / sides
+    rim = np.column_stack([np.cos(around), np.sin(around), 0 * around])
+    a, b = np.arange(sides), np.roll(np.arange(sides), -1)
+    up, down = np.full(sides, sides), np.full(sides, sides + 1)
+    faces = np.vstack([np.column_stack([a, b, up]), np.column_stack([b, a, down])])
+    return np.vstack([rim, [[0, 0, height], [0, 0, -height]]]), faces
+
+
+@pytest.mark.parametrize("kind", [Surface, Facets])
+@pytest.mark.parametrize("seed", range(6))
+def test_triangles_in_no_order_are_paired_wherever_their_corners_are(kind: type[Triangles], seed: int) -> None:
+    """Some reach across everything, some are missing, turned, or there twice: as sorting all edges says."""
+    rng = np.random.default_rng(seed)
+    whole = joined(ring(160, 100), bipyramid(4000, 3.0), cube((9, 0, 3)), bipyramid(30, 40.0))
+    faces = whole.faces[rng.permutation(whole.count)]
+    faces = faces[10 * seed :]
+    if seed > 2:
+        faces[:seed] = faces[:seed, ::-1]
+    if seed > 4:
+        faces = np.vstack([faces, rng.integers(0, len(whole.vertices), (50, 3))])
+    ordered = Surface(whole.vertices, faces)
+    triangles = ordered if kind is Surface else facets(ordered)
+    one, other = compiled_closure(triangles), vectorised_closure(triangles)
+    assert (one.open_edges > 0) == (seed > 0)
+    assert (one.open_edges, one.components, one.repeated, one.crowded) == (
+        other.open_edges, other.components, other.repeated, other.crowded
+    )  # fmt: skip
+    assert np.array_equal(one.labels, other.labels)
+
+
 def test_a_sound_surface_is_never_sorted(monkeypatch: pytest.MonkeyPatch) -> None:
     """Many keys agree in the few bits of them that are compared first, and none of them is repeated."""
     monkeypatch.setattr("inertia.mesh.geometry.closure.vectorised_closure", None)
     surface = joined(ring(400, 200))
+    shuffled = surface.select(np.random.default_rng(1).permutation(surface.count))
     for seed in range(20):
         salt = np.random.default_rng(seed).integers(0, 2**64, 24, np.uint64)
-        pairing = compiled_closure(surface, salt=salt)
+        pairing = compiled_closure(surface if seed % 2 else shuffled, salt=salt)
         assert (pairing.open_edges, pairing.components, pairing.crowded) == (0, 1, 0)
 
 

@@ -4,8 +4,8 @@ A surface bounds a solid when its boundary chain is zero: every directed edge u�
 Edges are paired group by group of triangles (`inertia.mesh.geometry.pairing`), in any order and on all processors.
 Triangles whose edges were paired belong to one component. Where more than two triangles meet at an edge, the angles
 around it tell which belong together, so that nothing depends on the order of the triangles: then all edges are sorted.
-Whether there is such an edge, the keys of all paired edges tell (12 bytes a triangle), as none may come twice. Vertices
-are equal when their stored coordinates are (−0 equals +0), which must be finite.
+Whether there is such an edge, the keys of all edges that groups may share tell (12 bytes a triangle, at most), as none
+may come twice. Vertices are equal when their stored coordinates are (−0 equals +0), which must be finite.
 
 The compiled pass knows a vertex, and an edge, by a 64-bit key: the upper halves of two sums of random 64-bit numbers,
 one of them alone and one times each 32-bit word that it has. Whatever two things are given, their keys agree with a

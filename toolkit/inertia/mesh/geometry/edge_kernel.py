@@ -170,6 +170,24 @@ def join(parent, label, other):
 
 
 @njit(inline="always")
+def unite(parent, a, b):
+    """Join two pieces; no triangle lies under one behind it.
+
+    Rem's algorithm (M. Patwary, J. Blair and F. Manne, "Experiments on union-find algorithms for the disjoint-set data
+    structure", SEA 2010, figure 2), which stops as soon as both have one parent.
+    """
+    above, other = parent[a], parent[b]
+    while above != other:
+        if above < other:
+            a, b, above, other = b, a, other, above
+        parent[a] = other
+        if np.int64(above) == a:
+            return
+        a = np.int64(above)
+        above = parent[a]
+
+
+@njit(inline="always")
 def pair(edges, place, triangle, table, mask, parent, labels, log_at, log, sizes, state):
     """Pair the three directed edges of a triangle, whose keys begin at `place`, with those that wait; the rest wait.
 
@@ -293,7 +311,6 @@ def close_group(table_at, capacity, parent_at, labels_at, group, edges_at, piece
 
 def pair_leaf(
     rows_at,
-    width,
     runs_at,
     number,
     salt_at,
@@ -303,18 +320,16 @@ def pair_leaf(
     parent_at,
     labels_at,
     group,
-    log_at,
-    bins,
-    logged,
-    sizes_at,
     edges_at,
     pieces_at,
     state_at,
 ):
-    """Do what `pair_rows` and `close_group` do for triangles in an order that no processor foresees.
+    """Pair the edges of a leaf of triangles, in an order that no processor foresees; return how many pieces there are.
 
-    An edge stays in the table, whose entries are its key and, for each way that it runs, 1 + the triangle; there is
-    room for all. A second use of the same way sets state[3].
+    A row is the keys of the corners and 8 × a number + which edges are used in this leaf alone (`descend`); of the
+    others, `edges` are the keys with the way that they run, `pieces` whose they are, and state[0] says how many. An
+    edge stays in the table, whose entries are its key and, for each way that it runs, 1 + the triangle; there is room
+    for all. state[1] counts those used once; a second use of the same way sets state[3].
     """
     runs = carray(runs_at, (number, 2), np.int64)
     salt = carray(salt_at, (SALTS,), np.uint64)
@@ -323,23 +338,21 @@ def pair_leaf(
     slots = carray(slots_at, (3 * group + 1,), np.int32)
     parent = carray(parent_at, (group,), np.int32)
     labels = carray(labels_at, (group,), np.int32)
-    log = carray(log_at, (bins, logged), np.uint64)
-    sizes = carray(sizes_at, (bins,), np.int64)
-    found = carray(edges_at, (3 * group,), np.uint64)
+    waits = carray(edges_at, (3 * group,), np.uint64)
     pieces = carray(pieces_at, (3 * group,), np.int32)
     state = carray(state_at, (5 + 3 * BLOCK,), np.int64)
     edges = carray(state_at, (5 + 3 * BLOCK,), np.uint64)[5:]
     mask = capacity - 1
-    triangle, used = 0, np.int64(0)
+    triangle, used, waiting = 0, np.int64(0), np.int64(0)
     again = np.uint32(0)
     for run in range(number):
-        rows = carray(rows_at, (runs[run, 0] + runs[run, 1], width), np.uint64)
+        rows = carray(rows_at, (runs[run, 0] + runs[run, 1], 4), np.uint64)
         ahead = runs[min(run + 1, number - 1), 0]
         for first in range(0, runs[run, 1], BLOCK):
             count = min(BLOCK, runs[run, 1] - first)
             for k in range(count):
                 row = runs[run, 0] + first + k
-                prefetch(rows_at, (ahead + first + k) * width * 8)  # the next run is elsewhere
+                prefetch(rows_at, (ahead + first + k) * 32)  # the next run is elsewhere
                 edge_keys(rows[row, 0], rows[row, 1], rows[row, 2], salt, edges, 3 * k, table_at, mask)
             for k in range(count):
                 parent[triangle] = triangle
@@ -349,7 +362,13 @@ def pair_leaf(
                     state[2] += 1
                     labels[triangle - 1] = -1
                     continue
+                own = rows[runs[run, 0] + first + k, 3]
                 for side in range(3):
+                    if own >> uint64(side) & ONE == 0:
+                        waits[waiting] = edges[3 * k + side]
+                        pieces[waiting] = triangle - 1
+                        waiting += 1
+                        continue
                     key = edges[3 * k + side] | ONE
                     way = 2 + np.int64(edges[3 * k + side] & ONE)
                     slot = home(key, mask)
@@ -360,31 +379,27 @@ def pair_leaf(
                     table[slot, 0] = key
                     again |= users[slot, way]
                     users[slot, way] = triangle
-    waiting = 0
     for k in range(used):
         slot = slots[k]
-        key, one, other = table[slot, 0], np.int64(users[slot, 2]), np.int64(users[slot, 3])
+        one, other = np.int64(users[slot, 2]), np.int64(users[slot, 3])
         table[slot, 0] = table[slot, 1] = 0
         if one != 0 and other != 0:
-            record(log_at, log, sizes, key, state)
-            join(parent, find(parent, one - 1), other - 1)
+            unite(parent, one - 1, other - 1)
         else:
-            found[waiting] = key & ~ONE | uint64(other != 0)
-            pieces[waiting] = one + other - 1
-            waiting += 1
-    own = 0
+            state[1] += 1
+    piece = 0
     for k in range(triangle):
         if labels[k] >= 0:
             if parent[k] == k:
-                labels[k] = own
-                own += 1
+                labels[k] = piece
+                piece += 1
             else:
                 labels[k] = labels[parent[k]]  # an earlier one
     for k in range(waiting):
         pieces[k] = labels[pieces[k]]
     state[0] = waiting
     state[3] |= np.int64(again != 0)
-    return own
+    return piece
 
 
 def pair_edges(
@@ -447,34 +462,34 @@ def repeated_edges(logs_at, number, bins, first, last, slots_at, places):
 
 
 def key_facets(records_at, count, salt_at, rows_at, points_at, wanted):
-    """Give the corners of binary STL records their keys, three a row; where wanted, copy the first of each."""
+    """Give the corners of binary STL records their keys, three a row; where wanted, copy their coordinates."""
     halves = carray(records_at, (count * STRIDE_F4,), np.uint16)
     salt = carray(salt_at, (SALTS,), np.uint64)
     rows = carray(rows_at, (count, 3), np.uint64)
-    points = carray(points_at, (count, 3), np.uint32)
+    points = carray(points_at, (count, 9), np.uint32)
     for k in range(count):
         at = k * STRIDE_F4 + 6
         for corner in range(3):
             rows[k, corner] = corner_key(halves, at + 6 * corner, salt)
     for k in range(count if wanted else 0):
-        for axis in range(3):
-            points[k, axis] = word(halves, k * STRIDE_F4 + 6 + 2 * axis)
+        for column in range(9):
+            points[k, column] = word(halves, k * STRIDE_F4 + 6 + 2 * column)
     return 0
 
 
 def key_faces(faces_at, count, vertex_keys_at, vertices_at, vertices, rows_at, points_at, wanted):
-    """Give the corners of faces the keys of their vertices, three a row; where wanted, copy the first of each."""
+    """Give the corners of faces the keys of their vertices, three a row; where wanted, copy their coordinates."""
     faces = carray(faces_at, (count, 3), np.int64)
     of = carray(vertex_keys_at, (vertices,), np.uint64)
     coordinates = carray(vertices_at, (vertices, 3), np.float64)
     rows = carray(rows_at, (count, 3), np.uint64)
-    points = carray(points_at, (count, 3), np.float32)
+    points = carray(points_at, (count, 9), np.float32)
     for k in range(count):
         for corner in range(3):
             rows[k, corner] = of[faces[k, corner]]
     for k in range(count if wanted else 0):
-        for axis in range(3):
-            points[k, axis] = np.float32(coordinates[faces[k, 0], axis])
+        for column in range(9):
+            points[k, column] = np.float32(coordinates[faces[k, column // 3], column % 3])
     return 0
 
 

@@ -2,8 +2,9 @@
 
 Triangles that follow one another in a file mostly are neighbours, so that a group is what stands together there; of its
 edges few are left for the other groups. Where more wait for their partners than the cache holds, the triangles are put
-into groups by where they are in space: by the leaf of a tree of planes, each of which halves a sample of them. What is
-found does not depend on the groups, nor on how many threads pair them.
+into groups by where they are in space: by the leaf of a tree of planes, each of which halves a sample of them. An edge
+with both ends in one leaf is then used by triangles of this leaf alone; only the others are paired with those of other
+groups. What is found does not depend on the groups, nor on how many threads pair them.
 """
 
 from __future__ import annotations
@@ -26,11 +27,11 @@ FACES = Kernel(_MODULE, "key_faces", "pippipp" + "i")
 KEYS = Kernel(_MODULE, "key_vertices", "pipp")
 ROWS = Kernel(_MODULE, "pair_rows", "pipii" + "ppippi" + "piipp")
 CLOSE = Kernel(_MODULE, "close_group", "pippi" + "ppp")
-LEAF = Kernel(_MODULE, "pair_leaf", "pipip" + "pi" + "pppi" + "piip" + "ppp")
+LEAF = Kernel(_MODULE, "pair_leaf", "ppip" + "pip" + "ppi" + "ppp")
 EDGES = Kernel(_MODULE, "pair_edges", "ppipi" + "pi" + "piipp")
 REPEATED = Kernel(_MODULE, "repeated_edges", "piiiipi")
-DESCEND = Kernel("inertia.mesh.geometry.partition_kernel", "descend", "pippip")
-SCATTER = Kernel("inertia.mesh.geometry.partition_kernel", "scatter", "piiipipippp")
+DESCEND = Kernel("inertia.mesh.geometry.partition_kernel", "descend", "pipppip")
+SCATTER = Kernel("inertia.mesh.geometry.partition_kernel", "scatter", "piipipippp")
 
 _BLOCK = 8192  # triangles whose corners' keys are computed at a time
 _GROUP = 1 << 17  # triangles that are paired together where they stand together
@@ -44,7 +45,7 @@ _BIN = 16384  # paired edges whose keys are compared at a time
 _SHARED = 1 << 18  # triangles from which on threads repay their start
 
 Keys = Callable[[int, int, NDArray[np.uint64], NDArray[np.float32] | None], None]
-"""Writes the keys of the corners of triangles `start:stop`, and, where that is wanted, where the first of each is."""
+"""Writes the keys of the corners of triangles `start:stop`, and, where that is wanted, their coordinates."""
 
 
 class _Scattered(Exception):
@@ -73,7 +74,7 @@ class _Thread:
         self.pieces: list[NDArray[np.int32]] = []
         self.labels: list[NDArray[np.int32]] = []
         self.numbers: list[int] = []
-        self.repeated = 0
+        self.repeated = self.open = 0
         self.overfull = False
 
     def begin(self, labels: NDArray[np.int32]) -> None:
@@ -110,11 +111,12 @@ class _Thread:
             self.slots, self.waiting = np.empty(3 * len(labels) + 1, np.int32), np.empty(3 * len(labels), np.uint64)
             self.whose = np.empty(3 * len(labels), np.int32)
         number = LEAF.function(
-            address(rows), rows.shape[1], address(runs), len(runs), address(self.salt),
+            address(rows), address(runs), len(runs), address(self.salt),
             address(self.table), len(self.table), address(self.slots),
-            address(self.parent), address(labels), len(labels), *self.log.arguments,
+            address(self.parent), address(labels), len(labels),
             address(self.waiting), address(self.whose), address(self.state),
         )  # fmt: skip
+        self.open += int(self.state[1])
         self._keep(self.waiting[: self.state[0]].copy(), self.whose[: self.state[0]].copy(), number)
 
     def _keep(self, edges: NDArray[np.uint64], pieces: NDArray[np.int32], number: int) -> None:
@@ -156,7 +158,7 @@ def paired_edges(
         keys_left = np.concatenate(edges)
         pieces = np.concatenate([each + np.int32(of) for each, of in zip(apart, base, strict=True)])
         logs.append(_Log(waiting, bins))
-        table = np.zeros((1 << (2 * waiting + 1).bit_length(), 2), np.uint64)
+        table = np.zeros((1 << (5 * waiting // 4 + 1).bit_length(), 2), np.uint64)
         EDGES.function(
             address(keys_left), address(pieces), waiting, address(table), len(table), address(number), len(number),
             *logs[-1].arguments, address(state),
@@ -174,7 +176,7 @@ def paired_edges(
         np.minimum(labels, 0, out=labels)
     if index is not None and (components > 1 or repeated):
         labels = _in_file_order(labels, index(), components)
-    return int(state[0]), components, labels, repeated
+    return int(state[0]) + sum(thread.open for thread in done), components, labels, repeated
 
 
 def _rising(progress: Progress | None) -> Progress | None:
@@ -262,22 +264,23 @@ def _pair_by_place(
     count, parts = triangles.count, len(cuts) - 1
     depth = max((count // _LEAF).bit_length() - 1, 1)
     leaves = 1 << depth
-    axes, planes = _tree(_sample(triangles, _SAMPLED * leaves), depth)
+    axes, planes, cells = _tree(_sample(triangles, _SAMPLED * leaves), depth)
     most = [-(-(stop - start) // _RUN) + leaves for start, stop in pairwise(cuts)]
     ends = np.cumsum([0, *most]).tolist()
     pool, owners = np.empty((ends[-1] * _RUN, 4), np.uint64), np.empty(ends[-1], np.int64)
 
     def scatter(which: int, stopped: threading.Event) -> tuple[Int, int]:
         heads, state = np.zeros(leaves, np.int64), np.array([ends[which]])
-        rows, points = np.empty((_BLOCK, 3), np.uint64), np.empty((_BLOCK, 3), np.float32)
+        rows, points = np.empty((_BLOCK, 3), np.uint64), np.empty((_BLOCK, 9), np.float32)
         leaf = np.empty(_BLOCK, np.int64)
         start, stop = cuts[which : which + 2]
         for at in range(start, stop, _BLOCK):
             size = min(_BLOCK, stop - at)
             keys(at, at + size, rows, points)
-            DESCEND.function(address(points), size, address(axes), address(planes), depth, address(leaf))
+            tree = address(axes), address(planes), address(cells), depth
+            DESCEND.function(address(points), size, *tree, address(leaf))
             SCATTER.function(
-                address(rows), 3, at, size, address(leaf), leaves,
+                address(rows), at, size, address(leaf), leaves,
                 address(pool), ends[-1], address(heads), address(owners), address(state),
             )  # fmt: skip
             if stopped.is_set():
@@ -300,8 +303,7 @@ def _pair_by_place(
 
     def pair(which: int, stopped: threading.Event) -> _Thread:
         low, high = shares[which : which + 2]
-        total = int(ends_of[first_run[high]] - ends_of[first_run[low]])
-        thread = _Thread(salt, _Log(3 * total // 2, bins))
+        thread = _Thread(salt, _Log(0, bins))
         for leaf in range(low, high):
             first, last = first_run[leaf : leaf + 2]
             if first == last:
@@ -317,7 +319,7 @@ def _pair_by_place(
 
     def index() -> Int:
         inside = np.arange(_RUN) < runs[:, 1:]
-        return pool.reshape(-1, _RUN, 4)[taken, :, 3][inside].astype(np.int64)
+        return (pool.reshape(-1, _RUN, 4)[taken, :, 3][inside] >> np.uint64(3)).astype(np.int64)
 
     return _in_threads(parts, pair), index
 
@@ -356,13 +358,14 @@ def _sample(triangles: Triangles, number: int) -> NDArray[np.float32]:
     return np.resize(np.concatenate(some), (number, 3))
 
 
-def _tree(points: NDArray[np.float32], depth: int) -> tuple[Int, NDArray[np.float32]]:
+def _tree(points: NDArray[np.float32], depth: int) -> tuple[Int, NDArray[np.float32], NDArray[np.float32]]:
     """Return axes and planes (2^depth,) that halve the points (k 2^depth, 3), and again their halves, along the widest.
 
-    Node 0 comes first, and the nodes 2 k + 1 and 2 k + 2 below and above node k.
+    Node 0 comes first, and the nodes 2 k + 1 and 2 k + 2 below and above node k. The cells (2^depth, 6) of the leaves
+    are their least and their greatest coordinates.
     """
     axes, planes = np.zeros(1 << depth, np.int64), np.zeros(1 << depth, np.float32)
-    nodes = points[None]
+    nodes, cells = points[None], np.array([[-np.inf] * 3 + [np.inf] * 3], np.float32)
     for level in range(depth):
         with np.errstate(over="ignore", invalid="ignore"):
             widest = np.ptp(nodes, axis=1).argmax(axis=1)
@@ -372,7 +375,9 @@ def _tree(points: NDArray[np.float32], depth: int) -> tuple[Int, NDArray[np.floa
         here = slice((1 << level) - 1, (2 << level) - 1)
         axes[here], planes[here] = widest, np.take_along_axis(along, order[:, half : half + 1], axis=1)[:, 0]
         nodes = np.take_along_axis(nodes, order[:, :, None], axis=1).reshape(2 << level, half, 3)
-    return axes, planes
+        cells = np.repeat(cells, 2, axis=0)
+        cells[np.arange(0, 2 << level, 2), 3 + widest] = cells[np.arange(1, 2 << level, 2), widest] = planes[here]
+    return axes, planes, cells
 
 
 def _any_repeated(logs: list[_Log], bins: int, parts: int) -> bool:
