@@ -21,22 +21,24 @@ from numpy.typing import NDArray
 from inertia.arrays import Bool, Int
 from inertia.errors import Remedy, WriteError
 from inertia.mesh.external.memory import in_bytes
+from inertia.mesh.geometry.pairing import FACETS
 from inertia.mesh.part import Facets, Triangles
 from inertia.native import Kernel, address
 from inertia.output import temporary_folder
 
-KEY_FACETS = Kernel("inertia.mesh.external.partition_kernel", "key_facets", "pippp" + "ii")
-SCATTER = Kernel("inertia.mesh.external.partition_kernel", "scatter", "pii" + "ipi" + "pi")
-COUNT = Kernel("inertia.mesh.external.partition_kernel", "count_uses", "pi" + "pip" + "i")
-PAIRS = Kernel("inertia.mesh.external.partition_kernel", "regular_pairs", "pip" + "pp")
-IRREGULAR = Kernel("inertia.mesh.external.partition_kernel", "irregular_uses", "pi" + "pi" + "pii")
-JOIN = Kernel("inertia.mesh.external.partition_kernel", "join_pairs", "pi" + "pi" + "p")
-NUMBER = Kernel("inertia.mesh.external.partition_kernel", "number_pieces", "pi")
-_KERNELS = (KEY_FACETS, SCATTER, COUNT, PAIRS, IRREGULAR, JOIN, NUMBER)
+_MODULE = "inertia.mesh.geometry.bucket_kernel"
+KEYS = Kernel(_MODULE, "key_edges", "pippp" + "ii")
+SORT = Kernel(_MODULE, "sort_edges", "pii" + "ipi" + "pi")
+COUNT = Kernel(_MODULE, "count_uses", "pi" + "pip" + "i")
+PAIRS = Kernel(_MODULE, "regular_pairs", "pip" + "pp")
+IRREGULAR = Kernel(_MODULE, "irregular_uses", "pi" + "pi" + "pii")
+JOIN = Kernel(_MODULE, "join_pairs", "pi" + "pi")
+NUMBER = Kernel(_MODULE, "number_pieces", "pi")
+_KERNELS = (FACETS, KEYS, SORT, COUNT, PAIRS, IRREGULAR, JOIN, NUMBER)
 
 MEMORY = Remedy("analyse", "memory", "BYTES")
 SALTS = 24
-"""Random numbers of the keys: seven and seven for a vertex, five and five for an edge (see `partition_kernel`)."""
+"""Random numbers of the keys: seven and seven for a vertex, five and five for an edge (see `edge_kernel`)."""
 BYTES = 12
 """Of a record."""
 BUCKET = 1 << 16
@@ -144,7 +146,7 @@ class Compiled:
     def __init__(self, salt: NDArray[np.uint64]) -> None:
         self._salt, self._by_numpy = np.array(salt), Vectorised(salt)
         self._table, self._uses = np.zeros((BUCKET, 2), np.uint64), np.zeros((BUCKET, 2), np.uint32)
-        self._pairs, self._warm = np.empty((BUCKET, 2), np.uint32), np.zeros(1, np.uint64)
+        self._pairs, self._rows = np.empty((BUCKET, 2), np.uint32), np.empty((CHUNK, 3), np.uint64)
         self.state = np.zeros(3, np.int64)
         """Directed edges without an opposite partner, and edges used more than twice, by their keys."""
 
@@ -154,9 +156,9 @@ class Compiled:
         """Write the keys of the edges of triangles `start:stop`, and count them by bucket; 0 for a repeated corner."""
         if not isinstance(triangles, Facets):
             return self._by_numpy.keys(triangles, start, stop, keys, counts, bits)
-        block = triangles.block(start, stop)
-        at = address(self._salt), keys.ctypes.data, address(counts)
-        return KEY_FACETS.function(block.ctypes.data, stop - start, *at, len(counts), 64 - bits)
+        block, salt, rows = triangles.block(start, stop), address(self._salt), address(self._rows)
+        FACETS.function(block.ctypes.data, stop - start, salt, rows, rows, False)
+        return KEYS.function(rows, stop - start, salt, keys.ctypes.data, address(counts), len(counts), 64 - bits)
 
     def scatter(
         self, keys: NDArray[np.uint64], first: int, starts: Int, records: NDArray[np.uint32], bits: int
@@ -164,7 +166,7 @@ class Compiled:
         """Sort records by bucket."""
         places = starts[:-1].copy()
         out = places.ctypes.data, len(places), records.ctypes.data, len(records)
-        SCATTER.function(keys.ctypes.data, len(keys), first, 64 - bits, *out)
+        SORT.function(keys.ctypes.data, len(keys), first, 64 - bits, *out)
 
     def pairs(self, pieces: Callable[[], Iterable[NDArray[np.uint32]]]) -> tuple[NDArray[np.uint32], int]:
         """Return the pairs (k, 2) of triangles at the regular edges of a bucket, and how many edges are irregular."""
@@ -193,7 +195,7 @@ class Compiled:
     def join(self, parent: NDArray[np.uint32], pairs: NDArray[Any]) -> None:
         """Join pairs (k, 2) of triangles."""
         each = np.ascontiguousarray(pairs, np.uint32)
-        JOIN.function(each.ctypes.data, len(each), parent.ctypes.data, len(parent), self._warm.ctypes.data)
+        JOIN.function(each.ctypes.data, len(each), parent.ctypes.data, len(parent))
 
     def number(self, parent: NDArray[np.uint32]) -> int:
         """Number the pieces in the order of the file, in place."""

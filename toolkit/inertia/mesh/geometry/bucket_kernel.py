@@ -8,20 +8,11 @@ from __future__ import annotations
 import numpy as np
 from numba import carray, njit, uint64
 
-S1, S32, S33 = np.uint64(1), np.uint64(32), np.uint64(33)
-LOW = np.uint64(0xFFFFFFFF)
-ONE, TWO, THREE = np.uint64(1), np.uint64(2), np.uint64(3)
-SIGN = np.uint64(0x80000000)
+from inertia.mesh.geometry.edge_kernel import LOW, ONE, S32, SALTS, edge_key, prefetch, unite
 
-STRIDE = 25
-"""Half-words (uint16) in a binary STL record; its corners begin at half-word 6."""
+TWO, THREE = np.uint64(2), np.uint64(3)
 
-VERTEX, EDGE = 7, 5
-"""Salts of a sum over a vertex and over an edge: one alone, and one for each 32-bit word of three float64 (of three
-float32, the first of them), or of two keys. A key is made of two sums."""
-
-SALTS = 2 * (VERTEX + EDGE)
-PAIRS = 64
+BLOCK = 64
 """Pairs of triangles whose places are brought into the cache together."""
 
 REPEATED = np.uint32(0xFFFFFFFF)
@@ -29,81 +20,32 @@ ONCE, IRREGULAR = np.uint64(0xFFFFFFFF), np.uint64(0xFFFFFFFE)
 """In place of the number of a second directed edge: there is none, or the edge is irregular."""
 
 
-@njit(inline="always")
-def word(halves, at):
-    """Return the float32 pattern at half-word `at`, with −0 read as +0."""
-    bits = uint64(halves[at]) | (uint64(halves[at + 1]) << np.uint64(16))
-    if bits == SIGN:
-        bits = np.uint64(0)
-    return bits
+def key_edges(rows_at, count, salt_at, keys_at, counts_at, buckets, shift):
+    """Write the keys of the edges of triangles by those of their corners, never 0 or 1, and count them by bucket.
 
-
-@njit(inline="always")
-def corner_key(halves, at, salt):
-    """Return the 64-bit key of a stored corner."""
-    x, y, z = word(halves, at), word(halves, at + 2), word(halves, at + 4)
-    high = salt[0] + x * salt[1] + y * salt[2] + z * salt[3]
-    low = salt[VERTEX] + x * salt[VERTEX + 1] + y * salt[VERTEX + 2] + z * salt[VERTEX + 3]
-    return (high >> S32 << S32) | (low >> S32)
-
-
-@njit(inline="always")
-def edge_key(a, b, salt):
-    """Return the key of the edge between two vertices, by theirs, never 0 or 1; the lowest bit says how it runs."""
-    way = uint64(a < b)
-    a, b = min(a, b), max(a, b)
-    a0, a1, b0, b1 = a & LOW, a >> S32, b & LOW, b >> S32
-    k = 2 * VERTEX
-    high = salt[k] + a0 * salt[k + 1] + a1 * salt[k + 2] + b0 * salt[k + 3] + b1 * salt[k + 4]
-    k = 2 * VERTEX + EDGE
-    low = salt[k] + a0 * salt[k + 1] + a1 * salt[k + 2] + b0 * salt[k + 3] + b1 * salt[k + 4]
-    key = (high >> S32 << S32) | (low >> S33 << ONE)
-    return (key if key != 0 else TWO) | way
-
-
-@njit(inline="always")
-def write_keys(u, v, w, salt, keys, place, counts, shift):
-    """Write the keys of a triangle's edges and count them by bucket; 0, where a corner is repeated. Say whether."""
-    if u == v or v == w or w == u:
-        keys[place], keys[place + 1], keys[place + 2] = 0, 0, 0
-        return 1
-    one, two, three = edge_key(u, v, salt), edge_key(v, w, salt), edge_key(w, u, salt)
-    keys[place], keys[place + 1], keys[place + 2] = one, two, three
-    counts[np.int64(one >> shift)] += 1
-    counts[np.int64(two >> shift)] += 1
-    counts[np.int64(three >> shift)] += 1
-    return 0
-
-
-def key_facets(records, count, salt_at, keys_at, counts_at, buckets, shift):
-    """Write the keys of the edges of binary STL records; return how many have a repeated corner."""
-    halves = carray(records, (count * STRIDE,), np.uint16)
+    They are 0 where a corner is repeated; it returns how many triangles have one.
+    """
+    rows = carray(rows_at, (count, 3), np.uint64)
     salt = carray(salt_at, (SALTS,), np.uint64)
-    keys = carray(keys_at, (3 * count,), np.uint64)
+    keys = carray(keys_at, (count, 3), np.uint64)
     counts = carray(counts_at, (buckets,), np.int64)
+    by = uint64(shift)
     repeated = 0
     for k in range(count):
-        at = k * STRIDE + 6
-        u, v, w = corner_key(halves, at, salt), corner_key(halves, at + 6, salt), corner_key(halves, at + 12, salt)
-        repeated += write_keys(u, v, w, salt, keys, 3 * k, counts, uint64(shift))
+        u, v, w = rows[k, 0], rows[k, 1], rows[k, 2]
+        if u == v or v == w or w == u:
+            keys[k, 0], keys[k, 1], keys[k, 2] = 0, 0, 0
+            repeated += 1
+            continue
+        keys[k, 0], keys[k, 1], keys[k, 2] = edge_key(u, v, salt), edge_key(v, w, salt), edge_key(w, u, salt)
+        for side in range(3):
+            if keys[k, side] < TWO:
+                keys[k, side] += TWO
+            counts[np.int64(keys[k, side] >> by)] += 1
     return repeated
 
 
-def key_faces(faces_at, count, vertex_keys, vertices, salt_at, keys_at, counts_at, buckets, shift):
-    """Write the keys of the edges of faces, whose vertices have the 64-bit keys `vertex_keys`."""
-    faces = carray(faces_at, (count, 3), np.int64)
-    of = carray(vertex_keys, (vertices,), np.uint64)
-    salt = carray(salt_at, (SALTS,), np.uint64)
-    keys = carray(keys_at, (3 * count,), np.uint64)
-    counts = carray(counts_at, (buckets,), np.int64)
-    repeated = 0
-    for k in range(count):
-        u, v, w = of[faces[k, 0]], of[faces[k, 1]], of[faces[k, 2]]
-        repeated += write_keys(u, v, w, salt, keys, 3 * k, counts, uint64(shift))
-    return repeated
-
-
-def scatter(keys_at, count, first, shift, places_at, buckets, out_at, room):
+def sort_edges(keys_at, count, first, shift, places_at, buckets, out_at, room):
     """Write (key, number) of directed edges, the first of which has the number `first`, where their buckets go on."""
     keys = carray(keys_at, (count,), np.uint64)
     places = carray(places_at, (buckets,), np.int64)
@@ -125,7 +67,7 @@ def scatter(keys_at, count, first, shift, places_at, buckets, out_at, room):
 @njit(inline="always")
 def slot_of(table, mask, key):
     """Return the slot that holds a key, or the free one where it would go."""
-    slot = np.int64(key >> S1) & mask
+    slot = np.int64(key >> ONE) & mask
     while table[slot, 0] != 0 and (table[slot, 0] ^ key) > ONE:  # that differ by more than the way
         slot = (slot + 1) & mask
     return slot
@@ -166,24 +108,6 @@ def count_uses(records_at, count, table_at, capacity, uses_at, used):
     return used
 
 
-@njit(inline="always")
-def unite(parent, a, b):
-    """Join two pieces; no triangle lies under one behind it.
-
-    Rem's algorithm (M. Patwary, J. Blair and F. Manne, "Experiments on union-find algorithms for the disjoint-set data
-    structure", SEA 2010, figure 2), which stops as soon as both have one parent.
-    """
-    above, other = parent[a], parent[b]
-    while above != other:
-        if above < other:
-            a, b, above, other = b, a, other, above
-        parent[a] = other
-        if np.int64(above) == a:
-            return
-        a = np.int64(above)
-        above = parent[a]
-
-
 def regular_pairs(table_at, capacity, uses_at, pairs_at, state_at):
     """Write the pairs of triangles at edges that are used once each way; return how many there are.
 
@@ -213,15 +137,15 @@ def regular_pairs(table_at, capacity, uses_at, pairs_at, state_at):
     return size
 
 
-def join_pairs(pairs_at, size, parent_at, count, warm_at):
+def join_pairs(pairs_at, size, parent_at, count):
     """Join pairs of triangles."""
     pairs = carray(pairs_at, (size, 2), np.uint32)
     parent = carray(parent_at, (count,), np.uint32)
-    warm = carray(warm_at, (1,), np.uint64)
-    for start in range(0, size, PAIRS):
-        stop = min(start + PAIRS, size)
-        for k in range(start, stop):  # to read them all before any is waited for; a sum that is not kept is not formed
-            warm[0] += uint64(parent[np.int64(pairs[k, 0])]) + uint64(parent[np.int64(pairs[k, 1])])
+    for start in range(0, size, BLOCK):
+        stop = min(start + BLOCK, size)
+        for k in range(start, stop):
+            prefetch(parent_at, 4 * np.int64(pairs[k, 0]))
+            prefetch(parent_at, 4 * np.int64(pairs[k, 1]))
         for k in range(start, stop):
             unite(parent, np.int64(pairs[k, 0]), np.int64(pairs[k, 1]))
     return 0
