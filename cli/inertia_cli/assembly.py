@@ -9,7 +9,7 @@ from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from inertia_cli.options import by_name, named_number
+from inertia_cli.options import by_name, named_number, record, require_recordable, tell_of_viewer
 from inertia_cli.printing import print_document, print_text, show
 
 if TYPE_CHECKING:
@@ -53,6 +53,10 @@ def add(parsers: Any) -> None:
         "another mesh, or for each link of a robot; without OUT print it",
     )
     add_tree_options(parser)
+    parser.add_argument("-o", "--output", metavar="FILE.rrd", help="record the tree, for `inertia play`")
+    parser.add_argument(
+        "--live", action="store_true", help="stream it to the Rerun viewer that is open on this machine"
+    )
     parser.add_argument("--force", action="store_true", help="replace a file that is there")
     parser.add_argument("--schema", action="store_true", help="print the JSON Schema of an assembly file")
     parser.add_argument("--json", action="store_true", help="print one JSON document (inertia/assembly/1)")
@@ -94,6 +98,8 @@ def run(options: argparse.Namespace) -> int:
         return 0
     if options.part is None:
         raise UsageError("no assembly is named: give an assembly file, see `inertia assembly --help`")
+    if options.to_toml is not None and (options.output is not None or options.live):
+        raise UsageError("--to-toml writes an assembly file and records nothing: leave --output and --live out")
     if options.to_toml is not None:
         return _to_toml(options)
     from inertia.report.budget.document import assembly_document
@@ -101,11 +107,15 @@ def run(options: argparse.Namespace) -> int:
 
     if options.clearance is not None and not 0 <= options.clearance < math.inf:
         raise UsageError(f"the clearance is {options.clearance:g}: it must be a length that is not negative")
+    require_recordable(options)
     assembly = assembly_of(options)
     asked = options.interference or options.clearance is not None
     clearance = (options.clearance or 0.0) * float(assembly.unit.metres)
     pairs = assembly.interferences(clearance) if asked else None
+    if options.output is not None or options.live:
+        record(assembly.budget(), options.output, options, live=options.live)
     show(options.json, lambda: assembly_document(assembly, pairs), lambda: assembly_text(assembly, pairs))
+    tell_of_viewer(options)
     return 5 if pairs else 0
 
 

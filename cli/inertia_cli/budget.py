@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import Any
 
 from inertia_cli.assembly import add_tree_options, assembly_of
+from inertia_cli.options import record, require_recordable, tell_of_viewer
 from inertia_cli.printing import show, write_and_show
 
 _CODES = {None: 0, "pass": 0, "fail": 5, "undecided": 4}
@@ -37,6 +38,10 @@ def add(parsers: Any) -> None:
     )
     parser.add_argument("--report", metavar="FILE.html", help="write a report with pictures, to be printed or folded")
     parser.add_argument("--csv", metavar="FILE.csv", help="write a row for each part, SI")
+    parser.add_argument("-o", "--output", metavar="FILE.rrd", help="record the tree, for `inertia play`")
+    parser.add_argument(
+        "--live", action="store_true", help="stream it to the Rerun viewer that is open on this machine"
+    )
     parser.add_argument("--force", action="store_true", help="replace files that are there")
     parser.add_argument(
         "--json",
@@ -59,10 +64,13 @@ def run(options: argparse.Namespace) -> int:
     for file, suffix in ((options.csv, ".csv"), (options.report, ".html")):
         if file is not None:
             require_writable(file, suffix, force=options.force)
+    require_recordable(options)
     whole = assembly_of(options).budget()
 
     def write() -> None:
         with together():
+            if options.output is not None or options.live:
+                record(whole, options.output, options, live=options.live)
             if options.report is not None:
                 from inertia.report.budget.html import write_budget
 
@@ -73,6 +81,7 @@ def run(options: argparse.Namespace) -> int:
                 write_whole(Path(options.csv), budget_csv(whole).encode())
 
     write_and_show(write, options.json, lambda: budget_document(whole), lambda: budget_text(whole))
+    tell_of_viewer(options)
     return _CODES[whole.verdict]
 
 
@@ -82,8 +91,8 @@ def _diff(options: argparse.Namespace) -> int:
     from inertia.errors import UsageError
     from inertia.report.budget.comparison import comparison_document, comparison_text
 
-    others = options.part, options.csv, options.report, options.unit, options.joint or None
-    if any(other is not None for other in others):
+    others = options.part, options.csv, options.report, options.unit, options.joint or None, options.output
+    if options.live or any(other is not None for other in others):
         raise UsageError("--diff takes two assembly files and nothing else but --json: leave the rest out")
     comparison = compare(*(Assembly.load(file).budget() for file in options.diff))
     show(options.json, lambda: comparison_document(comparison), lambda: comparison_text(comparison))

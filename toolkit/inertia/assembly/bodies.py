@@ -381,6 +381,11 @@ def triangles_of(fields: PartFields, body: Body, unit: Unit) -> Float | None:
         corners = _surface(fields.shape, [metres * float(k) for k in fields.size or ()])
     else:
         return None
+    return mapped(fields, corners)
+
+
+def mapped(fields: PartFields, corners: Float) -> Float:
+    """Return triangles (m, 3, 3) of a part's file or shape stretched and mirrored as the part is, facing outwards."""
     maps = [] if fields.stretch is None else [fields.stretch]
     maps += [] if fields.mirror is None else [mirror(fields.mirror)]
     for rows in maps:

@@ -14,7 +14,9 @@ from pathlib import Path, PurePosixPath
 from typing import Any
 
 from inertia import __version__
+from inertia.assembly.budget import Budget
 from inertia.balancing.balance import Balance
+from inertia.documents import toml_text
 from inertia.dynamics.run import Run
 from inertia.dynamics.scene.body import SceneBody
 from inertia.dynamics.scene.document import Scene
@@ -30,10 +32,12 @@ _SETTINGS = ("duration", "samples", "accuracy", "model", "method")
 _PROPERTIES = "/__properties"
 
 
-def properties_of(subject: Run | Balance) -> dict[str, dict[str, Any]]:
+def properties_of(subject: Run | Balance | Budget) -> dict[str, dict[str, Any]]:
     """Return the properties by section; no folder of this machine is in them."""
     tool = {"tool": {"name": "inertia", "version": __version__}}
-    return tool | (_of_balance(subject) if isinstance(subject, Balance) else _of_run(subject))
+    if isinstance(subject, Run):
+        return tool | _of_run(subject)
+    return tool | (_of_balance(subject) if isinstance(subject, Balance) else _of_budget(subject))
 
 
 def _of_run(run: Run) -> dict[str, dict[str, Any]]:
@@ -66,6 +70,16 @@ def _of_balance(balance: Balance) -> dict[str, dict[str, Any]]:
         **{name: _source(part) for name, part in _numbered([body.whole for body in balance.bodies]).items()},
         "accuracy": {"method": error.method, "mass": error.mass, "inertia": error.inertia},
         "verdict": {"outcome": balance.verdict.outcome},
+    }
+
+
+def _of_budget(budget: Budget) -> dict[str, dict[str, Any]]:
+    error = budget.properties.error
+    text = toml_text(budget.assembly.to_dict())  # a bill of materials too
+    return {
+        "assembly": {"name": _last(budget.assembly.path), "text": _without_folders(text)},
+        "accuracy": {"method": error.method, "mass": error.mass, "inertia": error.inertia},
+        "verdict": {"outcome": budget.verdict},
     }
 
 

@@ -8,6 +8,7 @@ from importlib import import_module
 import numpy as np
 
 from inertia.arrays import Float
+from inertia.assembly.budget import Budget
 from inertia.balancing.balance import Balance
 from inertia.dynamics.run import Run
 from inertia.errors import GeometryError, UsageError
@@ -20,25 +21,25 @@ from inertia.recording.writer import Recording, blocks, to_file
 VIEWS = ("tumbling", "top", "driven", "disc", "deforming")
 """The views of a run, by the names that models give: modules of `views`, each with a function `screen`."""
 
-_ROTOR = "rotor"
+_ROTOR, _BUDGET = "rotor", "budget"
 
 
 def record(
-    subject: Run | Balance,
+    subject: Run | Balance | Budget,
     path: str | os.PathLike[str] | None = None,
     *,
     other: Run | None = None,
     force: bool = False,
     live: bool = False,
 ) -> None:
-    """Write a run, two runs over each other, or a rotor, to a Rerun recording, to an open viewer, or to both.
+    """Write a run, two over each other, a rotor, or the budget of an assembly to a Rerun recording or an open viewer.
 
     The file holds the screen too, and what is needed to run it again: ``inertia simulate run.rrd``. It appears under
     its name when it is whole, and not at all where writing fails.
 
     Parameters
     ----------
-    subject : what `inertia.simulate` or `inertia.balance` returned
+    subject : what `inertia.simulate`, `inertia.balance` or `inertia.Assembly.budget` returned
     path : of the file, ending in .rrd; None for none
     other : a run to be shown over the first, of a rigid body
     force : write over a file that is there
@@ -78,14 +79,15 @@ def record(
             write(recording)
 
 
-def _screen(subject: Run | Balance, other: Run | None) -> Screen:
+def _screen(subject: Run | Balance | Budget, other: Run | None) -> Screen:
     if other is not None:
-        if isinstance(subject, Balance):
-            raise UsageError("a rotor is not recorded with a run over it: record each by itself")
+        if not isinstance(subject, Run):
+            what = "a rotor" if isinstance(subject, Balance) else "an assembly"
+            raise UsageError(f"{what} is not recorded with a run over it: record each by itself")
         from inertia.recording.views import overlay
 
         return overlay.screen(subject, other)
-    name = _ROTOR if isinstance(subject, Balance) else subject.plan.view
+    name = _ROTOR if isinstance(subject, Balance) else _BUDGET if isinstance(subject, Budget) else subject.plan.view
     screen: Screen = import_module(f"inertia.recording.views.{name}").screen(subject)
     return screen
 
