@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from copy import copy
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import Any
@@ -157,7 +156,7 @@ class _Neighbours:
         else:
             assert scene.body.assembly is not None
             parts = list(scene.body.assembly.parts)
-            parts[self.part] = _part(parts[self.part], tensor, center, mass)
+            parts[self.part] = parts[self.part].altered(tensor, center, mass)
             body = SceneBody.of_assembly(JointedBody(tuple(parts)))
         there = replace(
             scene,
@@ -264,11 +263,3 @@ class _Neighbours:
         turn = turn if turn[3] >= 0 else -turn
         half = float(np.linalg.norm(turn[:3]))
         return turn[:3] * (2.0 * np.arctan2(half, turn[3]) / half) if half else np.zeros(3)
-
-
-def _part(part: JointedPart, tensor: Float, center: Float, mass: float | None) -> JointedPart:
-    """Return a part with other mass properties, which need be no body's: that of a point mass has no tensor."""
-    other = copy(part)
-    for name, value in (("inertia", tensor), ("center_of_mass", center), ("mass", mass)):
-        object.__setattr__(other, name, value)
-    return other

@@ -252,6 +252,15 @@ class MassProperties:
         """Return mass, first and second moments about `point` (3,) m, or the centre of mass: exact, with bounds."""
         return self._moments.central() if point is None else self._moments.about(exact_point(point, "point"))
 
+    @property
+    def bounds(self) -> tuple[float, float, float]:
+        """How far mass (kg), centre of mass (m) and the tensor about it (kg m², Frobenius norm) may be off, rounded."""
+        here = self.moments_about()
+        known = float(here.zeroth_bound), float(here.centroid_bound), float(here.error_norms[1])
+        sizes = self.mass, float(np.linalg.norm(self.center_of_mass)), float(np.linalg.norm(self.inertia))
+        mass, center, inertia = (bound + float(_ROUNDOFF) * size for bound, size in zip(known, sizes, strict=True))
+        return mass, center, inertia
+
     def about(self, point: ArrayLike | Sequence[Fraction]) -> Float:
         """Return the tensor (3, 3) kg m² about `point` (3,) m, in part axes (Steiner's theorem)."""
         return self.about_with_bound(point)[0]

@@ -124,11 +124,11 @@ class Problem:
 
     @property
     def relative_tensor_bound(self) -> float:
-        """How far a moment may be off, as a part of it; 0 where the tensor was typed."""
-        if self.scene.body.properties is None:
+        """How far a moment may be off, as a part of it; 0 where the whole tensor was typed."""
+        if not self.exact.tensor_bound:
             return 0.0
         bound = self.exact.tensor_bound / float(self.moments[0])
-        return bound if self.arm.any() else min(bound, self.uncertainty)
+        return bound if self.arm.any() or self.scene.body.properties is None else min(bound, self.uncertainty)
 
     @property
     def relative_weight_bound(self) -> float:
@@ -151,7 +151,7 @@ class Problem:
     def relative_contact_bound(self) -> float:
         """How far the tensor, mass and centre of mass of a body on a plane may be off, as parts of what they are."""
         radius = self.scene.constraint.radius
-        if radius is None or self.scene.body.properties is None:
+        if radius is None or not self.exact.mass:
             return 0.0
         mass = self.exact.mass_bound / float(self.exact.mass)
         return self.relative_tensor_bound + mass + self.center_bound / radius
@@ -168,7 +168,7 @@ class Problem:
     def center_bound(self) -> float:
         """How far the centre of mass may be from where it is said to be, m."""
         properties = self.scene.body.properties
-        return 0.0 if properties is None else properties.error.center_of_mass
+        return self.exact.arm_bound if properties is None else properties.error.center_of_mass
 
     @property
     def rigid(self) -> bool:

@@ -61,19 +61,23 @@ class Exact:
         arm = [Fraction(c) - Fraction(p) for c, p in zip(body.center_of_mass.tolist(), reference.tolist(), strict=True)]
         attitude = rationals(scene.start.typed_attitude)
         bounds = (0.0, 0.0, 0.0)
+        tensor = _symmetric(body.inertia)
         if body.properties is not None:
             here = body.properties.moments_about(reference.tolist() if offset else None)
             tensor = inertia_tensor(here.second)
             arm = [k / here.zeroth for k in here.first]
             mass = here.zeroth
             bounds = float(here.error_norms[1]), float(here.centroid_bound), float(here.zeroth_bound)
-        else:
-            tensor = _symmetric(body.inertia)
-            if offset:
-                square = sum((k * k for k in arm), _ZERO)
-                for i in range(3):
-                    for j in range(3):
-                        tensor[i][j] += mass * ((square if i == j else _ZERO) - arm[i] * arm[j])
+        elif body.assembly is not None:
+            by_mass, by_place, own = body.assembly.bounds
+            size = float(np.linalg.norm(np.array(arm, dtype=float))) if offset else 0.0
+            own += by_mass * size**2 + float(mass) * by_place * (2.0 * size + by_place) * offset
+            bounds = own, by_place, by_mass
+        if body.properties is None and offset:
+            square = sum((k * k for k in arm), _ZERO)
+            for i in range(3):
+                for j in range(3):
+                    tensor[i][j] += mass * ((square if i == j else _ZERO) - arm[i] * arm[j])
         if not offset:
             arm = [_ZERO] * 3
         frame = frame_near(tensor, axes)

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
-from typing import Literal
+from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 
@@ -22,6 +22,9 @@ from inertia.mass.properties import MassProperties
 from inertia.mass.tensor import array_of, faults, steiner
 from inertia.mesh.part import Cells, Part
 from inertia.mesh.read import read
+
+if TYPE_CHECKING:
+    from inertia.assembly.tree import Node
 
 _FEW = 10_000
 """Triangles up to which a part is integrated exactly."""
@@ -178,11 +181,37 @@ def is_assembly(file: str) -> bool:
 
 
 def of_tree(path: Path) -> SceneBody:
-    """Return the body that an assembly is, all its parts held together; raises as `Assembly.mass_properties`."""
+    """Return the body that an assembly is, all its parts held together; raises as `Assembly.mass_properties`.
+
+    The bounds of the parts' meshes are those of the body. The standard uncertainties that the assembly states, of
+    densities, masses and places, are its `covariance`; no bound contains them.
+    """
     from inertia.assembly.document import Assembly
 
     assembly = Assembly.load(path)
-    return SceneBody.of(assembly.mass_properties(), assembly.mesh(), assembly.notes)
+    body = SceneBody.of(assembly.mass_properties(), assembly.mesh(), assembly.notes)
+    if not _uncertain(assembly.root):
+        return body
+    sigma = assembly.budget().total.sigma
+    covariance = np.zeros((11, 11))  # the volume has none
+    covariance[1:, 1:] = sigma.changes[:, :10].T @ sigma.changes[:, :10]
+    mass, center, tensor = (_largest(sigma.all[some]) for some in (slice(1), slice(1, 4), slice(4, 10)))
+    note = (
+        f"the assembly states standard uncertainties, which make {mass} kg of its mass, {center} m of its centre of "
+        f"mass and {tensor} kg m² of its tensor at most; the motion is that of the figures as they are"
+    )
+    return replace(body, covariance=covariance, notes=(*body.notes, note))
+
+
+def _uncertain(node: Node) -> bool:
+    """Whether a node of an assembly, or one below it, states a standard uncertainty."""
+    fields = node.fields
+    misplaced = fields is not None and bool(fields.position_uncertainty or fields.angle_uncertainty)
+    return misplaced or bool(node.body and node.body.inputs) or any(map(_uncertain, node.children))
+
+
+def _largest(values: Float) -> str:
+    return f"{values.max():.2g}"
 
 
 def accuracy_for(part: Part) -> Literal["exact"] | None:

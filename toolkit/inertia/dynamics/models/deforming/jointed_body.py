@@ -18,6 +18,9 @@ from inertia.documents import FieldError
 from inertia.dynamics.kinematics import quaternion
 from inertia.dynamics.models.deforming.joints import Joint, JointedPart
 
+_ROUNDED = 16 * 2.0**-52
+"""Relative: what poses and sums over the parts are rounded by."""
+
 
 @dataclass(frozen=True, eq=False)
 class Shape:
@@ -119,6 +122,27 @@ class JointedBody:
     def keyframes(self) -> Float:
         """The instants (k,) s, ascending, of all keyframes of joints that move."""
         return np.unique(np.concatenate([np.empty(0), *(joint.times for joint in self.joints if joint.moves)]))
+
+    @property
+    def bounds(self) -> tuple[float, float, float]:
+        """How far mass (kg), centre of mass (m) and the tensor about it (kg m²) at t = 0 may be off, rounding included.
+
+        A part of mass m at r from the common centre, whose mass and place are off by μ and δ, moves that by
+        (μ r + m δ)/M at most, and the tensor there by its own bound, μ r² and 2 m r δ + m δ².
+        """
+        shape = self.shape(np.zeros(1))
+        turned = quaternion.to_space(shape.part_attitude[0], np.stack([part.center_of_mass for part in self.parts]))
+        places = turned + shape.part_position[0]
+        away = np.linalg.norm(places - shape.center_of_mass[0], axis=1)
+        masses = np.array([part.mass for part in self.parts])
+        sizes = np.array([np.linalg.norm(part.inertia) for part in self.parts]) + masses * away**2
+        by_mass, by_place, own = np.array([part.bounds for part in self.parts]).T
+        by_place = by_place + _ROUNDED * np.linalg.norm(places, axis=1)
+        return (
+            float(by_mass.sum() + _ROUNDED * shape.mass),
+            float((by_mass @ away + masses @ by_place) / shape.mass),
+            float((own + by_mass * away**2 + masses * by_place * (2.0 * away + by_place) + _ROUNDED * sizes).sum()),
+        )
 
     def shape(self, time: ArrayLike, later: ArrayLike = 0.0) -> Shape:
         """Return where everything is at times (n,) s, or `later` (n,) s than them (`Joint.at`).

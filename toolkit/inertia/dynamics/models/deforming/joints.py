@@ -8,6 +8,7 @@ with a common point make a ball joint.
 from __future__ import annotations
 
 from collections.abc import Sequence
+from copy import copy
 from dataclasses import InitVar, dataclass, field
 from functools import cached_property
 
@@ -152,6 +153,7 @@ class JointedPart:
     center_of_mass : (3,) m, assembly axes
     parent : None for the root
     joints : from the parent outwards; a part without joints is fixed to its parent
+    bounds : how far mass (kg), centre of mass (m) and tensor (kg m², Frobenius norm) may be from what they are
 
     Raises `FieldError` where a field is not usable, `GeometryError` where mass or tensor are not physical.
     """
@@ -162,6 +164,7 @@ class JointedPart:
     center_of_mass: Float = (0.0, 0.0, 0.0)  # type: ignore[assignment]
     parent: str | None = None
     joints: tuple[Joint, ...] = ()
+    bounds: tuple[float, float, float] = (0.0, 0.0, 0.0)
 
     def __post_init__(self) -> None:
         path = f'part "{self.name}"'
@@ -174,3 +177,10 @@ class JointedPart:
             raise GeometryError(f"{path}.inertia is not physical: {reasons[0]}")
         if self.joints and self.parent is None:
             raise FieldError(f"{path}.parent", "is missing: joints hang a part on another one, which must be named")
+
+    def altered(self, inertia: Float, center_of_mass: Float, mass: float | None) -> JointedPart:
+        """Return the part with other mass properties, which need be no body's: that of a point mass has no tensor."""
+        other = copy(self)
+        for name, value in (("inertia", inertia), ("center_of_mass", center_of_mass), ("mass", mass)):
+            object.__setattr__(other, name, value)
+        return other

@@ -8,9 +8,15 @@ import numpy as np
 
 from inertia.arrays import Float
 from inertia.dynamics.kinematics import quaternion
+from inertia.dynamics.models.deforming.jointed_body import JointedBody
+from inertia.dynamics.models.deforming.joints import JointedPart
 from inertia.dynamics.models.model import Candidate, Model, Problem
+from inertia.dynamics.models.neighbours import InputBound, instants_of, left_open
 from inertia.dynamics.motion import Motion
 from inertia.errors import GeometryError, placed
+
+_FIGURES = 10  # of a part: mass, centre of mass and tensor
+_MARGIN = 3.0  # of what some changes by the bounds do
 
 _NO_MOMENTUM = 1e-13
 """Relative to what the motion of the parts, or the whole, has at its largest."""
@@ -58,6 +64,31 @@ class DeformingBody(Model):
             remarks=_remarks(motion),
         )
 
+    def input_bound(self, candidate: Candidate) -> InputBound:
+        """Return how far the bounds of the parts' mass properties may move the attitude, as changes by them do."""
+        from inertia.dynamics.models.deforming.motion import solve_deforming
+
+        problem, scene = candidate.problem, candidate.problem.scene
+        assembly = scene.body.assembly
+        assert assembly is not None  # it deforms
+        moved = [k for k, part in enumerate(assembly.parts) if any(part.bounds)]
+        relative = [_relative(part) for part in assembly.parts]
+        unknown = max(largest for _, largest in relative)
+        if not unknown:
+            return InputBound.none(problem.duration)
+        instants = instants_of(problem.duration)
+
+        def follow(change: Float, tolerance: float) -> Float:
+            parts = list(assembly.parts)
+            for row, k in zip(change.reshape(-1, _FIGURES), moved, strict=True):
+                parts[k] = _changed(parts[k], row * np.repeat(relative[k][0] / unknown, (1, 3, 6)))
+            there = JointedBody(tuple(parts))
+            attitude, spin = scene.start.attitude, scene.angular_velocity
+            return solve_deforming(there, instants, tolerance, angular_velocity=spin, attitude=attitude).attitude
+
+        angle = left_open(follow, _FIGURES * len(moved), _MARGIN * unknown)
+        return InputBound(instants, np.maximum(angle, _MARGIN * unknown * problem.pace * instants))
+
     def view(self, problem: Problem) -> str:
         """Show the parts as they move."""
         return "deforming"
@@ -69,6 +100,26 @@ class DeformingBody(Model):
     def energy(self, candidate: Candidate, motion: Motion) -> Float:
         """Return that of all parts, about the centre of mass."""
         return motion.quantities["kinetic energy"]
+
+
+def _relative(part: JointedPart) -> tuple[Float, float]:
+    """Return the bounds (3,) of mass, centre of mass and tensor over mass, radius and size, and the largest of them."""
+    size = float(np.linalg.norm(part.inertia))
+    sizes = np.array([part.mass, np.sqrt(size / part.mass), size])
+    bounds = np.divide(part.bounds, sizes, out=np.zeros(3), where=sizes > 0)
+    return bounds, float(bounds.max())
+
+
+def _changed(part: JointedPart, change: Float) -> JointedPart:
+    """Return a part with other figures, by changes (10,) relative to those of `_relative`."""
+    size = float(np.linalg.norm(part.inertia))
+    tensor = np.zeros((3, 3))
+    tensor[np.triu_indices(3)] = change[4:]
+    return part.altered(
+        part.inertia + size * (tensor + np.triu(tensor, 1).T),
+        part.center_of_mass + np.sqrt(size / part.mass) * change[1:4],
+        part.mass * (1.0 + change[0]),
+    )
 
 
 def _remarks(motion: Motion) -> tuple[str, ...]:

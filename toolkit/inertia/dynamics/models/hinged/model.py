@@ -136,7 +136,9 @@ def figures_of(problem: Problem) -> dict[str, Fraction]:
 def _known(axle: Axle, problem: Problem) -> dict[str, float]:
     """Return how far figures of an axle may be off by the bounds of the mass properties."""
     gravity = problem.weight * float(np.linalg.norm(problem.arm)) * problem.relative_weight_bound if axle.pull else 0.0
-    return {"inertia": problem.uncertainty * axle.inertia, "cosine": gravity, "sine": gravity}
+    stated = problem.scene.body.properties is None
+    inertia = problem.exact.tensor_bound if stated else problem.uncertainty * axle.inertia
+    return {"inertia": inertia, "cosine": gravity, "sine": gravity}
 
 
 def _turned(load: Torque, attitude: Float) -> Float:
