@@ -167,7 +167,7 @@ class PartTree(Document):
             not listed itself
         """
         result = replace(self, moves=moves)
-        result.__dict__ |= {"root": self.root, "_library": self._library}
+        result.__dict__.update(root=self.root, _library=self._library)
         return result
 
     def surfaces(self) -> Iterator[tuple[Node, Float]]:

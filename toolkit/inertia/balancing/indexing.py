@@ -225,6 +225,10 @@ def _met(first: Complex, second: Complex, best: float, same: float) -> tuple[tup
     |u|₂ ≤ √k max |u_k|: what leaves less than the best is within √k times that of the other list, in the plain
     distance of k-d trees.
     """
+    if len(first) * len(second) <= _ROWS:
+        worst: Float = np.abs(first[:, None] + second[None]).max(axis=2)
+        pair = np.unravel_index(int(worst.argmin()), worst.shape)
+        return (int(pair[0]), int(pair[1])), float(worst[pair])
     from scipy.spatial import cKDTree
 
     (a, a_numbers), (b, b_numbers) = _distinct(first, same), _distinct(second, same)

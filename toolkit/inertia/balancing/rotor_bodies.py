@@ -162,7 +162,10 @@ def _chord(fields: BodyFields, layers: FacetLayers, metres: float) -> tuple[floa
 def require_apart(rotor: Rotor, bodies: Sequence[RotorBody]) -> None:
     """Raise `GeometryError` where two bodies share space."""
     surfaces = [_in_metres(body.part) for body in bodies] if len(bodies) > 1 else []
-    for one, other in combinations(range(len(bodies)), 2):
+    low, high = (np.array([f(each.vertices, axis=0) for each in surfaces]).reshape(-1, 3) for f in (np.min, np.max))
+    for one, other in combinations(range(len(surfaces)), 2):
+        if (low[one] > high[other]).any() or (low[other] > high[one]).any():
+            continue
         place = overlap(surfaces[one], surfaces[other], contact=bodies[one].chord + bodies[other].chord)
         if place is not None:
             where = ", ".join(f"{x / float(rotor.unit.metres):.6g}" for x in place)
