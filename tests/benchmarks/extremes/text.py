@@ -5,8 +5,8 @@ from __future__ import annotations
 from statistics import median
 from typing import Any
 
-from inertia.mass.triangles.arithmetic import MANY
 from inertia.mass.triangles.running_error import FEW
+from inertia.mass.triangles.sums import MANY
 
 from .answers import PROGRAMS
 from .costs import BARE
@@ -216,7 +216,7 @@ def _sweep(counts: dict[str, Row]) -> str:
 def _growth(sizes: list[Row]) -> str:
     lines = []
     for size in sizes:
-        bound = "running" if size["triangles"] <= FEW else "distance" if size["triangles"] <= MANY else "a-priori"
+        bound = "running" if size["triangles"] <= FEW else "double-double" if size["triangles"] <= MANY else "beside"
         medians = (as_number(row["median"]) for row in size["ratios"].values())
         lines.append([f"{size['triangles']:,}", bound, *medians])
     return as_table(["triangles", "bound", *sizes[0]["ratios"]], lines)

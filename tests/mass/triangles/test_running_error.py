@@ -258,14 +258,6 @@ def test_beyond_the_limit_sums_of_more_digits_say_how_far_off_they_are(stored: C
     assert all(30 * near < far for near, far in zip(bounds_of(moments), bounds_of(plain), strict=True))
 
 
-def test_of_very_many_triangles_the_bound_costs_nothing(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(arithmetic, "MANY", len(ABOVE[1]) - 1)
-    monkeypatch.setattr(arithmetic, "running_bounds", lambda *_: pytest.fail("the triangles were gone through"))
-    monkeypatch.setattr(arithmetic, "distances", lambda *_: pytest.fail("the triangles were gone through"))
-    triangles = Surface(*ABOVE)
-    assert solid_moments(triangles, "float64") == moments_of(sum_triangles(triangles))
-
-
 @pytest.mark.parametrize("compiled", [True, False])
 @pytest.mark.parametrize("shape", [(1, 1, 1), (1, 1, 1e-3), (1, 1e-2, 1), (1, 1e-3, 1e-3)])
 def test_bounds_of_more_triangles_are_near_the_error_in_any_shape(

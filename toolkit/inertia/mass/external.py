@@ -17,7 +17,7 @@ from inertia.errors import UsageError
 from inertia.mass.integration import Group, Integral, naming, refuse_flat, surface_area
 from inertia.mass.moments import Moments
 from inertia.mass.triangles.arithmetic import METHODS, arithmetics, shell_moments, solid_moments
-from inertia.mass.triangles.sums import Sums, block_rows, local_frame, sum_triangles, sums_of
+from inertia.mass.triangles.sums import Frame, Sums, block_rows, frame_of, sum_triangles, sums_of
 from inertia.mesh.checks.findings import Finding, Report
 from inertia.mesh.external.buckets import MEMORY
 from inertia.mesh.external.closure import Pairing, external_closure, room_for
@@ -75,7 +75,7 @@ def external_integrals(
     """
     triangles = part.triangles
     tries = arithmetics(accuracy)
-    beside = resident() + RESERVE + triangles.count // 2
+    beside = resident() + RESERVE + triangles.count
     room = int(min(memory - beside, room_for(triangles.count) + _AMPLE if workers else memory))
     if room < room_for(triangles.count):
         least = 1.02 * (beside + room_for(triangles.count))
@@ -89,8 +89,8 @@ def external_integrals(
         if workers is None:
             sums = sum_triangles(triangles, surface=shell, progress=summing)
         else:
-            frame = local_frame(triangles)
-            sums = sums_of(triangles, *frame, workers.over_ranges(_rows, *frame, shell, progress=summing))
+            frame = frame_of(triangles, surface=shell)
+            sums = sums_of(triangles, frame, workers.over_ranges(_rows, frame, progress=summing))
         pairing = external_closure(triangles, room, pairing_up, workers=workers)
     extents = np.array([sums.low, sums.high])
     topology = pairing.closure
@@ -127,10 +127,10 @@ def external_integrals(
             refuse_flat(part, whole, extents)
 
 
-def _rows(triangles: Triangles, origin: Float, exponent: int, surface: bool) -> Float:
+def _rows(triangles: Triangles, frame: Frame) -> Float:
     """Return the rows of the blocks of some triangles."""
     with np.errstate(invalid="ignore", over="ignore"):
-        return np.concatenate([rows for _, rows in block_rows(triangles, origin, exponent, surface)])
+        return np.concatenate([rows for _, rows in block_rows(triangles, frame)])
 
 
 def _require(part: Part, remarks: Iterator[Finding]) -> tuple[Finding, ...]:

@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from contextlib import suppress
+from fractions import Fraction
+from statistics import median
 from typing import Literal
 
 import numpy as np
@@ -10,10 +13,10 @@ import numpy as np
 from inertia.arrays import Float, Progress
 from inertia.mass.moments import Moments
 from inertia.mass.rounding import as_written, shell_as_written
-from inertia.mass.triangles import double_double, exact
-from inertia.mass.triangles.moments_from_sums import distances, moments_of, moments_with_bounds
+from inertia.mass.triangles import double_double, exact, fine_sums
+from inertia.mass.triangles.moments_from_sums import a_priori, distances, fine_values, moments_of, moments_with_bounds
 from inertia.mass.triangles.running_error import FEW, running_bounds
-from inertia.mass.triangles.sums import Sums, sum_triangles
+from inertia.mass.triangles.sums import MANY, Frame, Sums, sum_in, sum_triangles
 from inertia.mesh.part import Rounding, Triangles
 
 Arithmetic = Literal["float64", "double-double", "exact"]
@@ -24,8 +27,7 @@ METHODS: dict[Arithmetic, str] = {
     "exact": exact.METHOD,
 }
 
-MANY = 200_000
-"""Triangles up to which float64 sums are compared with double-double ones: a thirtieth of looking for crossings."""
+_NEAR = 30.0
 
 FINEST = 1.2e-16
 """Smallest relative accuracy that results in float64 can have: their rounding is up to 1.1e-16."""
@@ -70,10 +72,36 @@ def _measured(triangles: Triangles, sums: Sums, progress: Progress | None) -> Fl
     if triangles.count <= FEW:
         return running_bounds(triangles, sums)
     if triangles.count > MANY:
-        return None
+        compiled = sums.exponent == 0 and fine_sums.KERNEL.worthwhile(triangles)
+        fine = fine_values(_with_digits(triangles, sums, progress) if compiled else sums)
+        if fine is not None and (_near(sums, *fine) or not compiled):
+            return distances(sums, *fine)
+        if not compiled:
+            return None
     with np.errstate(over="ignore", invalid="ignore"), suppress(OverflowError, ValueError):  # beyond float64
-        return distances(sums, double_double.sum_in_double_double(triangles, sums, progress), double_double.ROUNDINGS)
+        values = double_double.sum_in_double_double(triangles, sums, progress)
+        return distances(sums, values, a_priori(values, sums, double_double.ROUNDINGS))
     return None
+
+
+def _with_digits(triangles: Triangles, sums: Sums, progress: Progress | None) -> Sums:
+    """Return the sums with fine ones on a grid that suits the part."""
+    if sums.fine is None:  # they come from elsewhere
+        sums = sum_triangles(triangles, progress=progress)
+    if fine_values(sums) is None:  # the sample misled that the grid was chosen from
+        grid = fine_sums.grid_for(sums.origin, sums.low, sums.high, 4.0 * float(sums.sums[10]))
+        sums = sum_in(Frame(sums.origin, 0, False, grid), triangles, progress)
+    return sums
+
+
+def _near(sums: Sums, values: Sequence[Fraction], bounds: Sequence[float]) -> bool:
+    """Say whether most bounds are no more than some tens of times what they are on: errors, or else the rounding."""
+    ratios = [
+        bound / (abs(k - float(value)) + 2.0**-55 * abs(k))
+        for k, value, bound in zip(sums.sums[:10].tolist(), values, bounds, strict=True)
+        if k
+    ]
+    return not ratios or median(ratios) < _NEAR
 
 
 def shell_moments(

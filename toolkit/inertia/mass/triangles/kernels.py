@@ -22,13 +22,15 @@ _FACETS_CHUNK, _FACES_CHUNK = 32 * BLOCK, 256 * BLOCK  # records may be read fro
 class BlockKernel:
     """The two forms of a kernel, for binary STL records and for faces over vertices, and the columns of its rows.
 
-    `cost` is what its work on a triangle counts for where the question is whether compiling or loading it pays.
+    `cost` is what its work on a triangle counts for where the question is whether compiling or loading it pays,
+    `room` how many rows of lanes it needs beside the corners and the columns.
     """
 
     facets: Kernel
     faces: Kernel
     columns: int
     cost: int = 1
+    room: int = 0
 
     def worthwhile(self, triangles: Triangles) -> bool:
         """Say whether the work repays compiling or loading the form that these triangles need."""
@@ -37,7 +39,7 @@ class BlockKernel:
 
     def rows(self, triangles: Triangles, frame: tuple[float, ...]) -> Iterator[tuple[int, Float]]:
         """Yield the number of triangles done so far and the rows of the blocks that it took, (blocks, columns)."""
-        room = np.empty((9 + self.columns) * LANES + 8)
+        room = np.empty((9 + self.columns + self.room) * LANES + 8)
         scratch = room[-room.ctypes.data % 64 // 8 :]  # on a cache line, for the widest vectors
         count = triangles.count
         table = np.empty((-(-count // BLOCK), self.columns))

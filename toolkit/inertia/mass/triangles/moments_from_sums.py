@@ -5,14 +5,17 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from fractions import Fraction
-from math import sqrt
+from math import prod, sqrt
 
 import numpy as np
 
 from inertia.arrays import Float
 from inertia.mass.moments import PAIRS, Moments, six, vector
+from inertia.mass.triangles.fine_sums import BITS, REACH
 from inertia.mass.triangles.kernels import BLOCK, DEPTH, LANES
 from inertia.mass.triangles.sums import Sums
+
+ROUNDOFF = 2.0**-53
 
 
 @dataclass(frozen=True)
@@ -91,7 +94,7 @@ def moments_with_bounds(
     origin = vector(Fraction(float(k)) for k in sums.origin)
     reach = _reach(sums)
     tiny = sums.count * (2.0**-500 if surface else 100 * 2.0**-1022) * max(1.0, *reach) ** 4
-    bounds = _bounds(value, sums, roundings, reach)
+    bounds = a_priori(value, sums, roundings)
     if running is not None:
         bounds = [min(pair) for pair in zip(bounds, running.tolist(), strict=True)]  # of a NaN, the first
     zeroth, *others = (Fraction((k + tiny) * _INFLATED) for k in bounds)
@@ -111,15 +114,63 @@ def moments_with_bounds(
     )
 
 
-def distances(sums: Sums, accurate: Sequence[Fraction], roundings: Roundings) -> Float:
+def distances(sums: Sums, accurate: Sequence[Fraction], bounds: Sequence[float]) -> Float:
     """Return bounds (10,) on the errors of Σd, Σd s and Σd(…) of a solid, twice that on the diagonal.
 
-    They are the distances from sums of more digits, and the a-priori bounds on the errors of these.
+    They are the distances from sums of more digits, and the bounds on the errors of these.
     """
-    bounds = _bounds(accurate, sums, roundings, _reach(sums))
     apart = (abs(Fraction(k) - exact) for k, exact in zip(sums.sums[:10].tolist(), accurate, strict=True))
     times = (1, 1, 1, 1, 2, 2, 2, 1, 1, 1)
     return np.array([t * float(k) + bound for t, k, bound in zip(times, apart, bounds, strict=True)])
+
+
+def fine_values(sums: Sums) -> tuple[list[Fraction], list[float]] | None:
+    """Return the ten sums with the digits that float64 loses, and bounds on their errors, twice that on the diagonal.
+
+    The bounds are those of `inertia.mass.triangles.fine_sums`. None where the sums were not formed, or on a grid that
+    does not suit the part.
+    """
+    if sums.fine is None:
+        return None
+    fine, grid, count = sums.fine, sums.fine.grid, sums.count
+    box = list(zip(sums.low.tolist(), sums.high.tolist(), grid.origin, grid.steps, strict=True))
+    far = [max(abs(a - o), abs(b - o)) / step + 1.0 for a, b, o, step in box]
+    if max(far) > REACH or any(max(abs(a), abs(b)) > 2.0**50 * step for a, b, _, step in box):
+        return None
+    cube = prod(grid.steps)
+    squares = [k / step**2 for k, step in zip(fine.edges.tolist(), grid.steps, strict=True)]
+    places = [sqrt(k) / step for k, step in zip(fine.places.tolist(), grid.steps, strict=True)]
+    edges = sum(sqrt(2.0 * count * square) for square in squares)
+    arms = [places[i] * sqrt(5.0 * (squares[i - 2] + squares[i - 1] + 4.0 * count)) for i in range(3)]
+    unit, rest, size, total = (k / cube for k in (grid.unit, fine.size, float(sums.sums[10]), float(sums.sums[12])))
+    normals, steps = max(far) * edges, unit * count
+    if not size + 3.0 * (sum(arms) + normals + 7.0 * (edges + 3.0 * count) + 2.0 * steps) <= 2.0**BITS * unit:
+        return None
+    off = 12.1 * sum(arms) + 4.1 * normals + 7.0 * (edges + 3.0 * count) + 14.0 * steps
+    total += 1e-9 * (size + total) + 2.0 * rest + off * ROUNDOFF  # of the |d| on the grid
+    bounds = [cube * ROUNDOFF * (off + 42.0 * rest)]
+    for r, step in zip(far, grid.steps, strict=True):
+        product = r * (3.0 * off + 132.0 * rest) + 70.0 * total + 23.0 * 2.0**27 * steps
+        bounds.append(cube * step * ROUNDOFF * product)
+    for i, j in PAIRS:
+        r, s = far[i], far[j]
+        product = r * s * (12.0 * off + 528.0 * rest) + 320.0 * (r + s) * total + 23.0 * 2.0**53 * steps
+        bounds.append(cube * grid.steps[i] * grid.steps[j] * ROUNDOFF * product)
+    values = [Fraction(a) + Fraction(b) for a, b in zip(fine.high.tolist(), fine.low.tolist(), strict=True)]
+    values[4:7] = (k / 2 for k in values[4:7])
+    away = [Fraction(a) - Fraction(b) for a, b in zip(grid.origin, sums.origin.tolist(), strict=True)]
+    return _about(values, away), [_AMPLY * bound for bound in bounds]
+
+
+def _about(value: list[Fraction], d: list[Fraction]) -> list[Fraction]:
+    """Return the sums of a closed surface about a point that is `d` before their origin."""
+    volume, first = value[0], value[1:4]
+    moved = [f + 4 * k * volume for f, k in zip(first, d, strict=True)]
+    second = []
+    for k, (i, j) in enumerate(PAIRS):
+        shift = 5 * (d[i] * first[j] + d[j] * first[i]) + 20 * d[i] * d[j] * volume
+        second.append(value[4 + k] + (shift / 2 if i == j else shift))
+    return [volume, *moved, *second]
 
 
 def _reach(sums: Sums) -> list[float]:
@@ -129,12 +180,16 @@ def _reach(sums: Sums) -> list[float]:
     return reach
 
 
+_AMPLY = 1.0 + 1e-5
+"""More than the arithmetic of the bounds, and what a shift by half a step makes of the errors, can add."""
+
 _INFLATED = 1.0 + 1e-9
 """More than the arithmetic of the bounds, the products of two γ and the roundings of P and D can take from them."""
 
 
-def _bounds(value: Sequence[Fraction], sums: Sums, roundings: Roundings, reach: list[float]) -> list[float]:
+def a_priori(value: Sequence[Fraction], sums: Sums, roundings: Roundings) -> list[float]:
     """Return a-priori bounds on the errors of Σd, Σd s and Σd(…), twice that on the diagonal."""
+    reach = _reach(sums)
     unit = float(roundings.unit) * _INFLATED
     additions = roundings.across(sums.count) * unit
     across = additions + unit  # and the product before them

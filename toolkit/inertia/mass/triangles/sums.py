@@ -29,6 +29,8 @@ import numpy as np
 
 from inertia.arrays import Float, Progress
 from inertia.errors import GeometryError
+from inertia.mass.triangles import fine_sums
+from inertia.mass.triangles.fine_sums import FineSums, Grid, sample_grid
 from inertia.mass.triangles.kernels import BLOCK, DEPTH, LANES, BlockKernel
 from inertia.mesh.part import Triangles, first_non_finite
 from inertia.native import Kernel
@@ -39,6 +41,12 @@ KERNEL = BlockKernel(
     Kernel("inertia.mass.triangles.moment_kernel", "sum_faces", "ppi" + "ddd" + "ipp"),
     columns=SUMS + 6,
 )
+MANY = 200_000
+"""Triangles above which the sums have their lost digits beside them.
+
+Up to there double-double sums give these, for a thirtieth of looking for crossings.
+"""
+
 _IN_RANGE = 100  # fifth powers of 2^±100 and their sums stay far from the ends of float64
 _LARGEST_EXPONENT = 1000
 _SAMPLED = 64
@@ -50,6 +58,7 @@ class Sums:
     """The thirteen sums in the scaled local frame, and the extents as stored.
 
     A coordinate x enters as (x − origin)·2^exponent. `sums` is (13,); `origin`, `low` and `high` are (3,), as stored.
+    `fine` has the first ten with more digits, where these were formed.
     """
 
     origin: Float
@@ -58,6 +67,17 @@ class Sums:
     low: Float
     high: Float
     count: int
+    fine: FineSums | None = None
+
+
+@dataclass(frozen=True)
+class Frame:
+    """The local origin (3,), a power of two for the size, whether the surface carries the mass, and the fine grid."""
+
+    origin: Float
+    exponent: int
+    surface: bool
+    grid: Grid | None
 
 
 def sum_triangles(triangles: Triangles, *, surface: bool = False, progress: Progress | None = None) -> Sums:
@@ -65,37 +85,58 @@ def sum_triangles(triangles: Triangles, *, surface: bool = False, progress: Prog
 
     Raises `GeometryError` where a coordinate is infinite or not a number.
     """
-    origin, exponent = local_frame(triangles)
+    return sum_in(frame_of(triangles, surface=surface), triangles, progress)
+
+
+def sum_in(frame: Frame, triangles: Triangles, progress: Progress | None = None) -> Sums:
+    """Sum over all triangles, in a frame."""
     blocks = []
     with np.errstate(invalid="ignore", over="ignore"):
-        for stop, rows in block_rows(triangles, origin, exponent, surface):
+        for stop, rows in block_rows(triangles, frame):
             blocks.append(rows)
             if progress is not None:
                 progress(stop / triangles.count)
-    return sums_of(triangles, origin, exponent, blocks)
+    return sums_of(triangles, frame, blocks)
 
 
-def block_rows(triangles: Triangles, origin: Float, exponent: int, surface: bool) -> Iterator[tuple[int, Float]]:
+def block_rows(triangles: Triangles, frame: Frame) -> Iterator[tuple[int, Float]]:
     """Yield the number of triangles done so far and the rows of the blocks that it took, compiled where that pays."""
-    if exponent == 0 and KERNEL.worthwhile(triangles):
-        return KERNEL.rows(triangles, (*origin.tolist(), int(surface)))
-    return vectorised_rows(triangles, origin, exponent, surface)
+    origin, grid = frame.origin.tolist(), frame.grid
+    if grid is not None and fine_sums.KERNEL.worthwhile(triangles):
+        return fine_sums.KERNEL.rows(triangles, (*origin, *grid.origin, *grid.steps, grid.unit))
+    if frame.exponent == 0 and KERNEL.worthwhile(triangles):
+        return KERNEL.rows(triangles, (*origin, int(frame.surface)))
+    return vectorised_rows(triangles, frame.origin, frame.exponent, frame.surface)
 
 
-def sums_of(triangles: Triangles, origin: Float, exponent: int, blocks: Sequence[Float]) -> Sums:
+def sums_of(triangles: Triangles, frame: Frame, blocks: Sequence[Float]) -> Sums:
     """Add the rows of all blocks, in their order."""
-    with np.errstate(invalid="ignore", over="ignore"):
-        table = np.ascontiguousarray(np.concatenate(blocks).T)
-    if not np.isfinite(table).all():
+    columns = min(rows.shape[1] for rows in blocks)  # some may have been summed where there is no compiled kernel
+    table = np.empty((columns, sum(map(len, blocks))))
+    np.concatenate([rows[:, :columns].T for rows in blocks], axis=1, out=table)
+    if not np.isfinite(table[: SUMS + 6]).all():
         _refuse_non_finite(triangles)
+    fine = None
+    if frame.grid is not None and columns > SUMS + 6 and np.isfinite(table[SUMS + 6 :]).all():
+        fine = FineSums.of(frame.grid, _add_blocks(table[SUMS + 6 :]))
     return Sums(
-        origin,
-        exponent,
+        frame.origin,
+        frame.exponent,
         _add_blocks(table[:SUMS]),
         table[SUMS : SUMS + 3].min(axis=1),
-        table[SUMS + 3 :].max(axis=1),
+        table[SUMS + 3 : SUMS + 6].max(axis=1),
         triangles.count,
+        fine,
     )
+
+
+def frame_of(triangles: Triangles, *, surface: bool = False) -> Frame:
+    """Choose the frame, from a sample of the triangles."""
+    origin, exponent = local_frame(triangles)
+    grid = None
+    if triangles.count > MANY and exponent == 0 and not surface:
+        grid = sample_grid(origin, triangles.sample(_SAMPLED), triangles.count)
+    return Frame(origin, exponent, surface, grid)
 
 
 def local_frame(triangles: Triangles) -> tuple[Float, int]:

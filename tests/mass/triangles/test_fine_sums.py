@@ -1,0 +1,218 @@
+"""Sums with the digits that float64 loses: within their bounds of rational arithmetic, in any place and order."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from fractions import Fraction
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from tests.benchmarks.extremes.cases import ball
+from tests.benchmarks.meshes import wavy_torus
+from tests.mesh.solids import facets
+
+from inertia import native
+from inertia.mass.moments import Moments
+from inertia.mass.triangles import arithmetic, sums
+from inertia.mass.triangles.arithmetic import solid_moments
+from inertia.mass.triangles.kernels import BLOCK
+from inertia.mass.triangles.moments_from_sums import fine_values, moments_of
+from inertia.mass.triangles.sums import Frame, block_rows, frame_of, sum_in, sum_triangles, sums_of
+from inertia.mesh.part import Surface, Triangles
+from inertia_meshes import rational
+
+F = Fraction
+Storage = Callable[[Surface], Triangles]
+STORAGES = pytest.mark.parametrize("stored", [facets, lambda surface: surface], ids=["facets", "surface"])
+OUTWARD = np.array([[0, 2, 1], [0, 1, 3], [1, 2, 3], [0, 3, 2]])
+
+
+@pytest.fixture(scope="module", autouse=True)
+def of_any_size() -> Iterator[None]:
+    with pytest.MonkeyPatch.context() as patch:
+        patch.delenv("INERTIA_NATIVE", raising=False)
+        for limit in ("SHIPPED_ABOVE", "LOAD_ABOVE", "COMPILE_ABOVE"):
+            patch.setattr(native, limit, 0)
+        patch.setattr(sums, "MANY", 0)
+        patch.setattr(arithmetic, "MANY", 0)
+        patch.setattr(arithmetic, "FEW", 0)
+        yield
+
+
+def placed(vertices: np.ndarray, seed: int, power: float, offset: float, thickness: float) -> np.ndarray:
+    """Return the vertices flattened, turned (of an even seed), moved off and scaled."""
+    rng = np.random.default_rng(seed)
+    turn = np.eye(3) if seed % 2 else np.linalg.qr(rng.normal(size=(3, 3)))[0]
+    moved: np.ndarray = 10.0**power * ((vertices * [1.0, 1.0, thickness]) @ turn + offset * rng.normal(size=3))
+    return moved
+
+
+def true_moments(triangles: Triangles, origin: tuple[Fraction, ...]) -> list[Fraction]:
+    exact = rational.moments(triangles.corners()).moved(*(-k for k in origin))
+    return [exact.volume, *exact.first, *exact.second]
+
+
+def bounds_of(moments: Moments) -> list[Fraction]:
+    return [moments.zeroth_bound, *moments.first_bound, *moments.second_bound]
+
+
+def assert_fine(triangles: Triangles) -> None:
+    """Check the fine sums themselves, and the moments whose bounds they are compared for."""
+    own = sum_triangles(triangles)
+    moments = solid_moments(triangles, "float64", own)
+    true = true_moments(triangles, moments.origin)
+    for value, expected, bound in zip(
+        (moments.zeroth, *moments.first, *moments.second), true, bounds_of(moments), strict=True
+    ):
+        assert abs(value - expected) <= bound
+    answer = fine_values(own)
+    if answer is None:
+        return
+    factors = [6, 24, 24, 24, 60, 60, 60, 120, 120, 120]
+    twice = [1, 1, 1, 1, 2, 2, 2, 1, 1, 1]
+    reach = max(1.0, float(np.maximum(own.high - own.origin, own.origin - own.low).max()))
+    underflow = F(100 * triangles.count, 2**1022) * F(reach) ** 4
+    for value, expected, bound, factor, times in zip(answer[0], true, answer[1], factors, twice, strict=True):
+        assert times * abs(value - factor * expected) <= F(bound) + underflow
+
+
+def assert_near(triangles: Triangles) -> None:
+    moments = solid_moments(triangles, "float64")
+    values = (moments.zeroth, *moments.first, *moments.second)
+    true = true_moments(triangles, moments.origin)
+    ratios = sorted(
+        bound / abs(value - expected)
+        for value, expected, bound in zip(values, true, bounds_of(moments), strict=True)
+        if value != expected
+    )
+    assert ratios[0] >= 1
+    assert ratios[len(ratios) // 2] < 3
+
+
+seeds = st.integers(0, 2**32 - 1)
+powers = st.one_of(st.just(0.0), st.floats(-25, 25))
+offsets = st.one_of(st.just(0.0), st.floats(-2, 12).map(lambda power: 10.0**power))
+flattenings = st.one_of(st.just(1.0), st.floats(-12, 0).map(lambda power: 10.0**power))
+
+
+@settings(deadline=None, max_examples=60)
+@given(seeds, st.integers(1, 40), powers, offsets, flattenings)
+def test_bounds_hold_for_unions_of_tetrahedra(
+    seed: int, count: int, power: float, offset: float, thickness: float
+) -> None:
+    rng = np.random.default_rng(seed)
+    points = rng.uniform(-1, 1, (count, 4, 3)) * 10.0 ** rng.uniform(-4, 0, (count, 1, 1))
+    faces = (OUTWARD + 4 * np.arange(count)[:, None, None]).reshape(-1, 3)
+    assert_fine(Surface(placed(points.reshape(-1, 3), seed, power, offset, thickness), faces))
+
+
+@settings(deadline=None, max_examples=30)
+@given(seeds, powers, offsets, flattenings, st.booleans())
+def test_bounds_hold_for_polyhedra(seed: int, power: float, offset: float, thickness: float, single: bool) -> None:
+    vertices, faces = ball(2)
+    vertices = vertices * np.random.default_rng(seed).uniform(0.9, 1, (len(vertices), 1))
+    if single:
+        assert_fine(facets(Surface(placed(vertices, seed, 0.0, min(offset, 1e4), thickness), faces)))
+    else:
+        assert_fine(Surface(placed(vertices, seed, power, offset, thickness), faces))
+
+
+@settings(deadline=None, max_examples=100)
+@given(st.lists(st.integers(-3, 3), min_size=12, max_size=12), st.integers(-90, 90), st.integers(0, 52))
+def test_bounds_hold_where_products_cancel(numbers: list[int], power: int, offset: int) -> None:
+    corners = np.ldexp(np.array(numbers, float).reshape(4, 3) + (2.0**offset if offset else 0.0), power)
+    assert_fine(Surface(corners, OUTWARD))
+
+
+@settings(deadline=None, max_examples=100)
+@given(st.lists(st.floats(-1e30, 1e30), min_size=12, max_size=12))
+def test_bounds_hold_for_a_tetrahedron_of_any_coordinates(numbers: list[float]) -> None:
+    assert_fine(Surface(np.array(numbers).reshape(4, 3), OUTWARD))
+
+
+@STORAGES
+@pytest.mark.parametrize("shape", [(1, 1, 1), (1, 1, 1e-3), (1, 1e-2, 1), (1, 1e-3, 1e-3), (1, 1, 1e-6)], ids=str)
+@pytest.mark.parametrize("offset", [0.0, 30.0])
+def test_bounds_are_near_the_error_in_any_shape(shape: tuple[float, ...], offset: float, stored: Storage) -> None:
+    vertices, faces = wavy_torus(1500)
+    triangles = stored(Surface(placed(vertices * shape, 2, 0.0, offset, 1.0), faces))
+    assert_near(triangles)
+
+
+@STORAGES
+def test_the_float64_sums_have_the_same_bits(stored: Storage) -> None:
+    triangles = stored(Surface(*wavy_torus(3000)))
+    frame = frame_of(triangles)
+    assert frame.grid is not None
+    plain = sum_in(Frame(frame.origin, 0, False, None), triangles)
+    fine = sum_in(frame, triangles)
+    assert fine.fine is not None
+    assert fine.sums.tobytes() == plain.sums.tobytes()
+    assert fine.low.tobytes() + fine.high.tobytes() == plain.low.tobytes() + plain.high.tobytes()
+
+
+@STORAGES
+def test_the_fine_sums_have_the_same_bits_however_the_blocks_are_shared_out(stored: Storage) -> None:
+    whole = stored(Surface(*wavy_torus(9 * BLOCK)))
+    frame = frame_of(whole)
+    expected = sum_triangles(whole)
+    rows = []
+    for start, stop in ((0, 2 * BLOCK), (2 * BLOCK, 7 * BLOCK), (7 * BLOCK, whole.count)):
+        block = whole.block(start, stop)
+        part = Surface(whole.vertices, block) if isinstance(whole, Surface) else type(whole)(block)
+        rows += [each for _, each in block_rows(part, frame)]
+    shared = sums_of(whole, frame, rows)
+    assert shared.fine is not None
+    assert expected.fine is not None
+    for name in ("high", "low", "edges", "places"):
+        assert getattr(shared.fine, name).tobytes() == getattr(expected.fine, name).tobytes()
+    assert solid_moments(whole, "float64", shared) == solid_moments(whole, "float64", expected)
+
+
+@STORAGES
+@pytest.mark.parametrize("large", [40.0, 1e5])
+def test_where_the_sample_misleads_the_triangles_are_summed_again(large: float, stored: Storage) -> None:
+    """A block of twelve triangles that hides among many small ones, between those that the sample takes."""
+    vertices, faces = wavy_torus(2000)
+    corners = large * np.array([[x, y, z] for x in (0.0, 1.0) for y in (0.0, 1.0) for z in (0.0, 1.0)]) + 4.0
+    block = [[0, 1, 3], [0, 3, 2], [4, 6, 7], [4, 7, 5], [0, 4, 5], [0, 5, 1],
+             [2, 3, 7], [2, 7, 6], [0, 2, 6], [0, 6, 4], [1, 5, 7], [1, 7, 3]]  # fmt: skip
+    faces = np.concatenate([faces[:1], np.array(block) + len(vertices), faces[1:]])
+    triangles = stored(Surface(np.concatenate([vertices, corners]), faces))
+    assert_fine(triangles)
+    assert_near(triangles)
+
+
+def test_without_the_kernel_the_bound_is_the_plain_one(monkeypatch: pytest.MonkeyPatch) -> None:
+    triangles = Surface(*wavy_torus(1500))
+    fine = solid_moments(triangles, "float64")
+    monkeypatch.setenv("INERTIA_NATIVE", "0")
+    plain = solid_moments(triangles, "float64")
+    assert plain == moments_of(sum_triangles(triangles))
+    assert (plain.zeroth, plain.first, plain.second) == (fine.zeroth, fine.first, fine.second)
+
+
+def test_a_worker_without_the_kernel_takes_the_digits_from_all(monkeypatch: pytest.MonkeyPatch) -> None:
+    triangles = Surface(*wavy_torus(3 * BLOCK))
+    frame, whole = frame_of(triangles), sum_triangles(triangles)
+    rows = [each for _, each in block_rows(triangles, frame)]
+    plain = [each for _, each in block_rows(triangles, Frame(frame.origin, 0, False, None))]
+    mixed = sums_of(triangles, frame, [rows[0][:2], plain[0][2:]])
+    assert mixed.fine is None
+    assert mixed.sums.tobytes() == whole.sums.tobytes()
+    assert solid_moments(triangles, "float64", mixed) == solid_moments(triangles, "float64", whole)
+
+
+def test_where_the_digits_are_too_few_for_a_near_bound_there_are_double_double_sums() -> None:
+    """A sliver on integers: float64 makes no error in its volume of 1/6, which the grid knows to a millionth only."""
+    corners = np.array([[0, 0, 0], [2.0**16, 1, 0], [2.0**16 + 1, 1, 0], [2.0**16 + 1, 2.0**16, 1]])
+    triangles = Surface(corners + 2.0**16, OUTWARD[:, ::-1])
+    own = sum_triangles(triangles)
+    fine = fine_values(own)
+    moments = solid_moments(triangles, "float64", own)
+    true = true_moments(triangles, moments.origin)
+    assert fine is not None
+    assert 6 * moments.zeroth_bound < F(fine[1][0]) / 1000
+    assert abs(moments.zeroth - true[0]) <= moments.zeroth_bound
