@@ -28,7 +28,7 @@ PARTS = {
     "Tutorials": "tutorial-part tutorial-robot tutorial-rotor tutorial-top gallery",
     "How to": "analysing reading checking exchange assembly batch algebra uncertainty audit balancing measuring "
     "simulating spread playback trade outputs",
-    "Reference": "python command json",
+    "Reference": "python command json errors stability",
     "Explanation": "accuracy shapes dynamics security extremes honesty reliability robots benchmarks motion-benchmarks "
     "balancing-benchmarks recording",
     "Project": "CONTRIBUTING CHANGELOG SECURITY CODE_OF_CONDUCT",

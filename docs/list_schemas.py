@@ -65,6 +65,8 @@ assembly assemblies/arm.toml
 budget assemblies/cubesat.toml
 budget assemblies/fan.toml
 budget --diff assemblies/fan.toml assemblies/gripper.toml
+analyse broken/missing_face.stl
+simulate scenes/t_handle.toml --samples -1
 batch cube.stl box.stl broken/nan.stl -o rows.csv
 batch rotors/disc.toml rotors/two_disc_rotor.toml --verb balance -o lot.csv
 """

@@ -10,7 +10,7 @@ import sys
 import warnings
 from collections.abc import Sequence
 from pathlib import Path
-from typing import NoReturn, TextIO
+from typing import Any, NoReturn, TextIO
 
 import inertia
 from inertia.errors import CacheWarning, GeometryError, InertiaError, UsageError, WriteError, visible
@@ -31,7 +31,7 @@ from inertia_cli import (
     tumble,
 )
 from inertia_cli.interruption import interruption
-from inertia_cli.printing import abandon_output
+from inertia_cli.printing import abandon_output, print_document
 from inertia_cli.wording import as_option
 
 FAULT = 1
@@ -139,7 +139,10 @@ def main(arguments: Sequence[str]) -> int:
     except InertiaError as error:
         message = error.sentence.worded(as_option)
         placed = isinstance(error, UsageError | WriteError) or visible(options.part) in message
-        return _say(message if placed else f"{options.part}: {message}", error.exit_code)
+        message = message if placed else f"{options.part}: {message}"
+        if error.exit_code > FAULT and getattr(options, "json", False):
+            print_document(_refusal(error, message))
+        return _say(message, error.exit_code)
     except (RuntimeWarning, OverflowError) as beyond:
         message = f"its figures lead beyond what float64 holds ({beyond}): check their sizes and units"
         return _say(f"{options.part}: {message}", GeometryError.exit_code)
@@ -166,6 +169,18 @@ def main(arguments: Sequence[str]) -> int:
         )
     finally:
         interruption.running = False
+
+
+def _refusal(error: InertiaError, message: str) -> dict[str, Any]:
+    """Return what is said of a refusal as ``inertia/refusal/1``."""
+    return {
+        "schema": "inertia/refusal/1",
+        "code": error.code,
+        "exit_code": error.exit_code,
+        "message": message,
+        "places": [str(place) for place in error.places],
+        "remedies": [as_option(remedy) for remedy in error.remedies],
+    }
 
 
 def _interrupted() -> int:

@@ -39,6 +39,8 @@ _COUNTS = {2: "two numbers", 3: "three numbers", 4: "four numbers"}
 class FieldError(UsageError):
     """A field is not usable: its `path`, as ``start.angular_velocity[1]``, and what is the matter with it."""
 
+    code = "field"
+
     def __init__(self, path: str, *says: Word) -> None:
         super().__init__(FieldPath(path), " ", *says)
         self.path = path

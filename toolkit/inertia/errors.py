@@ -137,6 +137,7 @@ class InertiaError(Exception):
     ----------
     words : the sentence, in pieces: text, remedies, and the names of fields
     places : where it was met, the outermost first: a file, a field
+    code : what kind of refusal it is, in a word that stays the same (`docs/errors.md`)
 
     >>> error = GeometryError("open: close the mesh, or use ", REPAIR)
     >>> placed(error, "cube.stl")
@@ -146,9 +147,11 @@ class InertiaError(Exception):
     """
 
     exit_code = 1
+    code = "fault"
 
-    def __init__(self, *words: Word, places: tuple[Place, ...] = ()) -> None:
+    def __init__(self, *words: Word, places: tuple[Place, ...] = (), code: str = "") -> None:
         self.words, self.places = words, places
+        self.code = code or type(self).code
         super().__init__(self.sentence)
 
     @property
@@ -166,22 +169,27 @@ class UsageError(InertiaError, ValueError):
     """An argument or option is not usable (exit code 2)."""
 
     exit_code = 2
+    code = "usage"
 
 
 class WriteError(InertiaError):
     """A file cannot be written (exit code 1)."""
+
+    code = "unwritable"
 
 
 class ReadError(InertiaError, ValueError):
     """A file cannot be read (exit code 3)."""
 
     exit_code = 3
+    code = "unreadable"
 
 
 class GeometryError(InertiaError, ValueError):
     """The mesh or the data cannot give an honest answer (exit code 4)."""
 
     exit_code = 4
+    code = "no_answer"
 
 
 class CacheWarning(UserWarning):
@@ -196,7 +204,7 @@ def placed(error: InertiaError, *places: Place) -> InertiaError:
 def reworded(error: InertiaError, words: Iterable[Word], places: Iterable[Place]) -> InertiaError:
     """Return an error of the same kind with other words and places."""
     kind = next(k for k in (UsageError, WriteError, ReadError, GeometryError, InertiaError) if isinstance(error, k))
-    return kind(*words, places=tuple(places))
+    return kind(*words, places=tuple(places), code=error.code)
 
 
 def require_kind(value: object, kind: type, name: str, source: str) -> None:

@@ -40,7 +40,9 @@ def require_matplotlib() -> None:
         with quiet_matplotlib():
             import matplotlib  # noqa: F401
     except ImportError:
-        raise UsageError("plotting needs matplotlib: install it by pip install 'inertia[plot]'") from None
+        raise UsageError(
+            "plotting needs matplotlib: install it by pip install 'inertia[plot]'", code="needs_package"
+        ) from None
 
 
 def write_figure(figure: Callable[[], Figure], file: str | os.PathLike[str], *, force: bool = False) -> None:

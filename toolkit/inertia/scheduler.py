@@ -26,7 +26,7 @@ def connected(address: str, threads: int) -> Iterator[Any]:
         import dask
         import distributed
     except ImportError:
-        raise UsageError("Dask is not installed: run pip install 'inertia[dask]'") from None
+        raise UsageError("Dask is not installed: run pip install 'inertia[dask]'", code="needs_package") from None
     with ExitStack() as stack:
         scheduler: Any = address
         if address == "local":

@@ -146,7 +146,9 @@ def load_pyarrow() -> Any:
     try:
         import pyarrow.parquet
     except ImportError:
-        raise UsageError("Parquet needs pyarrow: install it by pip install 'inertia[parquet]'") from None
+        raise UsageError(
+            "Parquet needs pyarrow: install it by pip install 'inertia[parquet]'", code="needs_package"
+        ) from None
     return pyarrow
 
 

@@ -253,7 +253,7 @@ class Rotor(Document):
                 **options,
             )
         except UsageError as error:
-            raise UsageError(*error.words, places=(FieldPath(f"plane[{number}]"),)) from None
+            raise UsageError(*error.words, places=(FieldPath(f"plane[{number}]"),), code=error.code) from None
 
     @property
     def _metres(self) -> float:

@@ -78,4 +78,8 @@ def with_allowance(part: Part, parts: Parts, answer: Callable[..., Analysis], fa
             return fault
         size = float(np.ptp(analysis.extents, axis=0).max())
         remedy = allowance(max(widths(analysis.properties.error, size).values()))
-    return fault if remedy is None else GeometryError(*fault.words, "; ", remedy, _ALLOW, places=fault.places)
+    return (
+        fault
+        if remedy is None
+        else GeometryError(*fault.words, "; ", remedy, _ALLOW, places=fault.places, code=fault.code)
+    )

@@ -91,7 +91,7 @@ class MassProperties:
         if not 0 <= self.volume < np.inf:
             raise GeometryError(f"the volume is {self.volume:.6g} m3: it must be finite and not negative")
         if broken := faults(self.inertia, max(principals.CLASS_TOLERANCE, 4 * self.error.inertia)):
-            raise GeometryError(f"the inertia tensor is not physical: {broken[0]}")
+            raise GeometryError(f"the inertia tensor is not physical: {broken[0]}", code="unphysical")
         self.center_of_mass.setflags(write=False)
         self.inertia.setflags(write=False)
 

@@ -199,12 +199,12 @@ def _contents(
 def _opened(name: str) -> Iterator[tuple[Path, bytes, Version]]:
     """Yield where a file is, how it begins, and its version, which is the same when it has been read."""
     if "\0" in name:
-        raise ReadError(_REASONS[errno.ENOENT])
+        raise ReadError(_REASONS[errno.ENOENT], code="no_file")
     try:
         path = file_of(name)
         status = path.stat()
         if stat.S_ISDIR(status.st_mode):
-            raise ReadError("it is a directory: give a file in it")
+            raise ReadError("it is a directory: give a file in it", code="no_file")
         if not stat.S_ISREG(status.st_mode):
             raise ReadError("it is not a regular file but a pipe, socket or device: copy its contents into a file")
         with unchanged(path) as version:
@@ -213,9 +213,9 @@ def _opened(name: str) -> Iterator[tuple[Path, bytes, Version]]:
             yield path, head, version
     except OSError as error:
         reason = _REASONS.get(error.errno or 0, f"{error.strerror or error}: check the path and the disk")
-        raise ReadError(reason) from error
+        raise ReadError(reason, code="no_file") from error
     except UnicodeEncodeError as error:
-        raise ReadError(_REASONS[errno.ENOENT]) from error
+        raise ReadError(_REASONS[errno.ENOENT], code="no_file") from error
     except MemoryError as error:
         if status.st_size < _SMALL:
             says = f"its counts ask for more memory than there is, though it has {status.st_size} bytes only: "
@@ -227,7 +227,7 @@ def _sniffed(
     path: Path, head: bytes, size: int, format: str | None, coarser: float, called: str, memory: float | None = None
 ) -> tuple[str, Contents]:
     if not head:
-        raise ReadError("it is empty: export the part again")
+        raise ReadError("it is empty: export the part again", code="empty_file")
     kind = format or sniff(path, head, size)
     if coarser != 1.0 and kind != "step":
         raise UsageError(f"{called} is {kind}, whose triangles are in the file: only STEP can be meshed coarser")

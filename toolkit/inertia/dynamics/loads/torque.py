@@ -313,7 +313,7 @@ def read_table(path: str | Path) -> TorqueTable:
     try:
         return TorqueTable(table[:, 0], table[:, 1:])
     except UsageError as error:
-        raise ReadError(*error.words, places=(str(path),)) from None
+        raise ReadError(*error.words, places=(str(path),), code=error.code) from None
 
 
 def _row(fields: list[str], before: list[list[float]], where: str) -> list[float]:

@@ -71,7 +71,7 @@ class SceneBody:
         object.__setattr__(self, "inertia", array_of(self.inertia, (3, 3), "inertia"))
         object.__setattr__(self, "center_of_mass", array_of(self.center_of_mass, (3,), "center_of_mass"))
         if reasons := faults(self.inertia):
-            raise GeometryError(f"the inertia tensor is not physical: {reasons[0]}")
+            raise GeometryError(f"the inertia tensor is not physical: {reasons[0]}", code="unphysical")
         if not np.any(self.inertia):
             raise GeometryError("the inertia tensor is zero: a point has no attitude to follow")
         if self.mass is not None and not 0 < self.mass < np.inf:

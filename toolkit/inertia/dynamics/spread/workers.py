@@ -124,7 +124,7 @@ def _by_dask(task: Task, values: Float, address: str, tell: Progress) -> Iterato
     try:
         import distributed
     except ImportError:
-        raise UsageError("Dask is not installed: run pip install 'inertia[dask]'") from None
+        raise UsageError("Dask is not installed: run pip install 'inertia[dask]'", code="needs_package") from None
     try:
         session = distributed.Client(address, timeout=_PATIENCE, set_as_default=False)
     except (OSError, ValueError) as error:

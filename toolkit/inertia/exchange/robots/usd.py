@@ -103,7 +103,7 @@ def _file(path: Path) -> str:
 def read_usd(path: Path) -> Robot:
     """Read the rigid bodies of a stage; raise `ReadError` where it is none."""
     if importlib.util.find_spec("pxr") is None:
-        raise ReadError("OpenUSD needs the package usd-core: pip install 'inertia[usd]'")
+        raise ReadError("OpenUSD needs the package usd-core: pip install 'inertia[usd]'", code="needs_package")
     stage = _Stage(path)
     if not stage.bodies:
         raise ReadError("no prim of it has PhysicsRigidBodyAPI or PhysicsMassAPI")

@@ -111,7 +111,7 @@ class Report:
             message: tuple[Word, ...] = (faults[0].message,)
             if turned and faults[0].turnable:
                 message = (faults[0].statement, _HOWEVER_TURNED, UNION)
-            raise GeometryError(*message, *more, places=(self.source.path or "the part",))
+            raise GeometryError(*message, *more, places=(self.source.path or "the part",), code=faults[0].code)
 
 
 @dataclass(frozen=True)

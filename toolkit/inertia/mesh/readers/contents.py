@@ -120,7 +120,9 @@ def beneath(folder: Path, name: str) -> Path:
             "and export it again"
         )
     if missing:
-        raise ReadError(f"it needs the file {shown(name)} beside it, which is not there: keep them together")
+        raise ReadError(
+            f"it needs the file {shown(name)} beside it, which is not there: keep them together", code="no_file"
+        )
     refer_to(path, name)
     return path
 
@@ -214,13 +216,16 @@ def fan_note(split: int) -> tuple[str, ...]:
 def surface(vertices: Float, faces: Int) -> Surface:
     """Return a surface whose indices and coordinates have been checked."""
     if not len(faces):
-        raise ReadError("it holds no faces, so there is nothing to weigh: export the part as a surface mesh")
+        raise ReadError(
+            "it holds no faces, so there is nothing to weigh: export the part as a surface mesh", code="empty"
+        )
     check_indices(faces, len(vertices), "face")
     bad = first_bad_point(vertices)
     if bad is not None:
         uses = np.argwhere(faces == bad)
         where = f" (a corner of face {uses[0][0]})" if len(uses) else ""
-        raise ReadError(f"vertex {bad}{where} is {list(map(float, vertices[bad]))}, not finite: export the mesh again")
+        says = f"vertex {bad}{where} is {list(map(float, vertices[bad]))}, not finite: export the mesh again"
+        raise ReadError(says, code="non_finite")
     return Surface(vertices, faces)
 
 

@@ -78,12 +78,13 @@ def sniff(path: Path, head: bytes, size: int) -> str:
         if entry.begins is not None and re.match(entry.begins, text):
             return (format_of_zip(path) or "3mf") if name == "3mf" else name
     if (other := stranger(head)) is not None:
-        raise ReadError(other)
+        raise ReadError(other, code="unknown_format")
     suffix = format_of_name(path)
     if suffix is None:
         raise ReadError(
             f"neither its contents nor its name tell what it is: these are read: {', '.join(FORMATS)} "
-            "(give the format if it is one of them)"
+            "(give the format if it is one of them)",
+            code="unknown_format",
         )
     return suffix
 

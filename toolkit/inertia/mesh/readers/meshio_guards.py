@@ -231,7 +231,7 @@ def _abaqus(data: bytes) -> None:
 def _hdf5(path: Path) -> None:
     """Refuse a file whose data sets are out of all proportion to its size, or lie in other files."""
     if importlib.util.find_spec("h5py") is None:
-        raise ReadError("MED and XDMF need the package h5py: pip install 'inertia[med]'")
+        raise ReadError("MED and XDMF need the package h5py: pip install 'inertia[med]'", code="needs_package")
     h5py = importlib.import_module("h5py")
     sizes: list[int] = []
 
@@ -263,7 +263,7 @@ _TOGETHER = "write all of it into one HDF5 file"
 def _xdmf(path: Path) -> None:
     """Refuse raw binary files, which meshio would read from anywhere, and HDF5 files outside the folder."""
     if importlib.util.find_spec("h5py") is None:
-        raise ReadError("MED and XDMF need the package h5py: pip install 'inertia[med]'")
+        raise ReadError("MED and XDMF need the package h5py: pip install 'inertia[med]'", code="needs_package")
     checked: set[Path] = set()
     for item in parse_xml(path.read_bytes()).iter():  # a `Reference` may make any element a data item
         kind = item.get("Format", "").upper()

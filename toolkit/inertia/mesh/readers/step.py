@@ -96,7 +96,7 @@ class _Converted(NamedTuple):
 
 def _converted(path: Path, coarser: float, *how: str) -> _Converted:
     if importlib.util.find_spec("OCP") is None:
-        raise ReadError("STEP needs the package cadquery-ocp-novtk: pip install 'inertia[step]'")
+        raise ReadError("STEP needs the package cadquery-ocp-novtk: pip install 'inertia[step]'", code="needs_package")
     with temporary_folder() as folder:
         source, left_out = _by_itself(path, folder)
         _convert(source, folder, coarser, path.stat().st_size / 1e6, *how)

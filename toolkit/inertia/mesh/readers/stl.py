@@ -43,7 +43,7 @@ def read_stl(path: Path) -> Contents:
         if is_binary_stl(head, size):
             count = triangle_count(head)
             if count == 0:
-                raise ReadError("it holds no triangles: export the part as a solid")
+                raise ReadError("it holds no triangles: export the part as a solid", code="empty")
             if size > IN_MEMORY:
                 return Contents(FacetsInFile(path, count, HEADER))
             file.seek(HEADER)
@@ -55,14 +55,16 @@ def read_stl(path: Path) -> Contents:
         return _read_text(path)
     if size < HEADER:
         raise ReadError(
-            f"it holds {size} bytes, but a binary STL begins with {HEADER}: it was cut short, export it again"
+            f"it holds {size} bytes, but a binary STL begins with {HEADER}: it was cut short, export it again",
+            code="cut_short",
         )
     if b"\0" not in head:
         raise ReadError("it is text, but no STL, which begins with 'solid': export it again")
     count, room = triangle_count(head), (size - HEADER) / FACET.itemsize
     raise ReadError(
         f"its header says {count} triangles ({HEADER + FACET.itemsize * count} bytes), but it holds {size} "
-        f"bytes, room for {room:.6g}: it was cut short or its count is wrong, export it again"
+        f"bytes, room for {room:.6g}: it was cut short or its count is wrong, export it again",
+        code="cut_short",
     )
 
 
@@ -104,10 +106,12 @@ def _read_text(path: Path) -> Contents:
         inside = not inside
         at = end
     if inside:
-        raise ReadError(f"its solid {shown(name or '')} has no endsolid: it was cut short, export it again")
+        raise ReadError(
+            f"its solid {shown(name or '')} has no endsolid: it was cut short, export it again", code="cut_short"
+        )
     _check_blank(data, at, len(data))
     if not facets:
-        raise ReadError("it holds no triangles: export the part as a solid")
+        raise ReadError("it holds no triangles: export the part as a solid", code="empty")
     vertices = np.concatenate(corners).reshape(-1, 3)
     rounding = rounding_of(vertices, lambda: data, lambda: _coordinates(path))
     return Contents(surface(vertices, np.arange(3 * facets).reshape(-1, 3)), regions=label(runs), rounding=rounding)

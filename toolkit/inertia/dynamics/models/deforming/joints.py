@@ -174,7 +174,7 @@ class JointedPart:
         com = numbers((3,), "m")(self.center_of_mass, f"{path}.center_of_mass")
         object.__setattr__(self, "center_of_mass", com)
         if reasons := faults(self.inertia):
-            raise GeometryError(f"{path}.inertia is not physical: {reasons[0]}")
+            raise GeometryError(f"{path}.inertia is not physical: {reasons[0]}", code="unphysical")
         if self.joints and self.parent is None:
             raise FieldError(f"{path}.parent", "is missing: joints hang a part on another one, which must be named")
 

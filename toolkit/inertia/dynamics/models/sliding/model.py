@@ -66,7 +66,7 @@ class Sliding(Model):
             why = _unstable(ball, problem.symmetric_about(_axis(ball))[1])
             with suppress(GeometryError):
                 why = why or "".join(event.what for event in _lift_off(ball, float(time[-1])))
-            words = GeometryError(*error.words, f"; {why}", places=error.places) if why else error
+            words = GeometryError(*error.words, f"; {why}", places=error.places, code=error.code) if why else error
             raise placed(words, scene.name, FieldPath("run")) from None
         place, heat = states.carried[:, 2:4], states.carried[:, 4]
         arm = ball.contact(attitude)

@@ -1,0 +1,85 @@
+"""Refusals have codes that stay, a page with each of them, and an example file that produces it."""
+
+import ast
+import json
+import pickle
+import re
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import inertia
+from inertia.documents import FieldError
+from inertia.errors import GeometryError, ReadError, UsageError, placed
+from inertia.mesh.checks.kinds import KINDS
+from inertia_cli.main import main
+from inertia_meshes import path
+
+DOCS = Path(__file__).resolve().parent.parent / "docs"
+PAGE = (DOCS / "errors.md").read_text(encoding="utf-8")
+EXAMPLES = sorted((DOCS / "errors").iterdir())
+ROOT = Path(inertia.__file__).parent
+_CLASSES = (inertia.InertiaError, inertia.WriteError, ReadError, UsageError, GeometryError, FieldError)
+
+
+def refusal(capsys: pytest.CaptureFixture[str], *arguments: str) -> dict:
+    """Run a command that must refuse; return its document, which says what standard error says."""
+    code = main([*arguments, "--json"])
+    out, errors = capsys.readouterr()
+    document = json.loads(out)
+    assert document["exit_code"] == code
+    assert errors == f"inertia: {document['message']}\n"
+    return document
+
+
+@pytest.mark.parametrize("file", EXAMPLES, ids=lambda file: file.stem)
+def test_an_example_is_refused_by_its_code(file: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    verb = "simulate" if file.suffix == ".toml" else "analyse"
+    assert refusal(capsys, verb, str(file))["code"] == file.stem
+    assert f"[{file.stem}](errors/{file.name}) |" in PAGE
+
+
+def test_the_page_has_every_code() -> None:
+    rows = set(re.findall(r"^\| `(\w+)`", PAGE, re.MULTILINE))
+    written = {
+        keyword.value.value
+        for file in ROOT.rglob("*.py")
+        for node in ast.walk(ast.parse(file.read_text(encoding="utf-8")))
+        if isinstance(node, ast.Call) and getattr(node.func, "id", "").endswith("Error")
+        for keyword in node.keywords
+        if keyword.arg == "code" and isinstance(keyword.value, ast.Constant)
+    }
+    faults = {kind.code for kind in KINDS if kind.severity == "error"}
+    classes = {kind.code for kind in _CLASSES}
+    assert rows == written | faults | classes
+
+
+def test_a_code_survives_places_and_processes() -> None:
+    error = placed(ReadError("it is empty", code="empty_file"), "a.stl")
+    assert (error.code, pickle.loads(pickle.dumps(error)).code) == ("empty_file", "empty_file")
+    assert GeometryError("no").code == "no_answer"
+
+
+def test_a_part_in_memory_is_refused_by_the_same_codes() -> None:
+    sheet = inertia.Part.from_arrays(np.eye(3), [[0, 1, 2]], unit="mm")
+    with pytest.raises(GeometryError) as refused:
+        inertia.mass_properties(sheet)
+    assert refused.value.code == "open"
+
+
+@pytest.mark.parametrize(
+    ("arguments", "code"),
+    [
+        (["analyse", "nothing.stl"], "no_file"),
+        (["analyse", str(path("cube.stl")), "--density", "-1"], "usage"),
+        (["audit", "nothing.urdf"], "unreadable"),
+    ],
+)
+def test_other_refusals(arguments: list[str], code: str, capsys: pytest.CaptureFixture[str]) -> None:
+    assert refusal(capsys, *arguments)["code"] == code
+
+
+def test_without_json_a_refusal_is_one_line(capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["analyse", "nothing.stl"]) == 3
+    assert capsys.readouterr().out == ""
