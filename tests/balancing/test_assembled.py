@@ -216,6 +216,22 @@ def test_parts_that_are_turned_otherwise_do_not_change_places():
         balance(rotor(*parts, mount=mounts))
 
 
+def test_a_part_is_put_together_once():
+    mounts = [{"part": "wheel", "indexing": {"count": 2}}, {"part": "wh*", "indexing": [0, 10]}]
+    with pytest.raises(InertiaError, match="mount has wheel turned or exchanged twice: name it once"):
+        balance(rotor(WHEEL, mount=mounts))
+
+
+def test_fifteen_weighed_blades_have_a_bound():
+    slots = [{"name": f"slot {k}", "parent": "wheel", "euler": [24 * k], "sequence": "z"} for k in range(15)]
+    weights = 0.002 * (1 + 0.03 * np.random.default_rng(2).normal(size=15))
+    blades = [lug(f"blade {k}", f"slot {k}", float(weights[k])) for k in range(15)]
+    indexing = balance(rotor(WHEEL, *slots, *blades, mount=[{"part": "blade *", "interchangeable": True}])).indexing
+    assert indexing.ways == math.factorial(15)
+    assert 0 <= indexing.bound <= indexing.left < 2e-3 < indexing.as_filed
+    assert indexing.proven or "a gap of" in indexing.sentence
+
+
 @pytest.mark.parametrize(
     ("table", "says"),
     [

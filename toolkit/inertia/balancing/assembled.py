@@ -6,12 +6,10 @@ what is cut, drawn and kept apart. A part that is turned about the shaft takes a
 
 from __future__ import annotations
 
-import math
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 from fnmatch import fnmatchcase
 from fractions import Fraction
-from itertools import product
 
 import numpy as np
 
@@ -24,16 +22,16 @@ from inertia.assembly.frames import turned as rotation
 from inertia.assembly.rollup import place
 from inertia.assembly.tree import Node
 from inertia.balancing import bounds
-from inertia.balancing.arrangement import Answer, Choice
+from inertia.balancing.assembled_search import best_way
 from inertia.balancing.axis.shaft import Shaft
 from inertia.balancing.bounds import Uncertainty
 from inertia.balancing.facet_error import FacetLayers
-from inertia.balancing.indexing import Indexing, best_answer
+from inertia.balancing.indexing import Indexing
 from inertia.balancing.mounting import Joint
 from inertia.balancing.rotor import Rotor
 from inertia.balancing.rotor_bodies import RotorBody, require_apart
 from inertia.balancing.rotor_fields import MountFields
-from inertia.balancing.unbalance import Complex, Unbalance
+from inertia.balancing.unbalance import Complex
 from inertia.documents import FieldError
 from inertia.errors import InertiaError, UsageError, placed
 from inertia.mass.analyse import analyse, sound_solids_only
@@ -43,8 +41,6 @@ from inertia.mesh.part import Part, Rounding, Surface
 from inertia.mesh.turns import TURN_BITS, about
 
 _SOLIDS = tuple(shape for shape, lengths in SIZES.items() if lengths)
-_OUTER = 1000  # positions of parts that carry others which are put together as well
-Copies = tuple[Frame, ...]
 
 
 class AssembledRotor:
@@ -208,133 +204,29 @@ class AssembledRotor:
         sets = [nodes for f, nodes in self.mounts if f.interchangeable]
         if not turning and not sets:
             return None
-        return _Search(self, shaft, np.asarray(limits), keys, turning, sets).result()
-
-    def chain(self, node: Node, among: Mapping[Node, object]) -> tuple[Node, ...]:
-        """Return which of some nodes a node is in, or is, from the outermost on."""
-        nodes = []
-        while node in self._above or node in among:
-            if node in among:
-                nodes.append(node)
-            if node not in self._above:
-                break
-            node = self._above[node]
-        return tuple(reversed(nodes))
-
-
-class _Search:
-    """What is left open of a rotor that is put together, and how the best way is looked for."""
-
-    def __init__(
-        self,
-        rotor: AssembledRotor,
-        shaft: Shaft,
-        limits: Float,
-        keys: Complex,
-        turning: Mapping[Node, tuple[Fraction, ...]],
-        sets: Sequence[tuple[Node, ...]],
-    ) -> None:
-        self.rotor, self.shaft, self.limits, self.turning, self.sets = rotor, shaft, limits, turning, sets
-        exchanged = {node for nodes in sets for node in nodes}
-        groups: dict[tuple[Node, ...], list[Node]] = {}
-        for leaf in rotor.tree.root.leaves:
-            if leaf not in exchanged:
-                groups.setdefault(rotor.chain(leaf, turning), []).append(leaf)
-        self.chains = [rotor.chain(nodes[0], turning) for nodes in sets]
-        for nodes, chain in zip(sets, self.chains, strict=True):
-            if any(rotor.chain(node, turning) != chain for node in nodes):
-                raise rotor._unusable(
-                    "mount", f"has {nodes[0].name} change places with a part that is turned otherwise"
-                )
-        #: those on which something else is put together are tried one position after the other
-        self.outer = [
-            node
-            for node in turning
-            if any(node in chain[:-1] for chain in groups) or any(node in chain for chain in self.chains)
-        ]
-        self.inner = [node for node in turning if node not in self.outer]
-        self.keys = keys / limits
-        self.parts = {chain: self._vector(leaves) for chain, leaves in groups.items()}
-        self.orders = [
-            np.array([[self._vector([part], rotor.frames[slot]) for slot in nodes] for part in nodes]) for nodes in sets
-        ]
-
-    def _vector(self, leaves: Sequence[Node], frames: Copies | None = None) -> Complex:
-        """Return what parts bring to the planes, in parts of the limits."""
-        parts = [(leaf.body, self.rotor.frames[leaf] if frames is None else frames) for leaf in leaves if leaf.body]
-        properties = place(*zip(*parts, strict=True)).properties
-        zs = self.shaft.z_a, self.shaft.z_b
-        vectors: Complex = Unbalance.of(properties, self.shaft).in_many_planes(zs) / self.limits
-        return vectors
-
-    def _choice(self, outer: Mapping[Node, Fraction]) -> Choice:
-        """Return what is left open once the outer parts are at these angles."""
-        start, options = (
-            self.keys.copy(),
-            {node: np.zeros((len(self.turning[node]), len(self.limits)), complex) for node in self.inner},
-        )
-        for chain, vector in self.parts.items():
-            turned = vector * _phase(sum(outer.get(node, Fraction(0)) for node in chain))
-            if chain and chain[-1] in options:
-                phases = np.array([_phase(angle) for angle in self.turning[chain[-1]]])
-                options[chain[-1]] += turned * phases[:, None]
-            else:
-                start += turned
-        orders = [
-            order * _phase(sum(outer.get(node, Fraction(0)) for node in chain))
-            for order, chain in zip(self.orders, self.chains, strict=True)
-        ]
-        return Choice(start, tuple(options.values()), tuple(orders))
-
-    def result(self) -> tuple[AssembledRotor, Indexing]:
-        """Return the rotor put together the best way."""
-        count = math.prod(len(self.turning[node]) for node in self.outer)
-        if count > _OUTER:
-            raise self.rotor._unusable(
-                "mount",
-                f"turns parts to {count} positions on which others are put together: {_OUTER} are the most that are "
-                "tried, give fewer",
-            )
-        best: tuple[Answer, Choice, dict[Node, Fraction]] | None = None
-        bound = math.inf
-        for angles in product(*(self.turning[node] for node in self.outer)):
-            outer = dict(zip(self.outer, angles, strict=True))
-            choice = self._choice(outer)
-            answer = best_answer(choice)
-            bound = min(bound, answer.bound)
-            if best is None or answer.left < best[0].left * (1 - 1e-12):
-                best = answer, choice, outer
-        assert best is not None, "there is one position at least"
-        answer, choice, outer = best
-        turns = outer | {node: self.turning[node][k] for node, k in zip(self.inner, answer.positions, strict=True)}
-        slots = {
-            part: nodes[place]
-            for nodes, places in zip(self.sets, answer.places, strict=True)
-            for part, place in zip(nodes, places, strict=True)
-        }
-        filed = self.keys + sum(self.parts.values()) + sum(order.diagonal().T.sum(axis=0) for order in self.orders)
-        left = choice.sum(answer.positions, answer.places)
-        indexing = Indexing(
-            turns=tuple(math.radians(turns[node] % 360) for node in self.turning),
-            left=answer.left,
-            as_filed=float(np.abs(filed).max()),
-            bound=bound,
-            ways=count * choice.ways,
-            names=tuple(node.name for node in self.turning),
-            moves=tuple((part.name, slot.name) for part, slot in slots.items()),
-            planes_as_filed=tuple((filed * self.limits).tolist()),
-            planes_left=tuple((left * self.limits).tolist()),
-        )
-        return AssembledRotor(self.rotor.rotor, self._moved(turns, slots)), indexing
-
-    def _moved(self, turns: Mapping[Node, Fraction], slots: Mapping[Node, Node]) -> Assembly:
+        moved = [node for f, nodes in self.mounts if f.interchangeable or f.indexing is not None for node in nodes]
+        if twice := next((node.name for node in moved if moved.count(node) > 1), None):
+            raise self._unusable("mount", f"has {twice} turned or exchanged twice: name it once")
+        chains = {node: self._chain(node, turning) for node in self.frames}
+        try:
+            turns, slots, indexing = best_way(self.frames, chains, turning, sets, shaft, np.asarray(limits), keys)
+        except FieldError as error:
+            raise placed(error, self.rotor.name) from None
         moves = {}
-        for node in self.rotor.frames:
+        for node in self.frames:
             slot = slots.get(node, node)
-            angle = sum((turns[each] for each in self.rotor.chain(slot, turns)), Fraction(0))
+            angle = sum((turns[each] for each in chains[slot]), Fraction(0))
             if angle % 360 or slot is not node:
-                moves[node] = tuple(about_shaft(self.shaft, angle).then(each) for each in self.rotor.frames[slot])
-        return self.rotor.tree.moved(moves)
+                moves[node] = tuple(about_shaft(shaft, angle).then(each) for each in self.frames[slot])
+        return AssembledRotor(self.rotor, self.tree.moved(moves)), indexing
+
+    def _chain(self, node: Node, among: Mapping[Node, object]) -> tuple[Node, ...]:
+        """Return which of some nodes a node is in, or is, from the outermost on."""
+        nodes = [node] if node in among else []
+        while node in self._above:
+            node = self._above[node]
+            nodes += [node] if node in among else []
+        return tuple(reversed(nodes))
 
 
 def about_shaft(shaft: Shaft, degrees: Fraction) -> Frame:
@@ -344,12 +236,3 @@ def about_shaft(shaft: Shaft, degrees: Fraction) -> Frame:
     a, b = (tuple(map(Fraction, each.tolist())) for each in (shaft.bearing_a, shaft.bearing_b))
     turn = rotation(about([q - p for p, q in zip(a, b, strict=True)], degrees))
     return frame(turn, a).then(frame(UNTURNED, [-k for k in a]))
-
-
-def _phase(degrees: Fraction | int) -> complex:
-    """Return e^{iα}, exact for multiples of 90°."""
-    quarter = Fraction(degrees) / 90
-    if quarter.denominator == 1:
-        return (1, 1j, -1, -1j)[int(quarter) % 4]
-    angle = math.radians(float(Fraction(degrees) % 360))
-    return complex(math.cos(angle), math.sin(angle))

@@ -61,7 +61,7 @@ class Indexing:
     @property
     def proven(self) -> bool:
         """Whether no way is better."""
-        return self.bound >= self.left
+        return self.bound >= self.left * (1 - 1e-9)
 
     @property
     def sentence(self) -> str:
