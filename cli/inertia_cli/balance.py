@@ -70,7 +70,7 @@ def add(parsers: Any) -> None:
         "part",
         nargs="?",
         metavar="ROTOR | PART",
-        help="a rotor file (.toml), or a mesh or STEP file; - for standard input",
+        help="a rotor file (.toml), a mesh or STEP file, or a recording of a rotor (.rrd); - for standard input",
     )
     _add_short_form(parser)
     result = parser.add_argument_group("result")
@@ -132,7 +132,7 @@ def run(options: argparse.Namespace) -> int:
         return _grades(options)
     if options.part is None:
         raise UsageError("no rotor is named: give a rotor file or a part, see `inertia balance --help`")
-    if names_document(options):
+    if _is_recording(options.part) or names_document(options):
         return _balance(_rotor(options), options)
     if _part_alone(options):
         from inertia_cli import proposal
@@ -238,7 +238,15 @@ def _rotor(options: argparse.Namespace) -> Rotor:
         if getattr(options, name) is not None:
             option = f"--{name.replace('_', '-')}"
             raise UsageError(f"{option} goes with a part: {options.part} is a rotor file, write it there")
+    if _is_recording(options.part):
+        from inertia.recording.provenance import rotor_of
+
+        return rotor_of(options.part)
     return Rotor.load(options.part)
+
+
+def _is_recording(file: str) -> bool:
+    return Path(file).suffix.lower() == ".rrd"
 
 
 def _rotor_of_part(options: argparse.Namespace) -> Rotor:

@@ -86,8 +86,8 @@ def test_overwriting_asks_for_force(capsys: pytest.CaptureFixture[str], tmp_path
         (1, ["simulate", SCENE, "-o", "none/run.rrd"], "name a folder that is there"),
         (3, ["simulate", "none.rrd"], "cannot read none.rrd: there is no such file"),
         (3, ["play", "none.rrd"], "cannot read none.rrd: there is no such file"),
-        (3, ["play", HANDLE], "it is no whole Rerun recording"),
-        (3, ["play", HANDLE, "--png", "a.png"], "it is no whole Rerun recording"),
+        (3, ["play", HANDLE], "it is no Rerun recording"),
+        (3, ["play", HANDLE, "--png", "a.png"], "it is no Rerun recording"),
         (2, ["play", HANDLE, "--at", "1"], "--at is of pictures: add --png FILE or --gif FILE"),
         (2, ["play", HANDLE, "--png", "a.png", "--fps", "9"], "--fps is of moving pictures: add --gif FILE"),
         (2, ["play", HANDLE, "--gif", "a.png"], "cannot write a.png: its name must end in .gif"),
@@ -184,6 +184,17 @@ def test_a_balanced_rotor_is_recorded(capsys: pytest.CaptureFixture[str], tmp_pa
     code, _, err = run(capsys, "balance", str(path("rotors/disc.toml")), "-o", str(tmp_path / "rotor.rrd"))
     assert (code, err) == (0, "")
     assert properties(tmp_path / "rotor.rrd")["verdict"] == {"outcome": "pass"}
+
+
+@pytest.mark.parametrize("name", ["rotors/disc.toml", "assemblies/weighed_fan.toml"])
+def test_a_recorded_rotor_is_balanced_again(capsys: pytest.CaptureFixture[str], name: str, tmp_path: Path) -> None:
+    file = str(tmp_path / "rotor.rrd")
+    code, out, _ = run(capsys, "balance", str(path(name)), "-o", file, "--json")
+    again = run(capsys, "balance", file, "--json")
+    assert (again[0], again[2]) == (code, "")
+    first, second = json.loads(out), json.loads(again[1])
+    assert first["tolerance_planes"] == second["tolerance_planes"]
+    assert first["corrections"] == second["corrections"]
 
 
 def test_a_viewer_that_never_answers_takes_no_result_along(

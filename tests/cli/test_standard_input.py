@@ -82,7 +82,7 @@ def test_a_recording_of_what_came_in(tmp_path: Path) -> None:
         (("balance", "-"), b"\xff", 3, "cannot read -: it is no text in UTF-8"),
         (("trade", "-"), b"start = ", 3, "cannot read -: it is not TOML"),
         (("simulate", "-"), b"x", 3, "cannot read -: it is not TOML"),
-        (("play", "-"), b"x", 3, "it is no whole Rerun recording"),
+        (("play", "-"), b"x", 3, "it is no Rerun recording"),
     ],
 )
 def test_what_cannot_be_read(arguments: tuple[str, ...], data: bytes, code: int, says: str) -> None:

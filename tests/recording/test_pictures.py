@@ -91,6 +91,6 @@ def test_what_cannot_be_drawn_is_said_before(recording: Path, tmp_path: Path) ->
             inertia.export_picture(recording, tmp_path / "run.gif", **arguments)  # type: ignore[arg-type]
     with pytest.raises(UsageError, match=r"must end in \.png or \.gif"):
         inertia.export_picture(recording, tmp_path / "run.jpg")
-    with pytest.raises(ReadError, match="no whole Rerun recording"):
+    with pytest.raises(ReadError, match="no Rerun recording"):
         inertia.export_picture(path("t_handle.stl"), tmp_path / "run.png")
     assert list(tmp_path.iterdir()) == []

@@ -15,7 +15,7 @@ from inertia.dynamics.loads.torque import Torque
 from inertia.dynamics.scene.body import SceneBody
 from inertia.dynamics.scene.sections import Settings, Start
 from inertia.errors import ReadError
-from inertia.recording.provenance import properties, scene_of
+from inertia.recording.provenance import properties, rotor_of, scene_of
 from inertia_meshes import path
 
 
@@ -144,19 +144,37 @@ def test_a_torque_by_a_function_cannot_be_run_again(tmp_path: Path) -> None:
         scene_of(tmp_path / "run.rrd")
 
 
-@pytest.mark.parametrize("content", [b"", b"no recording", None])
-def test_what_is_no_recording_is_refused(tmp_path: Path, content: bytes | None) -> None:
+@pytest.mark.parametrize(
+    ("content", "message"),
+    [
+        (None, "there is no such file: check the path"),
+        (b"", "it is empty: record it again"),
+        (b"no recording", "it is no Rerun recording: name a file"),
+        (b"RRF", "it is no Rerun recording: name a file|it was cut short, or is damaged"),
+        (b"RRF2\0", "it was cut short, or is damaged: record it again"),
+        (b"RRF2\0\x29\0\0", "it was cut short, or is damaged: record it again"),
+        (b"RRF1\0\x14\0\0 of 0.20", "its format is not that of the installed Rerun 0.41"),
+        (b"RRF2\0\xff\0\0 of 0.255", "it is by Rerun 0.255.0, and the installed one is 0.41"),
+    ],
+)
+def test_what_is_no_recording_is_refused(tmp_path: Path, content: bytes | None, message: str) -> None:
     file = tmp_path / "run.rrd"
     if content is not None:
         file.write_bytes(content)
-    with pytest.raises(ReadError, match=r"cannot read .*run.rrd: "):
+    with pytest.raises(ReadError, match=rf"cannot read .*run.rrd: {message}"):
         scene_of(file)
+
+
+def test_a_folder_is_no_recording(tmp_path: Path) -> None:
+    (tmp_path / "run.rrd").mkdir()
+    with pytest.raises(ReadError, match="it is a folder: name a recording in it"):
+        scene_of(tmp_path / "run.rrd")
 
 
 def test_half_a_recording_is_refused(folder: Path) -> None:
     _, file = recorded(folder)
     file.write_bytes(file.read_bytes()[: file.stat().st_size // 2])
-    with pytest.raises(ReadError, match="it is no whole Rerun recording"):
+    with pytest.raises(ReadError, match="it was cut short, or is damaged"):
         scene_of(file)
 
 
@@ -215,3 +233,44 @@ def test_each_part_of_a_deforming_body_that_has_a_mesh_is_named(tmp_path: Path) 
     (tmp_path / "box.stl").write_bytes((tmp_path / "cube.stl").read_bytes())
     again = scene_of(tmp_path / "two.rrd")
     assert [mesh.source.sha256 for mesh in again.body.meshes if mesh is not None] == hashes
+
+
+@pytest.fixture
+def shop(tmp_path: Path) -> Path:
+    """A folder of its own with all rotors and meshes."""
+    shutil.copytree(path("rotors/disc.toml").parent.parent, tmp_path / "shop")
+    return tmp_path / "shop"
+
+
+@pytest.mark.parametrize("name", [each.name for each in sorted(path("rotors/disc.toml").parent.glob("*.toml"))])
+def test_a_rotor_is_balanced_again_from_its_recording_alone(name: str, shop: Path, tmp_path: Path) -> None:
+    balance = inertia.balance(inertia.Rotor.load(shop / "rotors" / name))
+    record(balance, tmp_path / "rotor.rrd")
+    shutil.rmtree(shop)
+    again = inertia.balance(rotor_of(tmp_path / "rotor.rrd"))
+    assert again.verdict.outcome == balance.verdict.outcome
+    assert np.array_equal(again.properties.inertia, balance.properties.inertia)
+    assert no_text_has(str(shop), tmp_path / "rotor.rrd")
+
+
+def test_a_part_too_large_to_go_along_has_to_be_the_same(
+    shop: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("inertia.recording.provenance.ENCLOSED", 100)
+    file = shop / "rotors/rotor.rrd"
+    balance = inertia.balance(inertia.Rotor.load(shop / "rotors/disc.toml"))
+    record(balance, file)
+    assert inertia.balance(rotor_of(file)).verdict == balance.verdict
+    (part,) = [shop / "rotors" / body.file for body in balance.rotor.fields.body if body.file]
+    shutil.copy(shop / "cube.stl", part)
+    with pytest.raises(ReadError, match=r"rotor\.rrd was made from another .*: its SHA-256 was"):
+        rotor_of(file)
+
+
+def test_a_recording_says_what_runs_it_again(folder: Path) -> None:
+    _, file = recorded(folder)
+    with pytest.raises(ReadError, match="it is no recording of a rotor"):
+        rotor_of(file)
+    record(inertia.balance(inertia.Rotor.load(path("rotors/disc.toml"))), folder / "rotor.rrd")
+    with pytest.raises(ReadError, match="it is no recording of a run: run it again by `balance`"):
+        scene_of(folder / "rotor.rrd")

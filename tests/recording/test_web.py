@@ -180,6 +180,6 @@ def test_nothing_is_written_where_it_cannot_be(page: Path, recording: Path, tmp_
         inertia.export_html(recording, page)
     with pytest.raises(UsageError, match=r"its name must end in \.html"):
         inertia.export_html(recording, tmp_path / "run.txt")
-    with pytest.raises(ReadError, match="no whole Rerun recording"):
+    with pytest.raises(ReadError, match="no Rerun recording"):
         inertia.export_html(path("t_handle.stl"), tmp_path / "run.html")
     assert list(tmp_path.iterdir()) == []

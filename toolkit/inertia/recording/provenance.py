@@ -1,4 +1,4 @@
-"""Properties of a recording: what made it, of what, how accurately; and the scene read back, to be run again."""
+"""Properties of a recording: what made it, of what, how accurately; the scene or rotor read back, to be run again."""
 
 from __future__ import annotations
 
@@ -8,14 +8,16 @@ import tempfile
 import tomllib
 import warnings
 import zlib
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import replace
+from hashlib import sha256
 from pathlib import Path, PurePosixPath
 from typing import Any
 
 from inertia import __version__
 from inertia.assembly.budget import Budget
 from inertia.balancing.balance import Balance
+from inertia.balancing.rotor import Rotor
 from inertia.documents import toml_text
 from inertia.dynamics.run import Run
 from inertia.dynamics.scene.body import SceneBody
@@ -30,6 +32,9 @@ ENCLOSED = 32 << 20
 _OPENED: dict[Path, tuple[tempfile.TemporaryDirectory[str], Path]] = {}  # by recording, and where its scene is
 _SETTINGS = ("duration", "samples", "accuracy", "model", "method")
 _PROPERTIES = "/__properties"
+_DOCUMENT = ".toml"
+_MAGIC = b"RRF2"
+"""How recordings begin since Rerun 0.23; four bytes of the version follow."""
 
 
 def properties_of(subject: Run | Balance | Budget) -> dict[str, dict[str, Any]]:
@@ -54,20 +59,22 @@ def _of_run(run: Run) -> dict[str, dict[str, Any]]:
 
 def of_scene(scene: Scene) -> dict[str, dict[str, Any]]:
     """Return what is needed to run a scene again, by section."""
-    text, files = _enclosed(scene)
+    text, parts = scene.source_text, [part for part in (scene.body.part, *scene.body.meshes) if part is not None]
     return {
-        "scene": {"name": _last(scene.name), "text": text},
-        "files": files,
+        "scene": {"name": _last(scene.name), "text": None if text is None else _without_folders(text)},
+        "files": {} if text is None else _enclosed(text, _folder_of(scene.name), parts),
         "settings": {name: getattr(scene.run, name) for name in _SETTINGS},
         **{name: _source(part) for name, part in _source_sections(scene.body).items()},
     }
 
 
 def _of_balance(balance: Balance) -> dict[str, dict[str, Any]]:
-    rotor, error = balance.rotor, balance.properties.error
+    rotor, error, text = balance.rotor, balance.properties.error, balance.rotor.to_toml()
+    parts = [body.whole for body in balance.bodies]
     return {
-        "rotor": {"name": _last(rotor.name), "text": _without_folders(rotor.to_toml())},
-        **{name: _source(part) for name, part in _numbered([body.whole for body in balance.bodies]).items()},
+        "rotor": {"name": _last(rotor.name), "text": _without_folders(text)},
+        "files": _enclosed(text, rotor.folder, parts),
+        **{name: _source(part) for name, part in _numbered(parts).items()},
         "accuracy": {"method": error.method, "mass": error.mass, "inertia": error.inertia},
         "verdict": {"outcome": balance.verdict.outcome},
     }
@@ -130,30 +137,34 @@ def _without_folders(text: str) -> str:
     return text
 
 
-def _enclosed(scene: Scene) -> tuple[str | None, dict[str, str]]:
-    """Return the text of a scene, and all files that it names or these refer to: path seen from it, and contents."""
-    text = scene.source_text
-    if text is None:
-        return None, {}
-    folder = _folder_of(scene.name)
-    parts = [part for part in (scene.body.part, *scene.body.meshes) if part is not None and part.source.path]
-    beside = {Path(part.source.path or "").resolve(): part.source.files for part in parts}
-    found = {}
-    for value in _texts(tomllib.loads(text)):
-        file = folder / value
-        if Path(value).suffix and file.is_file():
-            near = Path(Path(value).name if Path(value).is_absolute() else value)
-            found[near.as_posix()] = file
+def _enclosed(text: str, folder: Path, parts: Iterable[Part]) -> dict[str, str]:
+    """Return all files that a document in a folder names, or that these refer to: path seen from it, and contents."""
+    beside = {Path(part.source.path).resolve(): part.source.files for part in parts if part.source.path}
+    named: dict[str, Path] = {}
+
+    def add(text: str, folder: Path, near: Path) -> None:
+        for value in _texts(tomllib.loads(text)):
+            file, place = folder / value, near / (Path(value).name if Path(value).is_absolute() else value)
+            if not (Path(value).suffix and file.is_file()) or place.as_posix() in named:
+                continue
+            named[place.as_posix()] = file
             for name in beside.get(file.resolve(), ()):
-                found[(near.parent / name).as_posix()] = file.parent / name
-    whole = [path for path in found.values() if path.is_file()]
-    if sum(path.stat().st_size for path in whole) > ENCLOSED or len(whole) < len(found):
-        found = {}
+                named[(place.parent / name).as_posix()] = file.parent / name
+            if file.suffix.lower() == _DOCUMENT:
+                add(file.read_text(encoding="utf-8-sig"), file.parent, place.parent)
+
+    add(text, folder, Path())
+    whole = [path for path in named.values() if path.is_file()]
+    if sum(path.stat().st_size for path in whole) > ENCLOSED or len(whole) < len(named):
+        return {}
     files = {}
-    for k, (name, path) in enumerate(found.items(), 1):
+    for k, (name, path) in enumerate(named.items(), 1):
+        contents = path.read_bytes()
+        if path.suffix.lower() == _DOCUMENT:
+            contents = _without_folders(contents.decode("utf-8-sig")).encode()
         files[f"path_{k}"] = name
-        files[f"contents_{k}"] = base64.b64encode(zlib.compress(path.read_bytes())).decode()
-    return _without_folders(text), files
+        files[f"contents_{k}"] = base64.b64encode(zlib.compress(contents)).decode()
+    return files
 
 
 def _folder_of(name: str) -> Path:
@@ -192,7 +203,8 @@ def scene_of(file: str | os.PathLike[str]) -> Scene:
     sections = properties(file)
     table, settings = sections.get("scene", {}), sections.get("settings", {})
     if not table:
-        raise ReadError(f"cannot read {name}: it is no recording of a run: simulate its scene and record that")
+        again = "run it again by `balance`" if "rotor" in sections else "simulate its scene and record that"
+        raise ReadError(f"cannot read {name}: it is no recording of a run: {again}")
     if "text" not in table:
         raise ReadError(
             f"cannot read {name}: its scene has a torque that was given in Python as a function or a table: simulate "
@@ -203,7 +215,7 @@ def scene_of(file: str | os.PathLike[str]) -> Scene:
     scene = Scene.loads(table["text"], folder, name)
     for section, part in _source_sections(scene.body).items():
         recorded = sections.get(section, {})
-        _require_same_part(name, part, recorded.get("sha256"))
+        _require_same(name, part.name, part.source.sha256, recorded.get("sha256"))
         if recorded.get("files") not in (None, _files(part)):
             raise ReadError(
                 f"{name} was made when {part.name} referred to other files, or they held something else: bring them "
@@ -212,14 +224,36 @@ def scene_of(file: str | os.PathLike[str]) -> Scene:
     return replace(scene, run=Settings(**{key: settings[key] for key in _SETTINGS if key in settings}))
 
 
+def rotor_of(file: str | os.PathLike[str]) -> Rotor:
+    """Return the rotor of a recording, to be balanced again.
+
+    Its files come out of the recording; those of more than `ENCLOSED` bytes are looked for beside it.
+
+    Raises `ReadError` where the file is no recording of a rotor, or a file beside it is not the same as then.
+    """
+    name = os.fspath(file)
+    sections = properties(file)
+    if "text" not in sections.get("rotor", {}):
+        raise ReadError(f"cannot read {name}: it is no recording of a rotor: balance its file and record that")
+    text, enclosed = sections["rotor"]["text"], sections.get("files")
+    folder = _opened(name, enclosed) if enclosed else Path(name).resolve().parent
+    if not enclosed:
+        recorded = {each["path"]: each["sha256"] for key, each in sections.items() if key.startswith("source")}
+        for value in set(_texts(tomllib.loads(text))):
+            path = folder / value
+            if Path(value).name in recorded and path.is_file():
+                _require_same(name, value, sha256(path.read_bytes()).hexdigest(), recorded[Path(value).name])
+    return replace(Rotor.loads(text, folder, name), text=None)  # which is not that of the file of this name
+
+
 def properties(file: str | os.PathLike[str]) -> dict[str, dict[str, Any]]:
     """Return the properties of a recording by section, without reading the rest of it.
 
     Raises `ReadError` where the file is no recording or not whole.
     """
     name = os.fspath(file)
-    if not Path(name).is_file():
-        raise ReadError(f"cannot read {name}: there is no such file: check the path")
+    if not Path(name).is_file() or _version(Path(name)) is None:
+        raise ReadError(f"cannot read {name}: {_fault(Path(name))}")
     from rerun.chunk import RrdReader
     from rerun.error_utils import RerunWarning
 
@@ -229,7 +263,7 @@ def properties(file: str | os.PathLike[str]) -> dict[str, dict[str, Any]]:
             warnings.simplefilter("error", RerunWarning)  # it warns of a file that was cut short
             chunks = RrdReader(name).store().stream().filter(content=f"{_PROPERTIES}/**").to_chunks()
     except (RuntimeError, ValueError, OSError, RerunWarning) as error:
-        raise ReadError(f"cannot read {name}: it is no whole Rerun recording: record it again") from error
+        raise ReadError(f"cannot read {name}: {_fault(Path(name))}") from error
     for chunk in chunks:
         section = sections.setdefault(chunk.entity_path.removeprefix(f"{_PROPERTIES}/"), {})
         batch = chunk.to_record_batch()
@@ -237,6 +271,37 @@ def properties(file: str | os.PathLike[str]) -> dict[str, dict[str, Any]]:
             if not key.startswith("rerun."):
                 section[key] = column[0].as_py()[0]
     return sections
+
+
+def _version(path: Path) -> tuple[int, int, int] | None:
+    """Return the version of Rerun that wrote a file; None where the file is no recording of one that is read here."""
+    with path.open("rb") as file:
+        head = file.read(8)
+    return (head[4], head[5], head[6]) if len(head) == 8 and head.startswith(_MAGIC) else None
+
+
+def _fault(path: Path) -> str:
+    """Say why a recording cannot be read, and what to do."""
+    from importlib.metadata import version
+
+    if path.is_dir():
+        return "it is a folder: name a recording in it"
+    if not path.is_file():
+        return "there is no such file: check the path"
+    with path.open("rb") as file:
+        head = file.read(8)
+    installed = version("rerun-sdk")
+    if not head:
+        return "it is empty: record it again"
+    if not head.startswith(_MAGIC[:3]):
+        return "it is no Rerun recording: name a file that was written by `-o run.rrd`"
+    if len(head) >= 4 and not head.startswith(_MAGIC):
+        return f"its format is not that of the installed Rerun {installed}: record it again"
+    written = _version(path)
+    if written is not None and written[:2] > tuple(map(int, installed.split(".")[:2])):
+        text = ".".join(map(str, written))
+        return f"it is by Rerun {text}, and the installed one is {installed}: install that version, or record it again"
+    return "it was cut short, or is damaged: record it again"
 
 
 def playback_speed(file: str | os.PathLike[str]) -> float:
@@ -253,10 +318,10 @@ def playback_speed(file: str | os.PathLike[str]) -> float:
     return 1.0
 
 
-def _require_same_part(name: str, part: Part, recorded: str | None) -> None:
-    if recorded is None or part.source.sha256 == recorded:
+def _require_same(name: str, part: str, now: str | None, recorded: str | None) -> None:
+    if recorded is None or now == recorded:
         return
     raise ReadError(
-        f"{name} was made from another {part.name}: its SHA-256 was {recorded[:12]}…, and is "
-        f"{str(part.source.sha256)[:12]}…: bring the part back as it was, or simulate the scene anew"
+        f"{name} was made from another {part}: its SHA-256 was {recorded[:12]}…, and is {str(now)[:12]}…: bring the "
+        "part back as it was, or record anew"
     )
