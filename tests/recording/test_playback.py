@@ -130,3 +130,14 @@ def test_time_is_scaled_where_nanoseconds_do_not_suit_it(duration: float, second
 def test_a_run_of_years_with_samples_within_nanoseconds_is_refused() -> None:
     with pytest.raises(GeometryError, match=r"samples lie 1e-09 s from each other in a run that ends at 1e\+10 s"):
         playback(np.array([0.0, 1e-9, 1e10]), 1.0)
+
+
+def test_a_needle_is_played_as_fast_as_its_long_axis_turns() -> None:
+    table = {
+        "start": {"angular_velocity": [80.0, 0.5, 0.0]},
+        "run": {"duration": 20.0, "samples": 401, "accuracy": 1e-8},
+    }
+    needle = {"body": {"principal_moments": [0.02, 1.0, 1.0]}}
+    bar = {"body": {"principal_moments": [0.2, 1.0, 1.0]}}
+    assert frames_of(simulate(Scene.from_dict(table | needle))).play.speed == 1.0
+    assert frames_of(simulate(Scene.from_dict(table | bar))).play.speed == 0.05

@@ -216,8 +216,8 @@ def test_the_holes_are_in_the_mesh_that_is_corrected(recording: Recorded) -> Non
     assert recording.texts(f"/{entities.WORK}/numbers", "Points2D:labels") == ["1: 210.0°", "2: 20.0°"]
     (work,) = recording.texts(f"/{entities.WORK_TEXT}", "TextDocument:text")
     assert work.splitlines()[2:] == [
-        "| 1 | I, z 90 | 210.0° | radial hole Ø10, 14.2 deep, r 100 | −9.350 g |",
-        "| 2 | II, z 215 | 20.0° | radial hole Ø16, 12.4 deep, r 80 | −21.94 g |",
+        "| 1 | I, z 90 | 210.0° | radial Ø10, 14.2 deep, r 100 | −9.350 g |",
+        "| 2 | II, z 215 | 20.0° | radial Ø16, 12.4 deep, r 80 | −21.94 g |",
     ]
 
 

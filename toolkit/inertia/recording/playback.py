@@ -33,6 +33,7 @@ _EVEN = 1e-7  # s between two rows, less than which is scaled
 _LATEST = 9e9  # s: Rerun counts nanoseconds in 64 bits
 _NEAREST = 2e-9  # s between two rows that nanoseconds tell apart
 _PREFIXES = {-3: "ms", -6: "µs", -9: "ns", -12: "ps", -15: "fs"}
+_SLENDER = 0.05  # of the middle moment: a body with less about its long axis is a needle
 _SINGLE = 2.0**-23  # rad: twice the length of what rounding to float32 adds to a quaternion
 _FLASHES = 12.0  # at most, of a stroboscope
 _JOINED = 1.0  # rad between two poses, beyond which no line is drawn from one to the next
@@ -211,8 +212,18 @@ class Frames:
 
 
 def frames_of(run: Run) -> Frames:
-    """Choose a speed at which the fastest turn of a run can be followed, and take its poses for that."""
-    return frames_followed(run, largest(run.angular_velocity))
+    """Choose a speed at which the fastest turn of a run can be followed, and take its poses for that.
+
+    A needle that spins about itself looks the same: its turn is that of its long axis.
+    """
+    omega = run.angular_velocity
+    if not run.scene.body.deforms:
+        order = np.argsort(run.plan.moments)
+        thinnest, middle = run.plan.moments[order[:2]].tolist()
+        across = omega @ np.delete(run.plan.axes, order[0], axis=1)
+        if thinnest < _SLENDER * middle and (across.any() or not omega.any()):
+            return frames_followed(run, largest(across))
+    return frames_followed(run, largest(omega))
 
 
 def frames_followed(run: Run, rate: float) -> Frames:
@@ -301,7 +312,7 @@ def never_short(length: float, least: float, vectors: Float) -> tuple[Float, str
     lengthened: Float = (
         drawn * (np.divide(least, sizes, where=sizes > 0, out=np.zeros_like(sizes)) + 1.0 - least / length)[:, None]
     )
-    return lengthened, "it grows short, so that its length tells only more from less"
+    return lengthened, "grows short, so that its length tells only more from less"
 
 
 def round_down(value: float) -> float:

@@ -46,7 +46,7 @@ from inertia.recording.views.loads import (
     write_torque,
     write_weight,
 )
-from inertia.recording.views.momentum_space import write_moving_momentum_space
+from inertia.recording.views.momentum_space import trail_of_momentum, write_moving_momentum_space
 from inertia.recording.views.phase_portrait import PhasePortrait, phase_portrait
 from inertia.recording.writer import Recording
 
@@ -94,18 +94,18 @@ def _blueprint(run: Run, body: Display, frames: Frames, portrait: PhasePortrait 
     import rerun.blueprint as rrb
 
     duration = frames.play.end
-    behind = trail(min(_TRAIL * frames.play.pace, duration))
+    behind = min(_TRAIL * frames.play.pace, duration) * frames.play.second
     inertial = space_view(
         entities.WORLD if "angle" in run.quantities else entities.CENTER,
         name="Inertial view",
         eye_controls=eye(max(_pivot(run, body) + _AXES * body.radius, _MOMENTUM * body.radius)),
-        overrides={f"/{entities.MOMENTUM_TRAIL}": behind},
+        overrides={f"/{entities.MOMENTUM_TRAIL}": trail(behind / frames.play.second)},
     )
     along_axes: Any = space_view(
         entities.MOMENTUM_SPACE,
         name="Body view: L over its largest",
         eye_controls=eye(1.4),
-        overrides={f"/{entities.TRAIL_OF_MOMENTUM}": behind},
+        overrides={f"/{entities.TRAIL_OF_MOMENTUM}": trail(trail_of_momentum(frames, behind) / frames.play.second)},
     )
     if portrait is not None:
         along_axes = portrait.view
@@ -123,7 +123,10 @@ def _blueprint(run: Run, body: Display, frames: Frames, portrait: PhasePortrait 
         loads.append(momentum)
         others += [rates]
     elif run.angular_momentum.any():
-        others.append(plot(entities.PLOT_FROM_MOMENTUM, "Angles between L and the principal axes, rad", duration))
+        angles = plot(entities.PLOT_FROM_MOMENTUM, "Angles between L and the principal axes, rad", duration)
+        if "angular momentum" in run.invariants:
+            first, angles = angles, momentum  # which stays
+        others.append(angles)
     others.append(plot(entities.PLOT_EULER_ANGLES, "Euler angles z-x-z, rad", duration))
     rows: list[Any] = [first] if "angle" in run.quantities else [first, rates]
     rows += [rrb.Tabs(*each) for each in (loads, others) if each]
@@ -163,7 +166,7 @@ def _write_world(recording: Recording, run: Run, body: Display, frames: Frames) 
     fastest, most = largest(frames.angular_velocity), largest(frames.angular_momentum)
     omega, omega_note = never_short(_OMEGA * size, _LEAST * size, frames.angular_velocity)
     momentum, momentum_note = never_short(_MOMENTUM * size, _LEAST * size, frames.angular_momentum)
-    yield from (f"{name}: {note}" for name, note in (("ω", omega_note), ("L", momentum_note)) if note)
+    yield from (f"{name} {note}" for name, note in (("ω", omega_note), ("L", momentum_note)) if note)
     write_arrow(recording, entities.ANGULAR_VELOCITY, frames.time, omega, "ω", OMEGA, 1.5 * thick)
     write_arrow(recording, entities.ANGULAR_MOMENTUM, frames.time, momentum, "L", MOMENTUM, 1.5 * thick)
     if frames.play.near:

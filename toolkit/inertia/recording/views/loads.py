@@ -54,7 +54,7 @@ def write_torque(recording: Recording, run: Run, frames: Frames, size: float, th
     recording.scalars(entities.PLOT_TORQUE, run.time[rows], table.__getitem__, names, COLORS[:4])
     yield f"the torque N (pink) of the loads is {largest(torque):.4g} N m where it is largest"
     if note:
-        yield f"N: {note}"
+        yield f"N {note}"
 
 
 def torque_on(run: Run, time: Float, attitude: Float, angular_velocity: Float) -> Float:

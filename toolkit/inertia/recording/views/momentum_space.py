@@ -36,6 +36,7 @@ PATH = (170, 150, 70)
 
 _EQUAL = 1e-9  # relative difference up to which moments are the same
 _LINE, _SAMPLES = 0.006, 721
+_WOUND, _TURNS = 80.0, 12.0  # of a path on the sphere: a longer one would hide it; that of a trail
 _LONGEST = 2.0  # semi-axis beyond which an ellipsoid would hide what is inside it
 
 
@@ -71,8 +72,6 @@ def _write_family(recording: Recording, moments: Float) -> None:
 
 def write_moving_momentum_space(recording: Recording, run: Run, frames: Frames) -> str:
     """Write L along the principal axes of a body that is driven, with the sphere and the ellipsoid as they change."""
-    import rerun as rr
-
     moments, axes = ascending(run.plan)
     along = longest_as(1.0, quaternion.to_body(frames.attitude, frames.angular_momentum) @ axes)
     radius = np.linalg.norm(along, axis=1)
@@ -84,19 +83,32 @@ def write_moving_momentum_space(recording: Recording, run: Run, frames: Frames) 
     semi_axes[hiding] = 0.0
     write_ellipsoid(recording, entities.ENERGY_ELLIPSOID, frames.time, semi_axes, ELLIPSOID, 0.3 * _LINE)
     write_arrow(recording, entities.CURRENT, frames.time, along, "L", CURRENT, 2.0 * _LINE)
-    if frames.play.near == len(frames.time):
-        write_lines(recording, entities.PATH_OF_MOMENTUM, [thinned(along)], PATH, 0.5 * _LINE)
+    near = along[frames.near]
     if frames.play.near:
-        near = along[frames.near]
         write_trail(recording, entities.TRAIL_OF_MOMENTUM, frames.time[frames.near], near, TRAIL, 1.5 * _LINE)
-    if frames.play.near < len(frames.time):
-        dots = rr.Points3D(thinned(along).astype(np.float32), colors=[PATH], radii=[_LINE])
-        recording.static(entities.PATH_OF_MOMENTUM, dots)
+        if _length(near) <= _WOUND:
+            write_lines(recording, entities.PATH_OF_MOMENTUM, [thinned(near)], PATH, 0.5 * _LINE)
+    beside = ""
+    if np.ptp(radius) <= _EQUAL and np.diff(moments).min() > _EQUAL * moments[2]:
+        _write_family(recording, moments)
+        beside = "; L goes from one polhode (grey) to the next, across the separatrix (pink)"
     left_out = f"; it is left out while it is over {_LONGEST:g} times as long as the sphere" if hiding.any() else ""
     return (
-        "in the body view L moves along the yellow path, where the momentum sphere (blue) meets the energy ellipsoid "
-        f"(red), both as they are at the instant{left_out}"
+        "in the body view L (its path is yellow) is where the momentum sphere (blue) meets the energy ellipsoid "
+        f"(red), both as they are at the instant{left_out}{beside}"
     )
+
+
+def trail_of_momentum(frames: Frames, longest: float) -> float:
+    """Return for how long in s L along body axes is drawn behind itself: for one turn or two, at most `longest`."""
+    along = longest_as(1.0, quaternion.to_body(frames.attitude, frames.angular_momentum)[frames.near])
+    steps = np.linalg.norm(np.diff(along, axis=0), axis=1)
+    fastest = float((steps / np.diff(frames.time[frames.near])).max(initial=0.0))
+    return min(longest, _TURNS / fastest) if fastest else longest
+
+
+def _length(points: Float) -> float:
+    return float(np.linalg.norm(np.diff(points, axis=0), axis=1).sum())
 
 
 def _write_surface(recording: Recording, path: str, semi_axes: Float, color: Color) -> None:

@@ -98,7 +98,7 @@ def _blueprint(balance: Balance, states: list[State], duration: float, speed: fl
     work = rrb.TextDocumentView(origin=f"/{entities.WORK_TEXT}", name=f"Work: {_places(states[-1])}")
     notes: Any = text_view()
     if states[-1].operations:
-        dial = _flat(entities.WORK, "Work, seen from B", DIAL_BOUNDS)
+        dial = _flat(entities.WORK, "Places", DIAL_BOUNDS)
         below: list[Any] = [rrb.Tabs(work, notes), rrb.Horizontal(dial, forces, column_shares=[1.0, 1.1])]
         work_height = min(100.0 + 23.0 * len(states[-1].operations), 200.0)
     else:
@@ -150,7 +150,7 @@ def _force_limit(balance: Balance, number: int) -> float:
 def _force_plot(balance: Balance, states: Sequence[State], number: int, duration: float) -> rrb.TimeSeriesView:
     """Return the plot of the force on bearing A (0) or B (1), whose scale holds what is permissible."""
     most = 1.15 * max(_force_limit(balance, number), *(abs(state.forces[number]) for state in states))
-    name = f"Force on {'AB'[number]} at 0°, N"
+    name = f"Force on {'AB'[number]}, N"
     return plot(_PLOTS[number], name, duration, legend=False, values=(-most, most))
 
 

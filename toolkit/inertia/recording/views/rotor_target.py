@@ -77,7 +77,7 @@ def write_target(recording: Recording, path: str, balance: Balance, number: int)
         vector = unbalance.in_planes(*balance.tolerance_planes)[number]
         bound = bearing_bounds(balance, unbalance)[number]
         _write_vector(recording, f"{path}/{entity}", vector / permissible, bound / permissible, color)
-        text = f"{name}: {vector_text(vector, bound, permissible)}"
+        text = f"{name}: {vector_text(vector, bound, permissible, short=True)}"
         times = abs(vector) / permissible
         legend.append((f"{text}, {times:.3g} × limit" if times > FARTHEST else text, color))
     if balance.scatter.sensitivities:

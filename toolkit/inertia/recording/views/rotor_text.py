@@ -71,14 +71,18 @@ def angle_text(vector: complex, bound: float) -> str:
     return f"{round(angle, decimals) % 360.0:.{decimals}f} ± {raised:.{decimals}f}°"
 
 
-def vector_text(vector: complex, bound: float, limit: float, unit: str = "g·mm") -> str:
-    """Return an unbalance (kg m) in g·mm with its angle, or what it stays below.
+def vector_text(vector: complex, bound: float, limit: float, unit: str = "g·mm", *, short: bool = False) -> str:
+    """Return an unbalance (kg m) in g·mm with its angle, or what it stays below; `short` of what the angle is off by.
 
     >>> vector_text(3e-6 + 3e-6j, 1e-12, 1e-6), vector_text(1e-9j, 2e-9, 1e-6)
     ('4.243 g·mm at 45.0°', 'below 0.0030 g·mm')
+    >>> vector_text(3e-6j, 1e-7, 1e-6), vector_text(3e-6j, 1e-7, 1e-6, short=True)
+    ('3.00 ± 0.10 g·mm at 90 ± 2°', '3.00 ± 0.10 g·mm at 90°')
     """
     text = size_text(in_gmm(vector), in_gmm(bound), in_gmm(limit), unit)
     angle = "" if text == "none" else angle_text(vector, bound)
+    if short and " ±" in angle:
+        angle = f"{angle.partition(' ±')[0]}°"
     return f"{text} at {angle}" if angle else text
 
 
@@ -137,16 +141,16 @@ def _planes(balance: Balance, every: list[tuple[str, str, Unbalance]]) -> Iterat
     limits = balance.tolerance.permissible
     for k, (name, limit) in enumerate(zip("AB", limits, strict=True)):
         cells = [
-            vector_text(u.in_planes(*balance.tolerance_planes)[k], bearing_bounds(balance, u)[k], limit, "")
+            vector_text(u.in_planes(*balance.tolerance_planes)[k], bearing_bounds(balance, u)[k], limit, "", short=True)
             for _, _, u in every
         ]
         yield f"| Bearing {name}, g·mm | {_rounded(in_gmm(limit))} | {' | '.join(cells)} |"
     for k, plane in enumerate(balance.planes):
         cells = [
-            vector_text(vector, plane_bounds(balance, unbalance)[k], max(limits), "")
+            vector_text(vector, plane_bounds(balance, unbalance)[k], max(limits), "", short=True)
             for (_, _, unbalance), vector in zip(every, (plane.initial, plane.residual), strict=False)
         ]
-        yield f"| Plane {markdown(plane.id)}, g·mm | | {' | '.join(cells)} |"
+        yield f"| {markdown(plane.id)}, g·mm | | {' | '.join(cells)} |"
 
 
 def _forces(balance: Balance, every: list[tuple[str, str, Unbalance]]) -> Iterator[str]:
@@ -163,7 +167,7 @@ def work_text(balance: Balance) -> str:
         inside = balance.initial_verdict.outcome == "pass"
         return "Nothing has to be done." if inside else "Nothing is done: no plane has a method of correction."
     zs = {plane.id: plane.z for plane in balance.planes}
-    lines = ["| No. | Plane | Angle | Work, mm | Mass |", "|-|-|-|-|-|"]
+    lines = ["| | Plane | Angle | Work, mm | Mass |", "|-|-|-|-|-|"]
     for number, work in enumerate(operations, 1):
         at = f"{math.degrees(work.angle) % 360.0:.1f}°"
         mass = f"{'+' if work.method == 'add' else '−'}{_rounded(1e3 * work.mass)} g"
@@ -182,7 +186,7 @@ def _work(work: Operation) -> str:
         return f"arc of {math.degrees(2.0 * work.half_angle):.4g}°, {depth:.4g} deep, {at}"
     if work.depth is not None and work.tool_diameter is not None:
         way = "axial" if work.kind == "drill_axial" else "radial"
-        return f"{way} hole Ø{1e3 * work.tool_diameter:.4g}, {depth:.4g} deep, {at}"
+        return f"{way} Ø{1e3 * work.tool_diameter:.4g}, {depth:.4g} deep, {at}"
     if work.depth is not None:
         return f"flat, {depth:.4g} deep, {at}"
     return f"point mass, {at}"
