@@ -8,9 +8,10 @@ import numpy as np
 import pytest
 from tests.dynamics.scenes import PLAIN, TOP, scene
 
-from inertia.dynamics.notebook import COLORS, html_of
+from inertia.dynamics.notebook import curves_svg
 from inertia.dynamics.scene.document import Scene
 from inertia.dynamics.simulate import simulate
+from inertia.notebook import COLORS
 from inertia_meshes import path
 
 SVG = "{http://www.w3.org/2000/svg}"
@@ -64,7 +65,7 @@ def test_a_million_samples_are_a_small_page_that_shows_every_peak() -> None:
     time = np.linspace(0.0, 1.0, 1_000_000)
     curve = np.zeros((len(time), 1))
     curve[123_456] = 5.0
-    text = html_of([], time, curve, ["ω"], "rad/s")
+    text = curves_svg(time, curve, ["ω"], "rad/s")
     assert len(text) < 20_000
     assert ">5</text>" in text
     points = re.search(r'points="([^"]*)"', text)

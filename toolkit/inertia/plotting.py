@@ -11,10 +11,15 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+import numpy as np
+
+from inertia.arrays import Float
 from inertia.errors import UsageError
+from inertia.notebook import COLORS, EYE, outline, seen
 from inertia.output import require_writable, write_whole
 
 if TYPE_CHECKING:
+    from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
 SUFFIXES = (".svg", ".png")
@@ -69,3 +74,52 @@ def quiet_matplotlib() -> Iterator[None]:
         yield
     finally:
         logger.setLevel(level)
+
+
+def figure_of(draw: Callable[[Axes], None], ax: Axes | None, title: str) -> Figure:
+    """Draw on axes that are given, or on a figure of its own, and return the figure; pyplot is not touched.
+
+    Raises `UsageError` where matplotlib is not installed.
+    """
+    require_matplotlib()
+    with quiet_matplotlib():
+        from matplotlib.figure import Figure
+
+        axes = Figure(figsize=(6.0, 4.5), layout="constrained").add_subplot() if ax is None else ax
+        draw(axes)
+        axes.set_title(title, fontsize=10)
+        figure = axes.get_figure(root=True)
+        assert figure is not None  # axes that are to be drawn on are on a figure
+        return figure
+
+
+def draw_triangles(axes: Axes, corners: Float, *, opacity: float = 1.0) -> None:
+    """Draw triangles (n, 3, 3), the nearest last, as lit from the eye."""
+    from matplotlib.collections import PolyCollection
+
+    normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    lengths = np.linalg.norm(normals, axis=1)
+    toward = EYE / np.linalg.norm(EYE)
+    light = 0.45 + 0.5 * np.abs(normals @ toward) / np.where(lengths > 0.0, lengths, 1.0)
+    order = np.argsort(corners.mean(axis=1) @ toward)
+    colors = np.repeat(light[order, None], 3, axis=1)
+    axes.add_collection(PolyCollection(list(seen(corners[order])), facecolors=colors, linewidths=0, alpha=opacity))
+    bare(axes)
+
+
+def draw_ellipsoid(axes: Axes, center: Float, semi_axes: Float, directions: Float) -> None:
+    """Draw the outline of an ellipsoid and its semi-axes, numbered."""
+    middle = seen(center)
+    axes.plot(*(middle + outline(semi_axes, directions)).T, color="#555555", linewidth=1.0)
+    for number, end, color in zip("123", seen((directions * semi_axes).T), COLORS, strict=True):
+        axes.plot(*np.array([middle - end, middle + end]).T, color=color, linewidth=1.5)
+        axes.annotate(number, tuple(middle + end), color=color)
+    bare(axes)
+
+
+def bare(axes: Axes) -> None:
+    """Take the box and its ticks away, and make the units of both directions equally long."""
+    axes.set_aspect("equal")
+    axes.set_axis_off()
+    axes.margins(0.06)
+    axes.autoscale_view()

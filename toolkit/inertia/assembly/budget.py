@@ -11,6 +11,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -22,9 +23,13 @@ from inertia.assembly.limits import Limit, Verdict, judged
 from inertia.assembly.lines import Line, central_of, six_of, square
 from inertia.assembly.rollup import Placed
 from inertia.assembly.tree import Node, PartTree
-from inertia.errors import UsageError, placed
+from inertia.errors import UsageError, placed, visible
 from inertia.mass.properties import MassProperties
 from inertia.mesh.turns import TURN_BITS
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
 
 _CHUNK = 4096
 
@@ -56,6 +61,42 @@ class Budget:
             if one in verdicts:
                 return one
         return None
+
+    def plot(self, ax: Axes | None = None) -> Figure:
+        """Draw the mass of each part of the first level, with its allowance, and return the figure.
+
+        Raises `UsageError` where matplotlib is not installed.
+        """
+        from inertia.palette import BLUE, ORANGE
+        from inertia.plotting import figure_of
+
+        lines = (self.total.children or (self.total,))[::-1]
+
+        def draw(axes: Axes) -> None:
+            names, basic = [visible(line.name) for line in lines], [line.basic_mass for line in lines]
+            places = range(len(lines))
+            axes.barh(places, basic, color=BLUE, label="basic mass")
+            axes.barh(places, [line.allowance for line in lines], left=basic, color=ORANGE, label="allowance")
+            axes.set_yticks(places, names)
+            axes.set_xlabel("kg")
+            axes.legend(fontsize=8)
+
+        return figure_of(draw, ax, f"{self.assembly.name}: {self.total.predicted_mass:.6g} kg predicted")
+
+    def _repr_html_(self) -> str:
+        """Return a small table and a sketch of the equivalent ellipsoid, as a notebook shows them."""
+        from inertia.notebook import ellipsoid_svg, html_of
+
+        total = self.total
+        rows = [
+            ("Budget", f"{self.assembly.name}: {self.verdict or 'no limits are stated'}"),
+            ("Predicted mass", f"{total.predicted_mass:.10g} kg ± {total.sigma.predicted_mass:.2g} kg, "
+                               f"of which {total.allowance:.6g} kg allowance"),
+            *self.properties.rows()[2:],
+            *((f"Limit {limit.what}", f"{limit.value:.6g}: {limit.verdict}") for limit in self.limits),
+            *(("Note", note) for note in self.notes),
+        ]  # fmt: skip
+        return html_of(rows, ellipsoid_svg(self.properties.equivalent_ellipsoid, self.properties.principal.axes))
 
 
 def budget(assembly: PartTree) -> Budget:

@@ -7,7 +7,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from hashlib import sha256
 from pathlib import Path
-from typing import Literal
+from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 
@@ -22,6 +22,10 @@ from inertia.exchange.robots.links import Geometry, Link, Placement, Robot
 from inertia.exchange.robots.mend import Mended, mend
 from inertia.exchange.robots.read import read_robot
 from inertia.standard_input import file_of
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
 
 _SAME_CENTER = 1e-4
 """Of the largest radius of gyration: a centre of mass that is no farther off is left as it is written."""
@@ -54,6 +58,35 @@ class Audit:
         if states & {"inconsistent", "unphysical"}:
             return "inconsistent"
         return "consistent" if "consistent" in states else "undecided"
+
+    def plot(self, ax: Axes | None = None) -> Figure:
+        """Draw by how much the stated tensor of each link is off, beside the tolerance, and return the figure.
+
+        Raises `UsageError` where matplotlib is not installed.
+        """
+        from inertia.palette import BLUE, GREEN, VERMILLION
+        from inertia.plotting import figure_of
+
+        def draw(axes: Axes) -> None:
+            links, colors = self.links[::-1], {"consistent": GREEN, "unjudged": BLUE}
+            sizes = [0.0 if link.difference is None else link.difference.inertia for link in links]
+            axes.barh(range(len(links)), sizes, color=[colors.get(link.state, VERMILLION) for link in links])
+            axes.axvline(self.tolerance, color="#555555", linewidth=1.0)
+            axes.set_yticks(range(len(links)), [visible(link.name) for link in links])
+            axes.set_xlabel("difference of the tensors, relative")
+
+        return figure_of(draw, ax, f"{visible(self.robot.name or self.robot.path.name)}: {self.verdict}")
+
+    def _repr_html_(self) -> str:
+        """Return a small table, as a notebook shows it."""
+        from inertia.notebook import html_of
+
+        rows = [("Robot", f"{self.robot.name or self.robot.path.name}: {self.verdict}")]
+        for link in self.links:
+            off = "" if link.difference is None else f", tensor off by {100 * link.difference.inertia:.3g} %"
+            says = "".join(f"; {finding.sentence}" for finding in link.findings if link.state != "consistent")
+            rows.append((link.name, f"{link.state}{off}{says}"))
+        return html_of([*rows, *(("Note", note) for note in self.robot.notes)])
 
     def fixed(self) -> bytes:
         """Return the file with the mass properties of mistaken links mended, and nothing else changed.

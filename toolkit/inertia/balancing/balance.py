@@ -10,8 +10,9 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import reduce
 from operator import add
+from pathlib import Path
 from time import thread_time
-from typing import Literal
+from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 
@@ -48,6 +49,10 @@ from inertia.balancing.unbalance import Unbalance
 from inertia.balancing.verdict import Verdict, count_the_shop, judge
 from inertia.errors import GeometryError, UsageError, placed, require_kind
 from inertia.mass.properties import MassProperties
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
 
 _LOWER = (1.0, 0.4, 0.1)  # of what is asked for, aimed at while the shop's work leaves too few parts within tolerance
 _DEEPER = (0.5, 0.95)  # of the greatest depth, of arcs, for the same
@@ -129,6 +134,47 @@ class Balance:
     def tolerance_planes(self) -> Planes:
         """Where the bearings are along the shaft, m."""
         return self.shaft.z_a, self.shaft.z_b
+
+    def plot(self, ax: Axes | None = None) -> Figure:
+        """Draw the unbalance in the tolerance planes, as shares of the limit, before and after corrections.
+
+        The circle is the limit; angles are those of the heavy spots. Returns the figure. Raises `UsageError` where
+        matplotlib is not installed.
+        """
+        from inertia.palette import BLUE, VERMILLION
+        from inertia.plotting import figure_of
+
+        def draw(axes: Axes) -> None:
+            turn = np.linspace(0.0, 2.0 * np.pi, 181)
+            axes.plot(np.cos(turn), np.sin(turn), color="#555555", linewidth=1.0)
+            for color, before, after in zip(
+                (BLUE, VERMILLION), self.initial_verdict.planes, self.verdict.planes, strict=True
+            ):
+                first, last = (each.residual / each.permissible for each in (before, after))
+                axes.plot(
+                    [0.0, first.real], [0.0, first.imag], color=color, linewidth=1.0, label=f"{before.name} modelled"
+                )
+                if self.correction is not None:
+                    axes.plot([last.real], [last.imag], "o", color=color, label=f"{after.name} corrected")
+            axes.set_aspect("equal")
+            axes.set_xlabel("of the limit, towards the zero mark")
+            axes.legend(fontsize=8)
+
+        return figure_of(draw, ax, f"{Path(self.rotor.name).name}: {self.verdict.outcome}")
+
+    def _repr_html_(self) -> str:
+        """Return a small table, as a notebook shows it."""
+        from inertia.notebook import html_of
+
+        rows = [
+            ("Rotor", Path(self.rotor.name).name),
+            ("Verdict", self.verdict.headline),
+            *(("After" if self.correction is not None else "Judged", each.why) for each in self.verdict.planes),
+            *([("Before", f"{self.initial_verdict.outcome}")] if self.correction is not None else []),
+            *([("Correction", self.correction.why)] if self.correction is not None else []),
+            *(("Note", note) for note in self.notes),
+        ]
+        return html_of(rows)
 
     def forces(self, unbalance: Unbalance) -> tuple[complex, complex]:
         """Return the forces on bearings A and B, N, at the highest speed in service; they turn with the rotor."""

@@ -1,43 +1,21 @@
-"""A run as a notebook shows it: a small table and a sketch of ω(t), in colours for light and for dark pages."""
+"""A sketch of ω(t) of a run, for notebooks, in colours for light and for dark pages."""
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
-from html import escape
+from collections.abc import Sequence
 
 import numpy as np
 
 from inertia.arrays import Float
-from inertia.errors import visible
-from inertia.palette import BLUE, GREEN, VERMILLION
-
-COLORS = (BLUE, VERMILLION, GREEN)
-"""Of the three components."""
+from inertia.notebook import COLORS, text
 
 _WIDTH, _HEIGHT, _LEFT, _TOP = 420, 130, 52, 8  # of the sketch's box
 _LINE = 12  # the height of a line of text
 _COLUMNS = 210  # over which the extent of the samples is drawn
 
 
-def html_of(rows: Iterable[tuple[str, str]], time: Float, curves: Float, names: Sequence[str], unit: str) -> str:
-    """Return rows of label and text, and curves (n, k) over time (n,) s, as one piece of HTML; all text is escaped."""
-    cells = "".join(
-        f'<tr><th style="text-align:left;vertical-align:top;font-weight:600;padding:1px 12px 1px 0">{_text(label)}</th>'
-        f'<td style="text-align:left;padding:1px 0">{_text(value)}</td></tr>'
-        for label, value in rows
-    )
-    sketch = _sketch(time, curves, names, unit)
-    return (
-        '<div style="font-family:sans-serif;font-size:13px"><table style="border-collapse:collapse;border:none;'
-        f'color:inherit;font-size:inherit">{cells}</table>{sketch}</div>'
-    )
-
-
-def _text(text: str) -> str:
-    return escape(visible(text))
-
-
-def _sketch(time: Float, curves: Float, names: Sequence[str], unit: str) -> str:
+def curves_svg(time: Float, curves: Float, names: Sequence[str], unit: str) -> str:
+    """Return curves (n, k) over time (n,) s."""
     low, high = float(curves.min(initial=0.0)), float(curves.max(initial=0.0))
     room = 0.08 * (high - low) or 1.0
     low, high = low - room, high + room
@@ -52,7 +30,7 @@ def _sketch(time: Float, curves: Float, names: Sequence[str], unit: str) -> str:
     parts = [
         f'<svg xmlns="http://www.w3.org/2000/svg" width="{_LEFT + _WIDTH + 8}" height="{_TOP + _HEIGHT + 38}" '
         f'role="img" font-family="sans-serif" font-size="11" fill="currentColor">'
-        f"<title>{_text(', '.join(names))}, {_text(unit)}, over time</title>"
+        f"<title>{text(', '.join(names))}, {text(unit)}, over time</title>"
         f'<rect x="{_LEFT}" y="{_TOP}" width="{_WIDTH}" height="{_HEIGHT}" fill="none" stroke="currentColor" '
         'stroke-opacity="0.35"/>'
     ]
@@ -76,8 +54,8 @@ def _sketch(time: Float, curves: Float, names: Sequence[str], unit: str) -> str:
     for k, name in enumerate(names):
         x = _LEFT + 60 * k
         parts.append(f'<line x1="{x}" x2="{x + 16}" y1="{base + 14}" y2="{base + 14}" stroke="{COLORS[k]}" ')
-        parts.append(f'stroke-width="2"/><text x="{x + 20}" y="{base + 18}">{_text(name)}</text>')
-    parts.append(f'<text x="{_LEFT + _WIDTH}" y="{base + 18}" text-anchor="end">{_text(unit)}</text></svg>')
+        parts.append(f'stroke-width="2"/><text x="{x + 20}" y="{base + 18}">{text(name)}</text>')
+    parts.append(f'<text x="{_LEFT + _WIDTH}" y="{base + 18}" text-anchor="end">{text(unit)}</text></svg>')
     return "".join(parts)
 
 

@@ -226,8 +226,9 @@ class Run:
 
     def _repr_html_(self) -> str:
         """Return a small table and a sketch of ω(t), as a notebook shows it."""
-        from inertia.dynamics.notebook import html_of
+        from inertia.dynamics.notebook import curves_svg
         from inertia.dynamics.plots.subject import ascending
+        from inertia.notebook import html_of
 
         error, deforms = self.error, self.scene.body.deforms
         count = f"{len(self.time)} {'sample' if len(self.time) == 1 else 'samples'}"
@@ -243,7 +244,8 @@ class Run:
         ]
         along = np.eye(3) if deforms else ascending(self.plan)[1]
         unit = f"rad/s along the {'part' if deforms else 'principal'} axes"
-        return html_of(rows, self.time, self.angular_velocity @ along, ("ω₁", "ω₂", "ω₃"), unit)
+        sketch = curves_svg(self.time, self.angular_velocity @ along, ("ω₁", "ω₂", "ω₃"), unit)
+        return html_of(rows, sketch)
 
     def _followed_closely(self) -> Run:
         """Return the run at as many instants as a line needs, or as it is."""

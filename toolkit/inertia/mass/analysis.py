@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 from functools import cached_property
+from pathlib import Path
 from typing import TYPE_CHECKING, Literal
 
 from inertia.arrays import Float
@@ -16,9 +17,12 @@ from inertia.mass.integration import TrueShape
 from inertia.mass.principal import Principal
 from inertia.mass.properties import ErrorBound, MassProperties
 from inertia.mesh.checks.findings import Finding
-from inertia.mesh.part import Part
+from inertia.mesh.part import DRAWN, Part
 
 if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
     from inertia.mass.uncertainty import StandardUncertainty
     from inertia.mesh.unite import Union  # slow to import, and seldom needed
 
@@ -103,3 +107,34 @@ class Analysis:
     def principal(self) -> Principal:
         """Principal moments and axes, those within `class_tolerance` of each other counting as equal."""
         return self.properties.principal_within(self.class_tolerance)
+
+    def plot(self, ax: Axes | None = None) -> Figure:
+        """Draw the part, in m, and in it the ellipsoid of the same mass and moments, and return the figure.
+
+        Raises `UsageError` where matplotlib is not installed.
+        """
+        from inertia.mesh.part import Cells
+        from inertia.plotting import draw_ellipsoid, draw_triangles, figure_of
+
+        def draw(axes: Axes) -> None:
+            if not isinstance(self.part.geometry, Cells):
+                draw_triangles(axes, float(self.part.unit.metres) * self.part.triangles.sample(DRAWN), opacity=0.35)
+            of = self.properties
+            draw_ellipsoid(axes, of.center_of_mass, of.equivalent_ellipsoid, self.principal.axes)
+
+        return figure_of(draw, ax, f"{Path(self.part.name).name}: {self.properties.mass:.6g} kg")
+
+    def _repr_html_(self) -> str:
+        """Return a small table and a sketch of the equivalent ellipsoid, as a notebook shows them."""
+        from inertia.notebook import ellipsoid_svg, html_of
+
+        unit, density = self.part.unit.name, f"{self.density:g} kg/m³"
+        rows = [
+            ("Part", f"{self.part.name}, in {unit}{', assumed' if self.part.unit_from == 'assumed' else ''}"),
+            ("Density", f"{density}{', assumed' if self.density_from == 'assumed' else ''}"),
+            ("Mesh", f"{self.triangles or self.cells} {'triangles' if self.triangles else 'cells'}, {self.model}"),
+            *self.properties.rows(),
+            *(("Doubt", str(doubt.message)) for doubt in self.doubts),
+            *(("Note", note) for note in self.notes),
+        ]
+        return html_of(rows, ellipsoid_svg(self.properties.equivalent_ellipsoid, self.principal.axes))

@@ -22,6 +22,10 @@ from inertia.mass.eigen import Spectrum
 from inertia.mass.moments import ZERO, Moments, Six, inertia_tensor, nearby, norm_above
 from inertia.mass.tensor import array_of, exact_point, faults, rotation_of
 
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
 CERTAIN = 1e-9
 """Relative bound of the volume and of each principal moment that an answer has where the mesh can give it."""
 
@@ -247,6 +251,38 @@ class MassProperties:
         """
         semi_axes: Float = np.sqrt(5.0 * self.principal.second_moments / self.mass)
         return semi_axes
+
+    def plot(self, ax: Axes | None = None) -> Figure:
+        """Draw the `equivalent_ellipsoid` in its place, with its axes, z upright, and return the figure.
+
+        Raises `UsageError` where matplotlib is not installed.
+        """
+        from inertia.plotting import draw_ellipsoid, figure_of
+
+        return figure_of(
+            lambda axes: draw_ellipsoid(axes, self.center_of_mass, self.equivalent_ellipsoid, self.principal.axes),
+            ax,
+            "ellipsoid of the same mass and moments",
+        )
+
+    def _repr_html_(self) -> str:
+        """Return a small table and a sketch of the equivalent ellipsoid, as a notebook shows them."""
+        from inertia.notebook import ellipsoid_svg, html_of
+
+        return html_of(self.rows(), ellipsoid_svg(self.equivalent_ellipsoid, self.principal.axes))
+
+    def rows(self) -> list[tuple[str, str]]:
+        """Return what a notebook shows, as labels and texts."""
+        error = self.error
+        center = (k if abs(k) > error.center_of_mass else 0.0 for k in self.center_of_mass.tolist())
+        return [
+            ("Mass", f"{self.mass:.10g} kg"),
+            ("Volume", f"{self.volume:.10g} m³"),
+            ("Centre of mass", f"{', '.join(f'{k:.10g}' for k in center)} m"),
+            ("Moments", f"{', '.join(f'{k:.10g}' for k in self.principal.moments)} kg m² ({self.principal.kind})"),
+            ("Bound", f"mass {error.mass:.2g}, tensor {error.inertia:.2g} (relative), centre of mass "
+                      f"{error.center_of_mass:.2g} m; {error.method}"),
+        ]  # fmt: skip
 
     def moments_about(self, point: ArrayLike | Sequence[Fraction] | None = None) -> Moments:
         """Return mass, first and second moments about `point` (3,) m, or the centre of mass: exact, with bounds."""

@@ -20,7 +20,7 @@ from dataclasses import dataclass, field
 from functools import cached_property
 from itertools import pairwise
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -30,6 +30,13 @@ from inertia.errors import GeometryError, ReadError, UsageError, placed, visible
 from inertia.mesh.shape import Shape
 from inertia.mesh.version import CHANGED, Version
 from inertia.units import DEFAULT_UNIT, Unit, UnitFrom, length_unit, multiple_of
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+DRAWN = 200_000
+"""The most triangles that are drawn."""
 
 FACET = np.dtype(
     [
@@ -578,6 +585,32 @@ class Part:
         if self.regions is not None:
             mesh.face_attributes["region"] = np.array(self.regions.names)[self.regions.index]
         return mesh
+
+    def plot(self, ax: Axes | None = None) -> Figure:
+        """Draw the surface as seen from the side and above, z upright, and return the figure.
+
+        Of more than 200,000 triangles that many are drawn. Raises `GeometryError` where the part is a mesh of cells,
+        `UsageError` where matplotlib is not installed.
+        """
+        from inertia.plotting import draw_triangles, figure_of
+
+        corners = self.triangles.sample(DRAWN)
+        return figure_of(lambda axes: draw_triangles(axes, corners), ax, visible(Path(self.name).name))
+
+    def _repr_html_(self) -> str:
+        """Return a small table, as a notebook shows it."""
+        from inertia.notebook import html_of
+
+        elements = self.geometry.count
+        rows = [
+            ("Part", f"{self.name} ({self.source.format})"),
+            ("Unit", f"{self.unit.name}{', assumed' if self.unit_from == 'assumed' else ''}"),
+            ("Mesh", f"{elements} {'cells' if isinstance(self.geometry, Cells) else 'triangles'}"),
+            *([("Regions", ", ".join(self.regions.names))] if self.regions is not None else []),
+            *([("Shape", "true faces, integrated in place of the triangles")] if self.shape is not None else []),
+            *(("Note", note) for note in self.notes),
+        ]
+        return html_of(rows)
 
     @property
     def triangles(self) -> Triangles:

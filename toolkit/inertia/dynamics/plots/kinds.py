@@ -11,11 +11,12 @@ import numpy as np
 from inertia.arrays import Float
 from inertia.dynamics.kinematics import quaternion
 from inertia.dynamics.kinematics.polhode import polhode, polhode_family, separatrix
-from inertia.dynamics.plots.projection import FAINT, INK, Projection, bare
+from inertia.dynamics.plots.projection import FAINT, INK, Projection
 from inertia.dynamics.plots.subject import Subject, ascending
 from inertia.dynamics.plots.swing import Swing, Window, heavy_top_of, swing_of
 from inertia.errors import UsageError
 from inertia.palette import BLUE, GREEN, ORANGE, PLUM, VERMILLION
+from inertia.plotting import bare
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

@@ -87,11 +87,3 @@ class Projection:
             axes.update_datalim([tip + 0.1 * size * way])  # texts do not count
             x, y = tip + 0.02 * size * way
             axes.text(x, y, name, ha=across, va=level, color=INK, fontsize=11, zorder=9)
-
-
-def bare(axes: Axes) -> None:
-    """Take the box and its ticks away, and make the units of both directions equally long."""
-    axes.set_aspect("equal")
-    axes.set_axis_off()
-    axes.margins(0.06)
-    axes.autoscale_view()

@@ -1,0 +1,96 @@
+"""Results in a notebook: valid, escaped tables; ellipsoids as they are seen; plots on any axes, no global state."""
+
+import subprocess
+import sys
+from collections.abc import Callable
+from dataclasses import replace
+from typing import Any
+from xml.etree import ElementTree
+
+import numpy as np
+import pytest
+from matplotlib.figure import Figure
+
+import inertia
+from inertia.notebook import EYE, ellipsoid_svg, outline
+from inertia_meshes import path
+
+SHOWN: dict[str, Callable[[], Any]] = {
+    "Part": lambda: inertia.read(path("t_handle.stl")),
+    "MassProperties": lambda: inertia.mass_properties(inertia.read(path("t_handle.stl"), unit="mm"), 7850),
+    "Analysis": lambda: inertia.analyse(inertia.read(path("t_handle.stl"), unit="mm"), 7850),
+    "Balance": lambda: inertia.balance(inertia.Rotor.load(path("rotors/disc.toml"))),
+    "corrected": lambda: inertia.balance(inertia.Rotor.load(path("rotors/bent_wheel.toml"))),
+    "Budget": lambda: inertia.Assembly.load(path("assemblies/cubesat.toml")).budget(),
+    "Audit": lambda: inertia.audit(path("robots/arm.urdf")),
+    "Run": lambda: inertia.simulate(inertia.Scene.load(path("scenes/t_handle.toml"))),
+}
+
+
+@pytest.fixture(scope="module", params=SHOWN)
+def shown(request: pytest.FixtureRequest) -> Any:
+    return SHOWN[request.param]()
+
+
+def test_a_result_is_a_table_of_valid_html(shown: Any) -> None:
+    page = ElementTree.fromstring(shown._repr_html_())
+    rows = [("".join(row[0].itertext()), "".join(row[1].itertext())) for row in page.iter("tr")]
+    assert len(rows) >= 3
+    assert all(label and value for label, value in rows)
+    assert "object at 0x" not in shown._repr_html_()
+
+
+def test_a_result_draws_itself_on_a_figure_of_its_own_or_on_axes_that_are_given(shown: Any) -> None:
+    figure = shown.plot()
+    assert isinstance(figure, Figure)
+    assert figure.axes
+    mine = Figure()
+    left, _ = mine.subplots(1, 2)
+    assert shown.plot(ax=left) is mine
+    mine.canvas.draw()
+    assert left.has_data()
+
+
+def test_names_from_outside_are_escaped() -> None:
+    part = SHOWN["Part"]()
+    evil = "<script>alert(1)</script>\x1b[31m"
+    text = replace(part, notes=(evil,), source=replace(part.source, path=evil))._repr_html_()
+    assert "<script" not in text
+    assert "\x1b" not in text
+
+
+def test_cells_have_a_table_and_no_drawing_of_their_own() -> None:
+    part = inertia.read(path("two_region_bar.vtk"))
+    assert "cells" in part._repr_html_()
+    with pytest.raises(inertia.GeometryError, match="mesh of cells"):
+        part.plot()
+    assert inertia.analyse(part, {"1": 2700.0, "2": 7850.0}).plot().axes
+
+
+def test_the_outline_is_that_of_the_ellipsoid() -> None:
+    random = np.random.default_rng(5)
+    axes, semi = np.linalg.qr(random.normal(size=(3, 3)))[0], np.array([3.0, 1.0, 0.4])
+    edge = outline(semi, axes)
+    way = random.normal(size=(20_000, 3))
+    surface = (axes * semi) @ (way / np.linalg.norm(way, axis=1)[:, None]).T
+    toward = EYE / np.linalg.norm(EYE)
+    right = np.cross([0.0, 0.0, 1.0], toward)
+    right /= np.linalg.norm(right)
+    up = np.cross(toward, right)
+    for angle in np.linspace(0.0, np.pi, 7):  # support functions: how far each reaches in a direction
+        reach = (np.cos(angle) * right + np.sin(angle) * up) @ surface
+        assert (edge @ [np.cos(angle), np.sin(angle)]).max() == pytest.approx(reach.max(), rel=5e-3)
+
+
+def test_a_flat_body_has_a_sketch() -> None:
+    assert "nan" not in ellipsoid_svg(np.array([1.0, 0.5, 0.0]), np.eye(3))
+    assert "nan" not in ellipsoid_svg(np.zeros(3), np.eye(3))
+
+
+def test_pyplot_is_not_loaded() -> None:
+    code = (
+        "import sys, inertia\nfrom inertia_meshes import path\n"
+        "inertia.read(path('cube.stl')).plot()\nprint('matplotlib.pyplot' in sys.modules)"
+    )
+    done = subprocess.run([sys.executable, "-c", code], stdout=subprocess.PIPE, text=True, check=True)
+    assert done.stdout.strip() == "False"
