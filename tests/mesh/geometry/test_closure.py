@@ -341,6 +341,15 @@ def test_triangles_in_no_order_are_paired_wherever_their_corners_are(kind: type[
     assert np.array_equal(one.labels, other.labels)
 
 
+@pytest.mark.parametrize("kind", [Surface, Facets])
+def test_triangles_that_are_stored_over_and_over_are_paired_as_sorting_says(kind: type[Triangles]) -> None:
+    same = Surface(np.eye(3), np.tile([0, 1, 2], (20_000, 1)))
+    triangles = same if kind is Surface else facets(same)
+    one, other = compiled_closure(triangles), vectorised_closure(triangles)
+    assert (one.open_edges, one.components, one.crowded) == (60_000, other.components, 3)
+    assert np.array_equal(one.labels, other.labels)
+
+
 def test_a_sound_surface_is_never_sorted(monkeypatch: pytest.MonkeyPatch) -> None:
     """Many keys agree in the few bits of them that are compared first, and none of them is repeated."""
     monkeypatch.setattr("inertia.mesh.geometry.closure.vectorised_closure", None)

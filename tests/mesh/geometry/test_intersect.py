@@ -9,6 +9,7 @@ from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
 from inertia.mesh.geometry.boxes import BoxTree, overlapping
+from inertia.mesh.geometry.hubs import hubs, near_around
 from inertia.mesh.geometry.intersect import compiled_crossings, crossings, overlap, vectorised_crossings
 from inertia.mesh.geometry.triangle_pairs import UNSURE, orient3d, orient3d_filter
 from inertia.mesh.part import FACET, Facets, Surface
@@ -469,3 +470,36 @@ def test_very_many_copies_are_not_compared_with_one_another() -> None:
     contacts = crossings(Surface([[0, 0, 0], [9, 0, 0], [0, 9, 0], [1, 1, -1], [2, 1, 1], [1, 2, 1]], faces), limit=3)
     assert contacts.total == 300_000
     assert contacts.pairs.tolist() == [[0, 300_000], [1, 300_000], [2, 300_000]]
+
+
+def cone(turns: int, sides: int, seed: int) -> Surface:
+    """A cone over a rim that goes around it so many times, up and down, turned somehow; its triangles in no order."""
+    rng = np.random.default_rng(seed)
+    around = 2 * np.pi * np.arange(sides) / sides
+    rim = np.column_stack([np.cos(turns * around), np.sin(turns * around), 2 + 0.3 * np.cos(5 * around)])
+    turn, _ = np.linalg.qr(rng.normal(size=(3, 3)))
+    own = 1 + np.arange(sides)
+    faces = np.column_stack([0 * own, own, np.roll(own, -1)])
+    faces = np.take_along_axis(faces, (rng.integers(0, 3, (sides, 1)) + np.arange(3)) % 3, axis=1)
+    return Surface(np.vstack([[0, 0, 0], rim]) @ turn * 10.0 ** rng.integers(-100, 60), rng.permutation(faces))
+
+
+@pytest.mark.parametrize(("turns", "seed"), [(1, 0), (2, 1), (3, 2), (7, 3)])
+def test_triangles_around_one_vertex_cross_as_all_their_pairs_say(turns: int, seed: int) -> None:
+    fan = cone(turns, 1500, seed)
+    needle = fan.corners().mean(axis=(0, 1)) * [[0.9], [1.1], [1.1]] + 1e-3 * np.eye(3) * np.abs(fan.vertices).max()
+    both = Surface(np.vstack([fan.vertices, needle]), np.vstack([fan.faces, [[1501, 1502, 1503]]]))
+    crossed = crossings(both, limit=10**6)
+    expected = np.concatenate([pairs for pairs, *_ in vectorised_crossings(both)])
+    assert (expected < 1500).all(axis=1).any() == (turns > 1)
+    assert np.array_equal(crossed.pairs, expected[np.lexsort(expected.T[::-1])])
+    assert crossed.total == len(expected)
+
+
+def test_of_triangles_around_one_vertex_few_pairs_are_compared() -> None:
+    fan = cone(1, 4000, 0)
+    fans = hubs(fan)
+    assert fans is not None
+    vertices, faces, hub = fans
+    assert (hub == hub[0]).all()
+    assert sum(len(i) for i, *_ in near_around(vertices, faces, int(hub[0]))) < 4 * 4000

@@ -28,6 +28,9 @@ BLOCK = 64
 ENTRY = 16
 """Bytes of an entry of the table: the key of an edge that waits, its lowest bit 1, and 2 × its label + that bit."""
 
+FAR = 1000
+"""Slots after its own that an entry may have to go in a table with free ones; edges of one key go so far."""
+
 STRIDE_F4 = 25
 """Half-words (uint16) in a binary STL record; its corners begin at half-word 6."""
 
@@ -115,12 +118,13 @@ def edge_keys(u, v, w, salt, edges, place, table_at, mask):
 
 @njit(inline="always")
 def insert(table, mask, key, value):
-    """Put an entry at its first free slot."""
-    slot = home(key, mask)
+    """Put an entry at its first free slot, and say whether that is too far to go for each of many."""
+    first = slot = home(key, mask)
     while table[slot, 0] != 0:
         slot = (slot + 1) & mask
     table[slot, 0] = key
     table[slot, 1] = value
+    return ((slot - first) & mask) > FAR
 
 
 @njit(inline="always")
@@ -197,7 +201,7 @@ def pair(edges, place, triangle, table, mask, parent, labels, log_at, log, sizes
     if edges[place] == 0:  # its edges cancel among themselves
         state[2] += 1
         labels[triangle] = -1
-        return
+        return False
     label = np.int64(-1)
     pending = 0
     for side in range(3):
@@ -216,10 +220,12 @@ def pair(edges, place, triangle, table, mask, parent, labels, log_at, log, sizes
         parent[label] = label
         state[1] += 1
     labels[triangle] = label
+    far = False
     for k in range(pending):
         edge = edges[place + k]
-        insert(table, mask, edge | ONE, uint64(label) << ONE | (edge & ONE))
+        far |= insert(table, mask, edge | ONE, uint64(label) << ONE | (edge & ONE))
     state[0] += pending
+    return far
 
 
 def pair_rows(
@@ -243,7 +249,7 @@ def pair_rows(
     """Pair the edges of triangles of one group, by the keys of their corners: the first three columns of `rows`.
 
     The runs are (first row, rows), and `passed` are the triangles of the group before them. It goes on after state[4]
-    triangles, and returns 1 where less than half of the table would be left free.
+    triangles, and returns 1 where less than half of the table would be left free, or edges of one key crowd it.
     """
     runs = carray(runs_at, (number, 2), np.int64)
     salt = carray(salt_at, (SALTS,), np.uint64)
@@ -267,9 +273,12 @@ def pair_rows(
             for k in range(count):
                 row = runs[run, 0] + first + k
                 edge_keys(rows[row, 0], rows[row, 1], rows[row, 2], salt, edges, 3 * k, table_at, mask)
+            far = False
             for k in range(count):
-                pair(edges, 3 * k, state[4] + k, table, mask, parent, labels, log_at, log, sizes, state)
+                far |= pair(edges, 3 * k, state[4] + k, table, mask, parent, labels, log_at, log, sizes, state)
             state[4] += count
+            if far:
+                return 1
     return 0
 
 
@@ -405,7 +414,10 @@ def pair_leaf(
 def pair_edges(
     edges_at, pieces_at, count, table_at, capacity, parent_at, number, log_at, bins, logged, sizes_at, state_at
 ):
-    """Pair single edges, of pieces that have a label each, as `pair_rows` does; those that stay alone are logged."""
+    """Pair single edges, of pieces that have a label each, as `pair_rows` does; those that stay alone are logged.
+
+    Where edges of one key crowd the table, state[3] says that some were left out.
+    """
     edges = carray(edges_at, (count,), np.uint64)
     pieces = carray(pieces_at, (count,), np.int32)
     table = carray(table_at, (capacity, 2), np.uint64)
@@ -427,7 +439,9 @@ def pair_edges(
                 join(parent, find(parent, np.int64(pieces[k])), other)
             else:
                 state[0] += 1
-                insert(table, mask, key, uint64(pieces[k]) << ONE | way)
+                if insert(table, mask, key, uint64(pieces[k]) << ONE | way):
+                    state[3] = 1
+                    return 0
     if state[0] > 0:
         for slot in range(capacity):
             if table[slot, 0] != 0:

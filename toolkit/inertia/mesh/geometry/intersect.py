@@ -19,6 +19,7 @@ from inertia.arrays import Float, Int, Progress
 from inertia.mesh.geometry.boxes import CELLS, BoxTree, overlapping
 from inertia.mesh.geometry.closure import closure, merge_equal_vertices
 from inertia.mesh.geometry.edges import first_equal
+from inertia.mesh.geometry.hubs import hubs, near_around
 from inertia.mesh.geometry.triangle_pairs import crossing, orient3d_filter, unit, unit_normals
 from inertia.mesh.geometry.winding import windings
 from inertia.mesh.part import Surface, Triangles
@@ -97,6 +98,8 @@ def crossings(
     alone = a if copies is None else a.select(copies.first)
     if b is not None:
         runs = _crossings_between(a, b)
+    elif (fans := hubs(alone)) is not None:
+        runs = _crossings_at_hubs(alone, *fans)
     elif COMPILED.worthwhile(_WORK * a.count):
         runs = compiled_crossings(alone)
     else:
@@ -171,6 +174,24 @@ class _Copies:
                 crossed.append(self.members[self.start[pairs[here]] + (a, b)])
                 where.append(places[here])
         return np.sort(np.concatenate(crossed), axis=1), np.concatenate(where), int((count[:, 0] * count[:, 1]).sum())
+
+
+def _crossings_at_hubs(triangles: Triangles, vertices: Float, faces: Int, hub: Int) -> Crossed:
+    """Yield what `vectorised_crossings` does, of triangles that meet in great numbers at some vertices."""
+    left = np.flatnonzero(hub < 0)
+    plain = compiled_crossings if COMPILED.worthwhile(_WORK * len(left)) else vectorised_crossings
+    for pairs, places, done in plain(triangles.select(left)):
+        yield left[pairs], places, 0.5 * done
+    vertices_of = np.unique(hub[hub >= 0]).tolist()
+    for k, vertex in enumerate(vertices_of):
+        own = np.flatnonzero(hub == vertex)
+        among, between = near_around(vertices, faces[own], vertex), near_pairs(vertices, faces[own], faces[left])
+        for near, those in ((among, own), (between, left)):
+            for i, j, _ in near:
+                crossed, places = crossing(vertices, faces[own[i]], faces[those[j]])
+                pairs = np.column_stack([own[i[crossed]], those[j[crossed]]])
+                yield np.sort(pairs, axis=1), places, 0.5 + 0.5 * k / len(vertices_of)
+        left = np.concatenate([left, own])
 
 
 def vectorised_crossings(triangles: Triangles) -> Crossed:
