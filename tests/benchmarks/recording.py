@@ -60,6 +60,8 @@ SCREENS = {
     "a top": "heavy_top",
     "a body that rolls": "rolling_disc",
     "a body that changes its shape": "diver",
+    "a run that was interrupted, or is live": "live t_handle",
+    "two runs over each other": "t_handle thrown_box",
 }
 
 
@@ -166,18 +168,29 @@ def run(count: int) -> Callable[[Path], None]:
 
 
 def seconds_to_settle(name: str) -> float:
-    """Return the CPU time in s that the viewer takes until the picture of a scene with `SAMPLES` samples stands."""
+    """Return the CPU time in s that the viewer takes until the picture of a scene with `SAMPLES` samples stands.
+
+    `name` is that of a scene, of two, or "live" and that of one.
+    """
     from dataclasses import replace
 
     from tests.recording.screenshot import open_viewer
 
     from inertia import Scene, record, simulate
+    from inertia.recording.preview import Preview
     from inertia_meshes import path as sample
 
-    scene = Scene.load(sample(f"scenes/{name}.toml"))
+    live, names = name.startswith("live "), name.removeprefix("live ").split()
+    scenes = [Scene.load(sample(f"scenes/{each}.toml")) for each in names]
     with tempfile.TemporaryDirectory() as folder, open_viewer(Path(folder)) as (client, _):
         file = Path(folder) / "run.rrd"
-        record(simulate(replace(scene, run=replace(scene.run, samples=SAMPLES))), file)
+        run, *others = [simulate(replace(each, run=replace(each.run, samples=SAMPLES))) for each in scenes]
+        if live:
+            preview = Preview(run.scene)
+            preview.take(run.time, run.attitude, run.angular_velocity)
+            preview.save(file)
+        else:
+            record(run, file, other=others[0] if others else None)
         client.take_screenshot()
         before, last, picture = _cpu_of_children(), b"", b"-"
         client.open(str(file))

@@ -23,7 +23,8 @@ def spun(rate: float, duration: float, samples: int, moment: float = 2.0) -> Run
 
 
 @pytest.mark.parametrize(
-    ("duration", "samples"), [(2.0, 201), (3.0, 301), (3.0, 77), (1.0, 33)], ids=["same", "longer", "other", "shorter"]
+    ("duration", "samples"),
+    [(2.0, 201), (3.0, 301), (3.0, 77), (1.0, 33), (0.7, 15), (1.4, 11)],  # the last two within roundings of the first
 )
 def test_the_angle_between_attitudes_is_that_of_the_spins(duration: float, samples: int, tmp_path: Path) -> None:
     file = tmp_path / "both.rrd"

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from contextlib import suppress
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
@@ -31,6 +30,7 @@ COLORS = palette.rgb(palette.BLUE), palette.rgb(palette.VERMILLION)
 _SHADES = palette.rgb(palette.SKY), (*palette.rgb(palette.ORANGE), 110)
 _NAMES = "first", "other"
 _COLOR_NAMES = "blue", "orange"
+_SAME = 1e-3  # of the time between samples, less than which instants of both runs are apart by rounding
 _LARGER = 1.01
 _OMEGA, _THICK, _ROOM = 1.35, 0.012, 1.25  # over the radius
 
@@ -81,30 +81,40 @@ def screen(run: Run, other: Run) -> Screen:
 
 def _pair(run: Run, other: Run) -> Pair:
     """Choose one pace for both, and the instants at which each is drawn."""
+    least = _SAME * min(float(np.diff(each.time).min()) for each in (run, other))
     time = np.union1d(run.time, other.time)
+    time = time[np.diff(time, append=np.inf) > least]
     rates = [np.linalg.norm(each.angular_velocity, axis=1) for each in (run, other)]
     turning = np.maximum(*(np.interp(time, each.time, rate) for each, rate in zip((run, other), rates, strict=True)))
     play = playback(time, float(turning.max()), turning)
-    poses = tuple(_followed(each, play.frames[play.frames <= each.time[-1]]) for each in (run, other))
-    return Pair((run, other), play, (poses[0], poses[1]), _apart(run, other))
+    poses = tuple(_followed(each, play.frames[play.frames < each.time[-1] - least]) for each in (run, other))
+    return Pair((run, other), play, (poses[0], poses[1]), _apart(run, other, least))
 
 
 def _followed(run: Run, time: Float) -> Run:
     """Return a run at instants and its end, as the model has it, or at its samples where it cannot be followed."""
     try:
-        return run.at(np.union1d(time, run.time[-1:]))
+        return run.at(np.append(time, run.time[-1]))
     except InertiaError:
         return run
 
 
-def _apart(run: Run, other: Run) -> tuple[Float, Float]:
-    time = run.time[run.time <= other.time[-1]]
-    common = np.intersect1d(run.time, other.time)
-    if not np.array_equal(common, time):
-        with suppress(InertiaError):
-            other, common = other.at(time), time
-    rows = np.searchsorted(run.time, common), np.searchsorted(other.time, common)
-    return common, quaternion.angle_between(run.attitude[rows[0]], other.attitude[rows[1]])
+def _apart(run: Run, other: Run, least: float) -> tuple[Float, Float]:
+    """Return the angle between the attitudes at the samples of the first run, up to the end of whichever ends first."""
+    end = min(float(run.time[-1]), float(other.time[-1]))
+    time = np.append(run.time[run.time < end - least], end)
+    try:
+        attitudes = [_at(each, time) for each in (run, other)]
+    except InertiaError:
+        time = np.intersect1d(run.time, other.time)
+        attitudes = [_at(each, time) for each in (run, other)]
+    return time, quaternion.angle_between(*attitudes)
+
+
+def _at(run: Run, time: Float) -> Float:
+    """Return the attitudes (k, 4) at instants (k,) s, which are samples or are followed."""
+    rows = np.minimum(np.searchsorted(run.time, time), len(run.time) - 1)
+    return run.attitude[rows] if np.array_equal(run.time[rows], time) else run.at(time).attitude
 
 
 def _in_one_unit(*bodies: Display) -> list[Display]:
