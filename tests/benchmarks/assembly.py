@@ -40,6 +40,7 @@ def main() -> None:
             ("mass properties, trimesh Scene", "trimesh", "whole.toml"),
             ("budget with 1,000 uncertain inputs", "budget", "uncertain.toml"),
             ("interference of 1,000 parts", "interference", "uncertain.toml"),
+            ("interference of 1,000 that overlap", "interference", "crowded.toml"),
         ]
         print(f"{options.parts} parts of 1,000 triangles, {options.distinct} distinct\n")
         for label, what, file in rows:
@@ -57,12 +58,13 @@ def _write(folder: Path, count: int, distinct: int) -> None:
         mesh = trimesh.creation.uv_sphere(count=[22, 24])
         mesh.apply_scale(np.random.default_rng(k).uniform(2, 5.9, 3))
         mesh.export(folder / f"{k}.stl")
-    for name, number, density in (("whole", count, 7850.0), ("uncertain", 1000, "7850±40")):
+    files = (("whole", count, 7850.0, 1.0), ("uncertain", 1000, "7850±40", 1.0), ("crowded", 1000, 7850.0, 0.7))
+    for name, number, density, near in files:
         rng, edge = np.random.default_rng(0), round(number ** (1 / 3) + 0.5)
         parts = []
         for k in range(number):
             turn = rng.normal(size=4)
-            place = _GRID * np.array([k % edge, k // edge % edge, k // edge**2])
+            place = near * _GRID * np.array([k % edge, k // edge % edge, k // edge**2])
             part = {"name": f"part {k}", "file": f"{k % distinct}.stl", "density": density, "at": place.tolist()}
             parts.append(part | {"quaternion": (turn / np.linalg.norm(turn)).tolist()})
         (folder / f"{name}.toml").write_text(tomli_w.dumps({"unit": "mm", "part": parts}), encoding="utf-8")

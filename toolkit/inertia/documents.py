@@ -215,8 +215,23 @@ class Document(ABC):
         """Make it from a dictionary whose version is right; errors need not name the document."""
 
 
+def _is_printable(value: object) -> bool:
+    """Whether no text in a table needs to be looked at; most take no more time than this."""
+    kind = type(value)
+    if kind is str:
+        return value.isprintable()  # type: ignore[attr-defined, no-any-return]
+    if kind is dict:
+        entries = value.items()  # type: ignore[attr-defined]
+        return all(type(key) is str and key.isprintable() and _is_printable(entry) for key, entry in entries)
+    if kind is list:
+        return all(type(entry) is float or _is_printable(entry) for entry in value)  # type: ignore[attr-defined]
+    return kind is float or kind is int or kind is bool
+
+
 def _require_printable(value: object, path: str) -> None:
     """Refuse what steers a terminal or turns text round, in names and in what they hold."""
+    if _is_printable(value):
+        return
     if isinstance(value, str) and (shown := visible(value)) != value:
         culprit = next(one for one in value if visible(one) != one)
         raise FieldError(path, f'is "{shown}": leave out the control character U+{ord(culprit):04X}')
@@ -345,15 +360,30 @@ def integer(least: int, most: int) -> Reader:
     return Reader(read, {"type": "integer", "minimum": least, "maximum": most})
 
 
+def are_in_proportion(value: object, count: int) -> bool:
+    """Whether a value is a list of so many numbers, all zero or the largest of them between the limits of size."""
+    if type(value) is not list or len(value) != count:
+        return False
+    if not all((type(k) is float and k == k) or type(k) is int for k in value):
+        return False
+    largest = max(map(abs, value))
+    return bool(largest == 0 or SMALLEST <= largest <= LARGEST)
+
+
 def numbers(shape: tuple[int, ...], unit: str) -> Reader:
     """Read an array of finite numbers of this shape; an entry that is none is named by its index.
 
     All are zero, or the size of the largest is between `SMALLEST` and `LARGEST`.
     """
     single = finite_number(unit)
+    (count,) = shape if len(shape) == 1 else (0,)
     expected = f"{_COUNTS[shape[-1]]}" if len(shape) == 1 else f"{shape[0]} rows of {_COUNTS[shape[1]]}"
 
     def read(value: Any, path: str) -> NDArray[np.float64]:
+        if count and are_in_proportion(value, count):
+            plain = np.array(value, np.float64)
+            plain.setflags(write=False)
+            return plain
         nested = value.tolist() if isinstance(value, np.ndarray) else value
 
         def entries(part: Any, lengths: tuple[int, ...], where: str) -> Any:

@@ -109,7 +109,7 @@ class Library:
         """
         analysis = None
         if fields.file is not None:
-            analysis = self._analysis(folder / fields.file, fields, unit)
+            analysis = self._analysis(folder, fields.file, fields, unit)
         tensor = None if fields.inertia is None else fields.inertia.tobytes()
         key = (
             *(
@@ -130,12 +130,21 @@ class Library:
         )
         return replace(body, inputs=inputs) if inputs else body
 
-    def _analysis(self, path: Path, fields: PartFields, unit: Unit) -> Analysis:
+    def _analysis(self, folder: Path, file: str, fields: PartFields, unit: Unit) -> Analysis:
         """Return the analysis of a part's file, whose unit is that of the assembly where neither says another."""
         sigma = None if fields.sigma is None else Fraction(fields.sigma) * unit.metres
-        key = path, fields.region, fields.mesh, fields.unit, unit.name, sigma, fields.shell and float(fields.shell)
+        key = (
+            folder,
+            file,
+            fields.region,
+            fields.mesh,
+            fields.unit,
+            unit.name,
+            sigma,
+            fields.shell and float(fields.shell),
+        )
         if key not in self._analyses:
-            part = self._read(path, fields.unit, fields.mesh)
+            part = self._read(folder / file, fields.unit, fields.mesh)
             if fields.region is not None:
                 part = region_of(part, fields.region)
             if part.unit_from == "assumed":

@@ -29,6 +29,7 @@ from inertia.documents import (
     Read,
     Reader,
     Section,
+    are_in_proportion,
     choice,
     estimate,
     integer,
@@ -74,6 +75,8 @@ def rationals(count: int, unit: str) -> Reader:
     plain = numbers((count,), unit)
 
     def read(value: Any, path: str) -> tuple[Fraction, ...]:
+        if are_in_proportion(value, count):
+            return tuple(map(Fraction, map(float, value)))
         entries = list(value) if isinstance(value, Sequence | np.ndarray) and not isinstance(value, str) else value
         exact: dict[int, Fraction] = {}
         if isinstance(entries, list):

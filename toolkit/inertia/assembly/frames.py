@@ -68,10 +68,18 @@ def float_above(value: Fraction) -> float:
     return math.nextafter(float(value), math.inf) if value else 0.0
 
 
-def frame(rotation: tuple[int, ...], origin: Sequence[Rational], skew: float = 0.0) -> Frame:
-    """Return the frame of a rotation in 2⁻¹⁹² and a translation in metres."""
-    x, y, z = (round(k * (1 << LENGTH_BITS)) for k in origin)
-    return Frame(rotation, (x, y, z), skew, math.hypot(*map(float, origin)) * (1 + 1e-15))
+def frame(rotation: tuple[int, ...], origin: Sequence[Rational], skew: float = 0.0, unit: Rational = 1) -> Frame:
+    """Return the frame of a rotation in 2⁻¹⁹² and a translation in a unit of so many metres."""
+    scale, divisor = unit.as_integer_ratio()
+    ratios = [(n * scale, d * divisor) for n, d in (k.as_integer_ratio() for k in origin)]
+    x, y, z = (_nearest(n << LENGTH_BITS, d) for n, d in ratios)
+    return Frame(rotation, (x, y, z), skew, math.hypot(*(n / d for n, d in ratios)) * (1 + 1e-15))
+
+
+def _nearest(numerator: int, divisor: int) -> int:
+    """Return the whole number nearest to a quotient, of two the even one."""
+    whole, rest = divmod(numerator, divisor)
+    return whole + (2 * rest > divisor or (2 * rest == divisor and whole & 1))
 
 
 UNTURNED = tuple(int(k % 4 == 0) << TURN_BITS for k in range(9))

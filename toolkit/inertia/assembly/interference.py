@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import lru_cache
 from typing import Any
 
 import numpy as np
@@ -18,6 +20,8 @@ from inertia.mesh.part import Surface
 
 _SHARE, _ROUND_SHARE = 1e-6, 5e-3
 """Of the smaller part's volume: less is contact; of round shapes, whose facets lie inside them, the second."""
+_NEAR = 1.01  # times what counts as contact, within which volumes are those that bound their rounding
+_KEPT = 256  # solids
 _ROUND = ("sphere", "cylinder", "tube", "cone")
 
 
@@ -45,9 +49,9 @@ class Interference:
 def interferences(tree: PartTree, clearance: float = 0.0) -> tuple[Interference, ...]:
     """Return the pairs of parts that share space, those that share most first, and then those that are too near.
 
-    Volumes are those of the triangles (`inertia.mesh.geometry.common_volume`); what is a millionth of the smaller
-    part, or half a percent where a round shape is given without a mesh, is contact. Parts without a surface are left
-    out.
+    Volumes are those of the triangles, by manifold3d, and by `inertia.mesh.geometry.common_volume`, which bounds its
+    rounding, where that does not take a part or they are near what counts as contact: a millionth of the smaller part,
+    or half a percent where a round shape is given without a mesh. Parts without a surface are left out.
 
     Parameters
     ----------
@@ -60,6 +64,7 @@ def interferences(tree: PartTree, clearance: float = 0.0) -> tuple[Interference,
         return ()
     half = clearance / 2
     boxes = np.array([[corners.min(axis=(0, 1)) - half, corners.max(axis=(0, 1)) + half] for _, corners in parts])
+    solids = _Solids([corners for _, corners in parts])
     found = []
     counts: dict[str, int] = {}
     numbers = []
@@ -68,7 +73,7 @@ def interferences(tree: PartTree, clearance: float = 0.0) -> tuple[Interference,
         numbers.append(counts[node.label])
     for i, j, _ in overlapping(BoxTree(boxes[:, 0], boxes[:, 1]), touching=clearance > 0):
         for a, b in sorted(zip(i.tolist(), j.tolist(), strict=True)):
-            volume, gap = _shared(parts[a], parts[b], clearance)
+            volume, gap = _shared(parts[a], parts[b], clearance, solids.common(a, b))
             if not volume and gap is None:
                 continue
             one, other = (_called(parts[k][0].label, numbers[k], counts) for k in (a, b))
@@ -78,16 +83,46 @@ def interferences(tree: PartTree, clearance: float = 0.0) -> tuple[Interference,
     return tuple(sorted(found, key=lambda each: (-each.volume, each.gap, each.first, each.second)))
 
 
-def _shared(a: tuple[Node, Float], b: tuple[Node, Float], clearance: float) -> tuple[float, float | None]:
-    """Return the volume that two parts share, and how near they are where that is less than they may be."""
-    result = common_volume(a[1], b[1])
-    if result is None:
-        raise GeometryError(
-            f"{a[0].label} and {b[0].label} have too many triangles where they are near each other: simplify one"
-        )
-    volume, rounding = result
+class _Solids:
+    """Parts as solids of manifold3d, some of them kept."""
+
+    def __init__(self, surfaces: Sequence[Float]) -> None:
+        self._surfaces = surfaces
+        self._exponent = max(exponent_of(corners.reshape(-1, 3)) for corners in surfaces)
+        self._solid = lru_cache(_KEPT)(self._made)
+
+    def _made(self, number: int) -> Any:
+        try:
+            return _solid(self._surfaces[number], self._exponent)
+        except GeometryError:
+            return None
+
+    def common(self, a: int, b: int) -> float | None:
+        """Return the volume, m³, that two parts share; None where manifold3d does not take one of them."""
+        one, other = self._solid(a), self._solid(b)
+        if one is None or other is None:
+            return None
+        return float(np.ldexp((one ^ other).volume(), 3 * self._exponent))
+
+
+def _shared(
+    a: tuple[Node, Float], b: tuple[Node, Float], clearance: float, common: float | None
+) -> tuple[float, float | None]:
+    """Return the volume that two parts share, and how near they are where that is less than they may be.
+
+    `common` is the volume where it is known to far fewer digits than those of contact.
+    """
     is_round = any(node.fields is not None and node.fields.shape in _ROUND for node, _ in (a, b))
     least = min(_volume(a[0]), _volume(b[0])) * (_ROUND_SHARE if is_round else _SHARE)
+    if common is not None and least and not least / _NEAR < common < least * _NEAR:
+        volume, rounding = common, 0.0
+    else:
+        result = common_volume(a[1], b[1])
+        if result is None:
+            raise GeometryError(
+                f"{a[0].label} and {b[0].label} have too many triangles where they are near each other: simplify one"
+            )
+        volume, rounding = result
     if volume > least + rounding:
         return volume, None
     if clearance:

@@ -122,7 +122,7 @@ class PartTree(Document):
         """What reports call the whole."""
         return self.fields.name or Path(self.path).stem
 
-    @property
+    @cached_property
     def unit(self) -> Unit:
         """The unit of all lengths in the file."""
         return length_unit(self.fields.unit)
@@ -307,7 +307,7 @@ class PartTree(Document):
             x, y, z = (metres * k for k in part.rows.step)
             a, b, c = map(range, part.rows.count)
             copies = [frame(UNTURNED, (i * x, j * y, k * z)) for i in a for j in b for k in c]
-        own = frame(rows, [metres * k for k in at], skew)
+        own = frame(rows, at, skew, metres)
         copies = [copy.then(own) for copy in copies] if len(copies) > 1 else [own]
         return tuple(copies) * part.quantity
 
