@@ -9,9 +9,11 @@ import rerun.blueprint as rrb
 from tests.recording.kinds import drawable, errors_seen, series, turn, written
 from tests.recording.reading import Recorded
 
+import inertia
 from inertia.balancing.balance import Balance, balance
 from inertia.balancing.rotor import Rotor
 from inertia.recording import entities
+from inertia.recording.provenance import properties_of, rotor_of
 from inertia.recording.views.rotor import TURNS, screen
 from inertia.recording.views.rotor_target import FARTHEST, verdict_bounds, write_verdict
 from inertia.recording.views.rotor_text import size_text
@@ -270,3 +272,18 @@ def test_the_zero_mark_is_a_line_on_the_rotor(recording: Recorded) -> None:
 @drawable
 def test_the_viewer_shows_it_without_an_error(balanced: Balance, tmp_path: Path) -> None:
     assert errors_seen(screen(balanced), tmp_path, 0.1) == []
+
+
+def test_parts_of_an_assembly_are_entities_of_their_names(tmp_path: Path) -> None:
+    result = balance(Rotor.load(path("rotors/pump_rotor.toml")))
+    recording = written(screen(result), tmp_path / "pump.rrd")
+    for room in (entities.AS_MODELLED, entities.CORRECTED):
+        for name in ("shaft", "impeller", "coupling"):
+            assert f"/{room}/rotor/parts/{name}" in recording.columns
+    sections = properties_of(result)
+    assert "../assemblies/pump_rotor.toml" in sections["files"].values()
+    inertia.record(result, tmp_path / "again.rrd")
+    again = balance(rotor_of(tmp_path / "again.rrd"))
+    assert (again.indexing.turns, again.verdict) == (result.indexing.turns, result.verdict)
+    assert [name for name in sections if name.startswith("source")] == ["source"]
+    assert sections["source"]["path"] == "shaft_impeller.obj"

@@ -4,6 +4,7 @@ Figures are those of worked case 14, whose closed forms give 247.2 and 970.4 g·
 """
 
 import csv
+import hashlib
 import math
 import re
 import tomllib
@@ -24,6 +25,7 @@ from inertia.report.balance.data import PlaneRow
 from inertia.report.balance.document import balance_csv, balance_document
 from inertia.report.balance.figures import report_data
 from inertia.report.balance.html import balance_html, save_balance_html
+from inertia_meshes import path
 
 ROTOR = files("inertia_meshes") / "rotors" / "two_disc_rotor.toml"
 HOSTILE = """<script>alert(1)</script> & "><img src=x onerror='y'> ]]> {{ data }}"""
@@ -361,3 +363,14 @@ def test_the_file_is_written_whole_and_never_over_another_unasked(tmp_path):
 def test_a_name_that_is_no_unicode_can_be_written(tmp_path):
     save_balance_html(replace(case_14(), head=replace(case_14().head, part="fan\udcff")), tmp_path / "report.html")
     assert "fan\\udcff" in (tmp_path / "report.html").read_text(encoding="utf-8")
+
+
+def test_how_parts_are_put_together_is_on_the_shop_sheet() -> None:
+    data = report_data(balance(Rotor.load(path("rotors/pump_rotor.toml"))))
+    page = balance_html(data)
+    assert "Put together, before any correction: the best of 16 ways, none leaves less" in page
+    for name, turn in (("impeller", "90°"), ("coupling", "180°")):
+        assert f'<th scope="row">{name}</th><td>{turn}</td>' in page
+    assert "in the place of" not in page
+    for file in ("rotors/pump_rotor.toml", "assemblies/pump_rotor.toml"):
+        assert hashlib.sha256(path(file).read_bytes()).hexdigest() in page

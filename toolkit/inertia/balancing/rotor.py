@@ -56,6 +56,7 @@ class Rotor(Document):
     folder : where the bodies' files are
     text : the file as it was read; None without one
     name : the file's path, or "the rotor"
+    tree : the assembly, where the file is one itself
 
     Raises `UsageError` naming the field.
 
@@ -75,6 +76,7 @@ class Rotor(Document):
     folder: Path = Path()
     text: str | None = None
     name: str = "the rotor"
+    tree: Assembly | None = None
 
     def __post_init__(self) -> None:
         self._require_sense()
@@ -91,14 +93,16 @@ class Rotor(Document):
     def _of_assembly(cls, table: Mapping[str, Any], folder: Path, text: str | None, name: str) -> Rotor:
         """Return the rotor that an assembly file with a table [rotor] describes."""
         if table.get("rotor") is None:
-            raise FieldError("rotor", "is missing: an assembly that is balanced says its axis, service and tolerance")
+            raise FieldError(
+                "rotor",
+                "is missing: give its axis, service and tolerance there, or name this file as the assembly of a rotor",
+            )
         fields = {"unit": table.get("unit", "mm"), **table_of(table["rotor"], "rotor"), "assembly": Path(name).name}
+        tree = Assembly.from_dict(table, folder, text=text, name=name)
         try:
-            rotor = cls(section_of(RotorFields, fields), folder, text, name)
+            return cls(section_of(RotorFields, fields), folder, text, name, tree)
         except FieldError as error:
             raise FieldError(f"rotor.{error.path}", *error.words[2:]) from None
-        rotor.__dict__["assembly"] = Assembly.from_dict(table, folder, text=text, name=name)
-        return rotor
 
     def to_dict(self) -> dict[str, Any]:
         """Return the rotor as a dictionary laid out as the file is; what is at its default is left out."""
@@ -115,7 +119,9 @@ class Rotor(Document):
 
         Raises `ReadError` and `UsageError` of its file.
         """
-        return None if self.fields.assembly is None else Assembly.load(self.folder / self.fields.assembly)
+        if self.fields.assembly is None or self.tree is not None:
+            return self.tree
+        return Assembly.load(self.folder / self.fields.assembly)
 
     @cached_property
     def shaft(self) -> Shaft | None:

@@ -71,6 +71,8 @@ def of_scene(scene: Scene) -> dict[str, dict[str, Any]]:
 def _of_balance(balance: Balance) -> dict[str, dict[str, Any]]:
     rotor, error, text = balance.rotor, balance.properties.error, balance.rotor.to_toml()
     parts = [body.whole for body in balance.bodies]
+    if rotor.assembly is not None:  # of its files once each
+        parts = list({part.source.path: part for part in parts if part.source.path is not None}.values())
     return {
         "rotor": {"name": _last(rotor.name), "text": _without_folders(text)},
         "files": _enclosed(text, rotor.folder, parts),

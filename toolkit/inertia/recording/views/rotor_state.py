@@ -7,6 +7,7 @@ the scale of the vectors, the same in every state; a vector that is much longer 
 from __future__ import annotations
 
 import math
+import re
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
@@ -60,6 +61,7 @@ class State:
     unit : m, one unit of the view
     radius, reach : of the rotor from its shaft, and along it from the middle, bearings included, in `unit`
     bodies : (k, 3, 3) each, corners in `unit`, shaft axes from the middle of the rotor
+    names : of their entities
     bearings, planes : what the tolerance planes and the correction planes have of the unbalance
     permissible : in the tolerance planes, kg m
     scale : `unit` in a kg m of unbalance, as drawn
@@ -76,6 +78,7 @@ class State:
     radius: float
     reach: float
     bodies: tuple[Float, ...]
+    names: tuple[str, ...]
     bearings: tuple[Vector, ...]
     planes: tuple[Vector, ...]
     permissible: tuple[float, float]
@@ -137,6 +140,7 @@ def _state(balance: Balance, room: str, named: tuple[str, str, Unbalance], parts
         radius=radius / unit,
         reach=(high - middle) / unit,
         bodies=tuple((body - shift) / unit for body in bodies),
+        names=_names(balance),
         bearings=tuple(
             Vector((z - middle) / unit, vector, at_bearings[k], f"{'AB'[k]}: {force_text(balance, unbalance, k)}")
             for k, (z, vector) in enumerate(zip(balance.tolerance_planes, vectors, strict=True))
@@ -172,6 +176,13 @@ def _corners(balance: Balance, parts: Sequence[Part]) -> tuple[list[Float], list
     return bodies, notes
 
 
+def _names(balance: Balance) -> tuple[str, ...]:
+    """Return the entities of the bodies: their numbers, or the names of the parts of an assembly."""
+    numbers = tuple(f"body_{number}" for number, _ in enumerate(balance.bodies))
+    names = tuple("parts/" + re.sub(r"[^\w-]+", "_", body.name) for body in balance.bodies)
+    return names if balance.rotor.assembly is not None and len(set(names)) == len(names) else numbers
+
+
 def write_state(recording: Recording, state: State, time: Float, speed: float) -> Iterator[str]:
     """Write a state that turns at `speed` (rad/s, about z′), at instants (m,) s."""
     import rerun as rr
@@ -181,11 +192,11 @@ def write_state(recording: Recording, state: State, time: Float, speed: float) -
     zero = np.zeros_like(half)
     attitude = np.stack([zero, zero, np.sin(half), np.cos(half)], axis=1).astype(np.float32)
     recording.columns(turning, time, lambda rows: rr.Transform3D.columns(quaternion=attitude[rows]))
-    for number, corners in enumerate(state.bodies):
-        recording.static(f"{turning}/body_{number}", facets(corners, BODY))
+    for name, corners in zip(state.names, state.bodies, strict=True):
+        recording.static(f"{turning}/{name}", facets(corners, BODY))
         for angle, color, width in _MERIDIANS:
             line = meridian(corners, math.radians(angle))
-            write_lines(recording, f"{turning}/body_{number}/meridian_{angle}", list(line), color, width * thick)
+            write_lines(recording, f"{turning}/{name}/meridian_{angle}", list(line), color, width * thick)
     _write_frame(recording, state, thick)
     _write_vectors(recording, f"{turning}/unbalance", state, state.planes, UNBALANCE, thick)
     color = AFTER if state.room == entities.CORRECTED else BEFORE

@@ -225,6 +225,7 @@ class ReportData:
     head : part, serial, revision, customer and remark as the rotor file names them
     date, version : of this report, and of this program
     file : (name, SHA-256) of the rotor file; None without one
+    assembly_file : the same of the assembly that it names
     bodies : a row for each
     parts : their meshes
     axis : the shaft, how it was obtained, and candidates for it
@@ -287,6 +288,7 @@ class ReportData:
     notes: tuple[str, ...]
     indexing: Indexing | None = None
     assembled: bool = False
+    assembly_file: tuple[str, str] | None = None
 
     @property
     def part(self) -> str:

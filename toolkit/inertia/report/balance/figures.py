@@ -47,7 +47,7 @@ def report_data(balance: Balance, date: str | None = None) -> ReportData:
         head=rotor.fields.report,
         date=date or datetime.date.today().isoformat(),
         version=__version__,
-        file=_file(rotor),
+        file=_digest(rotor.text, rotor.name),
         bodies=tuple(map(_body, balance.bodies)),
         parts=tuple(body.part for body in balance.bodies),
         axis=balance.axis,
@@ -80,6 +80,7 @@ def report_data(balance: Balance, date: str | None = None) -> ReportData:
         notes=balance.notes,
         indexing=balance.indexing,
         assembled=rotor.assembly is not None,
+        assembly_file=_assembly_file(rotor),
     )
 
 
@@ -96,16 +97,24 @@ def _plan(correction: Correction | None) -> str:
     return plan + ("; the time was up before all was tried" if correction.cut_short else "")
 
 
-def _file(rotor: Rotor) -> tuple[str, str] | None:
-    """Return the rotor file's name and SHA-256; None where the rotor was not read from one."""
-    if rotor.text is None or not Path(rotor.name).is_file():
+def _assembly_file(rotor: Rotor) -> tuple[str, str] | None:
+    """Return the same of the file of the assembly that it names; None where that is the rotor's own."""
+    tree = rotor.assembly
+    if tree is None or tree.path == rotor.name:
+        return None
+    return _digest(tree.text, tree.path)
+
+
+def _digest(text: str | None, name: str) -> tuple[str, str] | None:
+    """Return a file's name and SHA-256; None where what it says was not read from one."""
+    if text is None or not Path(name).is_file():
         return None
     import hashlib
 
-    data = Path(rotor.name).read_bytes()
-    if data.decode("utf-8-sig", "replace") != rotor.text:
-        raise ReadError(f"cannot read {rotor.name}: {CHANGED}")
-    return Path(rotor.name).name, hashlib.sha256(data).hexdigest()
+    data = Path(name).read_bytes()
+    if data.decode("utf-8-sig", "replace") != text:
+        raise ReadError(f"cannot read {name}: {CHANGED}")
+    return Path(name).name, hashlib.sha256(data).hexdigest()
 
 
 def _body(body: RotorBody) -> BodyRow:
