@@ -27,7 +27,7 @@ ROOT = Path(__file__).resolve().parent.parent
 PARTS = {
     "Tutorials": "tutorial-part tutorial-robot tutorial-rotor tutorial-top gallery",
     "How to": "analysing reading checking exchange assembly batch algebra uncertainty audit balancing measuring "
-    "simulating spread playback trade outputs",
+    "simulating spread playback trade notebooks outputs",
     "Reference": "python command json errors stability",
     "Explanation": "accuracy shapes dynamics security extremes honesty reliability robots benchmarks motion-benchmarks "
     "balancing-benchmarks recording",
