@@ -1,6 +1,7 @@
 """The check of a surface: each fault of a known solid is found, placed and put into words."""
 
 from collections import Counter
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -11,7 +12,7 @@ from tests.mesh.solids import Mesh, cube, facets, inside_out, joined, moebius, p
 import inertia
 from inertia.errors import GeometryError
 from inertia.mesh.check import check
-from inertia.mesh.checks.findings import Finding, Report
+from inertia.mesh.checks.findings import Finding, Report, checking_once
 from inertia.mesh.part import Part, Surface
 from inertia.mesh.repair import repair
 
@@ -446,3 +447,15 @@ def test_a_klein_bottle_is_closed_but_encloses_nothing(seed: int) -> None:
         inertia.analyse(bottle, orientation="absolute")
     with pytest.raises(GeometryError, match="one-sided"):
         inertia.repair(bottle)
+
+
+def test_within_a_context_for_it_a_part_is_checked_once_in_each_way() -> None:
+    open_cube = part(changed(CUBE, without=(0,)))
+    with checking_once():
+        report = check(open_cube)
+        with checking_once():
+            assert check(open_cube) is report
+        assert check(open_cube, parts="separate") is not report
+        assert check(replace(open_cube)) is not report
+    assert check(open_cube) is not report
+    assert check(open_cube).findings == report.findings

@@ -224,13 +224,15 @@ def _part(file: str, options: Mapping[str, Any], row: Row) -> tuple[Any, dict[st
 def _analyse(file: str, options: Mapping[str, Any], row: Row, worded: _Worded) -> None:
     from inertia.exchange.rotations import quaternion_of
     from inertia.mass.analyse import analyse
+    from inertia.mesh.checks.findings import checking_once
 
     part, others = _part(file, options, row)
-    try:
-        analysis = analyse(part, **others)
-    except GeometryError as error:
-        row.update(place=_place_of(part, others, error))
-        raise
+    with checking_once():
+        try:
+            analysis = analyse(part, **others)
+        except GeometryError as error:
+            row.update(place=_place_of(part, others, error))
+            raise
     properties, principal = analysis.properties, analysis.principal
     tensor, bounds = properties.inertia, properties.error
     w, *vector = quaternion_of(principal.axes)

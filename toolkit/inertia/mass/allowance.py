@@ -48,7 +48,7 @@ def _mended(
     """Answer for a part that is refused as it is, its faults mended and what they leave open in the bounds."""
     from inertia.mass.faults import mended, nested, room, united
 
-    part = replace(part, shape=None)
+    part = part if part.shape is None else replace(part, shape=None)
     try:
         mend = mended(part)
         if mend.part is not part:
@@ -65,7 +65,7 @@ def _mended(
 
 def with_allowance(part: Part, parts: Parts, answer: Callable[..., Analysis], fault: GeometryError) -> GeometryError:
     """Return a refusal with what would have to be allowed for an answer, if there is one."""
-    part = replace(part, shape=None)
+    part = part if part.shape is None else replace(part, shape=None)
     if not any(remedy in _MENDABLE for remedy in fault.remedies):
         return fault
     remedy: Remedy | None = ALLOW_FAULTS

@@ -35,7 +35,7 @@ from inertia.mass.properties import MassProperties
 from inertia.mass.small import small_properties
 from inertia.mass.tensor import exact_point
 from inertia.mass.triangles.arithmetic import FINEST
-from inertia.mesh.checks.findings import Finding
+from inertia.mesh.checks.findings import Finding, checking_once
 from inertia.mesh.geometry.simple import MOST
 from inertia.mesh.part import Cells, Part, Surface
 
@@ -143,6 +143,7 @@ def _of_small_solid(
     return small_properties(surface, part.unit, stated.default)
 
 
+@checking_once()
 def analyse(
     part: Part,
     density: float | Mapping[str, float] | None = None,

@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
+from contextvars import ContextVar
 from dataclasses import dataclass, field
-from typing import Literal
+from typing import Any, Literal
 
 import numpy as np
 
@@ -112,6 +114,21 @@ class Report:
             if turned and faults[0].turnable:
                 message = (faults[0].statement, _HOWEVER_TURNED, UNION)
             raise GeometryError(*message, *more, places=(self.source.path or "the part",), code=faults[0].code)
+
+
+known_reports: ContextVar[dict[Any, tuple[Any, Report]] | None] = ContextVar("known_reports", default=None)
+"""The parts that were checked in a context that checks each once, and their reports, by how they were checked."""
+
+
+@contextmanager
+def checking_once() -> Iterator[None]:
+    """Let a part that is checked again in the same way, within this context, have the report that it had."""
+    before = known_reports.get()
+    token = known_reports.set({} if before is None else before)
+    try:
+        yield
+    finally:
+        known_reports.reset(token)
 
 
 @dataclass(frozen=True)
