@@ -162,8 +162,7 @@ def _write_bodies(recording: Recording, pair: Pair, bodies: list[Display], size:
         still = np.zeros((len(run.time), 3))
         write_place(recording, f"{place}/body", run.time, still, run.attitude)
         omega = quaternion.to_space(run.attitude, run.angular_velocity) * (_OMEGA * size / fastest)
-        label = f"ω, {_NAMES[k]}"
-        write_arrow(recording, f"{place}/angular_velocity", run.time, omega, label, COLORS[k], _THICK * size)
+        write_arrow(recording, f"{place}/angular_velocity", run.time, omega, "ω", COLORS[k], _THICK * size)
         yield from body.notes
     yield f"both arrows of ω are to one scale, {fastest:.4g} rad/s where the longest is longest"
     ends = [float(run.time[-1]) for run in pair.runs]
