@@ -27,7 +27,7 @@ from inertia.recording.drawing import (
     write_text,
     write_trail,
 )
-from inertia.recording.playback import Frames, frames_of, longest_as
+from inertia.recording.playback import Frames, frames_of, never_short
 from inertia.recording.screen import (
     Screen,
     camera,
@@ -53,7 +53,7 @@ STATES = ("on the plane", "held down by a plane that pulls")
 _THICK = 0.015
 _WEIGHT = 1.2  # radii, of the arrow of the weight
 _ASIDE = 0.15  # radii, of the weight from the centre of mass
-_ARROW = 1.4  # radii, of ω and L
+_OMEGA, _MOMENTUM, _LEAST = 1.4, 1.7, 1.2  # radii, of ω and L, at most and at least
 _TRAIL = 6.0  # seconds of playback
 _SPOKES = 8
 _LINES = 60  # of the plane's grid, either way
@@ -219,12 +219,14 @@ def _write_world(
     recording.static(entities.WEIGHT, rr.Transform3D(translation=aside))
     weights = np.broadcast_to(scale * weight, force.shape)
     write_arrow(recording, entities.WEIGHT, frames.time, weights, "mg", WEIGHT, 1.5 * thick)
-    for path, vectors, label, color in (
-        (entities.ANGULAR_VELOCITY, frames.angular_velocity, "ω", OMEGA),
-        (entities.ANGULAR_MOMENTUM, frames.angular_momentum, "L", MOMENTUM),
+    for path, vectors, label, color, length in (
+        (entities.ANGULAR_VELOCITY, frames.angular_velocity, "ω", OMEGA, _OMEGA),
+        (entities.ANGULAR_MOMENTUM, frames.angular_momentum, "L", MOMENTUM, _MOMENTUM),
     ):
-        arrow = longest_as(_ARROW * rim.radius, vectors)
+        arrow, note = never_short(length * rim.radius, _LEAST * rim.radius, vectors)
         write_arrow(recording, path, frames.time, arrow, label, color, thick)
+        if note:
+            yield f"{label} {note}"
     yield f"1 unit is {body.unit:g} m, from ({', '.join(f'{x:.4g}' for x in middle)}) m of space"
     yield (
         "the point of contact leaves the yellow path on the plane; the contact force F (red) and the weight mg "
