@@ -21,7 +21,7 @@ WIDTH, HEIGHT = 160.0, 100.0
 
 _INK, _GRID = palette.rgb(palette.WHITE), (60, 63, 70)
 _TICKS = 5
-_LEFT, _RIGHT, _ABOVE, _BELOW = 30.0, 6.0, 16.0, 26.0  # around the boxes, for numbers and names
+_LEFT, _RIGHT, _ABOVE, _BELOW = 30.0, 6.0, 16.0, 40.0  # around the boxes, for numbers and names
 _NAME = 22.0  # from the left of a box to the middle of the name of its y axis, above it
 
 
@@ -61,7 +61,7 @@ class Chart:
             places.append(ends[0] - (15.0, 4.0))
             texts.append(f"{value:.6g}")
         if x_name:
-            places.append(self.at(0.5 * (self.left + self.right), self.low) + np.array([0.0, 12.0]))
+            places.append(self.at(0.5 * (self.left + self.right), self.low) + np.array([0.0, 20.0]))
             texts.append(x_name)
         places.append(self.at(self.left, self.high) + np.array([_NAME, -10.0]))
         texts.append(y_name)

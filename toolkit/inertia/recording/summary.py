@@ -23,7 +23,8 @@ def summary(run: Run, notes: Iterable[str]) -> str:
 
 def symbol(name: str) -> str:
     """Return what a screen calls something that is kept."""
-    return {"angular momentum": "L", "p_phi": "vertical L", "p_psi": "L along the axis"}.get(name, name)
+    known = {"p_phi": "vertical L", "p_psi": "L along the axis"}
+    return known.get(name, name.replace("angular momentum", "L").removesuffix(" in space"))
 
 
 def title(run: Run) -> str:

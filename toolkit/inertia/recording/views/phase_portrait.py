@@ -45,8 +45,7 @@ class PhasePortrait:
     @property
     def view(self) -> rrb.Spatial2DView:
         """The view of both charts."""
-        name = "Effective potential and phase portrait" if self.is_top else "Potential and phase portrait"
-        return chart_view(name, [self.potential, self.plane])
+        return chart_view("Potential and phase portrait", [self.potential, self.plane])
 
     def write(self, recording: Recording, frames: Frames, run: Run) -> str:
         """Write the charts with a point that moves as the run does at `frames`; return what they show."""
