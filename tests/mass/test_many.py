@@ -136,3 +136,27 @@ def test_rows_of_what_is_not_simple_are_not_read() -> None:
     vertices, faces = ball(0)
     table = np.array([[0, len(vertices), 0, len(faces)], [0, len(vertices), 1, len(faces) - 1]])
     assert small_sums(vertices, np.asarray(faces, np.int64), table)[1].tolist() == [True, False]
+
+
+def test_meshes_of_any_sizes_one_after_another_are_answered_as_apart() -> None:
+    meshes = [shaped(seed) for seed in range(12)]
+    meshes[5] = meshes[5][0], meshes[5][1][1:]  # open
+    apart = inertia.many([v for v, _ in meshes], [f for _, f in meshes], 3.0)
+    starts = [np.cumsum([0, *(len(mesh[k]) for mesh in meshes)]) for k in (0, 1)]
+    rows = [np.concatenate([mesh[k] for mesh in meshes]) for k in (0, 1)]
+    together = inertia.many(rows[0], rows[1], 3.0, offsets=(starts[0], starts[1]))
+    for name in ("volume", "mass", "center_of_mass", "inertia", "volume_error", "inertia_error"):
+        assert getattr(together, name).tobytes() == getattr(apart, name).tobytes()
+    assert together.refusals == apart.refusals
+    assert list(together.refusals) == [5]
+
+
+@pytest.mark.parametrize(
+    "offsets",
+    [([0, 5, 4], [0, 4, 8]), ([0, 4, 9], [0, 4, 8]), ([0.5, 4], [0, 4]), ([], []), ([0, 4, 8], [0, 8])],
+    ids=str,
+)
+def test_offsets_that_fit_no_meshes_are_refused(offsets: tuple[list[float], list[float]]) -> None:
+    vertices, faces = np.zeros((8, 3)), np.zeros((8, 3), int)
+    with pytest.raises(UsageError):
+        inertia.many(vertices, faces, offsets=offsets)

@@ -12,6 +12,7 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from fractions import Fraction
+from itertools import pairwise
 from typing import Any
 
 import numpy as np
@@ -74,6 +75,7 @@ def many(
     density: ArrayLike = ASSUMED,
     *,
     unit: str = "m",
+    offsets: tuple[ArrayLike, ArrayLike] | None = None,
 ) -> Many:
     """Return the mass properties of many small solids, with their bounds; one that is refused does not stop the others.
 
@@ -83,10 +85,12 @@ def many(
     faces : n arrays (m, 3), counter-clockwise seen from outside, or one that all share
     density : kg/m³, one or (n,)
     unit : of the coordinates
+    offsets : with them `vertices` (v, 3) and `faces` (f, 3) hold all meshes one after another, of any sizes: the first
+        row of each mesh in either, and how many there are, (n + 1,) each; faces count the vertices of their mesh from 0
 
     Raises
     ------
-    UsageError : the numbers of vertex and face arrays differ, or a density is not positive
+    UsageError : the numbers of vertex and face arrays differ, offsets do not ascend, or a density is not positive
 
     >>> import inertia
     >>> corners = [[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]]
@@ -98,7 +102,9 @@ def many(
     ['the part', ' inside out']
     """
     size = length_unit(unit)
-    shared = _shared(faces)
+    if offsets is not None:
+        vertices, faces = _split(vertices, faces, offsets)
+    shared = None if offsets is not None else _shared(faces)
     points = list(vertices)  # type: ignore[arg-type]
     corners = [shared] * len(points) if shared is not None else list(faces)  # type: ignore[arg-type]
     if len(points) != len(corners):
@@ -119,6 +125,21 @@ def many(
     for k in np.flatnonzero(~done).tolist():
         _answer_alone(answer, k, points[k], corners[k], float(weights[k]), unit)
     return answer
+
+
+def _split(vertices: Any, faces: Any, offsets: tuple[ArrayLike, ArrayLike]) -> list[list[Any]]:
+    """Return the rows of each mesh, in two arrays that hold those of all."""
+    meshes = []
+    for name, array, starts in zip(("vertices", "faces"), (vertices, faces), offsets, strict=True):
+        rows, at = np.asarray(array), np.asarray(starts)
+        if at.ndim != 1 or at.dtype.kind not in "iu" or len(at) == 0 or at[0] < 0 or (np.diff(at) < 0).any():
+            raise UsageError(f"the offsets of {name} must be whole numbers from 0 on that ascend")
+        if rows.ndim != 2 or rows.shape[1] != 3 or at[-1] > len(rows):
+            raise UsageError(
+                f"{name} with offsets must be of shape (n, 3) with at least {at[-1]} rows, not {rows.shape}"
+            )
+        meshes.append([rows[start:stop] for start, stop in pairwise(at.tolist())])
+    return meshes
 
 
 def _shared(faces: Any) -> Int | None:

@@ -20,7 +20,7 @@ MOST = 1024
 CORNERS = 3 * MOST
 SLOTS = 8 * MOST
 GROUP = 16
-"""Triangles whose boxes are compared with another one together."""
+"""Triangles, or such groups of them, whose boxes are compared with another one together."""
 
 SIMPLE, NO_VERTEX, NOT_USABLE, REPEATED, UNPAIRED, PIECES, CROSSING, MANY = range(8)
 """What a surface is: the first, or what stands in the way."""
@@ -285,8 +285,8 @@ def flatten_fans(own, of, count, numbered, along, turns):
 
 
 @njit(inline="always")
-def may_cross(own, of, count, numbered, boxes, boxes_at, along, turns, pairs, signs, work):
-    """Say whether two triangles cross, or cannot be shown not to."""
+def may_cross(own, of, count, numbered, boxes, boxes_at, along, whole, whole_at, turns, pairs, signs, work):
+    """Say whether two triangles cross, or cannot be shown not to; `along` and `whole` share their memory."""
     flatten_fans(own, of, count, numbered, along, turns)
     left = 0
     padded = (count + GROUP - 1) // GROUP * GROUP
@@ -298,35 +298,44 @@ def may_cross(own, of, count, numbered, boxes, boxes_at, along, turns, pairs, si
         for k in range(count, padded):
             boxes[axis, k] = np.inf
             boxes[axis + 3, k] = -np.inf
-    for start in range(0, padded, GROUP):
-        x, y, z = boxes[0, start], boxes[1, start], boxes[2, start]
-        p, q, r = boxes[3, start], boxes[4, start], boxes[5, start]
-        for k in range(start + 1, min(start + GROUP, count)):
-            x, y, z = min(x, boxes[0, k]), min(y, boxes[1, k]), min(z, boxes[2, k])
-            p, q, r = max(p, boxes[3, k]), max(q, boxes[4, k]), max(r, boxes[5, k])
-        for k in range(min(start + GROUP, count)):
-            lx, ly, lz = boxes[0, k], boxes[1, k], boxes[2, k]
-            hx, hy, hz = boxes[3, k], boxes[4, k], boxes[5, k]
-            if not (lx < p and x < hx and ly < q and y < hy and lz < r and z < hz):
-                continue
-            near = meeting(address(boxes_at, 8 * start), lx, ly, lz, hx, hy, hz)
-            if k >= start:
-                near &= -2 << (k - start)
-            while near != 0:
-                j = start + lowest_bit(near)
-                near &= near - 1
-                common = common_corners(of, j, k)
-                # With two corners in common, they do not cross.
-                if common & (common - 1) != 0 or (common != 0 and turns[of[j, common >> 1]] == 1):
-                    continue
-                if on_one_side(own, k, j, common) or on_one_side(own, j, k, common_corners(of, k, j)):
-                    continue
-                if common == 0 and apart(own, k, j):
-                    continue
-                if left == len(pairs):
-                    return True
-                pairs[left, 0], pairs[left, 1] = k, j
-                left += 1
+    groups = padded // GROUP
+    for group in range(groups):
+        for axis in range(3):
+            low, high = np.inf, -np.inf
+            for k in range(group * GROUP, (group + 1) * GROUP):
+                low, high = min(low, boxes[axis, k]), max(high, boxes[axis + 3, k])
+            whole[axis, group], whole[axis + 3, group] = low, high
+    for group in range(groups, (groups + GROUP - 1) // GROUP * GROUP):
+        for axis in range(3):
+            whole[axis, group], whole[axis + 3, group] = np.inf, -np.inf
+    for k in range(count):
+        lx, ly, lz = boxes[0, k], boxes[1, k], boxes[2, k]
+        hx, hy, hz = boxes[3, k], boxes[4, k], boxes[5, k]
+        for several in range(k // (GROUP * GROUP) * GROUP, groups, GROUP):
+            looked = meeting(address(whole_at, 8 * several), lx, ly, lz, hx, hy, hz)
+            if several * GROUP <= k:
+                looked &= -1 << (k // GROUP - several)
+            while looked != 0:
+                start = GROUP * (several + lowest_bit(looked))
+                looked &= looked - 1
+                near = meeting(address(boxes_at, 8 * start), lx, ly, lz, hx, hy, hz)
+                if k >= start:
+                    near &= -2 << (k - start)
+                while near != 0:
+                    j = start + lowest_bit(near)
+                    near &= near - 1
+                    common = common_corners(of, j, k)
+                    # With two corners in common, they do not cross.
+                    if common & (common - 1) != 0 or (common != 0 and turns[of[j, common >> 1]] == 1):
+                        continue
+                    if on_one_side(own, k, j, common) or on_one_side(own, j, k, common_corners(of, k, j)):
+                        continue
+                    if common == 0 and apart(own, k, j):
+                        continue
+                    if left == len(pairs):
+                        return True
+                    pairs[left, 0], pairs[left, 1] = k, j
+                    left += 1
     while left > 0:
         left -= 1
         if cross(own, pairs[left, 0], pairs[left, 1], signs, work) != 0:
@@ -349,6 +358,7 @@ def check_small(vertices_at, vertices, faces_at, faces, table_at, meshes, ids_at
     signs = carray(address(scratch, 8 * SIGNS), (8,), np.int64)
     boxes = carray(address(scratch, 8 * BOXES), (6, MOST), np.float64)
     along = carray(address(scratch, 8 * ALONG), (CORNERS, 3), np.float64)
+    whole = carray(address(scratch, 8 * ALONG), (6, MOST), np.float64)
     of = carray(address(scratch, 8 * NUMBERS), (MOST, 3), np.int32)
     edges = carray(address(scratch, 8 * NUMBERS + 12 * MOST), (CORNERS, 3), np.int32)
     numbers = carray(address(scratch, 8 * NUMBERS + 48 * MOST), (7 * MOST + SLOTS,), np.int32)
@@ -371,7 +381,19 @@ def check_small(vertices_at, vertices, faces_at, faces, table_at, meshes, ids_at
             continue
         state = pair_edges(of, count, numbered, first, edges, parent)
         if state == SIMPLE and may_cross(
-            own, of, count, numbered, boxes, address(scratch, 8 * BOXES), along, first, edges[:, :2], signs, work
+            own,
+            of,
+            count,
+            numbered,
+            boxes,
+            address(scratch, 8 * BOXES),
+            along,
+            whole,
+            address(scratch, 8 * ALONG),
+            first,
+            edges[:, :2],
+            signs,
+            work,
         ):
             state = CROSSING
         states[mesh] = state
