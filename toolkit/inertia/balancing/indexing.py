@@ -117,20 +117,22 @@ def best_answer(choice: Choice) -> Answer:
     size = float(np.abs(choice.start).max())
     size += sum(float(np.abs(each).max()) for each in choice.options)
     size += sum(float(np.abs(each).max(axis=(1, 2)).sum()) for each in choice.orders)
+    same = _SAME * size
     best = by_turning(choice)
+    filed = choice.answer([0] * len(choice.options), [range(len(order)) for order in choice.orders])
     halves = _halves(choice)
     if halves is None:
         return by_program(choice, best)
+    exact = False  # of ways that are as good, the one that is written down first
     for half in halves:
-        if best.left <= _SAME * size:
-            break
         first = sums_of(choice.start, [block.rows for block in half.first])
         second = sums_of(np.zeros_like(choice.start), [block.rows for block in half.second])
-        met = _met(first, second, best.left, _SAME * size)
+        met = _met(first, second, best.left + same, same)
         if met is None:
             return by_program(choice, best)
-        if met[1] < best.left - _SAME * size:
-            best = half.answer(met[0], choice)
+        if met[1] < best.left - same or (met[1] <= best.left + same and not exact):
+            best, exact = half.answer(met[0], choice), True
+    best = filed if filed.left <= best.left + same else best
     return replace(best, bound=best.left)
 
 
@@ -212,10 +214,11 @@ def _ordered(number: int, order: Complex, parts: Sequence[int], offset: int) -> 
 
 
 def _permutations(count: int) -> Int:
-    """Return all orders of `count` things, (count!, count)."""
+    """Return all orders of `count` things, (count!, count), in lexicographic order."""
     ways = np.zeros((1, 0), np.int8)
     for k in range(count):
-        ways = np.concatenate([np.insert(ways, place, k, axis=1) for place in range(k + 1)])
+        others = [np.insert(ways + (ways >= first), 0, first, axis=1) for first in range(k + 1)]
+        ways = np.concatenate(others)
     return ways.astype(np.intp)
 
 
@@ -227,7 +230,7 @@ def _met(first: Complex, second: Complex, best: float, same: float) -> tuple[tup
     """
     if len(first) * len(second) <= _ROWS:
         worst: Float = np.abs(first[:, None] + second[None]).max(axis=2)
-        pair = np.unravel_index(int(worst.argmin()), worst.shape)
+        pair = np.unravel_index(int((worst <= worst.min() + same).argmax()), worst.shape)
         return (int(pair[0]), int(pair[1])), float(worst[pair])
     from scipy.spatial import cKDTree
 
@@ -243,7 +246,8 @@ def _met(first: Complex, second: Complex, best: float, same: float) -> tuple[tup
         nonlocal result, best
         left: Float = np.abs(a[i] + b[j]).max(axis=1)
         if len(left) and left.min() < best:
-            k = int(left.argmin())
+            ties = np.flatnonzero(left <= left.min() + same)
+            k = ties[(a_numbers[i[ties]] * len(second) + b_numbers[j[ties]]).argmin()]
             best = float(left[k])
             result = (int(a_numbers[i[k]]), int(b_numbers[j[k]])), best
 

@@ -122,7 +122,7 @@ def _together(data: ReportData) -> Iterator[str]:
     for name, turn in zip(indexing.names, indexing.turns, strict=True):
         yield f"  {name:<{width}}turned by {math.degrees(turn) % 360:.4g}°"
     for part, other in indexing.moves:
-        yield f"  {part:<{width}}in the place of {other}"
+        yield f"  {part:<{width}}" + ("stays in its place" if other == part else f"in the place of {other}")
     planes = zip(data.bearings, indexing.planes_as_filed, indexing.planes_left, strict=True)
     for bearing, before, after in planes:
         yield f"  {bearing.name:<{width}}{_gmm(before)} g·mm as filed, {_gmm(after)} g·mm so"
