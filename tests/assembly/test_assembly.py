@@ -277,6 +277,12 @@ def test_parts_on_parts_end_somewhere() -> None:
         assembly(*links).mass_properties()
 
 
+def test_copies_of_copies_are_refused_before_they_are_made() -> None:
+    rows = {"count": [1000, 1000, 1], "step": [1, 1, 1]}
+    with pytest.raises(UsageError, match=r"part\[1\]: ball: 1000000000000 copies are more than 1000000"):
+        assembly({"name": "g", "rows": rows}, ball(parent="g", rows=rows)).mass_properties()
+
+
 def test_names_differ() -> None:
     with pytest.raises(UsageError, match=r"part\[1\]\.name is 'ball', as that of another part"):
         assembly(ball(), ball())

@@ -351,6 +351,7 @@ def test_a_mesh_that_is_not_there_is_refused_with_those_that_are(tmp_path: Path)
         ({"stretch": [1, 0, 1]}, "leaves nothing of the part"),
         ({"stretch": [[1, 2, 3], [2, 4, 6], [0, 0, 1]]}, "leaves nothing of the part"),
         ({"stretch": 2}, "stretch"),
+        ({"stretch": [[1, 0, 0], [0, 1, 0]]}, "stretch must be three numbers$"),
         ({"stretch": [2, 2, 2], "shell": 0.1}, "shell is given beside stretch"),
         ({"stretch": [2, 2, 2], "sigma": 0.1}, "sigma is given beside stretch"),
     ],

@@ -161,7 +161,10 @@ class Document(ABC):
         except OSError as error:
             raise ReadError(f"cannot read {name}: {error.strerror or error}: check the path") from None
         except (UnicodeDecodeError, ValueError):
-            raise ReadError(f"cannot read {name}: it is no text in UTF-8: a {cls.noun} is a TOML file") from None
+            article = "an" if cls.noun[0] in "aeio" else "a"
+            raise ReadError(
+                f"cannot read {name}: it is no text in UTF-8: {article} {cls.noun} is a TOML file"
+            ) from None
         return cls.loads(text, Path(path).parent, name)
 
     @classmethod
@@ -378,6 +381,7 @@ def numbers(shape: tuple[int, ...], unit: str) -> Reader:
     single = finite_number(unit)
     (count,) = shape if len(shape) == 1 else (0,)
     expected = f"{_COUNTS[shape[-1]]}" if len(shape) == 1 else f"{shape[0]} rows of {_COUNTS[shape[1]]}"
+    expected += f", {unit}" if unit else ""
 
     def read(value: Any, path: str) -> NDArray[np.float64]:
         if count and are_in_proportion(value, count):
@@ -390,10 +394,10 @@ def numbers(shape: tuple[int, ...], unit: str) -> Reader:
             if not lengths:
                 return single(part, where)
             if not isinstance(part, Sequence) or isinstance(part, str):
-                raise FieldError(where, f"is {short_repr(part)}: ", FieldPath(path), f" must be {expected}, {unit}")
+                raise FieldError(where, f"is {short_repr(part)}: ", FieldPath(path), f" must be {expected}")
             if len(part) != lengths[0]:
                 says = f"has {len(part)} entries, not {lengths[0]}: "
-                raise FieldError(where, says, FieldPath(path), f" must be {expected}, {unit}")
+                raise FieldError(where, says, FieldPath(path), f" must be {expected}")
             return [entries(one, lengths[1:], f"{where}[{k}]") for k, one in enumerate(part)]
 
         array = np.array(entries(nested, shape, path), dtype=np.float64)

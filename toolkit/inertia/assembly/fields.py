@@ -331,6 +331,12 @@ class PartFields(Section):
         """Whether it has no mass of its own."""
         return self.file is None and self.shape is None and self.assembly is None and self.mass is None
 
+    @property
+    def copies(self) -> int:
+        """How many there are for one of what it hangs on."""
+        a, b, c = self.rows.count if self.rows is not None else (1, 1, 1)
+        return self.quantity * (1 if self.around is None else self.around.count) * a * b * c
+
     def require_sense(self, path: str) -> None:
         """Raise `FieldError` where fields contradict each other, or one lacks another."""
         sources = [name for name in ("file", "assembly", "shape") if getattr(self, name) is not None]

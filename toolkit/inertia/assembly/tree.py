@@ -217,31 +217,43 @@ class PartTree(Document):
                 above = parts[names[above]].parent
 
     def _nodes(
-        self, library: Library, chain: tuple[str, ...], contexts: tuple[PartTree, ...], level: int = 1
+        self, library: Library, chain: tuple[str, ...], contexts: tuple[PartTree, ...], level: int = 1, copies: int = 1
     ) -> tuple[Node, ...]:
-        """Return the nodes from a level on; `contexts` are this assembly and those that it is in, innermost first."""
+        """Return the nodes from a level on, of which there are so many copies.
+
+        `contexts` are this assembly and those that it is in, innermost first.
+        """
         below: dict[str | None, list[int]] = {}
         for k, part in enumerate(self.fields.part):
             below.setdefault(part.parent, []).append(k)
 
-        def node(number: int, level: int) -> Node:
+        def node(number: int, level: int, copies: int) -> Node:
             part, where = self.fields.part[number], f"part[{number}]"
             try:
                 if level > _LEVELS:
                     raise UsageError(f"{part.name} is {level} levels deep: {_LEVELS} are the most")
+                copies *= part.copies
+                if copies > _MOST_COPIES:
+                    raise UsageError(f"{part.name}: {copies} copies are more than {_MOST_COPIES}")
                 frames = self._frames(part)
                 body = self._body(part, library, contexts)
-                inner = self._nested(part, library, chain, contexts, level + 1)
+                inner = self._nested(part, library, chain, contexts, level + 1, copies)
             except InertiaError as error:
                 raise placed(error, self.path, FieldPath(where)) from None
-            own = tuple(node(k, level + 1) for k in below.get(part.name, ()))
+            own = tuple(node(k, level + 1, copies) for k in below.get(part.name, ()))
             label = self._label(part.name, contexts)
             return Node(part.name, label, part, where, self.path, self.unit, body, frames, inner + own)
 
-        return tuple(node(k, level) for k in below.get(None, ()))
+        return tuple(node(k, level, copies) for k in below.get(None, ()))
 
     def _nested(
-        self, part: PartFields, library: Library, chain: tuple[str, ...], contexts: tuple[PartTree, ...], level: int
+        self,
+        part: PartFields,
+        library: Library,
+        chain: tuple[str, ...],
+        contexts: tuple[PartTree, ...],
+        level: int,
+        copies: int,
     ) -> tuple[Node, ...]:
         if part.assembly is None:
             return ()
@@ -257,7 +269,7 @@ class PartTree(Document):
             does = "counts" if unused == ["limit"] else "count"
             says = f"{part.assembly}: its {' and '.join(unused)} {does} where it is asked about by itself, not here"
             library.add([says], None)
-        return nested._nodes(library, (*chain, here), (nested, *contexts), level)
+        return nested._nodes(library, (*chain, here), (nested, *contexts), level, copies)
 
     def _body(self, part: PartFields, library: Library, contexts: tuple[PartTree, ...]) -> Body | None:
         if part.is_group or part.assembly is not None:
