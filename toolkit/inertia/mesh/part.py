@@ -572,11 +572,7 @@ class Part:
         """
         import trimesh
 
-        surface = self.triangles
-        if isinstance(surface, Surface):
-            vertices, faces = surface.vertices, surface.faces
-        else:
-            vertices, faces = surface.corners().reshape(-1, 3), np.arange(3 * surface.count).reshape(-1, 3)
+        vertices, faces = self._indexed()
         mesh = trimesh.Trimesh(vertices.copy(), faces.copy(), process=False, validate=False)
         if self.unit_from != "assumed":
             number, _, base = self.unit.name.rpartition(" ")
@@ -585,6 +581,52 @@ class Part:
         if self.regions is not None:
             mesh.face_attributes["region"] = np.array(self.regions.names)[self.regions.index]
         return mesh
+
+    def to_meshio(self) -> Any:
+        """Return the part as a `meshio.Mesh`, in its unit, without the names of its regions.
+
+        >>> part = Part.from_arrays([[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]],
+        ...                         [[0, 2, 1], [0, 1, 3], [1, 2, 3], [0, 3, 2]])
+        >>> part.to_meshio().cells_dict["triangle"].shape
+        (4, 3)
+        """
+        import meshio
+
+        if isinstance(self.geometry, Cells):
+            return meshio.Mesh(self.geometry.points, [(block.kind, block.nodes) for block in self.geometry.blocks])
+        vertices, faces = self._indexed()
+        return meshio.Mesh(vertices, [("triangle", faces)])
+
+    def to_manifold(self) -> Any:
+        """Return the surface as a `manifold3d.Manifold`, in its unit; vertices at one place become one.
+
+        Raises `GeometryError` where it is not closed, or the part is a mesh of cells.
+        """
+        from inertia.mesh.manifold import solid
+
+        vertices, faces = self._indexed()
+        unique, number = np.unique(vertices, axis=0, return_inverse=True)
+        return solid(unique, number.reshape(-1)[faces], 0)
+
+    def to_pyvista(self) -> Any:
+        """Return the surface as a `pyvista.PolyData`, in its unit.
+
+        Raises `UsageError` where PyVista is not installed, `GeometryError` where the part is a mesh of cells.
+        """
+        try:
+            import pyvista
+        except ImportError:
+            raise UsageError(
+                "PyVista is not installed: install it by pip install pyvista", code="needs_package"
+            ) from None
+        return pyvista.PolyData.from_regular_faces(*self._indexed())
+
+    def _indexed(self) -> tuple[Float, Int]:
+        """Return the vertices (n, 3) of the surface, as stored, and its faces (m, 3)."""
+        surface = self.triangles
+        if isinstance(surface, Surface):
+            return surface.vertices, surface.faces
+        return surface.corners().reshape(-1, 3), np.arange(3 * surface.count).reshape(-1, 3)
 
     def plot(self, ax: Axes | None = None) -> Figure:
         """Draw the surface as seen from the side and above, z upright, and return the figure.

@@ -18,6 +18,7 @@ from contextlib import contextmanager
 from dataclasses import replace
 from importlib import import_module
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -46,7 +47,7 @@ _REASONS = {
 
 
 def read(
-    path: str | os.PathLike[str],
+    path: str | os.PathLike[str] | Any,
     unit: str | None = None,
     *,
     format: str | None = None,
@@ -55,11 +56,12 @@ def read(
     memory: float | None = None,
     progress: Progress | None = None,
 ) -> Part:
-    """Read a mesh from a file.
+    """Read a mesh from a file, or take one of another library.
 
     Parameters
     ----------
-    path : the file, `-` for standard input; its contents decide what kind it is, and its name only where they do not
+    path : the file, `-` for standard input; its contents decide what kind it is, and its name only where they do not.
+        Or a mesh in memory, for which `unit` alone counts: of trimesh, meshio, manifold3d or PyVista
     unit : the unit of length of the coordinates, in place of the file's own; without either, millimetres are
         assumed
     format : the kind of file (`"stl"`, `"obj"`, ...), where it is not to be found out
@@ -95,6 +97,10 @@ def read(
         raise UsageError(f"unknown format {format!r}: use one of {', '.join(FORMATS)}")
     if not 0 < unpack_limit < math.inf:
         raise UsageError(f"unpack_limit is {unpack_limit!r}: it must be positive and finite, in GiB")
+    if not isinstance(path, str | os.PathLike):
+        from inertia.mesh.objects import part_of
+
+        return part_of(path, unit)
     name = os.fspath(path)
     try:
         kind, contents, version = _contents(name, format, coarser, unpack_limit, memory)

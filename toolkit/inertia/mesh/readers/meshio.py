@@ -59,6 +59,13 @@ def read_with_meshio(path: Path, kind: str) -> Contents:
             mesh = _mesh(plain, kind)
     else:
         mesh = _mesh(path, kind)
+    contents = contents_of(mesh, expected)
+    rounding = _rounding(path, kind, mesh.points)
+    return replace(contents, notes=(*contents.notes, *notes), rounding=rounding)
+
+
+def contents_of(mesh: Any, expected: int | None = None) -> Contents:
+    """Return what a `meshio.Mesh` holds; `expected` is how many cells there are, where that is known."""
     if np.any(mesh.point_data.get("nastran:ref", 0)):
         raise ReadError("its grid points have a coordinate system of their own: write them in the basic one")
     nodes = [_nodes(block) for block in mesh.cells]
@@ -73,8 +80,7 @@ def read_with_meshio(path: Path, kind: str) -> Contents:
         (block.type, corners, region) for block, corners, region in zip(mesh.cells, nodes, regions, strict=True)
     ]
     contents = cell_contents(np.asarray(mesh.points), blocks, names)
-    notes = [*contents.notes, *notes, *of_sets]
-    return replace(contents, notes=tuple(notes), rounding=_rounding(path, kind, mesh.points))
+    return replace(contents, notes=(*contents.notes, *of_sets))
 
 
 def _rounding(path: Path, kind: str, stored: NDArray[Any]) -> Rounding | None:
