@@ -21,7 +21,7 @@ INSTANTS = {
     "scenes/thrown_box.toml": 0.45,
     "scenes/feynman_plate.toml": 0.22,
     "scenes/cube.toml": 2.0,
-    "scenes/explorer_1.toml": 14.0,
+    "scenes/explorer_1.toml": 15.0,
     "scenes/detumbling.toml": 10.0,
     "scenes/flywheel.toml": 100.0,
     "scenes/manoeuvre.toml": 6.0,

@@ -31,7 +31,8 @@ TEXT = """# What recording costs
 Frames a second of one process, bytes a frame in the file, and by how much the process grew while it wrote; the median
 of {rounds} runs on {machine}, rerun-sdk {version}. A *pose* is a float32 quaternion and its time. A *full frame* is a
 pose, two arrows (ω and L) and five scalars. A *whole run* is `inertia.record` of a tumbling T-handle: scalars at every
-sample (three of ω, three Euler angles, two drifts), poses and arrows at the 60 instants a second that are played.
+sample (three of ω, three angles from L, three Euler angles, two drifts), poses and arrows at the 60 instants a second
+that are played.
 
 | | frames | frames/s | bytes/frame | grew by |
 |-|-:|-:|-:|-:|

@@ -32,15 +32,15 @@ def write_angular_velocity(recording: Recording, run: Run, axes: Float) -> None:
 
 
 def write_angles_from_momentum(recording: Recording, run: Run, axes: Float) -> None:
-    """Write at every sample how far axes (3, 3), columns in part axes, are from L."""
-    names = [f"axis {k}, rad" for k in (1, 2, 3)]
+    """Write at every sample how far axes (3, 3), columns in part axes, are from L, the first drawn over the others."""
+    names = [f"axis {k}, rad" for k in (3, 2, 1)]
 
     def angles(rows: slice) -> Float:
-        along = quaternion.to_body(run.attitude[rows], run.angular_momentum[rows]) @ axes
+        along = quaternion.to_body(run.attitude[rows], run.angular_momentum[rows]) @ axes[:, ::-1]
         others = np.stack([np.linalg.norm(np.delete(along, k, axis=1), axis=1) for k in range(3)], axis=1)
         return np.asarray(np.arctan2(others, along))
 
-    recording.scalars(entities.PLOT_FROM_MOMENTUM, run.time, angles, names, COLORS[:3])
+    recording.scalars(entities.PLOT_FROM_MOMENTUM, run.time, angles, names, COLORS[2::-1])
 
 
 def write_euler_angles(recording: Recording, run: Run) -> None:
