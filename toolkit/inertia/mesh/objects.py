@@ -56,7 +56,7 @@ def _from_manifold(mesh: Any, unit: str | None) -> Part:
 
 
 def _from_pyvista(mesh: Any, unit: str | None) -> Part:
-    if not hasattr(mesh, "triangulate") or not hasattr(mesh, "n_faces_strict"):
+    if not hasattr(mesh, "triangulate") or not hasattr(mesh, "strips"):
         raise UsageError(f"a {type(mesh).__name__} is no surface: give its extract_surface(), or save it and read that")
     faces = np.asarray(mesh.triangulate().faces).reshape(-1, 4)[:, 1:]
     return _part(Surface(np.array(mesh.points, np.float64), faces.astype(np.int64)), unit, "pyvista")
