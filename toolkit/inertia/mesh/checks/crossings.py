@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import replace
 from itertools import groupby
+from typing import Literal
 
 import numpy as np
 
@@ -20,6 +21,8 @@ from inertia.mesh.geometry.shells import SLIVER, Body, absolute_orientation, bod
 from inertia.mesh.geometry.winding import misplaced_volume
 from inertia.mesh.part import Doubt, Surface
 
+_AT_ONCE = 1 << 18  # triangles compared with boxes of other bodies at a time
+_WOUND: tuple[Literal["outward"], Literal["inward"]] = ("outward", "inward")  # a shell, by its depth modulo 2
 _TRIED = 3  # places on a patch at which the winding number is asked for
 _CLEAR = 100.0  # how many times deeper than a contact rays must find a crossing, to leave no doubt that it is one
 _CROSSINGS = 10_000  # crossings looked for, before those between different shells are taken out
@@ -134,14 +137,33 @@ def _near_bodies(surface: SurfaceTopology, *, alike: bool) -> Iterator[tuple[Sur
     turned = _turned(surface)
     corners = surface.vertices[surface.faces]
     low, high = corners.min(axis=1), corners.max(axis=1)
+    if not surface.separate:
+        # Where no triangle of one comes near the other, they are apart or nested, which their shells show.
+        pairs = np.array(meeting)
+        near_both = _reaching(pairs, groups, low, high, boxes) & _reaching(pairs[:, ::-1], groups, low, high, boxes)
+        meeting = [pair for pair, reach in zip(meeting, near_both, strict=True) if reach]
     for one, other in meeting:
         near = [
             (low[group] <= box[1]) & (box[0] <= high[group])
             for group, box in ((groups[one], boxes[other]), (groups[other], boxes[one]))
         ]
-        # Where no triangle of one comes near the other, they are apart or nested, which their shells show.
-        if surface.separate or all(meets.all(axis=1).any() for meets in near):
-            yield turned, [groups[one], groups[other]], near, boxes[[one, other]]
+        yield turned, [groups[one], groups[other]], near, boxes[[one, other]]
+
+
+def _reaching(pairs: Int, groups: list[Int], low: Float, high: Float, boxes: Float) -> Bool:
+    """Say of which pairs (k, 2) of bodies a triangle of the first reaches into the box of the second."""
+    sizes = np.array([len(group) for group in groups])[pairs[:, 0]]
+    ends = np.cumsum(sizes)
+    reach, first = np.zeros(len(pairs), bool), 0
+    while first < len(pairs):
+        last = max(first + 1, int(np.searchsorted(ends, ends[first] - sizes[first] + _AT_ONCE, side="right")))
+        which = np.concatenate([groups[one] for one in pairs[first:last, 0].tolist()])
+        box = np.repeat(boxes[pairs[first:last, 1]], sizes[first:last], axis=0)
+        near = ((low[which] <= box[:, 1]) & (box[:, 0] <= high[which])).all(axis=1)
+        starts = ends[first:last] - sizes[first:last] - (ends[first] - sizes[first])
+        reach[first:last] = np.logical_or.reduceat(near, starts)
+        first = last
+    return reach
 
 
 def overlap_at_edges(surface: SurfaceTopology) -> Evidence | None:
@@ -343,7 +365,7 @@ def _turned_bodies(surface: SurfaceTopology) -> tuple[Body, ...]:
         return bodies_apart(surface.shells)
     return bodies(
         [
-            shell if shell.kind == "sheet" else replace(shell, kind=("outward", "inward")[shell.depth % 2])
+            shell if shell.kind in ("sheet", _WOUND[shell.depth % 2]) else replace(shell, kind=_WOUND[shell.depth % 2])
             for shell in surface.shells
         ]
     )

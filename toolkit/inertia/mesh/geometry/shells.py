@@ -111,6 +111,7 @@ def shells(triangles: Triangles, closure: Closure) -> tuple[Shell, ...]:
         around = [[outer for outer in outside if outer not in slivers] for outside in around]
     with np.errstate(over="ignore", under="ignore"):
         stored = np.ldexp(volumes, 3 * exponent)
+    sign = signs.tolist()
     return tuple(
         Shell(
             number=number,
@@ -119,7 +120,7 @@ def shells(triangles: Triangles, closure: Closure) -> tuple[Shell, ...]:
             first=int(order[number][0]),
             signed_volume=float(stored[number]),
             box=boxes[number],
-            winding_outside=int(signs[around[number]].sum()),
+            winding_outside=sum(sign[outer] for outer in around[number]),
             depth=len(around[number]),
             parent=max(around[number], key=lambda outer: len(around[outer]), default=None),
         )
