@@ -84,6 +84,11 @@ def judge(case: Case) -> Verdict:
             return Verdict(**about, outcome="fault", sentence=f"{type(error).__name__}: {error}")
     assert scene is not None
     assert run is not None
+    # A plane that pulls, as it must after a lift-off, is no part of the equations of the truth: up to there, then.
+    leaves = min((each.time for each in run.events if "leaves the plane" in each.what), default=math.inf)
+    if scene.constraint.kind == "sliding" and 0 < leaves < run.time[-1]:
+        scene = replace(scene, run=replace(scene.run, duration=0.999 * leaves))
+        run = inertia.simulate(scene)
     middle = time.process_time()
     error = run.error
     until = error.until
@@ -101,8 +106,6 @@ def judge(case: Case) -> Verdict:
         truth = truth_of(case, scene, run.time)
     except TooLongError:
         return Verdict(**about, outcome="dear", truth_seconds=time.process_time() - middle)
-    # A plane that pulls, as it must after a lift-off, is no part of the equations of the truth.
-    leaves = min((each.time for each in run.events if "leaves the plane" in each.what), default=math.inf)
     rows = run.time <= min(until, leaves if scene.constraint.kind == "sliding" else math.inf)
     off, apart = truth.off(run.attitude)[rows], truth.error[rows]
     worst = int(np.argmax(off - apart))

@@ -96,6 +96,21 @@ class Adaptive(Integrator):
         return max(control * 10.0**level, level * self.coarsest)
 
 
+_STEADY = 0.3
+_AMPLIFIED = 7.0
+
+
+def apart_of_three(fine: States, middle: States, coarse: States, cost: float) -> float:
+    """Return max(d₁, d₂/10) in rad, from runs each of which has ten times the tolerance of the one before.
+
+    d₁, d₂ are their distances. Where d₁ neither falls with the tolerance nor is what rounding costs, it is rounding
+    that the motion has amplified, of which two runs may have got alike: then it counts `_AMPLIFIED` times as much.
+    """
+    finest, coarsest = fine.apart(middle), middle.apart(coarse)
+    amplified = finest > max(_STEADY * coarsest, 10.0 * cost)
+    return max((_AMPLIFIED if amplified else 1.0) * finest, 0.1 * coarsest)
+
+
 def walk(problem: RotationProblem, states: States, length: float) -> float:
     """Return the angle in rad that rounding costs over `length` s, ε (2 + θ (2 + √n/2)) + θ δ.
 

@@ -43,6 +43,9 @@ class RotationProblem:
     caution: ClassVar[float] = 1.0
     """What estimates of the error from two runs are multiplied by, for equations that change much within a step."""
 
+    longest_step_follows: ClassVar[bool] = False
+    """Whether no step up to `longest_step` is long against what the equations do."""
+
     moments: Float
     angular_velocity: Float
     attitude: Float = quaternion.IDENTITY  # type: ignore[assignment]

@@ -16,7 +16,7 @@ import math
 import numpy as np
 
 from inertia.arrays import Float
-from inertia.dynamics.integrators.error_control import Adaptive, walk
+from inertia.dynamics.integrators.error_control import Adaptive, apart_of_three, walk
 from inertia.dynamics.integrators.loop import Call, Piece, States, Stepper, Units
 from inertia.dynamics.integrators.rotation import RotationProblem
 from inertia.dynamics.integrators.terms import HEAD, VECTOR
@@ -34,9 +34,6 @@ _ROWS, _ROW = 33, 16
 _COMPARED = 65
 """Instants at least at which runs are compared."""
 
-_STEADY = 0.3
-_AMPLIFIED = 7.0
-
 STEP_COST = 500
 """A step of the numpy path in units of `native.Kernel.worthwhile`."""
 
@@ -52,21 +49,13 @@ class Taylor(Adaptive):
     aside = 0.5
 
     def solve(self, problem: RotationProblem, time: Float, control: float) -> tuple[States, float]:
-        """Return the run at `control`, and 2 max(d₁, d₂/10) and what rounding costs (`walk`) as the estimate.
-
-        d₁, d₂ are the distances of runs, each of which has ten times the tolerance of the one before. Where d₁ neither
-        falls with the tolerance nor is what rounding costs, it is rounding that the motion has amplified, of which two
-        runs may have got alike: then it counts `_AMPLIFIED` times as much.
-        """
+        """Return the run at `control`, and twice `apart_of_three` and what rounding costs (`walk`) as the estimate."""
         instants = time
         if len(time) < _COMPARED:  # runs that have parted may be near each other at a few samples
             instants = np.union1d(time, np.linspace(problem.start, time[-1], _COMPARED))
         fine, middle, coarse = (self.run(problem, instants, control, level) for level in range(3))
-        finest, coarsest = fine.apart(middle), middle.apart(coarse)
         cost = walk(problem, fine, float(time[-1] - problem.start))
-        amplified = finest > max(_STEADY * coarsest, 10.0 * cost)
-        apart = max((_AMPLIFIED if amplified else 1.0) * finest, 0.1 * coarsest)
-        estimate = 2.0 * problem.caution * apart + cost
+        estimate = 2.0 * problem.caution * apart_of_three(fine, middle, coarse, cost) + cost
         at = np.searchsorted(instants, time)
         return States(fine.attitude[at], fine.angular_velocity[at], fine.steps), estimate
 
