@@ -146,6 +146,25 @@ def estimate(text: str) -> Estimate:
         raise argparse.ArgumentTypeError(str(error)) from None
 
 
+def count(text: str) -> int:
+    """Return a whole number, also from ``1e6``.
+
+    >>> count("250"), count("1e6")
+    (250, 1000000)
+    """
+    try:
+        return int(text)
+    except ValueError:
+        pass
+    try:
+        value = float(text)
+        if value == int(value):
+            return int(value)
+    except (ValueError, OverflowError):
+        pass
+    raise argparse.ArgumentTypeError(f"{text!r} is no whole number, as 1000 or 1e6")
+
+
 def scale(text: str) -> Estimate:
     """Return the scale 1 with its uncertainty, from ``1±0.001`` or ``±0.1%``."""
     return estimate(text if text.strip()[:1].isdigit() else f"1{text}")

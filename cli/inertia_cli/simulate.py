@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from inertia.errors import UsageError, visible
-from inertia_cli.options import record, tell_of_viewer
+from inertia_cli.options import count, record, tell_of_viewer
 from inertia_cli.printing import show, write_and_show
 from inertia_cli.progress import Progress
 from inertia_cli.wording import with_options
@@ -74,7 +74,7 @@ def add(parsers: Any) -> None:
         metavar="FIELD=LAW",
         help="1±0.01 or ±1%% (normal, standard deviation), 0.9..1.1 (uniform), 0:1:11 or 1,2,5 (a sweep); repeat it",
     )
-    vary.add_argument("--draws", type=int, metavar="N", help="draws, at every point of a grid of sweeps (1000)")
+    vary.add_argument("--draws", type=count, metavar="N", help="draws, at every point of a grid of sweeps (1000)")
     vary.add_argument("--seed", type=int, metavar="S", help="of the random numbers (0)")
     vary.add_argument(
         "--quantity",
@@ -97,7 +97,7 @@ def add(parsers: Any) -> None:
 
 def add_settings(group: argparse._ArgumentGroup) -> None:
     """Add how a motion is followed."""
-    group.add_argument("--samples", type=int, metavar="N", help="instants, evenly spaced, both ends included")
+    group.add_argument("--samples", type=count, metavar="N", help="instants, evenly spaced, both ends included")
     group.add_argument("--accuracy", type=float, metavar="RAD", help="of the attitude at every instant")
     group.add_argument("--model", metavar="NAME", help="use this model, not the smallest one")
     group.add_argument("--method", metavar="NAME", help="integrate step by step, by this method")

@@ -443,3 +443,19 @@ def test_nothing_that_is_printed_or_written_is_not_a_number(
         code, out, err = run(capsys, "simulate", file, *form)
         assert code in (0, 2, 4)
         assert not re.search(r"\b(nan|inf|infinity)\b", out + err, re.IGNORECASE)
+
+
+def test_draws_are_counted_as_one_writes_numbers_and_leave_as_arrays(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    file, table = scene(tmp_path), tmp_path / "draws.npz"
+    vary = ["simulate", file, "--vary", "start.angular_velocity[1]=2±0.01", "--samples", "3e0"]
+    assert main([*vary, "--draws", "1e1", "-o", str(table)]) == 0
+    capsys.readouterr()
+    with np.load(table) as arrays:
+        assert arrays["draw"].tolist() == list(range(10))
+        assert arrays["start.angular_velocity[1]"].std() == pytest.approx(0.01, rel=0.9)
+        assert set(arrays["state"].tolist()) == {"followed"}
+    with pytest.raises(SystemExit):
+        main([*vary, "--draws", "1.5"])
+    assert "'1.5' is no whole number, as 1000 or 1e6" in capsys.readouterr().err

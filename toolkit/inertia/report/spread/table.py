@@ -1,4 +1,4 @@
-"""`Ensemble` → a table with a row for each draw, CSV or Parquet."""
+"""`Ensemble` → a table with a row for each draw, CSV, Parquet or NumPy arrays."""
 
 from __future__ import annotations
 
@@ -6,17 +6,24 @@ import math
 from itertools import chain
 from pathlib import Path
 
+import numpy as np
+
 from inertia.dynamics.spread.ensemble import Ensemble
 from inertia.output import whole
 from inertia.tables import csv_text, load_pyarrow
 
-SUFFIXES = (".csv", ".parquet")
+SUFFIXES = (".csv", ".npz", ".parquet")
 
 _ROWS = 65_536  # that are written at once
 
 
 def write_table(ensemble: Ensemble, path: Path) -> None:
-    """Write the table of an ensemble, some rows at a time; what a draw does not have stays empty."""
+    """Write the table of an ensemble, some rows at a time; what a draw does not have stays empty, of arrays NaN."""
+    if path.suffix.lower() == ".npz":
+        arrays = {name: np.asarray(values) for name, values in ensemble.columns(slice(None)).items()}
+        with whole(path) as beside, beside.open("wb") as archive:
+            np.savez(archive, **arrays)  # type: ignore[arg-type]
+        return
     pieces = (ensemble.columns(slice(first, first + _ROWS)) for first in range(0, len(ensemble.values), _ROWS))
     first = next(pieces)
     if path.suffix.lower() == ".parquet":
