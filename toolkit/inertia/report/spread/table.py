@@ -20,9 +20,9 @@ _ROWS = 65_536  # that are written at once
 def write_table(ensemble: Ensemble, path: Path) -> None:
     """Write the table of an ensemble, some rows at a time; what a draw does not have stays empty, of arrays NaN."""
     if path.suffix.lower() == ".npz":
-        arrays = {name: np.asarray(values) for name, values in ensemble.columns(slice(None)).items()}
+        table = {name: np.asarray(values) for name, values in ensemble.columns(slice(None)).items()}
         with whole(path) as beside, beside.open("wb") as archive:
-            np.savez(archive, **arrays)  # type: ignore[arg-type]
+            np.savez(archive, **table)  # type: ignore[arg-type]
         return
     pieces = (ensemble.columns(slice(first, first + _ROWS)) for first in range(0, len(ensemble.values), _ROWS))
     first = next(pieces)
