@@ -29,6 +29,7 @@ from inertia.balancing.unbalance import Complex
 _ROWS = 1_000_000  # sums that are written down
 _WRITTEN = 9  # places whose orders are written down one by one; of more, their halves
 _PAIRS = 20_000_000  # that are looked at one by one
+_FEW = 1 << 14  # pairs that are looked at without a tree
 _AT_ONCE = 1 << 20
 _SAME = 1e-13  # of all vectors together: sums that are no farther apart count as one
 
@@ -228,7 +229,7 @@ def _met(first: Complex, second: Complex, best: float, same: float) -> tuple[tup
     |u|₂ ≤ √k max |u_k|: what leaves less than the best is within √k times that of the other list, in the plain
     distance of k-d trees.
     """
-    if len(first) * len(second) <= _ROWS:
+    if min(len(first), len(second)) == 1 or len(first) * len(second) <= _FEW:
         worst: Float = np.abs(first[:, None] + second[None]).max(axis=2)
         pair = np.unravel_index(int((worst <= worst.min() + same).argmax()), worst.shape)
         return (int(pair[0]), int(pair[1])), float(worst[pair])
