@@ -45,6 +45,7 @@ class SlidingBall(RotationProblem):
     velocity : (2,) m/s, of the centre of mass along the plane at the start
     """
 
+    caution: ClassVar[float] = 1.5
     longest_step_follows: ClassVar[bool] = True
 
     radius: float = 1.0
