@@ -29,7 +29,7 @@ def script(shell: str, capsys: pytest.CaptureFixture[str]) -> str:
         (["simulate", "--explain", "sce"], {"scene.toml"}),
         (["completion", ""], {*SHELLS}),
     ],
-    ids=" ".join,
+    ids=lambda each: " ".join(each) if isinstance(each, list) else "",
 )
 def test_bash_offers(words: list[str], offered: set[str], tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     for name in ("part.stl", "scene.toml"):
