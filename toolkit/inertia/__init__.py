@@ -4,16 +4,11 @@ The public names stand in `__init__.pyi`, the only list of them. Each is importe
 ``import inertia`` costs nothing.
 """
 
-import os
-import sys
 from functools import cache
 from importlib import import_module
 from typing import Any
 
 __version__ = "0.1.0"
-
-if "numpy" not in sys.modules:  # whose threads for linear algebra turn idly for 0.1 s before they first sleep
-    os.environ.setdefault("OPENBLAS_THREAD_TIMEOUT", "20")  # 2^20 clocks, 0.4 ms
 
 
 def __getattr__(name: str) -> Any:
