@@ -95,6 +95,8 @@ def test_a_remedy_is_there_to_be_followed(remedy: Remedy) -> None:
         ("check", "--json"),
         ("tumble", "--spin", "0,0,1", "--for", "1"),
         ("balance", "--grade", "6.3", "--rpm", "3000", "--axis", "z", "--bearings=-1,1"),
+        ("assembly",),
+        ("budget",),
     ],
     ids=" ".join,
 )

@@ -18,9 +18,9 @@ import numpy as np
 from inertia.arrays import Float
 from inertia.assembly.fields import PartFields
 from inertia.assembly.frames import mirror
-from inertia.errors import GeometryError, InertiaError, UsageError, reworded, visible
+from inertia.errors import SHELL, GeometryError, InertiaError, Sentence, UsageError, reworded, visible
 from inertia.estimate import uncertainty_of
-from inertia.mass.analyse import analyse
+from inertia.mass.analyse import analyse, sound_solids_only
 from inertia.mass.analysis import Analysis
 from inertia.mass.moments import PAIRS, ZERO, Moments, Vector
 from inertia.mass.properties import MassProperties
@@ -150,12 +150,8 @@ class Library:
             if part.unit_from == "assumed":
                 part = replace(part, unit=unit, unit_from="option")
             try:
-                self._analyses[key] = analyse(
-                    part,
-                    1.0,
-                    shell=None if fields.shell is None else float(fields.shell),
-                    sigma=None if sigma is None else float(sigma / part.unit.metres),
-                )
+                with sound_solids_only("an assembly takes sound solids only, and surfaces by their thickness"):
+                    self._analyses[key] = _integrated(part, fields, sigma)
             except GeometryError as error:
                 piece = fields.mesh or fields.region
                 if piece is None and error.places:
@@ -175,6 +171,23 @@ class Library:
         if (path, unit) not in self._parts:
             self._parts[path, unit] = read(path, unit)
         return self._parts[path, unit]
+
+
+def _integrated(part: Part, fields: PartFields, sigma: Fraction | None) -> Analysis:
+    """Return the analysis of a mesh; who is to say how thick a surface is finds a field for it."""
+    try:
+        return analyse(
+            part,
+            1.0,
+            shell=None if fields.shell is None else float(fields.shell),
+            sigma=None if sigma is None else float(sigma / part.unit.metres),
+        )
+    except GeometryError as error:
+        words = (
+            f"{SHELL.argument} = {SHELL.value} in its [[part]]" if k == SHELL else k
+            for k in Sentence(*error.words).words
+        )
+        raise reworded(error, words, error.places) from None
 
 
 def _certain(fields: PartFields, weight: Weight, analysis: Analysis | None, metres: Fraction) -> Body:
