@@ -13,6 +13,7 @@ import inertia
 from inertia.documents import FieldError
 from inertia.errors import GeometryError, ReadError, UsageError, placed
 from inertia.mesh.checks.kinds import KINDS
+from inertia_cli import analyse
 from inertia_cli.main import main
 from inertia_meshes import path
 
@@ -73,11 +74,71 @@ def test_a_part_in_memory_is_refused_by_the_same_codes() -> None:
     [
         (["analyse", "nothing.stl"], "no_file"),
         (["analyse", str(path("cube.stl")), "--density", "-1"], "usage"),
-        (["audit", "nothing.urdf"], "unreadable"),
+        (["analyse", str(path("broken/nan.stl"))], "non_finite"),
+        (["audit", "nothing.urdf"], "no_file"),
+        (["simulate", "nothing.toml"], "no_file"),
     ],
 )
 def test_other_refusals(arguments: list[str], code: str, capsys: pytest.CaptureFixture[str]) -> None:
     assert refusal(capsys, *arguments)["code"] == code
+
+
+@pytest.mark.parametrize(
+    "arguments",
+    [
+        ["analyse", "nothing.stl"],
+        ["analyse", str(path("broken/truncated.stl"))],
+        ["analyse", str(path("broken/nan.stl"))],
+        ["simulate", "nothing.toml"],
+        ["audit", "nothing.urdf"],
+    ],
+)
+def test_places_are_files_and_fields(arguments: list[str], capsys: pytest.CaptureFixture[str]) -> None:
+    assert refusal(capsys, *arguments)["places"] == [arguments[-1]]
+
+
+@pytest.mark.parametrize(
+    "arguments", [["analyse"], ["analyse", "a.stl", "--density", "abc"], ["analyse", "a.stl", "--mass=--"], ["cite"]]
+)
+def test_a_command_line_that_cannot_be_parsed_is_refused_as_any_other(
+    arguments: list[str], capsys: pytest.CaptureFixture[str]
+) -> None:
+    with pytest.raises(SystemExit) as end:
+        main([*arguments, "--json"])
+    out, errors = capsys.readouterr()
+    document = json.loads(out)
+    assert (document["code"], document["exit_code"], end.value.code) == ("usage", 2, 2)
+    assert errors.endswith(f": {document['message']}\n")
+
+
+@pytest.mark.parametrize("beyond", [OverflowError("too large"), RuntimeWarning("overflow"), MemoryError()])
+def test_what_leaves_float64_or_memory_is_refused_as_any_other(
+    beyond: Exception, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def run(_: object) -> int:
+        raise beyond
+
+    monkeypatch.setattr(analyse, "run", run)
+    document = refusal(capsys, "analyse", "a.stl")
+    assert (document["code"], document["exit_code"]) == ("no_answer", 4)
+
+
+def test_a_refusal_that_nobody_reads_stands_on_standard_error(
+    capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def broken(_: object) -> None:
+        raise BrokenPipeError
+
+    monkeypatch.setattr("inertia_cli.main.print_document", broken)
+    monkeypatch.setattr("inertia_cli.main.abandon_output", lambda: None)
+    assert main(["analyse", "nothing.stl", "--json"]) == 3
+    assert capsys.readouterr().err.startswith("inertia: cannot read nothing.stl: ")
+
+
+def test_a_file_that_another_option_names_is_a_place(capsys: pytest.CaptureFixture[str]) -> None:
+    scene = str(path("scenes/t_handle.toml"))
+    document = refusal(capsys, "simulate", scene, "--compare", "nothing.toml", "-o", "never.rrd")
+    assert document["places"] == [scene, "nothing.toml"]
 
 
 def test_without_json_a_refusal_is_one_line(capsys: pytest.CaptureFixture[str]) -> None:

@@ -34,7 +34,7 @@ def run(options: argparse.Namespace) -> int:
         try:
             documents = [json.loads(file_of(options.part).read_text(encoding="utf-8"))]
         except OSError as error:
-            raise ReadError(f"cannot read {options.part}: {error.strerror}") from None
+            raise ReadError(f"cannot read {options.part}: {error.strerror}", code="no_file") from None
         except ValueError:
             raise ReadError(f"cannot read {options.part}: it is no JSON document") from None
     print(cite(*documents), end="")

@@ -10,7 +10,7 @@ import sys
 import warnings
 from collections.abc import Sequence
 from pathlib import Path
-from typing import Any, NoReturn, TextIO
+from typing import NoReturn, TextIO
 
 import inertia
 from inertia.errors import CacheWarning, GeometryError, InertiaError, UsageError, WriteError, visible
@@ -39,6 +39,7 @@ _SIGNED = ("--about", "--spin", "--axis", "--through", "--zero-mark", "--bearing
 _COMMANDS = (
     analyse, check, trade, simulate, tumble, play, balance, measure, audit, assembly, budget, batch, cite, completion,
 )  # fmt: skip
+_UNREAD = "cannot read "
 _CODES = """exit codes:
   0  done
   1  a fault of this program, or the result could not be written
@@ -49,10 +50,20 @@ _CODES = """exit codes:
 """
 
 
+class _Unusable(SystemExit):
+    """A command line that cannot be parsed; its sentence is on standard error."""
+
+    def __init__(self, message: str) -> None:
+        self.message = message
+        super().__init__(UsageError.exit_code)
+
+
 class _Parser(argparse.ArgumentParser):
     def error(self, message: str) -> NoReturn:
         """Leave with one sentence and exit code 2."""
-        self.exit(2, f"{self.prog}: {visible(message)}; see `{self.prog} --help`\n")
+        sentence = f"{visible(message)}; see `{self.prog} --help`"
+        print(f"{self.prog}: {sentence}", file=sys.stderr)
+        raise _Unusable(sentence)
 
 
 def build_parser() -> argparse.ArgumentParser:
@@ -120,10 +131,15 @@ def main(arguments: Sequence[str]) -> int:
     # One thread is plenty for 3×3 matrices, and starting the others costs more than a small part.
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
     parser = build_parser()
-    for argument in arguments:
-        if argument.startswith("--") and argument.endswith("=--"):  # argparse would go on without the value
-            parser.error(f"argument {argument[:-3]}: expected one argument")
-    options = parser.parse_args(_join_names(_join_signed(arguments)))
+    try:
+        for argument in arguments:
+            if argument.startswith("--") and argument.endswith("=--"):  # argparse would go on without the value
+                parser.error(f"argument {argument[:-3]}: expected one argument")
+        options = parser.parse_args(_join_names(_join_signed(arguments)))
+    except _Unusable as unusable:
+        if "--json" in arguments and sys.stdout is not None:
+            _print_refusal(UsageError(), unusable.message, [])
+        raise
     if getattr(options, "live", False):  # what Rerun would print of a viewer that ends is told in a sentence
         os.environ.setdefault("RUST_LOG", "off")
     if sys.stdout is None:
@@ -137,15 +153,10 @@ def main(arguments: Sequence[str]) -> int:
         sys.stdout.flush()
         return code
     except InertiaError as error:
-        message = error.sentence.worded(as_option)
-        placed = isinstance(error, UsageError | WriteError) or visible(options.part) in message
-        message = message if placed else f"{options.part}: {message}"
-        if error.exit_code > FAULT and getattr(options, "json", False):
-            print_document(_refusal(error, message))
-        return _say(message, error.exit_code)
+        return _refuse(error, options)
     except (RuntimeWarning, OverflowError) as beyond:
         message = f"its figures lead beyond what float64 holds ({beyond}): check their sizes and units"
-        return _say(f"{options.part}: {message}", GeometryError.exit_code)
+        return _refuse(GeometryError(message, places=(options.part,)), options)
     except KeyboardInterrupt:
         return _interrupted()
     except BrokenPipeError:
@@ -153,7 +164,7 @@ def main(arguments: Sequence[str]) -> int:
         return 0
     except MemoryError:
         message = f"{options.part} needs more memory than there is: split the part or use a larger machine"
-        return _say(message, GeometryError.exit_code)
+        return _refuse(GeometryError(message), options)
     except OSError as error:
         return _say(f"cannot write the result: {error.strerror or error}", FAULT)
     except Exception as error:
@@ -171,16 +182,40 @@ def main(arguments: Sequence[str]) -> int:
         interruption.running = False
 
 
-def _refusal(error: InertiaError, message: str) -> dict[str, Any]:
-    """Return what is said of a refusal as ``inertia/refusal/1``."""
-    return {
+def _refuse(error: InertiaError, options: argparse.Namespace) -> int:
+    """Say what was refused, with ``--json`` as a document too, and return the exit code."""
+    message = error.sentence.worded(as_option)
+    places = _places(error)
+    if not isinstance(error, UsageError | WriteError) and visible(options.part) not in message:
+        message, places = f"{options.part}: {message}", [options.part, *places]
+    if error.exit_code > FAULT and getattr(options, "json", False):
+        _print_refusal(error, message, places)
+    return _say(message, error.exit_code)
+
+
+def _places(error: InertiaError) -> list[str]:
+    """Return the files and fields at which an error was met, the outermost first."""
+    places = [str(place) for place in error.places]
+    if not places and error.sentence.startswith(_UNREAD):
+        places = [error.sentence.split(": ")[0]]
+    return [place.removeprefix(_UNREAD).removesuffix(" a second time") for place in places]
+
+
+def _print_refusal(error: InertiaError, message: str, places: list[str]) -> None:
+    """Print what is said of a refusal as ``inertia/refusal/1``; where nobody reads it, standard error says it."""
+    document = {
         "schema": "inertia/refusal/1",
         "code": error.code,
         "exit_code": error.exit_code,
         "message": message,
-        "places": [str(place) for place in error.places],
+        "places": places,
         "remedies": [as_option(remedy) for remedy in error.remedies],
     }
+    try:
+        print_document(document)
+        sys.stdout.flush()
+    except OSError:
+        abandon_output()
 
 
 def _interrupted() -> int:

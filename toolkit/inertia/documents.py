@@ -159,7 +159,8 @@ class Document(ABC):
         except ReadError as error:
             raise placed(error, f"cannot read {name}") from None
         except OSError as error:
-            raise ReadError(f"cannot read {name}: {error.strerror or error}: check the path") from None
+            says = f"cannot read {name}: {error.strerror or error}: check the path"
+            raise ReadError(says, code="no_file") from None
         except (UnicodeDecodeError, ValueError):
             article = "an" if cls.noun[0] in "aeio" else "a"
             raise ReadError(

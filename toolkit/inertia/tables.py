@@ -199,7 +199,8 @@ def read_table(path: Path) -> tuple[dict[str, Any], Iterator[dict[str, Any]]]:
             return about, _csv_rows(path, kinds)
         return about, _json_rows(path)
     except OSError as error:
-        raise ReadError(f"cannot read {error.filename or path}: {error.strerror or error}") from None
+        says = f"cannot read {error.filename or path}: {error.strerror or error}"
+        raise ReadError(says, code="no_file") from None
     except (KeyError, ValueError) as error:
         raise ReadError(f"cannot read {path}: it is no table that a batch wrote ({visible(str(error))})") from None
 

@@ -224,7 +224,7 @@ def _records(manifest: str) -> Iterator[Mapping[str, Any]]:
             for row in csv.DictReader(file):
                 yield {name: cell_text(value) for name, value in row.items() if name and value is not None}
     except OSError as error:
-        raise ReadError(f"cannot read {visible(manifest)}: {error.strerror or error}") from None
+        raise ReadError(f"cannot read {visible(manifest)}: {error.strerror or error}", code="no_file") from None
     except (UnicodeDecodeError, csv.Error) as error:
         raise ReadError(f"cannot read {visible(manifest)}: it is no table in UTF-8 ({error})") from None
 

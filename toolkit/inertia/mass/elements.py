@@ -109,7 +109,8 @@ def _points(value: ArrayLike, least: int) -> Float:
         raise UsageError(f"points must have shape (n, 3) with n at least {least}, not {points.shape}")
     if not np.isfinite(points).all():
         row = int(np.argwhere(~np.isfinite(points))[0, 0])
-        raise GeometryError(f"point {row} has the coordinates {points[row].tolist()}, which are not all finite")
+        says = f"point {row} has the coordinates {points[row].tolist()}, which are not all finite"
+        raise GeometryError(says, code="non_finite")
     return points
 
 

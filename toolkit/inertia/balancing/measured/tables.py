@@ -30,7 +30,8 @@ def _rows(file: Path) -> Iterator[tuple[str, str, ReadingFields]]:
     try:
         lines = file.read_text(encoding="utf-8-sig").splitlines()
     except OSError as error:
-        raise ReadError(f"cannot read {file}: {error.strerror or error}: check the path") from None
+        says = f"cannot read {file}: {error.strerror or error}: check the path"
+        raise ReadError(says, code="no_file") from None
     except UnicodeDecodeError:
         raise ReadError(f"cannot read {file}: it is no text in UTF-8: save the table as CSV in UTF-8") from None
     first = next((line for line in lines if line.strip()), "")

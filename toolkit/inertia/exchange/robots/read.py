@@ -46,7 +46,7 @@ def read_robot(path: str | Path) -> Robot:
         with file_of(str(path)).open("rb") as file:
             beginning = file.read(_BEGINNING)
     except OSError as error:
-        raise ReadError(f"cannot read {path}: {error.strerror}") from error
+        raise ReadError(f"cannot read {path}: {error.strerror}", code="no_file") from error
     if beginning.startswith(_UTF_16):
         raise ReadError(
             f"cannot read {path}: it is text in UTF-16, which no program for robots reads: save it as UTF-8"

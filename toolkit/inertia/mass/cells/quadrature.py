@@ -229,7 +229,8 @@ def _frame(cells: Cells, blocks: list[tuple[int, CellBlock]]) -> tuple[Float, in
         node = int(np.argmax(used & ~finite))
         raise GeometryError(
             f"node {node} has the coordinates {tuple(cells.points[node].tolist())}, "
-            "which are not all finite: export the mesh again"
+            "which are not all finite: export the mesh again",
+            code="non_finite",
         )
     if not used.any():
         return np.zeros(3), 0

@@ -125,7 +125,8 @@ def _refuse_non_finite(triangles: Triangles) -> None:
     where = first_non_finite(triangles)
     assert where is not None
     raise GeometryError(
-        f"triangle {where[0]}, corner {where[1]} has a coordinate that is not finite: export the mesh again"
+        f"triangle {where[0]}, corner {where[1]} has a coordinate that is not finite: export the mesh again",
+        code="non_finite",
     )
 
 

@@ -170,7 +170,8 @@ def _refuse_non_finite(triangles: Triangles) -> None:
     value = triangles.corners(face, face + 1)[0, corner]
     raise GeometryError(
         f"triangle {face}, corner {corner} has the coordinates {tuple(value.tolist())}, "
-        "which are not all finite: export the mesh again"
+        "which are not all finite: export the mesh again",
+        code="non_finite",
     )
 
 
