@@ -87,13 +87,15 @@ def run(options: argparse.Namespace) -> int:
 
 def _diff(options: argparse.Namespace) -> int:
     from inertia.assembly.compare import compare
-    from inertia.assembly.document import Assembly
     from inertia.errors import UsageError
     from inertia.report.budget.comparison import comparison_document, comparison_text
 
     others = options.part, options.csv, options.report, options.unit, options.joint or None, options.output
     if options.live or any(other is not None for other in others):
         raise UsageError("--diff takes two assembly files and nothing else but --json: leave the rest out")
-    comparison = compare(*(Assembly.load(file).budget() for file in options.diff))
+    budgets = []
+    for options.part in options.diff:  # what goes wrong is said of that file
+        budgets.append(assembly_of(options).budget())
+    comparison = compare(*budgets)
     show(options.json, lambda: comparison_document(comparison), lambda: comparison_text(comparison))
     return 0

@@ -121,12 +121,12 @@ def _named(text: str) -> tuple[str, str]:
 
 
 def named_number(text: str) -> tuple[str, float]:
-    """Return NAME and a number from ``NAME=KG/M3``, "" without a name."""
+    """Return NAME and a number from ``NAME=NUMBER``, "" without a name."""
     name, value = _named(text)
     try:
         return name, float(value)
     except ValueError:
-        raise argparse.ArgumentTypeError(f"{value!r} is no number of kg/m³") from None
+        raise argparse.ArgumentTypeError(f"{value!r} is no number") from None
 
 
 def _named_estimate(text: str) -> tuple[str, Estimate]:

@@ -85,6 +85,25 @@ def test_what_cannot_be_is_one_sentence(
     assert "Traceback" not in error
 
 
+def test_a_file_that_is_compared_is_named_where_it_cannot_be_read(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    old = tmp_path / "old.toml"
+    old.write_text('part = [{name = "sheet", file = "open.stl"}]')
+    (tmp_path / "open.stl").write_bytes(path("broken/missing_face.stl").read_bytes())
+    assert main(["budget", "--diff", str(old), FAN]) == 4
+    assert capsys.readouterr().err.startswith(f"inertia: {old}: part[0]: open.stl: open: ")
+    assert main(["budget", "--diff", FAN, str(tmp_path / "none.toml")]) == 3
+    assert capsys.readouterr().err.startswith(f"inertia: cannot read {tmp_path / 'none.toml'}: ")
+
+
+def test_a_robot_is_compared_as_the_tree_that_it_carries(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    robot, written = str(path("robots/arm.urdf")), str(tmp_path / "arm.toml")
+    assert main(["assembly", robot, "--to-toml", written]) == 0
+    assert main(["budget", "--diff", robot, written]) == 0
+    assert "No part changed." in capsys.readouterr().out
+
+
 def test_what_changed_is_told_part_by_part(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     text = Path(FAN).read_text(encoding="utf-8")
     text = text.replace("count = 9", "count = 7").replace('name = "screw"', 'name = "bolt"')
