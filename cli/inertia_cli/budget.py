@@ -94,7 +94,8 @@ def _diff(options: argparse.Namespace) -> int:
     if options.live or any(other is not None for other in others):
         raise UsageError("--diff takes two assembly files and nothing else but --json: leave the rest out")
     budgets = []
-    for options.part in options.diff:  # what goes wrong is said of that file
+    for file in options.diff:
+        options.part = file  # what goes wrong is said of it
         budgets.append(assembly_of(options).budget())
     comparison = compare(*budgets)
     show(options.json, lambda: comparison_document(comparison), lambda: comparison_text(comparison))

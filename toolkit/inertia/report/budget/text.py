@@ -72,7 +72,9 @@ def _properties(whole: Budget) -> Iterator[str]:
     bound = properties.error.center_of_mass / float(unit.metres)
     spread = whole.total.sigma.center_of_mass / float(unit.metres)
     yield row("Mass", f"{number(properties.mass)} kg")
-    shown = [figure(cleared(k, bound), u) for k, u in zip(center.tolist(), spread.tolist(), strict=True)]
+    shown = [
+        figure(cleared(k, bound), cleared(u, bound)) for k, u in zip(center.tolist(), spread.tolist(), strict=True)
+    ]
     yield row("Centre of mass", f"{', '.join(shown)} {unit.name}")
     size = float((properties.inertia**2).sum() ** 0.5)
     limit = properties.error.inertia * size if size else 0.0
