@@ -225,3 +225,16 @@ def test_an_assembly_that_is_a_link_to_itself_is_refused(tmp_path: Path, capsys:
     (tmp_path / "outer.toml").write_text('[[part]]\nname = "x"\nassembly = "loop.toml"\n')
     assert main(["budget", str(tmp_path / "outer.toml")]) == 3
     assert "outer.toml: part[0]: cannot read" in capsys.readouterr().err
+
+
+def test_rounding_is_no_uncertainty(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    file = tmp_path / "ring.toml"
+    file.write_text(
+        'part = [{name = "hub", shape = "box", size = [10, 20, 30], material = "steel"}, {name = "pin", '
+        'shape = "cylinder", size = [2, 10], density = "7850±40", at = [20, 0, 0], around = {count = 3, axis = "z"}}]'
+    )
+    assert main(["budget", str(file)]) == 0
+    lines = capsys.readouterr().out.splitlines()
+    assert "Centre of mass    0, 0, 0 mm" in lines
+    assert [line.split()[1:4].count("0") for line in lines if line.lstrip().startswith("±")] == [2, 2, 2]
+    assert lines[-1].split()[-7:] == ["100.0", "0.0", "0.0", "0.0", "100.0", "100.0", "100.0"]

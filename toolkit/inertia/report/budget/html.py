@@ -39,7 +39,7 @@ def budget_html(budget: Budget) -> str:
     ]
     off = properties.error.center_of_mass
     center = [
-        figure(cleared(k, off) / metres, u / metres)
+        figure(cleared(k, off) / metres, cleared(u, off) / metres)
         for k, u in zip(properties.center_of_mass.tolist(), total.sigma.center_of_mass.tolist(), strict=True)
     ]
     environment = templates("inertia.report.budget", clear=lambda k: "0" if abs(k) < 1e-9 else f"{k:.5g}")

@@ -44,6 +44,7 @@ def budget_text(whole: Budget) -> str:
     unit, total = whole.assembly.unit, whole.total
     verdict = "no limits are stated" if whole.verdict is None else whole.verdict.upper()
     share = 100 * total.allowance / total.basic_mass
+    off = _tensor_bound(whole)
     lines = [
         row("Budget", f"{whole.assembly.name}: {verdict}"),
         row("Basic mass", f"{figure(total.basic_mass, total.sigma.mass)} kg"),
@@ -51,12 +52,12 @@ def budget_text(whole: Budget) -> str:
         row("Predicted mass", f"{figure(total.predicted_mass, total.sigma.predicted_mass)} kg"),
         "",
         *_properties(whole),
-        *(f"{'':18}± {_uncertain(total.sigma.inertia[k])}" for k in range(3) if total.sigma.changes.size),
+        *(f"{'':18}± {_uncertain(u, off)}" for u in total.sigma.inertia if total.sigma.changes.size),
         "",
         *(_limit(limit, unit) for limit in whole.limits),
         *([""] if whole.limits else []),
         *_tree(total, unit),
-        *_contributors(total),
+        *_contributors(whole),
         *_notes(whole.notes),
     ]
     return "\n".join(lines)
@@ -76,11 +77,15 @@ def _properties(whole: Budget) -> Iterator[str]:
         figure(cleared(k, bound), cleared(u, bound)) for k, u in zip(center.tolist(), spread.tolist(), strict=True)
     ]
     yield row("Centre of mass", f"{', '.join(shown)} {unit.name}")
-    size = float((properties.inertia**2).sum() ** 0.5)
-    limit = properties.error.inertia * size if size else 0.0
+    limit = _tensor_bound(whole)
     for k, label in enumerate(("Tensor about it", "", "")):
         values = [cleared(value, limit) for value in properties.inertia[k].tolist()]
         yield row(label, columns(values) + ("  kg m²" if k == 0 else ""))
+
+
+def _tensor_bound(whole: Budget) -> float:
+    size = float((whole.properties.inertia**2).sum() ** 0.5)
+    return whole.properties.error.inertia * size if size else 0.0
 
 
 def _tree(total: Line, unit: Unit) -> Iterator[str]:
@@ -142,19 +147,25 @@ def _limit(limit: Limit, unit: Unit) -> str:
     return row("Limit", f"{limit.what} {' and '.join(ends)}{name}: {value}{name}{margin}: {limit.verdict.upper()}")
 
 
-def _contributors(total: Line) -> Iterator[str]:
-    first = contributors(total.sigma, _CONTRIBUTORS)
+def _contributors(whole: Budget) -> Iterator[str]:
+    sigma = whole.total.sigma
+    first = contributors(sigma, _CONTRIBUTORS)
     if not first:
         return
     yield ""
     yield "What the variances are made of, in %:"
     shown = ("mass", *COLUMNS[1:4], "inertia.xx", "inertia.yy", "inertia.zz")
+    bounds = [0.0, *3 * [whole.properties.error.center_of_mass], *3 * [_tensor_bound(whole)]]
+    spread = [sigma.mass, *sigma.center_of_mass.tolist(), *sigma.inertia.diagonal().tolist()]
+    real = [u > bound for u, bound in zip(spread, bounds, strict=True)]  # what is less is rounding
     width = max(len(each["input"]) for each in first)
     yield f"{'':{width}}  " + "  ".join(
         name.removeprefix("center_of_mass.").replace("inertia.", "I").rjust(5) for name in shown
     )
     for each in first:
-        yield f"{each['input']:<{width}}  " + "  ".join(f"{100 * each['share'][name]:5.1f}" for name in shown)
+        yield f"{each['input']:<{width}}  " + "  ".join(
+            f"{100 * each['share'][name] * is_real:5.1f}" for name, is_real in zip(shown, real, strict=True)
+        )
 
 
 def _notes(notes: tuple[str, ...]) -> Iterator[str]:
@@ -175,6 +186,6 @@ def figure(value: float, uncertainty: float) -> str:
     return f"{fixed(value, places)} ± {fixed(reach, places)} (95 %)"
 
 
-def _uncertain(values: Float) -> str:
-    words = ("0" if value == 0 else f"{COVERAGE * value:.2e}" for value in values.tolist())
+def _uncertain(values: Float, bound: float) -> str:
+    words = (f"{COVERAGE * value:.2e}" if value > bound else "0" for value in values.tolist())
     return "".join(f"{word:>{18 if k else 16}}" for k, word in enumerate(words)) + "  (95 %)"
