@@ -128,7 +128,7 @@ def _table(options: argparse.Namespace, folder: Path) -> tuple[dict[str, Any], t
 
     path = Path(options.part)
     if path.suffix.lower() in _OWN:
-        raise UsageError("--joint and --unit are for files that carry a tree: an assembly file has its own")
+        raise UsageError("--to-toml, --joint and --unit are for files that carry a tree: an assembly file has its own")
     if path.suffix.lower() in _ROBOTS:
         if options.unit:
             raise UsageError(f"{options.part} is a robot, whose lengths are in metres: leave --unit out")

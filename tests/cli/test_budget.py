@@ -238,3 +238,11 @@ def test_rounding_is_no_uncertainty(tmp_path: Path, capsys: pytest.CaptureFixtur
     assert "Centre of mass    0, 0, 0 mm" in lines
     assert [line.split()[1:4].count("0") for line in lines if line.lstrip().startswith("±")] == [2, 2, 2]
     assert lines[-1].split()[-7:] == ["100.0", "0.0", "0.0", "0.0", "100.0", "100.0", "100.0"]
+
+
+def test_what_a_file_does_not_take_is_said_in_its_words(capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["assembly", FAN, "--to-toml"]) == 2
+    assert "--to-toml, --joint and --unit are for files that carry a tree" in capsys.readouterr().err
+    with pytest.raises(SystemExit):
+        main(["assembly", str(path("robots/arm.urdf")), "--joint", "shoulder=x"])
+    assert "'x' is no number;" in capsys.readouterr().err
