@@ -23,11 +23,13 @@ from inertia.mesh.geometry.closure import Closure, closure
 from inertia.mesh.geometry.intersect import crossings, to_be_examined
 from inertia.mesh.geometry.shells import Shell, absolute_orientation, all_apart, shells
 from inertia.mesh.geometry.shells import bodies as bodies_of
+from inertia.mesh.geometry.simple import at_hand, simple
 from inertia.mesh.part import Cells, Facets, Part, Regions, Surface, Triangles, counts_once, usable
 from inertia.mesh.shape import Solid
 
 _WIRE = Remedy("analyse", "wire", "AREA")
 _ANY_WIRE = Remedy("analyse", "wire")
+_SMALL = 2048
 
 _CELL_METHODS: dict[Literal["float64", "double-double"], str] = {
     "float64": "float64 quadrature exact for each cell's map, a-priori bound",
@@ -158,7 +160,7 @@ def surface_integrals(
         return
     examined = not shell and to_be_examined(triangles, intersections, topology.crowded)
     report = None
-    if examined and not proven and crossings(triangles, limit=1).total:
+    if examined and not proven and not _simple(triangles, topology) and crossings(triangles, limit=1).total:
         report = _sound(part, intersections, parts, allowance, absolute)
     integral = Integral(
         groups=(),
@@ -187,6 +189,15 @@ def surface_integrals(
             yield replace(integral, groups=groups, method=METHODS[arithmetic], doubts=doubts)
         elif arithmetic == tries[-1]:
             refuse_flat(part, whole, extents)
+
+
+def _simple(triangles: Triangles, topology: Closure) -> bool:
+    """Say whether one pass shows a small surface to be free of crossings; larger ones in no order are as fast without."""
+    if triangles.count > _SMALL or topology.components != 1 or topology.open_edges or not at_hand():
+        return False
+    count = triangles.count
+    corners, faces = triangles.corners().reshape(-1, 3), np.arange(3 * count).reshape(-1, 3)
+    return bool(simple(corners, faces, np.array([[0, 3 * count, 0, count]]))[0])
 
 
 def _sound(part: Part, intersections: bool | None, parts: Parts, allowance: float, turned: bool) -> Report:

@@ -26,6 +26,7 @@ from inertia.mass.double_words import Pair
 from inertia.mass.moments import PAIRS
 from inertia.mass.properties import CERTAIN
 from inertia.mass.small import small_sums
+from inertia.mass.triangles.kernels import BLOCK
 from inertia.mass.triangles.sums import SUMS
 from inertia.mesh.geometry.simple import at_hand
 from inertia.mesh.part import Part
@@ -118,6 +119,7 @@ def many(
     done = np.zeros(len(points), bool)
     if at_hand() and len(points):
         meshes = _stacked(points, corners, shared)
+        meshes[2][meshes[2][:, 3] > BLOCK, 3] = 0  # which are not summed in one pass, and so not checked here
         rows, usable = small_sums(*meshes)
         which = np.flatnonzero(usable & (rows[:, 3] > 0))
         with np.errstate(all="ignore"):

@@ -53,8 +53,19 @@ class Moments:
     @cached_property
     def error_norms(self) -> tuple[Fraction, Fraction]:
         """Bounds on the norms of the errors of `first` and of the inertia tensor; see `norms`."""
-        elements = norm_above(self.first_bound), inertia_bound(self.second_bound)
-        return elements if self.norms is None else (min(self.norms[0], elements[0]), min(self.norms[1], elements[1]))
+        tensor = norm_above(k for row in self.tensor_bounds for k in row)
+        return self.first_norm, tensor if self.norms is None else min(self.norms[1], tensor)
+
+    @cached_property
+    def first_norm(self) -> Fraction:
+        """Bound on the norm of the error of `first`; see `norms`."""
+        elements = norm_above(self.first_bound)
+        return elements if self.norms is None else min(self.norms[0], elements)
+
+    @cached_property
+    def tensor_bounds(self) -> list[list[Fraction]]:
+        """Bounds on the elements of the error of the inertia tensor of `second`."""
+        return inertia_bounds(self.second_bound)
 
     def scaled(self, factor: Fraction) -> Moments:
         """Return the moments of the same shape with `factor` times the density."""
@@ -98,15 +109,18 @@ class Moments:
 
         The zeroth moment's own unit is the caller's: it is a volume, an area, a length or a mass.
         """
+        if metres == 1:
+            return self
+        square = metres**2
         return Moments(
             vector(metres * k for k in self.origin),
             self.zeroth,
             vector(metres * k for k in self.first),
-            six(metres**2 * k for k in self.second),
+            six(square * k for k in self.second),
             self.zeroth_bound,
             vector(metres * k for k in self.first_bound),
-            six(metres**2 * k for k in self.second_bound),
-            self.norms and (metres * self.norms[0], metres**2 * self.norms[1]),
+            six(square * k for k in self.second_bound),
+            self.norms and (metres * self.norms[0], square * self.norms[1]),
         )
 
     def about(self, point: Sequence[Fraction]) -> Moments:
@@ -253,7 +267,7 @@ class Moments:
             raise ZeroDivisionError
         c = [f / self.zeroth for f in self.first]
         bounds = (b + abs(k) * self.zeroth_bound for k, b in zip(c, self.first_bound, strict=True))
-        return min(norm_above(bounds), self.error_norms[0] + norm_above(c) * self.zeroth_bound) / least
+        return min(norm_above(bounds), self.first_norm + norm_above(c) * self.zeroth_bound) / least
 
     def central(self) -> Moments:
         """Return the moments about the centroid, with bounds on ∫x xᵀ that hold for the *true* centroid.
@@ -316,7 +330,9 @@ def inertia_tensor(second: Six) -> list[list[Fraction]]:
 
 def inertia_bounds(bound: Six) -> list[list[Fraction]]:
     """Return bounds on the elements of the tensor's error, from the bounds on the second moments."""
-    return [[_rounded_up(abs(k)) for k in row] for row in inertia_tensor(bound)]
+    xx, yy, zz, yz, zx, xy = bound
+    a, b, c, d, e, f = (_rounded_up(abs(k)) for k in (yy + zz, zz + xx, xx + yy, yz, zx, xy))
+    return [[a, f, e], [f, b, d], [e, d, c]]
 
 
 def inertia_bound(bound: Six) -> Fraction:

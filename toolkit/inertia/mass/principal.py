@@ -13,7 +13,7 @@ from numpy.typing import ArrayLike
 from inertia.arrays import Float
 from inertia.errors import UNIT, GeometryError, UsageError
 from inertia.mass.eigen import Spectrum, spectrum
-from inertia.mass.moments import Moments, inertia_bounds, inertia_tensor
+from inertia.mass.moments import Moments, inertia_tensor
 from inertia.mass.tensor import array_of
 
 InertiaClass = Literal["spherical", "prolate", "oblate", "asymmetric", "rotor"]
@@ -86,7 +86,7 @@ def spectrum_of_moments(central: Moments) -> Spectrum:
 
     Each second moment has a bound of its own, so that the errors across a needle count as small as they are.
     """
-    return spectrum(inertia_tensor(central.second), inertia_bounds(central.second_bound), central.error_norms[1])
+    return spectrum(inertia_tensor(central.second), central.tensor_bounds, central.error_norms[1])
 
 
 def principal_of(eigen: Spectrum, tolerance: float = CLASS_TOLERANCE) -> Principal:

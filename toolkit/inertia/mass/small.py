@@ -19,8 +19,9 @@ from inertia.arrays import Bool, Float, Int
 from inertia.errors import GeometryError
 from inertia.mass.properties import CERTAIN, MassProperties
 from inertia.mass.triangles.arithmetic import METHODS, solid_moments
+from inertia.mass.triangles.kernels import BLOCK
 from inertia.mass.triangles.moments_from_sums import FLOAT64
-from inertia.mass.triangles.sums import SUMS, Sums
+from inertia.mass.triangles.sums import SUMS, Sums, sum_triangles
 from inertia.mesh.geometry.simple import MOST, at_hand, place, simple
 from inertia.mesh.part import Surface
 from inertia.native import Kernel
@@ -74,11 +75,19 @@ def small_properties(surface: Surface, unit: Unit, density: float) -> MassProper
     vertices, faces = surface.vertices, surface.faces
     if not 0 < len(faces) <= MOST or not at_hand():
         return None
-    rows, usable = small_sums(vertices, faces, np.array([[0, len(vertices), 0, len(faces)]]))
-    if not usable[0]:
+    table = np.array([[0, len(vertices), 0, len(faces)]])
+    if len(faces) <= BLOCK:
+        rows, usable = small_sums(vertices, faces, table)
+        own = rows[0]
+        sums = Sums(own[:3], 0, own[3 : 3 + SUMS], own[3 + SUMS : 6 + SUMS], own[6 + SUMS : 9 + SUMS], len(faces))
+    else:
+        usable = simple(vertices, faces, table)
+        if usable[0]:
+            sums = sum_triangles(surface)
+            own = np.concatenate([sums.origin, sums.sums, sums.low, sums.high])
+    if not usable[0] or sums.exponent:
         return None
-    row, own = rows[0].tolist(), rows[0]
-    sums = Sums(own[:3], 0, own[3 : 3 + SUMS], own[3 + SUMS : 6 + SUMS], own[6 + SUMS : 9 + SUMS], len(faces))
+    row = own.tolist()
     solid = SmallSolid(vertices.copy(), faces.copy(), sums, unit, density)  # which may be written to meanwhile
     if not row[3] > 0:
         return None

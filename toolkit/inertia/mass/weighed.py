@@ -118,6 +118,8 @@ class Weighed:
     def mean_density(self) -> Fraction:
         """The mean density by volume, kg/m³."""
         groups = self.integral.groups
+        if len(groups) == 1:
+            return self.weights[0]
         volume = sum((group.moments.zeroth for group in groups), ZERO)
         return sum((w * g.moments.zeroth for w, g in zip(self.weights, groups, strict=True)), ZERO) / volume
 

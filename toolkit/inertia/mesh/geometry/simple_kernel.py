@@ -14,8 +14,8 @@ from numba.extending import intrinsic
 
 from inertia.mesh.geometry.crossing_kernel import ORIENT3D, SIDE, SMALLEST, TERMS, UNDERFLOW, cross
 
-MOST = 1024
-"""Triangles of a surface, at most."""
+MOST = 4096
+"""Triangles of a surface that there is room for; a power of two."""
 
 CORNERS = 3 * MOST
 SLOTS = 8 * MOST
