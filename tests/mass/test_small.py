@@ -68,15 +68,37 @@ def test_the_same_bits_bounds_and_sentences_as_the_whole_analysis() -> None:
     assert kinds == {str, tuple}
 
 
+@pytest.mark.parametrize("count", [900, 1100, 2000, 3000, 3300])
+@pytest.mark.parametrize("fault", ["", "open", "inward", "crossing", "shuffled", "two"])
+def test_the_same_bits_and_sentences_around_the_sizes_where_other_ways_begin(count: int, fault: str) -> None:
+    vertices, faces = wavy_torus(count)
+    if fault == "open":
+        faces = faces[1:]
+    elif fault == "inward":
+        faces = faces[:, ::-1]
+    elif fault == "crossing":
+        vertices[faces[0, 0]] *= -2.0
+    elif fault == "shuffled":
+        faces = np.random.default_rng(count).permutation(faces)
+    elif fault == "two":
+        faces = np.concatenate([faces, faces + len(vertices)])
+        vertices = np.concatenate([vertices, vertices + 100.0])
+    part = inertia.Part.from_arrays(vertices, np.ascontiguousarray(faces), unit="mm")
+    quick = answer(lambda: inertia.mass_properties(part, 7850.0))
+    assert isinstance(quick, str) == (fault in ("open", "inward", "crossing"))
+    assert quick == answer(lambda: inertia.analyse(part, 7850.0).properties)
+
+
 @here
-def test_a_small_solid_is_answered_without_the_whole_analysis(monkeypatch: pytest.MonkeyPatch) -> None:
-    part = inertia.Part.from_arrays(*ball(2))
+@pytest.mark.parametrize("mesh", [ball(2), wavy_torus(1100), wavy_torus(2900)], ids=["320", "1100", "2900"])
+def test_a_small_solid_is_answered_without_the_whole_analysis(mesh: Mesh, monkeypatch: pytest.MonkeyPatch) -> None:
+    part = inertia.Part.from_arrays(*mesh)
     monkeypatch.setattr(module, "analyse", lambda *_, **__: pytest.fail("the whole analysis ran"))
     for statement in ({}, {"density": 2.5}, {"material": "steel"}, {"density": {"": 3}}):
         assert inertia.mass_properties(part, **statement).mass > 0  # type: ignore[arg-type]
 
 
-@pytest.mark.parametrize("count", [60, 200, 1000])
+@pytest.mark.parametrize("count", [60, 200, 1000, 2000])
 def test_bounds_cover_the_exact_moments(count: int) -> None:
     for seed in range(3):
         vertices, faces = wavy_torus(count)
