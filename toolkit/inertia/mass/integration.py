@@ -29,7 +29,7 @@ from inertia.mesh.shape import Solid
 
 _WIRE = Remedy("analyse", "wire", "AREA")
 _ANY_WIRE = Remedy("analyse", "wire")
-_SMALL = 2048
+_SMALL = 2048  # triangles; of more, in no order, looking for crossings takes less time
 
 _CELL_METHODS: dict[Literal["float64", "double-double"], str] = {
     "float64": "float64 quadrature exact for each cell's map, a-priori bound",
@@ -192,7 +192,7 @@ def surface_integrals(
 
 
 def _simple(triangles: Triangles, topology: Closure) -> bool:
-    """Say whether one pass shows a small surface to be free of crossings; larger ones in no order are as fast without."""
+    """Say whether one pass shows a small surface to be free of crossings."""
     if triangles.count > _SMALL or topology.components != 1 or topology.open_edges or not at_hand():
         return False
     count = triangles.count
