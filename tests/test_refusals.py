@@ -135,6 +135,20 @@ def test_a_refusal_that_nobody_reads_stands_on_standard_error(
     assert capsys.readouterr().err.startswith("inertia: cannot read nothing.stl: ")
 
 
+def test_points_of_volume_meshes_that_are_not_finite_have_the_code_of_those_of_surfaces(tmp_path: Path) -> None:
+    file = tmp_path / "a.vtk"
+    file.write_text(
+        "# vtk DataFile Version 3.0\na\nASCII\nDATASET UNSTRUCTURED_GRID\nPOINTS 4 double\n"
+        "0 0 0 1 0 0 0 1 0 0 0 nan\nCELLS 1 5\n4 0 1 2 3\nCELL_TYPES 1\n10\n"
+    )
+    with pytest.raises(ReadError) as refused:
+        inertia.read(file)
+    assert refused.value.code == "non_finite"
+    with pytest.raises(GeometryError) as refused:
+        inertia.lamina([[0, 0, 0], [1, 0, 0], [0, np.nan, 0]], 1)
+    assert refused.value.code == "non_finite"
+
+
 def test_a_file_that_another_option_names_is_a_place(capsys: pytest.CaptureFixture[str]) -> None:
     scene = str(path("scenes/t_handle.toml"))
     document = refusal(capsys, "simulate", scene, "--compare", "nothing.toml", "-o", "never.rrd")

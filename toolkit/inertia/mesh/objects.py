@@ -25,7 +25,7 @@ def part_of(mesh: Any, unit: str | None = None) -> Part:
     library = next((kind.__module__.partition(".")[0] for kind in type(mesh).__mro__ if _known(kind)), "")
     if not library:
         raise UsageError(
-            f"a {type(mesh).__name__} is no file and no mesh: give a path, or a mesh of {', '.join(_READERS)}"
+            f"{type(mesh).__name__} is no file and no mesh: give a path, or a mesh of {', '.join(_READERS)}"
         )
     return _READERS[library](mesh, unit)
 

@@ -152,7 +152,7 @@ def _require_face(face: Face) -> None:
         for trim in loop:
             require_curve(trim.curve)
             if not (math.isfinite(trim.start) and math.isfinite(trim.stop)):
-                raise GeometryError("a trimming curve has an end that is not finite")
+                raise GeometryError("a trimming curve has an end that is not finite", code="non_finite")
 
 
 def _samples(face: Face) -> Float:
@@ -162,13 +162,13 @@ def _samples(face: Face) -> Float:
     t = np.array([trim.start + (trim.stop - trim.start) * shares for trim in trims])
     uv, _ = walk(trims, np.repeat(np.arange(len(trims)), 5), t.ravel())
     if not np.isfinite(uv).all():
-        raise GeometryError("a trimming curve is not finite")
+        raise GeometryError("a trimming curve is not finite", code="non_finite")
     low, high = uv.min(axis=0), uv.max(axis=0)
     inner = low + (high - low) * np.stack(np.meshgrid(shares, shares), axis=-1).reshape(-1, 2)
     both = np.concatenate([uv, inner])
     points: Float = surface_jets(face.patch, both[:, 0], both[:, 1])[0]
     if not np.isfinite(points).all():
-        raise GeometryError("it has a point that is not finite")
+        raise GeometryError("it has a point that is not finite", code="non_finite")
     return points
 
 

@@ -26,7 +26,7 @@ def require_spline(spline: Spline) -> None:
     weights = spline.weights
     arrays = (*spline.knots, spline.poles, *(() if weights is None else (weights,)))
     if not all(np.isfinite(array).all() for array in arrays):
-        raise GeometryError("its spline holds a number that is not finite")
+        raise GeometryError("its spline holds a number that is not finite", code="non_finite")
     for axis, (degree, knots) in enumerate(zip(spline.degrees, spline.knots, strict=True)):
         count = spline.poles.shape[axis]
         if degree < 1 or count <= degree or len(knots) != count + degree + 1 or (np.diff(knots) < 0).any():

@@ -187,4 +187,4 @@ def _require(kind: str, frame: Float, sizes: tuple[float, ...]) -> None:
     if len(sizes) < _FIGURES.get(kind, 0):
         raise GeometryError(f"its {kind} lacks a size")
     if not (np.isfinite(frame).all() and np.isfinite(sizes).all()):
-        raise GeometryError(f"its {kind} holds a number that is not finite")
+        raise GeometryError(f"its {kind} holds a number that is not finite", code="non_finite")

@@ -83,7 +83,8 @@ def _points(points: NDArray[Any]) -> Float:
     flat[:, : points.shape[1]] = points
     bad = first_bad_point(flat)
     if bad is not None:
-        raise ReadError(f"point {bad} is {list(map(float, flat[bad]))}, which is not finite: export the mesh again")
+        says = f"point {bad} is {list(map(float, flat[bad]))}, which is not finite: export the mesh again"
+        raise ReadError(says, code="non_finite")
     return flat
 
 

@@ -166,7 +166,7 @@ def finite_numbers(element: Element, what: str) -> Float:
     """Return the numbers in an element, once they are known to be finite."""
     values: Float = numbers((element.text or "").encode(), np.float64, what)
     if not np.isfinite(values).all():
-        raise ReadError(f"{what} hold a number that is not finite: export it again")
+        raise ReadError(f"{what} hold a number that is not finite: export it again", code="non_finite")
     return values
 
 
