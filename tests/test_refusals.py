@@ -149,6 +149,19 @@ def test_points_of_volume_meshes_that_are_not_finite_have_the_code_of_those_of_s
     assert refused.value.code == "non_finite"
 
 
+@pytest.mark.parametrize(
+    "arguments", [["balance", str(path("rotors/disc.toml"))], ["assembly", str(path("robots/arm.urdf"))]]
+)
+def test_a_file_of_toml_is_no_document(arguments: list[str], capsys: pytest.CaptureFixture[str]) -> None:
+    document = refusal(capsys, *arguments, "--to-toml")
+    assert document["message"] == "--to-toml has no room for --json: leave one of them out"
+
+
+def test_an_assembly_file_is_not_written_as_one_again(capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["assembly", str(path("assemblies/fan.toml")), "--to-toml"]) == 2
+    assert "--to-toml" in capsys.readouterr().err
+
+
 def test_a_file_that_another_option_names_is_a_place(capsys: pytest.CaptureFixture[str]) -> None:
     scene = str(path("scenes/t_handle.toml"))
     document = refusal(capsys, "simulate", scene, "--compare", "nothing.toml", "-o", "never.rrd")

@@ -101,6 +101,8 @@ def run(options: argparse.Namespace) -> int:
     if options.to_toml is not None and (options.output is not None or options.live):
         raise UsageError("--to-toml writes an assembly file and records nothing: leave --output and --live out")
     if options.to_toml is not None:
+        if options.json:
+            raise UsageError("--to-toml has no room for --json: leave one of them out")
         return _to_toml(options)
     from inertia.report.budget.document import assembly_document
     from inertia.report.budget.text import assembly_text

@@ -186,6 +186,8 @@ def _balance(rotor: Rotor, options: argparse.Namespace) -> int:
     if options.time is not None:
         rotor = rotor.planned_in(options.time)
     if options.to_toml:
+        if options.json:
+            raise UsageError("--to-toml has no room for --json: leave one of them out")
         print(rotor.to_toml(), end="")
         return 0
     for file, suffix in ((options.csv, ".csv"), (options.report, ".html"), (options.cut_part, ".stl")):
