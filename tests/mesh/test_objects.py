@@ -76,7 +76,7 @@ def test_pyvista_there_and_back() -> None:
 
 
 def test_anything_else_is_refused_in_a_sentence() -> None:
-    with pytest.raises(inertia.UsageError, match="^ndarray is no file and no mesh: give a path, or a mesh of trimesh"):
+    with pytest.raises(inertia.UsageError, match=r"^ndarray is no file and no mesh: give a path, or a mesh of trimesh"):
         inertia.read(np.zeros((3, 3)))
     with pytest.raises(inertia.UsageError, match="a CellBlock is no mesh"):
         inertia.read(meshio.CellBlock("triangle", np.array([[0, 1, 2]])))
