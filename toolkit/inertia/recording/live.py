@@ -49,14 +49,20 @@ def to_viewer(application: str, blueprint: rrb.Blueprint, second: float = 1.0) -
     host, port = VIEWER
     stream = rr.RecordingStream(application)
     prepare(stream)
-    stream.connect_grpc(f"rerun+http://{host}:{port}/proxy", default_blueprint=blueprint)
     try:
+        with _patience() as silence:
+            stream.connect_grpc(f"rerun+http://{host}:{port}/proxy", default_blueprint=blueprint)
+        if silence:
+            raise _lost(silent=True)
         yield Recording(stream, second, _send)
         _send(stream)
     except BaseException:
-        _end(stream)
+        with _patience():
+            stream.disconnect()
         raise
-    if not _end(stream):
+    with _patience() as silence:
+        stream.disconnect()
+    if silence:
         raise _lost(silent=True)
 
 
@@ -69,20 +75,23 @@ def _send(stream: rr.RecordingStream) -> None:
         raise _lost(silent="timed out" in str(error)) from None
 
 
-def _end(stream: rr.RecordingStream) -> bool:
-    """Close a stream when the viewer has all; hang up, and say no, where that takes too long: it waits for ever."""
-    done = threading.Event()
-    late = []
+@contextlib.contextmanager
+def _patience() -> Iterator[list[float]]:
+    """Hang up, as often as it takes, where what is done within waits for ever; the list says for how long it waited."""
+    done, silence = threading.Event(), list[float]()
 
     def watch() -> None:
-        if not done.wait(PATIENCE):
-            late.append(True)
+        while not done.wait(PATIENCE):
+            silence.append(PATIENCE)
             _hang_up()
 
-    threading.Thread(target=watch, daemon=True).start()
-    stream.disconnect()
-    done.set()
-    return not late
+    watcher = threading.Thread(target=watch, daemon=True)
+    watcher.start()
+    try:
+        yield silence
+    finally:
+        done.set()
+        watcher.join()
 
 
 def _lost(*, silent: bool) -> ViewerError:
