@@ -313,7 +313,7 @@ def test_draws_are_written_as_a_table(suffix: str, capsys: pytest.CaptureFixture
         (("--vary", "body.mass=±1%"), "body.mass is not stated"),
         (("--vary", "start.angular_velocity[0]=1..2", "--vary", "start.angular_velocity[0]=1"), "given twice"),
         (("--vary", "start.angular_velocity[0]=1..2", "--live"), "--live is of one run"),
-        (("--vary", "start.angular_velocity[0]=1..2", "-o", "a.rrd"), "must end in .csv or .parquet"),
+        (("--vary", "start.angular_velocity[0]=1..2", "-o", "a.rrd"), "must end in .csv, .npz or .parquet"),
         (("--vary", "start.angular_velocity[0]=1..2", "--samples", "1"), "--samples"),
     ],
 )
@@ -345,7 +345,7 @@ def test_series_are_written_beside_a_recording_and_all_or_none(
 @pytest.mark.parametrize(
     ("names", "says"),
     [
-        (["run.txt"], "run.txt: its name must end in .rrd or .csv or .npz or .parquet"),
+        (["run.txt"], "run.txt: its name must end in .rrd, .csv, .npz or .parquet"),
         (["run.csv", "./run.csv"], "run.csv is named twice: every result needs a file of its own"),
     ],
 )

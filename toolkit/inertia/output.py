@@ -88,7 +88,8 @@ def require_writable(file: str | os.PathLike[str], *suffixes: str, force: bool =
     """
     path = Path(file)
     if suffixes and path.suffix.lower() not in suffixes:
-        raise UsageError(f"cannot write {path}: its name must end in {' or '.join(suffixes)}")
+        names = " or ".join(filter(None, [", ".join(suffixes[:-1]), suffixes[-1]]))
+        raise UsageError(f"cannot write {path}: its name must end in {names}")
     if path.is_dir():
         raise UsageError(f"cannot write {path}: it is a directory")
     if path.exists() and not path.is_file():
