@@ -31,6 +31,24 @@ def run_of(base: dict[str, Any] = PLAIN, **changes: Any) -> Run:
     return simulate(scene(base, **changes))
 
 
+@pytest.mark.parametrize(
+    "body",
+    [
+        inertia.lamina([[0, 0], [0.8, 0], [0.8, 0.3], [0.3, 0.7]], 2.0),
+        inertia.wire([[0, 0, 0], [0.8, 0, 0]], 0.2) + inertia.wire([[0.8, 0, -0.1], [0.8, 0, 0.1]], 3.0),
+        inertia.lamina([[0, 0], [1, 0], [1, 1], [0, 1]], 1.0),
+    ],
+)
+def test_what_is_flat_is_followed_with_the_bounds_of_its_tensor(body: inertia.MassProperties) -> None:
+    """I1 + I2 = I3 to the last digit: a tensor within its bounds whose largest moment is larger is none of a body."""
+    run = simulate(Scene(SceneBody.of(body), Start(np.array([0.3, 1.0, 2.0])), Settings(1.0, 11)))
+    truth = rotate(tuple(body.principal_moments.tolist()), (0.3, 1.0, 2.0), run.time.tolist())
+    turned = quaternion.from_matrix(body.principal_axes)
+    carried = quaternion.multiply(quaternion.multiply(quaternion.conjugate(turned), run.attitude), turned)
+    assert 0 < run.error.inputs < 1e-13
+    assert truth.attitude_error(carried).max() <= run.error.reached + run.error.inputs + 1e-15
+
+
 def test_a_free_body_is_followed_to_the_accuracy_asked() -> None:
     run = run_of(start__attitude=TURN, run__accuracy=1e-13)
     truth = rotate((1, 2, 3), (0.3, 1.0, 2.0), run.time.tolist(), attitude=TURN)

@@ -101,11 +101,15 @@ class FreeBody(Model):
 def _tensors_parted(moments: Float, angular_velocity: Float, time: Float, nudge: float) -> Float:
     """Return (n,) how far the attitude moves for a relative change of the tensor of one.
 
-    Element ij changes by a part of √(Ii Ij), as it does in a needle too; ω along the part stays.
+    Element ij changes by a part of √(Ii Ij), as it does in a needle too; ω along the part stays. What is flat has no
+    neighbour whose largest moment is larger, but one whose is smaller.
     """
     from inertia.dynamics.models.free.motion import free_motion
 
     size = np.sqrt(np.outer(moments, moments))
+    largest = int(moments.argmax())
+    if moments[largest] * (2.0 + nudge) > moments.sum():
+        size[largest, largest] *= -1.0
     change = np.zeros((6, 3, 3))
     for k, (i, j) in enumerate(((0, 0), (1, 1), (2, 2), (1, 2), (2, 0), (0, 1))):
         change[k, i, j] = change[k, j, i] = size[i, j] * nudge * (1.0 if i == j else math.sqrt(0.5))
