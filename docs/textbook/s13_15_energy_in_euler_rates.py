@@ -2,23 +2,26 @@ r"""
 13.15 Kinetic energy in Euler rates
 ===================================
 
-The kinetic energy of a rotation is :math:`T = \tfrac12 \sum_i I_i \omega_i^2`, with :math:`\omega` along the principal
-axes. Lagrange's method wants it in terms of the Euler angles and their rates. Putting in the components of § 13.14,
+The kinetic energy of a rotation is :math:`T = \tfrac{1}{2} \sum_i I_i \omega_i^2`, with :math:`\omega` along the
+principal axes. Lagrange's method wants it in terms of the Euler angles and their rates. Putting in the components of
+§ 13.14,
 
 .. math::
 
-   T = \tfrac12 \bigl[ I_1 (\dot\phi \sin\theta \sin\psi + \dot\theta \cos\psi)^2
-     + I_2 (\dot\phi \sin\theta \cos\psi - \dot\theta \sin\psi)^2
-     + I_3 (\dot\phi \cos\theta + \dot\psi)^2 \bigr].
+   \begin{aligned}
+   2T = {} & I_1 (\dot\phi\, \sin\theta\, \sin\psi + \dot\theta\, \cos\psi)^2 \\
+     & + I_2 (\dot\phi\, \sin\theta\, \cos\psi - \dot\theta\, \sin\psi)^2 \\
+     & + I_3 (\dot\phi\, \cos\theta + \dot\psi)^2 .
+   \end{aligned}
 
-Each bracket is the spin about one principal axis. As a free body tumbles, energy moves from one bracket to another;
-their sum stays.
+Each line is the spin about one principal axis. As a free body tumbles, energy moves from one line to another; their
+sum stays.
 """
 
 # %%
 # One attitude and three rates are enough to try the formula by hand: at φ = 30°, θ = 60°, ψ = 90° and rates of 4, 2 and
 # 6 rad/s, :math:`\omega = (2\sqrt3, -2, 8)` rad/s. For moments of 1, 2 and 3 kg m² this is
-# :math:`\tfrac12 (12 + 8 + 192) = 106` J.
+# :math:`\tfrac{1}{2} (12 + 8 + 192) = 106` J.
 
 import matplotlib.pyplot as plt
 import numpy as np
@@ -32,7 +35,7 @@ assert abs(by_hand - 106) < 1e-12 * 106
 
 # %%
 # Now the same body thrown up with :math:`\omega = (1, 1.5, 0.5)` rad/s. The run states its attitude; the Euler angles
-# and their rates follow from it, and the three brackets from them.
+# and their rates follow from it, and the three lines of the formula from them.
 
 scene = inertia.Scene.from_dict(
     {
@@ -56,12 +59,12 @@ about_3 = 0.5 * 3.0 * (phi_rate * np.cos(theta) + psi_rate) ** 2
 
 total = 0.5 * (1 * 1.0**2 + 2 * 1.5**2 + 3 * 0.5**2)  # J, at the start
 drift = np.abs(about_1 + about_2 + about_3 - total).max() / total
-print(f"T = {total} J at the start; the sum of the three brackets stays within {drift:.0e} of it")
-print(f"meanwhile φ̇ goes from {phi_rate.min():.2f} to {phi_rate.max():.2f} rad/s")
+print(f"T = {total} J at the start; the sum of the three lines stays within {drift:.0e} of it")
+print(f"meanwhile the rate of φ goes from {phi_rate.min():.2f} to {phi_rate.max():.2f} rad/s")
 assert drift < 1e-12
 
 # %%
-# The brackets stacked on one another: their upper edge is level. Where the body nearly spins about axis 2 alone, the
+# The three stacked on one another: their upper edge is level. Where the body nearly spins about axis 2 alone, the
 # middle band takes up almost all of it.
 #
 # *To try:* start at :math:`\theta = 0.05` instead of 1.2. The rates of :math:`\phi` and :math:`\psi` grow large and

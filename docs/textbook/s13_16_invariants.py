@@ -7,8 +7,10 @@ other components along the body's axes than along those of the room, but its squ
 
 .. math::
 
-   \omega^2 = \omega_1^2 + \omega_2^2 + \omega_3^2 = \omega_x^2 + \omega_y^2 + \omega_z^2
-            = \dot\phi^2 + \dot\theta^2 + \dot\psi^2 + 2 \dot\phi \dot\psi \cos\theta .
+   \begin{aligned}
+   \omega^2 & = \omega_1^2 + \omega_2^2 + \omega_3^2 = \omega_x^2 + \omega_y^2 + \omega_z^2 \\
+            & = \dot\phi^2 + \dot\theta^2 + \dot\psi^2 + 2 \dot\phi \dot\psi\, \cos\theta .
+   \end{aligned}
 
 The last form shows the Euler rates to be no ordinary components: the axes of :math:`\phi` and :math:`\psi` are
 :math:`\theta` apart, not at right angles.
@@ -23,12 +25,13 @@ import numpy as np
 
 import inertia
 
+moments, start = np.array([1.0, 2.0, 3.0]), np.array([1.0, 1.5, 0.5])  # kg m², rad/s
 run = inertia.simulate(
     inertia.Scene.from_dict(
         {
-            "body": {"principal_moments": [1.0, 2.0, 3.0]},
+            "body": {"principal_moments": moments},
             "start": {
-                "angular_velocity": [1.0, 1.5, 0.5],
+                "angular_velocity": start,
                 "attitude": inertia.euler_angles.from_angles([0.6, 0.4, 0.9]),
             },
             "run": {"duration": 10.0, "samples": 501},
@@ -42,7 +45,7 @@ space = inertia.quaternion.to_space(run.attitude, principal)
 
 # %%
 # Their components differ; the squares agree, with one another and with the form in Euler rates. So does every other
-# scalar product: :math:`\mathbf L \cdot \mathbf L`, and :math:`\boldsymbol\omega \cdot \mathbf L = 2T`.
+# scalar product: :math:`\mathbf L \cdot \mathbf L`, and :math:`{\boldsymbol\omega} \cdot \mathbf L = 2T`.
 
 angles = run.euler_angles()
 phi_rate, theta_rate, psi_rate = inertia.euler_angles.rates(angles, principal).T
@@ -54,9 +57,9 @@ for name, result in (("principal", principal), ("scratched", other), ("space", s
     print(f"along {name} axes ω = {result[100].round(3).tolist()} rad/s at 2 s, ω² = {np.sum(result[100] ** 2):.12g}")
 np.testing.assert_allclose(in_rates, square, rtol=1e-12)
 
-twice_energy = np.sum(space * run.angular_momentum, axis=1)  # 1·1² + 2·1.5² + 3·0.5²
-np.testing.assert_allclose(twice_energy, 6.25, rtol=1e-13)
-np.testing.assert_allclose(np.sum(run.angular_momentum**2, axis=1), 1 + 9 + 2.25, rtol=1e-13)
+twice_energy = np.sum(space * run.angular_momentum, axis=1)
+np.testing.assert_allclose(twice_energy, np.sum(moments * start**2), rtol=1e-13)
+np.testing.assert_allclose(np.sum(run.angular_momentum**2, axis=1), np.sum((moments * start) ** 2), rtol=1e-13)
 print(f"ω·L = {twice_energy[0]:.12g} J throughout, and ω² goes from {square.min():.3f} to {square.max():.3f} (rad/s)²")
 
 # %%
@@ -73,7 +76,7 @@ for theta, expected in ((0.0, (4 + 6) ** 2 + 2**2), (np.pi / 2, 4**2 + 2**2 + 6*
 # It moves, for :math:`\omega^2` is an invariant of the *axes*, not of the motion; only :math:`T` and :math:`L^2` are
 # both.
 #
-# *To try:* make two moments equal. The thick line becomes level (§ 13.20).
+# *To try:* make two moments equal, and the thick line becomes level (§ 13.20).
 
 fig, ax = plt.subplots(figsize=(6.4, 4))
 for k, colour in enumerate(("C0", "C1", "C2")):

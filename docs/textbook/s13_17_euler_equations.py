@@ -3,11 +3,11 @@ r"""
 =================================
 
 In space a torque is the rate of change of :math:`\mathbf L`; along axes that turn with the body,
-:math:`\boldsymbol\omega \times \mathbf L` comes in. Along principal axes this gives Euler's equations (§ 13.17),
+:math:`{\boldsymbol\omega} \times \mathbf L` comes in. Along principal axes this gives Euler's equations (§ 13.17),
 
 .. math::
 
-   N_1 = I_1 \dot\omega_1 - (I_2 - I_3)\, \omega_2 \omega_3, \qquad \text{and cyclic.}
+   N_1 = I_1 \dot\omega{}_1 - (I_2 - I_3)\, \omega_2 \omega_3, \qquad \text{and cyclic.}
 
 They answer two questions. Given the torque, how does the body turn? And given how it turns, what torque does that take?
 """
@@ -45,7 +45,7 @@ assert error < 1e-12
 # %%
 # Now the other way round. The formula is differentiated, and
 # :func:`inertia.inverse_dynamics` returns the torque that such a motion takes: 20 N m about axis 3, and none across it,
-# although :math:`\dot\omega_1` and :math:`\dot\omega_2` do not vanish.
+# although :math:`\dot\omega{}_1` and :math:`\dot\omega{}_2` do not vanish.
 
 eta_rate = (along - across) / across * expected[:, 2]
 acceleration = np.stack(

@@ -18,8 +18,8 @@ combinations of all three.
 
 # %%
 # A body with three different moments, under a torque of 0.4 N m about the vertical of the room. Its part along axis 3
-# is :math:`0.4 \cos\theta`, and the line of nodes is level, so that
-# :math:`N_\phi = 0.4`, :math:`N_\theta = 0`, :math:`N_\psi = 0.4 \cos\theta` N m.
+# is :math:`0.4\, \cos\theta`, and the line of nodes is level, so that
+# :math:`N_\phi = 0.4`, :math:`N_\theta = 0`, :math:`N_\psi = 0.4\, \cos\theta` N m.
 
 import matplotlib.pyplot as plt
 import numpy as np

@@ -10,7 +10,7 @@ space. Andoyer and Deprit chose variables with that in mind (§ 13.19). :math:`G
 
 .. math::
 
-   \mathcal H(l, L) = \tfrac12 \Bigl( \frac{\sin^2 l}{I_1} + \frac{\cos^2 l}{I_2} \Bigr) (G^2 - L^2)
+   \mathcal H(l, L) = \tfrac{1}{2} \Bigl( \frac{\sin^2 l}{I_1} + \frac{\cos^2 l}{I_2} \Bigr) (G^2 - L^2)
    + \frac{L^2}{2 I_3} ,
 
 so that a problem of three degrees of freedom has become a single curve in the plane of :math:`l` and :math:`L`.

@@ -2,15 +2,15 @@ r"""
 13.20 The free symmetric top
 ============================
 
-With :math:`I_1 = I_2` Euler's equations are linear (§ 13.20). :math:`\omega_3` stays, and :math:`\boldsymbol\omega`
+With :math:`I_1 = I_2` Euler's equations are linear (§ 13.20). :math:`\omega_3` stays, and :math:`{\boldsymbol\omega}`
 goes round axis 3 *in the body* at :math:`\Omega = (I_3 - I_1)\, \omega_3 / I_1`. *In space* axis 3 goes round
-:math:`\mathbf L`, tilted by :math:`\theta` with :math:`\tan\theta = (I_1/I_3) \tan\alpha`, at
+:math:`\mathbf L`, tilted by :math:`\theta` with :math:`\tan\theta = (I_1/I_3)\, \tan\alpha`, at
 
 .. math::
 
-   \dot\phi = \frac{L}{I_1} = \omega \sqrt{1 + \bigl( (I_3/I_1)^2 - 1 \bigr) \cos^2\alpha} ,
+   \dot\phi = \frac{L}{I_1} = \omega \sqrt{1 + \bigl( (I_3/I_1)^2 - 1 \bigr)\, \cos^2\alpha} ,
 
-where :math:`\alpha` is the angle between :math:`\boldsymbol\omega` and axis 3. Picture it as a cone fixed in the body
+where :math:`\alpha` is the angle between :math:`{\boldsymbol\omega}` and axis 3. Picture it as a cone fixed in the body
 that rolls on a cone fixed in space: outside it for a rod, and with its inside around it for a plate.
 """
 
@@ -51,7 +51,7 @@ for name, along in (("rod", 0.25), ("plate", 2.0)):
     print(f"{name}: α = {alpha} rad, θ = {theta:.4f} rad, Ω = {in_body:+.4f}, precession {precession:.4f} rad/s")
 
 # %%
-# The cones, cut through the plane in which :math:`\mathbf L`, :math:`\boldsymbol\omega` and axis 3 lie.
+# The cones, cut through the plane in which :math:`\mathbf L`, :math:`{\boldsymbol\omega}` and axis 3 lie.
 # :func:`inertia.cones` has the half angles.
 
 fig, axes = plt.subplots(1, 2, figsize=(6.4, 4), layout="constrained")

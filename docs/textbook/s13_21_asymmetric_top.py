@@ -6,16 +6,19 @@ Two things stay while a free body tumbles, and in the body both are surfaces for
 
 .. math::
 
-   L_1^2 + L_2^2 + L_3^2 = L^2 \ \text{(a sphere)}, \qquad
-   \frac{L_1^2}{2 I_1} + \frac{L_2^2}{2 I_2} + \frac{L_3^2}{2 I_3} = T \ \text{(an ellipsoid)}.
+   L_1^2 + L_2^2 + L_3^2 = L^2 \ \text{(a sphere),}
 
-The tip runs along the curve in which they meet; seen in terms of :math:`\boldsymbol\omega` it is called the polhode.
+.. math::
+
+   \frac{L_1^2}{2 I_1} + \frac{L_2^2}{2 I_2} + \frac{L_3^2}{2 I_3} = T \ \text{(an ellipsoid).}
+
+The tip runs along the curve in which they meet; seen in terms of :math:`{\boldsymbol\omega}` it is called the polhode.
 The surfaces meet for :math:`L^2/2I_3 \le T \le L^2/2I_1` only. At :math:`2 T I_2 = L^2` they touch at the ends of axis
 2, and two curves cross there: the separatrix.
 """
 
 # %%
-# A body with moments 1, 2, 3 and :math:`\boldsymbol\omega = (1, 1, 1)`: :math:`L^2 = 14` and :math:`2T = 6`. As
+# A body with moments 1, 2, 3 and :math:`{\boldsymbol\omega} = (1, 1, 1)`: :math:`L^2 = 14` and :math:`2T = 6`. As
 # :math:`2 T I_2 = 12 < 14`, the curve closes about axis 3.
 
 import matplotlib.pyplot as plt
@@ -62,8 +65,8 @@ np.testing.assert_allclose(run.at(expected).angular_velocity[0], [1, 1, 1], atol
 
 # %%
 # On the separatrix the motion ends, and has a closed form without elliptic functions: for
-# :math:`\boldsymbol\omega = w (\sqrt3, 0, 1)`, at which :math:`2 T I_2 = L^2`, it is :math:`w (\sqrt3\, \mathrm{sech}\,
-# wt, \sqrt3 \tanh wt, \mathrm{sech}\, wt)`: a last turn towards axis 2, for ever.
+# :math:`{\boldsymbol\omega} = w (\sqrt3, 0, 1)`, at which :math:`2 T I_2 = L^2`, it is
+# :math:`w (\sqrt3\, \mathrm{sech}\, wt, \sqrt3\, \tanh wt, \mathrm{sech}\, wt)`: a last turn towards axis 2, for ever.
 
 w = 2.0  # rad/s
 last = follow([w * np.sqrt(3), 0.0, w], 2.5)

@@ -59,9 +59,9 @@ for axis, disturbed, law in (
 # wobbled, and warmed up. That takes energy but no angular momentum, so :math:`T` falls from nearly :math:`L^2/2I_1` to
 # :math:`L^2/2I_3`, and the rod ends tumbling end over end. (Hours became minutes here.)
 #
-# For a rod that is exactly symmetric, with a loss of :math:`\kappa\, |\dot{\boldsymbol\omega}|^2` watts, the tilt of
-# its axis to :math:`\mathbf L` follows from the energy alone: :math:`\tan\theta = \tan\theta_0\, e^{t/\tau}` with
-# :math:`1/\tau = \kappa L^2 (I_\perp - I_1) / (I_1 I_\perp^3)`.
+# For a rod that is exactly symmetric, and loses :math:`\kappa\, (\mathrm{d}{\boldsymbol\omega}/\mathrm{d}t)^2` watts,
+# the tilt of its axis to :math:`\mathbf L` follows from the energy alone:
+# :math:`\tan\theta = \tan\theta_0\, e^{t/\tau}` with :math:`1/\tau = \kappa L^2 (I_\perp - I_1) / (I_1 I_\perp^3)`.
 
 
 def tilt_of(run, moments):

@@ -8,8 +8,11 @@ a single angle in an effective potential (§ 13.23):
 
 .. math::
 
-   E - \frac{p_\psi^2}{2 I_3} = \tfrac12 I_1 \dot\theta^2 + V(\theta), \qquad
-   V(\theta) = \frac{(p_\phi - p_\psi \cos\theta)^2}{2 I_1 \sin^2\theta} + M g h \cos\theta .
+   E - \frac{p_\psi^2}{2 I_3} = \tfrac{1}{2} I_1 \dot\theta^2 + V(\theta),
+
+.. math::
+
+   V(\theta) = \frac{(p_\phi - p_\psi\, \cos\theta)^2}{2 I_1\, \sin^2\theta} + M g h\, \cos\theta .
 
 The axis nods between two tilts as it goes round. :math:`I_1` and :math:`I_3` are moments about the *tip*.
 """
@@ -18,7 +21,7 @@ The axis nods between two tilts as it goes round. :math:`I_1` and :math:`I_3` ar
 # A top of 100 g, :math:`h` = 4 cm, that spins at 120 rad/s. Steiner's theorem adds :math:`M h^2` to the moments across
 # the axis; the library does so by itself, from where the top is held. Set down 0.5 rad off the vertical, with its axis
 # at rest, it starts to fall; with :math:`a = p_\psi^2/(2 I_1 M g h)` it must turn back at
-# :math:`\cos\theta_2 = \tfrac12 \bigl(a - \sqrt{a^2 - 4 a \cos\theta_1 + 4}\bigr)`.
+# :math:`\cos\theta_2 = \tfrac{1}{2} \bigl(a - \sqrt{a^2 - 4 a\, \cos\theta_1 + 4}\bigr)`.
 
 import matplotlib.pyplot as plt
 import numpy as np
@@ -52,7 +55,7 @@ np.testing.assert_allclose(cusp.canonical_momenta()[:, 2], I3 * spin, rtol=1e-12
 np.testing.assert_allclose(cusp.canonical_momenta()[:, 0], I3 * spin * np.cos(tilt), rtol=1e-12)
 
 # %%
-# There are two rates at which it precesses without nodding, the roots of :math:`I_1 \cos\theta\, \dot\phi^2 - p_\psi
+# There are two rates at which it precesses without nodding, the roots of :math:`I_1\, \cos\theta\, \dot\phi^2 - p_\psi
 # \dot\phi + M g h = 0`. The slow one is what one usually sees.
 
 root = np.sqrt(1 - 4 * mgh * I1 * np.cos(tilt) / (I3 * spin) ** 2)

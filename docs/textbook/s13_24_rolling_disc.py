@@ -9,13 +9,16 @@ equations (13.199) reads
 
 .. math::
 
-   (I_1 + M R^2)\, \ddot\theta + (I_3 + M R^2)\, \dot\phi \sin\theta\, (\dot\phi \cos\theta + \dot\psi)
-   - I_1 \dot\phi^2 \sin\theta \cos\theta = - M g R \cos\theta .
+   \begin{aligned}
+   (I_1 + M R^2)\, \ddot\theta & + (I_3 + M R^2)\, \dot\phi\, \sin\theta\, (\dot\phi\, \cos\theta + \dot\psi) \\
+   & - I_1 \dot\phi^2\, \sin\theta\, \cos\theta = - M g R\, \cos\theta .
+   \end{aligned}
 """
 
 # %%
-# A thin disc of 2 kg and 0.5 m radius: :math:`I_3 = \tfrac12 M R^2`, and half of that across. With :math:`\ddot\theta =
-# 0` the equation tells the spin at which it rolls in a circle, here leaning by 30° and turning at 3 rad/s.
+# A thin disc of 2 kg and 0.5 m radius: :math:`I_3 = \tfrac{1}{2} M R^2`, and half of that across. With
+# :math:`\ddot\theta = 0` the equation tells the spin at which it rolls in a circle, here leaning by 30° and turning at
+# 3 rad/s.
 
 import matplotlib.pyplot as plt
 import numpy as np
@@ -66,7 +69,7 @@ np.testing.assert_allclose(np.hypot(*(contact - [a, b]).T), radius, rtol=1e-9)
 
 # %%
 # Started with a nod it wobbles along. The point of the rim that touches is at rest, so that the centre of mass, at
-# :math:`-\mathbf r` from the contact, moves at :math:`\mathbf v = -\boldsymbol\omega \times \mathbf r`. If that holds
+# :math:`-\mathbf r` from the contact, moves at :math:`\mathbf v = -{\boldsymbol\omega} \times \mathbf r`. If that holds
 # at every instant, its integral by Gauss's quadrature is the way that the centre of mass has gone.
 
 wobbly = roll([2.0, 1.0, -5.0], 1.1, 6.0)

@@ -4,12 +4,12 @@ r"""
 
 A rotor runs quietly if two things hold (§ 13.25). It is *statically* balanced if the centre of mass lies on the axle:
 then it rests in any position. It is *dynamically* balanced if the axle is also a principal axis. Otherwise
-:math:`\mathbf L` is not along :math:`\boldsymbol\omega`, is carried around with the rotor, and the bearings have to
+:math:`\mathbf L` is not along :math:`{\boldsymbol\omega}`, is carried around with the rotor, and the bearings have to
 turn it: for a symmetric rotor mounted :math:`\varphi` askew with
 
 .. math::
 
-   N = \omega^2 (I_3 - I_1) \sin\varphi \cos\varphi .
+   N = \omega^2 (I_3 - I_1)\, \sin\varphi\, \cos\varphi .
 """
 
 # %%

@@ -8,7 +8,7 @@ have in their motion within the body,
 
 .. math::
 
-   \mathbf L = \mathbf I(t)\, \boldsymbol\omega + \mathbf h(t)
+   \mathbf L = \mathbf I(t)\, {\boldsymbol\omega} + \mathbf h(t)
 
 stays fixed in space, and each of the two terms can be traded for the other (§ 13.26). A scene lists the limbs as parts,
 and how each joint moves.
@@ -69,7 +69,7 @@ np.testing.assert_allclose(cat.angular_momentum, 0, atol=1e-15)
 # %%
 # *The diver* leaves the board with a somersault and no twist. She swings one arm down, which tilts her body off
 # :math:`\mathbf L`; from then on she is a free, nearly symmetric top (§ 13.20), and such a top turns about its own axis
-# at :math:`(1/I_1 - 1/I_\perp)\, L \cos\theta`: the twist. Three turns later the arm goes up again, and it stops.
+# at :math:`(1/I_1 - 1/I_\perp)\, L\, \cos\theta`: the twist. Three turns later the arm goes up again, and it stops.
 
 diver = inertia.simulate(inertia.Scene.load(path("scenes/diver.toml")))
 L = np.linalg.norm(diver.angular_momentum[0])
