@@ -38,9 +38,9 @@ run = inertia.simulate(
         }
     )
 )
-scratched = inertia.quaternion.matrix(inertia.euler_angles.from_angles([0.7, 0.4, -1.1]))
+other_axes = inertia.quaternion.matrix(inertia.euler_angles.from_angles([0.7, 0.4, -1.1]))
 principal = run.angular_velocity
-other = principal @ scratched
+other = principal @ other_axes
 space = inertia.quaternion.to_space(run.attitude, principal)
 
 # %%
@@ -60,7 +60,8 @@ np.testing.assert_allclose(in_rates, square, rtol=1e-12)
 twice_energy = np.sum(space * run.angular_momentum, axis=1)
 np.testing.assert_allclose(twice_energy, np.sum(moments * start**2), rtol=1e-13)
 np.testing.assert_allclose(np.sum(run.angular_momentum**2, axis=1), np.sum((moments * start) ** 2), rtol=1e-13)
-print(f"ω·L = {twice_energy[0]:.12g} J throughout, and ω² goes from {square.min():.3f} to {square.max():.3f} (rad/s)²")
+print(f"ω·L = {twice_energy[0]:.12g} J throughout")
+print(f"ω² goes from {square.min():.3f} to {square.max():.3f} (rad/s)²")
 
 # %%
 # At three tilts the formula is plain: with axis 3 upright, level, and upside down.

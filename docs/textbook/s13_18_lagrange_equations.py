@@ -56,10 +56,10 @@ slope_theta = phi_rate * (np.cos(theta) * (I1 * w1 * np.sin(psi) + I2 * w2 * np.
 slope_psi = (I1 - I2) * w1 * w2
 pushes = np.stack([np.full_like(theta, torque), slope_theta, slope_psi + torque * np.cos(theta)])
 expected = duration / 2 * pushes @ weights
-gained = momenta[-1] - momenta[0]
-for name, gain, integral in zip("φθψ", gained, expected, strict=True):
-    print(f"p_{name} gains {gain:+.10f} kg m²/s; force and slope of T give {integral:+.10f}")
-np.testing.assert_allclose(gained, expected, atol=1e-11)
+gain = momenta[-1] - momenta[0]
+for name, each, integral in zip("φθψ", gain, expected, strict=True):
+    print(f"p_{name} gains {each:+.10f} kg m²/s; force and slope of T give {integral:+.10f}")
+np.testing.assert_allclose(gain, expected, atol=1e-11)
 np.testing.assert_allclose(momenta[:, 0], momenta[0, 0] + torque * run.time, atol=1e-11)
 
 # %%

@@ -48,7 +48,8 @@ for name, along in (("rod", 0.25), ("plate", 2.0)):
     np.testing.assert_allclose(tilt, theta, atol=1e-12)
     np.testing.assert_allclose(phi - phi[0], precession * run.time, atol=1e-12)
     np.testing.assert_allclose(psi - psi[0], -in_body * run.time, atol=1e-12)
-    print(f"{name}: α = {alpha} rad, θ = {theta:.4f} rad, Ω = {in_body:+.4f}, precession {precession:.4f} rad/s")
+    print(f"{name}: α = {alpha} rad, θ = {theta:.4f} rad")
+    print(f"    in the body {in_body:+.4f} rad/s, in space {precession:.4f} rad/s")
 
 # %%
 # The cones, cut through the plane in which :math:`\mathbf L`, :math:`{\boldsymbol\omega}` and axis 3 lie.
@@ -57,8 +58,8 @@ for name, along in (("rod", 0.25), ("plate", 2.0)):
 fig, axes = plt.subplots(1, 2, figsize=(6.4, 4), layout="constrained")
 for ax, (name, along) in zip(axes, (("rod", 0.25), ("plate", 2.0)), strict=True):
     cones = inertia.cones([1.0, 1.0, along], [0.0, spin * np.sin(alpha), spin * np.cos(alpha)])
-    assert abs(cones.theta - np.arctan(np.tan(alpha) / along)) < 1e-15
-    assert abs(cones.space_half_angle - abs(cones.theta - alpha)) < 1e-15
+    assert abs(cones.theta - np.arctan(np.tan(alpha) / along)) < 1e-14
+    assert abs(cones.space_half_angle - abs(cones.theta - alpha)) < 1e-14
     for middle, half, colour, what in (
         (0.0, cones.space_half_angle, "C0", "space cone"),
         (cones.theta, cones.body_half_angle, "C1", "body cone"),

@@ -49,7 +49,8 @@ cusp = follow([0, 0, spin], tilt)
 a = (I3 * spin) ** 2 / (2 * I1 * mgh)
 lowest = np.arccos((a - np.sqrt(a * a - 4 * a * np.cos(tilt) + 4)) / 2)
 turning = cusp.quantities["turning theta"]
-print(f"set down at {tilt} rad it nods down to {turning[1]:.12f} rad; by the formula {lowest:.12f}")
+print(f"set down at {tilt} rad it nods down to {turning[1]:.12f} rad")
+print(f"by the formula, to {lowest:.12f} rad")
 np.testing.assert_allclose(turning, [tilt, lowest], rtol=1e-12)
 np.testing.assert_allclose(cusp.canonical_momenta()[:, 2], I3 * spin, rtol=1e-12)
 np.testing.assert_allclose(cusp.canonical_momenta()[:, 0], I3 * spin * np.cos(tilt), rtol=1e-12)
@@ -75,9 +76,10 @@ sleeps_from = np.sqrt(4 * mgh * I1) / I3  # rad/s
 growth = np.sqrt(4 * mgh * I1 - (I3 * 0.6 * sleeps_from) ** 2) / (2 * I1)
 asleep, awake = (follow([0, 0, share * sleeps_from], 1e-3, 2.0, 1e-8) for share in (1.1, 0.6))
 early = awake.at([0.35, 0.45]).quantities["theta"]
-print(f"it sleeps from {sleeps_from:.3f} rad/s on; at 0.6 of that a tilt grows at {growth:.3f} 1/s,", end=" ")
-print(f"measured {np.log(early[1] / early[0]) / 0.1:.3f}")
-assert abs(np.log(early[1] / early[0]) / 0.1 - growth) < 0.02 * growth
+pace = np.log(early[1] / early[0]) / 0.1  # 1/s
+print(f"it sleeps from {sleeps_from:.3f} rad/s on")
+print(f"at 0.6 of that a tilt grows at {pace:.3f} 1/s; by the formula {growth:.3f} 1/s")
+assert abs(pace / growth - 1) < 2e-3
 assert asleep.quantities["theta"].max() < 4e-3
 
 # %%

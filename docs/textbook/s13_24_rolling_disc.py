@@ -10,7 +10,8 @@ equations (13.199) reads
 .. math::
 
    \begin{aligned}
-   (I_1 + M R^2)\, \ddot\theta & + (I_3 + M R^2)\, \dot\phi\, \sin\theta\, (\dot\phi\, \cos\theta + \dot\psi) \\
+   & (I_1 + M R^2)\, \ddot\theta \\
+   & + (I_3 + M R^2)\, \dot\phi\, \sin\theta\, (\dot\phi\, \cos\theta + \dot\psi) \\
    & - I_1 \dot\phi^2\, \sin\theta\, \cos\theta = - M g R\, \cos\theta .
    \end{aligned}
 """
@@ -60,7 +61,8 @@ np.testing.assert_allclose(circle.quantities["phi"] - circle.quantities["phi"][0
 radius = R * abs(omega3 - rate * c) / rate
 force = circle.quantities["contact force"]
 inwards = M * rate**2 * abs(radius - R * c)
-print(f"the contact describes a circle of {radius:.6f} m; the plane pushes with {inwards:.6f} N inwards")
+print(f"the contact describes a circle of {radius:.6f} m")
+print(f"the plane pushes with {inwards:.6f} N inwards")
 np.testing.assert_allclose(force[:, 2], M * g, rtol=1e-10)
 np.testing.assert_allclose(np.hypot(*force[:, :2].T), inwards, rtol=1e-9)
 contact = circle.quantities["contact"][:, :2]
@@ -76,19 +78,20 @@ wobbly = roll([2.0, 1.0, -5.0], 1.1, 6.0)
 nodes, weights = np.polynomial.legendre.leggauss(160)
 at = wobbly.at(3.0 + 3.0 * nodes)
 spin = inertia.quaternion.to_space(at.attitude, at.angular_velocity)
-arrived = wobbly.position[0] + 3.0 * weights @ np.cross(at.quantities["contact"] - at.position, spin)
-print(
-    f"after 6 s its centre is at {wobbly.position[-1].round(6)} m; by quadrature of the constraint {arrived.round(6)}"
-)
-np.testing.assert_allclose(wobbly.position[-1], arrived, atol=1e-8)
+end = wobbly.position[0] + 3.0 * weights @ np.cross(at.quantities["contact"] - at.position, spin)
+print(f"after 6 s its centre is at {wobbly.position[-1].round(6)} m")
+print(f"by quadrature of the constraint {end.round(6)} m")
+np.testing.assert_allclose(wobbly.position[-1], end, atol=1e-8)
 np.testing.assert_allclose(wobbly.energy, wobbly.energy[0], rtol=1e-11)
+x, y, z = wobbly.quantities["contact force"].T
+print(f"not to slip it needs a coefficient of friction of {(np.hypot(x, y) / z).max():.3f}")
 least = inertia.straight_rolling_threshold(inertia.RollingBody(M, I1, I3, R))
 print(f"straight on it stays up from {least:.4f} rad/s on, √(g/3R) = {np.sqrt(g / (3 * R)):.4f}")
 assert abs(least - np.sqrt(g / (3 * R))) < 1e-12
 
 # %%
 # Left, the track of the contact and of the centre of mass, seen from above. Right, the force of the plane: it swings
-# with each nod, and friction, a sixth to a half of what carries the disc, has to keep the rim from slipping.
+# with each nod. The ratio of friction to what carries the disc is what tyre and road must provide, or it slips.
 #
 # *To try:* start without a nod, ``[0.0, 1.0, -5.0]``, and the track comes close to a circle.
 
@@ -97,7 +100,6 @@ left.plot(*wobbly.quantities["contact"][:, :2].T, label="contact")
 left.plot(*wobbly.position[:, :2].T, label="centre of mass")
 left.set(aspect="equal", xlabel="x, m", ylabel="y, m", title="From above")
 left.legend(fontsize="small")
-x, y, z = wobbly.quantities["contact force"].T
 right.plot(wobbly.time, z, label="upwards")
 right.plot(wobbly.time, np.hypot(x, y), label="friction")
 right.axhline(M * g, color="0.5", linestyle=":", label="weight")

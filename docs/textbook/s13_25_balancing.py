@@ -52,28 +52,28 @@ np.testing.assert_allclose(torque, expected, rtol=1e-12)
 # %%
 # Two weights put it right, one on each face, opposite each other: they leave the centre of mass where it is, and give
 # the tensor the element that it lacks. For weights :math:`m` at a radius of 0.25 m, 0.1 m apart along the axle, that is
-# :math:`2 m \cdot 0.25 \cdot 0.05 = |I_{xz}|`. They go on the sides that the rim has left,
-# as the sign of :math:`I_{xz}` tells.
+# :math:`2 m \cdot 0.25 \cdot 0.05 = |I_{xz}|`. They go on the
+# sides that the rim has left, as the sign of :math:`I_{xz}` tells.
 
 radius, half = 0.25, 0.05  # m
 product = wheel.inertia[0, 2]
 weight = abs(product) / (2 * radius * half)
 side = np.sign(product)
 weights = inertia.point_masses([[side * radius, 0, half], [-side * radius, 0, -half]], [weight, weight])
-balanced = wheel + weights
-after = on_axle(balanced)
+whole = wheel + weights
+after = on_axle(whole)
 left_over = np.abs(after.quantities["reaction torque"]).max()
 print(f"with 2 × {1e3 * weight:.3f} g the torque is {left_over:.0e} N m")
 assert abs(product - (I3 - I1) * np.sin(askew) * np.cos(askew)) < 1e-15
 assert left_over < 1e-12 * expected
-np.testing.assert_allclose(balanced.center_of_mass, 0, atol=1e-18)
+np.testing.assert_allclose(whole.center_of_mass, 0, atol=1e-15)
 
 # %%
 # A bearing that stands still feels a force that goes round with the wheel, sixteen times a second: half a turn up, half
 # a turn down, in opposite senses at the two ends. Both are :math:`N` over the distance of the bearings.
 #
-# *To try:* leave out one of the weights, and the checks. The couple is halved, and a static
-# unbalance has come instead: now both bearings are pulled the same way.
+# *To try:* leave out one of the weights, and the checks. The couple is halved, and a static unbalance has
+# come instead: now both bearings are pulled the same way.
 
 force = before.quantities["force on bearing A"]
 np.testing.assert_allclose(np.linalg.norm(force, axis=1), expected / apart, rtol=1e-12)

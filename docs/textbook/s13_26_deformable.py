@@ -61,7 +61,8 @@ A, B, bend = 0.00288, 0.1184 / 15, 1.2683476041568686
 share = A * np.cos(bend / 2) / (A * np.cos(bend / 2) ** 2 + B * np.sin(bend / 2) ** 2)
 cat = inertia.simulate(inertia.Scene.load(path("scenes/cat.toml")))
 feet = inertia.quaternion.to_space(cat.attitude, [1, 0, 0])
-print(f"cat: by the formula {share:.12f} of a turn; feet from {feet[0].round(9)} to {feet[-1].round(9)}")
+print(f"cat: by the formula {share:.12f} of a turn")
+print(f"its hind feet point along {feet[0].round(9) + 0} and then {feet[-1].round(9) + 0}")
 assert abs(share - 0.5) < 1e-14
 np.testing.assert_allclose(feet[[0, -1]], [[0, 0, 1], [0, 0, -1]], atol=1e-11)
 np.testing.assert_allclose(cat.angular_momentum, 0, atol=1e-15)
@@ -78,17 +79,18 @@ y_to_z = inertia.quaternion.from_rotation_vector([np.pi / 2, 0, 0])  # L, along 
 angles = inertia.euler_angles.to_angles(inertia.quaternion.multiply(y_to_z, diver.attitude))
 somersault, tilt, twist = inertia.euler_angles.unwrap(angles).T
 turns = (twist - twist[0]) / (2 * np.pi)
-held = (diver.time > 0.6) & (diver.time < 1.2)
-long, *across = diver.quantities["principal moments"][held].mean(axis=0)
-rate = (1 / long - 2 / sum(across)) * L * np.cos(tilt[held]).mean()
-measured = (twist[held][-1] - twist[held][0]) / (diver.time[held][-1] - diver.time[held][0])
-print(f"diver: {turns[-1]:.6f} twists; at {measured:.2f} rad/s, by the formula for a symmetric top {rate:.2f}")
+middle = (diver.time > 0.6) & (diver.time < 1.2)
+long, *across = diver.quantities["principal moments"][middle].mean(axis=0)
+rate = (1 / long - 2 / sum(across)) * L * np.cos(tilt[middle]).mean()
+pace = (twist[middle][-1] - twist[middle][0]) / (diver.time[middle][-1] - diver.time[middle][0])
+print(f"diver: {turns[-1]:.6f} twists, at {pace:.2f} rad/s")
+print(f"by the formula for a symmetric top, at {rate:.2f} rad/s")
 assert abs(abs(turns[-1]) - 3) < 1e-6
-assert abs(measured / rate - 1) < 0.02
+assert abs(pace / rate - 1) < 0.02
 
 # %%
-# Three motions without a torque. The skater speeds up with her arms; the cat's feet come down; the diver's twist runs
-# for as long as she is tilted, while the somersault goes on.
+# Three motions without a torque. The skater speeds up with her arms; the cat's hind feet come down in
+# three strokes: bend, turn, straighten. The diver's twist runs for as long as she is tilted; the somersault goes on.
 #
 # *To try:* let the skater stretch her arms out again, ``times`` 1, 2, 3, 4 s: the energy goes back into them.
 
@@ -96,7 +98,7 @@ fig, (one, two, three) = plt.subplots(1, 3, figsize=(8.4, 3.4), layout="constrai
 one.plot(skater.time, skater.angular_velocity[:, 2])
 one.set(xlabel="time, s", ylabel="spin, rad/s", ylim=(0, 45), title="Skater")
 two.plot(cat.time, np.degrees(np.arccos(np.clip(-feet[:, 2], -1, 1))), color="C1")
-two.set(xlabel="time, s", ylabel="feet from straight down, degrees", ylim=(-5, 185), title="Cat")
+two.set(xlabel="time, s", ylabel="hind feet, degrees from down", ylim=(-5, 185), title="Cat")
 three.plot(diver.time, np.abs(turns), color="C2", label="twist")
 three.plot(diver.time, (somersault - somersault[0]) / (2 * np.pi), color="C3", label="somersault")
 three.set(xlabel="time, s", ylabel="turns", title="Diver")
