@@ -1,4 +1,8 @@
-"""Measure everything and write docs/benchmarks.md and docs/benchmarks.json."""
+"""Measure, draw docs/benchmarks-*.svg, and write docs/benchmarks.md and docs/benchmarks.json.
+
+Without options everything is measured anew. A part, a size, an order or a program alone takes its place among the
+stored figures. With --quick, in five minutes, each figure of the README stands beside what is measured here.
+"""
 
 from __future__ import annotations
 
@@ -8,7 +12,8 @@ import os
 import platform
 import sys
 import tempfile
-from importlib.metadata import version
+from collections.abc import Iterator
+from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 from typing import Any
 
@@ -16,61 +21,111 @@ from inertia.native import COMPILE_ABOVE
 
 from .measure import ROOT, python_module
 from .startup import startup
-from .table import text
-from .whole import stl_file, warm_up, whole
+from .whole import ROUNDS, stl_file, warm_up, whole
 
 DATA = Path(__file__).resolve().parent / "data"
 SIZES = [20_000, 320_000, 1_300_000, 10_000_000]
-QUICK = [20_000, 320_000]
 ONE_THREAD = dict.fromkeys(("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "VTK_SMP_MAX_THREADS"), "1")
-ORDERS = "in two sweeps", "shuffled", "in bodies"
+ORDERS = {"rows": "", "sweeps": "in two sweeps", "shuffled": "shuffled", "bodies": "in bodies"}
 ORDERED_FROM = 100_000
+PARTS = "startup", "kernel", "small", "accuracy", "files"
 PACKAGES = ["inertia", "numpy", "numba", "llvmlite", "libigl", "vtk", "trimesh", "mujoco"]
 
 
 def main() -> None:
     """Run what the command line asks for."""
     parser = argparse.ArgumentParser(prog="python -m tests.benchmarks", description=__doc__)
+    parser.add_argument("--quick", action="store_true", help="what README and docs state beside what is measured here")
+    parser.add_argument("--part", choices=PARTS, nargs="+", default=PARTS, help="measure these alone")
     parser.add_argument("--sizes", type=int, nargs="+", default=SIZES, metavar="COUNT", help="numbers of triangles")
-    parser.add_argument("--quick", action="store_true", help="small meshes only, written beside the meshes")
-    parser.add_argument("--into", type=Path, help="the folder to write to (docs)")
+    parser.add_argument("--orders", choices=ORDERS, nargs="+", default=list(ORDERS), help="of the triangles of files")
+    parser.add_argument("--programs", nargs="+", default=[""], metavar="NAME", help="beginnings of names of programs")
+    parser.add_argument("--rounds", type=int, default=ROUNDS, metavar="N", help="runs of each program on a file")
+    parser.add_argument("--more", action="store_true", help="keep the stored runs of files beside the new ones")
+    parser.add_argument("--draw", action="store_true", help="measure nothing: write the page from the stored figures")
+    parser.add_argument("--into", type=Path, default=ROOT / "docs", help="the folder to write to (docs)")
     options = parser.parse_args()
-    sizes = QUICK if options.quick else sorted(options.sizes)
-    into = options.into or (DATA if options.quick else ROOT / "docs")
-    with tempfile.TemporaryDirectory(prefix="inertia-cache-") as cache:
-        document = measure(sizes, {"INERTIA_CACHE": cache})
-    into.mkdir(parents=True, exist_ok=True)
-    (into / "benchmarks.json").write_text(_as_json(document) + "\n", encoding="utf-8")
-    (into / "benchmarks.md").write_text(text(document), encoding="utf-8")
-    print((into / "benchmarks.md").read_text(encoding="utf-8"))
+    if options.quick:
+        from .claims import judged
+
+        sys.exit(judged())
+    stored = options.into / "benchmarks.json"
+    whole_run = options == parser.parse_args(["--into", str(options.into)])
+    document = {} if whole_run or not stored.exists() else json.loads(stored.read_text(encoding="utf-8"))
+    if not options.draw:
+        with tempfile.TemporaryDirectory(prefix="inertia-cache-") as cache:
+            for _ in measure(document, options, {"INERTIA_CACHE": cache}):
+                options.into.mkdir(parents=True, exist_ok=True)
+                stored.write_text(_as_json(document) + "\n", encoding="utf-8")
+    python_module("tests.benchmarks.pictures", options.into, env={})
+    if missing := [part for part in PARTS if part not in document]:
+        sys.exit(f"no page yet: {', '.join(missing)} not measured")
+    python_module("tests.benchmarks.table", options.into, env={})
 
 
-def measure(sizes: list[int], environment: dict[str, str]) -> dict[str, Any]:
-    """Measure kernel, files and start-up, one after the other; nothing else should run meanwhile."""
-    document: dict[str, Any] = {
-        "command": " ".join(["python -m tests.benchmarks", *sys.argv[1:]]),
-        "machine": {"cpu": _cpu(), "cores": os.cpu_count(), "system": f"{platform.system()} {platform.machine()}"},
-        "versions": {"Python": platform.python_version()} | {name: version(name) for name in PACKAGES},
-        "kernel": {},
-        "files": {},
+def measure(document: dict[str, Any], options: argparse.Namespace, environment: dict[str, str]) -> Iterator[None]:
+    """Measure the parts one after the other, into the document, and yield after each."""
+    document["machine"] = {
+        "cpu": _cpu(),
+        "cores": os.cpu_count(),
+        "system": f"{platform.system()} {platform.machine()}",
     }
-    document["startup"] = startup(environment)
-    for count in sizes:
-        _say(f"kernel, {count:,} triangles")
-        printed = python_module("tests.benchmarks.kernel", count, env=environment | ONE_THREAD)
-        document["kernel"][str(count)] = json.loads(printed)
-    with tempfile.TemporaryDirectory() as folder:  # compiles what is not yet in the cache
-        warm_up(stl_file(Path(folder), COMPILE_ABOVE), environment)
-    for count in sizes:
-        for order in ("", *ORDERS) if count > ORDERED_FROM else ("",):
-            _file(document, count, environment, order)
-    return document
+    document["versions"] = {"Python": platform.python_version()} | _versions()
+    if "startup" in options.part:
+        document["startup"] = startup(environment)
+        yield
+    if "kernel" in options.part:
+        for count in sorted(options.sizes):
+            _kernel(document.setdefault("kernel", {}), count, options, environment)
+            yield
+    for part in ("small", "accuracy"):
+        if part in options.part:
+            _say(part)
+            document[part] = json.loads(
+                python_module(f"tests.benchmarks.{part}", "--json", env=environment | ONE_THREAD)
+            )
+    if "files" in options.part:
+        with tempfile.TemporaryDirectory() as folder:  # compiles what is not yet in the cache
+            warm_up(stl_file(Path(folder), COMPILE_ABOVE), environment)
+        for count in sorted(options.sizes):
+            for key in options.orders if count > ORDERED_FROM else ("rows",):
+                _file(document.setdefault("files", {}), count, ORDERS[key], options, environment)
+                yield
 
 
-def _file(document: dict[str, Any], count: int, environment: dict[str, str], order: str) -> None:
+def _kernel(stored: dict[str, Any], count: int, options: argparse.Namespace, environment: dict[str, str]) -> None:
+    _say(f"kernel, {count:,} triangles")
+    printed = python_module("tests.benchmarks.kernel", count, *options.programs, env=environment | ONE_THREAD)
+    row = json.loads(printed)
+    stored.setdefault(str(count), row)["ns"] |= row["ns"]
+
+
+def _file(
+    stored: dict[str, Any], count: int, order: str, options: argparse.Namespace, environment: dict[str, str]
+) -> None:
     label = f"{count:,} {order}".strip()
+
+    def wanted(name: str) -> bool:
+        return name.startswith(tuple(options.programs))
+
     path = stl_file(DATA, count, order)
-    document["files"][label] = whole(path, count, environment, lambda line: _say(f"{label}, {line}"))
+    new = whole(path, count, environment, lambda line: _say(f"{label}, {line}"), wanted, options.rounds)
+    old = stored.setdefault(label, new)["programs"]
+    for name, row in new["programs"].items():
+        if options.more and old is not new["programs"] and isinstance(old.get(name), dict) and isinstance(row, dict):
+            for key in ("cpu", "wall", "peak"):
+                row[key] = old[name][key] + row[key]
+        old[name] = row
+
+
+def _versions() -> dict[str, str]:
+    versions = {}
+    for name in PACKAGES:
+        try:
+            versions[name] = version(name)
+        except PackageNotFoundError:
+            versions[name] = "not installed"
+    return versions
 
 
 def _cpu() -> str:

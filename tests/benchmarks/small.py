@@ -5,6 +5,7 @@ A program: ``python -m tests.benchmarks.small``.
 
 from __future__ import annotations
 
+import json
 import sys
 import time
 from collections.abc import Callable
@@ -98,7 +99,10 @@ def ratio(vertices: Vertices, faces: Faces) -> float:
 
 
 def main() -> None:
-    """Print both tables."""
+    """Print both tables; or, with --json, the times."""
+    if "--json" in sys.argv:
+        print(json.dumps({len(wavy_torus(count)[1]): speed(count) for count in COUNTS}))
+        return
     print("| microseconds a mesh |" + "".join(f" {len(wavy_torus(count)[1])} triangles |" for count in COUNTS))
     print("|---|" + "---:|" * len(COUNTS))
     columns = [speed(count) for count in COUNTS]
