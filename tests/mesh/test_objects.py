@@ -76,7 +76,9 @@ def test_pyvista_there_and_back() -> None:
 
 
 def test_anything_else_is_refused_in_a_sentence() -> None:
-    with pytest.raises(inertia.UsageError, match=r"^ndarray is no file and no mesh: give a path, or a mesh of trimesh"):
+    with pytest.raises(
+        inertia.UsageError, match=r"^ndarray is neither file, mesh nor solid: give a path, or an object of trim"
+    ):
         inertia.read(np.zeros((3, 3)))
     with pytest.raises(inertia.UsageError, match="a CellBlock is no mesh"):
         inertia.read(meshio.CellBlock("triangle", np.array([[0, 1, 2]])))

@@ -1,4 +1,7 @@
-"""Meshes of other libraries, in memory, as parts: trimesh, meshio, manifold3d and PyVista."""
+"""Meshes and solids of other libraries, in memory, as parts.
+
+Meshes are those of trimesh, meshio, manifold3d and PyVista, solids those of cadquery and build123d.
+"""
 
 from __future__ import annotations
 
@@ -13,11 +16,12 @@ from inertia.units import DEFAULT_UNIT, length_unit
 
 
 def part_of(mesh: Any, unit: str | None = None) -> Part:
-    """Return a mesh of another library as a part: the same coordinates, faces or cells.
+    """Return a mesh or solid of another library as a part: the same coordinates, faces or cells, or the true shape.
 
     Parameters
     ----------
-    mesh : a `trimesh.Trimesh` or its scene, a `meshio.Mesh`, a `manifold3d.Manifold`, a `pyvista.PolyData`
+    mesh : a `trimesh.Trimesh` or its scene, a `meshio.Mesh`, a `manifold3d.Manifold`, a `pyvista.PolyData`; a shape,
+        workplane, builder or assembly of cadquery or build123d, or a `TopoDS_Shape` of OCP, which both are made of
     unit : of its coordinates; without it, what a trimesh states, else millimetres are assumed
 
     Raises `UsageError` for anything else.
@@ -25,7 +29,7 @@ def part_of(mesh: Any, unit: str | None = None) -> Part:
     library = next((kind.__module__.partition(".")[0] for kind in type(mesh).__mro__ if _known(kind)), "")
     if not library:
         raise UsageError(
-            f"{type(mesh).__name__} is no file and no mesh: give a path, or a mesh of {', '.join(_READERS)}"
+            f"{type(mesh).__name__} is neither file, mesh nor solid: give a path, or an object of {', '.join(_READERS)}"
         )
     return _READERS[library](mesh, unit)
 
@@ -62,6 +66,14 @@ def _from_pyvista(mesh: Any, unit: str | None) -> Part:
     return _part(Surface(np.array(mesh.points, np.float64), faces.astype(np.int64)), unit, "pyvista")
 
 
+def _from_model(model: Any, unit: str | None) -> Part:
+    from inertia.mesh.readers.step import model_contents
+
+    library = type(model).__module__.partition(".")[0]
+    of = model_contents(model, DEFAULT_UNIT.name if unit is None else length_unit(unit).name)
+    return _part(of.geometry, unit, library, regions=of.regions, notes=of.notes, chord=of.chord, shape=of.shape)
+
+
 def _part(geometry: Facets | Surface | Cells, unit: str | None, library: str, **more: Any) -> Part:
     size = DEFAULT_UNIT if unit is None else length_unit(unit)
     return Part(geometry, size, "assumed" if unit is None else "option", Source(None, library), **more)
@@ -72,4 +84,7 @@ _READERS: dict[str, Callable[[Any, str | None], Part]] = {
     "meshio": _from_meshio,
     "manifold3d": _from_manifold,
     "pyvista": _from_pyvista,
+    "cadquery": _from_model,
+    "build123d": _from_model,
+    "OCP": _from_model,
 }

@@ -61,7 +61,8 @@ def read(
     Parameters
     ----------
     path : the file, `-` for standard input; its contents decide what kind it is, and its name only where they do not.
-        Or a mesh in memory, for which `unit` alone counts: of trimesh, meshio, manifold3d or PyVista
+        Or a mesh in memory, for which `unit` alone counts, of trimesh, meshio, manifold3d or PyVista; or a solid of
+        cadquery, build123d or OCP
     unit : the unit of length of the coordinates, in place of the file's own; without either, millimetres are
         assumed
     format : the kind of file (`"stl"`, `"obj"`, ...), where it is not to be found out

@@ -23,7 +23,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from inertia.arrays import Float
+from inertia.arrays import Float, Int
 from inertia.errors import ReadError, UsageError, visible
 from inertia.mesh.part import Surface
 from inertia.mesh.readers.contents import Contents, Layout, label, plural, shown, surface, was
@@ -53,6 +53,27 @@ def read_step(path: Path, coarser: float = 1.0) -> Contents:
     own = _converted(path, coarser)
     runs = [(name and visible(name), length) for name, length in own.document["runs"]]
     return Contents(own.triangles, own.unit, label(runs), own.notes, own.chord, shape=own.shape)
+
+
+def model_contents(model: Any, unit: str) -> Contents:
+    """Take over a model of cadquery or build123d, or a shape of OpenCASCADE's binding, in this process.
+
+    Parameters
+    ----------
+    model : see `inertia.mesh.readers.opencascade.models.bodies_in`
+    unit : the name of its unit of length
+
+    Raises `UsageError` where it has no face.
+    """
+    from inertia.mesh.readers.opencascade.models import bodies_in
+
+    bodies, loose = bodies_in(model, _LINEAR, _ANGULAR)
+    triangles, chord, notes = _stand_ins(bodies.surface(), 1.0, unit, "")
+    notes += [*_gaps(loose, bodies.without_triangles), *_untrue(bodies.fault)]
+    solids = tuple(replace(solid, name=visible(solid.name)) for solid in bodies.solids)
+    shape = None if bodies.fault else Shape(solids, np.array(bodies.tolerances))
+    regions = label((name and visible(name), length) for name, length in bodies.runs)
+    return Contents(triangles, None, regions, tuple(notes), chord, shape=shape)
 
 
 def step_tree(path: Path) -> Layout:
@@ -103,25 +124,11 @@ def _converted(path: Path, coarser: float, *how: str) -> _Converted:
         document = json.loads((folder / "part.json").read_text())
         with np.load(folder / "arrays.npz", allow_pickle=False) as file:
             arrays = {name: file[name] for name in file.files}
-    triangles = surface(arrays["vertices"], arrays["faces"])
-    size = float(np.ptp(triangles.vertices, axis=0).max())
-    # In proportion to an edge, OpenCASCADE asks for no more than half of this share of the whole shape.
-    chord = np.where(np.isnan(arrays["distances"]), coarser**2 * _LINEAR * size, arrays["distances"])
-    chord += _ROUNDING * np.abs(triangles.vertices).max()
     unit = _unit(document["millimetres"])
-    notes: list[str] = []
-    if chord.max() > _FLAT * size:
-        notes.append(
-            "for pictures, checks and cuts, triangles stand for curved STEP faces: they turn by up to "
-            f"{coarser * _ANGULAR:g} rad and are up to {chord.max():.2g} {unit.name} off (those of a cylinder lose "
-            f"{coarser**2 * 1e-4:g} of its volume)"
-        )
+    triangles, chord, notes = _stand_ins((arrays["vertices"], arrays["faces"], arrays["distances"]), coarser, unit.name)
     if left_out:
         notes.insert(0, f"{plural(left_out, 'file')} that it refers to {was(left_out)} left out")
-    if count := document["loose"]:
-        notes.append(f"{plural(count, 'piece')} of wire {was(count)} left out")
-    if count := document["without_triangles"]:
-        notes.append(f"{plural(count, 'face')} could not be meshed and {was(count)} left out")
+    notes += _gaps(document["loose"], document["without_triangles"])
     if document["units"] > 1:
         notes.append(f"it has {document['units']} units of length, and was read in that of most shapes, {unit.name}")
     if document["faults"]:
@@ -129,10 +136,41 @@ def _converted(path: Path, coarser: float, *how: str) -> _Converted:
         notes.append(
             f"OpenCASCADE left out what has a fault ({plural(len(document['faults']), 'fault')}, first {first})"
         )
-    if document["untrue"]:
-        notes.append(f"its true shape cannot be stated ({shown(document['untrue'], 120)})")
+    notes += _untrue(document["untrue"])
     shape = None if document["untrue"] else shape_from_json(document["shape"], arrays["numbers"])
     return _Converted(document, triangles, chord, unit, tuple(notes), shape)
+
+
+def _stand_ins(
+    arrays: tuple[Float, Int, Float], coarser: float, unit: str, kind: str = "STEP "
+) -> tuple[Surface, Float, list[str]]:
+    """Return triangles, how far they are off, and what is said of that."""
+    vertices, faces, distances = arrays
+    triangles = surface(vertices, faces)
+    size = float(np.ptp(triangles.vertices, axis=0).max())
+    # In proportion to an edge, OpenCASCADE asks for no more than half of this share of the whole shape.
+    chord = np.where(np.isnan(distances), coarser**2 * _LINEAR * size, distances)
+    chord += _ROUNDING * np.abs(triangles.vertices).max()
+    if chord.max() <= _FLAT * size:
+        return triangles, chord, []
+    note = (
+        f"for pictures, checks and cuts, triangles stand for curved {kind}faces: they turn by up to "
+        f"{coarser * _ANGULAR:g} rad and are up to {chord.max():.2g} {unit} off (those of a cylinder lose "
+        f"{coarser**2 * 1e-4:g} of its volume)"
+    )
+    return triangles, chord, [note]
+
+
+def _gaps(loose: int, without_triangles: int) -> list[str]:
+    """Say what was left out: pieces of wire, and faces that could not be meshed."""
+    notes = [f"{plural(loose, 'piece')} of wire {was(loose)} left out"] if loose else []
+    if count := without_triangles:
+        notes.append(f"{plural(count, 'face')} could not be meshed and {was(count)} left out")
+    return notes
+
+
+def _untrue(fault: str | None) -> list[str]:
+    return [f"its true shape cannot be stated ({shown(fault, 120)})"] if fault else []
 
 
 def _unit(millimetres: float) -> Unit:

@@ -74,7 +74,7 @@ def _convert(source: str, target: Path, linear: float, angular: float, tree: boo
         return rows
 
     document = Document(source)
-    bodies = _Bodies(linear, angular, document.scale)
+    bodies = Bodies(linear, angular, document.scale)
     instances = []
     for piece in document.pieces():
         if tree:
@@ -100,8 +100,14 @@ def _convert(source: str, target: Path, linear: float, angular: float, tree: boo
     (target / "part.json").write_text(json.dumps(answer))
 
 
-class _Bodies:
+class Bodies:
     """Solids and open surfaces, each where the tree of products puts it.
+
+    Parameters
+    ----------
+    linear, angular : sag of the triangles relative to an edge, angle; rad
+    scale : of the shapes, see `Document`
+    in_memory : whether the shapes are those of somebody who may have put triangles on them already
 
     Attributes
     ----------
@@ -112,10 +118,10 @@ class _Bodies:
     fault : why the true shape cannot be stated, if so
     """
 
-    def __init__(self, linear: float, angular: float, scale: float) -> None:
+    def __init__(self, linear: float, angular: float, scale: float, *, in_memory: bool = False) -> None:
         from inertia.mesh.readers.opencascade.kernel import shape_map
 
-        self._sag, self._scale = (linear, angular), scale
+        self._sag, self._scale, self._in_memory = (linear, angular), scale, in_memory
         self._known = shape_map()
         self._bodies: dict[tuple[int, Any], _Body] = {}
         self._surfaces: list[tuple[Float, Int, Float]] = []
@@ -176,12 +182,14 @@ class _Bodies:
         return vertices, triangles, distances
 
     def _body(self, shape: Any) -> _Body:
-        from OCP import TopAbs, TopExp
+        from OCP import BRepBuilderAPI, TopAbs, TopExp
 
         from inertia.mesh.readers.opencascade.facets import triangulated
         from inertia.mesh.readers.opencascade.kernel import bounds_something, cast, shape_map
         from inertia.mesh.readers.opencascade.surfaces import Edges, face_data, scaled_face
 
+        if self._in_memory:  # its triangles stay as they are
+            shape = BRepBuilderAPI.BRepBuilderAPI_Copy(shape, False, False).Shape()
         walk, faces = TopExp.TopExp_Explorer(shape, TopAbs.TopAbs_FACE), []
         while walk.More():
             if bounds_something(walk.Current()):

@@ -23,7 +23,7 @@ from OCP import (
     XCAFDoc,
 )
 
-from inertia.mesh.readers.opencascade.kernel import kind_of, labels, parts_of
+from inertia.mesh.readers.opencascade.kernel import bodies_of, colour_of, has_faces, labels
 
 Colour = tuple[float, float, float]
 _DEEP = 200
@@ -118,8 +118,10 @@ class Document:
         self, label: Any, location: Any, name: str | None, path: tuple[str, ...], colour: Colour | None, number: int
     ) -> Iterator[Piece]:
         shape = self._tree.GetShape_s(label)
-        several = sum(1 for _ in _solids(shape)) > 1
-        for piece in self._pieces_of(shape):
+        bodies = list(bodies_of(shape))
+        several = len(bodies) > 1
+        self.loose += sum(not has_faces(piece) for piece in bodies)
+        for piece in filter(has_faces, bodies):
             own = TDF.TDF_Label()
             known = self._shapes.FindSubShape(label, piece, own)
             title = (_name(own) if known and several else None) or name or (path[-1] if path else None)
@@ -127,24 +129,6 @@ class Document:
             where = location.Multiplied(piece.Location())
             here = piece.Located(TopLoc.TopLoc_Location())
             yield Piece(here, where, title, path, shade, number, piece.Location())
-
-    def _pieces_of(self, shape: Any) -> Iterator[Any]:
-        kind = kind_of(shape)
-        if kind in ("SOLID", "SHELL", "FACE"):
-            yield shape
-        elif kind in ("COMPOUND", "COMPSOLID"):
-            for part in parts_of(shape):
-                yield from self._pieces_of(part)
-        else:
-            self.loose += 1
-
-
-def _solids(shape: Any) -> Iterator[Any]:
-    if kind_of(shape) in ("COMPOUND", "COMPSOLID"):
-        for part in parts_of(shape):
-            yield from _solids(part)
-    else:
-        yield shape
 
 
 def _name(label: Any) -> str | None:
@@ -159,8 +143,7 @@ def _colour(label: Any) -> Colour | None:
     colour = Quantity.Quantity_Color()
     for kind in (XCAFDoc.XCAFDoc_ColorSurf, XCAFDoc.XCAFDoc_ColorGen):
         if XCAFDoc.XCAFDoc_ColorTool.GetColor_s(label, kind, colour):
-            red, green, blue = colour.Values(Quantity.Quantity_TOC_sRGB)
-            return round(red, 6), round(green, 6), round(blue, 6)  # the kernel holds float32
+            return colour_of(colour)
     return None
 
 

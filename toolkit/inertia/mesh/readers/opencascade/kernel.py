@@ -1,4 +1,4 @@
-"""What differs between versions 7 and 8 of OpenCASCADE's Python binding (OCP): collections, and casts of shapes."""
+"""Shapes of OpenCASCADE's Python binding (OCP): what they are made of, and what versions 7 and 8 name differently."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ import importlib
 from collections.abc import Iterator
 from typing import Any
 
-from OCP import TopAbs, TopoDS
+from OCP import Quantity, TopAbs, TopoDS
 
 
 def collection(new: str, module: str, old: str, *size: int) -> Any:
@@ -44,6 +44,26 @@ def parts_of(shape: Any) -> Iterator[Any]:
     while parts.More():
         yield parts.Value()
         parts.Next()
+
+
+def bodies_of(shape: Any) -> Iterator[Any]:
+    """Yield the solids, shells and faces of a shape that are in no other of them, and what has no face, placed."""
+    if kind_of(shape) in ("COMPOUND", "COMPSOLID"):
+        for part in parts_of(shape):
+            yield from bodies_of(part)
+    else:
+        yield shape
+
+
+def has_faces(shape: Any) -> bool:
+    """Whether what `bodies_of` yields is more than points and wires."""
+    return kind_of(shape) in ("SOLID", "SHELL", "FACE")
+
+
+def colour_of(colour: Any) -> tuple[float, float, float]:
+    """Return a colour as sRGB."""
+    red, green, blue = colour.Values(Quantity.Quantity_TOC_sRGB)
+    return round(red, 6), round(green, 6), round(blue, 6)  # the kernel holds float32
 
 
 def bounds_something(shape: Any) -> bool:
