@@ -2,8 +2,9 @@
 
     python docs/build_site.py [FOLDER]     into FOLDER, build/site without one: open FOLDER/index.html
 
-Whatever is amiss is an error: a page in none of the parts, a link that leads nowhere, a public name without an entry.
-The pages stay as they are: what is written here stands in none of them, and what stands in them is not written again.
+Whatever is amiss is an error: a page in none of the parts, a link that leads nowhere, a public name without an entry,
+an example that fails or warns. The pages stay as they are: what is written here stands in none of them, and what stands
+in them is not written again.
 """
 
 from __future__ import annotations
@@ -13,19 +14,27 @@ import re
 import shutil
 import sys
 import tempfile
+import warnings
 from collections.abc import Iterator
+from contextlib import ExitStack
 from pathlib import Path
 from types import ModuleType
 from typing import Any
 
+import matplotlib as mpl
+from docutils import nodes
+from docutils.utils.math.latex2mathml import tex2mathml
 from sphinx.application import Sphinx
 
 import inertia
+from inertia.palette import COLORS
 from inertia_cli.main import build_parser
 
 ROOT = Path(__file__).resolve().parent.parent
 PARTS = {
-    "Tutorials": "tutorial-part tutorial-robot tutorial-rotor tutorial-top gallery",
+    "Tutorials": "tutorial-part tutorial-robot tutorial-rotor tutorial-top",
+    "Examples": "examples/index gallery",
+    "Textbook": "textbook/index",
     "How to": "analysing reading checking exchange assembly batch algebra uncertainty audit balancing measuring "
     "simulating spread playback trade notebooks outputs",
     "Reference": "python command json errors stability",
@@ -34,13 +43,41 @@ PARTS = {
     "Project": "CONTRIBUTING CHANGELOG SECURITY CODE_OF_CONDUCT",
 }
 """Every page, in the part where one looks for it."""
+GALLERIES = ("examples", "textbook")
+"""The folders of scripts, each of which becomes a page with what it prints and draws."""
+PICTURES = {
+    "figure.dpi": 144,
+    "figure.constrained_layout.use": True,
+    "axes.prop_cycle": mpl.cycler(color=COLORS),
+    "axes.spines.top": False,
+    "axes.spines.right": False,
+    "axes.grid": True,
+    "axes.axisbelow": True,
+    "grid.alpha": 0.3,
+    "legend.frameon": False,
+}
+"""How matplotlib draws on the site."""
 ALIASES = ("ArrayLike", "Float", "Int", "Bool", "Progress", "Orientation", "Parts")
 SETTINGS = {
     "project": "inertia",
     "author": "the inertia authors",
     "copyright": "the inertia authors, MIT licence",
     "release": inertia.__version__,
-    "extensions": ["myst_parser", "sphinx.ext.autodoc"],
+    "extensions": ["myst_parser", "sphinx.ext.autodoc", "sphinx_gallery.gen_gallery", __name__],
+    "sphinx_gallery_conf": {
+        "examples_dirs": [str(ROOT / "docs" / name) for name in GALLERIES],
+        "gallery_dirs": list(GALLERIES),
+        "filename_pattern": r"\.py$",
+        "within_subsection_order": "FileNameSortKey",
+        "capture_repr": ("_repr_html_",),
+        "reset_modules": ("matplotlib", f"{__name__}.prepare"),
+        "reset_modules_order": "both",
+        "download_all_examples": False,
+        "show_signature": False,
+        "write_computation_times": False,
+        "min_reported_time": 1e9,  # s: the pages are the same, however fast the machine is
+    },
+    "html_math_renderer": "mathml",
     "myst_heading_anchors": 4,
     "smartquotes": False,
     "default_role": "code",
@@ -71,14 +108,12 @@ def build(out: Path) -> None:
     """Write the site into a folder; raise `SystemExit` with what is amiss."""
     with tempfile.TemporaryDirectory() as folder:
         source, trees = Path(folder) / "docs", Path(folder) / "trees"
-        shutil.copytree(ROOT / "docs", source, ignore=shutil.ignore_patterns("*.py", "__pycache__"))
+        shutil.copytree(ROOT / "docs", source, ignore=shutil.ignore_patterns("*.py", "__pycache__", *GALLERIES))
         (Path(folder) / "toolkit").symlink_to(ROOT / "toolkit")  # pages may link to a module
         _write_pages(source)
         app = Sphinx(
             source, None, out, trees, "html", SETTINGS, warningiserror=True, status=None, exception_on_warning=False
         )
-        app.connect("autodoc-process-docstring", _as_lists)
-        app.connect("autodoc-process-signature", _as_python)
         app.build()
         missing = set(inertia.__all__) - {
             name.removeprefix("inertia.") for name in app.env.domains.python_domain.objects
@@ -87,6 +122,39 @@ def build(out: Path) -> None:
             sys.exit(f"no entry in the reference: {', '.join(sorted(missing))}")
         if app.statuscode:
             sys.exit("the site has faults: see above")
+
+
+def setup(app: Sphinx) -> None:
+    """Let Sphinx read docstrings as they are written here, and write formulas that need no script and no network."""
+    app.connect("autodoc-process-docstring", _as_lists)
+    app.connect("autodoc-process-signature", _as_python)
+    app.connect("source-read", _without_bundles)
+    app.add_html_math_renderer("mathml", (_write_formula, None), (_write_formula, None))
+
+
+def _write_formula(writer: Any, node: nodes.Element) -> None:
+    """Write a formula as MathML."""
+    writer.body.append(tex2mathml(node.astext(), as_block=isinstance(node, nodes.math_block)))
+    raise nodes.SkipNode
+
+
+def prepare(_settings: object, _file: str, when: str) -> None:
+    """Draw an example in the colours of this project, and let what it warns of be an error while it runs."""
+    if when == "before":
+        mpl.rcParams.update(PICTURES)
+        _STRICT.enter_context(warnings.catch_warnings(action="error"))
+    else:
+        _STRICT.close()
+
+
+_STRICT = ExitStack()
+
+
+def _without_bundles(_app: Sphinx, page: str, text: list[str]) -> None:
+    """Take from the page of an example the offer of an archive, and the note that it can be loaded at its end."""
+    if page.partition("/")[0] in GALLERIES:
+        for what in (r"\.\. only:: html\n\n    \.\. note::", r"    \.\. container:: [\w -]*download-zip"):
+            text[0] = re.sub(rf"^{what}\n(?:.*\S.*\n|\n(?=\s))*", "", text[0], flags=re.MULTILINE)
 
 
 def _write_pages(source: Path) -> None:
