@@ -76,9 +76,10 @@ def run(options: argparse.Namespace) -> int:
 
                 write_budget(whole, options.report, force=options.force)
             if options.csv is not None:
-                from inertia.report.budget.table import budget_csv
+                from inertia.tables import csv_text
 
-                write_whole(Path(options.csv), budget_csv(whole).encode())
+                table = whole.columns
+                write_whole(Path(options.csv), csv_text([table, *zip(*table.values(), strict=True)]).encode())
 
     write_and_show(write, options.json, lambda: budget_document(whole), lambda: budget_text(whole))
     tell_of_viewer(options)

@@ -24,6 +24,7 @@ from typing import Any, ClassVar, Self, TypeVar, get_type_hints
 import numpy as np
 from numpy.typing import NDArray
 
+from inertia.arrays import of_rotation
 from inertia.errors import FieldPath, GeometryError, ReadError, UsageError, Word, placed, visible
 from inertia.estimate import Estimate
 from inertia.standard_input import file_of
@@ -385,6 +386,7 @@ def numbers(shape: tuple[int, ...], unit: str) -> Reader:
     expected += f", {unit}" if unit else ""
 
     def read(value: Any, path: str) -> NDArray[np.float64]:
+        value = of_rotation(value, shape[-1])
         if count and are_in_proportion(value, count):
             plain = np.array(value, np.float64)
             plain.setflags(write=False)
@@ -426,6 +428,21 @@ def choice(*options: str) -> Reader:
     return Reader(read, {"enum": list(options)})
 
 
+def rows_of(frame: Any) -> Any:
+    """Return the rows of a data frame (pandas, polars) as tables without the cells that are empty; else what it is."""
+    if hasattr(frame, "to_dicts"):
+        rows = frame.to_dicts()
+    elif hasattr(frame, "to_dict") and hasattr(frame, "columns"):
+        rows = frame.to_dict("records")
+    else:
+        return frame
+    return [{str(name): cell for name, cell in row.items() if not _is_empty(cell)} for row in rows]
+
+
+def _is_empty(cell: Any) -> bool:
+    return cell is None or type(cell).__name__ in ("NAType", "NaTType") or (isinstance(cell, float) and cell != cell)
+
+
 def _text(value: Any, path: str) -> str:
     if not isinstance(value, str) or not value.strip():
         raise FieldError(path, f"is {short_repr(value)}: it must be text")
@@ -450,6 +467,7 @@ def several(single: Reader, *, least: int = 1) -> Reader:
     """Read a list of at least so many entries; each is named by its index."""
 
     def read(value: Any, path: str) -> tuple[Any, ...]:
+        value = rows_of(value)
         if not isinstance(value, Sequence) or isinstance(value, str):
             raise FieldError(path, f"is {short_repr(value)}: it must be a list")
         if len(value) < least:

@@ -11,7 +11,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -20,10 +20,11 @@ from inertia.assembly.allowances import EXAMPLE, allowance_of
 from inertia.assembly.bodies import Input
 from inertia.assembly.frames import LENGTH_BITS, Frame
 from inertia.assembly.limits import Limit, Verdict, judged
-from inertia.assembly.lines import Line, central_of, six_of, square
+from inertia.assembly.lines import Line, Sigma, central_of, six_of, square
 from inertia.assembly.rollup import Placed
 from inertia.assembly.tree import Node, PartTree
 from inertia.errors import UsageError, placed, visible
+from inertia.mass.integrand import ELEMENTS
 from inertia.mass.properties import MassProperties
 from inertia.mesh.turns import TURN_BITS
 
@@ -62,6 +63,22 @@ class Budget:
                 return one
         return None
 
+    @property
+    def columns(self) -> dict[str, list[Any]]:
+        """A table with a row a line, as data frames take it: SI, in the axes of the whole; u: standard uncertainties.
+
+        A part's name has those above it before it.
+        """
+        lines = list(_named(self.total, ""))
+        columns: dict[str, list[Any]] = {"part": [name for name, _ in lines]}
+        for name in ("level", "quantity", "category", "maturity", "basic_mass", "allowance", "predicted_mass"):
+            columns[name] = [getattr(line, name) for _, line in lines]
+        _spread(columns, "", [line for _, line in lines])
+        for name in ("mass", "predicted_mass"):
+            columns[f"u_{name}"] = [getattr(line.sigma, name) for _, line in lines]
+        _spread(columns, "u_", [line.sigma for _, line in lines])
+        return columns
+
     def plot(self, ax: Axes | None = None) -> Figure:
         """Draw the mass of each part of the first level, with its allowance, and return the figure.
 
@@ -97,6 +114,21 @@ class Budget:
             *(("Note", note) for note in self.notes),
         ]  # fmt: skip
         return html_of(rows, ellipsoid_svg(self.properties.equivalent_ellipsoid, self.properties.principal.axes))
+
+
+def _named(line: Line, above: str) -> Iterator[tuple[str, Line]]:
+    name = f"{above}{line.name}"
+    yield name, line
+    for child in line.children:
+        yield from _named(child, f"{name}/" if line.level else "")
+
+
+def _spread(columns: dict[str, list[Any]], prefix: str, lines: Sequence[Line | Sigma]) -> None:
+    """Add the centres of mass and the tensors of lines, a column a component."""
+    for k, axis in enumerate("xyz"):
+        columns[f"{prefix}com_{axis}"] = [float(line.center_of_mass[k]) for line in lines]
+    for j, k in ELEMENTS:
+        columns[f"{prefix}i{'xyz'[j]}{'xyz'[k]}"] = [float(line.inertia[j, k]) for line in lines]
 
 
 def budget(assembly: PartTree) -> Budget:

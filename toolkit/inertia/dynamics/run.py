@@ -78,7 +78,7 @@ class Run:
     ----------
     plan : `Plan`: the model that ran, in which axes, and why
     time : (n,) s
-    attitude : (n, 4) unit quaternions, scalar last, part axes to space
+    attitude : (n, 4) unit quaternions, scalar last, part axes to space, as `Rotation.from_quat` of scipy takes them
     angular_velocity : (n, 3) rad/s, part axes
     angular_momentum : (n, 3) kg m²/s, space axes, about the centre of mass or the fixed point
     energy : (n,) J: of the rotation about that point, and of gravity where it turns the body; of a rolling body, all;
@@ -184,6 +184,13 @@ class Run:
             quantities={**self.quantities, **{name: values[rows] for name, values in self.series.items()}},
         )
 
+    @property
+    def columns(self) -> dict[str, Float]:
+        """What goes with the time by the names of the columns of `to_csv`, each (n,), as data frames take it."""
+        from inertia.dynamics.columns import Table
+
+        return {name: values for name, (values, _) in Table(self._series, {}).columns.items()}
+
     def to_csv(self, path: str | os.PathLike[str], *, force: bool = False) -> None:
         """Write all series of the run to a CSV file, SI, with names and units; every number reads back as it was.
 
@@ -259,6 +266,10 @@ class Run:
         except GeometryError:  # which takes too long, or reaches less between the samples
             return self
 
+    @property
+    def _series(self) -> dict[str, Float]:
+        return {name: getattr(self, name) for name in _SERIES if getattr(self, name) is not None} | self.series
+
     def _table(self) -> Table:
         """Return what goes with the time, and what it is of."""
         import hashlib
@@ -266,7 +277,7 @@ class Run:
         from inertia.dynamics.columns import Table
 
         scene, body = self.scene, self.scene.body
-        series = {name: getattr(self, name) for name in _SERIES if getattr(self, name) is not None} | self.series
+        series = self._series
         text = scene.source_text
         figures = {name: _entry(values) for name, values in self.quantities.items() if name not in series}
         about = {

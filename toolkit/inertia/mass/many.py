@@ -23,6 +23,7 @@ from inertia.errors import InertiaError, UsageError
 from inertia.mass.analyse import mass_properties
 from inertia.mass.density import ASSUMED
 from inertia.mass.double_words import Pair
+from inertia.mass.integrand import ELEMENTS
 from inertia.mass.moments import PAIRS
 from inertia.mass.properties import CERTAIN
 from inertia.mass.small import small_sums
@@ -68,6 +69,20 @@ class Many:
     def answered(self) -> Bool:
         """Which meshes have an answer, (n,)."""
         return np.isfinite(self.mass)
+
+    @property
+    def columns(self) -> dict[str, Any]:
+        """All figures by the names of columns, each (n,), as data frames take them; `refusal` is None where none is."""
+        return {
+            "volume": self.volume,
+            "mass": self.mass,
+            **dict(zip(("com_x", "com_y", "com_z"), self.center_of_mass.T, strict=True)),
+            **{f"i{'xyz'[j]}{'xyz'[k]}": self.inertia[:, j, k] for j, k in ELEMENTS},
+            "volume_error": self.volume_error,
+            "center_of_mass_error": self.center_of_mass_error,
+            "inertia_error": self.inertia_error,
+            "refusal": [self.refusals.get(k) for k in range(len(self.mass))],
+        }
 
 
 def many(

@@ -13,7 +13,7 @@ from fractions import Fraction
 import numpy as np
 from numpy.typing import ArrayLike
 
-from inertia.arrays import Float
+from inertia.arrays import Float, of_rotation
 from inertia.errors import UsageError
 
 VALIDITY_TOLERANCE = 1e-9
@@ -23,7 +23,7 @@ VALIDITY_TOLERANCE = 1e-9
 def array_of(value: ArrayLike | Sequence[Fraction], shape: tuple[int, ...], name: str) -> Float:
     """Return `value` as a finite float64 array of `shape`, or raise `UsageError` naming it."""
     try:
-        array = np.array(value, dtype=np.float64)
+        array = np.array(of_rotation(value, shape[-1] if shape else 0), dtype=np.float64)
     except (TypeError, ValueError):
         raise UsageError(f"{name} must be numbers of shape {shape}") from None
     if array.shape != shape:

@@ -1,7 +1,8 @@
 """Attitude quaternions: scalar last, (…, 4) as (x, y, z, w), taking body components to space components.
 
 Pure functions on arrays; leading axes broadcast. `multiply(p, q)` is the attitude that turns by q first, then by p.
-Quaternions are expected to have unit length; none of these functions normalises behind the caller's back.
+Quaternions are expected to have unit length; none of these functions normalises behind the caller's back. A `Rotation`
+of scipy stands for its quaternions, and `Rotation.from_quat` takes them back, in the same order.
 """
 
 from __future__ import annotations
@@ -9,9 +10,13 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike
 
-from inertia.arrays import Float
+from inertia.arrays import Float, of_rotation
 
 IDENTITY = (0.0, 0.0, 0.0, 1.0)
+
+
+def _array(q: ArrayLike) -> Float:
+    return np.asarray(of_rotation(q, 4), dtype=np.float64)
 
 
 def multiply(p: ArrayLike, q: ArrayLike) -> Float:
@@ -20,7 +25,7 @@ def multiply(p: ArrayLike, q: ArrayLike) -> Float:
     >>> multiply([1, 0, 0, 0], [0, 1, 0, 0]).tolist()
     [0.0, 0.0, 1.0, 0.0]
     """
-    p, q = np.asarray(p, dtype=np.float64), np.asarray(q, dtype=np.float64)
+    p, q = _array(p), _array(q)
     px, py, pz, pw = np.moveaxis(p, -1, 0)
     qx, qy, qz, qw = np.moveaxis(q, -1, 0)
     return np.stack(
@@ -36,12 +41,12 @@ def multiply(p: ArrayLike, q: ArrayLike) -> Float:
 
 def conjugate(q: ArrayLike) -> Float:
     """Return the inverse of a unit quaternion, (…, 4)."""
-    return np.multiply(q, (-1.0, -1.0, -1.0, 1.0), dtype=np.float64)
+    return np.multiply(_array(q), (-1.0, -1.0, -1.0, 1.0))
 
 
 def normalise(q: ArrayLike) -> Float:
     """Return q divided by its length, (…, 4)."""
-    q = np.asarray(q, dtype=np.float64)
+    q = _array(q)
     length: Float = np.linalg.norm(q, axis=-1, keepdims=True)
     return q / length
 
@@ -56,7 +61,7 @@ def continuous(attitude: Float) -> Float:
 
 def to_space(q: ArrayLike, vector: ArrayLike) -> Float:
     """Take body components (…, 3) to space components: v + 2 u × (u × v + w v), with u the vector part."""
-    q, v = np.asarray(q, dtype=np.float64), np.asarray(vector, dtype=np.float64)
+    q, v = _array(q), np.asarray(vector, dtype=np.float64)
     u, w = q[..., :3], q[..., 3:]
     return v + 2.0 * np.cross(u, np.cross(u, v) + w * v)
 
@@ -68,7 +73,7 @@ def to_body(q: ArrayLike, vector: ArrayLike) -> Float:
 
 def matrix(q: ArrayLike) -> Float:
     """Return the rotation matrix (…, 3, 3) whose columns are the body axes in space components."""
-    x, y, z, w = np.moveaxis(np.asarray(q, dtype=np.float64), -1, 0)
+    x, y, z, w = np.moveaxis(_array(q), -1, 0)
     rows = [
         [1 - 2 * (y * y + z * z), 2 * (x * y - z * w), 2 * (x * z + y * w)],
         [2 * (x * y + z * w), 1 - 2 * (x * x + z * z), 2 * (y * z - x * w)],

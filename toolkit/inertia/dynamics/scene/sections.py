@@ -7,7 +7,7 @@ from typing import Annotated, Any, ClassVar, Literal
 
 import numpy as np
 
-from inertia.arrays import Float
+from inertia.arrays import Float, of_rotation
 from inertia.documents import FieldError, Section, choice, estimate, integer, number, numbers, text
 from inertia.dynamics.kinematics import quaternion
 from inertia.estimate import uncertainty_of
@@ -104,7 +104,7 @@ class Start(Section):
     angular_velocity : (3,) rad/s, resolved in `frame`
     frame : "principal" (the principal axes, moments ascending; the part axes where the scene gave the principal
         moments), "part" or "space"
-    attitude : (4,) unit quaternion, scalar last, part axes to space
+    attitude : (4,) unit quaternion, scalar last, part axes to space; or a `Rotation` of scipy
     position : (3,) m in space: of the centre of mass, of the fixed point, or of the point of contact
     velocity : (3,) m/s in space, of the centre of mass of a free body, or along the plane of a ball that slides
     """
@@ -124,7 +124,7 @@ class Start(Section):
     @property
     def typed_attitude(self) -> Float:
         """The attitude (4,) as it was given, of nearly unit length."""
-        return np.asarray(self.__dict__["_typed_attitude"], dtype=np.float64)
+        return np.asarray(of_rotation(self.__dict__["_typed_attitude"], 4), dtype=np.float64)
 
 
 _OWNERS = {
