@@ -4,8 +4,9 @@ r"""
 
 Six numbers say where a rigid body is: three for a point of it, three for how it is turned. Chasles' theorem says that
 any motion is a shift of that point and a turn about it. With the centre of mass as the point the two come apart:
-:math:`\mathbf F = \dot{\mathbf P}` moves it, and :math:`\mathbf N = \dot{\mathbf L}` about it turns the body. A thrown
-club shows both: its centre of mass keeps to a parabola, whatever its two ends do.
+force moves it, :math:`\mathbf F = d\mathbf P/dt`, and torque about it turns the body,
+:math:`\mathbf N = d\mathbf L/dt`. A thrown club shows both: its centre of mass keeps to a parabola, whatever its two
+ends do.
 """
 
 import matplotlib.pyplot as plt
@@ -49,11 +50,15 @@ def path(point):
 t = run.time
 parabola = np.stack([3.0 * t, 0.0 * t, 1.5 + 5.0 * t - 0.5 * 9.80665 * t**2], axis=1)
 turned = club.center_of_mass[0] * np.stack([-np.cos(9.0 * t), 0.0 * t, np.sin(9.0 * t)], axis=1)
-np.testing.assert_allclose(run.position, parabola, atol=1e-12)  # the shift: as a particle
-np.testing.assert_allclose(path(tail), parabola + turned, atol=1e-12)  # and a turn by ωt about y
-np.testing.assert_allclose(np.linalg.norm(path(head) - path(tail), axis=1), 0.8, rtol=1e-12)  # it is rigid
-np.testing.assert_allclose(run.angular_momentum, np.tile(run.angular_momentum[0], (121, 1)), atol=1e-12)
-print(f"L about the centre of mass stays at {run.angular_momentum[0, 1]:.4f} kg m²/s: gravity has no torque about it")
+# The shift is that of a particle, the turn is by ωt about y, and the club is rigid.
+np.testing.assert_allclose(run.position, parabola, atol=1e-12)
+np.testing.assert_allclose(path(tail), parabola + turned, atol=1e-12)
+np.testing.assert_allclose(np.linalg.norm(path(head) - path(tail), axis=1), 0.8, rtol=1e-12)
+
+# Gravity has no torque about the centre of mass: L about it stays.
+momentum = run.angular_momentum[:, 1]
+np.testing.assert_allclose(momentum, 9.0 * club.inertia[1, 1], rtol=1e-12)
+print(f"L about the centre of mass stays at {momentum[0]:.4f} kg m²/s")
 
 # %%
 # Look at the smooth line amid the loops. The ends wind round it in circles, as seen from the centre of mass, the

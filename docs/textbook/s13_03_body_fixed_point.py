@@ -3,10 +3,10 @@ r"""
 ======================================
 
 A particle of a body that turns about a point O at rest has the velocity
-:math:`\mathbf v = \boldsymbol\omega \times \mathbf r`, so that
-:math:`\mathbf L = \sum m\,\mathbf r \times (\boldsymbol\omega \times \mathbf r)
-= \sum m\,[r^2 \boldsymbol\omega - \mathbf r\,(\mathbf r \cdot \boldsymbol\omega)]` (eq. 13.9). It is linear in
-:math:`\boldsymbol\omega`, but need not be parallel to it, and it depends on O. A gate on its post shows both: every
+:math:`\mathbf v = \mathbf\omega \times \mathbf r`, so that
+:math:`\mathbf L = \sum m\,\mathbf r \times (\mathbf\omega \times \mathbf r)
+= \sum m\,[r^2 \mathbf\omega - \mathbf r\,(\mathbf r \cdot \mathbf\omega)]` (eq. 13.9). It is linear in
+:math:`\mathbf\omega`, but need not be parallel to it, and it depends on O. A gate on its post shows both: every
 point of the hinge line is at rest, and each sees another angular momentum.
 """
 
@@ -38,12 +38,12 @@ for height, momentum in zip(heights, momenta, strict=True):
     np.testing.assert_allclose(momentum, np.sum(mass / 4 * np.cross(r, v), axis=0), atol=1e-12 * mass)
     closed_form = 1.5 * mass * np.array([-a / 2 * (b / 2 - height), a**2 / 3, 0.0])
     np.testing.assert_allclose(momentum, closed_form, atol=1e-12 * mass)
-    print(f"about the hinge line at {height:.1f} m: L = ({momentum[0]:+.1f}, {momentum[1]:.1f}, 0) kg m²/s")
+    print(f"O at {height:.1f} m: L = ({momentum[0]:+.1f}, {momentum[1]:.1f}, 0) kg m²/s")
 
 # %%
 # Along the hinges all agree: :math:`L_y = \tfrac{1}{3} M a^2 \omega`. Across them
 # :math:`L_x = -M \tfrac{a}{2} (\tfrac{b}{2} - h)\,\omega`, which is zero at mid-height alone. The gate carries
-# that part round, so that :math:`\dot{\mathbf L} = \boldsymbol\omega \times \mathbf L`: about its lowest point it needs
+# that part round, so that :math:`d\mathbf L/dt = \mathbf\omega \times \mathbf L`: about its lowest point it needs
 # a torque of the upper hinge to go on turning about the post. A run on that axle has the same :math:`\mathbf L`.
 
 axle = inertia.Constraint(kind="hinge", axis=[0.0, 1.0, 0.0], drive="constant_speed")
@@ -55,7 +55,7 @@ across = mass * a * b / 4 * 1.5
 angle = 1.5 * run.time
 around = np.stack([-across * np.cos(angle), np.full(65, momenta[0, 1]), across * np.sin(angle)], axis=1)
 np.testing.assert_allclose(run.angular_momentum, around, atol=1e-12 * mass)
-print(f"L about the lowest point goes round with {across:.1f} kg m²/s across: |dL/dt| = {1.5 * across:.2f} N m")
+print(f"O at 0.0 m: |dL/dt| = {1.5 * across:.2f} N m")
 
 # %%
 # Look at the arrows: one motion, three angular momenta. None is wrong. That about mid-height is parallel to ω because

@@ -23,7 +23,8 @@ corners = np.array(list(product([0.0, 1.0], repeat=3)))
 edges = [(p, q) for p in corners for q in corners if (q - p).sum() == 1.0 and (q >= p).all()]
 square = np.array([[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]])
 faces = [np.insert(square, axis, side, axis=1) for axis in range(3) for side in (0.0, 1.0)]
-quads = [[0, 1, 3, 2], [4, 6, 7, 5], [0, 4, 5, 1], [2, 3, 7, 6], [0, 2, 6, 4], [1, 5, 7, 3]]  # seen from outside
+# The faces of the solid, in order as seen from outside.
+quads = [[0, 1, 3, 2], [4, 6, 7, 5], [0, 4, 5, 1], [2, 3, 7, 6], [0, 2, 6, 4], [1, 5, 7, 3]]
 solid = inertia.Part.from_arrays(corners, [[q[0], q[i], q[i + 1]] for q in quads for i in (1, 2)])
 
 cubes = {
@@ -40,7 +41,7 @@ cubes = {
 # :math:`I = 2\langle x^2 \rangle = \tfrac{9 - 2d}{18}`. All four are spherical tops: any axis will do.
 
 for d, (name, cube) in enumerate(cubes.items()):
-    np.testing.assert_allclose(cube.inertia, (9 - 2 * d) / 18 * np.eye(3), atol=1e-15)
+    np.testing.assert_allclose(cube.inertia, (9 - 2 * d) / 18 * np.eye(3), atol=1e-14)
     print(f"{name:12} I = {9 - 2 * d}/18 kg m², {cube.principal.kind}")
 
 # %%
@@ -48,8 +49,9 @@ for d, (name, cube) in enumerate(cubes.items()):
 # own, and the centre of mass, at :math:`(\tfrac{1}{2}, \tfrac{1}{2}, \tfrac{1}{2})`, adds :math:`-\tfrac{1}{4}` each.
 
 for d, cube in enumerate(cubes.values()):
-    np.testing.assert_allclose(cube.about([0, 0, 0]), ((9 - 2 * d) / 18 + 3 / 4) * np.eye(3) - 1 / 4, atol=1e-15)
-print("the solid one about its corner:", cubes["solid"].about([0, 0, 0]).round(4).tolist())
+    np.testing.assert_allclose(cube.about([0, 0, 0]), ((9 - 2 * d) / 18 + 3 / 4) * np.eye(3) - 1 / 4, atol=1e-14)
+print("solid, about a corner:")
+print(cubes["solid"].about([0, 0, 0]).round(4))
 
 # %%
 # Look at where the mass is: the nearer to the middle, the smaller the moment, by :math:`\tfrac{1}{9}` a step.

@@ -2,10 +2,10 @@ r"""
 13.5 Matrix and tensor formulation
 ==================================
 
-Three sums become one product: :math:`\mathbf L = \mathbf I \cdot \boldsymbol\omega`, a matrix and a column. It is a
+Three sums become one product: :math:`\mathbf L = \mathbf I \cdot \mathbf\omega`, a matrix and a column. It is a
 *linear map* of the angular velocity to the angular momentum. Along other axes both columns have other components and
 the matrix other elements, :math:`\mathbf I' = \mathbf R^T \mathbf I\, \mathbf R`, but the arrows that they stand for
-are the same: that makes it a tensor. Nothing is divided: :math:`\mathbf L` over :math:`\boldsymbol\omega` is a matter
+are the same: that makes it a tensor. Nothing is divided: :math:`\mathbf L` over :math:`\mathbf\omega` is a manner
 of speaking, for nine elements cannot follow from one pair of vectors.
 """
 
@@ -19,18 +19,18 @@ import inertia
 
 plate = inertia.lamina([[0, 0], [0.4, 0], [0.4, 0.1], [0.1, 0.1], [0.1, 0.3], [0, 0.3]], 7850 * 0.002)
 tensor = plate.inertia
-print(f"mass {plate.mass:.3f} kg, tensor about the centre of mass in g m²:")
+print(f"mass {plate.mass:.3f} kg, tensor in g m²:")
 print((1e3 * tensor).round(4))
 
 # %%
 # **The matrix is the sum.** The product of matrix and column is :math:`L_i = \sum_j I_{ij} \omega_j`, for one
-# :math:`\boldsymbol\omega` or for many, which stand in rows.
+# :math:`\mathbf\omega` or for many, which stand in rows.
 
 around = np.linspace(0.0, 2.0 * np.pi, 361)
 omegas = np.stack([np.cos(around), np.sin(around), 0.0 * around], axis=1)  # 1 rad/s, every way in the plane
 momenta = omegas @ tensor.T
 by_sums = [[sum(tensor[i, j] * omega[j] for j in range(3)) for i in range(3)] for omega in omegas[::40]]
-np.testing.assert_allclose(momenta[::40], by_sums, atol=1e-17)
+np.testing.assert_allclose(momenta[::40], by_sums, atol=1e-16)
 
 # %%
 # **Other axes, same arrows.** Turn the axes by 30° about z and by 50° about the new x; the columns of R are the new
@@ -41,7 +41,7 @@ about_z = np.array([[np.cos(a), -np.sin(a), 0], [np.sin(a), np.cos(a), 0], [0, 0
 about_x = np.array([[1, 0, 0], [0, np.cos(b), -np.sin(b)], [0, np.sin(b), np.cos(b)]])
 rotation = about_z @ about_x
 turned = inertia.reexpress(tensor, rotation)
-np.testing.assert_allclose((omegas @ rotation) @ turned.T @ rotation.T, momenta, atol=1e-16)
+np.testing.assert_allclose((omegas @ rotation) @ turned.T @ rotation.T, momenta, atol=1e-15)
 
 # %%
 # What does not depend on the axes: the trace, the sum of the three principal minors, and the determinant.
@@ -62,11 +62,11 @@ np.testing.assert_allclose(invariants(tensor), (i1 + i2 + i3, i1 * i2 + i2 * i3 
 along = momenta @ plate.principal_axes
 np.testing.assert_allclose((along[:, 0] / i1) ** 2 + (along[:, 1] / i2) ** 2, 1.0, rtol=1e-12)
 lengths = 1e3 * np.linalg.norm(momenta, axis=1)
-print(f"|L| of 1 rad/s in the plane: {lengths.min():.3f} to {lengths.max():.3f} g m²/s")
+print(f"|L| is {lengths.min():.3f} to {lengths.max():.3f} g m²/s")
 
 # %%
 # Look at the circle and what becomes of it. Where the arrow of
-# :math:`\mathbf L` (coloured) is parallel to that of :math:`\boldsymbol\omega` (grey), the direction is principal
+# :math:`\mathbf L` (coloured) is parallel to that of :math:`\mathbf\omega` (grey), the direction is principal
 # (section 13.6).
 #
 # **Try**: legs of equal length. Which way does the ellipse lie then, and why?

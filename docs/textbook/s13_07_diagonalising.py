@@ -2,7 +2,7 @@ r"""
 13.7 Diagonalising the inertia tensor
 =====================================
 
-The best way to the principal axes is not by trial. :math:`\mathbf I \cdot \boldsymbol\omega = I \boldsymbol\omega` has
+The best way to the principal axes is not by trial. :math:`\mathbf I \cdot \mathbf\omega = I \mathbf\omega` has
 a solution other than zero where :math:`\det(\mathbf I - I\,\mathbf 1) = 0`, the *secular equation*: a cubic, whose
 three roots are the principal moments; each put back (eq. 13.28) gives the direction of its axis. A symmetric matrix has
 three real roots. Two bodies show what can happen: a brick about some point has three different ones, a cube about its
@@ -59,9 +59,9 @@ for moment, axis in zip(answer.moments, answer.axes.T, strict=True):
     np.testing.assert_allclose(brick @ axis, moment * axis, atol=1e-12)  # eq. 13.28
     other = np.cross(brick[0] - [moment, 0, 0], brick[1] - [0, moment, 0])  # at right angles to two of its rows
     np.testing.assert_allclose(np.abs(axis @ other), np.linalg.norm(other), rtol=1e-12)
-    print(f"I = {moment:8.4f} kg m² about ({axis[0]:+.4f}, {axis[1]:+.4f}, {axis[2]:+.4f})")
+    print(f"I = {moment:7.4f} kg m² about {axis.round(4)}")
 np.testing.assert_allclose(double.axes[:, 0], np.full(3, 3**-0.5), atol=1e-12)  # the diagonal of the cube
-print(f"cube: {double.moments.round(6)}, equal are those numbered {double.equal[0]}: {double.kind}")
+print(f"cube: {double.moments.round(6)}, {double.kind}, equal: {double.equal}")
 
 # %%
 # The answer says which moments are equal, for their axes are then any two across the third. It chooses those nearest

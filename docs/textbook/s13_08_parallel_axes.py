@@ -24,9 +24,9 @@ ruler = inertia.lamina(
 )
 pin, other = np.array([0.0, 0.0, 0.9]), np.array([0.0, 0.01, 0.3])
 a = ruler.center_of_mass - pin
-np.testing.assert_allclose(ruler.about(pin), ruler.inertia + mass * (a @ a * np.eye(3) - np.outer(a, a)), atol=1e-15)
+np.testing.assert_allclose(ruler.about(pin), ruler.inertia + mass * (a @ a * np.eye(3) - np.outer(a, a)), atol=1e-14)
 moved = inertia.steiner(ruler.about(pin), mass, ruler.center_of_mass, about=pin, to=other)
-np.testing.assert_allclose(moved, ruler.about(other), atol=1e-15)
+np.testing.assert_allclose(moved, ruler.about(other), atol=1e-14)
 
 # %%
 # **The pendulum.** At a distance d of the pin from the middle :math:`J = M (k^2 + d^2)`, with the radius of gyration
@@ -34,7 +34,7 @@ np.testing.assert_allclose(moved, ruler.about(other), atol=1e-15)
 # :math:`d = k`.
 
 k = np.sqrt((length**2 + width**2) / 12)
-assert abs(ruler.radii_of_gyration[2] - k) < 1e-15
+assert abs(ruler.radii_of_gyration[2] - k) < 1e-14
 distances = np.linspace(0.06, 0.5, 45)
 moments = np.array([ruler.about([0.0, 0.0, 0.5 + d])[0, 0] for d in distances])
 small = 2 * np.pi * np.sqrt(moments / (mass * g * distances))
@@ -63,11 +63,11 @@ for d in (0.1, 0.2, k, 0.5):
     turned = 2 * np.degrees(np.arctan2(run.attitude[:, 0], run.attitude[:, 3]))
     np.testing.assert_allclose(turned, [40, -40, 40], atol=1e-7)  # to the accuracy of the run, 1e-10 rad
     swung.append((d, period))
-    print(f"pin {d:.4f} m from the middle: {period:.4f} s, there and back to {abs(turned[2] - 40):.0e}°")
+    print(f"d = {d:.4f} m: {period:.4f} s")
 
 # %%
-# Look at the flat bottom of the curve: a pendulum clock is hung there, where a pin that is a little off does no harm.
-# The points lie above it by 3.1 %, which is the price of 40°.
+# Look at the flat bottom of the curve: a good clock's pendulum hangs there, for wear of the pin hardly alters its
+# period. The points lie above it by 3.1 %, which is the price of 40°.
 #
 # **Try**: a weight at the lower end. Where is the shortest period then?
 

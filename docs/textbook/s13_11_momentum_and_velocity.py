@@ -2,10 +2,10 @@ r"""
 13.11 Angular momentum and angular velocity
 ===========================================
 
-:math:`\mathbf L = \mathbf I \cdot \boldsymbol\omega` (eq. 13.55) has two consequences: the two vectors point different
-ways unless the body spins about a principal axis, and where no torque acts it is :math:`\mathbf L` that stays in space.
+:math:`\mathbf L = \mathbf I \cdot \mathbf\omega` (eq. 13.55) has two consequences: the two vectors point different
+ways unless the body spins about a principal axis, and where no torque acts :math:`\mathbf L` is what stays in space.
 The angular velocity, which one sees, wanders about it. Only its part along :math:`\mathbf L` is constant, for
-:math:`\boldsymbol\omega \cdot \mathbf L = 2T`: its tip stays in a plane, in a ring.
+:math:`\mathbf\omega \cdot \mathbf L = 2T`: its tip stays in a plane, in a ring.
 """
 
 import matplotlib.pyplot as plt
@@ -31,7 +31,7 @@ run = inertia.simulate(scene)
 size, twice_energy = np.linalg.norm(moments * omega), moments @ omega**2
 angle = np.arccos(28 / np.sqrt(3 * (25 + 100 + 169)))
 np.testing.assert_allclose(inertia.momentum_angle(moments, omega), angle, rtol=1e-12)
-print(f"the angle between L and ω is {np.degrees(angle):.3f}° at first")
+print(f"L and ω are {np.degrees(angle):.3f}° apart at first")
 
 # %%
 # **In space** L stays, and so does the part of ω along it. Along the body L goes round, and keeps its length alone.
@@ -41,7 +41,8 @@ np.testing.assert_allclose(run.angular_momentum, np.tile(moments * omega, (1601,
 np.testing.assert_allclose(spin @ (moments * omega) / size, twice_energy / size, rtol=1e-12)
 along_body = run.angular_velocity * moments
 np.testing.assert_allclose(np.linalg.norm(along_body, axis=1), size, rtol=1e-12)
-print(f"along the body L goes between {along_body.min(axis=0).round(2)} and {along_body.max(axis=0).round(2)} kg m²/s")
+print(f"along the body L goes from {along_body.min(axis=0).round(2)}")
+print(f"to {along_body.max(axis=0).round(2)} kg m²/s")
 
 # %%
 # **The ring.** As 2T I2 is less than L², ω goes round axis 3, and its length is extreme where ω1 or ω2 is zero. Energy

@@ -3,8 +3,8 @@ r"""
 =========================================
 
 About any point O of a body, which moves with :math:`\mathbf V`, the kinetic energy is
-:math:`T = \tfrac{1}{2} M V^2 + M \mathbf V \cdot (\boldsymbol\omega \times \mathbf R)
-+ \tfrac{1}{2}\, \boldsymbol\omega \cdot \mathbf J\, \boldsymbol\omega` (eq. 13.58), with :math:`\mathbf R` the lever
+:math:`T = \tfrac{1}{2} M V^2 + M \mathbf V \cdot (\mathbf\omega \times \mathbf R)
++ \tfrac{1}{2}\, \mathbf\omega \cdot \mathbf J\, \mathbf\omega` (eq. 13.58), with :math:`\mathbf R` the lever
 from O to the centre of mass. The first term is that of a particle, the last that of a turn about O, the middle one what
 they have to do with each other. It is zero about the centre of mass, and about a point at rest. The sum is the same
 about every O: that is the check.
@@ -31,7 +31,7 @@ print(f"T = {by_particles:.3f} J, particle by particle")
 
 # %%
 # **About a point**: ``kinetic_energy`` takes the tensor about O, the lever and the velocity of O, which is
-# :math:`\mathbf V = \mathbf V_0 + \boldsymbol\omega \times \mathbf r`. Here for 111 points along the bat
+# :math:`\mathbf V = \mathbf V_0 + \mathbf\omega \times \mathbf r`. Here for 111 points along the bat
 # and beyond both of its ends.
 
 along = np.linspace(-0.2, 0.9, 111)
@@ -52,8 +52,9 @@ speed = 4.0 + 30.0 * along
 np.testing.assert_allclose(cross, bat.mass * speed * 30.0 * (middle - along), atol=1e-12 * by_particles)
 turn_alone = 0.5 * 30.0**2 * bat.about([still, 0, 0])[2, 2]
 assert abs(turn_alone - by_particles) < 1e-12 * by_particles
-print(f"centre of mass at {middle:.4f} m: {0.5 * bat.mass * (4 + 30 * middle) ** 2:.2f} J go with it and")
-print(f"{0.5 * 30**2 * bat.inertia[2, 2]:.2f} J with the turn; the point at rest is at {still:.4f} m")
+carried, turning = 0.5 * bat.mass * (4 + 30 * middle) ** 2, 0.5 * 30**2 * bat.inertia[2, 2]
+print(f"centre of mass at {middle:.4f} m: {carried:.2f} + {turning:.2f} J")
+print(f"at rest at {still:.4f} m: {turn_alone:.2f} J")
 
 # %%
 # Look at the three curves, whose sum is level. The turn has least at the centre of mass (section 13.8); beyond it the

@@ -3,9 +3,22 @@ r"""
 =====================================
 
 The Euler rates turn about three axes that are not at right angles: precession :math:`\dot\phi` about z, nutation
-:math:`\dot\theta` about the line of nodes, spin :math:`\dot\psi` about axis 3. Resolved along the body they add up to
-:math:`\boldsymbol\omega` by eq. 13.86 to 13.88, along space by 13.89 to 13.91. Solved for the rates, both have
-:math:`\sin\theta` below the line: where axis 3 comes near z the rates rush, though the body does not.
+:math:`\dot\theta` about the line of nodes, spin :math:`\dot\psi` about axis 3. Resolved along the body (eq. 13.86 to
+13.88) and along space (eq. 13.89 to 13.91) they add up to
+
+.. math::
+
+   \begin{aligned}
+   \omega_1 & = \dot\phi\, \sin\theta\, \sin\psi + \dot\theta\, \cos\psi, &
+   \omega_x & = \dot\theta\, \cos\phi + \dot\psi\, \sin\theta\, \sin\phi, \\
+   \omega_2 & = \dot\phi\, \sin\theta\, \cos\psi - \dot\theta\, \sin\psi, &
+   \omega_y & = \dot\theta\, \sin\phi - \dot\psi\, \sin\theta\, \cos\phi, \\
+   \omega_3 & = \dot\phi\, \cos\theta + \dot\psi, &
+   \omega_z & = \dot\phi + \dot\psi\, \cos\theta .
+   \end{aligned}
+
+Solved for the rates, both have :math:`\sin\theta` below the line: where axis 3 comes near z the rates rush, though the
+body does not.
 """
 
 import matplotlib.pyplot as plt
@@ -63,7 +76,7 @@ nearest = theta.argmin()
 print(f"θ comes down to {np.degrees(theta[nearest]):.2f}° at {run.time[nearest]:.2f} s")
 print(f"there φ' = {d_phi[nearest]:.2f} and ψ' = {d_psi[nearest]:.2f} rad/s,")
 print(f"and their sum is {d_phi[nearest] + d_psi[nearest]:.3f} rad/s")
-print(f"|ω| stays below {np.linalg.norm(run.angular_velocity, axis=1).max():.3f} rad/s all the while")
+print(f"|ω| is {np.linalg.norm(run.angular_velocity, axis=1).max():.3f} rad/s at most")
 
 # %%
 # **At the pole itself** the library says what is wrong, and gives the sum where it is asked for.
