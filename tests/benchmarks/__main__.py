@@ -46,7 +46,7 @@ def main() -> None:
     parser.add_argument("--into", type=Path, default=ROOT / "docs", help="the folder to write to (docs)")
     options = parser.parse_args()
     if options.quick:
-        from .claims import judged
+        from .quick import judged
 
         sys.exit(judged())
     stored = options.into / "benchmarks.json"

@@ -1,8 +1,6 @@
-"""What README and docs state, figure by figure, beside what is measured here: ``python -m tests.benchmarks --quick``.
+"""The figures of the README, each with what measures it: fractions, 50 digits and geometry worked out by itself.
 
-A claim is the words of a page that hold the figures, and what measures them. What the program computes is held against
-fractions, 50 digits and geometry worked out by itself; speed is a ratio of one run. Ratios of the benchmarks hold where
-they are at least two thirds of what is stated: they vary so from one processor to another.
+A claim is the words of a page that hold the figures, and what measures them.
 """
 
 from __future__ import annotations
@@ -10,7 +8,6 @@ from __future__ import annotations
 import hashlib
 import io
 import re
-import time
 from collections.abc import Callable, Sequence
 from contextlib import redirect_stderr
 from dataclasses import dataclass
@@ -238,8 +235,6 @@ README = (
     Claim("README.md", "0.0707841404...", begins(lambda: [2 * oracles.handle()["mass"]])),
 )
 
-CLAIMS = README
-
 
 def untied(page: str, claims: Sequence[Claim]) -> list[str]:
     """Return the lines of a page that state a figure which no claim has; what is typed there states nothing."""
@@ -248,17 +243,3 @@ def untied(page: str, claims: Sequence[Claim]) -> list[str]:
     page = re.sub(r"^```sh\n.*?^```$", "", page, flags=re.DOTALL | re.MULTILINE)
     page = re.sub(r"^(\$|>>>|\.\.\.) .*$|\]\([^)]*\)", "", page, flags=re.MULTILINE)
     return [line for line in page.splitlines() if re.search("[0-9]", line)]
-
-
-def judged() -> int:
-    """Print a line for each claim; return 1 where one does not hold."""
-    print("| page | stated | measured here | holds |\n|---|---|---|---|")
-    fails, begin = 0, time.perf_counter()
-    for claim in CLAIMS:
-        outcome = claim.measure(claim.words)
-        fails += outcome.holds is False
-        words = {True: "yes", False: "NO", None: "–"}[outcome.holds]
-        stated = " ".join(claim.words.split())
-        print(f"| {claim.page} | {stated} | {outcome.measured} | {words} |", flush=True)
-    print(f"\n{len(CLAIMS)} claims, {fails} do not hold; {time.perf_counter() - begin:.0f} s")
-    return int(fails > 0)

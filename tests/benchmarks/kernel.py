@@ -44,8 +44,11 @@ def measure(count: int, names: Sequence[str] = ()) -> dict[str, Any]:
     chosen = {name: prepare for name, (prepare, limit) in METHODS.items() if limit is None or count <= limit}
     chosen = {name: prepare for name, prepare in chosen.items() if name.startswith(tuple(names or [""]))}
     small = wavy_torus(COMPILE_ABOVE)
-    for prepare in chosen.values():  # imports, compiles, fills caches
-        prepare(*small)()
+    for name, prepare in list(chosen.items()):  # imports, compiles, fills caches
+        try:
+            prepare(*small)()
+        except ImportError:
+            del chosen[name]
     mesh = wavy_torus(count)
     calls = {name: prepare(*mesh) for name, prepare in chosen.items()}
     triangles = len(mesh[1])

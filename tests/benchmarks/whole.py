@@ -8,13 +8,14 @@ import sysconfig
 import tempfile
 from collections.abc import Callable
 from dataclasses import dataclass
+from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
 
 from .measure import Cost, cost, python_module
 
 HERE = Path(__file__).resolve().parent
-LIMIT = 180.0
+LIMIT = 900.0
 """Seconds of wall time after which a process is stopped."""
 ROUNDS = 5
 ENOUGH = 15.0
@@ -27,6 +28,7 @@ class Program:
 
     name: str
     command: tuple[str, ...]
+    needs: str = "inertia"
     limit: float = float("inf")
     empty_cache: bool = False
 
@@ -42,10 +44,10 @@ def programs() -> list[Program]:
         _python("inertia, Python", "with_inertia.py"),
         _python("… with an empty cache of kernels", "with_inertia.py", empty_cache=True),
         Program("`inertia analyse --json`, with SHA-256", (command, "analyse", "--json", "--unit", "m")),
-        _python("libigl", "with_libigl.py"),
-        _python("VTK", "with_vtk.py"),
-        _python("trimesh", "with_trimesh.py"),
-        _python("MuJoCo", "with_mujoco.py", limit=200_000),
+        _python("libigl", "with_libigl.py", needs="igl"),
+        _python("VTK", "with_vtk.py", needs="vtkmodules"),
+        _python("trimesh", "with_trimesh.py", needs="trimesh"),
+        _python("MuJoCo", "with_mujoco.py", needs="mujoco", limit=200_000),
     ]
 
 
@@ -84,7 +86,9 @@ def whole(
             done = runs.setdefault(program.name, [])
             if program.name in reasons or sum(run.wall for run in done) > ENOUGH:
                 continue
-            if count > program.limit:
+            if find_spec(program.needs) is None:
+                reasons[program.name] = "not installed"
+            elif count > program.limit:
                 reasons[program.name] = "refused"
             elif (run := _run(program, path, environment)) is None:
                 reasons[program.name] = f"over {LIMIT:.0f} s"
