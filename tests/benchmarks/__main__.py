@@ -21,9 +21,8 @@ from inertia.native import COMPILE_ABOVE
 
 from .measure import ROOT, python_module
 from .startup import startup
-from .whole import ROUNDS, stl_file, warm_up, whole
+from .whole import DATA, ROUNDS, stl_file, warm_up, whole
 
-DATA = Path(__file__).resolve().parent / "data"
 SIZES = [20_000, 320_000, 1_300_000, 10_000_000]
 ONE_THREAD = dict.fromkeys(("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "VTK_SMP_MAX_THREADS"), "1")
 ORDERS = {"rows": "", "sweeps": "in two sweeps", "shuffled": "shuffled", "bodies": "in bodies"}

@@ -153,10 +153,10 @@ def _memory(files: dict[str, Any]) -> Figure:
     figure = Figure(figsize=(6.4, 4.2), layout="constrained")
     axes = _panel(figure, 1, 1, 1, title="peak memory, MB", xlabel="size of the file, MB")
     _lines(axes, [(peer, peer, "-", _of(files, name, "peak", sized=True)) for peer, name in PEERS.items()])
-    _plain(axes, 3000)
     sizes = [file["file_mb"] for file in files.values()]
-    axes.plot(ends := [max(min(sizes), 30), max(sizes)], ends, ":", color=INK)
-    axes.annotate("the file itself", (ends[0], ends[0]), (4, -9), textcoords="offset points")
+    axes.plot(ends := [max(min(sizes), 50), max(sizes)], ends, ":", color=INK)
+    axes.annotate("the file", (ends[1], ends[1]), (7, 0), textcoords="offset points", va="center")
+    _plain(axes, 3000)
     return figure
 
 

@@ -15,6 +15,7 @@ from typing import Any
 from .measure import Cost, cost, python_module
 
 HERE = Path(__file__).resolve().parent
+DATA = HERE / "data"
 LIMIT = 900.0
 """Seconds of wall time after which a process is stopped."""
 ROUNDS = 5
