@@ -67,7 +67,7 @@ assert drift < 1e-12
 # The three stacked on one another: their upper edge is level. Where the body nearly spins about axis 2 alone, the
 # middle band takes up almost all of it.
 #
-# *To try:* start at :math:`\theta = 0.05` instead of 1.2. The rates of :math:`\phi` and :math:`\psi` grow large and
+# **To try**: start at :math:`\theta = 0.05` instead of 1.2. The rates of :math:`\phi` and :math:`\psi` grow large and
 # opposite whenever axis 3 passes close to the vertical, and yet the edge stays level: it is the angles that are awkward
 # there, not the motion.
 

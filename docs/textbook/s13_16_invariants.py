@@ -77,7 +77,7 @@ for theta, expected in ((0.0, (4 + 6) ** 2 + 2**2), (np.pi / 2, 4**2 + 2**2 + 6*
 # It moves, for :math:`\omega^2` is an invariant of the *axes*, not of the motion; only :math:`T` and :math:`L^2` are
 # both.
 #
-# *To try:* make two moments equal, and the thick line becomes level (§ 13.20).
+# **To try**: make two moments equal, and the thick line becomes level (§ 13.20).
 
 fig, ax = plt.subplots(figsize=(6.4, 4))
 for k, colour in enumerate(("C0", "C1", "C2")):

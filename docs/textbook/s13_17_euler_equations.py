@@ -59,7 +59,7 @@ np.testing.assert_allclose(torques, np.broadcast_to([0.0, 0.0, torque], torques.
 # %%
 # The wobble keeps its size while its pace grows with the spin: dashes are the formula, lines are the run.
 #
-# *To try:* say ``"frame": "space"``, so that the torque keeps its direction in the room, and drop the checks. Then
+# **To try**: say ``"frame": "space"``, so that the torque keeps its direction in the room, and drop the checks. Then
 # :math:`\mathbf L = \mathbf L_0 + \mathbf N t` whatever the body, and the components along the body get complicated.
 
 fig, ax = plt.subplots(figsize=(6.4, 4))

@@ -67,7 +67,7 @@ np.testing.assert_allclose(momenta[:, 0], momenta[0, 0] + torque * run.time, ato
 # line. The torque does not act on :math:`\theta` at all, and still :math:`p_\theta` is never at rest; that is
 # :math:`\partial T/\partial\theta` at work.
 #
-# *To try:* with ``torque = 0`` :math:`p_\phi = L_z` is constant; with two equal moments :math:`p_\psi` is, too.
+# **To try**: with ``torque = 0`` :math:`p_\phi = L_z` is constant; with two equal moments :math:`p_\psi` is, too.
 
 fig, ax = plt.subplots(figsize=(6.4, 4))
 for k, name in enumerate(("\\phi", "\\theta", "\\psi")):

@@ -70,7 +70,7 @@ for name, angle, rate in (("l", round_one.l, 4 * (1 / 2 - 1)), ("g", round_one.g
 # the way round; a start near axis 1 is trapped about l = ±90°; the dashed curve between the two kinds is the
 # separatrix of § 13.21.
 #
-# *To try:* start the second one near axis 2, with ``[0.01, 2.0, 0.01]``, and it hugs the separatrix.
+# **To try**: start the second one near axis 2, with ``[0.01, 2.0, 0.01]``, and it hugs the separatrix.
 
 tumbling = follow(moments, [3.0, 1.0, 0.6]).andoyer()
 l_axis, share = np.meshgrid(np.linspace(-np.pi, np.pi, 181), np.linspace(-1, 1, 121))

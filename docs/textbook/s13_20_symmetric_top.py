@@ -80,7 +80,7 @@ plt.show()
 # the plate itself turns at :math:`\dot\phi + \dot\psi = \omega_3`: two wobbles to a turn. (In his book he has it the
 # other way round.)
 #
-# *To try:* how far from two is the ratio with ``alpha`` at 0.5 rad?
+# **To try**: how far from two is the ratio with ``alpha`` at 0.5 rad?
 
 _, plate = upright(1e-3, 2e-3, 1e-4, 20.0, 1.0)
 phi, _, psi = plate.euler_angles().T

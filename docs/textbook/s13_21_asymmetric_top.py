@@ -48,9 +48,18 @@ print(f"T = 3 J, between L²/2I₃ = {least:.4f} J and L²/2I₁ = {most:.4f} J"
 np.testing.assert_allclose([least, most], [14 / 6, 14 / 2], rtol=1e-14)
 
 # %%
-# Once round takes :math:`4 K(m)/\lambda`, with :math:`\lambda^2 = (I_3 - I_2)(L^2 - 2 T I_1)/(I_1 I_2 I_3)` and
-# :math:`m = (I_2 - I_1)(2 T I_3 - L^2) / \bigl( (I_3 - I_2)(L^2 - 2 T I_1) \bigr)`. The complete elliptic integral
-# :math:`K(m)` is :math:`\pi/2` over the arithmetic-geometric mean of 1 and :math:`\sqrt{1 - m}`.
+# Once round takes :math:`4 K(m)/\lambda`, with
+#
+# .. math::
+#
+#    \lambda^2 = \frac{(I_3 - I_2)(L^2 - 2 T I_1)}{I_1 I_2 I_3},
+#
+# .. math::
+#
+#    m = \frac{(I_2 - I_1)(2 T I_3 - L^2)}{(I_3 - I_2)(L^2 - 2 T I_1)} .
+#
+# The complete elliptic integral :math:`K(m)` is :math:`\pi/2` over the arithmetic-geometric mean of 1 and
+# :math:`\sqrt{1 - m}`.
 
 rate = np.sqrt((3 - 2) * (14 - 6 * 1) / (1 * 2 * 3))
 m = (2 - 1) * (6 * 3 - 14) / ((3 - 2) * (14 - 6 * 1))
@@ -82,7 +91,7 @@ assert error < 1e-13
 # The library draws the momentum sphere. Every curve is a motion with the same :math:`L` and another energy: the run
 # goes round axis 3, those beyond the separatrix round axis 1.
 #
-# *To try:* draw ``follow([1.0, 2.0, 0.1], 20.0)``: with more energy for its :math:`L` the path has changed sides.
+# **To try**: draw ``follow([1.0, 2.0, 0.1], 20.0)``: with more energy for its :math:`L` the path has changed sides.
 
 fig, ax = plt.subplots(figsize=(6.4, 5.4))
 run.plot("momentum sphere", ax=ax)

@@ -96,7 +96,7 @@ assert inertia.stable_axes(satellite, dissipation=True).tolist() == [False, Fals
 # Left: two wobbles that stay and one that grows, a straight line on this scale. Right: the angle between the long axis
 # and :math:`\mathbf L` goes to 90°.
 #
-# *To try:* ``follow(satellite, [0.0, 0.05, 1.1], 300.0, load=losses)``, a start about axis 3: now the losses calm it.
+# **To try**: ``follow(satellite, [0.0, 0.05, 1.1], 300.0, load=losses)``, a start about axis 3: now the losses calm it.
 
 fig, (left, right) = plt.subplots(1, 2, figsize=(6.4, 4), layout="constrained")
 for axis, wobble in enumerate(wobbles, 1):

@@ -86,7 +86,7 @@ assert asleep.quantities["theta"].max() < 4e-3
 # The path of the axis on the unit sphere, seen from above, depends on the start. Pushed backwards it loops, let go it
 # stops in cusps, pushed forwards it runs in waves.
 #
-# *To try:* at which push does the wave become a circle? (It is printed above.)
+# **To try**: at which push does the wave become a circle? (It is printed above.)
 
 fig, axes = plt.subplots(2, 2, figsize=(6.4, 6.6), layout="constrained")
 for ax, push, kind in zip(axes.flat, (-3.0, 0.0, 1.6), ("loops", "cusp", "no reversal"), strict=False):

@@ -93,7 +93,7 @@ assert abs(least - np.sqrt(g / (3 * R))) < 1e-12
 # Left, the track of the contact and of the centre of mass, seen from above. Right, the force of the plane: it swings
 # with each nod. The ratio of friction to what carries the disc is what tyre and road must provide, or it slips.
 #
-# *To try:* start without a nod, ``[0.0, 1.0, -5.0]``, and the track comes close to a circle.
+# **To try**: start without a nod, ``[0.0, 1.0, -5.0]``, and the track comes close to a circle.
 
 fig, (left, right) = plt.subplots(1, 2, figsize=(6.4, 4), layout="constrained")
 left.plot(*wobbly.quantities["contact"][:, :2].T, label="contact")

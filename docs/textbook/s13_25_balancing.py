@@ -72,7 +72,7 @@ np.testing.assert_allclose(whole.center_of_mass, 0, atol=1e-15)
 # A bearing that stands still feels a force that goes round with the wheel, sixteen times a second: half a turn up, half
 # a turn down, in opposite senses at the two ends. Both are :math:`N` over the distance of the bearings.
 #
-# *To try:* leave out one of the weights, and the checks. The couple is halved, and a static unbalance has
+# **To try**: leave out one of the weights, and the checks. The couple is halved, and a static unbalance has
 # come instead: now both bearings are pulled the same way.
 
 force = before.quantities["force on bearing A"]

@@ -92,7 +92,7 @@ assert abs(pace / rate - 1) < 0.02
 # Three motions without a torque. The skater speeds up with her arms; the cat's hind feet come down in
 # three strokes: bend, turn, straighten. The diver's twist runs for as long as she is tilted; the somersault goes on.
 #
-# *To try:* let the skater stretch her arms out again, ``times`` 1, 2, 3, 4 s: the energy goes back into them.
+# **To try**: let the skater stretch her arms out again, ``times`` 1, 2, 3, 4 s: the energy goes back into them.
 
 fig, (one, two, three) = plt.subplots(1, 3, figsize=(8.4, 3.4), layout="constrained")
 one.plot(skater.time, skater.angular_velocity[:, 2])
