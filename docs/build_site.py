@@ -101,6 +101,8 @@ STYLE = """
 .content { width: min(52em, 100%); }
 td code { white-space: normal; overflow-wrap: break-word; }
 dl.py dt.sig { overflow-wrap: anywhere; }
+.boldsymbol { font-weight: bold; }
+.formula { overflow-x: auto; }
 """
 
 
@@ -132,9 +134,23 @@ def setup(app: Sphinx) -> None:
     app.add_html_math_renderer("mathml", (_write_formula, None), (_write_formula, None))
 
 
+_TEX = (
+    (r"(\\[td]?frac)\s*(\d)\s*(\d)", r"\1{\2}{\3}"),
+    (r"\\boldsymbol\s*(\\[a-z]+|{[^{}]*})", r"{\\boldsymbol\1}"),  # or all that follows is bold
+    (r"(\\d?dot\s*(?:\\[a-z]+|{(?:[^{}]|{[^{}]*})*}))([_^])", r"\1{}\2"),  # or the index is below
+    (r"(?<=[\w})])\s*(?=\\(?:sin|cos|tan)\b)", r"\\,"),
+    ("°", r"^{\\circ}"),
+)
+"""What docutils reads otherwise than TeX does, and how it reads it rightly."""
+
+
 def _write_formula(writer: Any, node: nodes.Element) -> None:
-    """Write a formula as MathML."""
-    writer.body.append(tex2mathml(node.astext(), as_block=isinstance(node, nodes.math_block)))
+    """Write a formula as MathML; one that stands by itself can be scrolled on a narrow screen."""
+    text, block = node.astext(), isinstance(node, nodes.math_block)
+    for written, readable in _TEX:
+        text = re.sub(written, readable, text)
+    formula = tex2mathml(text, as_block=block)
+    writer.body.append(f'<div class="formula">{formula}</div>' if block else formula)
     raise nodes.SkipNode
 
 
