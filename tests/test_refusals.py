@@ -13,6 +13,7 @@ import inertia
 from inertia.documents import FieldError
 from inertia.errors import GeometryError, ReadError, UsageError, placed
 from inertia.mesh.checks.kinds import KINDS
+from inertia.recording.live import ViewerError
 from inertia_cli import analyse
 from inertia_cli.main import main
 from inertia_meshes import path
@@ -36,7 +37,7 @@ def refusal(capsys: pytest.CaptureFixture[str], *arguments: str) -> dict:
 
 @pytest.mark.parametrize("file", EXAMPLES, ids=lambda file: file.stem)
 def test_an_example_is_refused_by_its_code(file: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    verb = "simulate" if file.suffix == ".toml" else "analyse"
+    verb = {".toml": "simulate", ".urdf": "audit", ".csv": "assembly"}.get(file.suffix, "analyse")
     assert refusal(capsys, verb, str(file))["code"] == file.stem
     assert f"[{file.stem}](errors/{file.name}) |" in PAGE
 
@@ -52,7 +53,7 @@ def test_the_page_has_every_code() -> None:
         if keyword.arg == "code" and isinstance(keyword.value, ast.Constant)
     }
     faults = {kind.code for kind in KINDS if kind.severity == "error"}
-    classes = {kind.code for kind in _CLASSES}
+    classes = {kind.code for kind in (*_CLASSES, ViewerError)}
     assert rows == written | faults | classes
 
 
@@ -77,6 +78,11 @@ def test_a_part_in_memory_is_refused_by_the_same_codes() -> None:
         (["analyse", str(path("broken/nan.stl"))], "non_finite"),
         (["audit", "nothing.urdf"], "no_file"),
         (["simulate", "nothing.toml"], "no_file"),
+        (["analyse", str(path("cube.stl")), "--unit", "cubit"], "unknown_unit"),
+        (["analyse", str(path("cube.stl")), "--material", "unobtainium"], "unknown_material"),
+        (["analyse", str(path("cube.stl")), "--density", "lid=1000"], "unknown_region"),
+        (["simulate", str(path("scenes/cube.toml")), "-o", "no/such/folder/a.csv"], "unwritable"),
+        (["simulate", str(path("scenes/cube.toml")), "-o", str(path("cube.stl"))], "usage"),
     ],
 )
 def test_other_refusals(arguments: list[str], code: str, capsys: pytest.CaptureFixture[str]) -> None:
@@ -109,6 +115,48 @@ def test_a_command_line_that_cannot_be_parsed_is_refused_as_any_other(
     document = json.loads(out)
     assert (document["code"], document["exit_code"], end.value.code) == ("usage", 2, 2)
     assert errors.endswith(f": {document['message']}\n")
+
+
+def test_a_file_that_exists_is_refused_before_the_answer(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    there = tmp_path / "a.rrd"
+    there.touch()
+    assert refusal(capsys, "simulate", str(path("scenes/cube.toml")), "-o", str(there))["code"] == "exists"
+
+
+def test_an_answer_whose_files_cannot_be_written_stays_the_one_document(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def full(*_: object, **__: object) -> None:
+        raise inertia.WriteError("cannot write a.csv: No space left on device: make room")
+
+    monkeypatch.setattr(inertia.Run, "to_csv", full)
+    code = main(["simulate", str(path("scenes/cube.toml")), "-o", str(tmp_path / "a.csv"), "--json"])
+    out, errors = capsys.readouterr()
+    assert json.loads(out)["schema"] == "inertia/run/1"
+    assert (code, errors) == (1, "inertia: cannot write a.csv: No space left on device: make room\n")
+
+
+def test_a_viewer_that_is_not_open_has_a_code(
+    capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def refused(*_: object, **__: object) -> None:
+        raise ConnectionRefusedError
+
+    monkeypatch.setattr("socket.create_connection", refused)
+    document = refusal(capsys, "simulate", str(path("scenes/cube.toml")), "--live")
+    assert (document["code"], document["exit_code"]) == ("no_viewer", 1)
+
+
+def test_a_fault_of_the_program_is_a_document_too(
+    capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def run(_: object) -> int:
+        raise ZeroDivisionError("here")
+
+    monkeypatch.setattr(analyse, "run", run)
+    monkeypatch.delenv("INERTIA_TRACEBACK", raising=False)
+    document = refusal(capsys, "analyse", "a.stl")
+    assert (document["code"], document["exit_code"], document["places"]) == ("fault", 1, ["a.stl"])
 
 
 @pytest.mark.parametrize("beyond", [OverflowError("too large"), RuntimeWarning("overflow"), MemoryError()])

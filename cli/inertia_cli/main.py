@@ -31,7 +31,7 @@ from inertia_cli import (
     tumble,
 )
 from inertia_cli.interruption import interruption
-from inertia_cli.printing import abandon_output, print_document
+from inertia_cli.printing import AnsweredError, abandon_output, print_document
 from inertia_cli.wording import as_option
 
 FAULT = 1
@@ -154,6 +154,8 @@ def main(arguments: Sequence[str]) -> int:
         return code
     except InertiaError as error:
         return _refuse(error, options)
+    except AnsweredError as answered:
+        return _refuse(answered.error, options, answered=True)
     except (RuntimeWarning, OverflowError) as beyond:
         message = f"its figures lead beyond what float64 holds ({beyond}): check their sizes and units"
         return _refuse(GeometryError(message, places=(options.part,)), options)
@@ -172,23 +174,22 @@ def main(arguments: Sequence[str]) -> int:
             return _interrupted()
         if os.environ.get("INERTIA_TRACEBACK") == "1":
             raise
-        name = type(error).__name__
-        return _say(
-            f"{options.part}: a fault of this program, {name}: {error}; run it again with INERTIA_TRACEBACK=1 and "
-            "report what it prints",
-            FAULT,
+        message = (
+            f"a fault of this program, {type(error).__name__}: {error}; run it again with INERTIA_TRACEBACK=1 and "
+            "report what it prints"
         )
+        return _refuse(InertiaError(message, places=(options.part,)), options)
     finally:
         interruption.running = False
 
 
-def _refuse(error: InertiaError, options: argparse.Namespace) -> int:
-    """Say what was refused, with ``--json`` as a document too, and return the exit code."""
+def _refuse(error: InertiaError, options: argparse.Namespace, *, answered: bool = False) -> int:
+    """Say what was refused, with ``--json`` as a document too unless there is one, and return the exit code."""
     message = error.sentence.worded(as_option)
     places = _places(error)
     if not isinstance(error, UsageError | WriteError) and visible(options.part) not in message:
         message, places = f"{options.part}: {message}", [options.part, *places]
-    if error.exit_code > FAULT and getattr(options, "json", False):
+    if not answered and getattr(options, "json", False):
         _print_refusal(error, message, places)
     return _say(message, error.exit_code)
 

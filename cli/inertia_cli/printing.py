@@ -22,6 +22,14 @@ _STYLES = {  # of text that stands in a report, by a pattern
 _BLOCK = 4096  # numbers, or rows of an array, that are turned into text at once
 
 
+class AnsweredError(Exception):
+    """A file that goes with an answer cannot be written, and the answer is printed already."""
+
+    def __init__(self, error: InertiaError) -> None:
+        self.error = error
+        super().__init__(str(error))
+
+
 def show(as_json: bool, document: Callable[[], dict[str, Any]], text: Callable[[], str]) -> None:
     """Print a result as one JSON document, or as text."""
     if as_json:
@@ -42,16 +50,16 @@ def print_text(text: str) -> None:
 def write_and_show(
     write: Callable[[], None], as_json: bool, document: Callable[[], dict[str, Any]], text: Callable[[], str]
 ) -> None:
-    """Write files and print the result; it is told even where they cannot be written."""
+    """Write files and print the result; where they cannot be written, print it and raise `AnsweredError`."""
     try:
         write()
-    except InertiaError:
+    except InertiaError as error:
         try:
             show(as_json, document, text)
             sys.stdout.flush()
         except OSError:  # what could not be written first is what is reported
             abandon_output()
-        raise
+        raise AnsweredError(error) from None
     show(as_json, document, text)
 
 

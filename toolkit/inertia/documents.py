@@ -165,7 +165,7 @@ class Document(ABC):
         except (UnicodeDecodeError, ValueError):
             article = "an" if cls.noun[0] in "aeio" else "a"
             raise ReadError(
-                f"cannot read {name}: it is no text in UTF-8: {article} {cls.noun} is a TOML file"
+                f"cannot read {name}: it is no text in UTF-8: {article} {cls.noun} is a TOML file", code="encoding"
             ) from None
         return cls.loads(text, Path(path).parent, name)
 
@@ -177,7 +177,9 @@ class Document(ABC):
             table = tomllib.loads(text.replace("\r\n", "\n"))
         except tomllib.TOMLDecodeError as error:
             sentence = str(error)
-            raise ReadError(f"cannot read {called}: it is not TOML: {sentence[:1].lower()}{sentence[1:]}") from None
+            raise ReadError(
+                f"cannot read {called}: it is not TOML: {sentence[:1].lower()}{sentence[1:]}", code="not_toml"
+            ) from None
         return cls.from_dict(table, folder, text=text, name=called)
 
     @classmethod

@@ -95,7 +95,7 @@ def require_writable(file: str | os.PathLike[str], *suffixes: str, force: bool =
     if path.exists() and not path.is_file():
         raise UsageError(f"cannot write {path}: it is not a regular file but a pipe, socket or device")
     if path.exists() and not force:
-        raise UsageError(f"{path} exists: give another name, or ", FORCE, " to write over it")
+        raise UsageError(f"{path} exists: give another name, or ", FORCE, " to write over it", code="exists")
     with _faults(path), _beside(path):
         pass
     return path

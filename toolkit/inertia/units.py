@@ -85,7 +85,7 @@ def length_unit(name: str) -> Unit:
             return _UNITS[candidate]
     close = get_close_matches(key.lower(), [*_UNITS, *_ALIASES], n=1)
     hint = f"; did you mean {close[0]!r}?" if close else ""
-    raise UsageError(f"unknown unit {name!r}: use one of {', '.join(_UNITS)}{hint}")
+    raise UsageError(f"unknown unit {name!r}: use one of {', '.join(_UNITS)}{hint}", code="unknown_unit")
 
 
 def multiple_of(number: str, unit: Unit) -> Unit:
@@ -102,6 +102,6 @@ def multiple_of(number: str, unit: Unit) -> Unit:
             raise ValueError
         metres = Fraction(text) * unit.metres
     except ValueError:
-        raise UsageError(f"a unit of {text[:_NUMBER_LENGTH]!r} {unit.name} is no length") from None
+        raise UsageError(f"a unit of {text[:_NUMBER_LENGTH]!r} {unit.name} is no length", code="unknown_unit") from None
     known = (each for each in _UNITS.values() if each.metres == metres)
     return next(known, Unit(f"{text} {unit.name}", metres))

@@ -33,25 +33,28 @@ def parts_of(text: str) -> list[dict[str, Any]]:
     try:
         names = [name.strip().lower().replace(" ", "_") for name in next(rows, [])]
         if "name" not in names:
-            raise ReadError("its first line names no column `name`: a bill of materials has a row a part")
+            raise ReadError("its first line names no column `name`: a bill of materials has a row a part", code="table")
         if twice := next((name for name in names if name and names.count(name) > 1), None):
-            raise ReadError(f"its first line names the column `{twice}` twice: leave one out")
+            raise ReadError(f"its first line names the column `{twice}` twice: leave one out", code="table")
         words = {name for name, kind in get_type_hints(PartFields).items() if kind in (str, str | None)}
         parts = []
         for row in rows:
             if len(row) > len(names):
-                raise ReadError(f"line {rows.line_num} has {len(row)} cells, and the first line {len(names)} names")
+                raise ReadError(
+                    f"line {rows.line_num} has {len(row)} cells, and the first line {len(names)} names", code="table"
+                )
             if any(cell.strip() for cell in row):
                 cells = [(name, cell_text(cell.strip())) for name, cell in zip(names, row, strict=False)]
                 for name, word in cells:
                     if name not in words and _DECIMAL_COMMA.search(word) and word[0] not in "[{":
                         raise ReadError(
                             f"line {rows.line_num} has {word!r} as its {name}, with a comma: write "
-                            f"{word.replace(',', '.')}, with a decimal point"
+                            f"{word.replace(',', '.')}, with a decimal point",
+                            code="not_a_number",
                         )
                 parts.append({name: word if name in words else _value(word) for name, word in cells if word})
     except csv.Error as error:
-        raise ReadError(f"it is not CSV: {error}") from None
+        raise ReadError(f"it is not CSV: {error}", code="table") from None
     return parts
 
 

@@ -260,7 +260,7 @@ class PartTree(Document):
         file = self.folder / part.assembly
         here = os.path.realpath(self.path)
         if os.path.realpath(file) in (here, *chain):
-            raise ReadError(f"{part.assembly} holds itself: an assembly cannot be one of its own parts")
+            raise ReadError(f"{part.assembly} holds itself: an assembly cannot be one of its own parts", code="cycle")
         if len(chain) >= _DEEPEST:
             raise ReadError(f"{part.assembly} is {len(chain)} assemblies deep: {_DEEPEST} are the most")
         nested = type(self).load(file)

@@ -256,7 +256,9 @@ def _root(robot: Robot, link: Link) -> tuple[str, Placement]:
         link = by_name[link.parent]
         seen.add(link.name)
     if link.parent in seen:
-        raise ReadError(f"{robot.path}: link {link.name!r} hangs from itself by fixed joints: turn one of them round")
+        raise ReadError(
+            f"{robot.path}: link {link.name!r} hangs from itself by fixed joints: turn one of them round", code="cycle"
+        )
     return link.name, where
 
 

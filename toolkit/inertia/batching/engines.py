@@ -199,7 +199,9 @@ class _Worker:
                 self.dispose()
                 if self._ended:
                     break
-        raise InertiaError("no worker process could be started: set INERTIA_TRACEBACK=1 to see what it says")
+        raise InertiaError(
+            "no worker process could be started: set INERTIA_TRACEBACK=1 to see what it says", code="workers"
+        )
 
     def end_if_late(self) -> None:
         """End the process where its file takes longer than it may; its successor goes on."""

@@ -226,7 +226,9 @@ def _records(manifest: str) -> Iterator[Mapping[str, Any]]:
     except OSError as error:
         raise ReadError(f"cannot read {visible(manifest)}: {error.strerror or error}", code="no_file") from None
     except (UnicodeDecodeError, csv.Error) as error:
-        raise ReadError(f"cannot read {visible(manifest)}: it is no table in UTF-8 ({error})") from None
+        raise ReadError(
+            f"cannot read {visible(manifest)}: it is no table in UTF-8 ({error})", code="encoding"
+        ) from None
 
 
 @contextmanager

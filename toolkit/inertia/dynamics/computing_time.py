@@ -80,4 +80,5 @@ class Watch:
             FieldPath("run.accuracy"),
             ", or for a larger ",
             FieldPath("run.time_limit"),
+            code="time_limit",
         )

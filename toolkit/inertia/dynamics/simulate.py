@@ -176,6 +176,7 @@ def _require_accuracy(run: Run) -> None:
             f"{scene.run.duration:g} s: ask for that, or for a shorter ",
             FieldPath("run.duration"),
             places=(scene.name,),
+            code="accuracy",
         )
     limit = max(error.requested, ROUNDING)
     for name, invariant in run.invariants.items():

@@ -363,6 +363,7 @@ def _answer(
             f"asked for, {accuracy:g}{_rounded(part, integral)}",
             *doubted(answer),
             ": ask for a larger figure",
+            code="accuracy",
         )
     tolerance = part.chord if chord is None else float(chord)
     if model != "solid" or integral.shape is not None:
@@ -405,7 +406,9 @@ def _answer(
     named = *stated.named.values(), stated.default, stated.mass, thickness, scale
     if not sigma and not any(map(uncertainty_of, named)):
         if coverage is not None:
-            raise UsageError("expanded uncertainties are asked for, and no input is uncertain: give one with its own")
+            raise UsageError(
+                "expanded uncertainties are asked for, and no input is uncertain: give one with its own",
+            )
         return analysis
     from inertia.mass.uncertainty import standard_uncertainty
 

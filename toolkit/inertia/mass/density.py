@@ -141,6 +141,7 @@ def density_of(material: str) -> float:
         close = get_close_matches(key, [*DENSITIES, *_ALIASES], n=3)
         hint = f" (did you mean {' or '.join(close)}?)" if close else ""
         raise UsageError(
-            f"unknown material {material!r}{hint}: use one of {', '.join(DENSITIES)}, or give a density in kg/m3"
+            f"unknown material {material!r}{hint}: use one of {', '.join(DENSITIES)}, or give a density in kg/m3",
+            code="unknown_material",
         )
     return DENSITIES[key]

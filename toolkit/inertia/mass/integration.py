@@ -417,7 +417,7 @@ def refuse_unknown(named: Iterable[str], known: Iterable[str], regions: Regions 
             close = get_close_matches(key, names, n=1)
             hint = f" (did you mean {close[0]!r}?)" if close else ""
             there = f"it has {', '.join(map(repr, names[:12]))}" if names else "it names none"
-            raise UsageError(f"the part has no region or body called {key!r}{hint}: {there}")
+            raise UsageError(f"the part has no region or body called {key!r}{hint}: {there}", code="unknown_region")
 
 
 def _part_of(progress: Progress | None, start: float, stop: float) -> Progress | None:

@@ -141,7 +141,7 @@ class RowsInFile:
             data = self._read(size, at)
             self._version.require(os.fstat(self._file), links=False)
             if len(data) < size:
-                raise ReadError(CHANGED)
+                raise ReadError(CHANGED, code="changed")
         except OSError as error:
             raise ReadError(f"cannot read {self._name}: {error.strerror}: check the disk") from error
         except ReadError as error:

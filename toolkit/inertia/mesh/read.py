@@ -227,7 +227,9 @@ def _opened(name: str) -> Iterator[tuple[Path, bytes, Version]]:
         if status.st_size < _SMALL:
             says = f"its counts ask for more memory than there is, though it has {status.st_size} bytes only: "
             raise ReadError(f"{says}it is damaged, export it again") from error
-        raise ReadError("it needs more memory than there is: split the part or use a larger machine") from error
+        raise ReadError(
+            "it needs more memory than there is: split the part or use a larger machine", code="too_large"
+        ) from error
 
 
 def _sniffed(
@@ -258,7 +260,7 @@ def _unpacked(path: Path, packed: str, format: str | None, coarser: float, limit
         with unpacked(path, packed, limit) as member:
             again = _read_as(kind, member.path, coarser).rounding
             if again is None or again.remainder is None:
-                raise ReadError(CHANGED)
+                raise ReadError(CHANGED, code="changed")
             return again.remainder()
 
     if rounding is not None and rounding.remainder is not None:

@@ -16,7 +16,7 @@ def region_of(part: Part, name: str) -> Part:
     names = () if part.regions is None else part.regions.names
     if part.regions is None or name not in names:
         there = f"it has {', '.join(map(repr, names))}" if names else "it names none: leave region out"
-        raise UsageError(f"{part.name} has no region {name!r}: {there}")
+        raise UsageError(f"{part.name} has no region {name!r}: {there}", code="unknown_region")
     elements = part.regions.index == names.index(name)
     if isinstance(part.geometry, Cells):
         return replace(part, geometry=_cells(part.geometry, elements), regions=None)

@@ -56,13 +56,13 @@ class Version:
         Without `links` it may have been moved or deleted while it is open, which leaves its contents alone.
         """
         if _status(status)[: None if links else 4] != self._status[: None if links else 4]:
-            raise ReadError(CHANGED)
+            raise ReadError(CHANGED, code="changed")
 
     def require_contents(self) -> None:
         """Raise `ReadError` where the file is no longer the same, or was written a moment ago and now holds others."""
         self.require(self.path.stat())
         if self._recent and self._hashed() != self._digest:
-            raise ReadError(CHANGED)
+            raise ReadError(CHANGED, code="changed")
         for other in self.others.values():
             other.require_contents()
 

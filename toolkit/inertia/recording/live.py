@@ -25,6 +25,8 @@ PATIENCE = 20.0
 class ViewerError(InertiaError):
     """No viewer listens, or it ended or fell silent before it had all: what was shown on it is whole elsewhere."""
 
+    code = "no_viewer"
+
 
 def require_viewer() -> None:
     """Raise `ViewerError` where no viewer of this machine listens."""

@@ -149,7 +149,8 @@ def _opened(recording: Path, home: Path, size: tuple[int, int]) -> Iterator[_Scr
                     raise _ended(log())
                 if time.monotonic() > end:
                     raise InertiaError(
-                        f"Rerun's viewer did not draw {recording} in {_PATIENCE:g} s: ask for less of it"
+                        f"Rerun's viewer did not draw {recording} in {_PATIENCE:g} s: ask for less of it",
+                        code="no_viewer",
                     )
                 time.sleep(0.02)
 
@@ -169,10 +170,12 @@ def _ended(log: str) -> InertiaError:
     if "graphics adapter" in log:
         return InertiaError(
             "pictures need a Vulkan driver, and there is none on this machine: install one, in software will do "
-            "(Debian and Ubuntu: apt install mesa-vulkan-drivers)"
+            "(Debian and Ubuntu: apt install mesa-vulkan-drivers)",
+            code="needs_package",
         )
     return InertiaError(
-        "Rerun's viewer ended before the picture was drawn: see whether `inertia play` opens the recording"
+        "Rerun's viewer ended before the picture was drawn: see whether `inertia play` opens the recording",
+        code="no_viewer",
     )
 
 

@@ -34,7 +34,8 @@ def program() -> Path:
     if not file.is_file():
         raise InertiaError(
             f"the viewer is missing from the installed rerun-sdk {version('rerun-sdk')}: install one with it by "
-            "pip install --force-reinstall 'rerun-sdk>=0.41,<0.42'"
+            "pip install --force-reinstall 'rerun-sdk>=0.41,<0.42'",
+            code="needs_package",
         )
     return file
 

@@ -171,7 +171,8 @@ def _web_viewer() -> _Viewer:
                     return _Viewer(sdk.version, _inline(script.decode()), module, licences)
     raise InertiaError(
         f"the installed rerun-sdk {sdk.version} comes without the viewer for browsers: install one with it by "
-        "pip install --force-reinstall 'rerun-sdk>=0.41,<0.42'"
+        "pip install --force-reinstall 'rerun-sdk>=0.41,<0.42'",
+        code="needs_package",
     )
 
 

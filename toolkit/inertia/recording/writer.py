@@ -112,7 +112,7 @@ def _written(stream: rr.RecordingStream) -> None:
     try:
         stream.flush(timeout_sec=_PATIENCE)
     except RuntimeError as error:
-        raise InertiaError(f"the recording cannot be written: {error}") from error
+        raise InertiaError(f"the recording cannot be written: {error}", code="unwritable") from error
 
 
 def line_widths(values: Float) -> list[float]:

@@ -23,7 +23,7 @@ def readings_of(file: Path) -> Iterator[tuple[str, str, ReadingFields]]:
     try:
         yield from _rows(file)
     except csv.Error as error:
-        raise ReadError(f"cannot read {file}: it is no CSV: {error}") from None
+        raise ReadError(f"cannot read {file}: it is no CSV: {error}", code="table") from None
 
 
 def _rows(file: Path) -> Iterator[tuple[str, str, ReadingFields]]:
@@ -33,7 +33,9 @@ def _rows(file: Path) -> Iterator[tuple[str, str, ReadingFields]]:
         says = f"cannot read {file}: {error.strerror or error}: check the path"
         raise ReadError(says, code="no_file") from None
     except UnicodeDecodeError:
-        raise ReadError(f"cannot read {file}: it is no text in UTF-8: save the table as CSV in UTF-8") from None
+        raise ReadError(
+            f"cannot read {file}: it is no text in UTF-8: save the table as CSV in UTF-8", code="encoding"
+        ) from None
     first = next((line for line in lines if line.strip()), "")
     rows = csv.reader(lines, delimiter=";" if ";" in first else ",")
     head: list[str] = []
@@ -46,14 +48,19 @@ def _rows(file: Path) -> Iterator[tuple[str, str, ReadingFields]]:
             for name in ("run", "sensor", "amplitude"):
                 if name not in head:
                     raise ReadError(
-                        f"cannot read {file}: no column {name}: its first line must name {', '.join(_COLUMNS)}"
+                        f"cannot read {file}: no column {name}: its first line must name {', '.join(_COLUMNS)}",
+                        code="table",
                     )
             if unknown := [name for name in head if name not in _COLUMNS]:
-                raise ReadError(f"cannot read {file}: the column {unknown[0]!r} is unknown: use {', '.join(_COLUMNS)}")
+                raise ReadError(
+                    f"cannot read {file}: the column {unknown[0]!r} is unknown: use {', '.join(_COLUMNS)}", code="table"
+                )
             continue
         where = f"{file}: line {rows.line_num}"
         if len(cells) != len(head):
-            raise ReadError(f"cannot read {where}: it has {len(cells)} cells, and the first line {len(head)}")
+            raise ReadError(
+                f"cannot read {where}: it has {len(cells)} cells, and the first line {len(head)}", code="table"
+            )
         entry: dict[str, Any] = {name: cell for name, cell in zip(head, cells, strict=True) if cell}
         for name in ("rpm", "amplitude", "phase"):
             if name in entry:
@@ -70,4 +77,6 @@ def _float(cell: str, where: str) -> float:
     try:
         return float(cell)
     except ValueError:
-        raise ReadError(f"cannot read {where} is {cell!r}: it must be a number, with a point for decimals") from None
+        raise ReadError(
+            f"cannot read {where} is {cell!r}: it must be a number, with a point for decimals", code="not_a_number"
+        ) from None

@@ -306,9 +306,11 @@ def read_table(path: str | Path) -> TorqueTable:
                 if not heading and any(field.strip() for field in fields):
                     rows.append(_row(fields, rows, f"{path}, line {lines.line_num}"))
     except (OSError, UnicodeDecodeError, csv.Error) as error:
-        raise ReadError(f"{path}: the torque table cannot be read ({error}): give a CSV file of time,x,y,z") from None
+        raise ReadError(
+            f"{path}: the torque table cannot be read ({error}): give a CSV file of time,x,y,z", code="table"
+        ) from None
     if len(rows) < 2:
-        raise ReadError(f"{path}: the torque table has {len(rows)} rows, at least 2 are needed: add rows")
+        raise ReadError(f"{path}: the torque table has {len(rows)} rows, at least 2 are needed: add rows", code="table")
     table = np.array(rows)
     try:
         return TorqueTable(table[:, 0], table[:, 1:])
@@ -318,13 +320,15 @@ def read_table(path: str | Path) -> TorqueTable:
 
 def _row(fields: list[str], before: list[list[float]], where: str) -> list[float]:
     if len(fields) != 4:
-        raise ReadError(f"{where}: {len(fields)} columns, 4 are needed: give time, x, y, z in s and N m")
+        raise ReadError(f"{where}: {len(fields)} columns, 4 are needed: give time, x, y, z in s and N m", code="table")
     for field in fields:
         if not _is_number(field):
-            raise ReadError(f"{where}: {field.strip()!r} is not a finite number: correct it")
+            raise ReadError(f"{where}: {field.strip()!r} is not a finite number: correct it", code="not_a_number")
     row = [float(field) for field in fields]
     if before and row[0] < before[-1][0]:
-        raise ReadError(f"{where}: time {row[0]:.6g} s follows {before[-1][0]:.6g} s: sort the rows by time")
+        raise ReadError(
+            f"{where}: time {row[0]:.6g} s follows {before[-1][0]:.6g} s: sort the rows by time", code="table"
+        )
     return row
 
 

@@ -201,7 +201,7 @@ def _tags(data: bytes) -> _Tag:
         place = parser.CurrentByteIndex + lead
         match = _START_TAG.match(data, place)
         if match is None:
-            raise ReadError("its encoding is not one of ASCII, UTF-8 and Latin-1: mend it by hand")
+            raise ReadError("its encoding is not one of ASCII, UTF-8 and Latin-1: mend it by hand", code="encoding")
         tag = _Tag(name.rpartition(":")[2], attributes, place, match.end())
         stack[-1].children.append(tag)
         stack.append(tag)
@@ -213,7 +213,7 @@ def _tags(data: bytes) -> _Tag:
     try:
         parser.Parse(data[lead:], True)
     except expat.ExpatError as error:
-        raise ReadError(f"its XML is damaged ({error}): export it again") from None
+        raise ReadError(f"its XML is damaged ({error}): export it again", code="damaged_xml") from None
     return root
 
 

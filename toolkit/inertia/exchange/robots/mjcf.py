@@ -71,7 +71,7 @@ def read_mjcf(path: Path) -> Robot:
     """Read the bodies of a model; raise `ReadError` where it is none."""
     root, notes = robot_xml(file_of(str(path)).read_bytes())
     if root.tag != "mujoco":
-        raise ReadError(f"it begins with {shown(root.tag)}, not with mujoco: it is no MJCF file")
+        raise ReadError(f"it begins with {shown(root.tag)}, not with mujoco: it is no MJCF file", code="wrong_format")
     _include(root, path.parent, path.parent, [], 0, 0)
     model = _Model(path, notes=dict.fromkeys(notes))
     for compiler in root.findall("compiler"):
@@ -90,7 +90,7 @@ def read_mjcf(path: Path) -> Robot:
         link for world in root.findall("worldbody") for link in _bodies(world, None, Placement(), "main", model, [0])
     ]
     if not links:
-        raise ReadError("it holds no body")
+        raise ReadError("it holds no body", code="empty")
     if model.compiler.get("inertiafromgeom") == "true" and any(link.inertial is not None for link in links):
         model.note("inertiafromgeom is true: MuJoCo computes masses and tensors from the geoms, whatever is stated")
     for key in _CHANGES:
@@ -112,7 +112,7 @@ def _include(element: Element, folder: Path, here: Path, files: list[Path], dept
         name = child.get("file", "")
         file = next((place for place in (folder / name, here / name) if place.is_file()), None)
         if file is None:
-            raise ReadError(f"the included file {shown(name)} is not there: looked for {folder / name}")
+            raise ReadError(f"the included file {shown(name)} is not there: looked for {folder / name}", code="no_file")
         files.append(file)
         if len(files) > _MOST:
             raise ReadError(f"more than {_MOST} files are included")

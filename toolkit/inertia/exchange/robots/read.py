@@ -49,7 +49,8 @@ def read_robot(path: str | Path) -> Robot:
         raise ReadError(f"cannot read {path}: {error.strerror}", code="no_file") from error
     if beginning.startswith(_UTF_16):
         raise ReadError(
-            f"cannot read {path}: it is text in UTF-16, which no program for robots reads: save it as UTF-8"
+            f"cannot read {path}: it is text in UTF-16, which no program for robots reads: save it as UTF-8",
+            code="encoding",
         )
     element = re.match(rb"\s*(<[\w.-]+)", _NO_ELEMENT.sub(b"", beginning))
     suffix = path.suffix.lower() if name != STANDARD_INPUT else _suffix(beginning)
@@ -60,7 +61,9 @@ def read_robot(path: str | Path) -> Robot:
                 return reader(path)
             except (ReadError, UsageError) as error:
                 raise placed(error, f"cannot read {path}") from None
-    raise ReadError(f"cannot read {path}: it is no robot of a known format ({', '.join(READERS)})")
+    raise ReadError(
+        f"cannot read {path}: it is no robot of a known format ({', '.join(READERS)})", code="unknown_format"
+    )
 
 
 def _suffix(beginning: bytes) -> str:

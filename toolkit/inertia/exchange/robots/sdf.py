@@ -104,7 +104,7 @@ def read_sdf(path: Path) -> Robot:
     """Read the links of all models in a file; raise `ReadError` where it is none."""
     root, faults = robot_xml(file_of(str(path)).read_bytes())
     if root.tag != "sdf":
-        raise ReadError(f"it begins with {shown(root.tag)}, not with sdf: it is no SDFormat file")
+        raise ReadError(f"it begins with {shown(root.tag)}, not with sdf: it is no SDFormat file", code="wrong_format")
     folders: dict[Element, Path] = {}
     notes: dict[str, None] = dict.fromkeys(faults)
     for place in (root, *root.findall("world")):
@@ -124,7 +124,7 @@ def read_sdf(path: Path) -> Robot:
         for link in _links(model, scope, frames, drop, path.parent, folders)
     ]
     if not links:
-        raise ReadError("it holds no link")
+        raise ReadError("it holds no link", code="empty")
     name = models[0].get("name", "") if len(models) == 1 else ""
     return Robot(path, "sdf", name, tuple(links), tuple(notes))
 
@@ -270,7 +270,7 @@ def _inertial(link: Element, what: str) -> Inertial | None:
     what = f"{what}, inertial"
     mass = element.findtext("mass")
     if mass is None:
-        raise ReadError(f"{what} has no mass")
+        raise ReadError(f"{what} has no mass", code="no_mass")
     tensor = element.find("inertia")
     words = [] if tensor is None else [tensor.findtext(f"i{pair}", "") for pair in _CONVENTION.order]
     defaults = [1.0 if pair[0] == pair[1] else 0.0 for pair in _CONVENTION.order]  # as the specification has them

@@ -65,10 +65,10 @@ def read_toml(path: Path) -> Robot:
     try:
         document = tomllib.loads(_text(path))
     except tomllib.TOMLDecodeError as error:
-        raise ReadError(f"it is not TOML: {error}") from None
+        raise ReadError(f"it is not TOML: {error}", code="not_toml") from None
     parts = document.get("part")
     if not isinstance(parts, list) or not parts:
-        raise ReadError("it holds no list of parts: give each as [[part]]")
+        raise ReadError("it holds no list of parts: give each as [[part]]", code="empty")
     tables = [table_of(table, f"part[{k}]") for k, table in enumerate(parts)]
     return _robot(path, "toml", ((table, _decimals(table), f"part[{k}]") for k, table in enumerate(tables)))
 
@@ -83,11 +83,11 @@ def read_csv(path: Path) -> Robot:
         names = [name.strip().lower() for name in rows.fieldnames or []]
         missing = [name for name in ("name", "mass", *_ELEMENTS) if name not in names]
         if missing:
-            raise ReadError(f"its first line names no column {missing[0]}: it is no list of parts")
+            raise ReadError(f"its first line names no column {missing[0]}: it is no list of parts", code="table")
         rows.fieldnames = names
         return _robot(path, "csv", (_row(row, f"line {rows.line_num}") for row in rows))
     except csv.Error as error:
-        raise ReadError(f"it is not CSV: {error}") from None
+        raise ReadError(f"it is not CSV: {error}", code="table") from None
 
 
 def _robot(
@@ -100,7 +100,7 @@ def _robot(
             raise FieldError(f"{where}.name", f"is {shown(stated.name)}, as that of another part: names must differ")
         links[stated.name] = Link(stated.name, _inertial(stated, places), tuple(_meshes(stated, path, where)))
     if not links:
-        raise ReadError("it holds no part")
+        raise ReadError("it holds no part", code="empty")
     return Robot(path, format, path.stem, tuple(links.values()))
 
 
@@ -170,4 +170,4 @@ def _text(path: Path) -> str:
     try:
         return file_of(str(path)).read_bytes().decode("utf-8-sig")
     except UnicodeDecodeError:
-        raise ReadError("it is no text in UTF-8") from None
+        raise ReadError("it is no text in UTF-8", code="encoding") from None

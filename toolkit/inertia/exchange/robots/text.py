@@ -72,11 +72,11 @@ def floats(text: str, count: int, what: str) -> list[float]:
     try:
         values = [float(word) for word in text.split()]
     except ValueError:
-        raise ReadError(f"{what} is {shown(text)}: it must be numbers") from None
+        raise ReadError(f"{what} is {shown(text)}: it must be numbers", code="not_a_number") from None
     if len(values) != count:
         raise ReadError(f"{what} is {shown(text)}: it must be {count} number{'s' if count > 1 else ''}")
     if not all(map(math.isfinite, values)):
-        raise ReadError(f"{what} is {shown(text)}: it must be finite")
+        raise ReadError(f"{what} is {shown(text)}: it must be finite", code="non_finite")
     return values
 
 

@@ -45,7 +45,7 @@ class _Attributes:
             return np.array(floats(text, count, f"{what}, {key}"))
         except ReadError:
             if "${" in text or "$(" in text:
-                raise ReadError(_MACROS) from None
+                raise ReadError(_MACROS, code="xacro") from None
             numerals = [_NUMERAL.match(word) for word in text.split()]
             values = [float(numeral[0]) for numeral in numerals if numeral is not None]
             if len(values) < len(numerals) or not np.isfinite(values).all():
@@ -76,9 +76,9 @@ def read_urdf(path: Path) -> Robot:
     data = file_of(str(path)).read_bytes()
     root, notes = robot_xml(data)
     if root.tag != "robot":
-        raise ReadError(f"it begins with {shown(root.tag)}, not with robot: it is no URDF file")
+        raise ReadError(f"it begins with {shown(root.tag)}, not with robot: it is no URDF file", code="wrong_format")
     if re.search(rb"<xacro:(?!property|arg)", re.sub(rb"(?s)<!--.*?-->", b"", data)):
-        raise ReadError(_MACROS)
+        raise ReadError(_MACROS, code="xacro")
     attributes = _Attributes(notes)
     joints = dict(_joints(root, attributes))
     elements = [element for element in root.findall("link") if element.get("name") is not None]
@@ -90,7 +90,7 @@ def read_urdf(path: Path) -> Robot:
     if twice:
         raise ReadError(f"more than one link is called {shown(twice[0])}: their names must differ")
     if not links:
-        raise ReadError("it holds no link")
+        raise ReadError("it holds no link", code="empty")
     return Robot(path, "urdf", root.get("name", ""), tuple(links), tuple(attributes.notes))
 
 
@@ -132,7 +132,7 @@ def _inertial(link: Element, what: str, attributes: _Attributes) -> Inertial | N
         return None
     mass, tensor, origin = element.find("mass"), element.find("inertia"), element.find("origin")
     if mass is None or mass.get("value") is None:
-        raise ReadError(f"{what} has no mass")
+        raise ReadError(f"{what} has no mass", code="no_mass")
     if absent := [key for key in _PAIRS if tensor is None or tensor.get(key) is None]:
         attributes.notes[f"{what} has no {', '.join(absent)}: 0, as in Drake; most programs refuse it"] = None
     xx, yy, zz, xy, xz, yz = (attributes.number(tensor, key, what) for key in _PAIRS)

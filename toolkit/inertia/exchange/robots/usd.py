@@ -49,7 +49,9 @@ class _Stage:
         self.metres = float(UsdGeom.GetStageMetersPerUnit(stage))
         self.kilograms = float(UsdPhysics.GetStageKilogramsPerUnit(stage))
         if not (self.metres > 0 and self.kilograms > 0):
-            raise ReadError(f"its units are {self.metres:g} m and {self.kilograms:g} kg: they must be positive")
+            raise ReadError(
+                f"its units are {self.metres:g} m and {self.kilograms:g} kg: they must be positive", code="unknown_unit"
+            )
         self.name = stage.GetDefaultPrim().GetName() if stage.GetDefaultPrim() else path.stem
         self._stage = stage  # prims die with it
         self.prims = list(Usd.PrimRange.Stage(stage, Usd.TraverseInstanceProxies()))
@@ -106,7 +108,7 @@ def read_usd(path: Path) -> Robot:
         raise ReadError("OpenUSD needs the package usd-core: pip install 'inertia[usd]'", code="needs_package")
     stage = _Stage(path)
     if not stage.bodies:
-        raise ReadError("no prim of it has PhysicsRigidBodyAPI or PhysicsMassAPI")
+        raise ReadError("no prim of it has PhysicsRigidBodyAPI or PhysicsMassAPI", code="empty")
     notes: dict[str, None] = {}
     hung = dict(_fixed_joints(stage))
     joints = _joints(stage, notes)

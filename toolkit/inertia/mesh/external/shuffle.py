@@ -143,7 +143,7 @@ class DaskWorkers:
             try:
                 future, result = next(done)
             except (OSError, CancelledError, StopIteration):  # the connection is lost
-                raise InertiaError(_GONE) from None
+                raise InertiaError(_GONE, code="workers") from None
             if future.status in ("lost", "pending"):  # its worker ended with the result, and another one makes it anew
                 done.add(future)
                 continue
@@ -161,9 +161,10 @@ def _fault(future: Any) -> InertiaError:
             return error
         return InertiaError(
             f"the Dask workers failed ({visible(type(error).__name__)}: {visible(str(error))}): look at their logs, "
-            "and whether they have the same version of inertia and memory enough"
+            "and whether they have the same version of inertia and memory enough",
+            code="workers",
         )
-    return InertiaError(_GONE)
+    return InertiaError(_GONE, code="workers")
 
 
 def _of_range(function: Callable[..., T], file: StoredTriangles, start: int, stop: int, *arguments: object) -> T:

@@ -47,7 +47,7 @@ def cell_contents(points: NDArray[Any], blocks: Sequence[Block], names: tuple[st
     """Return the part that blocks of cells over points (n, 2) or (n, 3) make; regions refer to `names`."""
     blocks = [block for block in blocks if len(block[1])]
     if not blocks:
-        raise ReadError("it holds no cells: export the mesh again with its elements")
+        raise ReadError("it holds no cells: export the mesh again with its elements", code="empty")
     points = _points(points)
     dimensions = [dimension_of(kind) for kind, _, _ in blocks]
     highest = max(dimensions)
@@ -65,7 +65,9 @@ def cell_contents(points: NDArray[Any], blocks: Sequence[Block], names: tuple[st
         return _flat(points, part, regions, notes)
     for kind, nodes, _ in part:
         if nodes.shape[1:] != (_NODES.get(kind),):
-            raise ReadError(f"its cells of the kind {shown(kind)} are not read: use cells of first or second order")
+            raise ReadError(
+                f"its cells of the kind {shown(kind)} are not read: use cells of first or second order", code="not_read"
+            )
     cells = Cells(points, tuple(CellBlock(kind, np.ascontiguousarray(nodes, np.int64)) for kind, nodes, _ in part))
     return Contents(cells, regions=regions, notes=tuple(notes))
 
@@ -108,7 +110,10 @@ def _flat(points: Float, blocks: Sequence[Block], regions: Regions | None, notes
         else:
             pattern = np.array(FLAT_TRIANGLES.get(kind, [[-1] * 3]))
             if nodes.shape[1] <= pattern.max() or pattern.min() < 0:
-                raise ReadError(f"its cells of the kind {shown(kind)} are not read: use triangles or quadrilaterals")
+                raise ReadError(
+                    f"its cells of the kind {shown(kind)} are not read: use triangles or quadrilaterals",
+                    code="not_read",
+                )
             triangles = nodes[:, pattern].reshape(-1, 3)
             owner = np.repeat(np.arange(len(nodes)), len(pattern))
         faces.append(triangles)

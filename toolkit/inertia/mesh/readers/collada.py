@@ -106,7 +106,7 @@ def collada_tree(path: Path) -> Layout:
                 nodes.append(MeshNode(shown_by[geometry], here, Motion(), titles[geometry]))
         waiting += [(each, here) for each in reversed(inner)]
         if len(nodes) > MOST_NODES:
-            raise ReadError(f"its instances make more than {MOST_NODES} parts: split the scene")
+            raise ReadError(f"its instances make more than {MOST_NODES} parts: split the scene", code="too_large")
     return Layout(nodes, {titles[name]: mesh for name, mesh in meshes.items() if mesh is not None}, file.notes)
 
 
@@ -175,13 +175,19 @@ def _document(path: Path) -> bytes:
         root = (parse_xml(members["manifest.xml"]).text or "").strip().lower().removeprefix("./")
         documents = [name for name in documents if name == root] or documents
     if len(documents) != 1:
-        raise ReadError(f"it holds {plural(len(documents), 'Collada document')}, but one is read: give a .dae file")
+        raise ReadError(
+            f"it holds {plural(len(documents), 'Collada document')}, but one is read: give a .dae file",
+            code="several_meshes",
+        )
     return members[documents[0]]
 
 
 def _checked(root: Element) -> Checked:
     if root.tag != "COLLADA":
-        raise ReadError(f"it begins with {shown(root.tag)}, not with COLLADA: give its format, or export it again")
+        raise ReadError(
+            f"it begins with {shown(root.tag)}, not with COLLADA: give its format, or export it again",
+            code="wrong_format",
+        )
     root.attrib.setdefault("xmlns", "http://www.collada.org/2005/11/COLLADASchema")
     remove(root, _APPEARANCE)
     notes = []
@@ -191,7 +197,9 @@ def _checked(root: Element) -> Checked:
     if lines:
         notes.append(f"{plural(lines, 'set')} of lines or points {was(lines)} left out")
     if next(root.iter("instance_controller"), None) is not None:
-        raise ReadError("it has a skin or a morph, whose shape a skeleton decides: export it as a plain mesh")
+        raise ReadError(
+            "it has a skin or a morph, whose shape a skeleton decides: export it as a plain mesh", code="not_read"
+        )
     unit = _unit(root)
     for node in root.iter("node"):
         _check_transforms(node)
@@ -265,14 +273,16 @@ def _unit(root: Element) -> Unit:
     try:
         return multiple_of(text, METRE)
     except UsageError:
-        raise ReadError(f"its unit is {shown(text)} metres, which is no length: export it again") from None
+        raise ReadError(
+            f"its unit is {shown(text)} metres, which is no length: export it again", code="unknown_unit"
+        ) from None
 
 
 def _check_transforms(node: Element) -> None:
     for element in node:
         count = _TRANSFORMS.get(element.tag)
         if element.tag in ("lookat", "skew"):
-            raise ReadError(f"a node has a {element.tag}, which is not read: export it with matrices")
+            raise ReadError(f"a node has a {element.tag}, which is not read: export it with matrices", code="not_read")
         if count is None:
             continue
         values = finite_numbers(element, f"the numbers of a {element.tag}")
@@ -317,7 +327,8 @@ def _points(source: Element, what: str) -> int:
     if stated != (str(count), str(count // 3), "3", "0") or count % 3:
         raise ReadError(
             f"{what} has {plural(count, 'number')} of positions, but says {stated[0]} for {stated[1]} points, "
-            f"{stated[2]} numbers apart from number {stated[3]}: it was cut short, or export it with x, y, z alone"
+            f"{stated[2]} numbers apart from number {stated[3]}: it was cut short, or export it with x, y, z alone",
+            code="cut_short",
         )
     return count // 3
 
@@ -325,7 +336,7 @@ def _points(source: Element, what: str) -> int:
 def _faces(element: Element, points: dict[str, int], what: str) -> Int:
     """Return the corners of each face that an element of a mesh makes."""
     if element.find("ph") is not None:
-        raise ReadError(f"{what} has polygons with holes: export it as triangles")
+        raise ReadError(f"{what} has polygons with holes: export it as triangles", code="not_read")
     inputs = element.findall("input")
     if any(not each.get("offset", "").isdecimal() or len(each.get("offset", "")) > 4 for each in inputs):
         raise ReadError(f"{what} has an input without an offset: export it again")
@@ -335,7 +346,9 @@ def _faces(element: Element, points: dict[str, int], what: str) -> Int:
     stride = 1 + max(int(each.get("offset", "")) for each in inputs)
     lists = [numbers((each.text or "").encode(), np.int64, f"the corners of {what}") for each in element.findall("p")]
     if any(len(each) % stride for each in lists):
-        raise ReadError(f"{what} has a corner with fewer than {plural(stride, 'index')}: it was cut short")
+        raise ReadError(
+            f"{what} has a corner with fewer than {plural(stride, 'index')}: it was cut short", code="cut_short"
+        )
     for each in lists:
         corners = each.reshape(-1, stride)[:, int(vertex[0].get("offset", "")), None]
         check_indices(corners, points[vertex[0].get("source", "")[1:]], f"{what}, corner")
@@ -343,7 +356,8 @@ def _faces(element: Element, points: dict[str, int], what: str) -> Int:
     if element.get("count", str(len(sizes))) != str(len(sizes)):
         raise ReadError(
             f"{what} says {element.get('count')} {element.tag}, but holds {len(sizes)}: "
-            "it was cut short or its count is wrong, export it again"
+            "it was cut short or its count is wrong, export it again",
+            code="cut_short",
         )
     if len(sizes) and sizes.min() < 3:
         raise ReadError(f"{what} has a face with {sizes.min()} corners, but a face has at least 3: export it again")
@@ -364,7 +378,10 @@ def _sizes(element: Element, lengths: list[int], what: str) -> Int:
         text = "" if (counts := element.find("vcount")) is None else counts.text or ""
         sizes = numbers(text.encode(), np.int64, f"the counts of corners of {what}")
     if sizes.sum() != lengths[0]:
-        raise ReadError(f"{what} says {sizes.sum()} corners, but holds {lengths[0]}: it was cut short, export it again")
+        raise ReadError(
+            f"{what} says {sizes.sum()} corners, but holds {lengths[0]}: it was cut short, export it again",
+            code="cut_short",
+        )
     return sizes
 
 

@@ -72,7 +72,9 @@ def unpacked(path: Path, kind: str, limit: float) -> Iterator[Unpacked]:
             if name.lower().endswith((".tgz", ".tbz", ".tbz2", ".txz")) or _is_tar(head):
                 how, name = f"{kind} and tar", ""
             elif inner := packed_as(source, head):
-                raise ReadError(f"it is {kind} of {inner}, and archives in archives are not opened: unpack it")
+                raise ReadError(
+                    f"it is {kind} of {inner}, and archives in archives are not opened: unpack it", code="not_read"
+                )
         if how == "zip":
             source, name = _from_zip(source, folder / "part", bytes_left)
         elif how.endswith("tar"):
@@ -116,7 +118,7 @@ def member_copy(path: Path, name: str, limit: float) -> Iterator[Path]:
             with zipfile.ZipFile(path) as archive:
                 info = archive.getinfo(name)
                 if info.flag_bits & 1:
-                    raise ReadError("it is encrypted: unpack it and give the mesh in it")
+                    raise ReadError("it is encrypted: unpack it and give the mesh in it", code="encrypted")
                 with archive.open(info) as stream:
                     copy = _copy(stream, folder / f"part{suffix}", bytes_left)
             yield copy
@@ -167,7 +169,7 @@ def _from_zip(path: Path, to: Path, limit: float) -> tuple[Path, str]:
         files = {info.filename: info for info in archive.infolist() if not info.is_dir()}
         info = files[_mesh_among(files)]
         if info.flag_bits & 1:
-            raise ReadError("it is encrypted: unpack it and give the mesh in it")
+            raise ReadError("it is encrypted: unpack it and give the mesh in it", code="encrypted")
         with archive.open(info) as stream:
             return _copy(stream, to, limit), info.filename
 
@@ -179,7 +181,9 @@ def _from_tar(path: Path, to: Path, limit: float) -> tuple[Path, str]:
         files: dict[str, Any] = {}
         for number, member in enumerate(archive):
             if number >= _MEMBERS:
-                raise ReadError(f"it has more than {_MEMBERS} entries: unpack it and give the mesh in it")
+                raise ReadError(
+                    f"it has more than {_MEMBERS} entries: unpack it and give the mesh in it", code="too_large"
+                )
             if member.isreg():
                 files[member.name] = member
         name = _mesh_among(files)
@@ -195,7 +199,7 @@ _MESHES = frozenset(suffix for suffixes in EXTENSIONS.values() for suffix in suf
 def _mesh_among(names: dict[str, Any]) -> str:
     """Return the name of the only mesh, or of the only file."""
     if len(names) > _MEMBERS:
-        raise ReadError(f"it has more than {_MEMBERS} entries: unpack it and give the mesh in it")
+        raise ReadError(f"it has more than {_MEMBERS} entries: unpack it and give the mesh in it", code="too_large")
     seen = [name for name in names if not PurePosixPath(name).name.startswith(".") and "__MACOSX" not in name]
     meshes = [name for name in seen if PurePosixPath(name).suffix.lower() in _MESHES]
     if len(meshes) == 1 or (not meshes and len(seen) == 1):
@@ -203,8 +207,11 @@ def _mesh_among(names: dict[str, Any]) -> str:
     listed = ", ".join(visible(name) for name in (meshes or seen)[:_NAMED])
     more = f" and {len(meshes or seen) - _NAMED} more" if len(meshes or seen) > _NAMED else ""
     if meshes:
-        raise ReadError(f"it holds {len(meshes)} meshes, {listed}{more}: unpack it and give the one that is meant")
-    raise ReadError(f"it holds no mesh, but {listed + more if seen else 'nothing'}: give a mesh")
+        raise ReadError(
+            f"it holds {len(meshes)} meshes, {listed}{more}: unpack it and give the one that is meant",
+            code="several_meshes",
+        )
+    raise ReadError(f"it holds no mesh, but {listed + more if seen else 'nothing'}: give a mesh", code="empty")
 
 
 def _copy(stream: IO[bytes], to: Path, limit: float) -> Path:
@@ -215,7 +222,9 @@ def _copy(stream: IO[bytes], to: Path, limit: float) -> Path:
             size += len(block)
             if size > limit:
                 raise ReadError(
-                    f"it unpacks to more than {limit / 2**30:g} GiB: it is a decompression bomb, or give ", _MORE
+                    f"it unpacks to more than {limit / 2**30:g} GiB: it is a decompression bomb, or give ",
+                    _MORE,
+                    code="too_large",
                 )
             file.write(block)
     return to
@@ -233,10 +242,16 @@ def _damage(kind: str) -> Iterator[None]:
     try:
         yield
     except damage as error:
-        raise ReadError(f"it is a damaged {kind} file ({visible(str(error))}): pack it again") from None
+        raise ReadError(
+            f"it is a damaged {kind} file ({visible(str(error))}): pack it again", code="damaged_archive"
+        ) from None
     except (NotImplementedError, RuntimeError) as error:
-        raise ReadError(f"it is a {kind} file that is not read ({visible(str(error))}): unpack it") from None
+        raise ReadError(
+            f"it is a {kind} file that is not read ({visible(str(error))}): unpack it", code="not_read"
+        ) from None
     except OSError as error:
         if error.errno is not None:
             raise
-        raise ReadError(f"it is a damaged {kind} file ({visible(str(error))}): pack it again") from None
+        raise ReadError(
+            f"it is a damaged {kind} file ({visible(str(error))}): pack it again", code="damaged_archive"
+        ) from None

@@ -92,7 +92,9 @@ def quietly(library: str, kind: str) -> Iterator[None]:
     except (ReadError, MemoryError):
         raise
     except ImportError as error:
-        raise ReadError(f"{library} cannot read it as {kind} without another package ({error}): install it") from None
+        raise ReadError(
+            f"{library} cannot read it as {kind} without another package ({error}): install it", code="needs_package"
+        ) from None
     except (Exception, SystemExit) as error:  # any exception at all may come out of a damaged file
         lines = [line.strip() for line in (*printed.getvalue().splitlines(), str(error)) if line.strip()]
         reason = next((line for line in lines if not line.startswith("Error:") and line != "1"), type(error).__name__)
@@ -117,7 +119,8 @@ def beneath(folder: Path, name: str) -> Path:
     if outside:
         raise ReadError(
             f"it refers to {shown(name)}, outside its folder, where nothing is read for it: put that file beside it "
-            "and export it again"
+            "and export it again",
+            code="outside_folder",
         )
     if missing:
         raise ReadError(
@@ -136,7 +139,8 @@ def text_of(path: Path) -> bytes:
         if end < 0:
             raise ReadError(
                 f"the line that begins at byte {at} is longer than {LINE_LIMIT >> 20} MiB, "
-                "which no mesh needs: the file is damaged or is not text"
+                "which no mesh needs: the file is damaged or is not text",
+                code="too_large",
             )
         at = end + 1
     return data
@@ -156,7 +160,9 @@ def numbers(text: bytes, dtype: type[np.float64] | type[np.int64], what: str) ->
     except (ValueError, DeprecationWarning):
         culprit = next((word for word in text.split() if not _is_number(word, dtype)), b"")
         kind = "a number" if dtype is np.float64 else "a whole number"
-        raise ReadError(f"{what} hold {shown(culprit)}, which is not {kind}: export the file again") from None
+        raise ReadError(
+            f"{what} hold {shown(culprit)}, which is not {kind}: export the file again", code="not_a_number"
+        ) from None
 
 
 def _is_number(word: bytes, dtype: type[np.float64] | type[np.int64]) -> bool:
@@ -235,7 +241,10 @@ def check_indices(nodes: Int, count: int, what: str) -> None:
     if out.any():
         row, corner = (int(i) for i in np.argwhere(out)[0])
         extent = f"the vertices are 0 to {count - 1} (counted from 0)" if count else "it has no vertices"
-        raise ReadError(f"{what} {row} names vertex {nodes[row, corner]}, but {extent}: export the mesh again")
+        raise ReadError(
+            f"{what} {row} names vertex {nodes[row, corner]}, but {extent}: export the mesh again",
+            code="node_out_of_range",
+        )
 
 
 def first_bad_point(points: Float) -> int | None:
@@ -262,7 +271,7 @@ def label(runs: Iterable[tuple[str | None, int]]) -> Regions | None:
 def assemble(pieces: Sequence[Piece]) -> tuple[Surface, Regions | None, Rounding | None]:
     """Return the pieces of a scene as one surface, their names as regions, and what was rounded."""
     if not pieces:
-        raise ReadError("it holds no triangle mesh that is part of the scene: export the part as a mesh")
+        raise ReadError("it holds no triangle mesh that is part of the scene: export the part as a mesh", code="empty")
     for piece in pieces:
         check_indices(piece.faces, len(piece.vertices), f"{shown(piece.name or 'mesh')}, face")
     first = np.cumsum([0, *(len(piece.vertices) for piece in pieces[:-1])])

@@ -102,5 +102,5 @@ def remainders(points: Float, exact: Iterable[Fraction], distance: float) -> Flo
         flat = [np.inf]
     result = np.array(flat)
     if (np.abs(result) > distance).any():
-        raise ReadError("it has changed since it was read: read it again")
+        raise ReadError("it has changed since it was read: read it again", code="changed")
     return result.reshape(-1, 3)

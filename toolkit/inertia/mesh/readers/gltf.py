@@ -100,7 +100,9 @@ def _in_file(path: Path, first: int, size: int) -> Stored:
             file.seek(first + start)
             content = file.read(end - start)
         if len(content) < end - start:
-            raise ReadError(f"{path.name} became shorter while it was read: read it again once it is written")
+            raise ReadError(
+                f"{path.name} became shorter while it was read: read it again once it is written", code="changed"
+            )
         return content
 
     return Stored(size, between)
@@ -115,7 +117,9 @@ def _chunks(path: Path) -> tuple[bytes, Stored | None]:
         size = os.fstat(file.fileno()).st_size
         stated = int.from_bytes(head[8:12], "little")
         if stated != size:
-            raise ReadError(f"its header says {stated} bytes, but it holds {size}: it was cut short or damaged")
+            raise ReadError(
+                f"its header says {stated} bytes, but it holds {size}: it was cut short or damaged", code="cut_short"
+            )
         chunks: dict[bytes, tuple[int, int]] = {}
         at = 12
         while at < size:
@@ -123,7 +127,10 @@ def _chunks(path: Path) -> tuple[bytes, Stored | None]:
             head = file.read(8)
             length = int.from_bytes(head[:4], "little")
             if at + 8 + length > size:
-                raise ReadError(f"its chunk at byte {at} runs past the end of the file: it is damaged, export it again")
+                raise ReadError(
+                    f"its chunk at byte {at} runs past the end of the file: it is damaged, export it again",
+                    code="cut_short",
+                )
             chunks.setdefault(head[4:], (at + 8, length))
             at += 8 + length
         if _JSON not in chunks:
@@ -144,10 +151,14 @@ class Scene:
         self.left_out = 0
         version = str(tree["asset"]["version"])
         if not version.startswith("2."):
-            raise ReadError(f"it is glTF {shown(version)}, but only version 2 is read: export it as glTF 2.0")
+            raise ReadError(
+                f"it is glTF {shown(version)}, but only version 2 is read: export it as glTF 2.0", code="not_read"
+            )
         unknown = [name for name in tree.get("extensionsRequired", []) if not str(name).startswith(_HARMLESS)]
         if unknown:
-            raise ReadError(f"it requires the extension {shown(str(unknown[0]))}: export it without compression")
+            raise ReadError(
+                f"it requires the extension {shown(str(unknown[0]))}: export it without compression", code="not_read"
+            )
 
     def pieces(self) -> Iterator[Piece]:
         """Yield every mesh of the scene, where its node puts it."""
@@ -162,7 +173,9 @@ class Scene:
             for vertices, faces in self._surfaces(mesh):
                 total += len(faces)
                 if total > EXPANDED_LIMIT:
-                    raise ReadError(f"its instances make more than {EXPANDED_LIMIT} triangles: split the scene")
+                    raise ReadError(
+                        f"its instances make more than {EXPANDED_LIMIT} triangles: split the scene", code="too_large"
+                    )
                 yield Piece(str(name), *place.move(vertices, faces, partial(map, Fraction, vertices.ravel().tolist())))
 
     def layout(self) -> tuple[list[MeshNode], dict[str, list[Piece]]]:
@@ -194,7 +207,9 @@ class Scene:
                 raise ReadError(f"node {index} hangs in two places: export it again")
             visited.add(index)
             if "EXT_mesh_gpu_instancing" in node.get("extensions", {}):
-                raise ReadError(f"node {index} uses EXT_mesh_gpu_instancing: export it without instancing")
+                raise ReadError(
+                    f"node {index} uses EXT_mesh_gpu_instancing: export it without instancing", code="not_read"
+                )
             yield index, above, node
             waiting += [(child, index) for child in reversed(node.get("children", []))]
 
@@ -216,7 +231,9 @@ class Scene:
     def _mesh(self, primitive: dict[str, Any]) -> tuple[Float, Int]:
         positions = self.accessor(primitive["attributes"]["POSITION"])
         if positions.dtype != np.float32 or positions.shape[1] != 3:
-            raise ReadError("its positions are not three float32 numbers each: export it without quantisation")
+            raise ReadError(
+                "its positions are not three float32 numbers each: export it without quantisation", code="not_read"
+            )
         if "indices" in primitive:
             corners = self.accessor(primitive["indices"])
             if corners.dtype.kind != "u" or corners.shape[1] != 1:
@@ -235,7 +252,9 @@ class Scene:
         """Return the rows of an accessor, (count, components); no other bytes of its buffer are read."""
         accessor = self._item("accessors", index)
         if "sparse" in accessor or "bufferView" not in accessor:
-            raise ReadError(f"accessor {index} is sparse or compressed, which is not read: export it uncompressed")
+            raise ReadError(
+                f"accessor {index} is sparse or compressed, which is not read: export it uncompressed", code="not_read"
+            )
         view = self._item("bufferViews", accessor["bufferView"])
         buffer = self._buffer(view["buffer"])
         dtype = np.dtype(_COMPONENTS[accessor["componentType"]])
@@ -248,7 +267,8 @@ class Scene:
         stop = start + (count - 1) * stride + row
         if count == 0 or stride < row or stop > min(end, buffer.size):
             raise ReadError(
-                f"accessor {index} does not fit in its buffer: it was cut short or damaged, export it again"
+                f"accessor {index} does not fit in its buffer: it was cut short or damaged, export it again",
+                code="cut_short",
             )
         return np.ndarray((count, width), dtype, buffer.between(start, stop), 0, (stride, dtype.itemsize))
 
@@ -257,7 +277,9 @@ class Scene:
             buffer = self._item("buffers", index)
             content = self.binary if index == 0 and "uri" not in buffer else self._fetch(buffer["uri"])
             if content is None or content.size < _whole(buffer["byteLength"]):
-                raise ReadError(f"buffer {index} is shorter than it says: it was cut short, export it again")
+                raise ReadError(
+                    f"buffer {index} is shorter than it says: it was cut short, export it again", code="cut_short"
+                )
             self.buffers[index] = content
         return self.buffers[index]
 
@@ -270,7 +292,8 @@ class Scene:
                 raise ReadError("a buffer in it is not valid base64: it is damaged, export it again") from None
         if urlsplit(uri).scheme:
             raise ReadError(
-                f"it needs the file {shown(uri)}, which is not fetched: put it beside it, named by its path"
+                f"it needs the file {shown(uri)}, which is not fetched: put it beside it, named by its path",
+                code="outside_folder",
             )
         beside = beneath(self.folder, unquote(uri))
         return _in_file(beside, 0, beside.stat().st_size)

@@ -33,12 +33,12 @@ def read_gmsh(path: Path) -> Contents:
     version = header[1].decode("ascii", "replace")
     if version not in (*_OLD, *_NEW):
         named = "4.0" if version == "4" else version
-        raise ReadError(f"it is MSH {shown(named)}, but 2.2 and 4.1 are read: save it as one of these")
+        raise ReadError(f"it is MSH {shown(named)}, but 2.2 and 4.1 are read: save it as one of these", code="not_read")
     file = MshFile(data, header)
     old = version in _OLD
     tags, points = _nodes_2(file) if old else _nodes_4(file)
     if not len(tags):
-        raise ReadError("it holds no nodes: export the mesh again")
+        raise ReadError("it holds no nodes: export the mesh again", code="empty")
     order = np.argsort(tags, kind="stable")
     twice = np.diff(tags[order]) == 0
     if twice.any():
@@ -91,7 +91,10 @@ def _points(tags: Int, order: Int, names: Int) -> Int:
     place: Int = order[np.minimum(at, len(tags) - 1)]
     missing = tags[place] != names
     if missing.any():
-        raise ReadError(f"its elements name node {names[missing][0]}, which it does not define: export it again")
+        raise ReadError(
+            f"its elements name node {names[missing][0]}, which it does not define: export it again",
+            code="node_out_of_range",
+        )
     return place
 
 
@@ -136,7 +139,9 @@ def _text_elements(body: Section, total: int) -> list[Group]:
     done = at = 0
     while done < total:
         if at + 3 > len(values):
-            raise ReadError(f"its section $Elements ends after {done} of {total} elements: it was cut short")
+            raise ReadError(
+                f"its section $Elements ends after {done} of {total} elements: it was cut short", code="cut_short"
+            )
         _, number, tags = (int(value) for value in values[at : at + 3])
         width = _width(3, number, tags)
         rows = _alike(values[at:], width, total - done)
@@ -160,7 +165,9 @@ def _alike(values: Int, width: int, limit: int) -> Int:
         count += len(rows)
         step *= 2
     if not count:
-        raise ReadError("its section $Elements ends within an element: it was cut short, export it again")
+        raise ReadError(
+            "its section $Elements ends within an element: it was cut short, export it again", code="cut_short"
+        )
     return values[: count * width].reshape(-1, width)
 
 

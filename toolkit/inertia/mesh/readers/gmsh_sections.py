@@ -52,7 +52,9 @@ Group = tuple[int, Int, Int]
 def nodes_of(number: int) -> int:
     """Return how many nodes an element of a type has."""
     if number not in TYPES:
-        raise ReadError(f"it has elements of Gmsh's type {number}, which are not read: use first or second order")
+        raise ReadError(
+            f"it has elements of Gmsh's type {number}, which are not read: use first or second order", code="not_read"
+        )
     return len(TYPES[number][1])
 
 
@@ -73,14 +75,16 @@ class MshFile:
             return None
         end = self.data.find(b"$End" + name.encode(), start.end())
         if end < 0:
-            raise ReadError(f"its section ${name} has no $End{name}: it was cut short, export it again")
+            raise ReadError(
+                f"its section ${name} has no $End{name}: it was cut short, export it again", code="cut_short"
+            )
         return self.data[start.end() : end]
 
     def numbers(self, name: str) -> Section:
         """Return the numbers of a section that the file must have."""
         body = self.section(name)
         if body is None:
-            raise ReadError(f"it has no section ${name}: it was cut short, export it again")
+            raise ReadError(f"it has no section ${name}: it was cut short, export it again", code="cut_short")
         return Section(body, name, self)
 
 
@@ -98,7 +102,10 @@ class Section:
         stored = np.dtype(dtype).newbyteorder(self.file.endian)
         step = stored.itemsize if self.file.binary else 1
         if not 0 <= count <= (len(self.data) - self.at) // step:
-            raise ReadError(f"its section ${self.name} ends too early: it was cut short or damaged, export it again")
+            raise ReadError(
+                f"its section ${self.name} ends too early: it was cut short or damaged, export it again",
+                code="cut_short",
+            )
         values = self.data[self.at : self.at + count * step]
         self.at += count * step
         return values.view(stored) if self.file.binary else values

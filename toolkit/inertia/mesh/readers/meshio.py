@@ -115,7 +115,9 @@ def _mesh(path: Path, kind: str) -> Any:
 
 def _include(file: Path) -> None:
     """Refuse another file: meshio looks for it anywhere, and takes `IN*CLUDE` for the keyword too."""
-    raise ReadError(f"its *INCLUDE of {shown(file.name)} is not read: write nodes and elements out in full")
+    raise ReadError(
+        f"its *INCLUDE of {shown(file.name)} is not read: write nodes and elements out in full", code="not_read"
+    )
 
 
 def _vtk_cells(corners: Int, ends: Int, types: Int, cell_data: dict[str, Any]) -> Any:
@@ -137,7 +139,9 @@ def _vtk_cells(corners: Int, ends: Int, types: Int, cell_data: dict[str, Any]) -
 def _nodes(block: Any) -> Int:
     """Return the nodes of a block of cells, (m, k)."""
     if str(block.type).startswith("polyhedron"):
-        raise ReadError("its cells of the kind polyhedron are not read: use cells of first or second order")
+        raise ReadError(
+            "its cells of the kind polyhedron are not read: use cells of first or second order", code="not_read"
+        )
     nodes = np.asarray(block.data)
     if nodes.ndim != 2 or nodes.dtype.kind not in "iu":
         raise ReadError(f"its cells of the kind {shown(str(block.type))} have no table of nodes: export the mesh again")

@@ -101,14 +101,16 @@ def cells_expected(path: Path, kind: str) -> int | None:
             return _su2(data)
         case "netgen":
             if b"endmesh" not in path.read_bytes()[-64:]:
-                raise ReadError("it does not end with endmesh: it was cut short, export it again")
+                raise ReadError("it does not end with endmesh: it was cut short, export it again", code="cut_short")
     return None
 
 
 def _vtk(data: bytes) -> int | None:
     for kind in _VTK_KIND.findall(data):
         if kind.upper() != b"UNSTRUCTURED_GRID":
-            raise ReadError(f"it is a VTK dataset of the kind {shown(kind)}: save it as an unstructured grid")
+            raise ReadError(
+                f"it is a VTK dataset of the kind {shown(kind)}: save it as an unstructured grid", code="not_read"
+            )
     counts, lists = ([int(count) for count in pattern.findall(data)] for pattern in (_VTK_CELLS, _VTK_LISTS))
     ends = 1 if data.partition(b"\n")[0].rstrip().endswith(b"Version 5.1") else 0  # which lists where cells begin, too
     if counts and (len(counts) > 1 or lists != [counts[0] + ends]):
@@ -119,7 +121,9 @@ def _vtk(data: bytes) -> int | None:
 def _vtu(data: bytes) -> int:
     kind = _VTU_KIND.search(data[:65_536])
     if kind and kind[1] != b"UnstructuredGrid":
-        raise ReadError(f"it is a VTK dataset of the kind {shown(kind[1])}: save it as an unstructured grid")
+        raise ReadError(
+            f"it is a VTK dataset of the kind {shown(kind[1])}: save it as an unstructured grid", code="not_read"
+        )
     pieces = re.findall(rb"<Piece\b[^>]*", data)
     if len(pieces) != 1:
         raise ReadError(f"it has {len(pieces)} pieces, but one is read: merge them into one unstructured grid")
@@ -132,9 +136,9 @@ def _vtu(data: bytes) -> int:
 def _medit(data: bytes) -> None:
     end = _MEDIT_END.search(data)
     if end is not None and data[end.end() :].strip():
-        raise ReadError("text follows its End: it was cut short or damaged, export it again")
+        raise ReadError("text follows its End: it was cut short or damaged, export it again", code="cut_short")
     if end is None and not data.endswith(b"\n"):
-        raise ReadError("it has no End, and its last line no end: it was cut short, export it again")
+        raise ReadError("it has no End, and its last line no end: it was cut short, export it again", code="cut_short")
     tables = _MEDIT_TABLE.findall(data)
     if len(set(tables)) < len(tables):
         raise ReadError("it has a table twice: export it again")
@@ -166,7 +170,8 @@ def _su2(data: bytes) -> int:
             cells += count
         if len(surplus) > 1 or len(rows) < count:
             raise ReadError(
-                f"the rows of its {keyword.decode()} are not alike, or too few: it was cut short or damaged"
+                f"the rows of its {keyword.decode()} are not alike, or too few: it was cut short or damaged",
+                code="cut_short",
             )
     return cells
 
@@ -182,11 +187,13 @@ def _nastran(data: bytes) -> int:
     end = re.compile(rb"^ENDDATA", re.MULTILINE).search(data, begin.end()) if begin else None
     if begin is None or end is None:
         missing = "ENDDATA" if begin else "BEGIN BULK"
-        raise ReadError(f"it has no {missing} line: it was cut short, or is bulk data that needs the line added")
+        raise ReadError(
+            f"it has no {missing} line: it was cut short, or is bulk data that needs the line added", code="cut_short"
+        )
     bulk = data[begin.end() : end.start()]
     refused = _NASTRAN_REFUSED.search(bulk)
     if refused:
-        raise ReadError(f"its card {shown(refused[0])} is not read: write the bulk data out in full")
+        raise ReadError(f"its card {shown(refused[0])} is not read: write the bulk data out in full", code="not_read")
     comment = _NASTRAN_COMMENT.search(bulk)
     if comment:
         raise ReadError(
@@ -194,7 +201,10 @@ def _nastran(data: bytes) -> int:
         )
     empty = _NASTRAN_EMPTY.search(bulk)
     if empty:
-        raise ReadError(f"its line {shown(empty[0].strip())} has no fields: it was cut short, or write it out in full")
+        raise ReadError(
+            f"its line {shown(empty[0].strip())} has no fields: it was cut short, or write it out in full",
+            code="cut_short",
+        )
     lines = bulk.splitlines()
     for before, line in pairwise(lines):  # meshio passes over what it takes for no continuation
         if line[:1] in (b" ", b"\t", b",") and line.strip() and (line[:8].strip() or before[72:] != b" " * 8):
@@ -202,18 +212,25 @@ def _nastran(data: bytes) -> int:
     cards = _NASTRAN_CARD.findall(bulk)
     for card in cards:
         if card not in _NASTRAN_READ:
-            raise ReadError(f"its card {shown(card)} is not read: write elements in small or free field format")
+            raise ReadError(
+                f"its card {shown(card)} is not read: write elements in small or free field format", code="not_read"
+            )
     return len(cards)
 
 
 def _abaqus(data: bytes) -> None:
     refused = _ABAQUS_REFUSED.search(data)
     if refused:
-        raise ReadError(f"its keyword {shown(refused[0])} is not read: write nodes and elements out in full")
+        raise ReadError(
+            f"its keyword {shown(refused[0])} is not read: write nodes and elements out in full", code="not_read"
+        )
     for block in _ABAQUS_ELEMENTS.findall(data):
         rows = [row.split(b",") for row in _ABAQUS_CONTINUED.sub(b",", block).splitlines() if row.strip()]
         if any(not word.strip() for row in rows for word in row[:-1]) or len({len(row) for row in rows}) > 1:
-            raise ReadError("its elements lack nodes, or have different numbers of them: it was cut short or damaged")
+            raise ReadError(
+                "its elements lack nodes, or have different numbers of them: it was cut short or damaged",
+                code="cut_short",
+            )
     instances = _ABAQUS_INSTANCE.findall(data)
     blocks = len(_ABAQUS_NODES.findall(data))
     if blocks > 1 or len(instances) > 1:
@@ -222,7 +239,7 @@ def _abaqus(data: bytes) -> None:
             "export one part, with its nodes in one block"
         )
     if any(instances):
-        raise ReadError("its *INSTANCE moves the part, which is not read: export the part by itself")
+        raise ReadError("its *INSTANCE moves the part, which is not read: export the part by itself", code="not_read")
     for first, last in _ABAQUS_RANGE.findall(data):
         if int(last) - int(first) > len(data):
             raise ReadError(f"a set in it runs from {int(first)} to {int(last)}, beyond its elements: export it again")
@@ -254,7 +271,9 @@ def _hdf5(path: Path) -> None:
         raise ReadError(f"it is a damaged HDF5 file ({shown(str(error), 80)}): export it again") from None
     limit = max(_SPARSE_FREE, _SPARSE_RATIO * path.stat().st_size)
     if sum(sizes) > limit:
-        raise ReadError(f"its data sets unpack to {sum(sizes)} bytes, beyond the {limit} allowed: it is damaged")
+        raise ReadError(
+            f"its data sets unpack to {sum(sizes)} bytes, beyond the {limit} allowed: it is damaged", code="too_large"
+        )
 
 
 _TOGETHER = "write all of it into one HDF5 file"
@@ -268,7 +287,9 @@ def _xdmf(path: Path) -> None:
     for item in parse_xml(path.read_bytes()).iter():  # a `Reference` may make any element a data item
         kind = item.get("Format", "").upper()
         if kind == "BINARY":
-            raise ReadError("it keeps its data in raw binary files, which are not read: use HDF5 or XML")
+            raise ReadError(
+                "it keeps its data in raw binary files, which are not read: use HDF5 or XML", code="not_read"
+            )
         if kind == "HDF":
             beside = beneath(path.resolve().parent, (item.text or "").strip().partition(":")[0])
             if beside not in checked:

@@ -57,11 +57,13 @@ def read_obj(path: Path) -> Contents:
         elif word in (b"l", b"p"):
             strays += 1
         elif word == b"surf":
-            raise ReadError(f"line {number} begins a free-form surface: export the part as a polygon mesh")
+            raise ReadError(
+                f"line {number} begins a free-form surface: export the part as a polygon mesh", code="not_read"
+            )
         elif word not in _KEYWORDS and not word.startswith(b"#"):
             raise ReadError(f"line {number} begins with {shown(word)}, which OBJ does not know: export it again")
     if not polygons:
-        raise ReadError("it holds no faces, only points or lines: export the part as a surface mesh")
+        raise ReadError("it holds no faces, only points or lines: export the part as a surface mesh", code="empty")
     counts, corners = _corners(polygons, np.array(before, np.int64))
     faces, owner = fan(counts, corners)
     notes = fan_note(int((counts > 3).sum()))
@@ -108,7 +110,7 @@ def _corners(lines: list[bytes], before: Int) -> tuple[Int, Int]:
     face = np.repeat(np.arange(len(counts)), counts)
     if (corners == 0).any():
         at = face[np.argmax(corners == 0)]
-        raise ReadError(f"face {at} names vertex 0, but OBJ counts from 1: export it again")
+        raise ReadError(f"face {at} names vertex 0, but OBJ counts from 1: export it again", code="node_out_of_range")
     return counts, np.where(corners > 0, corners - 1, corners + before[face])
 
 

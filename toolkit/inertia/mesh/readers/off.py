@@ -24,9 +24,11 @@ def read_off(path: Path) -> Contents:
     data = text_of(path)
     header = _HEADER.match(data)
     if header is None:
-        raise ReadError("it does not begin with the word OFF: give its format, or export it again")
+        raise ReadError("it does not begin with the word OFF: give its format, or export it again", code="wrong_format")
     if header[2] or header[3]:
-        raise ReadError(f"{shown(header[0].strip())} files are not read: export it as a plain text OFF file")
+        raise ReadError(
+            f"{shown(header[0].strip())} files are not read: export it as a plain text OFF file", code="not_read"
+        )
     lines = [line for line in re.sub(rb"#[^\r\n]*", b"", data[header.end() :]).splitlines() if line.strip()]
     counts = numbers(lines[0] if lines else b"", np.int64, "its counts of vertices and faces")
     if len(counts) < 2 or counts[:2].min() < 0:
@@ -35,7 +37,8 @@ def read_off(path: Path) -> Contents:
     if len(lines) - 1 != points + polygons:
         raise ReadError(
             f"its header says {points} vertices and {polygons} faces, but {len(lines) - 1} lines follow: "
-            "it was cut short or its counts are wrong, export it again"
+            "it was cut short or its counts are wrong, export it again",
+            code="cut_short",
         )
     rows = [line.split() for line in lines[1 : points + 1]]
     short = next((i for i, row in enumerate(rows) if len(row) < 3), None)

@@ -69,7 +69,7 @@ def read_ply(path: Path, memory: float | None = None) -> Contents:
     end = head.find(b"end_header")
     line_end = min((at for at in (head.find(b"\n", end), head.find(b"\r", end)) if at >= 0), default=-1)
     if end < 0 or line_end < 0:
-        raise ReadError("its header has no end_header line: it was cut short, export it again")
+        raise ReadError("its header has no end_header line: it was cut short, export it again", code="cut_short")
     body = line_end + (2 if head[line_end : line_end + 2] == b"\r\n" else 1)
     encoding, elements = _header([line.decode("utf-8", "replace") for line in head[:end].splitlines()])
     order = _ORDERS[encoding] or "="
@@ -92,7 +92,7 @@ def read_ply(path: Path, memory: float | None = None) -> Contents:
         raise ReadError(f"{left} follow the rows that its header counts: its counts are wrong, export it again")
     if "face" not in tables:
         strips = " but triangle strips" if "tristrips" in tables else ""
-        raise ReadError(f"it holds no faces{strips}: export the part as a surface mesh")
+        raise ReadError(f"it holds no faces{strips}: export the part as a surface mesh", code="empty")
     counts, corners = _faces(tables["face"])
     faces, _ = fan(counts, corners)
     vertices = _vertices(tables.get("vertex", {}))
@@ -145,7 +145,7 @@ def _coordinates(words: list[bytes], elements: list[_Element]) -> Iterator[bytes
 
 def _header(lines: list[str]) -> tuple[str, list[_Element]]:
     if not lines or lines[0].strip() != "ply":
-        raise ReadError("its header does not begin with ply and a format: export it again")
+        raise ReadError("its header does not begin with ply and a format: export it again", code="wrong_format")
     encoding = ""
     elements: list[_Element] = []
     for line in lines[1:]:
@@ -163,7 +163,7 @@ def _header(lines: list[str]) -> tuple[str, list[_Element]]:
             case _:
                 raise ReadError(f"its header has the line {shown(line)}, which PLY does not know: export it again")
     if not encoding:
-        raise ReadError("its header does not begin with ply and a format: export it again")
+        raise ReadError("its header does not begin with ply and a format: export it again", code="wrong_format")
     return encoding, elements
 
 
@@ -224,12 +224,17 @@ def _length(raw: memoryview, at: int, code: str, name: str, row: int) -> tuple[i
         raise _cut_short(name, row)
     count = struct.unpack_from(code, raw, at)[0]
     if not 0 <= count <= len(raw) or count != int(count):
-        raise ReadError(f"{name} {row} says that it has {count:g} items: it was cut short or damaged, export it again")
+        raise ReadError(
+            f"{name} {row} says that it has {count:g} items: it was cut short or damaged, export it again",
+            code="cut_short",
+        )
     return int(count), at + size
 
 
 def _cut_short(name: str, row: int) -> ReadError:
-    return ReadError(f"it ends within {name} {row}, before its header's count: it was cut short, export it again")
+    return ReadError(
+        f"it ends within {name} {row}, before its header's count: it was cut short, export it again", code="cut_short"
+    )
 
 
 def _vertices(table: _Table) -> Float:
@@ -248,5 +253,7 @@ def _faces(table: _Table) -> tuple[Int, Int]:
         whole = (np.abs(corners) < 2**53) & (np.floor(corners) == corners)
         if not whole.all():
             wrong = corners[np.argmin(whole)]
-            raise ReadError(f"its faces hold {wrong:g}, which is no index of a vertex: export it again")
+            raise ReadError(
+                f"its faces hold {wrong:g}, which is no index of a vertex: export it again", code="node_out_of_range"
+            )
     return counts, corners.astype(np.int64)

@@ -202,14 +202,16 @@ def _convert(source: Path, folder: Path, coarser: float, size: float, *how: str)
     if late:
         raise ReadError(
             f"OpenCASCADE took longer than {seconds:.0f} s of processor time, the limit for a file of its size: it may "
-            f"be damaged; export the part as STL or 3MF, or set {SECONDS} to more"
+            f"be damaged; export the part as STL or 3MF, or set {SECONDS} to more",
+            code="too_large",
         )
     if process.returncode and (
         _EXHAUSTED.search(process.stderr) or process.returncode == -getattr(signal, "SIGKILL", 0)
     ):
         raise ReadError(
             f"OpenCASCADE needs more than {gib:.3g} GiB of memory, the limit for a file of its size, or than there is: "
-            f"it may be damaged; export the part as STL or 3MF, or set {GIB} to more"
+            f"it may be damaged; export the part as STL or 3MF, or set {GIB} to more",
+            code="too_large",
         )
     refusal = folder / "refusal.txt"
     if refusal.is_file():

@@ -49,7 +49,7 @@ def read_stl(path: Path) -> Contents:
             file.seek(HEADER)
             records = np.frombuffer(file.read(count * FACET.itemsize), FACET)
             if len(records) < count:
-                raise ReadError(CHANGED)
+                raise ReadError(CHANGED, code="changed")
             return Contents(Facets(records))
     if is_text_stl(head):
         return _read_text(path)
@@ -59,7 +59,7 @@ def read_stl(path: Path) -> Contents:
             code="cut_short",
         )
     if b"\0" not in head:
-        raise ReadError("it is text, but no STL, which begins with 'solid': export it again")
+        raise ReadError("it is text, but no STL, which begins with 'solid': export it again", code="wrong_format")
     count, room = triangle_count(head), (size - HEADER) / FACET.itemsize
     raise ReadError(
         f"its header says {count} triangles ({HEADER + FACET.itemsize * count} bytes), but it holds {size} "
@@ -155,7 +155,10 @@ def _facets(text: bytes, first: int) -> list[Float]:
         if at + TEXT_BLOCK < len(text):
             block = block[: block.rfind(_LAST) + len(_LAST)]
             if len(block) < len(_LAST):
-                raise ReadError(f"facet {first} is longer than {TEXT_BLOCK >> 20} MiB: it is damaged, export it again")
+                raise ReadError(
+                    f"facet {first} is longer than {TEXT_BLOCK >> 20} MiB: it is damaged, export it again",
+                    code="too_large",
+                )
         words = block.split()
         count = len(words) // _WORDS
         wrong = any(words[place::_WORDS].count(keyword) != count for place, keyword in _KEYWORDS.items())

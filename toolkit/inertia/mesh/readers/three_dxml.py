@@ -49,7 +49,7 @@ def _checked(members: dict[str, bytes]) -> Checked:
     their ids in place of the names.
     """
     if "manifest.xml" not in members:
-        raise ReadError("it holds no Manifest.xml: it is no 3DXML file, or was cut short")
+        raise ReadError("it holds no Manifest.xml: it is no 3DXML file, or was cut short", code="wrong_format")
     root_name = (parse_xml(members["manifest.xml"]).findtext("Root") or "").strip().lower()
     if root_name not in members:
         raise ReadError(f"its manifest names {shown(root_name)}, which it does not hold: export it again")
@@ -118,7 +118,9 @@ def _representation(entry: Element, members: dict[str, bytes], parts: dict[str, 
     """Return the triangles and the extent of a tessellated part, which is added to `parts`, the finest level alone."""
     name = entry.get("associatedFile", "").rpartition(":")[2].lower()
     if entry.get("format") != "TESSELLATED" or name not in members or not members[name].lstrip()[:1] == b"<":
-        raise ReadError(f"its part {shown(name)} is not stored as triangles in XML: export it tessellated, as XML")
+        raise ReadError(
+            f"its part {shown(name)} is not stored as triangles in XML: export it tessellated, as XML", code="not_read"
+        )
     entry.set("associatedFile", f"urn:3DXML:{name}")
     root = parse_xml(members[name])
     remove(root, ["PolygonalLOD", "SurfaceAttributes", "TextureCoordinates"])
@@ -137,7 +139,10 @@ def _representation(entry: Element, members: dict[str, bytes], parts: dict[str, 
         extents.append(extent_of(coordinates))
         count = len(coordinates)
         if count % 3:
-            raise ReadError(f"its part {shown(name)} has {count} coordinates, not a multiple of 3: it was cut short")
+            raise ReadError(
+                f"its part {shown(name)} has {count} coordinates, not a multiple of 3: it was cut short",
+                code="cut_short",
+            )
         triangles += sum(_triangles(face, count // 3, shown(name)) for face in faces)
     return triangles, farthest(extents)
 
@@ -149,7 +154,10 @@ def _triangles(face: Element, points: int, what: str) -> int:
         for each in lists:
             corners: Int = numbers(each.encode(), np.int64, f"the {kind} of {what}")
             if len(corners) < 3 or (kind == "triangles" and (len(corners) % 3 or len(lists) > 1)):
-                raise ReadError(f"{what} has {kind} with {len(corners)} corners: it was cut short, export it again")
+                raise ReadError(
+                    f"{what} has {kind} with {len(corners)} corners: it was cut short, export it again",
+                    code="cut_short",
+                )
             check_indices(corners[:, None], points, f"{what}, corner")
             triangles += len(corners) // 3 if kind == "triangles" else len(corners) - 2
     return triangles

@@ -62,7 +62,7 @@ class _Object:
             vertices = np.array(list(map(float, self.coordinates)), np.float64).reshape(-1, 3)
             faces = np.array(list(map(int, self.corners)), np.int64).reshape(-1, 3)
         except (ValueError, OverflowError) as error:
-            raise ReadError(f"{what} has a faulty number ({error}): export it again") from None
+            raise ReadError(f"{what} has a faulty number ({error}): export it again", code="not_a_number") from None
         check_indices(faces, len(vertices), f"{what}, triangle")
         words = self.coordinates
         return vertices, faces, rounding_of(vertices, lambda: " ".join(words).encode(), lambda: words)
@@ -97,7 +97,7 @@ def three_mf_tree(path: Path) -> Layout:
         nodes.append(MeshNode(item.name, above, place.motion(), str(len(keys)) if item.corners else None))
         keys.append(key)
         if len(nodes) > MOST_NODES:
-            raise ReadError(f"its components make more than {MOST_NODES} parts: split the build")
+            raise ReadError(f"its components make more than {MOST_NODES} parts: split the build", code="too_large")
     shows = list(dict.fromkeys(key for key, node in zip(keys, nodes, strict=True) if node.mesh is not None))
     titles = unique(visible(package.object(key).name or f"object {key[1]}") for key in shows)
     called = dict(zip(shows, titles, strict=True))
@@ -115,7 +115,7 @@ def _build(path: Path) -> tuple[_Package, _Model, list[tuple[_Key, Placement]], 
     model = package.model(package.root)
     items = [(key, place) for key, place in model.items if package.object(key).type not in _HELPERS]
     if sum(package.count(key) for key, _ in items) > EXPANDED_LIMIT:
-        raise ReadError(f"its components make more than {EXPANDED_LIMIT} triangles: split the build")
+        raise ReadError(f"its components make more than {EXPANDED_LIMIT} triangles: split the build", code="too_large")
     left_out = len(model.items) - len(items)
     return package, model, items, (f"{plural(left_out, 'support')} {was(left_out)} left out",) if left_out else ()
 
@@ -137,7 +137,10 @@ class _Package:
         models = [name for name in self._members if name.endswith(".model")]
         named = [name for name in (*targets, _ROOT_NAME, *models[:1]) if name in models]
         if not named:
-            raise ReadError("it is a zip archive without a 3D model, which 3MF holds as .model: export it again")
+            raise ReadError(
+                "it is a zip archive without a 3D model, which 3MF holds as .model: export it again",
+                code="wrong_format",
+            )
         return named[0]
 
     def model(self, part: str) -> _Model:
@@ -159,14 +162,18 @@ class _Package:
     def count(self, key: _Key) -> int:
         """Return the triangles that an object expands to (at least one each), without expanding it."""
         if key in self._open or len(self._open) > _DEPTH_LIMIT:
-            raise ReadError(f"object {shown(key[1])} is a component of itself or nested too deep: export it again")
+            raise ReadError(
+                f"object {shown(key[1])} is a component of itself or nested too deep: export it again", code="cycle"
+            )
         if key not in self._counts:
             item = self.object(key)
             self._open.append(key)
             inside = sum(self.count(component) for component, _ in item.components)
             self._open.pop()
             if not item.corners and not item.components:
-                raise ReadError(f"object {shown(item.name or key[1])} has neither triangles nor components")
+                raise ReadError(
+                    f"object {shown(item.name or key[1])} has neither triangles nor components", code="empty"
+                )
             self._counts[key] = max(1, inside + len(item.corners) // 3)
         return self._counts[key]
 
@@ -222,10 +229,13 @@ def _parse_model(part: str, data: bytes) -> _Model:
             core = space
             unit = attributes.get("unit", "millimeter")
             if unit not in _UNITS:
-                raise ReadError(f"its unit is {shown(unit)}, but 3MF knows {', '.join(_UNITS)}: export it again")
+                raise ReadError(
+                    f"its unit is {shown(unit)}, but 3MF knows {', '.join(_UNITS)}: export it again",
+                    code="unknown_unit",
+                )
             model.unit = length_unit(unit)
         elif name == "beamlattice":
-            raise ReadError("it holds a beam lattice, which is not read: export the lattice as a mesh")
+            raise ReadError("it holds a beam lattice, which is not read: export the lattice as a mesh", code="not_read")
 
     _parse(data, start)
     return model
@@ -241,13 +251,13 @@ def _parse(data: bytes, start: Callable[[str, dict[str, str]], None]) -> None:
     try:
         parser.Parse(data, True)
     except expat.ExpatError as error:
-        raise ReadError(f"its XML is damaged ({error}): export it again") from None
+        raise ReadError(f"its XML is damaged ({error}): export it again", code="damaged_xml") from None
     except KeyError as missing:
         raise ReadError(f"its XML lacks the attribute {missing} at line {parser.CurrentLineNumber}") from None
     except ReadError:  # it is a ValueError too
         raise
     except (LookupError, ValueError) as error:  # an encoding that Python does not know, or not for XML
-        raise ReadError(f"its XML cannot be decoded ({error}): export it as UTF-8") from None
+        raise ReadError(f"its XML cannot be decoded ({error}): export it as UTF-8", code="encoding") from None
 
 
 def _part_name(target: str) -> str:

@@ -145,9 +145,9 @@ def parse_xml(data: bytes) -> ElementTree.Element:
     except ReadError:
         raise
     except ElementTree.ParseError as error:
-        raise ReadError(f"its XML is damaged ({error}): export it again") from None
+        raise ReadError(f"its XML is damaged ({error}): export it again", code="damaged_xml") from None
     except (LookupError, ValueError) as error:  # an encoding that Python does not know
-        raise ReadError(f"its XML cannot be decoded ({error}): export it as UTF-8") from None
+        raise ReadError(f"its XML cannot be decoded ({error}): export it as UTF-8", code="encoding") from None
     namespace = root.tag.rpartition("}")[0][1:]
     for element in root.iter():
         element.tag = element.tag.rpartition("}")[2]
@@ -206,12 +206,14 @@ class Expansion:
     def __call__(self, key: Hashable) -> int:
         """Return the triangles that a thing expands to."""
         if key in self.open or len(self.open) > _DEPTH_LIMIT:
-            raise ReadError("a part of it is a part of itself, or is nested too deep: export it again")
+            raise ReadError("a part of it is a part of itself, or is nested too deep: export it again", code="cycle")
         if key not in self.counts:
             self.open.add(key)
             own, parts = self.inside(key)
             self.counts[key] = own + sum(map(self, parts))
             self.open.remove(key)
             if self.counts[key] > EXPANDED_LIMIT:
-                raise ReadError(f"its instances make more than {EXPANDED_LIMIT} triangles: split the scene")
+                raise ReadError(
+                    f"its instances make more than {EXPANDED_LIMIT} triangles: split the scene", code="too_large"
+                )
         return self.counts[key]

@@ -40,10 +40,14 @@ def _checked(root: Element) -> Checked:
         mesh.attrib.setdefault("Normals", "")
         points = numbers(mesh.get("Positions", "").replace(",", " ").encode(), np.float64, "its Positions")
         if len(points) % 3:
-            raise ReadError(f"its Positions are {len(points)} numbers, not a multiple of 3: it was cut short")
+            raise ReadError(
+                f"its Positions are {len(points)} numbers, not a multiple of 3: it was cut short", code="cut_short"
+            )
         corners = numbers(mesh.get("TriangleIndices", "").replace(",", " ").encode(), np.int64, "its TriangleIndices")
         if len(corners) % 3 or not len(corners):
-            raise ReadError(f"its TriangleIndices are {len(corners)} numbers: it was cut short, export it again")
+            raise ReadError(
+                f"its TriangleIndices are {len(corners)} numbers: it was cut short, export it again", code="cut_short"
+            )
         check_indices(corners.reshape(-1, 3), len(points) // 3, "triangle")
         triangles += len(corners) // 3
         extent = extent_of(points)
@@ -59,13 +63,18 @@ def _checked(root: Element) -> Checked:
 def _check_transforms(element: Element) -> None:
     """Refuse a transform that trimesh would leave out, and one that would turn the mesh inside out there."""
     if "Transform" in element.attrib:
-        raise ReadError(f"the Transform of its {element.tag} is not read: export it with a MatrixTransform3D")
+        raise ReadError(
+            f"the Transform of its {element.tag} is not read: export it with a MatrixTransform3D", code="not_read"
+        )
     for child in element:
         if not child.tag.endswith(".Transform"):
             continue
         matrices = child.findall("MatrixTransform3D")
         if child.tag != "ModelVisual3D.Transform" or len(matrices) != 1 or len(list(child.iter())) != 2:
-            raise ReadError(f"its {child.tag} is not read: export it with one MatrixTransform3D in each ModelVisual3D")
+            raise ReadError(
+                f"its {child.tag} is not read: export it with one MatrixTransform3D in each ModelVisual3D",
+                code="not_read",
+            )
         text = matrices[0].get("Matrix", "").replace(",", " ")
         values = numbers(text.encode(), np.float64, "the numbers of a Matrix")
         if len(values) != 16 or not np.array_equal(values[3::4], [0, 0, 0, 1]):

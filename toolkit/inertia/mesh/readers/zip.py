@@ -39,7 +39,9 @@ def inflate(path: Path, needs: Callable[[str], bool]) -> dict[str, bytes]:
     except (ReadError, MemoryError):
         raise
     except Exception as error:  # zipfile lets through whatever its parsers and decompressors raise
-        raise ReadError(f"it is a damaged zip archive ({type(error).__name__}): export it again") from None
+        raise ReadError(
+            f"it is a damaged zip archive ({type(error).__name__}): export it again", code="damaged_archive"
+        ) from None
     return members
 
 
@@ -47,5 +49,6 @@ def _check(size: int, packed: int) -> None:
     limit = min(_SIZE_LIMIT, max(_RATIO_FREE, _RATIO_LIMIT * packed))
     if size > limit:
         raise ReadError(
-            f"its {packed} bytes unpack to {size} or more, beyond the {limit} allowed: it is damaged or a zip bomb"
+            f"its {packed} bytes unpack to {size} or more, beyond the {limit} allowed: it is damaged or a zip bomb",
+            code="too_large",
         )

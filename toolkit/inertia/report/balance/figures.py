@@ -113,7 +113,7 @@ def _digest(text: str | None, name: str) -> tuple[str, str] | None:
 
     data = Path(name).read_bytes()
     if data.decode("utf-8-sig", "replace") != text:
-        raise ReadError(f"cannot read {name}: {CHANGED}")
+        raise ReadError(f"cannot read {name}: {CHANGED}", code="changed")
     return Path(name).name, hashlib.sha256(data).hexdigest()
 
 
