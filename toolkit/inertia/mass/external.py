@@ -145,7 +145,7 @@ def _shells(part: Part, pairing: Pairing, sums: Sums, room: int) -> tuple[Shell,
     triangles, topology = part.triangles, pairing.closure
     if pairing.irregular is None:
         raise _too_little(part, f"{topology.crowded} edges of more than two triangles", room)
-    if topology.components == 1 or (sums.exponent == 0 and all_apart(triangles, topology, sums.origin)):
+    if topology.components == 1 or (sums.exponent == 0 and all_apart(triangles, topology, sums.origin, by_boxes=True)):
         return ()
     needed = _NESTING * triangles.count
     if room - 4 * triangles.count < needed:

@@ -21,7 +21,7 @@ from inertia.mass.triangles.sums import Sums, sum_triangles
 from inertia.mesh.checks.findings import Finding, Report, around, middle
 from inertia.mesh.geometry.closure import Closure, closure
 from inertia.mesh.geometry.intersect import crossings, to_be_examined
-from inertia.mesh.geometry.shells import Shell, absolute_orientation, all_apart, shells
+from inertia.mesh.geometry.shells import Shell, absolute_orientation, all_apart, shells, soundly_nested
 from inertia.mesh.geometry.shells import bodies as bodies_of
 from inertia.mesh.geometry.simple import at_hand, simple
 from inertia.mesh.part import Cells, Facets, Part, Regions, Surface, Triangles, counts_once, usable
@@ -138,6 +138,7 @@ def surface_integrals(
         several = False
     pieces = shells(triangles, topology) if several else ()
     proven = counts_once(triangles)
+    sound = bool(pieces) and not topology.crowded and soundly_nested(triangles, topology, pieces)
     wrong = _wrong(triangles, pieces, moments_of(sums)) if absolute and not (turned or shell or proven) else ()
     if len(wrong):
         if pieces:
@@ -181,7 +182,7 @@ def surface_integrals(
             yield replace(integral, groups=groups, method=METHODS[arithmetic])
             continue
         whole = solid_moments(triangles, arithmetic, sums, further, part.rounding)
-        if report is None and ((pieces and not proven) or whole.zeroth < -whole.zeroth_bound):
+        if report is None and ((pieces and not proven and not sound) or whole.zeroth < -whole.zeroth_bound):
             report = _sound(part, False, parts, allowance, absolute)
         if whole.zeroth > whole.zeroth_bound:
             groups = _solid_groups(part, named, topology, pieces, whole, arithmetic)

@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import replace
 from itertools import groupby
-from typing import Literal
 
 import numpy as np
 
@@ -17,12 +16,20 @@ from inertia.mesh.geometry.boxes import BoxTree, overlapping
 from inertia.mesh.geometry.closure import Closure, closure, components
 from inertia.mesh.geometry.edges import Place
 from inertia.mesh.geometry.halfedges import half_edges
-from inertia.mesh.geometry.shells import SLIVER, Body, absolute_orientation, bodies, bodies_apart, members
+from inertia.mesh.geometry.shells import (
+    SLIVER,
+    WOUND,
+    Body,
+    absolute_orientation,
+    bodies,
+    bodies_apart,
+    members,
+    nested,
+)
 from inertia.mesh.geometry.winding import misplaced_volume
 from inertia.mesh.part import Doubt, Surface
 
 _AT_ONCE = 1 << 18  # triangles compared with boxes of other bodies at a time
-_WOUND: tuple[Literal["outward"], Literal["inward"]] = ("outward", "inward")  # a shell, by its depth modulo 2
 _TRIED = 3  # places on a patch at which the winding number is asked for
 _CLEAR = 100.0  # how many times deeper than a contact rays must find a crossing, to leave no doubt that it is one
 _CROSSINGS = 10_000  # crossings looked for, before those between different shells are taken out
@@ -129,7 +136,9 @@ def _near_bodies(surface: SurfaceTopology, *, alike: bool) -> Iterator[tuple[Sur
     parts = _turned_bodies(surface)
     boxes = np.array([surface.shells[body.shells[0]].box for body in parts])
     outward = [surface.shells[body.shells[0]].kind == "outward" for body in parts]
-    meeting = [pair for pair in _meeting(boxes) if (outward[pair[0]] == outward[pair[1]]) == alike]
+    pairs = _touching_bodies(surface, parts, boxes)
+    meeting = _meeting(boxes) if pairs is None else pairs
+    meeting = [(one, other) for one, other in meeting if (outward[one] == outward[other]) == alike]
     if not meeting:
         return
     triangles_of = members(surface.closure)
@@ -137,10 +146,10 @@ def _near_bodies(surface: SurfaceTopology, *, alike: bool) -> Iterator[tuple[Sur
     turned = _turned(surface)
     corners = surface.vertices[surface.faces]
     low, high = corners.min(axis=1), corners.max(axis=1)
-    if not surface.separate:
+    if pairs is None and not surface.separate:
         # Where no triangle of one comes near the other, they are apart or nested, which their shells show.
-        pairs = np.array(meeting)
-        near_both = _reaching(pairs, groups, low, high, boxes) & _reaching(pairs[:, ::-1], groups, low, high, boxes)
+        both = np.array(meeting)
+        near_both = _reaching(both, groups, low, high, boxes) & _reaching(both[:, ::-1], groups, low, high, boxes)
         meeting = [pair for pair, reach in zip(meeting, near_both, strict=True) if reach]
     for one, other in meeting:
         near = [
@@ -148,6 +157,33 @@ def _near_bodies(surface: SurfaceTopology, *, alike: bool) -> Iterator[tuple[Sur
             for group, box in ((groups[one], boxes[other]), (groups[other], boxes[one]))
         ]
         yield turned, [groups[one], groups[other]], near, boxes[[one, other]]
+
+
+def _touching_bodies(surface: SurfaceTopology, parts: tuple[Body, ...], boxes: Float) -> list[tuple[int, int]] | None:
+    """Return the pairs of bodies that may share space, ascending; None where that was not looked for.
+
+    Where no triangles of two bodies meet, these are apart or one lies in the other: that is no fault where shells are
+    turned as their depth asks, and where bodies are taken by themselves their boxes show it.
+    """
+    if len(parts) < 2 or surface.touching is None:
+        return None
+    body_of = _body_of(surface, parts)
+    pairs = np.sort(body_of[surface.touching], axis=1)
+    pairs = pairs[(pairs[:, 0] >= 0) & (pairs[:, 0] < pairs[:, 1])]
+    if surface.separate:
+        inside = nested(boxes)
+        pairs = np.concatenate([pairs, np.sort(inside, axis=1)])
+    one, other = boxes[pairs.T]
+    meet = ((one[:, 0] < other[:, 1]) & (other[:, 0] < one[:, 1])).all(axis=1)
+    return [(one, other) for one, other in np.unique(pairs[meet], axis=0).tolist()]
+
+
+def _body_of(surface: SurfaceTopology, parts: tuple[Body, ...]) -> Int:
+    """Return the number of the body of each shell, −1 of sheets."""
+    body_of = np.full(len(surface.shells), -1)
+    for body in parts:
+        body_of[list(body.shells)] = body.number
+    return body_of
 
 
 def _reaching(pairs: Int, groups: list[Int], low: Float, high: Float, boxes: Float) -> Bool:
@@ -173,9 +209,7 @@ def overlap_at_edges(surface: SurfaceTopology) -> Evidence | None:
     """
     if len(surface.duplicates[0]):  # which are an error by themselves
         return None
-    body_of = np.full(len(surface.shells), -1)
-    for body in _turned_bodies(surface):
-        body_of[list(body.shells)] = body.number
+    body_of = _body_of(surface, _turned_bodies(surface))
     which = surface.at_crowded_edges
     labels = surface.closure.labels[which]
     inverted = np.isin(labels, [shell.number for shell in surface.in_state("inverted")])
@@ -214,9 +248,8 @@ def crossing_cavities(surface: SurfaceTopology) -> Evidence | None:
     triangles_of = members(surface.closure)
     total = 0
     pairs, points = [], []
-    for body in _turned_bodies(surface):
-        boxes = np.array([surface.shells[number].box for number in body.shells])
-        for one, others in groupby(_meeting(boxes), key=lambda pair: pair[0]):
+    for body, meeting in _meeting_cavities(surface):
+        for one, others in groupby(meeting, key=lambda pair: pair[0]):
             a = triangles_of[body.shells[one]]
             b = np.concatenate([triangles_of[body.shells[other]] for _, other in others])
             between = crossings(surface.triangles.select(a), surface.triangles.select(b))
@@ -227,6 +260,25 @@ def crossing_cavities(surface: SurfaceTopology) -> Evidence | None:
         return None
     pair, place = np.concatenate(pairs), middle(np.concatenate(points)[:1])
     return Evidence(total, listed(np.unique(pair)), place, {"one": pair[0, 0], "other": pair[0, 1]})
+
+
+def _meeting_cavities(surface: SurfaceTopology) -> Iterator[tuple[Body, list[tuple[int, int]]]]:
+    """Yield bodies, and which of their shells, by their places among these, come near each other."""
+    parts = _turned_bodies(surface)
+    if surface.touching is None:
+        for body in parts:
+            yield body, _meeting(np.array([surface.shells[number].box for number in body.shells]))
+        return
+    body_of = _body_of(surface, parts)
+    pairs = surface.touching[(body_of[surface.touching[:, 0]] == body_of[surface.touching[:, 1]])]
+    pairs = pairs[np.argsort(body_of[pairs[:, 0]], kind="stable")]
+    for number, several in groupby(pairs.tolist(), key=lambda pair: body_of[pair[0]]):
+        if number >= 0:
+            place = {shell: at for at, shell in enumerate(parts[number].shells)}
+            yield (
+                parts[number],
+                sorted((min(ends), max(ends)) for pair in several if (ends := [place[k] for k in pair])),
+            )
 
 
 def self_intersections(surface: SurfaceTopology) -> Evidence | None:
@@ -365,7 +417,7 @@ def _turned_bodies(surface: SurfaceTopology) -> tuple[Body, ...]:
         return bodies_apart(surface.shells)
     return bodies(
         [
-            shell if shell.kind in ("sheet", _WOUND[shell.depth % 2]) else replace(shell, kind=_WOUND[shell.depth % 2])
+            shell if shell.kind in ("sheet", WOUND[shell.depth % 2]) else replace(shell, kind=WOUND[shell.depth % 2])
             for shell in surface.shells
         ]
     )

@@ -92,6 +92,13 @@ class SurfaceTopology:
         return shells.bodies(self.shells)
 
     @cached_property
+    def touching(self) -> Int | None:
+        """The pairs (k, 2) of shells whose triangles may meet, ascending; None where that was not looked for."""
+        from inertia.mesh.geometry.touching import touching_bodies
+
+        return touching_bodies(self.triangles, self.closure.labels, np.array([shell.box for shell in self.shells]))
+
+    @cached_property
     def at_crowded_edges(self) -> Int:
         """The triangles with an edge that more than two share, ascending."""
         return np.unique(self.edges.users[np.repeat(self.edges.non_manifold, self.edges.uses)])

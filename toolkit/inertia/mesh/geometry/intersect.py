@@ -202,36 +202,68 @@ def vectorised_crossings(triangles: Triangles) -> Crossed:
         yield np.column_stack([i[crossed], j[crossed]]), places, done
 
 
+@dataclass(frozen=True, eq=False)
+class CompiledTree:
+    """Triangles in order along a space-filling curve, under boxes that enclose 1, 2, 4, ... of them, for kernels.
+
+    Attributes
+    ----------
+    order : (n,), numbers of the triangles in order
+    corners : (n, 9), theirs, times a power of two
+    boxes : (2 n + 64, 6) float32, least and greatest coordinates; those of level k begin at `starts[k]`
+    levels : how many there are
+    """
+
+    order: Int
+    corners: Float
+    boxes: NDArray[np.float32]
+    starts: Int
+    levels: int
+
+    @classmethod
+    def over(cls, triangles: Triangles, rank: Int | None = None) -> CompiledTree | None:
+        """Build it, of triangles by their `rank` (n,) first where there is one; None where a power of two rounds."""
+        count = triangles.count
+        if isinstance(triangles, Surface):
+            vertices, faces = triangles.vertices, triangles.faces
+        else:
+            vertices, faces = triangles.corners().reshape(-1, 3), np.arange(3 * count).reshape(-1, 3)
+        surface = _address(vertices), len(vertices), _address(faces)
+        box, codes = np.empty((2, 3)), np.empty(count, np.uint64)
+        CODES.function(*surface, count, CELLS, _address(box), _address(codes))
+        if rank is not None:
+            bits = int(rank.max()).bit_length()
+            codes >>= np.uint64(bits)
+            codes |= rank.astype(np.uint64) << np.uint64(64 - bits) if bits else np.uint64(0)
+        order = np.argsort(codes)
+        scale = 2.0 ** -min(max(int(np.frexp(np.abs(box).max())[1]), -_LARGEST), _LARGEST)
+        own, boxes = np.empty((count, 9)), np.empty((2 * count + 64, 6), np.float32)
+        middle = (scale * box[0] / 2 + scale * box[1] / 2).tolist()
+        if ENCLOSE.function(*surface, _address(order), count, *middle, scale, _address(own), _address(boxes)):
+            return None
+        starts = np.zeros(64, np.int64)
+        levels, size = 0, count
+        while size > 0:
+            levels += 1
+            starts[levels] = starts[levels - 1] + size
+            size = (size + 1) // 2 if size > 1 else 0
+        return cls(order, own, boxes, starts, levels)
+
+
 def compiled_crossings(triangles: Triangles) -> Crossed:
     """Yield what `vectorised_crossings` does, in another order, by the compiled kernel."""
     count = triangles.count
     if not count:
         return
-    if isinstance(triangles, Surface):
-        vertices, faces = triangles.vertices, triangles.faces
-    else:
-        vertices, faces = triangles.corners().reshape(-1, 3), np.arange(3 * count).reshape(-1, 3)
-    surface = _address(vertices), len(vertices), _address(faces)
-    box, codes = np.empty((2, 3)), np.empty(count, np.uint64)
-    CODES.function(*surface, count, CELLS, _address(box), _address(codes))
-    order = np.argsort(codes)
-    scale = 2.0 ** -min(max(int(np.frexp(np.abs(box).max())[1]), -_LARGEST), _LARGEST)
-    own, boxes = np.empty((count, 9)), np.empty((2 * count + 64, 6), np.float32)
-    middle = (scale * box[0] / 2 + scale * box[1] / 2).tolist()
-    if ENCLOSE.function(*surface, _address(order), count, *middle, scale, _address(own), _address(boxes)):
+    tree = CompiledTree.over(triangles)
+    if tree is None:
         yield from vectorised_crossings(triangles)
         return
-    del vertices, faces, codes
-    starts = np.zeros(64, np.int64)
-    levels, size = 0, count
-    while size > 0:
-        levels += 1
-        starts[levels] = starts[levels - 1] + size
-        size = (size + 1) // 2 if size > 1 else 0
     stack, state = np.zeros((256, 3), np.int64), np.zeros(9, np.int64)
-    stack[0, 0], state[0] = levels - 1, 1
+    stack[0, 0], state[0] = tree.levels - 1, 1
     work, pairs = np.empty(_SCRATCH), np.empty((_CROSSED, 2), np.int64)
-    tables = (_address(own), _address(boxes), _address(order), count, _address(work), _address(stack), _address(starts))
+    of_tree = _address(tree.corners), _address(tree.boxes), _address(tree.order), count
+    tables = *of_tree, _address(work), _address(stack), _address(tree.starts)
     while state[0]:
         COMPILED.function(*tables, _address(pairs), _CROSSED, _STEPS, _address(state))
         done = float(state[2] / count) if state[0] else 1.0

@@ -11,7 +11,7 @@ that it fills, and the cavity is not inside the insert.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from typing import Literal
@@ -19,18 +19,24 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from inertia.arrays import Float, Int
+from inertia.arrays import Bool, Float, Int
 from inertia.mesh.geometry.boxes import BoxTree, overlapping
 from inertia.mesh.geometry.closure import Closure
-from inertia.mesh.geometry.winding import windings, windings_under
+from inertia.mesh.geometry.touching import touching_bodies
+from inertia.mesh.geometry.winding import windings, windings_each, windings_under
 from inertia.mesh.part import Triangles
 from inertia.native import Kernel
 
 _MEASURE = Kernel("inertia.mesh.geometry.shell_kernel", "measure_shells", "ppi" + "ddd" + "pi")
 _CHUNK = 1 << 16
+WOUND: tuple[Literal["outward"], Literal["inward"]] = ("outward", "inward")
+"""A shell, by its depth modulo 2."""
+
 SLIVER = 1e-9
 """Volume, over that of all shells, up to which a shell that is wound wrongly does not keep a part from an answer."""
 
+_ALONE = 1 << 15  # triangles of a shell, times shells that it may hold, above which it is taken by itself
+_MANY = 1 << 12  # triangles of a shell, of which few are picked before they are sorted
 _SAMPLES = 8  # places on a shell that are tried, for the one that is clearest of the other shell
 _UNDER = 1e-10  # how far under the surface those places are, over the size of the part
 _CLEAR = 2 * _UNDER  # of the surface around it: what is nearer is asked in integers
@@ -128,8 +134,8 @@ def shells(triangles: Triangles, closure: Closure) -> tuple[Shell, ...]:
     )
 
 
-def all_apart(triangles: Triangles, closure: Closure, origin: Float) -> bool:
-    """Say whether all shells are bodies of their own: outward, and no two of their boxes meet.
+def all_apart(triangles: Triangles, closure: Closure, origin: Float, *, by_boxes: bool = False) -> bool:
+    """Say whether all shells are bodies of their own: outward, and no two of them meet or lie in one another.
 
     It is the cheap answer for parts of many bodies; where it is False, `shells` has to be asked, or no kernel is there.
 
@@ -137,6 +143,7 @@ def all_apart(triangles: Triangles, closure: Closure, origin: Float) -> bool:
     ----------
     triangles : of a closed surface with finite coordinates, whose size is neither near 1e100 nor near 1e-100
     origin : (3,), a point in the middle
+    by_boxes : whether to look at boxes only, for which no triangle is held in memory
     """
     count = closure.components
     if not count or not _MEASURE.worthwhile(triangles.count):
@@ -153,8 +160,29 @@ def all_apart(triangles: Triangles, closure: Closure, origin: Float) -> bool:
     # Summed one after another, each term is rounded as often as there are terms.
     if not (volume > (_NOISE + triangles.count * _STORED) * magnitude).all():
         return False
-    met = overlapping(BoxTree(low, high), touching=True)
-    return all(len(i) == 0 for i, _, _ in met)
+    near = np.zeros(count, bool)
+    for i, j, _ in overlapping(BoxTree(low, high), touching=True):
+        if len(i) and (by_boxes or (_within(low, high, i, j) | _within(low, high, j, i)).any()):
+            return False
+        near[i] = near[j] = True
+    if not near.any():
+        return True
+    met = touching_bodies(triangles, closure.labels, np.stack([low, high], axis=1), among=near, first=True)
+    return met is not None and len(met) == 0
+
+
+def _within(low: Float, high: Float, inner: Int, outer: Int) -> Bool:
+    """Say which boxes lie within others (equal ones do)."""
+    inside: Bool = np.all((low[outer] <= low[inner]) & (high[inner] <= high[outer]), axis=1)
+    return inside
+
+
+def soundly_nested(triangles: Triangles, closure: Closure, shells: Sequence[Shell]) -> bool:
+    """Say whether it is sure that no two shells meet, and that each is wound as its depth asks."""
+    if any(shell.winding_outside != shell.depth % 2 or shell.kind != WOUND[shell.depth % 2] for shell in shells):
+        return False
+    met = touching_bodies(triangles, closure.labels, np.array([shell.box for shell in shells]), first=True)
+    return met is not None and len(met) == 0
 
 
 def bodies(shells: Sequence[Shell]) -> tuple[Body, ...]:
@@ -278,30 +306,21 @@ def _containers(
     triangles: Triangles, order: list[Int], local: Callable[[Float], Float], boxes: Float, signs: Int
 ) -> list[list[int]]:
     """Return for each shell the numbers of the shells around it."""
-    pairs = _nested(boxes)
+    pairs = nested(boxes)
     pairs = pairs[signs[pairs[:, 0]] != 0]
-    nestings: set[tuple[int, int]] = set()
-    outers, starts = np.unique(pairs[:, 0], return_index=True)
-    for outer, inners in zip(outers, np.split(pairs[:, 1], starts)[1:], strict=True):
-        points = _under(triangles, [order[inner] for inner in inners], local)
-        winding, clearance = np.zeros(len(points), np.int64), np.full(len(points), np.inf)
-        for start in range(0, len(order[outer]), _CHUNK):
-            corners = local(triangles.select(order[outer][start : start + _CHUNK]).corners())
-            more, distance = windings(points, corners, 4 * _UNDER)
-            winding += more
-            np.minimum(clearance, distance, out=clearance)
-        clearest = clearance.reshape(-1, _SAMPLES).argmax(axis=1)
-        winding = winding.reshape(-1, _SAMPLES)[np.arange(len(inners)), clearest]
-        clearance = clearance.reshape(-1, _SAMPLES)[np.arange(len(inners)), clearest]
-        if len(near := np.flatnonzero(clearance < _CLEAR)):
-            corners = triangles.select(order[outer]).corners()
-            for k in near:
-                exact, decided = windings_under(
-                    triangles.select(_drawn(triangles, order[inners[k]])).corners(), corners
-                )
-                winding[k] = exact[decided][0] if decided.any() else winding[k]
-        inside = winding != 0
-        nestings.update((int(outer), int(inner)) for inner in inners[inside])
+    inside = np.zeros(len(pairs), bool)
+    shells, place = np.unique(pairs[:, 1], return_inverse=True)
+    samples = _drawn(triangles, order, shells)
+    places = _under(triangles, samples, local)
+    for which, winding, clearance in _windings_around(triangles, order, local, pairs, places[place]):
+        every, clearest = np.arange(len(winding)), clearance.argmax(axis=1)
+        around_it, clear = winding[every, clearest], clearance[every, clearest]
+        for k in np.flatnonzero(clear < _CLEAR):
+            corners = triangles.select(order[pairs[which[k], 0]]).corners()
+            exact, decided = windings_under(triangles.select(samples[place[which[k]]]).corners(), corners)
+            around_it[k] = exact[decided][0] if decided.any() else around_it[k]
+        inside[which] = around_it != 0
+    nestings = set(map(tuple, pairs[inside].tolist()))
     around: list[list[int]] = [[] for _ in order]
     for outer, inner in sorted(nestings):
         if outer < inner or (inner, outer) not in nestings:  # of two that coincide, the first contains the other
@@ -309,39 +328,70 @@ def _containers(
     return around
 
 
-def _nested(boxes: Float) -> Int:
+def nested(boxes: Float) -> Int:
     """Return the pairs (k, 2), ascending, of a box and another that it contains (equal ones do)."""
-    tree = BoxTree(boxes[:, 0], boxes[:, 1])
-    met = np.concatenate([np.column_stack([i, j]) for i, j, _ in overlapping(tree, touching=True)])
-    pairs = np.concatenate([met, met[:, ::-1]])
-    outer, inner = boxes[pairs.T]
-    contains = ((outer[:, 0] <= inner[:, 0]) & (inner[:, 1] <= outer[:, 1])).all(axis=1)
-    return np.unique(pairs[contains], axis=0)
+    low, high = np.ascontiguousarray(boxes[:, 0]), np.ascontiguousarray(boxes[:, 1])
+    pairs = [np.empty((0, 2), np.int64)]
+    for i, j, _ in overlapping(BoxTree(low, high), touching=True):
+        pairs += [np.column_stack(two)[_within(low, high, two[1], two[0])] for two in ((i, j), (j, i))]
+    return np.unique(np.concatenate(pairs), axis=0)
 
 
-def _drawn(triangles: Triangles, members: Int) -> Int:
-    """Draw `_SAMPLES` of the numbered triangles by lot, which is cast by their corners and not by their order."""
-    lots = []
+def _windings_around(
+    triangles: Triangles, order: list[Int], local: Callable[[Float], Float], pairs: Int, points: Float
+) -> Iterator[tuple[Int, Int, Float]]:
+    """Yield numbers of pairs (outer, inner), and the winding numbers of the outer one around points (k, s, 3) each.
+
+    With them comes how clear of it the points are. Shells that may hold many others are taken one by one, against all
+    points at once; the rest, side by side.
+    """
+    sizes = np.array([len(members) for members in order])
+    outers, starts, counts = np.unique(pairs[:, 0], return_index=True, return_counts=True)
+    alone = counts * sizes[outers] > _ALONE
+    for start, count in zip(starts[alone].tolist(), counts[alone].tolist(), strict=True):
+        which, members = np.arange(start, start + count), order[pairs[start, 0]]
+        inner = points[which].reshape(-1, 3)
+        winding, clearance = np.zeros(len(inner), np.int64), np.full(len(inner), np.inf)
+        for chunk in range(0, len(members), _CHUNK):
+            corners = local(triangles.select(members[chunk : chunk + _CHUNK]).corners())
+            more, distance = windings(inner, corners, 4 * _UNDER)
+            winding += more
+            np.minimum(clearance, distance, out=clearance)
+        yield which, winding.reshape(count, -1), clearance.reshape(count, -1)
+    rest = np.flatnonzero(np.repeat(~alone, counts))
+    ends = np.cumsum(sizes[pairs[rest, 0]])
+    for which in np.split(rest, np.searchsorted(ends, np.arange(_CHUNK, ends[-1], _CHUNK))) if len(rest) else ():
+        members = np.concatenate([order[outer] for outer in pairs[which, 0].tolist()])
+        owner = np.repeat(np.arange(len(which)), sizes[pairs[which, 0]])
+        yield which, *windings_each(points[which], local(triangles.select(members).corners()), owner, 4 * _UNDER)
+
+
+def _drawn(triangles: Triangles, order: list[Int], shells: Int) -> Int:
+    """Draw `_SAMPLES` triangles of each shell by lot (k, s), which is cast by their corners and not by their order."""
+    sizes = np.array([len(order[shell]) for shell in shells.tolist()], np.int64)
+    members = np.concatenate([np.empty(0, np.int64), *(order[shell] for shell in shells.tolist())])
+    lot = np.empty(len(members), np.uint64)
     for start in range(0, len(members), _CHUNK):
         corners = triangles.select(members[start : start + _CHUNK]).corners() + 0.0
-        lot = np.zeros(corners.shape[:2], np.uint64)
+        mixed = np.zeros(corners.shape[:2], np.uint64)
         for axis in range(3):
-            lot = (lot ^ corners[..., axis].view(np.uint64)) * np.uint64(0x9E3779B97F4A7C15)
-            lot ^= lot >> np.uint64(32)
-        lots.append(lot.sum(axis=1) * np.uint64(0xBF58476D1CE4E5B9))
-    lot = np.concatenate(lots)
-    few = np.arange(len(lot))
-    if len(lot) > _SAMPLES:
-        few = np.flatnonzero(lot <= np.partition(lot, _SAMPLES - 1)[_SAMPLES - 1])
-    drawn = members[few[np.argsort(lot[few], kind="stable")]]
-    return np.resize(drawn, _SAMPLES)
+            mixed = (mixed ^ corners[..., axis].view(np.uint64)) * np.uint64(0x9E3779B97F4A7C15)
+            mixed ^= mixed >> np.uint64(32)
+        lot[start : start + _CHUNK] = mixed.sum(axis=1) * np.uint64(0xBF58476D1CE4E5B9)
+    owner, ends, few = np.repeat(np.arange(len(shells)), sizes), np.cumsum(sizes), np.ones(len(lot), bool)
+    for k in np.flatnonzero(sizes > _MANY):  # so that only few need sorting
+        own = slice(ends[k] - sizes[k], ends[k])
+        few[own] = lot[own] <= np.partition(lot[own], _SAMPLES - 1)[_SAMPLES - 1]
+    members, lot, owner = members[few], lot[few], owner[few]
+    ranked, sizes = np.lexsort((lot, owner)), np.bincount(owner, minlength=len(shells))
+    turn = np.arange(_SAMPLES) % sizes[:, None]
+    return members[ranked[(np.cumsum(sizes) - sizes)[:, None] + turn]]
 
 
-def _under(triangles: Triangles, shells: list[Int], local: Callable[[Float], Float]) -> Float:
-    """Return `_SAMPLES` places for each shell, just under its surface on the side of the material."""
-    sample = np.concatenate([_drawn(triangles, members) for members in shells])
-    corners = local(triangles.select(sample).corners())
+def _under(triangles: Triangles, samples: Int, local: Callable[[Float], Float]) -> Float:
+    """Return places (k, s, 3) just under the surface at triangles (k, s), on the side of the material."""
+    corners = local(triangles.select(samples.ravel()).corners())
     normal = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
     length = np.linalg.norm(normal, axis=1, keepdims=True)
     places: Float = corners.mean(axis=1) - _UNDER * normal / np.where(length > 0, length, 1)
-    return places
+    return places.reshape(*samples.shape, 3)

@@ -39,18 +39,48 @@ def windings(points: Float, corners: Float, margin: float) -> tuple[Int, Float]:
     clearance = np.full(len(points), np.inf)
     low, high = corners.min(axis=1) - margin, corners.max(axis=1) + margin
     for triangle, point in candidates(points, low, high):
-        a, b, c = (corners[triangle] - points[point, None]).transpose(1, 2, 0)
-        turns = _turns(a, b) + _turns(b, c) + _turns(c, a)
-        normal = _cross(b - a, c - a)
-        volume = (a * normal).sum(axis=0)  # positive where the point is behind the triangle
-        above = turns * volume > 0
-        np.add.at(winding, point[above], turns[above])
-        z = points[point, 2]
-        near = (low[triangle, 2] <= z) & (z <= high[triangle, 2])
-        area = np.sqrt((normal * normal).sum(axis=0))
-        near &= area > 0
-        np.minimum.at(clearance, point[near], np.abs(volume[near]) / area[near])
+        _wind(points, corners, low, high, triangle, point, winding, clearance)
     return winding, clearance
+
+
+def windings_each(points: Float, corners: Float, owner: Int, margin: float) -> tuple[Int, Float]:
+    """Return what `windings` does, of several groups of points (k, s, 3), each among triangles of its own.
+
+    Parameters
+    ----------
+    owner : (t,), the group among whose triangles each is
+
+    Returns
+    -------
+    winding, clearance : (k, s)
+    """
+    groups, count, _ = points.shape
+    winding = np.zeros(groups * count, np.int64)
+    clearance = np.full(groups * count, np.inf)
+    low, high = corners.min(axis=1) - margin, corners.max(axis=1) + margin
+    x, y = points[owner, :, 0], points[owner, :, 1]
+    meets = (low[:, :1] <= x) & (x <= high[:, :1]) & (low[:, 1:2] <= y) & (y <= high[:, 1:2])
+    triangle, sample = np.nonzero(meets)
+    point = owner[triangle] * count + sample
+    _wind(points.reshape(-1, 3), corners, low, high, triangle, point, winding, clearance)
+    return winding.reshape(groups, count), clearance.reshape(groups, count)
+
+
+def _wind(
+    points: Float, corners: Float, low: Float, high: Float, triangle: Int, point: Int, winding: Int, clearance: Float
+) -> None:
+    """Add what triangles contribute to the winding numbers of points, pair by pair, and lessen their clearances."""
+    a, b, c = (corners[triangle] - points[point, None]).transpose(1, 2, 0)
+    turns = _turns(a, b) + _turns(b, c) + _turns(c, a)
+    normal = _cross(b - a, c - a)
+    volume = (a * normal).sum(axis=0)  # positive where the point is behind the triangle
+    above = turns * volume > 0
+    np.add.at(winding, point[above], turns[above])
+    z = points[point, 2]
+    near = (low[triangle, 2] <= z) & (z <= high[triangle, 2])
+    area = np.sqrt((normal * normal).sum(axis=0))
+    near &= area > 0
+    np.minimum.at(clearance, point[near], np.abs(volume[near]) / area[near])
 
 
 def windings_under(triangles: Float, corners: Float) -> tuple[Int, Bool]:

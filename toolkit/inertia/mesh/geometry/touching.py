@@ -1,0 +1,74 @@
+"""Which bodies of a surface come so near each other that their triangles may meet: all pairs of bodies at once."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from inertia.arrays import Bool, Float, Int
+from inertia.mesh.geometry.boxes import BoxTree, overlapping
+from inertia.mesh.geometry.intersect import CompiledTree
+from inertia.mesh.part import Triangles
+from inertia.native import Kernel
+
+_FIND = Kernel("inertia.mesh.geometry.touching_kernel", "find_touching", "pppi" + "pppp" + "ip")
+_PAIRS = 1 << 14  # pairs of triangles listed at a time
+_WORK = 16  # times what integrating a triangle costs, about, where the boxes of two bodies meet
+
+
+def touching_bodies(
+    triangles: Triangles,
+    labels: NDArray[np.integer[Any]],
+    boxes: Float,
+    *,
+    among: Bool | None = None,
+    first: bool = False,
+) -> Int | None:
+    """Return the pairs of bodies whose triangles may meet; those of other pairs are sure not to.
+
+    Parameters
+    ----------
+    labels : (n,) the body of each triangle, −1 of those in none
+    boxes : (m, 2, 3), least and greatest coordinates of the bodies, finite
+    among : (m,), the bodies whose boxes meet others; None where that is not known
+    first : whether to stop where there is one
+
+    Returns
+    -------
+    pairs : (k, 2), ascending, the lower number first; None where there is no kernel for it
+    """
+    bodies = BoxTree(boxes[:, 0], boxes[:, 1])
+    if among is None:
+        among = np.zeros(len(boxes), bool)
+        for i, j, _ in overlapping(bodies, touching=True):
+            among[i] = among[j] = True
+    within = among[labels] & (labels >= 0)
+    which = np.flatnonzero(within)
+    if len(which) == 0:
+        return np.empty((0, 2), np.int64)
+    if not _FIND.worthwhile(_WORK * len(which)):
+        return None
+    rank = np.empty(len(boxes), np.int64)
+    rank[bodies.order] = np.arange(len(boxes))
+    label = labels[which].astype(np.int64)
+    tree = CompiledTree.over(triangles if within.all() else triangles.select(which), rank[label])
+    if tree is None:
+        return None
+    label = label[tree.order]
+    axis, stack, state = np.zeros(3), np.zeros((256, 3), np.int64), np.array([1, 0])
+    stack[0, 0] = tree.levels - 1
+    pairs = np.empty((_PAIRS, 2), np.int64)
+    tables = [_address(table) for table in (tree.corners, tree.boxes, label)]
+    tables += [len(label), *(_address(table) for table in (axis, stack, tree.starts, pairs))]
+    results = [np.empty((0, 2), np.int64)]
+    while state[0] and not (first and len(results) > 1):
+        _FIND.function(*tables, _PAIRS, _address(state))
+        if state[1]:
+            results.append(np.unique(np.sort(pairs[: state[1]], axis=1), axis=0))
+    return np.unique(np.concatenate(results), axis=0)
+
+
+def _address(array: NDArray[Any]) -> int:
+    return int(array.ctypes.data)
