@@ -102,7 +102,8 @@ STYLE = """
 td code { white-space: normal; overflow-wrap: break-word; }
 dl.py dt.sig { overflow-wrap: anywhere; }
 .boldsymbol { font-weight: bold; }
-.formula { overflow-x: auto; }
+.formula { margin: 0.5em 0; padding: 0.3em 0; overflow-x: auto; }
+.sphx-glr-script-out .highlight pre { white-space: pre-wrap; }
 """
 
 
