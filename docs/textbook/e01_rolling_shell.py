@@ -44,19 +44,21 @@ tensors = np.array([shell(slices).inertia for slices in (24, 48, 96)])
 for order in (2, 4):
     tensors = (2**order * tensors[1:] - tensors[:-1]) / (2**order - 1)
 np.testing.assert_allclose(tensors[0], 2 / 3 * mass * radius**2 * np.eye(3), atol=1e-8)
-print(f"I of the shell: {tensors[0, 0, 0]:.9f} kg m², 2/3 m R² = {2 / 3 * mass * radius**2:.9f} kg m²")
+print(f"I of the shell: {tensors[0, 0, 0]:.9f} kg m²")
+print(f"2/3 m R²:       {2 / 3 * mass * radius**2:.9f} kg m²")
 
 # %%
 # **The climb.** Bodies with the same mass, centre and tensor move alike (section 13.10), so six masses at the ends of
 # three axes stand for the shell, exactly. After the impact it is a pendulum upside down, hinged at the edge.
 body = inertia.point_masses(radius * np.vstack([np.eye(3), -np.eye(3)]), [mass / 6] * 6)
-edge = np.array([np.sqrt(radius**2 - (radius - height) ** 2), 0, height - radius])  # seen from the centre
+edge = np.array([np.sqrt(radius**2 - (radius - height) ** 2), 0, height - radius])
 about_edge = body.about(edge)[1, 1]
 momentum_per_speed = mass * (radius - height) + body.inertia[1, 1] / radius
 least = np.sqrt(2 * mass * gravity * height * about_edge) / momentum_per_speed
 closed_form = np.sqrt(30 * gravity * height) * radius / (5 * radius - 3 * height)
 assert abs(least - closed_form) < 1e-14
-print(f"it gets up from v = {least:.6f} m/s; closed form {closed_form:.6f} m/s")
+print(f"it gets up from v = {least:.6f} m/s on")
+print(f"closed form:        {closed_form:.6f} m/s")
 
 
 def climb(speed):
@@ -70,8 +72,9 @@ def climb(speed):
 
 # %%
 # **To look at**: just below :math:`v_{\min}` the shell comes to rest short of the dashed line, where its centre is
-# over the edge, and rolls back; just above it creeps over. **To try**: a solid ball (:math:`\tfrac25 m R^2`), or a
-# higher step.
+# over the edge, and rolls back; just above it creeps over.
+#
+# **To try**: a solid ball (:math:`\tfrac25 m R^2`), or a higher step.
 top = np.arccos(1 - height / radius)
 fig, ax = plt.subplots(figsize=(6.4, 4))
 for share in (0.8, 0.98, 1.02, 1.2):
@@ -82,4 +85,4 @@ for share in (0.8, 0.98, 1.02, 1.2):
 ax.axhline(np.degrees(top), color="0.4", linestyle="--", label="centre over the edge")
 ax.set(xlabel="time after the impact / s", ylabel="angle turned about the edge / °", ylim=(-20, 110))
 ax.legend()
-fig.tight_layout()
+plt.show()

@@ -48,8 +48,9 @@ except inertia.UsageError as error:
 
 # %%
 # **To look at**: the line of nodes, dotted, is where the planes :math:`xy` and :math:`x'y'` meet. It is 135° from
-# :math:`x`, and as :math:`y'` lies along it, :math:`x'` is a quarter turn behind it: that is :math:`\psi`. **To
-# try**: the same attitude in the convention z-y-z, ``to_angles(attitude, "z-y-z")``.
+# :math:`x`, and as :math:`y'` lies along it, :math:`x'` is a quarter turn behind it: that is :math:`\psi`.
+#
+# **To try**: the same attitude in the convention z-y-z, ``to_angles(attitude, "z-y-z")``.
 fig = plt.figure(figsize=(6.4, 4))
 ax = fig.add_subplot(projection="3d")
 for axes, color, mark in ((np.eye(3), "0.55", ""), (cosines, "C0", "′")):
@@ -65,4 +66,4 @@ ax.set_box_aspect((1, 1, 1), zoom=1.3)
 ax.set_axis_off()
 ax.view_init(25, 20)
 ax.legend(loc="upper left")
-fig.tight_layout()
+plt.show()

@@ -55,12 +55,14 @@ closed_form = 2 * np.pi * np.sqrt(density * edge**5 / (6 * stiffness))
 runs = {place: swing(cube, wire) for place, wire in places.items()}
 for place, run in runs.items():
     assert abs(period(run) - closed_form) < 1e-9
-    print(f"by the {place}: T = {period(run):.9f} s, closed form {closed_form:.9f} s")
-print("class:", cube.principal.kind)
+    print(f"by the {place}: T = {period(run):.9f} s")
+print(f"closed form: {closed_form:.9f} s; the cube is {cube.principal.kind}")
 
 # %%
 # **To look at**: three curves of the cubes, one over the other; and below what becomes of them for a box of the same
-# mass that is no spherical top. **To try**: find a box that is not a cube and has two of the three periods equal.
+# mass that is no spherical top.
+#
+# **To try**: find a box that is not a cube and has two of the three periods equal.
 edges = np.array([0.6, 1.6, 1 / 0.96]) * edge
 fig, axs = plt.subplots(2, sharex=True, figsize=(6.4, 4.6))
 for k, (place, wire) in enumerate(places.items()):
@@ -68,7 +70,7 @@ for k, (place, wire) in enumerate(places.items()):
     axs[0].plot(runs[place].time, np.degrees(runs[place].quantities["angle"]), **style)
     run = swing(box(*edges), edges * wire)
     axs[1].plot(run.time, np.degrees(run.quantities["angle"]), **style | {"linewidth": 2})
-axs[0].set(title="cube", ylabel="twist / °", ylim=(-17, 17))
+axs[0].set(title="cube", ylabel="twist / °", ylim=(-32, 17))
 axs[1].set(title="box of the same mass, 0.6 : 1.6 : 1.04", ylabel="twist / °", xlabel="time / s", ylim=(-22, 22))
-fig.legend(*axs[0].get_legend_handles_labels(), ncols=3, fontsize="small", loc="upper center")
-fig.tight_layout(rect=(0, 0, 1, 0.94))
+axs[0].legend(ncols=3, fontsize="small", loc="lower left")
+plt.show()

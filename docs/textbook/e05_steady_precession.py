@@ -38,11 +38,12 @@ def top(spin):
 least = top(1.0).least_p_psi(theta) / I3
 closed_form = np.sqrt(4 * mgh * I1 * np.cos(theta)) / I3
 assert abs(least - closed_form) < 1e-14
-print(f"least ω3 = {least:.9f} rad/s, closed form {closed_form:.9f} rad/s")
+print(f"least ω₃:    {least:.9f} rad/s")
+print(f"closed form: {closed_form:.9f} rad/s")
 try:
     top(0.99 * least).steady_precession(theta)
 except inertia.GeometryError as error:
-    print("at 1 % less:", error)
+    print("at 1 % less:", *str(error).split(": "), sep="\n  ")
 
 # %%
 # Started at either rate, the top keeps its tilt: ω is that of φ̇ = Ω, θ̇ = 0 and the ψ̇ that goes with it.
@@ -64,11 +65,14 @@ rate = np.sqrt(mgh / ((I1 - I3) * np.cos(theta)))  # where it is reached
 spin = least_own + rate * np.cos(theta)
 np.testing.assert_allclose(np.min(np.abs(np.array(top(spin).steady_precession(theta)) - rate)), 0, atol=1e-12)
 assert own.min() >= least_own
-print(f"least ψ̇ = {least_own:.9f} rad/s, at Ω = {rate:.6f} rad/s and ω3 = {spin:.6f} rad/s")
+print(f"least ψ':    {least_own:.9f} rad/s,")
+print(f"at Ω = {rate:.6f} rad/s and ω₃ = {spin:.6f} rad/s")
 
 # %%
 # **To look at**: slow and fast precession meet where :math:`\omega_3` is least. Plotted against :math:`\dot\psi` the
-# same states turn back further to the left. **To try**: :math:`I_3 > I_1`, or a top that hangs (:math:`m g h < 0`).
+# same states turn back further to the left.
+#
+# **To try**: :math:`I_3 > I_1`, or a top that hangs (:math:`m g h < 0`).
 fig, ax = plt.subplots(figsize=(6.4, 4))
 for k, (values, name) in enumerate(((np.stack([spins, spins], axis=1), r"\omega_3"), (own, r"\dot\psi"))):
     ax.plot(values[:, 0], rates[:, 0], f"C{k}", label=f"against ${name}$, slow")
@@ -76,4 +80,4 @@ for k, (values, name) in enumerate(((np.stack([spins, spins], axis=1), r"\omega_
 ax.plot([closed_form, least_own], [closed_form * I3 / (2 * I1 * np.cos(theta)), rate], "ko", label="least, closed form")
 ax.set(xlabel="spin / (rad/s)", ylabel=r"precession $\Omega$ / (rad/s)", xlim=(0, 7.4), ylim=(0, 7))
 ax.legend(fontsize="small", loc="upper left")
-fig.tight_layout()
+plt.show()

@@ -49,7 +49,8 @@ closed_form = transverse * carried * np.sin(beta) * (2 * spin + carried * np.cos
 np.testing.assert_allclose(np.linalg.norm(torque, axis=1), closed_form, rtol=1e-13)
 nodes = np.stack([np.cos(carried * time), np.sin(carried * time), 0 * time], axis=1)  # along z × n
 np.testing.assert_allclose(torque, closed_form * nodes, atol=1e-12)
-print(f"torque {np.linalg.norm(torque[0]):.9f} N m, closed form {closed_form:.9f} N m")
+print(f"torque:      {np.linalg.norm(torque[0]):.9f} N m")
+print(f"closed form: {closed_form:.9f} N m")
 
 # %%
 # Put to the proof: a free disc under this torque, as a function of time, goes round as it was meant to.
@@ -69,12 +70,14 @@ scene = inertia.Scene(
 )
 run = inertia.simulate(scene)
 assert inertia.quaternion.angle_between(run.attitude, attitude).max() < run.error.reached + 1e-13
-print(f"under it the disc keeps to the motion; attitude to {run.error.reached:.1g} rad")
+print("under it the disc keeps to the motion,")
+print(f"its attitude to {run.error.reached:.1g} rad")
 
 # %%
-# **To look at**: the tip of the axis, left to itself under this torque, goes round at one height. **To try**: an
-# angle at which no torque is needed; with :math:`\omega_A = -\tfrac12\omega_B\cos\beta` there is one for every
-# :math:`\beta`.
+# **To look at**: the tip of the axis, left to itself under this torque, goes round at one height.
+#
+# **To try**: an angle at which no torque is needed; with :math:`\omega_A = -\tfrac12\omega_B\cos\beta` there is one
+# for every :math:`\beta`.
 tip = inertia.quaternion.to_space(run.attitude, [0, 0, 1])
 fig, ax = plt.subplots(figsize=(6.4, 4))
 for k, name in enumerate(("x", "y", "z")):
@@ -82,4 +85,4 @@ for k, name in enumerate(("x", "y", "z")):
 ax.plot(time, np.sin(beta) * np.sin(carried * time), "k:", label=r"$\sin\beta\,\sin\omega_B t$")
 ax.set(xlabel="time / s", ylabel="component of the disc's axis", ylim=(-1.1, 1.6))
 ax.legend(ncols=2)
-fig.tight_layout()
+plt.show()

@@ -61,12 +61,13 @@ print("closed form ", *(f"{moment:.6f}" for moment in closed_form), "kg m²")
 # From the moments back to the semi-axes: ``equivalent_ellipsoid`` of any body.
 body = inertia.MassProperties(mass, 0.0, [0, 0, 0], np.diag(closed_form * mass / (4 / 3 * np.pi * a * b * c * density)))
 np.testing.assert_allclose(body.equivalent_ellipsoid, semi_axes, rtol=1e-13)
-print("semi-axes of the equivalent ellipsoid:", body.equivalent_ellipsoid.round(12), "m")
+print("semi-axes: ", body.equivalent_ellipsoid.round(12), "m")
 
 # %%
 # **To look at**: from a lens to a ball to a cigar. Where the curves cross the body is a spherical top; left of it an
-# oblate, right of it a prolate one. **To try**: three different semi-axes; about which one is the intermediate
-# moment?
+# oblate, right of it a prolate one.
+#
+# **To try**: three different semi-axes; about which one is the intermediate moment?
 lengths = np.linspace(0.05, 0.4, 8)
 dots = np.array([ellipsoid([0.2, 0.2, length], density) for length in lengths])
 per_mass = dots[:, [1, 3]] / dots[:, :1]
@@ -79,4 +80,4 @@ for k, (name, curve) in enumerate((("$I_1 = I_2$", (0.2**2 + fine**2) / 5), ("$I
     ax.plot(lengths, per_mass[:, k], "o", color=f"C{k}", label=f"{name}, meshes")
 ax.set(xlabel="semi-axis c / m, with a = b = 0.2 m", ylabel="moment over mass / m²")
 ax.legend()
-fig.tight_layout()
+plt.show()

@@ -47,14 +47,17 @@ hollow = ball(outer, 0.0) - ball(inner, 0.04)
 centre, along, across = closed_form(0.04)
 np.testing.assert_allclose(hollow.center_of_mass, [centre, 0, 0], rtol=1e-14)
 np.testing.assert_allclose(hollow.inertia, np.diag([along, across, across]), rtol=1e-14)
-print(f"centre of mass {hollow.center_of_mass[0] * 1e3:.6f} mm, closed form {centre * 1e3:.6f} mm")
-print("moments", hollow.principal_moments, "kg m²:", hollow.principal.kind)
-print(f"closed form: {along:.9f} kg m² along the line of centres, {across:.9f} kg m² across it")
+print(f"centre of mass: {hollow.center_of_mass[0] * 1e3:.6f} mm")
+print(f"closed form:    {centre * 1e3:.6f} mm")
+print("moments:", hollow.principal_moments, "kg m²,", hollow.principal.kind)
+print(f"along:  {along:.8f} kg m², closed form")
+print(f"across: {across:.8f} kg m², closed form")
 
 # %%
 # **To look at**: the hole touches the surface at :math:`\epsilon = R - r`. The moment along the line does not care
-# where it is, the other two fall with the square of the offset; the dots are the toolkit's. **To try**: fill the hole
-# with lead.
+# where it is, the other two fall with the square of the offset; the dots are the toolkit's.
+#
+# **To try**: fill the hole with lead.
 fig, (left, right) = plt.subplots(1, 2, figsize=(6.4, 3.4), width_ratios=(1, 1.3))
 left.add_patch(plt.Circle((0, 0), 1e3 * outer, color="C0", alpha=0.35))
 left.add_patch(plt.Circle((40, 0), 1e3 * inner, color="white"))
@@ -64,12 +67,12 @@ left.set(aspect="equal", xlim=(-115, 115), ylim=(-115, 175), xlabel="x / mm", yl
 left.legend(fontsize="small", loc="upper center")
 offsets = np.linspace(0, outer - inner, 51)
 _, along, across = closed_form(offsets)
-right.plot(1e3 * offsets, 0 * offsets + 1e3 * along, label=r"$I_\parallel$")
-right.plot(1e3 * offsets, 1e3 * across, label=r"$I_\perp$")
+right.plot(1e3 * offsets, 0 * offsets + 1e3 * along, label="along the line of centres")
+right.plot(1e3 * offsets, 1e3 * across, label="across it")
 for offset in offsets[5::10]:
     result = ball(outer, 0.0) - ball(inner, offset)
     np.testing.assert_allclose(np.diag(result.inertia)[:2], closed_form(offset)[1:], rtol=1e-14)
     right.plot([1e3 * offset] * 2, 1e3 * np.diag(result.inertia)[:2], "k.")
 right.set(xlabel=r"offset $\epsilon$ / mm", ylabel="moment / g m²")
 right.legend()
-fig.tight_layout()
+plt.show()

@@ -22,26 +22,27 @@ low, half = -side / (2 * np.sqrt(3)), side / 2
 corners = np.array([[0, 0, side / np.sqrt(3)], [0, half, low], [0, -half, low]])
 
 # %%
-# (a) As it stands. The moments of axes 1 and 2 are equal, and ``equal`` says so: any two axes in the plane will do.
+# **(a)** As it stands. The moments of axes 1 and 2 are equal, and ``equal`` says so: any two axes in the plane will do.
 triangle = inertia.point_masses(corners, [mass] * 3)
 np.testing.assert_allclose(triangle.inertia, mass * side**2 * np.diag([1, 0.5, 0.5]), atol=1e-14)
-print("moments", triangle.principal_moments, "kg m², m L² =", mass * side**2, "kg m²;", triangle.principal.kind)
-print("equal:", triangle.principal.equal)
+print("moments:", triangle.principal_moments, "kg m²,", triangle.principal.kind)
+print("m L²:", mass * side**2, "kg m²; equal:", triangle.principal.equal)
 
 # %%
-# (b) Turned by 45°: from the places of the masses, and by turning the body as a whole.
+# **(b)** Turned by 45°: from the places of the masses, and by turning the body as a whole.
 part = half / np.sqrt(2)
 turned = inertia.point_masses([corners[0], [-part, part, low], [part, -part, low]], [mass] * 3)
 np.testing.assert_allclose(turned.principal_moments, mass * side**2 * np.array([0.5, 0.5, 1]), rtol=1e-14)
 np.testing.assert_allclose(turned.principal_axes[:, 2], np.array([1, 1, 0]) / np.sqrt(2), atol=1e-14)
 turn = inertia.quaternion.matrix(inertia.quaternion.from_rotation_vector([0, 0, np.pi / 4]))
 np.testing.assert_allclose(inertia.reexpress(triangle.inertia, turn.T), turned.inertia, atol=1e-14)
-print("axis of the largest moment, turned:", turned.principal_axes[:, 2])
+print("axis 3, turned:", turned.principal_axes[:, 2])
 
 # %%
 # **To look at**: the moment about a horizontal axis as its direction goes round :math:`z`, by its distance from the
-# middle; turning the triangle turns the curve and changes nothing else. **To try**: four masses on a square, or
-# unequal masses.
+# middle; turning the triangle turns the curve and changes nothing else.
+#
+# **To try**: four masses on a square, or unequal masses.
 azimuth = np.linspace(0, 2 * np.pi, 181)
 axes = np.stack([np.cos(azimuth), np.sin(azimuth), 0 * azimuth], axis=1)
 fig, ax = plt.subplots(figsize=(6.4, 4.2), subplot_kw={"projection": "polar"})
@@ -55,4 +56,4 @@ ax.set_rlim(0, 13)
 ax.set_rlabel_position(112)
 ax.set_xlabel("direction of the axis; moment / kg m² outwards")
 ax.legend(loc="upper left", bbox_to_anchor=(1.05, 1.05), fontsize="small")
-fig.tight_layout()
+plt.show()

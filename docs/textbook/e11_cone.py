@@ -44,19 +44,23 @@ assert abs(mass / (np.pi * radius**2 * height * density / 3) - 1) < 1e-7
 np.testing.assert_allclose(moments, [i1, i1, i3], rtol=1e-7)
 centre = pyramid(24).center_of_mass
 np.testing.assert_allclose(centre, [0, 0, 0.75 * height], atol=1e-15)
-print(f"centre of mass {centre[2]:.9f} m from the apex, closed form {0.75 * height:.9f} m")
+print(f"centre of mass: {centre[2]:.9f} m from the apex")
+print(f"closed form:    {0.75 * height:.9f} m")
 
 # %%
 # About the apex: ``steiner`` from the centre of mass.
 about_apex = inertia.steiner(np.diag(moments), mass, centre, about=centre, to=[0, 0, 0])
 closed_form = 3 / 5 * mass * (height**2 + radius**2 / 4)
 np.testing.assert_allclose(about_apex, np.diag([closed_form, closed_form, i3]), rtol=1e-7, atol=1e-12)
-print(f"about the centre of mass I₁ = {moments[0]:.9f} kg m², closed form {i1:.9f} kg m²")
-print(f"about the apex           I₁ = {about_apex[0, 0]:.9f} kg m², closed form {closed_form:.9f} kg m²")
+print(f"I₁ about the centre of mass: {moments[0]:.9f} kg m²")
+print(f"closed form:                 {i1:.9f} kg m²")
+print(f"I₁ about the apex:           {about_apex[0, 0]:.9f} kg m²")
+print(f"closed form:                 {closed_form:.9f} kg m²")
 
 # %%
 # **To look at**: the transverse moment is least about the centre of mass, and grows by the square of the distance
 # from it. Where it meets the dotted line all three moments are equal: held there, the cone is a ball to any torque.
+#
 # **To try**: the cone for which that is the centre of mass itself, :math:`R = \tfrac12 h`.
 place = np.linspace(-0.02, 1.1 * height, 60)
 across = [inertia.steiner(np.diag(moments), mass, centre, about=centre, to=[0, 0, z])[0, 0] for z in place]
@@ -68,4 +72,4 @@ ax.plot(0, 1e3 * closed_form, "o", color="C1", label="apex, closed form")
 ax.plot(750 * height, 1e3 * i1, "s", color="C1", label="centre of mass, closed form")
 ax.set(xlabel="distance of the point from the apex / mm", ylabel="moment / g m²", ylim=(0, None))
 ax.legend()
-fig.tight_layout()
+plt.show()

@@ -22,27 +22,30 @@ import inertia
 mass, a = 2.0, 0.5
 
 # %%
-# (a) The tensor.
+# **(a)** The tensor.
 cross = inertia.point_masses([[a, 0, 0], [-a, 0, 0], [0, 2 * a, 0], [0, -2 * a, 0]], [mass] * 4)
 np.testing.assert_allclose(cross.inertia, mass * a**2 * np.diag([8, 2, 10]), atol=1e-15)
 print(cross.inertia)
 
 # %%
-# (b) The moment about an axis is :math:`\hat n\cdot\mathbf{I}\cdot\hat n`. (c) The angle from
+# **(b)** The moment about an axis is :math:`\hat n\cdot\mathbf{I}\cdot\hat n`. (c) The angle from
 # :math:`\boldsymbol\omega` to :math:`\mathbf{L}`: the toolkit takes ω along the principal axes.
 n = np.ones(3) / np.sqrt(3)
 about = n @ cross.inertia @ n
 angle = inertia.momentum_angle(cross.principal_moments, cross.principal_axes.T @ n)
 assert abs(about - 20 / 3 * mass * a**2) < 1e-14
 assert abs(angle - np.arccos(20 / np.sqrt(3 * 168))) < 1e-14
-print(f"moment about n: {about:.9f} kg m², closed form {20 / 3 * mass * a**2:.9f} kg m²")
-print(f"L is {np.degrees(angle):.6f}° off n, closed form {np.degrees(np.arccos(20 / np.sqrt(504))):.6f}°")
+print(f"moment about n: {about:.9f} kg m²")
+print(f"closed form:    {20 / 3 * mass * a**2:.9f} kg m²")
+print(f"L is off n by   {np.degrees(angle):.9f}°")
+print(f"closed form:    {np.degrees(np.arccos(20 / np.sqrt(504))):.9f}°")
 
 # %%
 # **To look at**: as the axis goes from :math:`z` down to the direction half-way between :math:`x` and :math:`y`, the
 # moment falls from 10 to 5 units. :math:`\mathbf{L}` is along the axis only at :math:`z`, a principal axis: half-way
-# between two principal axes with different moments it never is. **To try**: go from :math:`z` down to :math:`x`
-# instead.
+# between two principal axes with different moments it never is.
+#
+# **To try**: go from :math:`z` down to :math:`x` instead.
 polar = np.linspace(0, np.pi / 2, 91)
 axes = np.stack([np.sin(polar) / np.sqrt(2), np.sin(polar) / np.sqrt(2), np.cos(polar)], axis=1)
 moments = np.einsum("ni,ij,nj->n", axes, cross.inertia, axes)
@@ -58,6 +61,8 @@ right = ax.twinx()
 right.plot(np.degrees(polar), np.degrees(angles), "--", color="C1")
 right.plot(at_n, np.degrees(np.arccos(20 / np.sqrt(504))), "o", color="C1")
 right.set_ylim(0, 60)
+right.grid(visible=False)
+right.spines["right"].set_visible(True)
 right.set_ylabel("angle from the axis to L / °", color="C1")
 ax.annotate("n", (at_n, 20 / 3), xytext=(6, 6), textcoords="offset points")
-fig.tight_layout()
+plt.show()

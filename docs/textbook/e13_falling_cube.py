@@ -62,8 +62,9 @@ print(f"on ice: A = {ice[-1] / unit:.12f}, closed form 2.4")
 
 # %%
 # **To look at**: held, a good part of the cube's energy carries its centre sideways; on ice it turns faster
-# throughout. The dots are the run. **To try**: would it lift off the edge? The run's ``quantities["reaction force"]``
-# says.
+# throughout. The dots are the run.
+#
+# **To try**: would it lift off the edge? The run's ``quantities["reaction force"]`` says.
 falling = (run.time > 0) & (run.time < impact)
 angle, squares = run.quantities["angle"][falling], run.angular_velocity[falling, 0] ** 2 - nudge**2
 fig, ax = plt.subplots(figsize=(6.4, 4))
@@ -73,4 +74,4 @@ ax.plot(np.degrees(tilt), ice * edge / gravity, "--", color="C1", label="on ice"
 ax.plot([45, 45], np.array([1.5, 2.4]) * (np.sqrt(2) - 1), "o", color="C2", label="at the floor, A = 3/2 and 12/5")
 ax.set(xlabel="tilt / °", ylabel=r"$\omega^2\, l / g$")
 ax.legend()
-fig.tight_layout()
+plt.show()

@@ -39,13 +39,16 @@ np.testing.assert_allclose(phi, closed_form * run.time, atol=1e-12)
 np.testing.assert_allclose(tilt, theta, atol=1e-13)
 momentum = np.linalg.norm(run.angular_momentum[0])
 np.testing.assert_allclose(run.angular_momentum, np.tile([0, 0, momentum], (len(run.time), 1)), atol=1e-13)
-print(f"φ̇ = {phi[-1] / run.time[-1]:.12f} rad/s of the run, L/I₁ = {momentum / I1:.12f} rad/s")
-print(f"closed form: {closed_form:.12f} rad/s")
+print(f"φ' of the run: {phi[-1] / run.time[-1]:.12f} rad/s")
+print(f"L/I₁:          {momentum / I1:.12f} rad/s")
+print(f"closed form:   {closed_form:.12f} rad/s")
 
 # %%
 # **To look at**: a ball (:math:`I_3 = I_1`) has no axis of its own, and everything goes round at :math:`\omega`.
-# Across the axis (90°) every body does. The dot is the run above. **To try**: a rod, :math:`I_3 \to 0`, and the sense
-# in which :math:`\boldsymbol\omega` goes round in the body, ``cones.body_precession``.
+# Across the axis (90°) every body does. The dot is the run above.
+#
+# **To try**: a rod, :math:`I_3 \to 0`, and the sense in which :math:`\boldsymbol\omega` goes round in the body,
+# ``cones.body_precession``.
 angles = np.linspace(0, np.pi / 2, 91)
 directions = np.stack([0 * angles, np.sin(angles), np.cos(angles)], axis=1)
 fig, ax = plt.subplots(figsize=(6.4, 4))
@@ -56,4 +59,4 @@ for k, ratio in enumerate((2.0, 1.5, 1.0, 0.75, 0.25)):
 ax.plot(45, phi[-1] / run.time[-1] / omega, "ko", label="the run")
 ax.set(xlabel=r"angle $\alpha$ from axis 3 to ω / °", ylabel=r"$\dot\phi\,/\,\omega$", ylim=(0, 2.1))
 ax.legend(ncols=2)
-fig.tight_layout()
+plt.show()

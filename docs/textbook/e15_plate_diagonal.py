@@ -46,12 +46,15 @@ np.testing.assert_allclose(torque, closed_form(2.0), rtol=1e-13)
 np.testing.assert_allclose(run.quantities["reaction force"], 0, atol=1e-12)
 normal = inertia.quaternion.to_space(run.attitude, [0, 0, 1])
 np.testing.assert_allclose(np.abs(np.sum(run.quantities["reaction torque"] * normal, axis=1)), torque, rtol=1e-13)
-print(f"2 m × 1 m: torque {torque[0]:.9f} N m along the normal, closed form {closed_form(2.0):.9f} N m")
-print(f"a square: {np.linalg.norm(turned(1.0).quantities['reaction torque'], axis=1).max():.1e} N m")
+print(f"2 m × 1 m:   {torque[0]:.9f} N m along the normal")
+print(f"closed form: {closed_form(2.0):.9f} N m")
+print(f"a square:    {np.linalg.norm(turned(1.0).quantities['reaction torque'], axis=1).max():.1e} N m")
 
 # %%
 # **To look at**: plates of one mass per area and one width. The torque vanishes for the square, and at both sides of
-# it changes its sense, which the magnitude does not show. **To try**: the same for one mass; is there a worst plate?
+# it changes its sense, which the magnitude does not show.
+#
+# **To try**: the same for one mass; is there a worst plate?
 lengths = np.linspace(0.25, 2.0, 8)
 dots = [np.linalg.norm(turned(length).quantities["reaction torque"][0]) for length in lengths]
 np.testing.assert_allclose(dots, [closed_form(length) for length in lengths], rtol=1e-12, atol=1e-13)
@@ -61,4 +64,4 @@ ax.plot(fine, [closed_form(length) for length in fine], label="closed form")
 ax.plot(lengths, dots, "o", color="C1", label="runs")
 ax.set(xlabel="length a / m, with b = 1 m", ylabel="torque / N m")
 ax.legend()
-fig.tight_layout()
+plt.show()
