@@ -35,8 +35,8 @@ closed_form = unit * np.array([[c * c, 0, -s * c], [0, 1, 0], [-s * c, 0, s * s]
 np.testing.assert_allclose(dumbbell.inertia, closed_form, atol=1e-15)
 
 # %%
-# **(b)** The angular momentum :math:`\mathbf{I}\cdot\boldsymbol\omega` is at rest in the body; an attitude turns it into
-# space. (c) The same from :math:`\sum \mathbf{r}\times\mathbf{p}` of both ends.
+# **(b)** The angular momentum :math:`\mathbf{I}\cdot\boldsymbol\omega` is at rest in the body; an attitude turns it
+# into space. **(c)** The same from :math:`\sum \mathbf{r}\times\mathbf{p}` of both ends.
 spin = np.array([0, 0, omega])
 time = np.linspace(0, 2 * np.pi / omega, 121)
 attitude = inertia.quaternion.from_rotation_vector(time[:, None] * spin)
@@ -47,7 +47,7 @@ place = half * (s * turn + c * np.array([0, 0, 1]))
 np.testing.assert_allclose(2 * mass * np.cross(place, np.cross(spin, place)), momentum, atol=1e-13)
 
 # %%
-# **(d)** What the axle has to do to keep the body turning like this, in space. (e) The energy.
+# **(d)** What the axle has to do to keep the body turning like this, in space. **(e)** The energy.
 torque = inertia.quaternion.to_space(attitude, inertia.inverse_dynamics(dumbbell.inertia, spin, [0, 0, 0]))
 across = np.stack([np.sin(omega * time), -np.cos(omega * time), 0 * time], axis=1)
 np.testing.assert_allclose(torque, unit * omega**2 * s * c * across, atol=1e-12)

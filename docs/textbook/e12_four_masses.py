@@ -28,7 +28,7 @@ np.testing.assert_allclose(cross.inertia, mass * a**2 * np.diag([8, 2, 10]), ato
 print(cross.inertia)
 
 # %%
-# **(b)** The moment about an axis is :math:`\hat n\cdot\mathbf{I}\cdot\hat n`. (c) The angle from
+# **(b)** The moment about an axis is :math:`\hat n\cdot\mathbf{I}\cdot\hat n`. **(c)** The angle from
 # :math:`\boldsymbol\omega` to :math:`\mathbf{L}`: the toolkit takes ω along the principal axes.
 n = np.ones(3) / np.sqrt(3)
 about = n @ cross.inertia @ n
