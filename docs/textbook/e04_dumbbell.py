@@ -9,9 +9,10 @@ torque on the axle and the energy?
 With :math:`z` along the axle and the rod in the :math:`xz` plane of the body (at :math:`t = 0` that of space as well)
 
 .. math:: \mathbf{I} = 2 M A^2 \begin{pmatrix} \cos^2\theta & 0 & -\sin\theta\cos\theta \\ 0 & 1 & 0 \\
-   -\sin\theta\cos\theta & 0 & \sin^2\theta \end{pmatrix}, \qquad
-   \mathbf{L} = 2 M A^2 \omega \sin\theta \begin{pmatrix} -\cos\theta\cos\omega t \\ -\cos\theta\sin\omega t \\
-   \sin\theta \end{pmatrix} .
+   -\sin\theta\cos\theta & 0 & \sin^2\theta \end{pmatrix},
+
+.. math:: \mathbf{L} = 2 M A^2 \omega \sin\theta \begin{pmatrix} -\cos\theta\cos\omega t \\ -\cos\theta\sin\omega t
+   \\ \sin\theta \end{pmatrix} .
 
 :math:`\mathbf{L}` goes round with the rod, and that takes the torque
 :math:`\dot{\mathbf{L}} = \boldsymbol\omega\times \mathbf{L}`, of magnitude

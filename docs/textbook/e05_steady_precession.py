@@ -9,8 +9,9 @@ that allows this?
 At the steady rate :math:`\Omega` the axis turns so that :math:`\dot{\mathbf{L}} = \Omega\hat z\times\mathbf{L}` is
 the torque of gravity, :math:`m g h\sin\theta` (section 13.23):
 
-.. math:: I_1 \cos\theta\; \Omega^2 - I_3 \omega_3\, \Omega + m g h = 0, \qquad
-   \omega_3 = \dot\psi + \Omega\cos\theta .
+.. math:: I_1 \cos\theta\; \Omega^2 - I_3 \omega_3\, \Omega + m g h = 0,
+
+.. math:: \omega_3 = \dot\psi + \Omega\cos\theta .
 
 Its roots, the slow and the fast precession, are real from :math:`(I_3 \omega_3)^2 = 4 m g h\, I_1 \cos\theta` on.
 Here :math:`\omega_3` is the whole of :math:`\boldsymbol\omega` along the axis. If the spin is meant as seen from the

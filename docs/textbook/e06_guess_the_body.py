@@ -14,8 +14,10 @@ The eigenvalues are 0, :math:`I`, :math:`I`: all mass lies on the line :math:`(1
 About :math:`(\hat x - \hat y)/\sqrt2`, across the rod, :math:`\mathbf{L} = I\boldsymbol\omega` and the energy is
 :math:`\tfrac12 I\omega^2`: nothing has to hold it. About :math:`(\hat x + \hat z)/\sqrt2`
 
-.. math:: \mathbf{L} = \frac{I \omega}{\sqrt2} \begin{pmatrix} \tfrac12 \\ -\tfrac12 \\ 1 \end{pmatrix}, \qquad
-   \mathbf{N} = \boldsymbol\omega\times\mathbf{L} = \frac{I \omega^2}{4} \begin{pmatrix} 1 \\ -1 \\ -1 \end{pmatrix},
+.. math:: \mathbf{L} = \frac{I \omega}{\sqrt2} \begin{pmatrix} \tfrac12 \\ -\tfrac12 \\ 1 \end{pmatrix},
+
+.. math:: \mathbf{N} = \boldsymbol\omega\times\mathbf{L} = \frac{I \omega^2}{4} \begin{pmatrix} 1 \\ -1 \\ -1
+   \end{pmatrix},
 
 :math:`\mathbf{L}` is 30° off :math:`\boldsymbol\omega`, and the body turns about this axis only if it is made to.
 """

@@ -11,8 +11,9 @@ they go round with :math:`\omega_B` and not with the spin, which the symmetry of
 :math:`I_1 = \tfrac12 m r^2`, :math:`I_2 = I_3 = \tfrac14 m r^2`,
 
 .. math:: \boldsymbol\omega = \begin{pmatrix} \omega_A + \omega_B\cos\beta \\ \omega_B\sin\beta \\ 0 \end{pmatrix},
-   \qquad \mathbf{L} = \tfrac14 m r^2
-   \begin{pmatrix} 2\omega_A + 2\omega_B\cos\beta \\ \omega_B\sin\beta \\ 0 \end{pmatrix},
+
+.. math:: \mathbf{L} = \tfrac14 m r^2 \begin{pmatrix} 2\omega_A + 2\omega_B\cos\beta \\ \omega_B\sin\beta \\ 0
+   \end{pmatrix},
 
 and :math:`\mathbf{N} = \omega_B\hat z\times\mathbf{L}` lies along :math:`\hat z\times\hat n` with the magnitude
 

@@ -10,8 +10,9 @@ With :math:`\mathbf{L}` along :math:`z` the axis keeps its angle :math:`\theta` 
 :math:`\boldsymbol\omega` across the axis is :math:`\dot\phi\sin\theta`, that of :math:`\mathbf{L}` is :math:`I_1`
 times as much, and :math:`L \sin\theta` as well. So (section 13.20)
 
-.. math:: \dot\phi = \frac{L}{I_1} = \omega \sqrt{\sin^2\alpha + \left(\frac{I_3}{I_1}\right)^2 \cos^2\alpha}, \qquad
-   \tan\theta = \frac{I_1}{I_3} \tan\alpha .
+.. math:: \dot\phi = \frac{L}{I_1} = \omega \sqrt{\sin^2\alpha + \left(\frac{I_3}{I_1}\right)^2 \cos^2\alpha},
+
+.. math:: \tan\theta = \frac{I_1}{I_3} \tan\alpha .
 
 Feynman's plate is the case :math:`I_3 = 2 I_1`, :math:`\alpha \to 0`: it wobbles twice as fast as it spins.
 """
