@@ -40,7 +40,8 @@ def main() -> None:
     parser.add_argument("--orders", choices=ORDERS, nargs="+", default=list(ORDERS), help="of the triangles of files")
     parser.add_argument("--programs", nargs="+", default=[""], metavar="NAME", help="beginnings of names of programs")
     parser.add_argument("--rounds", type=int, default=ROUNDS, metavar="N", help="runs of each program on a file")
-    parser.add_argument("--more", action="store_true", help="keep the stored runs of files beside the new ones")
+    parser.add_argument("--more", action="store_true", help="keep the stored runs beside the new ones")
+    parser.add_argument("--busy", action="store_true", help="other programs run meanwhile: the page says so of files")
     parser.add_argument("--draw", action="store_true", help="measure nothing: write the page from the stored figures")
     parser.add_argument("--into", type=Path, default=ROOT / "docs", help="the folder to write to (docs)")
     options = parser.parse_args()
@@ -83,6 +84,7 @@ def measure(document: dict[str, Any], options: argparse.Namespace, environment: 
             document[part] = json.loads(
                 python_module(f"tests.benchmarks.{part}", "--json", env=environment | ONE_THREAD)
             )
+            yield
     if "files" in options.part:
         with tempfile.TemporaryDirectory() as folder:  # compiles what is not yet in the cache
             warm_up(stl_file(Path(folder), COMPILE_ABOVE), environment)
@@ -96,7 +98,9 @@ def _kernel(stored: dict[str, Any], count: int, options: argparse.Namespace, env
     _say(f"kernel, {count:,} triangles")
     printed = python_module("tests.benchmarks.kernel", count, *options.programs, env=environment | ONE_THREAD)
     row = json.loads(printed)
-    stored.setdefault(str(count), row)["ns"] |= row["ns"]
+    ns = stored.setdefault(str(count), {"triangles": row["triangles"], "ns": {}})["ns"]
+    for name, runs in row["ns"].items():
+        ns[name] = [*ns.get(name, []), *runs] if options.more else runs
 
 
 def _file(
@@ -111,6 +115,8 @@ def _file(
     new = whole(path, count, environment, lambda line: _say(f"{label}, {line}"), wanted, options.rounds)
     old = stored.setdefault(label, new)["programs"]
     for name, row in new["programs"].items():
+        if options.busy and isinstance(row, dict):
+            row["busy"] = True
         if options.more and old is not new["programs"] and isinstance(old.get(name), dict) and isinstance(row, dict):
             for key in ("cpu", "wall", "peak"):
                 row[key] = old[name][key] + row[key]

@@ -91,7 +91,7 @@ The file is in the page cache. libigl welds the vertices and looks for a boundar
 trimesh welds and must call the mesh a volume; MuJoCo does not check closedness and refuses files of more than 200 000
 triangles.
 
-CPU time, user and system, in seconds:
+CPU time, user and system, in seconds (†: while other programs ran):
 
 {cpu}
 
@@ -218,11 +218,14 @@ def _files(files: dict[str, Any], what: str, show: Callable[[float], str], *, of
             if isinstance(row, str):
                 cells.append(row)
                 continue
+            if what == "wall" and row.get("busy"):
+                cells.append("–")
+                continue
             best = min(row[what])
             ours = file["programs"].get(names[0])
             unit = file["file_mb"] if of_file else min(ours[what]) if ours else None
             ratio = "" if unit is None or (name == names[0] and not of_file) else f" ({_ratio(best / unit)})"
-            cells.append(f"{show(best)}{ratio}")
+            cells.append(f"{show(best)}{ratio}{' †' if row.get('busy') else ''}")
         rows.append([f"{label}, {file['file_mb']:.0f} MB", *cells])
     return _table(["", *names], rows)
 
