@@ -27,17 +27,57 @@ SHOWN: dict[str, Callable[[], Any]] = {
 }
 
 
+CORNERS = np.vstack([np.zeros(3), np.eye(3)])
+FACES = [[0, 2, 1], [0, 1, 3], [1, 2, 3], [0, 3, 2]]
+TABLES: dict[str, tuple[Callable[[], Any], str]] = {
+    "Report": (
+        lambda: inertia.check(inertia.read(path("broken/missing_face.stl"))),
+        "Verdict not fit for integration: 1 fault",
+    ),
+    "Repaired": (lambda: inertia.repair(inertia.read(path("broken/missing_face.stl"))), "Changed holes filled: 1"),
+    "Union": (lambda: inertia.unite(inertia.read(path("cube.stl"))), "Counted more than once 0 mm³"),
+    "Many": (lambda: inertia.many([CORNERS, -CORNERS], FACES, 6.0), "Bodies 2, 1 of them answered"),
+    "Principal": (lambda: inertia.principal(np.diag([1.0, 2.0, 3.0])), "Axis 2 2 kg m² about (0, 1, 0)"),
+    "Sensitivity": (
+        lambda: inertia.sensitivity(inertia.Scene.load(path("scenes/t_handle.toml"))),
+        "Start turned 1 rad per rad",
+    ),
+    "Ensemble": (
+        lambda: inertia.ensemble(
+            inertia.Scene.load(path("scenes/t_handle.toml")), {"start.angular_velocity": "±0.005"}, 10, jobs=1
+        ),
+        "Draws 10, seed 0: 10 followed",
+    ),
+    "Measurement": (lambda: inertia.measure(inertia.Job.load(path("jobs/fan.toml"))), "Runs 4"),
+    "Trade": (
+        lambda: inertia.trade(inertia.read(path("cube.stl"), unit="mm"), 1e-6, repeats=1),
+        "Take For 1e-6: ",
+    ),
+}
+"""Results without a plot of their own, and a row that they have."""
+
+
 @pytest.fixture(scope="module", params=SHOWN)
 def shown(request: pytest.FixtureRequest) -> Any:
     return SHOWN[request.param]()
 
 
-def test_a_result_is_a_table_of_valid_html(shown: Any) -> None:
-    page = ElementTree.fromstring(shown._repr_html_())
+def rows_of(html: str) -> list[tuple[str, str]]:
+    assert "object at 0x" not in html
+    page = ElementTree.fromstring(html)
     rows = [("".join(row[0].itertext()), "".join(row[1].itertext())) for row in page.iter("tr")]
-    assert len(rows) >= 3
     assert all(label and value for label, value in rows)
-    assert "object at 0x" not in shown._repr_html_()
+    return rows
+
+
+def test_a_result_is_a_table_of_valid_html(shown: Any) -> None:
+    assert len(rows_of(shown._repr_html_())) >= 3
+
+
+@pytest.mark.parametrize("name", TABLES)
+def test_what_has_no_plot_is_a_table_too(name: str) -> None:
+    make, expected = TABLES[name]
+    assert any(f"{label} {value}".startswith(expected) for label, value in rows_of(make()._repr_html_()))
 
 
 def test_a_result_draws_itself_on_a_figure_of_its_own_or_on_axes_that_are_given(shown: Any) -> None:

@@ -22,7 +22,8 @@ _SIZE, _ROOM = 150.0, 12.0  # of the sketch, and around it
 def html_of(rows: Iterable[tuple[str, str]], picture: str = "") -> str:
     """Return rows of label and text, and a picture below them, as one piece of HTML; all text is escaped."""
     cells = "".join(
-        f'<tr><th style="text-align:left;vertical-align:top;font-weight:600;padding:1px 12px 1px 0">{text(label)}</th>'
+        '<tr><th style="text-align:left;vertical-align:top;font-weight:600;white-space:nowrap;'
+        f'padding:1px 12px 1px 0">{text(label)}</th>'
         f'<td style="text-align:left;padding:1px 0">{text(value)}</td></tr>'
         for label, value in rows
     )

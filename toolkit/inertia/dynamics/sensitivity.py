@@ -60,6 +60,21 @@ class Sensitivity:
     mass: Float
     parts: Mapping[str, Sensitivity] = field(default_factory=dict)
 
+    def _repr_html_(self) -> str:
+        """Return a small table of how much each input turns the body, as a notebook shows it."""
+        from inertia.notebook import html_of
+
+        inputs = (
+            ("Start turned", self.attitude, "rad per rad"),
+            ("Angular velocity", self.angular_velocity, "rad per rad/s"),
+            ("Inertia", self.inertia, "rad per kg m²"),
+            ("Centre of mass", self.center_of_mass, "rad per m"),
+            ("Mass", self.mass, "rad per kg"),
+        )
+        rows = [("Sensitivity", f"of the attitude after {self.time:g} s, at most")]
+        rows += [(name, f"{np.linalg.norm(np.atleast_2d(each), 2):.6g} {unit}") for name, each, unit in inputs]
+        return html_of([*rows, *(("With", f"part {name}") for name in self.parts)])
+
     def standard_uncertainty(self, covariance: Float) -> Float:
         """Return the standard uncertainty (3,) rad of the rotation vector θ, to first order.
 

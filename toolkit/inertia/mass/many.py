@@ -38,6 +38,7 @@ _A_PRIORI = 1e-28
 
 _ROUNDED = 2.0**-52  # once to float64, and all that double-double leaves
 _INFLATED = 1.0 + 1e-9  # more than the arithmetic of the bounds can lose
+_SHOWN = 10  # refusals, in a notebook
 _OTHERS = ((1, 2), (2, 0), (0, 1))
 
 
@@ -69,6 +70,21 @@ class Many:
     def answered(self) -> Bool:
         """Which meshes have an answer, (n,)."""
         return np.isfinite(self.mass)
+
+    def _repr_html_(self) -> str:
+        """Return a small table, as a notebook shows it."""
+        from inertia.notebook import html_of
+
+        answered = self.answered
+        rows = [("Bodies", f"{len(self.mass)}, {int(answered.sum())} of them answered")]
+        for name, values, unit in (("Mass", self.mass, "kg"), ("Volume", self.volume, "m³")):
+            if answered.any():
+                some = values[answered]
+                rows.append((name, f"{some.min():.6g} to {some.max():.6g} {unit}, in all {some.sum():.10g} {unit}"))
+        if answered.any():
+            worst = [float(each[answered].max()) for each in (self.volume_error, self.inertia_error)]
+            rows.append(("Bound", f"at most {worst[0]:.2g} of a volume, {worst[1]:.2g} of a tensor (relative)"))
+        return html_of([*rows, *((f"Mesh {k}", says) for k, says in list(self.refusals.items())[:_SHOWN])])
 
     @property
     def columns(self) -> dict[str, Any]:

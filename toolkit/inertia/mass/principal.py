@@ -51,6 +51,18 @@ class Principal:
     axis_bounds: Float
     second_moments: Float
 
+    def _repr_html_(self) -> str:
+        """Return a small table and a sketch of the axes, as a notebook shows them."""
+        from inertia.notebook import ellipsoid_svg, html_of
+
+        rows: list[tuple[str, str]] = [("Body", self.kind)]
+        for k, moment in enumerate(self.moments.tolist()):
+            axis = ", ".join(f"{each:.6g}" for each in self.axes[:, k])
+            rows.append((f"Axis {k + 1}", f"{moment:.10g} kg m² about ({axis})"))
+        for group in self.equal:
+            rows.append(("Equal", f"moments {', '.join(str(k + 1) for k in group)}: their axes may lie anywhere"))
+        return html_of(rows, ellipsoid_svg(np.sqrt(np.maximum(self.second_moments, 0.0)), self.axes))
+
 
 def principal(inertia: ArrayLike, tolerance: float = CLASS_TOLERANCE, bound: float | Fraction = 0) -> Principal:
     """Diagonalise an inertia tensor (3, 3) kg m² about the centre of mass, known to within `bound` kg m².

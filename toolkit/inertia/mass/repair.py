@@ -47,6 +47,23 @@ class Repaired:
     volume_between: tuple[float, float] | None = None
     error: ErrorBound | None = None
 
+    def _repr_html_(self) -> str:
+        """Return a small table with what was changed, as a notebook shows it."""
+        from inertia.notebook import html_of
+
+        rows = [
+            ("Repaired", self.part.name),
+            *(("Changed", f"{each.what}: {each.count}") for each in self.changes),
+            ("Volume", f"{self.volume_before:.10g} m³ before, {self.volume_after:.10g} m³ after"),
+        ]
+        if self.center_of_mass_shift is not None:
+            rows.append(("Moved", f"centre of mass by {self.center_of_mass_shift:.2g} m"))
+        if self.inertia_change is not None:
+            rows.append(("Tensor", f"changed by {self.inertia_change:.2g}, relative"))
+        if self.volume_between is not None:
+            rows.append(("Certain", "a volume from {:.10g} to {:.10g} m³".format(*self.volume_between)))
+        return html_of(rows)
+
 
 def repair(part: Part, tolerance: float | None = None) -> Repaired:
     """Repair the surface of a part (see `inertia.mesh.repair` for the steps) and measure the effect.

@@ -57,6 +57,20 @@ class Union:
         """Whether anything counted more than once, or less than not at all."""
         return self.more_than_once > 0 or self.negative > 0
 
+    def _repr_html_(self) -> str:
+        """Return a small table, as a notebook shows it."""
+        from inertia.notebook import html_of
+
+        cubed = f"{self.part.unit.name}³"
+        return html_of(
+            [
+                ("United", self.part.name),
+                ("Crossings", f"{self.crossings} pairs of triangles"),
+                ("Counted more than once", f"{self.more_than_once:.6g} {cubed}"),
+                ("Counted negative", f"{self.negative:.6g} {cubed}"),
+            ]
+        )
+
 
 class _Face(NamedTuple):
     """A cell of a triangle, and its neighbourhood."""

@@ -101,7 +101,7 @@ def check_text(
     lines = [
         row("Part", f"{part.name} ({part.source.format}), places in {part.unit.name}"),
         row("Verdict", verdict),
-        row("Mesh", ", ".join(_state(report))),
+        row("Mesh", ", ".join(report.state)),
     ]
     for finding in report.findings:
         turned = finding.severity == "error" and finding not in faults
@@ -121,16 +121,3 @@ def check_text(
 def _changes(part: Part, allowed: Analysis) -> list[str]:
     """Return what an answer changed of a part, in sentences."""
     return list(allowed.part.notes[len(part.notes) :])
-
-
-def _state(report: Report) -> list[str]:
-    facing = {True: ["facing outward"], False: ["facing inward"], None: []}[report.outward]
-    return [
-        counted(report.triangles, "element"),
-        counted(report.vertices, "vertex", "vertices"),
-        "closed" if report.closed else "open",
-        "consistently wound" if report.consistent else "wound inconsistently",
-        *facing,
-        counted(report.bodies, "body", "bodies"),
-        "crossings examined" if report.crossings_examined else "crossings not examined",
-    ]

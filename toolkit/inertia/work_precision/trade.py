@@ -52,6 +52,13 @@ class Trade(Generic[R]):
     skipped: tuple[Skipped, ...]
     recommendations: tuple[Recommendation[R], ...]
 
+    def _repr_html_(self) -> str:
+        """Return a small table of what to take, as a notebook shows it."""
+        from inertia.notebook import html_of
+
+        rows = [("Measured", f"{len(self.rows)} ways, {self.machine}")]
+        return html_of([*rows, *(("Take", str(each.sentence)) for each in self.recommendations)])
+
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class PartTrade(Trade[PartRow]):

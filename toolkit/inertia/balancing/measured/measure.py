@@ -22,7 +22,7 @@ from inertia.balancing.measured.job import Channel, Job, Plane
 from inertia.balancing.measured.positions import Piece, split_among
 from inertia.balancing.measured.remarks import remarks
 from inertia.balancing.measured.stored_coefficients import StoredCoefficients
-from inertia.balancing.shop_units import GRAM_MILLIMETRE, angular_speed
+from inertia.balancing.shop_units import GRAM_MILLIMETRE, angular_speed, in_degrees
 from inertia.balancing.tolerance import accepted
 from inertia.balancing.unbalance import Complex
 from inertia.balancing.verdict import Outcome
@@ -118,6 +118,19 @@ class Measurement:
     outcome: Outcome | None
     why: tuple[str, ...]
     notes: tuple[str, ...]
+
+    def _repr_html_(self) -> str:
+        """Return a small table with the weights to mount, as a notebook shows it."""
+        from inertia.notebook import html_of
+
+        verdict = "nothing says what is permissible" if self.outcome is None else str(self.outcome)
+        rows = [("Job", f"{self.job.name}: {verdict}"), ("Runs", str(len(self.runs)))]
+        size, unit = (1e3, "g") if self.job.weighed_alone else (1 / GRAM_MILLIMETRE, "g·mm")
+        for each in self.planes:
+            unbalance = f"{size * abs(each.unbalance):.4g} {unit} at {in_degrees(each.unbalance):.1f}°"
+            pieces = [f"{1e3 * piece.mass:.4g} g at {math.degrees(piece.angle):.1f}°" for piece in each.pieces]
+            rows.append((f"Plane {each.plane.id}", f"{unbalance}; mount {', '.join(pieces) or 'nothing'}"))
+        return html_of([*rows, *(("Why", says) for says in self.why), *(("Note", note) for note in self.notes)])
 
     def coefficients(self) -> StoredCoefficients:
         """Return the influence coefficients as a file, for a later job; raise `UsageError` where there are none."""

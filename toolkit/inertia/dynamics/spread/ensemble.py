@@ -69,6 +69,22 @@ class Ensemble(Results):
         """The instants (n,) s of the quantities."""
         return self.nominal.time
 
+    def _repr_html_(self) -> str:
+        """Return a small table of what varied and what came of it, as a notebook shows it."""
+        from inertia.notebook import html_of
+
+        counts = ", ".join(f"{count} {state}" for state, count in self.state_counts.items())
+        rows = [
+            ("Scene", self.scene.name),
+            *(("Varied", f"{each.path}: {each.described}") for each in self.inputs),
+            ("Draws", f"{len(self.values)}, seed {self.seed}: {counts}"),
+        ]
+        for name, ends in self.ends.items():
+            if (some := ends[self.followed & np.isfinite(ends)]).size:
+                low, middle, high = np.percentile(some, [2.5, 50.0, 97.5])
+                rows.append((name.capitalize(), f"{middle:.6g} at the end, 95 % from {low:.6g} to {high:.6g}"))
+        return html_of(rows)
+
     def nominal_quantity(self, name: str) -> Float:
         """Return a quantity (n,) of the run with every input at its middle."""
         return quantity(name, States.of(self.nominal), Reference.of(self.nominal))

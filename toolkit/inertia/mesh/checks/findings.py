@@ -95,6 +95,32 @@ class Report:
         return not self.faults()
 
     @property
+    def state(self) -> tuple[str, ...]:
+        """How many elements, vertices and bodies there are, and how they are wound, in words."""
+        facing = {True: ("facing outward",), False: ("facing inward",), None: ()}[self.outward]
+        return (
+            counted(self.triangles, "element"),
+            counted(self.vertices, "vertex", "vertices"),
+            "closed" if self.closed else "open",
+            "consistently wound" if self.consistent else "wound inconsistently",
+            *facing,
+            counted(self.bodies, "body", "bodies"),
+            "crossings examined" if self.crossings_examined else "crossings not examined",
+        )
+
+    def _repr_html_(self) -> str:
+        """Return a small table with what was found, as a notebook shows it."""
+        from inertia.notebook import html_of
+
+        faults = counted(len(self.faults()), "fault")
+        rows = [
+            ("Check", self.source.path or "part"),
+            ("Verdict", "fit for integration" if self.fit else f"not fit for integration: {faults}"),
+            ("Mesh", ", ".join(self.state)),
+        ]
+        return html_of([*rows, *((each.severity.capitalize(), str(each.message)) for each in self.findings)])
+
+    @property
     def doubts(self) -> tuple[Finding, ...]:
         """What leaves an answer, but some of its volume in doubt."""
         return tuple(f for f in self.findings if f.doubt is not None)
