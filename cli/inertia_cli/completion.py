@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import re
 from typing import Any
 
 SHELLS = ("bash", "zsh", "fish")
@@ -30,10 +31,13 @@ def run(options: argparse.Namespace) -> int:
     import shtab
 
     commands = {name: each for name, each in options.parsers.choices.items() if " " not in name}
+    for name, other in options.parsers.choices.items():  # of two words: a shell sees its options behind the first
+        if " " in name:
+            _join(commands[name.partition(" ")[0]], other)
     for command in commands.values():
         for action in command._actions:
             names = action.metavar if isinstance(action.metavar, tuple) else (action.metavar or "",)
-            if any(name.partition(".")[0] in _FILES for name in names):
+            if any(word in _FILES for name in names for word in re.split(r"[. |]+", name)):
                 action.complete = shtab.FILE
     options.parsers.choices.clear()
     options.parsers.choices.update(commands)
@@ -43,3 +47,11 @@ def run(options: argparse.Namespace) -> int:
     parser._add_action(options.parsers)
     print(shtab.complete(parser, options.shell))
     return 0
+
+
+def _join(command: argparse.ArgumentParser, other: argparse.ArgumentParser) -> None:
+    """Add the options of one command that another does not have, and its files behind the word that names it."""
+    known = {word for action in command._actions for word in action.option_strings}
+    for action in other._actions:
+        if known.isdisjoint(action.option_strings):
+            command._add_action(action)

@@ -27,6 +27,8 @@ def script(shell: str, capsys: pytest.CaptureFixture[str]) -> str:
         (["analyse", "--orientation", ""], {"stored", "absolute"}),
         (["analyse", "par"], {"part.stl"}),
         (["simulate", "--explain", "sce"], {"scene.toml"}),
+        (["balance", "par"], {"part.stl"}),
+        (["balance", "measure", "--cert"], {"--certificate"}),
         (["completion", ""], {*SHELLS}),
     ],
     ids=lambda each: " ".join(each) if isinstance(each, list) else "",
@@ -48,6 +50,38 @@ def test_bash_offers(words: list[str], offered: set[str], tmp_path: Path, capsys
         check=True,
     )
     assert set(done.stdout.split()) == offered
+
+
+FILES = [("analyse p", "part.stl"), ("balance p", "part.stl"), ("balance measure s", "scene.toml")]
+
+
+@pytest.mark.skipif(shutil.which("fish") is None, reason="there is no fish")
+@pytest.mark.parametrize(
+    ("words", "offered"), [("sim", "simulate"), ("balance measure --cert", "--certificate"), *FILES]
+)
+def test_fish_offers(words: str, offered: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    for name in ("part.stl", "scene.toml"):
+        (tmp_path / name).touch()
+    (tmp_path / "complete.fish").write_text(script("fish", capsys))
+    ask = f"source complete.fish; complete -C 'inertia {words}'"
+    done = subprocess.run(
+        ["fish", "--no-config", "-c", ask],
+        cwd=tmp_path,
+        stdin=subprocess.DEVNULL,
+        capture_output=True,
+        text=True,
+        check=True,
+    )
+    assert [line.split("\t")[0] for line in done.stdout.splitlines()] == [offered]
+
+
+@pytest.mark.skipif(shutil.which("zsh") is None, reason="there is no zsh")
+def test_zsh_takes_the_script(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    (tmp_path / "_inertia").write_text(script("zsh", capsys))
+    ask = "autoload -Uz compinit && compinit -D -u && source ./_inertia && compdef _shtab_inertia inertia"
+    ask += " && print $_comps[inertia]"
+    done = subprocess.run(["zsh", "-f", "-c", ask], cwd=tmp_path, capture_output=True, text=True, check=True)
+    assert done.stdout.strip() == "_shtab_inertia"
 
 
 @pytest.mark.parametrize("shell", SHELLS)
