@@ -104,6 +104,9 @@ dl.py dt.sig { overflow-wrap: anywhere; }
 .boldsymbol { font-weight: bold; }
 .formula { margin: 0.5em 0; padding: 0.3em 0; overflow-x: auto; }
 .sphx-glr-script-out .highlight pre { white-space: pre-wrap; }
+mtable.ams-align > mtr > mtd { padding-left: 0; padding-right: 0; }
+mtable.ams-align > mtr > mtd:nth-child(odd) { text-align: right; padding-right: 0.25em; }
+mtable.ams-align > mtr > mtd:nth-child(even) { text-align: left; }
 """
 
 
@@ -150,7 +153,8 @@ def _write_formula(writer: Any, node: nodes.Element) -> None:
     text, block = node.astext(), isinstance(node, nodes.math_block)
     for written, readable in _TEX:
         text = re.sub(written, readable, text)
-    formula = tex2mathml(text, as_block=block)
+    # Over an accent browsers set so little room that a dot drowns in its letter.
+    formula = tex2mathml(text, as_block=block).replace('<mover accent="true">', "<mover>")
     writer.body.append(f'<div class="formula">{formula}</div>' if block else formula)
     raise nodes.SkipNode
 

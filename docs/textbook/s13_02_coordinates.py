@@ -64,7 +64,7 @@ print(f"L about the centre of mass stays at {momentum[0]:.4f} kg m²/s")
 # Look at the smooth line amid the loops. The ends wind round it in circles, as seen from the centre of mass, the
 # tail's 8.5 times as wide as the head's, which is that much nearer to it.
 #
-# **Try**: a bar of 0.5 kg/m. Which point of the shaft keeps to the parabola then?
+# **To try**: a bar of 0.5 kg/m. Which point of the shaft keeps to the parabola then?
 
 fig, ax = plt.subplots(figsize=(6.4, 4))
 for row in range(0, 121, 8):

@@ -61,7 +61,7 @@ print(f"O at 0.0 m: |dL/dt| = {1.5 * across:.2f} N m")
 # Look at the arrows: one motion, three angular momenta. None is wrong. That about mid-height is parallel to ω because
 # the hinge line is a principal axis there and nowhere else (section 13.6).
 #
-# **Try**: a triangular gate. At which height does :math:`\mathbf L` follow the hinges?
+# **To try**: a triangular gate. At which height does :math:`\mathbf L` follow the hinges?
 
 fig, ax = plt.subplots(figsize=(6.4, 4))
 ax.fill([0, a, a, 0], [0, 0, b, b], color="0.9")

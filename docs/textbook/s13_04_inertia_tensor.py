@@ -56,7 +56,7 @@ print(cubes["solid"].about([0, 0, 0]).round(4))
 # %%
 # Look at where the mass is: the nearer to the middle, the smaller the moment, by :math:`\tfrac{1}{9}` a step.
 #
-# **Try**: a sphere in place of the cube, of particles, hoops, shell and solid; or corners of unequal masses.
+# **To try**: a sphere in place of the cube, of particles, hoops, shell and solid; or corners of unequal masses.
 
 fig, ax = plt.subplots(figsize=(6.4, 4))
 ax.plot([0, 3], [9 / 18, 3 / 18], "--", color="0.6")

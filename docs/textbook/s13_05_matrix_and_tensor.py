@@ -69,7 +69,7 @@ print(f"|L| is {lengths.min():.3f} to {lengths.max():.3f} g m²/s")
 # :math:`\mathbf L` (coloured) is parallel to that of :math:`\mathbf\omega` (grey), the direction is principal
 # (section 13.6).
 #
-# **Try**: legs of equal length. Which way does the ellipse lie then, and why?
+# **To try**: legs of equal length. Which way does the ellipse lie then, and why?
 
 fig, ax = plt.subplots(figsize=(6.4, 4))
 circle = 1e3 * i2 * omegas  # ω, drawn as large as the ellipse

@@ -74,7 +74,7 @@ print(f"and by {strays(omega[0]):.1f}° from x")
 # Look at the two zeros: they are 90° apart, and neither is along an edge. In between L leans
 # away from ω by up to 57°, with the tangent :math:`(I_2 - I_1)/(2 \sqrt{I_1 I_2})`.
 #
-# **Try**: flanges on the same side, a C. By symmetry, which axes must it have?
+# **To try**: flanges on the same side, a C. By symmetry, which axes must it have?
 
 fig, ax = plt.subplots(figsize=(6.4, 4))
 ax.axhline(0.0, color="0.6", linewidth=1)

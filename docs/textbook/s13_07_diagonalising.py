@@ -70,7 +70,7 @@ print(f"cube: {double.moments.round(6)}, {double.kind}, equal: {double.equal}")
 # Look at where the curves meet zero: the brick's crosses three times; the cube's crosses once, along the diagonal, and
 # only touches at the double root.
 #
-# **Try**: sides of 1.3, 1.3 and 1.4 m. The double root splits: how far apart are the two?
+# **To try**: sides of 1.3, 1.3 and 1.4 m. The double root splits: how far apart are the two?
 
 fig, ax = plt.subplots(figsize=(6.4, 4))
 ax.axhline(0.0, color="0.6", linewidth=1)

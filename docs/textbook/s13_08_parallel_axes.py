@@ -69,7 +69,7 @@ for d in (0.1, 0.2, k, 0.5):
 # Look at the flat bottom of the curve: a good clock's pendulum hangs there, for wear of the pin hardly alters its
 # period. The points lie above it by 3.1 %, which is the price of 40°.
 #
-# **Try**: a weight at the lower end. Where is the shortest period then?
+# **To try**: a weight at the lower end. Where is the shortest period then?
 
 fig, ax = plt.subplots(figsize=(6.4, 4))
 ax.plot(distances, small, color="C2", label="small swings")

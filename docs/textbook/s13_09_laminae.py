@@ -72,7 +72,7 @@ except inertia.GeometryError as refusal:
 # the disc share the corner: five-fold symmetry leaves no direction. Prolate bodies lie on the upper edge, oblate ones
 # on the right one.
 #
-# **Try**: a wire, straight and then bent to a plane curve. Where do they lie?
+# **To try**: a wire, straight and then bent to a plane curve. Where do they lie?
 
 fig, ax = plt.subplots(figsize=(6.4, 4))
 ax.fill([0, 0.5, 1], [1, 0.5, 1], color="0.92", label="solids")

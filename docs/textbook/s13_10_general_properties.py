@@ -57,7 +57,7 @@ print(f"after 10 s the two are {apart:.0e} rad apart")
 # Look at the shapes, drawn by ``plot``: a line, a cigar, a ball, a flat disc and a flat oval. The
 # numbers are the principal axes, the longest first: the smallest moment belongs to the longest semi-axis.
 #
-# **Try**: the tetrahedron with one mass of 0.3. Which class is it, and which with ``principal_within(0.5)``?
+# **To try**: the tetrahedron with one mass of 0.3. Which class is it, and which with ``principal_within(0.5)``?
 
 fig, axes = plt.subplots(1, 5, figsize=(6.4, 1.9))
 for ax, (kind, body) in zip(axes, bodies.items(), strict=True):

@@ -65,7 +65,7 @@ print(f"ω leans from L by {leaning[0]:.3f}° to {leaning[1]:.3f}°")
 # Look down along L: ω goes round it between two circles, touching each in turn, and its path does not close. A
 # principal axis would give a point at the centre; a symmetric top, one circle.
 #
-# **Try**: moments 5, 5 and 13; or ω = (0, 0.1, 1), near axis 3.
+# **To try**: moments 5, 5 and 13; or ω = (0, 0.1, 1), near axis 3.
 
 e3 = moments * omega / size
 e1 = np.cross(e3, [0.0, 0.0, 1.0]) / np.linalg.norm(np.cross(e3, [0.0, 0.0, 1.0]))

@@ -60,7 +60,7 @@ print(f"at rest at {still:.4f} m: {turn_alone:.2f} J")
 # Look at the three curves, whose sum is level. The turn has least at the centre of mass (section 13.8); beyond it the
 # point moves faster than the bat as a whole, and the cross term takes back what the first counts too much.
 #
-# **Try**: a ball that is hit stops the weight at 0.7 m for a moment. About which point is T simplest then?
+# **To try**: a ball that is hit stops the weight at 0.7 m for a moment. About which point is T simplest then?
 
 fig, ax = plt.subplots(figsize=(6.4, 4))
 for curve, name in ((translation, "translation of O"), (rotation, "rotation about O"), (cross, "cross term")):

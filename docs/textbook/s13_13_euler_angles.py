@@ -61,7 +61,7 @@ assert not inertia.euler_angles.is_singular(angles)
 # Look at the line of nodes: it lies in both discs, the grey x-y plane of space and the coloured 1-2 plane of the body,
 # and is at right angles to z and to axis 3.
 #
-# **Try**: :math:`\theta = 170^\circ`. Which way does axis 3 point, and where has the line of nodes gone?
+# **To try**: :math:`\theta = 170^\circ`. Which way does axis 3 point, and where has the line of nodes gone?
 
 node = turn_phi[0]
 np.testing.assert_allclose(np.cross([0, 0, 1], cosines[2]), st * node, atol=1e-14)

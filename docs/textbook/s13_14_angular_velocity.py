@@ -9,11 +9,11 @@ The Euler rates turn about three axes that are not at right angles: precession :
 .. math::
 
    \begin{aligned}
-   \omega_1 & = \dot\phi\, \sin\theta\, \sin\psi + \dot\theta\, \cos\psi, &
+   \omega_1 & = \dot\phi\, \sin\theta\, \sin\psi + \dot\theta\, \cos\psi, \\
+   \omega_2 & = \dot\phi\, \sin\theta\, \cos\psi - \dot\theta\, \sin\psi, \\
+   \omega_3 & = \dot\phi\, \cos\theta + \dot\psi, \\
    \omega_x & = \dot\theta\, \cos\phi + \dot\psi\, \sin\theta\, \sin\phi, \\
-   \omega_2 & = \dot\phi\, \sin\theta\, \cos\psi - \dot\theta\, \sin\psi, &
    \omega_y & = \dot\theta\, \sin\phi - \dot\psi\, \sin\theta\, \cos\phi, \\
-   \omega_3 & = \dot\phi\, \cos\theta + \dot\psi, &
    \omega_z & = \dot\phi + \dot\psi\, \cos\theta .
    \end{aligned}
 
@@ -91,7 +91,7 @@ np.testing.assert_allclose(inertia.euler_angles.rates([0.3, 0.0, 0.2], [0.0, 0.0
 # Look at the spikes: precession and spin are large and opposite wherever θ is small, and their sum is not. Runs are
 # therefore followed as quaternions, and angles are read off them.
 #
-# **Try**: the same body in the convention x-y-z, ``to_angles(run.attitude, "x-y-z")``. Where are its spikes?
+# **To try**: the same body in the convention x-y-z, ``to_angles(run.attitude, "x-y-z")``. Where are its spikes?
 
 fig, (ax, below) = plt.subplots(2, 1, figsize=(6.4, 4.6), sharex=True, height_ratios=[2, 1])
 for rate, name in ((d_phi, "precession φ'"), (d_psi, "spin ψ'"), (d_theta, "nutation θ'")):
