@@ -68,7 +68,7 @@ SETTINGS = {
         "examples_dirs": [str(ROOT / "docs" / name) for name in GALLERIES],
         "gallery_dirs": list(GALLERIES),
         "filename_pattern": r"\.py$",
-        "within_subsection_order": "FileNameSortKey",
+        "within_subsection_order": f"{__name__}.in_order",
         "capture_repr": ("_repr_html_",),
         "reset_modules": ("matplotlib", f"{__name__}.prepare"),
         "reset_modules_order": "both",
@@ -157,6 +157,11 @@ def _write_formula(writer: Any, node: nodes.Element) -> None:
     formula = tex2mathml(text, as_block=block).replace('<mover accent="true">', "<mover>")
     writer.body.append(f'<div class="formula">{formula}</div>' if block else formula)
     raise nodes.SkipNode
+
+
+def in_order(file: str) -> tuple[bool, str]:
+    """Sort the sections of the textbook before its exercises, and all else by its name."""
+    return file.startswith("e"), file
 
 
 def prepare(_settings: object, _file: str, when: str) -> None:

@@ -9,11 +9,13 @@ and as Euler angles (section 13.13)?
 Divided by their lengths, they are the rows of the matrix :math:`\lambda` that takes components along the old axes to
 those along the new ones. In the convention z-x-z of equation 13.13.5
 
-.. math:: \lambda_{33} = \cos\theta = \tfrac{1}{\sqrt3},
+.. math::
 
-.. math:: (\lambda_{31}, \lambda_{32}) = (\sin\theta \sin\phi, -\sin\theta \cos\phi),
-
-.. math:: (\lambda_{13}, \lambda_{23}) = (\sin\theta \sin\psi, \sin\theta \cos\psi),
+   \begin{aligned}
+   \lambda_{33} & = \cos\theta = \tfrac{1}{\sqrt3}, \\
+   (\lambda_{31}, \lambda_{32}) & = (\sin\theta \sin\phi, -\sin\theta \cos\phi), \\
+   (\lambda_{13}, \lambda_{23}) & = (\sin\theta \sin\psi, \sin\theta \cos\psi),
+   \end{aligned}
 
 so that :math:`\theta = 54.7°`, :math:`\phi = 135°` and :math:`\psi = -90°`. With :math:`+\hat x - \hat y` for the
 second vector the three would be left-handed, and no rotation at all.

@@ -7,11 +7,13 @@ What are the principal moments of a uniform solid with the surface :math:`x^2/a^
 Stretched from the unit ball, in which :math:`\int x^2\,dm = \tfrac15 M`, its second moments are
 :math:`\tfrac15 M a^2`, :math:`\tfrac15 M b^2` and :math:`\tfrac15 M c^2`, so that
 
-.. math:: I_1 = \tfrac15 M (b^2 + c^2),
+.. math::
 
-.. math:: I_2 = \tfrac15 M (c^2 + a^2),
-
-.. math:: I_3 = \tfrac15 M (a^2 + b^2) .
+   \begin{aligned}
+   I_1 & = \tfrac15 M (b^2 + c^2), \\
+   I_2 & = \tfrac15 M (c^2 + a^2), \\
+   I_3 & = \tfrac15 M (a^2 + b^2) .
+   \end{aligned}
 
 The other way round, every body has an ellipsoid with its mass and moments (section 13.10): what it looks like to a
 torque.

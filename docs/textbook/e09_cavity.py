@@ -8,13 +8,14 @@ A ball of radius :math:`R` and density :math:`\rho` has a spherical hole of radi
 Subtract the one ball from the other. The centre of mass moves away from the hole, and Steiner's theorem (section
 13.8) takes the moments across the line of centres there:
 
-.. math:: M = \tfrac43\pi\rho (R^3 - r^3),
+.. math::
 
-.. math:: \bar x = -\frac{\epsilon r^3}{R^3 - r^3},
-
-.. math:: I_\parallel = \tfrac{8}{15}\pi\rho (R^5 - r^5),
-
-.. math:: I_\perp = I_\parallel - \tfrac43\pi\rho\, \epsilon^2 \frac{r^3 R^3}{R^3 - r^3} .
+   \begin{aligned}
+   M & = \tfrac43\pi\rho (R^3 - r^3), \\
+   \bar x & = -\frac{\epsilon r^3}{R^3 - r^3}, \\
+   I_\parallel & = \tfrac{8}{15}\pi\rho (R^5 - r^5), \\
+   I_\perp & = I_\parallel - \tfrac43\pi\rho\, \epsilon^2 \frac{r^3 R^3}{R^3 - r^3} .
+   \end{aligned}
 
 The hole makes an oblate top of a spherical one, unless it is in the middle.
 """

@@ -6,11 +6,13 @@ Four masses :math:`m` at :math:`(\pm a, 0)` and :math:`(0, \pm 2a)` in the :math
 What is the tensor; what is the moment about the direction :math:`\hat n` that makes equal angles with the three axes;
 and when the body turns about :math:`\hat n`, how far is :math:`\mathbf{L}` from it?
 
-.. math:: \mathbf{I} = m a^2 \begin{pmatrix} 8 & & \\ & 2 & \\ & & 10 \end{pmatrix},
+.. math::
 
-.. math:: \hat n\cdot\mathbf{I}\cdot\hat n = \tfrac{8 + 2 + 10}{3} m a^2 = \tfrac{20}{3} m a^2,
-
-.. math:: \cos\angle(\mathbf{L}, \hat n) = \frac{20}{\sqrt{3 \cdot 168}},
+   \begin{aligned}
+   \mathbf{I} & = m a^2\, \mathrm{diag}(8, 2, 10), \\
+   \hat n\cdot\mathbf{I}\cdot\hat n & = \tfrac{8 + 2 + 10}{3} m a^2 = \tfrac{20}{3} m a^2, \\
+   \cos\angle(\mathbf{L}, \hat n) & = \frac{20}{\sqrt{3 \cdot 168}},
+   \end{aligned}
 
 as :math:`\mathbf{L}` lies along :math:`(8, 2, 10)`. The angle is 27.0°. That :math:`10 = 8 + 2` is the rule of flat
 bodies (section 13.9).
