@@ -47,7 +47,7 @@ GALLERIES = ("examples", "textbook")
 """The folders of scripts, each of which becomes a page with what it prints and draws."""
 PICTURES = {
     "figure.dpi": 144,
-    "figure.constrained_layout.use": True,
+    "savefig.bbox": "tight",
     "axes.prop_cycle": mpl.cycler(color=COLORS),
     "axes.spines.top": False,
     "axes.spines.right": False,
