@@ -36,7 +36,7 @@ np.testing.assert_allclose(cube.inertia, 0.001 * 0.01**2 / 6 * np.eye(3), atol=1
 fig, axes = plt.subplots(1, 2, figsize=(6.4, 4), subplot_kw={"projection": "3d"})
 for ax, each, title in zip(axes, (part, mended.part), ("11 triangles", "repaired"), strict=True):
     corners = each.triangles.corners()
-    ax.add_collection3d(Poly3DCollection(corners, facecolors="C5", edgecolors="white", alpha=0.85, shade=True))
+    ax.add_collection3d(Poly3DCollection(corners, facecolors="C2", edgecolors="white", alpha=0.85, shade=True))
     ax.set(aspect="equal", xlabel="x, mm", ylabel="y, mm", title=title)
     ax.set(xlim=(-6, 6), ylim=(-6, 6), zlim=(-6, 6))
     ax.view_init(elev=25, azim=-150)

@@ -19,8 +19,8 @@ weights = inertia.point_masses(line[[0, -1]], [0.005, 0.005])
 whole = spring + weights
 
 # %%
-# A chord of the circle has its mass at :math:`R^2 (1 - \\tfrac23 \\sin^2(\\delta/2))` from the axis on average, with
-# :math:`\\delta` the angle of one piece; the weights are at R.
+# A chord of the circle has its mass at :math:`R^2 (1 - \tfrac23 \sin^2(\delta/2))` from the axis on average, with
+# :math:`\delta` the angle of one piece; the weights are at R.
 
 delta = angle[1]
 mean = radius**2 * (1 - 2 / 3 * np.sin(delta / 2) ** 2)
