@@ -1,6 +1,7 @@
 """Build the site: the pages of docs/, with a reference made from the docstrings, the command's parser and the schemas.
 
     python docs/build_site.py [FOLDER]     into FOLDER, build/site without one: open FOLDER/index.html
+    python docs/build_site.py --versions FOLDER     list the sites FOLDER/1.2.3, so that each leads to the others
 
 Whatever is amiss is an error: a page in none of the parts, a link that leads nowhere, a public name without an entry,
 an example that fails or warns. The pages stay as they are: what is written here stands in none of them, and what stands
@@ -10,6 +11,7 @@ in them is not written again.
 from __future__ import annotations
 
 import argparse
+import json
 import re
 import shutil
 import sys
@@ -91,6 +93,7 @@ SETTINGS = {
     "html_theme": "furo",
     "html_static_path": ["_static"],
     "html_css_files": ["inertia.css"],
+    "html_js_files": ["switch.js"],
     "html_title": f"inertia {inertia.__version__}",
     "html_copy_source": False,
     "html_show_sphinx": False,
@@ -103,10 +106,32 @@ td code { white-space: normal; overflow-wrap: break-word; }
 dl.py dt.sig { overflow-wrap: anywhere; }
 .boldsymbol { font-weight: bold; }
 .formula { margin: 0.5em 0; padding: 0.3em 0; overflow-x: auto; }
+.versions { display: block; margin: 0 var(--sidebar-item-spacing-horizontal) 0.5em; padding: 0.2em; font: inherit; }
+.versions { color: inherit; background: transparent; border: 1px solid var(--color-sidebar-search-border); }
+.versions option { color: black; }
 .sphx-glr-script-out .highlight pre { white-space: pre-wrap; }
 mtable.ams-align > mtr > mtd { padding-left: 0; padding-right: 0; }
 mtable.ams-align > mtr > mtd:nth-child(odd) { text-align: right; padding-right: 0.25em; }
 mtable.ams-align > mtr > mtd:nth-child(even) { text-align: left; }
+"""
+
+
+SWITCH = """
+addEventListener("DOMContentLoaded", () => {
+  const above = document.documentElement.dataset.content_root + "../", list = document.createElement("script");
+  list.src = above + "versions.js";  // not JSON: that cannot be read where the site is opened from the disk
+  list.onload = () => {
+    const here = new URL(above + ".", location).pathname, name = location.pathname.slice(here.length).split("/")[0];
+    if (siteVersions.length < 2 || !siteVersions.includes(name)) return;
+    const choice = document.createElement("select");
+    choice.className = "versions";
+    choice.ariaLabel = "Version";
+    for (const each of siteVersions) choice.add(new Option(each, each, false, each === name));
+    choice.onchange = () => { location.href = above + choice.value + "/index.html"; };
+    document.querySelector(".sidebar-brand").after(choice);
+  };
+  document.head.append(list);
+});
 """
 
 
@@ -187,6 +212,7 @@ def _write_pages(source: Path) -> None:
     """Write what is not a page of docs/: the home page, the reference and the pages of the project."""
     (source / "_static").mkdir()
     (source / "_static/inertia.css").write_text(STYLE, encoding="utf-8")
+    (source / "_static/switch.js").write_text(SWITCH, encoding="utf-8")
     for name in (*PARTS["Project"].split(), "README"):
         text = (ROOT / f"{name}.md").read_text(encoding="utf-8").replace("](docs/", "](")
         (source / f"{name}.md").write_text(text, encoding="utf-8")
@@ -315,5 +341,17 @@ def _escaped(text: str) -> str:
     return "".join(f"``{each}``" if k % 2 else re.sub(r"([*|\\_])", r"\\\1", each) for k, each in enumerate(parts))
 
 
+def list_versions(folder: Path) -> list[str]:
+    """Write which versions' sites are in a folder, the newest first, and return them."""
+    sites = (page.parent.name for page in folder.glob("*/index.html"))
+    versions = [name for name in sites if re.fullmatch(r"\d+(\.\d+)+", name)]
+    versions.sort(key=lambda name: [int(number) for number in name.split(".")], reverse=True)
+    (folder / "versions.js").write_text(f"const siteVersions = {json.dumps(versions)};\n", encoding="utf-8")
+    return versions
+
+
 if __name__ == "__main__":
-    build(Path(sys.argv[1] if len(sys.argv) > 1 else ROOT / "build/site"))
+    if sys.argv[1:2] == ["--versions"]:
+        print(*list_versions(Path(sys.argv[2])))
+    else:
+        build(Path(sys.argv[1] if len(sys.argv) > 1 else ROOT / "build/site"))

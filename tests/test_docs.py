@@ -6,6 +6,8 @@ import io
 import math
 import re
 import shlex
+import subprocess
+import sys
 from pathlib import Path
 
 import pytest
@@ -85,3 +87,18 @@ def test_every_scene_and_rotor_is_in_the_gallery() -> None:
     pictures = {picture.stem: picture.stat().st_size for picture in (ROOT / "docs/gallery").iterdir()}
     assert pictures.keys() == {Path(file).stem for file in shipped} | {"flip"}
     assert max(pictures.values()) < 300_000
+
+
+def test_the_versions_of_the_site_are_listed_newest_first(tmp_path: Path) -> None:
+    for name in ("0.9.0", "0.10.0", "1.0.0", "drafts"):
+        (tmp_path / name).mkdir()
+        (tmp_path / name / "index.html").touch()
+    (tmp_path / "1.1.0").mkdir()  # not built yet
+    command = [sys.executable, ROOT / "docs/build_site.py", "--versions", tmp_path]
+    assert subprocess.run(command, check=True, capture_output=True, text=True).stdout.split() == [
+        "1.0.0",
+        "0.10.0",
+        "0.9.0",
+    ]
+    expected = 'const siteVersions = ["1.0.0", "0.10.0", "0.9.0"];\n'
+    assert (tmp_path / "versions.js").read_text(encoding="utf-8") == expected
