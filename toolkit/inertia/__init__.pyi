@@ -107,6 +107,7 @@ from inertia.dynamics.run import Run as Run
 from inertia.dynamics.sensitivity import sensitivity as sensitivity
 from inertia.dynamics.sensitivity import Sensitivity as Sensitivity
 from inertia.recording.record import record as record
+from inertia.recording.record import show as show
 from inertia.recording.web import export_html as export_html
 from inertia.recording.pictures import export_picture as export_picture
 

@@ -158,7 +158,7 @@ class Balance:
                     axes.plot([last.real], [last.imag], "o", color=color, label=f"{after.name} corrected")
             axes.set_aspect("equal")
             axes.set_xlabel("of the limit, towards the zero mark")
-            axes.legend(fontsize=8)
+            axes.legend(fontsize=8, loc="upper center", bbox_to_anchor=(0.5, -0.2), ncols=2)  # no data lies there
 
         return figure_of(draw, ax, f"{Path(self.rotor.name).name}: {self.verdict.outcome}")
 

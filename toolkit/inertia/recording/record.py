@@ -1,9 +1,12 @@
-"""`record`: a run or a balanced rotor becomes a Rerun recording, in a file or on an open viewer."""
+"""`record`: a run or a balanced rotor becomes a Rerun recording, in a file, on an open viewer or in a notebook."""
 
 from __future__ import annotations
 
 import os
 from importlib import import_module
+from importlib.metadata import version
+from importlib.util import find_spec
+from typing import Any
 
 import numpy as np
 
@@ -16,7 +19,7 @@ from inertia.output import require_writable
 from inertia.recording.live import to_viewer
 from inertia.recording.provenance import properties_of
 from inertia.recording.screen import Screen
-from inertia.recording.writer import Recording, blocks, to_file
+from inertia.recording.writer import Recording, blocks, prepare, to_file
 
 VIEWS = ("tumbling", "top", "driven", "disc", "deforming")
 """The views of a run, by the names that models give: modules of `views`, each with a function `screen`."""
@@ -55,21 +58,12 @@ def record(
     """
     if path is None and not live:
         raise UsageError("there is nowhere to record to: give a path, or live=True with an open viewer")
-    for run in (subject, other):
-        if isinstance(run, Run):
-            _require_finite(run)
+    _require_recordable(subject, other)
     file = None if path is None else require_writable(path, ".rrd", force=force)
     screen = _screen(subject, other)
 
     def write(recording: Recording) -> None:
-        recording.name(screen.name)
-        for name, values in properties_of(subject).items():
-            recording.properties(name, values)
-        if other is not None:
-            for name, values in properties_of(other).items():
-                recording.properties(f"other_{name}", values)
-        recording.properties("timeline", {"second_s": screen.second})
-        screen.write(recording)
+        _write(recording, screen, subject, other)
 
     if file is not None:
         with to_file(file, screen.application, screen.blueprint, screen.second) as recording:
@@ -77,6 +71,52 @@ def record(
     if live:
         with to_viewer(screen.application, screen.blueprint, screen.second) as recording:
             write(recording)
+
+
+def show(subject: Run | Balance | Budget, *, other: Run | None = None) -> Any:
+    """Return Rerun's viewer with the recording that `record` makes in it; a notebook shows it below the cell.
+
+    Parameters
+    ----------
+    subject, other : as of `record`
+
+    Raises `UsageError` where rerun-notebook is not installed, else as `record`.
+    """
+    if find_spec("rerun_notebook") is None:
+        raise UsageError(
+            "Rerun's viewer for notebooks is not installed: install it by pip install "
+            f"rerun-notebook=={version('rerun-sdk')}, or record to a file and open that by `rerun`",
+            code="needs_package",
+        )
+    import rerun as rr
+    from rerun.notebook import Viewer
+
+    _require_recordable(subject, other)
+    screen = _screen(subject, other)
+    stream = rr.RecordingStream(screen.application)
+    prepare(stream)
+    viewer = Viewer(recording=stream, blueprint=screen.blueprint, use_global_recording=False)
+    recording = Recording(stream, screen.second)
+    _write(recording, screen, subject, other)
+    recording.flush()
+    return viewer
+
+
+def _write(recording: Recording, screen: Screen, subject: Run | Balance | Budget, other: Run | None) -> None:
+    recording.name(screen.name)
+    for name, values in properties_of(subject).items():
+        recording.properties(name, values)
+    if other is not None:
+        for name, values in properties_of(other).items():
+            recording.properties(f"other_{name}", values)
+    recording.properties("timeline", {"second_s": screen.second})
+    screen.write(recording)
+
+
+def _require_recordable(*runs: object) -> None:
+    for run in runs:
+        if isinstance(run, Run):
+            _require_finite(run)
 
 
 def _screen(subject: Run | Balance | Budget, other: Run | None) -> Screen:
