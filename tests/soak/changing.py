@@ -96,7 +96,7 @@ def case(seed: int, number: int, folder: Path) -> Outcome:
     end = run_process(["analyse", str(file), "--json", "--no-intersections"], folder / "x", meanwhile=change)
     told = f"{name}, {how} after {delay:.4f} s: "
     if end.code == 3:
-        fine = end.err.count("\n") == 1 and not end.out
+        fine = end.err.count("\n") == 1 and json.loads(end.out)["code"]
         return Outcome("refused") if fine else Outcome("fault", f"{told}{end.err[-300:]!r}")
     if end.code == 4 and how in ("bytes in place", "appended", "cut short"):
         return Outcome("refused")  # the change was complete before the file was opened

@@ -236,3 +236,16 @@ def test_a_process_without_native_kernels_gives_the_same_bits(tmp_path: object) 
 
 
 SHIPPED_HERE = native.of_shipped_level()
+
+
+@pytest.mark.parametrize("surface", [False, True])
+def test_sums_while_others_read_in_any_order_have_the_same_bits(surface: bool) -> None:
+    triangles = facets(Surface(*ring(120, 60)))
+    summed = module.SummedFacets(triangles, surface=surface)
+    whole = range(0, triangles.count, BLOCK)
+    for start in (*reversed(whole[3:]), whole[5], 17):  # some not at all, one again, one from the middle of a block
+        assert np.array_equal(summed.block(start, start + 40), triangles.block(start, start + 40))
+        summed.block(start, min(start + BLOCK, triangles.count))
+    one, other = summed.sums(), sum_triangles(triangles, surface=surface)
+    assert np.array_equal(one.sums, other.sums)
+    assert np.array_equal([one.low, one.high], [other.low, other.high])

@@ -11,9 +11,10 @@ import pytest
 from tests.mesh.solids import cube, facets, joined, ring, sphere
 
 from inertia.errors import UsageError, WriteError
+from inertia.mesh.external import buckets
 from inertia.mesh.external.closure import external_closure, room_for
 from inertia.mesh.geometry.closure import vectorised_closure
-from inertia.mesh.part import FACET, Facets
+from inertia.mesh.part import FACET, Facets, Surface
 
 AMPLE = 10**8
 
@@ -144,3 +145,33 @@ def test_too_little_room_is_refused() -> None:
     surface = stored(SOUPS["closed"])
     with pytest.raises(UsageError, match="allow more by memory=BYTES"):
         external_closure(surface, room_for(surface.count) - 1)
+
+
+@pytest.mark.parametrize("steps", [buckets.Compiled, buckets.Vectorised])
+def test_keys_of_edges_are_polynomials_of_those_of_their_ends(
+    steps: type[buckets.Compiled] | type[buckets.Vectorised],
+) -> None:
+    surface = facets(Surface(*ring(20, 10)))
+    salt = np.random.default_rng(5).integers(0, 2**64, buckets.SALTS, np.uint64)
+    keys, counts = np.empty(3 * surface.count, np.uint64), np.zeros(16, np.int64)
+    assert steps(salt).keys(surface, 0, surface.count, keys, counts, 4) == 0
+    corners = surface.corners_f4(0, surface.count).astype("<f4") + np.float32(0)
+    expected = []
+    for words in corners.view(np.uint32).tolist():
+        ends = [_key(corner, salt.tolist()) for corner in words]
+        expected += [_edge(a, b, int(salt[14])) for a, b in zip(ends, ends[1:] + ends[:1], strict=True)]
+    assert keys.tolist() == expected
+    assert counts.sum() == len(keys)
+
+
+def _key(words: list[int], salt: list[int]) -> int:
+    one, other = (
+        (part[0] + sum(word * random for word, random in zip(words, part[1:4], strict=True))) % 2**64
+        for part in (salt[:7], salt[7:14])
+    )
+    return ((one >> 32) << 32 | other >> 32) >> 4
+
+
+def _edge(a: int, b: int, salt: int) -> int:
+    r = salt % 2**61
+    return (r + a) * (r + b) % (2**61 - 1) << 3 | (a < b)

@@ -17,7 +17,7 @@ from inertia.errors import SHELL, GeometryError, Remedy, UsageError, placed
 from inertia.mass.moments import Moments
 from inertia.mass.triangles.arithmetic import METHODS, Arithmetic, arithmetics, shell_moments, solid_moments
 from inertia.mass.triangles.moments_from_sums import moments_of
-from inertia.mass.triangles.sums import Sums, sum_triangles
+from inertia.mass.triangles.sums import SummedFacets, Sums, sum_triangles
 from inertia.mesh.checks.findings import Finding, Report, around, middle
 from inertia.mesh.geometry.closure import Closure, closure
 from inertia.mesh.geometry.intersect import crossings, to_be_examined
@@ -126,9 +126,15 @@ def surface_integrals(
         raise UsageError("exact arithmetic cannot give a shell's area, which holds square roots: leave it out")
     tries = arithmetics(accuracy)
     paired, summed = (0.6, 1.0) if shell or accuracy is None else (0.1, 0.2)
-    topology = closure(triangles, _part_of(progress, 0.0, paired))
     with naming(part):
-        sums = sum_triangles(triangles, surface=shell, progress=_part_of(progress, paired, summed))
+        summed_meanwhile = SummedFacets(triangles, surface=shell) if isinstance(triangles, Facets) else None
+    topology = closure(summed_meanwhile or triangles, _part_of(progress, 0.0, paired))
+    with naming(part):
+        summing = _part_of(progress, paired, summed)
+        if summed_meanwhile is not None:
+            sums = summed_meanwhile.sums(summing)
+        else:
+            sums = sum_triangles(triangles, surface=shell, progress=summing)
     extents = np.array([sums.low, sums.high])
     if not usable(extents).all() or (topology.open_edges and not shell):
         _check(part, intersections).require_fit()

@@ -4,8 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from inertia.arrays import Float
 from inertia.mesh.part import Facets, Triangles
@@ -39,21 +41,26 @@ class BlockKernel:
 
     def rows(self, triangles: Triangles, frame: tuple[float, ...]) -> Iterator[tuple[int, Float]]:
         """Yield the number of triangles done so far and the rows of the blocks that it took, (blocks, columns)."""
+        table = self.table(triangles.count)
+        chunk = _FACETS_CHUNK if isinstance(triangles, Facets) else _FACES_CHUNK
+        for start in range(0, triangles.count, chunk):
+            stop = min(start + chunk, triangles.count)
+            yield stop, self.sum(triangles, start, triangles.block(start, stop), frame, table)
+
+    def table(self, count: int) -> Float:
+        """Return room for the rows of so many triangles."""
+        return np.empty((-(-count // BLOCK), self.columns))
+
+    def sum(
+        self, triangles: Triangles, start: int, records: NDArray[Any], frame: tuple[float, ...], table: Float
+    ) -> Float:
+        """Return the rows of the blocks of those from `start` on, which are `records`, as they stand in the table."""
         room = np.empty((9 + self.columns + self.room) * LANES + 8)
         scratch = room[-room.ctypes.data % 64 // 8 :]  # on a cache line, for the widest vectors
-        count = triangles.count
-        table = np.empty((-(-count // BLOCK), self.columns))
-        out = table.ctypes.data
-        fixed: tuple[int, ...]
+        rows = table[start // BLOCK : -(-(start + len(records)) // BLOCK)]
+        own = *frame, scratch.ctypes.data, rows.ctypes.data
         if isinstance(triangles, Facets):
-            kernel, fixed, chunk = self.facets, (), _FACETS_CHUNK
+            self.facets.function(records.ctypes.data, len(records), *own)
         else:
-            kernel, fixed, chunk = self.faces, (triangles.vertices.ctypes.data,), _FACES_CHUNK
-        for start in range(0, count, chunk):
-            stop = min(start + chunk, count)
-            rows = triangles.block(start, stop)
-            first = start // BLOCK
-            kernel.function(
-                *fixed, rows.ctypes.data, len(rows), *frame, scratch.ctypes.data, out + first * table.strides[0]
-            )
-            yield stop, table[first : -(-stop // BLOCK)]
+            self.faces.function(triangles.vertices.ctypes.data, records.ctypes.data, len(records), *own)
+        return rows

@@ -24,15 +24,17 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from inertia.arrays import Float, Progress
 from inertia.errors import GeometryError
 from inertia.mass.triangles import fine_sums
 from inertia.mass.triangles.fine_sums import FineSums, Grid, sample_grid
 from inertia.mass.triangles.kernels import BLOCK, DEPTH, LANES, BlockKernel
-from inertia.mesh.part import Triangles, first_non_finite
+from inertia.mesh.part import Facets, Triangles, first_non_finite
 from inertia.native import Kernel
 
 SUMS = 13
@@ -88,6 +90,49 @@ def sum_triangles(triangles: Triangles, *, surface: bool = False, progress: Prog
     return sum_in(frame_of(triangles, surface=surface), triangles, progress)
 
 
+class SummedFacets(Facets):
+    """Triangles that are summed as solids, or as a shell, while somebody else reads them block by block.
+
+    So a file is read once, and by as many threads as read it. Blocks may come in any order, and again.
+    """
+
+    def __init__(self, facets: Facets, *, surface: bool) -> None:
+        self._facets, self._frame = facets, frame_of(facets, surface=surface)
+        self._kernel = _kernel_for(facets, self._frame)
+        if self._kernel is not None:
+            kernel, _ = self._kernel
+            kernel.facets.function  # noqa: B018  # loaded before threads ask for it
+            self._rows, self._done = kernel.table(facets.count), np.zeros(-(-facets.count // BLOCK), bool)
+
+    @property
+    def count(self) -> int:
+        """Number of triangles."""
+        return self._facets.count
+
+    def block(self, start: int, stop: int) -> NDArray[Any]:
+        """Return the records of triangles `start:stop`."""
+        records = self._facets.block(start, stop)
+        own = slice(start // BLOCK, -(-stop // BLOCK))
+        whole = start % BLOCK == 0 and (stop % BLOCK == 0 or stop == self.count)
+        if self._kernel is not None and whole and not self._done[own].any():
+            kernel, numbers = self._kernel
+            kernel.sum(self._facets, start, records, numbers, self._rows)
+            self._done[own] = True
+        return records
+
+    def select(self, index: NDArray[Any]) -> Facets:
+        """Return the triangles picked by an index or mask array, as a copy in memory."""
+        return self._facets.select(index)
+
+    def sums(self, progress: Progress | None = None) -> Sums:
+        """Return the sums, for which what nobody has read is read here."""
+        if self._kernel is None:
+            return sum_in(self._frame, self._facets, progress)
+        for place in np.flatnonzero(~self._done).tolist():
+            self.block(place * BLOCK, min((place + 1) * BLOCK, self.count))
+        return sums_of(self._facets, self._frame, [self._rows])
+
+
 def sum_in(frame: Frame, triangles: Triangles, progress: Progress | None = None) -> Sums:
     """Sum over all triangles, in a frame."""
     blocks = []
@@ -101,12 +146,20 @@ def sum_in(frame: Frame, triangles: Triangles, progress: Progress | None = None)
 
 def block_rows(triangles: Triangles, frame: Frame) -> Iterator[tuple[int, Float]]:
     """Yield the number of triangles done so far and the rows of the blocks that it took, compiled where that pays."""
+    if (compiled := _kernel_for(triangles, frame)) is not None:
+        kernel, numbers = compiled
+        return kernel.rows(triangles, numbers)
+    return vectorised_rows(triangles, frame.origin, frame.exponent, frame.surface)
+
+
+def _kernel_for(triangles: Triangles, frame: Frame) -> tuple[BlockKernel, tuple[float, ...]] | None:
+    """Return the compiled kernel that pays, with the numbers of the frame that it takes."""
     origin, grid = frame.origin.tolist(), frame.grid
     if grid is not None and fine_sums.KERNEL.worthwhile(triangles):
-        return fine_sums.KERNEL.rows(triangles, (*origin, *grid.origin, *grid.steps, grid.unit))
+        return fine_sums.KERNEL, (*origin, *grid.origin, *grid.steps, grid.unit)
     if frame.exponent == 0 and KERNEL.worthwhile(triangles):
-        return KERNEL.rows(triangles, (*origin, int(frame.surface)))
-    return vectorised_rows(triangles, frame.origin, frame.exponent, frame.surface)
+        return KERNEL, (*origin, int(frame.surface))
+    return None
 
 
 def sums_of(triangles: Triangles, frame: Frame, blocks: Sequence[Float]) -> Sums:

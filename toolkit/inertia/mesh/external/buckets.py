@@ -37,8 +37,8 @@ NUMBER = Kernel(_MODULE, "number_pieces", "pi")
 _KERNELS = (FACETS, KEYS, SORT, COUNT, PAIRS, IRREGULAR, JOIN, NUMBER)
 
 MEMORY = Remedy("analyse", "memory", "BYTES")
-SALTS = 24
-"""Random numbers of the keys: seven and seven for a vertex, five and five for an edge (see `edge_kernel`)."""
+SALTS = 15
+"""Random numbers of the keys: seven and seven for a vertex, one for the edges (see `edge_kernel`)."""
 BYTES = 12
 """Of a record."""
 BUCKET = 1 << 16
@@ -218,12 +218,9 @@ class Vectorised:
         stored = triangles.corners_f4 if isinstance(triangles, Facets) else triangles.corners
         corners: NDArray[Any] = np.ascontiguousarray(stored(start, stop))
         corners = corners + corners.dtype.type(0)  # −0 becomes +0
-        vertex = _hashed(corners.view(np.uint32).reshape(len(corners), 3, -1), *self._salt[:14].reshape(2, 7))
-        tail, head = vertex, np.roll(vertex, -1, axis=1)
-        forward = (tail < head).astype(np.uint64)
-        ends = np.sort(np.stack([tail, head], axis=2), axis=2).view(np.uint32).reshape(len(corners), 3, 4)
-        edge = _hashed(ends, *self._salt[14:].reshape(2, 5)) & ~np.uint64(1)
-        edge = np.where(edge == 0, np.uint64(2), edge) | forward
+        tail = _of_vertices(corners.view(np.uint32).reshape(len(corners), 3, -1), *self._salt[:14].reshape(2, 7))
+        head = np.roll(tail, -1, axis=1)
+        edge = np.maximum(_of_edges(tail, head, self._salt[14]), np.uint64(2)) | (tail < head).astype(np.uint64)
         repeated: Bool = (tail == head).any(axis=1)
         keys[:] = np.where(repeated[:, None], np.uint64(0), edge).reshape(-1)
         counts += np.bincount(keys[keys != 0] >> np.uint64(64 - bits), minlength=len(counts)).astype(np.int64)
@@ -319,12 +316,26 @@ def bits_for(count: int) -> int:
     return min(max((3 * count // (2 * BUCKET)).bit_length(), 1), 14)
 
 
-def _hashed(words: NDArray[np.uint32], one: NDArray[np.uint64], other: NDArray[np.uint64]) -> NDArray[np.uint64]:
-    """Return 64-bit keys of words (..., k): the upper halves of two sums over random numbers."""
+def _of_vertices(words: NDArray[np.uint32], one: NDArray[np.uint64], other: NDArray[np.uint64]) -> NDArray[np.uint64]:
+    """Return 60-bit keys of words (..., k): the upper halves of two sums over random numbers."""
     each, shift = words.astype(np.uint64), np.uint64(32)
     high, low = (salt[0] + (each * salt[1 : each.shape[-1] + 1]).sum(axis=-1, dtype=np.uint64) for salt in (one, other))
-    key: NDArray[np.uint64] = (high >> shift << shift) | (low >> shift)
+    key: NDArray[np.uint64] = ((high >> shift << shift) | (low >> shift)) >> np.uint64(4)
     return key
+
+
+def _of_edges(tail: NDArray[np.uint64], head: NDArray[np.uint64], salt: np.uint64) -> NDArray[np.uint64]:
+    """Return `edge_kernel.edge_key` without the way: (r + a)(r + b) modulo 2⁶¹ − 1, by products of 31 bits."""
+    prime, half, s30, s31, s61 = (np.uint64(k) for k in (2**61 - 1, 2**31 - 1, 30, 31, 61))
+    one, other = tail + (salt & prime), head + (salt & prime)
+    high, low = (one >> s31, other >> s31), (one & half, other & half)
+    middle = high[0] * low[1] + low[0] * high[1]
+    rest = (middle & (half >> np.uint64(1))) << s31
+    key = np.uint64(2) * high[0] * high[1] + (middle >> s30) + rest + low[0] * low[1]
+    key = (key & prime) + (key >> s61)
+    key -= prime * (key >= prime)
+    edge: NDArray[np.uint64] = key << np.uint64(3)
+    return edge
 
 
 def _keys_of(records: NDArray[np.uint32]) -> NDArray[np.uint64]:

@@ -147,7 +147,7 @@ def join_pairs(pairs_at, size, parent_at, count):
             prefetch(parent_at, 4 * np.int64(pairs[k, 0]))
             prefetch(parent_at, 4 * np.int64(pairs[k, 1]))
         for k in range(start, stop):
-            unite(parent, np.int64(pairs[k, 0]), np.int64(pairs[k, 1]))
+            unite(parent, uint64(pairs[k, 0]), uint64(pairs[k, 1]))
     return 0
 
 

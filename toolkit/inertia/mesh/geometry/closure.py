@@ -7,13 +7,17 @@ around it tell which belong together, so that nothing depends on the order of th
 Whether there is such an edge, the keys of all edges that groups may share tell (12 bytes a triangle, at most), as none
 may come twice. Vertices are equal when their stored coordinates are (−0 equals +0), which must be finite.
 
-The compiled pass knows a vertex, and an edge, by a 64-bit key: the upper halves of two sums of random 64-bit numbers,
-one of them alone and one times each 32-bit word that it has. Whatever two things are given, their keys agree with a
-probability of 2⁻⁶⁴ (D. Lemire and O. Kaser, "Strongly universal string hashing is fast", The Computer Journal 57
-(2014)), as each process draws numbers of its own, which who made the file cannot know. The lowest bit of an edge's key
-being taken, n vertices and e edges hold a collision with a probability of at most n²/2⁶⁵ + e²/2⁶⁴, which is 1e-5 at
-ten million triangles. A collision can make a closed surface look open, which the exact pairing
-(`inertia.mesh.geometry.edges`) then corrects, join two components, or hide a hole. Nothing else depends on the numbers.
+The compiled pass knows a vertex by a 60-bit key: the upper halves of two sums of random 64-bit numbers, one of them
+alone and one times each 32-bit word of its coordinates. Whatever two are given, their keys agree with a probability of
+2⁻⁶⁰ (D. Lemire and O. Kaser, "Strongly universal string hashing is fast", The Computer Journal 57 (2014)). An edge it
+knows by (r + a)(r + b) modulo the prime 2⁶¹ − 1, where a and b are the keys of its ends and r is random: for two edges
+these are polynomials in r that agree at one value at most. As each process draws numbers of its own, which who made the
+file cannot know, n vertices and e edges hold a collision with a probability of at most n²/2⁶¹ + e²/2⁶², which is 6e-5
+at ten million triangles. A collision of closed edges shows as an edge of more than two triangles, for which the exact
+pairing is made (`inertia.mesh.geometry.edges`); one of open edges can hide these two. Where triangles are grouped by
+place, their edges are told apart by 40 bits of the keys of vertices: two edges of one vertex agree with a probability
+of 2⁻⁴⁰, which shows in the same way, and corners of one triangle that agree show as their whole keys differ. Nothing
+else depends on the numbers.
 """
 
 from __future__ import annotations
@@ -31,7 +35,7 @@ from inertia.mesh.geometry.halfedges import HalfEdges, half_edges
 from inertia.mesh.geometry.pairing import FACES, FACETS, paired_edges
 from inertia.mesh.part import Facets, Triangles
 
-_SALTS = 24  # seven and seven for a vertex, five and five for an edge: see `edge_kernel`
+_SALTS = 15  # seven and seven for a vertex, one for the edges: see `edge_kernel`
 
 
 @dataclass(frozen=True, eq=False)
@@ -57,7 +61,7 @@ class Closure:
 
 @cache
 def process_salt() -> NDArray[np.uint64]:
-    """Return the random numbers (24,) of this process."""
+    """Return the random numbers (15,) of this process."""
     return np.frombuffer(os.urandom(8 * _SALTS), np.uint64)
 
 
@@ -80,7 +84,7 @@ def closure(triangles: Triangles, progress: Progress | None = None) -> Closure:
 def compiled_closure(
     triangles: Triangles, progress: Progress | None = None, salt: NDArray[np.uint64] | None = None
 ) -> Closure:
-    """Return what `closure` does, by the compiled kernels; `salt` (24,) is this process's own unless given."""
+    """Return what `closure` does, by the compiled kernels; `salt` (15,) is this process's own unless given."""
     paired = paired_edges(triangles, process_salt() if salt is None else salt, progress)
     return vectorised_closure(triangles) if paired is None else Closure(*paired, crowded=0)
 

@@ -10,17 +10,26 @@ from llvmlite import ir
 from numba import carray, njit, types, uint64
 from numba.extending import intrinsic
 
-S29, S32, S33 = np.uint64(29), np.uint64(32), np.uint64(33)
+S29, S32 = np.uint64(29), np.uint64(32)
 LOW = np.uint64(0xFFFFFFFF)
 ONE = np.uint64(1)
+TWO = np.uint64(2)
+NONE = np.uint64(0xFFFFFFFFFFFFFFFF)
+"""Indices are unsigned throughout: numba looks whether one with a sign is negative, each time."""
+
 SIGN = np.uint64(0x80000000)
 BIN = np.uint64(52)
 
-VERTEX, EDGE = 7, 5
-"""Salts of a sum over a vertex and over an edge: one alone, and one for each 32-bit word of three float64 (of three
-float32, the first of them), or of two keys. A key is made of two sums."""
+VERTEX = 7
+"""Salts of a sum over a vertex: one alone, and one for each 32-bit word of three float64 (of three float32, the
+first of them). A vertex's key is made of two sums."""
 
-SALTS = 2 * (VERTEX + EDGE)
+SALTS = 2 * VERTEX + 1
+"""Those and one for the edges."""
+
+PRIME = np.uint64(2**61 - 1)
+PACKED = np.uint64(2**40 - 1)
+S3, S4, S8, S16, S24, S48, S61 = (np.uint64(k) for k in (3, 4, 8, 16, 24, 48, 61))
 
 BLOCK = 64
 """Triangles whose edges' keys are computed together, which brings what the table has for them on its way."""
@@ -28,6 +37,7 @@ BLOCK = 64
 ENTRY = 16
 """Bytes of an entry of the table: the key of an edge that waits, its lowest bit 1, and 2 × its label + that bit."""
 
+AHEAD = np.uint64(16)
 FAR = 1000
 """Slots after its own that an entry may have to go in a table with free ones; edges of one key go so far."""
 
@@ -46,11 +56,11 @@ def word(halves, at):
 
 @njit(inline="always")
 def corner_key(halves, at, salt):
-    """Return the 64-bit key of a stored corner."""
+    """Return the 60-bit key of a stored corner."""
     x, y, z = word(halves, at), word(halves, at + 2), word(halves, at + 4)
     high = salt[0] + x * salt[1] + y * salt[2] + z * salt[3]
     low = salt[VERTEX] + x * salt[VERTEX + 1] + y * salt[VERTEX + 2] + z * salt[VERTEX + 3]
-    return (high >> S32 << S32) | (low >> S32)
+    return (high >> S32 << S32 | low >> S32) >> S4
 
 
 @intrinsic
@@ -77,32 +87,50 @@ def pointer(context, address):
     return types.voidptr(types.int64), code
 
 
+@intrinsic
+def multiply(context, a, b):
+    """Return the upper and the lower half of the product of two uint64."""
+
+    def code(context, builder, signature, arguments):
+        wide = ir.IntType(128)
+        product = builder.mul(*(builder.zext(each, wide) for each in arguments))
+        halves = builder.lshr(product, ir.Constant(wide, 64)), product
+        return context.make_tuple(builder, signature.return_type, [builder.trunc(k, ir.IntType(64)) for k in halves])
+
+    return types.UniTuple(types.uint64, 2)(types.uint64, types.uint64), code
+
+
 @njit(inline="always")
 def edge_key(a, b, salt):
-    """Return the key of the edge between two vertices, by theirs; the lowest bit says which way it runs."""
-    way = uint64(a < b)
-    a, b = min(a, b), max(a, b)
-    a0, a1, b0, b1 = a & LOW, a >> S32, b & LOW, b >> S32
-    k = 2 * VERTEX
-    high = salt[k] + a0 * salt[k + 1] + a1 * salt[k + 2] + b0 * salt[k + 3] + b1 * salt[k + 4]
-    k = 2 * VERTEX + EDGE
-    low = salt[k] + a0 * salt[k + 1] + a1 * salt[k + 2] + b0 * salt[k + 3] + b1 * salt[k + 4]
-    return (high >> S32 << S32) | (low >> S33 << ONE) | way
+    """Return the key of the edge between two vertices, by theirs; the lowest bit says which way it runs.
+
+    It is (r + a)(r + b) modulo the prime 2⁶¹ − 1, in the upper bits. For two edges these are polynomials in r that
+    differ, by one of the first degree at most, so that they agree for one r at most.
+    """
+    r = salt[2 * VERTEX] & PRIME
+    high, low = multiply(r + a, r + b)
+    key = (low & PRIME) + (high << S3 | low >> S61)
+    key = (key & PRIME) + (key >> S61)
+    if key >= PRIME:
+        key -= PRIME
+    return key << S3 | uint64(a < b)
 
 
 @njit(inline="always")
 def find(parent, label):
     """Return the root of `label`, halving the path to it."""
-    while parent[label] != label:
-        parent[label] = parent[parent[label]]
-        label = parent[label]
+    above = uint64(parent[label])
+    while above != label:
+        parent[label] = parent[above]
+        label = uint64(parent[label])
+        above = uint64(parent[label])
     return label
 
 
 @njit(inline="always")
 def home(key, mask):
     """Return the slot where the search for `key` begins."""
-    return np.int64(key >> S29) & mask
+    return (key >> S29) & mask
 
 
 @njit(inline="always")
@@ -113,7 +141,7 @@ def edge_keys(u, v, w, salt, edges, place, table_at, mask):
         return
     edges[place], edges[place + 1], edges[place + 2] = edge_key(u, v, salt), edge_key(v, w, salt), edge_key(w, u, salt)
     for side in range(3):
-        prefetch(table_at, home(edges[place + side], mask) * ENTRY)
+        prefetch(table_at, np.int64(home(edges[place + side], mask)) * ENTRY)
 
 
 @njit(inline="always")
@@ -121,55 +149,56 @@ def insert(table, mask, key, value):
     """Put an entry at its first free slot, and say whether that is too far to go for each of many."""
     first = slot = home(key, mask)
     while table[slot, 0] != 0:
-        slot = (slot + 1) & mask
+        slot = (slot + ONE) & mask
     table[slot, 0] = key
     table[slot, 1] = value
-    return ((slot - first) & mask) > FAR
+    return ((slot - first) & mask) > uint64(FAR)
 
 
 @njit(inline="always")
 def take(table, mask, key, sign):
-    """Remove an entry of `key` with the opposite sign and return its label, or −1."""
+    """Remove an entry of `key` with the opposite sign and return its label, or `NONE`."""
     slot = home(key, mask)
     while table[slot, 0] != 0:
         if table[slot, 0] == key and (table[slot, 1] & ONE) != sign:
-            label = np.int64(table[slot, 1] >> ONE)
+            label = table[slot, 1] >> ONE
             # Close the gap: move back every later entry that could not be found past an empty slot.
             hole = slot
-            after = (slot + 1) & mask
+            after = (slot + ONE) & mask
             while table[after, 0] != 0:
                 if ((after - home(table[after, 0], mask)) & mask) >= ((after - hole) & mask):
                     table[hole, 0] = table[after, 0]
                     table[hole, 1] = table[after, 1]
                     hole = after
-                after = (after + 1) & mask
+                after = (after + ONE) & mask
             table[hole, 0] = 0
             return label
-        slot = (slot + 1) & mask
-    return np.int64(-1)
+        slot = (slot + ONE) & mask
+    return NONE
 
 
 @njit(inline="always")
 def record(log_at, log, sizes, key, state):
     """Append the key of a paired edge to its bin of the log; with no room left, state[3] says that it is not there."""
-    place = np.int64(key >> BIN) & (log.shape[0] - 1)
+    place = (key >> BIN) & uint64(log.shape[0] - 1)
     size = sizes[place]
-    if size < log.shape[1]:
-        prefetch(log_at, (place * log.shape[1] + size + 16) * 8)  # of so many bins the processor foresees none
+    if size < uint64(log.shape[1]):
+        ahead = place * uint64(log.shape[1]) + size + AHEAD  # of so many bins the processor foresees none
+        prefetch(log_at, np.int64(ahead) * 8)
         log[place, size] = key
-        sizes[place] = size + 1
+        sizes[place] = size + ONE
     else:
         state[3] = 1
 
 
 @njit(inline="always")
 def join(parent, label, other):
-    """Join two labels, of which the first may be −1 for none, and return the root: the older of their roots."""
+    """Join two labels, of which the first may be `NONE`, and return the root: the older of their roots."""
     other = find(parent, other)
-    if label < 0:
+    if label == NONE:
         return other
     low, high = min(label, other), max(label, other)
-    parent[high] = low
+    parent[high] = np.uint32(low)
     return low
 
 
@@ -185,9 +214,9 @@ def unite(parent, a, b):
         if above < other:
             a, b, above, other = b, a, other, above
         parent[a] = other
-        if np.int64(above) == a:
+        if uint64(above) == a:
             return
-        a = np.int64(above)
+        a = uint64(above)
         above = parent[a]
 
 
@@ -202,28 +231,28 @@ def pair(edges, place, triangle, table, mask, parent, labels, log_at, log, sizes
         state[2] += 1
         labels[triangle] = -1
         return False
-    label = np.int64(-1)
+    label = NONE
     pending = 0
     for side in range(3):
         key = edges[place + side] | ONE
         sign = edges[place + side] & ONE
         other = take(table, mask, key, sign)
-        if other >= 0:
+        if other != NONE:
             state[0] -= 1
             record(log_at, log, sizes, key, state)
             label = join(parent, label, other)
         else:
             edges[place + pending] = edges[place + side]
             pending += 1
-    if label < 0:
-        label = state[1]
-        parent[label] = label
+    if label == NONE:
+        label = uint64(state[1])
+        parent[label] = np.uint32(label)
         state[1] += 1
-    labels[triangle] = label
+    labels[triangle] = np.int32(label)
     far = False
     for k in range(pending):
         edge = edges[place + k]
-        far |= insert(table, mask, edge | ONE, uint64(label) << ONE | (edge & ONE))
+        far |= insert(table, mask, edge | ONE, label << ONE | (edge & ONE))
     state[0] += pending
     return far
 
@@ -254,13 +283,13 @@ def pair_rows(
     runs = carray(runs_at, (number, 2), np.int64)
     salt = carray(salt_at, (SALTS,), np.uint64)
     table = carray(table_at, (capacity, 2), np.uint64)
-    parent = carray(parent_at, (group,), np.int32)
+    parent = carray(parent_at, (group,), np.uint32)
     labels = carray(labels_at, (group,), np.int32)
     log = carray(log_at, (bins, logged), np.uint64)
-    sizes = carray(sizes_at, (bins,), np.int64)
+    sizes = carray(sizes_at, (bins,), np.uint64)
     state = carray(state_at, (5 + 3 * BLOCK,), np.int64)
     edges = carray(state_at, (5 + 3 * BLOCK,), np.uint64)[5:]
-    mask = capacity - 1
+    mask = uint64(capacity - 1)
     for run in range(number):
         rows = carray(rows_at, (runs[run, 0] + runs[run, 1], width), np.uint64)
         for first in range(0, runs[run, 1], BLOCK):
@@ -288,30 +317,31 @@ def close_group(table_at, capacity, parent_at, labels_at, group, edges_at, piece
     `edges` are their keys with the way that they run, `pieces` whose they are. Returns how many pieces there are.
     """
     table = carray(table_at, (capacity, 2), np.uint64)
-    parent = carray(parent_at, (group,), np.int32)
+    parent = carray(parent_at, (group,), np.uint32)
     labels = carray(labels_at, (group,), np.int32)
     state = carray(state_at, (5,), np.int64)
     edges = carray(edges_at, (state[0],), np.uint64)
     pieces = carray(pieces_at, (state[0],), np.int32)
     number = 0
     for label in range(state[1]):
-        if parent[label] == label:
-            parent[label] = number
+        above = uint64(parent[label])
+        if above == uint64(label):
+            parent[label] = np.uint32(number)
             number += 1
         else:
-            parent[label] = parent[parent[label]]  # an older one, which has its number
+            parent[label] = parent[above]  # an older one, which has its number
     if number == 1:
         for k in range(state[4]):
             labels[k] = min(labels[k], 0)
     else:
         for k in range(state[4]):
             if labels[k] >= 0:
-                labels[k] = parent[labels[k]]
+                labels[k] = np.int32(parent[uint64(labels[k])])
     waiting = slot = 0
     while waiting < state[0]:
         if table[slot, 0] != 0:
             edges[waiting] = table[slot, 0] & ~ONE | table[slot, 1] & ONE
-            pieces[waiting] = parent[table[slot, 1] >> ONE]
+            pieces[waiting] = np.int32(parent[table[slot, 1] >> ONE])
             waiting += 1
             table[slot, 0] = 0
         slot += 1
@@ -335,78 +365,82 @@ def pair_leaf(
 ):
     """Pair the edges of a leaf of triangles, in an order that no processor foresees; return how many pieces there are.
 
-    A row is the keys of the corners and 8 × a number + which edges are used in this leaf alone (`descend`); of the
-    others, `edges` are the keys with the way that they run, `pieces` whose they are, and state[0] says how many. An
-    edge stays in the table, whose entries are its key and, for each way that it runs, 1 + the triangle; there is room
-    for all. state[1] counts those used once; a second use of the same way sets state[3].
+    A row has the keys of the corners and which edges are used in this leaf alone (`pack`, `descend`); of the others,
+    `edges` are the keys with the way that they run, `pieces` whose they are, and state[0] says how many. An edge stays
+    in the table, whose entries are its key and, for each way that it runs, 1 + the triangle; there is room for all.
+    state[1] counts those used once; a second use of the same way sets state[3].
     """
     runs = carray(runs_at, (number, 2), np.int64)
     salt = carray(salt_at, (SALTS,), np.uint64)
     table = carray(table_at, (capacity, 2), np.uint64)
     users = carray(table_at, (capacity, 4), np.uint32)
-    slots = carray(slots_at, (3 * group + 1,), np.int32)
-    parent = carray(parent_at, (group,), np.int32)
+    slots = carray(slots_at, (3 * group + 1,), np.uint32)
+    parent = carray(parent_at, (group,), np.uint32)
     labels = carray(labels_at, (group,), np.int32)
     waits = carray(edges_at, (3 * group,), np.uint64)
     pieces = carray(pieces_at, (3 * group,), np.int32)
     state = carray(state_at, (5 + 3 * BLOCK,), np.int64)
     edges = carray(state_at, (5 + 3 * BLOCK,), np.uint64)[5:]
-    mask = capacity - 1
-    triangle, used, waiting = 0, np.int64(0), np.int64(0)
+    mask = uint64(capacity - 1)
+    triangle, used, waiting = np.uint32(0), uint64(0), uint64(0)
     again = np.uint32(0)
     for run in range(number):
-        rows = carray(rows_at, (runs[run, 0] + runs[run, 1], 4), np.uint64)
+        rows = carray(rows_at, (runs[run, 0] + runs[run, 1], 2), np.uint64)
         ahead = runs[min(run + 1, number - 1), 0]
         for first in range(0, runs[run, 1], BLOCK):
             count = min(BLOCK, runs[run, 1] - first)
             for k in range(count):
                 row = runs[run, 0] + first + k
-                prefetch(rows_at, (ahead + first + k) * 32)  # the next run is elsewhere
-                edge_keys(rows[row, 0], rows[row, 1], rows[row, 2], salt, edges, 3 * k, table_at, mask)
+                prefetch(rows_at, (ahead + first + k) * 16)  # the next run is elsewhere
+                one, other = rows[row, 0], rows[row, 1]
+                u, v, w = one >> S24, (one << S16 | other >> S48) & PACKED, other >> S8 & PACKED
+                edge_keys(u, v, w, salt, edges, 3 * k, table_at, mask)
             for k in range(count):
                 parent[triangle] = triangle
                 labels[triangle] = 0
-                triangle += 1
+                triangle += np.uint32(1)
                 if edges[3 * k] == 0:
                     state[2] += 1
-                    labels[triangle - 1] = -1
+                    labels[triangle - np.uint32(1)] = -1
                     continue
-                own = rows[runs[run, 0] + first + k, 3]
+                own = rows[runs[run, 0] + first + k, 1]
                 for side in range(3):
+                    edge = edges[3 * k + side]
                     if own >> uint64(side) & ONE == 0:
-                        waits[waiting] = edges[3 * k + side]
-                        pieces[waiting] = triangle - 1
-                        waiting += 1
+                        waits[waiting] = edge
+                        pieces[waiting] = triangle - np.uint32(1)
+                        waiting += ONE
                         continue
-                    key = edges[3 * k + side] | ONE
-                    way = 2 + np.int64(edges[3 * k + side] & ONE)
+                    key = edge | ONE
                     slot = home(key, mask)
                     while (table[slot, 0] != 0) & (table[slot, 0] != key):  # one branch: which of both, none foresees
-                        slot = (slot + 1) & mask
-                    slots[used] = slot
-                    used += np.int64(table[slot, 0] == 0)
+                        slot = (slot + ONE) & mask
+                    slots[used] = np.uint32(slot)
+                    used += uint64(table[slot, 0] == 0)
                     table[slot, 0] = key
+                    way = TWO + (edge & ONE)
                     again |= users[slot, way]
                     users[slot, way] = triangle
     for k in range(used):
-        slot = slots[k]
-        one, other = np.int64(users[slot, 2]), np.int64(users[slot, 3])
+        slot = uint64(slots[k])
+        one, other = users[slot, 2], users[slot, 3]
         table[slot, 0] = table[slot, 1] = 0
         if one != 0 and other != 0:
-            unite(parent, one - 1, other - 1)
+            unite(parent, uint64(one) - ONE, uint64(other) - ONE)
         else:
             state[1] += 1
     piece = 0
     for k in range(triangle):
         if labels[k] >= 0:
-            if parent[k] == k:
+            above = uint64(parent[k])
+            if above == uint64(k):
                 labels[k] = piece
                 piece += 1
             else:
-                labels[k] = labels[parent[k]]  # an earlier one
+                labels[k] = labels[above]  # an earlier one
     for k in range(waiting):
-        pieces[k] = labels[pieces[k]]
-    state[0] = waiting
+        pieces[k] = labels[uint64(pieces[k])]
+    state[0] = np.int64(waiting)
     state[3] |= np.int64(again != 0)
     return piece
 
@@ -421,22 +455,22 @@ def pair_edges(
     edges = carray(edges_at, (count,), np.uint64)
     pieces = carray(pieces_at, (count,), np.int32)
     table = carray(table_at, (capacity, 2), np.uint64)
-    parent = carray(parent_at, (number,), np.int32)
+    parent = carray(parent_at, (number,), np.uint32)
     log = carray(log_at, (bins, logged), np.uint64)
-    sizes = carray(sizes_at, (bins,), np.int64)
+    sizes = carray(sizes_at, (bins,), np.uint64)
     state = carray(state_at, (5,), np.int64)
-    mask = capacity - 1
+    mask = uint64(capacity - 1)
     for first in range(0, count, BLOCK):
         last = min(first + BLOCK, count)
         for k in range(first, last):
-            prefetch(table_at, home(edges[k] | ONE, mask) * ENTRY)
+            prefetch(table_at, np.int64(home(edges[k] | ONE, mask)) * ENTRY)
         for k in range(first, last):
             key, way = edges[k] | ONE, edges[k] & ONE
             other = take(table, mask, key, way)
-            if other >= 0:
+            if other != NONE:
                 state[0] -= 1
                 record(log_at, log, sizes, key, state)
-                join(parent, find(parent, np.int64(pieces[k])), other)
+                join(parent, find(parent, uint64(pieces[k])), other)
             else:
                 state[0] += 1
                 if insert(table, mask, key, uint64(pieces[k]) << ONE | way):
@@ -453,7 +487,7 @@ def repeated_edges(logs_at, number, bins, first, last, slots_at, places):
     """Say whether a key occurs twice in bins `first:last` of the logs (keys, room of a bin, sizes of the bins)."""
     logs = carray(logs_at, (number, 3), np.int64)
     slots = carray(slots_at, (places,), np.uint16)
-    mask = places - 1
+    mask = uint64(places - 1)
     for place in range(first, last):
         slots[:] = 0
         for which in range(number):
@@ -470,7 +504,7 @@ def repeated_edges(logs_at, number, bins, first, last, slots_at, places):
                             for before in range(at if earlier == which else own):
                                 if other[place, before] == key:
                                     return 1
-                    slot = (slot + 1) & mask
+                    slot = (slot + ONE) & mask
                 slots[slot] = np.uint16(key)
     return 0
 
@@ -508,7 +542,7 @@ def key_faces(faces_at, count, vertex_keys_at, vertices_at, vertices, rows_at, p
 
 
 def key_vertices(vertices_at, count, salt_at, keys_at):
-    """Give each vertex the 64-bit key of its float64 coordinates, with −0 read as +0."""
+    """Give each vertex the 60-bit key of its float64 coordinates, with −0 read as +0."""
     words = carray(vertices_at, (count, 6), np.uint32)
     salt = carray(salt_at, (SALTS,), np.uint64)
     keys = carray(keys_at, (count,), np.uint64)
@@ -520,5 +554,5 @@ def key_vertices(vertices_at, count, salt_at, keys_at):
                 other = np.uint64(0)
             high += one * salt[k + 1] + other * salt[k + 2]
             low += one * salt[VERTEX + k + 1] + other * salt[VERTEX + k + 2]
-        keys[vertex] = (high >> S32 << S32) | (low >> S32)
+        keys[vertex] = (high >> S32 << S32 | low >> S32) >> S4
     return 0

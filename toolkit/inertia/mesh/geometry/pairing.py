@@ -11,6 +11,7 @@ from __future__ import annotations
 
 import threading
 from collections.abc import Callable, Sequence
+from functools import partial
 from itertools import pairwise
 from typing import Any
 
@@ -30,8 +31,12 @@ CLOSE = Kernel(_MODULE, "close_group", "pippi" + "ppp")
 LEAF = Kernel(_MODULE, "pair_leaf", "ppip" + "pip" + "ppi" + "ppp")
 EDGES = Kernel(_MODULE, "pair_edges", "ppipi" + "pi" + "piipp")
 REPEATED = Kernel(_MODULE, "repeated_edges", "piiiipi")
-DESCEND = Kernel("inertia.mesh.geometry.partition_kernel", "descend", "pipppip")
-SCATTER = Kernel("inertia.mesh.geometry.partition_kernel", "scatter", "piipipippp")
+_PARTITION = "inertia.mesh.geometry.partition_kernel"
+DESCEND = Kernel(_PARTITION, "descend", "pipppip")
+PACK = Kernel(_PARTITION, "pack", "pipp")
+SCATTER = Kernel(_PARTITION, "scatter", "piipipippp")
+
+_BY_PLACE = LEAF, DESCEND, PACK, SCATTER
 
 _BLOCK = 8192  # triangles whose corners' keys are computed at a time
 _GROUP = 1 << 17  # triangles that are paired together where they stand together
@@ -68,7 +73,7 @@ class _Thread:
         self.salt, self.log = salt, log
         self.state = np.zeros(5 + 3 * 64, np.int64)
         self.table = np.zeros((_TABLE, 2), np.uint64)
-        self.parent, self.slots, self.whose = (np.empty(0, np.int32) for _ in range(3))
+        self.own, self.parent, self.slots, self.whose = (np.empty(0, np.int32) for _ in range(4))
         self.waiting = np.empty(0, np.uint64)
         self.edges: list[NDArray[np.uint64]] = []
         self.pieces: list[NDArray[np.int32]] = []
@@ -81,12 +86,12 @@ class _Thread:
         """Begin a group, to whose triangles labels are given."""
         self.state[:3] = self.state[4] = 0
         self.labels.append(labels)
-        if len(self.parent) < len(labels):
-            self.parent = np.empty(len(labels), np.int32)
+        if len(self.own) < len(labels):
+            self.own, self.parent = np.empty(len(labels), np.int32), np.empty(len(labels), np.int32)
 
     def pair(self, rows: NDArray[np.uint64], runs: Int, passed: int = 0) -> bool:
         """Pair the rows of runs, after those `passed` in the group; say whether the table is too small for them."""
-        labels, table = self.labels[-1], self.table
+        labels, table = self.own[: len(self.labels[-1])], self.table
         return ROWS.function(
             address(rows), rows.shape[1], address(runs), len(runs), passed, address(self.salt),
             address(table), len(table), address(self.parent), address(labels), len(labels),
@@ -95,7 +100,7 @@ class _Thread:
 
     def end(self) -> None:
         """End the group: keep its edges that still wait, and how many pieces it has."""
-        labels = self.labels[-1]
+        labels = self.own[: len(self.labels[-1])]
         edges, pieces = np.empty(self.state[0], np.uint64), np.empty(self.state[0], np.int32)
         number = CLOSE.function(
             address(self.table), len(self.table), address(self.parent), address(labels), len(labels),
@@ -105,7 +110,7 @@ class _Thread:
 
     def leaf(self, rows: NDArray[np.uint64], runs: Int) -> None:
         """Pair the rows of some runs, which are a group by themselves."""
-        labels = self.labels[-1]
+        labels = self.own[: len(self.labels[-1])]
         if len(self.slots) < 3 * len(labels) + 1:
             self.table = np.zeros((1 << (4 * len(labels) - 1).bit_length(), 2), np.uint64)
             self.slots, self.waiting = np.empty(3 * len(labels) + 1, np.int32), np.empty(3 * len(labels), np.uint64)
@@ -120,6 +125,8 @@ class _Thread:
         self._keep(self.waiting[: self.state[0]].copy(), self.whose[: self.state[0]].copy(), number)
 
     def _keep(self, edges: NDArray[np.uint64], pieces: NDArray[np.int32], number: int) -> None:
+        if number > 1 or self.state[2]:  # memory that stays 0 is not taken
+            self.labels[-1][:] = self.own[: len(self.labels[-1])]
         self.edges.append(edges)
         self.pieces.append(pieces)
         self.numbers.append(number)
@@ -137,15 +144,16 @@ def paired_edges(
         _rising(progress),
     )  # which may be written to, as `address` asks
     bins = 1 << min(max(3 * count // 2 // _BIN, 1).bit_length() - 1, 12)
-    cuts = np.linspace(0, count, (threads() if count >= _SHARED else 1) + 1).astype(np.int64).tolist()
+    parts = threads() if count >= _SHARED else 1
+    cuts = [*(_BLOCK * (part * count // (parts * _BLOCK)) for part in range(parts)), count]
     keys = _corner_keys(triangles, salt)
     _load(ROWS, CLOSE, EDGES, REPEATED)
     index = None
-    labels = np.empty(count, np.int32)
+    labels = np.zeros(count, np.int32)
     try:
         done = _pair_in_order(labels, keys, cuts, salt, bins, progress)
     except _Scattered:
-        if not all(kernel.worthwhile(count) for kernel in (LEAF, DESCEND, SCATTER)):
+        if not all(kernel.worthwhile(count) for kernel in _BY_PLACE):
             return None
         done, index = _pair_by_place(triangles, labels, keys, cuts, salt, bins, progress)
     numbers = np.array([number for thread in done for number in thread.numbers], np.int64)
@@ -169,10 +177,11 @@ def paired_edges(
         return None
     components = int(number.max(initial=-1)) + 1
     repeated = sum(thread.repeated for thread in done)
+    groups = zip((group for thread in done for group in thread.labels), base, strict=True)
     if components > 1:
-        for group, of in zip((group for thread in done for group in thread.labels), base, strict=True):
+        for group, of in groups:
             group[:] = np.where(group < 0, -1, number[group + of])
-    else:
+    elif repeated or len(numbers) < numbers.sum():
         np.minimum(labels, 0, out=labels)
     if index is not None and (components > 1 or repeated):
         labels = _in_file_order(labels, index(), components)
@@ -260,41 +269,43 @@ def _pair_by_place(
     bins: int,
     progress: Progress | None,
 ) -> tuple[list[_Thread], Callable[[], Int]]:
-    _load(LEAF, DESCEND, SCATTER)
+    _load(*_BY_PLACE)
     count, parts = triangles.count, len(cuts) - 1
     depth = max((count // _LEAF).bit_length() - 1, 1)
     leaves = 1 << depth
     axes, planes, cells = _tree(_sample(triangles, _SAMPLED * leaves), depth)
     most = [-(-(stop - start) // _RUN) + leaves for start, stop in pairwise(cuts)]
     ends = np.cumsum([0, *most]).tolist()
-    pool, owners = np.empty((ends[-1] * _RUN, 4), np.uint64), np.empty(ends[-1], np.int64)
 
-    def scatter(which: int, stopped: threading.Event) -> tuple[Int, int]:
+    def scatter(which: int, stopped: threading.Event, into: NDArray[np.uint64], numbered: bool) -> tuple[Int, int, int]:
         heads, state = np.zeros(leaves, np.int64), np.array([ends[which]])
         rows, points = np.empty((_BLOCK, 3), np.uint64), np.empty((_BLOCK, 9), np.float32)
-        leaf = np.empty(_BLOCK, np.int64)
-        start, stop = cuts[which : which + 2]
+        leaf, packed = np.empty(_BLOCK, np.int64), np.empty((_BLOCK, into.shape[1]), np.uint64)
+        tree = address(axes), address(planes), address(cells), depth
+        places = address(into), ends[-1], address(heads), address(owners), address(state)
+        (start, stop), repeated = cuts[which : which + 2], 0
         for at in range(start, stop, _BLOCK):
             size = min(_BLOCK, stop - at)
             keys(at, at + size, rows, points)
-            tree = address(axes), address(planes), address(cells), depth
             DESCEND.function(address(points), size, *tree, address(leaf))
-            SCATTER.function(
-                address(rows), at, size, address(leaf), leaves,
-                address(pool), ends[-1], address(heads), address(owners), address(state),
-            )  # fmt: skip
+            if numbered:
+                packed[:size, 0] = np.arange(at, at + size, dtype=np.uint64)
+            else:
+                repeated += PACK.function(address(rows), size, address(leaf), address(packed))
+            SCATTER.function(address(packed), packed.shape[1], size, address(leaf), leaves, *places)
             if stopped.is_set():
                 break
             if progress is not None and which == 0 and at % _REPORTED == 0:
                 progress(0.5 * (at + size) / stop)
-        return heads, int(state[0])
+        return heads, int(state[0]), repeated
 
-    scattered = _in_threads(parts, scatter)
-    taken = np.concatenate([np.arange(first, last) for first, (_, last) in zip(ends, scattered, strict=False)])
+    pool, owners = np.empty((ends[-1] * _RUN, 2), np.uint64), np.empty(ends[-1], np.int64)
+    scattered = _in_threads(parts, partial(scatter, into=pool, numbered=False))
+    taken = np.concatenate([np.arange(first, last) for first, (_, last, _) in zip(ends, scattered, strict=False)])
     sizes = np.full(ends[-1], _RUN)
-    for heads, _ in scattered:
-        partial = heads[heads % _RUN != 0]
-        sizes[partial // _RUN] = partial % _RUN
+    for heads, *_ in scattered:
+        unfilled = heads[heads % _RUN != 0]
+        sizes[unfilled // _RUN] = unfilled % _RUN
     taken = taken[np.argsort(owners[taken], kind="stable")]
     runs = np.column_stack([taken * _RUN, sizes[taken]])
     first_run = np.searchsorted(owners[taken], np.arange(leaves + 1))
@@ -318,10 +329,15 @@ def _pair_by_place(
         return thread
 
     def index() -> Int:
-        inside = np.arange(_RUN) < runs[:, 1:]
-        return (pool.reshape(-1, _RUN, 4)[taken, :, 3][inside] >> np.uint64(3)).astype(np.int64)
+        numbers = pool.reshape(-1)[: ends[-1] * _RUN, None]  # the keys have done their service
+        _in_threads(parts, partial(scatter, into=numbers, numbered=True))
+        inside: Int = numbers.reshape(-1, _RUN)[taken][np.arange(_RUN) < runs[:, 1:]].astype(np.int64)
+        return inside
 
-    return _in_threads(parts, pair), index
+    done = _in_threads(parts, pair)
+    if sum(thread.repeated for thread in done) != sum(repeated for *_, repeated in scattered):
+        done[0].overfull = True  # corners of one triangle have the same 40 bits
+    return done, index
 
 
 def _in_threads(number: int, work: Callable[[int, threading.Event], Any]) -> list[Any]:

@@ -6,34 +6,38 @@ Imported only to be compiled (`inertia.native`).
 from __future__ import annotations
 
 import numpy as np
-from numba import carray, njit
+from numba import carray, njit, uint64
 
 RUN = 64
 """Rows that lie together; see `scatter`."""
 
 BLOCK = 32
-"""Triangles that descend side by side: each has to wait at each node for what is read there."""
+"""Triangles that descend as one while no plane parts them."""
 
-LEAF = np.int64(0xFFFFFFFF)
-ALL = np.int64(7 << 32)
+LEAF = np.uint64(0xFFFFFFFF)
+ALL = np.uint64(7 << 32)
+ONE, TWO, THREE, SIX, NINE = (np.uint64(k) for k in (1, 2, 3, 6, 9))
+
+S8, S16, S20, S24, S32, S48 = (np.uint64(k) for k in (8, 16, 20, 24, 32, 48))
 
 
 @njit(inline="always")
 def leaf_of(points, at, axes, planes, depth):
     """Return the leaf of the point that begins at `at`."""
-    node = np.int64(0)
+    node = uint64(0)
     for _ in range(depth):
-        node = 2 * node + 1 + np.int64(points[at + axes[node]] >= planes[node])
-    return node + 1 - (1 << depth)
+        node = ONE + node + node + uint64(points[at + axes[node]] >= planes[node])
+    return np.int64(node) + 1 - (1 << depth)
 
 
 @njit(inline="always")
 def within(points, at, cells, leaf):
     """Say whether the point that begins at `at` is in the cell of a leaf."""
-    inside = True
-    for axis in range(3):
-        inside &= (points[at + axis] >= cells[leaf, axis]) & (points[at + axis] < cells[leaf, 3 + axis])
-    return inside
+    x, y, z = points[at], points[at + ONE], points[at + TWO]
+    return (
+        (x >= cells[leaf, 0]) & (y >= cells[leaf, 1]) & (z >= cells[leaf, 2])
+        & (x < cells[leaf, 3]) & (y < cells[leaf, 4]) & (z < cells[leaf, 5])
+    )  # fmt: skip
 
 
 def descend(points_at, count, axes_at, planes_at, cells_at, depth, leaves_at):
@@ -45,10 +49,10 @@ def descend(points_at, count, axes_at, planes_at, cells_at, depth, leaves_at):
     an edge are all in its leaf.
     """
     points = carray(points_at, (9 * count,), np.float32)
-    axes = carray(axes_at, (1 << depth,), np.int64)
+    axes = carray(axes_at, (1 << depth,), np.uint64)
     planes = carray(planes_at, (1 << depth,), np.float32)
     cells = carray(cells_at, (1 << depth, 6), np.float32)
-    leaves = carray(leaves_at, (count,), np.int64)
+    leaves = carray(leaves_at, (count,), np.uint64)
     for first in range(0, count, BLOCK):
         last = min(first + BLOCK, count)
         low = high = points[9 * first], points[9 * first + 1], points[9 * first + 2]
@@ -65,42 +69,65 @@ def descend(points_at, count, axes_at, planes_at, cells_at, depth, leaves_at):
             common += 1
         leaves[first:last] = node
         for _ in range(common, depth):
+            at = uint64(9 * first)
             for k in range(first, last):
-                node = leaves[k]
-                leaves[k] = 2 * node + 1 + np.int64(points[9 * k + axes[node]] >= planes[node])
+                below = leaves[k]
+                leaves[k] = ONE + below + below + uint64(points[at + axes[below]] >= planes[below])
+                at += NINE
+        at = uint64(9 * first)
         for k in range(first, last):
-            leaf = leaves[k] + 1 - (1 << depth)
+            leaf = leaves[k] + ONE - uint64(1 << depth)
             leaves[k] = leaf | ALL
             if common < depth and not (
-                within(points, 9 * k + 3, cells, leaf) and within(points, 9 * k + 6, cells, leaf)
+                within(points, at + THREE, cells, leaf) and within(points, at + SIX, cells, leaf)
             ):
-                second = leaf_of(points, 9 * k + 3, axes, planes, depth)
-                third = leaf_of(points, 9 * k + 6, axes, planes, depth)
-                edges = np.int64(leaf == second) | np.int64(second == third) << 1 | np.int64(third == leaf) << 2
-                leaves[k] = (second if second == third else leaf) | edges << 32
+                own = np.int64(leaf)
+                second = leaf_of(points, at + THREE, axes, planes, depth)
+                third = leaf_of(points, at + SIX, axes, planes, depth)
+                edges = np.int64(own == second) | np.int64(second == third) << 1 | np.int64(third == own) << 2
+                leaves[k] = (second if second == third else own) | edges << 32
+            at += NINE
     return 0
 
 
-def scatter(rows_at, first, count, leaves_at, number, pool_at, runs, heads_at, owners_at, state_at):
-    """Copy rows of three uint64, and after each 8 × its number (from `first`) + its edges, into runs of their leaves.
+def pack(rows_at, count, leaves_at, packed_at):
+    """Pack the keys of three corners, of 60 bits each, into two words: 40 bits of each, and the edges in the leaf.
+
+    It returns how many triangles have a repeated corner.
+    """
+    rows = carray(rows_at, (count, 3), np.uint64)
+    leaves = carray(leaves_at, (count,), np.uint64)
+    packed = carray(packed_at, (count, 2), np.uint64)
+    repeated = 0
+    for k in range(count):
+        u, v, w = rows[k, 0], rows[k, 1], rows[k, 2]
+        repeated += (u == v) | (v == w) | (w == u)
+        u, v, w = u >> S20, v >> S20, w >> S20
+        packed[k, 0] = u << S24 | v >> S16
+        packed[k, 1] = v << S48 | w << S8 | leaves[k] >> S32
+    return repeated
+
+
+def scatter(rows_at, width, count, leaves_at, number, pool_at, runs, heads_at, owners_at, state_at):
+    """Copy rows of uint64 into runs of their leaves.
 
     A leaf takes the next free run of `RUN` rows of the pool, `state[0]`, whenever its last is full; `owners` says
     whose each run is, `heads` where in the pool the next row of each leaf goes (0 before its first).
     """
-    rows = carray(rows_at, (count, 3), np.uint64)
-    leaves = carray(leaves_at, (count,), np.int64)
-    pool = carray(pool_at, (runs * RUN, 4), np.uint64)
-    heads = carray(heads_at, (number,), np.int64)
-    owners = carray(owners_at, (runs,), np.int64)
-    state = carray(state_at, (1,), np.int64)
+    rows = carray(rows_at, (count, width), np.uint64)
+    leaves = carray(leaves_at, (count,), np.uint64)
+    pool = carray(pool_at, (runs * RUN, width), np.uint64)
+    heads = carray(heads_at, (number,), np.uint64)
+    owners = carray(owners_at, (runs,), np.uint64)
+    state = carray(state_at, (1,), np.uint64)
     for k in range(count):
         leaf = leaves[k] & LEAF
         place = heads[leaf]
-        if place % RUN == 0:
-            place = state[0] * RUN
+        if place % uint64(RUN) == 0:
+            place = state[0] * uint64(RUN)
             owners[state[0]] = leaf
-            state[0] += 1
-        pool[place, 0], pool[place, 1], pool[place, 2] = rows[k, 0], rows[k, 1], rows[k, 2]
-        pool[place, 3] = (first + k) << 3 | leaves[k] >> 32
-        heads[leaf] = place + 1
+            state[0] += ONE
+        for column in range(width):
+            pool[place, column] = rows[k, column]
+        heads[leaf] = place + ONE
     return 0
