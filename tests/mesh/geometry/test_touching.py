@@ -6,7 +6,8 @@ from scipy.optimize import linprog
 from scipy.spatial.transform import Rotation
 from tests.mesh.solids import box, inside_out, joined, part, ring, sphere
 
-from inertia import native
+from inertia import mass_properties, native
+from inertia.errors import GeometryError
 from inertia.mesh.check import check
 from inertia.mesh.geometry import intersect
 from inertia.mesh.geometry.closure import closure
@@ -145,3 +146,12 @@ def test_findings_are_those_of_pair_by_pair(parts: str, into: float, monkeypatch
     compiled = findings()
     monkeypatch.setenv("INERTIA_NATIVE", "0")
     assert findings() == compiled
+
+
+def test_bodies_that_share_space_are_compared_once_for_a_refusal(monkeypatch: pytest.MonkeyPatch) -> None:
+    compared: list[int] = []
+    between = intersect.overlap
+    monkeypatch.setattr(intersect, "overlap", lambda a, b, *rest: compared.append(a.count) or between(a, b, *rest))
+    with pytest.raises(GeometryError, match="26 pairs of bodies share space"):
+        mass_properties(part(rotated_cubes(2, 0.7)))
+    assert len(compared) == 26

@@ -23,6 +23,7 @@ from inertia.mass.triangles.moments_from_sums import moments_of
 from inertia.mass.triangles.sums import sum_triangles
 from inertia.mesh.check import check
 from inertia.mesh.checks.findings import Finding, counted
+from inertia.mesh.checks.surface_topology import SurfaceTopology
 from inertia.mesh.geometry.intersect import crossings
 from inertia.mesh.part import Doubt, Part
 from inertia.mesh.repair import repair
@@ -72,8 +73,9 @@ def left_open(part: Part) -> tuple[Finding, ...]:
 
 def nested(part: Part) -> tuple[Finding, ...]:
     """Return what shells in the material of others leave in doubt beyond being counted once: each may be a void."""
-    shells = check(part, intersections=False, parts="separate").shells
-    inside = [shell for shell in shells if shell.kind == "outward" and shell.winding_outside > 0]
+    inside = [
+        shell for shell in SurfaceTopology.of(part).shells if shell.kind == "outward" and shell.winding_outside > 0
+    ]
     doubt = Doubt.joined(Doubt.within(shell.box, 0.0, abs(shell.signed_volume)) for shell in inside)
     if doubt is None:
         return ()

@@ -64,7 +64,7 @@ def _check_surface(
     remarks = [*findings("surface", surface)]
     flat = [*findings("volume", surface)] if surface.bounds else []
     if surface.bounds:
-        remarks += flat or [f for f in findings("shells", surface) if not (separate and f.separable)]
+        remarks += flat or findings("shells", surface, separate=separate)
     bounds_volume = surface.bounds and not flat
     proven = surface.bounds and counts_once(triangles)
     examined = to_be_examined(triangles, intersections, surface.closure.crowded) and (

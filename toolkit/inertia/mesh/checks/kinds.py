@@ -97,9 +97,12 @@ class Kind:
         )
 
 
-def findings(subject: Subject, part: Triangles | SurfaceTopology | CellTopology) -> Iterator[Finding]:
-    """Yield what there is to say about a subject, in the order of the table."""
-    return (finding for kind in KINDS if kind.subject == subject and (finding := kind.finding(part)))
+def findings(
+    subject: Subject, part: Triangles | SurfaceTopology | CellTopology, *, separate: bool = False
+) -> Iterator[Finding]:
+    """Yield what there is to say about a subject, in the order of the table; of `separate` bodies, the rest."""
+    kinds = (kind for kind in KINDS if kind.subject == subject and not (separate and kind.separable))
+    return (finding for kind in kinds if (finding := kind.finding(part)))
 
 
 class _Count(int):

@@ -45,7 +45,6 @@ CONTACT = 1e-6
 """Depth below which bodies only touch, over the largest extent of the smaller one."""
 
 _LAST_DIGITS = 4  # the same, over the spacing of the stored numbers at the largest coordinate
-_AT_ONCE = 1 << 17  # places tried at a time
 FACING = 0.02
 """|Sum of two unit normals| below which two faces face each other."""
 
@@ -318,11 +317,11 @@ def overlap(a: Triangles, b: Triangles, contact: float = 0.0) -> tuple[float, fl
     faces_a, faces_b = (_above_and_below(vertices, faces, low, high) for faces in (faces_a, faces_b))
     centre, exponent = low / 2 + high / 2, int(np.frexp(size)[1])
     vertices, depth = np.ldexp(vertices - centre, -exponent), float(np.ldexp(depth, -exponent))
-    for places, least in _places(vertices, faces_a, faces_b, depth):
-        inside = places
+    for inside, least in _places(vertices, faces_a, faces_b, depth):
         for faces in (faces_a, faces_b):
-            winding, clearance = windings(inside, vertices[faces], depth)
-            inside = inside[(winding > 0) & (clearance >= least)]
+            if len(inside):
+                winding, clearance = windings(inside, vertices[faces], depth)
+                inside = inside[(winding > 0) & (clearance >= least)]
         if len(inside):
             x, y, z = (np.ldexp(inside[0], exponent) + centre).tolist()
             return x, y, z
@@ -402,22 +401,18 @@ def _places(vertices: Float, faces_a: Int, faces_b: Int, depth: float) -> Iterat
     """
     normals_a, normals_b = unit_normals(vertices[faces_a]), unit_normals(vertices[faces_b])
     near_a, near_b = np.zeros(len(faces_a), bool), np.zeros(len(faces_b), bool)
-    untried = [np.empty((0, 3))]
     for i, j, _ in near_pairs(vertices, faces_a, faces_b, touching=True):
         near_a[i] = near_b[j] = True
         crossed, middles = crossing(vertices, faces_a[i], faces_b[j])
         inwards = -(normals_a[i[crossed]] + normals_b[j[crossed]])
         size = np.linalg.norm(inwards, axis=1, keepdims=True)
         apart = size[:, 0] > FACING
-        untried += [
-            middles[apart] + 2 * depth * inwards[apart] / size[apart] ** 2,
+        yield middles[apart] + 2 * depth * inwards[apart] / size[apart] ** 2, depth / 2
+        beside = [
             beside_edges(vertices, faces_a[i], normals_a[i], faces_b[j], depth),
             beside_edges(vertices, faces_b[j], normals_b[j], faces_a[i], depth),
         ]
-        if sum(map(len, untried)) > _AT_ONCE:
-            yield np.concatenate(untried), depth / 2
-            untried = [np.empty((0, 3))]
-    yield np.concatenate(untried), depth / 2
+        yield np.concatenate(beside), depth / 2
     for faces, normals, near in ((faces_a, normals_a, near_a), (faces_b, normals_b, near_b)):
         clear = np.flatnonzero(~near & normals.any(axis=1))
         # What hangs together without coming near the other body is inside it all or not at all.
