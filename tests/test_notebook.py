@@ -1,5 +1,6 @@
 """Results in a notebook: valid, escaped tables; ellipsoids as they are seen; plots on any axes, no global state."""
 
+import pickle
 import subprocess
 import sys
 from collections.abc import Callable
@@ -83,6 +84,7 @@ def test_what_has_no_plot_is_a_table_too(name: str) -> None:
 def test_a_result_draws_itself_on_a_figure_of_its_own_or_on_axes_that_are_given(shown: Any) -> None:
     figure = shown.plot()
     assert isinstance(figure, Figure)
+    assert pickle.loads(pickle.dumps(figure))._repr_png_().startswith(b"\x89PNG")  # as a notebook asks for it
     assert figure.axes
     mine = Figure()
     left, _ = mine.subplots(1, 2)

@@ -8,8 +8,9 @@ import os
 import warnings
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -76,6 +77,21 @@ def quiet_matplotlib() -> Iterator[None]:
         logger.setLevel(level)
 
 
+def own_figure(**options: Any) -> Figure:
+    """Return a figure that shows itself in a notebook, which those made without pyplot do not."""
+    from matplotlib.figure import Figure
+
+    figure = Figure(**options)
+    setattr(figure, "_repr_png_", partial(_png, figure))  # noqa: B010  # a name that the type does not declare
+    return figure
+
+
+def _png(figure: Figure) -> bytes:
+    image = io.BytesIO()
+    figure.savefig(image, format="png")
+    return image.getvalue()
+
+
 def figure_of(draw: Callable[[Axes], None], ax: Axes | None, title: str) -> Figure:
     """Draw on axes that are given, or on a figure of its own, and return the figure; pyplot is not touched.
 
@@ -83,9 +99,7 @@ def figure_of(draw: Callable[[Axes], None], ax: Axes | None, title: str) -> Figu
     """
     require_matplotlib()
     with quiet_matplotlib():
-        from matplotlib.figure import Figure
-
-        axes = Figure(figsize=(6.0, 4.5), layout="constrained").add_subplot() if ax is None else ax
+        axes = own_figure(figsize=(6.0, 4.5), layout="constrained").add_subplot() if ax is None else ax
         draw(axes)
         axes.set_title(title, fontsize=10)
         figure = axes.get_figure(root=True)

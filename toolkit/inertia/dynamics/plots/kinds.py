@@ -16,7 +16,7 @@ from inertia.dynamics.plots.subject import Subject, ascending
 from inertia.dynamics.plots.swing import Swing, Window, heavy_top_of, swing_of
 from inertia.errors import UsageError
 from inertia.palette import BLUE, GREEN, ORANGE, PLUM, VERMILLION
-from inertia.plotting import bare
+from inertia.plotting import bare, own_figure
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -58,8 +58,6 @@ def draw(run: Subject, kind: str | None, axes: Axes | None, title: str) -> Figur
 
     Raises `UsageError` where there is no such kind, or it does not suit the run.
     """
-    from matplotlib.figure import Figure
-
     suitable = kinds_of(run)
     require_kind(kind)
     if kind is not None and kind not in suitable:
@@ -70,7 +68,7 @@ def draw(run: Subject, kind: str | None, axes: Axes | None, title: str) -> Figur
         assert whole is not None  # axes that are to be drawn on are on a figure
         return whole
     shown = suitable if kind is None else [kind]
-    figure = Figure(figsize=(5.6 * len(shown), 5.0), dpi=150, layout="constrained", facecolor="white")
+    figure = own_figure(figsize=(5.6 * len(shown), 5.0), dpi=150, layout="constrained", facecolor="white")
     for axes, name in zip(np.atleast_1d(figure.subplots(1, len(shown))), shown, strict=True):
         KINDS[name].draw(axes, run)
     figure.suptitle(title, fontsize=12, x=0.01, ha="left", parse_math=False)
