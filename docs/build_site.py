@@ -110,6 +110,15 @@ dl.py dt.sig { overflow-wrap: anywhere; }
 .versions { color: inherit; background: transparent; border: 1px solid var(--color-sidebar-search-border); }
 .versions option { color: black; }
 .sphx-glr-script-out .highlight pre { white-space: pre-wrap; }
+div.sphx-glr-footer div.sphx-glr-download a { color: var(--color-link); background: none; }
+div.sphx-glr-footer div.sphx-glr-download a { border: 1px solid var(--color-background-border); }
+@media (max-width: 46em) {
+  table.docutils { font-size: 0.8em; }
+  td code, th code, td a { overflow-wrap: anywhere; }
+  table.docutils td, table.docutils th { min-width: 5.5em; padding: 0.25em 0.4em; }
+  .sphx-glr-script-out { margin-left: 0; }
+  .sphx-glr-script-out::before { display: none; }
+}
 mtable.ams-align > mtr > mtd { padding-left: 0; padding-right: 0; }
 mtable.ams-align > mtr > mtd:nth-child(odd) { text-align: right; padding-right: 0.25em; }
 mtable.ams-align > mtr > mtd:nth-child(even) { text-align: left; }
@@ -216,6 +225,9 @@ def _write_pages(source: Path) -> None:
     for name in (*PARTS["Project"].split(), "README"):
         text = (ROOT / f"{name}.md").read_text(encoding="utf-8").replace("](docs/", "](")
         (source / f"{name}.md").write_text(text, encoding="utf-8")
+    for page in source.glob("*.md"):
+        text = page.read_text(encoding="utf-8")
+        page.write_text(text.replace("/GALLERY_HEADER.rst)", "/index.rst)"), encoding="utf-8")
     home = (source / "README.md").rename(source / "index.md")
     trees = (
         f"```{{toctree}}\n:hidden:\n:caption: {part}\n\n" + "\n".join(pages.split()) + "\n```\n"
