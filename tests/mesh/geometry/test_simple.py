@@ -81,3 +81,37 @@ def test_what_is_too_large_for_the_pass_is_not_shown_to_be_simple() -> None:
     vertices, faces = wavy_torus(4 * MOST)
     assert len(faces) > MOST
     assert not alone(vertices, faces)
+
+
+def test_meshes_that_share_their_faces_are_looked_at_one_by_one() -> None:
+    vertices, faces = ball(1)
+    rng = np.random.default_rng(7)
+    several = [vertices * rng.uniform(0.5, 2.0) for _ in range(12)]
+    several[2] = vertices.copy()
+    several[2][5] = vertices[6]  # two corners in one place
+    several[4] = vertices.copy()
+    several[4][9] = np.nan
+    several[6] = vertices.copy()
+    several[6][3] *= -3.0  # through the other side
+    several[8] = hostile(5).vertices[: len(vertices)]
+    several[8] = np.resize(several[8], vertices.shape)
+    table = np.array([[k * len(vertices), len(vertices), 0, len(faces)] for k in range(12)])
+    answers = simple(np.concatenate(several), faces, table).tolist()
+    assert answers == [alone(each, faces) for each in several]
+    assert [k for k, answer in enumerate(answers) if not answer] == [2, 4, 6, 8]
+
+
+def test_flat_faces_on_any_level_are_simple() -> None:
+    """Prisms of 3 to 90 sides, whose caps are fans of slivers, on levels that no binary fraction is."""
+    for sides in (3, 7, 40, 90):
+        angles = np.linspace(0.0, 2 * np.pi, sides, endpoint=False)
+        ring = np.column_stack([np.cos(angles), np.sin(angles)])
+        vertices = np.concatenate([np.insert(ring, 2, 0.1, axis=1), np.insert(ring, 2, 0.7, axis=1)])
+        k, after = np.arange(sides), (np.arange(sides) + 1) % sides
+        walls = np.concatenate(
+            [np.column_stack([k, after, after + sides]), np.column_stack([k, after + sides, k + sides])]
+        )
+        caps = np.column_stack([np.zeros(sides - 2, int), k[1:-1], k[2:]])
+        faces = np.concatenate([walls, caps[:, ::-1], caps + sides])
+        assert sound(Surface(vertices, faces))
+        assert alone(vertices, faces), sides

@@ -23,13 +23,12 @@ from inertia.mesh.geometry.closure import Closure, closure
 from inertia.mesh.geometry.intersect import crossings, to_be_examined
 from inertia.mesh.geometry.shells import Shell, absolute_orientation, all_apart, shells, soundly_nested
 from inertia.mesh.geometry.shells import bodies as bodies_of
-from inertia.mesh.geometry.simple import at_hand, simple
+from inertia.mesh.geometry.simple import MOST, at_hand, simple
 from inertia.mesh.part import Cells, Facets, Part, Regions, Surface, Triangles, counts_once, usable
 from inertia.mesh.shape import Solid
 
 _WIRE = Remedy("analyse", "wire", "AREA")
 _ANY_WIRE = Remedy("analyse", "wire")
-_SMALL = 2048  # triangles; of more, in no order, looking for crossings takes less time
 
 _CELL_METHODS: dict[Literal["float64", "double-double"], str] = {
     "float64": "float64 quadrature exact for each cell's map, a-priori bound",
@@ -199,12 +198,12 @@ def surface_integrals(
 
 
 def _simple(triangles: Triangles, topology: Closure) -> bool:
-    """Say whether one pass shows a small surface to be free of crossings."""
-    if triangles.count > _SMALL or topology.components != 1 or topology.open_edges or not at_hand():
+    """Say whether one pass shows a surface to be free of crossings."""
+    if triangles.count > MOST or topology.open_edges or topology.crowded or not at_hand():
         return False
     count = triangles.count
     corners, faces = triangles.corners().reshape(-1, 3), np.arange(3 * count).reshape(-1, 3)
-    return bool(simple(corners, faces, np.array([[0, 3 * count, 0, count]]))[0])
+    return bool(simple(corners, faces, np.array([[0, 3 * count, 0, count]]), pieces=True)[0])
 
 
 def _sound(part: Part, intersections: bool | None, parts: Parts, allowance: float, turned: bool) -> Report:

@@ -10,6 +10,7 @@ signs decide the rest. What is not shown to be simple here may still be sound: w
 
 from __future__ import annotations
 
+import mmap
 import threading
 from typing import Any
 
@@ -19,20 +20,22 @@ from numpy.typing import NDArray
 from inertia.arrays import Bool, Float, Int
 from inertia.native import Kernel, address
 
-MOST = 3072
-"""Triangles of a small surface, at most: with more, in no order, `inertia.mesh.geometry.intersect` takes less time."""
+MOST = 200_000
+"""Triangles of a surface that is looked at, at most."""
 
 _KERNEL = Kernel("inertia.mesh.geometry.simple_kernel", "check_small", "pipipipipp")
-_DOUBLES = 160_000  # that the kernel has its tables in, at most
+_REPAYS = 6_000  # triangles; looking for crossings otherwise takes several times as long
+_BYTES = 74_000_000  # that the kernel has its tables in: those of the largest surface, at most
+_KEPT = 20_000  # triangles of a surface whose tables stay in memory
 _own = threading.local()
 
 
 def at_hand() -> bool:
     """Say whether the compiled pass is, or can be had for the price of what it saves."""
-    return _KERNEL.worthwhile(2 * MOST)
+    return _KERNEL.worthwhile(_REPAYS)
 
 
-def simple(vertices: Float, faces: Int, table: Int) -> Bool:
+def simple(vertices: Float, faces: Int, table: Int, *, pieces: bool = False) -> Bool:
     """Say of each surface of a batch whether it is shown to be closed, in one piece and free of crossings.
 
     Parameters
@@ -40,6 +43,7 @@ def simple(vertices: Float, faces: Int, table: Int) -> Bool:
     vertices, faces : (v, 3) and (f, 3), of all surfaces one after another
     table : (n, 4), of each the first vertex and how many it has, the first face and how many; faces number the vertices
         of their surface from 0 on
+    pieces : whether a surface may be in several pieces, which then do not cross each other either
 
     >>> cube = np.array([[x, y, z] for x in (0.0, 1.0) for y in (0.0, 1.0) for z in (0.0, 1.0)])
     >>> faces = np.array([[0, 1, 3], [0, 3, 2], [4, 6, 7], [4, 7, 5], [0, 4, 5], [0, 5, 1],
@@ -48,15 +52,25 @@ def simple(vertices: Float, faces: Int, table: Int) -> Bool:
     [True, False]
     """
     if not hasattr(_own, "tables"):
-        _own.tables = np.empty(_DOUBLES)
+        _own.tables = _tables()
     room = int(table[:, 1].max(initial=1))
     ids, states = np.empty(room, np.int32), np.empty(len(table), np.int64)
     _KERNEL.function(
         place(vertices), len(vertices), place(faces), len(faces), place(table), len(table), place(ids), room,
-        place(_own.tables), place(states),
+        address(_own.tables), place(states),
     )  # fmt: skip
-    alike: Bool = states == 0
-    return alike
+    if table[:, 3].max(initial=0) > _KEPT:
+        del _own.tables
+    sound: Bool = states <= (1 if pieces else 0)
+    return sound
+
+
+def _tables() -> mmap.mmap:
+    """Return zeroed memory, which takes room page by page as it is touched."""
+    memory = mmap.mmap(-1, _BYTES)
+    if hasattr(mmap, "MADV_NOHUGEPAGE"):
+        memory.madvise(mmap.MADV_NOHUGEPAGE)
+    return memory
 
 
 def place(array: NDArray[Any]) -> int:
