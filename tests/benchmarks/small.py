@@ -1,4 +1,4 @@
-"""Small parts in memory: microseconds of CPU time each, beside trimesh, and how far the bounds are above the error.
+"""Parts in memory: microseconds of CPU time each, beside trimesh, a triangle at any size, and bounds over errors.
 
 A program: ``python -m tests.benchmarks.small``.
 """
@@ -21,6 +21,7 @@ from inertia.mesh.part import Surface
 from .meshes import Faces, Vertices, wavy_torus
 
 COUNTS = (60, 200, 1000)
+CURVE = (100, 200, 500, 1_000, 3_000, 3_100, 10_000, 30_000, 100_000, 199_000, 201_000)
 MEASURED = (200, 2_000, 20_000, 180_000)
 SHAPES = {"torus": (1, 1, 1), "plate": (1, 1, 1e-3), "wall": (1, 1e-2, 1), "needle": (1, 1e-3, 1e-3)}
 MESHES = 500
@@ -72,6 +73,33 @@ def speed(count: int) -> dict[str, float]:
     }
 
 
+def with_own_faces(count: int) -> tuple[float, float]:
+    """Return the microseconds a mesh of `inertia.many` where each has faces of its own: of CPU time, and on the clock.
+
+    Threads share the meshes, so that the clock shows less.
+    """
+    vertices, faces = wavy_torus(count)
+    several = np.random.default_rng(0).uniform(0.5, 2.0, MESHES)[:, None, None] * vertices
+    own = [faces.copy() for _ in several]
+    least = np.inf
+    for _ in range(ROUNDS):
+        begin = time.perf_counter()
+        inertia.many(several, own)
+        least = min(least, time.perf_counter() - begin)
+    return microseconds(lambda: inertia.many(several, own), MESHES), 1e6 * least / MESHES
+
+
+def nanoseconds(count: int) -> tuple[int, float]:
+    """Return how many triangles a mesh of about so many has, and what `mass_properties` takes for each of them."""
+    vertices, faces = wavy_torus(count)
+    times = max(1, 10_000 // len(faces))
+
+    def ours() -> list[float]:
+        return [inertia.mass_properties(inertia.Part.from_arrays(vertices, faces)).mass for _ in range(times)]
+
+    return len(faces), 1e3 * microseconds(ours, times) / len(faces)
+
+
 def placed(vertices: Vertices, shape: tuple[float, ...], seed: int) -> Vertices:
     """Return a mesh stretched, turned and moved off."""
     rng = np.random.default_rng(seed)
@@ -108,6 +136,13 @@ def main() -> None:
     columns = [speed(count) for count in COUNTS]
     for name in columns[0]:
         print(f"| {name} |" + "".join(f" {column[name]:.1f} |" for column in columns))
+    others = [with_own_faces(count) for count in COUNTS]
+    for name, k in (("`inertia.many`, each its own faces", 0), ("... on the clock", 1)):
+        print(f"| {name} |" + "".join(f" {other[k]:.1f} |" for other in others))
+    curve = [nanoseconds(count) for count in CURVE]
+    print("\n| triangles |" + "".join(f" {count:,} |" for count, _ in curve))
+    print("|---|" + "---:|" * len(curve))
+    print("| nanoseconds each |" + "".join(f" {each:.0f} |" for _, each in curve))
     print("\n| bound over error, moments |" + "".join(f" {count:,} |" for count in MEASURED))
     print("|---|" + "---:|" * len(MEASURED))
     for name, shape in SHAPES.items():

@@ -24,12 +24,14 @@ from inertia.mass.triangles.moments_from_sums import FLOAT64
 from inertia.mass.triangles.sums import SUMS, Sums, sum_triangles
 from inertia.mesh.geometry.simple import MOST, at_hand, place, simple
 from inertia.mesh.part import Surface
-from inertia.native import Kernel
+from inertia.native import Kernel, threads
 from inertia.units import Unit
 
 _KERNEL = Kernel("inertia.mass.triangles.small_kernel", "sum_small", "pipipippp")
 _COLUMNS = 3 + SUMS + 6 + 20
 _ROOM = 48 * 32 + 8
+
+_SHARE = 20_000  # triangles, two milliseconds of work for a thread
 
 _ROUNDOFF = 2.0**-53
 _INFLATED = 1.0 + 1e-9
@@ -39,8 +41,19 @@ def small_sums(vertices: Float, faces: Int, table: Int) -> tuple[Float, Bool]:
     """Return a row for each surface of a batch (see `simple`), and which of them are simple and could be summed.
 
     A row holds the origin, the thirteen sums and the extents of `inertia.mass.triangles.sums`, and the first ten sums
-    in double-double, high and low.
+    in double-double, high and low. Many surfaces are shared out among threads.
     """
+    shares = min(threads(), len(table), int(table[:, 3].sum()) // _SHARE)
+    if shares < 2:
+        return _sums_alone(vertices, faces, table)
+    from concurrent.futures import ThreadPoolExecutor  # slow to import
+
+    with ThreadPoolExecutor(shares) as pool:
+        answers = list(pool.map(lambda share: _sums_alone(vertices, faces, share), np.array_split(table, shares)))
+    return np.concatenate([rows for rows, _ in answers]), np.concatenate([usable for _, usable in answers])
+
+
+def _sums_alone(vertices: Float, faces: Int, table: Int) -> tuple[Float, Bool]:
     usable = simple(vertices, faces, table)
     rows, room = np.empty((len(table), _COLUMNS)), np.empty(_ROOM)
     scratch = place(room)

@@ -26,7 +26,7 @@ MOST = 200_000
 _KERNEL = Kernel("inertia.mesh.geometry.simple_kernel", "check_small", "pipipipipp")
 _REPAYS = 6_000  # triangles; looking for crossings otherwise takes several times as long
 _BYTES = 74_000_000  # that the kernel has its tables in: those of the largest surface, at most
-_KEPT = 20_000  # triangles of a surface whose tables stay in memory
+_KEPT = 50_000  # triangles of a surface whose tables stay in memory
 _own = threading.local()
 
 

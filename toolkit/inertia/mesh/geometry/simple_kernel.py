@@ -494,10 +494,10 @@ def fill_normals(own_at, of, count, numbered, normals_at, fans):
         for k in range(min(GROUP, count - start)):
             x, y, z = normals[0, k], normals[1, k], normals[2, k]
             for corner in range(3):
-                vertex = np.uint64(of[start + k, corner])
-                fans[vertex, 0] += x
-                fans[vertex, 1] += y
-                fans[vertex, 2] += z
+                at = np.uint64(of[start + k, corner])
+                fans[at, 0] += x
+                fans[at, 1] += y
+                fans[at, 2] += z
 
 
 @njit(inline="always")
