@@ -198,7 +198,8 @@ def _orders(files: dict[str, Any]) -> Figure:
             points = [
                 (min(files[size + order]["programs"][name]["cpu"]), row)
                 for row, order in enumerate(ORDERS)
-                if isinstance(files.get(size + order, {}).get("programs", {}).get(name), dict)
+                if isinstance(run := files.get(size + order, {}).get("programs", {}).get(name), dict)
+                and not run.get("busy")
             ]
             if points:
                 axes.plot(*zip(*points, strict=True), "o-", color=color(name), linewidth=1.0, markersize=6)

@@ -286,7 +286,8 @@ def targets(document: dict[str, Any]) -> Iterator[Target]:
             continue
         row_by_row = orders[label]
         for name, programs_of in orders.items():
-            if name in ours and isinstance(trimesh := programs_of.get("trimesh"), dict):
+            trimesh = programs_of.get("trimesh")
+            if name in ours and isinstance(trimesh, dict) and not trimesh.get("busy"):
                 yield Target(f"file, {name}: CPU, trimesh ÷ inertia", min(trimesh["cpu"]) / ours[name], least)
         memory = min(row_by_row[OURS]["peak"]) / document["files"][label]["file_mb"]
         yield Target(f"file, {label}: peak memory ÷ file", memory, 1.5, above=False)
