@@ -49,6 +49,7 @@ def main() -> None:
         from .quick import judged
 
         sys.exit(judged())
+    os.environ.pop("PYTHONDONTWRITEBYTECODE", None)  # whoever installs a package has its compiled bytecode
     stored = options.into / "benchmarks.json"
     whole_run = options == parser.parse_args(["--into", str(options.into)])
     document = {} if whole_run or not stored.exists() else json.loads(stored.read_text(encoding="utf-8"))
