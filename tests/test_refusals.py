@@ -117,6 +117,13 @@ def test_a_command_line_that_cannot_be_parsed_is_refused_as_any_other(
     assert errors.endswith(f": {document['message']}\n")
 
 
+def test_a_run_without_an_end_has_a_code(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    scene = tmp_path / "long.toml"
+    text = path("scenes/tippe_top.toml").read_text(encoding="utf-8")
+    scene.write_text(re.sub(r"duration *=.*", "duration = 1e7\ntime_limit = 0.01", text), encoding="utf-8")
+    assert refusal(capsys, "simulate", str(scene))["code"] == "time_limit"
+
+
 def test_a_file_that_exists_is_refused_before_the_answer(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     there = tmp_path / "a.rrd"
     there.touch()
