@@ -12,6 +12,7 @@ from tests.mesh.solids import Mesh, cube, facets, inside_out, joined, moebius, p
 import inertia
 from inertia.errors import GeometryError
 from inertia.mesh.check import check
+from inertia.mesh.checks import surface_topology
 from inertia.mesh.checks.findings import Finding, Report, checking_once
 from inertia.mesh.part import Part, Surface
 from inertia.mesh.repair import repair
@@ -447,6 +448,18 @@ def test_a_klein_bottle_is_closed_but_encloses_nothing(seed: int) -> None:
         inertia.analyse(bottle, orientation="absolute")
     with pytest.raises(GeometryError, match="one-sided"):
         inertia.repair(bottle)
+
+
+def test_what_does_not_depend_on_the_way_a_part_is_checked_is_looked_for_once(monkeypatch: pytest.MonkeyPatch) -> None:
+    both = part(facets(joined(CUBE, cube((10, 10, 10), size=10))))
+    ways: list[dict] = [{}, {"intersections": False}, {"parts": "separate"}, {"allowance": 1.0}]
+    alone = [check(both, **way) for way in ways]
+    looks = []
+    merge = surface_topology.merge_equal_vertices
+    monkeypatch.setattr(surface_topology, "merge_equal_vertices", lambda surface: looks.append(1) or merge(surface))
+    with checking_once():
+        assert [check(both, **way).findings for way in ways] == [report.findings for report in alone]
+    assert len(looks) == 1
 
 
 def test_within_a_context_for_it_a_part_is_checked_once_in_each_way() -> None:

@@ -18,7 +18,7 @@ from inertia.mass.moments import Moments
 from inertia.mass.triangles.arithmetic import METHODS, Arithmetic, arithmetics, shell_moments, solid_moments
 from inertia.mass.triangles.moments_from_sums import moments_of
 from inertia.mass.triangles.sums import SummedFacets, Sums, sum_triangles
-from inertia.mesh.checks.findings import Finding, Report, around, middle
+from inertia.mesh.checks.findings import Finding, Report, around, middle, once
 from inertia.mesh.geometry.closure import Closure, closure
 from inertia.mesh.geometry.intersect import crossings, to_be_examined
 from inertia.mesh.geometry.shells import Shell, absolute_orientation, all_apart, shells, soundly_nested
@@ -127,7 +127,8 @@ def surface_integrals(
     paired, summed = (0.6, 1.0) if shell or accuracy is None else (0.1, 0.2)
     with naming(part):
         summed_meanwhile = SummedFacets(triangles, surface=shell) if isinstance(triangles, Facets) else None
-    topology = closure(summed_meanwhile or triangles, _part_of(progress, 0.0, paired))
+    pairing = _part_of(progress, 0.0, paired)
+    topology = once("closure", triangles, lambda: closure(summed_meanwhile or triangles, pairing))
     with naming(part):
         summing = _part_of(progress, paired, summed)
         if summed_meanwhile is not None:

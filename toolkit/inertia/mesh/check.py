@@ -9,7 +9,7 @@ import numpy as np
 from inertia.arrays import Parts
 from inertia.errors import UsageError, require_kind
 from inertia.mesh.checks.cells import CellTopology
-from inertia.mesh.checks.findings import Finding, Report, Severity, known_reports
+from inertia.mesh.checks.findings import Finding, Report, Severity, once
 from inertia.mesh.checks.kinds import Subject, findings
 from inertia.mesh.checks.surface_topology import SurfaceTopology
 from inertia.mesh.geometry.edges import pieces
@@ -43,16 +43,14 @@ def check(
     require_kind(part, Part, "part", "inertia.read(path)")
     if parts not in ("together", "separate"):
         raise UsageError(f"parts is {parts!r}: use 'together' or 'separate'")
-    known, how = known_reports.get(), (id(part), intersections, parts, allowance)
-    if known is not None and how in known:
-        return known[how][1]
-    if isinstance(part.geometry, Cells):
-        report = _check_cells(part, CellTopology(part.geometry, part.unit.name), intersections)
-    else:
-        report = _check_surface(part, part.geometry, intersections, parts == "separate", allowance)
-    if known is not None:
-        known[how] = part, report  # with the part, so that its identity stays its own
-    return report
+    surface = part.geometry
+
+    def report() -> Report:
+        if isinstance(surface, Cells):
+            return _check_cells(part, CellTopology(surface, part.unit.name), intersections)
+        return _check_surface(part, surface, intersections, parts == "separate", allowance)
+
+    return once(("report", intersections, parts, allowance), part, report)
 
 
 def _check_surface(

@@ -10,7 +10,7 @@ import numpy as np
 
 from inertia.arrays import Bool, Float, Int
 from inertia.errors import SEPARATE, Word
-from inertia.mesh.checks.findings import Evidence, listed, middle
+from inertia.mesh.checks.findings import Evidence, listed, middle, once
 from inertia.mesh.checks.surface_topology import SurfaceTopology
 from inertia.mesh.geometry.boxes import BoxTree, overlapping
 from inertia.mesh.geometry.closure import Closure, closure, components
@@ -285,7 +285,8 @@ def self_intersections(surface: SurfaceTopology) -> Evidence | None:
     """Find triangles of one shell (of any piece, where there are no shells) that cross each other."""
     from inertia.mesh.geometry.intersect import CONTACT, crossings
 
-    pairs = crossings(surface.triangles, limit=_CROSSINGS)
+    triangles = surface.triangles
+    pairs = once("crossings", triangles, lambda: crossings(triangles, limit=_CROSSINGS))
     labels = surface.closure.labels[pairs.pairs]
     same = (labels[:, 0] == labels[:, 1]) | (not surface.shells)
     if not same.any():
@@ -300,10 +301,11 @@ def self_intersections(surface: SurfaceTopology) -> Evidence | None:
     crossed = np.unique(pair)
     if not surface.shells:
         return Evidence(count, listed(crossed), place, figures | {"doubt": ""})
-    limit, about = _shallow(surface, crossed), _misplaced(surface, crossed)
+    limit = _shallow(surface, crossed)
+    about = once(("misplaced", *_wrong_shells(surface)), triangles, lambda: _misplaced(surface, crossed))
     # What rays find far too deep needs no exact measure, which takes ten times as long.
     clear = pairs.truncated or about > max(_CLEAR * limit, 2 * surface.room)
-    doubt = None if clear else _doubled(surface, pair)
+    doubt = None if clear else once("doubled", triangles, lambda: _doubled(surface, pair))
     if doubt is not None and doubt.volume <= max(limit, surface.room):
         depth = f"is on average no deeper than the contact tolerance ({CONTACT:g} of the shell)"
         room = "the faults that are allowed" if surface.allowed else "the fillings of the holes leave open"
@@ -403,12 +405,15 @@ def _in_words(surface: SurfaceTopology, about: float, doubt: Doubt | None) -> st
 
 def _turned(surface: SurfaceTopology) -> Surface:
     """Return the triangles with every shell turned as its depth asks; as they are, where bodies are separate."""
-    if surface.separate:
-        return Surface(surface.vertices, surface.faces)
     faces = surface.faces.copy()
-    wrong = np.isin(surface.closure.labels, absolute_orientation(surface.shells))
+    wrong = np.isin(surface.closure.labels, _wrong_shells(surface))
     faces[wrong] = faces[wrong, ::-1]
     return Surface(surface.vertices, faces)
+
+
+def _wrong_shells(surface: SurfaceTopology) -> list[int]:
+    """Return the shells that are not wound as their depth asks; none where bodies are separate."""
+    return [] if surface.separate else absolute_orientation(surface.shells).tolist()
 
 
 def _turned_bodies(surface: SurfaceTopology) -> tuple[Body, ...]:

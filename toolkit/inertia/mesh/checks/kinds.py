@@ -69,7 +69,10 @@ class Kind:
 
     def finding(self, subject: Triangles | SurfaceTopology | CellTopology) -> Finding | None:
         """Return the finding of this kind, if there is evidence of it."""
-        evidence = self.evidence(subject)
+        known = subject.evidence if isinstance(subject, SurfaceTopology) else {}
+        if self.evidence not in known:
+            known[self.evidence] = self.evidence(subject)
+        evidence = known[self.evidence]
         if evidence is None:
             return None
         figures = {"count": _Count(evidence.count), **evidence.figures}

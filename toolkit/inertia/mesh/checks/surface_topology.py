@@ -2,15 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from typing import ClassVar, Literal
+from typing import Any, ClassVar, Literal
 
 import numpy as np
 
 from inertia.arrays import Bool, Float, Int
-from inertia.mesh.checks.findings import Evidence, around, listed, middle
+from inertia.mesh.checks.findings import Evidence, around, listed, middle, once
 from inertia.mesh.geometry import edges, shells
 from inertia.mesh.geometry.closure import Closure, closure, merge_equal_vertices
 from inertia.mesh.geometry.edges import Edges, Loop, Place
@@ -25,6 +25,8 @@ _STATES: dict[tuple[str, int], State] = {
     ("outward", -1): "inverted",
 }
 """The state of a shell by its kind and the winding number around it; the inside of any other counts twice."""
+
+_KEPT = 100_000  # triangles whose topology is kept for another look: tens of megabytes
 
 
 @dataclass(frozen=True, eq=False)
@@ -57,14 +59,19 @@ class SurfaceTopology:
     def of(cls, part: Part, *, separate: bool = False, room: float = 0.0) -> SurfaceTopology:
         """Merge equal vertices, pair the edges, and nest the shells."""
         triangles = part.triangles
-        vertices, faces = merge_equal_vertices(triangles)
-        pairs, pieces = edges.pair_edges(faces), closure(triangles)
-        nested = shells.shells(triangles, pieces) if pairs.balanced.all() else ()
         filled = part.filling.volume if part.filling else 0.0
         allowed, room = room > filled, max(room, filled)
-        return cls(
-            triangles, part.unit.name, vertices, faces, pairs, pieces, nested, room, part.chord, separate, allowed
-        )
+
+        def topology() -> tuple[Float, Int, Edges, Closure, tuple[Shell, ...]]:
+            vertices, faces = merge_equal_vertices(triangles)
+            pairs, pieces = edges.pair_edges(faces), once("closure", triangles, lambda: closure(triangles))
+            return vertices, faces, pairs, pieces, shells.shells(triangles, pieces) if pairs.balanced.all() else ()
+
+        def surface() -> SurfaceTopology:
+            known = once("topology", triangles, topology) if triangles.count <= _KEPT else topology()
+            return cls(triangles, part.unit.name, *known, room, part.chord, separate, allowed)
+
+        return once(("surface", separate, room, allowed), part, surface) if triangles.count <= _KEPT else surface()
 
     @property
     def closed(self) -> bool:
@@ -80,6 +87,11 @@ class SurfaceTopology:
     def bounds(self) -> bool:
         """Whether the surface bounds a volume, of whatever sign."""
         return bool(self.edges.balanced.all())
+
+    @cached_property
+    def evidence(self) -> dict[Callable[[Any], Evidence | None], Evidence | None]:
+        """The evidence that was looked for so far, by what looks for it."""
+        return {}
 
     @cached_property
     def loops(self) -> tuple[Loop, ...]:
