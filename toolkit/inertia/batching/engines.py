@@ -32,6 +32,9 @@ _MOST = 64  # files in a bundle
 _LOOK = 0.1  # s between looks at what takes too long
 _STARTS = 10  # times that a process may die before it is ready
 
+_ALLOCATION = {"MALLOC_MMAP_THRESHOLD_": str(2**25), "MALLOC_TRIM_THRESHOLD_": str(2**26)}
+"""What the C library on Linux comes to by itself once 32 MiB were freed: memory is not given back from file to file."""
+
 
 class _Job(NamedTuple):
     number: int
@@ -183,7 +186,11 @@ class _Worker:
         quiet = None if os.environ.get("INERTIA_TRACEBACK") == "1" else subprocess.DEVNULL
         for _ in range(_STARTS):
             process = subprocess.Popen(
-                command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=quiet, env={**os.environ, **alone}
+                command,
+                stdin=subprocess.PIPE,
+                stdout=subprocess.PIPE,
+                stderr=quiet,
+                env={**_ALLOCATION, **os.environ, **alone},
             )
             self._process = process
             if self._ended:
