@@ -36,6 +36,10 @@ def turned(mesh: tuple[np.ndarray, np.ndarray]) -> tuple[np.ndarray, np.ndarray]
     return mesh[0], mesh[1][:, ::-1]
 
 
+def flattened(mesh: tuple[np.ndarray, np.ndarray]) -> tuple[np.ndarray, np.ndarray]:
+    return mesh[0] * [1, 1, 1e-20], mesh[1]
+
+
 SOUND = {
     "one body": lambda: joined(ring(60, 50)),
     "two bodies apart": lambda: joined(ring(60, 50), sphere((9, 9, 9))),
@@ -86,6 +90,9 @@ BROKEN = {
     "one inward": lambda: joined(ring(), turned(sphere((9, 9, 9)))),
     "both inward": lambda: joined(turned(ring()), turned(sphere((9, 9, 9)))),
     "one in another": lambda: joined(sphere((0, 0, 0), 5), sphere((0, 0, 0), 2)),
+    "a sheet of two sides": lambda: joined(ring(), turned(ring())),
+    "two such sheets": lambda: joined(ring(), turned(ring()), sphere((9, 9, 9), 2.5), turned(sphere((9, 9, 9), 2.5))),
+    "next to no volume, inward": lambda: joined(turned(flattened(sphere()))),
     "not a number": lambda: joined((np.where(ring()[0] == ring()[0][5], np.nan, ring()[0]), ring()[1])),
 }
 

@@ -93,3 +93,10 @@ def test_wedges_of_1e_17_rad_at_one_edge_are_bodies_apart(seed: int) -> None:
         tips = np.unique(surface.faces[result.labels == component])[2:]
         assert tips[0] % 2 == 0
         assert tips[1] == tips[0] + 1
+
+
+def test_a_thousand_copies_of_a_triangle_are_paired_with_as_many_turned_ones() -> None:
+    vertices, faces = np.eye(3), np.repeat([[0, 1, 2], [2, 1, 0]], 1000, axis=0)
+    pairing = closure(Surface(vertices, faces))
+    assert (pairing.open_edges, pairing.components) == (0, 1000)
+    assert pairing.labels.tolist() == [*range(1000)] * 2

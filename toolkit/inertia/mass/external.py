@@ -99,9 +99,9 @@ def external_integrals(
     if not shell:
         _require(part, edge_faults(triangles, pairing, part.unit.name, extents))
         pieces = _shells(part, pairing, sums, room)
-        doubts = _require(part, shell_findings(pairing, pieces, part.unit.name, extents)) if pieces else ()
+        doubts = _require(part, shell_findings(triangles, pairing, pieces, part.unit.name, extents)) if pieces else ()
     elif pairing.irregular is None:
-        raise _too_little(part, f"{topology.crowded} edges of more than two triangles", room)
+        raise _too_little(part, f"{topology.crowded} edges of more than two triangles")
     integral = Integral(
         groups=(),
         method=METHODS["float64"],
@@ -121,8 +121,8 @@ def external_integrals(
         if shell or whole.zeroth > whole.zeroth_bound:
             yield Integral(**{**vars(integral), "groups": (Group("1", whole),), "method": METHODS[arithmetic]})
         elif whole.zeroth < -whole.zeroth_bound and not pieces:
-            only = _inward(whole, triangles.count, extents)
-            _require(part, shell_findings(pairing, (only,), part.unit.name, extents))
+            pieces = _only(part, pairing, whole, extents, room)
+            _require(part, shell_findings(triangles, pairing, pieces, part.unit.name, extents))
         elif arithmetic == tries[-1]:
             refuse_flat(part, whole, extents)
 
@@ -144,21 +144,27 @@ def _shells(part: Part, pairing: Pairing, sums: Sums, room: int) -> tuple[Shell,
     """Return the shells of a closed surface; none where it has one, or all of them are bodies that lie apart."""
     triangles, topology = part.triangles, pairing.closure
     if pairing.irregular is None:
-        raise _too_little(part, f"{topology.crowded} edges of more than two triangles", room)
+        raise _too_little(part, f"{topology.crowded} edges of more than two triangles")
     if topology.components == 1 or (sums.exponent == 0 and all_apart(triangles, topology, sums.origin, by_boxes=True)):
         return ()
-    needed = _NESTING * triangles.count
-    if room - 4 * triangles.count < needed:
-        raise _too_little(part, f"{topology.components} shells, and which of them lie in others,", room - needed)
+    if not _nests(triangles, room):
+        raise _too_little(part, f"{topology.components} shells, and which of them lie in others,")
     return shells(triangles, topology)
 
 
-def _too_little(part: Part, what: str, room: int) -> UsageError:
+def _only(part: Part, pairing: Pairing, whole: Moments, extents: Float, room: int) -> tuple[Shell, ...]:
+    """Return the shells of a surface of negative volume that were not looked at: the only one, or all inward."""
+    if _nests(part.triangles, room):
+        return shells(part.triangles, pairing.closure)
+    return (Shell(0, "inward", part.triangles.count, 0, float(whole.zeroth), extents, 0, 0, None),)
+
+
+def _nests(triangles: Triangles, room: int) -> bool:
+    return room - 4 * triangles.count >= _NESTING * triangles.count
+
+
+def _too_little(part: Part, what: str) -> UsageError:
     return UsageError(f"{part.name} has {what} which cannot be looked at in so little memory: allow more by ", MEMORY)
-
-
-def _inward(whole: Moments, count: int, extents: Float) -> Shell:
-    return Shell(0, "inward", count, 0, float(whole.zeroth), extents, 0, 0, None)
 
 
 def _note(memory: float, distributed: bool, pieces: tuple[Shell, ...], crowded: int) -> str:

@@ -27,7 +27,7 @@ from inertia.mesh.checks.findings import Evidence, Finding, Severity, counted, l
 from inertia.mesh.checks.surface_topology import SurfaceTopology
 from inertia.mesh.geometry.closure import repeated_corners
 from inertia.mesh.geometry.edges import flat
-from inertia.mesh.geometry.shells import Shell, bounds_nothing
+from inertia.mesh.geometry.shells import Shell
 from inertia.mesh.part import Doubt, Surface, Triangles, usable
 from inertia.mesh.repairs.weld import closing_distance
 
@@ -162,10 +162,9 @@ def _no_volume(surface: SurfaceTopology) -> Evidence | None:
     # The second sum tells a wall of no thickness from two bodies of which one is inside out.
     if max(abs(sum(volumes)), abs(sum(turned))) > _NOISE * sum(map(abs, volumes)):
         return None
-    if len(solids) > 1 and not bounds_nothing(surface.triangles, surface.box):
+    if len(solids) > 1 and not surface.cancels():
         return None
-    every = np.arange(len(surface.faces))
-    return Evidence(len(every), listed(every), middle(surface.box))
+    return Evidence(surface.count, listed(np.arange(surface.count)), middle(surface.box))
 
 
 def _sheets(surface: SurfaceTopology) -> Evidence | None:

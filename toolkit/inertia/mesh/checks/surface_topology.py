@@ -143,6 +143,15 @@ class SurfaceTopology:
         """Least and greatest coordinates, (2, 3)."""
         return np.stack([self.vertices.min(axis=0), self.vertices.max(axis=0)])
 
+    @property
+    def count(self) -> int:
+        """Number of triangles."""
+        return len(self.faces)
+
+    def cancels(self) -> bool:
+        """Say whether it bounds no more than the rounding of its coordinates makes."""
+        return shells.bounds_nothing(self.triangles, self.box)
+
     def around(self, place: Place) -> str:
         """Return a place in words."""
         return around(place, self.box)

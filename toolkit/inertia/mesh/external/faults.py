@@ -14,10 +14,10 @@ from inertia.arrays import Float, Int
 from inertia.errors import SHELL, Sentence
 from inertia.mesh.checks.crossings import crossing_cavities, cutters, overlap_at_edges, overlapping_bodies
 from inertia.mesh.checks.findings import Evidence, Finding, around, listed, middle
-from inertia.mesh.checks.kinds import KINDS
+from inertia.mesh.checks.kinds import KINDS, findings
 from inertia.mesh.checks.surface_topology import SurfaceTopology
 from inertia.mesh.external.closure import Irregular, Pairing
-from inertia.mesh.geometry.shells import Shell
+from inertia.mesh.geometry.shells import Shell, bounds_nothing
 from inertia.mesh.part import Triangles
 
 _SEARCHES = (crossing_cavities, cutters, overlap_at_edges, overlapping_bodies)
@@ -31,15 +31,27 @@ class _Irregular(SurfaceTopology):
     ----------
     numbers : (m,), which they are in the whole surface
     extents : (2, 3), of the whole surface
+    surface : the whole one
     """
 
     whole: ClassVar[bool] = False
     numbers: Int
     extents: Float
+    surface: Triangles
 
-    def around(self, place: tuple[float, float, float]) -> str:
-        """Return a place in words."""
-        return around(place, self.extents)
+    @property
+    def box(self) -> Float:
+        """Least and greatest coordinates of the whole surface, (2, 3)."""
+        return self.extents
+
+    @property
+    def count(self) -> int:
+        """Number of triangles of the whole surface."""
+        return self.surface.count
+
+    def cancels(self) -> bool:
+        """Say whether the whole surface bounds no more than rounding makes."""
+        return bounds_nothing(self.surface, self.box)
 
     def at_faces(self, which: Int) -> Evidence | None:
         """Count the triangles; give the first of them and the middle of the first."""
@@ -51,7 +63,7 @@ class _Irregular(SurfaceTopology):
 def edge_faults(triangles: Triangles, pairing: Pairing, unit: str, extents: Float) -> Iterator[Finding]:
     """Yield the errors that irregular edges are, the most important first."""
     if pairing.irregular is not None:
-        surface = _topology(pairing.irregular, pairing, (), unit, extents)
+        surface = _topology(triangles, pairing.irregular, pairing, (), unit, extents)
         errors = (kind for kind in KINDS if kind.subject == "surface" and kind.severity == "error")
         yield from (finding for kind in errors if (finding := kind.finding(surface)))
     elif pairing.closure.open_edges:
@@ -65,18 +77,27 @@ def edge_faults(triangles: Triangles, pairing: Pairing, unit: str, extents: Floa
         yield Finding("open", "error", message, pairing.closure.open_edges, (pairing.triangle,), place)
 
 
-def shell_findings(pairing: Pairing, shells: tuple[Shell, ...], unit: str, extents: Float) -> Iterator[Finding]:
+def shell_findings(
+    triangles: Triangles, pairing: Pairing, shells: tuple[Shell, ...], unit: str, extents: Float
+) -> Iterator[Finding]:
     """Yield what the shells of a closed surface tell without a search."""
     assert pairing.irregular is not None
-    surface = _topology(pairing.irregular, pairing, shells, unit, extents)
+    surface = _topology(triangles, pairing.irregular, pairing, shells, unit, extents)
     own = (kind for kind in KINDS if kind.subject == "shells" and kind.evidence not in _SEARCHES)
-    yield from (finding for kind in own if (finding := kind.finding(surface)))
+    nothing = [*findings("volume", surface)]
+    yield from nothing or (finding for kind in own if (finding := kind.finding(surface)))
 
 
 def _topology(
-    irregular: Irregular, pairing: Pairing, shells: tuple[Shell, ...], unit: str, extents: Float
+    triangles: Triangles,
+    irregular: Irregular,
+    pairing: Pairing,
+    shells: tuple[Shell, ...],
+    unit: str,
+    extents: Float,
 ) -> _Irregular:
     return _Irregular(
         irregular.triangles, unit, irregular.vertices, irregular.faces, irregular.edges, pairing.closure, shells,
         room=0.0, chord=None, separate=False, allowed=False, numbers=irregular.numbers, extents=extents,
+        surface=triangles,
     )  # fmt: skip

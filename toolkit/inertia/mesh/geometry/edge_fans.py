@@ -10,6 +10,7 @@ On which side of one half-plane another lies, `inertia.mesh.geometry.triangle_pa
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cache
 
 import numpy as np
 
@@ -272,11 +273,13 @@ def _brackets(vertices: Float, faces: Int, edges: HalfEdges, around: Fans) -> tu
     apex = vertices[_apex(faces, around.half_edge)]
     stop = np.append(starts[1:], len(run))[np.searchsorted(starts, run)]
 
-    def candidates(place: int) -> tuple[int, list[int]]:
-        own = np.arange(run[place], stop[place])
-        return int(run[place]), triangle[own[np.lexsort(apex[own].T[::-1])]].tolist()
+    @cache
+    def candidates(first: int, last: int) -> tuple[int, list[int]]:  # one list for all ties of a half-plane
+        own = np.arange(first, last)
+        return first, triangle[own[np.lexsort(apex[own].T[::-1])]].tolist()
 
-    return pairs, [(candidates(place), candidates(partner[place])) for place in opening[ranked]]
+    both = zip(opening[ranked].tolist(), partner[opening[ranked]].tolist(), strict=True)
+    return pairs, [(candidates(run[one], stop[one]), candidates(run[other], stop[other])) for one, other in both]
 
 
 def _untied(ties: list[_Tie], pairs: Int, piece: Int) -> Int:
@@ -298,9 +301,9 @@ def _untied(ties: list[_Tie], pairs: Int, piece: Int) -> Int:
     partners = []
     for (first, opening), (second, closing) in ties:
         ones, others = unpaired.setdefault(first, opening), unpaired.setdefault(second, closing)
-        one, other = next(
-            ((a, b) for a in ones for b in others if find(int(piece[a])) == find(int(piece[b]))), (ones[0], others[0])
-        )
+        first_of = {find(int(piece[b])): b for b in reversed(others)}
+        one = next((a for a in ones if find(int(piece[a])) in first_of), ones[0])
+        other = first_of.get(find(int(piece[one])), others[0])
         ones.remove(one)
         others.remove(other)
         join(int(piece[one]), int(piece[other]))
