@@ -223,6 +223,13 @@ def test_every_kernel_is_shipped_as_its_source_is_now() -> None:
 
 
 @pytest.mark.skipif(not SHIPPED_HERE, reason="machine code is shipped for Linux on x86-64")
+def test_all_that_is_shipped_is_linked_without_llvm(monkeypatch: pytest.MonkeyPatch) -> None:
+    forbid_llvm(monkeypatch)
+    for kernel in compile_kernels.kernels():
+        assert Kernel(kernel.module, kernel.name, kernel.abi, fused=kernel.fused).function, kernel.name
+
+
+@pytest.mark.skipif(not SHIPPED_HERE, reason="machine code is shipped for Linux on x86-64")
 def test_what_is_shipped_is_what_the_source_compiles_to(monkeypatch: pytest.MonkeyPatch) -> None:
     constraints = (Path(__file__).parents[1] / "constraints.txt").read_text()
     if sys.version_info[:2] != (3, 11) or f"llvmlite=={version('llvmlite')}\n" not in constraints:

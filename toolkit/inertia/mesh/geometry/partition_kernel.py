@@ -31,6 +31,12 @@ def leaf_of(points, at, axes, planes, depth):
 
 
 @njit(inline="always")
+def along(axis, x, y, z):
+    """Return the coordinate along an axis."""
+    return x if axis == 0 else (y if axis == ONE else z)
+
+
+@njit(inline="always")
 def within(points, at, cells, leaf):
     """Say whether the point that begins at `at` is in the cell of a leaf."""
     x, y, z = points[at], points[at + ONE], points[at + TWO]
@@ -55,26 +61,29 @@ def descend(points_at, count, axes_at, planes_at, cells_at, depth, leaves_at):
     leaves = carray(leaves_at, (count,), np.uint64)
     for first in range(0, count, BLOCK):
         last = min(first + BLOCK, count)
-        low = high = points[9 * first], points[9 * first + 1], points[9 * first + 2]
-        for at in range(9 * first + 3, 9 * last, 3):
-            x, y, z = points[at], points[at + 1], points[at + 2]
-            low = min(low[0], x), min(low[1], y), min(low[2], z)
-            high = max(high[0], x), max(high[1], y), max(high[2], z)
-        common, node = 0, np.int64(0)  # they descend as one while no plane parts them
+        begin = uint64(9 * first)
+        low_x = high_x = points[begin]
+        low_y = high_y = points[begin + ONE]
+        low_z = high_z = points[begin + TWO]
+        for at in range(begin + THREE, uint64(9 * last), THREE):
+            x, y, z = points[at], points[at + ONE], points[at + TWO]
+            low_x, low_y, low_z = min(low_x, x), min(low_y, y), min(low_z, z)
+            high_x, high_y, high_z = max(high_x, x), max(high_y, y), max(high_z, z)
+        common, node = 0, uint64(0)  # they descend as one while no plane parts them
         while common < depth:
-            above = low[axes[node]] >= planes[node]
-            if not above and high[axes[node]] >= planes[node]:
+            above = along(axes[node], low_x, low_y, low_z) >= planes[node]
+            if not above and along(axes[node], high_x, high_y, high_z) >= planes[node]:
                 break
-            node = 2 * node + 1 + np.int64(above)
+            node = ONE + node + node + uint64(above)
             common += 1
         leaves[first:last] = node
         for _ in range(common, depth):
-            at = uint64(9 * first)
+            at = begin
             for k in range(first, last):
                 below = leaves[k]
                 leaves[k] = ONE + below + below + uint64(points[at + axes[below]] >= planes[below])
                 at += NINE
-        at = uint64(9 * first)
+        at = begin
         for k in range(first, last):
             leaf = leaves[k] + ONE - uint64(1 << depth)
             leaves[k] = leaf | ALL
