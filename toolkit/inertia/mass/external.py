@@ -17,13 +17,13 @@ from inertia.errors import UsageError
 from inertia.mass.integration import Group, Integral, naming, refuse_flat, surface_area
 from inertia.mass.moments import Moments
 from inertia.mass.triangles.arithmetic import METHODS, arithmetics, shell_moments, solid_moments
-from inertia.mass.triangles.sums import Frame, Sums, block_rows, frame_of, sum_triangles, sums_of
+from inertia.mass.triangles.sums import Frame, SummedFacets, Sums, block_rows, frame_of, sum_triangles, sums_of
 from inertia.mesh.checks.findings import Finding, Report
-from inertia.mesh.external.buckets import MEMORY
 from inertia.mesh.external.closure import Pairing, external_closure, room_for
 from inertia.mesh.external.faults import edge_faults, shell_findings
 from inertia.mesh.external.memory import RESERVE, WHOLE, fits, in_bytes, resident
 from inertia.mesh.external.shuffle import DaskWorkers
+from inertia.mesh.external.temporary_file import MEMORY
 from inertia.mesh.geometry.shells import Shell, all_apart, bodies, shells
 from inertia.mesh.part import FacesInFile, Facets, Part, Triangles
 
@@ -85,13 +85,18 @@ def external_integrals(
             MEMORY,
         )
     with naming(part):
-        summing, pairing_up = _part_of(progress, 0.0, 0.2), _part_of(progress, 0.2, 0.9)
         if workers is None:
-            sums = sum_triangles(triangles, surface=shell, progress=summing)
+            summed_meanwhile = SummedFacets(triangles, surface=shell) if isinstance(triangles, Facets) else None
+            pairing = external_closure(summed_meanwhile or triangles, room, _part_of(progress, 0.0, 0.7))
+            summing = _part_of(progress, 0.7, 0.9)
+            if summed_meanwhile is not None:
+                sums = summed_meanwhile.sums(summing)
+            else:
+                sums = sum_triangles(triangles, surface=shell, progress=summing)
         else:
             frame = frame_of(triangles, surface=shell)
-            sums = sums_of(triangles, frame, workers.over_ranges(_rows, frame, progress=summing))
-        pairing = external_closure(triangles, room, pairing_up, workers=workers)
+            sums = sums_of(triangles, frame, workers.over_ranges(_rows, frame, progress=_part_of(progress, 0.0, 0.2)))
+            pairing = external_closure(triangles, room, _part_of(progress, 0.2, 0.9), workers=workers)
     extents = np.array([sums.low, sums.high])
     topology = pairing.closure
     pieces: tuple[Shell, ...] = ()

@@ -8,23 +8,18 @@ compiled, and by numpy for any triangles.
 
 from __future__ import annotations
 
-import os
-import shutil
 from collections.abc import Callable, Iterable, Iterator
 from contextlib import ExitStack
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from inertia.arrays import Bool, Int
-from inertia.errors import Remedy, WriteError
-from inertia.mesh.external.memory import in_bytes
+from inertia.mesh.external.temporary_file import TemporaryFile
 from inertia.mesh.geometry.pairing import FACETS
 from inertia.mesh.part import Facets, Triangles
 from inertia.native import Kernel, address
-from inertia.output import temporary_folder
 
 _MODULE = "inertia.mesh.geometry.bucket_kernel"
 KEYS = Kernel(_MODULE, "key_edges", "pippp" + "ii")
@@ -36,7 +31,6 @@ JOIN = Kernel(_MODULE, "join_pairs", "pi" + "pi")
 NUMBER = Kernel(_MODULE, "number_pieces", "pi")
 _KERNELS = (FACETS, KEYS, SORT, COUNT, PAIRS, IRREGULAR, JOIN, NUMBER)
 
-MEMORY = Remedy("analyse", "memory", "BYTES")
 SALTS = 15
 """Random numbers of the keys: seven and seven for a vertex, one for the edges (see `edge_kernel`)."""
 BYTES = 12
@@ -60,16 +54,11 @@ class Runs:
         self._arrays: list[NDArray[np.uint32]] = []
         self._starts: list[Int] = []
         self._begin: list[int] = []
-        self._end = 0
         if self.in_memory:
             self.length = min(count, max(CHUNK, room // 4 // _RUN))
             return
         self.length = min(count, max(CHUNK, (room - slack) // _RUN))
-        folder = stack.enter_context(temporary_folder())
-        require_space(folder, 3 * BYTES * count)
-        self._file = os.open(folder / "edges", os.O_RDWR | os.O_CREAT | getattr(os, "O_BINARY", 0), 0o600)
-        stack.callback(os.close, self._file)
-        self._folder = folder
+        self._file = TemporaryFile(3 * BYTES * count, stack)
 
     @property
     def buckets(self) -> int:
@@ -82,17 +71,8 @@ class Runs:
         if self.in_memory:
             self._arrays.append(records.copy())
             return
-        self._begin.append(self._end)
-        data = records.data.cast("B")
-        try:
-            while len(data):
-                written = os.pwrite(self._file, data, self._end) if hasattr(os, "pwrite") else self._write(data)
-                self._end += written
-                data = data[written:]
-        except OSError as error:
-            raise WriteError(
-                f"cannot write temporary files to {self._folder.parent}: {error.strerror}: set TMPDIR to another folder"
-            ) from None
+        self._begin.append(self._file.reserve(records.nbytes))
+        self._file.write(records, self._begin[-1])
 
     def bucket(self, number: int, buffer: NDArray[np.uint32]) -> Iterator[NDArray[np.uint32]]:
         """Yield what all runs have of a bucket, in pieces no longer than the buffer, which they may lie in."""
@@ -105,39 +85,13 @@ class Runs:
                 continue
             while at < stop:
                 size = min(stop - at, len(buffer) - filled)
-                self._read(self._begin[run] + BYTES * at, buffer[filled : filled + size].data.cast("B"))
+                self._file.read(buffer[filled : filled + size], self._begin[run] + BYTES * at)
                 at, filled = at + size, filled + size
                 if filled == len(buffer):
                     yield buffer
                     filled = 0
         if filled:
             yield buffer[:filled]
-
-    def _write(self, data: memoryview) -> int:
-        os.lseek(self._file, self._end, os.SEEK_SET)
-        return os.write(self._file, data)
-
-    def _read(self, at: int, into: memoryview) -> None:
-        if hasattr(os, "preadv"):
-            size = os.preadv(self._file, [into], at)
-        else:
-            os.lseek(self._file, at, os.SEEK_SET)
-            data = os.read(self._file, len(into))
-            size = len(data)
-            into[:size] = data
-        if size < len(into):
-            raise WriteError("a temporary file is shorter than what was written to it: run again")
-
-
-def require_space(folder: Path, size: int) -> None:
-    """Raise `WriteError` where a folder has no room for a temporary file."""
-    free = shutil.disk_usage(folder).free
-    if free < size:
-        raise WriteError(
-            f"temporary files of {in_bytes(size)} are needed, and {folder.parent} has room for {in_bytes(free)}: set "
-            "TMPDIR to another folder, or allow more memory by ",
-            MEMORY,
-        )
 
 
 class Compiled:

@@ -28,7 +28,6 @@ from inertia.errors import UsageError
 from inertia.mesh.external.buckets import (
     BUCKET,
     CHUNK,
-    MEMORY,
     REPEATED,
     SALTS,
     Runs,
@@ -37,7 +36,9 @@ from inertia.mesh.external.buckets import (
     roots_of,
     steps_for,
 )
+from inertia.mesh.external.leaves import closed_by_place
 from inertia.mesh.external.memory import in_bytes
+from inertia.mesh.external.temporary_file import MEMORY
 from inertia.mesh.geometry.closure import Closure, merge_equal_vertices
 from inertia.mesh.geometry.edge_fans import links
 from inertia.mesh.geometry.edges import Edges
@@ -147,6 +148,12 @@ def external_closure(
     if room < room_for(count):
         raise UsageError(f"{count} triangles take {in_bytes(room_for(count))} or more: allow more by ", MEMORY)
     salt = np.frombuffer(os.urandom(8 * SALTS), np.uint64) if salt is None else salt
+    if workers is None:
+        with ExitStack() as stack:
+            closed = closed_by_place(triangles, room, salt, stack, _part_of(progress, 0.0, 1.0))
+        if closed is not None:
+            nothing = np.empty(0, np.int64)
+            return Pairing(closed, _exactly(triangles, nothing, np.empty(0, np.uint32))[0], None)
     steps = steps_for(count, salt)
     parent = np.arange(count, dtype=np.uint32)
     left = room - 4 * count

@@ -359,9 +359,13 @@ def _in_threads(number: int, work: Callable[[int, threading.Event], Any]) -> lis
     one(0)
     for thread in others:
         thread.join()
-    for error in errors:
-        if error is not None:
-            raise error
+    try:
+        for error in errors:
+            if error is not None:
+                raise error
+    finally:
+        errors.clear()  # which refer to what the threads have had in memory
+        error = None
     return results
 
 
@@ -370,8 +374,8 @@ def _sample(triangles: Triangles, number: int) -> NDArray[np.float32]:
     blocks = range(0, triangles.count, _APART)
     corners = triangles.corners_f4 if isinstance(triangles, Facets) else triangles.corners
     with np.errstate(over="ignore", invalid="ignore"):
-        some = [corners(at, at + _READ)[::_EVERY, 0].astype(np.float32) for at in blocks]
-    return np.resize(np.concatenate(some), (number, 3))
+        some = np.concatenate([corners(at, at + _READ)[::_EVERY, 0].astype(np.float32) for at in blocks])
+    return some[np.arange(number) * len(some) // number]
 
 
 def _tree(points: NDArray[np.float32], depth: int) -> tuple[Int, NDArray[np.float32], NDArray[np.float32]]:
