@@ -3,6 +3,7 @@
 import os
 import shutil
 from collections import defaultdict
+from contextlib import ExitStack
 from pathlib import Path
 from typing import NamedTuple
 
@@ -11,8 +12,9 @@ import pytest
 from tests.mesh.solids import cube, facets, joined, ring, sphere
 
 from inertia.errors import UsageError, WriteError
-from inertia.mesh.external import buckets
+from inertia.mesh.external import buckets, leaves
 from inertia.mesh.external.closure import external_closure, room_for
+from inertia.mesh.external.leaves import closed_by_place
 from inertia.mesh.geometry.closure import vectorised_closure
 from inertia.mesh.part import FACET, Facets, Surface
 
@@ -63,6 +65,31 @@ def test_the_pairing_is_that_of_the_coordinates(name: str, native: str, monkeypa
         expected.crowded,
     )
     assert found.labels.tolist() == expected.labels.tolist()
+
+
+@pytest.mark.parametrize("bytes_a_triangle", [100, 16])
+@pytest.mark.parametrize("name", SOUPS)
+def test_a_closed_surface_is_paired_by_place(
+    name: str, bytes_a_triangle: int, monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    monkeypatch.setattr("tempfile.tempdir", str(tmp_path))
+    for constant, value in (("LEAF", 512), ("FIXED", 0), ("LEAST", 1)):
+        monkeypatch.setattr(leaves, constant, value)
+    surface, written = stored(np.concatenate([SOUPS[name], SOUPS["closed"] + 100])), []
+    salt = np.random.default_rng(6).integers(0, 2**64, buckets.SALTS, np.uint64)
+    with ExitStack() as stack:
+        found = closed_by_place(
+            surface, bytes_a_triangle * surface.count, salt, stack, lambda done: written.append(temporary(tmp_path))
+        )
+    expected = vectorised_closure(surface)
+    if expected.open_edges or expected.crowded:
+        assert found is None
+    else:
+        assert found is not None
+        assert (found.components, found.repeated) == (expected.components, expected.repeated)
+        assert found.labels.tolist() == expected.labels.tolist()
+        assert bool(written[-1]) == (bytes_a_triangle < 20)
+    assert not temporary(tmp_path)
 
 
 def test_irregular_edges_are_those_that_are_not_used_once_each_way() -> None:

@@ -41,17 +41,20 @@ from inertia.mesh.geometry.pairing import (
 from inertia.mesh.part import Facets, Triangles
 from inertia.native import address, threads
 
-_LEAF = 1 << 16  # triangles of a leaf, about
-_LARGEST = 4 * _LEAF // _RUN  # runs of a leaf that is read from the file, at most
+LEAF = 1 << 16
+"""Triangles of a leaf, about."""
+FIXED = 32_000_000
+"""Bytes for each thread's tables, and for a leaf that it reads."""
+LEAST = 1 << 20
+"""Triangles in memory, for which the work repays its start."""
+
 _ROW = 16  # bytes of a packed triangle
 _TAKEN = _ROW + 5  # by a triangle in memory, with its label
 _WAITING = 2  # bytes a triangle that the edges between leaves may take
-_FIXED = 32_000_000  # for each thread's tables, and a leaf that it reads
 _TABLE = 1 << 14  # room for those, to begin with
 _ONE = np.uint64(1)
 _NEVER = -(1 << 62)  # from which edges are counted that wait, so that the kernel does not take them for open ones
 _SAMPLED = 64  # triangles a leaf that the planes are from
-_LEAST = 1 << 20  # triangles in memory, for which the work repays its start
 _COPIED = 1 << 10  # runs that are copied at a time
 _REPORTED = 16 * _BLOCK
 
@@ -163,7 +166,7 @@ class _Leaves:
         self, triangles: Triangles, rows: int, salt: NDArray[np.uint64], file: TemporaryFile, progress: Progress
     ) -> None:
         count, self._parts = triangles.count, threads()
-        depth = max((count // _LEAF).bit_length() - 1, 1)
+        depth = max((count // LEAF).bit_length() - 1, 1)
         self._count, self._leaves = count, 1 << depth
         self._file, self._salt, self._progress = file, salt.copy(), progress
         self._bins = 1 << min((count // 16 // _BIN).bit_length(), 9)
@@ -173,8 +176,9 @@ class _Leaves:
         self._descent = address(axes), address(planes), address(cells), depth
         self._cuts = [*(_BLOCK * (part * count // (self._parts * _BLOCK)) for part in range(self._parts)), count]
         most = int(np.diff(self._cuts).max()) if rows >= count else max(rows // self._parts, _BLOCK)
+        self._largest = 4 * LEAF // _RUN  # runs of a leaf that is paired, at most
         self._runs = -(-most // _RUN) + min(self._leaves, _BLOCK) + self._leaves  # of a thread
-        self._pool = np.empty((self._parts * (self._runs + _LARGEST), _RUN, 2), np.uint64)
+        self._pool = np.empty((self._parts * (self._runs + self._largest), _RUN, 2), np.uint64)
         self._owners = np.empty(self._parts * self._runs, np.int64)
 
     def closure(self) -> Closure:
@@ -252,14 +256,14 @@ class _Leaves:
         Returns the edges that wait for other threads' leaves, and how many triangles have a repeated corner.
         """
         low, high = shares[which : which + 2].tolist()
-        thread, scratch = _Thread(self._salt, _Log(0, self._bins)), self._parts * self._runs + which * _LARGEST
+        thread, scratch = _Thread(self._salt, _Log(0, self._bins)), self._parts * self._runs + which * self._largest
         waiting = _Waiting(self._bins)
         for leaf in range(low, high):
             free, runs = scratch, []
             for segment in segments:
                 places, sizes = segment.runs(leaf)
                 if segment.at is not None and len(places):
-                    if free + len(places) > scratch + _LARGEST:
+                    if free + len(places) > scratch + self._largest:
                         raise Beyond
                     self._file.read(self._pool[free : free + len(places)], segment.at + int(places[0]) * _RUN * _ROW)
                     places = places + (free - places[0])
@@ -269,7 +273,7 @@ class _Leaves:
             if len(every) == 0:
                 continue
             pieces = np.zeros(int(every[:, 1].sum()), np.int32)
-            if len(pieces) > _LARGEST * _RUN:
+            if len(pieces) > self._largest * _RUN:
                 raise Beyond
             thread.begin(pieces)
             thread.leaf(self._pool, every)
@@ -360,9 +364,9 @@ def closed_by_place(
     the folder that `stack` removes.
     """
     count, parts = triangles.count, threads()
-    fixed = parts * _FIXED + (0 if isinstance(triangles, Facets) else 8 * len(triangles.vertices))
+    fixed = parts * FIXED + (0 if isinstance(triangles, Facets) else 8 * len(triangles.vertices))
     rows = min((room - fixed - _WAITING * count) // _TAKEN, (room - fixed - 4 * count) // 8)
-    if rows < min(count, _LEAST) or not all(kernel.worthwhile(count) for kernel in _BY_PLACE):
+    if rows < min(count, LEAST) or not all(kernel.worthwhile(count) for kernel in _BY_PLACE):
         return None
     _load(*_BY_PLACE)
     file = TemporaryFile(max(_ROW * (count - rows), 0), stack)
