@@ -1,9 +1,9 @@
 """Closure and components of a surface in bounded memory: its edges partitioned by their keys, paired bucket by bucket.
 
-A closed surface is paired by place, which is cheaper (`inertia.mesh.external.leaves`). Of any other, and where the memory
-is short, the directed edges become records in buckets (see `inertia.mesh.external.buckets`), here or by the workers of a
-Dask scheduler. Triangles at an edge that is used once each way belong together: they are joined in one array of 4 bytes
-a triangle. All other edges are irregular, and looked at again by their coordinates, exactly.
+A closed surface is paired by place, which is cheaper (`inertia.mesh.external.leaves`). Of any other, and where the
+memory is short, the directed edges become records in buckets (see `inertia.mesh.external.buckets`), here or by the
+workers of a Dask scheduler. Triangles at an edge that is used once each way belong together: they are joined in one
+array of 4 bytes a triangle. All other edges are irregular, and looked at again by their coordinates, exactly.
 (J. S. Vitter, "Algorithms and data structures for external memory", Foundations and Trends in Theoretical Computer
 Science 2 (2008), section 5; G. Graefe, "Query evaluation techniques", ACM Computing Surveys 25 (1993), section 3.)
 
