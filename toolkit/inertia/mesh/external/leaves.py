@@ -163,9 +163,15 @@ class _Leaves:
     """Triangles grouped by place, and their edges paired."""
 
     def __init__(
-        self, triangles: Triangles, rows: int, salt: NDArray[np.uint64], file: TemporaryFile, progress: Progress
+        self,
+        triangles: Triangles,
+        rows: int,
+        parts: int,
+        salt: NDArray[np.uint64],
+        file: TemporaryFile,
+        progress: Progress,
     ) -> None:
-        count, self._parts = triangles.count, threads()
+        count, self._parts = triangles.count, parts
         depth = max((count // LEAF).bit_length() - 1, 1)
         self._count, self._leaves = count, 1 << depth
         self._file, self._salt, self._progress = file, salt.copy(), progress
@@ -363,14 +369,14 @@ def closed_by_place(
     None stands also where there is too little room, and where there are no compiled kernels. A temporary file is in
     the folder that `stack` removes.
     """
-    count, parts = triangles.count, threads()
+    count, parts = triangles.count, max(1, min(threads(), room // (4 * FIXED + 1)))
     fixed = parts * FIXED + (0 if isinstance(triangles, Facets) else 8 * len(triangles.vertices))
     rows = min((room - fixed - _WAITING * count) // _TAKEN, (room - fixed - 4 * count) // 8)
     if rows < min(count, LEAST) or not all(kernel.worthwhile(count) for kernel in _BY_PLACE):
         return None
     _load(*_BY_PLACE)
     file = TemporaryFile(max(_ROW * (count - rows), 0), stack)
-    leaves = _Leaves(triangles, rows, salt, file, progress)
+    leaves = _Leaves(triangles, rows, parts, salt, file, progress)
     try:
         return leaves.closure()
     except Beyond:
