@@ -114,7 +114,7 @@ def run(options: argparse.Namespace) -> int:
     from inertia.batching.table import merge, write_batch
     from inertia.tables import require_table
 
-    options.part = options.output or "the batch"  # what faults of this program are said of
+    options.part = "the batch"  # what faults of this program are said of
     output = None if options.output is None else require_table(options.output, force=options.force)
     if output is None and (options.json or options.merge is not None):
         raise UsageError("rows are printed where there is no table to write: name one with -o")

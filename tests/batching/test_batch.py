@@ -158,6 +158,24 @@ def test_each_mesh_in_an_archive_is_a_file(name: str, tmp_path: Path) -> None:
     assert hole["message"].startswith(f"{archive}/a/open.stl: open: ")
 
 
+def test_an_archive_in_an_archive_has_its_row_and_what_is_encrypted_says_so(tmp_path: Path) -> None:
+    with zipfile.ZipFile(tmp_path / "two.zip", "w") as packed:
+        packed.write(CUBE, "a.stl")
+        packed.write(CUBE, "b.stl")
+    with zipfile.ZipFile(tmp_path / "outer.zip", "w") as packed:
+        packed.write(tmp_path / "two.zip", "two.zip")
+    (row,) = rows(tmp_path / "outer.zip")
+    assert row["message"].startswith(f"cannot read {tmp_path}/outer.zip/two.zip: it holds 2 meshes, a.stl, b.stl")
+    data = bytearray((tmp_path / "two.zip").read_bytes())
+    for signature, flags in ((b"PK\3\4", 6), (b"PK\1\2", 8)):
+        for place in (data.find(signature), data.rfind(signature)):
+            data[place + flags] |= 1
+    (tmp_path / "two.zip").write_bytes(data)
+    one, other = rows(tmp_path / "two.zip")
+    assert one["message"] == f"cannot read {tmp_path}/two.zip/a.stl: it is encrypted: unpack it and give the mesh in it"
+    assert other["state"] == "unreadable"
+
+
 def test_an_archive_with_one_mesh_is_a_file(tmp_path: Path) -> None:
     with zipfile.ZipFile(tmp_path / "part.zip", "w") as packed:
         packed.write(CUBE, "cube.stl")
@@ -176,6 +194,7 @@ def test_a_url_is_read_where_its_back_end_is_there(tmp_path: Path) -> None:
     assert good["sha256"] == hashlib.sha256(CUBE.read_bytes()).hexdigest()
     assert bad["message"].startswith(f"file://{tmp_path}/a.stl: open: ")
     assert (missing["state"], missing["exit_code"]) == ("unreadable", 3)
+    assert missing["message"] == f"cannot read file://{tmp_path}/none.stl: there is no such file: check the URL"
     with pytest.raises(inertia.UsageError, match="nowhere"):
         rows("nowhere://bucket/part.stl")
 
@@ -191,6 +210,12 @@ def test_a_manifest_has_options_for_each_row(tmp_path: Path) -> None:
     assert (cube["path"], cube["unit"], cube["density"]) == (str(tmp_path / "cube.stl"), "cm", 7850.0)
     assert (steel["unit"], steel["density_from"]) == ("mm", "material")
     assert (weighed["mass"], weighed["density_from"]) == (2.0, "mass")
+
+
+def test_what_a_row_says_of_its_mass_takes_the_place_of_what_is_said_for_all(tmp_path: Path) -> None:
+    (tmp_path / "manifest.csv").write_text(f"path,material,mass\n{CUBE},steel,\n{HANDLE},,2\n{CUBE},,\n")
+    steel, weighed, common = rows(tmp_path / "manifest.csv", density=5.0)
+    assert (steel["density_from"], weighed["mass"], common["density"]) == ("material", 2.0, 5.0)
 
 
 def test_a_manifest_may_be_parquet(tmp_path: Path) -> None:
@@ -210,14 +235,32 @@ def test_a_manifest_may_be_parquet(tmp_path: Path) -> None:
         ("path,densty\ncube.stl,7850\n", "'densty' is no option of analyse"),
         ("path,density\ncube.stl,heavy\n", "row 2: density is 'heavy'"),
         ("path,unit\n,mm\n", "row 2: the path is empty"),
+        ("path;unit\ncube.stl;mm\n", "no column 'path', but 'path;unit': .* commas"),
+        ("path,unit,unit\ncube.stl,mm,in\n", "two columns 'unit'"),
+        ("path,density\ncube.stl,7,85\n", "line 2: it has more cells than there are columns"),
+        ("path,unit\n", "names no file"),
+        ("", "names no file"),
     ],
 )
 def test_a_manifest_that_cannot_be_meant_is_refused(text: str, says: str, tmp_path: Path) -> None:
     (tmp_path / "manifest.csv").write_text(text)
-    if "no column" in says:
+    if says == "has no column 'path'":
         (tmp_path / "manifest.csv").write_text(f"{text}1,mm\n")
     with pytest.raises(inertia.UsageError, match=says):
         rows(tmp_path / "manifest.csv")
+
+
+def test_a_manifest_that_is_no_table_is_refused(tmp_path: Path) -> None:
+    (tmp_path / "open.csv").write_text(f'path,unit\n"{CUBE},mm\n')
+    with pytest.raises(inertia.ReadError, match="no table in UTF-8"):
+        rows(tmp_path / "open.csv")
+    pyarrow, parquet = pytest.importorskip("pyarrow"), pytest.importorskip("pyarrow.parquet")
+    (tmp_path / "junk.parquet").write_bytes(b"PAR1 and no more")
+    with pytest.raises(inertia.ReadError, match="no Parquet table"):
+        rows(tmp_path / "junk.parquet")
+    parquet.write_table(pyarrow.table({"path": [1, 2]}), tmp_path / "numbers.parquet")
+    with pytest.raises(inertia.UsageError, match="row 2: the path is 1, which is no text"):
+        rows(tmp_path / "numbers.parquet")
 
 
 @pytest.mark.parametrize(
@@ -230,6 +273,10 @@ def test_a_manifest_that_cannot_be_meant_is_refused(text: str, says: str, tmp_pa
         ({"timeout": 0.0}, "timeout is 0.0"),
         ({"memory": -1}, "memory is -1"),
         ({"shard": (3, 2)}, "shard 3 of 2"),
+        ({"unit": "parsec"}, "unknown unit 'parsec'"),
+        ({"density": -4.0}, "density is -4"),
+        ({"density": 4.0, "material": "steel"}, "both a density and a material"),
+        ({"material": "unobtainium"}, "unknown material"),
     ],
 )
 def test_arguments_that_cannot_be_meant_are_refused_at_once(arguments: dict[str, Any], says: str) -> None:
@@ -240,6 +287,24 @@ def test_arguments_that_cannot_be_meant_are_refused_at_once(arguments: dict[str,
 def test_a_glob_that_matches_nothing_is_refused(tmp_path: Path) -> None:
     with pytest.raises(inertia.UsageError, match=r"none\*\.stl matches no file"):
         inertia.batch(f"{tmp_path}/none*.stl")
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="pipes and symbolic links")
+def test_pipes_and_links_that_lead_back_take_no_time(tmp_path: Path) -> None:
+    (tmp_path / "in/deep").mkdir(parents=True)
+    (tmp_path / "in/deep/cube.stl").write_bytes(CUBE.read_bytes())
+    for name, target in (("back", ".."), ("again", "../.."), ("self.stl", "self.stl"), ("none.stl", "nowhere")):
+        (tmp_path / "in/deep" / name).symlink_to(target)
+    os.mkfifo(tmp_path / "in/pipe.stl")
+    every = rows(f"{tmp_path}/**/*.stl")
+    names = ["in/deep/cube.stl", "in/deep/none.stl", "in/deep/self.stl", "in/pipe.stl"]
+    assert [row["path"] for row in every] == [f"{tmp_path}/{name}" for name in names]
+    assert [row["state"] for row in every] == ["answered", "unreadable", "unreadable", "unreadable"]
+    assert [row["path"] for row in rows(f"{tmp_path}/**/deep/cube*", f"{tmp_path}/i*/**/cube.stl")] == [
+        f"{tmp_path}/{names[0]}"
+    ]
+    with pytest.raises(inertia.UsageError, match="the path of a file is empty"):
+        inertia.batch("")
 
 
 def test_an_option_that_a_file_cannot_have_is_its_own_refusal() -> None:

@@ -146,3 +146,34 @@ def test_paths_come_on_standard_input_and_rows_go_to_standard_output() -> None:
     run = subprocess.run(command, input="\0".join(FILES[:2]), capture_output=True, text=True, check=True)
     assert [json.loads(line)["path"] for line in run.stdout.splitlines()] == FILES[:2]
     assert run.stderr.startswith("Files")
+
+
+def test_a_list_that_windows_wrote_is_read_and_an_empty_one_refused() -> None:
+    command = [sys.executable, "-m", "inertia_cli", "batch", "-", "--jobs", "1"]
+    lines = "\r\n".join(["", *FILES[:2], ""])
+    for text in (lines.encode("utf-8-sig"), lines.encode("utf-16")):
+        run = subprocess.run(command, input=text, capture_output=True, check=True)
+        assert [json.loads(line)["path"] for line in run.stdout.splitlines()] == FILES[:2]
+    empty = subprocess.run(command, input=b"\r\n", capture_output=True, check=False)
+    assert empty.returncode == 2
+    assert b"standard input names no file" in empty.stderr
+
+
+def test_parts_that_were_damaged_are_answered_for_again(tmp_path: Path) -> None:
+    table = tmp_path / "table.jsonl"
+    parts = tmp_path / "table.jsonl.parts"
+    parts.mkdir()
+    (parts / "0123456789abcdef.jsonl").write_text('junk\n{"no": "key"}\n3\n{"key": "cut sh')
+    assert batch(path("cube.stl"), "-o", table) == 0
+    assert json.loads(table.read_text())["state"] == "answered"
+    assert not parts.exists()
+
+
+def test_what_is_missing_of_a_table_to_be_merged_is_named(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    batch(path("cube.stl"), "-o", tmp_path / "one.csv", "--shard", "1/1")
+    (tmp_path / "one.csv.meta.json").unlink()
+    for name, says in (("one.csv", "one.csv.meta.json beside it"), ("none.csv", "cannot read ")):
+        assert batch("--merge", tmp_path / name, "-o", tmp_path / "all.csv") == 3
+        error = capsys.readouterr().err
+        assert says in error
+        assert "all.csv" not in error

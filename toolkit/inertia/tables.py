@@ -10,6 +10,7 @@ import csv
 import io
 import json
 import math
+import os
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from pathlib import Path
@@ -193,13 +194,16 @@ def read_table(path: Path) -> tuple[dict[str, Any], Iterator[dict[str, Any]]]:
             file = load_pyarrow().parquet.ParquetFile(path)
             about = json.loads((file.schema_arrow.metadata or {})[b"inertia"])
             return about, (row for batch in file.iter_batches() for row in batch.to_pylist())
+        path.stat()
         about = json.loads(_beside(path).read_text(encoding="utf-8"))
         kinds = {column["name"]: column["kind"] for column in about["columns"]}
         if path.suffix.lower() == ".csv":
             return about, _csv_rows(path, kinds)
         return about, _json_rows(path)
     except OSError as error:
-        says = f"cannot read {error.filename or path}: {error.strerror or error}"
+        missing = os.fspath(error.filename or path) == os.fspath(_beside(path))
+        where = f" ({visible(_beside(path).name)} beside it, which says what it holds)" if missing else ""
+        says = f"cannot read {visible(str(path))}: {error.strerror or error}{where}: check the path"
         raise ReadError(says, code="no_file") from None
     except (KeyError, ValueError) as error:
         raise ReadError(f"cannot read {path}: it is no table that a batch wrote ({visible(str(error))})") from None

@@ -22,6 +22,7 @@ Row = dict[str, Any]
 
 _FAULT = 1  # the exit code where the process that answers dies
 _READ = ("unit", "format", "unpack_limit")
+_WEIGHED = ("density", "material", "mass")  # which say the same in different ways
 _MEMORY = Remedy("batch", "memory", "BYTES")
 _TIMEOUT = Remedy("batch", "timeout", "SECONDS")
 
@@ -44,6 +45,12 @@ class Setup:
     timeout: float | None = None
     memory: int | None = None
     wording: Wording = str
+
+    def options_of(self, task: Task) -> dict[str, Any]:
+        """Return the options of a file: its own, and those of all files that they do not take the place of."""
+        weighed = any(name in task.options for name in _WEIGHED)
+        common = {name: value for name, value in self.options.items() if not (weighed and name in _WEIGHED)}
+        return {**common, **task.options}
 
     def failed(self, task: Task, state: State, why: str) -> Answer:
         """Return the row of a file that the process which answered for it did not survive."""
@@ -109,7 +116,7 @@ def answer(task: Task, setup: Setup) -> Answer:
     def failed(state: State, code: int, *words: str | Remedy) -> None:
         row.update(state=state, exit_code=code, message=worded(Sentence(*words)))
 
-    options = {**setup.options, **task.options}
+    options = setup.options_of(task)
     with ExitStack() as stack:
         opened = stack.enter_context(_opened())
         stack.enter_context(warnings.catch_warnings())
@@ -156,9 +163,9 @@ def _for_memory(error: BaseException | None) -> bool:
 def _digest(path: Path) -> str:
     import hashlib
 
+    if not stat.S_ISREG(path.stat().st_mode):  # before it is opened: a pipe without a writer would wait for one
+        raise ReadError("it is not a regular file")
     with path.open("rb") as file:
-        if not stat.S_ISREG(os.fstat(file.fileno()).st_mode):
-            raise ReadError("it is not a regular file")
         return hashlib.file_digest(file, "sha256").hexdigest()
 
 

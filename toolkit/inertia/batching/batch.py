@@ -12,6 +12,8 @@ from inertia.batching.columns import COLUMNS
 from inertia.batching.engines import Engine, Processes, in_order, processors
 from inertia.batching.sources import OPTIONS, Task, tasks_of
 from inertia.errors import UsageError
+from inertia.mass.density import densities
+from inertia.units import length_unit
 
 
 def batch(
@@ -66,6 +68,11 @@ def setup_for(verb: str, options: dict[str, Any], **limits: Any) -> Setup:
             raise UsageError(f"memory is {memory!r}: it must be positive, in bytes")
         if not Path("/proc/self/status").exists():
             raise UsageError("memory of a process is limited on Linux only: leave the limit out")
+    # What is wrong whatever the file is said once.
+    if "unit" in options:
+        length_unit(options["unit"])
+    if verb == "analyse":
+        densities(options.get("density"), options.get("material"), options.get("mass"))
     return Setup(verb, options, **limits)
 
 

@@ -12,6 +12,7 @@ from typing import Any
 from inertia.batching.columns import STATES
 from inertia.batching.lot import Lot
 from inertia.errors import visible
+from inertia.mesh.checks.findings import counted
 from inertia.report.numerals import row as line
 
 _LISTED = 10
@@ -97,7 +98,7 @@ class Summary:
             for number, (kind, count, path) in enumerate(self._commonest())
         ]
         if self.assumed_units:
-            lines.append(line("Unit", f"assumed for {self.assumed_units} files"))
+            lines.append(line("Unit", f"assumed for {counted(self.assumed_units, 'file')}"))
         lines += [
             line("Slowest" if number == 0 else "", f"{seconds:.3g} s  {path}")
             for number, (seconds, path) in enumerate(self._slowest())

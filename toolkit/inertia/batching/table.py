@@ -156,12 +156,13 @@ class Parts:
         with path.open("rb") as file:
             offset = 0
             for line in file:
-                self._places[bytes.fromhex(json.loads(line)["key"])] = path, offset
+                with suppress(ValueError, KeyError, TypeError):  # what is damaged is answered for again
+                    self._places[bytes.fromhex(json.loads(line)["key"])] = path, offset
                 offset += len(line)
 
     def _key(self, task: Task) -> bytes:
         setup = self._setup
-        options = sorted({**setup.options, **task.options}.items(), key=str)
+        options = sorted(setup.options_of(task).items(), key=str)
         return sha256(repr((__version__, SCHEMA, setup.verb, task.path, options)).encode()).digest()[:16]
 
 

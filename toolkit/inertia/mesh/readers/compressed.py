@@ -20,6 +20,9 @@ from inertia.output import temporary_folder
 UNPACK_LIMIT = 2.0
 """GiB that a compressed file may unpack to, unless told."""
 
+ARCHIVE = re.compile(r"(?i)\.(zip|tar|tgz|tbz2?|txz|tar\.(gz|bz2|xz))$")
+"""The names of archives that may hold several files."""
+
 _MEMBERS = 10_000  # entries of an archive that are looked at
 _BLOCK = 2**20
 _NAMED = 5
@@ -87,7 +90,10 @@ def unpacked(path: Path, kind: str, limit: float) -> Iterator[Unpacked]:
 
 
 def meshes_in(path: Path) -> list[str]:
-    """Return the names of all meshes in a zip or tar archive, in its order; raises `ReadError` where it is damaged."""
+    """Return the names of all meshes and archives in a zip or tar archive, in its order.
+
+    Raises `ReadError` where it is damaged.
+    """
     import tarfile
     import zipfile
 
@@ -98,7 +104,7 @@ def meshes_in(path: Path) -> list[str]:
         else:
             with tarfile.open(path) as stream:
                 names = [member.name for member in stream if member.isreg()]
-    return [name for name in dict.fromkeys(names) if _is_mesh(name)]
+    return [name for name in dict.fromkeys(names) if _is_mesh(name) or _is_archive(name)]
 
 
 @contextmanager
@@ -140,7 +146,8 @@ def _tar_members(path: Path, limit: float) -> dict[str, Path]:
         _last_tar.append((version, stack, files))
         with tarfile.open(path) as archive:
             for number, member in enumerate(archive):
-                if member.isreg() and _is_mesh(member.name) and (stream := archive.extractfile(member)) is not None:
+                wanted = member.isreg() and (_is_mesh(member.name) or _is_archive(member.name))
+                if wanted and (stream := archive.extractfile(member)) is not None:
                     place = folder / f"{number}{PurePosixPath(member.name).suffix.lower()}"
                     files[member.name] = _copy(stream, place, limit)
                     limit -= member.size
@@ -156,6 +163,10 @@ def _forget_tar() -> None:
 def _is_mesh(name: str) -> bool:
     path = PurePosixPath(name)
     return path.suffix.lower() in _MESHES and not path.name.startswith(".") and "__MACOSX" not in name
+
+
+def _is_archive(name: str) -> bool:
+    return ARCHIVE.search(name) is not None and "__MACOSX" not in name
 
 
 def _is_tar(head: bytes) -> bool:
