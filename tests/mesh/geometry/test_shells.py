@@ -13,7 +13,8 @@ from tests.mesh.solids import Mesh, box, cube, facets, inside_out, joined, ring,
 
 from inertia import native
 from inertia.mesh.geometry.closure import closure
-from inertia.mesh.geometry.shells import Shell, absolute_orientation, all_apart, bodies, members, shells
+from inertia.mesh.geometry.shells import Shell, absolute_orientation, bodies, members, shells
+from inertia.mesh.geometry.sound_shells import sound_bodies
 from inertia.mesh.geometry.winding import windings, windings_under
 from inertia.mesh.part import Surface, Triangles
 
@@ -311,9 +312,9 @@ def test_bodies_whose_boxes_do_not_meet_are_apart(
 ) -> None:
     monkeypatch.setattr(native, "SHIPPED_ABOVE", 0)
     triangles = store(joined(at(0.0), *others))
-    assert all_apart(triangles, closure(triangles), np.zeros(3)) == apart
+    assert sound_bodies(triangles, closure(triangles)) == (1 + len(others) if apart else None)
     monkeypatch.setenv("INERTIA_NATIVE", "0")
-    assert not all_apart(triangles, closure(triangles), np.zeros(3))
+    assert sound_bodies(triangles, closure(triangles)) is None
 
 
 @pytest.mark.parametrize("turned", [False, True])
@@ -321,4 +322,4 @@ def test_a_shell_without_certain_volume_is_not_apart(turned: bool, monkeypatch: 
     monkeypatch.setattr(native, "SHIPPED_ABOVE", 0)
     plate = box((9.0, 9.0, 9.0), (10.0, 10.0, 9.0 + 2e-15))
     triangles = joined(at(0.0), inside_out(plate) if turned else plate)
-    assert not all_apart(triangles, closure(triangles), np.zeros(3))
+    assert sound_bodies(triangles, closure(triangles)) is None

@@ -24,7 +24,8 @@ from inertia.mesh.external.faults import edge_faults, shell_findings
 from inertia.mesh.external.memory import RESERVE, WHOLE, fits, in_bytes, resident
 from inertia.mesh.external.shuffle import DaskWorkers
 from inertia.mesh.external.temporary_file import MEMORY
-from inertia.mesh.geometry.shells import Shell, all_apart, bodies, shells
+from inertia.mesh.geometry.shells import Shell, bodies, shells
+from inertia.mesh.geometry.sound_shells import sound_bodies
 from inertia.mesh.part import FacesInFile, Facets, Part, Triangles
 
 _AMPLE = 1_000_000_000  # bytes beside the least, where workers do what takes most
@@ -150,7 +151,8 @@ def _shells(part: Part, pairing: Pairing, sums: Sums, room: int) -> tuple[Shell,
     triangles, topology = part.triangles, pairing.closure
     if pairing.irregular is None:
         raise _too_little(part, f"{topology.crowded} edges of more than two triangles")
-    if topology.components == 1 or (sums.exponent == 0 and all_apart(triangles, topology, sums.origin, by_boxes=True)):
+    count = topology.components
+    if count == 1 or (sums.exponent == 0 and sound_bodies(triangles, topology, streamed=True) == count):
         return ()
     if not _nests(triangles, room):
         raise _too_little(part, f"{topology.components} shells, and which of them lie in others,")

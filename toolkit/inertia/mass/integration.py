@@ -21,9 +21,10 @@ from inertia.mass.triangles.sums import SummedFacets, Sums, sum_triangles
 from inertia.mesh.checks.findings import Finding, Report, around, middle, once
 from inertia.mesh.geometry.closure import Closure, closure
 from inertia.mesh.geometry.intersect import crossings, to_be_examined
-from inertia.mesh.geometry.shells import Shell, absolute_orientation, all_apart, shells, soundly_nested
+from inertia.mesh.geometry.shells import Shell, absolute_orientation, shells, soundly_nested
 from inertia.mesh.geometry.shells import bodies as bodies_of
 from inertia.mesh.geometry.simple import MOST, at_hand, simple
+from inertia.mesh.geometry.sound_shells import sound_bodies
 from inertia.mesh.part import Cells, Facets, Part, Regions, Surface, Triangles, counts_once, usable
 from inertia.mesh.shape import Solid
 
@@ -139,10 +140,9 @@ def surface_integrals(
     if not usable(extents).all() or (topology.open_edges and not shell):
         _check(part, intersections).require_fit()
     several = not shell and (topology.components != 1 or topology.crowded > 0)
-    simple = several and not named and not topology.crowded and sums.exponent == 0
-    if simple and all_apart(triangles, topology, sums.origin):
-        several = False
-    pieces = shells(triangles, topology) if several else ()
+    plain = several and not named and not topology.crowded and sums.exponent == 0
+    bodies = sound_bodies(triangles, topology) if plain else None
+    pieces = shells(triangles, topology) if several and bodies is None else ()
     proven = counts_once(triangles)
     sound = bool(pieces) and not topology.crowded and soundly_nested(triangles, topology, pieces)
     wrong = _wrong(triangles, pieces, moments_of(sums)) if absolute and not (turned or shell or proven) else ()
@@ -167,7 +167,12 @@ def surface_integrals(
         return
     examined = not shell and to_be_examined(triangles, intersections, topology.crowded)
     report = None
-    if examined and not proven and not _simple(triangles, topology) and crossings(triangles, limit=1).total:
+    if (
+        examined
+        and not proven
+        and not _simple(triangles, topology, bodies is not None)
+        and crossings(triangles, limit=1).total
+    ):
         report = _sound(part, intersections, parts, allowance, absolute)
     integral = Integral(
         groups=(),
@@ -175,7 +180,7 @@ def surface_integrals(
         triangles=triangles.count,
         cells=0,
         closed=topology.open_edges == 0,
-        bodies=len(bodies_of(pieces)) if pieces else topology.components,
+        bodies=len(bodies_of(pieces)) if pieces else bodies or topology.components,
         area=surface_area(sums),
         extents=extents,
         crossings_examined=examined or (proven and not shell),
@@ -198,13 +203,20 @@ def surface_integrals(
             refuse_flat(part, whole, extents)
 
 
-def _simple(triangles: Triangles, topology: Closure) -> bool:
-    """Say whether one pass shows a surface to be free of crossings."""
-    if triangles.count > MOST or topology.open_edges or topology.crowded or not at_hand():
-        return False
+def _simple(triangles: Triangles, topology: Closure, apart: bool) -> bool:
+    """Say whether one pass shows a surface to be free of crossings; `apart`, where no shells meet, shell by shell."""
     count = triangles.count
-    corners, faces = triangles.corners().reshape(-1, 3), np.arange(3 * count).reshape(-1, 3)
-    return bool(simple(corners, faces, np.array([[0, 3 * count, 0, count]]), pieces=True)[0])
+    if count > MOST or topology.open_edges or topology.crowded or not at_hand():
+        return False
+    corners, faces = triangles.corners(), np.arange(3 * count)
+    table = np.array([[0, 3 * count, 0, count]])
+    if apart and not topology.repeated:
+        corners = corners[np.argsort(topology.labels, kind="stable")]
+        sizes = np.bincount(topology.labels)
+        first = np.cumsum(sizes) - sizes
+        faces -= 3 * np.repeat(first, 3 * sizes)
+        table = np.column_stack([3 * first, 3 * sizes, first, sizes])
+    return bool(simple(corners.reshape(-1, 3), faces.reshape(-1, 3), table, pieces=True).all())
 
 
 def _sound(part: Part, intersections: bool | None, parts: Parts, allowance: float, turned: bool) -> Report:

@@ -25,9 +25,7 @@ from inertia.mesh.geometry.closure import Closure
 from inertia.mesh.geometry.touching import touching_bodies
 from inertia.mesh.geometry.winding import windings, windings_each, windings_under
 from inertia.mesh.part import Triangles
-from inertia.native import Kernel
 
-_MEASURE = Kernel("inertia.mesh.geometry.shell_kernel", "measure_shells", "ppi" + "ddd" + "pi")
 _CHUNK = 1 << 16
 WOUND: tuple[Literal["outward"], Literal["inward"]] = ("outward", "inward")
 """A shell, by its depth modulo 2."""
@@ -132,49 +130,6 @@ def shells(triangles: Triangles, closure: Closure) -> tuple[Shell, ...]:
         )
         for number in range(count)
     )
-
-
-def all_apart(triangles: Triangles, closure: Closure, origin: Float, *, by_boxes: bool = False) -> bool:
-    """Say whether all shells are bodies of their own: outward, and no two of them meet or lie in one another.
-
-    It is the cheap answer for parts of many bodies; where it is False, `shells` has to be asked, or no kernel is there.
-
-    Parameters
-    ----------
-    triangles : of a closed surface with finite coordinates, whose size is neither near 1e100 nor near 1e-100
-    origin : (3,), a point in the middle
-    by_boxes : whether to look at boxes only, for which no triangle is held in memory
-    """
-    count = closure.components
-    if not count or not _MEASURE.worthwhile(triangles.count):
-        return False
-    table = np.zeros((count, 8))
-    table[:, :3], table[:, 3:6] = np.inf, -np.inf
-    for start in range(0, triangles.count, _CHUNK):
-        corners = np.ascontiguousarray(triangles.corners(start, start + _CHUNK))
-        labels = closure.labels[start : start + _CHUNK]
-        _MEASURE.function(
-            corners.ctypes.data, labels.ctypes.data, len(corners), *origin.tolist(), table.ctypes.data, count
-        )
-    low, high, volume, magnitude = table[:, :3], table[:, 3:6], table[:, 6], table[:, 7]
-    # Summed one after another, each term is rounded as often as there are terms.
-    if not (volume > (_NOISE + triangles.count * _STORED) * magnitude).all():
-        return False
-    near = np.zeros(count, bool)
-    for i, j, _ in overlapping(BoxTree(low, high), touching=True):
-        if len(i) and (by_boxes or (_within(low, high, i, j) | _within(low, high, j, i)).any()):
-            return False
-        near[i] = near[j] = True
-    if not near.any():
-        return True
-    met = touching_bodies(triangles, closure.labels, np.stack([low, high], axis=1), among=near, first=True)
-    return met is not None and len(met) == 0
-
-
-def _within(low: Float, high: Float, inner: Int, outer: Int) -> Bool:
-    """Say which boxes lie within others (equal ones do)."""
-    inside: Bool = np.all((low[outer] <= low[inner]) & (high[inner] <= high[outer]), axis=1)
-    return inside
 
 
 def soundly_nested(triangles: Triangles, closure: Closure, shells: Sequence[Shell]) -> bool:
@@ -335,6 +290,12 @@ def nested(boxes: Float) -> Int:
     for i, j, _ in overlapping(BoxTree(low, high), touching=True):
         pairs += [np.column_stack(two)[_within(low, high, two[1], two[0])] for two in ((i, j), (j, i))]
     return np.unique(np.concatenate(pairs), axis=0)
+
+
+def _within(low: Float, high: Float, inner: Int, outer: Int) -> Bool:
+    """Say which boxes lie within others (equal ones do)."""
+    inside: Bool = np.all((low[outer] <= low[inner]) & (high[inner] <= high[outer]), axis=1)
+    return inside
 
 
 def _windings_around(

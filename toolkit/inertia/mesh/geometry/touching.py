@@ -13,7 +13,7 @@ from inertia.mesh.geometry.intersect import CompiledTree
 from inertia.mesh.part import Triangles
 from inertia.native import Kernel
 
-_FIND = Kernel("inertia.mesh.geometry.touching_kernel", "find_touching", "pppi" + "pppp" + "ip")
+_FIND = Kernel("inertia.mesh.geometry.touching_kernel", "find_touching", "pppi" + "pi" + "pppp" + "ip")
 _PAIRS = 1 << 14  # pairs of triangles listed at a time
 _WORK = 16  # times what integrating a triangle costs, about, where the boxes of two bodies meet
 
@@ -48,20 +48,34 @@ def touching_bodies(
     which = np.flatnonzero(within)
     if len(which) == 0:
         return np.empty((0, 2), np.int64)
-    if not _FIND.worthwhile(_WORK * len(which)):
-        return None
     rank = np.empty(len(boxes), np.int64)
     rank[bodies.order] = np.arange(len(boxes))
-    label = labels[which].astype(np.int64)
-    tree = CompiledTree.over(triangles if within.all() else triangles.select(which), rank[label])
+    own = triangles if within.all() else triangles.select(which)
+    pairs = touching_groups(own, rank[labels[which]], np.zeros(len(boxes), np.int64), first=first)
+    return None if pairs is None else np.unique(np.sort(bodies.order[pairs], axis=1), axis=0)
+
+
+def touching_groups(triangles: Triangles, groups: Int, family: Int, *, first: bool = False) -> Int | None:
+    """Return the pairs (k, 2) of groups, of one family, whose triangles may meet; those of other pairs are sure not to.
+
+    Parameters
+    ----------
+    groups : (n,) the group of each triangle
+    family : (m,) that of each group, ascending
+    first : whether to stop where there is one
+    """
+    if not _FIND.worthwhile(_WORK * len(groups)):
+        return None
+    tree = CompiledTree.over(triangles, groups)
     if tree is None:
         return None
-    label = label[tree.order]
+    label = groups[tree.order]
     axis, stack, state = np.zeros(3), np.zeros((256, 3), np.int64), np.array([1, 0])
     stack[0, 0] = tree.levels - 1
     pairs = np.empty((_PAIRS, 2), np.int64)
     tables = [_address(table) for table in (tree.corners, tree.boxes, label)]
-    tables += [len(label), *(_address(table) for table in (axis, stack, tree.starts, pairs))]
+    tables += [len(label), _address(family), len(family)]
+    tables += [_address(table) for table in (axis, stack, tree.starts, pairs)]
     results = [np.empty((0, 2), np.int64)]
     while state[0] and not (first and len(results) > 1):
         _FIND.function(*tables, _PAIRS, _address(state))

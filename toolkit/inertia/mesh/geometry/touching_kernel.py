@@ -6,7 +6,7 @@ and, in one plane, the normals of the edges (the separating axes of S. Gottschal
 SIGGRAPH 1996, §5). Which direction is tried need not be exact; that it holds them apart is, with the rounding of the
 projections allowed for.
 
-Imported only to be compiled (`inertia.native`); see `shells.touching`.
+Imported only to be compiled (`inertia.native`); see `touching`.
 """
 
 from __future__ import annotations
@@ -73,16 +73,19 @@ def apart(own, a, b, axis):
     return False
 
 
-def find_touching(own_at, boxes_at, label_at, count, axis_at, stack_at, starts_at, pairs_at, room, state_at):
+def find_touching(
+    own_at, boxes_at, label_at, count, family_at, families, axis_at, stack_at, starts_at, pairs_at, room, state_at
+):  # fmt: skip
     """Write pairs of labels of triangles that may meet, until all are written or there is no room for 4 more.
 
-    `label` is that of each triangle in order, equal ones side by side; `axis` is the direction that held two triangles
-    apart last; `stack` holds (level, one, other) still to be opened; the boxes of a level begin at `starts`; `state` is
-    (how many pairs of boxes wait, pairs written).
+    `label` is that of each triangle in order, ascending; `family`, that of each label, ascending too: only those of one
+    family are looked at. `axis` is the direction that held two triangles apart last; `stack` holds (level, one, other)
+    still to be opened; the boxes of a level begin at `starts`; `state` is (boxes that wait in pairs, pairs written).
     """
     own = carray(own_at, (count, 9), np.float64)
     boxes = carray(boxes_at, (2 * count + 64, 6), np.float32)
     label = carray(label_at, (count,), np.int64)
+    family = carray(family_at, (families,), np.int64)
     stack = carray(stack_at, (256, 3), np.int64)
     starts = carray(starts_at, (64,), np.int64)
     axis = carray(axis_at, (3,), np.float64)
@@ -111,7 +114,7 @@ def find_touching(own_at, boxes_at, label_at, count, axis_at, stack_at, starts_a
                 continue
             one = label[a << (level - 1)]
             other = label[min(((b + 1) << (level - 1)), count) - 1]
-            if one == other:
+            if one == other or family[label[min((a + 1) << (level - 1), count) - 1]] < family[label[b << (level - 1)]]:
                 continue
             if level > 1:
                 stack[waiting, 0], stack[waiting, 1], stack[waiting, 2] = level - 1, a, b

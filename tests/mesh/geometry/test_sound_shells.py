@@ -1,0 +1,127 @@
+"""Shells that are soundly nested are shown to be, and nothing else is: against how they were put together."""
+
+from collections.abc import Callable
+from itertools import product
+
+import numpy as np
+import pytest
+from scipy.spatial.transform import Rotation
+from tests.mesh.solids import Mesh, box, cube, facets, inside_out, joined, ring, sphere
+
+import inertia
+from inertia import native
+from inertia.mesh.geometry.closure import closure
+from inertia.mesh.geometry.shells import bodies, shells, soundly_nested
+from inertia.mesh.geometry.sound_shells import sound_bodies
+from inertia.mesh.part import Part, Surface, Triangles
+
+
+@pytest.fixture(autouse=True)
+def _any_size(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(native, "SHIPPED_ABOVE", 0)
+
+
+def counted(triangles: Triangles) -> int | None:
+    return sound_bodies(triangles, closure(triangles))
+
+
+def turned(mesh: Mesh, seed: int) -> Mesh:
+    vertices, faces = mesh
+    return Rotation.random(random_state=seed).apply(vertices), faces
+
+
+def pores(radius: float) -> list[Mesh]:
+    return [inside_out(sphere((x, y, z), radius, splits=1)) for x, y, z in product(range(3), repeat=3)]
+
+
+def matryoshka(count: int, ratio: float) -> list[Mesh]:
+    """Return bodies and cavities in turn, one within another."""
+    solids = [turned(sphere(radius=ratio**k, splits=1), k) for k in range(count)]
+    return [solid if k % 2 == 0 else inside_out(solid) for k, solid in enumerate(solids)]
+
+
+BLOCK = box((-0.6, -0.6, -0.6), (2.6, 2.6, 2.6))
+BOWTIE = (
+    np.array([[x, y, z] for z in (-3.0, 3.0) for x, y in ((-3, -3), (3, 3), (3, -3), (-3, 3))]),
+    np.array([[0, 2, 1], [0, 3, 2], [4, 5, 6], [4, 6, 7]] + [
+        face for i in range(4) for face in ([i, (i + 1) % 4, (i + 1) % 4 + 4], [i, (i + 1) % 4 + 4, i + 4])
+    ]),
+)  # fmt: skip
+
+SOUND: dict[str, tuple[list[Mesh], int]] = {
+    "pores in a block": ([BLOCK, *pores(0.45)], 1),
+    "a body in each pore": ([BLOCK, *pores(0.45), *(inside_out(pore) for pore in pores(0.3))], 28),
+    "the block last": ([*pores(0.45), BLOCK], 1),
+    "one within another": (matryoshka(9, 0.7), 5),
+    "hollow bodies": (
+        [mesh for x in range(5) for mesh in (cube((2 * x, 0, 0), 1.5), inside_out(cube((2 * x, 0, 0))))],
+        5,
+    ),
+    "boxes that agree along one axis": (
+        [cube(size=4), inside_out(cube(size=2)), inside_out(cube((1.5, 0, 0), 0.9))],
+        1,
+    ),
+    "a body in the hole of a ring": ([ring(), sphere(radius=1.5)], 2),
+    "a cavity in a ring": ([ring(), inside_out(ring(tube=0.5))], 1),
+    "far from the origin": ([(v + 1e5, f) for v, f in matryoshka(5, 0.7)], 3),
+}
+
+UNSOUND: dict[str, list[Mesh]] = {
+    "pores that break through": [BLOCK, *pores(0.45), inside_out(sphere((2.5, 2.5, 2.5), 0.3))],
+    "pores that meet": [BLOCK, *pores(0.51)],
+    "a pore in a corner": [BLOCK, *pores(0.3), inside_out(box((2.5, 2.5, 2.5), (2.6, 2.6, 2.6)))],
+    "a pore that is no cavity": [BLOCK, *pores(0.45)[1:], inside_out(pores(0.45)[0])],
+    "a pore in a pore": [BLOCK, *pores(0.45), *pores(0.2)[3:4]],
+    "all inside out": [inside_out(mesh) for mesh in matryoshka(4, 0.7)],
+    "the same twice": [cube(), cube()],
+    "a body and its own cavity": [cube(), inside_out(cube())],
+    "a cavity beside its body": [cube(), inside_out(cube((3, 0, 0)))],
+    "shells that cross, one within another": [*matryoshka(4, 0.7), inside_out(sphere(radius=0.8))],
+    "in the half of a bow tie that is inside out": [BOWTIE, inside_out(cube((0, -2.0, 0), 0.5))],
+}
+
+
+@pytest.mark.parametrize("store", [facets, lambda surface: surface], ids=["facets", "surface"])
+@pytest.mark.parametrize("name", SOUND)
+def test_sound_shells_are_counted_as_bodies(name: str, store: Callable[[Surface], Triangles]) -> None:
+    meshes, count = SOUND[name]
+    assert counted(store(joined(*meshes))) == count
+
+
+@pytest.mark.parametrize("name", UNSOUND)
+def test_what_is_unsound_is_not_counted(name: str) -> None:
+    assert counted(joined(*UNSOUND[name])) is None
+
+
+@pytest.mark.parametrize("name", SOUND)
+def test_the_order_of_triangles_does_not_matter(name: str) -> None:
+    meshes, count = SOUND[name]
+    surface = joined(*meshes)
+    faces = np.random.default_rng(1).permutation(surface.faces)
+    assert counted(Surface(surface.vertices, faces)) == count
+
+
+@pytest.mark.parametrize("seed", range(40))
+def test_random_shells_are_sound_where_they_are_nested_one_by_one(seed: int) -> None:
+    random = np.random.default_rng(seed)
+    meshes = []
+    for _ in range(random.integers(2, 9)):
+        vertices, faces = turned([cube(), sphere(splits=1), ring(12, 6, 1, 0.2)][random.integers(3)], seed)
+        own = vertices * random.choice([0.2, 0.5, 1.0, 2.5]) + random.integers(-1, 2, 3) * 1.3
+        meshes.append((own, faces if random.random() < 0.6 else faces[:, ::-1]))
+    surface = joined(*meshes)
+    pieces = closure(surface)
+    nested = shells(surface, pieces)
+    if pieces.components > 1:
+        sound = not pieces.crowded and soundly_nested(surface, pieces, nested)
+        assert pieces.crowded or counted(surface) == (len(bodies(nested)) if sound else None)
+
+
+def test_shells_that_cross_themselves_are_still_looked_for_one_by_one() -> None:
+    vertices, faces = sphere(splits=2)
+    vertices = vertices.copy()
+    vertices[np.argmax(vertices[:, 2])] *= -1.2  # through the other side
+    dented = joined(cube(size=8), inside_out((vertices, faces)))
+    assert counted(dented) == 1
+    with pytest.raises(inertia.GeometryError, match="cross"):
+        inertia.analyse(Part.from_arrays(dented.vertices, dented.faces, "mm"), density=1000.0)

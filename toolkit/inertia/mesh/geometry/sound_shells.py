@@ -1,0 +1,183 @@
+"""Bodies of a surface whose shells are soundly nested: that none meet, and each is wound as its depth asks, is shown.
+
+The shells stream by four times at most, triangle by triangle, whatever their number, and only those whose boxes meet
+are looked at further:
+
+1. Each gets its box, and its volume.
+2. A ray goes upwards from a place on each that lies in the box of another, and what it crosses is added up: for each
+   shell that is crossed its random 64-bit number, as often as it is crossed from inside. The sum names the region that
+   the place is in. Just inside a shell it is the sum of this shell, plus or minus its number; so that what a shell is
+   next inside is found among those (two of n shells agree by chance with a probability of n²/2⁶⁴ at most).
+3. Where a shell lies in another, triangles of the outer one that reach into its box, and whose planes do not pass the
+   sphere around it, may meet it.
+4. These, and the triangles of shells in one region whose boxes meet, are compared with each other.
+
+Shells that meet neither those next inside them nor others in their region meet none at all: a connected set that does
+not meet a surface lies in one part of the space around it, and so does all that the set encloses.
+"""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Iterator
+
+import numpy as np
+from numpy.typing import NDArray
+
+from inertia.arrays import Bool, Float, Int
+from inertia.mesh.geometry.boxes import along_curve
+from inertia.mesh.geometry.closure import Closure
+from inertia.mesh.geometry.touching import touching_groups
+from inertia.mesh.part import Surface, Triangles
+from inertia.native import Kernel, address
+
+_MODULE = "inertia.mesh.geometry.shell_kernel"
+_MEASURE = Kernel(_MODULE, "measure_shells", "pippi" + "pi")
+_MEET = Kernel(_MODULE, "meet_boxes", "pi" + "ppp")
+_CAST = Kernel(_MODULE, "cast_rays", "pippi" + "pi" + "pppp" + "ppip" + "i" + "ddddd" + "pp")
+_NEAR = Kernel(_MODULE, "near_children", "pippi" + "pi" + "pppp" + "pp")
+_CHUNK = 1 << 14
+_COLUMNS = 12  # as the kernels have them
+_MEETS, _INSIDE, _AROUND = 1, 2, 4
+_NOISE = 1e-13  # rounding of a volume, over the sum of its terms' largest magnitudes
+_STORED = 2.0**-50  # the same, for each time that a sum is rounded
+_CLEAR = 2e-10  # of another shell, over the size of the part: what is nearer is not asked by rays
+_POINTS = 2  # in a cell of those by which they are looked up, about
+
+
+def sound_bodies(triangles: Triangles, closure: Closure, *, streamed: bool = False) -> int | None:
+    """Return how many bodies a surface bounds whose shells are soundly nested; None where that is not shown.
+
+    A body is a shell at an even depth, with those next inside it, its cavities.
+
+    Parameters
+    ----------
+    triangles : of a closed surface with finite coordinates, whose size is neither near 1e100 nor near 1e-100
+    streamed : whether to do without what would hold triangles in memory
+
+    """
+    count = closure.components
+    if not count or not all(kernel.worthwhile(triangles.count) for kernel in (_MEASURE, _MEET, _CAST, _NEAR)):
+        return None
+    table = np.zeros((count, _COLUMNS))
+    table[:, :3], table[:, 3:6] = np.inf, -np.inf
+    for _, *chunk in _chunks(triangles, closure):
+        _MEASURE.function(*chunk, address(table), count)
+    volume, magnitude, size = table[:, 6], table[:, 7], table[:, 11]
+    if not (np.abs(volume) > (_NOISE + size * _STORED) * magnitude).all():
+        return None
+    order = along_curve(table[:, :3], table[:, 3:6])
+    flags, _ = _meeting(table, order, np.zeros(count, np.int64))
+    if not flags.any():
+        return count if (volume > 0).all() else None
+    if streamed and not (flags & _INSIDE).any():
+        return None
+    signs = np.where(volume > 0, 1, -1)
+    parent, radii = np.full(count, -1), np.zeros(count)
+    if (flags & _INSIDE).any():
+        nest = _nest(triangles, closure, table, flags, signs)
+        if nest is None:
+            return None
+        parent, depth, radii = nest
+    else:
+        depth = np.zeros(count, np.int64)
+    if ((depth % 2 == 0) != (signs > 0)).any():
+        return None
+    return int((depth % 2 == 0).sum()) if _apart(triangles, closure, table, order, parent, radii, streamed) else None
+
+
+def _chunks(triangles: Triangles, closure: Closure) -> Iterator[tuple[slice, int, int, int, int, int]]:
+    """Yield the triangles chunk by chunk: which they are, and where vertices, faces and labels lie, with numbers."""
+    surface = triangles if isinstance(triangles, Surface) else None
+    each = np.arange(3 * _CHUNK).reshape(-1, 3)
+    for start in range(0, triangles.count, _CHUNK):
+        labels = closure.labels[start : start + _CHUNK]
+        if surface is None:
+            vertices, faces = np.ascontiguousarray(triangles.corners(start, start + _CHUNK)).reshape(-1, 3), each
+        else:
+            vertices, faces = surface.vertices, np.ascontiguousarray(surface.block(start, start + _CHUNK))
+        places = vertices.ctypes.data, len(vertices), faces.ctypes.data, labels.ctypes.data
+        yield slice(start, start + len(labels)), *places, len(labels)
+
+
+def _meeting(table: Float, order: Int, family: Int) -> tuple[NDArray[np.uint8], Float]:
+    """Return what the boxes of shells do to others of their family, and those in order, with enclosing ones."""
+    count = len(order)
+    boxes, flags = np.empty((2 * count + 64, 6)), np.zeros(count, np.uint8)
+    boxes[:count] = table[order, :6]
+    family = family[order]
+    stack = np.empty((256, 4), np.int64)
+    _MEET.function(address(boxes), count, address(family), address(stack), address(flags))
+    result = np.empty_like(flags)
+    result[order] = flags
+    return result, boxes
+
+
+def _nest(
+    triangles: Triangles, closure: Closure, table: Float, flags: NDArray[np.uint8], signs: Int
+) -> tuple[Int, Int, Float] | None:
+    """Return what shell each is next inside (−1 is none), how many are around it, and the squares of their radii."""
+    count = len(table)
+    inner = np.flatnonzero(flags & _INSIDE)
+    low, high = table[:, :3].min(axis=0), table[:, 3:6].max(axis=0)
+    size = float((high - low).max())
+    points = table[inner, 8:11]
+    corner, extent = points[:, :2].min(axis=0), np.ptp(points[:, :2], axis=0)
+    across = max(int(np.sqrt(len(inner) / _POINTS)), 1)
+    steps = np.divide(across, extent, out=np.zeros(2), where=extent > 0)
+    cell = np.minimum(((points[:, :2] - corner) * steps).astype(np.int64), across - 1)
+    cell = cell[:, 1] * across + cell[:, 0]
+    ranked = np.argsort(cell, kind="stable")
+    whose, points = inner[ranked], points[ranked]
+    cells = np.searchsorted(cell[ranked], np.arange(across * across + 1))
+    numbers = np.frombuffer(os.urandom(8 * count), np.int64).copy()
+    sums, depth, radii = np.zeros(count, np.int64), np.zeros(count, np.int64), np.zeros(count)
+    of_shells = [address(each) for each in (flags, signs, numbers, radii)]
+    of_points = address(points), address(whose), len(whose), address(cells), across
+    for _, *chunk in _chunks(triangles, closure):
+        if _CAST.function(
+            *chunk, address(table), count, *of_shells, *of_points, *corner.tolist(), *steps.tolist(), _CLEAR * size,
+            address(sums), address(depth),
+        ):  # fmt: skip
+            return None
+    regions = sums + signs * numbers  # just inside each, modulo 2^64
+    ranked = np.argsort(regions)
+    at = np.minimum(np.searchsorted(regions[ranked], sums), count - 1)
+    parent = np.where(sums == 0, -1, ranked[at])
+    if (regions[parent] != sums)[parent >= 0].any() or (depth[parent] + 1 != depth)[parent >= 0].any():
+        return None
+    return parent, depth, radii
+
+
+def _apart(
+    triangles: Triangles, closure: Closure, table: Float, order: Int, parent: Int, radii: Float, streamed: bool
+) -> bool:
+    """Say whether it is shown that no shell meets one next inside it or another in its region."""
+    count = len(table)
+    order = order[np.argsort(parent[order], kind="stable")]
+    flags, boxes = _meeting(table, order, parent)
+    near = np.zeros(triangles.count, np.uint8)
+    if (parent >= 0).any():
+        ranges = np.searchsorted(parent[order], np.arange(count)[:, None] + (0, 1))
+        of_shells = address(table), count, address(radii), address(boxes), address(order), address(ranges)
+        for which, *chunk in _chunks(triangles, closure):
+            _NEAR.function(*chunk, *of_shells, near[which].ctypes.data, address(flags))
+    meeting: Bool = (flags & _MEETS) != 0
+    if not meeting.any():
+        return True
+    if streamed:
+        return False
+    # Each region is a family of its own: the shell around it, as far as it is near, and those in it that are.
+    labels = closure.labels
+    inside, around = np.flatnonzero(meeting[labels] & (labels >= 0)), np.flatnonzero(near)
+    if len(inside) == triangles.count and not len(around):
+        own = triangles
+    else:
+        own = triangles.select(np.concatenate([inside, around]))
+    region = np.concatenate([parent[labels[inside]], labels[around]])
+    place = np.empty(count, np.int64)
+    place[order] = np.arange(1, count + 1)
+    place = np.concatenate([place[labels[inside]], np.zeros(len(around), np.int64)])
+    keys, groups = np.unique((region + 1) * (count + 1) + place, return_inverse=True)
+    pairs = touching_groups(own, groups, keys // (count + 1), first=True)
+    return pairs is not None and len(pairs) == 0
