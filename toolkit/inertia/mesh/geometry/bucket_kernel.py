@@ -8,7 +8,7 @@ from __future__ import annotations
 import numpy as np
 from numba import carray, njit, uint64
 
-from inertia.mesh.geometry.edge_kernel import LOW, ONE, S32, SALTS, edge_key, prefetch, unite
+from inertia.mesh.geometry.edge_kernel import LOW, ONE, S32, SALTS, edge_key, prefetch
 
 TWO, THREE = np.uint64(2), np.uint64(3)
 
@@ -62,6 +62,24 @@ def sort_edges(keys_at, count, first, shift, places_at, buckets, out_at, room):
         out[place, 1] = np.uint32(key >> S32)
         out[place, 2] = np.uint32(first + k)
     return 0
+
+
+@njit(inline="always")
+def unite(parent, a, b):
+    """Join two pieces; no triangle lies under one behind it.
+
+    Rem's algorithm (M. Patwary, J. Blair and F. Manne, "Experiments on union-find algorithms for the disjoint-set data
+    structure", SEA 2010, figure 2), which stops as soon as both have one parent.
+    """
+    above, other = parent[a], parent[b]
+    while above != other:
+        if above < other:
+            a, b, above, other = b, a, other, above
+        parent[a] = other
+        if uint64(above) == a:
+            return
+        a = uint64(above)
+        above = parent[a]
 
 
 @njit(inline="always")

@@ -37,6 +37,9 @@ BLOCK = 64
 ENTRY = 16
 """Bytes of an entry of the table: the key of an edge that waits, its lowest bit 1, and 2 × its label + that bit."""
 
+UNSEEN = np.int32(-2)
+"""Label of a triangle that no search has come to."""
+
 AHEAD = np.uint64(16)
 FAR = 1000
 """Slots after its own that an entry may have to go in a table with free ones; edges of one key go so far."""
@@ -203,24 +206,6 @@ def join(parent, label, other):
 
 
 @njit(inline="always")
-def unite(parent, a, b):
-    """Join two pieces; no triangle lies under one behind it.
-
-    Rem's algorithm (M. Patwary, J. Blair and F. Manne, "Experiments on union-find algorithms for the disjoint-set data
-    structure", SEA 2010, figure 2), which stops as soon as both have one parent.
-    """
-    above, other = parent[a], parent[b]
-    while above != other:
-        if above < other:
-            a, b, above, other = b, a, other, above
-        parent[a] = other
-        if uint64(above) == a:
-            return
-        a = uint64(above)
-        above = parent[a]
-
-
-@njit(inline="always")
 def pair(edges, place, triangle, table, mask, parent, labels, log_at, log, sizes, state):
     """Pair the three directed edges of a triangle, whose keys begin at `place`, with those that wait; the rest wait.
 
@@ -355,8 +340,8 @@ def pair_leaf(
     salt_at,
     table_at,
     capacity,
-    slots_at,
-    parent_at,
+    partners_at,
+    queue_at,
     labels_at,
     group,
     edges_at,
@@ -366,24 +351,27 @@ def pair_leaf(
     """Pair the edges of a leaf of triangles, in an order that no processor foresees; return how many pieces there are.
 
     A row has the keys of the corners and which edges are used in this leaf alone (`pack`, `descend`); of the others,
-    `edges` are the keys with the way that they run, `pieces` whose they are, and state[0] says how many. An edge stays
-    in the table, whose entries are its key and, for each way that it runs, 1 + the triangle; there is room for all.
-    state[1] counts those used once; a second use of the same way sets state[3].
+    `edges` are the keys with the way that they run, `pieces` whose they are, and state[0] says how many. An entry of
+    the table is the key of an edge and, for each way that it runs, 4 × the triangle + the side, where triangles count
+    from 1; there is room for all. So `partners` has who is across each side: 0 stands for nobody, and is written to
+    like the others, which spares a branch. state[1] counts edges used once; a second use of the same way sets state[3].
+    `labels` has one more in front.
     """
     runs = carray(runs_at, (number, 2), np.int64)
     salt = carray(salt_at, (SALTS,), np.uint64)
     table = carray(table_at, (capacity, 2), np.uint64)
     users = carray(table_at, (capacity, 4), np.uint32)
-    slots = carray(slots_at, (3 * group + 1,), np.uint32)
-    parent = carray(parent_at, (group,), np.uint32)
-    labels = carray(labels_at, (group,), np.int32)
+    partners = carray(partners_at, (4 * group + 4,), np.uint32)
+    queue = carray(queue_at, (group + 1,), np.uint32)
+    labels = carray(labels_at, (group + 1,), np.int32)
     waits = carray(edges_at, (3 * group,), np.uint64)
     pieces = carray(pieces_at, (3 * group,), np.int32)
     state = carray(state_at, (5 + 3 * BLOCK,), np.int64)
     edges = carray(state_at, (5 + 3 * BLOCK,), np.uint64)[5:]
     mask = uint64(capacity - 1)
-    triangle, used, waiting = np.uint32(0), uint64(0), uint64(0)
+    triangle, waiting = uint64(0), uint64(0)
     again = np.uint32(0)
+    labels[0] = 0
     for run in range(number):
         rows = carray(rows_at, (runs[run, 0] + runs[run, 1], 2), np.uint64)
         ahead = runs[min(run + 1, number - 1), 0]
@@ -396,51 +384,56 @@ def pair_leaf(
                 u, v, w = one >> S24, (one << S16 | other >> S48) & PACKED, other >> S8 & PACKED
                 edge_keys(u, v, w, salt, edges, 3 * k, table_at, mask)
             for k in range(count):
-                parent[triangle] = triangle
-                labels[triangle] = 0
-                triangle += np.uint32(1)
+                triangle += ONE
+                labels[triangle] = UNSEEN
+                own = rows[uint64(runs[run, 0] + first + k), 1]
                 if edges[3 * k] == 0:
                     state[2] += 1
-                    labels[triangle - np.uint32(1)] = -1
+                    labels[triangle] = -1
                     continue
-                own = rows[runs[run, 0] + first + k, 1]
                 for side in range(3):
                     edge = edges[3 * k + side]
+                    place = triangle << TWO | uint64(side)
                     if own >> uint64(side) & ONE == 0:
                         waits[waiting] = edge
-                        pieces[waiting] = triangle - np.uint32(1)
+                        pieces[waiting] = np.int32(triangle)
                         waiting += ONE
+                        partners[place] = 0
                         continue
                     key = edge | ONE
                     slot = home(key, mask)
                     while (table[slot, 0] != 0) & (table[slot, 0] != key):  # one branch: which of both, none foresees
                         slot = (slot + ONE) & mask
-                    slots[used] = np.uint32(slot)
-                    used += uint64(table[slot, 0] == 0)
                     table[slot, 0] = key
                     way = TWO + (edge & ONE)
                     again |= users[slot, way]
-                    users[slot, way] = triangle
-    for k in range(used):
-        slot = uint64(slots[k])
-        one, other = users[slot, 2], users[slot, 3]
-        table[slot, 0] = table[slot, 1] = 0
-        if one != 0 and other != 0:
-            unite(parent, uint64(one) - ONE, uint64(other) - ONE)
-        else:
-            state[1] += 1
-    piece = 0
-    for k in range(triangle):
-        if labels[k] >= 0:
-            above = uint64(parent[k])
-            if above == uint64(k):
-                labels[k] = piece
-                piece += 1
-            else:
-                labels[k] = labels[above]  # an earlier one
+                    users[slot, way] = np.uint32(place)
+                    partner = users[slot, way ^ ONE]
+                    partners[place] = partner
+                    partners[uint64(partner)] = np.uint32(place)
+    table[:] = 0
+    piece, alone = 0, uint64(0)
+    head, tail = uint64(0), uint64(0)
+    for first in range(uint64(1), triangle + ONE):
+        if labels[first] != UNSEEN:
+            continue
+        labels[first] = piece
+        queue[tail] = np.uint32(first)
+        tail += ONE
+        while head < tail:  # breadth first, so that one step does not wait for the one before
+            place = uint64(queue[head]) << TWO
+            head += ONE
+            for side in range(3):
+                across = uint64(partners[place + uint64(side)] >> np.uint32(2))
+                alone += uint64(across == 0)
+                queue[tail] = np.uint32(across)
+                tail += uint64(labels[across] == UNSEEN)
+                labels[across] = piece
+        piece += 1
     for k in range(waiting):
         pieces[k] = labels[uint64(pieces[k])]
     state[0] = np.int64(waiting)
+    state[1] += np.int64(alone - waiting)
     state[3] |= np.int64(again != 0)
     return piece
 

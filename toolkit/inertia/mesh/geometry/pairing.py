@@ -42,7 +42,7 @@ _BLOCK = 8192  # triangles whose corners' keys are computed at a time
 _GROUP = 1 << 17  # triangles that are paired together where they stand together
 _REPORTED = 16 * _BLOCK
 _TABLE = 1 << 15  # room for the edges that wait, of which half is used: it stays inside the cache
-_LEAF = 4096  # triangles that are paired together where they are near each other, about
+_LEAF = 8192  # triangles that are paired together where they are near each other, about
 _RUN = 64  # rows that lie together, as `partition_kernel` has them
 _SAMPLED = 16  # triangles a leaf that the planes are from:
 _EVERY, _READ, _APART = 16, 512, 8192  # every so manieth of so many that are read of so many
@@ -72,8 +72,8 @@ class _Thread:
     def __init__(self, salt: NDArray[np.uint64], log: _Log) -> None:
         self.salt, self.log = salt, log
         self.state = np.zeros(5 + 3 * 64, np.int64)
-        self.table = np.zeros((_TABLE, 2), np.uint64)
-        self.own, self.parent, self.slots, self.whose = (np.empty(0, np.int32) for _ in range(4))
+        self.table = _empty_table(_TABLE)
+        self.own, self.parent, self.partners, self.whose = (np.empty(0, np.int32) for _ in range(4))
         self.waiting = np.empty(0, np.uint64)
         self.edges: list[NDArray[np.uint64]] = []
         self.pieces: list[NDArray[np.int32]] = []
@@ -86,8 +86,8 @@ class _Thread:
         """Begin a group, to whose triangles labels are given."""
         self.state[:3] = self.state[4] = 0
         self.labels.append(labels)
-        if len(self.own) < len(labels):
-            self.own, self.parent = np.empty(len(labels), np.int32), np.empty(len(labels), np.int32)
+        if len(self.own) <= len(labels):
+            self.own, self.parent = np.empty(len(labels) + 1, np.int32), np.empty(len(labels) + 1, np.int32)
 
     def pair(self, rows: NDArray[np.uint64], runs: Int, passed: int = 0) -> bool:
         """Pair the rows of runs, after those `passed` in the group; say whether the table is too small for them."""
@@ -106,32 +106,45 @@ class _Thread:
             address(self.table), len(self.table), address(self.parent), address(labels), len(labels),
             edges.ctypes.data, pieces.ctypes.data, address(self.state),
         )  # fmt: skip
-        self._keep(edges, pieces, number)
+        self._keep(edges, pieces, number, labels)
 
-    def leaf(self, rows: NDArray[np.uint64], runs: Int) -> None:
-        """Pair the rows of some runs, which are a group by themselves."""
-        labels = self.own[: len(self.labels[-1])]
-        if len(self.slots) < 3 * len(labels) + 1:
-            self.table = np.zeros((1 << (4 * len(labels) - 1).bit_length(), 2), np.uint64)
-            self.slots, self.waiting = np.empty(3 * len(labels) + 1, np.int32), np.empty(3 * len(labels), np.uint64)
-            self.whose = np.empty(3 * len(labels), np.int32)
+    def leaf(self, rows: NDArray[np.uint64], runs: Int, largest: int = 0) -> None:
+        """Pair the rows of some runs, which are a group by themselves; if known, the largest such group has so many."""
+        size = len(self.labels[-1])
+        largest, capacity = max(largest, size), 1 << (4 * size - 1).bit_length()
+        if len(self.waiting) < 3 * size:
+            self.table = _empty_table(4 * largest)
+            self.partners, self.waiting = np.empty(4 * largest + 4, np.int32), np.empty(3 * largest, np.uint64)
+            self.whose = np.empty(3 * largest, np.int32)
         number = LEAF.function(
-            address(rows), address(runs), len(runs), address(self.salt),
-            address(self.table), len(self.table), address(self.slots),
-            address(self.parent), address(labels), len(labels),
+            address(rows), address(runs), len(runs), address(self.salt), address(self.table), capacity,
+            address(self.partners), address(self.parent), address(self.own), size,
             address(self.waiting), address(self.whose), address(self.state),
         )  # fmt: skip
         self.open += int(self.state[1])
-        self._keep(self.waiting[: self.state[0]].copy(), self.whose[: self.state[0]].copy(), number)
+        waiting = self.state[0]
+        self._keep(self.waiting[:waiting].copy(), self.whose[:waiting].copy(), number, self.own[1 : size + 1])
 
-    def _keep(self, edges: NDArray[np.uint64], pieces: NDArray[np.int32], number: int) -> None:
+    def _keep(
+        self, edges: NDArray[np.uint64], pieces: NDArray[np.int32], number: int, labels: NDArray[np.int32]
+    ) -> None:
         if number > 1 or self.state[2]:  # memory that stays 0 is not taken
-            self.labels[-1][:] = self.own[: len(self.labels[-1])]
+            self.labels[-1][:] = labels
         self.edges.append(edges)
         self.pieces.append(pieces)
         self.numbers.append(number)
         self.repeated += int(self.state[2])
         self.overfull |= bool(self.state[3])
+
+
+def _empty_table(slots: int) -> NDArray[np.uint64]:
+    """Return a table with that many slots or more, a power of two, which is written to.
+
+    Of what is only read, all pages are one page of zeros, and its copy at the first write stops the other processors.
+    """
+    table = np.empty((1 << (slots - 1).bit_length(), 2), np.uint64)
+    table.fill(0)
+    return table
 
 
 def paired_edges(
@@ -166,7 +179,7 @@ def paired_edges(
         keys_left = np.concatenate(edges)
         pieces = np.concatenate([each + np.int32(of) for each, of in zip(apart, base, strict=True)])
         logs.append(_Log(waiting, bins))
-        table = np.zeros((1 << (5 * waiting // 4 + 1).bit_length(), 2), np.uint64)
+        table = _empty_table(5 * waiting // 4 + 2)
         EDGES.function(
             address(keys_left), address(pieces), waiting, address(table), len(table), address(number), len(number),
             *logs[-1].arguments, address(state),
@@ -315,13 +328,14 @@ def _pair_by_place(
     def pair(which: int, stopped: threading.Event) -> _Thread:
         low, high = shares[which : which + 2]
         thread = _Thread(salt, _Log(0, bins))
+        largest = int(np.diff(ends_of[first_run[low : high + 1]]).max(initial=0))
         for leaf in range(low, high):
             first, last = first_run[leaf : leaf + 2]
             if first == last:
                 continue
             thread.begin(labels[ends_of[first] : ends_of[last]])
             own = np.ascontiguousarray(runs[first:last])
-            thread.leaf(pool, own)
+            thread.leaf(pool, own, largest)
             if stopped.is_set():
                 break
             if progress is not None and which == 0:

@@ -11,14 +11,20 @@ from numba import carray, njit, uint64
 RUN = 64
 """Rows that lie together; see `scatter`."""
 
-BLOCK = 32
+BLOCK = np.uint64(32)
 """Triangles that descend as one while no plane parts them."""
 
 LEAF = np.uint64(0xFFFFFFFF)
 ALL = np.uint64(7 << 32)
-ONE, TWO, THREE, SIX, NINE = (np.uint64(k) for k in (1, 2, 3, 6, 9))
+ONE, TWO, THREE, FOUR, SIX, NINE = (np.uint64(k) for k in (1, 2, 3, 4, 6, 9))
 
 S8, S16, S20, S24, S32, S48 = (np.uint64(k) for k in (8, 16, 20, 24, 32, 48))
+
+
+@njit(inline="always")
+def child(points, at, axes, planes, node):
+    """Return the node that the point that begins at `at` is in, below or above that of a node."""
+    return ONE + node + node + uint64(points[at + axes[node]] >= planes[node])
 
 
 @njit(inline="always")
@@ -26,7 +32,7 @@ def leaf_of(points, at, axes, planes, depth):
     """Return the leaf of the point that begins at `at`."""
     node = uint64(0)
     for _ in range(depth):
-        node = ONE + node + node + uint64(points[at + axes[node]] >= planes[node])
+        node = child(points, at, axes, planes, node)
     return np.int64(node) + 1 - (1 << depth)
 
 
@@ -34,6 +40,16 @@ def leaf_of(points, at, axes, planes, depth):
 def along(axis, x, y, z):
     """Return the coordinate along an axis."""
     return x if axis == 0 else (y if axis == ONE else z)
+
+
+@njit(inline="always")
+def together(points, first, last, axis, plane):
+    """Say whether a plane leaves some triangles `first:last` on one side: in any order, they seldom all are."""
+    above = parted = points[NINE * first + axis] >= plane
+    for k in range(first + FOUR, last, FOUR):
+        other = points[NINE * k + axis] >= plane
+        above, parted = above & other, parted | other
+    return above == parted
 
 
 @njit(inline="always")
@@ -59,34 +75,42 @@ def descend(points_at, count, axes_at, planes_at, cells_at, depth, leaves_at):
     planes = carray(planes_at, (1 << depth,), np.float32)
     cells = carray(cells_at, (1 << depth, 6), np.float32)
     leaves = carray(leaves_at, (count,), np.uint64)
-    for first in range(0, count, BLOCK):
-        last = min(first + BLOCK, count)
-        begin = uint64(9 * first)
-        low_x = high_x = points[begin]
-        low_y = high_y = points[begin + ONE]
-        low_z = high_z = points[begin + TWO]
-        for at in range(begin + THREE, uint64(9 * last), THREE):
-            x, y, z = points[at], points[at + ONE], points[at + TWO]
-            low_x, low_y, low_z = min(low_x, x), min(low_y, y), min(low_z, z)
-            high_x, high_y, high_z = max(high_x, x), max(high_y, y), max(high_z, z)
-        common, node = 0, uint64(0)  # they descend as one while no plane parts them
-        while common < depth:
-            above = along(axes[node], low_x, low_y, low_z) >= planes[node]
-            if not above and along(axes[node], high_x, high_y, high_z) >= planes[node]:
-                break
-            node = ONE + node + node + uint64(above)
-            common += 1
-        leaves[first:last] = node
-        for _ in range(common, depth):
-            at = begin
-            for k in range(first, last):
-                below = leaves[k]
-                leaves[k] = ONE + below + below + uint64(points[at + axes[below]] >= planes[below])
-                at += NINE
-        at = begin
+    for first in range(uint64(0), uint64(count), BLOCK):
+        last = min(first + BLOCK, uint64(count))
+        common, node = 0, uint64(0)
+        if together(points, first, last, axes[0], planes[0]):
+            low_x = high_x = points[NINE * first]
+            low_y = high_y = points[NINE * first + ONE]
+            low_z = high_z = points[NINE * first + TWO]
+            for place in range(NINE * first + THREE, NINE * last, THREE):
+                x, y, z = points[place], points[place + ONE], points[place + TWO]
+                low_x, low_y, low_z = min(low_x, x), min(low_y, y), min(low_z, z)
+                high_x, high_y, high_z = max(high_x, x), max(high_y, y), max(high_z, z)
+            while common < depth:
+                above = along(axes[node], low_x, low_y, low_z) >= planes[node]
+                if not above and along(axes[node], high_x, high_y, high_z) >= planes[node]:
+                    break
+                node = ONE + node + node + uint64(above)
+                common += 1
+        whole = first + (last - first) // FOUR * FOUR
+        for k in range(first, whole, FOUR):  # side by side, as each step waits for the one before
+            at = NINE * k
+            a = b = c = d = node
+            for _ in range(common, depth):
+                a = child(points, at, axes, planes, a)
+                b = child(points, at + NINE, axes, planes, b)
+                c = child(points, at + TWO * NINE, axes, planes, c)
+                d = child(points, at + THREE * NINE, axes, planes, d)
+            leaves[k], leaves[k + ONE], leaves[k + TWO], leaves[k + THREE] = a, b, c, d
+        for k in range(whole, last):
+            a = node
+            for _ in range(common, depth):
+                a = child(points, NINE * k, axes, planes, a)
+            leaves[k] = a
         for k in range(first, last):
             leaf = leaves[k] + ONE - uint64(1 << depth)
             leaves[k] = leaf | ALL
+            at = NINE * k
             if common < depth and not (
                 within(points, at + THREE, cells, leaf) and within(points, at + SIX, cells, leaf)
             ):
@@ -95,7 +119,6 @@ def descend(points_at, count, axes_at, planes_at, cells_at, depth, leaves_at):
                 third = leaf_of(points, at + SIX, axes, planes, depth)
                 edges = np.int64(own == second) | np.int64(second == third) << 1 | np.int64(third == own) << 2
                 leaves[k] = (second if second == third else own) | edges << 32
-            at += NINE
     return 0
 
 
