@@ -12,9 +12,9 @@ import numpy as np
 from inertia.arrays import Float
 from inertia.assembly.tree import Node, PartTree
 from inertia.errors import GeometryError
+from inertia.mesh.columns.common_volume import common_volume
 from inertia.mesh.geometry.boxes import BoxTree, overlapping
 from inertia.mesh.geometry.closure import merge_equal_vertices, repeated_corners
-from inertia.mesh.geometry.common_volume import common_volume
 from inertia.mesh.manifold import exponent_of, solid
 from inertia.mesh.part import Surface
 
@@ -49,7 +49,7 @@ class Interference:
 def interferences(tree: PartTree, clearance: float = 0.0) -> tuple[Interference, ...]:
     """Return the pairs of parts that share space, those that share most first, and then those that are too near.
 
-    Volumes are those of the triangles, by manifold3d, and by `inertia.mesh.geometry.common_volume`, which bounds its
+    Volumes are those of the triangles, by manifold3d, and by `inertia.mesh.columns.common_volume`, which bounds its
     rounding, where that does not take a part or they are near what counts as contact: a millionth of the smaller part,
     or half a percent where a round shape is given without a mesh. Parts without a surface are left out.
 

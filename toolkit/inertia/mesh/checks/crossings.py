@@ -47,7 +47,7 @@ def cutters(surface: SurfaceTopology) -> Evidence | None:
 
 def contacts(surface: SurfaceTopology) -> Evidence | None:
     """Measure what bodies share that are wound alike, in columns; where it is no fault, it is in doubt."""
-    from inertia.mesh.geometry.common_volume import common_volume
+    from inertia.mesh.columns.common_volume import common_volume
     from inertia.mesh.geometry.intersect import CONTACT, contact_depth, crossings, touching
 
     doubts, first, places = [], [], []
@@ -323,7 +323,7 @@ def _doubled(surface: SurfaceTopology, pairs: Int) -> Doubt | None:
     What else there is falls in patches at which the winding number does not change: where it is 1 just under them, all
     that counts otherwise lies between the triangles that cross.
     """
-    from inertia.mesh.geometry.common_volume import surplus_volume
+    from inertia.mesh.columns.common_volume import surplus_volume
 
     corners = surface.vertices[surface.faces]
     crossed = np.unique(pairs)

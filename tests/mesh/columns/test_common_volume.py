@@ -6,8 +6,8 @@ from scipy.spatial import ConvexHull, HalfspaceIntersection
 from scipy.spatial.transform import Rotation
 from tests.mesh.solids import box, ring, sphere
 
-from inertia.mesh.geometry import common_volume as module
-from inertia.mesh.geometry.common_volume import common_volume, surplus_volume
+from inertia.mesh.columns import common_volume as module
+from inertia.mesh.columns.common_volume import common_volume, surplus_volume
 
 
 def corners(mesh: tuple[np.ndarray, np.ndarray]) -> np.ndarray:
@@ -74,3 +74,19 @@ def test_too_many_pairs_are_not_begun(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(module, "MOST_OF_ITSELF", 100)
     both = np.concatenate([ball, ball + 0.1])
     assert surplus_volume(both, np.array([both.min(axis=(0, 1)), both.max(axis=(0, 1))])) is None
+
+
+@pytest.mark.parametrize("kind", ["anyhow", "on a lattice", "the same", "below the plane"])
+def test_compiled_and_vectorised_clipping_give_the_same_bits(kind: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    rng = np.random.default_rng(len(kind))
+    one, other = rng.uniform(0, 1, (2, 120, 3, 3))
+    if kind == "on a lattice":
+        one, other = np.round(3 * one) / 3, np.round(3 * other) / 3
+    elif kind == "the same":
+        other = one[:, ::-1]
+    elif kind == "below the plane":
+        one[:, :, 2] -= 0.5
+    every, box = np.concatenate([one, other]), np.array([[0.0, 0.0, 0.0], [1.0, 1.0, 0.9]])
+    compiled = common_volume(one, other), surplus_volume(every, box)
+    monkeypatch.setenv("INERTIA_NATIVE", "0")
+    assert (common_volume(one, other), surplus_volume(every, box)) == compiled

@@ -17,6 +17,7 @@ import numpy as np
 
 from inertia.arrays import Float, Int
 from inertia.mesh.geometry.boxes import BoxTree, overlapping
+from inertia.native import Kernel, address
 
 MOST_PAIRS = 1 << 21
 """Pairs of triangles of two bodies that are gone through: some ten seconds."""
@@ -27,6 +28,9 @@ MOST_OF_ITSELF = 1 << 18
 _AT_ONCE = 1 << 15
 _ROUNDING = 2.0**-49  # of an area or a height, over the breadth of a pair times the largest coordinate: 16 roundings
 _UP = 1 + 1e-9  # more than sums of positive terms lose
+
+_CLIP = Kernel("inertia.mesh.columns.clipping_kernel", "clip_pairs", "ppi" + "pppp" + "pppp")
+_CORNERS = 12  # of a polygon of the kernel
 
 
 def common_volume(a: Float, b: Float) -> tuple[float, float] | None:
@@ -140,11 +144,30 @@ def _rectangles(corners: Float) -> tuple[Float, Float]:
 
 def _under_both(a: Float, b: Float, largest: float) -> tuple[float, float]:
     """Return Σ s_a s_b ∫∫ min(z_a⁺, z_b⁺) over pairs of triangles (k, 3, 3), and what rounding can do to it."""
-    low = np.maximum(a[:, :, :2].min(axis=1), b[:, :, :2].min(axis=1))
-    high = np.minimum(a[:, :, :2].max(axis=1), b[:, :, :2].max(axis=1))
-    breadth = (high - low).sum(axis=1)
-    height = np.minimum(a[:, :, 2].max(axis=1), b[:, :, 2].max(axis=1))
+    low = np.maximum(*(np.minimum(np.minimum(k[:, 0], k[:, 1]), k[:, 2])[:, :2] for k in (a, b)))
+    highest, other = (np.maximum(np.maximum(k[:, 0], k[:, 1]), k[:, 2]) for k in (a, b))
+    breadth = (np.minimum(highest, other)[:, :2] - low).sum(axis=1)
+    height = np.minimum(highest, other)[:, 2]
     rounding = float((breadth * (height + breadth)).sum()) * largest * _ROUNDING
+    signs, lower = (_compiled_pairs(a, b) if _CLIP.worthwhile(len(a)) else None) or clipped_pairs(a, b)
+    total = 0.0
+    for polygons, pair in lower:
+        part = signs[pair]
+        if (polygons[:, :, 2] < 0).any():
+            polygons, rest = _clipped(polygons, polygons[:, :, 2])
+            part = part[rest]
+        total += float((part * _integrals(polygons, 2)).sum())
+    return total, rounding
+
+
+_Lower = list[tuple[Float, Int]]
+
+
+def clipped_pairs(a: Float, b: Float) -> tuple[Float, _Lower]:
+    """Return the signs s_a s_b of pairs of triangles, and where a is the lower one of two that lie over one another.
+
+    Or both are one; and where b is. Each as polygons (m, w, 3), x, y and the height of the lower one, and their pairs.
+    """
     (a, sign_a), (b, sign_b) = _upward(a), _upward(b)
     pair, polygons = np.arange(len(a)), a
     for k in range(3):
@@ -154,20 +177,26 @@ def _under_both(a: Float, b: Float, largest: float) -> tuple[float, float]:
         polygons, rest = _clipped(polygons, along[:, None, 0] * way[..., 1] - along[:, None, 1] * way[..., 0])
         pair = pair[rest]
     heights = _heights(b[pair], polygons[:, :, :2])
-    polygons = np.concatenate([polygons, heights[..., None]], axis=2)
-    signs = (sign_a * sign_b)[pair]
-    difference = polygons[:, :, 3] - polygons[:, :, 2]
-    total = 0.0
-    apart = (difference < 0).any(axis=1)
-    # Where a is the lower one of the two, or both are one, and where b is.
-    for channel, lower, part in ((2, difference, signs), (3, -difference[apart], signs[apart])):
-        lower, which = _clipped(polygons if channel == 2 else polygons[apart], lower)
-        part = part[which]
-        if (lower[:, :, channel] < 0).any():
-            lower, rest = _clipped(lower, lower[:, :, channel])
-            part = part[rest]
-        total += float((part * _integrals(lower, channel)).sum())
-    return total, rounding
+    difference = heights - polygons[:, :, 2]
+    apart = np.flatnonzero((difference < 0).any(axis=1))
+    under, first = _clipped(polygons, difference)
+    above = np.concatenate([polygons[apart, :, :2], heights[apart, :, None]], axis=2)
+    over, second = _clipped(above, -difference[apart])
+    return sign_a * sign_b, [(under, pair[first]), (over, pair[apart[second]])]
+
+
+def _compiled_pairs(a: Float, b: Float) -> tuple[Float, _Lower] | None:
+    """Return what `clipped_pairs` does; None where a polygon has more corners than the kernel has room for."""
+    count, state, scratch = len(a), np.zeros(4, np.int64), np.empty(2 * _CORNERS)
+    a, b, signs = a.copy(), b.copy(), np.empty(count)  # they are turned in place
+    polygons, lower = (np.empty((count + 1, _CORNERS, 3)) for _ in range(2))
+    sizes, which, lowest = np.empty((3, count), np.int64)
+    tables = (signs, polygons, sizes, which, lower, lowest, scratch, state)
+    _CLIP.function(address(a), address(b), count, *map(address, tables))
+    rows, width, others, wide = state.tolist()
+    if rows < 0:
+        return None
+    return signs, [(polygons[:rows, :width], which[:rows]), (lower[:others, :wide], lowest[:others])]
 
 
 def _upward(corners: Float) -> tuple[Float, Float]:

@@ -1,0 +1,1 @@
+"""Volumes between surfaces, in columns along an axis."""
