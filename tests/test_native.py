@@ -209,16 +209,16 @@ def test_what_is_shipped_needs_neither_a_compiler_nor_a_cache(tmp_path: Path, mo
     assert not (tmp_path / "cache").exists()
 
 
-@pytest.mark.parametrize("lacking", sorted(native.LEVEL_FLAGS))
+@pytest.mark.parametrize("lacking", sorted(native.LEVEL.flags))
 def test_what_is_shipped_is_left_alone_by_an_older_processor(lacking: str, monkeypatch: pytest.MonkeyPatch) -> None:
-    flags = "flags : " + " ".join(native.LEVEL_FLAGS - {lacking})
+    flags = "flags : " + " ".join(native.LEVEL.flags - {lacking})
     monkeypatch.setattr(native, "processor_lines", lambda: ("vendor_id : X", flags))
     forget_kernels(monkeypatch)
     assert not pairing.FACES.worthwhile(SHIPPED_ABOVE)
 
 
 def test_every_kernel_is_shipped_as_its_source_is_now() -> None:
-    names = {kernel.shipped_as.name for kernel in compile_kernels.kernels()}
+    names = {file.name for file in compile_kernels.files()}
     assert names == {file.name for file in native.SHIPPED.iterdir()}, "run python tests/compile_kernels.py"
 
 
@@ -237,4 +237,4 @@ def test_what_is_shipped_is_what_the_source_compiles_to(monkeypatch: pytest.Monk
     monkeypatch.setenv("NUMBA_CPU_NAME", "")  # restores what compiling sets
     monkeypatch.setenv("NUMBA_CPU_FEATURES", "")
     kernel = Kernel("inertia.mesh.geometry.edge_kernel", "key_vertices", "pipp")
-    assert compile_kernels.machine_code(kernel) == kernel.shipped_as.read_bytes()
+    assert compile_kernels.machine_code(kernel) == kernel.shipped_as().read_bytes()

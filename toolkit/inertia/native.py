@@ -4,11 +4,11 @@ Importing numba costs more CPU time than integrating ten million triangles, so i
 importing llvmlite as much as integrating one million, and 55 MB, so that it links only what the lines here do not
 know: anything but ELF code for x86-64 (Linux).
 For Linux on any x86-64 processor since 2013 or so (the level v3 of the psABI: AVX2, FMA) the machine code lies in the
-folder `compiled` beside this module, under a name that is a hash of the kernel's source. Elsewhere it is kept in the
-user's cache folder (`inertia.user_cache`), under a name that is a hash of the source, the versions and the processor.
-From there it is loaded from the very bytes that were checked to be this user's own; what is damaged is made again, and
-where there is no cache to trust, the kernel is compiled for this process: one `CacheWarning` says so, and the answer is
-the same.
+folder `compiled` beside this module, under a name that is a hash of the kernel's source; of what gains by vectors of
+512 bits, there is machine code for these too. Elsewhere it is kept in the user's cache folder (`inertia.user_cache`),
+under a name that is a hash of the source, the versions and the processor. From there it is loaded from the very bytes
+that were checked to be this user's own; what is damaged is made again, and where there is no cache to trust, the kernel
+is compiled for this process: one `CacheWarning` says so, and the answer is the same.
 
 A kernel is a Python function over pointers and numbers, in a module that imports nothing but numba, numpy and other
 kernels. It may not allocate, raise or call Python, and it returns an int64. What it calls must become part of it
@@ -33,7 +33,7 @@ import sys
 import warnings
 from collections.abc import Callable
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 from inertia import user_cache
 from inertia.errors import CacheWarning
@@ -48,11 +48,24 @@ SHIPPED_ABOVE = 1_000
 """Triangles above which loading machine code that is shipped (0.5 ms) costs less than doing without."""
 
 SHIPPED = Path(__file__).with_name("compiled")
-"""The machine code for Linux on x86-64 processors of level v3; ``tests/compile_kernels.py`` writes it."""
+"""The machine code for Linux on x86-64 processors, by `Level`; ``tests/compile_kernels.py`` writes it."""
 
-LEVEL = "x86-64-v3"
-LEVEL_FLAGS = frozenset(("abm", "avx", "avx2", "bmi1", "bmi2", "f16c", "fma", "movbe"))
-"""What a processor of that level can do, as Linux calls it."""
+
+class Level(NamedTuple):
+    """What a processor can do: a name and features as LLVM has them, and flags as Linux does."""
+
+    name: str
+    features: str
+    flags: frozenset[str]
+
+
+LEVEL = Level("x86-64-v3", "", frozenset(("abm", "avx", "avx2", "bmi1", "bmi2", "f16c", "fma", "movbe")))
+WIDE = Level(
+    "x86-64-v4",
+    "-prefer-256-bit",
+    LEVEL.flags | {"avx512f", "avx512bw", "avx512cd", "avx512dq", "avx512vl", "avx512_vbmi2"},
+)
+"""Vectors of 512 bits; the last flag is of processors that do not slow down for them (Ice Lake, Zen 4 and later)."""
 
 _CTYPES: dict[str, Any] = {"p": ctypes.c_void_p, "i": ctypes.c_int64, "d": ctypes.c_double}
 
@@ -77,11 +90,13 @@ class Kernel:
 
     `abi` has one letter an argument: `p` a pointer (the address of a contiguous array), `i` an int64, `d` a
     float64. Where the kernel is `fused`, a product and the addition of it may round once, and statements that stand
-    side by side become vector instructions: faster, but its bits are those of the processor.
+    side by side become vector instructions: faster, but its bits are those of the processor. Of one that works on
+    rows of lanes, machine code is also shipped for `wide` vectors, which gives the same bits.
     """
 
-    def __init__(self, module: str, name: str, abi: str, *, fused: bool = False) -> None:
+    def __init__(self, module: str, name: str, abi: str, *, fused: bool = False, wide: bool = False) -> None:
         self.module, self.name, self.abi, self.fused = module, name, abi, fused
+        self.levels = (WIDE, LEVEL) if wide else (LEVEL,)
 
     def worthwhile(self, count: int) -> bool:
         """Say whether the work on `count` triangles repays compiling or loading the kernel."""
@@ -103,19 +118,17 @@ class Kernel:
         """The C function; the first use on a machine compiles it."""
         return _link(self._symbol, self._shipped or self._load() or self._compile(), self.abi)
 
-    @property
-    def shipped_as(self) -> Path:
-        """The file that holds its machine code where it is shipped; its name follows from the source."""
-        return SHIPPED / f"{self.name}-{self._key(LEVEL)}.kernel"
+    def shipped_as(self, level: Level = LEVEL) -> Path:
+        """Return the file that holds its machine code where it is shipped; its name follows from the source."""
+        return SHIPPED / f"{self.name}-{self._key(*filter(None, level[:2]))}.kernel"
 
     @functools.cached_property
     def _shipped(self) -> bytes | None:
-        if not of_shipped_level():
-            return None
-        try:
-            return self.shipped_as.read_bytes()
-        except OSError:
-            return None
+        for level in self.levels:
+            if of_shipped_level(level):
+                with contextlib.suppress(OSError):
+                    return self.shipped_as(level).read_bytes()
+        return None
 
     @property
     def _symbol(self) -> str:
@@ -152,8 +165,8 @@ class Kernel:
             _warn(_UNUSED.format(error))
         return code
 
-    def machine_code(self, processor: str | None = None) -> bytes:
-        """Compile the kernel: object code for a processor that LLVM knows by this name, None for the one at hand."""
+    def machine_code(self, level: Level | None = None) -> bytes:
+        """Compile the kernel: object code for processors of a level, None for the one at hand."""
         import llvmlite.binding as llvm
         import numba
 
@@ -166,7 +179,7 @@ class Kernel:
             compiled = numba.cfunc(signature, error_model="numpy", fastmath=contract)(source)
         finally:
             numba.config.DISABLE_JIT = disabled
-        module, machine = llvm.parse_assembly(compiled.inspect_llvm()), _machine(processor)
+        module, machine = llvm.parse_assembly(compiled.inspect_llvm()), _machine(level)
         module.get_function(compiled.native_name).name = self._symbol
         if self.fused:
             _vectorise(module, machine)
@@ -199,14 +212,17 @@ def threads() -> int:
     return max(1, min([processors, _MOST_THREADS, *(int(limit) for limit in limits if limit.strip().isdigit())]))
 
 
-def _machine(processor: str | None = None) -> Any:
+def _machine(level: Level | None = None) -> Any:
     import llvmlite.binding as llvm
 
     llvm.initialize_native_target()
     llvm.initialize_native_asmprinter()
-    features = llvm.get_host_cpu_features().flatten() if processor is None else ""
+    if level is None:
+        name, features = llvm.get_host_cpu_name(), llvm.get_host_cpu_features().flatten()
+    else:
+        name, features, _ = level
     target = llvm.Target.from_default_triple()
-    return target.create_target_machine(cpu=processor or llvm.get_host_cpu_name(), features=features, opt=3, jit=True)
+    return target.create_target_machine(cpu=name, features=features, opt=3, jit=True)
 
 
 def _vectorise(module: Any, machine: Any) -> None:
@@ -228,10 +244,10 @@ def processor_lines() -> tuple[str, ...]:
     return ()
 
 
-def of_shipped_level() -> bool:
-    """Say whether the machine code that is shipped runs here."""
+def of_shipped_level(level: Level = LEVEL) -> bool:
+    """Say whether the machine code that is shipped for a level runs here."""
     flags = next((line for line in processor_lines() if line.startswith("flags")), "")
-    return sys.platform == "linux" and LEVEL_FLAGS.issubset(flags.split())
+    return sys.platform == "linux" and level.flags.issubset(flags.split())
 
 
 def _compiler_and_processor() -> tuple[str, ...]:

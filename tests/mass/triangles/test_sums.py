@@ -4,6 +4,7 @@ import os
 import subprocess
 import sys
 from collections.abc import Callable, Iterator
+from dataclasses import replace
 from fractions import Fraction
 
 import numpy as np
@@ -14,10 +15,12 @@ from tests.mesh.solids import cube, facets, joined, ring
 
 from inertia import native
 from inertia.errors import GeometryError
+from inertia.mass.triangles import fine_sums
 from inertia.mass.triangles import sums as module
 from inertia.mass.triangles.kernels import BLOCK, LANES, BlockKernel
 from inertia.mass.triangles.sums import Sums, sum_triangles
 from inertia.mesh.part import Facets, Surface, Triangles
+from inertia.native import Kernel
 from inertia_meshes.rational import moments
 
 Numbers = tuple[bytes, int, bytes, list[float], list[float]]
@@ -236,6 +239,25 @@ def test_a_process_without_native_kernels_gives_the_same_bits(tmp_path: object) 
 
 
 SHIPPED_HERE = native.of_shipped_level()
+
+
+@pytest.mark.skipif(not native.of_shipped_level(native.WIDE), reason="vectors of 512 bits")
+@pytest.mark.parametrize("shape", [Surface, facets])
+def test_vectors_of_512_bits_give_the_same_bits(
+    shape: Callable[[Surface], Triangles], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    surface = Surface(*ring(500, 203))
+    triangles = surface if shape is Surface else shape(surface)
+    own, answers = fine_sums.KERNEL, []
+    for level in (native.LEVEL, native.WIDE):
+        monkeypatch.setattr(native, "processor_lines", lambda of=level: ("flags : " + " ".join(of.flags),))
+        one, other = (Kernel(k.module, k.name, k.abi, wide=True) for k in (own.facets, own.faces))
+        monkeypatch.setattr(fine_sums, "KERNEL", replace(own, facets=one, faces=other))
+        sums = sum_triangles(triangles)
+        assert sums.fine is not None
+        fine = sums.fine.high, sums.fine.low, sums.fine.edges, sums.fine.places, [sums.fine.size]
+        answers.append(np.concatenate([sums.sums, sums.low, sums.high, *fine]).tobytes())
+    assert answers[0] == answers[1]
 
 
 @pytest.mark.parametrize("surface", [False, True])

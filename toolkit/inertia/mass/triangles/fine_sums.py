@@ -33,8 +33,8 @@ ROWS = 27
 """Ten sums on their grids, their remainders, and what the bounds need."""
 
 KERNEL = BlockKernel(
-    Kernel("inertia.mass.triangles.fine_kernel", "sum_facets", "pi" + 3 * "ddd" + "d" + "pp"),
-    Kernel("inertia.mass.triangles.fine_kernel", "sum_faces", "ppi" + 3 * "ddd" + "d" + "pp"),
+    Kernel("inertia.mass.triangles.fine_kernel", "sum_facets", "pi" + 3 * "ddd" + "d" + "pp", wide=True),
+    Kernel("inertia.mass.triangles.fine_kernel", "sum_faces", "ppi" + 3 * "ddd" + "d" + "pp", wide=True),
     columns=19 + ROWS,
     room=59,
 )
