@@ -3,8 +3,11 @@
 import numpy as np
 import pytest
 from tests.mesh.self_crossing import CROSSING, SOUND, Mesh, hairpin, pentagram, ring
+from tests.mesh.solids import cube, joined, part
 
 import inertia
+from inertia.mesh.check import check
+from inertia.mesh.geometry import intersect
 from inertia.mesh.geometry.intersect import EXAMINED, to_be_examined
 from inertia.mesh.geometry.winding import misplaced_volume
 from inertia.mesh.part import Part, Surface
@@ -94,3 +97,23 @@ def test_up_to_200_000_triangles_are_looked_through_unasked() -> None:
 
 def test_a_shell_and_cells_are_not_looked_through() -> None:
     assert not inertia.analyse(as_stored(CROSSING["pentagram"]), shell=1.0).crossings_examined
+
+
+def test_many_pairs_that_share_space_are_looked_at_together(monkeypatch: pytest.MonkeyPatch) -> None:
+    lattice = joined(*(cube((x, y, z)) for x in (0, 0.75, 1.5) for y in (0, 0.75, 1.5) for z in (0, 0.75, 1.5)))
+    compared: list[int] = []
+    between = intersect.overlap
+    monkeypatch.setattr(intersect, "overlap", lambda a, b, *rest: compared.append(a.count) or between(a, b, *rest))
+    [finding] = [finding for finding in check(part(lattice)).findings if finding.code == "overlapping_bodies"]
+    # Of three cubes in a row, each two next to one another share space, in all directions: 7² (2·7 − 1) less 27 / 2.
+    assert finding.count == (7**3 - 27) // 2
+    assert len(compared) == 1
+
+
+@pytest.mark.parametrize(("gap", "shared"), [(-1e-3, 1), (-1e-7, 0), (0.0, 0), (1e-7, 0)])
+def test_bodies_in_contact_are_compared_one_by_one(gap: float, shared: int) -> None:
+    a, b = cube((0, 0, 0)), cube((1.0 + gap, 0.3, 0.2))
+    far = [cube((9.0, 0, 0)), cube((9.5, 0.3, 0.2))]
+    both = joined(*far, a, b)
+    [finding] = [finding for finding in check(part(both)).findings if finding.code == "overlapping_bodies"]
+    assert finding.count == 1 + shared

@@ -30,6 +30,8 @@ from inertia.mesh.geometry.winding import misplaced_volume
 from inertia.mesh.part import Doubt, Surface
 
 _AT_ONCE = 1 << 18  # triangles compared with boxes of other bodies at a time
+_TOGETHER = 1 << 14  # triangles of pairs of bodies looked at together
+_LAST_DIGITS = 2.0**-21  # depth of a contact of float32, at most, over the largest coordinate
 _TRIED = 3  # places on a patch at which the winding number is asked for
 _CLEAR = 100.0  # how many times deeper than a contact rays must find a crossing, to leave no doubt that it is one
 _CROSSINGS = 10_000  # crossings looked for, before those between different shells are taken out
@@ -87,28 +89,68 @@ def _within(depth: float, corners: Float) -> float:
 def _sharing_space(surface: SurfaceTopology, *, alike: bool) -> Evidence | None:
     from inertia.mesh.geometry.intersect import overlap
 
-    places, first = [], []
-    volume = sum(abs(shell.signed_volume) for shell in surface.shells)
-    depths = []
-    for turned, groups, near, boxes in _near_bodies(surface, alike=alike):
-        if _smaller(surface, groups) <= SLIVER * volume:
-            continue
-        # What lies above or below the other body matters for winding numbers, what lies beside it does not.
-        a, b = (group[meets[:, :2].all(axis=1)] for group, meets in zip(groups, near, strict=True))
-        place = overlap(turned.select(a), turned.select(b))
-        if place is None:
-            place = _place_at_edges(surface, np.concatenate(groups), boxes)
-        if place is not None:
-            places.append(place)
+    places: list[Place] = []
+    first: list[int] = []
+    depths: list[float] = []
+    for several in _several_at_once(surface, alike=alike):
+        sure = _sure_to_share(surface, several) if places and surface.chord is None else np.zeros(len(several), bool)
+        for (turned, groups, (a, b), boxes), shared in zip(several, sure.tolist(), strict=True):
+            if not shared:
+                place = overlap(turned.select(a), turned.select(b))
+                if place is None:
+                    place = _place_at_edges(surface, np.concatenate(groups), boxes)
+                if place is None:
+                    continue
+                places.append(place)
+                depths.append(_chord_depth(surface, turned.select(a), turned.select(b), groups))
             first += [group[0] for group in groups]
-            depths.append(_chord_depth(surface, turned.select(a), turned.select(b), groups))
     if not places:
         return None
     advice: tuple[Word, ...] = ()
     if alike and min(depths) > 0:
         depth = f"{max(depths):.2g} {surface.unit}"
         advice = "use ", SEPARATE, f", as they share it no deeper than their triangles' chord tolerances, {depth}, or "
-    return Evidence(len(places), listed(np.array(first)), places[0], advice=advice)
+    return Evidence(len(first) // 2, listed(np.array(first)), places[0], advice=advice)
+
+
+Pair = tuple[Surface, list[Int], list[Int], Float]
+"""Two bodies: the surface, turned; their triangles; those of them above and below the other body; their boxes."""
+
+
+def _several_at_once(surface: SurfaceTopology, *, alike: bool) -> Iterator[list[Pair]]:
+    """Yield pairs of bodies that may share more than next to nothing: the first, and then several at a time."""
+    least = SLIVER * sum(abs(shell.signed_volume) for shell in surface.shells)
+    several: list[Pair] = []
+    triangles, most = 0, 0
+    for turned, groups, near, boxes in _near_bodies(surface, alike=alike):
+        if _smaller(surface, groups) <= least:
+            continue
+        # What lies above or below the other body matters for winding numbers, what lies beside it does not.
+        columns = [group[meets[:, :2].all(axis=1)] for group, meets in zip(groups, near, strict=True)]
+        several.append((turned, groups, columns, boxes))
+        triangles += sum(map(len, columns))
+        if triangles > most:
+            yield several
+            several, triangles, most = [], 0, _TOGETHER
+    if several:
+        yield several
+
+
+def _sure_to_share(surface: SurfaceTopology, pairs: list[Pair]) -> Bool:
+    """Say of which pairs one look shows that they share space."""
+    from inertia.mesh.geometry.common_places import sure_to_share
+
+    used = [np.concatenate(columns) for _, _, columns, _ in pairs]
+    turned = pairs[0][0]
+    ends = np.cumsum([len(columns[k]) for _, _, columns, _ in pairs for k in range(2)]).tolist()
+    starts = [0, *ends]
+    ranges = [np.arange(start, stop) for start, stop in zip(starts, ends, strict=False)]
+    boxes = np.array([boxes for *_, boxes in pairs])
+    size = np.ptp(boxes, axis=2).max(axis=2).min(axis=1)
+    depth = _LAST_DIGITS * float(np.abs(turned.vertices).max())
+    corners = turned.vertices[turned.faces[np.concatenate(used)]]
+    sides = list(zip(ranges[::2], ranges[1::2], strict=True))
+    return sure_to_share(corners, sides, boxes[:, :, 0].max(axis=1), boxes[:, :, 1].min(axis=1), size, depth)
 
 
 def _chord_depth(surface: SurfaceTopology, a: Surface, b: Surface, groups: list[Int]) -> float:
