@@ -7,6 +7,7 @@ import pytest
 from tests.benchmarks.extremes.cases import ball
 from tests.benchmarks.meshes import wavy_torus
 
+import inertia
 from inertia.mesh.geometry.closure import vectorised_closure
 from inertia.mesh.geometry.intersect import vectorised_crossings
 from inertia.mesh.geometry.simple import MOST, at_hand, simple
@@ -36,6 +37,16 @@ def hostile(seed: int) -> Surface:
     if rng.random() < 0.3:
         vertices[rng.integers(len(vertices))] = vertices[rng.integers(len(vertices))]
     return Surface(vertices, faces)
+
+
+def bipyramid(sides: int) -> tuple[np.ndarray, np.ndarray]:
+    """Return two points on the z axis, and the triangles between each of them and a ring."""
+    angles = 2 * np.pi * np.arange(sides) / sides
+    ring = np.column_stack([np.cos(angles), np.sin(angles), np.zeros(sides)])
+    here = np.arange(2, sides + 2)
+    after, top = np.roll(here, -1), np.zeros(sides, int)
+    faces = np.concatenate([np.column_stack([top, here, after]), np.column_stack([after, here, top + 1])])
+    return np.concatenate([[[0, 0, 1], [0, 0, -1]], ring]), np.roll(faces, 1, axis=1)
 
 
 def test_simple_is_sound_and_sound_is_simple() -> None:
@@ -115,3 +126,32 @@ def test_flat_faces_on_any_level_are_simple() -> None:
         faces = np.concatenate([walls, caps[:, ::-1], caps + sides])
         assert sound(Surface(vertices, faces))
         assert alone(vertices, faces), sides
+
+
+@pytest.mark.parametrize("fault", ["none", "turned", "missing", "twice", "the other way too"])
+def test_edges_of_a_vertex_that_has_hundreds_are_paired(fault: str) -> None:
+    vertices, faces = bipyramid(150)
+    rng = np.random.default_rng(3)
+    for k in (0, 31, 32, 33, 34, 100, 149, 150, 299):
+        wrong = {
+            "none": faces,
+            "turned": np.concatenate([faces[:k], faces[k : k + 1, ::-1], faces[k + 1 :]]),
+            "missing": np.delete(faces, k, axis=0),
+            "twice": np.insert(faces, k, faces[k], axis=0),
+            "the other way too": np.concatenate([faces, faces[k : k + 1, ::-1], faces[k : k + 1]]),
+        }[fault]
+        for some in (wrong, wrong[rng.permutation(len(wrong))]):
+            assert alone(vertices, some) == (fault == "none")
+
+
+def test_what_lies_around_one_place_is_left_to_who_looks_for_crossings() -> None:
+    """Half of all pairs of boxes touch at the ring: to look at each would take a minute at 100,000 triangles."""
+    sides = 3000
+    vertices, faces = bipyramid(sides)
+    assert not alone(vertices, faces)
+    part = inertia.Part.from_arrays(vertices, faces)
+    analysis = inertia.analyse(part)
+    assert analysis.crossings_examined
+    volume = sides * np.sin(2 * np.pi / sides) / 3
+    assert analysis.properties.volume == pytest.approx(volume, rel=1e-13)
+    assert inertia.mass_properties(part).volume == analysis.properties.volume

@@ -42,6 +42,13 @@ WORK = 18 + TERMS
 ENOUGH = 4096
 """Pairs of triangles that are looked at together."""
 
+IDLE, TESTED = 256, 64
+"""Pairs whose boxes touch at most, for each triangle, of which others who look for crossings need none; of so many
+pairs, one is tested for that."""
+
+FILED = 32
+"""Edges of a vertex that are looked through; of one with more, the rest are in a hash table."""
+
 RECORD = 8
 """Numbers for each vertex: a direction and a bound, a normal and a bound (see `flatten_fans`)."""
 
@@ -280,15 +287,16 @@ def number_corners(points, bits, faces, count, ids, of, places, slots, room):
 
 
 @njit(inline="always")
-def pair_edges(of, count, numbered, first, edges, parent):
+def pair_edges(of, count, numbered, first, edges, parent, slots):
     """Pair every edge with the one other that runs against it, and return what the surface is.
 
     `first` is the last edge filed under a vertex, the lower of its two; `edges` are (the one filed before it, the
-    higher vertex times 2 + the way it runs, the triangle, or −1 once it is paired).
+    higher vertex times 2 + the way it runs, the triangle, or −1 once it is paired). Those of a vertex that has as many
+    as are looked through are filed in a hash table instead, with the lower vertex in place of the one before.
     """
     for k in range(numbered):
         first[k] = -1
-    filed = 0
+    filed = room = 0
     waiting = 0
     pieces = count
     for k in range(count):
@@ -301,11 +309,31 @@ def pair_edges(of, count, numbered, first, edges, parent):
             low = np.uint32(min(tail, head))
             this = 2 * max(tail, head) + (1 if tail < head else 0)
             at = first[low]
+            passed, slot = 0, np.int64(0)
             while at >= 0 and edges[np.uint32(at), 1] >> 1 != this >> 1:
                 at = edges[np.uint32(at), 0]
+                passed += 1
+            if passed == FILED:
+                if room == 0:
+                    room = 64
+                    while room < 4 * count:
+                        room *= 2
+                    for j in range(room):
+                        slots[j] = -1
+                key = (np.uint64(low) * PRIME_X ^ np.uint64(this >> 1) * PRIME_Y) * PRIME_Z
+                slot = np.int64(key >> np.uint64(40)) & (room - 1)
+                while True:
+                    at = slots[slot]
+                    if at < 0 or (edges[at, 0] == low and edges[at, 1] >> 1 == this >> 1):
+                        break
+                    slot = (slot + 1) & (room - 1)
             if at < 0:
                 edges[filed, 0], edges[filed, 1], edges[filed, 2] = first[low], this, k
-                first[low] = filed
+                if passed == FILED:
+                    edges[filed, 0] = low
+                    slots[slot] = filed
+                else:
+                    first[low] = filed
                 filed += 1
                 waiting += 1
                 continue
@@ -377,6 +405,18 @@ def apart(own, k, l):
             size, abs(dx) * max(abs(ux), abs(vx)) + abs(dy) * max(abs(uy), abs(vy)) + abs(dz) * max(abs(uz), abs(vz))
         )
     return far - near > 2 * SIDE * size + SMALLEST
+
+
+@njit(inline="always")
+def boxes_apart(own, k, l):
+    """Say whether the boxes of two triangles have no inside in common."""
+    i, k, j, l = lane(k), block(k), lane(l), block(l)
+    for axis in range(3):
+        a, b, c = own[k, axis, i], own[k, axis + 3, i], own[k, axis + 6, i]
+        p, q, r = own[l, axis, j], own[l, axis + 3, j], own[l, axis + 6, j]
+        if max(a, max(b, c)) <= min(p, min(q, r)) or max(p, max(q, r)) <= min(a, min(b, c)):
+            return True
+    return False
 
 
 @njit(inline="always")
@@ -601,7 +641,7 @@ def settled(pairs, left, own, normals, of, two, signs, work):
 
 @njit(inline="always")
 def may_cross(own, normals, of, count, boxes_at, groups_at, heaps_at, flat_at, turns, near, pairs, two, signs, work):
-    """Say whether two triangles cross, or cannot be shown not to.
+    """Say whether two triangles cross, or cannot be shown not to with little work.
 
     Those that have a corner in common around which all lie side by side (see `flatten_fans`) are passed over.
     """
@@ -613,6 +653,7 @@ def may_cross(own, normals, of, count, boxes_at, groups_at, heaps_at, flat_at, t
             flat[block(k), corner, lane(k)] = vertex if turns[np.uint64(vertex)] == 1.0 else -1
     heaps = -(-count // GROUP**2)
     listed = np.uint64(0)
+    idle = 0
     for k in range(count):
         at, j = block(k), lane(k)
         lx, ly, lz = boxes[at, 0, j], boxes[at, 1, j], boxes[at, 2, j]
@@ -642,7 +683,10 @@ def may_cross(own, normals, of, count, boxes_at, groups_at, heaps_at, flat_at, t
                 looked &= -2 << (l - start) if l >= start else -1
                 left = noted(pairs, left, l << 32 | start, looked, 0)
                 if left > np.uint64(ENOUGH) or entry == listed - 1:
-                    if not settled(pairs, left, own, normals, of, two, signs, work):
+                    for at in range(0, left, TESTED):
+                        if boxes_apart(own, np.uint64(pairs[at] >> 32), np.uint64(pairs[at] & 0xFFFFFFFF)):
+                            idle += TESTED
+                    if idle > IDLE * count or not settled(pairs, left, own, normals, of, two, signs, work):
                         return True
                     left = np.uint64(0)
             listed = np.uint64(0)
@@ -727,7 +771,7 @@ def check_small(vertices_at, vertices, faces_at, faces, table_at, meshes, ids_at
             distinct = True
             for k in range(size):
                 distinct &= ids[k] < 0 or places[np.uint64(ids[k])] == k
-            state = pair_edges(of, count, numbered, first, edges, parent)
+            state = pair_edges(of, count, numbered, first, edges, parent, slots)
         before = mesh
         states[mesh] = state
         if state > PIECES:
