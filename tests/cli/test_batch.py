@@ -105,20 +105,20 @@ def test_shards_merge_to_the_bytes_of_one_run(suffix: str, parts: str, tmp_path:
 
 
 @pytest.mark.skipif(sys.platform == "win32", reason="POSIX signals")
-@pytest.mark.parametrize("number", [signal.SIGKILL, signal.SIGTERM])
-def test_a_run_that_was_killed_goes_on_where_it_was(number: signal.Signals, tmp_path: Path) -> None:
+@pytest.mark.parametrize(("number", "endless"), [(signal.SIGKILL, 39), (signal.SIGTERM, 39), (signal.SIGKILL, 0)])
+def test_a_run_that_was_killed_goes_on_where_it_was(number: signal.Signals, endless: int, tmp_path: Path) -> None:
     many = 40
     for k in range(many):
         (tmp_path / f"part{k:03}.stl").write_bytes(path("t_handle.stl").read_bytes())
     table = tmp_path / "table.jsonl"
     command = [sys.executable, "-c", "from inertia_cli.__main__ import run; run()", "batch", "--jobs", "2"]
     arguments = [f"{tmp_path}/part*.stl", "-o", str(table), "--json"]
-    (tmp_path / "sitecustomize.py").write_text(  # rows are kept after a file in the middle; the last one never ends
+    (tmp_path / "sitecustomize.py").write_text(  # rows are kept after a file in the middle; another one never ends
         "import os, sys, time\n"
         "def hook(event, arguments, parent=os.getppid()):\n"
         f"    if event == 'open' and str(arguments[0]) == {str(tmp_path / f'part{many // 2:03}.stl')!r}:\n"
         "        time.sleep(1)\n"
-        f"    if event == 'open' and str(arguments[0]) == {str(tmp_path / f'part{many - 1:03}.stl')!r}:\n"
+        f"    if event == 'open' and str(arguments[0]) == {str(tmp_path / f'part{endless:03}.stl')!r}:\n"
         "        while os.getppid() == parent:\n"
         "            time.sleep(0.02)\n"
         "        os._exit(1)\n"

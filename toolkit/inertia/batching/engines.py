@@ -236,13 +236,16 @@ class _Worker:
         return process.wait()
 
 
-def in_order(tasks: Iterable[Task | Answer], engine: Callable[[], Engine]) -> Generator[Answer, None, None]:
+def in_order(
+    tasks: Iterable[Task | Answer], engine: Callable[[], Engine], arrived: Callable[[int, Answer], None] | None = None
+) -> Generator[Answer, None, None]:
     """Yield the answers in the order of the files; no more than a window of them are under way.
 
     Parameters
     ----------
     tasks : files, or answers that there are already
     engine : called where there is something to answer for
+    arrived : called with the number of a file and its answer as soon as that is there, whatever its turn
     """
     ready: dict[int, Answer] = {}
     first = last = 0
@@ -261,7 +264,10 @@ def in_order(tasks: Iterable[Task | Answer], engine: Callable[[], Engine]) -> Ge
                     yield ready.pop(first)
                     first += 1
                 elif at_work is not None and (task is None or last - first >= at_work.window):
-                    ready.update(at_work.results())
+                    for number, answer in at_work.results():
+                        ready[number] = answer
+                        if arrived is not None:
+                            arrived(number, answer)
                 else:
                     break
 

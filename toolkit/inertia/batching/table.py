@@ -68,10 +68,10 @@ def write_batch(
     summary = Summary(setup.verb, len(tasks))
     parts = Parts(None if path is None else path.with_name(f"{path.name}.parts"), setup)
     with table_writer(path, COLUMNS[setup.verb], about) as write, closing(parts):
-        answers = in_order((parts.answer(task) or task for task in tasks), engine)
+        known = (parts.answer(task) or task for task in tasks)
+        answers = in_order(known, engine, lambda number, answer: parts.add(tasks[number], answer))
         with closing(answers):
-            for task, answer in zip(tasks, answers, strict=True):
-                parts.add(task, answer)
+            for answer in answers:
                 summary.count(answer.row, answer.stored)
                 write(answer.row if timings else {**answer.row, "seconds": None})
                 if progress is not None:
@@ -114,7 +114,7 @@ class Parts:
 
     def add(self, task: Task, answer: Answer) -> None:
         """Keep an answer."""
-        if answer.stored or self._folder is None:
+        if self._folder is None:
             return
         entry = {
             "key": self._key(task).hex(),
