@@ -36,7 +36,10 @@ def resident() -> int:
 def in_bytes(size: float) -> str:
     """Return a number of bytes in words.
 
-    >>> in_bytes(3.6e9), in_bytes(16777216)
-    ('3.6 GB', '16.8 MB')
+    >>> in_bytes(3.6e9), in_bytes(16777216), in_bytes(500)
+    ('3.6 GB', '16.8 MB', '500 bytes')
     """
-    return f"{size / 1e9:.3g} GB" if size >= 1e9 else f"{size / 1e6:.3g} MB"
+    for unit, name in ((1e9, "GB"), (1e6, "MB"), (1e3, "kB")):
+        if size >= unit:
+            return f"{size / unit:.3g} {name}"
+    return f"{size:.3g} byte{'s' * (size != 1)}"
