@@ -296,8 +296,15 @@ def _solid_groups(
         )
     if not pieces:
         return (Group("1", whole),)
-    members = {name: np.flatnonzero(np.isin(topology.labels, body)) for name, body in bodies.items()}
-    return tuple(Group(name, integrate(part.triangles.select(which)), which) for name, which in members.items())
+    owner = np.full(topology.components + 1, -1)  # the last one is that of triangles in no shell
+    for number, body in enumerate(bodies.values()):
+        owner[list(body)] = number
+    of_triangle = owner[topology.labels]
+    order = np.argsort(of_triangle, kind="stable")
+    members = np.split(order, np.searchsorted(of_triangle[order], np.arange(len(bodies))))[1:]
+    return tuple(
+        Group(name, integrate(part.triangles.select(which)), which) for name, which in zip(bodies, members, strict=True)
+    )
 
 
 def _region_groups(part: Part, regions: Regions, integrate: Callable[[Triangles], Moments]) -> tuple[Group, ...]:
