@@ -30,7 +30,7 @@ class BoxTree:
     """
 
     def __init__(self, low: Float, high: Float) -> None:
-        self.order = along_curve(low, high)
+        self.order: Int = np.argsort(_morton(low / 2 + high / 2), kind="stable")
         self.low = [np.ascontiguousarray(low[self.order].T)]
         self.high = [np.ascontiguousarray(high[self.order].T)]
         while self.low[-1].shape[1] > 1:
@@ -92,12 +92,6 @@ def _children(i: Int, j: Int, a: BoxTree, b: BoxTree, height: int, among: bool) 
     if among:
         exists &= i <= j
     return i[exists], j[exists]
-
-
-def along_curve(low: Float, high: Float) -> Int:
-    """Return the numbers of boxes in order along a Z-order curve through their middles."""
-    order: Int = np.argsort(_morton(low / 2 + high / 2), kind="stable")
-    return order
 
 
 def _morton(points: Float) -> NDArray[np.uint64]:

@@ -10,6 +10,8 @@ import math
 import numpy as np
 from numba import carray, njit
 
+from inertia.mesh.geometry.crossing_kernel import spread
+
 COLUMNS = 12
 """Numbers for each shell: its box, 6 × its volume, the size of the terms, a place on it, how many triangles it has."""
 
@@ -51,15 +53,35 @@ def measure_shells(vertices_at, vertices, faces_at, labels_at, count, table_at, 
     return 0
 
 
-def meet_boxes(boxes_at, count, family_at, stack_at, flags_at):
+def curve_codes(table_at, shells, x, y, z, factor, codes_at):
+    """Write the places of shells along a Z-order curve, by the middles of their boxes from (x, y, z) on."""
+    table = carray(table_at, (shells, COLUMNS), np.float64)
+    codes = carray(codes_at, (shells,), np.uint64)
+    for k in range(shells):
+        code = np.uint64(0)
+        for axis in range(3):
+            origin = x if axis == 0 else (y if axis == 1 else z)
+            middle = 0.5 * table[k, axis] + 0.5 * table[k, 3 + axis]
+            code |= spread(np.uint64(max((middle - origin) * factor, 0.0))) << np.uint64(axis)
+        codes[k] = code
+    return 0
+
+
+def meet_boxes(table_at, order_at, count, family_at, boxes_at, stack_at, flags_at):
     """Enclose boxes two by two, and say which of them meet others of their family, lie in one and hold one.
 
-    `boxes` (2 count + 64, 6) holds those in order; `family` is ascending; `stack` has room for 256 rows.
+    Shells are looked at in order, in which their families ascend. The boxes written, (2 count + 64, 6), are float32:
+    rounding never changes an order, so that those that overlap still meet. `stack` has room for 256 rows.
     """
-    boxes = carray(boxes_at, (2 * count + 64, 6), np.float64)
+    table = carray(table_at, (count, COLUMNS), np.float64)
+    order = carray(order_at, (count,), np.int64)
     family = carray(family_at, (count,), np.int64)
-    stack = carray(stack_at, (256, 4), np.int64)
+    boxes = carray(boxes_at, (2 * count + 64, 6), np.float32)
+    stack = carray(stack_at, (256, 5), np.int64)
     flags = carray(flags_at, (count,), np.uint8)
+    for k in range(count):
+        for axis in range(6):
+            boxes[k, axis] = np.float32(table[order[k], axis])
     start, size, level = 0, count, 0
     while size > 1:
         above = start + size
@@ -70,15 +92,14 @@ def meet_boxes(boxes_at, count, family_at, stack_at, flags_at):
             for axis in range(3):
                 boxes[above + k, axis] = min(boxes[one, axis], boxes[other, axis])
                 boxes[above + k, axis + 3] = max(boxes[one, axis + 3], boxes[other, axis + 3])
+        stack[level, 4] = size
         start, size, level = above, half, level + 1
     stack[0, 0], stack[0, 1], stack[0, 2], stack[0, 3] = level, start, 0, 0
     waiting = 1 if level > 0 else 0
     while waiting > 0:
         waiting -= 1
         level, start, i, j = stack[waiting, 0], stack[waiting, 1], stack[waiting, 2], stack[waiting, 3]
-        size = count
-        for _ in range(level - 1):
-            size = (size + 1) // 2
+        size = stack[level - 1, 4]
         start -= size
         for k in range(3, -1, -1):
             a, b = 2 * i + (k >> 1), 2 * j + (k & 1)
@@ -86,7 +107,7 @@ def meet_boxes(boxes_at, count, family_at, stack_at, flags_at):
                 continue
             p, q = start + a, start + b
             if a != b:
-                if family[min((a + 1) << (level - 1), count) - 1] < family[b << (level - 1)] or not (
+                if not (
                     boxes[p, 0] <= boxes[q, 3]
                     and boxes[q, 0] <= boxes[p, 3]
                     and boxes[p, 1] <= boxes[q, 4]
@@ -95,19 +116,26 @@ def meet_boxes(boxes_at, count, family_at, stack_at, flags_at):
                     and boxes[q, 2] <= boxes[p, 5]
                 ):
                     continue
+                one, other = order[min((a + 1) << (level - 1), count) - 1], order[b << (level - 1)]
+                if family[one] < family[other]:
+                    continue
                 if level == 1:
-                    flags[a] |= MEETS
-                    flags[b] |= MEETS
-                    a_in_b = b_in_a = True
+                    apart, a_in_b, b_in_a = False, True, True
                     for axis in range(3):
-                        a_in_b &= boxes[q, axis] <= boxes[p, axis] and boxes[p, axis + 3] <= boxes[q, axis + 3]
-                        b_in_a &= boxes[p, axis] <= boxes[q, axis] and boxes[q, axis + 3] <= boxes[p, axis + 3]
+                        low, high = table[one, axis], table[one, axis + 3]
+                        lower, higher = table[other, axis], table[other, axis + 3]
+                        apart |= high < lower or higher < low
+                        a_in_b &= lower <= low and high <= higher
+                        b_in_a &= low <= lower and higher <= high
+                    if not apart:
+                        flags[one] |= MEETS
+                        flags[other] |= MEETS
                     if a_in_b:
-                        flags[a] |= INSIDE
-                        flags[b] |= AROUND
+                        flags[one] |= INSIDE
+                        flags[other] |= AROUND
                     if b_in_a:
-                        flags[b] |= INSIDE
-                        flags[a] |= AROUND
+                        flags[other] |= INSIDE
+                        flags[one] |= AROUND
             if level > 1:
                 stack[waiting, 0], stack[waiting, 1], stack[waiting, 2], stack[waiting, 3] = level - 1, start, a, b
                 waiting += 1
@@ -229,7 +257,7 @@ def near_children(
     labels = carray(labels_at, (count,), np.int32)
     table = carray(table_at, (shells, COLUMNS), np.float64)
     radii = carray(radii_at, (shells,), np.float64)
-    boxes = carray(boxes_at, (2 * shells + 64, 6), np.float64)
+    boxes = carray(boxes_at, (2 * shells + 64, 6), np.float32)
     order = carray(order_at, (shells,), np.int64)
     ranges = carray(ranges_at, (shells, 2), np.int64)
     near = carray(near_at, (count,), np.uint8)
@@ -242,8 +270,8 @@ def near_children(
         ax, ay, az = corners[p, 0], corners[p, 1], corners[p, 2]
         bx, by, bz = corners[q, 0], corners[q, 1], corners[q, 2]
         cx, cy, cz = corners[r, 0], corners[r, 1], corners[r, 2]
-        lx, ly, lz = min(ax, bx, cx), min(ay, by, cy), min(az, bz, cz)
-        hx, hy, hz = max(ax, bx, cx), max(ay, by, cy), max(az, bz, cz)
+        lx, ly, lz = np.float32(min(ax, bx, cx)), np.float32(min(ay, by, cy)), np.float32(min(az, bz, cz))
+        hx, hy, hz = np.float32(max(ax, bx, cx)), np.float32(max(ay, by, cy)), np.float32(max(az, bz, cz))
         ux, uy, uz, vx, vy, vz = bx - ax, by - ay, bz - az, cx - ax, cy - ay, cz - az
         nx, ny, nz = uy * vz - uz * vy, uz * vx - ux * vz, ux * vy - uy * vx
         normal = math.sqrt(nx * nx + ny * ny + nz * nz)

@@ -25,7 +25,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from inertia.arrays import Bool, Float, Int
-from inertia.mesh.geometry.boxes import along_curve
+from inertia.mesh.geometry.boxes import CELLS
 from inertia.mesh.geometry.closure import Closure
 from inertia.mesh.geometry.touching import touching_groups
 from inertia.mesh.part import Surface, Triangles
@@ -33,7 +33,8 @@ from inertia.native import Kernel, address
 
 _MODULE = "inertia.mesh.geometry.shell_kernel"
 _MEASURE = Kernel(_MODULE, "measure_shells", "pippi" + "pi")
-_MEET = Kernel(_MODULE, "meet_boxes", "pi" + "ppp")
+_CODES = Kernel(_MODULE, "curve_codes", "pi" + "dddd" + "p")
+_MEET = Kernel(_MODULE, "meet_boxes", "ppi" + "pppp")
 _CAST = Kernel(_MODULE, "cast_rays", "pippi" + "pi" + "pppp" + "ppip" + "i" + "ddddd" + "pp")
 _NEAR = Kernel(_MODULE, "near_children", "pippi" + "pi" + "pppp" + "pp")
 _CHUNK = 1 << 14
@@ -57,7 +58,7 @@ def sound_bodies(triangles: Triangles, closure: Closure, *, streamed: bool = Fal
 
     """
     count = closure.components
-    if not count or not all(kernel.worthwhile(triangles.count) for kernel in (_MEASURE, _MEET, _CAST, _NEAR)):
+    if not count or not all(kernel.worthwhile(triangles.count) for kernel in (_MEASURE, _CODES, _MEET, _CAST, _NEAR)):
         return None
     table = np.zeros((count, _COLUMNS))
     table[:, :3], table[:, 3:6] = np.inf, -np.inf
@@ -66,7 +67,7 @@ def sound_bodies(triangles: Triangles, closure: Closure, *, streamed: bool = Fal
     volume, magnitude, size = table[:, 6], table[:, 7], table[:, 11]
     if not (np.abs(volume) > (_NOISE + size * _STORED) * magnitude).all():
         return None
-    order = along_curve(table[:, :3], table[:, 3:6])
+    order = _along_curve(table)
     flags, _ = _meeting(table, order, np.zeros(count, np.int64))
     if not flags.any():
         return count if (volume > 0).all() else None
@@ -100,17 +101,23 @@ def _chunks(triangles: Triangles, closure: Closure) -> Iterator[tuple[slice, int
         yield slice(start, start + len(labels)), *places, len(labels)
 
 
-def _meeting(table: Float, order: Int, family: Int) -> tuple[NDArray[np.uint8], Float]:
+def _along_curve(table: Float) -> Int:
+    """Return the numbers of shells in order along a space-filling curve."""
+    low, high = table[:, :3].min(axis=0), table[:, 3:6].max(axis=0)
+    size, codes = float((high - low).max()), np.empty(len(table), np.uint64)
+    _CODES.function(address(table), len(table), *low.tolist(), CELLS / size, address(codes))
+    order: Int = np.argsort(codes)
+    return order
+
+
+def _meeting(table: Float, order: Int, family: Int) -> tuple[NDArray[np.uint8], NDArray[np.float32]]:
     """Return what the boxes of shells do to others of their family, and those in order, with enclosing ones."""
     count = len(order)
-    boxes, flags = np.empty((2 * count + 64, 6)), np.zeros(count, np.uint8)
-    boxes[:count] = table[order, :6]
-    family = family[order]
-    stack = np.empty((256, 4), np.int64)
-    _MEET.function(address(boxes), count, address(family), address(stack), address(flags))
-    result = np.empty_like(flags)
-    result[order] = flags
-    return result, boxes
+    boxes, flags = np.empty((2 * count + 64, 6), np.float32), np.zeros(count, np.uint8)
+    stack = np.empty((256, 5), np.int64)
+    tables = (each.ctypes.data for each in (family, boxes, stack, flags))
+    _MEET.function(address(table), address(order), count, *tables)
+    return flags, boxes
 
 
 def _nest(
