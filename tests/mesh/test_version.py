@@ -57,6 +57,21 @@ def test_a_large_file_is_integrated_from_where_it_is(tmp_path: Path) -> None:
     assert analyse(part).properties.volume == analyse(type(part)(whole)).properties.volume
 
 
+@pytest.mark.skipif(not hasattr(os, "pread"), reason="such reads are simulated in it")
+@pytest.mark.usefixtures("in_file")
+def test_reads_that_return_less_than_was_asked_for_go_on(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Linux reads 2 GB at a time at most: 43 million triangles."""
+    path, pread = tmp_path / "boxes.stl", os.pread
+    path.write_bytes(stl_of(2.0))
+    expected = Facets(np.frombuffer(path.read_bytes()[stl.HEADER :], FACET))
+    monkeypatch.setattr(os, "pread", lambda file, size, at: pread(file, min(size, 1777), at))
+    part = read(path)
+    assert np.array_equal(part.triangles.corners(), expected.corners())
+    path.write_bytes(stl_of(2.0)[:-50])
+    with pytest.raises(ReadError, match="it changed while it was being read"):
+        part.triangles.corners()
+
+
 @pytest.mark.usefixtures("in_file")
 @pytest.mark.parametrize("change", ["rewritten", "cut short", "grown"])
 def test_a_large_file_that_changes_before_it_is_integrated_is_refused(change: str, tmp_path: Path) -> None:

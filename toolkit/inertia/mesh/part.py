@@ -163,6 +163,17 @@ class RowsInFile:
         return rows
 
     def _read(self, size: int, at: int) -> bytes:
+        data = self._some(size, at)
+        if not 0 < len(data) < size:
+            return data
+        pieces = [data]  # a system reads 2 GB at a time at most, and some file systems less
+        while data:
+            size, at = size - len(data), at + len(data)
+            data = self._some(size, at)
+            pieces.append(data)
+        return b"".join(pieces)
+
+    def _some(self, size: int, at: int) -> bytes:
         if hasattr(os, "pread"):
             return os.pread(self._file, size, at)
         with self._seeking:
