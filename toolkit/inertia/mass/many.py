@@ -137,7 +137,7 @@ def many(
     if offsets is not None:
         vertices, faces = _split(vertices, faces, offsets)
     shared = None if offsets is not None else _shared(faces)
-    points = list(vertices)  # type: ignore[arg-type]
+    points: Any = vertices if _is_stack(vertices) else list(vertices)  # type: ignore[arg-type]
     corners = [shared] * len(points) if shared is not None else list(faces)  # type: ignore[arg-type]
     if len(points) != len(corners):
         raise UsageError(f"there are {len(points)} arrays of vertices and {len(corners)} of faces: give as many")
@@ -194,16 +194,24 @@ def _weights(density: ArrayLike, count: int) -> Float:
     return np.broadcast_to(weights, (count,))
 
 
+def _is_stack(vertices: Any) -> bool:
+    """Say whether the vertices of all meshes are one array (n, v, 3) of numbers."""
+    return isinstance(vertices, np.ndarray) and vertices.shape[1:][1:] == (3,) and vertices.dtype.kind in "fiu"
+
+
 def _stacked(points: Sequence[Any], corners: Sequence[Any], shared: Int | None) -> tuple[Float, Int, Int]:
     """Return all vertices, all faces, and the table of which are whose; what has another shape has none."""
-    vertices = [_as(each, np.float64) for each in points]
     faces = [_as(each, np.int64) for each in corners] if shared is None else [shared]
-    sizes = np.array([len(each) for each in vertices])
+    if isinstance(points, np.ndarray):
+        vertices, sizes = points.astype(np.float64, copy=False).reshape(-1, 3), np.full(len(points), points.shape[1])
+    else:
+        several = [_as(each, np.float64) for each in points]
+        vertices, sizes = np.concatenate(several), np.array([len(each) for each in several])
     counts = np.array([len(each) for each in faces])
     starts, begins = np.cumsum(sizes) - sizes, np.cumsum(counts) - counts
-    table = np.empty((len(vertices), 4), np.int64)
+    table = np.empty((len(points), 4), np.int64)
     table[:, 0], table[:, 1], table[:, 2], table[:, 3] = starts, sizes, begins, counts
-    return np.concatenate(vertices), np.concatenate(faces), table
+    return np.ascontiguousarray(vertices), np.concatenate(faces), table
 
 
 def _as(array: Any, kind: Any) -> Any:
@@ -238,18 +246,14 @@ def _fill(answer: Many, which: Int, rows: Float, metres: Fraction, density: Floa
     ratio = _over(Pair.of(first), Pair.of(4.0 * v))
     center = (ratio + Pair.of(origin)) * _pair(metres)
     factor = _pair(metres**5 / 480) * Pair.of(density)
-    five = Pair.of(np.full_like(v, 5.0))
-    elements = []
-    for k, (i, j) in enumerate(PAIRS):
-        if k < 3:
-            i, j = _OTHERS[k]
-            whole = Pair.of(8.0 * v) * Pair.sum_of(second[i], second[j])
-            part = Pair.of(first[i]) * Pair.of(first[i]) + Pair.of(first[j]) * Pair.of(first[j])
-            top = whole - part * five
-        else:
-            top = Pair.of(first[i]) * Pair.of(first[j]) * five - Pair.of(4.0 * v) * Pair.of(second[k])
-        elements.append((_over(top, Pair.of(v)) * factor).high)
-    volumes, masses, centers, tensor = volume.high, (volume * Pair.of(density)).high, center.high, np.array(elements)
+    five = Pair.of(np.full_like(first, 5.0))
+    one, other = np.array(_OTHERS).T
+    square, eight, four = Pair.of(first) * Pair.of(first), Pair.of(8.0 * v), Pair.of(4.0 * v)
+    diagonal = eight * Pair.sum_of(second[one], second[other]) - (square[one] + square[other]) * five
+    mixed = Pair.of(first[one]) * Pair.of(first[other]) * five - four * Pair.of(second[3:])
+    top = Pair(np.concatenate([diagonal.high, mixed.high]), np.concatenate([diagonal.low, mixed.low]))
+    elements = _over(top, Pair.of(v)) * factor
+    volumes, masses, centers, tensor = volume.high, (volume * Pair.of(density)).high, center.high, elements.high
 
     reach = np.maximum(origin - low, high - origin).max(axis=0)
     size = _A_PRIORI * (sums[10] + sums[12])
@@ -261,13 +265,10 @@ def _fill(answer: Many, which: Int, rows: Float, metres: Fraction, density: Floa
     least, along = v / 6.0 - off, abs(ratio.high)
     moved = off_first + along * off
     weight = (v / 6.0 + off) / least**2
-    bounds = [
-        off_second[k] + along[i] * off_first[j] + along[j] * moved[i] + moved[i] * moved[j] * weight
-        for k, (i, j) in enumerate(PAIRS)
-    ]
-    diagonal = (bounds[i] + bounds[j] for i, j in _OTHERS)
+    i, j = np.array(PAIRS).T
+    bounds = off_second + along[i] * off_first[j] + along[j] * moved[i] + moved[i] * moved[j] * weight
     scale = float(metres) ** 5 * density
-    squares = sum(k * k for k in diagonal) + 2.0 * sum(k * k for k in bounds[3:])
+    squares = ((bounds[one] + bounds[other]) ** 2).sum(axis=0) + 2.0 * (bounds[3:] ** 2).sum(axis=0)
     norm = np.sqrt((tensor[:3] ** 2).sum(axis=0) + 2.0 * (tensor[3:] ** 2).sum(axis=0))
     volume_error = off / (v / 6.0) * _INFLATED + _ROUNDED
     inertia_error = np.sqrt(squares) * scale / norm * _INFLATED + _ROUNDED

@@ -61,7 +61,7 @@ def sum_small(vertices_at, vertices, faces_at, faces, table_at, meshes, usable_a
         for first in range(0, count, LANES):
             fetch_faces(address(vertices_at, 24 * start), own, first, count, scratch, corner)
             moment_kernel.add(corner, total, row[0], row[1], row[2], 0)
-            double_double_kernel.terms(corner, pairs, row[0], row[1], row[2])
+            double_double_kernel.terms(corner, pairs, row[0], row[1], row[2], True)
         moment_kernel.finish(total, out[mesh : mesh + 1, 3 : 3 + ROWS], 0)
         double_double_kernel.finish(pairs, out[mesh : mesh + 1, 3 + ROWS :], 0)
     return 0
