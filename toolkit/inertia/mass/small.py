@@ -27,7 +27,7 @@ from inertia.mesh.part import Surface
 from inertia.native import Kernel, threads
 from inertia.units import Unit
 
-_KERNEL = Kernel("inertia.mass.triangles.small_kernel", "sum_small", "pipipippp")
+_KERNEL = Kernel("inertia.mass.triangles.small_kernel", "sum_small", "pipipippp", wide=True)
 _COLUMNS = 3 + SUMS + 6 + 20
 _ROOM = 48 * 32 + 8
 
