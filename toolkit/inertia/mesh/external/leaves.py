@@ -18,25 +18,25 @@ from numpy.typing import NDArray
 
 from inertia.arrays import Bool, Int, Progress
 from inertia.mesh.external.temporary_file import TemporaryFile
+from inertia.mesh.external.waiting_edges import WaitingEdges
 from inertia.mesh.geometry.closure import Closure
 from inertia.mesh.geometry.pairing import (
-    _BIN,
-    _BLOCK,
-    _BY_PLACE,
-    _RUN,
+    BIN,
+    BLOCK,
+    BY_PLACE,
     DESCEND,
-    EDGES,
     PACK,
+    RUN,
     SCATTER,
-    _any_repeated,
-    _corner_keys,
-    _in_threads,
-    _load,
-    _Log,
-    _roots,
-    _sample,
-    _Thread,
-    _tree,
+    Log,
+    Thread,
+    any_repeated,
+    corner_keys,
+    in_threads,
+    load,
+    roots,
+    sample,
+    tree,
 )
 from inertia.mesh.part import Facets, Triangles
 from inertia.native import address, threads
@@ -51,12 +51,9 @@ LEAST = 1 << 20
 _ROW = 16  # bytes of a packed triangle
 _TAKEN = _ROW + 5  # by a triangle in memory, with its label
 _WAITING = 2  # bytes a triangle that the edges between leaves may take
-_TABLE = 1 << 14  # room for those, to begin with
-_ONE = np.uint64(1)
-_NEVER = -(1 << 62)  # from which edges are counted that wait, so that the kernel does not take them for open ones
 _SAMPLED = 64  # triangles a leaf that the planes are from
 _COPIED = 1 << 10  # runs that are copied at a time
-_REPORTED = 16 * _BLOCK
+_REPORTED = 16 * BLOCK
 
 
 class Beyond(Exception):
@@ -67,7 +64,7 @@ class Beyond(Exception):
 class _Segment:
     """The packed triangles `first:last` of the file, by leaf: those of leaf k are in the runs `of[k]:of[k + 1]`.
 
-    A run has `sizes` rows, and room for `_RUN`. It is number `places` of the pool, or of those that lie in the
+    A run has `sizes` rows, and room for `RUN`. It is number `places` of the pool, or of those that lie in the
     temporary file from byte `at` on.
     """
 
@@ -82,81 +79,6 @@ class _Segment:
         """Return places and sizes of the runs of a leaf."""
         own = slice(int(self.of[leaf]), int(self.of[leaf + 1]))
         return self.places[own], self.sizes[own]
-
-
-class _Waiting:
-    """Edges of leaves that wait for a triangle of another, and the pieces of surface that they join.
-
-    They are paired as they come, so that few wait at a time: those at the border of the leaves that have been.
-    """
-
-    def __init__(self, bins: int) -> None:
-        self._bins, self._state = bins, np.array([_NEVER, 0, 0, 0, 0])
-        self._table, self._parent = np.zeros((_TABLE, 2), np.uint64), np.empty(_TABLE, np.int32)
-        self.logs = [_Log(_TABLE, bins)]
-        self.pieces = 0
-
-    @property
-    def parent(self) -> NDArray[np.int32]:
-        """The table of joined pieces, (pieces,)."""
-        return self._parent[: self.pieces]
-
-    @property
-    def size(self) -> int:
-        """Bytes of memory."""
-        return self._table.nbytes + self._parent.nbytes + sum(log.keys.nbytes for log in self.logs)
-
-    @property
-    def open_edges(self) -> int:
-        """How many edges wait."""
-        return int(self._state[0]) - _NEVER
-
-    @property
-    def overfull(self) -> bool:
-        """Whether an edge may have been left out."""
-        return bool(self._state[3])
-
-    def add_pieces(self, number: int) -> None:
-        """Append pieces that nothing joins yet."""
-        if self.pieces + number > len(self._parent):
-            self._parent = np.resize(self._parent, 2 * (self.pieces + number))
-        self._parent[self.pieces : self.pieces + number] = np.arange(self.pieces, self.pieces + number)
-        self.pieces += number
-
-    def add(self, edges: NDArray[np.uint64], pieces: NDArray[np.int32]) -> None:
-        """Pair edges, of pieces that have been appended, with those that wait; the rest wait."""
-        if 5 * (self.open_edges + len(edges)) > 4 * len(self._table):
-            before, after = self.left(), 1 << (5 * (self.open_edges + len(edges)) // 4).bit_length()
-            self._table, self._state[0] = np.zeros((after, 2), np.uint64), _NEVER
-            self._pair(*before)
-        most = len(edges) // self._bins
-        if self.logs[-1].sizes.max() + most + 8 * int(np.sqrt(most)) + 64 > self.logs[-1].room:
-            self.logs.append(_Log(max(sum(int(log.sizes.sum()) for log in self.logs), len(edges)), self._bins))
-        self._pair(edges, pieces)
-
-    def left(self) -> tuple[NDArray[np.uint64], NDArray[np.int32]]:
-        """Return the edges that wait, and of which pieces."""
-        used = self._table[self._table[:, 0] != 0]
-        return used[:, 0] & ~_ONE | used[:, 1] & _ONE, (used[:, 1] >> _ONE).astype(np.int32)
-
-    def join(self, other: _Waiting) -> int:
-        """Append all that another has; return the number of its first piece."""
-        first = self.pieces
-        self.add_pieces(other.pieces)
-        self._parent[first : self.pieces] = other.parent + first
-        edges, pieces = other.left()
-        self.add(edges, pieces + np.int32(first))
-        self.logs += other.logs
-        self._state[3] |= other._state[3]
-        return first
-
-    def _pair(self, edges: NDArray[np.uint64], pieces: NDArray[np.int32]) -> None:
-        if len(edges) == 0:
-            return
-        EDGES.function(
-            address(edges), address(pieces), len(edges), address(self._table), len(self._table),
-            address(self._parent), len(self._parent), *self.logs[-1].arguments, address(self._state),
-        )  # fmt: skip
 
 
 class _Leaves:
@@ -175,33 +97,33 @@ class _Leaves:
         depth = max((count // LEAF).bit_length() - 1, 1)
         self._count, self._leaves = count, 1 << depth
         self._file, self._salt, self._progress = file, salt.copy(), progress
-        self._bins = 1 << min((count // 16 // _BIN).bit_length(), 9)
+        self._bins = 1 << min((count // 16 // BIN).bit_length(), 9)
         self._room = (1 << 24) + _WAITING * count // self._parts
-        self._keys = _corner_keys(triangles, self._salt)
-        axes, planes, cells = self._tree = _tree(_sample(triangles, _SAMPLED * self._leaves), depth)
+        self._keys = corner_keys(triangles, self._salt)
+        axes, planes, cells = self._tree = tree(sample(triangles, _SAMPLED * self._leaves), depth)
         self._descent = address(axes), address(planes), address(cells), depth
-        self._cuts = [*(_BLOCK * (part * count // (self._parts * _BLOCK)) for part in range(self._parts)), count]
-        most = int(np.diff(self._cuts).max()) if rows >= count else max(rows // self._parts, _BLOCK)
-        self._largest = 4 * LEAF // _RUN  # runs of a leaf that is paired, at most
-        self._runs = -(-most // _RUN) + min(self._leaves, _BLOCK) + self._leaves  # of a thread
-        self._pool = np.empty((self._parts * (self._runs + self._largest), _RUN, 2), np.uint64)
+        self._cuts = [*(BLOCK * (part * count // (self._parts * BLOCK)) for part in range(self._parts)), count]
+        most = int(np.diff(self._cuts).max()) if rows >= count else max(rows // self._parts, BLOCK)
+        self._largest = 4 * LEAF // RUN  # runs of a leaf that is paired, at most
+        self._runs = -(-most // RUN) + min(self._leaves, BLOCK) + self._leaves  # of a thread
+        self._pool = np.empty((self._parts * (self._runs + self._largest), RUN, 2), np.uint64)
         self._owners = np.empty(self._parts * self._runs, np.int64)
 
     def closure(self) -> Closure:
         """Return the closure; raises `Beyond` where an edge has not two triangles, one each way."""
-        scattered = _in_threads(self._parts, self._scatter)
+        scattered = in_threads(self._parts, self._scatter)
         segments = [segment for own, _ in scattered for segment in own]
         runs = sum(segment.of for segment in segments)
         shares = np.searchsorted(runs, runs[-1] * np.arange(self._parts + 1) // self._parts)
         shares[0], shares[-1] = 0, self._leaves
-        done = _in_threads(self._parts, partial(self._pair, segments=segments, shares=shares))
-        waiting, repeated = _Waiting(self._bins), sum(of for _, of in done)
+        done = in_threads(self._parts, partial(self._pair, segments=segments, shares=shares))
+        waiting, repeated = WaitingEdges(self._bins), sum(of for _, of in done)
         first = [waiting.join(other) for other, _ in done]
         if waiting.open_edges or waiting.overfull or repeated != sum(of for _, of in scattered):
             raise Beyond
-        if _any_repeated(waiting.logs, self._bins, self._parts):
+        if any_repeated(waiting.logs, self._bins, self._parts):
             raise Beyond
-        number = np.unique(_roots(waiting.parent), return_inverse=True)[1].astype(np.int32)
+        number = np.unique(roots(waiting.parent), return_inverse=True)[1].astype(np.int32)
         components = int(number.max(initial=-1)) + 1
         if components == 1 and not repeated:
             labels = np.zeros(self._count, np.int32)
@@ -213,14 +135,14 @@ class _Leaves:
         """Put a share of the triangles into leaves; return the segments, and how many have a repeated corner."""
         begin = which * self._runs
         heads, state = np.zeros(self._leaves, np.int64), np.array([begin])
-        rows, points = np.empty((_BLOCK, 3), np.uint64), np.empty((_BLOCK, 9), np.float32)
-        leaf, packed = np.empty(_BLOCK, np.int64), np.empty((_BLOCK, 2), np.uint64)
+        rows, points = np.empty((BLOCK, 3), np.uint64), np.empty((BLOCK, 9), np.float32)
+        leaf, packed = np.empty(BLOCK, np.int64), np.empty((BLOCK, 2), np.uint64)
         places = address(self._pool), self._parts * self._runs, address(heads), address(self._owners), address(state)
         (start, stop), repeated, segments = self._cuts[which : which + 2], 0, []
         first = start
-        for at in range(start, stop, _BLOCK):
-            size = min(_BLOCK, stop - at)
-            if state[0] - begin + size // _RUN + min(size, self._leaves) > self._runs:
+        for at in range(start, stop, BLOCK):
+            size = min(BLOCK, stop - at)
+            if state[0] - begin + size // RUN + min(size, self._leaves) > self._runs:
                 segments.append(self._spilled(self._segment(first, at, begin, heads, state)))
                 first, state[0], heads[:] = at, begin, 0
             self._keys(at, at + size, rows, points)
@@ -236,9 +158,9 @@ class _Leaves:
     def _segment(self, first: int, last: int, begin: int, heads: Int, state: Int) -> _Segment:
         """Return the segment that lies in the runs of the pool from `begin` on."""
         end = int(state[0])
-        sizes = np.full(end - begin, _RUN)
-        unfilled = heads[heads % _RUN != 0]
-        sizes[unfilled // _RUN - begin] = unfilled % _RUN
+        sizes = np.full(end - begin, RUN)
+        unfilled = heads[heads % RUN != 0]
+        sizes[unfilled // RUN - begin] = unfilled % RUN
         owners = self._owners[begin:end]
         order = np.argsort(owners, kind="stable")
         of = np.searchsorted(owners[order], np.arange(self._leaves + 1))
@@ -247,23 +169,23 @@ class _Leaves:
     def _spilled(self, segment: _Segment) -> _Segment:
         """Write the runs of a segment to the file, one leaf after another."""
         count = len(segment.places)
-        at, copy = self._file.reserve(count * _RUN * _ROW), np.empty((_COPIED, _RUN, 2), np.uint64)
+        at, copy = self._file.reserve(count * RUN * _ROW), np.empty((_COPIED, RUN, 2), np.uint64)
         for start in range(0, count, _COPIED):
             some = segment.places[start : start + _COPIED]
             np.take(self._pool, some, axis=0, out=copy[: len(some)], mode="clip")
-            self._file.write(copy[: len(some)], at + start * _RUN * _ROW)
+            self._file.write(copy[: len(some)], at + start * RUN * _ROW)
         return replace(segment, places=np.arange(count), at=at)
 
     def _pair(
         self, which: int, stopped: threading.Event, segments: list[_Segment], shares: Int
-    ) -> tuple[_Waiting, int]:
+    ) -> tuple[WaitingEdges, int]:
         """Pair the edges of a share of the leaves, and put the pieces of their triangles in place of the rows.
 
         Returns the edges that wait for other threads' leaves, and how many triangles have a repeated corner.
         """
         low, high = shares[which : which + 2].tolist()
-        thread, scratch = _Thread(self._salt, _Log(0, self._bins)), self._parts * self._runs + which * self._largest
-        waiting = _Waiting(self._bins)
+        thread, scratch = Thread(self._salt, Log(0, self._bins)), self._parts * self._runs + which * self._largest
+        waiting = WaitingEdges(self._bins)
         for leaf in range(low, high):
             free, runs = scratch, []
             for segment in segments:
@@ -271,15 +193,15 @@ class _Leaves:
                 if segment.at is not None and len(places):
                     if free + len(places) > scratch + self._largest:
                         raise Beyond
-                    self._file.read(self._pool[free : free + len(places)], segment.at + int(places[0]) * _RUN * _ROW)
+                    self._file.read(self._pool[free : free + len(places)], segment.at + int(places[0]) * RUN * _ROW)
                     places = places + (free - places[0])
                     free += len(places)
-                runs.append(np.column_stack([places * _RUN, sizes]))
+                runs.append(np.column_stack([places * RUN, sizes]))
             every = np.concatenate(runs)
             if len(every) == 0:
                 continue
             pieces = np.zeros(int(every[:, 1].sum()), np.int32)
-            if len(pieces) > self._largest * _RUN:
+            if len(pieces) > self._largest * RUN:
                 raise Beyond
             thread.begin(pieces)
             thread.leaf(self._pool, every)
@@ -301,21 +223,21 @@ class _Leaves:
     def _keep(self, segment: _Segment, leaf: int, labels: NDArray[np.int32]) -> None:
         """Put the pieces of a segment's triangles in a leaf where their rows were."""
         places, sizes = segment.runs(leaf)
-        padded = np.empty((len(places), _RUN), np.int32)
+        padded = np.empty((len(places), RUN), np.int32)
         padded[_filled(sizes)] = labels
         if segment.at is None:
             self._pool.view(np.int32)[places, :, 0] = padded
         elif len(places):
-            self._file.write(padded, segment.at + int(places[0]) * _RUN * _ROW)
+            self._file.write(padded, segment.at + int(places[0]) * RUN * _ROW)
 
     def _labels(self, segment: _Segment, leaf: int) -> NDArray[np.int32]:
         """Return what `_keep` has kept."""
         places, sizes = segment.runs(leaf)
-        padded = np.empty((len(places), _RUN), np.int32)
+        padded = np.empty((len(places), RUN), np.int32)
         if segment.at is None:
             padded = self._pool.view(np.int32)[places, :, 0]
         elif len(places):
-            self._file.read(padded, segment.at + int(places[0]) * _RUN * _ROW)
+            self._file.read(padded, segment.at + int(places[0]) * RUN * _ROW)
         labels: NDArray[np.int32] = padded[_filled(sizes)]
         return labels
 
@@ -332,12 +254,12 @@ class _Leaves:
     def _in_file_order(self, segments: list[_Segment], number: NDArray[np.int32], first: Int) -> NDArray[np.int32]:
         """Return the components of all triangles."""
         inside = [None if segment.at is not None else self._components(segment, number, first) for segment in segments]
-        self._pool = np.empty((0, _RUN, 2), np.uint64)
+        self._pool = np.empty((0, RUN, 2), np.uint64)
         result = np.empty(self._count, np.int32)
 
         def label(which: int, stopped: threading.Event) -> None:
-            rows, points = np.empty((_BLOCK, 3), np.uint64), np.empty((_BLOCK, 9), np.float32)
-            leaf = np.empty(_BLOCK, np.int64)
+            rows, points = np.empty((BLOCK, 3), np.uint64), np.empty((BLOCK, 9), np.float32)
+            leaf = np.empty(BLOCK, np.int64)
             for place, segment in enumerate(segments):
                 if not self._cuts[which] <= segment.first < self._cuts[which + 1] or stopped.is_set():
                     continue
@@ -346,8 +268,8 @@ class _Leaves:
                     labels = self._components(segment, number, first)
                 sizes = np.append(0, np.cumsum(segment.sizes))[segment.of]
                 following = sizes[:-1]
-                for at in range(segment.first, segment.last, _BLOCK):
-                    size = min(_BLOCK, segment.last - at)
+                for at in range(segment.first, segment.last, BLOCK):
+                    size = min(BLOCK, segment.last - at)
                     self._keys(at, at + size, rows, points)
                     DESCEND.function(address(points), size, *self._descent, address(leaf))
                     of = leaf[:size] & 0xFFFFFFFF
@@ -357,7 +279,7 @@ class _Leaves:
                     result[at + order] = labels[np.repeat(following, uses) + rank]
                     following = following + uses
 
-        _in_threads(self._parts, label)
+        in_threads(self._parts, label)
         return _numbered_by_first(result, int(number.max()) + 1)
 
 
@@ -372,9 +294,9 @@ def closed_by_place(
     count, parts = triangles.count, max(1, min(threads(), room // (4 * FIXED + 1)))
     fixed = parts * FIXED + (0 if isinstance(triangles, Facets) else 8 * len(triangles.vertices))
     rows = min((room - fixed - _WAITING * count) // _TAKEN, (room - fixed - 4 * count) // 8)
-    if rows < min(count, LEAST) or not all(kernel.worthwhile(count) for kernel in _BY_PLACE):
+    if rows < min(count, LEAST) or not all(kernel.worthwhile(count) for kernel in BY_PLACE):
         return None
-    _load(*_BY_PLACE)
+    load(*BY_PLACE)
     file = TemporaryFile(max(_ROW * (count - rows), 0), stack)
     leaves = _Leaves(triangles, rows, parts, salt, file, progress)
     try:
@@ -385,7 +307,7 @@ def closed_by_place(
 
 def _filled(sizes: Int) -> Bool:
     """Say which rows of runs are filled."""
-    filled: Bool = np.arange(_RUN) < sizes[:, None]
+    filled: Bool = np.arange(RUN) < sizes[:, None]
     return filled
 
 

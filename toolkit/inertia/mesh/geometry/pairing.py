@@ -36,17 +36,17 @@ DESCEND = Kernel(_PARTITION, "descend", "pipppip")
 PACK = Kernel(_PARTITION, "pack", "pipp")
 SCATTER = Kernel(_PARTITION, "scatter", "piipipippp")
 
-_BY_PLACE = LEAF, DESCEND, PACK, SCATTER
+BY_PLACE = LEAF, DESCEND, PACK, SCATTER
 
-_BLOCK = 8192  # triangles whose corners' keys are computed at a time
+BLOCK = 8192  # triangles whose corners' keys are computed at a time
 _GROUP = 1 << 17  # triangles that are paired together where they stand together
-_REPORTED = 16 * _BLOCK
+_REPORTED = 16 * BLOCK
 _TABLE = 1 << 15  # room for the edges that wait, of which half is used: it stays inside the cache
 _LEAF = 8192  # triangles that are paired together where they are near each other, about
-_RUN = 64  # rows that lie together, as `partition_kernel` has them
+RUN = 64  # rows that lie together, as `partition_kernel` has them
 _SAMPLED = 16  # triangles a leaf that the planes are from:
 _EVERY, _READ, _APART = 16, 512, 8192  # every so manieth of so many that are read of so many
-_BIN = 16384  # paired edges whose keys are compared at a time
+BIN = 16384  # paired edges whose keys are compared at a time
 _SHARED = 1 << 18  # triangles from which on threads repay their start
 
 Keys = Callable[[int, int, NDArray[np.uint64], NDArray[np.float32] | None], None]
@@ -57,7 +57,7 @@ class _Scattered(Exception):
     """Triangles that follow one another are no neighbours."""
 
 
-class _Log:
+class Log:
     """The keys of edges that were paired, in bins."""
 
     def __init__(self, edges: int, bins: int) -> None:
@@ -66,10 +66,10 @@ class _Log:
         self.arguments = address(self.keys), bins, self.room, address(self.sizes)
 
 
-class _Thread:
+class Thread:
     """What one thread has for pairing, and the groups that it has done: see `group`."""
 
-    def __init__(self, salt: NDArray[np.uint64], log: _Log) -> None:
+    def __init__(self, salt: NDArray[np.uint64], log: Log) -> None:
         self.salt, self.log = salt, log
         self.state = np.zeros(5 + 3 * 64, np.int64)
         self.table = _empty_table(_TABLE)
@@ -156,17 +156,17 @@ def paired_edges(
         salt.copy(),
         _rising(progress),
     )  # which may be written to, as `address` asks
-    bins = 1 << min(max(3 * count // 2 // _BIN, 1).bit_length() - 1, 12)
+    bins = 1 << min(max(3 * count // 2 // BIN, 1).bit_length() - 1, 12)
     parts = threads() if count >= _SHARED else 1
-    cuts = [*(_BLOCK * (part * count // (parts * _BLOCK)) for part in range(parts)), count]
-    keys = _corner_keys(triangles, salt)
-    _load(ROWS, CLOSE, EDGES, REPEATED)
+    cuts = [*(BLOCK * (part * count // (parts * BLOCK)) for part in range(parts)), count]
+    keys = corner_keys(triangles, salt)
+    load(ROWS, CLOSE, EDGES, REPEATED)
     index = None
     labels = np.zeros(count, np.int32)
     try:
         done = _pair_in_order(labels, keys, cuts, salt, bins, progress)
     except _Scattered:
-        if not all(kernel.worthwhile(count) for kernel in _BY_PLACE):
+        if not all(kernel.worthwhile(count) for kernel in BY_PLACE):
             return None
         done, index = _pair_by_place(triangles, labels, keys, cuts, salt, bins, progress)
     numbers = np.array([number for thread in done for number in thread.numbers], np.int64)
@@ -178,15 +178,15 @@ def paired_edges(
         apart = [each for thread in done for each in thread.pieces]
         keys_left = np.concatenate(edges)
         pieces = np.concatenate([each + np.int32(of) for each, of in zip(apart, base, strict=True)])
-        logs.append(_Log(waiting, bins))
+        logs.append(Log(waiting, bins))
         table = _empty_table(5 * waiting // 4 + 2)
         EDGES.function(
             address(keys_left), address(pieces), waiting, address(table), len(table), address(number), len(number),
             *logs[-1].arguments, address(state),
         )  # fmt: skip
-        number = np.unique(_roots(number), return_inverse=True)[1].astype(np.int32)
+        number = np.unique(roots(number), return_inverse=True)[1].astype(np.int32)
     overfull = any(thread.overfull for thread in done) or bool(state[3])
-    if overfull or _any_repeated(logs, bins, len(cuts) - 1):
+    if overfull or any_repeated(logs, bins, len(cuts) - 1):
         return None
     components = int(number.max(initial=-1)) + 1
     repeated = sum(thread.repeated for thread in done)
@@ -216,13 +216,14 @@ def _rising(progress: Progress | None) -> Progress | None:
     return rise
 
 
-def _load(*kernels: Kernel) -> None:
+def load(*kernels: Kernel) -> None:
     """Load kernels here, before threads ask for them."""
     for kernel in kernels:
         kernel.function  # noqa: B018
 
 
-def _corner_keys(triangles: Triangles, salt: NDArray[np.uint64]) -> Keys:
+def corner_keys(triangles: Triangles, salt: NDArray[np.uint64]) -> Keys:
+    """Return what writes the keys of corners, by random numbers (15,)."""
     if isinstance(triangles, Facets):
         facets, key_facets = triangles, FACETS.function
 
@@ -253,15 +254,15 @@ def _pair_in_order(
     salt: NDArray[np.uint64],
     bins: int,
     progress: Progress | None,
-) -> list[_Thread]:
-    def pair(which: int, stopped: threading.Event) -> _Thread:
+) -> list[Thread]:
+    def pair(which: int, stopped: threading.Event) -> Thread:
         start, stop = cuts[which : which + 2]
-        thread, rows = _Thread(salt, _Log(3 * (stop - start) // 2, bins)), np.empty((_BLOCK, 3), np.uint64)
+        thread, rows = Thread(salt, Log(3 * (stop - start) // 2, bins)), np.empty((BLOCK, 3), np.uint64)
         for first in range(start, stop, _GROUP):
             last = min(first + _GROUP, stop)
             thread.begin(labels[first:last])
-            for at in range(first, last, _BLOCK):
-                size = min(_BLOCK, last - at)
+            for at in range(first, last, BLOCK):
+                size = min(BLOCK, last - at)
                 keys(at, at + size, rows, None)
                 if stopped.is_set() or thread.pair(rows, np.array([[0, size]]), at - first):
                     raise _Scattered
@@ -270,7 +271,7 @@ def _pair_in_order(
             thread.end()
         return thread
 
-    return _in_threads(len(cuts) - 1, pair)
+    return in_threads(len(cuts) - 1, pair)
 
 
 def _pair_by_place(
@@ -281,24 +282,24 @@ def _pair_by_place(
     salt: NDArray[np.uint64],
     bins: int,
     progress: Progress | None,
-) -> tuple[list[_Thread], Callable[[], Int]]:
-    _load(*_BY_PLACE)
+) -> tuple[list[Thread], Callable[[], Int]]:
+    load(*BY_PLACE)
     count, parts = triangles.count, len(cuts) - 1
     depth = max((count // _LEAF).bit_length() - 1, 1)
     leaves = 1 << depth
-    axes, planes, cells = _tree(_sample(triangles, _SAMPLED * leaves), depth)
-    most = [-(-(stop - start) // _RUN) + leaves for start, stop in pairwise(cuts)]
+    axes, planes, cells = tree(sample(triangles, _SAMPLED * leaves), depth)
+    most = [-(-(stop - start) // RUN) + leaves for start, stop in pairwise(cuts)]
     ends = np.cumsum([0, *most]).tolist()
 
     def scatter(which: int, stopped: threading.Event, into: NDArray[np.uint64], numbered: bool) -> tuple[Int, int, int]:
         heads, state = np.zeros(leaves, np.int64), np.array([ends[which]])
-        rows, points = np.empty((_BLOCK, 3), np.uint64), np.empty((_BLOCK, 9), np.float32)
-        leaf, packed = np.empty(_BLOCK, np.int64), np.empty((_BLOCK, into.shape[1]), np.uint64)
+        rows, points = np.empty((BLOCK, 3), np.uint64), np.empty((BLOCK, 9), np.float32)
+        leaf, packed = np.empty(BLOCK, np.int64), np.empty((BLOCK, into.shape[1]), np.uint64)
         tree = address(axes), address(planes), address(cells), depth
         places = address(into), ends[-1], address(heads), address(owners), address(state)
         (start, stop), repeated = cuts[which : which + 2], 0
-        for at in range(start, stop, _BLOCK):
-            size = min(_BLOCK, stop - at)
+        for at in range(start, stop, BLOCK):
+            size = min(BLOCK, stop - at)
             keys(at, at + size, rows, points)
             DESCEND.function(address(points), size, *tree, address(leaf))
             if numbered:
@@ -312,22 +313,22 @@ def _pair_by_place(
                 progress(0.5 * (at + size) / stop)
         return heads, int(state[0]), repeated
 
-    pool, owners = np.empty((ends[-1] * _RUN, 2), np.uint64), np.empty(ends[-1], np.int64)
-    scattered = _in_threads(parts, partial(scatter, into=pool, numbered=False))
+    pool, owners = np.empty((ends[-1] * RUN, 2), np.uint64), np.empty(ends[-1], np.int64)
+    scattered = in_threads(parts, partial(scatter, into=pool, numbered=False))
     taken = np.concatenate([np.arange(first, last) for first, (_, last, _) in zip(ends, scattered, strict=False)])
-    sizes = np.full(ends[-1], _RUN)
+    sizes = np.full(ends[-1], RUN)
     for heads, *_ in scattered:
-        unfilled = heads[heads % _RUN != 0]
-        sizes[unfilled // _RUN] = unfilled % _RUN
+        unfilled = heads[heads % RUN != 0]
+        sizes[unfilled // RUN] = unfilled % RUN
     taken = taken[np.argsort(owners[taken], kind="stable")]
-    runs = np.column_stack([taken * _RUN, sizes[taken]])
+    runs = np.column_stack([taken * RUN, sizes[taken]])
     first_run = np.searchsorted(owners[taken], np.arange(leaves + 1))
     ends_of = np.concatenate([[0], np.cumsum(runs[:, 1])])
     shares = np.searchsorted(ends_of[first_run], np.array(cuts))  # leaves, as many triangles to each thread
 
-    def pair(which: int, stopped: threading.Event) -> _Thread:
+    def pair(which: int, stopped: threading.Event) -> Thread:
         low, high = shares[which : which + 2]
-        thread = _Thread(salt, _Log(0, bins))
+        thread = Thread(salt, Log(0, bins))
         largest = int(np.diff(ends_of[first_run[low : high + 1]]).max(initial=0))
         for leaf in range(low, high):
             first, last = first_run[leaf : leaf + 2]
@@ -343,18 +344,18 @@ def _pair_by_place(
         return thread
 
     def index() -> Int:
-        numbers = pool.reshape(-1)[: ends[-1] * _RUN, None]  # the keys have done their service
-        _in_threads(parts, partial(scatter, into=numbers, numbered=True))
-        inside: Int = numbers.reshape(-1, _RUN)[taken][np.arange(_RUN) < runs[:, 1:]].astype(np.int64)
+        numbers = pool.reshape(-1)[: ends[-1] * RUN, None]  # the keys have done their service
+        in_threads(parts, partial(scatter, into=numbers, numbered=True))
+        inside: Int = numbers.reshape(-1, RUN)[taken][np.arange(RUN) < runs[:, 1:]].astype(np.int64)
         return inside
 
-    done = _in_threads(parts, pair)
+    done = in_threads(parts, pair)
     if sum(thread.repeated for thread in done) != sum(repeated for *_, repeated in scattered):
         done[0].overfull = True  # corners of one triangle have the same 40 bits
     return done, index
 
 
-def _in_threads(number: int, work: Callable[[int, threading.Event], Any]) -> list[Any]:
+def in_threads(number: int, work: Callable[[int, threading.Event], Any]) -> list[Any]:
     """Return what `work` returns for 0, 1, … `number` − 1, each in a thread; of what they raise, the first."""
     results: list[Any] = [None] * number
     errors: list[BaseException | None] = [None] * number
@@ -383,7 +384,7 @@ def _in_threads(number: int, work: Callable[[int, threading.Event], Any]) -> lis
     return results
 
 
-def _sample(triangles: Triangles, number: int) -> NDArray[np.float32]:
+def sample(triangles: Triangles, number: int) -> NDArray[np.float32]:
     """Return corners (number, 3) of triangles from all over the file, a few of each block that is read."""
     blocks = range(0, triangles.count, _APART)
     corners = triangles.corners_f4 if isinstance(triangles, Facets) else triangles.corners
@@ -392,7 +393,7 @@ def _sample(triangles: Triangles, number: int) -> NDArray[np.float32]:
     return some[np.arange(number) * len(some) // number]
 
 
-def _tree(points: NDArray[np.float32], depth: int) -> tuple[Int, NDArray[np.float32], NDArray[np.float32]]:
+def tree(points: NDArray[np.float32], depth: int) -> tuple[Int, NDArray[np.float32], NDArray[np.float32]]:
     """Return axes and planes (2^depth,) that halve the points (k 2^depth, 3), and again their halves, along the widest.
 
     Node 0 comes first, and the nodes 2 k + 1 and 2 k + 2 below and above node k. The cells (2^depth, 6) of the leaves
@@ -414,7 +415,7 @@ def _tree(points: NDArray[np.float32], depth: int) -> tuple[Int, NDArray[np.floa
     return axes, planes, cells
 
 
-def _any_repeated(logs: list[_Log], bins: int, parts: int) -> bool:
+def any_repeated(logs: list[Log], bins: int, parts: int) -> bool:
     """Say whether a key is in the logs twice."""
     table = np.array([(address(log.keys), log.room, address(log.sizes)) for log in logs])
     places = 1 << (4 * int(np.sum([log.sizes for log in logs], axis=0).max())).bit_length()
@@ -424,7 +425,7 @@ def _any_repeated(logs: list[_Log], bins: int, parts: int) -> bool:
         slots = np.empty(places, np.uint16)
         return REPEATED.function(address(table), len(logs), bins, *cuts[which : which + 2], address(slots), places) == 1
 
-    return any(_in_threads(parts, repeated))
+    return any(in_threads(parts, repeated))
 
 
 def _in_file_order(labels: NDArray[np.int32], index: Int, components: int) -> NDArray[np.int32]:
@@ -439,7 +440,8 @@ def _in_file_order(labels: NDArray[np.int32], index: Int, components: int) -> ND
     return number[result]
 
 
-def _roots(parent: NDArray[np.int32]) -> NDArray[np.int32]:
+def roots(parent: NDArray[np.int32]) -> NDArray[np.int32]:
+    """Return the first of those that each is joined with, by the table of joined ones, (n,)."""
     while True:
         above = parent[parent]
         if np.array_equal(above, parent):
