@@ -154,4 +154,4 @@ def test_bodies_that_share_space_are_compared_once_for_a_refusal(monkeypatch: py
     monkeypatch.setattr(intersect, "overlap", lambda a, b, *rest: compared.append(a.count) or between(a, b, *rest))
     with pytest.raises(GeometryError, match="26 pairs of bodies share space"):
         mass_properties(part(rotated_cubes(2, 0.7)))
-    assert len(compared) == 26
+    assert len(compared) == 1  # for the place that is named; of the others one look shows that they share space
