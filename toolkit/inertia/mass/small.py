@@ -31,7 +31,7 @@ _KERNEL = Kernel("inertia.mass.triangles.small_kernel", "sum_small", "pipipippp"
 _COLUMNS = 3 + SUMS + 6 + 20
 _ROOM = 48 * 32 + 8
 
-_SHARE = 100_000  # triangles, ten milliseconds of work for a thread
+_SHARE = 25_000  # triangles, two milliseconds of work for a thread
 
 _ROUNDOFF = 2.0**-53
 _INFLATED = 1.0 + 1e-9
