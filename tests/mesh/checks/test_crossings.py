@@ -117,3 +117,27 @@ def test_bodies_in_contact_are_compared_one_by_one(gap: float, shared: int) -> N
     both = joined(*far, a, b)
     [finding] = [finding for finding in check(part(both)).findings if finding.code == "overlapping_bodies"]
     assert finding.count == 1 + shared
+
+
+def boundary_of(filled: np.ndarray) -> Part:
+    """Return the surface of voxels of a millimetre, two triangles a side; bodies touch at edges and corners."""
+    padded, triangles = np.pad(filled, 1), []
+    for axis in range(3):
+        u, v = np.eye(3)[[(axis + 1) % 3, (axis + 2) % 3]]
+        for way in (0, 1):
+            beside = np.roll(padded, 1 - 2 * way, axis)
+            low = np.argwhere(padded & ~beside) + way * np.eye(3)[axis]
+            sides = np.stack([low, low + u, low + u + v, low, low + u + v, low + v], axis=1).reshape(-1, 3, 3)
+            triangles.append(sides if way else sides[:, ::-1])
+    corners = np.concatenate(triangles)
+    return Part.from_arrays(corners.reshape(-1, 3), np.arange(3 * len(corners)).reshape(-1, 3), unit="mm")
+
+
+@pytest.mark.parametrize("seed", range(6))
+def test_voxels_that_touch_at_edges_are_the_bodies_that_share_sides(seed: int) -> None:
+    from scipy.ndimage import label
+
+    filled = np.random.default_rng(seed).random((6, 5, 4)) < 0.4
+    answer = inertia.analyse(boundary_of(filled))
+    assert answer.bodies == label(filled)[1]
+    assert answer.properties.volume == pytest.approx(1e-9 * filled.sum(), rel=1e-14)

@@ -98,7 +98,7 @@ def _sharing_space(surface: SurfaceTopology, *, alike: bool) -> Evidence | None:
             if not shared:
                 place = overlap(turned.select(a), turned.select(b))
                 if place is None:
-                    place = _place_at_edges(surface, np.concatenate(groups), boxes)
+                    place = _place_at_edges(surface, groups, boxes)
                 if place is None:
                     continue
                 places.append(place)
@@ -261,25 +261,39 @@ def overlap_at_edges(surface: SurfaceTopology) -> Evidence | None:
     return Evidence(len(first), listed(np.unique(first)), middle(places[np.lexsort(places.T)[:1]]))
 
 
-def _place_at_edges(surface: SurfaceTopology, which: Int, boxes: Float) -> Place | None:
+def _place_at_edges(surface: SurfaceTopology, groups: list[Int], boxes: Float) -> Place | None:
     """Return the middle of an edge that two bodies have in common and around which they share space."""
-    which = np.intersect1d(which, surface.at_crowded_edges)
+    crowded, shared = np.zeros(len(surface.faces), bool), np.ones(len(surface.vertices), bool)
+    crowded[surface.at_crowded_edges] = True
+    own = [group[crowded[group]] for group in groups]
+    for group in own:
+        used = np.zeros_like(shared)
+        used[surface.faces[group]] = True
+        shared &= used
+    which = np.sort(np.concatenate(own))
+    which = which[shared[surface.faces[which]].sum(axis=1) > 1]  # all that have an edge between two such vertices
     turned = np.isin(surface.closure.labels[which], absolute_orientation(surface.shells))
     size = float(np.ptp(boxes, axis=1).max(axis=1).min())
-    _, places = _layered(surface, which, np.zeros(len(which), np.int64), turned, size)
+    _, places = _layered(surface, which, np.zeros(len(which), np.int64), turned, size, shared)
     return middle(places[np.lexsort(places.T)[:1]]) if len(places) else None
 
 
-def _layered(surface: SurfaceTopology, which: Int, body: Int, turned: Bool, size: float) -> tuple[Int, Float]:
-    """Return a triangle at each edge around which the material of a body counts twice, and the middle of the edge."""
+def _layered(
+    surface: SurfaceTopology, which: Int, body: Int, turned: Bool, size: float, ends: Bool | None = None
+) -> tuple[Int, Float]:
+    """Return a triangle at each edge around which the material of a body counts twice, and the middle of the edge.
+
+    Where `ends` are given, edges between two of these vertices are looked at alone.
+    """
     from inertia.mesh.geometry.edge_fans import crowded
     from inertia.mesh.geometry.intersect import contact_depth
 
     if len(which) == 0:
         return np.empty(0, np.int64), np.empty((0, 3))
     faces = surface.faces[which]
-    contact = contact_depth(surface.vertices, size)
-    first, places = crowded(surface.vertices, faces, half_edges(faces), body, turned, contact)
+    contact, edges = contact_depth(surface.vertices, size), half_edges(faces)
+    among = None if ends is None else ends[edges.tail] & ends[edges.head]
+    first, places = crowded(surface.vertices, faces, edges, body, turned, contact, among)
     return which[first], places
 
 

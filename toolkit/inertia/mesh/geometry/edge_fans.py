@@ -118,7 +118,13 @@ def links(vertices: Float, faces: Int, edges: HalfEdges, piece: Int) -> Int:
 
 
 def crowded(
-    vertices: Float, faces: Int, edges: HalfEdges, body: Int, turned: Bool, contact: float
+    vertices: Float,
+    faces: Int,
+    edges: HalfEdges,
+    body: Int,
+    turned: Bool,
+    contact: float,
+    among: Bool | None = None,
 ) -> tuple[Int, Float]:
     """Find edges around which the material of one body counts twice.
 
@@ -127,6 +133,7 @@ def crowded(
     body : (m,), the body of each face; −1 leaves it out
     turned : (m,), faces to be read with the opposite winding
     contact : wedges of material that are no deeper than this do not count
+    among : (3 m,), the directed edges that are looked at; all unless given
 
     Returns
     -------
@@ -134,6 +141,8 @@ def crowded(
     """
     member = edges.by_edge[(edges.uses > 2)[edges.edge[edges.by_edge]]]
     member = member[body[member // 3] >= 0]
+    if among is not None:
+        member = member[among[member]]
     around = fans(vertices, faces, edges, member, _numbered(edges.edge[member], body[member // 3]))
     if len(around.group) == 0:
         return np.empty(0, np.int64), np.empty((0, 3))
