@@ -14,6 +14,7 @@ import inertia
 from inertia.errors import GeometryError, ReadError, UsageError
 from inertia.mass.triangles.moments_from_sums import moments_of
 from inertia.mass.triangles.sums import sum_triangles
+from inertia.mesh.part import Facets, Part
 from inertia.report.analysis.document import analysis_document
 from inertia.units import length_unit
 from inertia_meshes import catalogue, path
@@ -473,3 +474,16 @@ class TestOptions:
     def test_notes_of_the_file_are_kept(self):
         part = inertia.repair(surface(cube()[1:])).part
         assert inertia.analyse(part).notes == part.notes != ()
+
+
+@pytest.mark.parametrize(("away", "said"), [(0.0, False), (100.0, False), (3e5, True)])
+def test_single_precision_far_from_the_origin_is_said(away, said):
+    records = inertia.read(path("sphere.stl")).triangles.records.copy()
+    corners = Facets(records).corners_f4()
+    corners *= np.float32(20 / np.ptp(corners))
+    corners += np.float32(away)
+    size = np.ptp(corners, axis=(0, 1)).max()
+    notes = inertia.analyse(Part(Facets(records), length_unit("mm"))).notes
+    assert len(notes) == said
+    if said:
+        assert f"where coordinates are 0.031 mm apart, {0.03125 / size:.1g} of its size: export it nearer" in notes[0]

@@ -18,7 +18,7 @@ from typing import TYPE_CHECKING, Literal
 import numpy as np
 from numpy.typing import ArrayLike
 
-from inertia.arrays import Orientation, Parts, Progress
+from inertia.arrays import Float, Orientation, Parts, Progress
 from inertia.errors import (
     TESSELLATED,
     GeometryError,
@@ -37,7 +37,7 @@ from inertia.mass.tensor import exact_point
 from inertia.mass.triangles.arithmetic import FINEST
 from inertia.mesh.checks.findings import Finding, checking_once
 from inertia.mesh.geometry.simple import MOST
-from inertia.mesh.part import Cells, Part, Surface
+from inertia.mesh.part import Cells, Facets, Part, Surface
 
 if TYPE_CHECKING:
     from inertia.mesh.external.shuffle import DaskWorkers  # seldom needed
@@ -47,6 +47,7 @@ from inertia.mass.analysis import Accuracy, Analysis
 from inertia.mass.weighed import Weighed, doubted, good_enough
 
 _ANALYSE = Remedy("analyse")
+_COARSE = 1e-5  # of the size of a part: what coordinates lie apart, in single precision, from which on it is said
 
 
 def mass_properties(
@@ -293,6 +294,22 @@ def analyse(
     return allowing(part, parts, answer, allow_faults)
 
 
+def _coarse(part: Part, extents: Float) -> tuple[str, ...]:
+    """Say that single precision leaves few digits to the shape of a part far from the origin, where it does."""
+    if not isinstance(part.geometry, Facets):
+        return ()
+    farthest, size = float(np.abs(extents).max()), float(np.ptp(extents, axis=0).max())
+    with np.errstate(over="ignore"):
+        step = float(np.spacing(np.float32(farthest)))
+    if not step > _COARSE * size:
+        return ()
+    unit = part.unit.name
+    return (
+        f"stored in single precision {farthest:.3g} {unit} from the origin, where coordinates are {step:.2g} {unit} "
+        f"apart, {step / size:.1g} of its size: export it nearer to the origin, or with more digits",
+    )
+
+
 def _answer(
     part: Part,
     stated: Densities,
@@ -395,7 +412,7 @@ def _answer(
         shares=answer.shares() if len(integral.groups) > 1 else (),
         about=there,
         about_bound=about_bound,
-        notes=(*part.notes, *integral.notes),
+        notes=(*part.notes, *_coarse(part, integral.extents), *integral.notes),
         crossings_examined=integral.crossings_examined or united is not None,
         doubts=integral.doubts,
         union=united,
