@@ -172,3 +172,27 @@ def test_many_meshes_shared_out_have_the_bits_that_each_has_alone() -> None:
         few = inertia.many(several[start : start + 44], faces)
         for name in ("volume", "inertia", "center_of_mass_error", "inertia_error"):
             assert np.array_equal(getattr(whole, name)[start : start + 44], getattr(few, name), equal_nan=True)
+
+
+@pytest.mark.skipif(not passes.at_hand(), reason="sums in double-double are the compiled kernel's")
+@pytest.mark.parametrize("seed", range(6))
+def test_sums_beside_float64_are_exact_to_what_the_bounds_allow(seed: int) -> None:
+    vertices, faces = shaped(seed)
+    rows, usable = small_sums(vertices, faces, np.array([[0, len(vertices), 0, len(faces)]]))
+    assert usable[0]
+    origin, size, pairs = rows[0, :3].tolist(), F(rows[0, 13]) + F(rows[0, 15]), rows[0, 22:].tolist()
+    points = [[F(x) - F(o) for x, o in zip(point, origin, strict=True)] for point in vertices.tolist()]
+    exact = [F(0)] * 10
+    for corners in faces.tolist():
+        a, b, c = (points[k] for k in corners)
+        u, v = ([q - p for p, q in zip(a, end, strict=True)] for end in (b, c))
+        normal = [u[k - 2] * v[k - 1] - u[k - 1] * v[k - 2] for k in range(3)]
+        d = sum((p * n for p, n in zip(a, normal, strict=True)), F(0))
+        s = [p + q + r for p, q, r in zip(a, b, c, strict=True)]
+        squares = [p * p + q * (p + q) + r * t for p, q, r, t in zip(a, b, c, s, strict=True)]
+        mixed = [s[i] * s[j] + a[i] * a[j] + b[i] * b[j] + c[i] * c[j] for i, j in ((1, 2), (2, 0), (0, 1))]
+        exact = [e + d * k for e, k in zip(exact, [F(1), *s, *squares, *mixed], strict=True)]
+    reach = max(abs(x) for point in points for x in point)
+    for k, true in enumerate(exact):
+        scale = (1, 3 * reach, 12 * reach**2)[(k > 0) + (k > 3)]
+        assert abs(F(pairs[2 * k]) + F(pairs[2 * k + 1]) - true) <= F(1, 10**28) * size * scale / 100

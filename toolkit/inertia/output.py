@@ -197,6 +197,9 @@ def temporary_folder() -> Iterator[Path]:
     """
     import tempfile
 
+    wanted = os.environ.get("TMPDIR")  # which tempfile passes over where it cannot be used
+    if wanted and not os.access(wanted, os.W_OK | os.X_OK):
+        raise WriteError(f"TMPDIR is {wanted}, where no temporary files can be written: set it to another folder")
     try:
         _remove_left_behind(Path(tempfile.gettempdir()))
         temporary = tempfile.TemporaryDirectory(prefix=".", suffix=f".{os.urandom(6).hex()}.inertia")

@@ -168,6 +168,12 @@ def test_too_full_a_disk_is_refused_before_it_is_written_to(on_disk: OnDisk, mon
         external_closure(on_disk.surface, on_disk.room)
 
 
+def test_a_folder_that_is_not_there_is_refused(on_disk: OnDisk, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("TMPDIR", str(on_disk.folder / "no such"))
+    with pytest.raises(WriteError, match=r"TMPDIR is .*no such, where no temporary files can be written: set it to"):
+        external_closure(on_disk.surface, on_disk.room)
+
+
 def test_too_little_room_is_refused() -> None:
     surface = stored(SOUPS["closed"])
     with pytest.raises(UsageError, match="allow more by memory=BYTES"):

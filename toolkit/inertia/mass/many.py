@@ -34,7 +34,8 @@ from inertia.mesh.part import Part
 from inertia.units import length_unit
 
 _A_PRIORI = 1e-28
-"""More than 70 roundings of double-double, 2⁻¹⁰³ each: no term of the sums passes through more."""
+"""More than a term of the sums loses, 2⁻⁹⁵ (see `double_double_kernel.terms`), and 70 roundings of double-double, 2⁻¹⁰³
+each: no term passes through more."""
 
 _ROUNDED = 2.0**-52  # once to float64, and all that double-double leaves
 _INFLATED = 1.0 + 1e-9  # more than the arithmetic of the bounds can lose

@@ -25,8 +25,7 @@ MOST = 200_000
 
 _KERNEL = Kernel("inertia.mesh.geometry.simple_kernel", "check_small", "pipipipipp")
 _REPAYS = 6_000  # triangles; looking for crossings otherwise takes several times as long
-_BYTES = 74_000_000  # that the kernel has its tables in: those of the largest surface, at most
-_KEPT = 50_000  # triangles of a surface whose tables stay in memory
+_BYTES = 74_000_000  # that the kernel has its tables in, of which 38 MB are touched for the largest surface, and stay
 _own = threading.local()
 
 
@@ -59,8 +58,6 @@ def simple(vertices: Float, faces: Int, table: Int, *, pieces: bool = False) -> 
         place(vertices), len(vertices), place(faces), len(faces), place(table), len(table), place(ids), room,
         address(_own.tables), place(states),
     )  # fmt: skip
-    if table[:, 3].max(initial=0) > _KEPT:
-        del _own.tables
     sound: Bool = states <= (1 if pieces else 0)
     return sound
 
