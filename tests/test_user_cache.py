@@ -6,6 +6,7 @@ import shutil
 import subprocess
 import sys
 import threading
+from collections.abc import Iterator
 from pathlib import Path
 
 import numpy as np
@@ -203,20 +204,33 @@ def test_a_full_disk_leaves_nothing_behind(folder: Path) -> None:
     assert [path.name for path in folder.iterdir()] == ["key"]
 
 
+@pytest.fixture
+def hasty_threads() -> Iterator[None]:
+    """Let threads take turns as often as they can."""
+    interval = sys.getswitchinterval()
+    sys.setswitchinterval(1e-6)
+    yield
+    sys.setswitchinterval(interval)
+
+
+@pytest.mark.usefixtures("hasty_threads")
 def test_several_at_once_agree_on_a_key(folder: Path) -> None:
     names = [f"kernel {k}" for k in range(8)]
-    together = threading.Barrier(len(names))
+    for _ in range(25):
+        together = threading.Barrier(len(names))
 
-    def begin(name: str) -> None:
-        together.wait()
-        store(name, CONTENT)
+        def begin(name: str, together: threading.Barrier = together) -> None:
+            together.wait()
+            store(name, CONTENT)
 
-    threads = [threading.Thread(target=begin, args=(name,)) for name in names]
-    for thread in threads:
-        thread.start()
-    for thread in threads:
-        thread.join()
-    assert [load(name) for name in names] == [CONTENT] * len(names)
+        threads = [threading.Thread(target=begin, args=(name,)) for name in names]
+        for thread in threads:
+            thread.start()
+        for thread in threads:
+            thread.join()
+        assert [load(name) for name in names] == [CONTENT] * len(names)
+        for file in folder.iterdir():
+            file.unlink()
 
 
 @pytest.fixture(scope="module")

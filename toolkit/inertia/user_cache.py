@@ -131,10 +131,12 @@ def _key(place: Path) -> bytes:
     """Return the key of a folder, made where there is none that is whole and secret."""
     file = place / _KEY
     key = _own_bytes(file, _SECRET)
+    if len(key) != DIGEST and os.path.lexists(file):
+        key = _own_bytes(file, _SECRET)  # by now it may be another's, who has been first and uses it
+        if len(key) != DIGEST:
+            file.unlink(missing_ok=True)
     if len(key) == DIGEST:
         return key
-    if os.path.lexists(file):
-        file.unlink()
     _write(file, os.urandom(DIGEST), only_if_absent=True)
     return _own_bytes(file, _SECRET)  # another process may have been first
 
