@@ -13,6 +13,9 @@ edges and rounded coordinates change it by no more than rounding does.
 
 from __future__ import annotations
 
+from collections.abc import Iterable
+from typing import Any
+
 import numpy as np
 
 from inertia.arrays import Float, Int
@@ -61,19 +64,7 @@ def common_volume(a: Float, b: Float) -> tuple[float, float] | None:
     trees = [BoxTree(*_rectangles(corners)) for corners in surfaces if len(corners)]
     if len(trees) < 2:
         return 0.0, 0.0
-    pairs = []
-    for i, j, _ in overlapping(*trees):
-        pairs.append((i, j))
-        if sum(len(i) for i, _ in pairs) > MOST_PAIRS:
-            return None
-    volume = rounding = 0.0
-    for i, j in pairs:
-        for start in range(0, len(i), _AT_ONCE):
-            part = slice(start, start + _AT_ONCE)
-            more, blur = _under_both(one[i[part]], other[j[part]], largest)
-            volume, rounding = volume + more, rounding + blur
-    scale = 3 * exponent
-    return float(np.ldexp(volume, scale)), float(np.ldexp(rounding * _UP, scale))
+    return _with_pairs(overlapping(*trees), MOST_PAIRS, one, other, largest, exponent)
 
 
 def surplus_volume(corners: Float, box: Float) -> tuple[float, float] | None:
@@ -106,15 +97,33 @@ def surplus_volume(corners: Float, box: Float) -> tuple[float, float] | None:
     upward, signs = _upward(triangles)
     volume = float(((1 - signs) * (signs != 0) * _integrals(upward, 2)).sum()) / 2
     rounding = float(np.ptp(triangles, axis=1).sum()) * largest * _ROUNDING
+    near = overlapping(BoxTree(*_rectangles(triangles)))
+    return _with_pairs(near, MOST_OF_ITSELF, triangles, triangles, largest, exponent, volume, rounding)
+
+
+def _with_pairs(
+    near: Iterable[tuple[Int, Int, Any]],
+    most: int,
+    one: Float,
+    other: Float,
+    largest: float,
+    exponent: int,
+    volume: float = 0.0,
+    rounding: float = 0.0,
+) -> tuple[float, float] | None:
+    """Add what pairs of triangles have under both to a volume and its rounding; None where there are more than `most`.
+
+    They are in units of 2^`exponent`, the answer is in those of the surface.
+    """
     pairs = []
-    for i, j, _ in overlapping(BoxTree(*_rectangles(triangles))):
+    for i, j, _ in near:
         pairs.append((i, j))
-        if sum(len(i) for i, _ in pairs) > MOST_OF_ITSELF:
+        if sum(len(i) for i, _ in pairs) > most:
             return None
     for i, j in pairs:
         for start in range(0, len(i), _AT_ONCE):
             part = slice(start, start + _AT_ONCE)
-            more, blur = _under_both(triangles[i[part]], triangles[j[part]], largest)
+            more, blur = _under_both(one[i[part]], other[j[part]], largest)
             volume, rounding = volume + more, rounding + blur
     scale = 3 * exponent
     return float(np.ldexp(volume, scale)), float(np.ldexp(rounding * _UP, scale))
