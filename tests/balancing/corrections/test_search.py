@@ -12,7 +12,8 @@ from tests.balancing.corrections.workpieces import POINT, STEEL, drilled
 from inertia.balancing.correction_loop import tools_of_density
 from inertia.balancing.corrections.correction_plane import CorrectionPlane, KitWeight, Sector, evenly
 from inertia.balancing.corrections.drilling import radial_unbalance
-from inertia.balancing.corrections.search import AIM, Search
+from inertia.balancing.corrections.places import Places
+from inertia.balancing.corrections.search import AIM, best_plan
 from inertia.balancing.corrections.steps import steps_of
 
 LIMIT = 1e-4  # kg m
@@ -27,7 +28,7 @@ def searched(planes, levers, start, seconds=60.0, limit=LIMIT, aim=AIM):
         for tool in tools_of_density(plane, STEEL)
     ]
     gains = np.array([each.tool.sign * levers[:, each.plane] for each in steps], complex) / limit
-    plan = Search(steps, gains, np.asarray(start, complex) / limit, aim, seconds=seconds).plan()
+    plan = best_plan(Places(steps, gains, np.asarray(start, complex) / limit, seconds), aim)
     return plan, [(steps[k].plane, steps[k].tool, steps[k].angles[a], steps[k].settings[s]) for k, a, s in plan.spots]
 
 

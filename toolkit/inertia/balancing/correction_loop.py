@@ -25,9 +25,12 @@ from inertia.balancing.corrections.correction_plane import FULL_TURN, Correction
 from inertia.balancing.corrections.drilling import AxialDrill, RadialDrill
 from inertia.balancing.corrections.masses import MassTool
 from inertia.balancing.corrections.milling import ArcCutter, FlatCutter
+from inertia.balancing.corrections.moving import improve
 from inertia.balancing.corrections.operation import Operation
+from inertia.balancing.corrections.places import Places
 from inertia.balancing.corrections.room import no_room, remaining_wall, rooms
-from inertia.balancing.corrections.search import AIM, SECONDS, Plan, Search
+from inertia.balancing.corrections.search import AIM, SECONDS, Plan, best_plan, rank
+from inertia.balancing.corrections.sharing import Sharing
 from inertia.balancing.corrections.standard_weights import WeightTool
 from inertia.balancing.corrections.steps import Steps, angles_of, steps_of
 from inertia.balancing.corrections.tool import Tool
@@ -167,18 +170,18 @@ class _Loop:
         best, history = None, []
         for share in _SHARES:
             seconds = share * (self.deadline - thread_time())
-            search = Search(steps, gains, start / self.limits, self.aim, seconds)
-            plan = search.plan()
+            places = Places(steps, gains, start / self.limits, seconds)
+            plan = best_plan(places, self.aim)
             work, came, short = self._cut_and_mend(steps, plan, start)
             history += came
-            if best is None or search.rank(len(work.places), work.worst) < search.rank(len(best.places), best.worst):
+            if best is None or self._rank(work) < self._rank(best):
                 best, found = work, replace(plan, cut_short=plan.cut_short or short)
             if work.worst <= _AS_PLANNED * max(plan.worst, self.aim) or not any(work.taken):
                 break
             gains = self._gains_as_cut(steps, gains, work)
         assert best is not None
         if found.bound > _SOME:
-            found = replace(found, bound=self._bound_as_cut(search, best))
+            found = replace(found, bound=self._bound_as_cut(places, best))
         return self._finished(best, found, found.cut_short, tuple(history))
 
     def _cut_and_mend(self, steps: Sequence[Steps], plan: Plan, start: Complex) -> tuple[_Work, list[float], bool]:
@@ -217,15 +220,18 @@ class _Loop:
         mean = {plane: np.mean(units, axis=0) for plane, units in by_plane.items()}
         return np.array([mean.get(each.plane, gain) for each, gain in zip(steps, gains, strict=True)])
 
-    def _bound_as_cut(self, search: Search, work: _Work) -> float:
+    def _rank(self, work: _Work) -> tuple[int, float, float]:
+        return rank(self.aim, len(work.places), work.worst)
+
+    def _bound_as_cut(self, places: Places, work: _Work) -> float:
         """Return what no plan with so many places beats, if none takes more of its closed form than was cut."""
         more = dict.fromkeys(range(len(self.planes)), 1.0)
         for place, taken in zip(work.places, work.taken, strict=True):
             vector = abs(self._vector(place))
             if taken is not None and vector:
                 more[place.plane] = max(more[place.plane], abs(taken.unbalance) / vector)
-        steps = [replace(each, sizes=more[each.plane] * each.sizes) for each in search.steps]
-        return replace(search, steps=steps).bound(len(work.places))
+        steps = [replace(each, sizes=more[each.plane] * each.sizes) for each in places.steps]
+        return Sharing(replace(places, steps=steps)).bound(len(work.places))
 
     def _steps(self, start: Complex) -> list[Steps]:
         vectors = np.linalg.pinv(self.levers / self.limits[:, None]) @ (-start / self.limits)
@@ -293,16 +299,15 @@ class _Loop:
             spots.append((k, int(away.argmin()), int(np.abs(near.settings - place.setting).argmin())))
         if not spots:
             return (), False
-        search = Search(
-            steps, np.array(gains), start / self.limits, self.aim, seconds=max(self.deadline - thread_time(), _LEAST)
-        )
+        seconds = max(self.deadline - thread_time(), _LEAST)
+        near_ones = Places(steps, np.array(gains), start / self.limits, seconds)
         own = [[k] for k in range(len(spots))]
-        moved, _ = search.improve(tuple(spots), own)
+        moved, _ = improve(near_ones, tuple(spots), own)
         places = tuple(
             _Place(each.plane, each.tool, float(each.angles[a] % FULL_TURN), float(each.settings[s]))
             for each, (_, a, s) in zip(steps, moved, strict=True)
         )
-        return places, search.cut_short
+        return places, near_ones.cut_short
 
     def _near(self, place: _Place, number: int) -> Steps:
         """Return the steps of a place near where it is."""

@@ -1,0 +1,127 @@
+"""What places of a plan do together: the vectors that they add, what is left, and whether one is in another's way."""
+
+from __future__ import annotations
+
+import math
+from collections import Counter
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass, field
+from functools import reduce
+from time import thread_time
+
+import numpy as np
+
+from inertia.arrays import Bool, Float, Int
+from inertia.balancing.corrections.standard_weights import WeightTool
+from inertia.balancing.corrections.steps import Steps, room_beside
+from inertia.balancing.unbalance import Complex
+
+Spot = tuple[int, int, int]
+"""Steps, angle and setting of a place, by their numbers."""
+
+FINE = 0.002
+"""Share of the limit: plans that leave less than this are as good as each other."""
+
+GAIN = 1e-9
+"""Share by which a plan has to be better than another, and settings may be over their room: rounding."""
+
+
+@dataclass(eq=False)
+class Places:
+    """What is open to a plan, and how long it may be looked for.
+
+    Attributes
+    ----------
+    steps : of all planes
+    gains : (k, t) what a unit vector of each of the steps does in the tolerance planes, over their limits
+    start : (t,) what is there, over the limits
+    seconds : how long a search may take
+    cut_short : whether the time was up
+    """
+
+    steps: Sequence[Steps]
+    gains: Complex
+    start: Complex
+    seconds: float = math.inf
+    cut_short: bool = field(default=False, init=False)
+    _begun: float = field(default_factory=thread_time, init=False)
+    _rooms: dict[tuple[int, Spot], Float] = field(default_factory=dict, init=False)
+
+    def late(self) -> bool:
+        """Say whether the time is up."""
+        if thread_time() - self._begun > self.seconds:
+            self.cut_short = True
+        return self.cut_short
+
+    def effect(self, spot: Spot) -> Complex:
+        """Return what a place adds in the tolerance planes, over the limits."""
+        k, a, s = spot
+        steps = self.steps[k]
+        effect: Complex = self.gains[k] * (steps.sizes[s] * np.exp(1j * steps.angles[a]))
+        return effect
+
+    def vector(self, spot: Spot) -> complex:
+        """Return what a place makes up in its plane, kg m."""
+        k, a, s = spot
+        return complex(self.steps[k].sizes[s] * np.exp(1j * self.steps[k].angles[a]))
+
+    def vectors(self, plans: Int) -> Complex:
+        """Return what plans (p, n, 3) of a plane make up, (p,) kg m."""
+        total = np.zeros(len(plans), complex)
+        for k in np.unique(plans[..., 0]).tolist():
+            steps = self.steps[k]
+            vectors = steps.sizes[plans[..., 2] % len(steps.sizes)] * np.exp(
+                1j * steps.angles[plans[..., 1] % len(steps.angles)]
+            )
+            total += np.where(plans[..., 0] == k, vectors, 0).sum(axis=1)
+        return total
+
+    def rest(self, spots: Sequence[Spot]) -> Complex:
+        """Return what is left with these places."""
+        return sum((self.effect(k) for k in spots), self.start)
+
+    def fits(self, spots: Sequence[Spot]) -> bool:
+        """Say whether no place is in another's way."""
+        return all(
+            self.steps[k].settings[s] <= self.room(k, [*spots[:i], *spots[i + 1 :]])[a] + GAIN
+            for i, (k, a, s) in enumerate(spots)
+        )
+
+    def room(self, k: int, others: Sequence[Spot]) -> Float:
+        """Return the greatest setting at each angle beside other places."""
+        steps = self.steps[k]
+        room = steps.most
+        for other in others:
+            room = np.minimum(room, self.beside_one(k, other))
+        if isinstance(steps.tool, WeightTool):
+            room = np.where(self._taken(k, others), -math.inf, room)
+        return room
+
+    def beside_one(self, k: int, other: Spot) -> Float:
+        """Return the greatest setting at each angle beside one other place."""
+        if (k, other) not in self._rooms:
+            steps, (there, a, s) = self.steps[k], other
+            beside = self.steps[there]
+            angle, setting = float(beside.angles[a]), float(beside.settings[s])
+            self._rooms[k, other] = room_beside(steps.tool, steps.angles, beside.tool, angle, setting)
+        return self._rooms[k, other]
+
+    def _taken(self, k: int, others: Sequence[Spot]) -> Bool:
+        """Return where no more weights of a kind can be put."""
+        steps = self.steps[k]
+        tool = steps.tool
+        assert isinstance(tool, WeightTool)
+        used = Counter(float(self.steps[j].angles[a]) for j, a, _ in others if self.steps[j].plane == steps.plane)
+        full = np.isin(steps.angles, [angle for angle, n in used.items() if n >= tool.plane.most_per_position])
+        spent = tool.weight.stock is not None and sum(j == k for j, _, _ in others) >= tool.weight.stock
+        return full | spent
+
+
+def worst_of(rest: Complex) -> float:
+    """Return the largest magnitude."""
+    return float(np.abs(rest).max(initial=0.0))
+
+
+def largest(vectors: Iterable[Complex]) -> Float:
+    """Return the largest magnitude of arrays, place by place."""
+    return reduce(np.maximum, (np.abs(each) for each in vectors))

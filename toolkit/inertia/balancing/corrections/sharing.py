@@ -1,0 +1,90 @@
+"""How many places each plane may take: the shares of a number that a bound leaves open, and what each has to leave."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Sequence
+from functools import cached_property
+
+import numpy as np
+
+from inertia.balancing.corrections.capacity import extents, least_residual
+from inertia.balancing.corrections.places import GAIN, Places
+from inertia.balancing.unbalance import Complex
+
+_FAR = 4.0  # of what has to be made up: no plane need reach farther
+_FARTHER = 2.0  # where it is asked whether a plane's reach binds
+
+Way = tuple[tuple[int, ...], float, Complex]
+"""Places of each plane, the bound of what plans with them leave, and the vectors (planes,) that would leave it."""
+
+
+class Sharing:
+    """The planes of a plan, and how far each reaches with so many places.
+
+    Attributes
+    ----------
+    planes : their numbers, ascending; all else is in this order
+    kinds : the numbers of each plane's steps
+    most : places of each plane that count
+    """
+
+    def __init__(self, places: Places) -> None:
+        self.planes = sorted({each.plane for each in places.steps})
+        self.kinds = [[k for k, each in enumerate(places.steps) if each.plane == plane] for plane in self.planes]
+        self._start = places.start
+        self._gains = np.column_stack([places.gains[group[0]] for group in self.kinds])
+        enough = _FAR * float(np.abs(np.linalg.pinv(self._gains) @ self._start).max())
+        self._reach = [extents([places.steps[k] for k in group], enough) for group in self.kinds]
+        self.most = [len(k) - 1 for k in self._reach]
+
+    @cached_property
+    def lowest(self) -> float:
+        """What any plan leaves at least."""
+        return least_residual(self._gains, self._start, [k[-1] for k in self._reach])[0]
+
+    def binding(self) -> tuple[int, ...]:
+        """Return the planes that would have to reach farther, where the limits are out of reach."""
+        if self.lowest <= 1:
+            return ()
+        return tuple(plane for n, plane in enumerate(self.planes) if self._binds(n))
+
+    def _binds(self, plane: int) -> bool:
+        farther = [_FARTHER * k[-1] if n == plane else k[-1] for n, k in enumerate(self._reach)]
+        return least_residual(self._gains, self._start, farther)[0] < self.lowest * (1 - 1e-6)
+
+    def first(self, aim: float) -> int:
+        """Return the least number of places that the bound leaves open, by halving."""
+        low, high = 0, sum(self.most)
+        while low + 1 < high:
+            middle = (low + high) // 2
+            if self.ways(middle, aim):
+                high = middle
+            else:
+                low = middle
+        return high
+
+    def ways(self, number: int, aim: float) -> list[Way]:
+        """Return how so many places may be shared by the planes, with the bound and the vectors, the best first."""
+        ways = []
+        for counts in _shares(number, self.most):
+            reach = [k[n] for k, n in zip(self._reach, counts, strict=True)]
+            least, vectors = least_residual(self._gains, self._start, reach)
+            if least <= aim * (1 + GAIN):
+                ways.append((counts, least, vectors))
+        return sorted(ways, key=lambda way: (round(way[1], 3), -min(way[0], default=0), way[0]))
+
+    def bound(self, number: int, aim: float = math.inf, default: float = 0.0) -> float:
+        """Return what plans with so many places leave at least; `default` where none comes within `aim`."""
+        return min((least for _, least, _ in self.ways(number, aim)), default=default)
+
+
+def _shares(number: int, most: Sequence[int]) -> Iterator[tuple[int, ...]]:
+    """Yield all ways to share a number among planes that take so many at most."""
+    if len(most) == 1:
+        if number <= most[0]:
+            yield (number,)
+        return
+    for n in range(min(number, most[0]) + 1):
+        for rest in _shares(number - n, most[1:]):
+            yield (n, *rest)
