@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import replace
 from itertools import groupby
 
 import numpy as np
@@ -18,11 +17,8 @@ from inertia.mesh.geometry.edges import Place
 from inertia.mesh.geometry.halfedges import half_edges
 from inertia.mesh.geometry.shells import (
     SLIVER,
-    WOUND,
     Body,
     absolute_orientation,
-    bodies,
-    bodies_apart,
     members,
     nested,
 )
@@ -175,7 +171,7 @@ def _near_bodies(surface: SurfaceTopology, *, alike: bool) -> Iterator[tuple[Sur
     Yields the surface with every shell turned as its depth asks, the triangles of both, along which axes (k, 3) they
     reach into the other's box, and both boxes (2, 2, 3).
     """
-    parts = _turned_bodies(surface)
+    parts = surface.turned_bodies
     boxes = np.array([surface.shells[body.shells[0]].box for body in parts])
     outward = [surface.shells[body.shells[0]].kind == "outward" for body in parts]
     pairs = _touching_bodies(surface, parts, boxes)
@@ -209,7 +205,7 @@ def _touching_bodies(surface: SurfaceTopology, parts: tuple[Body, ...], boxes: F
     """
     if len(parts) < 2 or surface.touching is None:
         return None
-    body_of = _body_of(surface, parts)
+    body_of = surface.body_of
     pairs = np.sort(body_of[surface.touching], axis=1)
     pairs = pairs[(pairs[:, 0] >= 0) & (pairs[:, 0] < pairs[:, 1])]
     if surface.separate:
@@ -218,14 +214,6 @@ def _touching_bodies(surface: SurfaceTopology, parts: tuple[Body, ...], boxes: F
     one, other = boxes[pairs.T]
     meet = ((one[:, 0] < other[:, 1]) & (other[:, 0] < one[:, 1])).all(axis=1)
     return [(one, other) for one, other in np.unique(pairs[meet], axis=0).tolist()]
-
-
-def _body_of(surface: SurfaceTopology, parts: tuple[Body, ...]) -> Int:
-    """Return the number of the body of each shell, −1 of sheets."""
-    body_of = np.full(len(surface.shells), -1)
-    for body in parts:
-        body_of[list(body.shells)] = body.number
-    return body_of
 
 
 def _reaching(pairs: Int, groups: list[Int], low: Float, high: Float, boxes: Float) -> Bool:
@@ -251,7 +239,7 @@ def overlap_at_edges(surface: SurfaceTopology) -> Evidence | None:
     """
     if len(surface.duplicates[0]):  # which are an error by themselves
         return None
-    body_of = _body_of(surface, _turned_bodies(surface))
+    body_of = surface.body_of
     which = surface.at_crowded_edges
     labels = surface.closure.labels[which]
     inverted = np.isin(labels, [shell.number for shell in surface.in_state("inverted")])
@@ -320,12 +308,12 @@ def crossing_cavities(surface: SurfaceTopology) -> Evidence | None:
 
 def _meeting_cavities(surface: SurfaceTopology) -> Iterator[tuple[Body, list[tuple[int, int]]]]:
     """Yield bodies, and which of their shells, by their places among these, come near each other."""
-    parts = _turned_bodies(surface)
+    parts = surface.turned_bodies
     if surface.touching is None:
         for body in parts:
             yield body, _meeting(np.array([surface.shells[number].box for number in body.shells]))
         return
-    body_of = _body_of(surface, parts)
+    body_of = surface.body_of
     pairs = surface.touching[(body_of[surface.touching[:, 0]] == body_of[surface.touching[:, 1]])]
     pairs = pairs[np.argsort(body_of[pairs[:, 0]], kind="stable")]
     for number, several in groupby(pairs.tolist(), key=lambda pair: body_of[pair[0]]):
@@ -358,7 +346,7 @@ def self_intersections(surface: SurfaceTopology) -> Evidence | None:
     if not surface.shells:
         return Evidence(count, listed(crossed), place, figures | {"doubt": ""})
     limit = _shallow(surface, crossed)
-    about = once(("misplaced", *_wrong_shells(surface)), triangles, lambda: _misplaced(surface, crossed))
+    about = once(("misplaced", *surface.wrong_shells), triangles, lambda: _misplaced(surface, crossed))
     # What rays find far too deep needs no exact measure, which takes ten times as long.
     clear = pairs.truncated or about > max(_CLEAR * limit, 2 * surface.room)
     doubt = None if clear else once("doubled", triangles, lambda: _doubled(surface, pair))
@@ -462,26 +450,9 @@ def _in_words(surface: SurfaceTopology, about: float, doubt: Doubt | None) -> st
 def _turned(surface: SurfaceTopology) -> Surface:
     """Return the triangles with every shell turned as its depth asks; as they are, where bodies are separate."""
     faces = surface.faces.copy()
-    wrong = np.isin(surface.closure.labels, _wrong_shells(surface))
+    wrong = np.isin(surface.closure.labels, surface.wrong_shells)
     faces[wrong] = faces[wrong, ::-1]
     return Surface(surface.vertices, faces)
-
-
-def _wrong_shells(surface: SurfaceTopology) -> list[int]:
-    """Return the shells that are not wound as their depth asks; none where bodies are separate."""
-    return [] if surface.separate else absolute_orientation(surface.shells).tolist()
-
-
-def _turned_bodies(surface: SurfaceTopology) -> tuple[Body, ...]:
-    """Return the bodies that there are when every shell is turned as its depth asks; else those of their own."""
-    if surface.separate:
-        return bodies_apart(surface.shells)
-    return bodies(
-        [
-            shell if shell.kind in ("sheet", WOUND[shell.depth % 2]) else replace(shell, kind=WOUND[shell.depth % 2])
-            for shell in surface.shells
-        ]
-    )
 
 
 def _meeting(boxes: Float) -> list[tuple[int, int]]:

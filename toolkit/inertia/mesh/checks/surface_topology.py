@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any, ClassVar, Literal
 
@@ -14,7 +14,7 @@ from inertia.mesh.checks.findings import Evidence, around, listed, middle, once
 from inertia.mesh.geometry import edges, shells
 from inertia.mesh.geometry.closure import Closure, closure, merge_equal_vertices
 from inertia.mesh.geometry.edges import Edges, Loop, Place
-from inertia.mesh.geometry.shells import Body, Shell
+from inertia.mesh.geometry.shells import WOUND, Body, Shell
 from inertia.mesh.part import Part, Triangles
 
 State = Literal["sheet", "sound", "inverted", "overlapping"]
@@ -104,11 +104,58 @@ class SurfaceTopology:
         return shells.bodies(self.shells)
 
     @cached_property
+    def wrong_shells(self) -> list[int]:
+        """The numbers of the shells that are not wound as their depth asks; none where bodies are separate."""
+        return [] if self.separate else shells.absolute_orientation(self.shells).tolist()
+
+    @cached_property
+    def turned_bodies(self) -> tuple[Body, ...]:
+        """The bodies that there are when every shell is turned as its depth asks; else those of their own."""
+        if self.separate:
+            return shells.bodies_apart(self.shells)
+        return shells.bodies(
+            [
+                shell
+                if shell.kind in ("sheet", WOUND[shell.depth % 2])
+                else replace(shell, kind=WOUND[shell.depth % 2])
+                for shell in self.shells
+            ]
+        )
+
+    @cached_property
+    def body_of(self) -> Int:
+        """The number, among `turned_bodies`, of the body of each shell, −1 of sheets."""
+        body_of = np.full(len(self.shells), -1)
+        for body in self.turned_bodies:
+            body_of[list(body.shells)] = body.number
+        return body_of
+
+    @cached_property
     def touching(self) -> Int | None:
-        """The pairs (k, 2) of shells whose triangles may meet, ascending; None where that was not looked for."""
+        """The pairs (k, 2) of shells that may meet, ascending; None where that was not looked for.
+
+        Those whose boxes share no volume, and those that meet at common corners and edges alone and share no space
+        there, are not among them.
+        """
         from inertia.mesh.geometry.touching import touching_bodies
 
-        return touching_bodies(self.triangles, self.closure.labels, np.array([shell.box for shell in self.shells]))
+        boxes, labels = np.array([shell.box for shell in self.shells]), self.closure.labels
+        near = touching_bodies(self.triangles, labels, boxes)
+        if near is None:
+            return None
+        one, other = boxes[near.T]
+        meet = ((one[:, 0] < other[:, 1]) & (other[:, 0] < one[:, 1])).all(axis=1)
+        pairs: Int = near[meet & (self.body_of[near] >= 0).all(axis=1)]
+        if len(pairs) == 0:
+            return pairs
+        from inertia.mesh.geometry.corner_contacts import beyond_corners
+
+        among = np.zeros(len(boxes), bool)
+        among[pairs] = True
+        which = np.flatnonzero(among[labels] & (labels >= 0))
+        shell = labels[which].astype(np.int64)
+        turned = np.isin(shell, self.wrong_shells)
+        return beyond_corners(self.vertices, self.faces[which], shell, self.body_of[shell], turned, boxes, pairs)
 
     @cached_property
     def at_crowded_edges(self) -> Int:

@@ -27,10 +27,13 @@ class BoxTree:
     Parameters
     ----------
     low, high : (n, 3), least and greatest coordinates, finite; n ≥ 1
+    group : (n,), groups that stand one after another in the order; boxes of one group are not paired among themselves
     """
 
-    def __init__(self, low: Float, high: Float) -> None:
-        self.order: Int = np.argsort(_morton(low / 2 + high / 2), kind="stable")
+    def __init__(self, low: Float, high: Float, group: Int | None = None) -> None:
+        code = _morton(low / 2 + high / 2)
+        self.order: Int = np.argsort(code, kind="stable") if group is None else np.lexsort((code, group))
+        self.group = None if group is None else group[self.order]
         self.low = [np.ascontiguousarray(low[self.order].T)]
         self.high = [np.ascontiguousarray(high[self.order].T)]
         while self.low[-1].shape[1] > 1:
@@ -73,6 +76,9 @@ def overlapping(a: BoxTree, b: BoxTree | None = None, *, touching: bool = False)
         for axis in range(3):
             overlaps = below(low_a[axis, i], high_b[axis, j]) & below(low_b[axis, j], high_a[axis, i])
             i, j = i[overlaps], j[overlaps]
+        if b is None and a.group is not None:
+            mixed = a.group[i << height] < a.group[np.minimum((j + 1) << height, len(a.group)) - 1]
+            i, j = i[mixed], j[mixed]
         if height > 0 and len(i):
             todo.append((height - 1, *_children(i, j, a, other, height - 1, b is None), share))
             continue

@@ -165,6 +165,42 @@ def crowded(
     return half_edge // 3, ends[0] / 2 + ends[1] / 2
 
 
+def layered(vertices: Float, faces: Int, edges: HalfEdges, body: Int, turned: Bool) -> Bool:
+    """Say around which edges (e,) of more than two triangles material may count twice, however thin a wedge of it is.
+
+    Parameters
+    ----------
+    body : (m,), the body of each face, each of which has material somewhere around its edges and none elsewhere
+    turned : (m,), faces to be read with the opposite winding
+    """
+    member = np.flatnonzero((edges.uses > 2)[edges.edge])
+    around = fans(vertices, faces, edges, member, edges.edge[member])
+    face = around.half_edge // 3
+    step = np.where(around.opens != turned[face], 1, -1)
+    there, solid = (np.bincount(which, minlength=len(edges.uses)) for which in (edges.edge[member], around.group))
+    unsure: Bool = there != solid  # where a triangle has no area
+    if len(face) == 0:
+        return unsure
+    # How often each body has material from a half-plane on, less what it has before the first one.
+    own = np.lexsort((around.plane, body[face], around.group))
+    starts, _ = _runs(np.column_stack([around.group, body[face], around.plane])[own])
+    before = np.cumsum(step[own])[np.append(starts[1:], len(own)) - 1]
+    of_body, first = _runs(np.column_stack([around.group, body[face]])[own][starts])
+    before -= np.append(0, before)[first]
+    group = around.group[own][starts][of_body]
+    last = np.append(of_body[1:], len(starts)) - 1
+    unsure[group[before[last] != 0]] = True
+    outside = np.bincount(group, np.minimum.reduceat(before, of_body), len(edges.uses))
+    planes, _ = _runs(around.plane)
+    times = np.cumsum(step)[np.append(planes[1:], len(step)) - 1]
+    groups, first = _runs(around.group[planes])
+    times -= np.append(0, times)[first]
+    most = np.maximum.reduceat(times, groups)
+    which = around.group[planes][groups]
+    unsure[which] |= most - outside[which] > 1
+    return unsure
+
+
 def _apex(faces: Int, half_edge: Int) -> Int:
     """Return the third corner of the triangle of each directed edge."""
     apex: Int = faces.ravel()[half_edge // 3 * 3 + (half_edge + 2) % 3]

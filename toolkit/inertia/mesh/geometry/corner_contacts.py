@@ -1,0 +1,103 @@
+"""Shells that have corners and edges in common, as those of voxels do, and meet nowhere else.
+
+Two triangles meet in nothing but the corners that they have in common where their boxes meet only there, where all
+other corners of one are on one side of the other's plane, or, in one plane, beyond one of its sides. If that is so of
+all triangles of two shells, neither leads from the outside of the other to its inside but at common edges, around which
+material is ordered by angle, exactly (`inertia.mesh.geometry.edge_fans`). Where no place there has it twice, each shell
+is outside the other as a whole, or inside it as a whole.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from inertia.arrays import Bool, Float, Int
+from inertia.mesh.geometry.boxes import BoxTree, overlapping
+from inertia.mesh.geometry.edge_fans import layered
+from inertia.mesh.geometry.halfedges import half_edges
+from inertia.mesh.geometry.triangle_pairs import orient3d
+
+_AT_ONCE = 1 << 15  # pairs of triangles looked at together
+
+
+def beyond_corners(vertices: Float, faces: Int, shell: Int, body: Int, turned: Bool, boxes: Float, pairs: Int) -> Int:
+    """Return those of pairs of shells that may meet beyond common corners, or share space around common edges.
+
+    Parameters
+    ----------
+    vertices, faces : (n, 3) different points and (m, 3), of closed shells; no face repeats a corner
+    shell : (m,), the shell of each face
+    body : (m,), the body of each face
+    turned : (m,), faces to be read with the opposite winding
+    boxes : (s, 2, 3), least and greatest coordinates of shells
+    pairs : (k, 2), ascending, the lower number first
+    """
+    corners, edges = vertices[faces], half_edges(faces)
+    clear = ~layered(vertices, faces, edges, body, turned)[edges.edge].reshape(-1, 3)
+    keys, beyond = pairs[:, 0] * len(boxes) + pairs[:, 1], np.zeros(len(pairs), bool)
+    rank = np.empty(len(boxes), np.int64)
+    rank[BoxTree(boxes[:, 0], boxes[:, 1]).order] = np.arange(len(boxes))
+    for i, j, _ in overlapping(BoxTree(corners.min(axis=1), corners.max(axis=1), rank[shell]), touching=True):
+        low, high = np.minimum(shell[i], shell[j]), np.maximum(shell[i], shell[j])
+        key = low * len(boxes) + high
+        pair = np.minimum(np.searchsorted(keys, key), len(keys) - 1)
+        asked = np.flatnonzero((keys[pair] == key) & ~beyond[pair])
+        for start in range(0, len(asked), _AT_ONCE):
+            some = asked[start : start + _AT_ONCE]
+            common, there = _common_corners(corners, faces, i[some], j[some])
+            there &= (~(common & np.roll(common, -1, axis=1)) | clear[i[some]]).all(axis=1)
+            beyond[pair[some[~there]]] = True
+    return pairs[beyond]
+
+
+def _common_corners(corners: Float, faces: Int, one: Int, other: Int) -> tuple[Bool, Bool]:
+    """Say which corners of triangles `one` (k, 3) those of `other` have too, and of which pairs that all meet there."""
+    same = faces[one][:, :, None] == faces[other][:, None, :]
+    common, there = same.any(axis=2), _in_boxes(corners[one], corners[other], same)
+    for these, those, axis in ((one, other, 1), (other, one, 2)):
+        left = np.flatnonzero(~there)
+        a, b, c = corners[these[left]].transpose(1, 0, 2)[:, :, None]
+        side = orient3d(a, b, c, corners[those[left]])
+        shared = same[left].any(axis=axis)
+        side[shared] = 0
+        there[left] = ((side > 0) | shared).all(axis=1) | ((side < 0) | shared).all(axis=1)
+        level = left[(side == 0).all(axis=1) & ~there[left]]
+        there[level] = _in_plane(corners[these[level]], corners[those[level]], same[level].transpose(0, axis, 3 - axis))
+    return common, there
+
+
+def _in_plane(a: Float, b: Float, same: Bool) -> Bool:
+    """Say which triangles b (k, 3, 3), in the planes of others, a, are parted from these by a side but at its ends.
+
+    `same` is (k, 3, 3), whether corners of a are corners of b.
+    """
+    normal = np.abs(np.cross(a[:, 1] - a[:, 0], a[:, 2] - a[:, 0]))
+    lift = np.eye(3)[normal.argmax(axis=1)]
+    a, b = (k * (1 - lift[:, None]) for k in (a, b))  # seen along an axis, along which neither is upright
+    parted = np.zeros(len(a), bool)
+    for k in range(3):
+        start, end, third = (a[:, (k + turn) % 3] for turn in range(3))
+        own = orient3d(start, end, start + lift, third)
+        side = orient3d(start[:, None], end[:, None], (start + lift)[:, None], b)
+        at_ends = same[:, k] | same[:, (k + 1) % 3]
+        parted |= (own != 0) & ((side == -own[:, None]) | at_ends).all(axis=1)
+    return parted
+
+
+def _in_boxes(a: Float, b: Float, same: Bool) -> Bool:
+    """Say of which pairs of triangles (k, 3, 3) comparing coordinates shows that they meet at common corners alone.
+
+    Where one ends along an axis and the other begins, they meet at corners that lie there, and so on of these.
+    """
+    left_a, left_b = np.ones(a.shape[:2], bool), np.ones(b.shape[:2], bool)
+    apart = np.zeros(len(a), bool)
+    for _ in range(3):
+        low_a, low_b = (np.where(left[..., None], k, np.inf).min(axis=1) for k, left in ((a, left_a), (b, left_b)))
+        high_a, high_b = (np.where(left[..., None], k, -np.inf).max(axis=1) for k, left in ((a, left_a), (b, left_b)))
+        apart |= ((low_a > high_b) | (low_b > high_a)).any(axis=1)
+        for ends, begins in ((high_a == low_b, high_a), (low_a == high_b, low_a)):
+            at = begins[:, None]
+            left_a &= (~ends[:, None] | (a == at)).all(axis=2)
+            left_b &= (~ends[:, None] | (b == at)).all(axis=2)
+    shown: Bool = apart | (same.any(axis=2) | ~left_a).all(axis=1) | (same.any(axis=1) | ~left_b).all(axis=1)
+    return shown
