@@ -22,8 +22,8 @@ def sound(surface: Surface) -> bool:
     return closed and not any(len(pairs) for pairs, _, _ in vectorised_crossings(surface))
 
 
-def alone(vertices: np.ndarray, faces: np.ndarray) -> bool:
-    return bool(simple(vertices, faces, np.array([[0, len(vertices), 0, len(faces)]]))[0])
+def alone(vertices: np.ndarray, faces: np.ndarray, pieces: bool = False) -> bool:
+    return bool(simple(vertices, faces, np.array([[0, len(vertices), 0, len(faces)]]), pieces=pieces)[0])
 
 
 def hostile(seed: int) -> Surface:
@@ -56,6 +56,64 @@ def test_simple_is_sound_and_sound_is_simple() -> None:
         answers.append(alone(surface.vertices, surface.faces))
         assert answers[-1] == sound(surface), seed
     assert 20 < sum(answers) < 130
+
+
+def test_bodies_that_nearly_touch_aslant_cross_or_not() -> None:
+    """Two tetrahedra on a grid as fine as the cells of boxes, the tip of one within two steps of a face of another."""
+    faces = np.array([[0, 2, 1], [0, 1, 3], [1, 2, 3], [0, 3, 2]])
+    both = np.concatenate([faces, faces + 4])
+    answers = []
+    for seed in range(400):
+        rng = np.random.default_rng(seed)
+        corners = rng.integers(0, 16_001, (4, 3))
+        corners[0], corners[1] = (
+            rng.permutation([0, rng.integers(16_001), 16_000]),
+            rng.permutation([0, 16_000, 16_000]),
+        )
+        apex = np.round(rng.dirichlet([1, 1, 1]) @ corners[:3]) + rng.integers(-2, 3, 3)
+        away = np.sign(apex - corners.mean(axis=0)) * rng.integers(100, 4_000, (3, 3))
+        vertices = np.concatenate([corners, [apex], apex + away]).astype(float)
+        apart = not any(len(pairs) for pairs, _, _ in vectorised_crossings(Surface(vertices, both)))
+        answers.append(alone(vertices, both, pieces=True))
+        assert answers[-1] == apart, seed
+    assert 50 < sum(answers) < 350
+
+
+def numbered_anew(vertices: np.ndarray, faces: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Return a mesh with its vertices in the order in which the faces name them."""
+    used, first, which = np.unique(faces, return_index=True, return_inverse=True)
+    order = np.argsort(first)
+    return vertices[used[order]], np.argsort(order)[which].reshape(-1, 3)
+
+
+def test_corners_with_numbers_beyond_16_bits_are_told_apart() -> None:
+    """A needle pricks one triangle, whose corner has the number of the needle's point but for a multiple of 65,536."""
+    vertices, faces = numbered_anew(*wavy_torus(150_000))
+    count = len(vertices)
+    needle = np.array([[0, 2, 1], [0, 1, 3], [1, 2, 3], [0, 3, 2]])[:, [0, 2, 1]]
+    for beyond, depth, order in ((2**16, 0.1, 0), (2**16, -0.1, 0), (2**16, 0.1, 1), (2**16 - 1, 0.1, 0)):
+        face = faces[np.flatnonzero((faces == count - beyond).any(axis=1))[0]]
+        a, b, c = vertices[face]
+        normal = np.cross(b - a, c - a)
+        step = normal / np.linalg.norm(normal) * np.linalg.norm(b - a)
+        middle = (a + b + c) / 3
+        back = middle + step + 0.1 * np.array([(b - a), (c - b), (a - c)])
+        points = np.concatenate([vertices, [middle - depth * step], back])
+        both = np.concatenate([faces, needle + count])
+        if order:
+            both = np.random.default_rng(order).permutation(both)
+        assert alone(points, both, pieces=True) == (depth < 0)
+
+
+@pytest.mark.parametrize("shuffled", [False, True])
+def test_one_of_many_corners_that_is_pulled_through_the_other_side_is_seen(shuffled: bool) -> None:
+    vertices, faces = wavy_torus(150_000)
+    faces = np.random.default_rng(5).permutation(faces) if shuffled else faces
+    assert alone(vertices, faces)
+    for vertex in (10, 40_000, 70_000):
+        moved = vertices.copy()
+        moved[vertex] *= -2.0
+        assert not alone(moved, faces)
 
 
 def test_planar_faces_with_many_triangles_are_simple() -> None:

@@ -28,6 +28,16 @@ OUTSIDE = 2**15 - 1
 BRICKS = 32
 """Cells along each axis by which triangles in no order are sorted; a power of two."""
 
+SLANTS = [
+    *((1, 1, 0), (1, -1, 0), (1, 0, 1), (1, 0, -1), (0, 1, 1), (0, 1, -1)),
+    *((1, 1, 1), (1, 1, -1), (1, -1, 1), (-1, 1, 1)),
+    *[(0, 0, 0)] * (GROUP - 10),
+]
+"""Directions along which two triangles whose boxes overlap are often apart, in cells."""
+
+GAP = 3
+"""Cells by which two points may seem apart that are not: each of three coordinates is rounded down to a whole one."""
+
 SCATTERED = 256
 """Triangles that are near another one for nothing but their order, on average, before they are sorted."""
 
@@ -73,19 +83,62 @@ def meeting_apart(context, base, lx, ly, lz, hx, hy, hz, flat, a, b, c):
 
     def code(context, builder, signature, arguments):
         base, *sides, flat, a, b, c = arguments
-        bits = builder.zext(builder.bitcast(overlapping(builder, base, sides), ir.IntType(GROUP)), ir.IntType(64))
-        half, row = GROUP // 2, ir.VectorType(ir.IntType(32), GROUP // 2)
-        mine = [same(builder, k, half) for k in (a, b, c)]
-        for part in range(2):
-            there = builder.gep(flat, [ir.IntType(64)(4 * half * part)])
-            theirs = [load(builder, there, k, row) for k in range(3)]
-            shared = functools.reduce(builder.or_, [builder.icmp_signed("==", k, l) for k in mine for l in theirs])
-            apart = builder.not_(builder.zext(builder.bitcast(shared, ir.IntType(half)), ir.IntType(64)))
-            lanes = ir.IntType(64)(~(((1 << half) - 1) << half * part))
-            bits = builder.and_(bits, builder.or_(builder.shl(apart, ir.IntType(64)(half * part)), lanes))
-        return bits
+        row = ir.VectorType(ir.IntType(16), GROUP)
+        mine, theirs = [same(builder, k) for k in (a, b, c)], [load(builder, flat, k, row) for k in range(3)]
+        shared = functools.reduce(builder.or_, [builder.icmp_signed("==", k, l) for k in mine for l in theirs])
+        lanes = builder.and_(overlapping(builder, base, sides), builder.not_(shared))
+        return builder.zext(builder.bitcast(lanes, ir.IntType(GROUP)), ir.IntType(64))
 
-    return types.int64(types.voidptr, *[types.int16] * 6, types.voidptr, *[types.int32] * 3), code
+    return types.int64(types.voidptr, *[types.int16] * 6, types.voidptr, *[types.uint16] * 3), code
+
+
+@intrinsic
+def write_slants(context, to, x, y, z):
+    """Write how far a point lies along each of `SLANTS`, given in cells."""
+
+    def code(context, builder, signature, arguments):
+        to, *cells = arguments
+        row = ir.VectorType(ir.IntType(16), GROUP)
+        total = ir.Constant(row, [-CELLS if sum(slant) == 3 else 0 for slant in SLANTS])
+        for axis, cell in enumerate(cells):
+            along = ir.Constant(row, [slant[axis] for slant in SLANTS])
+            total = builder.add(total, builder.mul(along, same(builder, cell)))
+        builder.store(total, builder.bitcast(to, row.as_pointer()), align=2)
+        return context.get_dummy_value()
+
+    return types.void(types.voidptr, *[types.int16] * 3), code
+
+
+@intrinsic
+def apart_aslant(context, base, a, b, c, p, q, r):
+    """Say whether the points a, b, c and p, q, r, whose rows begin at an address, surely are apart along a slant."""
+
+    def code(context, builder, signature, arguments):
+        base, *points = arguments
+        row = ir.VectorType(ir.IntType(16), GROUP)
+        where = (builder.gep(base, [builder.shl(point, ir.IntType(64)(5))]) for point in points)
+        a, b, c, p, q, r = (builder.load(builder.bitcast(at, row.as_pointer()), align=2) for at in where)
+
+        def extreme(order, *rows):
+            return functools.reduce(lambda x, y: builder.select(builder.icmp_signed(order, x, y), x, y), rows)
+
+        gap = ir.Constant(row, [GAP] * GROUP)
+        beyond = builder.icmp_signed(">", extreme("<", p, q, r), builder.add(extreme(">", a, b, c), gap))
+        before = builder.icmp_signed(">", extreme("<", a, b, c), builder.add(extreme(">", p, q, r), gap))
+        lanes = builder.bitcast(builder.or_(beyond, before), ir.IntType(GROUP))
+        return builder.icmp_unsigned("!=", lanes, ir.IntType(GROUP)(0))
+
+    return types.boolean(types.voidptr, *[types.int64] * 6), code
+
+
+@intrinsic
+def bits_of(context, x):
+    """Return the 64 bits of a number."""
+
+    def code(context, builder, signature, arguments):
+        return builder.bitcast(arguments[0], ir.IntType(64))
+
+    return types.uint64(types.float64), code
 
 
 @intrinsic
@@ -171,7 +224,7 @@ def boxes_apart(own, k, l):
 
 
 @njit(inline="always")
-def fill_boxes(points, places, numbered, own_at, boxes_at, groups_at, heaps_at, count):
+def fill_boxes(points, places, numbered, own_at, boxes_at, groups_at, heaps_at, frame, count):
     """Write the boxes of triangles, groups and heaps of groups, in cells that no rounding puts in another order.
 
     The cells of a box begin at an even number and end before one, so that those of boxes that overlap do. A box that is
@@ -184,6 +237,7 @@ def fill_boxes(points, places, numbered, own_at, boxes_at, groups_at, heaps_at, 
             x = points[np.uint64(places[k]), axis]
             low, high = min(low, x), max(high, x)
         scale = CELLS / (high - low) if high - low > 1e-300 else 0.0
+        frame[0, axis], frame[1, axis] = low, scale
         for start in range(0, padded, GROUP):
             to = address(boxes_at, 2 * (6 * start + axis * GROUP))
             write_cells(address(own_at, 8 * (9 * start + axis * GROUP)), low, scale, to)
@@ -192,6 +246,17 @@ def fill_boxes(points, places, numbered, own_at, boxes_at, groups_at, heaps_at, 
                 boxes[0, j], boxes[3, j] = OUTSIDE, -OUTSIDE
         enclose(boxes_at, groups_at, padded // GROUP, axis)
         enclose(groups_at, heaps_at, -(-padded // GROUP**2), axis)
+
+
+@njit(inline="always")
+def fill_slants(points, places, numbered, frame, slants_at):
+    """Write a row for each corner that tells how far it lies along each of `SLANTS`."""
+    for k in range(numbered):
+        at = np.uint64(places[k])
+        x = np.int16((points[at, 0] - frame[0, 0]) * frame[1, 0])
+        y = np.int16((points[at, 1] - frame[0, 1]) * frame[1, 1])
+        z = np.int16((points[at, 2] - frame[0, 2]) * frame[1, 2])
+        write_slants(address(slants_at, 2 * GROUP * k), x, y, z)
 
 
 @njit(inline="always")

@@ -15,6 +15,7 @@ from inertia.mesh.geometry.box_kernel import (
     GROUP,
     MOST,
     address,
+    apart_aslant,
     block,
     boxes_apart,
     lane,
@@ -33,6 +34,9 @@ ENOUGH = 4096
 IDLE, TESTED = 256, 64
 """Pairs whose boxes touch at most, for each triangle, of which others who look for crossings need none; of so many
 pairs, one is tested for that."""
+
+ELSEWHERE, NOT_FLAT = 2**16 - 2, 2**16 - 1
+"""Numbers, in 16 bits, of a corner that is too far from those of a group, and of one that is not flat (`mark_flat`)."""
 
 RECORD = 8
 """Numbers for each vertex: a direction and a bound, a normal and a bound (see `flatten_fans`)."""
@@ -221,13 +225,18 @@ def bring(own, k, two, row):
 
 
 @njit(inline="always")
-def settled(pairs, left, own, normals, of, two, signs, work):
+def settled(pairs, left, own, normals, of, slants_at, turns, two, signs, work):
     """Say whether none of some pairs of triangles whose boxes meet cross; k and l are packed into one number."""
     for at in range(left):
         k, l = np.uint64(pairs[at] >> 32), np.uint64(pairs[at] & 0xFFFFFFFF)
+        a, b, c = np.int64(of[k, 0]), np.int64(of[k, 1]), np.int64(of[k, 2])
+        if apart_aslant(slants_at, a, b, c, np.int64(of[l, 0]), np.int64(of[l, 1]), np.int64(of[l, 2])):
+            continue
         common = common_corners(of, l, k)
-        # With two corners in common, they do not cross.
+        # With two corners in common, they do not cross, nor with one around which all lie side by side.
         if common & (common - 1) != 0:
+            continue
+        if common != 0 and turns[np.uint64(of[l, lowest_bit(common)])] == 1.0:
             continue
         if on_one_side(own, normals, k, l, common) or on_one_side(own, normals, l, k, common_corners(of, k, l)):
             continue
@@ -241,53 +250,91 @@ def settled(pairs, left, own, normals, of, two, signs, work):
 
 
 @njit(inline="always")
-def may_cross(own, normals, of, count, boxes_at, groups_at, heaps_at, flat_at, turns, near, pairs, two, signs, work):
+def mark_flat(of, count, numbered, turns, flat_at):
+    """Write the corners around which all triangles lie side by side, as `short` says, and `NOT_FLAT` for others."""
+    flat = carray(flat_at, (BLOCKS, 3, GROUP), np.uint16)
+    for k in range(count):
+        base = first_of(of, block(k), numbered)
+        for corner in range(3):
+            vertex = of[k, corner]
+            number = short(vertex, base)
+            far = number == ELSEWHERE or turns[np.uint64(vertex)] != 1.0
+            flat[block(k), corner, lane(k)] = NOT_FLAT if far else number
+
+
+@njit(inline="always")
+def first_of(of, group, numbered):
+    """Return the first of the corners that have a number of 16 bits for a group of triangles."""
+    return max(0, min(np.int64(of[group << np.uint64(4), 0]) - ELSEWHERE // 2, numbered - ELSEWHERE))
+
+
+@njit(inline="always")
+def short(vertex, base):
+    """Return the number of a corner in 16 bits, `ELSEWHERE` where it has none."""
+    return np.uint16(min(np.uint64(vertex - base), np.uint64(ELSEWHERE)))
+
+
+@njit(inline="always")
+def may_cross(
+    own, normals, of, count, numbered, boxes_at, groups_at, heaps_at, flat_at, slants_at, turns,
+    near, pairs, two, signs, work,
+):  # fmt: skip
     """Say whether two triangles cross, or cannot be shown not to with little work.
 
     Those that have a corner in common around which all lie side by side (see `flatten_fans`) are passed over.
     """
     boxes = carray(boxes_at, (BLOCKS, 6, GROUP), np.int16)
-    flat = carray(flat_at, (BLOCKS, 3, GROUP), np.int32)
-    for k in range(count):
-        for corner in range(3):
-            vertex = of[k, corner]
-            flat[block(k), corner, lane(k)] = vertex if turns[np.uint64(vertex)] == 1.0 else -1
-    heaps = -(-count // GROUP**2)
+    groups = carray(groups_at, (BLOCKS, 6, GROUP), np.int16)
+    several_groups, heaps = -(-count // GROUP), -(-count // GROUP**2)
     listed = np.uint64(0)
     idle = 0
-    for k in range(count):
-        at, j = block(k), lane(k)
-        lx, ly, lz = boxes[at, 0, j], boxes[at, 1, j], boxes[at, 2, j]
-        hx, hy, hz = boxes[at, 3, j], boxes[at, 4, j], boxes[at, 5, j]
-        for several in range(k // GROUP**3 * GROUP, heaps, GROUP):
+    for group in range(several_groups):
+        at, j = block(group), lane(group)
+        lx, ly, lz = groups[at, 0, j], groups[at, 1, j], groups[at, 2, j]
+        hx, hy, hz = groups[at, 3, j], groups[at, 4, j], groups[at, 5, j]
+        for several in range(group // GROUP**2 * GROUP, heaps, GROUP):
             heaped = 1 if heaps == 1 else meeting(address(heaps_at, 12 * several), lx, ly, lz, hx, hy, hz)
-            if several * GROUP**2 <= k:
-                heaped &= -1 << (k // GROUP**2 - several)
+            if several * GROUP <= group:
+                heaped &= -1 << (group // GROUP - several)
             while heaped != 0:
-                group = GROUP * (several + lowest_bit(heaped))
+                first = GROUP * (several + lowest_bit(heaped))
                 heaped &= heaped - 1
-                looked = meeting(address(groups_at, 12 * group), lx, ly, lz, hx, hy, hz)
-                if group * GROUP <= k:
-                    looked &= -1 << (k // GROUP - group)
-                listed = noted(near, listed, k << 32 | group << 4, looked, 4)
-        if listed > np.uint64(ENOUGH) or k == count - 1:
+                looked = meeting(address(groups_at, 12 * first), lx, ly, lz, hx, hy, hz)
+                if first <= group:
+                    looked &= -1 << (group - first)
+                listed = noted(near, listed, group << 32 | first, looked, 0)
+        if listed > np.uint64(ENOUGH) or group == several_groups - 1:
             left = np.uint64(0)
             for entry in range(listed):
-                l, start = near[entry] >> 32, near[entry] & 0xFFFFFFFF
-                at, j = block(l), lane(l)
-                looked = meeting_apart(
-                    address(boxes_at, 12 * start),
-                    boxes[at, 0, j], boxes[at, 1, j], boxes[at, 2, j],
-                    boxes[at, 3, j], boxes[at, 4, j], boxes[at, 5, j],
-                    address(flat_at, 12 * start), of[np.uint64(l), 0], of[np.uint64(l), 1], of[np.uint64(l), 2],
+                one, other = near[entry] >> 32, near[entry] & 0xFFFFFFFF
+                at, j = block(other), lane(other)
+                looking = meeting(
+                    address(boxes_at, 12 * GROUP * one),
+                    groups[at, 0, j], groups[at, 1, j], groups[at, 2, j],
+                    groups[at, 3, j], groups[at, 4, j], groups[at, 5, j],
                 )  # fmt: skip
-                looked &= -2 << (l - start) if l >= start else -1
-                left = noted(pairs, left, l << 32 | start, looked, 0)
+                base = first_of(of, np.uint64(other), numbered)
+                while looking != 0:
+                    j = np.uint64(lowest_bit(looking))
+                    looking &= looking - 1
+                    k = np.uint64(GROUP * one) + j
+                    looked = meeting_apart(
+                        address(boxes_at, 12 * GROUP * other),
+                        boxes[one, 0, j], boxes[one, 1, j], boxes[one, 2, j],
+                        boxes[one, 3, j], boxes[one, 4, j], boxes[one, 5, j],
+                        address(flat_at, 6 * GROUP * other),
+                        short(of[k, 0], base), short(of[k, 1], base), short(of[k, 2], base),
+                    )  # fmt: skip
+                    if one == other:
+                        looked &= -2 << np.int64(j)
+                    left = noted(pairs, left, np.int64(k) << 32 | GROUP * other, looked, 0)
                 if left > np.uint64(ENOUGH) or entry == listed - 1:
                     for at in range(0, left, TESTED):
                         if boxes_apart(own, np.uint64(pairs[at] >> 32), np.uint64(pairs[at] & 0xFFFFFFFF)):
                             idle += TESTED
-                    if idle > IDLE * count or not settled(pairs, left, own, normals, of, two, signs, work):
+                    if idle > IDLE * count or not settled(
+                        pairs, left, own, normals, of, slants_at, turns, two, signs, work
+                    ):
                         return True
                     left = np.uint64(0)
             listed = np.uint64(0)

@@ -25,7 +25,7 @@ MOST = 200_000
 
 _KERNEL = Kernel("inertia.mesh.geometry.simple_kernel", "check_small", "pipipipipp")
 _REPAYS = 6_000  # triangles; looking for crossings otherwise takes several times as long
-_BYTES = 74_000_000  # that the kernel has its tables in, of which 38 MB are touched for the largest surface, and stay
+_BYTES = 71_000_000  # that the kernel has its tables in, of which 38 MB are touched for the largest surface, and stay
 _own = threading.local()
 
 

@@ -13,13 +13,15 @@ from inertia.mesh.geometry.box_kernel import (
     GROUP,
     MOST,
     address,
+    bits_of,
     block,
     fill_boxes,
+    fill_slants,
     lane,
     scattered,
     sort_triangles,
 )
-from inertia.mesh.geometry.self_crossing_kernel import CORNERS, ENOUGH, RECORD, WORK, flatten_fans, may_cross
+from inertia.mesh.geometry.self_crossing_kernel import CORNERS, ENOUGH, RECORD, WORK, flatten_fans, mark_flat, may_cross
 
 SLOTS = 2**21
 SIMPLE, PIECES, NO_VERTEX, NOT_USABLE, REPEATED, UNPAIRED, CROSSING, MANY = range(8)
@@ -34,14 +36,15 @@ FANS = NORMALS + 4 * GROUP * BLOCKS
 LANES = FANS + RECORD * (CORNERS // 2 + 8)
 TURNS = LANES + 27 * GROUP
 PAIRS = TURNS + CORNERS // 2 + 8
-NEAR = PAIRS + ENOUGH + 2 * GROUP
+NEAR = PAIRS + ENOUGH + GROUP * GROUP + 2 * GROUP
 TWO = NEAR + BLOCKS + ENOUGH + 8
 SIGNS = TWO + 18 + WORK
-BOXES = SIGNS + 8
+FRAME = SIGNS + 8
+BOXES = FRAME + 8
 GROUPS = BOXES + 6 * GROUP * BLOCKS // 4
 HEAPS = GROUPS + 6 * BLOCKS // 4
 FLAT = HEAPS + 6 * BLOCKS // 4
-NUMBERS = FLAT + 3 * GROUP * BLOCKS // 2
+NUMBERS = FLAT + 3 * GROUP * BLOCKS // 4
 DOUBLES = NUMBERS + (3 * (MOST + GROUP) + 3 * CORNERS + 2 * CORNERS + MOST + SLOTS) // 2 + 8
 """Numbers in the scratch space, of which little more is touched than the surfaces at hand need."""
 
@@ -50,15 +53,14 @@ PRIME_X, PRIME_Y, PRIME_Z = np.uint64(0x9E3779B97F4A7C15), np.uint64(0xC2B2AE3D2
 
 
 @njit(inline="always")
-def slot_of(bits, vertex):
-    """Return a hash of a point; shifted by one bit, −0 is +0."""
-    key = (bits[vertex, 0] << np.uint64(1)) * PRIME_X + (bits[vertex, 1] << np.uint64(1)) * PRIME_Y
-    key += (bits[vertex, 2] << np.uint64(1)) * PRIME_Z
+def slot_of(x, y, z):
+    """Return a hash of a point, the same for −0 and +0, and another one for its mirror images."""
+    key = bits_of(x + 0.0) * PRIME_X + bits_of(y + 0.0) * PRIME_Y + bits_of(z + 0.0) * PRIME_Z
     return np.int64((key ^ (key >> np.uint64(29))) * PRIME_X >> np.uint64(40))
 
 
 @njit(inline="always")
-def all_distinct(points, bits, places, numbered, slots, room):
+def all_distinct(points, places, numbered, slots, room):
     """Say whether corners that are numbered in another mesh are usable points here, no two of them the same."""
     for k in range(room):
         slots[k] = -1
@@ -67,7 +69,7 @@ def all_distinct(points, bits, places, numbered, slots, room):
         x, y, z = points[vertex, 0], points[vertex, 1], points[vertex, 2]
         if not (abs(x) <= LARGEST and abs(y) <= LARGEST and abs(z) <= LARGEST):
             return False
-        slot = slot_of(bits, vertex) & (room - 1)
+        slot = slot_of(x, y, z) & (room - 1)
         while slots[slot] >= 0:
             other = slots[slot]
             if points[other, 0] == x and points[other, 1] == y and points[other, 2] == z:
@@ -78,7 +80,7 @@ def all_distinct(points, bits, places, numbered, slots, room):
 
 
 @njit(inline="always")
-def number_corners(points, bits, faces, count, ids, of, places, slots, room):
+def number_corners(points, faces, count, ids, of, places, slots, room):
     """Give equal corners one number, 0 on, and return how many there are, or −1 − what is wrong with one."""
     mask = room - 1
     for k in range(len(ids)):
@@ -95,7 +97,7 @@ def number_corners(points, bits, faces, count, ids, of, places, slots, room):
                 x, y, z = points[vertex, 0], points[vertex, 1], points[vertex, 2]
                 if not (abs(x) <= LARGEST and abs(y) <= LARGEST and abs(z) <= LARGEST):
                     return -1 - NOT_USABLE
-                slot = slot_of(bits, vertex) & mask
+                slot = slot_of(x, y, z) & mask
                 while slots[slot] >= 0:
                     other = places[slots[slot]]
                     if points[other, 0] == x and points[other, 1] == y and points[other, 2] == z:
@@ -196,7 +198,7 @@ def check_small(vertices_at, vertices, faces_at, faces, table_at, meshes, ids_at
     A row of the table is (first vertex, vertices, first face, faces) of a surface, whose faces number its vertices from
     0 on; there is `room` for as many as any has.
     """
-    points, bits = carray(vertices_at, (vertices, 3), np.float64), carray(vertices_at, (vertices, 3), np.uint64)
+    points = carray(vertices_at, (vertices, 3), np.float64)
     corners = carray(faces_at, (faces, 3), np.int64)
     table = carray(table_at, (meshes, 4), np.int64)
     states = carray(states_at, (meshes,), np.int64)
@@ -209,13 +211,14 @@ def check_small(vertices_at, vertices, faces_at, faces, table_at, meshes, ids_at
     )
     normals = carray(normals_at, (BLOCKS, 4, GROUP), np.float64)
     turns = carray(address(scratch, 8 * TURNS), (CORNERS // 2,), np.float64)
-    pairs = carray(address(scratch, 8 * PAIRS), (ENOUGH + 2 * GROUP,), np.int64)
+    pairs = carray(address(scratch, 8 * PAIRS), (ENOUGH + GROUP * GROUP + 2 * GROUP,), np.int64)
     near = carray(address(scratch, 8 * NEAR), (BLOCKS + ENOUGH + 8,), np.int64)
     two, work = (
         carray(address(scratch, 8 * TWO), (2, 9), np.float64),
         carray(address(scratch, 8 * (TWO + 18)), (WORK,), np.float64),
     )
     signs = carray(address(scratch, 8 * SIGNS), (8,), np.int64)
+    frame = carray(address(scratch, 8 * FRAME), (2, 3), np.float64)
     boxes_at, groups_at = address(scratch, 8 * BOXES), address(scratch, 8 * GROUPS)
     heaps_at, flat_at = address(scratch, 8 * HEAPS), address(scratch, 8 * FLAT)
     of = carray(address(scratch, 8 * NUMBERS), (MOST + GROUP, 3), np.int32)
@@ -235,15 +238,10 @@ def check_small(vertices_at, vertices, faces_at, faces, table_at, meshes, ids_at
         here, own_faces = points[start : start + size], corners[begin : begin + count]
         # Meshes that share their faces and have no two corners in one place are paired alike.
         alike = before >= 0 and size == table[before, 1] and begin == table[before, 2] and count == table[before, 3]
-        if alike and distinct:
-            alike = all_distinct(here, bits[start : start + size], places, numbered, slots, capacity)
-        else:
-            alike = False
+        alike = all_distinct(here, places, numbered, slots, capacity) if alike and distinct else False
         before = -1
         if not alike:
-            numbered = number_corners(
-                here, bits[start : start + size], own_faces, count, ids[:size], of, places, slots, capacity
-            )
+            numbered = number_corners(here, own_faces, count, ids[:size], of, places, slots, capacity)
             if numbered < 0:
                 states[mesh] = -1 - numbered
                 continue
@@ -256,15 +254,19 @@ def check_small(vertices_at, vertices, faces_at, faces, table_at, meshes, ids_at
         if state > PIECES:
             continue
         fill_corners(here, places, of, count, own)
-        fill_boxes(here, places, numbered, scratch, boxes_at, groups_at, heaps_at, count)
+        fill_boxes(here, places, numbered, scratch, boxes_at, groups_at, heaps_at, frame, count)
         if scattered(groups_at, count):
             sort_triangles(boxes_at, of, count, slots, edges)
             fill_corners(here, places, of, count, own)
-            fill_boxes(here, places, numbered, scratch, boxes_at, groups_at, heaps_at, count)
+            fill_boxes(here, places, numbered, scratch, boxes_at, groups_at, heaps_at, frame, count)
             distinct = False
         flatten_fans(scratch, of, count, numbered, normals_at, fans_at, lanes_at, turns)
+        mark_flat(of, count, numbered, turns, flat_at)
+        slants_at = fans_at  # whose records are read no more
+        fill_slants(here, places, numbered, frame, slants_at)
         if may_cross(
-            own, normals, of, count, boxes_at, groups_at, heaps_at, flat_at, turns, near, pairs, two, signs, work
-        ):
+            own, normals, of, count, numbered, boxes_at, groups_at, heaps_at, flat_at, slants_at, turns,
+            near, pairs, two, signs, work,
+        ):  # fmt: skip
             states[mesh] = CROSSING
     return 0
