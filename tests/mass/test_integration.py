@@ -13,6 +13,9 @@ from tests.mass.parts import assert_within_bound, cells, cube, exact, facets, su
 
 import inertia
 from inertia.errors import GeometryError, UsageError
+from inertia.mass import integration
+from inertia.mesh.geometry.closure import closure
+from inertia.mesh.geometry.simple import at_hand
 from inertia.mesh.part import CellBlock, Cells, Part, Regions
 from inertia.units import METRE, length_unit
 from inertia_meshes import catalogue, path
@@ -486,3 +489,38 @@ def test_an_inward_bar_thinner_than_float64_can_tell_is_turned(width):
         inward = surface(*(flipped(corners) for corners in bars))
         properties = inertia.mass_properties(inward, orientation="absolute")
         assert properties.volume == inertia.mass_properties(surface(*bars)).volume
+
+
+class TestOnePass:
+    """A small surface that one compiled pass shows to be closed, in one piece and free of crossings is sound."""
+
+    @pytest.fixture
+    def pairings(self, monkeypatch: pytest.MonkeyPatch) -> list[int]:
+        if not at_hand():
+            pytest.skip("the pass is compiled, and there is no compiler here")
+        counts: list[int] = []
+
+        def counted(triangles, progress=None):
+            counts.append(triangles.count)
+            return closure(triangles, progress)
+
+        monkeypatch.setattr(integration, "closure", counted)
+        return counts
+
+    @pytest.mark.parametrize("of", [facets, surface])
+    def test_its_edges_are_not_paired_again(self, pairings, of):
+        part = of(sphere(2, 16))
+        result = inertia.analyse(part, {"1": STEEL})
+        assert pairings == []
+        again = inertia.analyse(part, {"1": STEEL}, intersections=False)
+        assert pairings == [part.triangles.count]
+        assert (result.closed, result.bodies, result.crossings_examined) == (True, 1, True)
+        assert (again.closed, again.bodies, again.crossings_examined) == (True, 1, False)
+        assert result.properties.inertia.tolist() == again.properties.inertia.tolist()
+        assert result.properties.error == again.properties.error
+
+    def test_others_are(self, pairings):
+        hollow = inertia.analyse(facets(*HOLLOW), STEEL)
+        assert (hollow.bodies, len(pairings)) == (1, 1)
+        with pytest.raises(GeometryError, match="open: 1 boundary loop"):
+            inertia.analyse(facets(sphere(2, 16)[3:]), STEEL)

@@ -402,6 +402,50 @@ def test_bounds_hold_through_every_operation(
         assert abs(moments - expected) <= bound
 
 
+fractions = st.fractions(-9, 9, max_denominator=60)
+sizes = st.fractions(0, 1, max_denominator=60)
+
+
+@settings(deadline=None, max_examples=60)
+@given(
+    st.tuples(*[fractions] * 12),
+    st.tuples(*[sizes] * 10),
+    st.sampled_from([F(3), F(-5, 7), F(2, 9), F(-40)]),
+    st.none() | st.tuples(sizes, sizes),
+)
+def test_central_moments_are_those_of_the_formulas_whatever_the_denominators(
+    values: tuple[Fraction, ...],
+    bounds: tuple[Fraction, ...],
+    zeroth: Fraction,
+    norms: tuple[Fraction, Fraction] | None,
+) -> None:
+    """Of a body and of a hole; s − f fᵀ/v, and the bound that `central` states, element by element."""
+    origin, first, second = values[:3], values[3:6], values[6:]
+    vb, fb, sb = abs(zeroth) * bounds[0] * F(9, 10), bounds[1:4], bounds[4:]
+    given = Moments(origin, zeroth, first, second, vb, fb, sb, norms)
+    metres, density = F(254, 10_000), F(-7850, 3)
+    central = given.in_unit(metres).scaled(density).central()  # which no number was read of before
+    size, least = abs(zeroth), abs(zeroth) - vb
+    c = [k / zeroth for k in first]
+    off = [(b + abs(k) * vb) / least for k, b in zip(c, fb, strict=True)]
+    assert central.centroid == central.origin == tuple(metres * (o + k) for o, k in zip(origin, c, strict=True))
+    assert (central.zeroth, central.zeroth_bound) == (density * zeroth, -density * vb)
+    assert central.first == central.first_bound == ORIGIN
+    scale = density * metres**2
+    for k, (i, j) in enumerate(PAIRS):
+        assert central.second[k] == scale * (second[k] - first[i] * first[j] / zeroth)
+        shift = abs(c[i]) * fb[j] + abs(c[j]) * off[i] * least + off[i] * off[j] * (size + vb)
+        assert central.second_bound[k] == -scale * (sb[k] + shift)
+    assert central.tensor == inertia_tensor(central.second)
+    assert central == replace(central)
+    far = sum((k * k for k in c), F(0))
+    limit = root_above(sum((k * k for k in off), F(0)))
+    if norms is not None:
+        lever = min(norms[0], root_above(sum((k * k for k in fb), F(0))))
+        limit = min(limit, (lever + root_above(far) * vb) / least)
+    assert limit / (1 + F(1, 2**50)) <= given.centroid_bound <= limit * (1 + F(1, 2**50))
+
+
 def test_a_first_moment_that_may_be_off_loosens_the_central_moments_about_it() -> None:
     """Seen as 0 though it is 1, of a mass of 1: ∫x² about the true centre is less by 1."""
     moments = bounded(point(1, 0, 0, 0), F(0), F(1), F(0)).central()

@@ -17,6 +17,7 @@ from typing import Any, NamedTuple
 from inertia.batching.columns import COLUMNS, State
 from inertia.batching.sources import Task, local_copy
 from inertia.errors import GeometryError, InertiaError, ReadError, Remedy, Sentence, Wording, visible
+from inertia.mesh.version import sha256_of
 
 Row = dict[str, Any]
 
@@ -161,12 +162,10 @@ def _for_memory(error: BaseException | None) -> bool:
 
 
 def _digest(path: Path) -> str:
-    import hashlib
-
-    if not stat.S_ISREG(path.stat().st_mode):  # before it is opened: a pipe without a writer would wait for one
+    status = path.stat()
+    if not stat.S_ISREG(status.st_mode):  # before it is opened: a pipe without a writer would wait for one
         raise ReadError("it is not a regular file")
-    with path.open("rb") as file:
-        return hashlib.file_digest(file, "sha256").hexdigest()
+    return sha256_of(path, status.st_size)
 
 
 _open_files: list[str] | None = None

@@ -93,7 +93,9 @@ def folded(values: Pair) -> Pair:
 def near_sum(values: list[float]) -> Fraction:
     """Add up floats to within a part in 2¹⁰⁵."""
     high = math.fsum(values)
-    return Fraction(high) + Fraction(math.fsum([*values, -high]))
+    (n, d), (m, e) = high.as_integer_ratio(), math.fsum([*values, -high]).as_integer_ratio()
+    last = max(d, e)  # powers of two
+    return Fraction(n * (last // d) + m * (last // e), last)
 
 
 def _rest(a: Float, b: Float, product: Float) -> Float:

@@ -21,7 +21,7 @@ by element and ‖E‖ ≤ β; ε_i bounds the norm of column i of O + E without
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from math import isqrt
@@ -41,6 +41,7 @@ _SWEEPS = 12
 _SMALL = 2.0**-54
 _GUESS = 60
 _PAIRS = ((0, 1, 2), (1, 2, 0), (2, 0, 1))
+_ELEMENTS = ((0, 0), (0, 1), (0, 2), (1, 1), (1, 2), (2, 2))
 
 _FINE = 224
 """Bits of a gap, or of the moments, below which an element off the diagonal is none in `frame_near`.
@@ -57,16 +58,33 @@ class Spectrum:
 
     Attributes
     ----------
-    values, value_bounds : the eigenvalues, and how far each may be from the true one
+    unit : a power of two, of which the eigenvalues and their bounds are multiples
+    multiples, bounds : the eigenvalues, and how far each may be from the true one, in these units
     vectors : (3, 3), each element rounded once
-    sines : bound on the sine of the angle between each vector and the true one, up to rounding; 1 where the gap does
-        not exceed the error, so that the vector belongs to a subspace
+    ratios : numerator and denominator of a bound on the sine of the angle between each vector and the true one, up to
+        rounding; 1 where the gap does not exceed the error, so that the vector belongs to a subspace
     """
 
-    values: tuple[Fraction, ...]
-    value_bounds: tuple[Fraction, ...]
+    unit: Fraction
+    multiples: tuple[int, ...]
+    bounds: tuple[int, ...]
     vectors: Float
-    sines: tuple[Fraction, ...]
+    ratios: tuple[tuple[int, int], ...]
+
+    @property
+    def values(self) -> tuple[Fraction, ...]:
+        """The eigenvalues."""
+        return tuple(self.unit * k for k in self.multiples)
+
+    @property
+    def value_bounds(self) -> tuple[Fraction, ...]:
+        """How far each may be from the true one."""
+        return tuple(self.unit * k for k in self.bounds)
+
+    @property
+    def sines(self) -> tuple[Fraction, ...]:
+        """The bounds on the sines."""
+        return tuple(Fraction(*k) for k in self.ratios)
 
 
 def spectrum(matrix: Sequence[Sequence[Fraction]], elements: Sequence[Sequence[Fraction]], norm: Fraction) -> Spectrum:
@@ -79,9 +97,9 @@ def spectrum(matrix: Sequence[Sequence[Fraction]], elements: Sequence[Sequence[F
     norm : how far the matrix may be from the true one, in the spectral norm
     """
     unit = _unit([x for row in matrix for x in row if x] or [norm])
-    a = [[math.floor(x / unit) for x in row] for row in matrix]
-    b = [[math.ceil(x / unit) + 1 for x in row] for row in elements]
-    beta = math.ceil(norm / unit) + 6  # the bits cut off, here and in T, are below one unit for each element
+    a = _symmetric(_units(matrix[i][j], unit) for i, j in _ELEMENTS)
+    b = _symmetric(1 - _units(-elements[i][j], unit) for i, j in _ELEMENTS)
+    beta = 6 - _units(-norm, unit)  # the bits cut off, here and in T, are below one unit for each element
     q = _proposed(a)
     turn = _rotation(q)
     t, f = _within(turn, a, b, beta)
@@ -96,12 +114,14 @@ def spectrum(matrix: Sequence[Sequence[Fraction]], elements: Sequence[Sequence[F
             break
     order = sorted(range(3), key=lambda k: t[k][k])
     t, f = ([[rows[i][j] for j in order] for i in order] for rows in (t, f))
-    bounds = _value_bounds(t, f, beta)
+    beside = [_beside(t, f, beta, i) for i in range(3)]
+    bounds = _value_bounds(t, f, beta, beside)
     return Spectrum(
-        tuple(unit * t[k][k] for k in range(3)),
-        tuple(unit * bound for bound in bounds),
+        unit,
+        (t[0][0], t[1][1], t[2][2]),
+        tuple(bounds),
         np.array([[row[k] / turn[1] for k in order] for row in turn[0]]),
-        _sines(t, f, beta, bounds),
+        _sines(t, f, bounds, beside),
     )
 
 
@@ -142,7 +162,7 @@ def frame_near(matrix: Sequence[Sequence[Fraction]], axes: Float) -> Frame:
     [1.0, 3.0, 5.0]
     """
     unit = _unit([x for row in matrix for x in row if x])
-    a = [[math.floor(x / unit) for x in row] for row in matrix]
+    a = _symmetric(_units(matrix[i][j], unit) for i, j in _ELEMENTS)
     nothing = [[0] * 3] * 3
     q = _quaternion(axes.tolist())
     t, _ = _within(_rotation(q), a, nothing, 0)
@@ -162,6 +182,17 @@ def _unit(values: Sequence[Fraction]) -> Fraction:
     """Return the power of two that is the last bit kept."""
     sizes = [value.numerator.bit_length() - value.denominator.bit_length() for value in values]
     return Fraction(2) ** (min(sizes) - _BITS)
+
+
+def _units(value: Fraction, unit: Fraction) -> int:
+    """Return how many whole units there are in a value, rounded down; the unit is a power of two."""
+    return value.numerator * unit.denominator // (value.denominator * unit.numerator)
+
+
+def _symmetric(elements: Iterable[int]) -> _Rows:
+    """Return the matrix of the elements on the diagonal and above it, row by row."""
+    xx, xy, xz, yy, yz, zz = elements
+    return [[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]]
 
 
 def _proposed(a: _Rows) -> _Quaternion:
@@ -225,12 +256,14 @@ def _within(turn: tuple[_Rows, int], a: _Rows, b: _Rows, beta: int) -> tuple[_Ro
     t = _congruent(rotation, a)
     f = _congruent([[abs(x) for x in row] for row in rotation], b)
     square = size * size
-    return [[x // square for x in row] for row in t], [[min(x // square + 2, beta) for x in row] for row in f]
+    return _symmetric(x // square for x in t), _symmetric(min(x // square + 2, beta) for x in f)
 
 
-def _congruent(r: _Rows, a: _Rows) -> _Rows:
-    ar = [[sum(a[i][k] * r[k][j] for k in range(3)) for j in range(3)] for i in range(3)]
-    return [[sum(r[k][i] * ar[k][j] for k in range(3)) for j in range(3)] for i in range(3)]
+def _congruent(r: _Rows, a: _Rows) -> Iterator[int]:
+    """Yield the elements of Rᵀ A R on the diagonal and above it, row by row."""
+    columns = list(zip(*r, strict=True))
+    turned = [[p * x + q * y + s * z for p, q, s in a] for x, y, z in columns]
+    return (x * p + y * q + z * s for i, (x, y, z) in enumerate(columns) for p, q, s in turned[i:])
 
 
 def _negligible(t: _Rows, f: _Rows, i: int, j: int) -> bool:
@@ -269,23 +302,22 @@ def _tangent(off: float, gap: float) -> float:
     return math.copysign(1.0, cotangent) / (abs(cotangent) + math.sqrt(1.0 + cotangent * cotangent))
 
 
-def _value_bounds(t: _Rows, f: _Rows, beta: int) -> list[int]:
+def _value_bounds(t: _Rows, f: _Rows, beta: int, beside: Sequence[int]) -> list[int]:
     """Return bounds on the errors of the diagonal of T as eigenvalues of the true matrix."""
     weyl = isqrt(2 * sum(t[i][j] ** 2 for i, j, _ in _PAIRS)) + 1 + beta
     bounds = []
     for i, j, k in _PAIRS:
         block = _norm([0, 0, t[j][k], t[k][j]], [f[j][j], f[k][k], f[j][k], f[k][j]], beta)
         gap = min(abs(t[i][i] - t[j][j]), abs(t[i][i] - t[k][k])) - f[i][i] - block
-        bounds.append(min(weyl, f[i][i] + _beside(t, f, beta, i) ** 2 // gap + 1) if gap > 0 else weyl)
+        bounds.append(min(weyl, f[i][i] + beside[i] ** 2 // gap + 1) if gap > 0 else weyl)
     return bounds
 
 
-def _sines(t: _Rows, f: _Rows, beta: int, bounds: Sequence[int]) -> tuple[Fraction, ...]:
+def _sines(t: _Rows, f: _Rows, bounds: Sequence[int], beside: Sequence[int]) -> tuple[tuple[int, int], ...]:
     sines = []
     for i, j, k in _PAIRS:
         gap = min(abs(t[i][i] - t[j][j]) - bounds[j], abs(t[i][i] - t[k][k]) - bounds[k]) - f[i][i]
-        error = _beside(t, f, beta, i)
-        sines.append(Fraction(error, gap) if gap > error else Fraction(1))
+        sines.append((beside[i], gap) if gap > beside[i] else (1, 1))
     return tuple(sines)
 
 
@@ -297,6 +329,6 @@ def _beside(t: _Rows, f: _Rows, beta: int, i: int) -> int:
 
 def _norm(values: Sequence[int], errors: Sequence[int], beta: int) -> int:
     """Return a bound on the norm of values whose errors are bounded one by one, and by `beta` together."""
-    apart = isqrt(sum((abs(value) + error) ** 2 for value, error in zip(values, errors, strict=True)))
-    together = isqrt(sum(value * value for value in values)) + 1 + beta
+    apart = isqrt(sum([(abs(value) + error) ** 2 for value, error in zip(values, errors, strict=True)]))
+    together = isqrt(sum([value * value for value in values])) + 1 + beta
     return min(apart + 1, together)

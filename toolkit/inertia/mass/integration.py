@@ -23,10 +23,12 @@ from inertia.mesh.geometry.closure import Closure, closure
 from inertia.mesh.geometry.intersect import crossings, to_be_examined
 from inertia.mesh.geometry.shells import Shell, absolute_orientation, shells, soundly_nested
 from inertia.mesh.geometry.shells import bodies as bodies_of
-from inertia.mesh.geometry.simple import MOST, at_hand, simple
+from inertia.mesh.geometry.simple import MOST, PIECES, SIMPLE, at_hand, states
 from inertia.mesh.geometry.sound_shells import sound_bodies
 from inertia.mesh.part import Cells, Facets, Part, Regions, Surface, Triangles, counts_once, usable
 from inertia.mesh.shape import Solid
+
+_SMALL = 20_000  # triangles; in a larger surface, pairing the edges by themselves costs next to nothing
 
 _WIRE = Remedy("analyse", "wire", "AREA")
 _ANY_WIRE = Remedy("analyse", "wire")
@@ -126,10 +128,15 @@ def surface_integrals(
         raise UsageError("exact arithmetic cannot give a shell's area, which holds square roots: leave it out")
     tries = arithmetics(accuracy)
     paired, summed = (0.6, 1.0) if shell or accuracy is None else (0.1, 0.2)
-    with naming(part):
-        summed_meanwhile = SummedFacets(triangles, surface=shell) if isinstance(triangles, Facets) else None
-    pairing = _part_of(progress, 0.0, paired)
-    topology = once("closure", triangles, lambda: closure(summed_meanwhile or triangles, pairing))
+    looked = _looked_at(triangles, intersections) if not shell else None
+    summed_meanwhile = None
+    if looked == SIMPLE:
+        topology = once("closure", triangles, lambda: Closure.simple(triangles.count))
+    else:
+        with naming(part):
+            summed_meanwhile = SummedFacets(triangles, surface=shell) if isinstance(triangles, Facets) else None
+        pairing = _part_of(progress, 0.0, paired)
+        topology = once("closure", triangles, lambda: closure(summed_meanwhile or triangles, pairing))
     with naming(part):
         summing = _part_of(progress, paired, summed)
         if summed_meanwhile is not None:
@@ -170,7 +177,7 @@ def surface_integrals(
     if (
         examined
         and not proven
-        and not _simple(triangles, topology, bodies is not None)
+        and not _simple(triangles, topology, bodies is not None, looked)
         and crossings(triangles, limit=1).total
     ):
         report = _sound(part, intersections, parts, allowance, absolute)
@@ -203,20 +210,32 @@ def surface_integrals(
             refuse_flat(part, whole, extents)
 
 
-def _simple(triangles: Triangles, topology: Closure, apart: bool) -> bool:
-    """Say whether one pass shows a surface to be free of crossings; `apart`, where no shells meet, shell by shell."""
-    count = triangles.count
-    if count > MOST or topology.open_edges or topology.crowded or not at_hand():
+def _looked_at(triangles: Triangles, intersections: bool | None) -> int | None:
+    """Return what one pass shows a small surface to be, if crossings are to be looked for; it pairs the edges, too."""
+    if triangles.count > _SMALL or not to_be_examined(triangles, intersections) or not at_hand():
+        return None
+    return int(_states(triangles.corners())[0])
+
+
+def _states(corners: Float, sizes: Int | None = None) -> Int:
+    """Return `states` of surfaces of so many triangles each, which stand one after the other; or of a single one."""
+    sizes = np.array([len(corners)]) if sizes is None else sizes
+    first = np.cumsum(sizes) - sizes
+    faces = np.arange(3 * len(corners)) - 3 * np.repeat(first, 3 * sizes)
+    return states(corners.reshape(-1, 3), faces.reshape(-1, 3), np.column_stack([3 * first, 3 * sizes, first, sizes]))
+
+
+def _simple(triangles: Triangles, topology: Closure, apart: bool, looked: int | None) -> bool:
+    """Say whether a pass shows a surface to be free of crossings; `apart`, where no shells meet, shell by shell."""
+    if triangles.count > MOST or topology.open_edges or topology.crowded or not at_hand():
         return False
-    corners, faces = triangles.corners(), np.arange(3 * count)
-    table = np.array([[0, 3 * count, 0, count]])
-    if apart and not topology.repeated:
-        corners = corners[np.argsort(topology.labels, kind="stable")]
-        sizes = np.bincount(topology.labels)
-        first = np.cumsum(sizes) - sizes
-        faces -= 3 * np.repeat(first, 3 * sizes)
-        table = np.column_stack([3 * first, 3 * sizes, first, sizes])
-    return bool(simple(corners.reshape(-1, 3), faces.reshape(-1, 3), table, pieces=True).all())
+    shell_by_shell = apart and not topology.repeated
+    if looked is not None and (looked <= PIECES or not shell_by_shell):
+        return looked <= PIECES
+    corners, sizes = triangles.corners(), None
+    if shell_by_shell:
+        corners, sizes = corners[np.argsort(topology.labels, kind="stable")], np.bincount(topology.labels)
+    return bool((_states(corners, sizes) <= PIECES).all())
 
 
 def _sound(part: Part, intersections: bool | None, parts: Parts, allowance: float, turned: bool) -> Report:

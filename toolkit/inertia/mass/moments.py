@@ -10,12 +10,16 @@ only: I_xx = ∫(y² + z²), I_xy = −∫xy.
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from fractions import Fraction
 from functools import cached_property
 from math import isqrt, lcm
+from typing import TYPE_CHECKING, Any
 
 from inertia.arrays import Float
+
+Over = tuple[list[int], int]
+"""Numerators, and the positive denominator that they have in common, which may share factors with all of them."""
 
 Vector = tuple[Fraction, Fraction, Fraction]
 Six = tuple[Fraction, Fraction, Fraction, Fraction, Fraction, Fraction]
@@ -45,10 +49,37 @@ class Moments:
     zeroth: Fraction
     first: Vector
     second: Six
-    zeroth_bound: Fraction = ZERO
-    first_bound: Vector = (ZERO, ZERO, ZERO)
-    second_bound: Six = (ZERO, ZERO, ZERO, ZERO, ZERO, ZERO)
+    zeroth_bound: Fraction = field(default_factory=lambda: ZERO)
+    first_bound: Vector = field(default_factory=lambda: (ZERO, ZERO, ZERO))
+    second_bound: Six = field(default_factory=lambda: (ZERO, ZERO, ZERO, ZERO, ZERO, ZERO))
     norms: tuple[Fraction, Fraction] | None = None
+
+    @classmethod
+    def over(cls, norms: tuple[Fraction, Fraction] | None = None, **numbers: Over) -> Moments:
+        """Return moments whose numbers have common denominators; each is reduced where it is read for the first time.
+
+        To reduce a number takes longer than to work out with integers what is read of it in the end.
+        """
+        moments = object.__new__(cls)
+        moments.__dict__.update(norms=norms, numbers=numbers)
+        return moments
+
+    if not TYPE_CHECKING:
+
+        def __getattr__(self, name: str) -> Any:
+            """Reduce a number of `over` where it is read for the first time."""
+            if name not in _FIELDS or "numbers" not in self.__dict__:
+                raise AttributeError(f"{type(self).__name__!r} object has no attribute {name!r}")
+            numerators, d = self.numbers[name]
+            values = tuple(Fraction(n, d) for n in numerators)
+            self.__dict__[name] = value = values[0] if name.startswith("zeroth") else values
+            return value
+
+    @cached_property
+    def numbers(self) -> dict[str, Over]:
+        """Each field but `norms`, as integers over a common denominator."""
+        values = self.__dict__
+        return {name: over((values[name],) if name.startswith("zeroth") else values[name]) for name in _FIELDS}
 
     @cached_property
     def error_norms(self) -> tuple[Fraction, Fraction]:
@@ -59,26 +90,29 @@ class Moments:
     @cached_property
     def first_norm(self) -> Fraction:
         """Bound on the norm of the error of `first`; see `norms`."""
-        elements = norm_above(self.first_bound)
+        elements = norm_above_of(*self.numbers["first_bound"])
         return elements if self.norms is None else min(self.norms[0], elements)
+
+    @cached_property
+    def tensor(self) -> list[list[Fraction]]:
+        """The inertia tensor of `second`."""
+        (xx, yy, zz, yz, zx, xy), d = self.numbers["second"]
+        a, b, c, e, f, g = (Fraction(k, d) for k in (yy + zz, zz + xx, xx + yy, -yz, -zx, -xy))
+        return [[a, g, f], [g, b, e], [f, e, c]]
 
     @cached_property
     def tensor_bounds(self) -> list[list[Fraction]]:
         """Bounds on the elements of the error of the inertia tensor of `second`."""
-        return inertia_bounds(self.second_bound)
+        return _inertia_bounds_of(*self.numbers["second_bound"])
 
     def scaled(self, factor: Fraction) -> Moments:
         """Return the moments of the same shape with `factor` times the density."""
         size = abs(factor)
-        return Moments(
-            self.origin,
-            factor * self.zeroth,
-            vector(factor * k for k in self.first),
-            six(factor * k for k in self.second),
-            size * self.zeroth_bound,
-            vector(size * k for k in self.first_bound),
-            six(size * k for k in self.second_bound),
+        return Moments.over(
             self.norms and (size * self.norms[0], size * self.norms[1]),
+            origin=self.numbers["origin"],
+            **{name: times(self.numbers[name], factor) for name in ("zeroth", "first", "second")},
+            **{name: times(self.numbers[name], size) for name in ("zeroth_bound", "first_bound", "second_bound")},
         )
 
     def weighed(self, mass: Fraction) -> Moments:
@@ -112,15 +146,12 @@ class Moments:
         if metres == 1:
             return self
         square = metres**2
-        return Moments(
-            vector(metres * k for k in self.origin),
-            self.zeroth,
-            vector(metres * k for k in self.first),
-            six(square * k for k in self.second),
-            self.zeroth_bound,
-            vector(metres * k for k in self.first_bound),
-            six(square * k for k in self.second_bound),
+        powers = {"origin": metres, "first": metres, "second": square, "first_bound": metres, "second_bound": square}
+        return Moments.over(
             self.norms and (metres * self.norms[0], square * self.norms[1]),
+            zeroth=self.numbers["zeroth"],
+            zeroth_bound=self.numbers["zeroth_bound"],
+            **{name: times(self.numbers[name], power) for name, power in powers.items()},
         )
 
     def about(self, point: Sequence[Fraction]) -> Moments:
@@ -207,13 +238,16 @@ class Moments:
 
         Every verb makes the rationals longer, and long ones make all that follows slow.
         """
+        exact = [self.numbers[name] for name in ("origin", "zeroth", "first", "second")]
+        if all(k.bit_length() <= _LONGEST for numerators, d in exact for k in (*numerators, d)):
+            return self  # without being reduced
         numbers = (*self.origin, self.zeroth, *self.first, *self.second)
         if all(max(k.numerator.bit_length(), k.denominator.bit_length()) <= _LONGEST for k in numbers):
             return self
         here = self.about([nearby(k) for k in self.origin])
         zeroth, first, second = (_cut(values) for values in ([here.zeroth], here.first, here.second))
         bounds = [
-            [_rounded_up(bound + abs(a - b)) for bound, a, b in zip(*each, strict=True)]
+            [_short(bound + abs(a - b)) for bound, a, b in zip(*each, strict=True)]
             for each in (
                 ([here.zeroth_bound], zeroth, [here.zeroth]),
                 (here.first_bound, first, here.first),
@@ -226,8 +260,8 @@ class Moments:
                 [a - b for a, b in zip(*each, strict=True)] for each in ((first, here.first), (second, here.second))
             ]
             norms = (
-                _rounded_up(here.norms[0] + norm_above(lost[0])),
-                _rounded_up(here.norms[1] + inertia_bound(six(lost[1]))),
+                _short(here.norms[0] + norm_above(lost[0])),
+                _short(here.norms[1] + inertia_bound(six(lost[1]))),
             )
         return Moments(
             here.origin, zeroth[0], vector(first), six(second), bounds[0][0], vector(bounds[1]), six(bounds[2]), norms
@@ -254,20 +288,47 @@ class Moments:
     @property
     def centroid(self) -> Vector:
         """The centre of volume or mass, in file axes."""
-        return vector(o + f / self.zeroth for o, f in zip(self.origin, self.first, strict=True))
+        numerators, d = self._centroid
+        return vector(Fraction(n, d) for n in numerators)
 
-    @property
+    @cached_property
+    def _centroid(self) -> Over:
+        (origin, d), ((v,), e), (first, f) = (self.numbers[name] for name in ("origin", "zeroth", "first"))
+        sign = (v > 0) - (v < 0)
+        if not sign:
+            raise ZeroDivisionError
+        own, others = f * abs(v), sign * d * e
+        return [o * own + k * others for o, k in zip(origin, first, strict=True)], d * own
+
+    @cached_property
     def centroid_bound(self) -> Fraction:
         """A bound on the centroid's distance from the true one (Euclidean).
 
         |f̂/v̂ − f/v| ≤ (B_f + |f̂/v̂| B_v) / (|v̂| − B_v) for each axis, and for the norms.
         """
-        least = abs(self.zeroth) - self.zeroth_bound
-        if least <= 0:
+        (size, bound, least, d), (first, _, e) = self._weight, self._lever
+        far = norm_above_of([k * d for k in first], e * size)
+        return min(norm_above_of(self._off, e * size), self.first_norm + far * Fraction(bound, d)) * Fraction(d, least)
+
+    @cached_property
+    def _weight(self) -> tuple[int, int, int, int]:
+        """Size and bound of `zeroth` and the first less the second, which must be positive, and their denominator."""
+        ((v,), (vb,)), d = _together(self.numbers["zeroth"], self.numbers["zeroth_bound"])
+        if abs(v) <= vb:
             raise ZeroDivisionError
-        c = [f / self.zeroth for f in self.first]
-        bounds = (b + abs(k) * self.zeroth_bound for k, b in zip(c, self.first_bound, strict=True))
-        return min(norm_above(bounds), self.first_norm + norm_above(c) * self.zeroth_bound) / least
+        return abs(v), vb, abs(v) - vb, d
+
+    @cached_property
+    def _lever(self) -> tuple[list[int], list[int], int]:
+        """The elements of `first`, their bounds, and the denominator of all."""
+        (first, bound), d = _together(self.numbers["first"], self.numbers["first_bound"])
+        return first, bound, d
+
+    @cached_property
+    def _off(self) -> list[int]:
+        """B_f + |f̂/v̂| B_v of each axis, times the size of v̂, over the denominator of `_lever`."""
+        (size, vb, _, _), (first, bounds, _) = self._weight, self._lever
+        return [b * size + abs(k) * vb for k, b in zip(first, bounds, strict=True)]
 
     def central(self) -> Moments:
         """Return the moments about the centroid, with bounds on ∫x xᵀ that hold for the *true* centroid.
@@ -282,36 +343,61 @@ class Moments:
 
     @cached_property
     def _central(self) -> Moments:
-        v, vb = self.zeroth, self.zeroth_bound
-        least = abs(v) - vb
-        if least <= 0:
-            raise ZeroDivisionError
-        c = [f / v for f in self.first]
-        fb = self.first_bound
-        far_along = [abs(k) for k in c]
-        off_along = [b + k * vb for k, b in zip(far_along, fb, strict=True)]  # ε times `least`
-        weight = (abs(v) + vb) / least**2
+        (size, vb, least, d), (f, fb, e) = self._weight, self._lever
+        (s, g), (sb, h) = self.numbers["second"], self.numbers["second_bound"]
         norms = None
         if self.norms is not None:
-            far, (first, tensor) = norm_above(c), self.error_norms
-            off = (first + far * vb) / least
-            norms = ZERO, tensor + 3 * far * first + Fraction(3, 2) * (far**2 * vb + off**2 * (abs(v) + vb))
-        return Moments(
-            self.centroid,
-            v,
-            (ZERO, ZERO, ZERO),
-            six(self.second[k] - self.first[i] * c[j] for k, (i, j) in enumerate(PAIRS)),
-            vb,
-            (ZERO, ZERO, ZERO),
-            six(
-                self.second_bound[k]
-                + far_along[i] * fb[j]
-                + far_along[j] * off_along[i]
-                + off_along[i] * off_along[j] * weight
-                for k, (i, j) in enumerate(PAIRS)
-            ),
+            far, (first, tensor) = norm_above_of([k * d for k in f], e * size), self.error_norms
+            bound = Fraction(vb, d)
+            away = (first + far * bound) * Fraction(d, least)
+            both = far**2 * bound + away**2 * Fraction(size + vb, d)
+            norms = ZERO, tensor + 3 * far * first + Fraction(3, 2) * both
+        # |c| is |f| d/(e size) and ε is off d/(e size least).
+        off, square, sign = self._off, least * least, 1 if self.numbers["zeroth"][0][0] > 0 else -1
+        shift = [
+            (abs(f[i]) * fb[j] * size + abs(f[j]) * off[i]) * square + off[i] * off[j] * (size + vb) for i, j in PAIRS
+        ]
+        own, wide = e * e * size, e * e * size * size * square
+        nothing = [0, 0, 0], 1
+        return Moments.over(
             norms,
+            origin=self._centroid,
+            zeroth=self.numbers["zeroth"],
+            first=nothing,
+            second=([own * k - sign * d * g * f[i] * f[j] for k, (i, j) in zip(s, PAIRS, strict=True)], own * g),
+            zeroth_bound=self.numbers["zeroth_bound"],
+            first_bound=nothing,
+            second_bound=([wide * k + d * h * moved for k, moved in zip(sb, shift, strict=True)], wide * h),
         )
+
+
+_FIELDS = ("origin", "zeroth", "first", "second", "zeroth_bound", "first_bound", "second_bound")
+
+
+def over(values: Sequence[Fraction]) -> Over:
+    """Return rationals over their common denominator."""
+    d = lcm(*(k.denominator for k in values))
+    return [k.numerator * (d // k.denominator) for k in values], d
+
+
+def _together(a: Over, b: Over) -> tuple[tuple[list[int], list[int]], int]:
+    """Return the numerators of both over one denominator."""
+    d = lcm(a[1], b[1])
+    p, q = d // a[1], d // b[1]
+    return ([p * k for k in a[0]], [q * k for k in b[0]]), d
+
+
+def dyadic(values: Sequence[float]) -> Over:
+    """Return floats over their common denominator."""
+    ratios = [k.as_integer_ratio() for k in values]
+    d = max(d for _, d in ratios)  # of powers of two
+    return [n * (d // own) for n, own in ratios], d
+
+
+def times(numbers: Over, factor: Fraction) -> Over:
+    """Return the numbers multiplied by a rational."""
+    n = factor.numerator
+    return [n * k for k in numbers[0]], numbers[1] * factor.denominator
 
 
 def total(bodies: Iterable[Moments]) -> Moments:
@@ -330,9 +416,13 @@ def inertia_tensor(second: Six) -> list[list[Fraction]]:
 
 def inertia_bounds(bound: Six) -> list[list[Fraction]]:
     """Return bounds on the elements of the tensor's error, from the bounds on the second moments."""
+    return _inertia_bounds_of(*over(bound))
+
+
+def _inertia_bounds_of(bound: Sequence[int], d: int) -> list[list[Fraction]]:
     xx, yy, zz, yz, zx, xy = bound
-    a, b, c, d, e, f = (_rounded_up(abs(k)) for k in (yy + zz, zz + xx, xx + yy, yz, zx, xy))
-    return [[a, f, e], [f, b, d], [e, d, c]]
+    a, b, c, e, f, g = (_rounded_up(abs(k), d) for k in (yy + zz, zz + xx, xx + yy, yz, zx, xy))
+    return [[a, g, f], [g, b, e], [f, e, c]]
 
 
 def inertia_bound(bound: Six) -> Fraction:
@@ -342,9 +432,12 @@ def inertia_bound(bound: Six) -> Fraction:
 
 def norm_above(values: Iterable[Fraction]) -> Fraction:
     """Return a rational at least as large as the root of the sum of the squares, by at most a part in 2⁶⁰."""
-    pairs = [(k.numerator, k.denominator) for k in values]
-    common = lcm(*(d for _, d in pairs))
-    return root_above(Fraction(sum((n * (common // d)) ** 2 for n, d in pairs), common * common))
+    return norm_above_of(*over(tuple(values)))
+
+
+def norm_above_of(numerators: Iterable[int], d: int) -> Fraction:
+    """Return what `norm_above` does, of values over a common denominator."""
+    return root_above(Fraction(sum(n * n for n in numerators), d * d))
 
 
 def root_above(square: Fraction) -> Fraction:
@@ -357,13 +450,16 @@ def root_above(square: Fraction) -> Fraction:
     return Fraction(isqrt(scaled) + 1, 1 << shift)
 
 
-def _rounded_up(bound: Fraction) -> Fraction:
-    """Return a short rational at least as large, by at most a part in 2⁶³: long ones make all that follows slow."""
-    n, d = bound.numerator, bound.denominator
+def _rounded_up(n: int, d: int) -> Fraction:
+    """Return a short rational at least as large as n/d, by at most a part in 2⁶³: long ones make what follows slow."""
     last = n.bit_length() - d.bit_length() - 64
     if last >= 0:
         return Fraction(-(-n // (d << last)) << last)
     return Fraction(-((-n << -last) // d), 1 << -last)
+
+
+def _short(bound: Fraction) -> Fraction:
+    return _rounded_up(bound.numerator, bound.denominator)
 
 
 def nearby(value: Fraction) -> Fraction:

@@ -13,7 +13,7 @@ from numpy.typing import ArrayLike
 from inertia.arrays import Float
 from inertia.errors import UNIT, GeometryError, UsageError
 from inertia.mass.eigen import Spectrum, spectrum
-from inertia.mass.moments import Moments, inertia_tensor
+from inertia.mass.moments import Moments
 from inertia.mass.tensor import array_of
 
 InertiaClass = Literal["spherical", "prolate", "oblate", "asymmetric", "rotor"]
@@ -98,13 +98,14 @@ def spectrum_of_moments(central: Moments) -> Spectrum:
 
     Each second moment has a bound of its own, so that the errors across a needle count as small as they are.
     """
-    return spectrum(inertia_tensor(central.second), central.tensor_bounds, central.error_norms[1])
+    return spectrum(central.tensor, central.tensor_bounds, central.error_norms[1])
 
 
 def principal_of(eigen: Spectrum, tolerance: float = CLASS_TOLERANCE) -> Principal:
     """Return what `principal` does, from the spectrum of a tensor."""
-    limit = Fraction(tolerance) * eigen.values[2]
-    values, bounds = eigen.values, eigen.value_bounds
+    values, bounds, n, d = eigen.multiples, eigen.bounds, eigen.unit.numerator, eigen.unit.denominator
+    share, whole = tolerance.as_integer_ratio()
+    limit = share * values[2] // whole
     low, high = (values[k + 1] - values[k] <= limit + bounds[k + 1] + bounds[k] for k in range(2))
     equal: tuple[tuple[int, ...], ...] = ()
     kind: InertiaClass = "asymmetric"
@@ -117,22 +118,23 @@ def principal_of(eigen: Spectrum, tolerance: float = CLASS_TOLERANCE) -> Princip
     if kind == "prolate" and values[0] <= limit + bounds[0]:
         kind = "rotor"
     axes = eigen.vectors.copy()
-    angles = np.array([math.asin(min(_above(sine), 1.0)) for sine in eigen.sines])
-    angles = np.minimum(angles + _AXIS_ROUNDING, 0.5 * math.pi)
+    angles = np.array([min(math.asin(min(_above(*k), 1.0)) + _AXIS_ROUNDING, 0.5 * math.pi) for k in eigen.ratios])
     for group in equal:
         axes[:, group] = _nearest_axes(axes[:, group])
         angles[list(group)] = 0.5 * math.pi
-    moments = [_rounded(value) for value in values]
-    half = sum(values, Fraction(0)) / 2
-    second = np.array([_rounded(max(half - value, Fraction(0))) for value in values])
-    rounding = [abs(Fraction(k) - value) for k, value in zip(moments, values, strict=True)]
-    errors = np.array([_above(bound + k) for bound, k in zip(bounds, rounding, strict=True)])
-    return Principal(np.array(moments), _signed(axes), equal, kind, tolerance, errors, angles, second)
+    moments = [_rounded(n * value, d) for value in values]
+    second = np.array([_rounded(n * max(sum(values) - 2 * value, 0), 2 * d) for value in values])
+    errors = []
+    for moment, value, bound in zip(moments, values, bounds, strict=True):
+        p, q = moment.as_integer_ratio()
+        errors.append(_above(abs(p * d - n * value * q) + n * bound * q, q * d))
+    return Principal(np.array(moments), _signed(axes), equal, kind, tolerance, np.array(errors), angles, second)
 
 
-def _rounded(moment: Fraction) -> float:
+def _rounded(n: int, d: int) -> float:
+    """Return n/d, kg m², rounded."""
     try:
-        return float(moment)
+        return n / d
     except OverflowError:
         raise GeometryError(
             "a principal moment is above 1.8e308 kg m2 and leaves float64: give the coordinates in a smaller unit "
@@ -141,10 +143,10 @@ def _rounded(moment: Fraction) -> float:
         ) from None
 
 
-def _above(bound: Fraction) -> float:
-    """Return the bound rounded up."""
+def _above(n: int, d: int) -> float:
+    """Return the bound n/d rounded up."""
     try:
-        return math.nextafter(float(bound), math.inf) if bound else 0.0
+        return math.nextafter(n / d, math.inf) if n else 0.0
     except OverflowError:
         return math.inf
 
@@ -163,13 +165,12 @@ def _nearest_axes(basis: Float) -> Float:
 
 
 def _signed(axes: Float) -> Float:
-    def positive(axis: Float) -> Float:
-        size = np.abs(axis)
-        leading = int(np.argmax(size >= size.max() * (1 - 1e-9)))
-        return axis if axis[leading] > 0 else -axis
+    def positive(axis: list[float]) -> list[float]:
+        limit = max(map(abs, axis)) * (1 - 1e-9)
+        return axis if next(k for k in axis if abs(k) >= limit) > 0 else [-k for k in axis]
 
-    first, third = positive(axes[:, 0]), positive(axes[:, 2])
-    return np.column_stack([first, np.cross(third, first), third]) + 0.0
+    (a, b, c), (x, y, z) = (positive(axis) for axis in (axes[:, 0].tolist(), axes[:, 2].tolist()))
+    return np.array([[a, y * c - z * b, x], [b, z * a - x * c, y], [c, x * b - y * a, z]]) + 0.0
 
 
 def radii_of_gyration(moments: ArrayLike, mass: float) -> Float:

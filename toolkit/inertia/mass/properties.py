@@ -19,7 +19,7 @@ from inertia.arrays import Float
 from inertia.errors import UNIT, GeometryError, UsageError
 from inertia.mass import principal as principals
 from inertia.mass.eigen import Spectrum
-from inertia.mass.moments import ZERO, Moments, Six, inertia_tensor, nearby, norm_above
+from inertia.mass.moments import ZERO, Moments, Six, dyadic, nearby, norm_above, norm_above_of
 from inertia.mass.tensor import array_of, exact_point, faults, rotation_of
 
 if TYPE_CHECKING:
@@ -32,6 +32,7 @@ CERTAIN = 1e-9
 _ROUNDOFF = Fraction(1, 2**53)
 _NORMAL = 2.0**-1022  # below it rounding is not relative, but of up to half the spacing of the numbers there
 _SPACING = Fraction(1, 2**1074)
+_TWO = Fraction(2)
 _WIDEN = 1 + Fraction(1, 2**59)  # more than a root is rounded up by
 
 
@@ -146,10 +147,11 @@ class MassProperties:
     ) -> MassProperties:
         """Round exact moments of mass; the volume's error, and the mass' if it is at hand, are those stated."""
         central = moments.central()
-        exact = [k for row in inertia_tensor(central.second) for k in row]
+        exact = [k for row in central.tensor for k in row]
         try:
             mass = float(moments.zeroth)
-            com = [float(k) for k in central.origin]
+            center, d = central.numbers["origin"]
+            com = [k / d for k in center]
             tensor = [float(k) for k in exact]
         except OverflowError:
             raise GeometryError(*_TOO_LARGE) from None
@@ -159,7 +161,7 @@ class MassProperties:
             method,
             volume_error,
             _relative(moments.zeroth_bound, [moments.zeroth], [mass]) if mass_error is None else mass_error,
-            _above(moments.centroid_bound + norm_above(map(Fraction, com)) * _ROUNDOFF + 2 * _SPACING),
+            _sum_above((moments.centroid_bound, 0), (_size(com), 53), (_TWO, 1074)),
             _relative(central.error_norms[1], exact, tensor),
         )
         properties = cls(mass, volume, np.array(com), np.array(tensor).reshape(3, 3), error)
@@ -314,7 +316,7 @@ class MassProperties:
         """
         to = exact_point(point, "point")
         there = self._moments.about(to)
-        exact = [k for row in inertia_tensor(there.second) for k in row]
+        exact = [k for row in there.tensor for k in row]
         try:
             tensor = [float(k) for k in exact]
         except OverflowError:
@@ -419,24 +421,45 @@ def _require_mass(moments: Moments) -> None:
 
 def _norm(array: Float) -> Fraction:
     """Return the Frobenius norm, rounded up."""
-    return norm_above(Fraction(k) for k in array.ravel().tolist())
+    return _size(array.ravel().tolist())
+
+
+def _size(values: Sequence[float]) -> Fraction:
+    """Return the root of the sum of the squares, rounded up."""
+    return norm_above_of(*dyadic(values))
 
 
 def _relative(bound: Fraction, exact: Sequence[Fraction], rounded: Sequence[float]) -> float:
     """Return a bound with what rounding adds to it, over the norm of the rounded values; 0 of nothing."""
-    below = sum(bool(value) and abs(k) < _NORMAL for value, k in zip(exact, rounded, strict=True)) * _SPACING
-    if norm := norm_above(map(Fraction, rounded)):
-        return _above((bound + below) * _WIDEN / norm + _ROUNDOFF)
+    if below := sum(abs(k) < _NORMAL and bool(value) for value, k in zip(exact, rounded, strict=True)):
+        bound += below * _SPACING
+    if norm := _size(rounded):
+        n, d = norm.numerator * bound.denominator * _WIDEN.denominator, norm.denominator * _WIDEN.numerator
+        return _ratio_above((bound.numerator * d << 53) + n, n << 53)
     return math.inf if bound else 0.0
+
+
+def _sum_above(*terms: tuple[Fraction, int]) -> float:
+    """Return the sum of rationals, each divided by a power of two, rounded up."""
+    d = math.prod(value.denominator for value, _ in terms)
+    last = max(power for _, power in terms)
+    n = sum(value.numerator * (d // value.denominator) << (last - power) for value, power in terms)
+    return _ratio_above(n, d << last)
 
 
 def _above(value: Fraction) -> float:
     """Return the value rounded up."""
+    return _ratio_above(value.numerator, value.denominator)
+
+
+def _ratio_above(n: int, d: int) -> float:
+    """Return n/d rounded up."""
     try:
-        rounded = float(value)
+        rounded = n / d
     except OverflowError:
         return math.inf
-    return rounded if rounded >= value else math.nextafter(rounded, math.inf)
+    p, q = rounded.as_integer_ratio()
+    return rounded if p * d >= n * q else math.nextafter(rounded, math.inf)
 
 
 def _show(value: Fraction) -> str:

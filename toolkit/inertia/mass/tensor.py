@@ -19,6 +19,9 @@ from inertia.errors import UsageError
 VALIDITY_TOLERANCE = 1e-9
 """Relative slack, of the trace, within which a tensor still counts as physical."""
 
+_MARGIN = 1e-12  # of minors of a matrix of trace ½, which rounding takes 1e-15 from
+_LEAST = 1e-300
+
 
 def array_of(value: ArrayLike | Sequence[Fraction], shape: tuple[int, ...], name: str) -> Float:
     """Return `value` as a finite float64 array of `shape`, or raise `UsageError` naming it."""
@@ -99,6 +102,8 @@ def faults(inertia: ArrayLike, tolerance: float = VALIDITY_TOLERANCE) -> list[st
     ['the principal moments 1, 1, 3 break the triangle rule: no body has I1 + I2 < I3']
     """
     tensor = array_of(inertia, (3, 3), "inertia")
+    if _plainly_physical(tensor.tolist()):
+        return []
     largest = float(np.abs(tensor).max())
     if largest == 0:
         return []
@@ -116,3 +121,18 @@ def faults(inertia: ArrayLike, tolerance: float = VALIDITY_TOLERANCE) -> list[st
     if i1 + i2 < i3 - tolerance:
         return [f"{moments} break the triangle rule: no body has I1 + I2 < I3"]
     return []
+
+
+def _plainly_physical(rows: list[list[float]]) -> bool:
+    """Say whether a tensor is symmetric, and its second moments, ½ tr I δ − I, are positive far above rounding.
+
+    They are so by Sylvester's criterion. Then each moment is positive and less than the sum of the other two.
+    """
+    (xx, xy, xz), (yx, yy, yz), (zx, zy, zz) = rows
+    trace = xx + yy + zz
+    if not (_LEAST < trace < 1 / _LEAST and xy == yx and xz == zx and yz == zy):
+        return False
+    a, b, c = 0.5 - xx / trace, 0.5 - yy / trace, 0.5 - zz / trace
+    d, e, f = -yz / trace, -xz / trace, -xy / trace
+    minor = a * b - f * f
+    return min(a, minor, minor * c - a * d * d - b * e * e + 2 * d * e * f) > _MARGIN

@@ -5,12 +5,13 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from fractions import Fraction
+from functools import cache
 from math import prod, sqrt
 
 import numpy as np
 
 from inertia.arrays import Float
-from inertia.mass.moments import PAIRS, Moments, six, vector
+from inertia.mass.moments import PAIRS, Moments, dyadic, over, times
 from inertia.mass.triangles.fine_sums import BITS, REACH
 from inertia.mass.triangles.kernels import BLOCK, DEPTH, LANES
 from inertia.mass.triangles.sums import Sums
@@ -90,28 +91,32 @@ def moments_with_bounds(
     What underflow can add, at most 100 smallest normal numbers a triangle (in a shell 2⁻⁵⁰⁰, as a square root is
     taken of the squares of n) times the four lengths that may multiply them, is added.
     """
-    shrink = Fraction(2) ** -sums.exponent
-    origin = vector(Fraction(float(k)) for k in sums.origin)
     reach = _reach(sums)
     tiny = sums.count * (2.0**-500 if surface else 100 * 2.0**-1022) * max(1.0, *reach) ** 4
     bounds = a_priori(value, sums, roundings)
     if running is not None:
         bounds = [min(pair) for pair in zip(bounds, running.tolist(), strict=True)]  # of a NaN, the first
-    zeroth, *others = (Fraction((k + tiny) * _INFLATED) for k in bounds)
-    unit = shrink ** (2 if surface else 3)
-    zeroth_factor = unit / (2 if surface else 6)
-    first_factor = unit * shrink / (6 if surface else 24)
-    second_factor = unit * shrink**2 / (24 if surface else 120)
-    twice = 2 * second_factor
-    return Moments(
-        origin,
-        zeroth_factor * value[0],
-        vector(first_factor * k for k in value[1:4]),
-        six((*(twice * k for k in value[4:7]), *(second_factor * k for k in value[7:10]))),
-        zeroth_factor * zeroth,
-        vector(first_factor * k for k in others[:3]),
-        six(second_factor * k for k in others[3:]),
+    zeroth, first, second = _factors(sums.exponent, surface)
+    k, d = over(value)
+    b, e = dyadic([(k + tiny) * _INFLATED for k in bounds])
+    return Moments.over(
+        origin=dyadic(sums.origin.tolist()),
+        zeroth=times((k[:1], d), zeroth),
+        first=times((k[1:4], d), first),
+        second=times(([2 * each for each in k[4:7]] + k[7:], d), second),
+        zeroth_bound=times((b[:1], e), zeroth),
+        first_bound=times((b[1:4], e), first),
+        second_bound=times((b[4:], e), second),
     )
+
+
+@cache
+def _factors(exponent: int, surface: bool) -> tuple[Fraction, Fraction, Fraction]:
+    """Return what the sums are multiplied by for the zeroth, first and second moments."""
+    shrink = Fraction(2) ** -exponent
+    unit = shrink ** (2 if surface else 3)
+    zeroth, first, second = (2, 6, 24) if surface else (6, 24, 120)
+    return unit / zeroth, unit * shrink / first, unit * shrink**2 / second
 
 
 def distances(sums: Sums, accurate: Sequence[Fraction], bounds: Sequence[float]) -> Float:
@@ -119,9 +124,12 @@ def distances(sums: Sums, accurate: Sequence[Fraction], bounds: Sequence[float])
 
     They are the distances from sums of more digits, and the bounds on the errors of these.
     """
-    apart = (abs(Fraction(k) - exact) for k, exact in zip(sums.sums[:10].tolist(), accurate, strict=True))
-    times = (1, 1, 1, 1, 2, 2, 2, 1, 1, 1)
-    return np.array([t * float(k) + bound for t, k, bound in zip(times, apart, bounds, strict=True)])
+    result = []
+    for number, (k, exact, bound) in enumerate(zip(sums.sums[:10].tolist(), accurate, bounds, strict=True)):
+        (n, d), (m, e) = k.as_integer_ratio(), exact.as_integer_ratio()
+        apart = abs(n * e - m * d) / (d * e)
+        result.append((2 if number in (4, 5, 6) else 1) * apart + bound)
+    return np.array(result)
 
 
 def fine_values(sums: Sums) -> tuple[list[Fraction], list[float]] | None:

@@ -58,6 +58,11 @@ class Closure:
     repeated: int
     crowded: int
 
+    @classmethod
+    def simple(cls, count: int) -> Closure:
+        """Return that of a closed surface of so many triangles in one piece."""
+        return cls(0, 1, np.zeros(count, np.int32), 0, 0)
+
 
 @cache
 def process_salt() -> NDArray[np.uint64]:

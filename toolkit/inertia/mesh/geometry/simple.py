@@ -23,6 +23,9 @@ from inertia.native import Kernel, address
 MOST = 200_000
 """Triangles of a surface that is looked at, at most."""
 
+SIMPLE, PIECES = 0, 1
+"""What `states` says of a surface that is closed and free of crossings, in one piece or in several."""
+
 _KERNEL = Kernel("inertia.mesh.geometry.simple_kernel", "check_small", "pipipipipp")
 _REPAYS = 6_000  # triangles; looking for crossings otherwise takes several times as long
 _BYTES = 71_000_000  # that the kernel has its tables in, of which 38 MB are touched for the largest surface, and stay
@@ -50,16 +53,21 @@ def simple(vertices: Float, faces: Int, table: Int, *, pieces: bool = False) -> 
     >>> simple(cube, faces, np.array([[0, 8, 0, 12], [0, 8, 0, 11]])).tolist()
     [True, False]
     """
+    sound: Bool = states(vertices, faces, table) <= (PIECES if pieces else SIMPLE)
+    return sound
+
+
+def states(vertices: Float, faces: Int, table: Int) -> Int:
+    """Return of each surface of a batch `SIMPLE`, or `PIECES` where it is so in several, or more; see `simple`."""
     if not hasattr(_own, "tables"):
         _own.tables = _tables()
     room = int(table[:, 1].max(initial=1))
-    ids, states = np.empty(room, np.int32), np.empty(len(table), np.int64)
+    ids, result = np.empty(room, np.int32), np.empty(len(table), np.int64)
     _KERNEL.function(
         place(vertices), len(vertices), place(faces), len(faces), place(table), len(table), place(ids), room,
-        address(_own.tables), place(states),
+        address(_own.tables), place(result),
     )  # fmt: skip
-    sound: Bool = states <= (1 if pieces else 0)
-    return sound
+    return result
 
 
 def _tables() -> mmap.mmap:
