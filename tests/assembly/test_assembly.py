@@ -258,6 +258,13 @@ def test_an_assembly_in_itself_is_refused(tmp_path: Path) -> None:
         ({"at": [0, "9" * 400, 0]}, r"part\[0\]\.at\[1\] is '9+\.\.\.: no length is of that size"),
         ({"mass": "0±1"}, r"part\[0\]\.mass is 0\.0: it must be positive"),
         ({"mirror": [0, 0, 0]}, r"mirror is zero"),
+        ({"mirror": "x", "center_of_mass": [1, 0, 0]}, r"mirror is given beside center_of_mass as measured"),
+        ({"mirror": "x", "shape": None, "inertia": np.eye(3)}, r"mirror is given beside inertia as measured"),
+        ({"mirror": "x", "shape": None, "mass": None}, r"mirror is given for a group: mirror its parts"),
+        (
+            {"mirror": "x", "shape": None, "mass": None, "assembly": "arm.toml"},
+            r"mirror is given for another assembly: mirror its parts",
+        ),
         ({"rows": {"count": [2000, 2000, 1], "step": [1, 1, 1]}}, "asks for 4000000 copies"),
         ({"quantitty": 2}, "did you mean quantity"),
         ({"scale": "1±0.1"}, "is that of a file, and the part has none"),

@@ -277,7 +277,8 @@ class PartFields(Section):
     matrix : rotation by rows (3, 3), or (4, 4) with the translation in its last column
     euler : degrees, about the axes that `sequence` names
     sequence : of the Euler angles, as "ZXZ" (turned axes) or "xyz" (axes at rest)
-    mirror : "x", "y", "z" or a normal: the part is reflected in that plane through its origin, before it is placed
+    mirror : "x", "y", "z" or a normal: the part is reflected in that plane through its origin, before it is placed;
+        what was measured is stated of it as mirrored, and parts that hang on it are not
     around : copies around an axis of the parent
     rows : copies in rows along the axes of the parent
     position_uncertainty : standard uncertainty of each coordinate of the place, of every copy by itself
@@ -349,6 +350,7 @@ class PartFields(Section):
                 if getattr(self, name) is not None:
                     what = "a group, which has no file, shape or mass" if self.is_group else "another assembly"
                     raise FieldError(f"{path}.{name}", f"is given for {what}: give it for its parts")
+        self._require_what_is_mirrored(path)
         if self.density is not None and self.material is not None:
             raise FieldError(f"{path}.material", "is given beside density: give one")
         if self.inertia is not None and self.mass is None:
@@ -373,6 +375,16 @@ class PartFields(Section):
                 f"{path}.surface_uncertainty", "is given for a shell: give that of its thickness, as shell"
             )
         self._require_turn(path)
+
+    def _require_what_is_mirrored(self, path: str) -> None:
+        if self.mirror is None or self.file is not None:
+            return
+        if self.is_group or self.assembly is not None:
+            what = "a group" if self.is_group else "another assembly"
+            raise FieldError(f"{path}.mirror", f"is given for {what}: mirror its parts, and where they are placed")
+        for name in ("center_of_mass", "inertia") if self.shape in (None, "point") else ():
+            if getattr(self, name) is not None:
+                raise FieldError(f"{path}.mirror", f"is given beside {name} as measured: state that of the mirror image")
 
     def _require_shape(self, path: str) -> None:
         if self.shape is not None:

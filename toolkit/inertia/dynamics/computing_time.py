@@ -70,7 +70,8 @@ class Watch:
         if left <= 0:
             how = f"takes longer than {seconds:g} s of computing, which is its limit"
         elif needed < float("inf"):
-            how = f"would take some {needed:.2g} s of computing on this machine, and the limit is {seconds:g} s"
+            total = seconds - left + needed - elapsed  # what other loops of the run have taken counts, too
+            how = f"would take some {total:.2g} s of computing on this machine, and the limit is {seconds:g} s"
         else:
             how = f"has no end in sight after {elapsed:.2g} s of computing, and the limit is {seconds:g} s"
         raise GeometryError(
