@@ -69,6 +69,12 @@ def test_the_samples_say_the_same_after_a_round_trip(name):
         ),
         (("rpm",), None, r"run\[0\].readings\[0\].rpm is missing: give it, or rpm at the top"),
         (("plane", 0, "kit"), [{"mass_g": 5}], r"plane\[0\].kit goes with positions"),
+        (("plane", 0, "kit"), [], r"plane\[0\].kit has 0 entries: give at least 1"),
+        (
+            ("plane",),
+            [{"id": "I", "radius": 100, "positions": [0, 120, 240], "kit": [{"mass_g": 5, "radius": 120}]}],
+            r"plane\[0\].kit\[0\].radius is another than the plane's, plane\[0\].radius",
+        ),
         (("plane", 0, "bolt"), 5, r"plane\[0\].bolt is unknown"),
         (("plane",), [{"id": "I"}, {"id": "II"}], "2 runs cannot tell what a weight does in 2 planes"),
         (("tolerance",), {"grade": 6.3, "rpm": 3000}, "tolerance.mass is missing: a grade permits"),

@@ -2,7 +2,8 @@
 
 import cmath
 import math
-from itertools import product
+from collections import Counter
+from itertools import combinations_with_replacement, product
 
 import numpy as np
 import pytest
@@ -73,3 +74,43 @@ def test_anywhere_it_is_one_mass():
 def test_stocks_of_a_kit_are_kept():
     pieces = split_among(10.0 + 0j, [0.0], kit=[KitWeight("5", 5.0, 1), KitWeight("2", 2.0, None)], most_pieces=3)
     assert {piece.item: piece.pieces for piece in pieces} == {"5": 1, "2": 2}
+
+
+@pytest.mark.parametrize(("count", "most"), [(12, 2), (12, 5), (36, 10)])
+def test_kits_with_more_choices_than_can_be_listed_take_few_weights_and_none_of_as_many_are_nearer(count, most):
+    vector, angles = cmath.rect(12.3, 1.1), [2 * math.pi * k / count for k in range(count)]
+    pieces = split_among(vector, angles, kit=[KitWeight("5", 5.0, None), KitWeight("2", 2.0, None)], most_pieces=most)
+    number = sum(piece.pieces for piece in pieces)
+    assert number <= 4
+    assert all(sum(k.pieces for k in pieces if k.angle == angle) <= most for angle in angles)
+    kinds = [(k, mass * cmath.exp(1j * angle)) for k, angle in enumerate(angles) for mass in (5.0, 2.0)]
+    nearest = min(
+        abs(sum(effect for _, effect in choice) - vector)
+        for fewer in range(number + 1)
+        for choice in combinations_with_replacement(kinds, fewer)
+        if max(Counter(place for place, _ in choice).values(), default=0) <= most
+    )
+    assert abs(whole(pieces) - vector) == pytest.approx(nearest, rel=1e-4)
+    assert nearest < 0.05 * abs(vector)
+
+
+def test_steps_are_those_of_the_shop_however_light_the_rotor_is():
+    for unit in (1e-15, 1.0, 1e9):
+        (piece,) = split_among(0.74j * unit, None, step=0.1 * unit)
+        assert piece.mass == pytest.approx(0.7 * unit, rel=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("places", "more"),
+    [
+        (None, {"step": 4.0}),
+        ([0.0, 0.5, 3.0], {"step": 4.0}),
+        ([0.0, 0.5, 3.0], {"kit": [KitWeight("4", 4.0, None)], "most_pieces": 4}),
+    ],
+)
+def test_steps_and_weights_do_not_pass_the_limit_of_the_whole(places, more):
+    vector = cmath.rect(11.0, 0.1)
+    assert abs(whole(split_among(vector, places, **more))) > 11.1
+    limited = split_among(vector, places, most_in_all=11.0, **more)
+    assert 6.0 < abs(whole(limited)) <= 11.0
+    assert split_among(vector, places, most_in_all=0.5, **more) == ()

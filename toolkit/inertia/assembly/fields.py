@@ -384,7 +384,9 @@ class PartFields(Section):
             raise FieldError(f"{path}.mirror", f"is given for {what}: mirror its parts, and where they are placed")
         for name in ("center_of_mass", "inertia") if self.shape in (None, "point") else ():
             if getattr(self, name) is not None:
-                raise FieldError(f"{path}.mirror", f"is given beside {name} as measured: state that of the mirror image")
+                raise FieldError(
+                    f"{path}.mirror", f"is given beside {name} as measured: state that of the mirror image"
+                )
 
     def _require_shape(self, path: str) -> None:
         if self.shape is not None:

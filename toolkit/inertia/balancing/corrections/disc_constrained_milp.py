@@ -21,7 +21,12 @@ Complex = NDArray[np.complex128]
 
 _DIRECTIONS = 8
 _ROUNDS = 200
+_OPTIMAL, _INFEASIBLE = 0, 2  # of scipy's milp
 _INSIDE = 2e-6  # what HiGHS takes for satisfied, doubled; numbers are of the order of 1
+
+
+class UnsettledError(Exception):
+    """A program's search did not end within its nodes."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -37,6 +42,7 @@ class Program:
     upper : (n,); `lower` (n,) is 0 where it is not given
     integral : (n,), 1 for whole numbers
     rows : triples of coefficients (n,), least and greatest
+    nodes : of the tree of choices that are looked at between two tangents; all without it
     """
 
     effects: Complex
@@ -47,11 +53,12 @@ class Program:
     integral: Float
     rows: Sequence[tuple[Float, float, float]] = ()
     lower: Float | None = None
+    nodes: int | None = None
 
     def least(self, cost: ArrayLike) -> Float | None:
         """Return the x (n,) of least cost, None where no x is allowed.
 
-        Raises `GeometryError` where the search does not end.
+        Raises `UnsettledError` where `nodes` are not enough, `GeometryError` where the search does not end.
         """
         from scipy.optimize import Bounds, LinearConstraint, milp
 
@@ -72,8 +79,10 @@ class Program:
                     integrality=self.integral,
                     bounds=bounds,
                     constraints=LinearConstraint(np.array(matrix), low, high),
-                    options={"mip_rel_gap": 0.0},
+                    options={"mip_rel_gap": 0.0} | ({} if self.nodes is None else {"node_limit": self.nodes}),
                 )
+            if self.nodes is not None and solution.status not in (_OPTIMAL, _INFEASIBLE):
+                raise UnsettledError
             if solution.x is None:
                 return None
             x: Float = np.where(self.integral > 0, np.round(solution.x), solution.x)

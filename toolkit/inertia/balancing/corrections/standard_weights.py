@@ -18,12 +18,13 @@ from numpy.typing import ArrayLike, NDArray
 
 from inertia.arrays import Float, Int
 from inertia.balancing.corrections.correction_plane import CorrectionPlane, KitWeight, angle_of
-from inertia.balancing.corrections.disc_constrained_milp import Complex, Program
+from inertia.balancing.corrections.disc_constrained_milp import Complex, Program, UnsettledError
 from inertia.balancing.corrections.operation import Operation
 from inertia.balancing.corrections.tool import Tool
 
 _SAFE = 1e-5  # of a tolerance, kept from its limit for what rounding may do
 _LEEWAY = 4e-6  # of the unit that residuals are measured in
+_NODES = 500  # of one search for a smallest residual: some tenths of a second
 
 
 def weight_operation(plane: CorrectionPlane, name: str, angle: float, weight: KitWeight, pieces: int) -> Operation:
@@ -155,25 +156,48 @@ class _WeightProgram:
     most: Float
     groups: tuple[tuple[Sequence[int], int], ...]
 
-    def fewest(self, tolerance: float) -> Float | None:
+    def fewest(self, tolerance: float, nodes: int | None = None) -> Float | None:
         """Return the fewest weights within the tolerance, and of those the smallest residual."""
-        slack = np.zeros(self._width)
-        solution = self._program(tolerance).least(self._number)
+        solution = self._program(tolerance, nodes=nodes).least(self._number)
         if solution is None:
             return None
-        slack[-1] = 1.0
         number = float(np.round(self._number @ solution))
-        return self._program(0.0, (self._number, number, number)).least(slack)
+        return self._program(0.0, (self._number, number, number), nodes=nodes).least(self._slack)
 
     def smallest(self) -> Float:
-        """Return the smallest residual, and of those the fewest weights."""
-        slack = np.zeros(self._width)
-        slack[-1] = 1.0
-        solution = self._program(0.0).least(slack)
-        if solution is None:  # it is too far beyond what weights can do for the solver; none at all are a choice
-            return np.zeros(self._width)
-        fewer = self._program(float(solution[-1]) + _LEEWAY).least(self._number)
+        """Return the smallest residual, and of those the fewest weights; of too many choices, that of few weights.
+
+        Many weights against each other come ever nearer, and no bound ends the search among them: then the residual
+        is halved with the fewest weights that do it, as long as that can be settled.
+        """
+        try:
+            solution = self._program(0.0, nodes=_NODES).least(self._slack)
+            if solution is None:  # it is too far beyond what weights can do for the solver; none at all are a choice
+                return np.zeros(self._width)
+            fewer = self._program(float(solution[-1]) + _LEEWAY, nodes=_NODES).least(self._number)
+        except UnsettledError:
+            return self._halved()
         return solution if fewer is None else fewer
+
+    def _halved(self) -> Float:
+        best = np.zeros(self._width)
+        best[-1] = float(np.abs(self.start).max())
+        try:
+            while best[-1] > _LEEWAY:
+                nearer = self.fewest(0.5 * float(best[-1]), _NODES)
+                if nearer is None:
+                    break
+                best = nearer
+        except UnsettledError:
+            pass
+        return best
+
+    @property
+    def _slack(self) -> Float:
+        """The cost that is the size of the residual."""
+        cost = np.zeros(self._width)
+        cost[-1] = 1.0
+        return cost
 
     @property
     def _width(self) -> int:
@@ -184,7 +208,7 @@ class _WeightProgram:
         """The cost that is the number of weights."""
         return np.concatenate([np.ones(len(self.most)), np.zeros(self._width - len(self.most))])
 
-    def _program(self, radius: float, *rows: tuple[Float, float, float]) -> Program:
+    def _program(self, radius: float, *rows: tuple[Float, float, float], nodes: int | None = None) -> Program:
         """Return the program with the residual within `radius` (0: within the last variable, its size)."""
         planes, width, free = len(self.start), self._width, self._width - len(self.most) - 1
         capped = []
@@ -204,6 +228,7 @@ class _WeightProgram:
             upper=np.concatenate([self.most, none, [math.inf]]),
             integral=self._number,
             rows=(*capped, *rows),
+            nodes=nodes,
         )
 
 

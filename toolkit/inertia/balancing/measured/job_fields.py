@@ -178,7 +178,7 @@ class MeasuredPlaneFields(Section):
     positions: Annotated[tuple[float, ...] | None, _POSITIONS] = None
     position_max_g: Annotated[float | None, number("g", positive=True)] = None
     mass_step_g: Annotated[float, number("g", negative=False)] = 0.0
-    kit: Annotated[tuple[WeightFields, ...], tables(WeightFields)] = ()
+    kit: Annotated[tuple[WeightFields, ...] | None, tables(WeightFields, least=1)] = None
     most_per_position: Annotated[int, integer(1, 1000)] = 1
     permissible_gmm: Annotated[float | None, number("g·mm", positive=True)] = None
 
@@ -189,6 +189,13 @@ class MeasuredPlaneFields(Section):
                 raise FieldError(f"{path}.{name}", f"goes with positions: give {path}.positions, or leave it out")
         if self.kit and (self.mass_step_g or self.position_max_g):
             raise FieldError(f"{path}.kit", "says what there is to mount: leave mass_step_g and position_max_g out")
+        for k, weight in enumerate(self.kit or ()):
+            if weight.radius is not None and weight.radius != self.radius:
+                raise FieldError(
+                    f"{path}.kit[{k}].radius",
+                    f"is another than the plane's, {path}.radius, at which a job counts all masses: leave it out, and "
+                    f"give as mass_g what makes the same unbalance there",
+                )
 
 
 @dataclass(frozen=True, eq=False)

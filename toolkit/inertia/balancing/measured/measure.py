@@ -246,8 +246,9 @@ def _plane(job: Job, number: int, result: Estimate, correction: complex, permiss
             complex(correction / per_mass),
             None if fields.positions is None else [math.radians(angle) for angle in fields.positions],
             most=math.inf if fields.position_max_g is None else 1e-3 * fields.position_max_g,
+            most_in_all=math.inf if fields.max_mass_g is None else 1e-3 * fields.max_mass_g,
             step=1e-3 * fields.mass_step_g,
-            kit=[KitWeight(k.name or f"{k.mass_g:g} g", 1e-3 * k.mass_g, k.stock) for k in fields.kit],
+            kit=[KitWeight(k.name or f"{k.mass_g:g} g", 1e-3 * k.mass_g, k.stock) for k in fields.kit or ()],
             most_pieces=fields.most_per_position,
         )
     added = sum((piece.vector for piece in pieces), 0j) * per_mass

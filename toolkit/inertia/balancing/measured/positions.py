@@ -15,6 +15,8 @@ from inertia.balancing.corrections.standard_weights import choose_weights
 
 _NOTHING = 1e-9  # of the whole: masses that are none
 _FOLLOWED = 64  # roundings followed up
+_OVER = 1e-6  # of a limit: what a correction that keeps it was rounded by
+_SHORTENED = 50  # times
 
 
 @dataclass(frozen=True)
@@ -37,6 +39,7 @@ def split_among(
     angles: Sequence[float] | None,
     *,
     most: float = math.inf,
+    most_in_all: float = math.inf,
     step: float = 0.0,
     kit: Sequence[KitWeight] = (),
     most_pieces: int = 1,
@@ -44,13 +47,14 @@ def split_among(
     """Return masses that come as near to a vector as they can, none where nothing is nearer.
 
     Anywhere, it is one mass. Among positions it is two beside each other where those are enough, else the least squares
-    over all positions; of a kit, the smallest residual and of those choices the fewest weights.
+    over all positions; of a kit, the smallest residual and of those choices the fewest weights (`choose_weights`).
 
     Parameters
     ----------
     vector : kg, the mass to mount in its direction
     angles : (n,) rad, the positions; None for anywhere
     most : kg at one position
+    most_in_all : kg, the size of the vector that they make together; steps and weights round it up no further
     step : kg, to which masses are rounded; 0 for no rounding
     kit : the weights at hand, in place of a step
     most_pieces : weights of the kit at one position
@@ -59,15 +63,25 @@ def split_among(
     >>> [(round(math.degrees(piece.angle)), round(piece.mass, 3)) for piece in pieces]
     [(0, 0.443), (30, 0.591)]
     """
-    if angles is None:
-        size = _steps(abs(vector), step)
-        best = min(size, key=lambda mass: abs(mass - abs(vector)))
-        return (Piece(angle_of(vector), best),) if best > 0 else ()
-    places = [angle % (2.0 * math.pi) for angle in angles]
-    if kit:
-        return _of_kit(vector, places, kit, most_pieces)
-    exact = _beside(vector, places, most) or _least_squares(vector, places, most)
-    return _rounded(vector, exact, step, most)
+    places = None if angles is None else [angle % (2.0 * math.pi) for angle in angles]
+    for _ in range(_SHORTENED):
+        if places is None:
+            pieces = _anywhere(vector, step)
+        elif kit:
+            pieces = _of_kit(vector, places, kit, most_pieces)
+        else:
+            exact = _beside(vector, places, most) or _least_squares(vector, places, most)
+            pieces = _rounded(vector, exact, step, most)
+        size = abs(sum(piece.vector for piece in pieces))
+        if size <= most_in_all * (1 + _OVER):
+            return pieces
+        vector *= 0.98 * most_in_all / size
+    return ()
+
+
+def _anywhere(vector: complex, step: float) -> tuple[Piece, ...]:
+    best = min(_steps(abs(vector), step), key=lambda mass: abs(mass - abs(vector)))
+    return (Piece(angle_of(vector), best),) if best > 0 else ()
 
 
 def _beside(vector: complex, places: Sequence[float], most: float) -> tuple[Piece, ...]:
@@ -120,7 +134,7 @@ def _steps(mass: float, step: float) -> tuple[float, ...]:
     if not step:
         return (mass,)
     below = math.floor(mass / step)
-    return tuple(round(k * step, 12) for k in (below, below + 1))
+    return tuple(float(f"{k * step:.15g}") for k in (below, below + 1))
 
 
 def _of_kit(vector: complex, places: Sequence[float], kit: Sequence[KitWeight], most: int) -> tuple[Piece, ...]:
