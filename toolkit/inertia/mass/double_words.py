@@ -38,11 +38,6 @@ class Pair:
         t = s - a
         return Pair(s, (a - (s - t)) + (b - t))
 
-    @staticmethod
-    def of(values: Float) -> Pair:
-        """Return float64 numbers as they are."""
-        return Pair(values, np.zeros_like(values))
-
     def __getitem__(self, index: Any) -> Pair:
         """Return the part of the arrays that an index selects."""
         return Pair(self.high[index], self.low[index])

@@ -1,9 +1,8 @@
 """Mass properties of many small meshes in memory: one compiled pass over all, arrays as the answer, no mesh in the way.
 
-What `inertia.mass.small` does for one is done for all at once. From the float64 sums to the results the arithmetic is
-double-double, rounded once; the bounds are the distances of the sums from double-double ones, carried through to the
-results as in `inertia.mass.moments.Moments.central`. A mesh that is not small and simple, or too slender for that, goes
-its way through `inertia.mass_properties` alone, and where that refuses it, its sentence takes the place of its figures.
+What `inertia.mass.small` does for one is done for all at once; how sums become results with bounds,
+`inertia.mass.triangles.results_kernel` says. A mesh that is not small and simple, or too slender for that, goes its way
+through `inertia.mass_properties` alone, and where that refuses it, its sentence takes the place of its figures.
 """
 
 from __future__ import annotations
@@ -22,25 +21,17 @@ from inertia.arrays import Bool, Float, Int
 from inertia.errors import InertiaError, UsageError
 from inertia.mass.analyse import mass_properties
 from inertia.mass.density import ASSUMED
-from inertia.mass.double_words import Pair
 from inertia.mass.integrand import ELEMENTS
-from inertia.mass.moments import PAIRS
-from inertia.mass.properties import CERTAIN
 from inertia.mass.small import small_sums
 from inertia.mass.triangles.kernels import BLOCK
-from inertia.mass.triangles.sums import SUMS
-from inertia.mesh.geometry.simple import at_hand
+from inertia.mesh.geometry.simple import at_hand, place
 from inertia.mesh.part import Part
+from inertia.native import Kernel
 from inertia.units import length_unit
 
-_A_PRIORI = 1e-28
-"""More than a term of the sums loses, 2⁻⁹⁵ (see `double_double_kernel.terms`), and 70 roundings of double-double, 2⁻¹⁰³
-each: no term passes through more."""
-
-_ROUNDED = 2.0**-52  # once to float64, and all that double-double leaves
-_INFLATED = 1.0 + 1e-9  # more than the arithmetic of the bounds can lose
+_KERNEL = Kernel("inertia.mass.triangles.results_kernel", "mass_results", "pippp")
+_RESULTS = 18  # as `results_kernel.RESULTS`
 _SHOWN = 10  # refusals, in a notebook
-_OTHERS = ((1, 2), (2, 0), (0, 1))
 
 
 @dataclass(frozen=True, eq=False)
@@ -154,8 +145,7 @@ def many(
         meshes[2][meshes[2][:, 3] > BLOCK, 3] = 0  # which are not summed in one pass, and so not checked here
         rows, usable = small_sums(*meshes)
         which = np.flatnonzero(usable & (rows[:, 3] > 0))
-        with np.errstate(all="ignore"):
-            done[which[_fill(answer, which, rows[which], size.metres, weights[which])]] = True
+        done[which[_fill(answer, which, rows[which], size.metres, weights[which])]] = True
     for k in np.flatnonzero(~done).tolist():
         _answer_alone(answer, k, points[k], corners[k], float(weights[k]), unit)
     return answer
@@ -241,71 +231,19 @@ def _answer_alone(answer: Many, k: int, vertices: Any, faces: Any, density: floa
 
 def _fill(answer: Many, which: Int, rows: Float, metres: Fraction, density: Float) -> Int:
     """Write the results of these meshes, and return which of them are certain (see `MassProperties.moments_within`)."""
-    origin, sums, low, high = rows[:, :3].T, rows[:, 3 : 3 + SUMS].T, rows[:, 16:19].T, rows[:, 19:22].T
-    v, first, second = sums[0], sums[1:4], sums[4:10]
-    volume = Pair.of(v) * _pair(metres**3 / 6)
-    ratio = _over(Pair.of(first), Pair.of(4.0 * v))
-    center = (ratio + Pair.of(origin)) * _pair(metres)
-    factor = _pair(metres**5 / 480) * Pair.of(density)
-    five = Pair.of(np.full_like(first, 5.0))
-    one, other = np.array(_OTHERS).T
-    square, eight, four = Pair.of(first) * Pair.of(first), Pair.of(8.0 * v), Pair.of(4.0 * v)
-    diagonal = eight * Pair.sum_of(second[one], second[other]) - (square[one] + square[other]) * five
-    mixed = Pair.of(first[one]) * Pair.of(first[other]) * five - four * Pair.of(second[3:])
-    top = Pair(np.concatenate([diagonal.high, mixed.high]), np.concatenate([diagonal.low, mixed.low]))
-    elements = _over(top, Pair.of(v)) * factor
-    volumes, masses, centers, tensor = volume.high, (volume * Pair.of(density)).high, center.high, elements.high
-
-    reach = np.maximum(origin - low, high - origin).max(axis=0)
-    size = _A_PRIORI * (sums[10] + sums[12])
-    accurate = rows[:, 22:].T
-    apart = abs((sums[:10] - accurate[0::2]) - accurate[1::2])
-    off = (apart[0] + size) / 6.0
-    off_first = (apart[1:4] + 3.0 * reach * size) / 24.0
-    off_second = (apart[4:10] + 12.0 * reach * reach * size) / np.array([60.0] * 3 + [120.0] * 3)[:, None]
-    least, along = v / 6.0 - off, abs(ratio.high)
-    moved = off_first + along * off
-    weight = (v / 6.0 + off) / least**2
-    i, j = np.array(PAIRS).T
-    bounds = off_second + along[i] * off_first[j] + along[j] * moved[i] + moved[i] * moved[j] * weight
-    scale = float(metres) ** 5 * density
-    squares = ((bounds[one] + bounds[other]) ** 2).sum(axis=0) + 2.0 * (bounds[3:] ** 2).sum(axis=0)
-    norm = np.sqrt((tensor[:3] ** 2).sum(axis=0) + 2.0 * (tensor[3:] ** 2).sum(axis=0))
-    volume_error = off / (v / 6.0) * _INFLATED + _ROUNDED
-    inertia_error = np.sqrt(squares) * scale / norm * _INFLATED + _ROUNDED
-    distance = np.sqrt((moved**2).sum(axis=0)) / least + _A_PRIORI * reach
-    center_error = distance * float(metres) * _INFLATED + _ROUNDED * np.sqrt((centers**2).sum(axis=0))
-
-    certain = _certain(tensor, inertia_error) & (volume_error <= CERTAIN) & np.isfinite(center_error)
-    certain &= np.isfinite(tensor).all(axis=0) & (volumes > 0) & (masses > 0) & np.isfinite(masses)
-    at = which[certain]
-    answer.volume[at], answer.mass[at] = volumes[certain], masses[certain]
-    answer.center_of_mass[at] = centers.T[certain]
-    xx, yy, zz, yz, zx, xy = tensor[:, certain]
-    answer.inertia[at] = np.array([[xx, xy, zx], [xy, yy, yz], [zx, yz, zz]]).transpose(2, 0, 1)
-    answer.volume_error[at], answer.inertia_error[at] = volume_error[certain], inertia_error[certain]
-    answer.center_of_mass_error[at] = center_error[certain]
+    powers = [metres**3 / 6, metres, metres**5 / 480]
+    units = np.array([*(part for power in powers for part in _parts(power)), float(metres) ** 5])
+    results = np.empty((len(rows), _RESULTS))
+    _KERNEL.function(place(rows), len(rows), place(density), place(units), place(results))
+    certain = results[:, -1] > 0
+    at, some = which[certain], results[certain]
+    answer.volume[at], answer.mass[at], answer.center_of_mass[at] = some[:, 0], some[:, 1], some[:, 2:5]
+    answer.inertia[at] = some[:, 5:14].reshape(-1, 3, 3)
+    answer.volume_error[at], answer.center_of_mass_error[at], answer.inertia_error[at] = some[:, 14:17].T
     return np.flatnonzero(certain)
 
 
-def _certain(tensor: Float, error: Float) -> Bool:
-    """Say which tensors have principal moments certain to a part in 10⁹ and are those of some body."""
-    xx, yy, zz, yz, zx, xy = tensor / (tensor[0] + tensor[1] + tensor[2])
-    determinant = xx * (yy * zz - yz * yz) - xy * (xy * zz - yz * zx) + zx * (xy * yz - yy * zx)
-    p, q, r = 0.5 - xx, 0.5 - yy, 0.5 - zz
-    body = p * (q * r - yz * yz) - xy * (xy * r + yz * zx) - zx * (xy * yz + q * zx)
-    positive: Bool = (p > 0) & (q > 0) & (r > 0) & (body > 3.0 * error + 1e-14)
-    positive &= 2.0 * error < CERTAIN * (determinant - 1e-13)
-    return positive
-
-
-def _pair(value: Fraction) -> Pair:
+def _parts(value: Fraction) -> tuple[float, float]:
+    """Return a number as the sum of two float64."""
     high = float(value)
-    return Pair(np.array(high), np.array(float(value - Fraction(high)) if math.isfinite(high) else 0.0))
-
-
-def _over(a: Pair, b: Pair) -> Pair:
-    """Return a/b: the float64 quotient and one step of Newton's method."""
-    quotient = a.high / b.high
-    rest = a - Pair.of(quotient) * b
-    return Pair.sum_of(quotient, rest.high / b.high)
+    return high, float(value - Fraction(high)) if math.isfinite(high) else 0.0
