@@ -30,6 +30,7 @@ from inertia.errors import (
 from inertia.estimate import uncertainty_of
 from inertia.mass.density import Densities, densities
 from inertia.mass.integration import Integral, cell_integrals, surface_integrals, wire_integrals
+from inertia.mass.moments import dyadic
 from inertia.mass.principal import CLASS_TOLERANCE
 from inertia.mass.properties import MassProperties
 from inertia.mass.small import small_properties
@@ -298,7 +299,8 @@ def _coarse(part: Part, extents: Float) -> tuple[str, ...]:
     """Say that single precision leaves few digits to the shape of a part far from the origin, where it does."""
     if not isinstance(part.geometry, Facets):
         return ()
-    farthest, size = float(np.abs(extents).max()), float(np.ptp(extents, axis=0).max())
+    low, high = extents.tolist()
+    farthest, size = max(map(abs, (*low, *high))), max(b - a for a, b in zip(low, high, strict=True))
     with np.errstate(over="ignore"):
         step = float(np.spacing(np.float32(farthest)))
     if not step > _COARSE * size:
@@ -403,7 +405,7 @@ def _answer(
         closed=integral.closed,
         bodies=integral.bodies,
         area=float(Fraction(integral.area) * f**2),
-        extents=np.array([[float(Fraction(float(x)) * f) for x in row] for row in integral.extents]),
+        extents=_scaled(integral.extents, f),
         properties=properties,
         tessellation=tessellation,
         repair=None if part.filling is None or model != "solid" or faults_apart else answer.repair(),
@@ -532,6 +534,12 @@ def sound_solids_only(why: str) -> Iterator[None]:
 
 def _part_of(progress: Progress | None, start: float, stop: float) -> Progress | None:
     return None if progress is None else lambda done: progress(start + done * (stop - start))
+
+
+def _scaled(values: Float, factor: Fraction) -> Float:
+    """Return values times a rational, each rounded once."""
+    numerators, d = dyadic(values.ravel().tolist())
+    return np.array([k * factor.numerator / (d * factor.denominator) for k in numerators]).reshape(values.shape)
 
 
 def _rounded(part: Part, integral: Integral) -> str:

@@ -6,7 +6,6 @@ from collections.abc import Callable, Collection, Iterable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from difflib import get_close_matches
-from fractions import Fraction
 from typing import Literal
 
 import numpy as np
@@ -23,7 +22,7 @@ from inertia.mesh.geometry.closure import Closure, closure
 from inertia.mesh.geometry.intersect import crossings, to_be_examined
 from inertia.mesh.geometry.shells import Shell, absolute_orientation, shells, soundly_nested
 from inertia.mesh.geometry.shells import bodies as bodies_of
-from inertia.mesh.geometry.simple import MOST, PIECES, SIMPLE, at_hand, states
+from inertia.mesh.geometry.simple import MOST, PIECES, SIMPLE, at_hand, simple, states
 from inertia.mesh.geometry.sound_shells import sound_bodies
 from inertia.mesh.part import Cells, Facets, Part, Regions, Surface, Triangles, counts_once, usable
 from inertia.mesh.shape import Solid
@@ -214,15 +213,14 @@ def _looked_at(triangles: Triangles, intersections: bool | None) -> int | None:
     """Return what one pass shows a small surface to be, if crossings are to be looked for; it pairs the edges, too."""
     if triangles.count > _SMALL or not to_be_examined(triangles, intersections) or not at_hand():
         return None
-    return int(_states(triangles.corners())[0])
+    return _state(triangles)
 
 
-def _states(corners: Float, sizes: Int | None = None) -> Int:
-    """Return `states` of surfaces of so many triangles each, which stand one after the other; or of a single one."""
-    sizes = np.array([len(corners)]) if sizes is None else sizes
-    first = np.cumsum(sizes) - sizes
-    faces = np.arange(3 * len(corners)) - 3 * np.repeat(first, 3 * sizes)
-    return states(corners.reshape(-1, 3), faces.reshape(-1, 3), np.column_stack([3 * first, 3 * sizes, first, sizes]))
+def _state(triangles: Triangles) -> int:
+    """Return what `states` says of a surface."""
+    count = triangles.count
+    table = np.array([[0, 3 * count, 0, count]])
+    return int(states(triangles.corners().reshape(-1, 3), np.arange(3 * count).reshape(-1, 3), table)[0])
 
 
 def _simple(triangles: Triangles, topology: Closure, apart: bool, looked: int | None) -> bool:
@@ -232,10 +230,13 @@ def _simple(triangles: Triangles, topology: Closure, apart: bool, looked: int | 
     shell_by_shell = apart and not topology.repeated
     if looked is not None and (looked <= PIECES or not shell_by_shell):
         return looked <= PIECES
-    corners, sizes = triangles.corners(), None
-    if shell_by_shell:
-        corners, sizes = corners[np.argsort(topology.labels, kind="stable")], np.bincount(topology.labels)
-    return bool((_states(corners, sizes) <= PIECES).all())
+    if not shell_by_shell:
+        return _state(triangles) <= PIECES
+    corners = triangles.corners()[np.argsort(topology.labels, kind="stable")].reshape(-1, 3)
+    sizes = np.bincount(topology.labels)
+    first = np.cumsum(sizes) - sizes
+    faces = (np.arange(len(corners)) - 3 * np.repeat(first, 3 * sizes)).reshape(-1, 3)
+    return bool(simple(corners, faces, np.column_stack([3 * first, 3 * sizes, first, sizes]), pieces=True).all())
 
 
 def _sound(part: Part, intersections: bool | None, parts: Parts, allowance: float, turned: bool) -> Report:
@@ -445,7 +446,9 @@ def _named_regions(regions: Regions) -> tuple[tuple[str, ...], NDArray[np.int32]
 
 def surface_area(sums: Sums) -> float:
     """Return the surface area Σ|n|/2 in the file's unit."""
-    return float(Fraction(float(sums.sums[11])) / 2 * Fraction(4) ** -sums.exponent)
+    n, d = float(sums.sums[11]).as_integer_ratio()
+    up, down = max(-2 * sums.exponent, 0), max(2 * sums.exponent, 0)
+    return (n << up) / (d << (down + 1))
 
 
 def _extents(cells: Cells) -> Float:
