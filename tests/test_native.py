@@ -16,7 +16,7 @@ from tests import compile_kernels
 
 from inertia import native
 from inertia.errors import CacheWarning
-from inertia.mesh.geometry import closure, pairing
+from inertia.mesh.geometry import closure, corner_keys, pairing, waiting_edges
 from inertia.mesh.part import Surface
 from inertia.native import COMPILE_ABOVE, LOAD_ABOVE, SHIPPED_ABOVE, Kernel
 
@@ -43,11 +43,12 @@ def is_one_closed_piece(surface: Surface) -> bool:
 
 def forget_kernels(monkeypatch: pytest.MonkeyPatch) -> None:
     """Make this process look for its kernels again, as another process would."""
-    for name, kernel in vars(pairing).copy().items():
-        if isinstance(kernel, Kernel):
-            monkeypatch.setattr(pairing, name, Kernel(kernel.module, kernel.name, kernel.abi))
-            if hasattr(closure, name):
-                monkeypatch.setattr(closure, name, getattr(pairing, name))
+    again: dict[Kernel, Kernel] = {}
+    for module in (corner_keys, waiting_edges, pairing, closure):
+        for name, kernel in vars(module).copy().items():
+            if isinstance(kernel, Kernel):
+                new = again.setdefault(kernel, Kernel(kernel.module, kernel.name, kernel.abi))
+                monkeypatch.setattr(module, name, new)
 
 
 def forbid_compiler(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -153,7 +154,7 @@ def test_a_cache_that_others_may_write_to_is_not_loaded_from(
     put(cache, compiled, compiled.read_bytes())
     cache.chmod(0o777)
     with pytest.warns(CacheWarning, match="others may write to"):
-        assert not pairing.FACES.worthwhile(LOAD_ABOVE)
+        assert not corner_keys.FACES.worthwhile(LOAD_ABOVE)
     with pytest.warns(CacheWarning, match="others may write to"):
         assert is_one_closed_piece(LARGE)
 
@@ -186,7 +187,7 @@ def test_a_kernel_is_compiled_for_many_triangles_and_loaded_for_fewer(
     cache: Path, compiled: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     def worthwhile() -> list[bool]:
-        return [pairing.FACES.worthwhile(count) for count in (LOAD_ABOVE - 1, LOAD_ABOVE, COMPILE_ABOVE)]
+        return [corner_keys.FACES.worthwhile(count) for count in (LOAD_ABOVE - 1, LOAD_ABOVE, COMPILE_ABOVE)]
 
     assert worthwhile() == [False, False, True]
     put(cache, compiled, compiled.read_bytes())
@@ -204,7 +205,7 @@ def test_what_is_shipped_needs_neither_a_compiler_nor_a_cache(tmp_path: Path, mo
     forget_kernels(monkeypatch)
     forbid_compiler(monkeypatch)
     forbid_llvm(monkeypatch)
-    assert [pairing.FACES.worthwhile(count) for count in (SHIPPED_ABOVE - 1, SHIPPED_ABOVE)] == [False, True]
+    assert [corner_keys.FACES.worthwhile(count) for count in (SHIPPED_ABOVE - 1, SHIPPED_ABOVE)] == [False, True]
     assert is_one_closed_piece(LARGE)
     assert not (tmp_path / "cache").exists()
 
@@ -214,7 +215,7 @@ def test_what_is_shipped_is_left_alone_by_an_older_processor(lacking: str, monke
     flags = "flags : " + " ".join(native.LEVEL.flags - {lacking})
     monkeypatch.setattr(native, "processor_lines", lambda: ("vendor_id : X", flags))
     forget_kernels(monkeypatch)
-    assert not pairing.FACES.worthwhile(SHIPPED_ABOVE)
+    assert not corner_keys.FACES.worthwhile(SHIPPED_ABOVE)
 
 
 def test_every_kernel_is_shipped_as_its_source_is_now() -> None:

@@ -13,7 +13,7 @@ import numpy as np
 
 from inertia import native
 from inertia.errors import CacheWarning
-from inertia.mesh.geometry import pairing
+from inertia.mesh.geometry import corner_keys
 from inertia.native import Kernel, address
 
 from .workers import Outcome
@@ -26,7 +26,7 @@ def _answer() -> bytes:
     vertices, salt = np.arange(24.0).reshape(-1, 3), np.arange(1, 25, dtype=np.uint64) << np.uint64(40)
     keys = np.zeros(len(vertices), np.uint64)
     native.SHIPPED = native.SHIPPED / "none"  # in this process, which runs this campaign alone
-    kernel = Kernel(pairing.KEYS.module, pairing.KEYS.name, pairing.KEYS.abi)
+    kernel = Kernel(corner_keys.KEYS.module, corner_keys.KEYS.name, corner_keys.KEYS.abi)
     kernel.function(address(vertices), len(vertices), address(salt), address(keys))
     return keys.tobytes()
 

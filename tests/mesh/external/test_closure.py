@@ -12,9 +12,9 @@ import pytest
 from tests.mesh.solids import cube, facets, joined, ring, sphere
 
 from inertia.errors import UsageError, WriteError
-from inertia.mesh.external import buckets, leaves
-from inertia.mesh.external.closure import external_closure, room_for
-from inertia.mesh.external.leaves import closed_by_place
+from inertia.mesh.external import buckets
+from inertia.mesh.external import closure as external
+from inertia.mesh.external.closure import closed_by_place, external_closure, room_for
 from inertia.mesh.geometry.closure import vectorised_closure
 from inertia.mesh.part import FACET, Facets, Surface
 
@@ -73,8 +73,8 @@ def test_a_closed_surface_is_paired_by_place(
     name: str, bytes_a_triangle: int, monkeypatch: pytest.MonkeyPatch, tmp_path: Path
 ) -> None:
     monkeypatch.setattr("tempfile.tempdir", str(tmp_path))
-    for constant, value in (("LEAF", 512), ("FIXED", 0), ("LEAST", 1)):
-        monkeypatch.setattr(leaves, constant, value)
+    for constant, value in (("_LEAF", 512), ("_FIXED", 0), ("_FEWEST", 1)):
+        monkeypatch.setattr(external, constant, value)
     surface, written = stored(np.concatenate([SOUPS[name], SOUPS["closed"] + 100])), []
     salt = np.random.default_rng(6).integers(0, 2**64, buckets.SALTS, np.uint64)
     with ExitStack() as stack:

@@ -22,7 +22,7 @@ from inertia.mesh.geometry.closure import (
     merge_equal_vertices,
     vectorised_closure,
 )
-from inertia.mesh.geometry.pairing import DESCEND, LEAF, SCATTER
+from inertia.mesh.geometry.leaves import BY_PLACE
 from inertia.mesh.part import Facets, Surface, Triangles
 from inertia.native import LOAD_ABOVE
 
@@ -420,7 +420,7 @@ def test_neither_the_order_nor_the_threads_change_anything(
 ) -> None:
     monkeypatch.setattr("inertia.mesh.geometry.pairing.threads", lambda: number)
     monkeypatch.setattr("inertia.mesh.geometry.closure.vectorised_closure", None)
-    for kernel in (LEAF, DESCEND, SCATTER):
+    for kernel in BY_PLACE:
         assert kernel.function  # machine code at hand is used from here on
     rings = joined(ring(500, 300), ring(60, 40, radius=20, tube=2), cube((99, 0, 0)))
     body = np.repeat([0, 1, 2], [500 * 300 * 2, 60 * 40 * 2, 12])

@@ -44,8 +44,10 @@ def _warm_up(setup: Setup) -> None:
     import inertia.mesh.check
     import inertia.mesh.read  # noqa: F401
     from inertia.mass.triangles.sums import KERNEL
+    from inertia.mesh.geometry.corner_keys import FACES, FACETS, KEYS
     from inertia.mesh.geometry.intersect import CODES, COMPILED, ENCLOSE
-    from inertia.mesh.geometry.pairing import CLOSE, EDGES, FACES, FACETS, KEYS, REPEATED, ROWS
+    from inertia.mesh.geometry.pairing import CLOSE, ROWS
+    from inertia.mesh.geometry.waiting_edges import EDGES, REPEATED
     from inertia.native import LOAD_ABOVE
 
     pairing = (FACETS, FACES, KEYS, ROWS, CLOSE, EDGES, REPEATED)

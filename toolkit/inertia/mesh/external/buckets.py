@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 
 from inertia.arrays import Bool, Int
 from inertia.mesh.external.temporary_file import TemporaryFile
-from inertia.mesh.geometry.pairing import FACETS
+from inertia.mesh.geometry.corner_keys import FACETS
 from inertia.mesh.part import Facets, Triangles
 from inertia.native import Kernel, address
 

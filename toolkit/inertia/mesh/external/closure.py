@@ -1,6 +1,6 @@
 """Closure and components of a surface in bounded memory: its edges partitioned by their keys, paired bucket by bucket.
 
-A closed surface is paired by place, which is cheaper (`inertia.mesh.external.leaves`). Of any other, and where the
+A closed surface is paired by place, which is cheaper (`inertia.mesh.geometry.leaves`). Of any other, and where the
 memory is short, the directed edges become records in buckets (see `inertia.mesh.external.buckets`), here or by the
 workers of a Dask scheduler. Triangles at an edge that is used once each way belong together: they are joined in one
 array of 4 bytes a triangle. All other edges are irregular, and looked at again by their coordinates, exactly.
@@ -37,20 +37,28 @@ from inertia.mesh.external.buckets import (
     roots_of,
     steps_for,
 )
-from inertia.mesh.external.leaves import closed_by_place
 from inertia.mesh.external.memory import in_bytes
-from inertia.mesh.external.temporary_file import MEMORY
+from inertia.mesh.external.temporary_file import MEMORY, TemporaryFile
 from inertia.mesh.geometry.closure import Closure, merge_equal_vertices
 from inertia.mesh.geometry.edge_fans import links
 from inertia.mesh.geometry.edges import Edges
 from inertia.mesh.geometry.halfedges import half_edges
-from inertia.mesh.part import Triangles
+from inertia.mesh.geometry.leaves import BY_PLACE, ROW, RUN, Limits, paired_by_place
+from inertia.mesh.part import Facets, Triangles
+from inertia.native import threads
 
 MOST = 2**32 // 3 - 1
 """Triangles whose directed edges can be numbered in 32 bits."""
 
 _LEAST = 1 << 24  # bytes beside the array of triangles, at least
 _EXACTLY = 4096  # bytes that a directed edge takes when it is looked at exactly, with its triangle
+
+
+_LEAF = 1 << 16  # triangles of a leaf, about
+_SAMPLED = 64  # triangles a leaf that its planes are from
+_FIXED = 32_000_000  # bytes for each thread's tables, and for a leaf that it reads
+_FEWEST = 1 << 20  # triangles in memory, for which pairing by place repays its start
+_WAITING = 2  # bytes a triangle that the edges between leaves may take
 
 
 @dataclass(frozen=True, eq=False)
@@ -184,6 +192,25 @@ def external_closure(
     labels = parent.view(np.int32)
     first = int(halves[:odd].min()) // 3 if odd else None
     return Pairing(Closure(open_edges, components, labels, repeated, crowded), irregular, first)
+
+
+def closed_by_place(
+    triangles: Triangles, room: int, salt: NDArray[np.uint64], stack: ExitStack, progress: Progress
+) -> Closure | None:
+    """Return what `closure` does for a surface with two triangles at each edge, within `room` bytes; None for others.
+
+    None stands also where there is too little room, and where there are no compiled kernels. A temporary file is in
+    the folder that `stack` removes.
+    """
+    count, parts = triangles.count, max(1, min(threads(), room // (4 * _FIXED + 1)))
+    fixed = parts * _FIXED + (0 if isinstance(triangles, Facets) else 8 * len(triangles.vertices))
+    rows = min((room - fixed - _WAITING * count) // (ROW + 1), (room - fixed - 4 * count) // 8)
+    if rows < min(count, _FEWEST) or not all(kernel.worthwhile(count) for kernel in BY_PLACE):
+        return None
+    file = TemporaryFile(max(ROW * (count - rows), 0), stack)
+    limits = Limits(rows, 4 * _LEAF // RUN, (1 << 24) + _WAITING * count // parts, file)
+    paired = paired_by_place(triangles, _LEAF, _SAMPLED, parts, salt, progress, limits)
+    return None if paired is None else Closure(*paired, crowded=0)
 
 
 def _partition(triangles: Triangles, runs: Runs, steps: Steps, parent: NDArray[np.uint32], progress: Progress) -> int:

@@ -30,9 +30,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from inertia.arrays import Bool, Float, Int, Progress
+from inertia.mesh.geometry.corner_keys import FACES, FACETS
 from inertia.mesh.geometry.edge_fans import links
 from inertia.mesh.geometry.halfedges import HalfEdges, half_edges
-from inertia.mesh.geometry.pairing import FACES, FACETS, paired_edges
+from inertia.mesh.geometry.pairing import paired_edges
 from inertia.mesh.part import Facets, Triangles
 
 _SALTS = 15  # seven and seven for a vertex, one for the edges: see `edge_kernel`

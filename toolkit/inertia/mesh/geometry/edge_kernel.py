@@ -244,10 +244,7 @@ def pair(edges, place, triangle, table, mask, parent, labels, log_at, log, sizes
 
 def pair_rows(
     rows_at,
-    width,
-    runs_at,
     number,
-    passed,
     salt_at,
     table_at,
     capacity,
@@ -260,12 +257,11 @@ def pair_rows(
     sizes_at,
     state_at,
 ):
-    """Pair the edges of triangles of one group, by the keys of their corners: the first three columns of `rows`.
+    """Pair the edges of further triangles of one group, by the keys of their corners, three a row.
 
-    The runs are (first row, rows), and `passed` are the triangles of the group before them. It goes on after state[4]
-    triangles, and returns 1 where less than half of the table would be left free, or edges of one key crowd it.
+    It returns 1 where less than half of the table would be left free, or edges of one key crowd it.
     """
-    runs = carray(runs_at, (number, 2), np.int64)
+    rows = carray(rows_at, (number, 3), np.uint64)
     salt = carray(salt_at, (SALTS,), np.uint64)
     table = carray(table_at, (capacity, 2), np.uint64)
     parent = carray(parent_at, (group,), np.uint32)
@@ -275,24 +271,19 @@ def pair_rows(
     state = carray(state_at, (5 + 3 * BLOCK,), np.int64)
     edges = carray(state_at, (5 + 3 * BLOCK,), np.uint64)[5:]
     mask = uint64(capacity - 1)
-    for run in range(number):
-        rows = carray(rows_at, (runs[run, 0] + runs[run, 1], width), np.uint64)
-        for first in range(0, runs[run, 1], BLOCK):
-            count = min(BLOCK, runs[run, 1] - first)
-            passed += count
-            if passed <= state[4]:
-                continue
-            if 2 * (state[0] + 3 * BLOCK) > capacity:
-                return 1
-            for k in range(count):
-                row = runs[run, 0] + first + k
-                edge_keys(rows[row, 0], rows[row, 1], rows[row, 2], salt, edges, 3 * k, table_at, mask)
-            far = False
-            for k in range(count):
-                far |= pair(edges, 3 * k, state[4] + k, table, mask, parent, labels, log_at, log, sizes, state)
-            state[4] += count
-            if far:
-                return 1
+    for first in range(0, number, BLOCK):
+        count = min(BLOCK, number - first)
+        if 2 * (state[0] + 3 * BLOCK) > capacity:
+            return 1
+        for k in range(count):
+            row = first + k
+            edge_keys(rows[row, 0], rows[row, 1], rows[row, 2], salt, edges, 3 * k, table_at, mask)
+        far = False
+        for k in range(count):
+            far |= pair(edges, 3 * k, state[4] + k, table, mask, parent, labels, log_at, log, sizes, state)
+        state[4] += count
+        if far:
+            return 1
     return 0
 
 
@@ -346,6 +337,7 @@ def pair_leaf(
     group,
     edges_at,
     pieces_at,
+    piece,
     state_at,
 ):
     """Pair the edges of a leaf of triangles, in an order that no processor foresees; return how many pieces there are.
@@ -355,7 +347,8 @@ def pair_leaf(
     the table is the key of an edge and, for each way that it runs, 4 × the triangle + the side, where triangles count
     from 1; there is room for all. So `partners` has who is across each side: 0 stands for nobody, and is written to
     like the others, which spares a branch. state[1] counts edges used once; a second use of the same way sets state[3].
-    `labels` has one more in front.
+    `labels` has one more in front. They are put in place of the first 32 bits of the rows; that of the first piece is
+    given.
     """
     runs = carray(runs_at, (number, 2), np.int64)
     salt = carray(salt_at, (SALTS,), np.uint64)
@@ -412,12 +405,12 @@ def pair_leaf(
                     partners[place] = partner
                     partners[uint64(partner)] = np.uint32(place)
     table[:] = 0
-    piece, alone = 0, uint64(0)
+    before, alone = piece, uint64(0)
     head, tail = uint64(0), uint64(0)
     for first in range(uint64(1), triangle + ONE):
         if labels[first] != UNSEEN:
             continue
-        labels[first] = piece
+        labels[first] = np.int32(piece)
         queue[tail] = np.uint32(first)
         tail += ONE
         while head < tail:  # breadth first, so that one step does not wait for the one before
@@ -428,14 +421,20 @@ def pair_leaf(
                 alone += uint64(across == 0)
                 queue[tail] = np.uint32(across)
                 tail += uint64(labels[across] == UNSEEN)
-                labels[across] = piece
+                labels[across] = np.int32(piece)
         piece += 1
     for k in range(waiting):
         pieces[k] = labels[uint64(pieces[k])]
     state[0] = np.int64(waiting)
     state[1] += np.int64(alone - waiting)
     state[3] |= np.int64(again != 0)
-    return piece
+    triangle = uint64(0)
+    for run in range(number):
+        rows = carray(rows_at, (4 * (runs[run, 0] + runs[run, 1]),), np.int32)
+        for row in range(uint64(runs[run, 0]), uint64(runs[run, 0] + runs[run, 1])):
+            triangle += ONE
+            rows[row << TWO] = labels[triangle]
+    return piece - before
 
 
 def pair_edges(

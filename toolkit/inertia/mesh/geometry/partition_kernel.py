@@ -28,15 +28,6 @@ def child(points, at, axes, planes, node):
 
 
 @njit(inline="always")
-def leaf_of(points, at, axes, planes, depth):
-    """Return the leaf of the point that begins at `at`."""
-    node = uint64(0)
-    for _ in range(depth):
-        node = child(points, at, axes, planes, node)
-    return np.int64(node) + 1 - (1 << depth)
-
-
-@njit(inline="always")
 def along(axis, x, y, z):
     """Return the coordinate along an axis."""
     return x if axis == 0 else (y if axis == ONE else z)
@@ -92,21 +83,11 @@ def descend(points_at, count, axes_at, planes_at, cells_at, depth, leaves_at):
                     break
                 node = ONE + node + node + uint64(above)
                 common += 1
-        whole = first + (last - first) // FOUR * FOUR
-        for k in range(first, whole, FOUR):  # side by side, as each step waits for the one before
-            at = NINE * k
-            a = b = c = d = node
-            for _ in range(common, depth):
-                a = child(points, at, axes, planes, a)
-                b = child(points, at + NINE, axes, planes, b)
-                c = child(points, at + TWO * NINE, axes, planes, c)
-                d = child(points, at + THREE * NINE, axes, planes, d)
-            leaves[k], leaves[k + ONE], leaves[k + TWO], leaves[k + THREE] = a, b, c, d
-        for k in range(whole, last):
-            a = node
-            for _ in range(common, depth):
-                a = child(points, NINE * k, axes, planes, a)
-            leaves[k] = a
+        for k in range(first, last):
+            leaves[k] = node
+        for _ in range(common, depth):  # side by side, as each step of one waits for the one before
+            for k in range(first, last):
+                leaves[k] = child(points, NINE * k, axes, planes, leaves[k])
         for k in range(first, last):
             leaf = leaves[k] + ONE - uint64(1 << depth)
             leaves[k] = leaf | ALL
@@ -115,8 +96,11 @@ def descend(points_at, count, axes_at, planes_at, cells_at, depth, leaves_at):
                 within(points, at + THREE, cells, leaf) and within(points, at + SIX, cells, leaf)
             ):
                 own = np.int64(leaf)
-                second = leaf_of(points, at + THREE, axes, planes, depth)
-                third = leaf_of(points, at + SIX, axes, planes, depth)
+                b = c = node
+                for _ in range(common, depth):
+                    b = child(points, at + THREE, axes, planes, b)
+                    c = child(points, at + SIX, axes, planes, c)
+                second, third = np.int64(b) + 1 - (1 << depth), np.int64(c) + 1 - (1 << depth)
                 edges = np.int64(own == second) | np.int64(second == third) << 1 | np.int64(third == own) << 2
                 leaves[k] = (second if second == third else own) | edges << 32
     return 0
@@ -140,15 +124,15 @@ def pack(rows_at, count, leaves_at, packed_at):
     return repeated
 
 
-def scatter(rows_at, width, count, leaves_at, number, pool_at, runs, heads_at, owners_at, state_at):
-    """Copy rows of uint64 into runs of their leaves.
+def scatter(rows_at, count, leaves_at, number, pool_at, runs, heads_at, owners_at, state_at):
+    """Copy rows of two uint64 into runs of their leaves.
 
     A leaf takes the next free run of `RUN` rows of the pool, `state[0]`, whenever its last is full; `owners` says
     whose each run is, `heads` where in the pool the next row of each leaf goes (0 before its first).
     """
-    rows = carray(rows_at, (count, width), np.uint64)
+    rows = carray(rows_at, (count, 2), np.uint64)
     leaves = carray(leaves_at, (count,), np.uint64)
-    pool = carray(pool_at, (runs * RUN, width), np.uint64)
+    pool = carray(pool_at, (runs * RUN, 2), np.uint64)
     heads = carray(heads_at, (number,), np.uint64)
     owners = carray(owners_at, (runs,), np.uint64)
     state = carray(state_at, (1,), np.uint64)
@@ -159,7 +143,28 @@ def scatter(rows_at, width, count, leaves_at, number, pool_at, runs, heads_at, o
             place = state[0] * uint64(RUN)
             owners[state[0]] = leaf
             state[0] += ONE
-        for column in range(width):
-            pool[place, column] = rows[k, column]
+        pool[place, 0], pool[place, 1] = rows[k, 0], rows[k, 1]
+        heads[leaf] = place + ONE
+    return 0
+
+
+def gather_labels(labels_at, count, leaves_at, number, heads_at, state_at, firsts_at, out_at):
+    """Write the labels of triangles, which lie where `scatter` has put their rows from run `state[0]` on.
+
+    `firsts` is what the labels of each leaf count from; below 0 they stay as they are.
+    """
+    leaves = carray(leaves_at, (count,), np.uint64)
+    heads = carray(heads_at, (number,), np.uint64)
+    state = carray(state_at, (1,), np.uint64)
+    firsts = carray(firsts_at, (number,), np.int32)
+    out = carray(out_at, (count,), np.int32)
+    for k in range(count):
+        leaf = leaves[k] & LEAF
+        place = heads[leaf]
+        if place % uint64(RUN) == 0:
+            place = state[0] * uint64(RUN)
+            state[0] += ONE
+        label = carray(labels_at, (place + ONE,), np.int32)[place]
+        out[k] = label if label < 0 else label + firsts[leaf]
         heads[leaf] = place + ONE
     return 0

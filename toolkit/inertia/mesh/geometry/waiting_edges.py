@@ -1,0 +1,149 @@
+"""Edges of groups of triangles that wait for a triangle of another group, paired as they come; see `pairing`."""
+
+from __future__ import annotations
+
+import threading
+
+import numpy as np
+from numpy.typing import NDArray
+
+from inertia.mesh.geometry.corner_keys import in_threads
+from inertia.native import Kernel, address
+
+_MODULE = "inertia.mesh.geometry.edge_kernel"
+EDGES = Kernel(_MODULE, "pair_edges", "ppipi" + "pi" + "piipp")
+REPEATED = Kernel(_MODULE, "repeated_edges", "piiiipi")
+
+_TABLE = 1 << 14  # room for edges, to begin with
+_ONE = np.uint64(1)
+_NEVER = -(1 << 62)  # from which edges are counted that wait, so that the kernel does not take them for open ones
+
+
+class Log:
+    """The keys of edges that were paired, in bins."""
+
+    def __init__(self, edges: int, bins: int) -> None:
+        self.room = edges // bins + 8 * int(np.sqrt(edges // bins)) + 64
+        self.keys, self.sizes = np.empty(bins * self.room, np.uint64), np.zeros(bins, np.int64)
+        self.arguments = address(self.keys), bins, self.room, address(self.sizes)
+
+
+class WaitingEdges:
+    """The edges that wait, and the pieces of surface that the paired ones join.
+
+    Few wait at a time: those at the border of the groups that have been.
+
+    Attributes
+    ----------
+    logs : the keys of the paired ones
+    pieces : how many have been appended
+    overfull : whether an edge may have been left out
+    """
+
+    def __init__(self, bins: int) -> None:
+        self._bins, self._state = bins, np.array([_NEVER, 0, 0, 0, 0])
+        self._table, self._parent = empty_table(_TABLE), np.empty(_TABLE, np.int32)
+        self.logs = [Log(_TABLE, bins)]
+        self.pieces = 0
+        self.overfull = False
+
+    @property
+    def parent(self) -> NDArray[np.int32]:
+        """The table of joined pieces, (pieces,)."""
+        return self._parent[: self.pieces]
+
+    @property
+    def size(self) -> int:
+        """Bytes of memory."""
+        return self._table.nbytes + self._parent.nbytes + sum(log.keys.nbytes for log in self.logs)
+
+    @property
+    def open_edges(self) -> int:
+        """How many edges wait."""
+        return int(self._state[0]) - _NEVER
+
+    def add_pieces(self, number: int) -> int:
+        """Append pieces that nothing joins yet; return the number of the first."""
+        first = self.pieces
+        if first + number > len(self._parent):
+            self._parent = np.resize(self._parent, 2 * (first + number))
+        self.pieces += number
+        self._parent[first : self.pieces] = np.arange(first, self.pieces)
+        return first
+
+    def add(self, edges: NDArray[np.uint64], pieces: NDArray[np.int32]) -> None:
+        """Pair edges, of pieces that have been appended, with those that wait; the rest wait."""
+        waiting = self.open_edges + len(edges)
+        if 5 * waiting > 4 * len(self._table):
+            before = self.left()
+            self._table, self._state[0] = empty_table(5 * waiting // 2), _NEVER
+            self._pair(*before)
+        most = len(edges) // self._bins
+        if self.logs[-1].sizes.max() + most + 8 * int(np.sqrt(most)) + 64 > self.logs[-1].room:
+            self.logs.append(Log(max(sum(int(log.sizes.sum()) for log in self.logs), len(edges)), self._bins))
+        self._pair(edges, pieces)
+
+    def left(self) -> tuple[NDArray[np.uint64], NDArray[np.int32]]:
+        """Return the edges that wait, and of which pieces."""
+        used = self._table[self._table[:, 0] != 0]
+        return used[:, 0] & ~_ONE | used[:, 1] & _ONE, (used[:, 1] >> _ONE).astype(np.int32)
+
+    def join(self, other: WaitingEdges) -> int:
+        """Append all that another has; return the number of its first piece."""
+        first = self.add_pieces(other.pieces)
+        self._parent[first : self.pieces] = other.parent + first
+        edges, pieces = other.left()
+        self.add(edges, pieces + np.int32(first))
+        self.logs += other.logs
+        self.overfull |= other.overfull
+        return first
+
+    def components(self, parts: int) -> NDArray[np.int32] | None:
+        """Return the component of each piece, (pieces,); None where an edge may have more than two triangles.
+
+        All pieces have been appended and all edges added; so many threads look.
+        """
+        if waiting := self.open_edges:
+            self.logs.append(Log(waiting, self._bins))
+            self._state[0] = waiting  # those that wait are logged as well
+            self._pair(np.empty(1, np.uint64), np.empty(1, np.int32), 0)
+            self._state[0] += _NEVER
+        if self.overfull or _any_repeated(self.logs, self._bins, parts):
+            return None
+        parent = self.parent
+        while not np.array_equal(above := parent[parent], parent):
+            parent = above
+        return np.unique(parent, return_inverse=True)[1].astype(np.int32)
+
+    def _pair(self, edges: NDArray[np.uint64], pieces: NDArray[np.int32], count: int | None = None) -> None:
+        if len(edges) == 0:
+            return
+        EDGES.function(
+            address(edges), address(pieces), len(edges) if count is None else count,
+            address(self._table), len(self._table), address(self._parent), len(self._parent),
+            *self.logs[-1].arguments, address(self._state),
+        )  # fmt: skip
+        self.overfull |= bool(self._state[3])
+
+
+def empty_table(slots: int) -> NDArray[np.uint64]:
+    """Return a table with that many slots or more, a power of two, which is written to.
+
+    Of what is only read, all pages are one page of zeros, and its copy at the first write stops the other processors.
+    """
+    table = np.empty((1 << (slots - 1).bit_length(), 2), np.uint64)
+    table.fill(0)
+    return table
+
+
+def _any_repeated(logs: list[Log], bins: int, parts: int) -> bool:
+    """Say whether a key is in the logs twice."""
+    table = np.array([(address(log.keys), log.room, address(log.sizes)) for log in logs])
+    places = 1 << (4 * int(np.sum([log.sizes for log in logs], axis=0).max())).bit_length()
+    cuts = np.linspace(0, bins, parts + 1).astype(np.int64).tolist()
+
+    def repeated(which: int, _: threading.Event) -> bool:
+        slots = np.empty(places, np.uint16)
+        return REPEATED.function(address(table), len(logs), bins, *cuts[which : which + 2], address(slots), places) == 1
+
+    return any(in_threads(parts, repeated))
