@@ -9,14 +9,19 @@ are.
 from __future__ import annotations
 
 from collections.abc import Iterator
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
 
 from inertia.arrays import Float, Int
+from inertia.mesh.geometry.oriented_boxes import OrientedBoxes
 
 _CHUNK = 1 << 16  # pairs of boxes opened at a time
 _LEAST = 1e-300  # size below which boxes stay in their order: that its inverse overflows must not matter
+PATIENCE = 16
+"""Pairs of boxes, over their number, that are opened before any along other axes are made."""
+
 CELLS = 2**21 - 1
 """The last cell of a Morton code along an axis."""
 
@@ -28,18 +33,26 @@ class BoxTree:
     ----------
     low, high : (n, 3), least and greatest coordinates, finite; n ≥ 1
     group : (n,), groups that stand one after another in the order; boxes of one group are not paired among themselves
+    corners : (n, 3, 3), triangles that the boxes are around, no coordinate larger than 1: where many boxes overlap,
+        pairs are left out whose triangles are sure not to meet
     """
 
-    def __init__(self, low: Float, high: Float, group: Int | None = None) -> None:
+    def __init__(self, low: Float, high: Float, group: Int | None = None, corners: Float | None = None) -> None:
         code = _morton(low / 2 + high / 2)
         self.order: Int = np.argsort(code, kind="stable") if group is None else np.lexsort((code, group))
         self.group = None if group is None else group[self.order]
+        self.corners = corners
         self.low = [np.ascontiguousarray(low[self.order].T)]
         self.high = [np.ascontiguousarray(high[self.order].T)]
         while self.low[-1].shape[1] > 1:
             pairs = np.arange(0, self.low[-1].shape[1], 2)
             self.low.append(np.minimum.reduceat(self.low[-1], pairs, axis=1))
             self.high.append(np.maximum.reduceat(self.high[-1], pairs, axis=1))
+
+    @cached_property
+    def oriented(self) -> OrientedBoxes | None:
+        """Boxes around the same triangles along other axes; None where these are not known."""
+        return None if self.corners is None else OrientedBoxes.around(self.corners[self.order])
 
     def level(self, height: int) -> tuple[Float, Float]:
         """Return the boxes (3, k) that enclose 2**height of those given; above the root there is the root."""
@@ -65,7 +78,7 @@ def overlapping(a: BoxTree, b: BoxTree | None = None, *, touching: bool = False)
     below = np.less_equal if touching else np.less
     root = np.zeros(1, np.int64)
     todo = [(max(len(a.low), len(other.low)) - 1, root, root, 1.0)]
-    done = 0.0
+    done, patience = 0.0, PATIENCE * (len(a.order) + len(other.order))
     while todo:
         height, i, j, share = todo.pop()
         if len(i) > _CHUNK:
@@ -79,6 +92,10 @@ def overlapping(a: BoxTree, b: BoxTree | None = None, *, touching: bool = False)
         if b is None and a.group is not None:
             mixed = a.group[i << height] < a.group[np.minimum((j + 1) << height, len(a.group)) - 1]
             i, j = i[mixed], j[mixed]
+        patience -= len(i)
+        if patience < 0 and a.oriented is not None and other.oriented is not None:
+            meet = a.oriented.meeting(other.oriented, height, i, j)
+            i, j = i[meet], j[meet]
         if height > 0 and len(i):
             todo.append((height - 1, *_children(i, j, a, other, height - 1, b is None), share))
             continue

@@ -20,6 +20,7 @@ from inertia.mesh.geometry.boxes import CELLS, BoxTree, overlapping
 from inertia.mesh.geometry.closure import closure, merge_equal_vertices
 from inertia.mesh.geometry.edges import first_equal
 from inertia.mesh.geometry.hubs import hubs, near_around
+from inertia.mesh.geometry.oriented_boxes import OrientedBoxes
 from inertia.mesh.geometry.triangle_pairs import crossing, orient3d_filter, unit, unit_normals
 from inertia.mesh.geometry.winding import windings
 from inertia.mesh.part import Surface, Triangles
@@ -35,6 +36,10 @@ _WORK = (
 )
 _STEPS = 1 << 22  # pairs of boxes opened in a call, and
 _CROSSED = 1 << 16  # crossings listed at most
+_PATIENCE = 32  # pairs of boxes, over the number of triangles, that are opened before it is asked whether these slant
+_SAMPLE = 64  # triangles of which this is asked,
+_MANY = 1000  # how many others' boxes overlap theirs on average where it matters, and
+_FEW = 0.02  # what share of those overlap along other axes too, at most
 _SCRATCH = 18 + 192  # numbers, as `crossing_kernel.exact_sign` asks
 _STEPPED = 1 << 16  # triangles whose keys are computed at a time, by
 _FACTORS = np.array([0x9E3779B97F4A7C15, 0xBF58476D1CE4E5B9, 0x94D049BB133111EB], np.uint64)  # of SplitMix64
@@ -184,7 +189,8 @@ def _crossings_at_hubs(triangles: Triangles, vertices: Float, faces: Int, hub: I
     vertices_of = np.unique(hub[hub >= 0]).tolist()
     for k, vertex in enumerate(vertices_of):
         own = np.flatnonzero(hub == vertex)
-        among, between = near_around(vertices, faces[own], vertex), near_pairs(vertices, faces[own], faces[left])
+        among = near_around(vertices, faces[own], vertex)
+        between = near_pairs(vertices, faces[own], faces[left], crossing=True)
         for near, those in ((among, own), (between, left)):
             for i, j, _ in near:
                 crossed, places = crossing(vertices, faces[own[i]], faces[those[j]])
@@ -196,7 +202,7 @@ def _crossings_at_hubs(triangles: Triangles, vertices: Float, faces: Int, hub: I
 def vectorised_crossings(triangles: Triangles) -> Crossed:
     """Yield the triangles that cross one another, by numpy."""
     vertices, faces = merge_equal_vertices(triangles)
-    for i, j, done in near_pairs(vertices, faces, None):
+    for i, j, done in near_pairs(vertices, faces, None, crossing=True):
         crossed, places = crossing(vertices, faces[i], faces[j])
         yield np.column_stack([i[crossed], j[crossed]]), places, done
 
@@ -263,16 +269,40 @@ def compiled_crossings(triangles: Triangles) -> Crossed:
     work, pairs = np.empty(_SCRATCH), np.empty((_CROSSED, 2), np.int64)
     of_tree = _address(tree.corners), _address(tree.boxes), _address(tree.order), count
     tables = *of_tree, _address(work), _address(stack), _address(tree.starts)
-    while state[0]:
-        COMPILED.function(*tables, _address(pairs), _CROSSED, _STEPS, _address(state))
+    COMPILED.function(*tables, _address(pairs), _CROSSED, _PATIENCE * count, _address(state))
+    if state[0] and state[1] < _CROSSED // 2 and slanted(triangles, tree.order):
+        yield from vectorised_crossings(triangles)
+        return
+    while True:
         done = float(state[2] / count) if state[0] else 1.0
         crossed = pairs[: state[1]]
         if not len(crossed):
             yield crossed, np.empty((0, 3)), done
-            continue
-        vertices, faces = merge_equal_vertices(triangles.select(crossed.ravel()))
-        which, places = crossing(vertices, faces[0::2], faces[1::2])
-        yield crossed[which], places, done
+        else:
+            vertices, faces = merge_equal_vertices(triangles.select(crossed.ravel()))
+            which, places = crossing(vertices, faces[0::2], faces[1::2])
+            yield crossed[which], places, done
+        if not state[0]:
+            return
+        COMPILED.function(*tables, _address(pairs), _CROSSED, _STEPS, _address(state))
+
+
+def slanted(triangles: Triangles, order: Int) -> bool:
+    """Say whether far more boxes of triangles overlap along the axes of coordinates than along their own.
+
+    Some of the triangles, taken evenly in `order`, are compared with all others.
+    """
+    some = order[:: max(len(order) // _SAMPLE, 1)]
+    [corners] = _scaled(triangles.corners())
+    low, high = corners.min(axis=1), corners.max(axis=1)
+    near = [np.flatnonzero((low[k] < high).all(axis=1) & (low < high[k]).all(axis=1)) for k in some.tolist()]
+    if np.mean([len(others) for others in near]) < _MANY:
+        return False
+    near = [others[:: len(others) // _SAMPLE + 1] for others in near]
+    own, others = np.repeat(some, [len(others) for others in near]), np.concatenate(near)
+    one, other = (OrientedBoxes.around(corners[which], highest=0) for which in (own, others))
+    every = np.arange(len(own))
+    return bool(one.meeting(other, 0, every, every).mean() < _FEW)
 
 
 def _address(array: NDArray[Any]) -> int:
@@ -283,7 +313,7 @@ def _crossings_between(a: Triangles, b: Triangles) -> Crossed:
     """Yield the triangles of `a` that cross triangles of `b`, by numpy."""
     numbers_a, numbers_b = _in_common_box(a, b)
     vertices, faces_a, faces_b = _welded_together(a.select(numbers_a), b.select(numbers_b))
-    for i, j, done in near_pairs(vertices, faces_a, faces_b):
+    for i, j, done in near_pairs(vertices, faces_a, faces_b, crossing=True):
         crossed, places = crossing(vertices, faces_a[i], faces_b[j])
         yield np.column_stack([numbers_a[i[crossed]], numbers_b[j[crossed]]]), places, done
 
@@ -382,16 +412,26 @@ def _welded_together(a: Triangles, b: Triangles) -> tuple[Float, Int, Int]:
 
 
 def near_pairs(
-    vertices: Float, faces_a: Int, faces_b: Int | None, *, touching: bool = False
+    vertices: Float, faces_a: Int, faces_b: Int | None, *, touching: bool = False, crossing: bool = False
 ) -> Iterator[tuple[Int, Int, float]]:
-    """Yield pairs of faces whose boxes overlap, and the fraction done; see `overlapping`."""
+    """Yield pairs of faces whose boxes overlap, and the fraction done; see `overlapping`.
+
+    Those that are sure not to cross may be left out where `crossing` is what matters.
+    """
     if len(faces_a) == 0 or (faces_b is not None and len(faces_b) == 0):
         return
-    trees = []
-    for faces in (faces_a,) if faces_b is None else (faces_a, faces_b):
-        corners = vertices[faces]
-        trees.append(BoxTree(corners.min(axis=1), corners.max(axis=1)))
+    both = [vertices[faces] for faces in (faces_a, faces_b) if faces is not None]
+    local = _scaled(*both) if crossing else [None, None]
+    trees = [BoxTree(k.min(axis=1), k.max(axis=1), corners=own) for k, own in zip(both, local, strict=False)]
     yield from overlapping(*trees, touching=touching)
+
+
+def _scaled(*surfaces: Float) -> list[Float]:
+    """Return triangles about one middle, times a power of two with which no coordinate is larger than 1."""
+    low = np.min([corners.min(axis=(0, 1)) for corners in surfaces], axis=0)
+    high = np.max([corners.max(axis=(0, 1)) for corners in surfaces], axis=0)
+    exponent = int(np.frexp((high / 2 - low / 2).max())[1])
+    return [np.ldexp(corners - (low / 2 + high / 2), -exponent) for corners in surfaces]
 
 
 def _places(vertices: Float, faces_a: Int, faces_b: Int, depth: float) -> Iterator[tuple[Float, float]]:

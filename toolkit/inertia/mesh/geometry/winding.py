@@ -157,7 +157,7 @@ def _misplaced(corners: Float, box: Float) -> tuple[float, Float | None]:
     points = np.column_stack([np.repeat(x, _RAYS), np.tile(y, _RAYS)])
     table = np.ascontiguousarray(corners.transpose(1, 2, 0))
     rays, heights, turns = [], [], []
-    for triangle, point in _grid_candidates(x, y, corners.min(axis=1), corners.max(axis=1)):
+    for triangle, point in _grid_candidates(x, y, corners[:, :, :2]):
         own = table[:, :, triangle]
         own[:, :2] -= points[point].T
         a, b, c = own
@@ -183,22 +183,43 @@ def _misplaced(corners: Float, box: Float) -> tuple[float, Float | None]:
     return volume, np.stack([hits.min(axis=0) - breadth, hits.max(axis=0) + breadth])
 
 
-def _grid_candidates(x: Float, y: Float, low: Float, high: Float) -> Iterator[tuple[Int, Int]]:
-    """Yield what `candidates` does of the points of a grid, each x with every y, both ascending."""
-    left, lower = np.searchsorted(x, low[:, 0], "left"), np.searchsorted(y, low[:, 1], "left")
-    wide = np.searchsorted(x, high[:, 0], "right") - left
-    tall = np.searchsorted(y, high[:, 1], "right") - lower
-    total = np.cumsum(wide * tall)
+def _grid_candidates(x: Float, y: Float, corners: Float) -> Iterator[tuple[Int, Int]]:
+    """Yield pairs (triangle, point), ascending: those of a triangle (t, 3, 2) over a point of a grid, and few more.
+
+    The points are each x with every y, both ascending and evenly spaced, and are numbered in that order.
+    """
+    begin = np.searchsorted(x, corners[:, :, 0].min(axis=1), "left")
+    wide = np.searchsorted(x, corners[:, :, 0].max(axis=1), "right") - begin
+    total = np.cumsum(wide)
+    room = y[1] - y[0] + 8 * np.spacing(np.abs(corners[:, :, 1]).max(initial=0.0))  # more than a height is rounded by
     start = 0
-    while start < len(low):
+    while start < len(corners):
         done = total[start - 1] if start else 0
-        stop = max(start + 1, int(np.searchsorted(total, done + _PAIRS, "right")))
-        count = (wide * tall)[start:stop]
+        stop = max(start + 1, int(np.searchsorted(total, done + _PAIRS // _RAYS, "right")))
+        count = wide[start:stop]
         triangle = np.repeat(np.arange(start, stop), count)
-        place = np.arange(count.sum()) - np.repeat(total[start:stop] - count - done, count)
-        column, row = np.divmod(place, tall[triangle])
-        yield triangle, (left[triangle] + column) * len(y) + lower[triangle] + row
+        column = np.arange(len(triangle)) + np.repeat(begin[start:stop] - (total[start:stop] - count - done), count)
+        low, high = _across(corners[triangle], x[column])
+        lower = np.searchsorted(y, low - room, "left")
+        tall = np.searchsorted(y, high + room, "right") - lower
+        first = np.cumsum(tall) - tall
+        yield np.repeat(triangle, tall), np.arange(tall.sum()) + np.repeat(column * len(y) + lower - first, tall)
         start = stop
+
+
+def _across(corners: Float, x: Float) -> tuple[Float, Float]:
+    """Return from which to which y triangles (k, 3, 2) reach at x (k,), which is within theirs."""
+    low, high = np.full(len(x), np.inf), np.full(len(x), -np.inf)
+    for k in range(3):
+        a, b = corners[:, k], corners[:, (k + 1) % 3]
+        meets = (np.minimum(a[:, 0], b[:, 0]) <= x) & (x <= np.maximum(a[:, 0], b[:, 0]))
+        run = b[:, 0] - a[:, 0]
+        share = np.divide(x - a[:, 0], run, out=np.zeros_like(x), where=run != 0)
+        at = a[:, 1] + np.clip(share, 0, 1) * (b[:, 1] - a[:, 1])
+        upright = run == 0  # and as a whole at x, where it meets it
+        low = np.minimum(low, np.where(meets, np.where(upright, np.minimum(at, b[:, 1]), at), np.inf))
+        high = np.maximum(high, np.where(meets, np.where(upright, np.maximum(at, b[:, 1]), at), -np.inf))
+    return low, high
 
 
 def candidates(points: Float, low: Float, high: Float) -> Iterator[tuple[Int, Int]]:
