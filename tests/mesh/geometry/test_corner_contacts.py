@@ -116,3 +116,16 @@ def test_bodies_in_cavities_that_touch_their_walls_at_edges_are_not_either() -> 
     assert len(surface.shells) > 2
     assert surface.touching is not None
     assert surface.touching.tolist() == []
+
+
+def test_shells_that_share_no_corner_are_left_to_be_compared_without_being_looked_at(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    from inertia.mesh.geometry import corner_contacts
+
+    rng = np.random.default_rng(9)
+    solids = rng.uniform(0, 1, (12, 4, 3))
+    inward = np.linalg.det(solids[:, 1:] - solids[:, :1]) < 0
+    solids[inward] = solids[inward][:, [1, 0, 2, 3]]
+    monkeypatch.delattr(corner_contacts, "overlapping")
+    assert pairs_beyond(solids) == set(zip(*np.triu_indices(12, 1), strict=True))

@@ -189,12 +189,19 @@ def _near_bodies(surface: SurfaceTopology, *, alike: bool) -> Iterator[tuple[Sur
         both = np.array(meeting)
         near_both = _reaching(both, groups, low, high, boxes) & _reaching(both[:, ::-1], groups, low, high, boxes)
         meeting = [pair for pair, reach in zip(meeting, near_both, strict=True) if reach]
-    for one, other in meeting:
-        near = [
-            (low[group] <= box[1]) & (box[0] <= high[group])
-            for group, box in ((groups[one], boxes[other]), (groups[other], boxes[one]))
-        ]
-        yield turned, [groups[one], groups[other]], near, boxes[[one, other]]
+    numbers, first = np.array(meeting, np.int64).reshape(-1, 2), 0
+    sizes = np.array([len(group) for group in groups])
+    ends = np.cumsum(sizes[numbers].sum(axis=1))
+    while first < len(numbers):
+        last = max(first + 1, int(np.searchsorted(ends, (ends[first - 1] if first else 0) + _AT_ONCE, side="right")))
+        several = numbers[first:last]
+        which = np.concatenate([groups[number] for number in several.ravel().tolist()])
+        count = sizes[several.ravel()]
+        box = np.repeat(boxes[several[:, ::-1].ravel()], count, axis=0)
+        reach = np.split((low[which] <= box[:, 1]) & (box[:, 0] <= high[which]), np.cumsum(count)[:-1])
+        for k, (one, other) in enumerate(meeting[first:last]):
+            yield turned, [groups[one], groups[other]], reach[2 * k : 2 * k + 2], boxes[[one, other]]
+        first = last
 
 
 def _touching_bodies(surface: SurfaceTopology, parts: tuple[Body, ...], boxes: Float) -> list[tuple[int, int]] | None:

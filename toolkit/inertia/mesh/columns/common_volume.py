@@ -20,7 +20,7 @@ import numpy as np
 
 from inertia.arrays import Float, Int
 from inertia.mesh.geometry.boxes import BoxTree, overlapping
-from inertia.native import Kernel, address
+from inertia.native import SHIPPED_ABOVE, Kernel, address
 
 MOST_PAIRS = 1 << 21
 """Pairs of triangles of two bodies that are gone through: some ten seconds."""
@@ -29,6 +29,7 @@ MOST_OF_ITSELF = 1 << 18
 """Pairs of triangles of one surface that are: a second or two; few that take longer cross by rounding alone."""
 
 _AT_ONCE = 1 << 15
+_FEW = 1 << 12  # pairs of triangles, at most, that are compared without a tree
 _ROUNDING = 2.0**-49  # of an area or a height, over the breadth of a pair times the largest coordinate: 16 roundings
 _UP = 1 + 1e-9  # more than sums of positive terms lose
 
@@ -61,10 +62,9 @@ def common_volume(a: Float, b: Float) -> tuple[float, float] | None:
         surfaces.append(np.ldexp(corners[within] - low, -exponent)[..., axes])
     largest = float(np.ldexp(np.abs(boxes).max(), -exponent)) + 2.0
     one, other = surfaces
-    trees = [BoxTree(*_rectangles(corners)) for corners in surfaces if len(corners)]
-    if len(trees) < 2:
+    if not len(one) or not len(other):
         return 0.0, 0.0
-    return _with_pairs(overlapping(*trees), MOST_PAIRS, one, other, largest, exponent)
+    return _with_pairs(_over_each_other(one, other), MOST_PAIRS, one, other, largest, exponent)
 
 
 def surplus_volume(corners: Float, box: Float) -> tuple[float, float] | None:
@@ -145,6 +145,16 @@ def _cut_to(corners: Float, size: Float) -> Float:
     return fan
 
 
+def _over_each_other(one: Float, other: Float) -> Iterable[tuple[Int, Int, Any]]:
+    """Return the pairs of triangles whose projections' rectangles meet, in pieces, as `overlapping`."""
+    rectangles = [_rectangles(corners) for corners in (one, other)]
+    if len(one) * len(other) > _FEW:
+        return overlapping(*(BoxTree(*each) for each in rectangles))
+    (low, high), (lowest, highest) = rectangles
+    i, j = np.nonzero(((low[:, None] <= highest) & (lowest <= high[:, None])).all(axis=2))
+    return [(i, j, 1.0)]
+
+
 def _rectangles(corners: Float) -> tuple[Float, Float]:
     low, high = corners.min(axis=1), corners.max(axis=1)
     low[:, 2], high[:, 2] = 0, 1
@@ -158,7 +168,8 @@ def _under_both(a: Float, b: Float, largest: float) -> tuple[float, float]:
     breadth = (np.minimum(highest, other)[:, :2] - low).sum(axis=1)
     height = np.minimum(highest, other)[:, 2]
     rounding = float((breadth * (height + breadth)).sum()) * largest * _ROUNDING
-    signs, lower = (_compiled_pairs(a, b) if _CLIP.worthwhile(len(a)) else None) or clipped_pairs(a, b)
+    worthwhile = _CLIP.worthwhile(max(len(a), SHIPPED_ABOVE))  # numpy takes as long for one pair as loading does
+    signs, lower = (_compiled_pairs(a, b) if worthwhile else None) or clipped_pairs(a, b)
     total = 0.0
     for polygons, pair in lower:
         part = signs[pair]

@@ -1,4 +1,6 @@
-"""Which of many pairs of bodies are sure to share space: places in the boxes that they have in common, inside both."""
+"""Which of many pairs of bodies are sure to share space: places that lie inside both.
+
+They are looked for in the boxes that two bodies have in common, and beneath triangles that cross."""
 
 from __future__ import annotations
 
@@ -7,9 +9,15 @@ from collections.abc import Sequence
 import numpy as np
 
 from inertia.arrays import Bool, Float, Int
+from inertia.mesh.geometry.closure import merge_equal_vertices
+from inertia.mesh.geometry.intersect import FACING
+from inertia.mesh.geometry.triangle_pairs import crossing, unit_normals
 from inertia.mesh.geometry.winding import windings_each
+from inertia.mesh.part import Surface
 
 _PLACES = 12, 84  # tried in each box, and then in those where none of these was inside both
+_COMPARED = 1 << 12  # pairs of triangles of two bodies, at most, of which those that cross are looked for
+_CROSSED = 8  # places of each pair of bodies at such crossings
 _STEPS = np.array([0.8191725133961645, 0.6710436067037893, 0.5497004779019703])
 _CLEAR = 4.0  # times deeper than a contact
 _SHALLOW = 1e-3  # of the smaller body: the deepest contact for which places are tried
@@ -37,24 +45,66 @@ def sure_to_share(
     [True]
     """
     inner = np.maximum(1e-6 * size, depth) / size
+    middle = low / 2 + high / 2
     sure = np.zeros(len(sides), bool)
-    first = 0
-    for count in _PLACES:
-        tried = np.flatnonzero(~sure & (inner < _SHALLOW) & (high > low).all(axis=1))
-        if len(tried) == 0:
-            break
-        # Fractions of the box that repeat along no axis, the middle first (the R3 sequence of M. Roberts, 2018).
-        fractions = (0.5 + np.arange(first, first + count)[:, None] * _STEPS) % 1
-        middle = (low / 2 + high / 2)[tried]
-        points = (fractions - 0.5) * ((high - low) / size[:, None])[tried, None]
+
+    def open_ones() -> Int:
+        return np.flatnonzero(~sure & (inner < _SHALLOW) & (high > low).all(axis=1))
+
+    def look(tried: Int, points: Float) -> None:
+        """Look at places (k, s, 3) from the middles of the boxes of pairs (k,) on, over their sizes."""
         margin = 2 * _CLEAR * float(inner[tried].max())
         inside = np.ones(points.shape[:2], bool)
         for side in range(2):
             numbers = [sides[k][side] for k in tried.tolist()]
             owner = np.repeat(np.arange(len(tried)), [len(own) for own in numbers])
-            local = (corners[np.concatenate(numbers)] - middle[owner, None]) / size[tried][owner, None, None]
+            local = (corners[np.concatenate(numbers)] - middle[tried][owner, None]) / size[tried][owner, None, None]
             winding, clearance = windings_each(points, local, owner, margin)
             inside &= (winding > 0) & (clearance > _CLEAR * inner[tried, None])
         sure[tried] = inside.any(axis=1)
+
+    first = 0
+    for count in _PLACES:
+        if first and len(tried := open_ones()):
+            which, places = _under_crossings(
+                corners, [sides[k] for k in tried.tolist()], 2 * _CLEAR * (inner * size)[tried]
+            )
+            tried = tried[which]
+            if len(tried):
+                look(tried, (places - middle[tried, None]) / size[tried, None, None])
+        if len(tried := open_ones()):
+            # Fractions of the box that repeat along no axis, the middle first (the R3 sequence of M. Roberts, 2018).
+            fractions = (0.5 + np.arange(first, first + count)[:, None] * _STEPS) % 1
+            look(tried, (fractions - 0.5) * ((high - low) / size[:, None])[tried, None])
         first += count
     return sure
+
+
+def _under_crossings(corners: Float, sides: Sequence[tuple[Int, Int]], depth: Float) -> tuple[Int, Float]:
+    """Return places under both of two triangles that cross, at a depth (k,) below each: of which pairs, and (m, s, 3).
+
+    Where there are fewer than s, the first is repeated; pairs of bodies with many triangles are passed over.
+    """
+    counts = np.array([[len(one), len(other)] for one, other in sides])
+    few = counts.prod(axis=1) <= _COMPARED
+    work = np.where(few, counts.prod(axis=1), 0)
+    owner = np.repeat(np.arange(len(sides)), work)
+    rank = np.arange(len(owner)) - np.repeat(np.cumsum(work) - work, work)
+    begins = np.cumsum(counts, axis=0) - counts
+    one, other = (np.concatenate([side[k] for side in sides]) for k in range(2))
+    i = one[begins[owner, 0] + rank // counts[owner, 1]]
+    j = other[begins[owner, 1] + rank % counts[owner, 1]]
+    lowest, highest = corners.min(axis=1), corners.max(axis=1)
+    near = ((lowest[i] <= highest[j]) & (lowest[j] <= highest[i])).all(axis=1)
+    owner, i, j = owner[near], i[near], j[near]
+    vertices, faces = merge_equal_vertices(Surface(corners.reshape(-1, 3), np.arange(3 * len(corners)).reshape(-1, 3)))
+    crossed, middles = crossing(vertices, faces[i], faces[j])
+    owner, normals = owner[crossed], unit_normals(corners)
+    inwards = -(normals[i[crossed]] + normals[j[crossed]])
+    size = np.linalg.norm(inwards, axis=1)
+    apart = size > FACING
+    owner, inwards, size, middles = owner[apart], inwards[apart], size[apart], middles[apart]
+    places = middles + (2 * depth[owner] / size**2)[:, None] * inwards
+    which, start, count = np.unique(owner, return_index=True, return_counts=True)
+    steps = np.arange(_CROSSED)
+    return which, places[start[:, None] + np.where(steps < count[:, None], steps, 0)]

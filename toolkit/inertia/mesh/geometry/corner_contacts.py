@@ -32,9 +32,11 @@ def beyond_corners(vertices: Float, faces: Int, shell: Int, body: Int, turned: B
     boxes : (s, 2, 3), least and greatest coordinates of shells
     pairs : (k, 2), ascending, the lower number first
     """
+    keys, beyond = pairs[:, 0] * len(boxes) + pairs[:, 1], ~_share_corners(faces, shell, pairs)
+    if beyond.all():
+        return pairs
     corners, edges = vertices[faces], half_edges(faces)
     clear = ~layered(vertices, faces, edges, body, turned)[edges.edge].reshape(-1, 3)
-    keys, beyond = pairs[:, 0] * len(boxes) + pairs[:, 1], np.zeros(len(pairs), bool)
     rank = np.empty(len(boxes), np.int64)
     rank[BoxTree(boxes[:, 0], boxes[:, 1]).order] = np.arange(len(boxes))
     for i, j, _ in overlapping(BoxTree(corners.min(axis=1), corners.max(axis=1), rank[shell]), touching=True):
@@ -48,6 +50,20 @@ def beyond_corners(vertices: Float, faces: Int, shell: Int, body: Int, turned: B
             there &= (~(common & np.roll(common, -1, axis=1)) | clear[i[some]]).all(axis=1)
             beyond[pair[some[~there]]] = True
     return pairs[beyond]
+
+
+def _share_corners(faces: Int, shell: Int, pairs: Int) -> Bool:
+    """Say which pairs (k, 2) of shells have a corner in common."""
+    count = int(faces.max()) + 1
+    keys = np.unique(shell[:, None] * count + faces)
+    shared = np.bincount(keys % count)[keys % count] > 1
+    keys, starts = keys[shared], np.searchsorted(keys[shared], np.arange(shell.max() + 2) * count)
+    sizes = np.diff(starts)[pairs[:, 0]]
+    pair = np.repeat(np.arange(len(pairs)), sizes)
+    own = np.arange(len(pair)) + np.repeat(starts[pairs[:, 0]] - np.cumsum(sizes) + sizes, sizes)
+    found = np.isin(pairs[pair, 1] * count + keys[own] % count, keys)
+    shares: Bool = np.bincount(pair[found], minlength=len(pairs)) > 0
+    return shares
 
 
 def _common_corners(corners: Float, faces: Int, one: Int, other: Int) -> tuple[Bool, Bool]:
