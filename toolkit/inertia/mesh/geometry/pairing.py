@@ -43,6 +43,7 @@ class _Groups:
     Attributes
     ----------
     waiting : edges that wait for other groups, and the pieces of all
+    logs : the keys of the edges that are paired within groups
     labels : the labels that each group's triangles get, and the number of its first piece
     repeated : triangles with a repeated corner
     """
@@ -52,6 +53,7 @@ class _Groups:
         self._state, self._table = np.zeros(5 + 3 * 64, np.int64), empty_table(_TABLE)
         self._own, self._parent = np.empty(_GROUP, np.int32), np.empty(_GROUP, np.int32)
         self.waiting = WaitingEdges(bins)
+        self.logs: list[Log] = []
         self.labels: list[tuple[NDArray[np.int32], int]] = []
         self.repeated = 0
 
@@ -61,7 +63,7 @@ class _Groups:
         self.labels.append((labels, self.waiting.pieces))
         if len(self.labels) < 3:  # the first group, which may be given up, has little memory
             self._log = Log(3 * (len(labels) if len(self.labels) == 1 else len(labels) + left) // 2, self._bins)
-            self.waiting.logs.insert(0, self._log)
+            self.logs.append(self._log)
 
     def pair(self, rows: NDArray[np.uint64], count: int) -> bool:
         """Pair the first rows, which go on with the group; say whether the table is too small for them."""
@@ -144,6 +146,7 @@ def _paired_in_order(
     done = in_threads(parts, pair)
     waiting, repeated = WaitingEdges(bins), sum(groups.repeated for groups in done)
     firsts = [waiting.join(groups.waiting) for groups in done]
+    waiting.logs += [log for groups in done for log in groups.logs]
     number = waiting.components(parts)
     if number is None:
         return None
