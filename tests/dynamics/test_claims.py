@@ -258,3 +258,18 @@ def test_bounds_of_a_part_count_where_it_is_stepped_as_where_it_has_a_closed_for
     damped = simulate(Scene(body, start, settings, applied_loads=(inertia.Damping(1e-7),))).error
     assert damped.until == pytest.approx(free.until, rel=0.2)
     assert damped.inputs == pytest.approx(free.inputs, rel=1.0)
+
+
+@pytest.mark.parametrize("method", [None, "DOP853"])
+def test_the_gravity_gradient_on_a_needle_holds_its_claim(method: str | None) -> None:
+    # What two moments differ by turns it about its length: a rounding of either would be a thousandth of that.
+    moments, spin, primary = [1.0, 1e-9, 1.0 + 2.0**-40], [0.0, 1e-3, 0.0], [0.3, 0.7, 0.6]
+    table = {
+        "body": {"principal_moments": moments},
+        "start": {"angular_velocity": spin, "frame": "part"},
+        "load": [{"kind": "gravity_gradient", "mu": 1 / 3, "position": primary}],
+        "run": {"duration": 3.0, "samples": 4, "accuracy": 1e-8} | ({} if method is None else {"method": method}),
+    }
+    run = simulate(Scene.from_dict(table))
+    true = rotate(moments, spin, run.time.tolist(), gravity_gradient=(1 / 3, primary))
+    assert true.attitude_error(run.attitude).max() <= run.error.reached < 1e-8

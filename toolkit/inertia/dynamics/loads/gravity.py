@@ -102,7 +102,7 @@ class GravityGradient(Load):
     def torque_at(self, time: float, attitude: Float, angular_velocity: Float, body: TurningBody) -> Float:
         """Return 3 (μ/r³) r̂ × I r̂."""
         toward = quaternion.to_body(attitude, self._unit)
-        return self._strength * np.cross(toward, body.moments * toward)
+        return self._strength * across_gradient(toward, body.moments)
 
     def potential(self, attitude: Float, body: TurningBody) -> Float:
         """Return (3/2)(μ/r³) r̂·I r̂."""
@@ -114,8 +114,8 @@ class GravityGradient(Load):
         return across(self.position)
 
     def terms(self, body: TurningBody, start: float) -> Terms:
-        """Return b = 3 (μ/r³) I, v = r̂."""
-        return Terms.of_vector(self._unit, square=self._strength * body.moments)
+        """Return b = 3 (μ/r³) (I − I₂), v = r̂: what all moments have in common turns nothing, and would cost digits."""
+        return Terms.of_vector(self._unit, square=self._strength * (body.moments - np.median(body.moments)))
 
     def described(self, listed: Callable[[Float | float], str]) -> str:
         """Return where the primary is, and how strong."""
@@ -128,3 +128,10 @@ class GravityGradient(Load):
     @property
     def _strength(self) -> float:
         return float(3.0 * self.mu / np.linalg.norm(self.position) ** 3)
+
+
+def across_gradient(toward: Float, moments: Float) -> Float:
+    """Return r̂ × I r̂ (…, 3) from differences of moments, so that near equal ones keep their digits."""
+    x, y, z = np.moveaxis(toward, -1, 0)
+    a, b, c = moments
+    return np.stack([(c - b) * y * z, (a - c) * z * x, (b - a) * x * y], axis=-1)

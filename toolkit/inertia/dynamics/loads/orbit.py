@@ -15,6 +15,7 @@ import numpy as np
 from inertia.arrays import Float
 from inertia.documents import FieldError, Reader, choice, number, numbers
 from inertia.dynamics.kinematics import quaternion
+from inertia.dynamics.loads.gravity import across_gradient
 from inertia.dynamics.loads.load import Load, TurningBody
 
 PRIMARIES = {
@@ -322,7 +323,7 @@ class Orbit(Load):
         axes = self.ellipse.axes
         toward = quaternion.to_body(attitude, (x * axes[:, 0] + y * axes[:, 1]) / distance)
         strength = 3.0 * (self.ellipse.motion**2 / distance**3)
-        return strength * _gradient(toward, body.moments)
+        return strength * across_gradient(toward, body.moments)
 
     def integrals(
         self, time: Float, attitude: Float, angular_velocity: Float, body: TurningBody
@@ -398,13 +399,6 @@ class Orbit(Load):
         """Return its section, without what is not stated."""
         stated = {each.name: getattr(self, each.name) for each in fields(self)}
         return {"kind": self.kind, **{name: value for name, value in stated.items() if value is not None}}
-
-
-def _gradient(toward: Float, moments: Float) -> Float:
-    """Return r̂ × I r̂ (…, 3), from differences of moments, so that near equal ones keep their digits."""
-    x, y, z = toward
-    a, b, c = moments
-    return np.array([(c - b) * y * z, (a - c) * z * x, (b - a) * x * y])
 
 
 def _length(vector: Float) -> float:
