@@ -492,3 +492,34 @@ def test_what_is_stated_as_uncertain_of_a_part_is_drawn_with_its_covariance() ->
     )
     with pytest.raises(FieldError, match=r"body\.uncertainty is unknown"):
         ensemble(Scene.from_dict(BALL), {"body.uncertainty": "±1"}, 3)
+
+
+def test_the_gravity_gradient_pulls_at_the_moments_of_each_draw() -> None:
+    primary, spin, drawn = [0.3, 0.7, 0.6], [0.1, 0.5, 0.2], [2.0, 2.2, 2.5]
+    scene = Scene.from_dict(
+        {
+            "body": {"principal_moments": [1.0, 2.0, 2.8]},
+            "start": {"angular_velocity": spin},
+            "load": [{"kind": "gravity_gradient", "mu": 0.3, "position": primary}],
+            "run": {"duration": 10.0, "accuracy": 1e-9},
+        }
+    )
+    names = [f"angular_velocity[{k}]" for k in range(3)]
+    spread = ensemble(scene, {"body.principal_moments[1]": drawn}, quantities=names)
+    for k, moment in enumerate(drawn):
+        true = rotate([1.0, moment, 2.8], spin, [0.0, 10.0], gravity_gradient=(0.3, primary))
+        end = [float(spread.quantities[name][k, -1]) for name in names]
+        assert end == pytest.approx([float(x) for x in true.angular_velocity[-1]], abs=1e-8)
+
+
+def test_how_dense_a_part_is_changes_nothing_of_what_the_gravity_gradient_does() -> None:
+    scene = Scene.from_dict(
+        {
+            "body": {"part": str(path("t_handle.stl")), "unit": "mm", "density": 1000.0},
+            "start": {"angular_velocity": [0.1, 0.5, 0.2]},
+            "load": [{"kind": "gravity_gradient", "mu": 0.3, "position": [0.3, 0.7, 0.6]}],
+            "run": {"duration": 10.0, "accuracy": 1e-9},
+        }
+    )
+    spread = ensemble(scene, {"body.density": [1000.0, 2000.0, 500.0]}, quantities=["deviation"])
+    assert spread.quantities["deviation"][:, -1].max() < 1e-8

@@ -17,7 +17,7 @@ from inertia.arrays import Bool, Float
 from inertia.dynamics.integrators.lanes import Bodies, fits, follow_bodies, solve_bodies, tolerances
 from inertia.dynamics.integrators.terms import HEAD, VECTOR, Terms
 from inertia.dynamics.kinematics import quaternion
-from inertia.dynamics.loads.gravity import Gravity
+from inertia.dynamics.loads.gravity import Gravity, GravityGradient
 from inertia.dynamics.loads.load import Load
 from inertia.dynamics.loads.torque import Torque
 from inertia.dynamics.models.free.flips import first_flip, flip_period
@@ -187,10 +187,12 @@ def _terms(
     varied = [k for k, path in enumerate(paths) if field_of(path) == "load"]
     held = scene.constraint.holds
     acting = [k for k, load in enumerate(scene.applied_loads) if held or not isinstance(load, Gravity)]
+    gradient = any(isinstance(scene.applied_loads[k], GravityGradient) for k in acting)  # whose terms have the moments
+    alike = not varied and not draws.turned and not (gradient and (draws.moments != draws.moments[:1]).any())
     packed: list[Float] = []
     every: list[tuple[Load, ...]] = []
     for k, figures in enumerate(values[:, varied]):
-        if k and not varied and not draws.turned:
+        if k and alike:
             packed, every = packed * len(values), every * len(values)
             break
         try:
