@@ -34,8 +34,8 @@ def run(options: argparse.Namespace) -> int:
         try:
             documents = [json.loads(file_of(options.part).read_text(encoding="utf-8"))]
         except OSError as error:
-            raise ReadError(f"cannot read {options.part}: {error.strerror}", code="no_file") from None
+            raise ReadError(f"cannot read {options.part}: {error.strerror}: check the path", code="no_file") from None
         except ValueError:
-            raise ReadError(f"cannot read {options.part}: it is no JSON document") from None
+            raise ReadError(f"cannot read {options.part}: it is no JSON document: name what --json printed") from None
     print(cite(*documents), end="")
     return 0

@@ -68,5 +68,6 @@ def test_what_is_no_document_is_refused(tmp_path: Path, capsys: pytest.CaptureFi
     file = tmp_path / "part.stl"
     file.write_text("solid")
     assert main(["cite", str(file)]) == 3
-    assert "is no JSON document" in capsys.readouterr().err
+    assert "is no JSON document: name what --json printed" in capsys.readouterr().err
     assert main(["cite", str(tmp_path / "nothing.json")]) == 3
+    assert capsys.readouterr().err.endswith(": check the path\n")
