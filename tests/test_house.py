@@ -1,6 +1,7 @@
 """The house holds its own rules: no cycles, tests beside what they test, no private names from outside."""
 
 import ast
+import re
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -34,6 +35,16 @@ def test_every_folder_of_tests_is_one_of_the_packages() -> None:
         path.parent.relative_to(PACKAGES["inertia"]) for path in MODULES if path.is_relative_to(PACKAGES["inertia"])
     }
     assert {str(each) for each in folders - rooms} <= {"cli", "meshes", "textbook"}
+
+
+@pytest.mark.parametrize("path", MODULES, ids=lambda path: path.name)
+def test_sentences_write_squares_and_cubes_of_units_as_such(path: Path) -> None:
+    if path.parts[-2:] == ("batching", "columns.py"):  # units in the head of a table, for programs
+        return
+    nodes = ast.walk(ast.parse(path.read_text(encoding="utf-8")))
+    texts = (node.value for node in nodes if isinstance(node, ast.Constant) and isinstance(node.value, str))
+    wrong = re.compile(r"(?<![\w.])(?:[cmk]?m|[\w.]*/[cmk]?m|k?g [cmk]?m)[23]\b(?!\s*[-+=(])|^[23] ")
+    assert [text for text in texts if wrong.search(text)] == []
 
 
 def _private_names(path: Path) -> Iterator[str]:

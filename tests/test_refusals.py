@@ -4,6 +4,7 @@ import ast
 import json
 import pickle
 import re
+import shutil
 from pathlib import Path
 
 import numpy as np
@@ -37,7 +38,7 @@ def refusal(capsys: pytest.CaptureFixture[str], *arguments: str) -> dict:
 
 @pytest.mark.parametrize("file", EXAMPLES, ids=lambda file: file.stem)
 def test_an_example_is_refused_by_its_code(file: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    verb = {".toml": "simulate", ".urdf": "audit", ".csv": "assembly"}.get(file.suffix, "analyse")
+    verb = {".toml": "simulate", ".urdf": "audit", ".sdf": "audit", ".csv": "assembly"}.get(file.suffix, "analyse")
     assert refusal(capsys, verb, str(file))["code"] == file.stem
     assert f"[{file.stem}](errors/{file.name}) |" in PAGE
 
@@ -141,6 +142,34 @@ def test_an_answer_whose_files_cannot_be_written_stays_the_one_document(
     out, errors = capsys.readouterr()
     assert json.loads(out)["schema"] == "inertia/run/1"
     assert (code, errors) == (1, "inertia: cannot write a.csv: No space left on device: make room\n")
+
+
+def test_a_file_that_grows_while_it_is_read_has_a_code(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    file, read_bytes = tmp_path / "cube.off", Path.read_bytes
+    file.write_bytes((DOCS / "errors/inward.off").read_bytes())
+
+    def growing(self: Path) -> bytes:
+        data = read_bytes(self)
+        if self == file:
+            with self.open("ab") as stream:
+                stream.write(b"# more\n")
+        return data
+
+    monkeypatch.setattr(Path, "read_bytes", growing)
+    document = refusal(capsys, "analyse", str(file))
+    assert (document["code"], document["exit_code"]) == ("changed", 3)
+
+
+@pytest.mark.skipif(shutil.which("false") is None, reason="no program that fails at once")
+def test_workers_that_cannot_be_started_have_a_code(
+    capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    monkeypatch.setattr("sys.executable", shutil.which("false"))
+    document = refusal(capsys, "batch", str(path("cube.stl")), "-o", str(tmp_path / "a.csv"), "--jobs", "1")
+    assert (document["code"], document["exit_code"]) == ("workers", 1)
+    assert list(tmp_path.iterdir()) == []
 
 
 def test_a_viewer_that_is_not_open_has_a_code(

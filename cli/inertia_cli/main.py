@@ -5,6 +5,7 @@ from __future__ import annotations
 import argparse
 import io
 import os
+import re
 import signal
 import sys
 import warnings
@@ -35,7 +36,6 @@ from inertia_cli.printing import AnsweredError, abandon_output, print_document
 from inertia_cli.wording import as_option
 
 FAULT = 1
-_SIGNED = ("--about", "--spin", "--axis", "--through", "--zero-mark", "--bearings", "--planes")  # may be negative
 _COMMANDS = (
     analyse, check, trade, simulate, tumble, play, balance, measure, audit, assembly, budget, batch, cite, completion,
 )  # fmt: skip
@@ -135,7 +135,7 @@ def main(arguments: Sequence[str]) -> int:
         for argument in arguments:
             if argument.startswith("--") and argument.endswith("=--"):  # argparse would go on without the value
                 parser.error(f"argument {argument[:-3]}: expected one argument")
-        options = parser.parse_args(_join_names(_join_signed(arguments)))
+        options = parser.parse_args(_join_names(_join_negative(arguments, parser)))
     except _Unusable as unusable:
         if "--json" in arguments and sys.stdout is not None:
             _print_refusal(UsageError(), unusable.message, [])
@@ -234,12 +234,26 @@ def _join_names(words: list[str]) -> list[str]:
     return [measure.NAME, *words[2:]] if words[:2] == measure.NAME.split() else words
 
 
-def _join_signed(arguments: Sequence[str]) -> list[str]:
+def _join_negative(arguments: Sequence[str], parser: argparse.ArgumentParser) -> list[str]:
     """Join ``--about -1,2,3`` and the like with an equals sign; argparse would take the value for an option."""
+    valued: set[str] = set()
     words: list[str] = []
     for argument in arguments:
-        if words and words[-1] in _SIGNED and argument[:1] == "-" and argument[1:2] in set("0123456789."):
-            words[-1] += f"={argument}"
-        else:
-            words.append(argument)
+        if words and words[-1].startswith("--") and re.match("-[^-]", argument):
+            valued = valued or _valued(parser)
+            if words[-1] in valued and argument[:2] not in valued | {"-h"}:
+                words[-1] += f"={argument}"
+                continue
+        words.append(argument)
     return words
+
+
+def _valued(parser: argparse.ArgumentParser) -> set[str]:
+    """Return the options, of whatever command, that take one value."""
+    names: set[str] = set()
+    for action in parser._actions:
+        if isinstance(action, argparse._SubParsersAction):
+            names = names.union(*map(_valued, action.choices.values()))
+        elif action.nargs in (None, argparse.OPTIONAL):
+            names.update(action.option_strings)
+    return names

@@ -8,9 +8,11 @@ import os
 import signal
 import sys
 import tarfile
+import threading
 import time
+import warnings
 import zipfile
-from contextlib import suppress
+from contextlib import ExitStack, closing, suppress
 from pathlib import Path
 from typing import Any
 
@@ -19,8 +21,10 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 import inertia
+from inertia.batching import table
 from inertia.batching.answer import Setup, answer
 from inertia.batching.sources import Task
+from inertia.batching.table import Parts
 from inertia_meshes import path
 
 CUBE, HANDLE, OPEN, CUT = (
@@ -371,6 +375,66 @@ def test_a_file_that_takes_too_long_has_a_row_that_says_so(bad: Path, monkeypatc
     assert late["message"].endswith("allow it more by timeout=SECONDS")
     assert late["sha256"] == hashlib.sha256(bad.read_bytes()).hexdigest()
     assert before["state"] == after["state"] == "answered"
+
+
+def _never_hashed(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Let hashing wait, as on a mount that hangs."""
+    monkeypatch.setattr("inertia.batching.answer.sha256_of", lambda *_: threading.Event().wait(20))
+
+
+def test_hashing_a_file_that_took_too_long_takes_no_longer_either(bad: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    _never_hashed(monkeypatch)
+    late = Setup("analyse", timeout=0.1).failed(Task(str(bad)), "timed_out", "it took longer than the 0.1 s")
+    assert (late.row["state"], late.row["sha256"]) == ("timed_out", None)
+    assert [file.unchanged for file in late.files] == [False]  # it is asked for again
+
+
+def test_a_kept_row_whose_file_cannot_be_hashed_in_time_is_asked_for_again(
+    bad: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    setup, task, folder = Setup("analyse", timeout=0.1), Task(str(bad)), bad.parent / "a.csv.parts"
+    with closing(Parts(folder, setup)) as parts:
+        parts.add(task, answer(task, setup))
+    assert Parts(folder, setup).answer(task) is not None
+    os.utime(bad, (1, 1))  # so that its contents decide
+    assert Parts(folder, setup).answer(task) is not None
+    _never_hashed(monkeypatch)
+    assert Parts(folder, setup).answer(task) is None
+
+
+def test_a_kept_row_counts_for_the_same_question_alone(bad: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    setup, task, folder = Setup("analyse", {"density": 7850.0}), Task(str(bad)), bad.parent / "a.csv.parts"
+    with closing(Parts(folder, setup)) as parts:
+        parts.add(task, answer(task, setup))
+    kept = Parts(folder, setup).answer(task)
+    assert kept is not None
+    assert kept.stored
+    assert Parts(folder, Setup("analyse", {"density": 1000.0})).answer(task) is None
+    assert Parts(folder, Setup("analyse", {"density": 7850.0, "unit": "m"})).answer(task) is None
+    assert Parts(folder, Setup("check")).answer(task) is None
+    assert Parts(folder, setup).answer(Task(str(bad), {"unit": "in"})) is None
+    monkeypatch.setitem(vars(table), "__version__", "0.0.1")
+    assert Parts(folder, setup).answer(task) is None
+
+
+@pytest.mark.parametrize("kind", ["zip", "tar"])
+@pytest.mark.parametrize("beside", [[], ["handle.stl"]])
+def test_members_of_an_archive_that_share_a_name_are_refused(tmp_path: Path, kind: str, beside: list[str]) -> None:
+    file = tmp_path / f"order.{kind}"
+    members = [("cube.stl", CUBE), ("cube.stl", HANDLE), *((name, HANDLE) for name in beside)]
+    with ExitStack() as stack:
+        if kind == "zip":
+            archive = stack.enter_context(zipfile.ZipFile(file, "w"))
+            stack.enter_context(warnings.catch_warnings(action="ignore"))  # of the name that is there already
+        else:
+            archive = stack.enter_context(tarfile.open(file, "w"))
+        for name, mesh in members:
+            archive.write(mesh, name) if kind == "zip" else archive.add(mesh, name)
+    refused, *others = rows(file)
+    assert (refused["state"], refused["exit_code"], refused["mass"]) == ("unreadable", 3, None)
+    says = "it holds 2 files called cube.stl, and nothing says which is meant: pack it again, each under a name of"
+    assert says in refused["message"]
+    assert [row["state"] for row in others] == ["answered"] * len(beside)
 
 
 @LINUX

@@ -32,6 +32,38 @@ def stl(tmp_path: Path, corners: np.ndarray, name: str = "part.stl") -> str:
     return str(file)
 
 
+@pytest.mark.parametrize(
+    ("arguments", "says"),
+    [
+        (["batch", "a.stl", "--memory", "-5MB"], "memory is -5000000: it must be positive, in bytes"),
+        (["batch", "a.stl", "--timeout", "-1e3"], "timeout is -1000.0: it must be positive and finite"),
+        (["analyse", str(path("cube.stl")), "--density", "-1e3"], "density is -1000 kg/m³: it must be positive"),
+        (["analyse", str(path("cube.stl")), "--mass", "-inf"], "mass is -inf kg: it must be"),
+        (["analyse", str(path("cube.stl")), "--accuracy", "-1e-5"], "accuracy is -1e-05: give a positive"),
+        (["analyse", str(path("cube.stl")), "--unit", "-mm"], "unknown unit '-mm': use one of m"),
+    ],
+)
+def test_a_value_with_a_minus_sign_is_judged_as_a_value(
+    arguments: list[str], says: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert main(arguments) == 2
+    assert says in capsys.readouterr().err
+
+
+@pytest.mark.parametrize("value", ["-q", "1e", "-inf,0,0"])
+def test_a_value_with_a_minus_sign_that_cannot_be_read_is_named(value: str, capsys: pytest.CaptureFixture[str]) -> None:
+    with pytest.raises(SystemExit):
+        main(["analyse", "a.stl", "--about", value])
+    assert f"argument --about: '{value}' is no point" in capsys.readouterr().err
+
+
+def test_an_option_without_its_value_is_not_given_the_next_one() -> None:
+    for following in (["-o", "a.csv"], ["--json"], []):
+        with pytest.raises(SystemExit) as end:
+            main(["simulate", "a.toml", "--accuracy", *following])
+        assert end.value.code == 2
+
+
 def document(capsys: pytest.CaptureFixture[str], *arguments: str) -> dict:
     assert main([*arguments, "--json"]) == 0
     captured = capsys.readouterr()

@@ -381,7 +381,7 @@ class TestWiresAndPoints:
 
     @pytest.mark.parametrize("section", [0, -1, math.nan])
     def test_an_unusable_section_is_refused(self, section):
-        with pytest.raises(UsageError, match=r"wire cross-section is .* m2: it must be positive"):
+        with pytest.raises(UsageError, match=r"wire cross-section is .* m²: it must be positive"):
             inertia.analyse(cells("line", [[0, 0, 0], [1, 0, 0]]), wire=section)
 
 

@@ -274,7 +274,7 @@ def test_the_class_is_decided_by_the_bound_too() -> None:
 
 @pytest.mark.parametrize("bound", [-1.0, np.inf, np.nan])
 def test_a_bound_is_a_finite_number(bound: float) -> None:
-    with pytest.raises(UsageError, match=r"^bound is .* kg m2: it must be finite and not negative"):
+    with pytest.raises(UsageError, match=r"^bound is .* kg m²: it must be finite and not negative"):
         principal(np.eye(3), bound=bound)
 
 

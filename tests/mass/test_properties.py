@@ -130,9 +130,9 @@ def test_a_tensor_at_the_end_of_float64_is_given() -> None:
         (1, 1, 1, 0, "the mass, 1 kg, is not above its error bound of 1 kg"),
         (-1, 0, 1, 0, "the mass, -1 kg"),
         (-(10**400), 10**400, 1, 0, "the mass, inf kg, is not above its error bound of inf kg"),
-        (1, 0, -1, 0, "the volume, -1 m3, is not above its error bound of 0 m3"),
-        (1, 0, 1, 1, "the volume, 1 m3, is not above its error bound of 1 m3"),
-        (1, 0, 0, 1, "the volume, 0 m3"),
+        (1, 0, -1, 0, "the volume, -1 m³, is not above its error bound of 0 m³"),
+        (1, 0, 1, 1, "the volume, 1 m³, is not above its error bound of 1 m³"),
+        (1, 0, 0, 1, "the volume, 0 m³"),
     ],
 )
 def test_what_is_not_above_its_bound_is_refused(
@@ -165,7 +165,7 @@ def test_a_mass_is_positive_and_finite(mass: float) -> None:
 
 @pytest.mark.parametrize("volume", [-1.0, -1e-300, math.inf, math.nan], ids=str)
 def test_a_volume_is_finite_and_not_negative(volume: float) -> None:
-    with pytest.raises(GeometryError, match=r"^the volume is .* m3: it must be finite and not negative"):
+    with pytest.raises(GeometryError, match=r"^the volume is .* m³: it must be finite and not negative"):
         MassProperties(1.0, volume, [0, 0, 0], np.eye(3))
 
 
@@ -316,7 +316,7 @@ def test_cutting_out_more_than_there_is_is_refused() -> None:
     with pytest.raises(GeometryError, match="the mass, -8 kg"):
         _ = small - of_box((0, 0, 0), (2, 2, 2), 2)
     heavier = of_box((0, 0, 0), (1, 1, 1), 100)
-    with pytest.raises(GeometryError, match="the volume, -7 m3, is not above its error bound"):
+    with pytest.raises(GeometryError, match="the volume, -7 m³, is not above its error bound"):
         _ = heavier - large
     with pytest.raises(GeometryError, match="the inertia tensor is not physical"):
         _ = of_box((0, 0, 0), (1, 1, 1), 8) - MassProperties(1.0, 0.0, [50, 0, 0], np.zeros((3, 3)))

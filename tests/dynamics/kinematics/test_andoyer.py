@@ -148,8 +148,8 @@ def test_runs_of_many_samples_are_the_samples_one_by_one() -> None:
             r"angular_momentum\[1\] is zero",
         ),
         (lambda: Andoyer.of(0, 0, 0, 0, 0, 0), GeometryError, "^G is not positive"),
-        (lambda: Andoyer.of(0, 0, 0, 2, 1, 0), GeometryError, r"\|L\| is 2 kg m2/s and G is 1"),
-        (lambda: Andoyer.of(0, 0, 0, [0, 0], 1, [0, -3]), GeometryError, r"\|H\|\[1\] is 3 kg m2/s and G is 1"),
+        (lambda: Andoyer.of(0, 0, 0, 2, 1, 0), GeometryError, r"\|L\| is 2 kg m²/s and G is 1"),
+        (lambda: Andoyer.of(0, 0, 0, [0, 0], 1, [0, -3]), GeometryError, r"\|H\|\[1\] is 3 kg m²/s and G is 1"),
         (lambda: Andoyer.of(math.inf, 0, 0, 0, 1, 0), UsageError, "not finite"),
     ],
 )

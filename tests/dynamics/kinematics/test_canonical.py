@@ -165,5 +165,5 @@ def test_runs_of_many_samples_are_the_samples_one_by_one() -> None:
 def test_unusable_arguments_are_named() -> None:
     with pytest.raises(UsageError, match=r"inertia has shape \(3,\)"):
         canonical.kinetic_energy([1, 2, 3], 1.0, [0, 0, 0], [0, 0, 0], [0, 0, 1])
-    with pytest.raises(GeometryError, match=r"moments\[1\] are \[1.0, -2.0, 3.0\] kg m2: all three must be positive"):
+    with pytest.raises(GeometryError, match=r"moments\[1\] are \[1.0, -2.0, 3.0\] kg m²: all three must be positive"):
         canonical.rotational_energy([[1, 2, 3], [1, -2, 3]], [0, 0, 0], [1, 1, 1])

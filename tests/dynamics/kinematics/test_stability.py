@@ -120,7 +120,7 @@ def test_distance_says_which_axis_the_polhode_goes_round() -> None:
 def test_unusable_arguments_are_named() -> None:
     with pytest.raises(GeometryError, match=r"angular_velocity\[1\] is zero: a body at rest has no polhode"):
         separatrix_distance([1, 2, 3], [[1, 0, 0], [0, 0, 0]])
-    with pytest.raises(GeometryError, match=r"moments are \[0.0, 1.0, 1.0\] kg m2: all three must be positive"):
+    with pytest.raises(GeometryError, match=r"moments are \[0.0, 1.0, 1.0\] kg m²: all three must be positive"):
         wobble_frequencies([0, 1, 1])
     with pytest.raises(UsageError, match="speed holds a value that is not finite"):
         growth_rate([1, 2, 3], float("nan"))

@@ -142,13 +142,13 @@ def _stretch(value: Any, path: str) -> Matrix:
     return rows
 
 
-_TENSOR = numbers((3, 3), "kg m2")
+_TENSOR = numbers((3, 3), "kg m²")
 
 
 def _spread(value: Any, path: str) -> Float:
     """Read one figure for all elements of a tensor, or a symmetric matrix of them."""
     if not isinstance(value, Sequence | np.ndarray):
-        return np.full((3, 3), number("kg m2", negative=False)(value, path))
+        return np.full((3, 3), number("kg m²", negative=False)(value, path))
     spread: Float = _TENSOR(value, path)
     if (spread < 0).any() or (spread != spread.T).any():
         raise FieldError(path, "must be a symmetric matrix of standard uncertainties, none of them negative")
@@ -300,11 +300,11 @@ class PartFields(Section):
     shape: Annotated[str | None, choice(*SIZES)] = None
     size: Annotated[tuple[Fraction, ...] | None, several(number(_LENGTH, positive=True))] = None
     unit: Annotated[str | None, unit] = None
-    density: Annotated[float | None, estimate("kg/m3")] = None
+    density: Annotated[float | None, estimate("kg/m³")] = None
     material: Annotated[str | None, text] = None
     mass: Annotated[float | None, estimate("kg")] = None
     center_of_mass: Annotated[tuple[Fraction, ...] | None, rationals(3, _LENGTH)] = None
-    inertia: Annotated[Float | None, numbers((3, 3), "kg m2")] = None
+    inertia: Annotated[Float | None, numbers((3, 3), "kg m²")] = None
     shell: Annotated[float | None, estimate(_LENGTH)] = None
     sigma: Annotated[float | None, number(_LENGTH, positive=True)] = None
     surface_uncertainty: Annotated[float | None, number(_LENGTH, negative=False)] = None
@@ -513,7 +513,7 @@ class AssemblyFields(Section):
     name: Annotated[str | None, text] = None
     unit: Annotated[str, unit] = "mm"
     materials: Annotated[Mapping[str, str] | None, mapping(text, text.schema)] = None
-    densities: Annotated[Mapping[str, float] | None, mapping(estimate("kg/m3"), estimate("kg/m3").schema)] = None
+    densities: Annotated[Mapping[str, float] | None, mapping(estimate("kg/m³"), estimate("kg/m³").schema)] = None
     allowances: Annotated[
         Mapping[str, Mapping[str, float]] | None,
         mapping(_ALLOWANCES, _ALLOWANCES.schema),

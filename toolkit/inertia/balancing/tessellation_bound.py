@@ -46,7 +46,7 @@ def chord_uncertainty(part: Part, chord: float, density: float, shaft: Shaft, z:
 
     Raises `UsageError` where a figure is not positive and finite.
     """
-    for name, value, unit in (("chord tolerance", chord, "m"), ("density", density, "kg/m3")):
+    for name, value, unit in (("chord tolerance", chord, "m"), ("density", density, "kg/m³")):
         if not 0 < value < math.inf:
             raise UsageError(f"the {name} is {value!r} {unit}: it must be positive and finite")
     surface = Surface(*merge_equal_vertices(part.triangles))

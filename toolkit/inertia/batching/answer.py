@@ -6,13 +6,14 @@ import json
 import os
 import stat
 import sys
+import threading
 import time
 import warnings
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import ExitStack, contextmanager, suppress
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, TypeVar
 
 from inertia.batching.columns import COLUMNS, State
 from inertia.batching.sources import Task, local_copy
@@ -20,6 +21,7 @@ from inertia.errors import GeometryError, InertiaError, ReadError, Remedy, Sente
 from inertia.mesh.version import sha256_of
 
 Row = dict[str, Any]
+T = TypeVar("T")
 
 _FAULT = 1  # the exit code where the process that answers dies
 _READ = ("unit", "format", "unpack_limit")
@@ -64,9 +66,11 @@ class Setup:
             "exit_code": code,
             "message": Sentence(*words).worded(self.wording),
         }
-        with suppress(OSError, ValueError):
-            row["sha256"] = _digest(Path(task.archive or task.path))
-        return Answer(row, _used([task.archive or task.path], None))
+        name = task.archive or task.path
+        unknown: tuple[Used, ...] = (Used(name, None, None, None),)
+        files = within(self.timeout, lambda: _used([name], None), unknown)
+        row["sha256"] = files[0].sha256 if files else None
+        return Answer(row, files)
 
     def empty(self, task: Task) -> Row:
         """Return a row of nothing but the path."""
@@ -159,6 +163,17 @@ def _for_memory(error: BaseException | None) -> bool:
     while error is not None and not isinstance(error, MemoryError):
         error = error.__cause__
     return error is not None
+
+
+def within(seconds: float | None, function: Callable[[], T], otherwise: T) -> T:
+    """Return what a function returns, or `otherwise` where it takes longer: a mount that hangs never answers."""
+    if seconds is None:
+        return function()
+    results: list[T] = []
+    thread = threading.Thread(target=lambda: results.append(function()), daemon=True)
+    thread.start()
+    thread.join(seconds)
+    return results[0] if results else otherwise
 
 
 def _digest(path: Path) -> str:

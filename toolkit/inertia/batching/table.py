@@ -20,7 +20,7 @@ from pathlib import Path
 from typing import Any
 
 from inertia import __version__
-from inertia.batching.answer import Answer, Setup, Used
+from inertia.batching.answer import Answer, Setup, Used, within
 from inertia.batching.columns import COLUMNS, SCHEMA
 from inertia.batching.engines import Engine, in_order
 from inertia.batching.sources import Task
@@ -110,7 +110,8 @@ class Parts:
         row, files = entry["row"], [Used(*each) for each in entry["files"]]
         if row["state"] in _LIMITED and entry["limits"] != [self._setup.timeout, self._setup.memory]:
             return None
-        return Answer(row, tuple(files), True) if all(file.unchanged for file in files) else None
+        unchanged = within(self._setup.timeout, lambda: all(file.unchanged for file in files), False)
+        return Answer(row, tuple(files), True) if unchanged else None
 
     def add(self, task: Task, answer: Answer) -> None:
         """Keep an answer."""

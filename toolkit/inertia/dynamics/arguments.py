@@ -47,7 +47,7 @@ def moments_of(value: ArrayLike) -> Float:
     moments = vectors(value, "moments")
     if not (moments > 0).all():
         place = first_index(~(moments > 0))[:-1]
-        raise GeometryError(f"moments{at_index(place)} are {moments[place].tolist()} kg m2: all three must be positive")
+        raise GeometryError(f"moments{at_index(place)} are {moments[place].tolist()} kg m²: all three must be positive")
     return moments
 
 

@@ -462,7 +462,7 @@ def _integrals(
     """Return what carries the mass, the volume (m³) of a unit of its integrals, and these, ever more accurate."""
     volume = part.unit.metres**3
     if wire is not None:
-        factor = volume * _length(wire, "wire cross-section", f"{part.unit.name}2")
+        factor = volume * _length(wire, "wire cross-section", f"{part.unit.name}²")
         return "wire", factor, wire_integrals(part, named, progress)
     model: Literal["solid", "shell"] = "solid"
     if shell is not None:

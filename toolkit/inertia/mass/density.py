@@ -102,7 +102,7 @@ def densities(
     for key, value in _mapping(density).items():
         if key in named:
             raise UsageError(f"both a density and a material are given{f' for {key!r}' if key else ''}: give one")
-        named[key] = _positive(value, f"density{f' of {key!r}' if key else ''}", "kg/m3")
+        named[key] = _positive(value, f"density{f' of {key!r}' if key else ''}", "kg/m³")
     source: DensityFrom = "option" if _mapping(density) else "material" if named else "assumed"
     if mass is not None:
         if "" in named:
@@ -141,7 +141,7 @@ def density_of(material: str) -> float:
         close = get_close_matches(key, [*DENSITIES, *_ALIASES], n=3)
         hint = f" (did you mean {' or '.join(close)}?)" if close else ""
         raise UsageError(
-            f"unknown material {material!r}{hint}: use one of {', '.join(DENSITIES)}, or give a density in kg/m3",
+            f"unknown material {material!r}{hint}: use one of {', '.join(DENSITIES)}, or give a density in kg/m³",
             code="unknown_material",
         )
     return DENSITIES[key]

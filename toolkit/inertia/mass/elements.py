@@ -84,7 +84,7 @@ def lamina(outline: ArrayLike, areal_density: float) -> MassProperties:
     area = float(np.linalg.norm(normal))
     size = float(np.ptp(corners, axis=0).max())
     if area <= 1e-15 * size * size:
-        raise GeometryError(f"the outline encloses an area of {area:.3g} m2: give its corners in order around it")
+        raise GeometryError(f"the outline encloses an area of {area:.3g} m²: give its corners in order around it")
     off = np.abs((corners - corners.mean(axis=0)) @ (normal / area))
     if off.max() > _FLAT * size:
         worst = int(off.argmax())
@@ -92,7 +92,7 @@ def lamina(outline: ArrayLike, areal_density: float) -> MassProperties:
             f"outline[{worst}] is {off[worst]:.3g} m off the plane of the outline, the limit is {_FLAT * size:.3g} m: "
             "a lamina is flat; use a mesh with shell=THICKNESS"
         )
-    weight = _positive(areal_density, "areal_density", "kg/m2")
+    weight = _positive(areal_density, "areal_density", "kg/m²")
     a, b, c = _rational(triangles).transpose(1, 0, 2)
     doubled = np.cross(b - a, c - a)
     total = doubled.sum(axis=0)

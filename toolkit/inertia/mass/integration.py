@@ -283,7 +283,7 @@ def _turned(triangles: Triangles, which: NDArray[np.bool_]) -> Triangles:
 def refuse_flat(part: Part, whole: Moments, box: Float) -> None:
     """Raise `GeometryError` for a closed surface without volume, whose box (2, 3) says where it is."""
     raise GeometryError(
-        f"{part.name} has no volume: {float(whole.zeroth):.3g} {part.unit.name}3 {around(middle(box), box)}, with "
+        f"{part.name} has no volume: {float(whole.zeroth):.3g} {part.unit.name}³ {around(middle(box), box)}, with "
         f"an error bound of {float(whole.zeroth_bound):.3g}: use ",
         SHELL,
         " if it is a sheet",
@@ -344,7 +344,7 @@ def _region_groups(part: Part, regions: Regions, integrate: Callable[[Triangles]
         if moments.zeroth < -moments.zeroth_bound:
             raise GeometryError(
                 f"region {name!r} of {part.name} faces inward and has a volume of {float(moments.zeroth):.3g} "
-                f"{part.unit.name}3 by itself, as the wall of a cavity has: give one density for the part, or number "
+                f"{part.unit.name}³ by itself, as the wall of a cavity has: give one density for the part, or number "
                 "its bodies"
             )
         groups.append(Group(name, moments, members))

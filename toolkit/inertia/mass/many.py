@@ -181,7 +181,7 @@ def _weights(density: ArrayLike, count: int) -> Float:
         raise UsageError(f"density must be one number or {count} of them, not of shape {weights.shape}")
     wrong = ~((weights > 0) & np.isfinite(weights))
     if wrong.any():
-        raise UsageError(f"density is {weights[wrong].flat[0]:g} kg/m3: it must be positive and finite")
+        raise UsageError(f"density is {weights[wrong].flat[0]:g} kg/m³: it must be positive and finite")
     return np.broadcast_to(weights, (count,))
 
 

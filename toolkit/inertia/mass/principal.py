@@ -88,7 +88,7 @@ def spectrum_of_tensor(inertia: ArrayLike, bound: float | Fraction) -> Spectrum:
     """Return the eigenvalues and eigenvectors of a tensor (3, 3) kg m², known to within `bound`; see `principal`."""
     rows = [[Fraction(k) for k in row] for row in array_of(inertia, (3, 3), "inertia").tolist()]
     if not 0 <= bound < math.inf:
-        raise UsageError(f"bound is {bound!r} kg m2: it must be finite and not negative")
+        raise UsageError(f"bound is {bound!r} kg m²: it must be finite and not negative")
     tensor = [[(rows[i][j] + rows[j][i]) / 2 for j in range(3)] for i in range(3)]
     return spectrum(tensor, [[Fraction(bound)] * 3] * 3, Fraction(bound))
 
@@ -137,7 +137,7 @@ def _rounded(n: int, d: int) -> float:
         return n / d
     except OverflowError:
         raise GeometryError(
-            "a principal moment is above 1.8e308 kg m2 and leaves float64: give the coordinates in a smaller unit "
+            "a principal moment is above 1.8e308 kg m² and leaves float64: give the coordinates in a smaller unit "
             "with ",
             UNIT,
         ) from None

@@ -94,7 +94,7 @@ class MassProperties:
         if not 0 < self.mass < np.inf:
             raise GeometryError(f"the mass is {self.mass:.6g} kg: it must be positive and finite")
         if not 0 <= self.volume < np.inf:
-            raise GeometryError(f"the volume is {self.volume:.6g} m3: it must be finite and not negative")
+            raise GeometryError(f"the volume is {self.volume:.6g} m³: it must be finite and not negative")
         if broken := faults(self.inertia, max(principals.CLASS_TOLERANCE, 4 * self.error.inertia)):
             raise GeometryError(f"the inertia tensor is not physical: {broken[0]}", code="unphysical")
         self.center_of_mass.setflags(write=False)
@@ -110,7 +110,7 @@ class MassProperties:
         _require_mass(moments)
         if volume <= volume_bound and (volume or volume_bound):
             raise GeometryError(
-                f"the volume, {_show(volume)} m3, is not above its error bound of {_show(volume_bound)} m3: nothing "
+                f"the volume, {_show(volume)} m³, is not above its error bound of {_show(volume_bound)} m³: nothing "
                 "is left of the solid"
             )
         try:

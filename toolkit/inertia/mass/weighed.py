@@ -50,7 +50,7 @@ class Weighed:
             weights = [w * Fraction(total_mass) / mass for w in weights]
             if max(weights) > sys.float_info.max:
                 raise UsageError(
-                    f"a mass of {total_mass:g} kg makes a density above 1.8e308 kg/m3: check mass and unit"
+                    f"a mass of {total_mass:g} kg makes a density above 1.8e308 kg/m³: check mass and unit"
                 )
         return weights
 
@@ -160,4 +160,4 @@ def doubted(answer: Weighed) -> tuple[Word, ...]:
     """Return the words of a refusal on how much is in doubt; none where nothing is."""
     if answer.room is None:
         return ()
-    return f" (up to {float(answer.room.zeroth_bound):.2g} {answer.part.unit.name}3 is in doubt, see ", CHECK, ")"
+    return f" (up to {float(answer.room.zeroth_bound):.2g} {answer.part.unit.name}³ is in doubt, see ", CHECK, ")"

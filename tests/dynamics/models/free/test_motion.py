@@ -294,7 +294,7 @@ def test_long_series_are_worked_on_in_blocks() -> None:
         ((1, 2, 4), (1, 0, 0), [1], GeometryError, "above the sum of the other two"),
         ((-1, 2, 2), (1, 0, 0), [1], GeometryError, "none may be negative"),
         ((0, 0, 0), (1, 0, 0), [1], GeometryError, "nor all zero"),
-        ([(1, 2, 3), (0, 0, 1)], (1, 0, 0), [1], GeometryError, "moments[1] are [0.0, 0.0, 1.0] kg m2"),
+        ([(1, 2, 3), (0, 0, 1)], (1, 0, 0), [1], GeometryError, "moments[1] are [0.0, 0.0, 1.0] kg m²"),
     ],
 )
 def test_bad_input_is_named(moments: object, spin: object, time: object, error: type[Exception], words: str) -> None:

@@ -80,7 +80,7 @@ def radial_volume(radius: float, diameter: float, depth: float, point_angle: flo
     That is ∬ R − √(R² − y²) dA = R Σ cₖ ∬ (y/R)²ᵏ dA with c₁ = 1/2, cₖ₊₁ = cₖ (2k − 1)/(2k + 2), and
     ∬ y²ᵏ dA = π a²ᵏ⁺²/(k + 1) · (2k)!/(4ᵏ k!²), a = d/2.
 
-    >>> 1e9 * radial_volume(0.1, 0.012, 0.01, math.pi)  # mm3
+    >>> 1e9 * radial_volume(0.1, 0.012, 0.01, math.pi)  # mm³
     1125.881...
     """
     full = _area(diameter) * (depth + point_length(diameter, point_angle) / 3)

@@ -69,7 +69,7 @@ class Andoyer:
             if (beyond := np.abs(part) > size).any():
                 place = first_index(beyond)
                 raise GeometryError(
-                    f"|{name}|{at_index(place)} is {abs(part[place]):.17g} kg m2/s and G is {size[place]:.17g}: a "
+                    f"|{name}|{at_index(place)} is {abs(part[place]):.17g} kg m²/s and G is {size[place]:.17g}: a "
                     "component cannot exceed its vector"
                 )
         obliquity, inclination = (

@@ -68,7 +68,7 @@ def cones(moments: ArrayLike, angular_velocity: ArrayLike) -> Cones:
     i1, i2, i3 = moments_of(array_of(moments, (3,), "moments")).tolist()
     if abs(i1 - i2) > CLASS_TOLERANCE * max(i1, i2, i3):
         raise GeometryError(
-            f"moments are {[i1, i2, i3]} kg m2: cones belong to a symmetric top with its symmetry axis last, I1 and I2 "
+            f"moments are {[i1, i2, i3]} kg m²: cones belong to a symmetric top with its symmetry axis last, I1 and I2 "
             f"may differ by {CLASS_TOLERANCE:g} of the largest moment"
         )
     i1 = 0.5 * (i1 + i2)

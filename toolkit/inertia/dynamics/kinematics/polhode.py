@@ -108,7 +108,7 @@ def separatrix(moments: ArrayLike, angular_momentum: float, samples: int = 361) 
     order = np.argsort(moments, kind="stable")
     i1, i2, i3 = moments[order].tolist()
     if i1 == i2 or i2 == i3:
-        raise GeometryError(f"moments are {moments.tolist()} kg m2: a body with equal moments has no separatrix")
+        raise GeometryError(f"moments are {moments.tolist()} kg m²: a body with equal moments has no separatrix")
     lean = np.arctan2(np.sqrt(i3 * (i2 - i1)), np.sqrt(i1 * (i3 - i2)))
     turn = np.linspace(0.0, 2.0 * np.pi, samples)
     curves = np.empty((2, samples, 3))

@@ -42,7 +42,7 @@ class _Stated(Section):
     ----------
     name : of the part
     mass : kg
-    inertia : kg m2, about the centre of mass, along the axes of the mesh
+    inertia : kg m², about the centre of mass, along the axes of the mesh
     center_of_mass : m, in the axes of the mesh
     mesh : its file, beside the list
     unit : of length, of a mesh whose file has none; the metre without it
@@ -53,7 +53,7 @@ class _Stated(Section):
 
     name: Annotated[str, text]
     mass: Annotated[float, number("kg")]
-    inertia: Annotated[Float, numbers((3, 3), "kg m2")]
+    inertia: Annotated[Float, numbers((3, 3), "kg m²")]
     center_of_mass: Annotated[Float, numbers((3,), "m")] = (0.0, 0.0, 0.0)  # type: ignore[assignment]
     mesh: Annotated[str | None, text] = None
     unit: Annotated[str | None, text] = None

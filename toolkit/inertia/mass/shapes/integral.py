@@ -157,7 +157,7 @@ def _require_agreement(part: Part, triangles: Integral, whole: Moments) -> None:
     between += sum((Fraction(finding.doubt.volume) for finding in triangles.doubts if finding.doubt), ZERO)
     if abs(whole.zeroth - mesh.zeroth) > between + whole.zeroth_bound + mesh.zeroth_bound:
         raise GeometryError(
-            f"{part.name}: the faces of the true shape enclose {float(whole.zeroth):.6g} {part.unit.name}3, and the "
+            f"{part.name}: the faces of the true shape enclose {float(whole.zeroth):.6g} {part.unit.name}³, and the "
             f"triangles in their place {float(mesh.zeroth):.6g}, which is farther apart than their chord tolerance "
             "allows: the file is damaged; export it again, or use ",
             TESSELLATED,

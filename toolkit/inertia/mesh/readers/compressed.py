@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import atexit
 import re
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from contextlib import ExitStack, contextmanager
 from pathlib import Path, PurePosixPath
 from typing import IO, Any, NamedTuple
@@ -118,11 +118,13 @@ def member_copy(path: Path, name: str, limit: float) -> Iterator[Path]:
     bytes_left, suffix = limit * 2**30, PurePosixPath(name).suffix.lower()
     with _damage("zip or tar"):
         if not zipfile.is_zipfile(path):
-            yield _tar_members(path, bytes_left)[name]
+            places = _tar_members(path, bytes_left)[name]
+            _require_one(name, len(places))
+            yield places[0]
             return
         with temporary_folder() as folder:
             with zipfile.ZipFile(path) as archive:
-                info = archive.getinfo(name)
+                info = _in_zip(archive, name)
                 if info.flag_bits & 1:
                     raise ReadError("it is encrypted: unpack it and give the mesh in it", code="encrypted")
                 with archive.open(info) as stream:
@@ -130,18 +132,18 @@ def member_copy(path: Path, name: str, limit: float) -> Iterator[Path]:
             yield copy
 
 
-_last_tar: list[tuple[object, ExitStack, dict[str, Path]]] = []
+_last_tar: list[tuple[object, ExitStack, dict[str, list[Path]]]] = []
 
 
-def _tar_members(path: Path, limit: float) -> dict[str, Path]:
-    """Return where the meshes of a tar archive lie unpacked, by their names."""
+def _tar_members(path: Path, limit: float) -> dict[str, list[Path]]:
+    """Return where the meshes of a tar archive lie unpacked, by their names: one each, unless names repeat."""
     import tarfile
 
     status = path.stat()
     version = str(path), status.st_ino, status.st_size, status.st_mtime_ns
     if not _last_tar or _last_tar[0][0] != version:
         _forget_tar()
-        stack, files = ExitStack(), dict[str, Path]()
+        stack, files = ExitStack(), dict[str, list[Path]]()
         folder = stack.enter_context(temporary_folder())
         _last_tar.append((version, stack, files))
         with tarfile.open(path) as archive:
@@ -149,7 +151,7 @@ def _tar_members(path: Path, limit: float) -> dict[str, Path]:
                 wanted = member.isreg() and (_is_mesh(member.name) or _is_archive(member.name))
                 if wanted and (stream := archive.extractfile(member)) is not None:
                     place = folder / f"{number}{PurePosixPath(member.name).suffix.lower()}"
-                    files[member.name] = _copy(stream, place, limit)
+                    files.setdefault(member.name, []).append(_copy(stream, place, limit))
                     limit -= member.size
     return _last_tar[0][2]
 
@@ -177,8 +179,8 @@ def _from_zip(path: Path, to: Path, limit: float) -> tuple[Path, str]:
     import zipfile
 
     with zipfile.ZipFile(path) as archive:
-        files = {info.filename: info for info in archive.infolist() if not info.is_dir()}
-        info = files[_mesh_among(files)]
+        files = [info.filename for info in archive.infolist() if not info.is_dir()]
+        info = _in_zip(archive, _mesh_among(files))
         if info.flag_bits & 1:
             raise ReadError("it is encrypted: unpack it and give the mesh in it", code="encrypted")
         with archive.open(info) as stream:
@@ -189,16 +191,17 @@ def _from_tar(path: Path, to: Path, limit: float) -> tuple[Path, str]:
     import tarfile
 
     with tarfile.open(path, "r:") as archive:
-        files: dict[str, Any] = {}
+        files: dict[str, list[Any]] = {}
         for number, member in enumerate(archive):
             if number >= _MEMBERS:
                 raise ReadError(
                     f"it has more than {_MEMBERS} entries: unpack it and give the mesh in it", code="too_large"
                 )
             if member.isreg():
-                files[member.name] = member
+                files.setdefault(member.name, []).append(member)
         name = _mesh_among(files)
-        stream = archive.extractfile(files[name])
+        _require_one(name, len(files[name]))
+        stream = archive.extractfile(files[name][0])
         assert stream is not None  # it is a regular file
         with stream:
             return _copy(stream, to, limit), name
@@ -207,8 +210,24 @@ def _from_tar(path: Path, to: Path, limit: float) -> tuple[Path, str]:
 _MESHES = frozenset(suffix for suffixes in EXTENSIONS.values() for suffix in suffixes)
 
 
-def _mesh_among(names: dict[str, Any]) -> str:
+def _in_zip(archive: Any, name: str) -> Any:
+    """Return the entry of a name in a zip archive."""
+    _require_one(name, sum(info.filename == name for info in archive.infolist()))
+    return archive.getinfo(name)
+
+
+def _require_one(name: str, count: int) -> None:
+    if count > 1:
+        raise ReadError(
+            f"it holds {count} files called {visible(name)}, and nothing says which is meant: pack it again, each "
+            "under a name of its own",
+            code="several_meshes",
+        )
+
+
+def _mesh_among(files: Iterable[str]) -> str:
     """Return the name of the only mesh, or of the only file."""
+    names = dict.fromkeys(files)
     if len(names) > _MEMBERS:
         raise ReadError(f"it has more than {_MEMBERS} entries: unpack it and give the mesh in it", code="too_large")
     seen = [name for name in names if not PurePosixPath(name).name.startswith(".") and "__MACOSX" not in name]

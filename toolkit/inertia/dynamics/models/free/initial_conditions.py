@@ -132,4 +132,4 @@ def _refuse_unphysical(moments: Float, each: tuple[Number, ...], largest: Number
     ):
         if anywhere(faulty):
             place = first_index(np.reshape(faulty, moments.shape[:-1]))
-            raise GeometryError(f"moments{at_index(place)} are {moments[place].tolist()} kg m2: {rule}")
+            raise GeometryError(f"moments{at_index(place)} are {moments[place].tolist()} kg m²: {rule}")

@@ -85,7 +85,7 @@ def of_integrals(moments: Sequence[float], mgh: float, p_phi: float, p_psi: floa
         if (1 - middle * middle) * (alpha - beta * middle) - (b - spin * middle) ** 2 < -_SLACK * scale:
             raise GeometryError(
                 f"the energy of {energy:.6g} J is below the least that p_phi = {p_phi:.6g} and p_psi = {p_psi:.6g} "
-                "kg m2/s allow: check the three of them"
+                "kg m²/s allow: check the three of them"
             )
         low = max(min(low, ONE), -ONE)
         start = Start(

@@ -74,7 +74,7 @@ class HeavyTop:
         values = array_of([self.I1, self.I3, self.mgh, self.p_phi, self.p_psi, self.energy], (6,), "heavy top")
         if min(values[:2]) <= 0 or values[1] > 2.0 * values[0] * (1 + 1e-9):
             raise GeometryError(
-                f"the moments I1 = I2 = {self.I1:.6g} and I3 = {self.I3:.6g} kg m2 are no body's: "
+                f"the moments I1 = I2 = {self.I1:.6g} and I3 = {self.I3:.6g} kg m² are no body's: "
                 "they must be positive and I3 at most 2 I1"
             )
         _ = self.nutation  # raises
@@ -184,7 +184,7 @@ class HeavyTop:
         square = self.p_psi**2 - weight
         if square < -8.0 * EPSILON * abs(weight) or not (square or weight or self.p_psi):
             raise GeometryError(
-                f"p_psi = {self.p_psi:.6g} kg m2/s is too small for a steady precession at a tilt of {tilt:.6g} rad: "
+                f"p_psi = {self.p_psi:.6g} kg m²/s is too small for a steady precession at a tilt of {tilt:.6g} rad: "
                 f"it must {f'be at least {self.least_p_psi(tilt):.6g}' if weight else 'not vanish'} in size"
             )
         double = self.p_psi + math.copysign(math.sqrt(max(square, 0.0)), self.p_psi)
@@ -318,6 +318,6 @@ def _warnings(top: HeavyTop) -> tuple[str, ...]:
     if not n.still or n.rate or not top.growth_rate:
         return ()
     return (
-        f"the upright axis is unstable, p_psi = {top.p_psi:.6g} kg m2/s being less than {top.least_p_psi(0.0):.6g} in "
+        f"the upright axis is unstable, p_psi = {top.p_psi:.6g} kg m²/s being less than {top.least_p_psi(0.0):.6g} in "
         f"size: a disturbance grows by a factor e in {1.0 / top.growth_rate:.3g} s",
     )
