@@ -207,3 +207,41 @@ def test_two_links_of_one_name_are_refused(tmp_path: Path) -> None:
     file.write_text('<robot name="r"><link name="a"/><link name="a"/></robot>')
     with pytest.raises(ReadError, match="more than one link is called 'a'"):
         read_robot(file)
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "note"),
+    [
+        ('<mass value="2.50"/>', '<mass value="2.50"/><mass value="3"/>', "'upper', inertial has more than one <mass>"),
+        ("</inertial>", '</inertial><inertial><mass value="9"/></inertial>', "inertial has more than one <inertial>"),
+        ('<inertia ixx="0.010"', '<origin xyz="9 9 9"/><inertia ixx="0.010"', "inertial has more than one <origin>"),
+        ('<box size="0.1 0.2 0.3"/>', '<box size="0.1 0.2 0.3"/><sphere radius="1"/>', "2 shapes in one <geometry>"),
+        ('<link name="base"/>', '<link name="base"/><link/>', "1 link without a name was left out"),
+        (
+            '<parent link="base"/>',
+            '<parent link="bass"/>',
+            "joint 'fix' names the link 'bass', which is not in the",
+        ),
+        (
+            "</robot>",
+            '<joint name="k" type="fixed"><parent link="base"/><child link="upper"/></joint></robot>',
+            "link 'upper' hangs from two joints, 'fix' and 'k': the last counts",
+        ),
+    ],
+)
+def test_what_is_there_twice_or_not_at_all_is_noted(robot: Path, old: str, new: str, note: str) -> None:
+    robot.write_text(ROBOT.replace(old, new))
+    read = read_robot(robot)
+    assert len(read.notes) == 1
+    assert note in read.notes[0]
+    link = read.links[1]
+    assert link.inertial is not None
+    assert (link.inertial.mass, link.geometries[2].shape) == (2.5, Primitive("box", (0.1, 0.2, 0.3)))
+
+
+def test_links_without_names_and_meshes_without_files_say_so(robot: Path) -> None:
+    robot.write_text('<robot name="a"><link/></robot>')
+    with pytest.raises(ReadError, match="it holds no link that has a name"):
+        read_robot(robot)
+    robot.write_text(ROBOT.replace("package://arm/meshes/upper.stl", ""))
+    assert "the mesh has no file name: name it by" in str(read_robot(robot).links[1].geometries[0].shape)

@@ -115,13 +115,13 @@ BAD = {
     "endsolid first": ("a.stl", "solid a\nsolid b\nendsolid b\n", "line 2 pairs solid with solid"),
     "STL NaN": ("a.stl", text_stl(corners=NAN), r"vertex \d+ \(a corner of face \d+\) is \[1.1, nan, 3.0\]"),
     # OBJ
-    "OBJ out of range": ("a.obj", obj(OUT), r"face 3 names vertex 99, but the vertices are 0 to 7"),
+    "OBJ out of range": ("a.obj", obj(OUT), r"face 3 names vertex 100, but the vertices are 1 to 8"),
     "OBJ zero": (
         "a.obj",
         obj().replace("f 1 2 4", "f 0 2 4"),
         "face 0 names vertex 0, but OBJ counts from 1",
     ),
-    "OBJ too far back": ("a.obj", obj() + "f -1 -2 -9\n", "face 12 names vertex -1"),
+    "OBJ too far back": ("a.obj", obj() + "f -1 -2 -9\n", "face 12 names vertex -9, but 8 stand before it"),
     "OBJ infinity": (
         "a.obj",
         obj().replace("v 0.1 0.0 3.0", "v 0.1 inf 3.0"),

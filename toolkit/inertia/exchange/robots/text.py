@@ -102,6 +102,8 @@ def mesh_file(reference: str, folder: Path) -> Path:
 
     Where there is none, it is the first place that was looked at. Raises `ReadError` for what is no file's name.
     """
+    if not reference.strip():
+        raise ReadError("the mesh has no file name: name it by package://, file:// or a path")
     scheme, _, rest = reference.partition("://")
     if not rest:
         places = [folder / reference]

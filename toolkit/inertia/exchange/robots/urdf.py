@@ -22,7 +22,7 @@ from inertia.errors import ReadError
 from inertia.exchange.robots.links import Geometry, Inertial, Joint, Link, Motion, Placement, Primitive, Robot, Role
 from inertia.exchange.robots.text import decimals, floats, mesh_file, robot_xml
 from inertia.exchange.rotations import rotation_of_rpy
-from inertia.mesh.readers.contents import shown
+from inertia.mesh.readers.contents import plural, shown, was
 from inertia.standard_input import file_of
 
 _PAIRS = ("ixx", "iyy", "izz", "ixy", "ixz", "iyz")
@@ -80,8 +80,15 @@ def read_urdf(path: Path) -> Robot:
     if re.search(rb"<xacro:(?!property|arg)", re.sub(rb"(?s)<!--.*?-->", b"", data)):
         raise ReadError(_MACROS, code="xacro")
     attributes = _Attributes(notes)
-    joints = dict(_joints(root, attributes))
+    joints: dict[str, Joint] = {}
+    for child, joint in _joints(root, attributes):
+        if child in joints:
+            which = f"{shown(joints[child].name)} and {shown(joint.name)}"
+            attributes.notes[f"link {shown(child)} hangs from two joints, {which}: the last counts"] = None
+        joints[child] = joint
     elements = [element for element in root.findall("link") if element.get("name") is not None]
+    if nameless := len(root.findall("link")) - len(elements):
+        attributes.notes[f"{plural(nameless, 'link')} without a name {was(nameless)} left out"] = None
     links = [
         _link(element, element.get("name", ""), path, joints.get(element.get("name", "")), attributes)
         for element in elements
@@ -90,7 +97,12 @@ def read_urdf(path: Path) -> Robot:
     if twice:
         raise ReadError(f"more than one link is called {shown(twice[0])}: their names must differ")
     if not links:
-        raise ReadError("it holds no link", code="empty")
+        raise ReadError(f"it holds no link{' that has a name' if nameless else ''}", code="empty")
+    names = {link.name for link in links}
+    for child, joint in joints.items():
+        for name in {child, joint.parent or ""} - names:
+            what = f"joint {shown(joint.name)} names the link {shown(name)}"
+            attributes.notes[f"{what}, which is not in the file: check its name"] = None
     return Robot(path, "urdf", root.get("name", ""), tuple(links), tuple(attributes.notes))
 
 
@@ -130,6 +142,9 @@ def _inertial(link: Element, what: str, attributes: _Attributes) -> Inertial | N
     element = link.find("inertial")
     if element is None:
         return None
+    for whole, tag in ((link, "inertial"), *((element, tag) for tag in ("origin", "mass", "inertia"))):
+        if len(whole.findall(tag)) > 1:
+            attributes.notes[f"{what} has more than one <{tag}>: the first counts, as in other programs"] = None
     mass, tensor, origin = element.find("mass"), element.find("inertia"), element.find("origin")
     if mass is None or mass.get("value") is None:
         raise ReadError(f"{what} has no mass", code="no_mass")
@@ -157,6 +172,8 @@ def _geometries(link: Element, name: str, path: Path, attributes: _Attributes) -
             if shape is None or len(shape) == 0:
                 continue
             what = f"link {shown(name)}, {role} {number}"
+            if len(shape) > 1:
+                attributes.notes[f"{what} has {len(shape)} shapes in one <geometry>: the first counts"] = None
             kind = shape[0]
             label = element.get("name") or f"{kind.tag} {number}"
             try:

@@ -29,6 +29,8 @@ from inertia.units import Unit
 UNNAMED = "default"
 """The region of elements that the file puts in none, in a file that names some."""
 
+_AT_ONCE = 1 << 18  # triangles
+
 LINE_LIMIT = 16 * 2**20
 """Bytes in a line of a text file."""
 
@@ -146,8 +148,10 @@ def text_of(path: Path) -> bytes:
     return data
 
 
-def numbers(text: bytes, dtype: type[np.float64] | type[np.int64], what: str) -> NDArray[Any]:
-    """Return the numbers in `text`, separated by white space; `what` names them in the error."""
+def numbers(
+    text: bytes, dtype: type[np.float64] | type[np.int64], what: str, rows: Sequence[bytes] = ()
+) -> NDArray[Any]:
+    """Return the numbers in `text`, separated by white space; `what` names them in the error, or one of `rows`."""
     if not text.strip():
         return np.empty(0, dtype)
     try:
@@ -160,8 +164,10 @@ def numbers(text: bytes, dtype: type[np.float64] | type[np.int64], what: str) ->
     except (ValueError, DeprecationWarning):
         culprit = next((word for word in text.split() if not _is_number(word, dtype)), b"")
         kind = "a number" if dtype is np.float64 else "a whole number"
+        row = next((k for k, line in enumerate(rows) if culprit in line.replace(b"/", b" ").split()), None)
+        holds = f"{what} hold" if row is None else f"{what} {row} holds"
         raise ReadError(
-            f"{what} hold {shown(culprit)}, which is not {kind}: export the file again", code="not_a_number"
+            f"{holds} {shown(culprit)}, which is not {kind}: export the file again", code="not_a_number"
         ) from None
 
 
@@ -212,6 +218,51 @@ def fan(counts: Int, corners: Int) -> tuple[Int, Int]:
     return corners[np.stack([first, first + step + 1, first + step + 2], axis=1)], owner
 
 
+def split_polygons(vertices: Float, counts: Int, corners: Int) -> tuple[Surface, Int, tuple[str, ...]]:
+    """Return polygons, given as `fan` takes them, as a checked surface, the polygon of each triangle, and notes."""
+    faces, owner = fan(counts, corners)
+    if len(faces) > len(counts):
+        out = (corners < 0) | (corners >= len(vertices))
+        if out.any():  # said of the polygon, as the file counts them
+            at = int(np.argmax(out))
+            check_indices(corners[at : at + 1, None], len(vertices), "face", int(np.argmax(np.cumsum(counts) > at)))
+    whole = surface(vertices, faces)
+    return whole, owner, (*fan_note(int((counts > 3).sum())), *_unevenness(whole, owner))
+
+
+def _unevenness(whole: Surface, owner: Int) -> tuple[str, ...]:
+    """Say by how much the volume depends on the split: each pair of triangles could be that across the other diagonal.
+
+    The two pairs bound a tetrahedron, whose volume is what they differ by.
+    """
+    pairs = np.flatnonzero(owner[1:] == owner[:-1])
+    if not len(pairs):
+        return ()
+    vertices, faces = whole.vertices, whole.faces
+    origin = vertices.mean(axis=0)
+    volume = sum(
+        float(np.linalg.det(vertices[faces[k : k + _AT_ONCE]] - origin).sum()) for k in range(0, len(faces), _AT_ONCE)
+    )
+    differs, uneven, first = 0.0, 0, -1
+    for k in range(0, len(pairs), _AT_ONCE):
+        pair = pairs[k : k + _AT_ONCE]
+        sides = vertices[np.column_stack([faces[pair, 1:], faces[pair + 1, 2]])] - vertices[faces[pair, :1]]
+        each = np.abs(np.linalg.det(sides))
+        far = each > 1e-4 * np.abs(sides).max(axis=(1, 2)) ** 3
+        if uneven == 0 and far.any():
+            first = int(owner[pair[np.argmax(far)]])
+        uneven += len(np.unique(owner[pair[far]]))
+        differs += float(each.sum())
+    share = differs / abs(volume) if volume else 0.0
+    if not (uneven and 1e-4 < share < np.inf):
+        return ()
+    which = f"face {first} is" if uneven == 1 else f"{uneven} faces, the first being face {first}, are"
+    return (
+        f"{which} not flat: split along other diagonals the volume would differ by up to about {100 * share:.2g} %, so "
+        "export triangles",
+    )
+
+
 def fan_note(split: int) -> tuple[str, ...]:
     """Return the sentence that says how many polygons were split, if any were."""
     if not split:
@@ -235,14 +286,14 @@ def surface(vertices: Float, faces: Int) -> Surface:
     return Surface(vertices, faces)
 
 
-def check_indices(nodes: Int, count: int, what: str) -> None:
-    """Raise `ReadError` where an element names a vertex that the file does not hold."""
+def check_indices(nodes: Int, count: int, what: str, first: int = 0) -> None:
+    """Raise `ReadError` where an element, counted from `first`, names a vertex that the file does not hold."""
     out = (nodes < 0) | (nodes >= count)
     if out.any():
         row, corner = (int(i) for i in np.argwhere(out)[0])
         extent = f"the vertices are 0 to {count - 1} (counted from 0)" if count else "it has no vertices"
         raise ReadError(
-            f"{what} {row} names vertex {nodes[row, corner]}, but {extent}: export the mesh again",
+            f"{what} {row + first} names vertex {nodes[row, corner]}, but {extent}: export the mesh again",
             code="node_out_of_range",
         )
 

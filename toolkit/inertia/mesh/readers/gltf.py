@@ -210,6 +210,16 @@ class Scene:
                 raise ReadError(
                     f"node {index} uses EXT_mesh_gpu_instancing: export it without instancing", code="not_read"
                 )
+            if "mesh" in node:
+                mesh = self._item("meshes", node["mesh"])
+                weights = node.get("weights", mesh.get("weights", []))
+                morphs = any(weights) and any(each.get("targets") for each in mesh["primitives"])
+                if "skin" in node or morphs:
+                    what = "skin" if "skin" in node else "morph"
+                    raise ReadError(
+                        f"node {index} has a {what}, which moves its vertices: export it as a plain mesh",
+                        code="not_read",
+                    )
             yield index, above, node
             waiting += [(child, index) for child in reversed(node.get("children", []))]
 

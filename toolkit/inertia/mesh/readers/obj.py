@@ -7,6 +7,7 @@ because it may be a damaged face.
 from __future__ import annotations
 
 import re
+from codecs import BOM_UTF8
 from pathlib import Path
 
 import numpy as np
@@ -17,13 +18,11 @@ from inertia.mesh.part import Regions
 from inertia.mesh.readers.contents import (
     UNNAMED,
     Contents,
-    fan,
-    fan_note,
     label,
     numbers,
     plural,
     shown,
-    surface,
+    split_polygons,
     text_of,
     was,
 )
@@ -34,6 +33,7 @@ _KEYWORDS = frozenset(
     b"trace_obj ctech stech cstype deg bmat step curv curv2 surf parm trim hole scrv sp end con".split()
 )
 
+_CONTINUED = re.compile(rb"(?m)^([^#\r\n]*)\\[ \t]*\r?\n")  # not a comment, which may end with a folder of Windows
 _AFTER_SLASH = re.compile(rb"/\S*")
 
 
@@ -64,20 +64,19 @@ def read_obj(path: Path) -> Contents:
             raise ReadError(f"line {number} begins with {shown(word)}, which OBJ does not know: export it again")
     if not polygons:
         raise ReadError("it holds no faces, only points or lines: export the part as a surface mesh", code="empty")
-    counts, corners = _corners(polygons, np.array(before, np.int64))
-    faces, owner = fan(counts, corners)
-    notes = fan_note(int((counts > 3).sum()))
+    vertices = _points(points)
+    counts, corners = _corners(polygons, np.array(before, np.int64), len(points))
+    whole, owner, notes = split_polygons(vertices, counts, corners)
     if strays:
         notes += (f"{plural(strays, 'line or point element')} beside the faces {was(strays)} left out",)
     regions = _regions(names[b"o"] or names[b"g"], len(polygons), owner)
-    vertices = _points(points)
     rounding = rounding_of(vertices, lambda: b" ".join(points), lambda: _coordinates(path))
-    return Contents(surface(vertices, faces), regions=regions, notes=notes, rounding=rounding)
+    return Contents(whole, regions=regions, notes=notes, rounding=rounding)
 
 
 def _text(path: Path) -> bytes:
-    data = text_of(path)
-    return data.replace(b"\\\r\n", b" ").replace(b"\\\n", b" ") if b"\\" in data else data
+    data = text_of(path).removeprefix(BOM_UTF8)
+    return _CONTINUED.sub(rb"\1 ", data) if b"\\" in data else data
 
 
 def _coordinates(path: Path) -> list[bytes]:
@@ -90,28 +89,36 @@ def _points(lines: list[bytes]) -> Float:
     """Return the first three numbers of each line; weights and colours may follow them."""
     widths = {len(line.split()) for line in lines}
     if len(widths) == 1 and min(widths) >= 3:
-        return numbers(b" ".join(lines), np.float64, "its vertices").reshape(len(lines), -1)[:, :3]
+        return numbers(b" ".join(lines), np.float64, "vertex", lines).reshape(len(lines), -1)[:, :3]
     rows = [line.split()[:3] for line in lines]
     short = next((i for i, row in enumerate(rows) if len(row) < 3), None)
     if short is not None:
         raise ReadError(f"vertex {short} has fewer than three coordinates: export it again")
-    return numbers(b" ".join(word for row in rows for word in row), np.float64, "its vertices").reshape(-1, 3)
+    return numbers(b" ".join(word for row in rows for word in row), np.float64, "vertex", lines).reshape(-1, 3)
 
 
-def _corners(lines: list[bytes], before: Int) -> tuple[Int, Int]:
-    """Return how many corners each face has, and the vertex of each corner, counted from zero."""
+def _corners(lines: list[bytes], before: Int, points: int) -> tuple[Int, Int]:
+    """Return how many corners each face has, and the vertex of each corner, counted from zero, of so many points."""
     counts = np.array([len(line.split()) for line in lines], np.int64)
     text = b"\n".join(lines)
     if b"/" in text:
         text = _AFTER_SLASH.sub(b"", text)
-    corners: Int = numbers(text, np.int64, "its faces")
+    corners: Int = numbers(text, np.int64, "face", lines)
     if len(corners) != counts.sum():
         raise ReadError("a corner of a face names no vertex before its slash: export it again")
     face = np.repeat(np.arange(len(counts)), counts)
     if (corners == 0).any():
         at = face[np.argmax(corners == 0)]
         raise ReadError(f"face {at} names vertex 0, but OBJ counts from 1: export it again", code="node_out_of_range")
-    return counts, np.where(corners > 0, corners - 1, corners + before[face])
+    nodes = np.where(corners > 0, corners - 1, corners + before[face])
+    out = (nodes < 0) | (nodes >= points)
+    if out.any():  # as the file numbers them
+        at = int(np.argmax(out))
+        extent = f"the vertices are 1 to {points}" if corners[at] > 0 else f"{before[face[at]]} stand before it"
+        raise ReadError(
+            f"face {face[at]} names vertex {corners[at]}, but {extent}: export the mesh again", code="node_out_of_range"
+        )
+    return counts, nodes
 
 
 def _regions(names: list[tuple[int, bytes]], count: int, owner: Int) -> Regions | None:

@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 
 from inertia.errors import ReadError
-from inertia.mesh.readers.contents import Contents, fan, fan_note, numbers, shown, surface, text_of
+from inertia.mesh.readers.contents import Contents, numbers, shown, split_polygons, text_of
 from inertia.mesh.readers.decimals import rounding_of
 
 _HEADER = re.compile(rb"\s*(?:#[^\n]*\n\s*)*((?:ST)?C?N?)(4?n?)OFF(?![A-Za-z])\s*(BINARY)?")
@@ -59,6 +59,6 @@ def read_off(path: Path) -> Contents:
         sizes.append(int(size))
         corners += rest[: int(size)]
     of_face = np.array(sizes, np.int64)
-    faces, _ = fan(of_face, numbers(b" ".join(corners), np.int64, "its faces"))
+    whole, _, notes = split_polygons(vertices, of_face, numbers(b" ".join(corners), np.int64, "its faces"))
     rounding = rounding_of(vertices, lambda: text, lambda: words)
-    return Contents(surface(vertices, faces), notes=fan_note(int((of_face > 3).sum())), rounding=rounding)
+    return Contents(whole, notes=notes, rounding=rounding)

@@ -20,7 +20,7 @@ from inertia.arrays import Float, Int
 from inertia.errors import ReadError
 from inertia.mesh.external.memory import fits
 from inertia.mesh.part import FacesInFile, RowsInFile
-from inertia.mesh.readers.contents import Contents, fan, fan_note, numbers, shown, surface, text_of
+from inertia.mesh.readers.contents import Contents, numbers, shown, split_polygons, text_of
 from inertia.mesh.readers.decimals import rounding_of
 
 _TYPES = {
@@ -94,12 +94,12 @@ def read_ply(path: Path, memory: float | None = None) -> Contents:
         strips = " but triangle strips" if "tristrips" in tables else ""
         raise ReadError(f"it holds no faces{strips}: export the part as a surface mesh", code="empty")
     counts, corners = _faces(tables["face"])
-    faces, _ = fan(counts, corners)
     vertices = _vertices(tables.get("vertex", {}))
+    whole, _, notes = split_polygons(vertices, counts, corners)
     rounding = None
     if encoding == "ascii":
         rounding = rounding_of(vertices, lambda: text, lambda: _coordinates(text_of(path)[body:].split(), elements))
-    return Contents(surface(vertices, faces), notes=fan_note(int((counts > 3).sum())), rounding=rounding)
+    return Contents(whole, notes=notes, rounding=rounding)
 
 
 def _in_file(path: Path, elements: list[_Element], order: str, body: int, memory: float) -> FacesInFile | None:
@@ -162,6 +162,12 @@ def _header(lines: list[str]) -> tuple[str, list[_Element]]:
                 pass
             case _:
                 raise ReadError(f"its header has the line {shown(line)}, which PLY does not know: export it again")
+    for kind, names in (
+        ("elements", [element.name for element in elements]),
+        *((f"columns of {element.name}", [column.name for column in element.properties]) for element in elements),
+    ):
+        if twice := next((name for name in names if names.count(name) > 1), None):
+            raise ReadError(f"its header has two {kind} called {shown(twice)}: export it again")
     if not encoding:
         raise ReadError("its header does not begin with ply and a format: export it again", code="wrong_format")
     return encoding, elements

@@ -220,6 +220,8 @@ def _parse_model(part: str, data: bytes) -> _Model:
             inside[0].corners += attributes["v1"], attributes["v2"], attributes["v3"]
         elif name == "object" and space == core:
             inside[:] = [_Object(attributes.get("name") or None, attributes.get("type", "model"))]
+            if attributes["id"] in model.objects:
+                raise ReadError(f"it has two objects with the id {shown(attributes['id'])}: export it again")
             model.objects[attributes["id"]] = inside[0]
         elif name == "component" and inside and space == core:
             inside[0].components.append(reference(attributes))
@@ -253,7 +255,9 @@ def _parse(data: bytes, start: Callable[[str, dict[str, str]], None]) -> None:
     except expat.ExpatError as error:
         raise ReadError(f"its XML is damaged ({error}): export it again", code="damaged_xml") from None
     except KeyError as missing:
-        raise ReadError(f"its XML lacks the attribute {missing} at line {parser.CurrentLineNumber}") from None
+        raise ReadError(
+            f"its XML lacks the attribute {missing} at line {parser.CurrentLineNumber}: export it again"
+        ) from None
     except ReadError:  # it is a ValueError too
         raise
     except (LookupError, ValueError) as error:  # an encoding that Python does not know, or not for XML
