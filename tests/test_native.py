@@ -17,7 +17,7 @@ from tests import compile_kernels
 from inertia import native
 from inertia.errors import CacheWarning
 from inertia.mesh.geometry import closure, corner_keys, pairing, waiting_edges
-from inertia.mesh.part import Surface
+from inertia.mesh.surface import Surface
 from inertia.native import COMPILE_ABOVE, LOAD_ABOVE, SHIPPED_ABOVE, Kernel
 
 

@@ -16,7 +16,8 @@ from inertia.balancing.facet_error import FacetLayers
 from inertia.balancing.rotor import Rotor
 from inertia.errors import GeometryError, ReadError, UsageError
 from inertia.mesh.geometry.intersect import overlap
-from inertia.mesh.part import Part, Surface
+from inertia.mesh.part import Part
+from inertia.mesh.surface import Surface
 from inertia_meshes import path
 
 GMM = 1e-6

@@ -29,7 +29,8 @@ from inertia.balancing.tolerance import iso_21940_11
 from inertia.balancing.unbalance import PointMass, Unbalance
 from inertia.errors import GeometryError, UsageError
 from inertia.mesh.check import check
-from inertia.mesh.part import Part, Surface
+from inertia.mesh.part import Part
+from inertia.mesh.surface import Surface
 
 BEARINGS = (0.02, 0.28)
 DRILLS = (drilled("I", 90, 100, 12), drilled("II", 215, 80, 16))

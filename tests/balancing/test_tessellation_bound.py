@@ -13,7 +13,7 @@ from inertia.balancing.axis.shaft import Shaft
 from inertia.balancing.tessellation_bound import chord_uncertainty, curved_faces
 from inertia.balancing.unbalance import Unbalance
 from inertia.mesh.geometry.closure import merge_equal_vertices
-from inertia.mesh.part import Surface
+from inertia.mesh.surface import Surface
 from inertia_meshes.shapes import box, mapped, moved, revolved, sphere
 
 PLANES = (0.02, 0.28)

@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 
 from inertia.mass.triangles.arithmetic import solid_moments
-from inertia.mesh.part import Surface
+from inertia.mesh.surface import Surface
 
 from . import peers
 from .extremes.answers import PROGRAMS, answered

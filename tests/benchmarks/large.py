@@ -17,7 +17,7 @@ from pathlib import Path
 
 import numpy as np
 
-from inertia.mesh.part import FACET
+from inertia.mesh.surface import FACET
 
 _CHUNK = 1 << 17
 _PROGRAM = """

@@ -11,7 +11,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from inertia.mesh.part import FACET
+from inertia.mesh.surface import FACET
 
 Vertices = NDArray[np.float64]
 Faces = NDArray[np.int64]

@@ -13,7 +13,7 @@ from typing import Any
 from inertia.mass.triangles.arithmetic import solid_moments
 from inertia.mass.triangles.moments_from_sums import moments_of
 from inertia.mass.triangles.sums import frame_of, sum_in
-from inertia.mesh.part import Facets, Surface, Triangles
+from inertia.mesh.surface import Facets, Surface, Triangles
 
 from .meshes import Faces, Vertices, facets
 

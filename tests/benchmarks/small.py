@@ -18,7 +18,7 @@ import numpy as np
 
 import inertia
 from inertia.mass.triangles.arithmetic import solid_moments
-from inertia.mesh.part import Surface
+from inertia.mesh.surface import Surface
 
 from .meshes import Faces, Vertices, wavy_torus
 

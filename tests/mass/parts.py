@@ -7,7 +7,8 @@ from fractions import Fraction
 import numpy as np
 
 from inertia.mass.properties import MassProperties
-from inertia.mesh.part import FACET, CellBlock, Cells, Facets, Part, Regions, Source, Surface
+from inertia.mesh.part import CellBlock, Cells, Part, Regions, Source
+from inertia.mesh.surface import FACET, Facets, Surface
 from inertia.units import length_unit
 from inertia_meshes.rational import NOTHING, Moments, moments
 from inertia_meshes.shapes import Corners, box, moved

@@ -12,7 +12,7 @@ from tests.mesh.solids import Mesh, box, cube, inside_out, joined, ring, sphere
 import inertia
 from inertia import Part
 from inertia.errors import ALLOW_FAULTS, GeometryError, UsageError
-from inertia.mesh.part import Surface
+from inertia.mesh.surface import Surface
 from inertia.report.analysis.document import analysis_document
 from inertia.report.analysis.text import analysis_text
 from inertia_cli.main import main

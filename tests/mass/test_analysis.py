@@ -14,7 +14,8 @@ import inertia
 from inertia.errors import GeometryError, ReadError, UsageError
 from inertia.mass.triangles.moments_from_sums import moments_of
 from inertia.mass.triangles.sums import sum_triangles
-from inertia.mesh.part import Facets, Part
+from inertia.mesh.part import Part
+from inertia.mesh.surface import Facets
 from inertia.report.analysis.document import analysis_document
 from inertia.units import length_unit
 from inertia_meshes import catalogue, path

@@ -13,7 +13,7 @@ from tests.mesh.solids import Mesh, box, cube, inside_out, joined, sphere
 import inertia
 from inertia import Part
 from inertia.errors import GeometryError
-from inertia.mesh.part import Surface
+from inertia.mesh.surface import Surface
 from inertia.report.analysis.document import analysis_document
 from inertia.report.analysis.text import analysis_text
 

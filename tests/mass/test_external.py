@@ -12,7 +12,8 @@ from tests.mesh.solids import as_ply, cube, facets, joined, ring, sphere
 
 import inertia
 from inertia.errors import GeometryError, UsageError
-from inertia.mesh.part import FacesInFile, Facets, Part, Source, Surface
+from inertia.mesh.part import Part, Source
+from inertia.mesh.surface import FacesInFile, Facets, Surface
 from inertia_cli.main import main
 from inertia_meshes import path
 

@@ -21,7 +21,8 @@ from tests.benchmarks.extremes.truth import Truth, errors
 import inertia
 from inertia.errors import GeometryError
 from inertia.mass.triangles.arithmetic import METHODS, Arithmetic, solid_moments
-from inertia.mesh.part import Facets, Part, Surface
+from inertia.mesh.part import Part
+from inertia.mesh.surface import Facets, Surface
 from inertia.units import length_unit
 
 CASES = list(cases())

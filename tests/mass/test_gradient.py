@@ -13,7 +13,8 @@ from tests.mesh.solids import cube, joined, sphere
 
 import inertia
 from inertia.arrays import Float
-from inertia.mesh.part import CellBlock, Cells, Part, Regions, Surface
+from inertia.mesh.part import CellBlock, Cells, Part, Regions
+from inertia.mesh.surface import Surface
 from inertia.units import length_unit
 from inertia_meshes import path
 from inertia_meshes.rational import Moments, moments

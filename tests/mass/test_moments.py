@@ -24,7 +24,7 @@ from inertia.mass.moments import (
 )
 from inertia.mass.triangles import moments_from_sums
 from inertia.mass.triangles.sums import sum_triangles
-from inertia.mesh.part import Surface, Triangles
+from inertia.mesh.surface import Surface, Triangles
 from inertia_meshes import rational
 
 F = Fraction

@@ -11,7 +11,8 @@ from tests.mesh.solids import beside_itself, blocks, box, cells, cube, cylinder,
 
 import inertia
 from inertia.mesh.geometry.closure import closure
-from inertia.mesh.part import Part, Surface
+from inertia.mesh.part import Part
+from inertia.mesh.surface import Surface
 from inertia_meshes import catalogue, path
 
 TWO = cells((0, 2), (0, 2), (0, 2)), cells((1, 3), (1, 3), (1, 3))

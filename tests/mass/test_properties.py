@@ -16,7 +16,7 @@ from inertia.mass.properties import ErrorBound, MassProperties
 from inertia.mass.triangles.exact import exact_moments
 from inertia.mass.triangles.moments_from_sums import moments_of
 from inertia.mass.triangles.sums import sum_triangles
-from inertia.mesh.part import Surface
+from inertia.mesh.surface import Surface
 from inertia_meshes import rational
 
 F = Fraction

@@ -5,7 +5,8 @@ from pathlib import Path
 
 import numpy as np
 
-from inertia.mesh.part import FACET, Facets, Part, Source, Surface, Triangles
+from inertia.mesh.part import Part, Source
+from inertia.mesh.surface import FACET, Facets, Surface, Triangles
 from inertia.units import length_unit
 
 Mesh = tuple[np.ndarray, np.ndarray]

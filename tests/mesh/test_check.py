@@ -14,8 +14,9 @@ from inertia.errors import GeometryError
 from inertia.mesh.check import check
 from inertia.mesh.checks import surface_topology
 from inertia.mesh.checks.findings import Finding, Report, checking_once
-from inertia.mesh.part import Part, Surface
+from inertia.mesh.part import Part
 from inertia.mesh.repair import repair
+from inertia.mesh.surface import Surface
 
 CUBE = cube((5, 5, 5), size=10)
 

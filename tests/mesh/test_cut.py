@@ -9,7 +9,8 @@ from inertia.errors import GeometryError
 from inertia.mass.analyse import mass_properties
 from inertia.mesh.check import check
 from inertia.mesh.cut import SEGMENTS, block, cut, drill, stock
-from inertia.mesh.part import FACET, Facets, Part, Regions, Surface
+from inertia.mesh.part import Part, Regions
+from inertia.mesh.surface import FACET, Facets, Surface
 
 
 def volume(part: Part) -> float:

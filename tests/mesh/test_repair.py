@@ -11,9 +11,10 @@ from hypothesis import strategies as st
 
 from inertia.errors import GeometryError, UsageError
 from inertia.mesh.geometry.halfedges import half_edges
-from inertia.mesh.part import FACET, CellBlock, Cells, Facets, Part, Regions, Surface
+from inertia.mesh.part import CellBlock, Cells, Part, Regions
 from inertia.mesh.repair import Change, repair
 from inertia.mesh.repairs.orientation import nest
+from inertia.mesh.surface import FACET, Facets, Surface
 from inertia_meshes.rational import moments
 from inertia_meshes.shapes import Corners, band, box, circle, flipped, moved, revolved, sphere, torus
 

@@ -13,7 +13,8 @@ from tests.mesh import prisms, solids
 from tests.mesh.self_crossing import CROSSING, SOUND, hairpin, ring
 
 import inertia
-from inertia.mesh.part import Part, Surface
+from inertia.mesh.part import Part
+from inertia.mesh.surface import Surface
 
 Corners = list[tuple[Fraction, Fraction, Fraction]]
 

@@ -11,9 +11,9 @@ import pytest
 
 from inertia.errors import ReadError
 from inertia.mass.analyse import analyse
-from inertia.mesh.part import FACET, Facets, FacetsInFile
 from inertia.mesh.read import read
 from inertia.mesh.readers import stl
+from inertia.mesh.surface import FACET, Facets, FacetsInFile
 from inertia.mesh.version import refer_to, unchanged
 from inertia_meshes.shapes import box, moved
 

@@ -8,7 +8,8 @@ from tests.mesh.solids import box, facets, joined, ring
 from inertia import Part, read
 from inertia.dynamics.scene.body import SceneBody
 from inertia.mass.analyse import analyse
-from inertia.mesh.part import CellBlock, Cells, Surface
+from inertia.mesh.part import CellBlock, Cells
+from inertia.mesh.surface import Surface
 from inertia.recording.display import (
     display_of,
     equivalent_ellipsoid,

@@ -13,8 +13,8 @@ from inertia import GeometryError, UsageError
 from inertia.balancing.axis.cylinder_fit import fit_axis
 from inertia.balancing.axis.journals import axis_candidates
 from inertia.mesh.geometry.closure import merge_equal_vertices
-from inertia.mesh.part import Surface
 from inertia.mesh.read import read
+from inertia.mesh.surface import Surface
 from inertia_meshes import path
 
 TWO_DISCS = [(15, 80), (100, 20), (15, 100), (80, 30), (15, 70)]

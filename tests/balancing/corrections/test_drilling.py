@@ -19,7 +19,7 @@ from inertia.balancing.corrections.drilling import (
     radial_volume,
 )
 from inertia.mesh.cut import cut
-from inertia.mesh.part import Surface
+from inertia.mesh.surface import Surface
 
 HOLES = st.tuples(st.floats(0.02, 0.5), st.floats(0.02, 0.4), st.floats(0, 0.5), st.floats(0.5, math.pi))
 

@@ -18,7 +18,7 @@ from inertia.balancing.corrections.milling import (
 )
 from inertia.errors import UsageError
 from inertia.mesh.cut import cut
-from inertia.mesh.part import Surface
+from inertia.mesh.surface import Surface
 
 
 @pytest.mark.parametrize(("radius", "width", "depth"), [(0.1, 0.02, 0.003), (0.05, 0.01, 0.03), (1.0, 0.5, 0.99)])

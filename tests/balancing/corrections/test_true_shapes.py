@@ -10,7 +10,8 @@ from tests.mass.shapes.by_hand import frustum
 from inertia.balancing.corrections.workpiece import Workpiece
 from inertia.balancing.unbalance import Unbalance
 from inertia.mass.analyse import mass_properties
-from inertia.mesh.part import Part, Surface
+from inertia.mesh.part import Part
+from inertia.mesh.surface import Surface
 from inertia_meshes.shapes import box
 
 

@@ -17,7 +17,7 @@ import numpy as np
 
 from inertia.errors import GeometryError
 from inertia.mass.triangles.arithmetic import solid_moments
-from inertia.mesh.part import Surface
+from inertia.mesh.surface import Surface
 from inertia.work_precision.machine import this_machine
 
 from ..measure import ROOT, python_module

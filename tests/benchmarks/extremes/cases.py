@@ -13,7 +13,7 @@ from itertools import product
 
 import numpy as np
 
-from inertia.mesh.part import FACET, Facets, Surface, Triangles
+from inertia.mesh.surface import FACET, Facets, Surface, Triangles
 from inertia_meshes import rational
 
 from ..meshes import Faces, Vertices

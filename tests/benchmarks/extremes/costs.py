@@ -16,7 +16,7 @@ import numpy as np
 
 from inertia.mass.triangles.arithmetic import solid_moments
 from inertia.mass.triangles.kernels import BLOCK, LANES
-from inertia.mesh.part import Surface
+from inertia.mesh.surface import Surface
 from inertia.native import COMPILE_ABOVE, Kernel
 
 from ..meshes import Faces, Vertices, wavy_torus

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from inertia.mass.triangles.arithmetic import solid_moments
-from inertia.mesh.part import Surface, Triangles
+from inertia.mesh.surface import Surface, Triangles
 from inertia_meshes import rational
 
 from ..meshes import wavy_torus

@@ -10,7 +10,8 @@ from inertia.errors import InertiaError
 from inertia.mass.moments import Moments, inertia_bound, inertia_tensor
 from inertia.mass.properties import MassProperties
 from inertia.mass.triangles.arithmetic import METHODS, Arithmetic
-from inertia.mesh.part import Part, Source, Triangles
+from inertia.mesh.part import Part, Source
+from inertia.mesh.surface import Triangles
 from inertia.units import length_unit
 
 from .answers import Answer

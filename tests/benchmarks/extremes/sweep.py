@@ -10,7 +10,7 @@ import numpy as np
 
 from inertia.errors import GeometryError
 from inertia.mass.triangles.arithmetic import solid_moments
-from inertia.mesh.part import FACET, Facets, Surface, Triangles
+from inertia.mesh.surface import FACET, Facets, Surface, Triangles
 
 from ..meshes import Faces, Vertices
 from .cases import ball, slivers

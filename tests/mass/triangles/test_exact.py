@@ -10,7 +10,7 @@ from tests.mesh.solids import cube, facets, inside_out, joined, ring, sphere
 
 from inertia.mass.triangles import exact
 from inertia.mass.triangles.exact import exact_moments
-from inertia.mesh.part import Surface, Triangles
+from inertia.mesh.surface import Surface, Triangles
 from inertia_meshes import rational
 
 ORIGIN = (Fraction(0),) * 3

@@ -20,7 +20,7 @@ from inertia.mass.triangles.arithmetic import solid_moments
 from inertia.mass.triangles.kernels import BLOCK
 from inertia.mass.triangles.moments_from_sums import fine_values, moments_of
 from inertia.mass.triangles.sums import Frame, block_rows, frame_of, sum_in, sum_triangles, sums_of
-from inertia.mesh.part import Surface, Triangles
+from inertia.mesh.surface import Surface, Triangles
 from inertia_meshes import rational
 
 F = Fraction

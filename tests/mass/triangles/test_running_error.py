@@ -21,7 +21,7 @@ from inertia.mass.triangles.arithmetic import solid_moments
 from inertia.mass.triangles.moments_from_sums import moments_of
 from inertia.mass.triangles.running_error import FEW, running_bounds
 from inertia.mass.triangles.sums import Sums, sum_triangles
-from inertia.mesh.part import Surface, Triangles
+from inertia.mesh.surface import Surface, Triangles
 from inertia_meshes import rational
 
 F = Fraction

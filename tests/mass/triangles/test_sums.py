@@ -19,7 +19,7 @@ from inertia.mass.triangles import fine_sums
 from inertia.mass.triangles import sums as module
 from inertia.mass.triangles.kernels import BLOCK, LANES, BlockKernel
 from inertia.mass.triangles.sums import Sums, sum_triangles
-from inertia.mesh.part import Facets, Surface, Triangles
+from inertia.mesh.surface import Facets, Surface, Triangles
 from inertia.native import Kernel
 from inertia_meshes.rational import moments
 

@@ -10,7 +10,8 @@ from inertia.mesh.check import check
 from inertia.mesh.geometry import intersect
 from inertia.mesh.geometry.intersect import EXAMINED, to_be_examined
 from inertia.mesh.geometry.winding import misplaced_volume
-from inertia.mesh.part import Part, Surface
+from inertia.mesh.part import Part
+from inertia.mesh.surface import Surface
 
 PENTAGON = 2.5 * np.sin(2 * np.pi / 5) / ((1 + 5**0.5) / 2) ** 4
 """Area of the pentagon in the middle of a pentagram of radius 1, which its outline goes around twice."""

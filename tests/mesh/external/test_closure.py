@@ -16,7 +16,7 @@ from inertia.mesh.external import buckets
 from inertia.mesh.external import closure as external
 from inertia.mesh.external.closure import closed_by_place, external_closure, room_for
 from inertia.mesh.geometry.closure import vectorised_closure
-from inertia.mesh.part import FACET, Facets, Surface
+from inertia.mesh.surface import FACET, Facets, Surface
 
 AMPLE = 10**8
 

@@ -13,7 +13,7 @@ from tests.mesh.solids import as_ply, facets, joined, ring, sphere
 import inertia
 from inertia.errors import GeometryError, InertiaError, ReadError, UsageError
 from inertia.mesh.external.shuffle import StoredTriangles
-from inertia.mesh.part import Surface
+from inertia.mesh.surface import Surface
 
 distributed = pytest.importorskip("distributed")
 

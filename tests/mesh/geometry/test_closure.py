@@ -23,7 +23,7 @@ from inertia.mesh.geometry.closure import (
     vectorised_closure,
 )
 from inertia.mesh.geometry.leaves import BY_PLACE
-from inertia.mesh.part import Facets, Surface, Triangles
+from inertia.mesh.surface import Facets, Surface, Triangles
 from inertia.native import LOAD_ABOVE
 
 PATHS = {"compiled": compiled_closure, "vectorised": vectorised_closure}

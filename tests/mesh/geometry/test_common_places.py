@@ -4,7 +4,7 @@ import numpy as np
 
 from inertia.mesh.geometry.common_places import sure_to_share
 from inertia.mesh.geometry.intersect import overlap
-from inertia.mesh.part import Surface
+from inertia.mesh.surface import Surface
 
 FACES = np.array([[0, 2, 1], [0, 1, 3], [1, 2, 3], [0, 3, 2]])
 

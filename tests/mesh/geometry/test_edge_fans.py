@@ -10,7 +10,7 @@ import pytest
 from inertia.mesh.geometry.closure import closure
 from inertia.mesh.geometry.edge_fans import fans
 from inertia.mesh.geometry.halfedges import half_edges
-from inertia.mesh.part import Surface
+from inertia.mesh.surface import Surface
 
 
 def sorted_by_angle(points: np.ndarray) -> list[int]:

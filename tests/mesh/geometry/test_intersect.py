@@ -12,7 +12,7 @@ from inertia.mesh.geometry.boxes import BoxTree, overlapping
 from inertia.mesh.geometry.hubs import hubs, near_around
 from inertia.mesh.geometry.intersect import compiled_crossings, crossings, overlap, vectorised_crossings
 from inertia.mesh.geometry.triangle_pairs import UNSURE, orient3d, orient3d_filter
-from inertia.mesh.part import FACET, Facets, Surface
+from inertia.mesh.surface import FACET, Facets, Surface
 from inertia_meshes.shapes import Corners, band, box, flipped, moved, revolved, sphere
 
 # A rotation with no axis, plane or diagonal of the coordinates left in place.

@@ -9,7 +9,7 @@ from inertia.arrays import Float, Int
 from inertia.mesh.geometry import boxes, intersect
 from inertia.mesh.geometry.intersect import compiled_crossings, crossings, near_pairs, vectorised_crossings
 from inertia.mesh.geometry.oriented_boxes import OrientedBoxes
-from inertia.mesh.part import Surface
+from inertia.mesh.surface import Surface
 
 
 def wall(sides: int, narrow: float = 1.0) -> Float:

@@ -5,7 +5,7 @@ from hypothesis import strategies as st
 from tests.mesh.solids import box, joined, ring
 
 from inertia.mesh.geometry.rays import inside
-from inertia.mesh.part import Surface
+from inertia.mesh.surface import Surface
 
 
 def corners(mesh) -> np.ndarray:

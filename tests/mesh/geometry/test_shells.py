@@ -16,7 +16,7 @@ from inertia.mesh.geometry.closure import closure
 from inertia.mesh.geometry.shells import Shell, absolute_orientation, bodies, members, shells
 from inertia.mesh.geometry.sound_shells import sound_bodies
 from inertia.mesh.geometry.winding import windings, windings_under
-from inertia.mesh.part import Surface, Triangles
+from inertia.mesh.surface import Surface, Triangles
 
 
 def shells_of(surface: Surface) -> tuple[Shell, ...]:

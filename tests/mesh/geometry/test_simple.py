@@ -11,7 +11,7 @@ import inertia
 from inertia.mesh.geometry.closure import vectorised_closure
 from inertia.mesh.geometry.intersect import vectorised_crossings
 from inertia.mesh.geometry.simple import MOST, at_hand, simple
-from inertia.mesh.part import Surface
+from inertia.mesh.surface import Surface
 
 pytestmark = pytest.mark.skipif(not at_hand(), reason="the pass is a compiled one")
 

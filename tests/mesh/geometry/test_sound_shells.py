@@ -13,7 +13,8 @@ from inertia import native
 from inertia.mesh.geometry.closure import closure
 from inertia.mesh.geometry.shells import bodies, shells, soundly_nested
 from inertia.mesh.geometry.sound_shells import sound_bodies
-from inertia.mesh.part import Part, Surface, Triangles
+from inertia.mesh.part import Part
+from inertia.mesh.surface import Surface, Triangles
 
 
 @pytest.fixture(autouse=True)

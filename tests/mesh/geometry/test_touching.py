@@ -14,7 +14,7 @@ from inertia.mesh.geometry.closure import closure
 from inertia.mesh.geometry.shells import shells, soundly_nested
 from inertia.mesh.geometry.sound_shells import sound_bodies
 from inertia.mesh.geometry.touching import touching_bodies
-from inertia.mesh.part import Surface
+from inertia.mesh.surface import Surface
 
 TETRAHEDRON = np.array([[0, 2, 1], [0, 1, 3], [1, 2, 3], [0, 3, 2]])
 

@@ -39,9 +39,9 @@ from tests.mesh.readers.samples import (
 from tests.mesh.readers.step_sample import step_solid
 
 from inertia.errors import ReadError, UsageError
-from inertia.mesh.part import Surface, first_non_finite
 from inertia.mesh.read import read
 from inertia.mesh.readers.formats import EXTENSIONS
+from inertia.mesh.surface import Surface, first_non_finite
 
 NAN = CORNERS.copy()
 NAN[5, 1] = np.nan

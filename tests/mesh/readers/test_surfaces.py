@@ -30,8 +30,9 @@ from tests.mesh.readers.samples import (
 )
 from tests.mesh.readers.step_sample import step_solid
 
-from inertia.mesh.part import Facets, Part
+from inertia.mesh.part import Part
 from inertia.mesh.read import read
+from inertia.mesh.surface import Facets
 
 BOX = CORNERS[TRIANGLES]
 FANS = CORNERS[QUADS[:, [[0, 1, 2], [0, 2, 3]]].reshape(-1, 3)]

@@ -7,7 +7,7 @@ import pytest
 from tests.mesh.solids import cube, inside_out, joined, part, sphere
 
 import inertia
-from inertia.mesh.part import Surface
+from inertia.mesh.surface import Surface
 from inertia_meshes.rational import moments
 
 

@@ -9,8 +9,8 @@ from tests.mesh.solids import cube, facets, inside_out, joined, ring, sphere
 
 from inertia.errors import GeometryError
 from inertia.mesh.geometry.closure import closure
-from inertia.mesh.part import Surface
 from inertia.mesh.repairs.simplify import Simplified, halvings
+from inertia.mesh.surface import Surface
 from inertia_meshes import rational
 
 CLOSE = 0.05

@@ -8,8 +8,8 @@ from tests.mesh.solids import Mesh, part, ring
 
 from inertia import check, mass_properties, weld
 from inertia.errors import GeometryError, UsageError
-from inertia.mesh.part import FACET, Facets, Surface
 from inertia.mesh.repairs.weld import weld_within
+from inertia.mesh.surface import FACET, Facets, Surface
 from inertia_meshes.shapes import box, sphere
 
 

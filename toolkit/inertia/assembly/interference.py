@@ -16,7 +16,7 @@ from inertia.mesh.columns.common_volume import common_volume
 from inertia.mesh.geometry.boxes import BoxTree, overlapping
 from inertia.mesh.geometry.closure import merge_equal_vertices, repeated_corners
 from inertia.mesh.manifold import exponent_of, solid
-from inertia.mesh.part import Surface
+from inertia.mesh.surface import Surface
 
 _SHARE, _ROUND_SHARE = 1e-6, 5e-3
 """Of the smaller part's volume: less is contact; of round shapes, whose facets lie inside them, the second."""

@@ -17,8 +17,9 @@ from inertia.mass.analyse import analyse
 from inertia.mass.faults import widths
 from inertia.mass.properties import ErrorBound, MassProperties
 from inertia.mesh import primitives
-from inertia.mesh.part import Part, Surface
+from inertia.mesh.part import Part
 from inertia.mesh.read import read
+from inertia.mesh.surface import Surface
 from inertia.units import METRE, Unit
 
 _ROUNDOFF = 2.0**-50

@@ -37,7 +37,8 @@ from inertia.errors import InertiaError, UsageError, placed
 from inertia.mass.analyse import analyse, sound_solids_only
 from inertia.mass.density import DensityFrom
 from inertia.mass.properties import MassProperties
-from inertia.mesh.part import Part, Rounding, Surface
+from inertia.mesh.part import Part, Rounding
+from inertia.mesh.surface import Surface
 from inertia.mesh.turns import TURN_BITS, about
 
 _SOLIDS = tuple(shape for shape, lengths in SIZES.items() if lengths)

@@ -24,9 +24,10 @@ from inertia.errors import FieldPath, GeometryError, InertiaError, placed
 from inertia.mass.analyse import analyse, sound_solids_only
 from inertia.mass.analysis import Analysis
 from inertia.mesh.geometry.intersect import overlap
-from inertia.mesh.part import Cells, Part, Rounding, Surface
+from inertia.mesh.part import Cells, Part, Rounding
 from inertia.mesh.read import read
 from inertia.mesh.regions import region_of
+from inertia.mesh.surface import Surface
 
 ChordFrom = Literal["given", "read", "shape", "estimated", "mesh", "exact"]
 

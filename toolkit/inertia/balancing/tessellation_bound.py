@@ -24,7 +24,8 @@ from inertia.balancing.facet_error import FacetLayers
 from inertia.errors import UsageError
 from inertia.mesh.geometry.closure import components, merge_equal_vertices
 from inertia.mesh.geometry.edges import pair_edges
-from inertia.mesh.part import Part, Surface
+from inertia.mesh.part import Part
+from inertia.mesh.surface import Surface
 
 _SLABS = 24
 _SECTORS = 256

@@ -38,7 +38,8 @@ from inertia.mass.tensor import exact_point
 from inertia.mass.triangles.arithmetic import FINEST
 from inertia.mesh.checks.findings import Finding, checking_once
 from inertia.mesh.geometry.simple import MOST
-from inertia.mesh.part import Cells, Facets, Part, Surface
+from inertia.mesh.part import Cells, Part
+from inertia.mesh.surface import Facets, Surface
 
 if TYPE_CHECKING:
     from inertia.mesh.external.shuffle import DaskWorkers  # seldom needed

@@ -11,7 +11,7 @@ from inertia.errors import GeometryError
 from inertia.mass.moments import PAIRS, ZERO, Moments, Vector, six, vector
 from inertia.mass.properties import ErrorBound
 from inertia.mass.tessellation import error_within
-from inertia.mesh.part import Doubt
+from inertia.mesh.doubt import Doubt
 from inertia.units import Unit
 
 FILLED = "bounds over the closures that the rims of the filled holes admit"

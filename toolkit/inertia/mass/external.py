@@ -26,7 +26,8 @@ from inertia.mesh.external.shuffle import DaskWorkers
 from inertia.mesh.external.temporary_file import MEMORY
 from inertia.mesh.geometry.shells import Shell, bodies, shells
 from inertia.mesh.geometry.sound_shells import sound_bodies
-from inertia.mesh.part import FacesInFile, Facets, Part, Triangles
+from inertia.mesh.part import Part
+from inertia.mesh.surface import FacesInFile, Facets, Triangles
 
 _AMPLE = 1_000_000_000  # bytes beside the least, where workers do what takes most
 _NESTING = 24  # bytes of memory that a triangle takes where shells are looked for in one another

@@ -24,8 +24,9 @@ from inertia.mass.triangles.sums import sum_triangles
 from inertia.mesh.check import check
 from inertia.mesh.checks.findings import Finding, counted
 from inertia.mesh.checks.surface_topology import SurfaceTopology
+from inertia.mesh.doubt import Doubt
 from inertia.mesh.geometry.intersect import crossings
-from inertia.mesh.part import Doubt, Part
+from inertia.mesh.part import Part
 from inertia.mesh.repair import repair
 from inertia.mesh.unite import unite
 

@@ -28,7 +28,8 @@ from inertia.mass.moments import PAIRS
 from inertia.mass.principal import Principal
 from inertia.mass.properties import MassProperties
 from inertia.mesh.geometry.edges import first_equal
-from inertia.mesh.part import Cells, Facets, Part
+from inertia.mesh.part import Cells, Part
+from inertia.mesh.surface import Facets
 
 ELEMENTS = ((0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2))
 """The axes of the six elements of a tensor, in the order of `responses`: xx, yy, zz, xy, xz, yz."""

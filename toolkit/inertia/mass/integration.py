@@ -24,8 +24,9 @@ from inertia.mesh.geometry.shells import Shell, absolute_orientation, shells, so
 from inertia.mesh.geometry.shells import bodies as bodies_of
 from inertia.mesh.geometry.simple import MOST, PIECES, SIMPLE, at_hand, simple, states
 from inertia.mesh.geometry.sound_shells import sound_bodies
-from inertia.mesh.part import Cells, Facets, Part, Regions, Surface, Triangles, counts_once, usable
+from inertia.mesh.part import Cells, Part, Regions
 from inertia.mesh.shape import Solid
+from inertia.mesh.surface import Facets, Surface, Triangles, counts_once, usable
 
 _SMALL = 20_000  # triangles; in a larger surface, pairing the edges by themselves costs next to nothing
 

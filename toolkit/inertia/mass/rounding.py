@@ -20,7 +20,8 @@ import numpy as np
 from inertia.arrays import Float
 from inertia.mass.moments import PAIRS, ZERO, Moments, six, vector
 from inertia.mass.triangles.sums import Sums
-from inertia.mesh.part import Rounding, Surface, Triangles
+from inertia.mesh.part import Rounding
+from inertia.mesh.surface import Surface, Triangles
 
 _CHUNK = 1 << 16
 _INFLATED = 1.0 + 1e-9  # more than the float64 sums of positive terms can lose

@@ -23,7 +23,7 @@ from inertia.mass.triangles.kernels import BLOCK
 from inertia.mass.triangles.moments_from_sums import FLOAT64
 from inertia.mass.triangles.sums import SUMS, Sums, sum_triangles
 from inertia.mesh.geometry.simple import MOST, at_hand, place, simple
-from inertia.mesh.part import Surface
+from inertia.mesh.surface import Surface
 from inertia.native import Kernel, threads
 from inertia.units import Unit
 

@@ -15,7 +15,8 @@ from inertia.arrays import Float
 from inertia.errors import GeometryError, UsageError
 from inertia.mass.moments import PAIRS, ZERO, Moments, Vector
 from inertia.mass.properties import ErrorBound, MassProperties
-from inertia.mesh.part import Part, Triangles
+from inertia.mesh.part import Part
+from inertia.mesh.surface import Triangles
 
 _CHUNK = 1 << 16
 _ROUNDED_UP = Fraction(1) + Fraction(1, 10**9)  # more than float64 sums of positive terms can lose

@@ -10,7 +10,8 @@ from inertia.arrays import Progress
 from inertia.errors import GeometryError, placed
 from inertia.estimate import uncertainty_of
 from inertia.mass.density import Densities
-from inertia.mesh.part import Part, Regions, Rounding, Surface
+from inertia.mesh.part import Part, Regions, Rounding
+from inertia.mesh.surface import Surface
 from inertia.mesh.unite import Union, unite
 
 _CONTACT = 1e-9  # of the room that a part takes: what regions that touch may share by rounding

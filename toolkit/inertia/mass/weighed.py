@@ -26,7 +26,8 @@ from inertia.mass.integration import Integral, naming
 from inertia.mass.moments import ZERO, Moments, nearby, total, vector
 from inertia.mass.properties import CERTAIN, ErrorBound, MassProperties
 from inertia.mass.tessellation import chord_error
-from inertia.mesh.part import Doubt, Part
+from inertia.mesh.doubt import Doubt
+from inertia.mesh.part import Part
 
 
 @dataclass(frozen=True, eq=False)

@@ -14,7 +14,8 @@ from inertia.mesh.checks.kinds import Subject, findings
 from inertia.mesh.checks.surface_topology import SurfaceTopology
 from inertia.mesh.geometry.edges import pieces
 from inertia.mesh.geometry.intersect import to_be_examined
-from inertia.mesh.part import Cells, Part, Triangles, counts_once
+from inertia.mesh.part import Cells, Part
+from inertia.mesh.surface import Triangles, counts_once
 
 _IN_TURN: tuple[Subject, ...] = ("maps", "sides", "space")
 _ORDER: tuple[Severity, ...] = ("error", "warning", "note")

@@ -23,9 +23,10 @@ from inertia.mesh.check import check
 from inertia.mesh.geometry.closure import Closure, closure, merge_equal_vertices, repeated_corners
 from inertia.mesh.geometry.shells import bodies, members, shells
 from inertia.mesh.manifold import exponent_of, solid
-from inertia.mesh.part import Part, Regions, Rounding, Surface
+from inertia.mesh.part import Part, Regions, Rounding
 from inertia.mesh.repairs.holes import around
 from inertia.mesh.repairs.weld import compact
+from inertia.mesh.surface import Surface
 
 SEGMENTS = 64
 """Sides of a round tool: its vertices are 0.08 % of the radius outside the circle."""

@@ -11,7 +11,8 @@ from typing import Any
 import numpy as np
 
 from inertia.errors import UsageError
-from inertia.mesh.part import Cells, Facets, Part, Source, Surface
+from inertia.mesh.part import Cells, Part, Source
+from inertia.mesh.surface import Facets, Surface
 from inertia.units import DEFAULT_UNIT, length_unit
 
 

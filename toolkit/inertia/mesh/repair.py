@@ -24,12 +24,13 @@ import numpy as np
 from inertia.arrays import Float, Int
 from inertia.errors import UNION, GeometryError, placed
 from inertia.mesh.checks.findings import counted
+from inertia.mesh.doubt import Doubt
 from inertia.mesh.geometry.boxes import BoxTree, overlapping
 from inertia.mesh.geometry.closure import components, merge_equal_vertices, repeated_corners
 from inertia.mesh.geometry.edges import pair_edges
 from inertia.mesh.geometry.halfedges import half_edges
 from inertia.mesh.geometry.intersect import overlap
-from inertia.mesh.part import Doubt, Part, Regions, Rounding, Surface, Triangles
+from inertia.mesh.part import Part, Regions, Rounding
 from inertia.mesh.repairs.closures import breadth, closures, displaced, hull
 from inertia.mesh.repairs.copies import copies, facing
 from inertia.mesh.repairs.holes import around, fill, refuse_sheets, rims, sheets
@@ -43,6 +44,7 @@ from inertia.mesh.repairs.weld import (
     require_finite,
     weld_within,
 )
+from inertia.mesh.surface import Surface, Triangles
 from inertia.mesh.unite import unite
 
 _CRACK = 1e-6  # width of a crack that is closed unasked, over the diagonal of the part's box

@@ -26,7 +26,8 @@ from inertia.mesh.check import check
 from inertia.mesh.geometry.closure import components, repeated_corners
 from inertia.mesh.geometry.halfedges import half_edges
 from inertia.mesh.manifold import exponent_of
-from inertia.mesh.part import Part, Regions, Rounding, Surface, counts_once
+from inertia.mesh.part import Part, Regions, Rounding
+from inertia.mesh.surface import Surface, counts_once
 
 _EPSILON = 2.0**-53
 _FLAT = 16 * _EPSILON  # more than the rounding of a cross product, over its terms

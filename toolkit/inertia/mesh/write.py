@@ -7,8 +7,9 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from inertia.mesh.part import FACET, Facets, Part
+from inertia.mesh.part import Part
 from inertia.mesh.readers.stl import HEADER
+from inertia.mesh.surface import FACET, Facets
 from inertia.output import require_writable, write_whole
 from inertia.units import Unit
 

@@ -22,7 +22,8 @@ from inertia.mass.principal import principal
 from inertia.mesh.geometry.cell_shapes import KINDS, volume_blocks
 from inertia.mesh.geometry.closure import repeated_corners
 from inertia.mesh.geometry.edges import first_equal
-from inertia.mesh.part import Cells, Part, Surface, Triangles
+from inertia.mesh.part import Cells, Part
+from inertia.mesh.surface import Surface, Triangles
 from inertia.recording.drawing import Color
 
 STEEL = (150, 165, 185)

@@ -19,9 +19,10 @@ from inertia.mass.properties import MassProperties
 from inertia.mass.triangles.arithmetic import METHODS, Arithmetic, solid_moments
 from inertia.mass.triangles.sums import sum_triangles
 from inertia.mesh.geometry.closure import closure
-from inertia.mesh.part import Part, Rounding, Triangles
+from inertia.mesh.part import Part, Rounding
 from inertia.mesh.read import read
 from inertia.mesh.repairs.simplify import FEWEST, Simplified, halvings
+from inertia.mesh.surface import Triangles
 from inertia.native import COMPILE_ABOVE
 from inertia.work_precision.rows import Measurement, PartRow, Relative, Simplification, Skipped
 from inertia.work_precision.stopwatch import Stopwatch, Timing

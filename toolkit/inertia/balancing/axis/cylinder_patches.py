@@ -16,7 +16,7 @@ from inertia.arrays import Float, Int
 from inertia.balancing.axis.cylinder_fit import across, circle
 from inertia.mesh.geometry.closure import components, merge_equal_vertices
 from inertia.mesh.geometry.edges import pair_edges
-from inertia.mesh.part import Triangles
+from inertia.mesh.surface import Triangles
 
 _WALL = math.sin(math.radians(3.0))
 _SMOOTH = math.cos(math.radians(35.0))  # a polygon of eleven sides or more is a circle

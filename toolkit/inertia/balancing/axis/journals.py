@@ -17,8 +17,8 @@ from inertia.balancing.axis.cylinder_fit import AxisFit, fit_axis
 from inertia.balancing.axis.cylinder_patches import Facets, Patch, along_walls, directions, patches, turn_covered
 from inertia.errors import UsageError
 from inertia.mass.tensor import array_of
-from inertia.mesh.part import Triangles
 from inertia.mesh.repairs.weld import require_finite
+from inertia.mesh.surface import Triangles
 
 TOLERANCE = 2e-4
 """How far vertices may be off their cylinder, and cylinders off a common axis: of the mesh's diagonal."""

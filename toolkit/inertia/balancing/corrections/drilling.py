@@ -29,7 +29,7 @@ from inertia.balancing.corrections.correction_plane import angle_of, point_lengt
 from inertia.balancing.corrections.operation import Operation
 from inertia.balancing.corrections.tool import Ray, Tool
 from inertia.mesh.cut import drill
-from inertia.mesh.part import Surface
+from inertia.mesh.surface import Surface
 
 _AROUND = 8  # rays along the wall of a hole
 _WITHIN = 0.999  # of the radius, where they run

@@ -28,7 +28,7 @@ from inertia.balancing.corrections.correction_plane import angle_of
 from inertia.balancing.corrections.operation import Operation
 from inertia.balancing.corrections.tool import Ray, Tool
 from inertia.mesh.cut import block, ring_segment
-from inertia.mesh.part import Surface
+from inertia.mesh.surface import Surface
 
 _DEEPEST = 0.5  # of the radius, where no limit is given: the chord then spans 120°
 _NODES = 32

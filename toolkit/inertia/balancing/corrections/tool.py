@@ -14,7 +14,7 @@ import numpy as np
 from inertia.arrays import Float
 from inertia.balancing.corrections.correction_plane import CorrectionPlane
 from inertia.balancing.corrections.operation import Operation
-from inertia.mesh.part import Surface
+from inertia.mesh.surface import Surface
 
 
 @dataclass(frozen=True)

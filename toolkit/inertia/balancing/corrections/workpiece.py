@@ -17,7 +17,8 @@ from inertia.balancing.unbalance import Complex, PointMass, Unbalance
 from inertia.mass.analyse import mass_properties
 from inertia.mesh.cut import Stock, stock
 from inertia.mesh.geometry.rays import inside
-from inertia.mesh.part import Part, Surface
+from inertia.mesh.part import Part
+from inertia.mesh.surface import Surface
 
 _TOUCHING = 1e-6  # m: bodies with a gap no wider than this are one wall
 _PROUD = 0.01  # of the radius: how far the part may stand out of it

@@ -17,7 +17,8 @@ from inertia.mass.triangles import double_double, exact, fine_sums
 from inertia.mass.triangles.moments_from_sums import a_priori, distances, fine_values, moments_of, moments_with_bounds
 from inertia.mass.triangles.running_error import FEW, running_bounds
 from inertia.mass.triangles.sums import MANY, Frame, Sums, sum_in, sum_triangles
-from inertia.mesh.part import Rounding, Triangles
+from inertia.mesh.part import Rounding
+from inertia.mesh.surface import Triangles
 
 Arithmetic = Literal["float64", "double-double", "exact"]
 

@@ -22,7 +22,7 @@ from inertia.mass.double_words import UNIT, Pair, near_sum
 from inertia.mass.triangles.kernels import BLOCK, DEPTH, LANES, BlockKernel
 from inertia.mass.triangles.moments_from_sums import Roundings
 from inertia.mass.triangles.sums import Sums
-from inertia.mesh.part import Triangles
+from inertia.mesh.surface import Triangles
 from inertia.native import Kernel
 
 METHOD = "double-double, a-priori bound"

@@ -26,7 +26,7 @@ from numpy.typing import NDArray
 from inertia.arrays import Float, Int, Progress
 from inertia.errors import GeometryError
 from inertia.mass.moments import Moments
-from inertia.mesh.part import Triangles, first_non_finite
+from inertia.mesh.surface import Triangles, first_non_finite
 from inertia.native import Kernel
 
 METHOD = "exact (integer arithmetic)"

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from inertia.arrays import Float
-from inertia.mesh.part import Facets, Triangles
+from inertia.mesh.surface import Facets, Triangles
 from inertia.native import Kernel
 
 LANES, DEPTH = 32, 32

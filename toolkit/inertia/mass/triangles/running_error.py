@@ -28,7 +28,7 @@ import numpy as np
 
 from inertia.arrays import Float
 from inertia.mass.triangles.sums import Sums
-from inertia.mesh.part import Triangles
+from inertia.mesh.surface import Triangles
 
 FEW = 512
 """Triangles up to which this costs no more than half of what the sums and their a-priori bound cost."""

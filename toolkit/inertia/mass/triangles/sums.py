@@ -34,7 +34,7 @@ from inertia.errors import GeometryError
 from inertia.mass.triangles import fine_sums
 from inertia.mass.triangles.fine_sums import FineSums, Grid, sample_grid
 from inertia.mass.triangles.kernels import BLOCK, DEPTH, LANES, BlockKernel
-from inertia.mesh.part import Facets, Triangles, first_non_finite
+from inertia.mesh.surface import Facets, Triangles, first_non_finite
 from inertia.native import Kernel
 
 SUMS = 13

@@ -19,7 +19,8 @@ from inertia.mesh.geometry.cell_maps import TANGLED, Jacobians, jacobians
 from inertia.mesh.geometry.cell_shapes import FLAT_TRIANGLES, KINDS, known_volume_blocks, numbered_blocks
 from inertia.mesh.geometry.closure import components, repeated_corners
 from inertia.mesh.geometry.edges import Place, first_equal
-from inertia.mesh.part import Cells, Surface, usable
+from inertia.mesh.part import Cells
+from inertia.mesh.surface import Surface, usable
 
 
 class _Faces(NamedTuple):

@@ -11,6 +11,7 @@ from inertia.arrays import Bool, Float, Int
 from inertia.errors import SEPARATE, Word
 from inertia.mesh.checks.findings import Evidence, listed, middle, once
 from inertia.mesh.checks.surface_topology import SurfaceTopology
+from inertia.mesh.doubt import Doubt
 from inertia.mesh.geometry.boxes import BoxTree, overlapping
 from inertia.mesh.geometry.closure import Closure, closure, components
 from inertia.mesh.geometry.edges import Place
@@ -23,7 +24,7 @@ from inertia.mesh.geometry.shells import (
     nested,
 )
 from inertia.mesh.geometry.winding import misplaced_volume
-from inertia.mesh.part import Doubt, Surface
+from inertia.mesh.surface import Surface
 
 _AT_ONCE = 1 << 18  # triangles compared with boxes of other bodies at a time
 _TOGETHER = 1 << 14  # triangles of pairs of bodies looked at together

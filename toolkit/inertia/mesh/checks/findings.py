@@ -12,9 +12,10 @@ import numpy as np
 
 from inertia.arrays import Float, Int, Orientation
 from inertia.errors import CHECK, UNION, GeometryError, Remedy, Sentence, Word
+from inertia.mesh.doubt import Doubt
 from inertia.mesh.geometry.edges import Loop, Place
 from inertia.mesh.geometry.shells import Shell
-from inertia.mesh.part import Doubt, Source
+from inertia.mesh.part import Source
 
 Severity = Literal["error", "warning", "note"]
 

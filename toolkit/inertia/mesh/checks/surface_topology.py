@@ -15,7 +15,8 @@ from inertia.mesh.geometry import edges, shells
 from inertia.mesh.geometry.closure import Closure, closure, merge_equal_vertices
 from inertia.mesh.geometry.edges import Edges, Loop, Place
 from inertia.mesh.geometry.shells import WOUND, Body, Shell
-from inertia.mesh.part import Part, Triangles
+from inertia.mesh.part import Part
+from inertia.mesh.surface import Triangles
 
 State = Literal["sheet", "sound", "inverted", "overlapping"]
 _STATES: dict[tuple[str, int], State] = {

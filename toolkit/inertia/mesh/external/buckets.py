@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 from inertia.arrays import Bool, Int
 from inertia.mesh.external.temporary_file import TemporaryFile
 from inertia.mesh.geometry.corner_keys import FACETS
-from inertia.mesh.part import Facets, Triangles
+from inertia.mesh.surface import Facets, Triangles
 from inertia.native import Kernel, address
 
 _MODULE = "inertia.mesh.geometry.bucket_kernel"

@@ -44,7 +44,7 @@ from inertia.mesh.geometry.edge_fans import links
 from inertia.mesh.geometry.edges import Edges
 from inertia.mesh.geometry.halfedges import half_edges
 from inertia.mesh.geometry.leaves import BY_PLACE, ROW, RUN, Limits, paired_by_place
-from inertia.mesh.part import Facets, Triangles
+from inertia.mesh.surface import Facets, Triangles
 from inertia.native import threads
 
 MOST = 2**32 // 3 - 1

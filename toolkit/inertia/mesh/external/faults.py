@@ -18,7 +18,7 @@ from inertia.mesh.checks.kinds import KINDS, findings
 from inertia.mesh.checks.surface_topology import SurfaceTopology
 from inertia.mesh.external.closure import Irregular, Pairing
 from inertia.mesh.geometry.shells import Shell, bounds_nothing
-from inertia.mesh.part import Triangles
+from inertia.mesh.surface import Triangles
 
 _SEARCHES = (crossing_cavities, cutters, overlap_at_edges, overlapping_bodies)
 

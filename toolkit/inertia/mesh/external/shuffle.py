@@ -21,9 +21,10 @@ from inertia.arrays import Int, Progress
 from inertia.errors import InertiaError, ReadError, UsageError, visible
 from inertia.mesh.external.buckets import BYTES, Sorter, bits_for, steps_for
 from inertia.mesh.external.closure import Paired
-from inertia.mesh.part import FacesInFile, Facets, FacetsInFile, Part, Surface, Triangles
+from inertia.mesh.part import Part
 from inertia.mesh.readers.ply import read_ply
 from inertia.mesh.readers.stl import HEADER, is_binary_stl
+from inertia.mesh.surface import FacesInFile, Facets, FacetsInFile, Surface, Triangles
 
 T = TypeVar("T")
 

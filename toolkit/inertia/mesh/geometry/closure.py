@@ -34,7 +34,7 @@ from inertia.mesh.geometry.corner_keys import FACES, FACETS
 from inertia.mesh.geometry.edge_fans import links
 from inertia.mesh.geometry.halfedges import HalfEdges, half_edges
 from inertia.mesh.geometry.pairing import paired_edges
-from inertia.mesh.part import Facets, Triangles
+from inertia.mesh.surface import Facets, Triangles
 
 _SALTS = 15  # seven and seven for a vertex, one for the edges: see `edge_kernel`
 

@@ -13,7 +13,7 @@ from inertia.mesh.geometry.closure import merge_equal_vertices
 from inertia.mesh.geometry.intersect import FACING
 from inertia.mesh.geometry.triangle_pairs import crossing, unit_normals
 from inertia.mesh.geometry.winding import windings_each
-from inertia.mesh.part import Surface
+from inertia.mesh.surface import Surface
 
 _PLACES = 12, 84  # tried in each box, and then in those where none of these was inside both
 _COMPARED = 1 << 12  # pairs of triangles of two bodies, at most, of which those that cross are looked for

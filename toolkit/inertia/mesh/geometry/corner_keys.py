@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from inertia.mesh.part import Facets, Triangles
+from inertia.mesh.surface import Facets, Triangles
 from inertia.native import Kernel, address
 
 _MODULE = "inertia.mesh.geometry.edge_kernel"

@@ -10,7 +10,7 @@ from inertia.arrays import Bool, Float, Int
 from inertia.mesh.geometry.closure import closure, merge_equal_vertices
 from inertia.mesh.geometry.intersect import FACING, beside_edges, contact_depth, near_pairs
 from inertia.mesh.geometry.triangle_pairs import crossing, unit_normals
-from inertia.mesh.part import Triangles
+from inertia.mesh.surface import Triangles
 
 _DEPTHS = (1.0, 1e2, 1e4)  # at which a crossing is looked at, over the depth of a contact
 

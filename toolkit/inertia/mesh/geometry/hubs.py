@@ -13,7 +13,7 @@ import numpy as np
 from inertia.arrays import Float, Int
 from inertia.mesh.geometry.boxes import BoxTree, overlapping
 from inertia.mesh.geometry.closure import merge_equal_vertices
-from inertia.mesh.part import Triangles
+from inertia.mesh.surface import Triangles
 
 _EVERY = 16  # one of so many triangles is looked at first,
 _MANY = 64  # and of their corners, so many in one place make a hub

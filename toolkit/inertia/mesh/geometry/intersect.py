@@ -23,7 +23,7 @@ from inertia.mesh.geometry.hubs import hubs, near_around
 from inertia.mesh.geometry.oriented_boxes import OrientedBoxes
 from inertia.mesh.geometry.triangle_pairs import crossing, orient3d_filter, unit, unit_normals
 from inertia.mesh.geometry.winding import windings
-from inertia.mesh.part import Surface, Triangles
+from inertia.mesh.surface import Surface, Triangles
 from inertia.native import Kernel
 
 _MODULE = "inertia.mesh.geometry.crossing_kernel"

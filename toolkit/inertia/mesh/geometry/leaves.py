@@ -20,7 +20,7 @@ from inertia.arrays import Int, Progress
 from inertia.mesh.geometry.corner_keys import BLOCK, corner_keys, in_threads, load, shares_of
 from inertia.mesh.geometry.place_tree import sample, tree
 from inertia.mesh.geometry.waiting_edges import EDGES, REPEATED, WaitingEdges, empty_table
-from inertia.mesh.part import Triangles
+from inertia.mesh.surface import Triangles
 from inertia.native import Kernel, address
 
 LEAF = Kernel("inertia.mesh.geometry.edge_kernel", "pair_leaf", "ppip" + "pip" + "ppi" + "ppip")

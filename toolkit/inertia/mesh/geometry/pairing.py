@@ -17,7 +17,7 @@ from inertia.arrays import Progress
 from inertia.mesh.geometry.corner_keys import BLOCK, corner_keys, in_threads, load, shares_of
 from inertia.mesh.geometry.leaves import BY_PLACE, paired_by_place
 from inertia.mesh.geometry.waiting_edges import EDGES, REPEATED, Log, WaitingEdges, empty_table
-from inertia.mesh.part import Triangles
+from inertia.mesh.surface import Triangles
 from inertia.native import Kernel, address, threads
 
 _MODULE = "inertia.mesh.geometry.edge_kernel"

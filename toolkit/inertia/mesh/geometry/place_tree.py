@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from inertia.arrays import Int
-from inertia.mesh.part import Facets, Triangles
+from inertia.mesh.surface import Facets, Triangles
 
 _READ, _EVERY = 512, 16  # triangles that are read together, and every so manieth of which is taken
 

@@ -24,7 +24,7 @@ from inertia.mesh.geometry.boxes import BoxTree, overlapping
 from inertia.mesh.geometry.closure import Closure
 from inertia.mesh.geometry.touching import touching_bodies
 from inertia.mesh.geometry.winding import windings, windings_each, windings_under
-from inertia.mesh.part import Triangles
+from inertia.mesh.surface import Triangles
 
 _CHUNK = 1 << 16
 WOUND: tuple[Literal["outward"], Literal["inward"]] = ("outward", "inward")

@@ -28,7 +28,7 @@ from inertia.arrays import Bool, Float, Int
 from inertia.mesh.geometry.boxes import CELLS
 from inertia.mesh.geometry.closure import Closure
 from inertia.mesh.geometry.touching import touching_groups
-from inertia.mesh.part import Surface, Triangles
+from inertia.mesh.surface import Surface, Triangles
 from inertia.native import Kernel, address
 
 _MODULE = "inertia.mesh.geometry.shell_kernel"

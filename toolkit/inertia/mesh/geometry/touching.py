@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from inertia.arrays import Bool, Float, Int
 from inertia.mesh.geometry.boxes import BoxTree, overlapping
 from inertia.mesh.geometry.intersect import CompiledTree
-from inertia.mesh.part import Triangles
+from inertia.mesh.surface import Triangles
 from inertia.native import Kernel
 
 _FIND = Kernel("inertia.mesh.geometry.touching_kernel", "find_touching", "pppi" + "pi" + "pppp" + "ip")

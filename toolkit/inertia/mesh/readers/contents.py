@@ -20,8 +20,9 @@ from numpy.typing import NDArray
 
 from inertia.arrays import Float, Int
 from inertia.errors import ReadError
-from inertia.mesh.part import Cells, Facets, Regions, Rounding, Surface
+from inertia.mesh.part import Cells, Regions, Rounding
 from inertia.mesh.shape import Shape
+from inertia.mesh.surface import Facets, Surface
 from inertia.mesh.tree import MeshNode
 from inertia.mesh.version import refer_to
 from inertia.units import Unit

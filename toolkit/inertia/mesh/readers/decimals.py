@@ -17,8 +17,9 @@ import numpy as np
 
 from inertia.arrays import Float
 from inertia.errors import ReadError
-from inertia.mesh.part import Rounding, usable
+from inertia.mesh.part import Rounding
 from inertia.mesh.readers.contents import shown
+from inertia.mesh.surface import usable
 
 _MOST_DIGITS = 22  # after the point, of decimals that are looked at; those of a float64 near 1 that is exact have fewer
 _LONGEST = 1000  # characters in a number that is read exactly

@@ -19,9 +19,9 @@ from numpy.typing import NDArray
 from inertia.arrays import Float, Int
 from inertia.errors import ReadError
 from inertia.mesh.external.memory import fits
-from inertia.mesh.part import FacesInFile, RowsInFile
 from inertia.mesh.readers.contents import Contents, numbers, shown, split_polygons, text_of
 from inertia.mesh.readers.decimals import rounding_of
+from inertia.mesh.surface import FacesInFile, RowsInFile
 
 _TYPES = {
     "char": "b", "int8": "b", "uchar": "B", "uint8": "B",

@@ -25,10 +25,10 @@ import numpy as np
 
 from inertia.arrays import Float, Int
 from inertia.errors import ReadError, UsageError, visible
-from inertia.mesh.part import Surface
 from inertia.mesh.readers.contents import Contents, Layout, label, plural, shown, surface, was
 from inertia.mesh.readers.opencascade.plain import shape_from_json
 from inertia.mesh.shape import Shape
+from inertia.mesh.surface import Surface
 from inertia.mesh.tree import MeshNode, Motion, unique
 from inertia.output import temporary_folder
 from inertia.units import Unit, length_unit, multiple_of

@@ -15,9 +15,9 @@ import numpy as np
 
 from inertia.arrays import Float
 from inertia.errors import ReadError
-from inertia.mesh.part import FACET, Facets, FacetsInFile
 from inertia.mesh.readers.contents import Contents, label, numbers, shown, surface, text_of
 from inertia.mesh.readers.decimals import rounding_of
+from inertia.mesh.surface import FACET, Facets, FacetsInFile
 from inertia.mesh.version import CHANGED
 
 HEADER = 84

@@ -27,9 +27,9 @@ from __future__ import annotations
 import numpy as np
 
 from inertia.arrays import Float, Int
+from inertia.mesh.doubt import Doubt
 from inertia.mesh.geometry.halfedges import HalfEdges
 from inertia.mesh.geometry.triangle_pairs import unit
-from inertia.mesh.part import Doubt
 
 _PARTS = 6  # in which the sides of a triangle are split, its parts being the places where the room is measured
 _PLACES = 5_000  # places of a filling, about, at most

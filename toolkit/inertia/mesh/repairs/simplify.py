@@ -17,8 +17,8 @@ import numpy as np
 from inertia.errors import CHECK
 from inertia.mesh.geometry.closure import merge_equal_vertices, repeated_corners
 from inertia.mesh.manifold import exponent_of, solid
-from inertia.mesh.part import Surface, Triangles
 from inertia.mesh.repairs.weld import compact, diagonal
+from inertia.mesh.surface import Surface, Triangles
 
 FEWEST = 4
 """Triangles that bound a volume."""

@@ -16,7 +16,7 @@ from inertia.arrays import Float, Int
 from inertia.errors import GeometryError, UsageError
 from inertia.mesh.geometry.closure import closure, components, merge_equal_vertices, repeated_corners
 from inertia.mesh.geometry.edges import duplicates
-from inertia.mesh.part import LARGEST, Surface, Triangles, usable
+from inertia.mesh.surface import LARGEST, Surface, Triangles, usable
 
 _LARGEST = 0.1  # tolerance, over the diagonal of the part's box
 _CRACK = 1e-3  # width of a crack, over the diagonal of the part's box
