@@ -66,12 +66,13 @@ def main() -> None:
 
 def measure(document: dict[str, Any], options: argparse.Namespace, environment: dict[str, str]) -> Iterator[None]:
     """Measure the parts one after the other, into the document, and yield after each."""
-    document["machine"] = {
+    here = {
         "cpu": _cpu(),
         "cores": os.cpu_count(),
         "system": f"{platform.system()} {platform.machine()}",
+        "versions": {"Python": platform.python_version()} | _versions(),
     }
-    document["versions"] = {"Python": platform.python_version()} | _versions()
+    document["machines"] = document.get("machines", {}) | dict.fromkeys(options.part, here)
     if "startup" in options.part:
         document["startup"] = startup(environment)
         yield

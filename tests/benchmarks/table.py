@@ -148,12 +148,10 @@ CPU seconds, ten runs in turn.
 
 def text(document: dict[str, Any]) -> str:
     """Return the document's tables in Markdown."""
-    machine = document["machine"]
-    versions = ", ".join(f"{name} {version}" for name, version in document["versions"].items())
     files = dict(sorted(document["files"].items(), key=_size_and_order))
     return TEXT.format(
         command="python -m tests.benchmarks",
-        machine=f"Machine: {machine['cpu']}, {machine['cores']} cores, {machine['system']}. Versions: {versions}.",
+        machine=_machines(document["machines"]),
         targets=_table(["", "target", "measured", ""], [_row(target) for target in targets(document)]),
         kernel=_kernel(document["kernel"]),
         cpu=_files(files, "cpu", _seconds),
@@ -164,6 +162,18 @@ def text(document: dict[str, Any]) -> str:
         accuracy=_accuracy(document["accuracy"]),
         startup=_startup(document["startup"]),
     )
+
+
+def _machines(machines: dict[str, Any]) -> str:
+    """Return what each part was measured on: a paragraph for all, or one for each machine and its parts."""
+    parts: dict[str, list[str]] = {}
+    for part, machine in machines.items():
+        versions = ", ".join(f"{name} {version}" for name, version in machine["versions"].items())
+        said = f"{machine['cpu']}, {machine['cores']} cores, {machine['system']}. Versions: {versions}."
+        parts.setdefault(said, []).append(part)
+    if len(parts) == 1:
+        return f"Machine: {next(iter(parts))}"
+    return "\n\n".join(f"Machine of the figures for {', '.join(each)}: {said}" for said, each in parts.items())
 
 
 def _size_and_order(entry: tuple[str, Any]) -> tuple[int, int]:
