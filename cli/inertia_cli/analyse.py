@@ -53,7 +53,6 @@ def add(parsers: Any) -> None:
         help="mass, centre of mass, inertia tensor, principal axes",
         description="Integrate a mesh to its mass, centre of mass and inertia tensor, with an error bound.",
         epilog=_EXAMPLES,
-        formatter_class=argparse.RawDescriptionHelpFormatter,
     )
     parser.set_defaults(run=run)
     add_input(parser)

@@ -18,6 +18,13 @@ if TYPE_CHECKING:
 _OWN = (".toml", ".csv")
 _ROBOTS = (".urdf", ".xml", ".mjcf", ".xacro", ".sdf", ".world", ".usd", ".usda", ".usdc", ".usdz")
 
+_EXAMPLES = """examples:
+  inertia assembly pump.toml
+  inertia assembly pump.toml --interference --clearance 0.2
+  inertia assembly robot.urdf --joint elbow=1.57
+  inertia assembly model.step --to-toml model.toml
+"""
+
 
 def add(parsers: Any) -> None:
     """Add ``inertia assembly``."""
@@ -26,6 +33,7 @@ def add(parsers: Any) -> None:
         help="a tree of parts: mass properties of the whole, with their bound, and what each part contributes",
         description="Place the parts of an assembly, and add them up: mass, centre of mass and tensor of the whole "
         "with their certified bound; exit code 5 where parts interfere and that is asked for.",
+        epilog=_EXAMPLES,
     )
     parser.set_defaults(run=run)
     parser.add_argument(

@@ -11,6 +11,12 @@ from inertia_cli.printing import write_and_show
 
 _CODES = {"consistent": 0, "inconsistent": 5, "undecided": 4}
 
+_EXAMPLES = """examples:
+  inertia audit robot.urdf
+  inertia audit robot.urdf --density 2700 --density motor.stl=7850
+  inertia audit robot.urdf --report audit.html --fix mended.urdf
+"""
+
 
 def add(parsers: Any) -> None:
     """Add ``inertia audit``."""
@@ -19,6 +25,7 @@ def add(parsers: Any) -> None:
         help="a robot's stated mass properties against those of its meshes, and the mistake that explains a difference",
         description="Compare the mass properties that a robot's file states with those of each link's meshes, and "
         "name the mistake that explains a difference; exit code 5 if a link is inconsistent.",
+        epilog=_EXAMPLES,
     )
     parser.set_defaults(run=run)
     parser.add_argument(

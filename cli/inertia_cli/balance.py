@@ -63,7 +63,6 @@ def add(parsers: Any) -> None:
         help="unbalance, tolerance and verdict of a rotor; corrections cut into its mesh",
         description="Balance a rotor: from its meshes to its unbalance, the holes that correct it, and a verdict.",
         epilog=_EXAMPLES,
-        formatter_class=argparse.RawDescriptionHelpFormatter,
     )
     parser.set_defaults(run=run)
     parser.add_argument(

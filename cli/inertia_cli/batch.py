@@ -44,10 +44,9 @@ def add(parsers: Any) -> None:
     parser = parsers.add_parser(
         "batch",
         help="many files to one table: a row for each, refusals included",
-        description="Answer for many files in worker processes and write one table with a row for each of them.\n"
+        description="Answer for many files in worker processes and write one table with a row for each of them. "
         "A run that was cut short goes on where it was when it is started again.",
         epilog=_EXAMPLES,
-        formatter_class=argparse.RawDescriptionHelpFormatter,
     )
     parser.set_defaults(run=run)
     parser.add_argument(

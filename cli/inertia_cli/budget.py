@@ -12,6 +12,12 @@ from inertia_cli.printing import show, write_and_show
 
 _CODES = {None: 0, "pass": 0, "fail": 5, "undecided": 4}
 
+_EXAMPLES = """examples:
+  inertia budget satellite.toml
+  inertia budget satellite.toml --report budget.html --csv budget.csv
+  inertia budget --diff before.toml after.toml
+"""
+
 
 def add(parsers: Any) -> None:
     """Add ``inertia budget``."""
@@ -20,6 +26,7 @@ def add(parsers: Any) -> None:
         help="the mass budget of an assembly: allowances, uncertainties, limits",
         description="List what each part of an assembly contributes to its mass, with growth allowances and standard "
         "uncertainties, and judge the limits; exit code 5 if one is exceeded, 4 if one is undecided.",
+        epilog=_EXAMPLES,
     )
     parser.set_defaults(run=run)
     parser.add_argument(

@@ -16,6 +16,12 @@ if TYPE_CHECKING:
 
 _UNFIT = 4
 
+_EXAMPLES = """examples:
+  inertia check part.stl
+  inertia check assembly.3mf --intersections --json
+  inertia check scan.stl --allow-faults 1%
+"""
+
 
 def add(parsers: Any) -> None:
     """Add ``inertia check``."""
@@ -23,6 +29,7 @@ def add(parsers: Any) -> None:
         "check",
         help="closed, wound, overlapping? each finding says where",
         description="Check whether a mesh bounds an honest volume; exit code 4 if it does not.",
+        epilog=_EXAMPLES,
     )
     parser.set_defaults(run=run)
     add_input(parser)

@@ -15,7 +15,6 @@ def add(parsers: Any) -> None:
         description="Print BibTeX of this program, and of the publications that the methods named in a JSON document "
         "of it are from.",
         epilog="examples:\n  inertia simulate scene.toml --json | inertia cite -\n",
-        formatter_class=argparse.RawDescriptionHelpFormatter,
     )
     parser.set_defaults(run=run)
     parser.add_argument(

@@ -20,7 +20,6 @@ def add(parsers: Any) -> None:
         "  inertia completion bash > ~/.local/share/bash-completion/completions/inertia\n"
         '  inertia completion zsh > "${fpath[1]}/_inertia"\n'
         "  inertia completion fish > ~/.config/fish/completions/inertia.fish\n",
-        formatter_class=argparse.RawDescriptionHelpFormatter,
     )
     parser.set_defaults(run=run, part="completion", parsers=parsers)
     parser.add_argument("shell", choices=SHELLS)

@@ -11,7 +11,7 @@ import sys
 import warnings
 from collections.abc import Sequence
 from pathlib import Path
-from typing import NoReturn, TextIO
+from typing import Any, NoReturn, TextIO
 
 import inertia
 from inertia.errors import CacheWarning, GeometryError, InertiaError, UsageError, WriteError, visible
@@ -45,8 +45,10 @@ _CODES = """exit codes:
   1  a fault of this program, or the result could not be written
   2  the command line is not usable
   3  the file cannot be read
-  4  the mesh or the data cannot give an honest answer; of `balance` and `budget`: undecided, or conditional
-  5  judged, and out of tolerance; of `balance` too: fewer than half of the parts within it
+  4  the mesh or the data cannot give an honest answer;
+     of `balance` and `budget`: undecided, or conditional
+  5  judged, and out of tolerance; of `balance` too: fewer than half of the
+     parts within it
 """
 
 
@@ -58,7 +60,17 @@ class _Unusable(SystemExit):
         super().__init__(UsageError.exit_code)
 
 
+class _HelpFormatter(argparse.HelpFormatter):
+    """Wraps a text that is one line, and leaves one of several lines, as examples are, as it is."""
+
+    def _fill_text(self, text: str, width: int, indent: str) -> str:
+        return text if "\n" in text else super()._fill_text(text, width, indent)
+
+
 class _Parser(argparse.ArgumentParser):
+    def __init__(self, **arguments: Any) -> None:
+        super().__init__(**{"formatter_class": _HelpFormatter} | arguments)
+
     def error(self, message: str) -> NoReturn:
         """Leave with one sentence and exit code 2."""
         sentence = f"{visible(message)}; see `{self.prog} --help`"
@@ -72,7 +84,6 @@ def build_parser() -> argparse.ArgumentParser:
         prog="inertia",
         description="Mesh in, exact inertia out.",
         epilog=_CODES,
-        formatter_class=argparse.RawDescriptionHelpFormatter,
     )
     parser.add_argument("--version", action="version", version=f"inertia {inertia.__version__}")
     parsers = parser.add_subparsers(title="commands", required=True, metavar="COMMAND")

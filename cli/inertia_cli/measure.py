@@ -34,7 +34,6 @@ def add(parsers: Any) -> None:
         description="Balance from readings: runs with trial weights, of a balancing machine, or without phase, become "
         "weights at positions, or holes in the rotor of a rotor file, with their uncertainty and a verdict.",
         epilog=_EXAMPLES,
-        formatter_class=argparse.RawDescriptionHelpFormatter,
     )
     parser.set_defaults(run=run)
     parser.add_argument("part", nargs="?", metavar="JOB", help="a job (.toml); - for standard input")

@@ -17,6 +17,12 @@ from inertia_cli.progress import Progress
 _MOVING = "frames", "fps"
 _PICTURE = "at", "view", "size", *_MOVING
 
+_EXAMPLES = """examples:
+  inertia play run.rrd
+  inertia play run.rrd --html run.html
+  inertia play run.rrd --gif run.gif --frames 120 --size 640x400
+"""
+
 
 def add(parsers: Any) -> None:
     """Add ``inertia play``."""
@@ -25,6 +31,7 @@ def add(parsers: Any) -> None:
         help="open a recording in Rerun's viewer, or make a page or pictures of it",
         description="Open a recording in Rerun's viewer, which listens on this machine only, or make a page or "
         "pictures of it.",
+        epilog=_EXAMPLES,
     )
     parser.set_defaults(run=run)
     parser.add_argument(

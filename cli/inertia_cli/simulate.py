@@ -50,7 +50,6 @@ def add(parsers: Any) -> None:
         help="follow the motion that a scene file describes",
         description="Follow a body through a scene, by the smallest model that the scene needs.",
         epilog=_EXAMPLES,
-        formatter_class=argparse.RawDescriptionHelpFormatter,
     )
     parser.set_defaults(run=run)
     parser.add_argument(

@@ -26,7 +26,6 @@ def add(parsers: Any) -> None:
         description="Measure, on this machine, time against error: of a part for every method and for simplified "
         "meshes, of a scene (.toml) for every method that can follow it.",
         epilog=_EXAMPLES,
-        formatter_class=argparse.RawDescriptionHelpFormatter,
     )
     parser.set_defaults(run=run)
     add_input(parser)

@@ -29,7 +29,6 @@ def add(parsers: Any) -> None:
         help="let a part spin freely, and follow it",
         description="Let a part spin with no torque on it, and follow its attitude.",
         epilog=_EXAMPLES,
-        formatter_class=argparse.RawDescriptionHelpFormatter,
     )
     parser.set_defaults(run=run)
     add_input(parser)

@@ -10,13 +10,14 @@ import sys
 from dataclasses import replace
 from fractions import Fraction
 from pathlib import Path
+from types import ModuleType
 
 import numpy as np
 import pytest
 from tests.mesh.self_crossing import CROSSING
 
 import inertia
-from inertia_cli.main import main
+from inertia_cli.main import _COMMANDS, main
 from inertia_cli.progress import Progress
 from inertia_meshes import catalogue, path
 
@@ -393,6 +394,29 @@ def test_an_old_terminal_gets_all_but_its_missing_characters() -> None:
     done = console("analyse", str(path("cube.stl")), env={**os.environ, "PYTHONIOENCODING": "ascii"})
     assert done.returncode == 0
     assert rb"kg/m\xb3" in done.stdout
+
+
+@pytest.mark.parametrize("command", _COMMANDS, ids=lambda command: command.__name__.rpartition(".")[2])
+def test_help_fits_80_columns_and_ends_with_examples(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], command: ModuleType
+) -> None:
+    monkeypatch.setenv("COLUMNS", "80")
+    with pytest.raises(SystemExit):
+        main([*getattr(command, "NAME", command.__name__.rpartition(".")[2]).split(), "--help"])
+    text, _, examples = capsys.readouterr().out.partition("\nexamples:\n")
+    usage, _, said = text.partition("\n\n")  # argparse breaks the lines of the usage, not always in time
+    assert usage.startswith("usage: inertia ")
+    assert max(map(len, said.splitlines())) <= 80
+    assert examples.startswith("  inertia ")
+
+
+def test_help_of_the_program_fits_80_columns(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setenv("COLUMNS", "80")
+    with pytest.raises(SystemExit):
+        main(["--help"])
+    assert max(map(len, capsys.readouterr().out.splitlines())) <= 80
 
 
 def test_the_version_and_the_help() -> None:
