@@ -103,6 +103,7 @@ SETTINGS = {
 STYLE = """
 .content { width: min(52em, 100%); }
 td code { white-space: normal; overflow-wrap: break-word; }
+.whole .pre { white-space: nowrap; }
 dl.py dt.sig { overflow-wrap: anywhere; }
 .boldsymbol { font-weight: bold; }
 .formula { margin: 0.5em 0; padding: 0.3em 0; overflow-x: auto; }
@@ -169,7 +170,15 @@ def setup(app: Sphinx) -> None:
     app.connect("autodoc-process-docstring", _as_lists)
     app.connect("autodoc-process-signature", _as_python)
     app.connect("source-read", _without_bundles)
+    app.connect("doctree-read", _keep_options_whole)
     app.add_html_math_renderer("mathml", (_write_formula, None), (_write_formula, None))
+
+
+def _keep_options_whole(_: Sphinx, tree: nodes.document) -> None:
+    """Mark code that begins with an option, which browsers would break behind its hyphens."""
+    for code in tree.findall(nodes.literal):
+        if code.astext().startswith("-"):
+            code["classes"].append("whole")
 
 
 _TEX = (

@@ -43,7 +43,7 @@ def add(parsers: Any) -> None:
         metavar=("OLD", "NEW"),
         help="what changed from one assembly file to another, and what it did",
     )
-    parser.add_argument("--report", metavar="FILE.html", help="write a report with pictures, to be printed or folded")
+    parser.add_argument("--report", metavar="FILE.html", help="write a report with pictures: one HTML file")
     parser.add_argument("--csv", metavar="FILE.csv", help="write a row for each part, SI")
     parser.add_argument("-o", "--output", metavar="FILE.rrd", help="record the tree, for `inertia play`")
     parser.add_argument(

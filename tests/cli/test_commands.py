@@ -10,14 +10,13 @@ import sys
 from dataclasses import replace
 from fractions import Fraction
 from pathlib import Path
-from types import ModuleType
 
 import numpy as np
 import pytest
 from tests.mesh.self_crossing import CROSSING
 
 import inertia
-from inertia_cli.main import _COMMANDS, main
+from inertia_cli.main import main
 from inertia_cli.progress import Progress
 from inertia_meshes import catalogue, path
 
@@ -396,13 +395,20 @@ def test_an_old_terminal_gets_all_but_its_missing_characters() -> None:
     assert rb"kg/m\xb3" in done.stdout
 
 
-@pytest.mark.parametrize("command", _COMMANDS, ids=lambda command: command.__name__.rpartition(".")[2])
+@pytest.mark.parametrize(
+    "command",
+    [
+        ["analyse"], ["check"], ["trade"], ["simulate"], ["tumble"], ["play"], ["balance"], ["balance", "measure"],
+        ["audit"], ["assembly"], ["budget"], ["batch"], ["cite"], ["completion"],
+    ],
+    ids=" ".join,
+)  # fmt: skip
 def test_help_fits_80_columns_and_ends_with_examples(
-    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], command: ModuleType
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], command: list[str]
 ) -> None:
     monkeypatch.setenv("COLUMNS", "80")
     with pytest.raises(SystemExit):
-        main([*getattr(command, "NAME", command.__name__.rpartition(".")[2]).split(), "--help"])
+        main([*command, "--help"])
     text, _, examples = capsys.readouterr().out.partition("\nexamples:\n")
     usage, _, said = text.partition("\n\n")  # argparse breaks the lines of the usage, not always in time
     assert usage.startswith("usage: inertia ")

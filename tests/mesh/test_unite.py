@@ -283,7 +283,7 @@ def test_a_one_sided_surface_and_an_open_one_are_refused() -> None:
 
 
 def test_a_surface_that_faces_inward_has_no_union() -> None:
-    with pytest.raises(inertia.GeometryError, match=r"goes around no place outwards.*inertia\.repair"):
+    with pytest.raises(inertia.GeometryError, match=r"no point has a winding number of 1 or more.*inertia\.repair"):
         inertia.unite(solids.part(BAD["inside out"]))
 
 

@@ -1,4 +1,4 @@
-"""Union of a solid with itself: all places that its surface goes around at least once, each counted once.
+"""Union of a solid with itself: every point with a winding number of 1 or more counts once.
 
 The triangles that meet others are divided where they do, into convex cells, in integers. On either side of each cell
 the surface goes around the places so many times (the winding number), and so it does on either side of each patch of
@@ -147,8 +147,8 @@ def unite(part: Part, progress: Progress | None = None) -> Union:
     surface = _surface(triangles, faces[stays], stays, divided)
     if surface is None:
         raise GeometryError(
-            f"{part.name}: its surface goes around no place outwards, so that it has no union: turn all triangles, or "
-            "use ",
+            f"{part.name}: it has no union, as its surface faces inward and no point has a winding number of 1 "
+            "or more: turn all triangles, or use ",
             REPAIR,
         )
     coordinates, rests, pieces, sources = surface
