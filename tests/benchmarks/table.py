@@ -28,7 +28,9 @@ of triangles, memory, and accuracy. A colour is one program throughout; axes are
 ![Time against triangles: inertia below all others from 100,000 triangles on](benchmarks-time.svg)
 
 A fresh process starts Python, reads a binary STL file of a wavy torus, checks that it is closed and integrates it.
-Only `inertia` counts bodies and bounds its error, and up to 200,000 triangles it looks for crossings.
+Only `inertia` counts bodies and bounds its error, and up to 200,000 triangles it looks for crossings. Every program
+runs with `OPENBLAS_THREAD_TIMEOUT=4`: otherwise each thread of numpy's BLAS spins for 0.1 s after its start. `inertia`,
+the command, starts no such threads; set the variable yourself where a Python program of yours is short.
 
 ## Whatever the order of the triangles
 
