@@ -30,6 +30,7 @@ _BUNDLE = 0.05
 
 _MOST = 64  # files in a bundle
 _LOOK = 0.1  # s between looks at what takes too long
+_GATHER = 0.01  # s in which answers gather: waking up for each costs more than to write its row
 _STARTS = 10  # times that a process may die before it is ready
 
 _ALLOCATION = {"MALLOC_MMAP_THRESHOLD_": str(2**25), "MALLOC_TRIM_THRESHOLD_": str(2**26)}
@@ -90,6 +91,8 @@ class Processes:
                 answer = self._answers.get(timeout=_LOOK)
             except queue.Empty:
                 continue
+            if not answers:
+                time.sleep(_GATHER)
             if isinstance(answer, BaseException):
                 raise answer
             answers.append(answer)

@@ -33,8 +33,8 @@ _FEW = 1 << 12  # pairs of triangles, at most, that are compared without a tree
 _ROUNDING = 2.0**-49  # of an area or a height, over the breadth of a pair times the largest coordinate: 16 roundings
 _UP = 1 + 1e-9  # more than sums of positive terms lose
 
-_CLIP = Kernel("inertia.mesh.columns.clipping_kernel", "clip_pairs", "ppi" + "pppp" + "pppp")
-_CORNERS = 12  # of a polygon of the kernel
+_SUM = Kernel("inertia.mesh.columns.clipping_kernel", "sum_pairs", "pipi" + "ppi" + "pp")
+_CORNERS = 24  # of a polygon of the kernel
 
 
 def common_volume(a: Float, b: Float) -> tuple[float, float] | None:
@@ -121,10 +121,8 @@ def _with_pairs(
         if sum(len(i) for i, _ in pairs) > most:
             return None
     for i, j in pairs:
-        for start in range(0, len(i), _AT_ONCE):
-            part = slice(start, start + _AT_ONCE)
-            more, blur = _under_both(one[i[part]], other[j[part]], largest)
-            volume, rounding = volume + more, rounding + blur
+        more, blur = _under_both(one, other, i, j)
+        volume, rounding = volume + more, rounding + blur * largest * _ROUNDING
     scale = 3 * exponent
     return float(np.ldexp(volume, scale)), float(np.ldexp(rounding * _UP, scale))
 
@@ -161,29 +159,43 @@ def _rectangles(corners: Float) -> tuple[Float, Float]:
     return low, high
 
 
-def _under_both(a: Float, b: Float, largest: float) -> tuple[float, float]:
-    """Return Σ s_a s_b ∫∫ min(z_a⁺, z_b⁺) over pairs of triangles (k, 3, 3), and what rounding can do to it."""
+def _under_both(one: Float, other: Float, i: Int, j: Int) -> tuple[float, float]:
+    """Return Σ s_a s_b ∫∫ min(z_a⁺, z_b⁺) over pairs of triangles (k,), (k,), and what bounds its rounding.
+
+    The bound is over the largest coordinate and the rounding of one step.
+    """
+    if not _SUM.worthwhile(max(len(i), SHIPPED_ABOVE)):  # numpy takes as long for one pair as loading does
+        parts = [slice(start, start + _AT_ONCE) for start in range(0, len(i), _AT_ONCE)]
+        sums = [_vectorised(one[i[part]], other[j[part]]) for part in parts]
+        return sum(volume for volume, _ in sums), sum(bound for _, bound in sums)
+    tables = [np.ascontiguousarray(each) for each in (one, other, i, j)]
+    work, results = np.empty((4, _CORNERS, 4)), np.zeros(3)
+    first, second, *pairs = (address(table) for table in tables)
+    _SUM.function(first, len(one), second, len(other), *pairs, len(i), address(work), address(results))
+    return float(results[0] + results[1]), float(results[2])
+
+
+def _vectorised(a: Float, b: Float) -> tuple[float, float]:
+    """Return what `_under_both` does of triangles (k, 3, 3) in pairs."""
     low = np.maximum(*(np.minimum(np.minimum(k[:, 0], k[:, 1]), k[:, 2])[:, :2] for k in (a, b)))
     highest, other = (np.maximum(np.maximum(k[:, 0], k[:, 1]), k[:, 2]) for k in (a, b))
     breadth = (np.minimum(highest, other)[:, :2] - low).sum(axis=1)
     height = np.minimum(highest, other)[:, 2]
-    rounding = float((breadth * (height + breadth)).sum()) * largest * _ROUNDING
-    worthwhile = _CLIP.worthwhile(max(len(a), SHIPPED_ABOVE))  # numpy takes as long for one pair as loading does
-    signs, lower = (_compiled_pairs(a, b) if worthwhile else None) or clipped_pairs(a, b)
     total = 0.0
+    signs, lower = _clipped_pairs(a, b)
     for polygons, pair in lower:
         part = signs[pair]
         if (polygons[:, :, 2] < 0).any():
             polygons, rest = _clipped(polygons, polygons[:, :, 2])
             part = part[rest]
         total += float((part * _integrals(polygons, 2)).sum())
-    return total, rounding
+    return total, float((breadth * (height + breadth)).sum())
 
 
 _Lower = list[tuple[Float, Int]]
 
 
-def clipped_pairs(a: Float, b: Float) -> tuple[Float, _Lower]:
+def _clipped_pairs(a: Float, b: Float) -> tuple[Float, _Lower]:
     """Return the signs s_a s_b of pairs of triangles, and where a is the lower one of two that lie over one another.
 
     Or both are one; and where b is. Each as polygons (m, w, 3), x, y and the height of the lower one, and their pairs.
@@ -203,20 +215,6 @@ def clipped_pairs(a: Float, b: Float) -> tuple[Float, _Lower]:
     above = np.concatenate([polygons[apart, :, :2], heights[apart, :, None]], axis=2)
     over, second = _clipped(above, -difference[apart])
     return sign_a * sign_b, [(under, pair[first]), (over, pair[apart[second]])]
-
-
-def _compiled_pairs(a: Float, b: Float) -> tuple[Float, _Lower] | None:
-    """Return what `clipped_pairs` does; None where a polygon has more corners than the kernel has room for."""
-    count, state, scratch = len(a), np.zeros(4, np.int64), np.empty(2 * _CORNERS)
-    a, b, signs = a.copy(), b.copy(), np.empty(count)  # they are turned in place
-    polygons, lower = (np.empty((count + 1, _CORNERS, 3)) for _ in range(2))
-    sizes, which, lowest = np.empty((3, count), np.int64)
-    tables = (signs, polygons, sizes, which, lower, lowest, scratch, state)
-    _CLIP.function(address(a), address(b), count, *map(address, tables))
-    rows, width, others, wide = state.tolist()
-    if rows < 0:
-        return None
-    return signs, [(polygons[:rows, :width], which[:rows]), (lower[:others, :wide], lowest[:others])]
 
 
 def _upward(corners: Float) -> tuple[Float, Float]:
