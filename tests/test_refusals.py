@@ -38,7 +38,7 @@ def refusal(capsys: pytest.CaptureFixture[str], *arguments: str) -> dict:
 
 @pytest.mark.parametrize("file", EXAMPLES, ids=lambda file: file.stem)
 def test_an_example_is_refused_by_its_code(file: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    verb = {".toml": "simulate", ".urdf": "audit", ".sdf": "audit", ".csv": "assembly"}.get(file.suffix, "analyse")
+    verb = {".toml": "simulate", ".urdf": "audit", ".xml": "audit", ".csv": "assembly"}.get(file.suffix, "analyse")
     assert refusal(capsys, verb, str(file))["code"] == file.stem
     assert f"[{file.stem}](errors/{file.name}) |" in PAGE
 

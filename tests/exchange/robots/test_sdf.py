@@ -189,7 +189,6 @@ def text(inside: str) -> str:
     ("inside", "says"),
     [
         ("", "it holds no link"),
-        ('<link name="a"><inertial/></link>', "link 'a', inertial has no mass"),
         ('<link name="a"><inertial><mass>x</mass></inertial></link>', "mass is 'x': it must be numbers"),
         ('<link name="a"><pose>1 2 3</pose></link>', "link 'a', pose is '1 2 3': it must be 6 numbers"),
         ('<link name="a"><pose relative_to="b"/></link>', "there is no frame 'b' in the model 'm'"),
@@ -210,13 +209,34 @@ def test_faults(tmp_path: Path, inside: str, says: str) -> None:
     assert says in str(fault.value)
 
 
-def test_defaults_are_those_of_the_specification(tmp_path: Path) -> None:
+NO_MOMENTS = "link 'a', inertial has no ixx, iyy, izz: 1 kg m², as SDFormat has it"
+NO_MASS = "link 'a', inertial has no mass: 1 kg, as SDFormat has it"
+
+
+@pytest.mark.parametrize(
+    ("inside", "mass", "moments", "notes"),
+    [
+        ("<mass>2</mass>", 2, [1, 1, 1], (NO_MOMENTS,)),
+        ("", 1, [1, 1, 1], (NO_MASS, NO_MOMENTS)),
+        ("<mass/><inertia><ixx/></inertia>", 1, [1, 1, 1], (NO_MASS, NO_MOMENTS)),
+        ("<inertia><ixx>2</ixx><iyy>3</iyy><izz>4</izz></inertia>", 1, [2, 3, 4], (NO_MASS,)),
+        ("<mass>5</mass><inertia><ixx>2</ixx><iyy>3</iyy><izz>4</izz></inertia>", 5, [2, 3, 4], ()),
+    ],
+)
+def test_defaults_are_those_of_the_specification_and_said(
+    tmp_path: Path, inside: str, mass: float, moments: list[float], notes: tuple[str, ...]
+) -> None:
     file = tmp_path / "a.sdf"
-    file.write_text(text('<link name="a"><inertial><mass>2</mass></inertial></link>'))
+    file.write_text(text(f'<link name="a"><inertial>{inside}</inertial></link><link name="b"/>'))
     robot = read_robot(file)
     inertial = robot.links[0].inertial
     assert inertial is not None
-    assert inertial.inertia.tolist() == np.eye(3).tolist()
+    assert (inertial.mass, inertial.inertia.tolist()) == (mass, np.diag(moments).astype(float).tolist())
+    assert robot.notes == notes
+
+
+def test_an_automatic_inertia_is_not_stated(tmp_path: Path) -> None:
+    file = tmp_path / "a.sdf"
     file.write_text(text('<link name="a"><inertial auto="true"><density>1</density></inertial></link>'))
     assert read_robot(file).links[0].inertial is None
 

@@ -215,6 +215,8 @@ def _inertial(body: Element, what: str, model: _Model) -> Inertial | None:
     if element is None:
         return None
     what, attributes = f"{what}, inertial", element.attrib
+    if "mass" not in attributes:
+        raise ReadError(f"{what} has no mass", code="no_mass")
     mass = float(_numbers(attributes, "mass", 1, None, what)[0])
     if "fullinertia" in attributes:
         inertia = CONVENTIONS["mjcf"].tensor(_numbers(attributes, "fullinertia", 6, None, what).tolist())

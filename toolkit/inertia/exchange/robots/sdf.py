@@ -121,7 +121,7 @@ def read_sdf(path: Path) -> Robot:
     links = [
         link
         for model, scope in zip(models, scopes, strict=True)
-        for link in _links(model, scope, frames, drop, path.parent, folders)
+        for link in _links(model, scope, frames, drop, path.parent, folders, notes)
     ]
     if not links:
         raise ReadError("it holds no link", code="empty")
@@ -196,7 +196,13 @@ def _declare(model: Element, scope: str, outside: str, frames: _Frames) -> None:
 
 
 def _links(
-    model: Element, scope: str, frames: _Frames, drop: str, folder: Path, folders: Mapping[Element, Path]
+    model: Element,
+    scope: str,
+    frames: _Frames,
+    drop: str,
+    folder: Path,
+    folders: Mapping[Element, Path],
+    notes: dict[str, None],
 ) -> Iterator[Link]:
     folder = folders.get(model, folder)
     for element in model.findall("link"):
@@ -211,10 +217,10 @@ def _links(
         else:
             above = joint.parent and joint.parent.removeprefix(drop)
             joint = replace(joint, name=joint.name.removeprefix(drop), parent=above)
-        inertial = _inertial(element, f"link {shown(name)}")
+        inertial = _inertial(element, f"link {shown(name)}", notes)
         yield Link(name, inertial, geometries, hangs, placement, joint=joint)
     for child in model.findall("model"):
-        yield from _links(child, f"{scope}{child.get('name', '')}::", frames, drop, folder, folders)
+        yield from _links(child, f"{scope}{child.get('name', '')}::", frames, drop, folder, folders, notes)
 
 
 def _join(model: Element, scope: str, root: Element, frames: _Frames) -> Iterator[str]:
@@ -263,24 +269,28 @@ def _hang(joint: Element, scope: str, root: Element, frames: _Frames) -> str | N
     return None
 
 
-def _inertial(link: Element, what: str) -> Inertial | None:
+def _inertial(link: Element, what: str, notes: dict[str, None]) -> Inertial | None:
+    """Return what is stated of a link; what is left out is 1 kg and 1 kg m² about each axis, by the specification."""
     element = link.find("inertial")
     if element is None or element.get("auto") == "true":
         return None
     what = f"{what}, inertial"
-    mass = element.findtext("mass")
-    if mass is None:
-        raise ReadError(f"{what} has no mass", code="no_mass")
+    mass = element.findtext("mass", "").strip()
+    if not mass:
+        notes[f"{what} has no mass: 1 kg, as SDFormat has it"] = None
     tensor = element.find("inertia")
-    words = [] if tensor is None else [tensor.findtext(f"i{pair}", "") for pair in _CONVENTION.order]
-    defaults = [1.0 if pair[0] == pair[1] else 0.0 for pair in _CONVENTION.order]  # as the specification has them
+    words = [] if tensor is None else [tensor.findtext(f"i{pair}", "").strip() for pair in _CONVENTION.order]
+    moments = [f"i{pair}" for pair in _CONVENTION.order if pair[0] == pair[1]]
+    absent = [key for key in moments if tensor is None or not tensor.findtext(key, "").strip()]
+    if absent:
+        notes[f"{what} has no {', '.join(absent)}: 1 kg m², as SDFormat has it"] = None
     elements = [
-        floats(word, 1, f"{what}, i{pair}")[0] if word.strip() else default
-        for word, pair, default in zip(words or [""] * 6, _CONVENTION.order, defaults, strict=True)
+        floats(word, 1, f"{what}, i{pair}")[0] if word else float(f"i{pair}" in moments)
+        for word, pair in zip(words or [""] * 6, _CONVENTION.order, strict=True)
     ]
     pose = element.findtext("pose", "")
     return Inertial(
-        floats(mass, 1, f"{what}, mass")[0],
+        floats(mass, 1, f"{what}, mass")[0] if mass else 1.0,
         _pose(element, what),
         _CONVENTION.tensor(elements),
         (decimals([mass]), decimals(pose.split()[:3]), decimals(words)),
