@@ -31,7 +31,7 @@ def run(options: argparse.Namespace) -> int:
     documents = []
     if options.part is not None:
         try:
-            documents = [json.loads(file_of(options.part).read_text(encoding="utf-8"))]
+            documents = [json.loads(file_of(options.part).read_text(encoding="utf-8-sig"))]
         except OSError as error:
             raise ReadError(f"cannot read {options.part}: {error.strerror}: check the path", code="no_file") from None
         except ValueError:

@@ -10,6 +10,7 @@ import contextlib
 import io
 import re
 import warnings
+from codecs import BOM_UTF8
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path, PureWindowsPath
@@ -134,8 +135,8 @@ def beneath(folder: Path, name: str) -> Path:
 
 
 def text_of(path: Path) -> bytes:
-    """Return the bytes of a text file, once its lines are known to be of a sensible length."""
-    data = path.read_bytes()
+    """Return the bytes of a text file behind its byte order mark, once its lines are of a sensible length."""
+    data = path.read_bytes().removeprefix(BOM_UTF8)
     at = 0
     while len(data) - at > LINE_LIMIT:
         end = max(data.rfind(b"\n", at, at + LINE_LIMIT), data.rfind(b"\r", at, at + LINE_LIMIT))

@@ -8,6 +8,7 @@ names. Source: C. Geuzaine and J.-F. Remacle, "Gmsh Reference Manual" 4.13, sect
 from __future__ import annotations
 
 import re
+from codecs import BOM_UTF8
 from dataclasses import replace
 from pathlib import Path
 
@@ -26,7 +27,7 @@ _NAME = re.compile(rb'(\d)\s+(\d{1,9})\s+"([^"\r\n]*)"')
 
 def read_gmsh(path: Path) -> Contents:
     """Read an MSH file; the region of an element is its physical group (the first, if it is in several)."""
-    data = path.read_bytes()
+    data = path.read_bytes().removeprefix(BOM_UTF8)
     header = FORMAT.search(data)
     if header is None:
         raise ReadError("its $MeshFormat section is damaged: export it again")
@@ -61,7 +62,7 @@ def read_gmsh(path: Path) -> Contents:
 
 def _coordinates(path: Path) -> list[bytes]:
     """Return the coordinates of all nodes as a text file writes them."""
-    data = path.read_bytes()
+    data = path.read_bytes().removeprefix(BOM_UTF8)
     header = FORMAT.search(data)
     words = (MshFile(data, header).section("Nodes") or b"").split() if header else []
     if header is None or header[1].decode("ascii", "replace") in _OLD:

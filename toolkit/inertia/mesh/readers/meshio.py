@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import importlib
 import re
+from codecs import BOM_UTF8
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -45,11 +46,19 @@ _DECIMALS = {
 }
 """What is in the files of a format that write points as decimals."""
 
+_UNMARKED = ("vtk", "nastran", "abaqus", "medit", "netgen", "su2", "avsucd")
+"""Formats of text, other than XML, before which meshio knows no byte order mark."""
+
 _NO_END = "it has no End: it was read for the tables that are there"
 
 
 def read_with_meshio(path: Path, kind: str) -> Contents:
     """Read a file of the format that meshio calls `kind`."""
+    if kind in _UNMARKED and (data := path.read_bytes()).startswith(BOM_UTF8):
+        with temporary_folder() as folder:
+            plain = folder / f"part{path.suffix}"
+            plain.write_bytes(data.removeprefix(BOM_UTF8))
+            return read_with_meshio(plain, kind)
     expected = cells_expected(path, kind)
     notes = [_NO_END] if kind == "medit" and not _ends(path) else []
     if kind == "nastran" and (text := without_comments(data := text_of(path))) != data:

@@ -7,7 +7,6 @@ because it may be a damaged face.
 from __future__ import annotations
 
 import re
-from codecs import BOM_UTF8
 from pathlib import Path
 
 import numpy as np
@@ -75,7 +74,7 @@ def read_obj(path: Path) -> Contents:
 
 
 def _text(path: Path) -> bytes:
-    data = text_of(path).removeprefix(BOM_UTF8)
+    data = text_of(path)
     return _CONTINUED.sub(rb"\1 ", data) if b"\\" in data else data
 
 

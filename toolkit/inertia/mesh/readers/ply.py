@@ -8,6 +8,7 @@ Text is turned into float64 first, so that both kinds are rows of numbers of kno
 from __future__ import annotations
 
 import struct
+from codecs import BOM_UTF8
 from collections.abc import Iterator
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -65,7 +66,8 @@ def read_ply(path: Path, memory: float | None = None) -> Contents:
     Binary faces that take more than `memory`, bytes of this process, stay in the file where all are triangles.
     """
     with path.open("rb") as file:
-        head = file.read(_HEADER_LIMIT)
+        marked = file.read(_HEADER_LIMIT)
+    head = marked.removeprefix(BOM_UTF8)
     end = head.find(b"end_header")
     line_end = min((at for at in (head.find(b"\n", end), head.find(b"\r", end)) if at >= 0), default=-1)
     if end < 0 or line_end < 0:
@@ -73,7 +75,8 @@ def read_ply(path: Path, memory: float | None = None) -> Contents:
     body = line_end + (2 if head[line_end : line_end + 2] == b"\r\n" else 1)
     encoding, elements = _header([line.decode("utf-8", "replace") for line in head[:end].splitlines()])
     order = _ORDERS[encoding] or "="
-    if memory is not None and order != "=" and (surface_in_file := _in_file(path, elements, order, body, memory)):
+    begin = body + len(marked) - len(head)
+    if memory is not None and order != "=" and (surface_in_file := _in_file(path, elements, order, begin, memory)):
         return Contents(surface_in_file)
     if encoding == "ascii":
         text = text_of(path)[body:]
@@ -81,7 +84,7 @@ def read_ply(path: Path, memory: float | None = None) -> Contents:
         for column in (column for element in elements for column in element.properties):
             column.type, column.count = "d", column.count and "d"
     else:
-        data = np.fromfile(path, np.uint8, offset=body)
+        data = np.fromfile(path, np.uint8, offset=begin)
     tables: dict[str, _Table] = {}
     for element in elements:
         if element.rows and element.properties:

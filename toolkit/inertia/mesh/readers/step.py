@@ -15,6 +15,7 @@ import re
 import signal
 import subprocess
 import sys
+from codecs import BOM_UTF8
 from collections import Counter
 from dataclasses import replace
 from fractions import Fraction
@@ -238,9 +239,10 @@ def _by_itself(path: Path, folder: Path) -> tuple[Path, int]:
     The entity that names a file (ISO 10303-41 `document_file`, also under its short name) is given a name of the same
     length that OpenCASCADE does not know; what refers to it is passed over.
     """
-    data = path.read_bytes()
+    stored = path.read_bytes()
+    data = stored.removeprefix(BOM_UTF8)  # which OpenCASCADE does not know
     count = len(_REFERENCE.findall(data))
-    if not count:
+    if not count and data == stored:
         return path.absolute(), 0
     alone = folder / "part.step"
     alone.write_bytes(_REFERENCE.sub(lambda name: name[0][:-1] + b"_", data))

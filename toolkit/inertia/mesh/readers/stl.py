@@ -85,7 +85,7 @@ def is_text_stl(head: bytes) -> bool:
 
 def _read_text(path: Path) -> Contents:
     """Read a text STL file; the normals are ignored."""
-    data = text_of(path).removeprefix(b"\xef\xbb\xbf").replace(b"\r\n", b"\n").replace(b"\r", b"\n")
+    data = text_of(path).replace(b"\r\n", b"\n").replace(b"\r", b"\n")
     lower = data.lower()
     corners: list[Float] = []
     runs: list[tuple[str | None, int]] = []

@@ -34,7 +34,7 @@ _KINDS = (
     (rb"7z\xbc\xaf\x27\x1c", "a 7-Zip archive", _UNPACK),
     (rb"Rar!\x1a\x07", "a RAR archive", _UNPACK),
     (rb"\x28\xb5\x2f\xfd", "a file compressed by Zstandard", _UNPACK),
-    (rb"\xff\xfe|\xfe\xff", "text in UTF-16", "save it as UTF-8"),
+    (rb"\xff\xfe|\xfe\xff|(?:[\t\n\r -~]\x00){16}|(?:\x00[\t\n\r -~]){16}", "text in UTF-16", "save it as UTF-8"),
     (rb"\x00{512}", "a file of zeros, which was not written to its end", "copy or export it again"),
 )
 
