@@ -188,11 +188,14 @@ def with_kills(arguments: list[str], kills: int, table: Path) -> dict[str, Any]:
     """Kill random workers of a running batch, and count rows that are lost, or there twice."""
     run = subprocess.Popen(arguments, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL)
     done, rng = 0, random.Random(18)
+    known: set[int] = set()
     while run.poll() is None and done < kills:
         time.sleep(rng.uniform(0.3, 1.0))
-        if workers := children(run.pid):
-            os.kill(rng.choice(workers), signal.SIGKILL)
+        workers = children(run.pid)
+        if at_work := [worker for worker in workers if worker in known]:  # a machine under load starts them slowly
+            os.kill(rng.choice(at_work), signal.SIGKILL)
             done += 1
+        known = set(workers)
     run.communicate()
     paths = [json.loads(line)["path"] for line in table.read_text().splitlines()]
     states = {json.loads(line)["state"] for line in table.read_text().splitlines()}

@@ -11,7 +11,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from tests.benchmarks.extremes.cases import ball
 from tests.benchmarks.meshes import wavy_torus
-from tests.mesh.solids import facets
+from tests.mesh.solids import cube, facets
 
 from inertia import native
 from inertia.mass.moments import Moments
@@ -169,6 +169,15 @@ def test_the_fine_sums_have_the_same_bits_however_the_blocks_are_shared_out(stor
     for name in ("high", "low", "edges", "places"):
         assert getattr(shared.fine, name).tobytes() == getattr(expected.fine, name).tobytes()
     assert solid_moments(whole, "float64", shared) == solid_moments(whole, "float64", expected)
+
+
+@pytest.mark.parametrize("side", [8, 16, 20])
+def test_a_regular_order_of_equal_bodies_does_not_mislead_the_sample(side: int) -> None:
+    places = np.stack(np.unravel_index(np.arange(side**3), (side,) * 3), axis=-1) * 2.0
+    vertices, faces = cube()
+    corners = (vertices + places[:, None]).reshape(-1, 3)
+    lattice = Surface(corners, (faces + 8 * np.arange(side**3)[:, None, None]).reshape(-1, 3))
+    assert fine_values(sum_triangles(lattice)) is not None
 
 
 @STORAGES

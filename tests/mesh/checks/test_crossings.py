@@ -7,6 +7,7 @@ from tests.mesh.solids import cube, joined, part
 
 import inertia
 from inertia.mesh.check import check
+from inertia.mesh.checks import crossings as module
 from inertia.mesh.geometry import intersect
 from inertia.mesh.geometry.intersect import EXAMINED, to_be_examined
 from inertia.mesh.geometry.winding import misplaced_volume
@@ -109,6 +110,15 @@ def test_many_pairs_that_share_space_are_looked_at_together(monkeypatch: pytest.
     # Of three cubes in a row, each two next to one another share space, in all directions: 7² (2·7 − 1) less 27 / 2.
     assert finding.count == (7**3 - 27) // 2
     assert len(compared) == 1
+
+
+def test_pairs_that_share_space_are_counted_up_to_a_number(monkeypatch: pytest.MonkeyPatch) -> None:
+    lattice = joined(*(cube((x, y, z)) for x in (0, 0.75, 1.5) for y in (0, 0.75, 1.5) for z in (0, 0.75, 1.5)))
+    monkeypatch.setattr(module, "SHARING", 100)
+    monkeypatch.setattr(module, "TOGETHER", 500)
+    [finding] = [finding for finding in check(part(lattice)).findings if finding.code == "overlapping_bodies"]
+    assert 100 <= finding.count < (7**3 - 27) // 2
+    assert f"at least {finding.count} pairs of bodies share space" in finding.message
 
 
 @pytest.mark.parametrize(("gap", "shared"), [(-1e-3, 1), (-1e-7, 0), (0.0, 0), (1e-7, 0)])

@@ -12,6 +12,7 @@ from scipy.spatial.transform import Rotation
 from tests.mesh.solids import Mesh, box, cube, facets, inside_out, joined, ring, sphere
 
 from inertia import native
+from inertia.mesh.geometry import shells as module
 from inertia.mesh.geometry.closure import closure
 from inertia.mesh.geometry.shells import Shell, absolute_orientation, bodies, members, shells
 from inertia.mesh.geometry.sound_shells import sound_bodies
@@ -247,6 +248,30 @@ def test_a_thousand_pores_are_found_in_one_body() -> None:
     shells = shells_of(joined(cube((4.5, 4.5, 4.5), 12), *pores))
     assert {(shell.kind, shell.depth, shell.parent) for shell in shells[1:]} == {("inward", 1, 0)}
     assert [len(body.shells) for body in bodies(shells)] == [1001]
+
+
+@pytest.mark.parametrize("seed", range(20))
+def test_what_is_in_what_is_the_same_found_at_once_and_pair_by_pair(seed: int, monkeypatch: pytest.MonkeyPatch) -> None:
+    random = np.random.default_rng(seed)
+    meshes = []
+    for place in np.stack(np.unravel_index(np.arange(8), (2, 2, 2)), axis=-1) * 6.0:
+        for depth in range(random.integers(1, 9)):
+            across = 4.0 * 0.5**depth
+            mesh = cube(tuple(place), across) if random.random() < 0.5 else sphere(tuple(place), across / 2)
+            meshes.append(inside_out(mesh) if depth % 2 else mesh)
+    order = random.permutation(len(meshes))
+    surface = joined(*(meshes[k] for k in order))
+    assert any(shell.depth > 2 for shell in shells_of(surface))
+    asked: list[int] = []
+    between = module.windings_each
+    monkeypatch.setattr(native, "SHIPPED_ABOVE", 0)
+    monkeypatch.setattr(module, "windings_each", lambda *rest: asked.append(1) or between(*rest))
+    monkeypatch.setattr(module, "FEW", 0)
+    at_once = nesting(surface)
+    assert not asked
+    monkeypatch.setattr(module, "FEW", 1_000_000)
+    assert nesting(surface) == at_once
+    assert asked
 
 
 def test_members_leave_out_triangles_with_a_repeated_corner() -> None:

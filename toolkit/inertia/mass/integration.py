@@ -19,7 +19,7 @@ from inertia.mass.triangles.moments_from_sums import moments_of
 from inertia.mass.triangles.sums import SummedFacets, Sums, sum_triangles
 from inertia.mesh.checks.findings import Finding, Report, around, middle, once
 from inertia.mesh.geometry.closure import Closure, closure
-from inertia.mesh.geometry.intersect import crossings, to_be_examined
+from inertia.mesh.geometry.intersect import crosses, to_be_examined
 from inertia.mesh.geometry.shells import Shell, absolute_orientation, shells, soundly_nested
 from inertia.mesh.geometry.shells import bodies as bodies_of
 from inertia.mesh.geometry.simple import MOST, PIECES, SIMPLE, at_hand, simple, states
@@ -147,8 +147,7 @@ def surface_integrals(
     if not usable(extents).all() or (topology.open_edges and not shell):
         _check(part, intersections).require_fit()
     several = not shell and (topology.components != 1 or topology.crowded > 0)
-    plain = several and not named and not topology.crowded and sums.exponent == 0
-    bodies = sound_bodies(triangles, topology) if plain else None
+    bodies = sound_bodies(triangles, topology) if several and not named else None
     pieces = shells(triangles, topology) if several and bodies is None else ()
     proven = counts_once(triangles)
     sound = bool(pieces) and not topology.crowded and soundly_nested(triangles, topology, pieces)
@@ -174,12 +173,7 @@ def surface_integrals(
         return
     examined = not shell and to_be_examined(triangles, intersections, topology.crowded)
     report = None
-    if (
-        examined
-        and not proven
-        and not _simple(triangles, topology, bodies is not None, looked)
-        and crossings(triangles, limit=1).total
-    ):
+    if examined and not proven and not _simple(triangles, topology, bodies is not None, looked) and crosses(triangles):
         report = _sound(part, intersections, parts, allowance, absolute)
     integral = Integral(
         groups=(),

@@ -52,6 +52,7 @@ Up to there double-double sums give these, for a thirtieth of looking for crossi
 _IN_RANGE = 100  # fifth powers of 2^±100 and their sums stay far from the ends of float64
 _LARGEST_EXPONENT = 1000
 _SAMPLED = 64
+_GOLDEN = (math.sqrt(5.0) - 1.0) / 2.0
 _NUMPY_CHUNK = 16 * BLOCK
 
 
@@ -188,8 +189,14 @@ def frame_of(triangles: Triangles, *, surface: bool = False) -> Frame:
     origin, exponent = local_frame(triangles)
     grid = None
     if triangles.count > MANY and exponent == 0 and not surface:
-        grid = sample_grid(origin, triangles.sample(_SAMPLED), triangles.count)
+        grid = sample_grid(origin, np.concatenate([triangles.sample(_SAMPLED), _scattered(triangles)]), triangles.count)
     return Frame(origin, exponent, surface, grid)
+
+
+def _scattered(triangles: Triangles) -> Float:
+    """Return corners that no regular order of equal bodies hides the size of the whole from, as even steps may."""
+    places = np.arange(1, _SAMPLED + 1) * _GOLDEN % 1.0 * triangles.count
+    return triangles.select(np.sort(places.astype(np.int64))).corners()
 
 
 def local_frame(triangles: Triangles) -> tuple[Float, int]:

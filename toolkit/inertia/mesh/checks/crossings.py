@@ -26,8 +26,13 @@ from inertia.mesh.geometry.shells import (
 from inertia.mesh.geometry.winding import misplaced_volume
 from inertia.mesh.surface import Surface
 
+TOGETHER = 1 << 14
+"""Triangles of pairs of bodies that are looked at together."""
+
+SHARING = 10_000
+"""Pairs of bodies that share space that are counted: a second or two."""
+
 _AT_ONCE = 1 << 18  # triangles compared with boxes of other bodies at a time
-_TOGETHER = 1 << 14  # triangles of pairs of bodies looked at together
 _LAST_DIGITS = 2.0**-21  # depth of a contact of float32, at most, over the largest coordinate
 _TRIED = 3  # places on a patch at which the winding number is asked for
 _CLEAR = 100.0  # how many times deeper than a contact rays must find a crossing, to leave no doubt that it is one
@@ -47,7 +52,7 @@ def cutters(surface: SurfaceTopology) -> Evidence | None:
 def contacts(surface: SurfaceTopology) -> Evidence | None:
     """Measure what bodies share that are wound alike, in columns; where it is no fault, it is in doubt."""
     from inertia.mesh.columns.common_volume import common_volume
-    from inertia.mesh.geometry.intersect import CONTACT, contact_depth, crossings, touching
+    from inertia.mesh.geometry.intersect import CONTACT, contact_depth, crosses, touching
 
     doubts, first, places = [], [], []
     for turned, groups, near, boxes in _near_bodies(surface, alike=True):
@@ -60,7 +65,7 @@ def contacts(surface: SurfaceTopology) -> Evidence | None:
             volume = _smaller(surface, groups)
             if not surface.separate:
                 volume = min(volume, _within(depth, np.concatenate([a.corners(), b.corners()])))
-        elif measured[0] > measured[1] or crossings(a, b, limit=1).total:
+        elif measured[0] > measured[1] or crosses(a, b):
             volume = max(measured[0], 0.0) + measured[1]
         else:
             continue
@@ -89,7 +94,10 @@ def _sharing_space(surface: SurfaceTopology, *, alike: bool) -> Evidence | None:
     places: list[Place] = []
     first: list[int] = []
     depths: list[float] = []
+    truncated = False
     for several in _several_at_once(surface, alike=alike):
+        if truncated := len(first) >= 2 * SHARING:
+            break
         sure = _sure_to_share(surface, several) if places and surface.chord is None else np.zeros(len(several), bool)
         for (turned, groups, (a, b), boxes), shared in zip(several, sure.tolist(), strict=True):
             if not shared:
@@ -104,10 +112,11 @@ def _sharing_space(surface: SurfaceTopology, *, alike: bool) -> Evidence | None:
     if not places:
         return None
     advice: tuple[Word, ...] = ()
-    if alike and min(depths) > 0:
+    if alike and min(depths) > 0 and not truncated:
         depth = f"{max(depths):.2g} {surface.unit}"
         advice = "use ", SEPARATE, f", as they share it no deeper than their triangles' chord tolerances, {depth}, or "
-    return Evidence(len(first) // 2, listed(np.array(first)), places[0], advice=advice)
+    figures = {"at_least": "at least " if truncated else ""}
+    return Evidence(len(first) // 2, listed(np.array(first)), places[0], figures, advice=advice)
 
 
 Pair = tuple[Surface, list[Int], list[Int], Float]
@@ -128,7 +137,7 @@ def _several_at_once(surface: SurfaceTopology, *, alike: bool) -> Iterator[list[
         triangles += sum(map(len, columns))
         if triangles > most:
             yield several
-            several, triangles, most = [], 0, _TOGETHER
+            several, triangles, most = [], 0, TOGETHER
     if several:
         yield several
 

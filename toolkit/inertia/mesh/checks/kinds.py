@@ -293,8 +293,9 @@ KINDS = (
     Kind(
         "shells", "overlapping_bodies", "error",
         cutters,
-        "overlapping bodies: {count:pair} of bodies, one of each facing inward, share space, the first {around} being "
-        "those from triangles {first} and {second} on, as a cavity that sticks out does, or a body stored inside out",
+        "overlapping bodies: {at_least}{count:pair} of bodies, one of each facing inward, share space, the first "
+        "{around} being those from triangles {first} and {second} on, as a cavity that sticks out does, or a body "
+        "stored inside out",
         ("cut or unite them where the part was made, or use ", UNION, " to cut out what faces inward"),
     ),
     Kind(
@@ -329,8 +330,8 @@ KINDS = (
     Kind(
         "shells", "overlapping_bodies", "error",
         overlapping_bodies,
-        "overlapping bodies: {count:pair} of bodies share space, the first {around} being those from triangles {first} "
-        "and {second} on, so that it counts twice",
+        "overlapping bodies: {at_least}{count:pair} of bodies share space, the first {around} being those from "
+        "triangles {first} and {second} on, so that it counts twice",
         ("move them apart, or use ", UNION),
         separable=True,
     ),

@@ -15,6 +15,7 @@ from inertia.mesh.geometry import edges, shells
 from inertia.mesh.geometry.closure import Closure, closure, merge_equal_vertices
 from inertia.mesh.geometry.edges import Edges, Loop, Place
 from inertia.mesh.geometry.shells import WOUND, Body, Shell
+from inertia.mesh.geometry.sound_shells import sound_nesting
 from inertia.mesh.part import Part
 from inertia.mesh.surface import Triangles
 
@@ -140,6 +141,8 @@ class SurfaceTopology:
         """
         from inertia.mesh.geometry.touching import touching_bodies
 
+        if len(self.shells) > shells.FEW and sound_nesting(self.triangles, self.closure) is not None:
+            return np.empty((0, 2), np.int64)
         boxes, labels = np.array([shell.box for shell in self.shells]), self.closure.labels
         near = touching_bodies(self.triangles, labels, boxes)
         if near is None:

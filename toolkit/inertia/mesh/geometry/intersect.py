@@ -98,16 +98,7 @@ def crossings(
     >>> crossings(flat, upright).points
     array([[1.5, 1.5, 0. ]])
     """
-    copies = None if b is not None else _Copies.among(a)
-    alone = a if copies is None else a.select(copies.first)
-    if b is not None:
-        runs = _crossings_between(a, b)
-    elif (fans := hubs(alone)) is not None:
-        runs = _crossings_at_hubs(alone, *fans)
-    elif COMPILED.worthwhile(_WORK * a.count):
-        runs = compiled_crossings(alone)
-    else:
-        runs = vectorised_crossings(alone)
+    copies, runs = _searched(a, b)
     pairs, points, total = np.empty((0, 2), np.int64), np.empty((0, 3)), 0
     for crossed, places, done in runs:
         if len(crossed):
@@ -122,6 +113,11 @@ def crossings(
         if progress is not None:
             progress(done)
     return Crossings(pairs, points, total, total > len(pairs))
+
+
+def crosses(a: Triangles, b: Triangles | None = None) -> bool:
+    """Say whether a triangle of `a` crosses one of `b`, or another of `a` where `b` is None: see `crossings`."""
+    return any(len(crossed) for crossed, _, _ in _searched(a, b)[1])
 
 
 Crossed = Iterator[tuple[Int, Float, float]]
@@ -253,6 +249,17 @@ class CompiledTree:
             starts[levels] = starts[levels - 1] + size
             size = (size + 1) // 2 if size > 1 else 0
         return cls(order, own, boxes, starts, levels)
+
+
+def _searched(a: Triangles, b: Triangles | None) -> tuple[_Copies | None, Crossed]:
+    """Return what finds the crossings by whatever takes least, and the copies of triangles that it leaves out."""
+    if b is not None:
+        return None, _crossings_between(a, b)
+    copies = _Copies.among(a)
+    alone = a if copies is None else a.select(copies.first)
+    if (fans := hubs(alone)) is not None:
+        return copies, _crossings_at_hubs(alone, *fans)
+    return copies, compiled_crossings(alone) if COMPILED.worthwhile(_WORK * a.count) else vectorised_crossings(alone)
 
 
 def compiled_crossings(triangles: Triangles) -> Crossed:

@@ -22,6 +22,7 @@ from numpy.typing import NDArray
 from inertia.arrays import Bool, Float, Int
 from inertia.mesh.geometry.boxes import BoxTree, overlapping
 from inertia.mesh.geometry.closure import Closure
+from inertia.mesh.geometry.sound_shells import sound_nesting
 from inertia.mesh.geometry.touching import touching_bodies
 from inertia.mesh.geometry.winding import windings, windings_each, windings_under
 from inertia.mesh.surface import Triangles
@@ -32,6 +33,9 @@ WOUND: tuple[Literal["outward"], Literal["inward"]] = ("outward", "inward")
 
 SLIVER = 1e-9
 """Volume, over that of all shells, up to which a shell that is wound wrongly does not keep a part from an answer."""
+
+FEW = 40
+"""Shells of which it takes least to look at each pair."""
 
 _ALONE = 1 << 15  # triangles of a shell, times shells that it may hold, above which it is taken by itself
 _MANY = 1 << 12  # triangles of a shell, of which few are picked before they are sorted
@@ -108,7 +112,8 @@ def shells(triangles: Triangles, closure: Closure) -> tuple[Shell, ...]:
     if (scarce := np.abs(volumes) <= noise).any():
         volumes[scarce], noise[scarce] = _exact_volumes(triangles, closure.labels, np.flatnonzero(scarce), exponent)
     signs = np.where(np.abs(volumes) > noise, np.sign(volumes), 0).astype(np.int64)
-    around = _containers(triangles, order, local, boxes, signs)
+    nesting = sound_nesting(triangles, closure) if count > FEW and signs.all() else None
+    around = _containers(triangles, order, local, boxes, signs) if nesting is None else _ancestors(*nesting)
     slivers = set(_slivers(volumes, signs, around))
     if slivers:
         signs[list(slivers)] = 0
@@ -255,6 +260,15 @@ def _exact_volumes(triangles: Triangles, labels: NDArray[np.int32], shells: Int,
         np.maximum.at(farthest, place, np.abs(scaled).max(axis=(1, 2)))
     unit = Fraction(2) ** (3 * (lowest - 53 - exponent)) / 6
     return np.array([float(unit * total) for total in totals.tolist()]), _STORED * areas * farthest
+
+
+def _ancestors(parent: Int, depth: Int) -> list[list[int]]:
+    """Return for each shell the numbers of the shells around it, ascending."""
+    around: list[list[int]] = [[] for _ in parent]
+    for number in np.argsort(depth).tolist():
+        outer = int(parent[number])
+        around[number] = [] if outer < 0 else sorted([*around[outer], outer])
+    return around
 
 
 def _containers(

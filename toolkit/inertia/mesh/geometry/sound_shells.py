@@ -18,6 +18,7 @@ not meet a surface lies in one part of the space around it, and so does all that
 
 from __future__ import annotations
 
+import math
 import os
 from collections.abc import Iterator
 
@@ -43,48 +44,62 @@ _MEETS, _INSIDE, _AROUND = 1, 2, 4
 _NOISE = 1e-13  # rounding of a volume, over the sum of its terms' largest magnitudes
 _STORED = 2.0**-50  # the same, for each time that a sum is rounded
 _CLEAR = 2e-10  # of another shell, over the size of the part: what is nearer is not asked by rays
+_IN_RANGE = 100  # powers of two, of sizes whose products are far from the ends of float64
 _POINTS = 2  # in a cell of those by which they are looked up, about
 
 
 def sound_bodies(triangles: Triangles, closure: Closure, *, streamed: bool = False) -> int | None:
     """Return how many bodies a surface bounds whose shells are soundly nested; None where that is not shown.
 
-    A body is a shell at an even depth, with those next inside it, its cavities.
+    A body is a shell at an even depth, with those next inside it, its cavities. For the arguments see `sound_nesting`.
+    """
+    nesting = sound_nesting(triangles, closure, streamed=streamed)
+    return None if nesting is None else int((nesting[1] % 2 == 0).sum())
+
+
+def sound_nesting(triangles: Triangles, closure: Closure, *, streamed: bool = False) -> tuple[Int, Int] | None:
+    """Return what shell each is next inside (−1 is none) and its depth, where all are soundly nested; None otherwise.
 
     Parameters
     ----------
-    triangles : of a closed surface with finite coordinates, whose size is neither near 1e100 nor near 1e-100
+    triangles : of a closed surface with finite coordinates
     streamed : whether to do without what would hold triangles in memory
 
     """
     count = closure.components
-    if not count or not all(kernel.worthwhile(triangles.count) for kernel in (_MEASURE, _CODES, _MEET, _CAST, _NEAR)):
+    if (
+        not count
+        or closure.crowded
+        or not all(kernel.worthwhile(triangles.count) for kernel in (_MEASURE, _CODES, _MEET, _CAST, _NEAR))
+    ):
         return None
     table = np.zeros((count, _COLUMNS))
     table[:, :3], table[:, 3:6] = np.inf, -np.inf
     for _, *chunk in _chunks(triangles, closure):
         _MEASURE.function(*chunk, address(table), count)
-    volume, magnitude, size = table[:, 6], table[:, 7], table[:, 11]
-    if not (np.abs(volume) > (_NOISE + size * _STORED) * magnitude).all():
+    low = np.array([table[:, k].min() for k in range(3)])
+    size = float((np.array([table[:, k].max() for k in range(3, 6)]) - low).max())
+    if abs(math.frexp(size)[1]) > _IN_RANGE:
         return None
-    order = _along_curve(table)
+    volume, magnitude = table[:, 6], table[:, 7]
+    if not (np.abs(volume) > (_NOISE + table[:, 11] * _STORED) * magnitude).all():
+        return None
+    order = _along_curve(table, low, size)
     flags, _ = _meeting(table, order, np.zeros(count, np.int64))
+    parent, radii, depth = np.full(count, -1), np.zeros(count), np.zeros(count, np.int64)
     if not flags.any():
-        return count if (volume > 0).all() else None
+        return (parent, depth) if (volume > 0).all() else None
     if streamed and not (flags & _INSIDE).any():
         return None
     signs = np.where(volume > 0, 1, -1)
-    parent, radii = np.full(count, -1), np.zeros(count)
     if (flags & _INSIDE).any():
-        nest = _nest(triangles, closure, table, flags, signs)
+        nest = _nest(triangles, closure, table, flags, signs, size)
         if nest is None:
             return None
         parent, depth, radii = nest
-    else:
-        depth = np.zeros(count, np.int64)
     if ((depth % 2 == 0) != (signs > 0)).any():
         return None
-    return int((depth % 2 == 0).sum()) if _apart(triangles, closure, table, order, parent, radii, streamed) else None
+    return (parent, depth) if _apart(triangles, closure, table, order, parent, radii, streamed) else None
 
 
 def _chunks(triangles: Triangles, closure: Closure) -> Iterator[tuple[slice, int, int, int, int, int]]:
@@ -101,10 +116,9 @@ def _chunks(triangles: Triangles, closure: Closure) -> Iterator[tuple[slice, int
         yield slice(start, start + len(labels)), *places, len(labels)
 
 
-def _along_curve(table: Float) -> Int:
-    """Return the numbers of shells in order along a space-filling curve."""
-    low, high = table[:, :3].min(axis=0), table[:, 3:6].max(axis=0)
-    size, codes = float((high - low).max()), np.empty(len(table), np.uint64)
+def _along_curve(table: Float, low: Float, size: float) -> Int:
+    """Return the numbers of shells in order along a space-filling curve through a cube."""
+    codes = np.empty(len(table), np.uint64)
     _CODES.function(address(table), len(table), *low.tolist(), CELLS / size, address(codes))
     order: Int = np.argsort(codes)
     return order
@@ -121,13 +135,11 @@ def _meeting(table: Float, order: Int, family: Int) -> tuple[NDArray[np.uint8], 
 
 
 def _nest(
-    triangles: Triangles, closure: Closure, table: Float, flags: NDArray[np.uint8], signs: Int
+    triangles: Triangles, closure: Closure, table: Float, flags: NDArray[np.uint8], signs: Int, size: float
 ) -> tuple[Int, Int, Float] | None:
     """Return what shell each is next inside (−1 is none), how many are around it, and the squares of their radii."""
     count = len(table)
     inner = np.flatnonzero(flags & _INSIDE)
-    low, high = table[:, :3].min(axis=0), table[:, 3:6].max(axis=0)
-    size = float((high - low).max())
     points = table[inner, 8:11]
     corner, extent = points[:, :2].min(axis=0), np.ptp(points[:, :2], axis=0)
     across = max(int(np.sqrt(len(inner) / _POINTS)), 1)
@@ -181,10 +193,11 @@ def _apart(
         own = triangles
     else:
         own = triangles.select(np.concatenate([inside, around]))
-    region = np.concatenate([parent[labels[inside]], labels[around]])
+    base = np.arange(1, count + 1) * (count + 1)
     place = np.empty(count, np.int64)
-    place[order] = np.arange(1, count + 1)
-    place = np.concatenate([place[labels[inside]], np.zeros(len(around), np.int64)])
-    keys, groups = np.unique((region + 1) * (count + 1) + place, return_inverse=True)
+    place[order] = np.arange(1, count + 1) + (parent[order] + 1) * (count + 1)
+    shells = np.flatnonzero(np.bincount(labels[around], minlength=count))
+    keys = np.sort(np.concatenate([place[meeting], base[shells]]))
+    groups = np.concatenate([np.searchsorted(keys, k)[labels[which]] for k, which in ((place, inside), (base, around))])
     pairs = touching_groups(own, groups, keys // (count + 1), first=True)
     return pairs is not None and len(pairs) == 0

@@ -1,0 +1,103 @@
+"""Many bodies in one mesh, beside one body of as many triangles: ``python -m tests.benchmarks.bodies [NAME ...]``.
+
+Prints CPU seconds of `inertia.analyse` in memory, the best of three, for each arrangement, and what it answers.
+"""
+
+from __future__ import annotations
+
+import argparse
+import time
+from collections.abc import Callable
+
+import numpy as np
+
+import inertia
+from inertia.arrays import Float, Int
+from inertia.mesh.part import Part
+
+from ..mesh import solids
+from .meshes import wavy_torus
+
+Mesh = tuple[Float, Int]
+_ROUNDS = 3
+
+
+def _copies(mesh: Mesh, places: Float, sizes: Float | None = None) -> Mesh:
+    """Return copies of a mesh at places (k, 3), of sizes (k,); those of negative size are turned inside out."""
+    vertices, faces = mesh
+    sizes = np.ones(len(places)) if sizes is None else sizes
+    corners = vertices * np.abs(sizes)[:, None, None] + places[:, None]
+    turned = np.where((sizes < 0)[:, None, None], faces[:, ::-1], faces)
+    return corners.reshape(-1, 3), (turned + len(vertices) * np.arange(len(places))[:, None, None]).reshape(-1, 3)
+
+
+def _lattice(count: int, step: float) -> Float:
+    side = round(count ** (1 / 3))
+    return step * np.stack(np.unravel_index(np.arange(count), (side,) * 3), axis=-1).astype(float)
+
+
+def _shells(count: int) -> Mesh:
+    """Return spheres within each other, every second one the wall of a void."""
+    sizes = np.arange(1.0, count + 1) * np.where(np.arange(count) % 2 == (count - 1) % 2, 1, -1)
+    return _copies(solids.sphere(splits=2), np.zeros((count, 3)), sizes)
+
+
+def _balls(count: int) -> Mesh:
+    """Return hollow balls side by side."""
+    places = np.repeat(_lattice(count, 2.5), 2, axis=0)
+    return _copies(solids.sphere(splits=2), places, np.tile([1.0, -0.8], count))
+
+
+def _chain(count: int) -> Mesh:
+    """Return rings, each through the next, that do not touch."""
+    vertices, faces = solids.ring(16, 8, 1.0, 0.25)
+    upright = vertices[:, [0, 2, 1]], faces[:, ::-1]
+    places = np.array([[1.3, 0, 0]]) * np.arange(count)[:, None]
+    flat, other = (_copies(mesh, places[k::2]) for k, mesh in enumerate([(vertices, faces), upright]))
+    return np.concatenate([flat[0], other[0]]), np.concatenate([flat[1], other[1] + len(flat[0])])
+
+
+def _tetrahedra(count: int, step: float) -> Mesh:
+    mesh = (
+        np.array([[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1.0]]),
+        np.array([[0, 2, 1], [0, 1, 3], [1, 2, 3], [0, 3, 2]]),
+    )
+    return _copies(mesh, _lattice(count, step))
+
+
+KINDS: dict[str, Callable[[], Mesh]] = {
+    "64,000 cubes": lambda: _copies(solids.cube(), _lattice(64_000, 2.0)),
+    "1,000,000 tetrahedra": lambda: _tetrahedra(1_000_000, 2.0),
+    "1,000 hollow balls": lambda: _balls(1_000),
+    "300 shells in each other": lambda: _shells(300),
+    "3,000 shells in each other": lambda: _shells(3_000),
+    "3,000 rings of a chain": lambda: _chain(3_000),
+    "512 cubes that overlap": lambda: _copies(solids.cube(), _lattice(512, 0.7)),
+    "8,000 tetrahedra that overlap": lambda: _tetrahedra(8_000, 0.45),
+}
+
+
+def seconds(part: Part) -> tuple[float, str]:
+    """Return the CPU time of one analysis, and how many bodies there are or why there is no answer."""
+    started = time.process_time()
+    try:
+        says = f"{inertia.analyse(part).bodies} bodies"
+    except inertia.GeometryError as refusal:
+        says = str(refusal)[:60]
+    return time.process_time() - started, says
+
+
+def main() -> None:
+    """Run what the command line asks for."""
+    parser = argparse.ArgumentParser(prog="python -m tests.benchmarks.bodies", description=__doc__)
+    parser.add_argument("names", nargs="*", metavar="NAME", help=f"of {'; '.join(KINDS)}")
+    for name in parser.parse_args().names or KINDS:
+        mesh = KINDS[name]()
+        alike = wavy_torus(len(mesh[1]))
+        runs = [[seconds(Part.from_arrays(*each)) for each in (mesh, alike)] for _ in range(_ROUNDS)]
+        many, one = (min(run[k][0] for run in runs) for k in (0, 1))
+        print(f"{name:30s} {len(mesh[1]):9,} triangles {many:7.3f} s, {many / one:5.1f} × one body: {runs[0][0][1]}")
+
+
+if __name__ == "__main__":
+    main()
