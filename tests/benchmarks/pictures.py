@@ -124,7 +124,7 @@ def _lines(axes: Axes, lines: Sequence[tuple[str, str, str, Sequence[Point]]]) -
         x, y = points[-1]
         shift, where = (7.0, 0.0), {"va": "center"}
         if x < end:
-            shift, where = (0.0, 6.0 if len(points) > 1 else -6.0), {"va": "bottom" if len(points) > 1 else "top"}
+            shift, where = (0.0, 6.0 if len(points) > 1 else 24.0), {"va": "bottom"}  # a point lies among curves
         else:
             last = max(math.log10(y), last + gap)
             y = 10**last
@@ -184,6 +184,11 @@ def _small(sizes: dict[str, Any]) -> Figure:
     return figure
 
 
+def _seconds(run: Any) -> float:
+    """Return the seconds of a program, or 0 where it has none."""
+    return min(run["cpu"]) if isinstance(run, dict) else 0.0
+
+
 def _orders(files: dict[str, Any]) -> Figure:
     sizes = [label for label in files if f"{label} shuffled" in files and label != "320,000"]
     figure = Figure(figsize=(9.2, 1.0 + 2.2 * ((len(sizes) + 1) // 2)), layout="constrained")
@@ -192,9 +197,10 @@ def _orders(files: dict[str, Any]) -> Figure:
         axes.set_xscale("log")
         axes.set_title(f"{size} triangles", loc="left", fontsize=10.5)
         axes.set_yticks(range(len(ORDERS)), list(ORDERS.values()))
-        axes.set_ylim(len(ORDERS) - 0.4, -0.9)
+        axes.set_ylim(len(ORDERS) - 0.4, -1.1)
         axes.grid(axis="x", alpha=0.25, linewidth=0.6)
-        for peer, name in PEERS.items():
+        beside = 0.0
+        for peer, name in sorted(PEERS.items(), key=lambda each: _seconds(files[size]["programs"].get(each[1]))):
             points = [
                 (min(files[size + order]["programs"][name]["cpu"]), row)
                 for row, order in enumerate(ORDERS)
@@ -203,7 +209,9 @@ def _orders(files: dict[str, Any]) -> Figure:
             ]
             if points:
                 axes.plot(*zip(*points, strict=True), "o-", color=color(name), linewidth=1.0, markersize=6)
-                axes.annotate(peer, points[0], (0, 8), textcoords="offset points", ha="center", color=color(name))
+                shift = 19 if points[0][0] < 2.2 * beside else 8
+                beside = points[0][0] if shift == 8 else 0.0
+                axes.annotate(peer, points[0], (0, shift), textcoords="offset points", ha="center", color=color(name))
         low, high = axes.get_xlim()
         axes.set_xlim(low * 0.8, high * 1.25)
         axes.xaxis.set_major_locator(LogLocator(10, (1.0, 2.0, 5.0), numticks=12))
