@@ -110,8 +110,11 @@ def _plain(axes: Axes, right: float) -> None:
     axes.set_ylim(low, high * (high / low) ** 0.04)
 
 
-def _lines(axes: Axes, lines: Sequence[tuple[str, str, str, Sequence[Point]]]) -> None:
-    """Draw (label, program, style, points) with each label at the end of its line, none upon another."""
+def _lines(axes: Axes, lines: Sequence[tuple[str, str, str, Sequence[Point]]], above: float = 24.0) -> None:
+    """Draw (label, program, style, points) with each label at the end of its line, none upon another.
+
+    A point by itself has its label so far `above` it that no curve beside it passes through.
+    """
     lines = [line for line in lines if line[3]]
     for _, name, style, points in lines:
         width = 2.6 if name == "inertia" and style == "-" else 1.5
@@ -124,7 +127,7 @@ def _lines(axes: Axes, lines: Sequence[tuple[str, str, str, Sequence[Point]]]) -
         x, y = points[-1]
         shift, where = (7.0, 0.0), {"va": "center"}
         if x < end:
-            shift, where = (0.0, 6.0 if len(points) > 1 else 24.0), {"va": "bottom"}  # a point lies among curves
+            shift, where = (0.0, 6.0 if len(points) > 1 else above), {"va": "bottom"}
         else:
             last = max(math.log10(y), last + gap)
             y = 10**last
@@ -152,7 +155,7 @@ def _times(files: dict[str, Any]) -> Figure:
 def _memory(files: dict[str, Any]) -> Figure:
     figure = Figure(figsize=(6.4, 4.2), layout="constrained")
     axes = _panel(figure, 1, 1, 1, title="peak memory, MB", xlabel="size of the file, MB")
-    _lines(axes, [(peer, peer, "-", _of(files, name, "peak", sized=True)) for peer, name in PEERS.items()])
+    _lines(axes, [(peer, peer, "-", _of(files, name, "peak", sized=True)) for peer, name in PEERS.items()], 46.0)
     sizes = [file["file_mb"] for file in files.values()]
     axes.plot(ends := [max(min(sizes), 50), max(sizes)], ends, ":", color=INK)
     axes.annotate("the file", (ends[1], ends[1]), (7, 0), textcoords="offset points", va="center")
