@@ -24,7 +24,7 @@ from inertia_cli.options import (
     scale,
     size,
 )
-from inertia_cli.printing import show
+from inertia_cli.printing import print_file, show
 from inertia_cli.progress import Progress
 from inertia_cli.wording import as_option, tried
 
@@ -158,7 +158,7 @@ def run(options: argparse.Namespace) -> int:
     if options.target is not None:
         text = _exported(analysis, repaired, options)
         if output is None:
-            print(text, end="")
+            print_file(text)
         else:
             write_whole(output, text.encode())
         return 0

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 from inertia.errors import GeometryError, ReadError, UsageError
 from inertia_cli.options import estimate, names_document, record, require_recordable, tell_of_viewer, triple
-from inertia_cli.printing import print_document, print_text, write_and_show
+from inertia_cli.printing import print_document, print_file, print_text, write_and_show
 from inertia_cli.progress import Progress
 from inertia_cli.wording import with_options
 
@@ -187,7 +187,7 @@ def _balance(rotor: Rotor, options: argparse.Namespace) -> int:
     if options.to_toml:
         if options.json:
             raise UsageError("--to-toml has no room for --json: leave one of them out")
-        print(rotor.to_toml(), end="")
+        print_file(rotor.to_toml())
         return 0
     for file, suffix in ((options.csv, ".csv"), (options.report, ".html"), (options.cut_part, ".stl")):
         if file is not None:

@@ -6,6 +6,8 @@ import argparse
 import json
 from typing import Any
 
+from inertia_cli.printing import print_file
+
 
 def add(parsers: Any) -> None:
     """Add ``inertia cite``."""
@@ -36,5 +38,5 @@ def run(options: argparse.Namespace) -> int:
             raise ReadError(f"cannot read {options.part}: {error.strerror}: check the path", code="no_file") from None
         except ValueError:
             raise ReadError(f"cannot read {options.part}: it is no JSON document: name what --json printed") from None
-    print(cite(*documents), end="")
+    print_file(cite(*documents))
     return 0

@@ -98,7 +98,7 @@ def run() -> None:
     _open_streams()
     for stream in (sys.stdout, sys.stderr):
         if isinstance(stream, io.TextIOWrapper):
-            stream.reconfigure(errors="backslashreplace")  # a terminal without "³" gets the rest
+            stream.reconfigure(errors="inertia.ascii")  # a terminal without "³" gets "^3"
     warnings.showwarning = _note
     try:
         code = main(sys.argv[1:])

@@ -1,7 +1,9 @@
-"""Print a JSON document, or text, in colours where it goes to a terminal."""
+"""Print a JSON document, a file, or text: in colours where it goes to a terminal, in ASCII where that has no more."""
 
 from __future__ import annotations
 
+import codecs
+import io
 import os
 import re
 import sys
@@ -19,6 +21,13 @@ _STYLES = {  # of text that stands in a report, by a pattern
     r"(?m)^warning\b|\bUNDECIDED\b|\bassumed\b": "yellow",
     r"\bPASS(ED)?\b": "bold green",
 }
+_PLAIN = {
+    "°": " deg", "±": "+/-", "·": "*", "×": "x", "−": "-", "–": "-", "…": "...", "≤": "<=", "≥": ">=", "→": "->",
+    "∠": "at ", "′": "'", "½": "1/2", "√": "sqrt", "∞": "inf", "∫": "int ", "Ø": "dia ", "µ": "u", "μ": "mu",
+    "π": "pi", "θ": "theta", "φ": "phi", "ψ": "psi", "ω": "omega", "ρ": "rho", "§": "sec. ", "₁": "1", "₂": "2",
+    "₃": "3", "\xa0": " ", "\u2003": "  ",
+}  # fmt: skip
+_EXPONENT = dict(zip("⁺⁻⁰¹²³⁴⁵⁶⁷⁸⁹", "+-0123456789", strict=True))
 _BLOCK = 4096  # numbers, or rows of an array, that are turned into text at once
 
 
@@ -28,6 +37,32 @@ class AnsweredError(Exception):
     def __init__(self, error: InertiaError) -> None:
         self.error = error
         super().__init__(str(error))
+
+
+def in_ascii(error: UnicodeError) -> tuple[str, int]:
+    """Return what stands for characters that a stream has not, and where to go on: signs in ASCII, all else escaped.
+
+    It is the error handler of codecs that is called "inertia.ascii".
+
+    >>> print("(7.8 ± 0.1)·10⁻¹² kg m² at 90°, größe.stl".encode("ascii", "inertia.ascii").decode())
+    (7.8 +/- 0.1)*10^-12 kg m^2 at 90 deg, gr\\xf6\\xdfe.stl
+    """
+    if not isinstance(error, UnicodeEncodeError):
+        raise error
+    text, end = error.object, error.end
+    while end < len(text) and text[end] in _EXPONENT:  # of 10⁻¹² Latin-1 lacks the sign only
+        end += 1
+    signs = []
+    for k in range(error.start, end):
+        sign = text[k]
+        if sign in _EXPONENT:
+            signs.append(("" if text[k - 1 : k] in _EXPONENT else "^") + _EXPONENT[sign])
+        else:
+            signs.append(_PLAIN.get(sign) or sign.encode("ascii", "backslashreplace").decode())
+    return "".join(signs), end
+
+
+codecs.register_error("inertia.ascii", in_ascii)
 
 
 def show(as_json: bool, document: Callable[[], dict[str, Any]], text: Callable[[], str]) -> None:
@@ -45,6 +80,15 @@ def print_text(text: str) -> None:
         _print_coloured(lines)
     else:
         print(lines)
+
+
+def print_file(text: str) -> None:
+    """Print a file that another program reads: in UTF-8, whatever a terminal has, unless it goes to one."""
+    if isinstance(sys.stdout, io.TextIOWrapper) and not sys.stdout.isatty():
+        sys.stdout.flush()
+        sys.stdout.buffer.write(text.encode())
+    else:
+        print(text, end="")
 
 
 def write_and_show(
@@ -69,15 +113,17 @@ def abandon_output() -> None:
 
 
 def print_document(document: dict[str, Any]) -> None:
-    """Print one JSON document, a line for each of its fields; what a terminal obeys or cannot show is escaped.
+    """Print one JSON document, a line for each of its fields; what steers a terminal, or a stream lacks, is escaped.
 
     Arrays in it are written block by block: lists of their numbers would take ten times their memory.
     """
 
-    def escaped(one: re.Match[str]) -> str:
-        return one[0] if one[0].isprintable() and _can_be_written(one[0]) else json.dumps(one[0])[1:-1]
-
     import json
+
+    unicode = (sys.stdout.encoding or "utf-8").lower().startswith("utf-8")
+
+    def escaped(one: re.Match[str]) -> str:
+        return one[0] if unicode and one[0].isprintable() else json.dumps(one[0])[1:-1]
 
     write = sys.stdout.write
     # All but the arrays first: what is wrong with it leaves nothing half printed.
@@ -126,14 +172,6 @@ def _listed(array: Float) -> Iterator[str]:
     for first in range(0, len(array), _BLOCK):
         yield f"{', ' if first else ''}{text(array[first : first + _BLOCK])[1:-1]}"
     yield "]"
-
-
-def _can_be_written(text: str) -> bool:
-    try:
-        text.encode(sys.stdout.encoding or "utf-8")
-    except UnicodeEncodeError:
-        return False
-    return True
 
 
 def _print_coloured(text: str) -> None:

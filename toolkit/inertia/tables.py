@@ -11,6 +11,7 @@ import io
 import json
 import math
 import os
+import sys
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from pathlib import Path
@@ -99,7 +100,9 @@ def table_writer(
         return [_cell(row.get(name), kind) for name, kind in cells]
 
     if path is None:
-        yield lambda row: print(_line(columns, plain(row)), end="")
+        # Whoever reads JSON takes it for UTF-8, of which ASCII is a part.
+        escape = not str(getattr(sys.stdout, "encoding", None) or "utf-8").lower().startswith("utf-8")
+        yield lambda row: print(_line(columns, plain(row), escape), end="")
         return
     with together(), whole(path) as beside:
         if path.suffix.lower() == ".parquet":
@@ -119,9 +122,9 @@ def table_writer(
         write_whole(_beside(path), f"{described}\n".encode())
 
 
-def _line(columns: Sequence[Column], values: list[Any]) -> str:
+def _line(columns: Sequence[Column], values: list[Any], escape: bool = False) -> str:
     row = {column.name: value for column, value in zip(columns, values, strict=True)}
-    return json.dumps(row, ensure_ascii=False, allow_nan=False) + "\n"
+    return json.dumps(row, ensure_ascii=escape, allow_nan=False) + "\n"
 
 
 def _printed(value: Any) -> Any:
