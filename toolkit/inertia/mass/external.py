@@ -17,7 +17,7 @@ from inertia.errors import UsageError
 from inertia.mass.integration import Group, Integral, naming, refuse_flat, surface_area
 from inertia.mass.moments import Moments
 from inertia.mass.triangles.arithmetic import METHODS, arithmetics, shell_moments, solid_moments
-from inertia.mass.triangles.sums import Frame, SummedFacets, Sums, block_rows, frame_of, sum_triangles, sums_of
+from inertia.mass.triangles.sums import Frame, SummedFacets, block_rows, frame_of, sum_triangles, sums_of
 from inertia.mesh.checks.findings import Finding, Report
 from inertia.mesh.external.closure import Pairing, external_closure, room_for
 from inertia.mesh.external.faults import edge_faults, shell_findings
@@ -105,7 +105,7 @@ def external_integrals(
     doubts: tuple[Finding, ...] = ()
     if not shell:
         _require(part, edge_faults(triangles, pairing, part.unit.name, extents))
-        pieces = _shells(part, pairing, sums, room)
+        pieces = _shells(part, pairing, room)
         doubts = _require(part, shell_findings(triangles, pairing, pieces, part.unit.name, extents)) if pieces else ()
     elif pairing.irregular is None:
         raise _too_little(part, f"{topology.crowded} edges of more than two triangles")
@@ -147,13 +147,13 @@ def _require(part: Part, remarks: Iterator[Finding]) -> tuple[Finding, ...]:
     return report.doubts
 
 
-def _shells(part: Part, pairing: Pairing, sums: Sums, room: int) -> tuple[Shell, ...]:
+def _shells(part: Part, pairing: Pairing, room: int) -> tuple[Shell, ...]:
     """Return the shells of a closed surface; none where it has one, or all of them are bodies that lie apart."""
     triangles, topology = part.triangles, pairing.closure
     if pairing.irregular is None:
         raise _too_little(part, f"{topology.crowded} edges of more than two triangles")
     count = topology.components
-    if count == 1 or (sums.exponent == 0 and sound_bodies(triangles, topology, streamed=True) == count):
+    if count == 1 or sound_bodies(triangles, topology, streamed=True) == count:
         return ()
     if not _nests(triangles, room):
         raise _too_little(part, f"{topology.components} shells, and which of them lie in others,")
