@@ -11,6 +11,7 @@ import inertia
 from inertia.errors import ReadError
 from inertia.exchange.robots.links import Geometry, Primitive, Robot
 from inertia.exchange.robots.read import read_robot
+from inertia.exchange.robots.tree import robot_tree
 from inertia.exchange.rotations import rotation_of_quaternion
 
 ORIENTATIONS = [
@@ -99,7 +100,7 @@ def compare(robot: Robot, model: Any) -> None:
             compiled = turn @ np.diag(model.body_inertia[body]) @ turn.T
             stated = where.rotation @ link.inertial.inertia @ where.rotation.T
             assert model.body_mass[body] == link.inertial.mass
-            assert model.body_ipos[body].tolist() == where.origin.tolist()
+            assert np.allclose(model.body_ipos[body], where.origin, rtol=1e-15, atol=0)
             assert np.linalg.norm(compiled - stated) < 1e-14 * np.linalg.norm(stated)
         numbers = [k for k in range(model.ngeom) if model.geom_bodyid[k] == body]
         assert len(numbers) == len(link.geometries)
@@ -163,6 +164,13 @@ def test_every_orientation_is_mujoco_s(tmp_path: Path, orientation: str, compile
     compare(read_robot(file), compile_model(file))
 
 
+SOUND = 'pos="0 0 0" mass="1" diaginertia="1 1 1"'
+
+
+def mesh(attributes: str) -> str:
+    return f'<asset><mesh name="m" file="m.stl" {attributes}/></asset>'
+
+
 def body(inside: str, before: str = "") -> str:
     return f'<mujoco>{before}<worldbody><body name="a"><freejoint/>{inside}</body></worldbody></mujoco>'
 
@@ -171,17 +179,22 @@ def body(inside: str, before: str = "") -> str:
     ("text", "says"),
     [
         ("<mujoco><worldbody/></mujoco>", "it holds no body"),
-        (body('<inertial pos="0 0 0" diaginertia="1 1 1"/>'), "body 'a', inertial has no mass"),
-        (body('<inertial pos="0 0 0" mass="1"/>'), "has no diaginertia"),
-        (body('<inertial pos="0 0 0" mass="x" diaginertia="1 1 1"/>'), "mass is 'x': it must be numbers"),
         (body('<geom type="box" size="1 1 1" class="nix"/>'), "default class 'nix' is not there"),
-        (body('<geom type="cone" size="1"/>'), "'cone' is no type"),
-        (body('<geom type="box" size="1 1 1" quat="0 0 0 0"/>'), "quat is zero"),
-        (body('<geom type="box" size="1 1 1" zaxis="0 0 0"/>'), "an axis of no length"),
         (body("", '<include file="nix.xml"/>'), "included file 'nix.xml' is not there"),
         (body("", '<include file="a.xml"/>'), "include one another"),
         ('<!DOCTYPE mujoco [<!ENTITY a "b">]>' + body(""), "document type"),
         (body("") + "x", "XML is damaged"),
+        (body("<body name='a'/>"), "more than one link is called 'a'"),
+        (body('<body quat="1 0 0 0" euler="1 0 0"/>'), "has both quat and euler"),
+        (body("", '<compiler angle="rad"/>'), "angle is 'rad': it must be degree or radian"),
+        (body("", '<compiler eulerseq="abc"/>'), "eulerseq is 'abc': it must be three of x, y, z, X, Y, Z"),
+        (body("", '<compiler eulerseq="xy"/>'), "eulerseq is 'xy'"),
+        (body("", mesh('scale="1/0 1 1"')), "mesh 'm', scale is '1/0 1 1': it must be numbers"),
+        (body("", mesh('scale="1/3 1 1"')), "it must be numbers"),
+        (body("", mesh('scale="1e999999999 1 1"')), "it must be finite"),
+        (body("", mesh('scale="1 1"')), "it must be 3 numbers"),
+        (body("", mesh('refquat="0 0 0 0"')), "mesh 'm', refquat is zero"),
+        (body('<body><joint axis="0 0 0"/></body>'), "axis has no length"),
     ],
 )
 def test_what_is_no_model_is_refused(tmp_path: Path, text: str, says: str) -> None:
@@ -192,9 +205,79 @@ def test_what_is_no_model_is_refused(tmp_path: Path, text: str, says: str) -> No
 
 
 @pytest.mark.parametrize(
+    ("attributes", "says"),
+    [
+        ('pos="0 0 0" diaginertia="1 1 1"', "body 'a', inertial has no mass"),
+        ('pos="0 0 0" mass="1"', "has no diaginertia"),
+        ('pos="0 0 0" mass="x" diaginertia="1 1 1"', "mass is 'x': it must be numbers"),
+        ('mass="1" diaginertia="1 1 1"', "inertial has no pos"),
+        ('pos="0 0 0" mass="1" diaginertia="1 1 1" fullinertia="1 1 1 0 0 0"', "both fullinertia and diaginertia"),
+        ('pos="0 0 0" mass="1" quat="1 0 0 0" fullinertia="1 1 1 0 0 0"', "both quat and fullinertia"),
+        (f"{SOUND}/><inertial {SOUND}", "there 2 times"),
+        ('pos="0 0 0" mass="-1" diaginertia="1 1 1"', None),
+    ],
+)
+def test_an_inertial_that_mujoco_does_not_load_is_the_fault_of_its_body(
+    tmp_path: Path, attributes: str, says: str | None
+) -> None:
+    file = tmp_path / "a.xml"
+    file.write_text(body(f"<inertial {attributes}/><body name='b'><joint/><inertial {SOUND}/></body>"))
+    with pytest.raises(ValueError, match=r"."):  # as MuJoCo has it
+        compile_model(file)
+    robot = read_robot(file)
+    assert (says or "") in robot.links[0].fault
+    assert robot.links[1].fault == ""
+    with pytest.raises(inertia.GeometryError, match=says or "must not be negative"):
+        robot_tree(robot)
+
+
+def test_what_frames_hold_lies_where_mujoco_has_it(tmp_path: Path) -> None:
+    file = tmp_path / "a.xml"
+    file.write_text(
+        "<mujoco><worldbody><body name='a'><freejoint/>"
+        "<frame pos='1 0 0' euler='0 0 90'><frame euler='20 0 0' pos='0 0.1 0'>"
+        "<inertial pos='0.1 0.2 0.3' quat='0.9 0.1 -0.2 0.3' mass='2' diaginertia='0.03 0.02 0.04'/>"
+        "</frame></frame><body name='b' pos='0 0 1'>"
+        "<inertial pos='0 0 0' mass='1' diaginertia='1 1 1'/>"
+        "<frame pos='0 1 0' euler='0 90 0'><joint name='turn' axis='1 0.5 0' pos='0.5 0 0' ref='20'/></frame>"
+        "</body></body></worldbody></mujoco>"
+    )
+    model = compile_model(file)
+    robot = read_robot(file)
+    compare(robot, model)
+    joint = robot.links[1].joint
+    assert joint is not None
+    np.testing.assert_allclose(joint.axis / np.linalg.norm(joint.axis), model.jnt_axis[1], atol=1e-15)
+    np.testing.assert_allclose(joint.point, model.jnt_pos[1], atol=1e-15)
+    assert joint.rest == pytest.approx(model.qpos0[7], abs=1e-15)
+    at_rest, turned = (robot_tree(robot, at)[0]["part"][1] for at in (None, {"turn": 0.0}))
+    assert at_rest["at"] == [0, 0, 1]
+    mujoco = pytest.importorskip("mujoco")
+    data = mujoco.MjData(model)
+    data.qpos[3], data.qpos[7] = 1, 0
+    mujoco.mj_forward(model, data)
+    np.testing.assert_allclose(turned["at"], data.xpos[2], atol=1e-14)
+    np.testing.assert_allclose(np.ravel(turned["matrix"]), data.xmat[2], atol=1e-14)
+
+
+def test_a_default_of_another_name_at_the_top_counts_for_all(tmp_path: Path) -> None:
+    file = tmp_path / "a.xml"
+    inner = '<default class="b"><geom size="4 5 6"/></default>'
+    default = f'<default class="foo"><geom type="box" size="1 2 3"/>{inner}</default>'
+    file.write_text(body('<geom/><geom class="foo"/><geom class="b"/>', default))
+    robot = read_robot(file)
+    assert [geometry.shape for geometry in robot.links[0].geometries] == [
+        Primitive("box", sizes) for sizes in ((2, 4, 6), (2, 4, 6), (8, 10, 12))
+    ]
+    assert "called 'foo': MuJoCo 3 wants it called main" in " ".join(robot.notes)
+
+
+@pytest.mark.parametrize(
     ("text", "says"),
     [
         (body("", '<compiler inertiafromgeom="true"/>'), None),
+        (body("", '<compiler fusestatic="true"/>'), "fusestatic is true"),
+        (body('<geom size="1"/>'), "1 body states no inertial"),
         (body('<inertial pos="0 0 0" mass="1" diaginertia="1 1 1"/>', '<compiler inertiafromgeom="true"/>'), "geoms"),
         (body("", '<compiler boundmass="0.1"/>'), "boundmass is set"),
         (body("", '<compiler boundmass="0"/>'), None),
@@ -213,6 +296,13 @@ def test_what_is_decided_is_said(tmp_path: Path, text: str, says: str | None) ->
     [
         (body('<geom type="mesh" mesh="m"/>', '<asset><mesh name="m" vertex="0 0 0"/></asset>'), "has no file"),
         (body('<geom type="mesh" mesh="m"/>'), "'m' is not among the assets"),
+        (body('<geom type="cone" size="1"/>'), "'cone' is no type"),
+        (body('<geom type="box" size="1 1 1" quat="0 0 0 0"/>'), "quat is zero"),
+        (body('<geom type="box" size="1 1 1" zaxis="0 0 0"/>'), "an axis of no length"),
+        (body('<geom type="box" size="1 1 x"/>'), "it must be numbers"),
+        (body('<geom size="1" fromto="0 0 0 1 1 1"/>'), "a sphere with fromto"),
+        (body('<geom type="box" size="1" fromto="0 0 0 1 1 1" pos="0 0 0"/>'), "both pos and fromto"),
+        (body('<geom type="box" size="1" fromto="0 0 0 0 0 0"/>'), "an axis of no length"),
         (body('<geom type="box" mesh="m"/>'), "a box fitted to a mesh"),
         (
             body(

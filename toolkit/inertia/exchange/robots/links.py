@@ -93,10 +93,11 @@ class Joint:
     ----------
     name : of the joint; of the link where it has none
     parent : the link that it hangs from; None of the world
-    placement : of the axes of the link in those of `parent`, where the joint is at 0
+    placement : of the axes of the link in those of `parent`, where the joint is at `rest`
     kind : whether it "turns" about its axis, "slides" along it, is "fixed", or moves as none of these
     axis : (3,) of any length, in the axes of the link
     point : (3,) m on it, likewise
+    rest : rad, or m of one that slides, at which `placement` holds
     """
 
     name: str
@@ -105,6 +106,7 @@ class Joint:
     kind: Motion = "fixed"
     axis: Float = field(default_factory=lambda: np.array([0.0, 0.0, 1.0]))
     point: Float = field(default_factory=lambda: np.zeros(3))
+    rest: float = 0.0
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "name", visible(self.name))

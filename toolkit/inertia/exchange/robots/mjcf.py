@@ -7,7 +7,6 @@ attached and replicated models. A body without a joint hangs from its parent as 
 
 from __future__ import annotations
 
-import math
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 from fractions import Fraction
@@ -16,11 +15,11 @@ from xml.etree.ElementTree import Element
 
 import numpy as np
 
-from inertia.arrays import Float
 from inertia.errors import ReadError
 from inertia.exchange.conventions import CONVENTIONS
 from inertia.exchange.robots.links import Geometry, Inertial, Joint, Link, Motion, Placement, Primitive, Robot, Role
-from inertia.exchange.robots.text import decimals, floats, robot_xml
+from inertia.exchange.robots.mjcf_frames import Angles, along, numbers
+from inertia.exchange.robots.text import decimals, floats, robot_xml, scales
 from inertia.exchange.rotations import rotation_of_quaternion
 from inertia.mesh.readers.contents import shown
 from inertia.standard_input import file_of
@@ -51,6 +50,7 @@ class _Model:
 
     path: Path
     compiler: dict[str, str] = field(default_factory=dict)
+    angles: Angles = field(default_factory=Angles)
     classes: dict[str, dict[str, dict[str, str]]] = field(default_factory=dict)
     meshes: dict[str, _Mesh | str] = field(default_factory=dict)
     notes: dict[str, None] = field(default_factory=dict)
@@ -80,19 +80,28 @@ def read_mjcf(path: Path) -> Robot:
         raise ReadError(
             "its coordinates are global, which MuJoCo reads no longer: load it with MuJoCo 2.3.3 or older and save it"
         )
+    model.angles = Angles.of(model.compiler)
     model.classes["main"] = {}
     for default in root.findall("default"):
-        _defaults(default, default.get("class", "main"), {}, model.classes)
+        _defaults(default, "main", {}, model.classes)
+        if (name := default.get("class", "main")) != "main":
+            model.classes[name] = model.classes["main"]
+            model.note(f"the default class of all elements is called {shown(name)}: MuJoCo 3 wants it called main")
     for number, mesh in enumerate((each for asset in root.findall("asset") for each in asset.findall("mesh")), 1):
         name, what = _mesh(mesh, number, model)
         model.meshes[name] = what
-    links = [
-        link for world in root.findall("worldbody") for link in _bodies(world, None, Placement(), "main", model, [0])
-    ]
+    count = [0]
+    links = [link for world in root.findall("worldbody") for link in _bodies(world, None, "main", model, count)]
     if not links:
         raise ReadError("it holds no body", code="empty")
     if model.compiler.get("inertiafromgeom") == "true" and any(link.inertial is not None for link in links):
         model.note("inertiafromgeom is true: MuJoCo computes masses and tensors from the geoms, whatever is stated")
+    derived = sum(link.inertial is None and bool(link.geometries) and not link.fault for link in links)
+    if derived and model.compiler.get("inertiafromgeom") != "false":
+        who = "1 body states" if derived == 1 else f"{derived} bodies state"
+        model.note(f"{who} no inertial: MuJoCo computes it from mass or density of the geoms, which is not done here")
+    if model.compiler.get("fusestatic") == "true":
+        model.note("fusestatic is true: MuJoCo merges bodies without a joint with their parents")
     for key in _CHANGES:
         if model.compiler.get(key, "false") not in ("false", "0", "-1"):
             model.note(f"{key} is set: MuJoCo changes the masses or tensors that are stated")
@@ -148,28 +157,36 @@ def _mesh(element: Element, number: int, model: _Model) -> tuple[str, _Mesh | st
     if model.compiler.get("strippath") == "true":
         reference = Path(reference).name
     file = model.path.parent / folder / reference
-    try:
-        x, y, z = (Fraction(word) for word in attributes.get("scale", "1 1 1").split())
-    except ValueError:
-        raise ReadError(f"{what}, scale is {shown(attributes['scale'])}: it must be 3 numbers") from None
-    turn = rotation_of_quaternion(_numbers(attributes, "refquat", 4, [1, 0, 0, 0], what).tolist()).T
+    x, y, z = scales(attributes.get("scale", "1 1 1"), what)
+    quaternion = numbers(attributes, "refquat", 4, [1, 0, 0, 0], what)
+    if not quaternion.any():
+        raise ReadError(f"{what}, refquat is zero")
+    turn = rotation_of_quaternion(quaternion.tolist()).T
     if not x == y == z and not np.array_equal(turn, np.eye(3)):
         return name, f"{what} is turned by refquat and scaled differently along its axes"
     # The reference position is taken off first, then the mesh is turned, then scaled.
-    origin = -np.array([float(x), float(y), float(z)]) * (turn @ _numbers(attributes, "refpos", 3, [0] * 3, what))
+    origin = -np.array([float(x), float(y), float(z)]) * (turn @ numbers(attributes, "refpos", 3, [0] * 3, what))
     return name, _Mesh(file, (x, y, z), Placement(turn, origin))
 
 
-def _bodies(
-    element: Element, parent: str | None, where: Placement, childclass: str, model: _Model, count: list[int]
-) -> Iterator[Link]:
-    """Yield the bodies below a body, or a frame in it, that lies at `where` in the body."""
+def _within(
+    element: Element, childclass: str, model: _Model, where: Placement | None = None
+) -> Iterator[tuple[Element, Placement, str]]:
+    """Yield what stands in a body or in the frames in it: where its axes lie in the body, and its default class."""
+    where = where or Placement()
     for child in element:
         if child.tag == "frame":
-            inside = where.then(_placement(child.attrib, "frame", model))
-            yield from _bodies(child, parent, inside, child.get("childclass", childclass), model, count)
-        elif child.tag == "body":
-            yield from _body(child, parent, where, childclass, model, count)
+            inside = where.then(model.angles.placement(child.attrib, "frame"))
+            yield from _within(child, child.get("childclass", childclass), model, inside)
+        else:
+            yield child, where, childclass
+
+
+def _bodies(element: Element, parent: str | None, childclass: str, model: _Model, count: list[int]) -> Iterator[Link]:
+    """Yield the bodies below a body or the world."""
+    for child, where, inner in _within(element, childclass, model):
+        if child.tag == "body":
+            yield from _body(child, parent, where, inner, model, count)
         elif child.tag in _UNREAD:
             model.note(f"{child.tag} is not read: what it makes is left out")
 
@@ -181,72 +198,73 @@ def _body(
     name = element.get("name") or f"body {count[0]}"
     childclass = element.get("childclass", childclass)
     what = f"body {shown(name)}"
-    placement = where.then(_placement(element.attrib, what, model))
-    joints = [child for child in element if child.tag in ("joint", "freejoint")]
-    geometries = tuple(_geometries(element, what, Placement(), childclass, model, [0]))
+    placement = where.then(model.angles.placement(element.attrib, what))
+    inside = list(_within(element, childclass, model))
+    joints = [each for each in inside if each[0].tag in ("joint", "freejoint")]
+    geoms = enumerate((each for each in inside if each[0].tag == "geom"), 1)
+    geometries = [
+        _geometry(model.attributes(geom, inner), f"{what}, geom {number}", number, place, model)
+        for number, (geom, place, inner) in geoms
+    ]
     hangs = parent if not joints else None
+    try:
+        inertial, fault = _inertial([each for each in inside if each[0].tag == "inertial"], what, model), ""
+    except ReadError as error:
+        inertial, fault = None, str(error)
     yield Link(
         name,
-        _inertial(element, what, model),
-        geometries,
+        inertial,
+        tuple(geometry for geometry in geometries if geometry is not None),
         hangs,
         placement if hangs else Placement(),
-        joint=_joint(joints, name, parent, placement, childclass, model),
+        fault,
+        _joint(joints, name, parent, placement, model),
     )
-    yield from _bodies(element, name, Placement(), childclass, model, count)
+    yield from _bodies(element, name, childclass, model, count)
 
 
 def _joint(
-    elements: list[Element], link: str, parent: str | None, placement: Placement, childclass: str, model: _Model
+    elements: list[tuple[Element, Placement, str]], link: str, parent: str | None, placement: Placement, model: _Model
 ) -> Joint:
-    if not elements or elements[0].tag == "freejoint":
+    if not elements or elements[0][0].tag == "freejoint":
         return Joint(link, parent, placement)
-    name = elements[0].get("name") or link
+    element, where, childclass = elements[0]
+    name = element.get("name") or link
     if len(elements) > 1:
         return Joint(name, parent, placement, "other")
-    attributes, what = model.attributes(elements[0], childclass), f"joint {shown(name)}"
+    attributes, what = model.attributes(element, childclass), f"joint {shown(name)}"
     kind: Motion = _MOTIONS.get(attributes.get("type", "hinge"), "other")
-    axis = _numbers(attributes, "axis", 3, [0.0, 0.0, 1.0], what)
-    return Joint(name, parent, placement, kind, axis, _numbers(attributes, "pos", 3, [0.0, 0.0, 0.0], what))
+    axis = where.rotation @ numbers(attributes, "axis", 3, [0.0, 0.0, 1.0], what)
+    if not axis.any():
+        raise ReadError(f"{what}, axis has no length")
+    point = where.then(Placement(origin=numbers(attributes, "pos", 3, [0.0, 0.0, 0.0], what))).origin
+    rest = float(numbers(attributes, "ref", 1, [0.0], what)[0]) * (model.angles.unit if kind == "turns" else 1.0)
+    return Joint(name, parent, placement, kind, axis, point, rest)
 
 
-def _inertial(body: Element, what: str, model: _Model) -> Inertial | None:
-    element = body.find("inertial")
-    if element is None:
+def _inertial(elements: list[tuple[Element, Placement, str]], what: str, model: _Model) -> Inertial | None:
+    """Return what is stated of a body; raise `ReadError` where MuJoCo would not load it."""
+    if not elements:
         return None
-    what, attributes = f"{what}, inertial", element.attrib
+    what = f"{what}, inertial"
+    if len(elements) > 1:
+        raise ReadError(f"{what} is there {len(elements)} times: MuJoCo loads no such body, keep one")
+    element, where, _ = elements[0]
+    attributes = element.attrib
     if "mass" not in attributes:
         raise ReadError(f"{what} has no mass", code="no_mass")
-    mass = float(_numbers(attributes, "mass", 1, None, what)[0])
+    mass = float(numbers(attributes, "mass", 1, None, what)[0])
+    placement = where.then(model.angles.placement(attributes, what, also=("fullinertia",)))
+    numbers(attributes, "pos", 3, None, what)
     if "fullinertia" in attributes:
-        inertia = CONVENTIONS["mjcf"].tensor(_numbers(attributes, "fullinertia", 6, None, what).tolist())
+        if "diaginertia" in attributes:
+            raise ReadError(f"{what} has both fullinertia and diaginertia: MuJoCo loads no such body, keep one")
+        inertia = CONVENTIONS["mjcf"].tensor(numbers(attributes, "fullinertia", 6, None, what).tolist())
     else:
-        inertia = np.diag(_numbers(attributes, "diaginertia", 3, None, what))
-    return Inertial(
-        mass,
-        _placement(attributes, what, model),
-        inertia,
-        (
-            decimals([attributes["mass"]]),
-            decimals([attributes.get("pos", "")]),
-            decimals([attributes.get("fullinertia", attributes.get("diaginertia", ""))]),
-        ),
-    )
-
-
-def _geometries(
-    element: Element, what: str, where: Placement, childclass: str, model: _Model, count: list[int]
-) -> Iterator[Geometry]:
-    for child in element:
-        if child.tag == "frame":
-            inside = where.then(_placement(child.attrib, "frame", model))
-            yield from _geometries(child, what, inside, child.get("childclass", childclass), model, count)
-        elif child.tag == "geom":
-            count[0] += 1
-            attributes = model.attributes(child, childclass)
-            geometry = _geometry(attributes, f"{what}, geom {count[0]}", count[0], where, model)
-            if geometry is not None:
-                yield geometry
+        inertia = np.diag(numbers(attributes, "diaginertia", 3, None, what))
+    words = ("mass", "pos", "fullinertia" if "fullinertia" in attributes else "diaginertia")
+    digits = [decimals([attributes.get(key, "")]) for key in words]
+    return Inertial(mass, placement, inertia, (digits[0], digits[1], digits[2]))
 
 
 def _geometry(attributes: Attributes, what: str, number: int, where: Placement, model: _Model) -> Geometry | None:
@@ -257,27 +275,35 @@ def _geometry(attributes: Attributes, what: str, number: int, where: Placement, 
     if kind in _NO_SOLID:
         return None
     if "mesh" not in attributes:
-        placement, shape = _primitive(kind, attributes, what, model)
-        return Geometry(attributes.get("name") or f"{kind} {number}", role, shape, where.then(placement))
+        name = attributes.get("name") or f"{kind} {number}"
+        try:
+            placement, shape = _primitive(kind, attributes, what, model)
+        except ReadError as error:
+            return Geometry(name, role, str(error))
+        return Geometry(name, role, shape, where.then(placement))
     name = attributes.get("name") or attributes["mesh"]
     if kind != "mesh":
         return Geometry(name, role, f"a {kind} fitted to a mesh is not read")
     mesh = model.meshes.get(attributes["mesh"], f"the mesh {shown(attributes['mesh'])} is not among the assets")
     if isinstance(mesh, str):
         return Geometry(name, role, mesh)
-    placement = where.then(_placement(attributes, what, model)).then(mesh.placement)
+    placement = where.then(model.angles.placement(attributes, what)).then(mesh.placement)
     return Geometry(attributes.get("name") or mesh.file.name, role, mesh.file, placement, mesh.scale)
 
 
 def _primitive(kind: str, attributes: Attributes, what: str, model: _Model) -> tuple[Placement, Primitive]:
     """Return where a primitive lies, and what it is; sizes in MJCF are radii and half lengths."""
     size = [*floats(attributes.get("size", "0"), len(attributes.get("size", "0").split()), f"{what}, size"), 0.0, 0.0]
-    placement = _placement(attributes, what, model)
-    if "fromto" in attributes and kind in ("capsule", "cylinder", "box", "ellipsoid"):
+    placement = model.angles.placement(attributes, what)
+    if "fromto" in attributes:
+        if kind == "sphere":
+            raise ReadError(f"{what} is a sphere with fromto, which MuJoCo does not load: give it a pos")
+        if "pos" in attributes:
+            raise ReadError(f"{what} has both pos and fromto, which MuJoCo does not load: keep one")
         ends = np.array(floats(attributes["fromto"], 6, f"{what}, fromto")).reshape(2, 3)
-        placement = Placement(_along(ends[0] - ends[1], what), ends.mean(axis=0))
+        placement = Placement(along(ends[0] - ends[1], what), ends.mean(axis=0))
         half = 0.5 * float(np.linalg.norm(ends[1] - ends[0]))
-        size = [size[0], half] if kind in ("capsule", "cylinder") else [size[0], size[1] or size[0], half]
+        size = [size[0], half] if kind in ("capsule", "cylinder") else [size[0], size[0], half]
     if kind == "sphere":
         return placement, Primitive("sphere", (size[0],))
     if kind == "capsule":
@@ -289,63 +315,3 @@ def _primitive(kind: str, attributes: Attributes, what: str, model: _Model) -> t
     if kind == "ellipsoid":
         return placement, Primitive("ellipsoid", (size[0], size[1], size[2]))
     raise ReadError(f"{what}: {shown(kind)} is no type of a geom")
-
-
-def _placement(attributes: Attributes, what: str, model: _Model) -> Placement:
-    """Return position and orientation, however the latter is written."""
-    return Placement(_rotation(attributes, what, model), _numbers(attributes, "pos", 3, [0.0] * 3, what))
-
-
-def _rotation(attributes: Attributes, what: str, model: _Model) -> Float:
-    unit = 1.0 if model.compiler.get("angle", "degree") == "radian" else math.pi / 180
-    if "quat" in attributes:
-        quaternion = _numbers(attributes, "quat", 4, None, what)
-        if not quaternion.any():
-            raise ReadError(f"{what}, quat is zero")
-        return rotation_of_quaternion(quaternion.tolist())
-    if "axisangle" in attributes:
-        *axis, angle = _numbers(attributes, "axisangle", 4, None, what).tolist()
-        return _turn(_unit(np.array(axis), what), angle * unit)
-    if "euler" in attributes:
-        rotation = np.eye(3)
-        sequence = model.compiler.get("eulerseq", "xyz")
-        for letter, angle in zip(sequence, _numbers(attributes, "euler", 3, None, what).tolist(), strict=True):
-            step = _turn(np.eye(3)["xyz".index(letter.lower())], angle * unit)
-            rotation = rotation @ step if letter.islower() else step @ rotation  # about moving, or fixed axes
-        return rotation
-    if "xyaxes" in attributes:
-        axes = _numbers(attributes, "xyaxes", 6, None, what).reshape(2, 3)
-        x = _unit(axes[0], what)
-        y = _unit(axes[1] - x * (x @ axes[1]), what)
-        return np.column_stack([x, y, np.cross(x, y)])
-    if "zaxis" in attributes:
-        return _along(_numbers(attributes, "zaxis", 3, None, what), what)
-    return np.eye(3)
-
-
-def _along(direction: Float, what: str) -> Float:
-    """Return the smallest turn that takes z to a direction."""
-    z = _unit(direction, what)
-    sine = math.hypot(z[0], z[1])
-    axis = np.array([-z[1], z[0], 0.0]) / sine if sine else np.array([1.0, 0.0, 0.0])
-    return _turn(axis, math.atan2(sine, z[2]))
-
-
-def _turn(axis: Float, angle: float) -> Float:
-    half = 0.5 * angle
-    return rotation_of_quaternion([math.cos(half), *(math.sin(half) * axis).tolist()])
-
-
-def _unit(vector: Float, what: str) -> Float:
-    length = float(np.linalg.norm(vector))
-    if not length:
-        raise ReadError(f"{what}: an axis of no length")
-    return vector / length
-
-
-def _numbers(attributes: Attributes, key: str, count: int, default: list[float] | None, what: str) -> Float:
-    if key in attributes:
-        return np.array(floats(attributes[key], count, f"{what}, {key}"))
-    if default is None:
-        raise ReadError(f"{what} has no {key}")
-    return np.array(default, float)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import codecs
 import os
 import re
+from collections import Counter
 from collections.abc import Callable
 from pathlib import Path
 
@@ -15,6 +16,7 @@ from inertia.exchange.robots.sdf import read_sdf
 from inertia.exchange.robots.table import read_csv, read_toml
 from inertia.exchange.robots.urdf import read_urdf
 from inertia.exchange.robots.usd import read_usd
+from inertia.mesh.readers.contents import shown
 from inertia.standard_input import NAME as STANDARD_INPUT
 from inertia.standard_input import file_of
 
@@ -58,7 +60,11 @@ def read_robot(path: str | Path) -> Robot:
     for known, reader in READERS.values():
         if known & marks:
             try:
-                return reader(path)
+                robot = reader(path)
+                twice = [name for name, count in Counter(link.name for link in robot.links).items() if count > 1]
+                if twice:
+                    raise ReadError(f"more than one link is called {shown(twice[0])}: their names must differ")
+                return robot
             except (ReadError, UsageError) as error:
                 raise placed(error, f"cannot read {path}") from None
     raise ReadError(

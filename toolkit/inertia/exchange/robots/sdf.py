@@ -11,7 +11,6 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field, replace
-from fractions import Fraction
 from pathlib import Path
 from xml.etree.ElementTree import Element
 
@@ -20,7 +19,7 @@ import numpy as np
 from inertia.errors import ReadError
 from inertia.exchange.conventions import CONVENTIONS
 from inertia.exchange.robots.links import Geometry, Inertial, Joint, Link, Motion, Placement, Primitive, Robot, Role
-from inertia.exchange.robots.text import decimals, floats, mesh_file, robot_xml
+from inertia.exchange.robots.text import decimals, floats, mesh_file, robot_xml, scales
 from inertia.exchange.rotations import rotation_of_quaternion, rotation_of_rpy
 from inertia.mesh.readers.contents import shown
 from inertia.standard_input import file_of
@@ -311,7 +310,7 @@ def _geometries(link: Element, full: str, name: str, scope: str, frames: _Frames
             kind = shape[0]
             if kind.tag == "mesh":
                 file = mesh_file(kind.findtext("uri", "").strip(), folder)
-                scale = _scale(kind.findtext("scale"), what)
+                scale = None if kind.find("scale") is None else scales(kind.findtext("scale", ""), what)
                 if kind.find("submesh") is not None:
                     yield Geometry(file.name, role, "a part of a mesh's file cannot be weighed", placement, scale)
                 else:
@@ -336,16 +335,6 @@ def _primitive(kind: Element, what: str) -> Primitive | str:
     if kind.tag == "ellipsoid":
         return Primitive("ellipsoid", tuple(sizes("radii", 3)))
     return f"{shown(kind.tag)} is no shape that can be weighed"
-
-
-def _scale(text: str | None, what: str) -> tuple[Fraction, Fraction, Fraction] | None:
-    if text is None:
-        return None
-    try:
-        x, y, z = (Fraction(word) for word in text.split())
-    except ValueError:
-        raise ReadError(f"{what}, scale is {shown(text)}: it must be 3 numbers") from None
-    return x, y, z
 
 
 def _relative_to(element: Element) -> str:

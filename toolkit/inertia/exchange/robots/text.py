@@ -11,12 +11,14 @@ import math
 import os
 import re
 from collections.abc import Iterable
+from fractions import Fraction
 from pathlib import Path
 from urllib.parse import unquote, urlsplit
 from xml.etree.ElementTree import Element
 
 from inertia.errors import ReadError
 from inertia.mesh.readers.contents import shown
+from inertia.mesh.readers.decimals import written
 from inertia.mesh.readers.trimesh import parse_xml
 
 _PREAMBLE = re.compile(r"(?:\s*<\?.*?\?>)*\s*", re.DOTALL)
@@ -78,6 +80,13 @@ def floats(text: str, count: int, what: str) -> list[float]:
     if not all(map(math.isfinite, values)):
         raise ReadError(f"{what} is {shown(text)}: it must be finite", code="non_finite")
     return values
+
+
+def scales(text: str, what: str) -> tuple[Fraction, Fraction, Fraction]:
+    """Return what a mesh is multiplied by along x, y and z, as it is written; `what` names the mesh."""
+    floats(text, 3, f"{what}, scale")
+    x, y, z = map(written, text.split())
+    return x, y, z
 
 
 def decimals(words: Iterable[str]) -> int | None:

@@ -7,9 +7,8 @@ from typing import Any
 
 import numpy as np
 
-from inertia.arrays import Float
 from inertia.errors import GeometryError, UsageError
-from inertia.exchange.robots.links import Link, Placement, Robot
+from inertia.exchange.robots.links import Joint, Link, Placement, Robot
 from inertia.exchange.rotations import rotation_of_quaternion
 from inertia.mass.tensor import faults
 
@@ -25,7 +24,7 @@ def robot_tree(robot: Robot, joints: Mapping[str, float] | None = None) -> tuple
     joints : rad, or m of one that slides, of joints by name; 0 of all others
 
     Raises `UsageError` for a format without, an unknown joint, and one that does not move; `GeometryError` for a link
-    whose stated tensor no body can have.
+    whose stated mass or tensor no body can have, or cannot be read.
     """
     if robot.format not in _FORMATS:
         raise UsageError(f"{robot.path}: the joints of {robot.format} are not read: give URDF, MJCF, SDFormat or USD")
@@ -43,18 +42,22 @@ def robot_tree(robot: Robot, joints: Mapping[str, float] | None = None) -> tuple
     for link in robot.links:
         parts.append(_part(link, positions))
         if link.inertial is None:
-            notes.append(f"link {link.name} states no mass: it is a group; {link.fault or 'give it a file or a mass'}")
+            notes.append(f"link {link.name} states no mass: it is a group; give it a file or a mass")
         if link.joint is not None and link.joint.kind == "other":
             notes.append(f"joint {link.joint.name} neither turns nor slides about one axis: it is at its rest")
     return {"schema": 1, "name": robot.name or robot.path.stem, "unit": "m", "part": parts}, tuple(notes)
 
 
 def _part(link: Link, positions: Mapping[str, float]) -> dict[str, Any]:
+    if link.fault:
+        raise GeometryError(f"{link.fault}: mend it with `audit`, or leave it out")
+    if link.inertial is not None and link.inertial.mass < 0:
+        raise GeometryError(f"link {link.name}: its mass is {link.inertial.mass:g} kg: it must not be negative")
     part: dict[str, Any] = {"name": link.name}
     if (joint := link.joint) is not None:
         if joint.parent is not None:
             part["parent"] = joint.parent
-        place = joint.placement.then(_moved(joint.kind, joint.axis, joint.point, positions.get(joint.name, 0.0)))
+        place = joint.placement.then(_moved(joint, positions.get(joint.name, joint.rest)))
         if place.origin.any():
             part["at"] = place.origin.tolist()
         if not np.array_equal(place.rotation, np.eye(3)):
@@ -69,11 +72,12 @@ def _part(link: Link, positions: Mapping[str, float]) -> dict[str, Any]:
     return part
 
 
-def _moved(kind: str, axis: Float, point: Float, value: float) -> Placement:
-    if kind not in ("turns", "slides") or value == 0:
+def _moved(joint: Joint, position: float) -> Placement:
+    way = position - joint.rest
+    if joint.kind not in ("turns", "slides") or way == 0:
         return Placement()
-    along = axis / np.linalg.norm(axis)
-    if kind == "slides":
-        return Placement(np.eye(3), value * along)
-    rotation = rotation_of_quaternion([np.cos(value / 2), *(np.sin(value / 2) * along)])
-    return Placement(rotation, point - rotation @ point)
+    along = joint.axis / np.linalg.norm(joint.axis)
+    if joint.kind == "slides":
+        return Placement(np.eye(3), way * along)
+    rotation = rotation_of_quaternion([np.cos(way / 2), *(np.sin(way / 2) * along)])
+    return Placement(rotation, joint.point - rotation @ joint.point)

@@ -9,7 +9,6 @@ number, as Bullet does; what no program reads is the fault of the shape or of th
 from __future__ import annotations
 
 import re
-from collections import Counter
 from collections.abc import Iterator
 from fractions import Fraction
 from pathlib import Path
@@ -93,9 +92,6 @@ def read_urdf(path: Path) -> Robot:
         _link(element, element.get("name", ""), path, joints.get(element.get("name", "")), attributes)
         for element in elements
     ]
-    twice = [name for name, count in Counter(link.name for link in links).items() if count > 1]
-    if twice:
-        raise ReadError(f"more than one link is called {shown(twice[0])}: their names must differ")
     if not links:
         raise ReadError(f"it holds no link{' that has a name' if nameless else ''}", code="empty")
     names = {link.name for link in links}
