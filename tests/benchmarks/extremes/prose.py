@@ -109,8 +109,8 @@ large as the error of the others can make it.
 methods are computed from rationals, so their bound is the rounding itself. Refused, because for these coordinates and
 that method the volume cannot be told from zero: {refused}.
 
-Beyond these, and up to {many:,} triangles, double-double sums say how far off those in float64 are. Of larger meshes
-the digits that float64 loses are summed beside the float64 sums, with a third of the double-double work. Bound over
+Beyond these, and up to {many:,} triangles, double-double sums say how far off those in float64 are. Larger meshes
+are summed with the digits that float64 loses, with a quarter of the double-double work. Bound over
 error, the medians of {bodies} wavy tori, each turned and scaled at random, against exact integers:
 
 {growth}

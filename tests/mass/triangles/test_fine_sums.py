@@ -19,7 +19,7 @@ from inertia.mass.triangles import arithmetic, sums
 from inertia.mass.triangles.arithmetic import solid_moments
 from inertia.mass.triangles.kernels import BLOCK
 from inertia.mass.triangles.moments_from_sums import fine_values, moments_of
-from inertia.mass.triangles.sums import Frame, block_rows, frame_of, sum_in, sum_triangles, sums_of
+from inertia.mass.triangles.sums import Frame, block_rows, frame_of, in_float64, sum_in, sum_triangles, sums_of
 from inertia.mesh.surface import Surface, Triangles
 from inertia_meshes import rational
 
@@ -82,13 +82,14 @@ def assert_near(triangles: Triangles) -> None:
     moments = solid_moments(triangles, "float64")
     values = (moments.zeroth, *moments.first, *moments.second)
     true = true_moments(triangles, moments.origin)
+    bounds = bounds_of(moments)
+    assert all(abs(value - expected) <= bound for value, expected, bound in zip(values, true, bounds, strict=True))
     ratios = sorted(
-        bound / abs(value - expected)
-        for value, expected, bound in zip(values, true, bounds_of(moments), strict=True)
-        if value != expected
+        bound / max(abs(value - expected), abs(expected) / 2**53)  # the figure is rounded to float64
+        for value, expected, bound in zip(values, true, bounds, strict=True)
+        if expected
     )
-    assert ratios[0] >= 1
-    assert ratios[len(ratios) // 2] < 3
+    assert ratios[len(ratios) // 2] < 10
 
 
 seeds = st.integers(0, 2**32 - 1)
@@ -142,14 +143,15 @@ def test_bounds_are_near_the_error_in_any_shape(shape: tuple[float, ...], offset
 
 
 @STORAGES
-def test_the_float64_sums_have_the_same_bits(stored: Storage) -> None:
+def test_area_and_extents_are_those_of_float64_sums(stored: Storage) -> None:
     triangles = stored(Surface(*wavy_torus(3000)))
     frame = frame_of(triangles)
     assert frame.grid is not None
     plain = sum_in(Frame(frame.origin, 0, False, None), triangles)
     fine = sum_in(frame, triangles)
     assert fine.fine is not None
-    assert fine.sums.tobytes() == plain.sums.tobytes()
+    assert fine.sums[11] == pytest.approx(plain.sums[11], rel=1e-15)
+    assert in_float64(fine, triangles).sums.tobytes() == plain.sums.tobytes()
     assert fine.low.tobytes() + fine.high.tobytes() == plain.low.tobytes() + plain.high.tobytes()
 
 
@@ -166,7 +168,7 @@ def test_the_fine_sums_have_the_same_bits_however_the_blocks_are_shared_out(stor
     shared = sums_of(whole, frame, rows)
     assert shared.fine is not None
     assert expected.fine is not None
-    for name in ("high", "low", "edges", "places"):
+    for name in ("high", "low", "edges"):
         assert getattr(shared.fine, name).tobytes() == getattr(expected.fine, name).tobytes()
     assert solid_moments(whole, "float64", shared) == solid_moments(whole, "float64", expected)
 
@@ -194,18 +196,27 @@ def test_where_the_sample_misleads_the_triangles_are_summed_again(large: float, 
     assert_near(triangles)
 
 
+def test_the_figures_are_right_to_the_last_digit() -> None:
+    triangles = Surface(*wavy_torus(3000))
+    moments = solid_moments(triangles, "float64")
+    true = true_moments(triangles, moments.origin)
+    for value, expected in zip((moments.zeroth, *moments.first, *moments.second), true, strict=True):
+        assert abs(value - expected) < F(1, 10**20) * true[0]
+
+
 def test_without_the_kernel_the_bound_is_the_plain_one(monkeypatch: pytest.MonkeyPatch) -> None:
     triangles = Surface(*wavy_torus(1500))
     fine = solid_moments(triangles, "float64")
     monkeypatch.setenv("INERTIA_NATIVE", "0")
     plain = solid_moments(triangles, "float64")
     assert plain == moments_of(sum_triangles(triangles))
-    assert (plain.zeroth, plain.first, plain.second) == (fine.zeroth, fine.first, fine.second)
+    assert abs(plain.zeroth - fine.zeroth) <= plain.zeroth_bound
 
 
-def test_a_worker_without_the_kernel_takes_the_digits_from_all(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_worker_without_the_kernel_takes_the_digits_from_all() -> None:
     triangles = Surface(*wavy_torus(3 * BLOCK))
-    frame, whole = frame_of(triangles), sum_triangles(triangles)
+    frame = frame_of(triangles)
+    whole = in_float64(sum_triangles(triangles), triangles)
     rows = [each for _, each in block_rows(triangles, frame)]
     plain = [each for _, each in block_rows(triangles, Frame(frame.origin, 0, False, None))]
     mixed = sums_of(triangles, frame, [rows[0][:2], plain[0][2:]])

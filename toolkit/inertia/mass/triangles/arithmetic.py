@@ -16,7 +16,7 @@ from inertia.mass.rounding import as_written, shell_as_written
 from inertia.mass.triangles import double_double, exact, fine_sums
 from inertia.mass.triangles.moments_from_sums import a_priori, distances, fine_values, moments_of, moments_with_bounds
 from inertia.mass.triangles.running_error import FEW, running_bounds
-from inertia.mass.triangles.sums import MANY, Frame, Sums, sum_in, sum_triangles
+from inertia.mass.triangles.sums import MANY, Frame, Sums, in_float64, sum_in, sum_triangles
 from inertia.mesh.part import Rounding
 from inertia.mesh.surface import Triangles
 
@@ -62,46 +62,41 @@ def solid_moments(
         return exact.exact_moments(triangles, progress)
     if sums is None:
         sums = sum_triangles(triangles)
+    if arithmetic == "float64" and sums.fine is not None:
+        fine = fine_values(sums := _on_a_grid_that_suits(triangles, sums, progress))
+        if fine is not None and _near(*fine):
+            return moments_with_bounds(*fine, sums)
+        arithmetic = "double-double"
+    sums = in_float64(sums, triangles, progress)
     if arithmetic == "float64":
         return moments_of(sums, running=_measured(triangles, sums, progress))
     values = double_double.sum_in_double_double(triangles, sums, progress)
-    return moments_with_bounds(values, sums, double_double.ROUNDINGS)
+    return moments_with_bounds(values, a_priori(values, sums, double_double.ROUNDINGS), sums)
 
 
 def _measured(triangles: Triangles, sums: Sums, progress: Progress | None) -> Float | None:
     """Return bounds on the errors of float64 sums that are near them; None where they would cost too much."""
     if triangles.count <= FEW:
         return running_bounds(triangles, sums)
-    if triangles.count > MANY:
-        compiled = sums.exponent == 0 and fine_sums.KERNEL.worthwhile(triangles)
-        fine = fine_values(_with_digits(triangles, sums, progress) if compiled else sums)
-        if fine is not None and (_near(sums, *fine) or not compiled):
-            return distances(sums, *fine)
-        if not compiled:
-            return None
+    if triangles.count > MANY and not double_double.compiled(triangles, sums):
+        return None
     with np.errstate(over="ignore", invalid="ignore"), suppress(OverflowError, ValueError):  # beyond float64
         values = double_double.sum_in_double_double(triangles, sums, progress)
         return distances(sums, values, a_priori(values, sums, double_double.ROUNDINGS))
     return None
 
 
-def _with_digits(triangles: Triangles, sums: Sums, progress: Progress | None) -> Sums:
-    """Return the sums with fine ones on a grid that suits the part."""
-    if sums.fine is None:  # they come from elsewhere
-        sums = sum_triangles(triangles, progress=progress)
-    if fine_values(sums) is None:  # the sample misled that the grid was chosen from
-        grid = fine_sums.grid_for(sums.origin, sums.low, sums.high, 4.0 * float(sums.sums[10]))
-        sums = sum_in(Frame(sums.origin, 0, False, grid), triangles, progress)
-    return sums
+def _on_a_grid_that_suits(triangles: Triangles, sums: Sums, progress: Progress | None) -> Sums:
+    """Return the sums, formed again where the sample misled that the grid was chosen from."""
+    if sums.fine is None or fine_values(sums) is not None:
+        return sums
+    grid = fine_sums.grid_for(sums.origin, sums.low, sums.high, 4.0 * sums.fine.terms)
+    return sum_in(Frame(sums.origin, 0, False, grid), triangles, progress)
 
 
-def _near(sums: Sums, values: Sequence[Fraction], bounds: Sequence[float]) -> bool:
-    """Say whether most bounds are no more than some tens of times what they are on: errors, or else the rounding."""
-    ratios = [
-        bound / (abs(k - float(value)) + 2.0**-55 * abs(k))
-        for k, value, bound in zip(sums.sums[:10].tolist(), values, bounds, strict=True)
-        if k
-    ]
+def _near(values: Sequence[Fraction], bounds: Sequence[float]) -> bool:
+    """Say whether most bounds are no more than some tens of times what rounding the figures to float64 may do."""
+    ratios = [bound / (2.0**-53 * abs(float(k))) for k, bound in zip(values, bounds, strict=True) if k]
     return not ratios or median(ratios) < _NEAR
 
 
@@ -120,4 +115,4 @@ def shell_moments(
     if arithmetic == "float64":
         return moments_of(sums, surface=True)
     values = double_double.sum_in_double_double(triangles, sums, progress, surface=True)
-    return moments_with_bounds(values, sums, double_double.ROUNDINGS, surface=True)
+    return moments_with_bounds(values, a_priori(values, sums, double_double.ROUNDINGS), sums, surface=True)

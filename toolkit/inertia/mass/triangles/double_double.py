@@ -43,11 +43,16 @@ _KERNEL = BlockKernel(
 _CHUNK = 32 * BLOCK
 
 
+def compiled(triangles: Triangles, sums: Sums) -> bool:
+    """Say whether a compiled kernel forms the sums of a solid."""
+    return sums.exponent == 0 and _KERNEL.worthwhile(triangles)
+
+
 def sum_in_double_double(
     triangles: Triangles, sums: Sums, progress: Progress | None = None, *, surface: bool = False
 ) -> tuple[Fraction, ...]:
     """Return the ten sums of a solid or shell, in the frame of the float64 `sums` of the same triangles."""
-    if not surface and sums.exponent == 0 and _KERNEL.worthwhile(triangles):
+    if not surface and compiled(triangles, sums):
         runs = _KERNEL.rows(triangles, tuple(sums.origin.tolist()))
     else:
         runs = _vectorised(triangles, sums.origin, sums.exponent, surface)

@@ -1,4 +1,4 @@
-"""The compiled kernels that sum the moments of triangles twice, in float64 and with the digits that it loses.
+"""The compiled kernels that sum the moments of triangles with the digits that float64 loses.
 
 Imported only to be compiled (`inertia.native`); `inertia.mass.triangles.fine_sums` says how. The work on a row of lanes
 goes through the memory `hold`, step by step, as it has three times the numbers that a processor has registers for.
@@ -9,17 +9,16 @@ from __future__ import annotations
 import numpy as np
 from numba import carray, njit
 
-from inertia.mass.triangles import moment_kernel
 from inertia.mass.triangles.double_double_kernel import fma
 from inertia.mass.triangles.fetch_kernel import DEPTH, LANES, fetch_faces, fetch_facets
 
-ROWS = moment_kernel.ROWS
-HIGH, LOW, EDGES, PLACES, SIZE, FINE = 0, 10, 20, 23, 26, 27
-"""Rows of the ten sums, their remainders, the squares of edges and first corners, |remainder of d|, and of all."""
+HIGH, LOW, EDGES, TERMS, SIZE, REST, AREA, LEAST, MOST, ROWS = 0, 10, 20, 23, 24, 25, 26, 27, 30, 33
+"""Rows of the ten sums, their remainders, the squares of edges, |the terms of d|, |d|, |its remainder|, |n|, the least
+and the largest coordinates; of all."""
 
-A, R, D, P, REST, MIDDLE, START, ROOM = 0, 9, 18, 22, 31, 40, 49, 59
-"""Rows of `hold`: corners on the grid, what is left of them; d, its remainder, both, twice both; sums of two corners,
-what is left of them, the middle of the two; what the ten sums start from."""
+A, R, D, START, ROOM = 0, 9, 18, 22, 32
+"""Rows of `hold`: corners on the grid, what is left of them; d, its remainder, both, twice both; what the ten sums
+start from."""
 
 TOP = 1.5 * 2.0**52
 """Times a step of a grid: what rounds to that grid where it is added."""
@@ -38,13 +37,17 @@ def prepare(start, dx, dy, dz, unit):
 
 @njit(inline="always")
 def begin(fine, start):
-    """Begin a block."""
+    """Begin a block: sums at their start, extents empty."""
     for row in range(LOW):
         for lane in range(LANES):
             fine[row, lane] = start[row, lane]
-    for row in range(LOW, FINE):
+    for row in range(LOW, LEAST):
         for lane in range(LANES):
             fine[row, lane] = 0.0
+    for row in range(LEAST, MOST):
+        for lane in range(LANES):
+            fine[row, lane] = np.inf
+            fine[row + 3, lane] = -np.inf
 
 
 @njit(inline="always")
@@ -57,15 +60,16 @@ def put(fine, k, j, d, low_d, both, high, low):
 
 
 @njit(inline="always")
-def place(corner, hold, x, y, z, dx, dy, dz):
-    """Split the coordinates into multiples of the grid, about its origin, and what is left."""
-    tx, ty, tz = TOP * dx, TOP * dy, TOP * dz
-    for k in range(0, 9, 3):
-        for j in range(LANES):
-            px, py, pz = corner[k, j], corner[k + 1, j], corner[k + 2, j]
-            gx, gy, gz = (px + tx) - tx, (py + ty) - ty, (pz + tz) - tz
-            hold[A + k, j], hold[A + k + 1, j], hold[A + k + 2, j] = gx - x, gy - y, gz - z
-            hold[R + k, j], hold[R + k + 1, j], hold[R + k + 2, j] = px - gx, py - gy, pz - gz
+def place(corner, hold, fine, k, origin, step):
+    """Split the coordinates along an axis into multiples of the grid, about its origin, and what is left."""
+    top = TOP * step
+    for j in range(LANES):
+        a, b, c = corner[k, j], corner[3 + k, j], corner[6 + k, j]
+        f, g, h = (a + top) - top, (b + top) - top, (c + top) - top
+        hold[A + k, j], hold[A + 3 + k, j], hold[A + 6 + k, j] = f - origin, g - origin, h - origin
+        hold[R + k, j], hold[R + 3 + k, j], hold[R + 6 + k, j] = a - f, b - g, c - h
+        fine[LEAST + k, j] = min(fine[LEAST + k, j], min(a, min(b, c)))
+        fine[MOST + k, j] = max(fine[MOST + k, j], max(a, max(b, c)))
 
 
 @njit(inline="always")
@@ -82,9 +86,6 @@ def volumes(hold, fine, top):
         fine[EDGES, j] = fma(ux, ux, fma(vx, vx, fine[EDGES, j]))
         fine[EDGES + 1, j] = fma(uy, uy, fma(vy, vy, fine[EDGES + 1, j]))
         fine[EDGES + 2, j] = fma(uz, uz, fma(vz, vz, fine[EDGES + 2, j]))
-        fine[PLACES, j] = fma(ax, ax, fine[PLACES, j])
-        fine[PLACES + 1, j] = fma(ay, ay, fine[PLACES + 1, j])
-        fine[PLACES + 2, j] = fma(az, az, fine[PLACES + 2, j])
         nx, ny, nz = fma(uy, vz, -(uz * vy)), fma(uz, vx, -(ux * vz)), fma(ux, vy, -(uy * vx))
         mx = fma(uy, qz, fma(-uz, qy, fma(py, wz, -(pz * wy))))
         my = fma(uz, qx, fma(-ux, qz, fma(pz, wx, -(px * wz))))
@@ -98,7 +99,11 @@ def volumes(hold, fine, top):
         low = fma(rx, nx + mx, fma(ry, ny + my, fma(rz, nz + mz, low)))
         fine[HIGH, j] += d
         fine[LOW, j] += low
-        fine[SIZE, j] += abs(low)
+        fine[TERMS, j] += fma(abs(ax), abs(nx), fma(abs(ay), abs(ny), abs(az) * abs(nz)))
+        fine[SIZE, j] += abs(d)
+        fine[REST, j] += abs(low)
+        sx, sy, sz = nx + mx, ny + my, nz + mz
+        fine[AREA, j] += np.sqrt(fma(sx, sx, fma(sy, sy, sz * sz)))
         hold[D, j], hold[D + 1, j], hold[D + 2, j], hold[D + 3, j] = d, low, d + low, 2.0 * (d + low)
 
 
@@ -114,28 +119,30 @@ def along(hold, fine, k):
         f, g, h = fma(0.5, rs, ab), fma(0.5, st, bc), fma(0.5, tr, ca)
         put(fine, 1 + k, j, d, low, both, ab + c, rs + t)
         put(fine, 4 + k, j, d, low, twice, fma(ab, ab, fma(bc, bc, ca * ca)), fma(rs, f, fma(st, g, tr * h)))
-        hold[P + k, j], hold[P + 3 + k, j], hold[P + 6 + k, j] = ab, bc, ca
-        hold[REST + k, j], hold[REST + 3 + k, j], hold[REST + 6 + k, j] = rs, st, tr
-        hold[MIDDLE + k, j], hold[MIDDLE + 3 + k, j], hold[MIDDLE + 6 + k, j] = f, g, h
 
 
 @njit(inline="always")
 def across(hold, fine, row, k, m):
     """Add to the second moment of two axes."""
     for j in range(LANES):
-        high = fma(hold[P + 3 + k, j], hold[P + 3 + m, j], hold[P + 6 + k, j] * hold[P + 6 + m, j])
-        high = fma(hold[P + k, j], hold[P + m, j], high)
-        low = fma(hold[REST + 3 + k, j], hold[MIDDLE + 3 + m, j], hold[REST + 6 + k, j] * hold[MIDDLE + 6 + m, j])
-        low = fma(hold[REST + m, j], hold[MIDDLE + k, j], fma(hold[REST + k, j], hold[MIDDLE + m, j], low))
-        low = fma(hold[REST + 3 + m, j], hold[MIDDLE + 3 + k, j], low)
-        low = fma(hold[REST + 6 + m, j], hold[MIDDLE + 6 + k, j], low)
+        a, b, c = hold[A + k, j], hold[A + 3 + k, j], hold[A + 6 + k, j]
+        r, s, t = hold[R + k, j], hold[R + 3 + k, j], hold[R + 6 + k, j]
+        ab, bc, ca, rs, st, tr = a + b, b + c, c + a, r + s, s + t, t + r
+        a, b, c = hold[A + m, j], hold[A + 3 + m, j], hold[A + 6 + m, j]
+        r, s, t = hold[R + m, j], hold[R + 3 + m, j], hold[R + 6 + m, j]
+        de, ef, fd, uv, vw, wu = a + b, b + c, c + a, r + s, s + t, t + r
+        high = fma(ab, de, fma(bc, ef, ca * fd))
+        low = fma(rs, de + uv, fma(st, ef + vw, tr * (fd + wu)))
+        low = fma(ab, uv, fma(bc, vw, fma(ca, wu, low)))
         put(fine, row, j, hold[D, j], hold[D + 1, j], hold[D + 2, j], high, low)
 
 
 @njit(inline="always")
 def add(corner, hold, fine, x, y, z, dx, dy, dz, unit):
     """Add one triangle to each lane."""
-    place(corner, hold, x, y, z, dx, dy, dz)
+    place(corner, hold, fine, 0, x, dx)
+    place(corner, hold, fine, 1, y, dy)
+    place(corner, hold, fine, 2, z, dz)
     volumes(hold, fine, TOP * unit)
     along(hold, fine, 0)
     along(hold, fine, 1)
@@ -154,49 +161,46 @@ def end(fine, start, out, block):
     half = LANES // 2
     while half > 0:
         for lane in range(half):
-            for row in range(FINE):
+            for row in range(LEAST):
                 fine[row, lane] += fine[row, lane + half]
+            for row in range(LEAST, MOST):
+                fine[row, lane] = min(fine[row, lane], fine[row, lane + half])
+                fine[row + 3, lane] = max(fine[row + 3, lane], fine[row + 3, lane + half])
         half //= 2
-    for row in range(FINE):
-        out[block, ROWS + row] = fine[row, 0]
+    for row in range(ROWS):
+        out[block, row] = fine[row, 0]
 
 
-def sum_facets(records, count, ox, oy, oz, x, y, z, dx, dy, dz, unit, scratch, out_at):
-    """Sum `count` binary STL records, about (ox, oy, oz) in float64 and about (x, y, z) on the grid."""
-    room = carray(scratch, (9 + ROWS + FINE + ROOM, LANES), np.float64)
-    corner, total, fine, hold = room[:9], room[9 : 9 + ROWS], room[9 + ROWS : 9 + ROWS + FINE], room[9 + ROWS + FINE :]
+def sum_facets(records, count, x, y, z, dx, dy, dz, unit, scratch, out_at):
+    """Sum `count` binary STL records, about (x, y, z) on the grid."""
+    room = carray(scratch, (9 + ROWS + ROOM, LANES), np.float64)
+    corner, fine, hold = room[:9], room[9 : 9 + ROWS], room[9 + ROWS :]
     start = hold[START:]
     prepare(start, dx, dy, dz, unit)
     blocks = (count + LANES * DEPTH - 1) // (LANES * DEPTH)
-    out = carray(out_at, (blocks, ROWS + FINE), np.float64)
+    out = carray(out_at, (blocks, ROWS), np.float64)
     for block in range(blocks):
-        moment_kernel.clear(total)
         begin(fine, start)
         for begins in range(block * LANES * DEPTH, min((block + 1) * LANES * DEPTH, count), LANES):
             fetch_facets(records, begins, count, scratch, corner)
-            moment_kernel.add(corner, total, ox, oy, oz, 0)
             add(corner, hold, fine, x, y, z, dx, dy, dz, unit)
-        moment_kernel.finish(total, out, block)
         end(fine, start, out, block)
     return 0
 
 
-def sum_faces(vertices, faces_at, count, ox, oy, oz, x, y, z, dx, dy, dz, unit, scratch, out_at):
+def sum_faces(vertices, faces_at, count, x, y, z, dx, dy, dz, unit, scratch, out_at):
     """Sum `count` faces over shared vertices, in the same way."""
     faces = carray(faces_at, (count, 3), np.int64)
-    room = carray(scratch, (9 + ROWS + FINE + ROOM, LANES), np.float64)
-    corner, total, fine, hold = room[:9], room[9 : 9 + ROWS], room[9 + ROWS : 9 + ROWS + FINE], room[9 + ROWS + FINE :]
+    room = carray(scratch, (9 + ROWS + ROOM, LANES), np.float64)
+    corner, fine, hold = room[:9], room[9 : 9 + ROWS], room[9 + ROWS :]
     start = hold[START:]
     prepare(start, dx, dy, dz, unit)
     blocks = (count + LANES * DEPTH - 1) // (LANES * DEPTH)
-    out = carray(out_at, (blocks, ROWS + FINE), np.float64)
+    out = carray(out_at, (blocks, ROWS), np.float64)
     for block in range(blocks):
-        moment_kernel.clear(total)
         begin(fine, start)
         for begins in range(block * LANES * DEPTH, min((block + 1) * LANES * DEPTH, count), LANES):
             fetch_faces(vertices, faces, begins, count, scratch, corner)
-            moment_kernel.add(corner, total, ox, oy, oz, 0)
             add(corner, hold, fine, x, y, z, dx, dy, dz, unit)
-        moment_kernel.finish(total, out, block)
         end(fine, start, out, block)
     return 0

@@ -1,6 +1,6 @@
-"""Sums over many triangles with the digits that float64 loses, in twice the time of float64 alone.
+"""Sums over many triangles with the digits that float64 loses, in about twice the time of float64 alone.
 
-The sums are those of `inertia.mass.triangles.sums`, formed beside them. Each coordinate is split into A, a multiple of
+The ten sums are those of `inertia.mass.triangles.sums`. Each coordinate is split into A, a multiple of
 a step of its axis of at most 25 bits about an origin on that grid, and a remainder r of half a step or less. Of the
 multiples, edges, normals, s and the brackets are integers of steps below 2⁵³: float64 has them exactly. What the
 remainders add is some 2⁻²⁴ of that, with a relative error of a few u = 2⁻⁵³. Products of d with s or a bracket are
@@ -12,10 +12,12 @@ Bounds, per triangle, lengths in steps, with R the farthest A, e the magnitudes 
 S = 3 R, g the step of the grid of d. The remainder of a normal's coordinate x is below T = e_y + e_z + 2 and off by
 6 u T. With P = Σ |A| T over the three axes, that of d is off by ε = u (12.1 P + 4.1 R e + 7 (e + 3) + 14 g): six u in
 T, six fused additions, those of the normal itself, and the residues of the three products on the grid. Let l be its
-magnitude. The remainder of a product with a bracket B ≤ 12 R² is off by ε B + u (2 B l + 56 R |d|) and one and a half
-u steps of its sum's grid, and passes through 42 additions (32 down a lane, five across the lanes, four and one across
-the blocks), each off by u of B l + 12 R |d| and half such a step. With s for the bracket it is S for B. The sums of e
-and P over the triangles are had from those of squares, by Cauchy's inequality.
+magnitude. The remainder of a product with a bracket B ≤ 12 R² is off by ε B + u (2 B l + 84 R |d|) and one and a half u
+steps of its sum's grid: six remainders of half a step or less that are added in pairs (12 R), six numbers they multiply
+(12 R), six fused additions (42 R), d and the last addition (18 R). It passes through 42 additions (32 down a lane, five
+across the lanes, four and one across the blocks), each off by u of B l + 12 R |d| and half such a step. With s for the
+bracket it is S for B. The sums of e over the triangles are had from those of squares, by Cauchy's inequality, and those
+of P by way of R. No step of this holds unless Σ |d|, with the magnitudes of the three terms of d, is below 2⁵⁰ g.
 """
 
 from __future__ import annotations
@@ -29,14 +31,14 @@ from inertia.arrays import Float
 from inertia.mass.triangles.kernels import BlockKernel
 from inertia.native import Kernel
 
-ROWS = 27
-"""Ten sums on their grids, their remainders, and what the bounds need."""
+ROWS = 33
+"""Ten sums on their grids, their remainders, what the bounds need, Σ |n|, and the extents."""
 
 KERNEL = BlockKernel(
-    Kernel("inertia.mass.triangles.fine_kernel", "sum_facets", "pi" + 3 * "ddd" + "d" + "pp", wide=True),
-    Kernel("inertia.mass.triangles.fine_kernel", "sum_faces", "ppi" + 3 * "ddd" + "d" + "pp", wide=True),
-    columns=19 + ROWS,
-    room=59,
+    Kernel("inertia.mass.triangles.fine_kernel", "sum_facets", "pi" + 2 * "ddd" + "d" + "pp", wide=True),
+    Kernel("inertia.mass.triangles.fine_kernel", "sum_faces", "ppi" + 2 * "ddd" + "d" + "pp", wide=True),
+    columns=ROWS,
+    room=32,
 )
 
 REACH = 1.6 * 2.0**24
@@ -61,21 +63,22 @@ class Grid:
 class FineSums:
     """The ten sums (10,) about the origin of the grid, their remainders, and what the bounds need.
 
-    `edges` and `places` (3,) are the sums of the squares of two edges and of the first corner, `size` that of the
-    magnitudes of d's remainders.
+    `edges` (3,) are the sums of the squares of two edges, `terms`, `size` and `rest` those of the magnitudes of the
+    three terms of d, of d, and of its remainder.
     """
 
     grid: Grid
     high: Float
     low: Float
     edges: Float
-    places: Float
+    terms: float
     size: float
+    rest: float
 
     @classmethod
     def of(cls, grid: Grid, added: Float) -> FineSums:
-        """Name the sums (27,) of the columns."""
-        return cls(grid, added[:10], added[10:20], added[20:23], added[23:26], float(added[26]))
+        """Name the sums (26,) of the columns."""
+        return cls(grid, added[:10], added[10:20], added[20:23], *added[23:26].tolist())
 
 
 def grid_for(origin: Float, low: Float, high: Float, largest: float) -> Grid | None:

@@ -60,42 +60,22 @@ def moments_of(sums: Sums, *, surface: bool = False, running: Float | None = Non
     running : (10,) such bounds, of `inertia.mass.triangles.running_error` or `distances`, where they are at hand
     """
     values = tuple(map(Fraction, sums.sums[:10].tolist()))
-    return moments_with_bounds(values, sums, FLOAT64, surface=surface, running=running)
+    bounds = a_priori(values, sums, FLOAT64)
+    if running is not None:
+        bounds = [min(pair) for pair in zip(bounds, running.tolist(), strict=True)]  # of a NaN, the first
+    return moments_with_bounds(values, bounds, sums, surface=surface)
 
 
 def moments_with_bounds(
-    value: Sequence[Fraction],
-    sums: Sums,
-    roundings: Roundings,
-    *,
-    surface: bool = False,
-    running: Float | None = None,
+    value: Sequence[Fraction], bounds: Sequence[float], sums: Sums, *, surface: bool = False
 ) -> Moments:
-    """Turn ten sums in the frame of `sums` into moments; the magnitudes in their bounds are those of `sums`.
-
-    A product of k numbers and sums each known to a relative error of u is off by at most γₖ = k u/(1 − k u) of its
-    magnitude (Higham, *Accuracy and Stability of Numerical Algorithms*, 2nd ed., lemma 3.1). So a term d B, with a
-    bracket B (or an s), is off by at most
-
-        γ p |B|  (roundings in d)  +  γ |d| M  (those in B, M: with the magnitudes of all that enters)
-        +  γ |d B|  (those of the product and of the additions),
-
-    each with the γ of its own count. With X, Y the largest distances from the origin along two axes, P = Σp, D = Σ|d|:
-
-    - |B| ≤ 6 X² on the diagonal and M ≤ 4 B, since B = ½ (s² + a² + b² + c²) and M ≤ 2 (a² + b² + c²);
-    - E = Σ |d| B ≤ Σ d B + 6 X² (D − Σ d), the last factor being twice the sum of the |d| with d < 0;
-    - off the diagonal (where brackets are taken twice) Σ |d B| ≤ 2 √(E_xx E_yy) and Σ |d| M ≤ 8 √(E_xx E_yy), by
-      Cauchy's inequality;
-    - Σ |d s| ≤ √(2 D E), Σ |d| M ≤ √(6 D E) in the first moments.
+    """Turn ten sums in the frame of `sums`, and bounds on their errors, twice that on the diagonal, into moments.
 
     What underflow can add, at most 100 smallest normal numbers a triangle (in a shell 2⁻⁵⁰⁰, as a square root is
     taken of the squares of n) times the four lengths that may multiply them, is added.
     """
     reach = _reach(sums)
     tiny = sums.count * (2.0**-500 if surface else 100 * 2.0**-1022) * max(1.0, *reach) ** 4
-    bounds = a_priori(value, sums, roundings)
-    if running is not None:
-        bounds = [min(pair) for pair in zip(bounds, running.tolist(), strict=True)]  # of a NaN, the first
     zeroth, first, second = _factors(sums.exponent, surface)
     k, d = over(value)
     b, e = dyadic([(k + tiny) * _INFLATED for k in bounds])
@@ -135,8 +115,8 @@ def distances(sums: Sums, accurate: Sequence[Fraction], bounds: Sequence[float])
 def fine_values(sums: Sums) -> tuple[list[Fraction], list[float]] | None:
     """Return the ten sums with the digits that float64 loses, and bounds on their errors, twice that on the diagonal.
 
-    The bounds are those of `inertia.mass.triangles.fine_sums`. None where the sums were not formed, or on a grid that
-    does not suit the part.
+    The bounds are those of `inertia.mass.triangles.fine_sums`. None where the sums were not formed so, or on a grid
+    that does not suit the part.
     """
     if sums.fine is None:
         return None
@@ -147,15 +127,14 @@ def fine_values(sums: Sums) -> tuple[list[Fraction], list[float]] | None:
         return None
     cube = prod(grid.steps)
     squares = [k / step**2 for k, step in zip(fine.edges.tolist(), grid.steps, strict=True)]
-    places = [sqrt(k) / step for k, step in zip(fine.places.tolist(), grid.steps, strict=True)]
-    edges = sum(sqrt(2.0 * count * square) for square in squares)
-    arms = [places[i] * sqrt(5.0 * (squares[i - 2] + squares[i - 1] + 4.0 * count)) for i in range(3)]
-    unit, rest, size, total = (k / cube for k in (grid.unit, fine.size, float(sums.sums[10]), float(sums.sums[12])))
-    normals, steps = max(far) * edges, unit * count
-    if not size + 3.0 * (sum(arms) + normals + 7.0 * (edges + 3.0 * count) + 2.0 * steps) <= 2.0**BITS * unit:
+    long = [sqrt(2.0 * count * square) for square in squares]
+    edges = sum(long)
+    arms = sum(far[i] * (long[i - 2] + long[i - 1] + 2.0 * count) for i in range(3))
+    unit, terms, total, rest = (k / cube for k in (grid.unit, fine.terms, fine.size, fine.rest))
+    steps = unit * count
+    if not 1.001 * terms + 4.0 * steps <= 2.0**BITS * unit:
         return None
-    off = 12.1 * sum(arms) + 4.1 * normals + 7.0 * (edges + 3.0 * count) + 14.0 * steps
-    total += 1e-9 * (size + total) + 2.0 * rest + off * ROUNDOFF  # of the |d| on the grid
+    off = 12.1 * arms + 4.1 * max(far) * edges + 7.0 * (edges + 3.0 * count) + 14.0 * steps
     bounds = [cube * ROUNDOFF * (off + 42.0 * rest)]
     for r, step in zip(far, grid.steps, strict=True):
         product = r * (3.0 * off + 132.0 * rest) + 70.0 * total + 23.0 * 2.0**27 * steps
@@ -196,7 +175,23 @@ _INFLATED = 1.0 + 1e-9
 
 
 def a_priori(value: Sequence[Fraction], sums: Sums, roundings: Roundings) -> list[float]:
-    """Return a-priori bounds on the errors of Σd, Σd s and Σd(…), twice that on the diagonal."""
+    """Return a-priori bounds on the errors of Σd, Σd s and Σd(…), twice that on the diagonal.
+
+    A product of k numbers and sums each known to a relative error of u is off by at most γₖ = k u/(1 − k u) of its
+    magnitude (Higham, *Accuracy and Stability of Numerical Algorithms*, 2nd ed., lemma 3.1). So a term d B, with a
+    bracket B (or an s), is off by at most
+
+        γ p |B|  (roundings in d)  +  γ |d| M  (those in B, M: with the magnitudes of all that enters)
+        +  γ |d B|  (those of the product and of the additions),
+
+    each with the γ of its own count. With X, Y the largest distances from the origin along two axes, P = Σp, D = Σ|d|:
+
+    - |B| ≤ 6 X² on the diagonal and M ≤ 4 B, since B = ½ (s² + a² + b² + c²) and M ≤ 2 (a² + b² + c²);
+    - E = Σ |d| B ≤ Σ d B + 6 X² (D − Σ d), the last factor being twice the sum of the |d| with d < 0;
+    - off the diagonal (where brackets are taken twice) Σ |d B| ≤ 2 √(E_xx E_yy) and Σ |d| M ≤ 8 √(E_xx E_yy), by
+      Cauchy's inequality;
+    - Σ |d s| ≤ √(2 D E), Σ |d| M ≤ √(6 D E) in the first moments.
+    """
     reach = _reach(sums)
     unit = float(roundings.unit) * _INFLATED
     additions = roundings.across(sums.count) * unit

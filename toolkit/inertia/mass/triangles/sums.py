@@ -16,14 +16,15 @@ whose size is beyond 2^±100 is multiplied by a power of two first, which is exa
 
 Order: 32 lanes × 32 triangles are a block; lane sums run down the block, the lanes and then 16 blocks are added as
 binary trees, and these sums are added exactly and rounded once (`math.fsum`). The compiled kernel and the numpy one
-follow the same order with the same roundings, so their answers have the same bits.
+follow the same order with the same roundings, so their answers have the same bits. Of many triangles of a solid, the
+ten sums have the digits that float64 loses where there is a compiled kernel (`inertia.mass.triangles.fine_sums`).
 """
 
 from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -44,7 +45,7 @@ KERNEL = BlockKernel(
     columns=SUMS + 6,
 )
 MANY = 200_000
-"""Triangles above which the sums have their lost digits beside them.
+"""Triangles above which the sums are formed with the digits that float64 loses.
 
 Up to there double-double sums give these, for a thirtieth of looking for crossings.
 """
@@ -61,7 +62,7 @@ class Sums:
     """The thirteen sums in the scaled local frame, and the extents as stored.
 
     A coordinate x enters as (x − origin)·2^exponent. `sums` is (13,); `origin`, `low` and `high` are (3,), as stored.
-    `fine` has the first ten with more digits, where these were formed.
+    Where `fine` has the first ten with more digits, `sums` has Σ |n| alone, and NaN for the others (`in_float64`).
     """
 
     origin: Float
@@ -157,7 +158,7 @@ def _kernel_for(triangles: Triangles, frame: Frame) -> tuple[BlockKernel, tuple[
     """Return the compiled kernel that pays, with the numbers of the frame that it takes."""
     origin, grid = frame.origin.tolist(), frame.grid
     if grid is not None and fine_sums.KERNEL.worthwhile(triangles):
-        return fine_sums.KERNEL, (*origin, *grid.origin, *grid.steps, grid.unit)
+        return fine_sums.KERNEL, (*grid.origin, *grid.steps, grid.unit)
     if frame.exponent == 0 and KERNEL.worthwhile(triangles):
         return KERNEL, (*origin, int(frame.surface))
     return None
@@ -165,23 +166,27 @@ def _kernel_for(triangles: Triangles, frame: Frame) -> tuple[BlockKernel, tuple[
 
 def sums_of(triangles: Triangles, frame: Frame, blocks: Sequence[Float]) -> Sums:
     """Add the rows of all blocks, in their order."""
-    columns = min(rows.shape[1] for rows in blocks)  # some may have been summed where there is no compiled kernel
-    table = np.empty((columns, sum(map(len, blocks))))
-    np.concatenate([rows[:, :columns].T for rows in blocks], axis=1, out=table)
-    if not np.isfinite(table[: SUMS + 6]).all():
-        _refuse_non_finite(triangles)
-    fine = None
-    if frame.grid is not None and columns > SUMS + 6 and np.isfinite(table[SUMS + 6 :]).all():
-        fine = FineSums.of(frame.grid, _add_blocks(table[SUMS + 6 :]))
-    return Sums(
-        frame.origin,
-        frame.exponent,
-        _add_blocks(table[:SUMS]),
-        table[SUMS : SUMS + 3].min(axis=1),
-        table[SUMS + 3 : SUMS + 6].max(axis=1),
-        triangles.count,
-        fine,
-    )
+    columns = {rows.shape[1] for rows in blocks}
+    if len(columns) > 1:  # some were summed where there is no compiled kernel
+        return sum_in(replace(frame, grid=None), triangles)
+    table = np.empty((*columns, sum(map(len, blocks))))
+    np.concatenate([rows.T for rows in blocks], axis=1, out=table)
+    extents = table[-6:-3].min(axis=1), table[-3:].max(axis=1)
+    if frame.grid is None or columns == {SUMS + 6}:
+        if not np.isfinite(table).all():
+            _refuse_non_finite(triangles)
+        return Sums(frame.origin, frame.exponent, _add_blocks(table[:SUMS]), *extents, triangles.count)
+    if not np.isfinite(table).all():  # nor is a coordinate, or products are beyond float64
+        return sum_in(replace(frame, grid=None), triangles)
+    added = _add_blocks(table[:-6])
+    sums = np.full(SUMS, np.nan)
+    sums[11] = added[-1]
+    return Sums(frame.origin, frame.exponent, sums, *extents, triangles.count, FineSums.of(frame.grid, added[:-1]))
+
+
+def in_float64(sums: Sums, triangles: Triangles, progress: Progress | None = None) -> Sums:
+    """Return the thirteen sums in float64, of the same triangles in the same frame."""
+    return sums if sums.fine is None else sum_in(Frame(sums.origin, sums.exponent, False, None), triangles, progress)
 
 
 def frame_of(triangles: Triangles, *, surface: bool = False) -> Frame:
