@@ -119,10 +119,9 @@ error, the medians of {bodies} wavy tori, each turned and scaled at random, agai
 
 CPU time on one core, from arrays of vertices and faces to moments and bounds, for a wavy torus of {triangles:,}
 triangles: medians of runs in which the methods took turns. The first row is a kernel that forms the same ten sums and
-nothing that only a bound, the area or the extents need. The float64 row includes the
-digits beside, the double-double row the float64 sums, whose
-magnitudes its bound needs. Exact integers cost more where the coordinates have more bits: “float32” are coordinates
-as a binary STL file holds them. {machine}.
+nothing that only a bound, the area or the extents need. The float64 row is that with more digits, the double-double
+row includes the sums in float64, whose magnitudes its bound needs. Exact integers cost more where the coordinates have
+more bits: “float32” are coordinates as a binary STL file holds them. {machine}.
 
 {costs}
 """

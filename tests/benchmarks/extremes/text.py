@@ -216,7 +216,8 @@ def _sweep(counts: dict[str, Row]) -> str:
 def _growth(sizes: list[Row]) -> str:
     lines = []
     for size in sizes:
-        bound = "running" if size["triangles"] <= FEW else "double-double" if size["triangles"] <= MANY else "beside"
+        few, many = size["triangles"] <= FEW, size["triangles"] <= MANY
+        bound = "running" if few else "double-double" if many else "more digits"
         medians = (as_number(row["median"]) for row in size["ratios"].values())
         lines.append([f"{size['triangles']:,}", bound, *medians])
     return as_table(["triangles", "bound", *sizes[0]["ratios"]], lines)
