@@ -55,7 +55,7 @@ def add(parsers: Any) -> None:
     parser.add_argument(
         "--fix",
         metavar="OUT",
-        help="write the file with the mistaken links mended and nothing else changed (in place with --force)",
+        help="write the file anew, with the mistaken links mended and nothing else changed",
     )
     parser.add_argument("--force", action="store_true", help="replace files that are there")
     parser.add_argument("--json", action="store_true", help="print one JSON document (inertia/audit/1)")

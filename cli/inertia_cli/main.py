@@ -9,12 +9,15 @@ import re
 import signal
 import sys
 import warnings
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import Any, NoReturn, TextIO
 
 import inertia
 from inertia.errors import CacheWarning, GeometryError, InertiaError, UsageError, WriteError, visible
+from inertia.output import sparing_inputs
+from inertia.standard_input import DESCRIPTOR
+from inertia.standard_input import NAME as STANDARD_INPUT
 from inertia_cli import (
     analyse,
     assembly,
@@ -39,6 +42,8 @@ FAULT = 1
 _COMMANDS = (
     analyse, check, trade, simulate, tumble, play, balance, measure, audit, assembly, budget, batch, cite, completion,
 )  # fmt: skip
+_INPUTS = ("part", "compare", "paths", "manifest", "merge")
+"""The arguments, of whatever command, that name files to be read."""
 _UNREAD = "cannot read "
 _CODES = """exit codes:
   0  done
@@ -160,7 +165,8 @@ def main(arguments: Sequence[str]) -> int:
         with warnings.catch_warnings():
             # What numpy would warn of and go on with, an overflow most of all, is no ground for an answer.
             warnings.simplefilter("error", RuntimeWarning)
-            code: int = options.run(options)
+            with sparing_inputs(_inputs(options)):
+                code: int = options.run(options)
         sys.stdout.flush()
         return code
     except InertiaError as error:
@@ -192,6 +198,14 @@ def main(arguments: Sequence[str]) -> int:
         return _refuse(InertiaError(message, places=(options.part,)), options)
     finally:
         interruption.running = False
+
+
+def _inputs(options: argparse.Namespace) -> Iterator[Path | int]:
+    """Yield the files that a command line names to be read; files that these name are noted where they are read."""
+    for argument in _INPUTS:
+        value = getattr(options, argument, None)
+        for name in [value] if isinstance(value, str) else value or ():
+            yield DESCRIPTOR if name == STANDARD_INPUT else Path(name)
 
 
 def _refuse(error: InertiaError, options: argparse.Namespace, *, answered: bool = False) -> int:

@@ -43,10 +43,8 @@ def test_fix_and_report(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> N
     assert all("<!-- mended: " in line or "<inertia " in line for line in changed)
     assert len(changed) == 8
     capsys.readouterr()
-    assert main(["audit", str(robot), "--fix", str(robot)]) == 2
+    assert main(["audit", str(robot), "--fix", str(fixed)]) == 2
     assert "--force" in capsys.readouterr().err
-    assert main(["audit", str(robot), "--fix", str(robot), "--force"]) == 5
-    assert robot.read_bytes() == fixed.read_bytes()
     assert main(["audit", str(robot), "--lump", "--fix", str(fixed), "--force"]) == 2
 
 

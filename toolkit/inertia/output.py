@@ -2,7 +2,8 @@
 
 A file is written beside its place, under a hidden name that ends in `.inertia`, reaches the disk, and is renamed.
 Several that belong `together` are renamed in a row when all of them are whole. Where a run dies, its temporary files
-stay; the next run that writes to the folder removes them: it knows them by the lock that a live run holds.
+stay; the next run that writes to the folder removes them: it knows them by the lock that a live run holds. A command
+`spares` the files that it reads: none of them is written over.
 """
 
 from __future__ import annotations
@@ -12,7 +13,7 @@ import os
 import re
 import stat
 import sys
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from contextlib import ExitStack, contextmanager, suppress
 from contextvars import ContextVar
 from pathlib import Path
@@ -76,6 +77,38 @@ def _open(files: list[Path]) -> Iterator[None]:
 
 
 _pending: ContextVar[_Renames | None] = ContextVar("pending", default=None)
+_inputs: ContextVar[dict[Path | int, None] | None] = ContextVar("inputs", default=None)
+
+
+@contextmanager
+def sparing_inputs(inputs: Iterable[Path | int]) -> Iterator[None]:
+    """Refuse, in the context, to write over any of some files, or one that is read there (`note_input`)."""
+    before = _inputs.set(dict.fromkeys(inputs))
+    try:
+        yield
+    finally:
+        _inputs.reset(before)
+
+
+def note_input(file: Path | int) -> None:
+    """Note a file that is read, by its path or descriptor, as one that a command must not write over."""
+    inputs = _inputs.get()
+    if inputs is not None:
+        inputs[file] = None
+
+
+def _require_other(path: Path) -> None:
+    """Raise `UsageError` where a file is one that is read, by whatever name or link."""
+    if not path.exists():
+        return
+    for file in _inputs.get() or ():
+        same = False
+        with suppress(OSError, ValueError):  # it may be gone, or have a name that no file can have
+            status = os.fstat(file) if isinstance(file, int) else file.stat()
+            same = os.path.samestat(status, path.stat())
+        if same:
+            what = "what standard input is read from" if isinstance(file, int) else f"an input, {file}"
+            raise UsageError(f"cannot write {path}: it is {what}: give the output another name", code="is_input")
 
 
 def require_writable(file: str | os.PathLike[str], *suffixes: str, force: bool = False) -> Path:
@@ -83,7 +116,8 @@ def require_writable(file: str | os.PathLike[str], *suffixes: str, force: bool =
 
     Raises
     ------
-    UsageError : its name ends in none of `suffixes`, it is a directory, or it exists and `force` is not set
+    UsageError : its name ends in none of `suffixes`, it is a directory, it is an input of the command, or it exists and
+        `force` is not set
     WriteError : its folder cannot be written to
     """
     path = Path(file)
@@ -94,6 +128,7 @@ def require_writable(file: str | os.PathLike[str], *suffixes: str, force: bool =
         raise UsageError(f"cannot write {path}: it is a directory")
     if path.exists() and not path.is_file():
         raise UsageError(f"cannot write {path}: it is not a regular file but a pipe, socket or device")
+    _require_other(path)
     if path.exists() and not force:
         raise UsageError(f"{path} exists: give another name, or ", FORCE, " to write over it", code="exists")
     with _faults(path), _beside(path):
@@ -133,12 +168,16 @@ def together() -> Iterator[None]:
 def whole(path: Path) -> Iterator[Path]:
     """Yield a path beside that of a file, renamed to it when the context is left without an error, else removed.
 
-    A link is followed: what it leads to is written, and the link stays.
+    A link is followed: what it leads to is written, and the link stays. Raises `UsageError` where it is an input of the
+    command, or another of the files that are written together.
     """
+    _require_other(path)
     with together(), _faults(path):
         renames = _pending.get()
         assert renames is not None
         beside, target = renames.stack.enter_context(_beside(path))
+        if any(target == other for _, other, _ in renames.pairs):
+            raise UsageError(f"cannot write {path} twice: every result needs a file of its own")
         yield beside
         with beside.open("rb") as file:
             os.fsync(file.fileno())

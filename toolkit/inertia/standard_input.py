@@ -9,15 +9,22 @@ from functools import cache
 from pathlib import Path
 
 from inertia.errors import ReadError
-from inertia.output import temporary_folder
+from inertia.output import note_input, temporary_folder
 
 NAME = "-"
 """What stands for standard input; a file of that name is `./-`."""
 
+DESCRIPTOR = 0
+"""Of standard input, for `inertia.output.note_input`."""
+
 
 def file_of(name: str) -> Path:
-    """Return the file that a name stands for: of `-` one that holds all of standard input, until the process ends."""
-    return _spooled() if name == NAME else Path(name)
+    """Return the file to be read that a name stands for: of `-` one that holds all of standard input until the end."""
+    if name == NAME:
+        note_input(DESCRIPTOR)
+        return _spooled()
+    note_input(path := Path(name))
+    return path
 
 
 @cache

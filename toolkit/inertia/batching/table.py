@@ -26,7 +26,7 @@ from inertia.batching.engines import Engine, in_order
 from inertia.batching.sources import Task
 from inertia.batching.summary import Summary
 from inertia.errors import ReadError, UsageError
-from inertia.output import write_whole
+from inertia.output import note_input, write_whole
 from inertia.tables import read_table, table_writer
 
 _SOON, _LATER = 0.5, 0.02
@@ -65,6 +65,8 @@ def write_batch(
         "options": {name: _plain(value) for name, value in setup.options.items()},
         **({} if shard is None else {"shard": list(shard)}),
     }
+    for task in tasks:
+        note_input(Path(task.archive or task.path))
     summary = Summary(setup.verb, len(tasks))
     parts = Parts(None if path is None else path.with_name(f"{path.name}.parts"), setup)
     with table_writer(path, COLUMNS[setup.verb], about) as write, closing(parts):

@@ -17,6 +17,7 @@ from functools import cached_property
 from pathlib import Path
 
 from inertia.errors import ReadError
+from inertia.output import note_input
 
 _AT_ONCE = 2**20  # bytes that are hashed before they are read: it takes a millisecond
 _TICK = 0.02  # s, longer than the steps in which the kernel gives out times
@@ -103,6 +104,7 @@ def sha256_of(path: Path, size: int) -> str:
 
 def refer_to(path: Path, name: str) -> None:
     """Let a file that the one being read refers to belong to its version."""
+    note_input(path)
     version = _reading.get()
     if version is not None and name not in version.others:
         version.others[name] = Version(path)

@@ -10,6 +10,7 @@ from typing import Any
 from inertia.balancing.measured.job_fields import ReadingFields
 from inertia.documents import section_of
 from inertia.errors import InertiaError, ReadError, placed
+from inertia.output import note_input
 from inertia.tables import cell_text
 
 _COLUMNS = ("run", "sensor", "rpm", "amplitude", "phase")
@@ -27,6 +28,7 @@ def readings_of(file: Path) -> Iterator[tuple[str, str, ReadingFields]]:
 
 
 def _rows(file: Path) -> Iterator[tuple[str, str, ReadingFields]]:
+    note_input(file)
     try:
         lines = file.read_text(encoding="utf-8-sig").splitlines()
     except OSError as error:

@@ -17,6 +17,7 @@ from inertia.dynamics.integrators.terms import Terms
 from inertia.dynamics.kinematics import quaternion
 from inertia.dynamics.loads.load import Load, TurningBody
 from inertia.errors import ReadError, UsageError
+from inertia.output import note_input
 
 _STANDS_OUT = 30.0  # times the median of the changes between two probes, that a jump changes a function by
 _NO_JUMP = 1e-12  # of its largest value, and what is less is none
@@ -298,6 +299,7 @@ def read_table(path: str | Path) -> TorqueTable:
     Raises `ReadError`, with the number of the line, for what is not four finite numbers or goes back in time.
     """
     rows: list[list[float]] = []
+    note_input(Path(path))
     try:
         with Path(path).open(newline="", encoding="utf-8-sig") as file:
             lines = csv.reader(file)

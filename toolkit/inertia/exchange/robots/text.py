@@ -20,6 +20,7 @@ from inertia.errors import ReadError
 from inertia.mesh.readers.contents import shown
 from inertia.mesh.readers.decimals import written
 from inertia.mesh.readers.trimesh import parse_xml
+from inertia.output import note_input
 
 _PREAMBLE = re.compile(r"(?:\s*<\?.*?\?>)*\s*", re.DOTALL)
 _PASSED_OVER = re.compile(r"<!--.*?-->|<!DOCTYPE[^>]*>|[\x01-\x08\x0b\x0c\x0e-\x1f]", re.DOTALL)
@@ -128,7 +129,9 @@ def mesh_file(reference: str, folder: Path) -> Path:
         places += [parent / path for parent in above]
     else:
         raise ReadError(f"the mesh {shown(reference)} is not a file: name it by package://, file:// or a path")
-    return next((place for place in places if _is_file(place)), places[0])
+    file = next((place for place in places if _is_file(place)), places[0])
+    note_input(file)
+    return file
 
 
 def _is_file(place: Path) -> bool:
