@@ -312,8 +312,8 @@ def test_what_is_written_reads_back_as_the_tree(tmp_path: Path, capsys: pytest.C
     [
         ([{"children": [1]}, {"children": [2]}, {"mesh": 0, "children": [1]}], "node 1 hangs in two places"),
         ([{"mesh": 0, "rotation": [0, 0, 0, 0]}], "quaternion of zero"),
-        ([{"mesh": 7}], "it refers to meshes 7, but holds 2"),
-        ([{"mesh": 0, "translation": [1, 2]}], "not that of a glTF"),
+        ([{"mesh": 7}], r"nodes\[0\].mesh refers to meshes\[7\], but the file holds 2"),
+        ([{"mesh": 0, "translation": [1, 2]}], r"a list of 2 as nodes\[0\].translation, where 3 numbers must stand"),
     ],
 )
 def test_a_faulty_tree_is_refused_in_a_sentence(nodes: list[dict[str, Any]], says: str, tmp_path: Path) -> None:

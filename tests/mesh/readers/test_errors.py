@@ -192,8 +192,12 @@ BAD = {
     # glTF
     "GLB cut short": ("a.glb", glb(*gltf_tree())[:-8], r"says \d+ bytes, but it holds \d+: it was cut short"),
     "GLB chunk too long": ("a.glb", glb(*gltf_tree()).replace(b"JSON", b"JUNK"), "no JSON chunk"),
-    "glTF garbage": ("a.gltf", '{"asset": {"version": "2.0"}', "is not that of a glTF"),
-    "glTF deep": ("a.gltf", '{"asset":' + "[" * 100_000, "is not that of a glTF"),
+    "glTF garbage": (
+        "a.gltf",
+        '{"asset": {"version": "2.0"}',
+        r"is not JSON, as glTF is \(line 1, column 29: expecting",
+    ),
+    "glTF deep": ("a.gltf", '{"asset":' + "[" * 100_000, "its objects are nested too deeply"),
     "glTF 1": ("a.glb", changed_glb(asset={"version": "1.0"}), "it is glTF '1.0'"),
     "glTF draco": (
         "a.glb",
@@ -208,11 +212,19 @@ BAD = {
     "glTF sparse": ("a.glb", accessor(0, sparse={"count": 1}), "accessor 0 is sparse"),
     "glTF quantised": ("a.glb", accessor(0, componentType=5122), "not three float32 numbers each"),
     "glTF count": ("a.glb", accessor(0, count=9_999_999), "accessor 0 does not fit in its buffer"),
-    "glTF negative count": ("a.glb", accessor(0, count=-1), "'-1' where a whole number"),
+    "glTF negative count": ("a.glb", accessor(0, count=-1), r"has -1 as accessors\[0\].count, where a whole number"),
     "glTF float index": ("a.glb", accessor(1, componentType=5126, count=18), "indices are not whole numbers"),
     "glTF not threes": ("a.glb", accessor(1, count=35), "35 corners, not a multiple of three"),
-    "glTF wrong index": ("a.glb", changed_glb(nodes=[{"mesh": -1}]), "'-1' where a whole number"),
-    "glTF no such mesh": ("a.glb", changed_glb(nodes=[{"mesh": 7}]), "refers to meshes 7, but holds 1"),
+    "glTF wrong index": (
+        "a.glb",
+        changed_glb(nodes=[{"mesh": -1}]),
+        r"has -1 as nodes\[0\].mesh, where a whole number",
+    ),
+    "glTF no such mesh": (
+        "a.glb",
+        changed_glb(nodes=[{"mesh": 7}]),
+        r"mesh refers to meshes\[7\], but the file holds 1",
+    ),
     "glTF loop": ("a.glb", changed_glb(nodes=[{"mesh": 0, "children": [0]}]), "node 0 hangs in two places"),
     "glTF perspective": (
         "a.glb",

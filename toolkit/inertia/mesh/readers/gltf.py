@@ -8,8 +8,6 @@ body. Source: Khronos, "glTF 2.0 Specification", 2021.
 from __future__ import annotations
 
 import base64
-import binascii
-import json
 import os
 from collections.abc import Callable, Iterator
 from fractions import Fraction
@@ -36,6 +34,7 @@ from inertia.mesh.readers.contents import (
     was,
 )
 from inertia.mesh.readers.decimals import written
+from inertia.mesh.readers.gltf_json import JsonObject, Written, parse
 from inertia.mesh.readers.placement import Exact, Placement
 from inertia.mesh.tree import MeshNode, Motion, unique
 from inertia.units import METRE
@@ -45,7 +44,9 @@ T = TypeVar("T")
 _MAGIC = b"glTF"
 _JSON, _BINARY = b"JSON", b"BIN\0"
 _COMPONENTS = {5120: "<i1", 5121: "<u1", 5122: "<i2", 5123: "<u2", 5125: "<u4", 5126: "<f4"}
+_WIDTHS = {"SCALAR": 1, "VEC2": 2, "VEC3": 3, "VEC4": 4}
 _TRIANGLES, _STRIP, _FAN = 4, 5, 6
+_MODES = {mode: mode for mode in range(7)}
 _HARMLESS = ("KHR_materials_", "KHR_texture_", "KHR_lights_", "KHR_xmp", "EXT_texture_", "MSFT_texture_")
 """Extensions, by how their names begin, that leave the shape alone even where a file requires them."""
 
@@ -70,14 +71,8 @@ def gltf_tree(path: Path) -> Layout:
 def _read(path: Path, do: Callable[[Scene], T]) -> tuple[T, tuple[str, ...]]:
     """Return what is made of the scene of a file, and the notes."""
     text, binary = _chunks(path)
-    try:
-        scene = Scene(json.loads(text, parse_float=_Written), binary, path.parent)
-        result = do(scene)
-    except ReadError:
-        raise
-    except (KeyError, TypeError, ValueError, AttributeError, OverflowError, RecursionError) as error:
-        fault = shown(f"{type(error).__name__}: {error}", 80)
-        raise ReadError(f"its JSON is not that of a glTF 2.0 file ({fault}): export it again") from None
+    scene = Scene(parse(text), binary, path.parent)
+    result = do(scene)
     left_out = scene.left_out
     return result, (f"{plural(left_out, 'set')} of lines or points {was(left_out)} left out",) if left_out else ()
 
@@ -143,21 +138,23 @@ def _chunks(path: Path) -> tuple[bytes, Stored | None]:
 class Scene:
     """The default scene of a glTF document."""
 
-    def __init__(self, tree: dict[str, Any], binary: Stored | None, folder: Path) -> None:
+    def __init__(self, tree: JsonObject, binary: Stored | None, folder: Path) -> None:
         self.tree = tree
         self.binary = binary
         self.folder = folder
         self.buffers: dict[int, Stored] = {}
         self.left_out = 0
-        version = str(tree["asset"]["version"])
+        asset = tree.object("asset")
+        version = asset.label("version") or asset.text("version")
         if not version.startswith("2."):
             raise ReadError(
                 f"it is glTF {shown(version)}, but only version 2 is read: export it as glTF 2.0", code="not_read"
             )
-        unknown = [name for name in tree.get("extensionsRequired", []) if not str(name).startswith(_HARMLESS)]
+        required = map(str, tree.entries("extensionsRequired", []))
+        unknown = [name for name in required if not name.startswith(_HARMLESS)]
         if unknown:
             raise ReadError(
-                f"it requires the extension {shown(str(unknown[0]))}: export it without compression", code="not_read"
+                f"it requires the extension {shown(unknown[0])}: export it without compression", code="not_read"
             )
 
     def pieces(self) -> Iterator[Piece]:
@@ -168,52 +165,53 @@ class Scene:
             place = places[index] = places[above] @ _placement(node)
             if "mesh" not in node:
                 continue
-            mesh = self._item("meshes", node["mesh"])
-            name = node.get("name") or mesh.get("name") or f"mesh {node['mesh']}"
+            mesh = self._item("meshes", node, "mesh")
+            name = node.label() or mesh.label() or f"mesh {node.whole('mesh')}"
             for vertices, faces in self._surfaces(mesh):
                 total += len(faces)
                 if total > EXPANDED_LIMIT:
                     raise ReadError(
                         f"its instances make more than {EXPANDED_LIMIT} triangles: split the scene", code="too_large"
                     )
-                yield Piece(str(name), *place.move(vertices, faces, partial(map, Fraction, vertices.ravel().tolist())))
+                yield Piece(name, *place.move(vertices, faces, partial(map, Fraction, vertices.ravel().tolist())))
 
     def layout(self) -> tuple[list[MeshNode], dict[str, list[Piece]]]:
         """Return the nodes, and the pieces of each mesh that they show, in its own axes."""
         nodes: list[MeshNode] = []
         pieces: dict[int, list[Piece]] = {}
-        named = [(mesh.get("name"), f"mesh {k}") for k, mesh in enumerate(self.tree.get("meshes", []))]
-        keys = unique(visible(str(name or number)) for name, number in named)
+        named = [(mesh.label(), f"mesh {k}") for k, mesh in enumerate(self.tree.objects("meshes", []))]
+        keys = unique(visible(name or number) for name, number in named)
         places: dict[int, int] = {}
         for index, above, node in self._walk():
-            shows = node.get("mesh")
+            shows = node.whole("mesh") if "mesh" in node else None
             if shows is not None and shows not in pieces:
-                pieces[shows] = [Piece(None, *mesh) for mesh in self._surfaces(self._item("meshes", shows))]
+                pieces[shows] = [Piece(None, *mesh) for mesh in self._surfaces(self._item("meshes", node, "mesh"))]
             _placement(node)  # refuses what cannot be one
             places[index] = len(nodes)
             key = keys[shows] if shows is not None and pieces[shows] else None
-            name = node.get("name") or (None if shows is None else named[shows][0])
-            nodes.append(MeshNode(None if name is None else str(name), places.get(above), _motion(node), key))
+            name = node.label() or (None if shows is None else named[shows][0])
+            nodes.append(MeshNode(name, places.get(above), _motion(node), key))
         return nodes, {keys[shows]: own for shows, own in pieces.items() if own}
 
-    def _walk(self) -> Iterator[tuple[int, int, dict[str, Any]]]:
+    def _walk(self) -> Iterator[tuple[int, int, JsonObject]]:
         """Yield each node of the scene after the one above it, with the number of that, −1 at the top."""
         visited: set[int] = set()
-        waiting = [(root, -1) for root in reversed(self._roots())]
+        roots, where = self._roots()
+        waiting = [(root, -1, where) for root in reversed(roots)]
         while waiting:
-            index, above = waiting.pop()
-            node = self._item("nodes", index)
+            index, above, where = waiting.pop()
+            node = self._at("nodes", index, where)
             if index in visited:
                 raise ReadError(f"node {index} hangs in two places: export it again")
             visited.add(index)
-            if "EXT_mesh_gpu_instancing" in node.get("extensions", {}):
+            if "EXT_mesh_gpu_instancing" in node.object("extensions", {}):
                 raise ReadError(
                     f"node {index} uses EXT_mesh_gpu_instancing: export it without instancing", code="not_read"
                 )
             if "mesh" in node:
-                mesh = self._item("meshes", node["mesh"])
-                weights = node.get("weights", mesh.get("weights", []))
-                morphs = any(weights) and any(each.get("targets") for each in mesh["primitives"])
+                mesh = self._item("meshes", node, "mesh")
+                weights = (node if "weights" in node else mesh).entries("weights", [])
+                morphs = any(weights) and any(each.entries("targets", []) for each in mesh.objects("primitives"))
                 if "skin" in node or morphs:
                     what = "skin" if "skin" in node else "morph"
                     raise ReadError(
@@ -221,59 +219,61 @@ class Scene:
                         code="not_read",
                     )
             yield index, above, node
-            waiting += [(child, index) for child in reversed(node.get("children", []))]
+            waiting += [(child, index, node.where("children")) for child in reversed(node.wholes("children"))]
 
-    def _surfaces(self, mesh: dict[str, Any]) -> Iterator[tuple[Float, Int]]:
+    def _surfaces(self, mesh: JsonObject) -> Iterator[tuple[Float, Int]]:
         """Yield vertices and faces of each primitive of a mesh that has faces."""
-        for primitive in mesh["primitives"]:
-            if primitive.get("mode", _TRIANGLES) < _TRIANGLES:
+        for primitive in mesh.objects("primitives"):
+            if primitive.choice("mode", _MODES, _TRIANGLES) < _TRIANGLES:
                 self.left_out += 1
             else:
                 yield self._mesh(primitive)
 
-    def _roots(self) -> list[int]:
+    def _roots(self) -> tuple[list[int], str]:
+        """Return the nodes at the top of the scene, and the place that names them."""
         if "scenes" in self.tree:
-            return list(self._item("scenes", self.tree.get("scene", 0)).get("nodes", []))
-        nodes = self.tree.get("nodes", [])
-        children = {child for node in nodes for child in node.get("children", [])}
-        return [index for index in range(len(nodes)) if index not in children]
+            scene = self._at("scenes", self.tree.whole("scene", 0), "scene")
+            return scene.wholes("nodes"), scene.where("nodes")
+        nodes = self.tree.objects("nodes", [])
+        children = {child for node in nodes for child in node.wholes("children")}
+        return [index for index in range(len(nodes)) if index not in children], "nodes"
 
-    def _mesh(self, primitive: dict[str, Any]) -> tuple[Float, Int]:
-        positions = self.accessor(primitive["attributes"]["POSITION"])
+    def _mesh(self, primitive: JsonObject) -> tuple[Float, Int]:
+        positions = self._accessor(primitive.object("attributes"), "POSITION")
         if positions.dtype != np.float32 or positions.shape[1] != 3:
             raise ReadError(
                 "its positions are not three float32 numbers each: export it without quantisation", code="not_read"
             )
         if "indices" in primitive:
-            corners = self.accessor(primitive["indices"])
+            corners = self._accessor(primitive, "indices")
             if corners.dtype.kind != "u" or corners.shape[1] != 1:
                 raise ReadError("its indices are not whole numbers: export it again")
             corners = corners.reshape(-1).astype(np.int64)
         else:
             corners = np.arange(len(positions))
-        faces = _triangles(corners, primitive.get("mode", _TRIANGLES))
+        faces = _triangles(corners, primitive.choice("mode", _MODES, _TRIANGLES))
         check_indices(faces, len(positions), "face")
         if len(positions) > 3 * len(faces):  # many primitives may share one array of positions
             used, corners = np.unique(faces, return_inverse=True)
             positions, faces = positions[used], corners.reshape(-1, 3)
         return positions.astype(np.float64), faces
 
-    def accessor(self, index: int) -> NDArray[Any]:
+    def _accessor(self, holder: JsonObject, name: str) -> NDArray[Any]:
         """Return the rows of an accessor, (count, components); no other bytes of its buffer are read."""
-        accessor = self._item("accessors", index)
+        index, accessor = holder.whole(name), self._item("accessors", holder, name)
         if "sparse" in accessor or "bufferView" not in accessor:
             raise ReadError(
                 f"accessor {index} is sparse or compressed, which is not read: export it uncompressed", code="not_read"
             )
-        view = self._item("bufferViews", accessor["bufferView"])
-        buffer = self._buffer(view["buffer"])
-        dtype = np.dtype(_COMPONENTS[accessor["componentType"]])
-        width = {"SCALAR": 1, "VEC2": 2, "VEC3": 3, "VEC4": 4}[accessor["type"]]
+        view = self._item("bufferViews", accessor, "bufferView")
+        buffer = self._buffer(view)
+        dtype = np.dtype(accessor.choice("componentType", _COMPONENTS))
+        width = accessor.choice("type", _WIDTHS)
         row = width * dtype.itemsize
-        count, start = _whole(accessor["count"]), _whole(view.get("byteOffset", 0))
-        end = start + _whole(view["byteLength"])
-        start += _whole(accessor.get("byteOffset", 0))
-        stride = _whole(view.get("byteStride", 0)) or row
+        count, start = accessor.whole("count"), view.whole("byteOffset", 0)
+        end = start + view.whole("byteLength")
+        start += accessor.whole("byteOffset", 0)
+        stride = view.whole("byteStride", 0) or row
         stop = start + (count - 1) * stride + row
         if count == 0 or stride < row or stop > min(end, buffer.size):
             raise ReadError(
@@ -282,25 +282,31 @@ class Scene:
             )
         return np.ndarray((count, width), dtype, buffer.between(start, stop), 0, (stride, dtype.itemsize))
 
-    def _buffer(self, index: int) -> Stored:
+    def _buffer(self, view: JsonObject) -> Stored:
+        index = view.whole("buffer")
         if index not in self.buffers:
-            buffer = self._item("buffers", index)
-            content = self.binary if index == 0 and "uri" not in buffer else self._fetch(buffer["uri"])
-            if content is None or content.size < _whole(buffer["byteLength"]):
+            buffer = self._item("buffers", view, "buffer")
+            inside = index == 0 and self.binary is not None and "uri" not in buffer
+            content = self.binary if inside else self._fetch(buffer.text("uri"), buffer.where("uri"))
+            if content is None or content.size < buffer.whole("byteLength"):
                 raise ReadError(
                     f"buffer {index} is shorter than it says: it was cut short, export it again", code="cut_short"
                 )
             self.buffers[index] = content
         return self.buffers[index]
 
-    def _fetch(self, uri: str) -> Stored:
+    def _fetch(self, uri: str, where: str) -> Stored:
         if uri.startswith("data:"):
             header, _, payload = uri.partition(",")
             try:
                 return _in_memory(base64.b64decode(payload, validate=True) if header.endswith(";base64") else b"")
-            except binascii.Error:
-                raise ReadError("a buffer in it is not valid base64: it is damaged, export it again") from None
-        if urlsplit(uri).scheme:
+            except ValueError:
+                raise ReadError(f"{where} is not valid base64: it is damaged, export it again") from None
+        try:
+            elsewhere = bool(urlsplit(uri).scheme)
+        except ValueError:  # brackets that hold no address
+            elsewhere = True
+        if elsewhere:
             raise ReadError(
                 f"it needs the file {shown(uri)}, which is not fetched: put it beside it, named by its path",
                 code="outside_folder",
@@ -308,18 +314,18 @@ class Scene:
         beside = beneath(self.folder, unquote(uri))
         return _in_file(beside, 0, beside.stat().st_size)
 
-    def _item(self, kind: str, index: int) -> dict[str, Any]:
-        items = self.tree.get(kind, [])
-        if _whole(index) >= len(items):
-            raise ReadError(f"it refers to {kind} {index}, but holds {len(items)}: it is damaged, export it again")
-        item: dict[str, Any] = items[index]
-        return item
+    def _item(self, kind: str, holder: JsonObject, name: str) -> JsonObject:
+        """Return the item of a list that a property refers to."""
+        return self._at(kind, holder.whole(name), holder.where(name))
 
-
-def _whole(value: Any) -> int:
-    if type(value) is not int or value < 0:
-        raise ReadError(f"its JSON has {shown(str(value))} where a whole number should stand: export it again")
-    return value
+    def _at(self, kind: str, index: int, where: str) -> JsonObject:
+        """Return an item of a list by its number, which stands at a place of the JSON."""
+        items = self.tree.entries(kind, [])
+        if index >= len(items):
+            raise ReadError(
+                f"{where} refers to {kind}[{index}], but the file holds {len(items)}: it is damaged, export it again"
+            )
+        return JsonObject(items[index], f"{kind}[{index}]")
 
 
 def _triangles(corners: Int, mode: int) -> Int:
@@ -331,34 +337,44 @@ def _triangles(corners: Int, mode: int) -> Int:
         faces = np.stack([corners[:-2], corners[1:-1], corners[2:]], axis=1)
         faces[1::2] = faces[1::2, [0, 2, 1]]
         return faces
-    if mode == _FAN:
-        return np.stack([corners[1:-1], corners[2:], np.broadcast_to(corners[:1], len(corners[2:]))], axis=1)
-    raise ReadError(f"a mesh has the mode {shown(str(mode))}, which glTF does not know: export it again")
+    return np.stack([corners[1:-1], corners[2:], np.broadcast_to(corners[:1], len(corners[2:]))], axis=1)
 
 
-class _Written(float):
-    """A number of the JSON, with the decimal that the file writes."""
+class _Steps(NamedTuple):
+    """The translation, rotation and scale of a node, as the file writes them."""
 
-    def __new__(cls, text: str) -> _Written:
-        number = super().__new__(cls, text)
-        number.text = text
-        return number
+    translation: list[float]
+    rotation: list[float]
+    scale: list[float]
 
-    text: str
+    @classmethod
+    def of(cls, node: JsonObject) -> _Steps | None:
+        """Return those of a node, None where it has none; raise `ReadError` where one is no such thing."""
+        move, turn, scale = node.numbers("translation", 3), node.numbers("rotation", 4), node.numbers("scale", 3)
+        if turn is not None and not any(turn):
+            raise ReadError(f"{node.where('rotation')} is a quaternion of zero: export it again")
+        if move is turn is scale is None:
+            return None
+        return cls(move or [0, 0, 0], turn or [0, 0, 0, 1], scale or [1, 1, 1])
 
 
-def _placement(node: dict[str, Any]) -> Placement:
+def _matrix(node: JsonObject) -> list[float] | None:
+    """Return the matrix of a node, column by column, None where it has none."""
+    matrix = node.numbers("matrix", 16)
+    if matrix is not None and matrix[3::4] != [0, 0, 0, 1]:
+        raise ReadError(f"{node.where('matrix')} is a matrix whose last row is not 0, 0, 0, 1: export it again")
+    return matrix
+
+
+def _placement(node: JsonObject) -> Placement:
     """Return the placement of a node: its matrix, or translation · rotation · scale."""
-    if "matrix" in node:
-        matrix = np.array(node["matrix"], np.float64).reshape(4, 4).T
-        if not np.array_equal(matrix[3], [0, 0, 0, 1]):
-            raise ReadError("a node has a matrix whose last row is not 0, 0, 0, 1: export it again")
-        return Placement.of(matrix, lambda: _columns(_fractions(node["matrix"])))
-    if not node.keys() & {"rotation", "scale", "translation"}:
+    if (entries := _matrix(node)) is not None:
+        return Placement.of(np.array(entries, np.float64).reshape(4, 4).T, lambda: _columns(_fractions(entries)))
+    if (steps := _Steps.of(node)) is None:
         return Placement.identity()
     matrix, size = np.eye(4), np.eye(4)
     with np.errstate(all="ignore"):
-        x, y, z, w = np.array(node.get("rotation", [0, 0, 0, 1]), np.float64)
+        x, y, z, w = np.array(steps.rotation, np.float64)
         squares = x * x + y * y + z * z + w * w
         matrix[:3, :3] = np.eye(3) + 2 / squares * np.array(
             [
@@ -367,43 +383,40 @@ def _placement(node: dict[str, Any]) -> Placement:
                 [x * z - y * w, y * z + x * w, -x * x - y * y],
             ]
         )
-        scale = np.array(node.get("scale", [1, 1, 1]), np.float64).reshape(3)
+        scale = np.array(steps.scale, np.float64)
         matrix[:3, :3] *= scale
-        matrix[:3, 3] = np.array(node.get("translation", [0, 0, 0]), np.float64).reshape(3)
+        matrix[:3, 3] = steps.translation
         size[:3, :3] = (np.eye(3) + 2) * np.abs(scale)  # |2 x y|, and the like, are at most the sum of the squares
         size[:3, 3] = np.abs(matrix[:3, 3])
-    return Placement.of(matrix, lambda: _exactly(node), roundings=20, size=size)
+    return Placement.of(matrix, lambda: _exactly(steps), roundings=20, size=size)
 
 
-def _motion(node: dict[str, Any]) -> Motion:
-    if "matrix" in node:
-        return Motion.of(_columns(_fractions(node["matrix"])))
-    if not any(node.get("rotation", [1])):
-        raise ReadError("a node has a quaternion of zero for its rotation: export it again")
-    turn, size = _fractions(node.get("rotation", [0, 0, 0, 1])), _fractions(node.get("scale", [1, 1, 1]))
+def _motion(node: JsonObject) -> Motion:
+    if (entries := _matrix(node)) is not None:
+        return Motion.of(_columns(_fractions(entries)))
+    steps = _Steps.of(node) or _Steps([0, 0, 0], [0, 0, 0, 1], [1, 1, 1])
+    move, turn, size = map(_fractions, steps)
     linear = tuple(tuple(size[k] if k == j else Fraction(0) for j in range(3)) for k in range(3))
-    return Motion(tuple(_fractions(node.get("translation", [0, 0, 0]))), linear, tuple(turn) if any(turn[:3]) else None)
+    return Motion(tuple(move), linear, tuple(turn) if any(turn[:3]) else None)
 
 
 def _fractions(values: list[float]) -> list[Fraction]:
-    return [written(value.text) if isinstance(value, _Written) else Fraction(value) for value in values]
+    return [written(value.text) if isinstance(value, Written) else Fraction(value) for value in values]
 
 
 def _columns(values: list[Fraction]) -> Exact:
     return [values[row::4] for row in range(4)]
 
 
-def _exactly(node: dict[str, Any]) -> Exact:
+def _exactly(steps: _Steps) -> Exact:
     """Return translation · rotation · scale in fractions; a quaternion is normalised as a ratio."""
-    x, y, z, w = _fractions(node.get("rotation", [0, 0, 0, 1]))
+    translation, (x, y, z, w), scale = map(_fractions, steps)
     twice = 2 / (x * x + y * y + z * z + w * w)
     rotation = [
         [1 - twice * (y * y + z * z), twice * (x * y - z * w), twice * (x * z + y * w)],
         [twice * (x * y + z * w), 1 - twice * (x * x + z * z), twice * (y * z - x * w)],
         [twice * (x * z - y * w), twice * (y * z + x * w), 1 - twice * (x * x + y * y)],
     ]
-    scale = _fractions(node.get("scale", [1, 1, 1]))
-    translation = _fractions(node.get("translation", [0, 0, 0]))
     rows = [
         [*(a * s for a, s in zip(row, scale, strict=True)), t] for row, t in zip(rotation, translation, strict=True)
     ]
