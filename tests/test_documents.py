@@ -53,7 +53,7 @@ def test_an_error_names_the_document(tmp_path: Path) -> None:
         Note.from_dict({"schema": 2, "value": 1})
     with pytest.raises(UsageError, match=r"^c\.toml: value is negative$"):
         Note.from_dict({"value": -1}, name="c.toml")
-    (tmp_path / "d.toml").write_bytes(b"\xff\xfe")
+    (tmp_path / "d.toml").write_bytes(b"\xff\x00")
     with pytest.raises(ReadError, match="no text in UTF-8: a note is a TOML file"):
         Note.load(tmp_path / "d.toml")
 

@@ -26,16 +26,19 @@ def add(parsers: Any) -> None:
 
 def run(options: argparse.Namespace) -> int:
     """Run ``inertia cite``."""
-    from inertia.errors import ReadError
+    from inertia.encoding import text_of
+    from inertia.errors import ReadError, placed
     from inertia.report.citation import cite
     from inertia.standard_input import file_of
 
     documents = []
     if options.part is not None:
         try:
-            documents = [json.loads(file_of(options.part).read_text(encoding="utf-8-sig"))]
+            documents = [json.loads(text_of(file_of(options.part).read_bytes()))]
         except OSError as error:
             raise ReadError(f"cannot read {options.part}: {error.strerror}: check the path", code="no_file") from None
+        except ReadError as error:
+            raise placed(error, f"cannot read {options.part}") from None
         except ValueError:
             raise ReadError(f"cannot read {options.part}: it is no JSON document: name what --json printed") from None
     print_file(cite(*documents))

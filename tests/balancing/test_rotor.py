@@ -242,7 +242,7 @@ def test_a_file_that_is_no_toml_is_refused(tmp_path: Path) -> None:
     with pytest.raises(ReadError, match=r"cannot read .*rotor\.toml: No such file"):
         Rotor.load(file)
     file.write_bytes(b"\xff\xfe")
-    with pytest.raises(ReadError, match="no text in UTF-8"):
+    with pytest.raises(ReadError, match="it is text in UTF-16: save it as UTF-8"):
         Rotor.load(file)
     file.write_text("[axis")
     with pytest.raises(ReadError, match="it is not TOML"):

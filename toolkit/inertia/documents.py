@@ -25,6 +25,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from inertia.arrays import of_rotation
+from inertia.encoding import text_of
 from inertia.errors import FieldPath, GeometryError, ReadError, UsageError, Word, placed, visible
 from inertia.estimate import Estimate
 from inertia.standard_input import file_of
@@ -155,18 +156,20 @@ class Document(ABC):
         Raises `ReadError`, `UsageError`.
         """
         name = os.fspath(path)
+        article = "an" if cls.noun[0] in "aeio" else "a"
+        is_table = name.lower().endswith(".csv")
         try:
-            text = file_of(name).read_bytes().decode("utf-8-sig")
+            text = text_of(
+                file_of(name).read_bytes(),
+                "save the table as CSV in UTF-8" if is_table else f"{article} {cls.noun} is a TOML file in UTF-8",
+            )
         except ReadError as error:
             raise placed(error, f"cannot read {name}") from None
         except OSError as error:
             says = f"cannot read {name}: {error.strerror or error}: check the path"
             raise ReadError(says, code="no_file") from None
-        except (UnicodeDecodeError, ValueError):
-            article = "an" if cls.noun[0] in "aeio" else "a"
-            raise ReadError(
-                f"cannot read {name}: it is no text in UTF-8: {article} {cls.noun} is a TOML file", code="encoding"
-            ) from None
+        except ValueError:  # a zero byte in the name
+            raise ReadError(f"cannot read {name}: there is no such file: check the path", code="no_file") from None
         return cls.loads(text, Path(path).parent, name)
 
     @classmethod

@@ -316,7 +316,8 @@ def test_a_pendulum_may_start_at_rest() -> None:
     [
         (b"schema = ", ReadError, "it is not TOML: invalid value"),
         (b"[body]\nmass = 1\nmass = 2\n", ReadError, "not TOML"),
-        (b"\xff\xfe\x00", ReadError, "no text in UTF-8"),
+        (b"\xff\xfe\x00", ReadError, "it is text in UTF-16: save it as UTF-8"),
+        (b"\xff\x00", ReadError, "no text in UTF-8: a scene is a TOML file in UTF-8"),
         (b"", UsageError, "body is missing"),
         (
             b"[body]\npart = 'nosuch.stl'\n[start]\nangular_velocity=[0,0,1]\n[run]\nduration=1",

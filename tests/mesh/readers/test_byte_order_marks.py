@@ -72,6 +72,8 @@ def test_utf_16_is_called_so(kind: str, encoding: str, tmp_path: Path) -> None:
     if kind != "ply little":
         (tmp_path / name).write_bytes(data.decode().encode(encoding))
         refused(tmp_path / name, "it is text in UTF-16: save it as UTF-8")
+        told = kind.split()[0]
+        refused(tmp_path / name, "it is text in UTF-16: save it as UTF-8", format=told)
 
 
 def test_a_document_with_a_byte_order_mark_is_cited(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:

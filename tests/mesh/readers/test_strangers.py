@@ -35,6 +35,14 @@ def test_what_is_no_mesh_is_called_by_its_name(kind: str, name: str, tmp_path: P
     assert "cut short" not in message
 
 
+@pytest.mark.parametrize("format", ["stl", "obj", "off", "gltf", "abaqus", "3mf"])
+@pytest.mark.parametrize("kind", STRANGERS)
+def test_what_is_no_mesh_is_called_by_its_name_where_a_format_is_given(kind: str, format: str, tmp_path: Path) -> None:
+    data, says = STRANGERS[kind]
+    (tmp_path / "a").write_bytes(data)
+    refused(tmp_path / "a", says, format=format)
+
+
 def test_msh_4_0_is_called_by_its_name(tmp_path: Path) -> None:
     name, data = volumes(tmp_path)["gmsh 4.1"]
     (tmp_path / name).write_bytes(data.replace(b"4.1 0 8", b"4 0 8"))

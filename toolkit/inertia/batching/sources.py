@@ -13,6 +13,7 @@ from contextlib import ExitStack, contextmanager, suppress
 from pathlib import Path
 from typing import Any, NamedTuple
 
+from inertia.encoding import require_no_utf_16
 from inertia.errors import ReadError, Remedy, UsageError, placed, visible
 from inertia.estimate import Estimate
 from inertia.mesh.readers.compressed import ARCHIVE, UNPACK_LIMIT, member_copy, meshes_in
@@ -284,6 +285,8 @@ def _records(manifest: str) -> Iterator[Mapping[str, Any]]:
             raise ReadError(f"{says}: write it again", code="wrong_format") from None
         return
     try:
+        with path.open("rb") as file:
+            require_no_utf_16(file.read(4))
         with path.open(encoding="utf-8-sig", newline="") as file:
             rows = csv.DictReader(file, strict=True)
             names = [name for name in rows.fieldnames or () if name]
@@ -299,9 +302,14 @@ def _records(manifest: str) -> Iterator[Mapping[str, Any]]:
                 yield {name: cell_text(value) for name, value in row.items() if name and value is not None}
     except OSError as error:
         raise _unreadable(manifest, error) from None
-    except (UnicodeDecodeError, csv.Error) as error:
+    except ReadError as error:
+        raise placed(error, f"cannot read {visible(manifest)}") from None
+    except UnicodeDecodeError:
+        says = "it is no table in UTF-8: save it as CSV in UTF-8"
+        raise ReadError(f"cannot read {visible(manifest)}: {says}", code="encoding") from None
+    except csv.Error as error:
         raise ReadError(
-            f"cannot read {visible(manifest)}: it is no table in UTF-8 ({error}): write it again", code="encoding"
+            f"cannot read {visible(manifest)}: it is no CSV ({error}): write it again", code="table"
         ) from None
 
 

@@ -28,6 +28,7 @@ from inertia.mesh.part import Part, Rounding, Source
 from inertia.mesh.readers.compressed import UNPACK_LIMIT, packed_as, unpacked
 from inertia.mesh.readers.contents import Contents, Layout
 from inertia.mesh.readers.formats import FORMATS, HEAD, format_of_name, sniff
+from inertia.mesh.readers.strangers import stranger
 from inertia.mesh.tree import MeshTree
 from inertia.mesh.version import CHANGED, Version, unchanged
 from inertia.standard_input import file_of
@@ -237,10 +238,15 @@ def _sniffed(
 ) -> tuple[str, Contents]:
     if not head:
         raise ReadError("it is empty: export the part again", code="empty_file")
-    kind = format or sniff(path, head, size)
+    kind = sniff(path, head, size, format)
     if coarser != 1.0 and kind != "step":
         raise UsageError(f"{called} is {kind}, whose triangles are in the file: only STEP can be meshed coarser")
-    return kind, _read_as(kind, path, coarser, memory)
+    try:
+        return kind, _read_as(kind, path, coarser, memory)
+    except ReadError:
+        if format is not None and (other := stranger(head)) is not None:  # which `sniff` would have said
+            raise ReadError(other, code="unknown_format") from None
+        raise
 
 
 def _unpacked(path: Path, packed: str, format: str | None, coarser: float, limit: float) -> tuple[str, Contents]:

@@ -9,6 +9,7 @@ from typing import Any
 
 from inertia.balancing.measured.job_fields import ReadingFields
 from inertia.documents import section_of
+from inertia.encoding import text_of
 from inertia.errors import InertiaError, ReadError, placed
 from inertia.output import note_input
 from inertia.tables import cell_text
@@ -30,14 +31,12 @@ def readings_of(file: Path) -> Iterator[tuple[str, str, ReadingFields]]:
 def _rows(file: Path) -> Iterator[tuple[str, str, ReadingFields]]:
     note_input(file)
     try:
-        lines = file.read_text(encoding="utf-8-sig").splitlines()
+        lines = text_of(file.read_bytes(), "save the table as CSV in UTF-8").splitlines()
     except OSError as error:
         says = f"cannot read {file}: {error.strerror or error}: check the path"
         raise ReadError(says, code="no_file") from None
-    except UnicodeDecodeError:
-        raise ReadError(
-            f"cannot read {file}: it is no text in UTF-8: save the table as CSV in UTF-8", code="encoding"
-        ) from None
+    except ReadError as error:
+        raise placed(error, f"cannot read {file}") from None
     first = next((line for line in lines if line.strip()), "")
     rows = csv.reader(lines, delimiter=";" if ";" in first else ",")
     head: list[str] = []

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import csv
+import io
 import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
@@ -16,7 +17,8 @@ from inertia.documents import SMALLEST, FieldError, choice, finite_number, numbe
 from inertia.dynamics.integrators.terms import Terms
 from inertia.dynamics.kinematics import quaternion
 from inertia.dynamics.loads.load import Load, TurningBody
-from inertia.errors import ReadError, UsageError
+from inertia.encoding import text_of
+from inertia.errors import ReadError, UsageError, placed
 from inertia.output import note_input
 
 _STANDS_OUT = 30.0  # times the median of the changes between two probes, that a jump changes a function by
@@ -299,18 +301,24 @@ def read_table(path: str | Path) -> TorqueTable:
     Raises `ReadError`, with the number of the line, for what is not four finite numbers or goes back in time.
     """
     rows: list[list[float]] = []
-    note_input(Path(path))
+    file = Path(path)
+    note_input(file)
     try:
-        with Path(path).open(newline="", encoding="utf-8-sig") as file:
-            lines = csv.reader(file)
-            for fields in lines:
-                heading = lines.line_num == 1 and not any(_is_number(field) for field in fields)
-                if not heading and any(field.strip() for field in fields):
-                    rows.append(_row(fields, rows, f"{path}, line {lines.line_num}"))
-    except (OSError, UnicodeDecodeError, csv.Error) as error:
-        raise ReadError(
-            f"{path}: the torque table cannot be read ({error}): give a CSV file of time,x,y,z", code="table"
-        ) from None
+        text = text_of(file.read_bytes(), "save the table as CSV in UTF-8")
+    except OSError as error:
+        says = f"the torque table cannot be read: {error.strerror or error}: check the path"
+        raise ReadError(says, places=(str(path),), code="no_file") from None
+    except ReadError as error:
+        raise placed(error, str(path)) from None
+    lines = csv.reader(io.StringIO(text, newline=""))
+    try:
+        for fields in lines:
+            heading = lines.line_num == 1 and not any(_is_number(field) for field in fields)
+            if not heading and any(field.strip() for field in fields):
+                rows.append(_row(fields, rows, f"{path}, line {lines.line_num}"))
+    except csv.Error as error:
+        says = f"the torque table is not CSV: {error}: give a CSV file of time,x,y,z"
+        raise ReadError(says, places=(str(path),), code="table") from None
     if len(rows) < 2:
         raise ReadError(f"{path}: the torque table has {len(rows)} rows, at least 2 are needed: add rows", code="table")
     table = np.array(rows)

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-import codecs
 import os
 import re
 from collections import Counter
 from collections.abc import Callable
 from pathlib import Path
 
+from inertia.encoding import UTF_16
 from inertia.errors import ReadError, UsageError, placed
 from inertia.exchange.robots.links import Robot
 from inertia.exchange.robots.mjcf import read_mjcf
@@ -31,7 +31,6 @@ READERS: dict[str, tuple[set[str], Callable[[Path], Robot]]] = {
 """Format → the first element of its files, or the extensions of their names; and its reader."""
 
 _BEGINNING = 65_536  # bytes that are searched for what a file is; licences stand at the top of many
-_UTF_16 = (codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE, b"<\0", b"\0<")
 _NO_ELEMENT = re.compile(rb"(?s)\xef\xbb\xbf|<!--.*?-->|<\?.*?\?>|<!DOCTYPE[^\[>]*(?:\[.*?\]\s*)?>")
 
 
@@ -49,7 +48,7 @@ def read_robot(path: str | Path) -> Robot:
             beginning = file.read(_BEGINNING)
     except OSError as error:
         raise ReadError(f"cannot read {path}: {error.strerror}", code="no_file") from error
-    if beginning.startswith(_UTF_16):
+    if UTF_16.match(beginning):
         raise ReadError(
             f"cannot read {path}: it is text in UTF-16, which no program for robots reads: save it as UTF-8",
             code="encoding",

@@ -21,6 +21,7 @@ import numpy as np
 
 from inertia.arrays import Float
 from inertia.documents import FieldError, Section, choice, number, numbers, section_of, table_of, text
+from inertia.encoding import text_of
 from inertia.errors import ReadError, UsageError
 from inertia.exchange.robots.links import Geometry, Inertial, Link, Placement, Robot
 from inertia.exchange.robots.text import decimals
@@ -167,7 +168,4 @@ def _decimals(table: Mapping[str, Any]) -> tuple[int | None, int | None, int | N
 
 
 def _text(path: Path) -> str:
-    try:
-        return file_of(str(path)).read_bytes().decode("utf-8-sig")
-    except UnicodeDecodeError:
-        raise ReadError("it is no text in UTF-8", code="encoding") from None
+    return text_of(file_of(str(path)).read_bytes())

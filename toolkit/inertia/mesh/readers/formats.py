@@ -12,7 +12,7 @@ from typing import NamedTuple
 from inertia.errors import ReadError
 from inertia.mesh.readers.msh import is_mujoco_msh
 from inertia.mesh.readers.stl import is_binary_stl, is_text_stl
-from inertia.mesh.readers.strangers import stranger
+from inertia.mesh.readers.strangers import UTF_16, stranger
 
 
 class Format(NamedTuple):
@@ -67,8 +67,15 @@ EXTENSIONS = {name: entry.extensions for name, entry in FORMATS.items()}
 HEAD = 4096
 
 
-def sniff(path: Path, head: bytes, size: int) -> str:
-    """Return the format of a file that begins with `head` (its first `HEAD` bytes) and has `size` bytes."""
+def sniff(path: Path, head: bytes, size: int, stated: str | None = None) -> str:
+    """Return the format of a file that begins with `head` (its first `HEAD` bytes) and has `size` bytes.
+
+    It is the one that is `stated`, if any. Raises `ReadError` where the file is known to be none that is read.
+    """
+    if stated is not None:
+        if re.match(UTF_16, head) and not is_binary_stl(head, size):
+            raise ReadError(str(stranger(head)), code="unknown_format")
+        return stated
     if is_binary_stl(head, size) or is_text_stl(head):
         return "stl"
     if is_mujoco_msh(head, size):

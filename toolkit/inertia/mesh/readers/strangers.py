@@ -5,6 +5,9 @@ from __future__ import annotations
 import re
 
 _EXPORT = "export the part as STEP, STL or 3MF"
+UTF_16 = rb"\xff\xfe|\xfe\xff|(?:[\t\n\r -~]\x00){16}|(?:\x00[\t\n\r -~]){16}"
+"""How text in UTF-16 begins, of which no reader takes any; so may the header of a binary STL file."""
+
 _UNPACK = "unpack it and give the mesh in it"
 
 _KINDS = (
@@ -34,7 +37,7 @@ _KINDS = (
     (rb"7z\xbc\xaf\x27\x1c", "a 7-Zip archive", _UNPACK),
     (rb"Rar!\x1a\x07", "a RAR archive", _UNPACK),
     (rb"\x28\xb5\x2f\xfd", "a file compressed by Zstandard", _UNPACK),
-    (rb"\xff\xfe|\xfe\xff|(?:[\t\n\r -~]\x00){16}|(?:\x00[\t\n\r -~]){16}", "text in UTF-16", "save it as UTF-8"),
+    (UTF_16, "text in UTF-16", "save it as UTF-8"),
     (rb"\x00{512}", "a file of zeros, which was not written to its end", "copy or export it again"),
 )
 
