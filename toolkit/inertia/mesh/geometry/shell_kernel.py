@@ -15,6 +15,9 @@ from inertia.mesh.geometry.crossing_kernel import spread
 COLUMNS = 12
 """Numbers for each shell: its box, 6 × its volume, the size of the terms, a place on it, how many triangles it has."""
 
+FAR, FARTHEST = 1 << 61, 1 << 62
+"""Added to how far shells of a family are from each other, where that is not told by their numbers; of two families."""
+
 MEETS, INSIDE, AROUND = 1, 2, 4
 """What a shell's box does to that of another: meet it, lie in it, hold it."""
 
@@ -25,121 +28,206 @@ BLUR = 1e-14
 """What a height times the sides of a triangle is rounded by, at most, over the product of their lengths."""
 
 
+@njit(error_model="numpy", forceinline=True)
+def least(a, b, c, d):
+    """Return the least of four finite numbers, in fewer steps than `min`, which looks for what is none."""
+    a = b if b < a else a
+    c = d if d < c else c
+    return c if c < a else a
+
+
+@njit(error_model="numpy", forceinline=True)
+def most(a, b, c, d):
+    """Return the largest of four finite numbers."""
+    a = b if b > a else a
+    c = d if d > c else c
+    return c if c > a else a
+
+
 def measure_shells(vertices_at, vertices, faces_at, labels_at, count, table_at, shells):
     """Add triangles to the rows of their shells; volumes are about a place on the first triangle of each."""
     corners = carray(vertices_at, (vertices, 3), np.float64)
     faces = carray(faces_at, (count, 3), np.int64)
     labels = carray(labels_at, (count,), np.int32)
     table = carray(table_at, (shells, COLUMNS), np.float64)
-    for k in range(count):
+    k = 0
+    while k < count:
         row = labels[k]
         if row < 0:
+            k += 1
             continue
+        # Triangles of a shell mostly follow one another: its numbers need not go through memory for each.
         p, q, r = faces[k, 0], faces[k, 1], faces[k, 2]
-        for axis in range(3):
-            a, b, c = corners[p, axis], corners[q, axis], corners[r, axis]
-            table[row, axis] = min(table[row, axis], a, b, c)
-            table[row, 3 + axis] = max(table[row, 3 + axis], a, b, c)
-            if table[row, 11] == 0.0:
+        if table[row, 11] == 0.0:
+            for axis in range(3):
+                a, b, c = corners[p, axis], corners[q, axis], corners[r, axis]
                 table[row, 8 + axis] = FIRST * a + SECOND * b + THIRD * c
-        table[row, 11] += 1.0
-        x0, y0, z0 = corners[p, 0], corners[p, 1], corners[p, 2]
-        ux, uy, uz = corners[q, 0] - x0, corners[q, 1] - y0, corners[q, 2] - z0
-        vx, vy, vz = corners[r, 0] - x0, corners[r, 1] - y0, corners[r, 2] - z0
-        ax, ay, az = x0 - table[row, 8], y0 - table[row, 9], z0 - table[row, 10]
-        table[row, 6] += ax * (uy * vz - uz * vy) + ay * (uz * vx - ux * vz) + az * (ux * vy - uy * vx)
-        sizes = (ax * ax + ay * ay + az * az) * (ux * ux + uy * uy + uz * uz) * (vx * vx + vy * vy + vz * vz)
-        table[row, 7] += math.sqrt(sizes)
+        lx, ly, lz = table[row, 0], table[row, 1], table[row, 2]
+        hx, hy, hz = table[row, 3], table[row, 4], table[row, 5]
+        volume, size = table[row, 6], table[row, 7]
+        x, y, z = table[row, 8], table[row, 9], table[row, 10]
+        begin = k
+        while k < count and labels[k] == row:
+            p, q, r = faces[k, 0], faces[k, 1], faces[k, 2]
+            x0, y0, z0 = corners[p, 0], corners[p, 1], corners[p, 2]
+            x1, y1, z1 = corners[q, 0], corners[q, 1], corners[q, 2]
+            x2, y2, z2 = corners[r, 0], corners[r, 1], corners[r, 2]
+            lx, ly, lz = least(lx, x0, x1, x2), least(ly, y0, y1, y2), least(lz, z0, z1, z2)
+            hx, hy, hz = most(hx, x0, x1, x2), most(hy, y0, y1, y2), most(hz, z0, z1, z2)
+            ux, uy, uz = x1 - x0, y1 - y0, z1 - z0
+            vx, vy, vz = x2 - x0, y2 - y0, z2 - z0
+            ax, ay, az = x0 - x, y0 - y, z0 - z
+            volume += ax * (uy * vz - uz * vy) + ay * (uz * vx - ux * vz) + az * (ux * vy - uy * vx)
+            sizes = (ax * ax + ay * ay + az * az) * (ux * ux + uy * uy + uz * uz) * (vx * vx + vy * vy + vz * vz)
+            size += math.sqrt(sizes)
+            k += 1
+        table[row, 0], table[row, 1], table[row, 2] = lx, ly, lz
+        table[row, 3], table[row, 4], table[row, 5] = hx, hy, hz
+        table[row, 6], table[row, 7] = volume, size
+        table[row, 11] += k - begin
     return 0
 
 
-def curve_codes(table_at, shells, x, y, z, factor, codes_at):
-    """Write the places of shells along a Z-order curve, by the middles of their boxes from (x, y, z) on."""
+def curve_places(table_at, shells, cells, noise, stored, bits, box_at, places_at):
+    """Write the box of all shells, (2, 3), and the place of each along a Z-order curve, its number in the last `bits`.
+
+    Returns 1 where a volume is not known to have a sign, or the boxes are points.
+    """
     table = carray(table_at, (shells, COLUMNS), np.float64)
-    codes = carray(codes_at, (shells,), np.uint64)
+    box = carray(box_at, (2, 3), np.float64)
+    places = carray(places_at, (shells,), np.uint64)
+    lx, ly, lz, hx, hy, hz = table[0, 0], table[0, 1], table[0, 2], table[0, 3], table[0, 4], table[0, 5]
+    for k in range(shells):
+        lx, ly, lz = min(lx, table[k, 0]), min(ly, table[k, 1]), min(lz, table[k, 2])
+        hx, hy, hz = max(hx, table[k, 3]), max(hy, table[k, 4]), max(hz, table[k, 5])
+        if not abs(table[k, 6]) > (noise + table[k, 11] * stored) * table[k, 7]:
+            return 1
+    box[0, 0], box[0, 1], box[0, 2], box[1, 0], box[1, 1], box[1, 2] = lx, ly, lz, hx, hy, hz
+    size = max(hx - lx, hy - ly, hz - lz)
+    if not 0.0 < size < np.inf:
+        return 1
+    factor = cells / size
     for k in range(shells):
         code = np.uint64(0)
         for axis in range(3):
-            origin = x if axis == 0 else (y if axis == 1 else z)
             middle = 0.5 * table[k, axis] + 0.5 * table[k, 3 + axis]
-            code |= spread(np.uint64(max((middle - origin) * factor, 0.0))) << np.uint64(axis)
-        codes[k] = code
+            code |= spread(np.uint64(max((middle - box[0, axis]) * factor, 0.0))) << np.uint64(axis)
+        places[k] = code >> np.uint64(bits - 1) << np.uint64(bits) | np.uint64(k)
     return 0
 
 
-def meet_boxes(table_at, order_at, count, family_at, boxes_at, stack_at, flags_at):
+def meet_boxes(table_at, order_at, places_at, count, family_at, boxes_at, nodes_at, stack_at, flags_at):
     """Enclose boxes two by two, and say which of them meet others of their family, lie in one and hold one.
 
-    Shells are looked at in order, in which their families ascend. The boxes written, (2 count + 64, 6), are float32:
-    rounding never changes an order, so that those that overlap still meet. `stack` has room for 256 rows.
+    Shells are looked at in order, in which their families ascend, and `places` along the curve in each. Two nodes
+    are joined before their neighbours where the places of the shells between them differ in lower bits, so that the
+    boxes of nodes are mostly apart (T. Karras, "Maximizing parallelism in the construction of BVHs, octrees, and k-d
+    trees", High Performance Graphics 2012). Node k < `count` is the k-th shell, and has in `nodes`, (2 count, 2), the
+    root of its family, if it is the last of it; others have the two nodes that they join. The boxes written,
+    (2 count, 6), are float32: rounding never changes an order, so that those that overlap still meet. `stack` has room
+    for 512 rows.
     """
     table = carray(table_at, (count, COLUMNS), np.float64)
     order = carray(order_at, (count,), np.int64)
+    places = carray(places_at, (count,), np.uint64)
     family = carray(family_at, (count,), np.int64)
-    boxes = carray(boxes_at, (2 * count + 64, 6), np.float32)
-    stack = carray(stack_at, (256, 5), np.int64)
+    boxes = carray(boxes_at, (2 * count, 6), np.float32)
+    nodes = carray(nodes_at, (2 * count, 2), np.int64)
+    stack = carray(stack_at, (512, 2), np.int64)
     flags = carray(flags_at, (count,), np.uint8)
+    waiting, built = 0, count
+    one = order[0]
     for k in range(count):
         for axis in range(6):
-            boxes[k, axis] = np.float32(table[order[k], axis])
-    start, size, level = 0, count, 0
-    while size > 1:
-        above = start + size
-        half = (size + 1) // 2
-        for k in range(half):
-            one = start + 2 * k
-            other = min(one + 1, above - 1)
+            boxes[k, axis] = np.float32(table[one, axis])
+        # How far the node that ends here is from the next: equal places are told apart by their numbers.
+        key = np.int64(k ^ (k + 1))
+        other = order[min(k + 1, count - 1)]
+        last = k == count - 1 or family[one] != family[other]
+        if last:
+            key |= FARTHEST
+        elif places[k] != places[k + 1]:
+            key = FAR + np.int64(places[k] ^ places[k + 1])
+        node = k
+        while waiting > 0 and stack[waiting - 1, 1] < min(key, FARTHEST):
+            waiting -= 1
+            before = stack[waiting, 0]
             for axis in range(3):
-                boxes[above + k, axis] = min(boxes[one, axis], boxes[other, axis])
-                boxes[above + k, axis + 3] = max(boxes[one, axis + 3], boxes[other, axis + 3])
-        stack[level, 4] = size
-        start, size, level = above, half, level + 1
-    stack[0, 0], stack[0, 1], stack[0, 2], stack[0, 3] = level, start, 0, 0
-    waiting = 1 if level > 0 else 0
-    while waiting > 0:
-        waiting -= 1
-        level, start, i, j = stack[waiting, 0], stack[waiting, 1], stack[waiting, 2], stack[waiting, 3]
-        size = stack[level - 1, 4]
-        start -= size
-        for k in range(3, -1, -1):
-            a, b = 2 * i + (k >> 1), 2 * j + (k & 1)
-            if a > b or a >= size or b >= size:
-                continue
-            p, q = start + a, start + b
-            if a != b:
-                if not (
-                    boxes[p, 0] <= boxes[q, 3]
-                    and boxes[q, 0] <= boxes[p, 3]
-                    and boxes[p, 1] <= boxes[q, 4]
-                    and boxes[q, 1] <= boxes[p, 4]
-                    and boxes[p, 2] <= boxes[q, 5]
-                    and boxes[q, 2] <= boxes[p, 5]
-                ):
-                    continue
-                one, other = order[min((a + 1) << (level - 1), count) - 1], order[b << (level - 1)]
-                if family[one] < family[other]:
-                    continue
-                if level == 1:
-                    apart, a_in_b, b_in_a = False, True, True
-                    for axis in range(3):
-                        low, high = table[one, axis], table[one, axis + 3]
-                        lower, higher = table[other, axis], table[other, axis + 3]
-                        apart |= high < lower or higher < low
-                        a_in_b &= lower <= low and high <= higher
-                        b_in_a &= low <= lower and higher <= high
-                    if not apart:
-                        flags[one] |= MEETS
-                        flags[other] |= MEETS
-                    if a_in_b:
-                        flags[one] |= INSIDE
-                        flags[other] |= AROUND
-                    if b_in_a:
-                        flags[other] |= INSIDE
-                        flags[one] |= AROUND
-            if level > 1:
-                stack[waiting, 0], stack[waiting, 1], stack[waiting, 2], stack[waiting, 3] = level - 1, start, a, b
-                waiting += 1
+                boxes[built, axis] = min(boxes[before, axis], boxes[node, axis])
+                boxes[built, axis + 3] = max(boxes[before, axis + 3], boxes[node, axis + 3])
+            nodes[built, 0], nodes[built, 1] = before, node
+            if overlap(boxes, before, node):
+                descend(table, order, boxes, nodes, stack, waiting, flags, count, before, node)
+            node = built
+            built += 1
+        if last:
+            nodes[k, 0] = node
+            waiting = 0
+        else:
+            stack[waiting, 0], stack[waiting, 1] = node, key
+            waiting += 1
+        one = other
     return 0
+
+
+@njit(error_model="numpy", forceinline=True)
+def overlap(boxes, p, q):
+    """Say whether two boxes have a point in common."""
+    return (
+        boxes[p, 0] <= boxes[q, 3]
+        and boxes[q, 0] <= boxes[p, 3]
+        and boxes[p, 1] <= boxes[q, 4]
+        and boxes[q, 1] <= boxes[p, 4]
+        and boxes[p, 2] <= boxes[q, 5]
+        and boxes[q, 2] <= boxes[p, 5]
+    )
+
+
+@njit(error_model="numpy", forceinline=True)
+def girth(boxes, node):
+    """Return the sum of the sides of a box."""
+    return (boxes[node, 3] - boxes[node, 0]) + (boxes[node, 4] - boxes[node, 1]) + (boxes[node, 5] - boxes[node, 2])
+
+
+@njit(error_model="numpy", forceinline=True)
+def descend(table, order, boxes, nodes, stack, base, flags, count, one, other):
+    """Compare the shells in two nodes whose boxes overlap; rows of the stack from `base` on are free."""
+    stack[base, 0], stack[base, 1] = one, other
+    waiting = base + 1
+    while waiting > base:
+        waiting -= 1
+        p, q = stack[waiting, 0], stack[waiting, 1]
+        if p < count and q < count:
+            compare(table, flags, order[p], order[q])
+            continue
+        if p < count or (q >= count and girth(boxes, q) > girth(boxes, p)):
+            p, q = q, p
+        for k in range(2):
+            child = nodes[p, k]
+            if overlap(boxes, child, q):
+                stack[waiting, 0], stack[waiting, 1] = child, q
+                waiting += 1
+
+
+@njit(error_model="numpy", forceinline=True)
+def compare(table, flags, one, other):
+    """Write down what the boxes of two shells do to each other."""
+    apart, a_in_b, b_in_a = False, True, True
+    for axis in range(3):
+        low, high = table[one, axis], table[one, axis + 3]
+        lower, higher = table[other, axis], table[other, axis + 3]
+        apart |= high < lower or higher < low
+        a_in_b &= lower <= low and high <= higher
+        b_in_a &= low <= lower and higher <= high
+    if not apart:
+        flags[one] |= MEETS
+        flags[other] |= MEETS
+    if a_in_b:
+        flags[one] |= INSIDE
+        flags[other] |= AROUND
+    if b_in_a:
+        flags[other] |= INSIDE
+        flags[one] |= AROUND
 
 
 @njit(error_model="numpy", forceinline=True)
@@ -241,27 +329,31 @@ def near_children(
     shells,
     radii_at,
     boxes_at,
+    nodes_at,
     order_at,
     ranges_at,
     near_at,
     flags_at,
+    stack_at,
 ):
     """Mark the triangles that may meet a shell next inside their own, and these shells.
 
-    `boxes` are those of the shells in order, and enclosing them, as `meet_boxes` leaves them; `ranges` says where those
-    next inside a shell begin and end. A triangle is apart from one whose box its own does not meet, or where its plane
-    passes the sphere around it.
+    `boxes` and `nodes` are those of the shells in order, and enclosing them, as `meet_boxes` leaves them; `ranges` says
+    where those next inside a shell begin and end. A triangle is apart from one whose box its own does not meet, or
+    where its plane passes the sphere around it.
     """
     corners = carray(vertices_at, (vertices, 3), np.float64)
     faces = carray(faces_at, (count, 3), np.int64)
     labels = carray(labels_at, (count,), np.int32)
     table = carray(table_at, (shells, COLUMNS), np.float64)
     radii = carray(radii_at, (shells,), np.float64)
-    boxes = carray(boxes_at, (2 * shells + 64, 6), np.float32)
+    boxes = carray(boxes_at, (2 * shells, 6), np.float32)
+    nodes = carray(nodes_at, (2 * shells, 2), np.int64)
     order = carray(order_at, (shells,), np.int64)
     ranges = carray(ranges_at, (shells, 2), np.int64)
     near = carray(near_at, (count,), np.uint8)
     flags = carray(flags_at, (shells,), np.uint8)
+    stack = carray(stack_at, (512,), np.int64)
     for k in range(count):
         shell = labels[k]
         if shell < 0 or ranges[shell, 0] == ranges[shell, 1]:
@@ -276,14 +368,11 @@ def near_children(
         nx, ny, nz = uy * vz - uz * vy, uz * vx - ux * vz, ux * vy - uy * vx
         normal = math.sqrt(nx * nx + ny * ny + nz * nz)
         sides = (ux * ux + uy * uy + uz * uz) * (vx * vx + vy * vy + vz * vz)
-        at, last = ranges[shell, 0], ranges[shell, 1]
-        level, most = 0, 63
-        while at < last:
-            # The largest block of 2^level boxes that begins here and ends within the range.
-            level, start, size = 0, 0, shells
-            while level < most and not (at >> level) & 1 and at + (2 << level) <= last:
-                start, size, level = start + size, (size + 1) // 2, level + 1
-            row = start + (at >> level)
+        stack[0] = nodes[ranges[shell, 1] - 1, 0]
+        waiting = 1
+        while waiting > 0:
+            waiting -= 1
+            row = stack[waiting]
             if not (
                 lx <= boxes[row, 3]
                 and boxes[row, 0] <= hx
@@ -292,12 +381,12 @@ def near_children(
                 and lz <= boxes[row, 5]
                 and boxes[row, 2] <= hz
             ):
-                at, most = at + (1 << level), 63
                 continue
-            if level > 0:
-                most = level - 1
+            if row >= shells:
+                stack[waiting], stack[waiting + 1] = nodes[row, 1], nodes[row, 0]
+                waiting += 2
                 continue
-            child = order[at]
+            child = order[row]
             mx = 0.5 * table[child, 0] + 0.5 * table[child, 3] - ax
             my = 0.5 * table[child, 1] + 0.5 * table[child, 4] - ay
             mz = 0.5 * table[child, 2] + 0.5 * table[child, 5] - az
@@ -306,5 +395,4 @@ def near_children(
             if not height - blur > (1.0 + 1e-12) * math.sqrt(radii[child]) * normal:
                 near[k] = 1
                 flags[child] |= MEETS
-            at, most = at + 1, 63
     return 0

@@ -34,16 +34,17 @@ from inertia.native import Kernel, address
 
 _MODULE = "inertia.mesh.geometry.shell_kernel"
 _MEASURE = Kernel(_MODULE, "measure_shells", "pippi" + "pi")
-_CODES = Kernel(_MODULE, "curve_codes", "pi" + "dddd" + "p")
-_MEET = Kernel(_MODULE, "meet_boxes", "ppi" + "pppp")
+_PLACES = Kernel(_MODULE, "curve_places", "pi" + "dddi" + "pp")
+_MEET = Kernel(_MODULE, "meet_boxes", "pppi" + "ppppp")
 _CAST = Kernel(_MODULE, "cast_rays", "pippi" + "pi" + "pppp" + "ppip" + "i" + "ddddd" + "pp")
-_NEAR = Kernel(_MODULE, "near_children", "pippi" + "pi" + "pppp" + "pp")
+_NEAR = Kernel(_MODULE, "near_children", "pippi" + "pi" + "ppppp" + "ppp")
 _CHUNK = 1 << 14
 _COLUMNS = 12  # as the kernels have them
 _MEETS, _INSIDE, _AROUND = 1, 2, 4
 _NOISE = 1e-13  # rounding of a volume, over the sum of its terms' largest magnitudes
 _STORED = 2.0**-50  # the same, for each time that a sum is rounded
 _CLEAR = 2e-10  # of another shell, over the size of the part: what is nearer is not asked by rays
+_LEAST_BITS = 3  # so that differences of places are below the kernel's FAR
 _IN_RANGE = 100  # powers of two, of sizes whose products are far from the ends of float64
 _POINTS = 2  # in a cell of those by which they are looked up, about
 
@@ -70,22 +71,25 @@ def sound_nesting(triangles: Triangles, closure: Closure, *, streamed: bool = Fa
     if (
         not count
         or closure.crowded
-        or not all(kernel.worthwhile(triangles.count) for kernel in (_MEASURE, _CODES, _MEET, _CAST, _NEAR))
+        or not all(kernel.worthwhile(triangles.count) for kernel in (_MEASURE, _PLACES, _MEET, _CAST, _NEAR))
     ):
         return None
     table = np.zeros((count, _COLUMNS))
     table[:, :3], table[:, 3:6] = np.inf, -np.inf
     for _, *chunk in _chunks(triangles, closure):
         _MEASURE.function(*chunk, address(table), count)
-    low = np.array([table[:, k].min() for k in range(3)])
-    size = float((np.array([table[:, k].max() for k in range(3, 6)]) - low).max())
+    box, places, bits = np.empty((2, 3)), np.empty(count, np.uint64), max(count.bit_length(), _LEAST_BITS)
+    of_places = float(CELLS), _NOISE, _STORED, bits, address(box), address(places)
+    if _PLACES.function(address(table), count, *of_places):
+        return None
+    size = float((box[1] - box[0]).max())
     if abs(math.frexp(size)[1]) > _IN_RANGE:
         return None
-    volume, magnitude = table[:, 6], table[:, 7]
-    if not (np.abs(volume) > (_NOISE + table[:, 11] * _STORED) * magnitude).all():
-        return None
-    order = _along_curve(table, low, size)
-    flags, _ = _meeting(table, order, np.zeros(count, np.int64))
+    places.sort()
+    order = (places & np.uint64((1 << bits) - 1)).astype(np.int64)
+    places >>= np.uint64(bits)
+    volume = table[:, 6]
+    flags, *_ = _meeting(table, order, places, np.zeros(count, np.int64))
     parent, radii, depth = np.full(count, -1), np.zeros(count), np.zeros(count, np.int64)
     if not flags.any():
         return (parent, depth) if (volume > 0).all() else None
@@ -99,7 +103,7 @@ def sound_nesting(triangles: Triangles, closure: Closure, *, streamed: bool = Fa
         parent, depth, radii = nest
     if ((depth % 2 == 0) != (signs > 0)).any():
         return None
-    return (parent, depth) if _apart(triangles, closure, table, order, parent, radii, streamed) else None
+    return (parent, depth) if _apart(triangles, closure, table, order, places, parent, radii, streamed) else None
 
 
 def _chunks(triangles: Triangles, closure: Closure) -> Iterator[tuple[slice, int, int, int, int, int]]:
@@ -116,22 +120,19 @@ def _chunks(triangles: Triangles, closure: Closure) -> Iterator[tuple[slice, int
         yield slice(start, start + len(labels)), *places, len(labels)
 
 
-def _along_curve(table: Float, low: Float, size: float) -> Int:
-    """Return the numbers of shells in order along a space-filling curve through a cube."""
-    codes = np.empty(len(table), np.uint64)
-    _CODES.function(address(table), len(table), *low.tolist(), CELLS / size, address(codes))
-    order: Int = np.argsort(codes)
-    return order
+def _meeting(
+    table: Float, order: Int, places: NDArray[np.uint64], family: Int
+) -> tuple[NDArray[np.uint8], NDArray[np.float32], Int]:
+    """Return what the boxes of shells do to others of their family, those in order with enclosing ones, and the nodes.
 
-
-def _meeting(table: Float, order: Int, family: Int) -> tuple[NDArray[np.uint8], NDArray[np.float32]]:
-    """Return what the boxes of shells do to others of their family, and those in order, with enclosing ones."""
+    `places` along a space-filling curve sort those of a family.
+    """
     count = len(order)
-    boxes, flags = np.empty((2 * count + 64, 6), np.float32), np.zeros(count, np.uint8)
-    stack = np.empty((256, 5), np.int64)
-    tables = (each.ctypes.data for each in (family, boxes, stack, flags))
-    _MEET.function(address(table), address(order), count, *tables)
-    return flags, boxes
+    boxes, nodes = np.empty((2 * count, 6), np.float32), np.empty((2 * count, 2), np.int64)
+    stack, flags = np.empty((512, 2), np.int64), np.zeros(count, np.uint8)
+    tables = (each.ctypes.data for each in (family, boxes, nodes, stack, flags))
+    _MEET.function(address(table), address(order), address(places), count, *tables)
+    return flags, boxes, nodes
 
 
 def _nest(
@@ -169,18 +170,27 @@ def _nest(
 
 
 def _apart(
-    triangles: Triangles, closure: Closure, table: Float, order: Int, parent: Int, radii: Float, streamed: bool
+    triangles: Triangles,
+    closure: Closure,
+    table: Float,
+    order: Int,
+    places: NDArray[np.uint64],
+    parent: Int,
+    radii: Float,
+    streamed: bool,
 ) -> bool:
     """Say whether it is shown that no shell meets one next inside it or another in its region."""
     count = len(table)
-    order = order[np.argsort(parent[order], kind="stable")]
-    flags, boxes = _meeting(table, order, parent)
+    ranked = np.argsort(parent[order], kind="stable")
+    order = order[ranked]
+    flags, boxes, nodes = _meeting(table, order, places[ranked], parent)
     near = np.zeros(triangles.count, np.uint8)
     if (parent >= 0).any():
         ranges = np.searchsorted(parent[order], np.arange(count)[:, None] + (0, 1))
-        of_shells = address(table), count, address(radii), address(boxes), address(order), address(ranges)
+        room = np.empty(512, np.int64)
+        of_shells = address(table), count, *map(address, (radii, boxes, nodes, order, ranges))
         for which, *chunk in _chunks(triangles, closure):
-            _NEAR.function(*chunk, *of_shells, near[which].ctypes.data, address(flags))
+            _NEAR.function(*chunk, *of_shells, near[which].ctypes.data, address(flags), address(room))
     meeting: Bool = (flags & _MEETS) != 0
     if not meeting.any():
         return True
