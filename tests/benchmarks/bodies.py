@@ -66,6 +66,7 @@ def _tetrahedra(count: int, step: float) -> Mesh:
 
 
 KINDS: dict[str, Callable[[], Mesh]] = {
+    "5,832 rings": lambda: _copies(solids.ring(16, 7, 1.0, 0.25), _lattice(5_832, 3.0)),
     "64,000 cubes": lambda: _copies(solids.cube(), _lattice(64_000, 2.0)),
     "1,000,000 tetrahedra": lambda: _tetrahedra(1_000_000, 2.0),
     "1,000 hollow balls": lambda: _balls(1_000),
