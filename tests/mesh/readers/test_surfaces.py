@@ -31,7 +31,7 @@ from tests.mesh.readers.samples import (
 from tests.mesh.readers.step_sample import step_solid
 
 from inertia.mesh.part import Part
-from inertia.mesh.read import read
+from inertia.mesh.read import read, read_tree
 from inertia.mesh.surface import Facets
 
 BOX = CORNERS[TRIANGLES]
@@ -358,6 +358,24 @@ def test_only_what_is_built_counts_and_supports_do_not(tmp_path: Path) -> None:
     )
     assert names_of(part) == ["object 0"] * 12
     assert part.notes == ("1 support was left out",)
+
+
+@pytest.mark.parametrize("value", ["0", "false"])
+def test_what_a_slicer_has_marked_as_not_to_be_printed_counts_with_a_note(value: str, tmp_path: Path) -> None:
+    resources = "".join(
+        f'<object id="{i}" type="{kind}">{mesh_3mf()}</object>' for i, kind in enumerate(("model", "support"))
+    )
+    marked = f'<item objectid="0" transform="1 0 0 0 1 0 0 0 1 9 9 9" printable="{value}"/>'
+    items = f'<item objectid="0" printable="1"/>{marked}<item objectid="1" printable="{value}"/>'
+    (tmp_path / "two.3mf").write_bytes(archive_3mf(model_3mf(resources, items)))
+    says = 'build item that a slicer has marked as not to be printed (printable="0") was counted'
+    part = read(tmp_path / "two.3mf")
+    assert part.notes == ("1 support was left out", f"1 {says}")
+    assert part.triangles.count == 24
+    tree = read_tree(tmp_path / "two.3mf")
+    assert (len(tree.nodes), tree.notes) == (2, part.notes)
+    (tmp_path / "one.3mf").write_bytes(archive_3mf(model_3mf(resources, '<item objectid="0" printable="1"/>')))
+    assert read(tmp_path / "one.3mf").notes == ()
 
 
 def test_components_may_lie_in_another_model(tmp_path: Path) -> None:

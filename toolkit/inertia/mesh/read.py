@@ -25,6 +25,7 @@ import numpy as np
 from inertia.arrays import Float, Progress
 from inertia.errors import ReadError, UsageError, placed, visible
 from inertia.mesh.part import Part, Rounding, Source
+from inertia.mesh.readers.comments import commented_unit
 from inertia.mesh.readers.compressed import UNPACK_LIMIT, packed_as, unpacked
 from inertia.mesh.readers.contents import Contents, Layout
 from inertia.mesh.readers.formats import FORMATS, HEAD, format_of_name, sniff
@@ -116,11 +117,17 @@ def read(
         notes.append(
             f"the file says that its unit is {contents.unit.name}, but it was read in {override.name} as asked"
         )
+    unit_and_source = _unit(override, contents.unit)
+    if unit_and_source[1] == "assumed" and contents.commented is not None and contents.commented[0] != DEFAULT_UNIT:
+        notes.append(
+            f"its comment {contents.commented[1]} names another unit than {DEFAULT_UNIT.name}, which is assumed, as "
+            "comments do not count: state the unit"
+        )
     if progress is not None:
         progress(1.0)
     return Part(
         contents.geometry,
-        *_unit(override, contents.unit),
+        *unit_and_source,
         Source(name, kind, version),
         contents.regions and replace(contents.regions, names=tuple(map(visible, contents.regions.names))),
         tuple(notes),
@@ -242,11 +249,13 @@ def _sniffed(
     if coarser != 1.0 and kind != "step":
         raise UsageError(f"{called} is {kind}, whose triangles are in the file: only STEP can be meshed coarser")
     try:
-        return kind, _read_as(kind, path, coarser, memory)
+        contents = _read_as(kind, path, coarser, memory)
     except ReadError:
         if format is not None and (other := stranger(head)) is not None:  # which `sniff` would have said
             raise ReadError(other, code="unknown_format") from None
         raise
+    commented = commented_unit(kind, head)
+    return kind, contents if commented is None else replace(contents, commented=commented)
 
 
 def _unpacked(path: Path, packed: str, format: str | None, coarser: float, limit: float) -> tuple[str, Contents]:

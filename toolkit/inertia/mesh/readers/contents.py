@@ -49,7 +49,7 @@ _LONE_SIGN = re.compile(rb"[-+](?!\d)")
 class Contents:
     """The geometry of a file, the file's own unit (None: it has none), its regions, and notes.
 
-    `chord`, `rounding` and `shape` are those of `Part`.
+    `chord`, `rounding` and `shape` are those of `Part`; `commented` is the unit that a comment names, and that comment.
     """
 
     geometry: Facets | Surface | Cells
@@ -59,6 +59,7 @@ class Contents:
     chord: Float | None = None
     rounding: Rounding | None = None
     shape: Shape | None = None
+    commented: tuple[Unit, str] | None = None
 
 
 @dataclass(frozen=True, eq=False)

@@ -1,6 +1,7 @@
 """3MF: build items place objects, which are meshes or assemblies of objects, of this model or of another.
 
-Supports and other helpers of the printer are no part of the product and are left out.
+Supports and other helpers of the printer are no part of the product and are left out. Items that a slicer has marked
+``printable="0"`` count: the format knows no such attribute, and to any other program they are items as the rest.
 Source: 3MF Consortium, "Core Specification" 1.3, sections 3 and 4, and "Production Extension" 1.1, section 4.
 """
 
@@ -37,6 +38,7 @@ from inertia.units import Unit, length_unit
 
 _UNITS = ("micron", "millimeter", "centimeter", "inch", "foot", "meter")
 _HELPERS = ("support", "solidsupport", "other")
+_FALSE = ("0", "false")
 _ROOT_NAME = "3d/3dmodel.model"
 _DEPTH_LIMIT = 100
 
@@ -70,11 +72,11 @@ class _Object:
 
 @dataclass
 class _Model:
-    """One model part: its unit, its objects and what it builds."""
+    """One model part: its unit, its objects, and what it builds: which, where, and whether it is to be printed."""
 
     unit: Unit
     objects: dict[str, _Object] = field(default_factory=dict)
-    items: list[tuple[_Key, Placement]] = field(default_factory=list)
+    items: list[tuple[_Key, Placement, bool]] = field(default_factory=list)
 
 
 def read_3mf(path: Path) -> Contents:
@@ -113,11 +115,18 @@ def _build(path: Path) -> tuple[_Package, _Model, list[tuple[_Key, Placement]], 
     """Return what a file holds, what it builds of that but for the printer's helpers, and the notes."""
     package = _Package(inflate(path, lambda name: name.endswith((".model", ".rels"))))
     model = package.model(package.root)
-    items = [(key, place) for key, place in model.items if package.object(key).type not in _HELPERS]
-    if sum(package.count(key) for key, _ in items) > EXPANDED_LIMIT:
+    built = [item for item in model.items if package.object(item[0]).type not in _HELPERS]
+    if sum(package.count(key) for key, _, _ in built) > EXPANDED_LIMIT:
         raise ReadError(f"its components make more than {EXPANDED_LIMIT} triangles: split the build", code="too_large")
-    left_out = len(model.items) - len(items)
-    return package, model, items, (f"{plural(left_out, 'support')} {was(left_out)} left out",) if left_out else ()
+    notes = []
+    if left_out := len(model.items) - len(built):
+        notes.append(f"{plural(left_out, 'support')} {was(left_out)} left out")
+    if unprinted := sum(not printed for _, _, printed in built):
+        notes.append(
+            f'{plural(unprinted, "build item")} that a slicer has marked as not to be printed (printable="0") '
+            f"{was(unprinted)} counted"
+        )
+    return package, model, [(key, place) for key, place, _ in built], tuple(notes)
 
 
 class _Package:
@@ -226,7 +235,7 @@ def _parse_model(part: str, data: bytes) -> _Model:
         elif name == "component" and inside and space == core:
             inside[0].components.append(reference(attributes))
         elif name == "item" and space == core:
-            model.items.append(reference(attributes))
+            model.items.append((*reference(attributes), attributes.get("printable") not in _FALSE))
         elif name == "model":
             core = space
             unit = attributes.get("unit", "millimeter")
