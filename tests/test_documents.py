@@ -45,7 +45,7 @@ def test_a_file_knows_its_folder_its_text_and_its_name(tmp_path: Path) -> None:
 
 
 def test_an_error_names_the_document(tmp_path: Path) -> None:
-    with pytest.raises(ReadError, match=r"^cannot read .*b\.toml: No such file"):
+    with pytest.raises(ReadError, match=r"^cannot read .*b\.toml: there is no such file"):
         Note.load(tmp_path / "b.toml")
     with pytest.raises(ReadError, match=r"^cannot read the note: it is not TOML: "):
         Note.loads("value =")

@@ -29,14 +29,14 @@ def run(options: argparse.Namespace) -> int:
     from inertia.encoding import text_of
     from inertia.errors import ReadError, placed
     from inertia.report.citation import cite
-    from inertia.standard_input import file_of
+    from inertia.standard_input import file_of, reason_of
 
     documents = []
     if options.part is not None:
         try:
             documents = [json.loads(text_of(file_of(options.part).read_bytes()))]
         except OSError as error:
-            raise ReadError(f"cannot read {options.part}: {error.strerror}: check the path", code="no_file") from None
+            raise ReadError(f"cannot read {options.part}: {reason_of(error)}", code="no_file") from None
         except ReadError as error:
             raise placed(error, f"cannot read {options.part}") from None
         except ValueError:

@@ -239,7 +239,7 @@ def test_a_field_that_is_wrong_is_named_in_one_sentence(changes: dict, message: 
 
 def test_a_file_that_is_no_toml_is_refused(tmp_path: Path) -> None:
     file = tmp_path / "rotor.toml"
-    with pytest.raises(ReadError, match=r"cannot read .*rotor\.toml: No such file"):
+    with pytest.raises(ReadError, match=r"cannot read .*rotor\.toml: there is no such file"):
         Rotor.load(file)
     file.write_bytes(b"\xff\xfe")
     with pytest.raises(ReadError, match="it is text in UTF-16: save it as UTF-8"):

@@ -216,8 +216,8 @@ def test_a_fault_in_a_scene_is_one_sentence_with_the_file_and_a_code(
     ("code", "arguments", "message"),
     [
         (2, ["simulate", "cube.stl"], "is a mesh and no scene"),
-        (3, ["simulate", "nosuch.toml"], "cannot read nosuch.toml: No such file"),
-        (3, ["simulate", "."], "cannot read .: Is a directory"),
+        (3, ["simulate", "nosuch.toml"], "cannot read nosuch.toml: there is no such file"),
+        (3, ["simulate", "."], "cannot read .: it is a directory: give a file in it"),
         (2, ["simulate", "scenes/cube.toml", "--for", "-1"], "--for is -1.0: it must be positive"),
         (2, ["simulate", "scenes/cube.toml", "--model", "round"], "cube.toml: run.model is 'round', which is unknown"),
         (2, ["tumble", "cube.stl"], "required: --spin, --for"),
@@ -261,7 +261,7 @@ def test_a_mesh_is_no_scene_whatever_its_format(
     mesh.unlink()
     status, out, err = run(capsys, "simulate", str(mesh))
     assert (status, out) == (3, "")
-    assert "No such file" in err
+    assert "there is no such file" in err
 
 
 def test_numbers_of_a_scene_are_drawn(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:

@@ -1,8 +1,9 @@
-"""Standard input as a file: what `-` stands for where a file is named."""
+"""Files that are named to be read: what `-` stands for, standard input, and why one cannot be read."""
 
 from __future__ import annotations
 
 import atexit
+import errno
 import sys
 from contextlib import ExitStack
 from functools import cache
@@ -16,6 +17,22 @@ NAME = "-"
 
 DESCRIPTOR = 0
 """Of standard input, for `inertia.output.note_input`."""
+
+
+_REASONS = {
+    errno.ENOENT: "there is no such file: check the path",
+    errno.EISDIR: "it is a directory: give a file in it",
+    errno.ENOTDIR: "part of the path is not a directory: check the path",
+    errno.EACCES: "permission is denied: ask its owner to let you read it",
+    errno.ELOOP: "it is a symbolic link that leads back to itself: point the link at a file",
+    errno.ENAMETOOLONG: "the path is too long: check the path",
+}
+NO_FILE = _REASONS[errno.ENOENT]
+
+
+def reason_of(error: OSError) -> str:
+    """Return why a file cannot be read, and what to do about it."""
+    return _REASONS.get(error.errno or 0, f"{error.strerror or error}: check the path and the disk")
 
 
 def file_of(name: str) -> Path:

@@ -7,6 +7,7 @@ In Parquet that stands in the metadata, under `inertia`, and with each column.
 from __future__ import annotations
 
 import csv
+import errno
 import io
 import json
 import math
@@ -19,6 +20,7 @@ from typing import Any, Literal, NamedTuple
 
 from inertia.errors import ReadError, UsageError, visible
 from inertia.output import require_writable, together, whole, write_whole
+from inertia.standard_input import reason_of
 
 SUFFIXES = (".parquet", ".csv", ".jsonl")
 _ROWS = 65_536  # in a group of Parquet's
@@ -197,17 +199,18 @@ def read_table(path: Path) -> tuple[dict[str, Any], Iterator[dict[str, Any]]]:
             file = load_pyarrow().parquet.ParquetFile(path)
             about = json.loads((file.schema_arrow.metadata or {})[b"inertia"])
             return about, (row for batch in file.iter_batches() for row in batch.to_pylist())
-        path.stat()
+        with path.open("rb"):
+            pass
         about = json.loads(_beside(path).read_text(encoding="utf-8"))
         kinds = {column["name"]: column["kind"] for column in about["columns"]}
         if path.suffix.lower() == ".csv":
             return about, _csv_rows(path, kinds)
         return about, _json_rows(path)
     except OSError as error:
-        missing = os.fspath(error.filename or path) == os.fspath(_beside(path))
-        where = f" ({visible(_beside(path).name)} beside it, which says what it holds)" if missing else ""
-        says = f"cannot read {visible(str(path))}: {error.strerror or error}{where}: check the path"
-        raise ReadError(says, code="no_file") from None
+        missing = error.errno == errno.ENOENT and os.fspath(error.filename or path) == os.fspath(_beside(path))
+        beside = f"there is no {_beside(path).name} beside it, which says what it holds: keep them together"
+        says = f"cannot read {path}: {beside if missing else reason_of(error)}"
+        raise ReadError(visible(says), code="no_file") from None
     except (KeyError, ValueError) as error:
         raise ReadError(f"cannot read {path}: it is no table that a batch wrote ({visible(str(error))})") from None
 

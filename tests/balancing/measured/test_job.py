@@ -79,9 +79,9 @@ def test_the_samples_say_the_same_after_a_round_trip(name):
         (("plane",), [{"id": "I"}, {"id": "II"}], "2 runs cannot tell what a weight does in 2 planes"),
         (("tolerance",), {"grade": 6.3, "rpm": 3000}, "tolerance.mass is missing: a grade permits"),
         (("method",), "balancing machine", "sensor goes with no balancing machine"),
-        (("coefficients",), "none.toml", "cannot read none.toml: No such file"),
-        (("rotor",), "none.toml", "cannot read none.toml: No such file"),
-        (("readings",), "none.csv", "cannot read none.csv: No such file"),
+        (("coefficients",), "none.toml", "cannot read none.toml: there is no such file"),
+        (("rotor",), "none.toml", "cannot read none.toml: there is no such file"),
+        (("readings",), "none.csv", "cannot read none.csv: there is no such file"),
     ],
 )
 def test_what_is_wrong_is_named_by_its_path(steps, value, words):

@@ -318,7 +318,8 @@ def test_a_pendulum_may_start_at_rest() -> None:
         (b"[body]\nmass = 1\nmass = 2\n", ReadError, "not TOML"),
         (b"\xff\xfe\x00", ReadError, "it is text in UTF-16: save it as UTF-8"),
         (b"\xff\x00", ReadError, "no text in UTF-8: a scene is a TOML file in UTF-8"),
-        (b"", UsageError, "body is missing"),
+        (b"", ReadError, "it is empty: write a scene into it"),
+        (b"# nothing\n", UsageError, "body is missing"),
         (
             b"[body]\npart = 'nosuch.stl'\n[start]\nangular_velocity=[0,0,1]\n[run]\nduration=1",
             ReadError,
@@ -336,7 +337,7 @@ def test_a_file_that_cannot_be_read_is_named(tmp_path: Path, content: bytes, kin
 
 
 def test_a_file_that_is_not_there_is_named(tmp_path: Path) -> None:
-    with pytest.raises(ReadError, match=r"nosuch\.toml: No such file"):
+    with pytest.raises(ReadError, match=r"nosuch\.toml: there is no such file"):
         Scene.load(tmp_path / "nosuch.toml")
 
 

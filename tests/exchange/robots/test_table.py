@@ -66,7 +66,8 @@ def test_what_is_written_is_read_to_the_bit(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("name", "content", "says"),
     [
-        ("a.csv", "", "names no column name"),
+        ("a.csv", "", "it is empty: export the robot again"),
+        ("a.csv", "a,b\n", "names no column name"),
         ("a.csv", "name,mass\n", "names no column ixx"),
         ("a.csv", CSV.partition("\n")[0] + "\n", "it holds no part"),
         ("a.csv", CSV.replace("1.25", "x"), "line 2.mass is 'x': it must be a number"),

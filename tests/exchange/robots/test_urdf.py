@@ -198,7 +198,7 @@ def test_other_files_are_no_robot(tmp_path: Path) -> None:
     (tmp_path / "part.stl").write_text("solid x")
     with pytest.raises(ReadError, match="no robot of a known format"):
         read_robot(tmp_path / "part.stl")
-    with pytest.raises(ReadError, match="No such file"):
+    with pytest.raises(ReadError, match="there is no such file"):
         read_robot(tmp_path / "nothing.urdf")
 
 

@@ -19,6 +19,7 @@ from inertia.estimate import Estimate
 from inertia.mesh.readers.compressed import ARCHIVE, UNPACK_LIMIT, member_copy, meshes_in
 from inertia.output import temporary_folder
 from inertia.standard_input import NAME as STANDARD_INPUT
+from inertia.standard_input import reason_of
 from inertia.tables import cell_text, load_pyarrow
 
 _URL = re.compile(r"[a-z][a-z0-9+.-]+::?//")
@@ -314,7 +315,7 @@ def _records(manifest: str) -> Iterator[Mapping[str, Any]]:
 
 
 def _unreadable(manifest: str, error: OSError) -> ReadError:
-    return ReadError(f"cannot read {visible(manifest)}: {error.strerror or error}: check the path", code="no_file")
+    return ReadError(f"cannot read {visible(manifest)}: {reason_of(error)}", code="no_file")
 
 
 @contextmanager

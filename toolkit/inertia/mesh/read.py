@@ -32,20 +32,12 @@ from inertia.mesh.readers.formats import FORMATS, HEAD, format_of_name, sniff
 from inertia.mesh.readers.strangers import stranger
 from inertia.mesh.tree import MeshTree
 from inertia.mesh.version import CHANGED, Version, unchanged
-from inertia.standard_input import file_of
+from inertia.standard_input import NO_FILE, file_of, reason_of
 from inertia.units import DEFAULT_UNIT, Unit, UnitFrom, length_unit
 
 _SMALL = 10_000_000  # bytes
 
 _ZIPPED = ("3mf", "3dxml", "zae")  # formats that are zip archives themselves
-
-_REASONS = {
-    errno.ENOENT: "there is no such file: check the path",
-    errno.ENOTDIR: "part of the path is not a directory: check the path",
-    errno.EACCES: "permission is denied: ask its owner to let you read it",
-    errno.ELOOP: "it is a symbolic link that leads back to itself: point the link at a file",
-    errno.ENAMETOOLONG: "the path is too long: check the path",
-}
 
 
 def read(
@@ -214,12 +206,12 @@ def _contents(
 def _opened(name: str) -> Iterator[tuple[Path, bytes, Version]]:
     """Yield where a file is, how it begins, and its version, which is the same when it has been read."""
     if "\0" in name:
-        raise ReadError(_REASONS[errno.ENOENT], code="no_file")
+        raise ReadError(NO_FILE, code="no_file")
     try:
         path = file_of(name)
         status = path.stat()
         if stat.S_ISDIR(status.st_mode):
-            raise ReadError("it is a directory: give a file in it", code="no_file")
+            raise IsADirectoryError(errno.EISDIR, os.strerror(errno.EISDIR))
         if not stat.S_ISREG(status.st_mode):
             raise ReadError("it is not a regular file but a pipe, socket or device: copy its contents into a file")
         with unchanged(path) as version:
@@ -227,10 +219,9 @@ def _opened(name: str) -> Iterator[tuple[Path, bytes, Version]]:
                 head = file.read(HEAD)
             yield path, head, version
     except OSError as error:
-        reason = _REASONS.get(error.errno or 0, f"{error.strerror or error}: check the path and the disk")
-        raise ReadError(reason, code="no_file") from error
+        raise ReadError(reason_of(error), code="no_file") from error
     except UnicodeEncodeError as error:
-        raise ReadError(_REASONS[errno.ENOENT], code="no_file") from error
+        raise ReadError(NO_FILE, code="no_file") from error
     except MemoryError as error:
         if status.st_size < _SMALL:
             says = f"its counts ask for more memory than there is, though it has {status.st_size} bytes only: "

@@ -12,6 +12,7 @@ from inertia.documents import section_of
 from inertia.encoding import text_of
 from inertia.errors import InertiaError, ReadError, placed
 from inertia.output import note_input
+from inertia.standard_input import reason_of
 from inertia.tables import cell_text
 
 _COLUMNS = ("run", "sensor", "rpm", "amplitude", "phase")
@@ -33,8 +34,7 @@ def _rows(file: Path) -> Iterator[tuple[str, str, ReadingFields]]:
     try:
         lines = text_of(file.read_bytes(), "save the table as CSV in UTF-8").splitlines()
     except OSError as error:
-        says = f"cannot read {file}: {error.strerror or error}: check the path"
-        raise ReadError(says, code="no_file") from None
+        raise ReadError(f"cannot read {file}: {reason_of(error)}", code="no_file") from None
     except ReadError as error:
         raise placed(error, f"cannot read {file}") from None
     first = next((line for line in lines if line.strip()), "")

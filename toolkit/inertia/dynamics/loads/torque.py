@@ -20,6 +20,7 @@ from inertia.dynamics.loads.load import Load, TurningBody
 from inertia.encoding import text_of
 from inertia.errors import ReadError, UsageError, placed
 from inertia.output import note_input
+from inertia.standard_input import reason_of
 
 _STANDS_OUT = 30.0  # times the median of the changes between two probes, that a jump changes a function by
 _NO_JUMP = 1e-12  # of its largest value, and what is less is none
@@ -306,7 +307,7 @@ def read_table(path: str | Path) -> TorqueTable:
     try:
         text = text_of(file.read_bytes(), "save the table as CSV in UTF-8")
     except OSError as error:
-        says = f"the torque table cannot be read: {error.strerror or error}: check the path"
+        says = f"the torque table cannot be read: {reason_of(error)}"
         raise ReadError(says, places=(str(path),), code="no_file") from None
     except ReadError as error:
         raise placed(error, str(path)) from None

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 import re
+from codecs import BOM_UTF8
 from collections import Counter
 from collections.abc import Callable
 from pathlib import Path
@@ -18,7 +19,7 @@ from inertia.exchange.robots.urdf import read_urdf
 from inertia.exchange.robots.usd import read_usd
 from inertia.mesh.readers.contents import shown
 from inertia.standard_input import NAME as STANDARD_INPUT
-from inertia.standard_input import file_of
+from inertia.standard_input import file_of, reason_of
 
 READERS: dict[str, tuple[set[str], Callable[[Path], Robot]]] = {
     "urdf": ({"<robot"}, read_urdf),
@@ -47,7 +48,9 @@ def read_robot(path: str | Path) -> Robot:
         with file_of(str(path)).open("rb") as file:
             beginning = file.read(_BEGINNING)
     except OSError as error:
-        raise ReadError(f"cannot read {path}: {error.strerror}", code="no_file") from error
+        raise ReadError(f"cannot read {path}: {reason_of(error)}", code="no_file") from error
+    if not beginning.removeprefix(BOM_UTF8).strip():
+        raise ReadError(f"cannot read {path}: it is empty: export the robot again", code="empty_file")
     if UTF_16.match(beginning):
         raise ReadError(
             f"cannot read {path}: it is text in UTF-16, which no program for robots reads: save it as UTF-8",
