@@ -190,6 +190,8 @@ def test_euler_angles_are_those_of_scipy(sequence: str, angles: tuple[float, ...
         ("sphere", [2], 32 * math.pi / 3, (1.6, 1.6, 1.6)),
         ("cylinder", [2, 3], 12 * math.pi, (1.75, 1.75, 2.0)),
         ("tube", [2, 1, 3], 9 * math.pi, (2.0, 2.0, 2.5)),
+        ("ellipsoid", [1, 2, 3], 8 * math.pi, (2.6, 2.0, 1.0)),
+        ("capsule", [1, 3], 13 / 3 * math.pi, (241 / 130, 241 / 130, 61 / 130)),
         ("cone", [2, 3], 4 * math.pi, (0.15 * 4 + 0.0375 * 9, 0.15 * 4 + 0.0375 * 9, 1.2)),
     ],
 )

@@ -277,7 +277,6 @@ def test_a_default_of_another_name_at_the_top_counts_for_all(tmp_path: Path) -> 
     [
         (body("", '<compiler inertiafromgeom="true"/>'), None),
         (body("", '<compiler fusestatic="true"/>'), "fusestatic is true"),
-        (body('<geom size="1"/>'), "1 body states no inertial"),
         (body('<inertial pos="0 0 0" mass="1" diaginertia="1 1 1"/>', '<compiler inertiafromgeom="true"/>'), "geoms"),
         (body("", '<compiler boundmass="0.1"/>'), "boundmass is set"),
         (body("", '<compiler boundmass="0"/>'), None),
@@ -345,3 +344,62 @@ def test_global_coordinates_are_refused_as_mujoco_refuses_them(tmp_path: Path) -
     file.write_text('<mujoco><compiler coordinate="global"/><worldbody><body/></worldbody></mujoco>')
     with pytest.raises(ReadError, match="its coordinates are global"):
         read_robot(file)
+
+
+GEOMS = """
+<mujoco><compiler inertiagrouprange="0 2"/>
+  <default><geom density="700"/></default>
+  <asset><mesh name="m" file="upper arm.obj" scale="0.5 0.4 -0.3" refpos="0.1 -0.2 0.3"/></asset>
+  <worldbody><geom size="5"/>
+    <body name="a" pos="0 0 1"><freejoint/>
+      <geom size="0.1" mass="3"/><geom type="capsule" size="0.04" fromto="0 0 0 0.1 0.2 -0.4"/>
+      <geom type="ellipsoid" size="0.1 0.2 0.3" pos="0.1 0 0" euler="10 20 30" density="500"/>
+      <geom type="box" size="1 1 1" mass="0"/>
+      <body name="b" pos="0 0.5 0" euler="0 40 0"><joint name="turn" axis="0 1 0.2"/>
+        <geom type="cylinder" size="0.05 0.3"/><geom type="box" size="0.1 0.2 0.3" group="3"/>
+        <frame pos="0.3 0 0" euler="30 0 0"><geom type="mesh" mesh="m" euler="0 0 20"/></frame>
+        <body name="c"><joint/><inertial pos="0 0 1" mass="1" diaginertia="1 1 1"/><geom size="1"/></body>
+      </body>
+    </body>
+  </worldbody>
+</mujoco>
+"""
+
+
+@pytest.mark.parametrize("turn", [0.0, 0.7])
+def test_bodies_without_an_inertial_weigh_what_their_geoms_do(tmp_path: Path, turn: float) -> None:
+    solid.file(tmp_path)
+    file = tmp_path / "a.xml"
+    file.write_text(GEOMS)
+    model = compile_model(file)
+    mujoco = pytest.importorskip("mujoco")
+    data = mujoco.MjData(model)
+    data.qpos[7] = turn
+    mujoco.mj_forward(model, data)
+    tree, notes = robot_tree(read_robot(file), {"turn": turn})
+    whole = inertia.Assembly.from_dict(tree).mass_properties()
+    assert notes == ()
+    assert whole.mass == pytest.approx(model.body_subtreemass[0], rel=1e-7)  # the mesh is in float32 there
+    np.testing.assert_allclose(whole.center_of_mass, data.subtree_com[0], atol=1e-7)
+    tensor = np.zeros((3, 3))
+    for k in range(1, model.nbody):
+        turned = data.ximat[k].reshape(3, 3)
+        d = data.xipos[k] - data.subtree_com[0]
+        tensor += turned @ np.diag(model.body_inertia[k]) @ turned.T + model.body_mass[k] * (
+            d @ d * np.eye(3) - np.outer(d, d)
+        )
+    np.testing.assert_allclose(whole.inertia, tensor, atol=1e-6 * np.linalg.norm(tensor))
+
+
+def test_geoms_without_a_weight_make_no_mass(tmp_path: Path) -> None:
+    file = tmp_path / "a.xml"
+    file.write_text(body('<geom size="1"/>', '<compiler inertiafromgeom="false"/>'))
+    tree, notes = robot_tree(read_robot(file))
+    assert [part["name"] for part in tree["part"]] == ["a"]
+    assert "states no mass" in notes[0]
+    file.write_text(
+        body('<geom size="1" mass="2"/><geom name="s" size="1" shellinertia="true"/><geom type="cone" size="1"/>')
+    )
+    tree, notes = robot_tree(read_robot(file))
+    assert [part.get("mass") for part in tree["part"]] == [None, 2.0]
+    assert ["s is left out: the mass of a shell" in notes[0], "'cone' is no type" in notes[1]] == [True, True]

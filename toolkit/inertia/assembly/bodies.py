@@ -370,6 +370,16 @@ def _solid(kind: str, sizes: list[Fraction]) -> Moments:
         case "sphere":
             (r,) = sizes
             volume, squares = _PI * r**3 * 4 / 3, (r * r / 5,) * 3
+        case "ellipsoid":
+            x, y, z = sizes
+            volume, squares = _PI * x * y * z * 4 / 3, (x * x / 5, y * y / 5, z * z / 5)
+        case "capsule":
+            r, z = sizes
+            barrel, ball = r * r * z, r**3 * 4 / 3
+            across = (barrel * r * r / 4 + ball * r * r / 5) / (barrel + ball)
+            # The centres of the half balls lie 3r/8 beyond the barrel's faces.
+            along = (barrel * z * z / 12 + ball * (r * r / 5 + z * z / 4 + 3 * z * r / 8)) / (barrel + ball)
+            volume, squares = _PI * (barrel + ball), (across, across, along)
         case "cone":
             r, z = sizes
             volume, squares = _PI * r * r * z / 3, (3 * r * r / 20, 3 * r * r / 20, 3 * z * z / 80)
@@ -422,6 +432,14 @@ def _surface(kind: str, sizes: list[float]) -> Float:
             return primitives.box(np.array(sizes) / 2)
         case "sphere":
             return sizes[0] * primitives.ball()
+        case "ellipsoid":
+            ball: Float = primitives.ball() * np.array(sizes)
+            return ball
+        case "capsule":
+            r, z = sizes
+            ends = r * primitives.ball()
+            capsule: Float = ends + np.sign(ends[..., 2:]) * np.array([0, 0, z / 2])
+            return capsule
         case "cone":
             r, z = sizes
             return primitives.revolved(z * np.array([-0.25, 0.75]), np.array([r, 0.0]))

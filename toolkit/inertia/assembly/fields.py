@@ -54,7 +54,7 @@ _MOST_COPIES = 1_000_000
 _LONGEST = 1000  # characters of a number in quotes
 _RATIONAL = re.compile(r"\s*[+-]?\d+(?:\.\d*)?(?:\s*/\s*\d+)?\s*")
 
-SIZES = {"box": 3, "sphere": 1, "cylinder": 2, "tube": 3, "cone": 2, "point": 0}
+SIZES = {"box": 3, "sphere": 1, "ellipsoid": 3, "cylinder": 2, "capsule": 2, "tube": 3, "cone": 2, "point": 0}
 """Shapes without a mesh, and how many lengths each has."""
 
 
@@ -254,9 +254,11 @@ class PartFields(Section):
     stretch : factors along x, y and z, or a matrix (3, 3), that the coordinates of the file are multiplied by before
         the part is placed; a mirror has a negative determinant
     assembly : path of another assembly file
-    shape : of what has no mesh, centred on its origin: box, sphere, cylinder, tube and cone stand along z
-    size : its lengths: box x, y, z; sphere radius; cylinder radius, length; tube outer radius, inner radius, length;
-        cone radius, height, its base at −height/4, as that puts the centre of mass at the origin
+    shape : of what has no mesh, centred on its origin: box, sphere, ellipsoid; cylinder, capsule, tube and cone stand
+        along z
+    size : its lengths: box x, y, z; sphere radius; ellipsoid half axes; cylinder radius, length; capsule radius, length
+        without the half balls at its ends; tube outer radius, inner radius, length; cone radius, height, its base at
+        −height/4, as that puts the centre of mass at the origin
     unit : of the coordinates of a file that states none; the unit of the assembly without it
     density : kg/m³
     material : a name in ``[densities]`` or in the table of materials

@@ -22,7 +22,7 @@ _SHARE, _ROUND_SHARE = 1e-6, 5e-3
 """Of the smaller part's volume: less is contact; of round shapes, whose facets lie inside them, the second."""
 _NEAR = 1.01  # times what counts as contact, within which volumes are those that bound their rounding
 _KEPT = 256  # solids
-_ROUND = ("sphere", "cylinder", "tube", "cone")
+_ROUND = ("sphere", "ellipsoid", "cylinder", "capsule", "tube", "cone")
 
 
 @dataclass(frozen=True, eq=False)

@@ -73,6 +73,8 @@ class Geometry:
     placement : of its own axes in those of the link
     scale : what the coordinates in the mesh's file are multiplied by to be metres, along its x, y and z; None where
         the file's own unit, or else the metre, counts
+    density, mass : kg/m³, or kg, that the format has it weigh where nothing is stated of the link; None where it has
+        no such rule
     """
 
     name: str
@@ -80,6 +82,8 @@ class Geometry:
     shape: Path | Part | Primitive | str
     placement: Placement = field(default_factory=Placement)
     scale: tuple[Fraction, Fraction, Fraction] | None = None
+    density: float | None = None
+    mass: float | None = None
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "name", visible(self.name))

@@ -8,7 +8,7 @@ attached and replicated models. A body without a joint hangs from its parent as 
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from fractions import Fraction
 from pathlib import Path
 from xml.etree.ElementTree import Element
@@ -29,6 +29,7 @@ Attributes = Mapping[str, str]
 _UNREAD = ("composite", "flexcomp", "attach", "replicate", "plugin")
 _CHANGES = ("balanceinertia", "boundmass", "boundinertia", "settotalmass")  # what MuJoCo does to what is stated
 _MOTIONS: dict[str, Motion] = {"hinge": "turns", "slide": "slides"}
+_WEIGHS = ("density", 1000.0), ("mass", -1.0)  # of a geom, and what they are by default: no mass of its own
 _NO_SOLID = ("plane", "hfield", "sdf")
 _DEEPEST = 32  # files that include one another
 _NESTED = 200  # elements in one another
@@ -96,10 +97,6 @@ def read_mjcf(path: Path) -> Robot:
         raise ReadError("it holds no body", code="empty")
     if model.compiler.get("inertiafromgeom") == "true" and any(link.inertial is not None for link in links):
         model.note("inertiafromgeom is true: MuJoCo computes masses and tensors from the geoms, whatever is stated")
-    derived = sum(link.inertial is None and bool(link.geometries) and not link.fault for link in links)
-    if derived and model.compiler.get("inertiafromgeom") != "false":
-        who = "1 body states" if derived == 1 else f"{derived} bodies state"
-        model.note(f"{who} no inertial: MuJoCo computes it from mass or density of the geoms, which is not done here")
     if model.compiler.get("fusestatic") == "true":
         model.note("fusestatic is true: MuJoCo merges bodies without a joint with their parents")
     for key in _CHANGES:
@@ -268,6 +265,21 @@ def _inertial(elements: list[tuple[Element, Placement, str]], what: str, model: 
 
 
 def _geometry(attributes: Attributes, what: str, number: int, where: Placement, model: _Model) -> Geometry | None:
+    """Return what a geom is, and what it weighs where its body has no inertial; None of what has no volume."""
+    geometry = _shape(attributes, what, number, where, model)
+    if geometry is None or model.compiler.get("inertiafromgeom") == "false":
+        return geometry
+    group = float(numbers(attributes, "group", 1, [0.0], what)[0])
+    first, last = numbers(model.compiler, "inertiagrouprange", 2, [0.0, 5.0], "compiler").tolist()
+    density, mass = (numbers(attributes, key, 1, [least], what).item() for key, least in _WEIGHS)
+    if not first <= group <= last:
+        density, mass = 0.0, 0.0
+    if (density or mass) and attributes.get("shellinertia") == "true":
+        return replace(geometry, shape="the mass of a shell (shellinertia) is not computed", density=density)
+    return replace(geometry, density=density, mass=mass if mass >= 0 else None)
+
+
+def _shape(attributes: Attributes, what: str, number: int, where: Placement, model: _Model) -> Geometry | None:
     kind = attributes.get("type", "sphere")
     role: Role = "collision"
     if attributes.get("contype") == attributes.get("conaffinity") == "0":

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from inertia.errors import GeometryError, UsageError
-from inertia.exchange.robots.links import Joint, Link, Placement, Robot
+from inertia.exchange.robots.links import Joint, Link, Placement, Primitive, Robot
 from inertia.exchange.rotations import rotation_of_quaternion
 from inertia.mass.tensor import faults
 
@@ -17,6 +18,8 @@ _FORMATS = ("urdf", "mjcf", "sdf", "usd")
 
 def robot_tree(robot: Robot, joints: Mapping[str, float] | None = None) -> tuple[dict[str, Any], tuple[str, ...]]:
     """Return an assembly laid out as its file is, a part for each link, in metres; and what had to be decided.
+
+    Where nothing is stated of a link and the format has its geometries weigh something (MJCF), each is a part too.
 
     Parameters
     ----------
@@ -41,7 +44,9 @@ def robot_tree(robot: Robot, joints: Mapping[str, float] | None = None) -> tuple
     parts, notes = [], list(robot.notes)
     for link in robot.links:
         parts.append(_part(link, positions))
-        if link.inertial is None:
+        if link.inertial is None and any(geometry.mass != 0 and geometry.density for geometry in link.geometries):
+            parts += _of_geometries(link, notes)
+        elif link.inertial is None:
             notes.append(f"link {link.name} states no mass: it is a group; give it a file or a mass")
         if link.joint is not None and link.joint.kind == "other":
             notes.append(f"joint {link.joint.name} neither turns nor slides about one axis: it is at its rest")
@@ -58,10 +63,7 @@ def _part(link: Link, positions: Mapping[str, float]) -> dict[str, Any]:
         if joint.parent is not None:
             part["parent"] = joint.parent
         place = joint.placement.then(_moved(joint, positions.get(joint.name, joint.rest)))
-        if place.origin.any():
-            part["at"] = place.origin.tolist()
-        if not np.array_equal(place.rotation, np.eye(3)):
-            part["matrix"] = place.rotation.tolist()
+        part |= _placed(place)
     if (stated := link.inertial) is not None and stated.mass > 0:
         rotation = stated.placement.rotation
         tensor = rotation @ stated.inertia @ rotation.T
@@ -70,6 +72,37 @@ def _part(link: Link, positions: Mapping[str, float]) -> dict[str, Any]:
             raise GeometryError(f"link {link.name}: {broken[0]}: mend it with `audit`, or leave the tensor out")
         part |= {"mass": stated.mass, "center_of_mass": stated.placement.origin.tolist(), "inertia": tensor.tolist()}
     return part
+
+
+def _of_geometries(link: Link, notes: list[str]) -> list[dict[str, Any]]:
+    """Return parts for the geometries that a link weighs by; what cannot be weighed is noted."""
+    parts = []
+    for geometry in link.geometries:
+        if geometry.mass == 0 or (geometry.mass is None and not geometry.density):
+            continue
+        part: dict[str, Any] = {"name": f"{link.name}/{geometry.name}", "parent": link.name}
+        if isinstance(geometry.shape, Path):
+            part |= {"file": str(geometry.shape.absolute()), "unit": "m"}
+            if geometry.scale is not None and set(geometry.scale) != {1}:
+                part["stretch"] = [float(k) for k in geometry.scale]
+        elif isinstance(geometry.shape, Primitive) and min(geometry.shape.sizes) > 0:
+            part |= {"shape": geometry.shape.kind, "size": list(geometry.shape.sizes)}
+        else:
+            why = geometry.shape if isinstance(geometry.shape, str) else "it encloses nothing"
+            notes.append(f"link {link.name}, {geometry.name} is left out: {why}")
+            continue
+        part |= {"density": geometry.density} if geometry.mass is None else {"mass": geometry.mass}
+        parts.append(part | _placed(geometry.placement))
+    return parts
+
+
+def _placed(place: Placement) -> dict[str, Any]:
+    placed: dict[str, Any] = {}
+    if place.origin.any():
+        placed["at"] = place.origin.tolist()
+    if not np.array_equal(place.rotation, np.eye(3)):
+        placed["matrix"] = place.rotation.tolist()
+    return placed
 
 
 def _moved(joint: Joint, position: float) -> Placement:
