@@ -290,7 +290,17 @@ BAD = {
         build(WHOLE.replace('z="3.0"', "", 1)),
         "lacks the attribute 'z' at line 2",
     ),
-    "3MF garbage number": ("a.3mf", build(WHOLE.replace('z="3.0"', 'z="3,0"', 1)), "faulty number .*'3,0'"),
+    "3MF garbage number": (
+        "a.3mf",
+        build(WHOLE.replace('z="3.0"', 'z="3,0"', 1)),
+        "an object has '3,0' where a number must stand",
+    ),
+    "3MF half index": ("a.3mf", build(WHOLE.replace('v1="', 'v1="0.5', 1)), r"has '0.5\d+' where an index must stand"),
+    "3MF huge index": (
+        "a.3mf",
+        build(WHOLE.replace('v1="', 'v1="99999999999999999999', 1)),
+        "where an index must stand",
+    ),
     "3MF transform": (
         "a.3mf",
         build(WHOLE, '<item objectid="1" transform="1 0 0"/>'),

@@ -63,11 +63,21 @@ class _Object:
         try:
             vertices = np.array(list(map(float, self.coordinates)), np.float64).reshape(-1, 3)
             faces = np.array(list(map(int, self.corners)), np.int64).reshape(-1, 3)
-        except (ValueError, OverflowError) as error:
-            raise ReadError(f"{what} has a faulty number ({error}): export it again", code="not_a_number") from None
+        except (ValueError, OverflowError):
+            raise ReadError(f"{what} has {self._culprit()} must stand: export it again", code="not_a_number") from None
         check_indices(faces, len(vertices), f"{what}, triangle")
         words = self.coordinates
         return vertices, faces, rounding_of(vertices, lambda: " ".join(words).encode(), lambda: words)
+
+    def _culprit(self) -> str:
+        """Return the first word that is no number, and what must stand in its place."""
+        for words, kind, says in ((self.coordinates, float, "a number"), (self.corners, np.int64, "an index")):
+            for word in words:
+                try:
+                    kind(word)
+                except (ValueError, OverflowError):
+                    return f"{shown(word)} where {says}"
+        raise AssertionError("the words are numbers one by one, but not together")
 
 
 @dataclass
