@@ -293,3 +293,92 @@ def test_models_that_include_two_others_each_end(tmp_path: Path) -> None:
     (tmp_path / "30.sdf").write_text(text('<link name="a"/>'))
     with pytest.raises(inertia.ReadError, match="more than 1000 models are included"):
         read_robot(tmp_path / "0.sdf")
+
+
+@pytest.mark.parametrize("by_include", [False, True])
+def test_a_model_is_placed_by_its_placement_frame(tmp_path: Path, by_include: bool) -> None:
+    inside = (
+        '<link name="a"><pose>0 0 1 0.3 0 0.5</pose></link><model name="grip" placement_frame="tip">'
+        '<pose relative_to="a">0.1 0.2 0.3 0 0.7 0</pose><link name="b"/>'
+        '<frame name="tip"><pose>0 0 2 0 0.4 0</pose></frame></model>'
+        '<frame name="f" attached_to="grip::tip"><pose>1 0 0 0.4 0 0</pose></frame>'
+    )
+    placed = "<pose>1 2 3 0.1 0.2 0.3</pose>"
+    file = tmp_path / "a.sdf"
+    if by_include:
+        (tmp_path / "m.sdf").write_text(text(f"<pose>7 7 7 0 0 0</pose>{inside}"))
+        include = f"<include><uri>m.sdf</uri>{placed}<placement_frame>f</placement_frame></include>"
+        file.write_text(f'<sdf version="1.9"><world name="w">{include}</world></sdf>')
+    else:
+        file.write_text(text(f"{placed}{inside}").replace("<model ", '<model placement_frame="f" ', 1))
+    a, tip = pose(0, 0, 1, 0.3, 0, 0.5), pose(0, 0, 2, 0, 0.4, 0)
+    b = a @ pose(0.1, 0.2, 0.3, 0, 0.7, 0) @ np.linalg.inv(tip)
+    model = pose(1, 2, 3, 0.1, 0.2, 0.3) @ np.linalg.inv(b @ tip @ pose(1, 0, 0, 0.4, 0, 0))
+    for name, where in (("a", a), ("grip::b", b)):
+        joint = link(file, name).joint
+        assert joint is not None
+        assert np.allclose(np.c_[joint.placement.rotation, joint.placement.origin], (model @ where)[:3], atol=1e-14)
+
+
+def test_models_in_a_world_count_from_its_frames_and_from_one_another(tmp_path: Path) -> None:
+    file = tmp_path / "a.sdf"
+    file.write_text(
+        '<sdf version="1.9"><world name="w"><frame name="bench"><pose>1 2 3 0 0 1</pose></frame>'
+        '<model name="m"><pose relative_to="bench">1 0 0 0.2 0 0</pose><link name="a"/></model>'
+        '<model name="n"><pose relative_to="m::a">0 1 0 0 0.3 0</pose><link name="a"/></model>'
+        '<joint name="weld" type="fixed"><parent>m::a</parent><child>n</child></joint></world></sdf>'
+    )
+    first, second = read_robot(file).links
+    assert first.joint is not None
+    assert same(first.joint.placement, pose(1, 2, 3, 0, 0, 1) @ pose(1, 0, 0, 0.2, 0, 0))
+    assert second.parent == "m::a"
+    assert same(second.placement, pose(0, 1, 0, 0, 0.3, 0))
+
+
+@pytest.mark.parametrize(
+    ("ends", "parent"),
+    [
+        (("a", "inner"), "a"),  # a model stands for its canonical link
+        (("first", "inner::b"), "a"),  # a frame of the model, likewise
+        (("__model__", "inner::tip"), "a"),
+        (("early", "inner::b"), "a"),  # a joint goes with its child
+        (("a", "named"), None),
+    ],
+)
+def test_a_joint_joins_the_links_that_its_frames_go_with(
+    tmp_path: Path, ends: tuple[str, str], parent: str | None
+) -> None:
+    file = tmp_path / "a.sdf"
+    file.write_text(
+        text(
+            '<link name="a"/><frame name="first"/><joint name="early" type="fixed"><parent>world</parent>'
+            '<child>a</child></joint><model name="inner"><link name="b"/><frame name="tip" attached_to="b"/></model>'
+            '<model name="named" canonical_link="d"><link name="c"/><link name="d"/></model>'
+            f'<joint name="j" type="fixed"><parent>{ends[0]}</parent><child>{ends[1]}</child></joint>'
+        )
+    )
+    robot = read_robot(file)
+    assert robot.notes == ()
+    assert {link.name: link.parent for link in robot.links} == {
+        "a": None,
+        "inner::b": parent,
+        "named::c": None,
+        "named::d": "a" if parent is None else None,
+    }
+
+
+def test_a_joint_that_closes_a_loop_or_lacks_an_end_is_left_out(tmp_path: Path) -> None:
+    def joint(name: str, parent: str, child: str, kind: str = "fixed") -> str:
+        return f'<joint name="{name}" type="{kind}"><parent>{parent}</parent><child>{child}</child></joint>'
+
+    file = tmp_path / "a.sdf"
+    ends = [("h", "a", "b", "revolute"), ("j", "a", "b"), ("k", "b", "c"), ("l", "c", "a"), ("m", "d", "d")]
+    joints = "".join(joint(*each) for each in [*ends, ("n", "a", "")])
+    file.write_text(text("".join(f'<link name="{name}"/>' for name in "abcd") + joints))
+    robot = read_robot(file)
+    assert [link.parent for link in robot.links] == [None, "a", "b", None]
+    assert [note.partition(":")[0] for note in robot.notes] == [
+        *(f"joint {name!r} closes a loop or joins frames of no link" for name in "lm"),
+        "joint 'n' has no child",
+        "joint 'h' closes a loop or joins frames of no link",
+    ]

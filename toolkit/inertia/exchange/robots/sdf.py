@@ -41,13 +41,12 @@ _SHAPELESS = ("plane", "heightmap", "image", "empty", "polyline")
 class _Frames:
     """Where the frames of a file lie: each by its full name, the full name of the one it counts from, and its pose.
 
-    `links` are those of them that are links; `fixed` is what each link hangs from by a fixed joint, and where;
-    `joints` is what each hangs on, moving or not, by full names; `attached` is what a frame goes with.
+    `links` are those of them that are links; `joints` is what each hangs on, moving or not, by full names; `attached`
+    is what a frame goes with.
     """
 
     poses: dict[str, tuple[str, Placement]] = field(default_factory=dict)
     links: set[str] = field(default_factory=set)
-    fixed: dict[str, tuple[str, Placement]] = field(default_factory=dict)
     joints: dict[str, Joint] = field(default_factory=dict)
     attached: dict[str, str] = field(default_factory=dict)
 
@@ -73,6 +72,12 @@ class _Frames:
             path.add(full)
             full = self.attached[full]
         return full
+
+    def hangs(self, link: str, on: str) -> bool:
+        """Whether a link is another one, or hangs on it by joints."""
+        while link != on and link in self.joints:
+            link = self.joints[link].parent or ""
+        return link == on
 
     def between(self, outer: str, inner: str) -> Placement:
         """Return where one frame lies in another, by way of the nearest frame that both count from."""
@@ -106,16 +111,15 @@ def read_sdf(path: Path) -> Robot:
         raise ReadError(f"it begins with {shown(root.tag)}, not with sdf: it is no SDFormat file", code="wrong_format")
     folders: dict[Element, Path] = {}
     notes: dict[str, None] = dict.fromkeys(faults)
-    for place in (root, *root.findall("world")):
+    places = [root, *root.findall("world")]
+    for place in places:
         _include(place, path.parent, folders, notes, 0)
-    models = [*root.findall("model"), *(model for world in root.findall("world") for model in world.findall("model"))]
+    models = [model for place in places for model in place.findall("model")]
     frames = _Frames()
     scopes = [f"{model.get('name', '')}::" for model in models]
-    for model, scope in zip(models, scopes, strict=True):
-        _declare(model, scope, "", frames)
-    notes |= dict.fromkeys(
-        note for model, scope in zip(models, scopes, strict=True) for note in _join(model, scope, root, frames)
-    )
+    for place in places:
+        _declare(place, "", frames)
+    notes |= dict.fromkeys(note for place in places for note in _join(place, "", root, frames))
     drop = scopes[0] if len(models) == 1 else ""  # with one model its name says nothing
     links = [
         link
@@ -145,6 +149,8 @@ def _include(place: Element, folder: Path, folders: dict[Element, Path], notes: 
             ] = None
             continue
         model.set("name", child.findtext("name", model.get("name", "")).strip())
+        if placed := child.findtext("placement_frame", "").strip():
+            model.set("placement_frame", placed)
         if (pose := child.find("pose")) is not None:
             for own in model.findall("pose"):
                 model.remove(own)
@@ -167,31 +173,41 @@ def _included(uri: str, folder: Path) -> tuple[Element | None, Path]:
     return model, file
 
 
-def _declare(model: Element, scope: str, outside: str, frames: _Frames) -> None:
-    """Gather where the frames of a model lie; `outside` is the scope that the model itself stands in."""
-    around = outside + _MODEL if outside else ""
-    frames.poses[scope + _MODEL] = around, _pose(model, f"model {shown(model.get('name', ''))}")
-    inner = [(child, f"{scope}{child.get('name', '')}::") for child in model.findall("model")]
-    for tag in ("link", "frame", "joint"):
-        for element in model.findall(tag):
-            name = element.get("name", "")
-            frames.poses[scope + name] = scope + _MODEL, _pose(element, f"{tag} {shown(name)}")
-            if tag == "link":
-                frames.links.add(scope + name)
+def _declare(place: Element, scope: str, frames: _Frames) -> None:
+    """Gather where the frames of a model or world lie, and what each goes with; `scope` ends their full names."""
+    model = scope + _MODEL if scope else ""  # the world is what all counts from
+    inner = [(child, f"{scope}{child.get('name', '')}::") for child in place.findall("model")]
+    elements = [(tag, element) for tag in ("link", "frame", "joint") for element in place.findall(tag)]
+    for tag, element in elements:
+        name = element.get("name", "")
+        frames.poses[scope + name] = model, _pose(element, f"{tag} {shown(name)}")
+        if tag == "link":
+            frames.links.add(scope + name)
     for child, within in inner:
-        _declare(child, within, scope, frames)
+        frames.poses[within + _MODEL] = model, _pose(child, f"model {shown(child.get('name', ''))}")
+        _declare(child, within, frames)
     # Now that every name is known, what each counts from.
-    for tag in ("link", "frame", "joint"):
-        for element in model.findall(tag):
-            full = scope + element.get("name", "")
-            usual = {"frame": element.get("attached_to"), "joint": element.findtext("child", "").strip()}.get(tag)
-            relative = _relative_to(element) or usual or _MODEL
-            if tag == "frame" and usual:
-                frames.attached[full] = frames.find(usual, scope)
-            frames.poses[full] = frames.find(relative, scope), frames.poses[full][1]
+    for tag, element in elements:
+        full = scope + element.get("name", "")
+        usual = {"frame": element.get("attached_to"), "joint": element.findtext("child", "").strip()}.get(tag)
+        if tag != "link":
+            frames.attached[full] = frames.find(usual, scope) if usual else model
+        relative = _relative_to(element) or usual
+        frames.poses[full] = frames.find(relative, scope) if relative else model, frames.poses[full][1]
     for child, within in inner:
         if relative := _relative_to(child):
             frames.poses[within + _MODEL] = frames.find(relative, scope), frames.poses[within + _MODEL][1]
+    if not scope:
+        return
+    if canonical := place.get("canonical_link"):
+        frames.attached[model] = frames.find(canonical, scope)
+    elif first := [scope + element.get("name", "") for tag, element in elements if tag == "link"]:
+        frames.attached[model] = first[0]
+    elif inner:
+        frames.attached[model] = inner[0][1] + _MODEL
+    if placed := place.get("placement_frame"):  # the pose is where that frame lies
+        outer, where = frames.poses[model]
+        frames.poses[model] = outer, where.then(frames.between(frames.find(placed, scope), model))
 
 
 def _links(
@@ -207,9 +223,7 @@ def _links(
     for element in model.findall("link"):
         full = scope + element.get("name", "")
         name = full.removeprefix(drop)
-        parent, placement = frames.fixed.get(full, (None, Placement()))
         geometries = tuple(_geometries(element, full, name, scope, frames, folder))
-        hangs = None if parent is None else parent.removeprefix(drop)
         joint = frames.joints.get(full)
         if joint is None:
             joint = Joint(name, None, frames.between("", full))
@@ -217,30 +231,33 @@ def _links(
             above = joint.parent and joint.parent.removeprefix(drop)
             joint = replace(joint, name=joint.name.removeprefix(drop), parent=above)
         inertial = _inertial(element, f"link {shown(name)}", notes)
-        yield Link(name, inertial, geometries, hangs, placement, joint=joint)
+        fixed = joint.kind == "fixed" and joint.parent is not None
+        parent, placement = (joint.parent, joint.placement) if fixed else (None, Placement())
+        yield Link(name, inertial, geometries, parent, placement, joint=joint)
     for child in model.findall("model"):
         yield from _links(child, f"{scope}{child.get('name', '')}::", frames, drop, folder, folders, notes)
 
 
-def _join(model: Element, scope: str, root: Element, frames: _Frames) -> Iterator[str]:
+def _join(place: Element, scope: str, root: Element, frames: _Frames) -> Iterator[str]:
     """Gather what hangs together by joints, and yield what had to be decided."""
-    for joint in model.findall("joint"):
+    for joint in sorted(place.findall("joint"), key=lambda joint: joint.get("type") != "fixed"):
         if note := _hang(joint, scope, root, frames):
             yield note
-        ends = [joint.findtext(tag, "").strip() for tag in ("parent", "child")]
-        if joint.get("type") == "fixed" and "world" not in ends:
-            parent, child = (frames.find(end, scope) for end in ends)
-            if {parent, child} <= frames.links:
-                frames.fixed[child] = parent, frames.between(parent, child)
-    for child_model in model.findall("model"):
-        yield from _join(child_model, f"{scope}{child_model.get('name', '')}::", root, frames)
+    for model in place.findall("model"):
+        yield from _join(model, f"{scope}{model.get('name', '')}::", root, frames)
 
 
 def _hang(joint: Element, scope: str, root: Element, frames: _Frames) -> str | None:
     """Gather what one link hangs on, where every joint is at 0; return why it is left out, if it is."""
     name = joint.get("name", "")
-    parent, child = (frames.link(joint.findtext(tag, "").strip(), scope) for tag in ("parent", "child"))
-    if parent is None or not child or child in frames.joints:
+    ends = [joint.findtext(tag, "").strip() for tag in ("parent", "child")]
+    if not all(ends):
+        return f"joint {shown(name)} has no {'child' if ends[0] else 'parent'}: it is left out of the tree"
+    if joint.get("type") == "fixed":
+        for end in ends:
+            frames.find(end, scope)
+    parent, child = (frames.link(end, scope) for end in ends)
+    if parent is None or not child or child in frames.joints or frames.hangs(parent, child):
         return (
             f"joint {shown(name)} closes a loop or joins frames of no link: it is left out of the tree"
             if child
