@@ -170,7 +170,7 @@ def test_meshes_are_found_and_scaled(tmp_path: Path) -> None:
         '<sdf version="1.9"><world name="w"><model name="arm"><link name="a"><visual name="v"><geometry><mesh>'
         "<uri>model://arm/meshes/upper arm.obj</uri><scale>0.001 0.001 0.001</scale></mesh></geometry></visual>"
         '<visual name="part"><geometry><mesh><uri>nix.obj</uri><submesh><name>x</name></submesh></mesh></geometry>'
-        '</visual><visual name="cone"><geometry><cone/></geometry></visual></link></model>'
+        '</visual><visual name="cone"><geometry><torus/></geometry></visual></link></model>'
         '<model name="b"><link name="a"/></model></world></sdf>'
     )
     robot = read_robot(file)
@@ -178,7 +178,7 @@ def test_meshes_are_found_and_scaled(tmp_path: Path) -> None:
     geometry, part, cone = robot.links[0].geometries
     assert (geometry.shape, geometry.scale) == (mesh, (Fraction(1, 1000),) * 3)
     assert part.shape == "a part of a mesh's file cannot be weighed"
-    assert cone.shape == "'cone' is no shape that can be weighed"
+    assert cone.shape == "'torus' is no shape that can be weighed"
 
 
 def text(inside: str) -> str:
@@ -382,3 +382,107 @@ def test_a_joint_that_closes_a_loop_or_lacks_an_end_is_left_out(tmp_path: Path) 
         "joint 'n' has no child",
         "joint 'h' closes a loop or joins frames of no link",
     ]
+
+
+@pytest.mark.parametrize("word", ["true", "1", "True"])
+def test_truth_is_read_as_sdformat_writes_it(tmp_path: Path, word: str) -> None:
+    file = tmp_path / "a.sdf"
+    file.write_text(
+        text(f'<link name="a"><pose degrees="{word}">1 2 3 10 20 30</pose><inertial auto="{word}"/></link>')
+    )
+    (a,) = read_robot(file).links
+    assert a.joint is not None
+    assert same(a.joint.placement, pose(1, 2, 3, *np.radians([10, 20, 30])))
+    assert a.inertial is None
+
+
+@pytest.mark.parametrize(
+    ("attribute", "says"),
+    [
+        ('degrees="yes"', "link 'a', pose, degrees is 'yes': it must be true or false"),
+        ('rotation_format="quat_wxyz"', "link 'a', pose, rotation_format is 'quat_wxyz': it must be euler_rpy or quat"),
+    ],
+)
+def test_a_pose_that_says_what_it_cannot_is_refused(tmp_path: Path, attribute: str, says: str) -> None:
+    file = tmp_path / "a.sdf"
+    file.write_text(text(f'<link name="a"><pose {attribute}>1 2 3 1 2 3</pose></link>'))
+    with pytest.raises(inertia.ReadError) as fault:
+        read_robot(file)
+    assert says in str(fault.value)
+
+
+def test_frames_of_poses_have_another_name_in_old_files(tmp_path: Path) -> None:
+    file = tmp_path / "a.sdf"
+    file.write_text(
+        text(
+            '<link name="a"><pose frame="">0 0 1 0 0 1</pose></link><link name="b"><pose frame="a">1 0 0 0 0 0</pose>'
+            '</link><joint name="b" type="fixed"><parent>a</parent><child>b</child></joint>'
+        )
+    )
+    b = read_robot(file).links[1]
+    assert b.parent == "a"
+    assert same(b.placement, pose(1, 0, 0, 0, 0, 0))
+
+
+def test_a_shape_that_cannot_be_read_is_the_fault_of_that_shape(tmp_path: Path) -> None:
+    shapes = [
+        "<mesh><uri>https://fuel.gazebosim.org/x.stl</uri></mesh>",
+        "<mesh/>",
+        "<box/>",
+        "<sphere><radius>1_0</radius></sphere>",
+        "<cone><radius>1</radius><length>2</length></cone>",
+    ]
+    file = tmp_path / "a.sdf"
+    file.write_text(
+        text(f'<link name="a">{"".join(f"<visual><geometry>{each}</geometry></visual>" for each in shapes)}</link>')
+    )
+    (a,) = read_robot(file).links
+    assert [each.shape for each in a.geometries] == [
+        "the mesh 'https://fuel.gazebosim.org/x.stl' is not a file: name it by package://, file:// or a path",
+        "the mesh has no file name: name it by package://, file:// or a path",
+        "link 'a', visual 3, size is '': it must be 3 numbers",
+        "link 'a', visual 4, radius is '1_0': it must be numbers",
+        Primitive("cone", (1.0, 2.0)),
+    ]
+
+
+def test_included_models_that_cannot_be_had_are_named(tmp_path: Path) -> None:
+    file, long = tmp_path / "a.sdf", "x" * 5000
+    uris = ["https://fuel.gazebosim.org/1.0/x/models/y", "", long]
+    file.write_text(text('<link name="a"/>' + "".join(f"<include><uri>{uri}</uri></include>" for uri in uris)))
+    assert [note.rpartition(": ")[2] for note in read_robot(file).notes] == ["it is not there"] * 3
+    (tmp_path / "bad.sdf").write_text("<sdf><model")
+    file.write_text(text('<link name="a"/><include><uri>bad.sdf</uri></include>'))
+    with pytest.raises(inertia.ReadError, match=r"the included model 'bad.sdf': its XML is damaged"):
+        read_robot(file)
+
+
+def test_what_is_there_twice_or_without_a_name_is_said(tmp_path: Path) -> None:
+    file = tmp_path / "a.sdf"
+    inertial = '<inertial><pose relative_to="x"/><mass>1</mass><inertia><ixx>1</ixx><iyy>1</iyy><izz>1</izz></inertia>'
+    file.write_text(text(f'<link name="a">{inertial}</inertial><inertial/></link><link/>'))
+    assert read_robot(file).notes == (
+        "link 'a', inertial is there more than once: the first counts",
+        "link 'a', inertial: its pose counts from the link, and relative_to is passed over, as in SDFormat",
+        "a link without a name is left out",
+    )
+    file.write_text(text('<link name="a"/><link name="a"/>'))
+    with pytest.raises(inertia.ReadError, match="more than one link is called 'a': their names must differ"):
+        read_robot(file)
+
+
+@pytest.mark.parametrize("exponent", ["+" + "0" * 5000, "-" + "0" * 5000 + "1", "0" * 5000])
+def test_exponents_of_many_digits_are_read(tmp_path: Path, exponent: str) -> None:
+    file = tmp_path / "a.sdf"
+    file.write_text(text(f'<link name="a"><inertial><mass>1.5e{exponent}</mass></inertial></link>'))
+    inertial = read_robot(file).links[0].inertial
+    assert inertial is not None
+    assert (inertial.mass, inertial.decimals[0]) == ((0.15, 2) if "1" in exponent else (1.5, 1))
+
+
+@pytest.mark.parametrize("mass", ["1_000", "\u0661"])
+def test_numbers_that_only_python_reads_are_refused(tmp_path: Path, mass: str) -> None:
+    file = tmp_path / "a.sdf"
+    file.write_text(text(f'<link name="a"><inertial><mass>{mass}</mass></inertial></link>'))
+    with pytest.raises(inertia.ReadError, match="it must be numbers"):
+        read_robot(file)

@@ -9,6 +9,7 @@ a frame; a name in a nested model is written model::name.
 from __future__ import annotations
 
 import math
+from collections import Counter
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from pathlib import Path
@@ -19,7 +20,7 @@ import numpy as np
 from inertia.errors import ReadError
 from inertia.exchange.conventions import CONVENTIONS
 from inertia.exchange.robots.links import Geometry, Inertial, Joint, Link, Motion, Placement, Primitive, Robot, Role
-from inertia.exchange.robots.text import decimals, floats, mesh_file, robot_xml, scales
+from inertia.exchange.robots.text import decimals, floats, is_file, mesh_file, robot_xml, scales
 from inertia.exchange.rotations import rotation_of_quaternion, rotation_of_rpy
 from inertia.mesh.readers.contents import shown
 from inertia.standard_input import file_of
@@ -128,6 +129,9 @@ def read_sdf(path: Path) -> Robot:
     ]
     if not links:
         raise ReadError("it holds no link", code="empty")
+    twice = [name for name, count in Counter(link.name for link in links).items() if count > 1]
+    if twice:
+        raise ReadError(f"more than one link is called {shown(twice[0])}: their names must differ")
     name = models[0].get("name", "") if len(models) == 1 else ""
     return Robot(path, "sdf", name, tuple(links), tuple(notes))
 
@@ -143,7 +147,7 @@ def _include(place: Element, folder: Path, folders: dict[Element, Path], notes: 
             continue
         uri = child.findtext("uri", "").strip()
         model, file = _included(uri, folder)
-        if model is None or child.get("merge") == "true":
+        if model is None or _is_true(child.get("merge"), f"the included model {shown(uri)}, merge"):
             notes[
                 f"the included model {shown(uri)} is not read: {'it is not there' if model is None else 'it is merged'}"
             ] = None
@@ -164,13 +168,20 @@ def _include(place: Element, folder: Path, folders: dict[Element, Path], notes: 
 
 def _included(uri: str, folder: Path) -> tuple[Element | None, Path]:
     """Return the model that a file, or a folder with a model.config, holds, and the file."""
-    file = mesh_file(uri, folder)
-    if not file.is_file():
-        config = mesh_file(f"{uri}/model.config", folder)
-        named = robot_xml(config.read_bytes())[0].findtext("sdf", "").strip() if config.is_file() else "model.sdf"
-        file = mesh_file(f"{uri}/{named}", folder)
-    model = robot_xml(file.read_bytes())[0].find("model") if file.is_file() else None
-    return model, file
+    try:
+        file = mesh_file(uri, folder)
+        if not is_file(file):
+            config = mesh_file(f"{uri}/model.config", folder)
+            named = robot_xml(config.read_bytes())[0].findtext("sdf", "").strip() if is_file(config) else "model.sdf"
+            file = mesh_file(f"{uri}/{named}", folder)
+    except ReadError:  # it lies on a server
+        return None, folder
+    if not is_file(file):
+        return None, folder
+    try:
+        return robot_xml(file.read_bytes())[0].find("model"), file
+    except ReadError as error:
+        raise ReadError(f"the included model {shown(uri)}: {error}", code=error.code) from None
 
 
 def _declare(place: Element, scope: str, frames: _Frames) -> None:
@@ -178,8 +189,13 @@ def _declare(place: Element, scope: str, frames: _Frames) -> None:
     model = scope + _MODEL if scope else ""  # the world is what all counts from
     inner = [(child, f"{scope}{child.get('name', '')}::") for child in place.findall("model")]
     elements = [(tag, element) for tag in ("link", "frame", "joint") for element in place.findall(tag)]
+    names: set[str] = set()
     for tag, element in elements:
         name = element.get("name", "")
+        if name in names and tag != "link":  # links, frames and joints could share one up to SDFormat 1.6
+            name = f"{name}_{tag}"
+            element.set("name", name)
+        names.add(name)
         frames.poses[scope + name] = model, _pose(element, f"{tag} {shown(name)}")
         if tag == "link":
             frames.links.add(scope + name)
@@ -221,6 +237,9 @@ def _links(
 ) -> Iterator[Link]:
     folder = folders.get(model, folder)
     for element in model.findall("link"):
+        if not element.get("name"):
+            notes["a link without a name is left out"] = None
+            continue
         full = scope + element.get("name", "")
         name = full.removeprefix(drop)
         geometries = tuple(_geometries(element, full, name, scope, frames, folder))
@@ -288,9 +307,13 @@ def _hang(joint: Element, scope: str, root: Element, frames: _Frames) -> str | N
 def _inertial(link: Element, what: str, notes: dict[str, None]) -> Inertial | None:
     """Return what is stated of a link; what is left out is 1 kg and 1 kg m² about each axis, by the specification."""
     element = link.find("inertial")
-    if element is None or element.get("auto") == "true":
-        return None
     what = f"{what}, inertial"
+    if element is None or _is_true(element.get("auto"), f"{what}, auto"):
+        return None
+    if len(link.findall("inertial")) > 1:
+        notes[f"{what} is there more than once: the first counts"] = None
+    if _relative_to(element):
+        notes[f"{what}: its pose counts from the link, and relative_to is passed over, as in SDFormat"] = None
     mass = element.findtext("mass", "").strip()
     if not mass:
         notes[f"{what} has no mass: 1 kg, as SDFormat has it"] = None
@@ -325,16 +348,19 @@ def _geometries(link: Element, full: str, name: str, scope: str, frames: _Frames
             if relative := _relative_to(element):
                 placement = frames.between(full, frames.find(relative, scope)).then(placement)
             kind = shape[0]
-            if kind.tag == "mesh":
+            label = element.get("name") or f"{kind.tag} {number}"
+            try:
+                if kind.tag != "mesh":
+                    yield Geometry(label, role, _primitive(kind, what), placement)
+                    continue
                 file = mesh_file(kind.findtext("uri", "").strip(), folder)
                 scale = None if kind.find("scale") is None else scales(kind.findtext("scale", ""), what)
                 if kind.find("submesh") is not None:
                     yield Geometry(file.name, role, "a part of a mesh's file cannot be weighed", placement, scale)
                 else:
                     yield Geometry(file.name, role, file, placement, scale)
-            else:
-                label = element.get("name") or f"{kind.tag} {number}"
-                yield Geometry(label, role, _primitive(kind, what), placement)
+            except ReadError as error:
+                yield Geometry(label, role, str(error), placement)
 
 
 def _primitive(kind: Element, what: str) -> Primitive | str:
@@ -349,6 +375,8 @@ def _primitive(kind: Element, what: str) -> Primitive | str:
         return Primitive("cylinder", (*sizes("radius"), *sizes("length")))
     if kind.tag == "capsule":
         return Primitive("capsule", (*sizes("radius"), *sizes("length")))
+    if kind.tag == "cone":
+        return Primitive("cone", (*sizes("radius"), *sizes("length")))
     if kind.tag == "ellipsoid":
         return Primitive("ellipsoid", tuple(sizes("radii", 3)))
     return f"{shown(kind.tag)} is no shape that can be weighed"
@@ -356,7 +384,17 @@ def _primitive(kind: Element, what: str) -> Primitive | str:
 
 def _relative_to(element: Element) -> str:
     pose = element.find("pose")
-    return "" if pose is None else pose.get("relative_to", "")
+    if pose is None:
+        return ""
+    return pose.get("relative_to") or pose.get("frame") or ""  # the latter is its name up to SDFormat 1.6
+
+
+def _is_true(word: str | None, what: str) -> bool:
+    """Return a truth value as SDFormat writes one; that of an attribute that is not there is false."""
+    value = (word or "false").strip().lower()
+    if value not in ("true", "false", "1", "0"):
+        raise ReadError(f"{what} is {shown(value)}: it must be true or false")
+    return value in ("true", "1")
 
 
 def _pose(element: Element, what: str) -> Placement:
@@ -364,12 +402,16 @@ def _pose(element: Element, what: str) -> Placement:
     if pose is None or not (pose.text or "").strip():
         return Placement()
     what = f"{what}, pose"
-    if pose.get("rotation_format", "euler_rpy") == "quat_xyzw":
+    in_degrees = _is_true(pose.get("degrees"), f"{what}, degrees")
+    turn = pose.get("rotation_format", "euler_rpy")
+    if turn not in ("euler_rpy", "quat_xyzw"):
+        raise ReadError(f"{what}, rotation_format is {shown(turn)}: it must be euler_rpy or quat_xyzw")
+    if turn == "quat_xyzw":
         *place, x, y, z, w = floats(pose.text or "", 7, what)
         if not any((x, y, z, w)):
             raise ReadError(f"{what} has a quaternion of zero")
         return Placement(rotation_of_quaternion([w, x, y, z]), np.array(place))
     *place, roll, pitch, yaw = floats(pose.text or "", 6, what)
-    if pose.get("degrees") == "true":
+    if in_degrees:
         roll, pitch, yaw = (math.radians(angle) for angle in (roll, pitch, yaw))
     return Placement(rotation_of_rpy(roll, pitch, yaw), np.array(place))

@@ -27,7 +27,8 @@ _PASSED_OVER = re.compile(r"<!--.*?-->|<!DOCTYPE[^>]*>|[\x01-\x08\x0b\x0c\x0e-\x
 _NO_ENTITY = re.compile(r"&(?!(?:amp|lt|gt|quot|apos|#\d+|#x[0-9a-fA-F]+);)")
 _PREFIX = re.compile(r"""(</?|\s)([\w.-]+):(?=[\w.-]+(?:\s*=\s*["']|[\s/>]))""")
 _VALUE = re.compile(r"""=\s*("[^"]*"|'[^']*')""")
-_DECIMAL = re.compile(r"[+-]?\d*(?:\.(\d*))?(?:[eE]([+-]?\d+))?")
+_DECIMAL = re.compile(r"[+-]?\d*(?:\.(\d*))?(?:[eE]([+-]?\d+))?", re.ASCII)
+_MOST_DECIMALS = 1e6  # more than any float64 has; an exponent may have more digits than an int is read from
 _FIRST = re.compile(r"<([\w.-]+)")
 
 
@@ -73,6 +74,8 @@ def _as_tinyxml(data: bytes) -> str:
 def floats(text: str, count: int, what: str) -> list[float]:
     """Return `count` finite numbers separated by white space; `what` names them in the `ReadError`."""
     try:
+        if "_" in text or not text.isascii():  # 1_000 and digits of other scripts are numbers to Python alone
+            raise ValueError
         values = [float(word) for word in text.split()]
     except ValueError:
         raise ReadError(f"{what} is {shown(text)}: it must be numbers", code="not_a_number") from None
@@ -101,7 +104,10 @@ def decimals(words: Iterable[str]) -> int | None:
 
 def _decimals(word: str) -> int:
     parts = _DECIMAL.match(word)  # what follows a number was passed over
-    return 0 if parts is None else max(0, len(parts[1] or "") - int(parts[2] or 0))
+    if parts is None:
+        return 0
+    exponent = min(max(float(parts[2] or 0), -_MOST_DECIMALS), _MOST_DECIMALS)
+    return max(0, len(parts[1] or "") - int(exponent))
 
 
 def mesh_file(reference: str, folder: Path) -> Path:
@@ -129,15 +135,16 @@ def mesh_file(reference: str, folder: Path) -> Path:
         places += [parent / path for parent in above]
     else:
         raise ReadError(f"the mesh {shown(reference)} is not a file: name it by package://, file:// or a path")
-    file = next((place for place in places if _is_file(place)), places[0])
+    file = next((place for place in places if is_file(place)), places[0])
     note_input(file)
     return file
 
 
-def _is_file(place: Path) -> bool:
+def is_file(place: Path) -> bool:
+    """Whether there is a file; there is none whose name is too long."""
     try:
         return place.is_file()
-    except OSError:  # the name is too long
+    except OSError:
         return False
 
 

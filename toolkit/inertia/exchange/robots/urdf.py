@@ -25,7 +25,7 @@ from inertia.mesh.readers.contents import plural, shown, was
 from inertia.standard_input import file_of
 
 _PAIRS = ("ixx", "iyy", "izz", "ixy", "ixz", "iyz")
-_NUMERAL = re.compile(r"[+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?")
+_NUMERAL = re.compile(r"[+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?", re.ASCII)
 _MACROS = "it holds macros of xacro: expand it first (xacro FILE > robot.urdf)"
 
 
