@@ -55,6 +55,7 @@ def refused(folder: Path, arguments: list[str], capsys: pytest.CaptureFixture[st
         ("balance rotors/two_disc_rotor.toml --cut-part two_disc_rotor.stl", "two_disc_rotor.stl"),
         ("simulate scenes/manoeuvre.toml -o scenes/manoeuvre.csv", "scenes/manoeuvre.csv"),
         ("budget bill.csv --csv bolts.csv", "bolts.csv"),
+        ("audit model.xml --report included.html", "included.html"),
     ],
 )  # fmt: skip
 def test_an_input_is_not_written_over(
@@ -63,6 +64,8 @@ def test_an_input_is_not_written_over(
     (samples / "manifest.csv").write_text("path\ncube.stl\n")
     (samples / "bill.csv").write_text("name,assembly\nbolts,bolts.csv\n")
     (samples / "bolts.csv").write_text("name,mass\nbolt,0.1\n")
+    (samples / "model.xml").write_text('<mujoco><include file="included.html"/></mujoco>')
+    (samples / "included.html").write_text("<mujocoinclude><worldbody><body/></worldbody></mujocoinclude>")
     shutil.copy(samples / "disc.stl", samples / "rotors")
     for shard in (1, 2):
         table = f"shard{shard}.csv"

@@ -89,7 +89,7 @@ def assert_near(triangles: Triangles) -> None:
         for value, expected, bound in zip(values, true, bounds, strict=True)
         if expected
     )
-    assert ratios[len(ratios) // 2] < 10
+    assert ratios[len(ratios) // 2] < 64
 
 
 seeds = st.integers(0, 2**32 - 1)
@@ -168,7 +168,7 @@ def test_the_fine_sums_have_the_same_bits_however_the_blocks_are_shared_out(stor
     shared = sums_of(whole, frame, rows)
     assert shared.fine is not None
     assert expected.fine is not None
-    for name in ("high", "low", "edges"):
+    for name in ("high", "low", "edges", "places"):
         assert getattr(shared.fine, name).tobytes() == getattr(expected.fine, name).tobytes()
     assert solid_moments(whole, "float64", shared) == solid_moments(whole, "float64", expected)
 

@@ -255,7 +255,7 @@ def test_vectors_of_512_bits_give_the_same_bits(
         monkeypatch.setattr(fine_sums, "KERNEL", replace(own, facets=one, faces=other))
         sums = sum_triangles(triangles)
         assert sums.fine is not None
-        fine = sums.fine.high, sums.fine.low, sums.fine.edges, [sums.fine.terms, sums.fine.size]
+        fine = sums.fine.high, sums.fine.low, sums.fine.edges, sums.fine.places, [sums.fine.terms, sums.fine.size]
         answers.append(np.concatenate([sums.sums, sums.low, sums.high, *fine]).tobytes())
     assert answers[0] == answers[1]
 

@@ -22,6 +22,7 @@ from inertia.exchange.robots.mjcf_frames import Angles, along, numbers
 from inertia.exchange.robots.text import decimals, floats, robot_xml, scales
 from inertia.exchange.rotations import rotation_of_quaternion
 from inertia.mesh.readers.contents import shown
+from inertia.output import note_input
 from inertia.standard_input import file_of
 
 Attributes = Mapping[str, str]
@@ -120,6 +121,7 @@ def _include(element: Element, folder: Path, here: Path, files: list[Path], dept
         if file is None:
             raise ReadError(f"the included file {shown(name)} is not there: looked for {folder / name}", code="no_file")
         files.append(file)
+        note_input(file)
         if len(files) > _MOST:
             raise ReadError(f"more than {_MOST} files are included")
         other, _ = robot_xml(file.read_bytes())
@@ -249,7 +251,7 @@ def _inertial(elements: list[tuple[Element, Placement, str]], what: str, model: 
     element, where, _ = elements[0]
     attributes = element.attrib
     if "mass" not in attributes:
-        raise ReadError(f"{what} has no mass", code="no_mass")
+        raise ReadError(f"{what} has no mass")
     mass = float(numbers(attributes, "mass", 1, None, what)[0])
     placement = where.then(model.angles.placement(attributes, what, also=("fullinertia",)))
     numbers(attributes, "pos", 3, None, what)

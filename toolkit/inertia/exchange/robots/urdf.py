@@ -143,7 +143,7 @@ def _inertial(link: Element, what: str, attributes: _Attributes) -> Inertial | N
             attributes.notes[f"{what} has more than one <{tag}>: the first counts, as in other programs"] = None
     mass, tensor, origin = element.find("mass"), element.find("inertia"), element.find("origin")
     if mass is None or mass.get("value") is None:
-        raise ReadError(f"{what} has no mass", code="no_mass")
+        raise ReadError(f"{what} has no mass")
     if absent := [key for key in _PAIRS if tensor is None or tensor.get(key) is None]:
         attributes.notes[f"{what} has no {', '.join(absent)}: 0, as in Drake; most programs refuse it"] = None
     xx, yy, zz, xy, xz, yz = (attributes.number(tensor, key, what) for key in _PAIRS)

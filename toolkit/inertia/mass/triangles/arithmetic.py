@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from contextlib import suppress
 from fractions import Fraction
-from statistics import median
+from math import sqrt
 from typing import Literal
 
 import numpy as np
@@ -14,7 +14,14 @@ from inertia.arrays import Float, Progress
 from inertia.mass.moments import Moments
 from inertia.mass.rounding import as_written, shell_as_written
 from inertia.mass.triangles import double_double, exact, fine_sums
-from inertia.mass.triangles.moments_from_sums import a_priori, distances, fine_values, moments_of, moments_with_bounds
+from inertia.mass.triangles.moments_from_sums import (
+    ROUNDOFF,
+    a_priori,
+    distances,
+    fine_values,
+    moments_of,
+    moments_with_bounds,
+)
 from inertia.mass.triangles.running_error import FEW, running_bounds
 from inertia.mass.triangles.sums import MANY, Frame, Sums, in_float64, sum_in, sum_triangles
 from inertia.mesh.part import Rounding
@@ -28,7 +35,7 @@ METHODS: dict[Arithmetic, str] = {
     "exact": exact.METHOD,
 }
 
-_NEAR = 30.0
+_NEAR = 64.0
 
 FINEST = 1.2e-16
 """Smallest relative accuracy that results in float64 can have: their rounding is up to 1.1e-16."""
@@ -95,9 +102,14 @@ def _on_a_grid_that_suits(triangles: Triangles, sums: Sums, progress: Progress |
 
 
 def _near(values: Sequence[Fraction], bounds: Sequence[float]) -> bool:
-    """Say whether most bounds are no more than some tens of times what rounding the figures to float64 may do."""
-    ratios = [bound / (2.0**-53 * abs(float(k))) for k, bound in zip(values, bounds, strict=True) if k]
-    return not ratios or median(ratios) < _NEAR
+    """Say whether bounds are at most tens of times what rounding volume, centre and tensor to float64 may do.
+
+    Σd s is compared with that of a body whose centre lies off by its radius of gyration, 4 Σd times that.
+    """
+    volume, spread = abs(float(values[0])), sum(abs(float(k)) for k in values[4:7])
+    sizes = volume, 4.0 * sqrt(volume * spread / 10.0), spread
+    largest = bounds[0], max(bounds[1:4]), max(bounds[4:7])
+    return all(bound <= _NEAR * ROUNDOFF * size for bound, size in zip(largest, sizes, strict=True))
 
 
 def shell_moments(

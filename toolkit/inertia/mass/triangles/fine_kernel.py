@@ -12,9 +12,9 @@ from numba import carray, njit
 from inertia.mass.triangles.double_double_kernel import fma
 from inertia.mass.triangles.fetch_kernel import DEPTH, LANES, fetch_faces, fetch_facets
 
-HIGH, LOW, EDGES, TERMS, SIZE, REST, AREA, LEAST, MOST, ROWS = 0, 10, 20, 23, 24, 25, 26, 27, 30, 33
-"""Rows of the ten sums, their remainders, the squares of edges, |the terms of d|, |d|, |its remainder|, |n|, the least
-and the largest coordinates; of all."""
+HIGH, LOW, EDGES, PLACES, TERMS, SIZE, REST, AREA, LEAST, MOST, ROWS = 0, 10, 20, 23, 26, 27, 28, 29, 30, 33, 36
+"""Rows of the ten sums, their remainders, the squares of edges and first corners, |the terms of d|, |d|, |its
+remainder|, |n|, the least and the largest coordinates; of all."""
 
 A, R, D, START, ROOM = 0, 9, 18, 22, 32
 """Rows of `hold`: corners on the grid, what is left of them; d, its remainder, both, twice both; what the ten sums
@@ -86,6 +86,9 @@ def volumes(hold, fine, top):
         fine[EDGES, j] = fma(ux, ux, fma(vx, vx, fine[EDGES, j]))
         fine[EDGES + 1, j] = fma(uy, uy, fma(vy, vy, fine[EDGES + 1, j]))
         fine[EDGES + 2, j] = fma(uz, uz, fma(vz, vz, fine[EDGES + 2, j]))
+        fine[PLACES, j] = fma(ax, ax, fine[PLACES, j])
+        fine[PLACES + 1, j] = fma(ay, ay, fine[PLACES + 1, j])
+        fine[PLACES + 2, j] = fma(az, az, fine[PLACES + 2, j])
         nx, ny, nz = fma(uy, vz, -(uz * vy)), fma(uz, vx, -(ux * vz)), fma(ux, vy, -(uy * vx))
         mx = fma(uy, qz, fma(-uz, qy, fma(py, wz, -(pz * wy))))
         my = fma(uz, qx, fma(-ux, qz, fma(pz, wx, -(px * wz))))

@@ -16,8 +16,8 @@ magnitude. The remainder of a product with a bracket B ≤ 12 R² is off by ε B
 steps of its sum's grid: six remainders of half a step or less that are added in pairs (12 R), six numbers they multiply
 (12 R), six fused additions (42 R), d and the last addition (18 R). It passes through 42 additions (32 down a lane, five
 across the lanes, four and one across the blocks), each off by u of B l + 12 R |d| and half such a step. With s for the
-bracket it is S for B. The sums of e over the triangles are had from those of squares, by Cauchy's inequality, and those
-of P by way of R. No step of this holds unless Σ |d|, with the magnitudes of the three terms of d, is below 2⁵⁰ g.
+bracket it is S for B. The sums of e and P over the triangles are had from those of squares, by Cauchy's inequality. No
+step of this holds unless Σ |d|, with the magnitudes of the three terms of d, is below 2⁵⁰ g.
 """
 
 from __future__ import annotations
@@ -31,7 +31,7 @@ from inertia.arrays import Float
 from inertia.mass.triangles.kernels import BlockKernel
 from inertia.native import Kernel
 
-ROWS = 33
+ROWS = 36
 """Ten sums on their grids, their remainders, what the bounds need, Σ |n|, and the extents."""
 
 KERNEL = BlockKernel(
@@ -63,22 +63,23 @@ class Grid:
 class FineSums:
     """The ten sums (10,) about the origin of the grid, their remainders, and what the bounds need.
 
-    `edges` (3,) are the sums of the squares of two edges, `terms`, `size` and `rest` those of the magnitudes of the
-    three terms of d, of d, and of its remainder.
+    `edges` and `places` (3,) are the sums of the squares of two edges and of the first corner, `terms`, `size` and
+    `rest` those of the magnitudes of the three terms of d, of d, and of its remainder.
     """
 
     grid: Grid
     high: Float
     low: Float
     edges: Float
+    places: Float
     terms: float
     size: float
     rest: float
 
     @classmethod
     def of(cls, grid: Grid, added: Float) -> FineSums:
-        """Name the sums (26,) of the columns."""
-        return cls(grid, added[:10], added[10:20], added[20:23], *added[23:26].tolist())
+        """Name the sums (29,) of the columns."""
+        return cls(grid, added[:10], added[10:20], added[20:23], added[23:26], *added[26:29].tolist())
 
 
 def grid_for(origin: Float, low: Float, high: Float, largest: float) -> Grid | None:

@@ -129,7 +129,8 @@ def fine_values(sums: Sums) -> tuple[list[Fraction], list[float]] | None:
     squares = [k / step**2 for k, step in zip(fine.edges.tolist(), grid.steps, strict=True)]
     long = [sqrt(2.0 * count * square) for square in squares]
     edges = sum(long)
-    arms = sum(far[i] * (long[i - 2] + long[i - 1] + 2.0 * count) for i in range(3))
+    places = [sqrt(k) / step for k, step in zip(fine.places.tolist(), grid.steps, strict=True)]
+    arms = sum(places[i] * sqrt(5.0 * (squares[i - 2] + squares[i - 1] + 4.0 * count)) for i in range(3))
     unit, terms, total, rest = (k / cube for k in (grid.unit, fine.terms, fine.size, fine.rest))
     steps = unit * count
     if not 1.001 * terms + 4.0 * steps <= 2.0**BITS * unit:
