@@ -255,3 +255,44 @@ def test_the_regions_of_a_mesh_are_parts_to_fill_in(tmp_path: Path, capsys: pyte
     assert [leaf.name for leaf in whole.root.leaves] == ["shaft", "impeller"]
     alone = inertia.mass_properties(inertia.read(file, unit="mm"), 7850.0)
     assert whole.mass_properties().inertia == pytest.approx(alone.inertia, rel=1e-12, abs=1e-18)
+
+
+@pytest.mark.parametrize(
+    ("inertial", "own", "masses"),
+    [
+        ("", "", (6000, 500 * np.pi)),
+        ("<density>100</density>", "", (600, 50 * np.pi)),
+        ("<density>100</density>", "<density>50</density>", (600, 25 * np.pi)),
+        ("<mass>3</mass>", None, (3, 0)),
+    ],
+)
+def test_links_of_automatic_inertia_weigh_by_their_collisions(
+    tmp_path: Path, inertial: str, own: str | None, masses: tuple[float, float]
+) -> None:
+    rod = (
+        f"<pose>0 3 0 0 0 0</pose>{own}<geometry><cylinder><radius>0.5</radius><length>2</length></cylinder></geometry>"
+    )
+    second = "" if own is None else f'<collision name="c">{rod}</collision>'
+    file = tmp_path / "a.sdf"
+    file.write_text(
+        f'<sdf version="1.11"><model name="m"><link name="a"><inertial auto="true">{inertial}</inertial>'
+        '<visual name="v"><geometry><box><size>9 9 9</size></box></geometry></visual><collision name="c">'
+        f"<geometry><box><size>1 2 3</size></box></geometry></collision>{second}</link></model></sdf>"
+    )
+    whole = Assembly.from_dict(robot_tree(read_robot(file))[0]).mass_properties()
+    box, rod_mass = masses
+    total = box + rod_mass
+    center = 3 * rod_mass / total
+    xx = box * (13 / 12 + center**2) + rod_mass * (0.25 / 4 + 4 / 12 + (3 - center) ** 2)
+    assert whole.mass == pytest.approx(total, rel=1e-14)
+    assert whole.center_of_mass == pytest.approx([0, center, 0], abs=1e-14)
+    assert whole.inertia[0, 0] == pytest.approx(xx, rel=1e-13)
+
+
+def test_links_of_sdformat_without_an_inertial_are_said_to_weigh_elsewhere(tmp_path: Path) -> None:
+    file = tmp_path / "a.sdf"
+    file.write_text('<sdf version="1.9"><model name="m"><link name="a"/></model></sdf>')
+    _, notes = robot_tree(read_robot(file))
+    assert notes == (
+        "link a states no mass: it is a group, where programs take 1 kg and 1 kg m² for it; give it a file or a mass",
+    )

@@ -29,6 +29,7 @@ _CONVENTION = CONVENTIONS["sdf"]
 _MODEL = "__model__"
 _DEEPEST = 32  # models that include one another
 _MOST = 1000  # models that are included in all: two in each would be 2³²
+_WATER = 1000.0  # kg/m³, what collisions weigh where an inertia is automatic and none is stated
 _MOTIONS: dict[str, Motion] = {
     "revolute": "turns",
     "continuous": "turns",
@@ -242,7 +243,7 @@ def _links(
             continue
         full = scope + element.get("name", "")
         name = full.removeprefix(drop)
-        geometries = tuple(_geometries(element, full, name, scope, frames, folder))
+        geometries = tuple(_geometries(element, full, name, scope, frames, folder, notes))
         joint = frames.joints.get(full)
         if joint is None:
             joint = Joint(name, None, frames.between("", full))
@@ -336,7 +337,10 @@ def _inertial(link: Element, what: str, notes: dict[str, None]) -> Inertial | No
     )
 
 
-def _geometries(link: Element, full: str, name: str, scope: str, frames: _Frames, folder: Path) -> Iterator[Geometry]:
+def _geometries(
+    link: Element, full: str, name: str, scope: str, frames: _Frames, folder: Path, notes: dict[str, None]
+) -> Iterator[Geometry]:
+    usual, mass = _automatic(link, f"link {shown(name)}, inertial", notes)
     roles: tuple[Role, ...] = ("visual", "collision")
     for role in roles:
         for number, element in enumerate(link.findall(role), 1):
@@ -347,20 +351,41 @@ def _geometries(link: Element, full: str, name: str, scope: str, frames: _Frames
             placement = _pose(element, what)
             if relative := _relative_to(element):
                 placement = frames.between(full, frames.find(relative, scope)).then(placement)
+            density = None
+            if role == "collision" and usual is not None:
+                own = element.findtext("density", "").strip()
+                density = floats(own, 1, f"{what}, density")[0] if own else usual
             kind = shape[0]
             label = element.get("name") or f"{kind.tag} {number}"
+            scale = None
+            solid: Path | Primitive | str
             try:
-                if kind.tag != "mesh":
-                    yield Geometry(label, role, _primitive(kind, what), placement)
-                    continue
-                file = mesh_file(kind.findtext("uri", "").strip(), folder)
-                scale = None if kind.find("scale") is None else scales(kind.findtext("scale", ""), what)
-                if kind.find("submesh") is not None:
-                    yield Geometry(file.name, role, "a part of a mesh's file cannot be weighed", placement, scale)
+                if kind.tag == "mesh":
+                    solid = mesh_file(kind.findtext("uri", "").strip(), folder)
+                    label = solid.name
+                    scale = None if kind.find("scale") is None else scales(kind.findtext("scale", ""), what)
+                    if kind.find("submesh") is not None:
+                        solid = "a part of a mesh's file cannot be weighed"
                 else:
-                    yield Geometry(file.name, role, file, placement, scale)
+                    solid = _primitive(kind, what)
             except ReadError as error:
-                yield Geometry(label, role, str(error), placement)
+                solid = str(error)
+            yield Geometry(label, role, solid, placement, scale, density, None if density is None else mass)
+
+
+def _automatic(link: Element, what: str, notes: dict[str, None]) -> tuple[float | None, float | None]:
+    """Return the density that collisions have by default where an inertia is automatic, and the mass of one alone."""
+    element = link.find("inertial")
+    if element is None or not _is_true(element.get("auto"), f"{what}, auto"):
+        return None, None
+    density, mass = (element.findtext(tag, "").strip() for tag in ("density", "mass"))
+    alone = len(link.findall("collision")) == 1
+    if mass and not alone:
+        notes[f"{what} is automatic: its collisions weigh by their densities, which are not scaled to its mass"] = None
+    return (
+        floats(density, 1, f"{what}, density")[0] if density else _WATER,
+        floats(mass, 1, f"{what}, mass")[0] if mass and alone else None,
+    )
 
 
 def _primitive(kind: Element, what: str) -> Primitive | str:

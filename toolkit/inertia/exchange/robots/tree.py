@@ -47,7 +47,8 @@ def robot_tree(robot: Robot, joints: Mapping[str, float] | None = None) -> tuple
         if link.inertial is None and any(geometry.mass != 0 and geometry.density for geometry in link.geometries):
             parts += _of_geometries(link, notes)
         elif link.inertial is None:
-            notes.append(f"link {link.name} states no mass: it is a group; give it a file or a mass")
+            as_a_rule = ", where programs take 1 kg and 1 kg m² for it" if robot.format == "sdf" else ""
+            notes.append(f"link {link.name} states no mass: it is a group{as_a_rule}; give it a file or a mass")
         if link.joint is not None and link.joint.kind == "other":
             notes.append(f"joint {link.joint.name} neither turns nor slides about one axis: it is at its rest")
     return {"schema": 1, "name": robot.name or robot.path.stem, "unit": "m", "part": parts}, tuple(notes)
@@ -77,10 +78,12 @@ def _part(link: Link, positions: Mapping[str, float]) -> dict[str, Any]:
 def _of_geometries(link: Link, notes: list[str]) -> list[dict[str, Any]]:
     """Return parts for the geometries that a link weighs by; what cannot be weighed is noted."""
     parts = []
-    for geometry in link.geometries:
+    for number, geometry in enumerate(link.geometries):
         if geometry.mass == 0 or (geometry.mass is None and not geometry.density):
             continue
-        part: dict[str, Any] = {"name": f"{link.name}/{geometry.name}", "parent": link.name}
+        name = f"{link.name}/{geometry.name}"
+        twice = sum(other.name == geometry.name for other in link.geometries[:number])
+        part: dict[str, Any] = {"name": f"{name} {twice + 1}" if twice else name, "parent": link.name}
         if isinstance(geometry.shape, Path):
             part |= {"file": str(geometry.shape.absolute()), "unit": "m"}
             if geometry.scale is not None and set(geometry.scale) != {1}:
