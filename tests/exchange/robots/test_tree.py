@@ -296,3 +296,26 @@ def test_links_of_sdformat_without_an_inertial_are_said_to_weigh_elsewhere(tmp_p
     assert notes == (
         "link a states no mass: it is a group, where programs take 1 kg and 1 kg m² for it; give it a file or a mass",
     )
+
+
+@pytest.mark.parametrize(("stated", "second"), [({}, 0.3), ({"j": 0.5}, 2 * 0.5 + 0.3), ({"j": 0.5, "k": 0.1}, 0.1)])
+def test_a_joint_that_mimics_another_follows_it(tmp_path: Path, stated: dict[str, float], second: float) -> None:
+    file = tmp_path / "a.urdf"
+    file.write_text(
+        '<robot name="r"><link name="a"/><link name="b"/><link name="c"/><joint name="j" type="revolute">'
+        '<parent link="a"/><child link="b"/><axis xyz="0 0 1"/></joint><joint name="k" type="revolute">'
+        '<parent link="b"/><child link="c"/><axis xyz="0 0 1"/><mimic joint="j" multiplier="2" offset="0.3"/></joint>'
+        "</robot>"
+    )
+    tree, _ = robot_tree(read_robot(file), stated)
+    cosine, sine = math.cos(second), math.sin(second)
+    assert np.allclose(tree["part"][2]["matrix"], [[cosine, -sine, 0], [sine, cosine, 0], [0, 0, 1]], atol=1e-15)
+
+
+def test_joints_of_urdf_without_an_end_and_meshes_of_broken_addresses_are_said(tmp_path: Path) -> None:
+    file = tmp_path / "a.urdf"
+    mesh = '<visual><geometry><mesh filename="file://[x"/></geometry></visual>'
+    file.write_text(f'<robot name="r"><link name="a">{mesh}</link><joint name="j"><child link="a"/></joint></robot>')
+    robot = read_robot(file)
+    assert robot.notes == ("joint 'j' has no parent: it is left out",)
+    assert robot.links[0].geometries[0].shape == "the mesh 'file://[x' is not a file: write file:///path"

@@ -102,6 +102,7 @@ class Joint:
     axis : (3,) of any length, in the axes of the link
     point : (3,) m on it, likewise
     rest : rad, or m of one that slides, at which `placement` holds
+    mimic : the joint that it follows, and how: a position of p there is one of `multiplier` p + `offset` here
     """
 
     name: str
@@ -111,6 +112,7 @@ class Joint:
     axis: Float = field(default_factory=lambda: np.array([0.0, 0.0, 1.0]))
     point: Float = field(default_factory=lambda: np.zeros(3))
     rest: float = 0.0
+    mimic: tuple[str, float, float] | None = None
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "name", visible(self.name))

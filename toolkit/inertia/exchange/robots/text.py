@@ -124,7 +124,10 @@ def mesh_file(reference: str, folder: Path) -> Path:
     if not rest:
         places = [folder / reference]
     elif scheme == "file":
-        places = [Path(unquote(urlsplit(reference).path))]
+        try:
+            places = [Path(unquote(urlsplit(reference).path))]
+        except ValueError:  # of what looks like a host
+            raise ReadError(f"the mesh {shown(reference)} is not a file: write file:///path") from None
     elif scheme in ("package", "model"):
         package, _, path = rest.partition("/")
         folder = folder.absolute()  # as it is named, it may have no parents

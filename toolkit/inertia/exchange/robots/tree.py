@@ -42,6 +42,7 @@ def robot_tree(robot: Robot, joints: Mapping[str, float] | None = None) -> tuple
         if not np.isfinite(value):
             raise UsageError(f"joint {name!r} is at {value!r}: it must be a finite number of rad or m")
     parts, notes = [], list(robot.notes)
+    positions |= {name: _followed(name, known, positions) for name, joint in known.items() if joint.mimic}
     for link in robot.links:
         parts.append(_part(link, positions))
         if link.inertial is None and any(geometry.mass != 0 and geometry.density for geometry in link.geometries):
@@ -52,6 +53,17 @@ def robot_tree(robot: Robot, joints: Mapping[str, float] | None = None) -> tuple
         if link.joint is not None and link.joint.kind == "other":
             notes.append(f"joint {link.joint.name} neither turns nor slides about one axis: it is at its rest")
     return {"schema": 1, "name": robot.name or robot.path.stem, "unit": "m", "part": parts}, tuple(notes)
+
+
+def _followed(name: str, joints: Mapping[str, Joint], positions: Mapping[str, float]) -> float:
+    """Return the position of a joint by what it mimics; one whose position is stated follows none."""
+    factor, shift = 1.0, 0.0
+    path: set[str] = set()
+    while name not in positions and name not in path and name in joints and (mimic := joints[name].mimic) is not None:
+        path.add(name)
+        name, multiplier, offset = mimic
+        factor, shift = factor * multiplier, shift + factor * offset
+    return factor * positions.get(name, 0.0) + shift
 
 
 def _part(link: Link, positions: Mapping[str, float]) -> dict[str, Any]:

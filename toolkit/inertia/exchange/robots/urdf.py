@@ -17,7 +17,7 @@ from xml.etree.ElementTree import Element
 import numpy as np
 
 from inertia.arrays import Float
-from inertia.errors import ReadError
+from inertia.errors import ReadError, visible
 from inertia.exchange.robots.links import Geometry, Inertial, Joint, Link, Motion, Placement, Primitive, Robot, Role
 from inertia.exchange.robots.text import decimals, floats, mesh_file, robot_xml
 from inertia.exchange.rotations import rotation_of_rpy
@@ -119,7 +119,19 @@ def _joints(root: Element, attributes: _Attributes) -> Iterator[tuple[str, Joint
             if not axis.any():
                 axis = np.array([1.0, 0.0, 0.0])  # what URDF says of a joint without one
             kind: Motion = _MOTIONS.get(joint.get("type", ""), "other")
-            yield child.get("link", ""), Joint(name, parent.get("link", ""), where, kind, axis)
+            mimic = _mimic(joint, f"joint {shown(name)}, mimic", attributes)
+            yield child.get("link", ""), Joint(name, parent.get("link", ""), where, kind, axis, mimic=mimic)
+        else:
+            lacks = "child" if child is None else "parent"
+            attributes.notes[f"joint {shown(name)} has no {lacks}: it is left out"] = None
+
+
+def _mimic(joint: Element, what: str, attributes: _Attributes) -> tuple[str, float, float] | None:
+    mimic = joint.find("mimic")
+    if mimic is None:
+        return None
+    multiplier = 1.0 if mimic.get("multiplier") is None else attributes.number(mimic, "multiplier", what)
+    return visible(mimic.get("joint", "")), multiplier, attributes.number(mimic, "offset", what)
 
 
 def _link(element: Element, name: str, path: Path, joint: Joint | None, attributes: _Attributes) -> Link:
