@@ -245,7 +245,7 @@ def _accuracy(cases: dict[str, Any]) -> Figure:
         _plain(axes, 4000)
         axes.xaxis.set_major_locator(LogLocator(10))
         axes.yaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:.0e}".replace("e-0", "e-")))
-        axes.set_ylim(3e-18, 1e5)
+        axes.set_ylim(5e-19, 1e5)
         axes.set_xlim(left=6)
         if first is None:
             axes.set_ylabel("true relative error of the tensor")

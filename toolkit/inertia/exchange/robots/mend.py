@@ -70,7 +70,8 @@ def mend(robot: Robot, mended: Mapping[str, Mended]) -> bytes:
             indent = _indent(data, inertial.start)
             edits += edits_of(data, inertial, mended[name], indent)
     if missing := sorted(set(mended) - done):
-        raise ReadError(f"{robot.path} states nothing of {missing[0]!r} itself: mend the file that it includes")
+        where = "in a file that it includes, or in a frame: mend it there"
+        raise ReadError(f"{robot.path} states what {missing[0]!r} weighs {where}")
     line_end = b"\r\n" if b"\r\n" in data else b"\n"
     for edit in sorted(edits, reverse=True):
         data = data[: edit.start] + edit.text.encode().replace(b"\n", line_end) + data[edit.end :]
