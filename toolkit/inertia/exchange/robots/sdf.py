@@ -9,7 +9,6 @@ a frame; a name in a nested model is written model::name.
 from __future__ import annotations
 
 import math
-from collections import Counter
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from pathlib import Path
@@ -130,9 +129,6 @@ def read_sdf(path: Path) -> Robot:
     ]
     if not links:
         raise ReadError("it holds no link", code="empty")
-    twice = [name for name, count in Counter(link.name for link in links).items() if count > 1]
-    if twice:
-        raise ReadError(f"more than one link is called {shown(twice[0])}: their names must differ")
     name = models[0].get("name", "") if len(models) == 1 else ""
     return Robot(path, "sdf", name, tuple(links), tuple(notes))
 
