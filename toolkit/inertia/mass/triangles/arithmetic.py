@@ -97,7 +97,7 @@ def _on_a_grid_that_suits(triangles: Triangles, sums: Sums, progress: Progress |
     """Return the sums, formed again where the sample misled that the grid was chosen from."""
     if sums.fine is None or fine_values(sums) is not None:
         return sums
-    grid = fine_sums.grid_for(sums.origin, sums.low, sums.high, 4.0 * sums.fine.terms)
+    grid = fine_sums.grid_again(sums.origin, sums.low, sums.high, sums.fine)
     return sum_in(Frame(sums.origin, 0, False, grid), triangles, progress)
 
 

@@ -12,13 +12,16 @@ from numba import carray, njit
 from inertia.mass.triangles.double_double_kernel import fma
 from inertia.mass.triangles.fetch_kernel import DEPTH, LANES, fetch_faces, fetch_facets
 
-HIGH, LOW, EDGES, PLACES, TERMS, SIZE, REST, AREA, LEAST, MOST, ROWS = 0, 10, 20, 23, 26, 27, 28, 29, 30, 33, 36
+HIGH, LOW, EDGES, PLACES, TERMS, SIZE, REST, AREA = 0, 10, 20, 23, 26, 27, 28, 29
 """Rows of the ten sums, their remainders, the squares of edges and first corners, |the terms of d|, |d|, |its
-remainder|, |n|, the least and the largest coordinates; of all."""
+remainder|, |n|."""
 
-A, R, D, START, ROOM = 0, 9, 18, 22, 32
-"""Rows of `hold`: corners on the grid, what is left of them; d, its remainder, both, twice both; what the ten sums
-start from."""
+LEAST, MOST, FAR, ROWS = 30, 33, 36, 38
+"""Rows of the least and the largest coordinates, of the largest |A| along the two sheared axes; of all."""
+
+A, R, D, N, START, ROOM = 0, 9, 18, 22, 25, 35
+"""Rows of `hold`: corners on the grid, what is left of them; d, its remainder, both, twice both; the normal; what the
+ten sums start from."""
 
 TOP = 1.5 * 2.0**52
 """Times a step of a grid: what rounds to that grid where it is added."""
@@ -48,6 +51,9 @@ def begin(fine, start):
         for lane in range(LANES):
             fine[row, lane] = np.inf
             fine[row + 3, lane] = -np.inf
+    for row in range(FAR, ROWS):
+        for lane in range(LANES):
+            fine[row, lane] = 0.0
 
 
 @njit(inline="always")
@@ -70,6 +76,44 @@ def place(corner, hold, fine, k, origin, step):
         hold[R + k, j], hold[R + 3 + k, j], hold[R + 6 + k, j] = a - f, b - g, c - h
         fine[LEAST + k, j] = min(fine[LEAST + k, j], min(a, min(b, c)))
         fine[MOST + k, j] = max(fine[MOST + k, j], max(a, max(b, c)))
+
+
+@njit(inline="always")
+def shear(hold, fine, axes, factors, finer, finest):
+    """Make x_j − p x_i and x_k − q x_i − r x_j of x_j and x_k, and split them anew."""
+    i, j, k = axes
+    p, q, r = factors
+    near, far = TOP * finer, TOP * finest
+    for corner in range(0, 9, 3):
+        for n in range(LANES):
+            a, b, c = hold[A + corner + i, n], hold[A + corner + j, n], hold[A + corner + k, n]
+            u, v, w = hold[R + corner + i, n], hold[R + corner + j, n], hold[R + corner + k, n]
+            c = fma(-r, b, fma(-q, a, c))
+            w = fma(-r, v, fma(-q, u, w))
+            b = fma(-p, a, b)
+            v = fma(-p, u, v)
+            f, g = ((b + v) + near) - near, ((c + w) + far) - far
+            hold[A + corner + j, n], hold[A + corner + k, n] = f, g
+            hold[R + corner + j, n], hold[R + corner + k, n] = (b - f) + v, (c - g) + w
+            fine[FAR, n], fine[FAR + 1, n] = max(fine[FAR, n], abs(f)), max(fine[FAR + 1, n], abs(g))
+
+
+@njit(inline="always")
+def unshear(hold, axes, factors):
+    """Take from the normal what the shear has added to it."""
+    i, j, k = axes
+    p, q, r = factors
+    for n in range(LANES):
+        x, y, z = hold[N + i, n], hold[N + j, n], hold[N + k, n]
+        hold[N + i, n], hold[N + j, n] = fma(-q, z, fma(-p, y, x)), fma(-r, z, y)
+
+
+@njit(inline="always")
+def areas(hold, fine):
+    """Add |n|."""
+    for j in range(LANES):
+        x, y, z = hold[N, j], hold[N + 1, j], hold[N + 2, j]
+        fine[AREA, j] += np.sqrt(fma(x, x, fma(y, y, z * z)))
 
 
 @njit(inline="always")
@@ -105,8 +149,7 @@ def volumes(hold, fine, top):
         fine[TERMS, j] += fma(abs(ax), abs(nx), fma(abs(ay), abs(ny), abs(az) * abs(nz)))
         fine[SIZE, j] += abs(d)
         fine[REST, j] += abs(low)
-        sx, sy, sz = nx + mx, ny + my, nz + mz
-        fine[AREA, j] += np.sqrt(fma(sx, sx, fma(sy, sy, sz * sz)))
+        hold[N, j], hold[N + 1, j], hold[N + 2, j] = nx + mx, ny + my, nz + mz
         hold[D, j], hold[D + 1, j], hold[D + 2, j], hold[D + 3, j] = d, low, d + low, 2.0 * (d + low)
 
 
@@ -141,12 +184,24 @@ def across(hold, fine, row, k, m):
 
 
 @njit(inline="always")
-def add(corner, hold, fine, x, y, z, dx, dy, dz, unit):
+def of_axis(axis, numbers):
+    """Return one of three numbers."""
+    x, y, z = numbers
+    return x if axis == 0 else (y if axis == 1 else z)
+
+
+@njit(inline="always")
+def add(corner, hold, fine, origin, steps, unit, axes, factors, finer):
     """Add one triangle to each lane."""
-    place(corner, hold, fine, 0, x, dx)
-    place(corner, hold, fine, 1, y, dy)
-    place(corner, hold, fine, 2, z, dz)
+    place(corner, hold, fine, 0, origin[0], steps[0])
+    place(corner, hold, fine, 1, origin[1], steps[1])
+    place(corner, hold, fine, 2, origin[2], steps[2])
+    if axes[0] >= 0:
+        shear(hold, fine, axes, factors, of_axis(axes[1], finer), of_axis(axes[2], finer))
     volumes(hold, fine, TOP * unit)
+    if axes[0] >= 0:
+        unshear(hold, axes, factors)
+    areas(hold, fine)
     along(hold, fine, 0)
     along(hold, fine, 1)
     along(hold, fine, 2)
@@ -169,41 +224,49 @@ def end(fine, start, out, block):
             for row in range(LEAST, MOST):
                 fine[row, lane] = min(fine[row, lane], fine[row, lane + half])
                 fine[row + 3, lane] = max(fine[row + 3, lane], fine[row + 3, lane + half])
+            for row in range(FAR, ROWS):
+                fine[row, lane] = max(fine[row, lane], fine[row, lane + half])
         half //= 2
     for row in range(ROWS):
         out[block, row] = fine[row, 0]
 
 
-def sum_facets(records, count, x, y, z, dx, dy, dz, unit, scratch, out_at):
-    """Sum `count` binary STL records, about (x, y, z) on the grid."""
+def sum_facets(records, count, x, y, z, dx, dy, dz, unit, first, second, third, k, m, n, ex, ey, ez, scratch, out_at):
+    """Sum `count` binary STL records, about (x, y, z) on the grid of steps (dx, dy, dz) and, sheared, (ex, ey, ez)."""
     room = carray(scratch, (9 + ROWS + ROOM, LANES), np.float64)
     corner, fine, hold = room[:9], room[9 : 9 + ROWS], room[9 + ROWS :]
     start = hold[START:]
-    prepare(start, dx, dy, dz, unit)
+    origin, steps, finer = (x, y, z), (dx, dy, dz), (ex, ey, ez)
+    axes, factors = (first, second, third), (k, m, n)
+    prepare(start, ex, ey, ez, unit)
     blocks = (count + LANES * DEPTH - 1) // (LANES * DEPTH)
     out = carray(out_at, (blocks, ROWS), np.float64)
     for block in range(blocks):
         begin(fine, start)
         for begins in range(block * LANES * DEPTH, min((block + 1) * LANES * DEPTH, count), LANES):
             fetch_facets(records, begins, count, scratch, corner)
-            add(corner, hold, fine, x, y, z, dx, dy, dz, unit)
+            add(corner, hold, fine, origin, steps, unit, axes, factors, finer)
         end(fine, start, out, block)
     return 0
 
 
-def sum_faces(vertices, faces_at, count, x, y, z, dx, dy, dz, unit, scratch, out_at):
+def sum_faces(
+    vertices, faces_at, count, x, y, z, dx, dy, dz, unit, first, second, third, k, m, n, ex, ey, ez, scratch, out_at
+):
     """Sum `count` faces over shared vertices, in the same way."""
     faces = carray(faces_at, (count, 3), np.int64)
     room = carray(scratch, (9 + ROWS + ROOM, LANES), np.float64)
     corner, fine, hold = room[:9], room[9 : 9 + ROWS], room[9 + ROWS :]
     start = hold[START:]
-    prepare(start, dx, dy, dz, unit)
+    origin, steps, finer = (x, y, z), (dx, dy, dz), (ex, ey, ez)
+    axes, factors = (first, second, third), (k, m, n)
+    prepare(start, ex, ey, ez, unit)
     blocks = (count + LANES * DEPTH - 1) // (LANES * DEPTH)
     out = carray(out_at, (blocks, ROWS), np.float64)
     for block in range(blocks):
         begin(fine, start)
         for begins in range(block * LANES * DEPTH, min((block + 1) * LANES * DEPTH, count), LANES):
             fetch_faces(vertices, faces, begins, count, scratch, corner)
-            add(corner, hold, fine, x, y, z, dx, dy, dz, unit)
+            add(corner, hold, fine, origin, steps, unit, axes, factors, finer)
         end(fine, start, out, block)
     return 0

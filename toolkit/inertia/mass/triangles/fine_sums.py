@@ -8,6 +8,11 @@ added to sums that are kept on a grid of their own, coarse enough for their tota
 rounds each to that grid, nothing else is rounded, and what is left of it goes to the sum of the remainders (the
 pre-rounding of J. Demmel, H. D. Nguyen, *Fast reproducible floating-point summation*, ARITH 21, 2013).
 
+Of a needle or a foil that does not lie along axes, the terms of d cancel. So multiples of its longest coordinate x_i
+are taken from the other two, and of the next one from the last, such that what is left has the extents of its width
+and thickness: that keeps volumes, and moments are brought back in rational arithmetic. The factors have so few bits
+that multiples of the steps stay integers, now of a finer step, on which what is left of them is split again.
+
 Bounds, per triangle, lengths in steps, with R the farthest A, e the magnitudes of the coordinates of two edges u and v,
 S = 3 R, g the step of the grid of d. The remainder of a normal's coordinate x is below T = e_y + e_z + 2 and off by
 6 u T. With P = Σ |A| T over the three axes, that of d is off by ε = u (12.1 P + 4.1 R e + 7 (e + 3) + 14 g): six u in
@@ -18,12 +23,17 @@ steps of its sum's grid: six remainders of half a step or less that are added in
 across the lanes, four and one across the blocks), each off by u of B l + 12 R |d| and half such a step. With s for the
 bracket it is S for B. The sums of e and P over the triangles are had from those of squares, by Cauchy's inequality. No
 step of this holds unless Σ |d|, with the magnitudes of the three terms of d, is below 2⁵⁰ g.
+
+A sheared coordinate is off by m = u (2 ρ + 1), where the remainders that it is made of are at most ρ of its steps.
+Every corner at one place is moved alike: the surface stays closed, and an integral of f over the solid changes by at
+most max |f| Σ m |n| / 2 along each axis, with |n| the magnitudes of that coordinate of the normals, whose sum Cauchy's
+inequality has from the squares of the edges. Of the ten sums, f is 6, 24 x and 120 x x: five Σ m |n| in ε will do.
 """
 
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -31,14 +41,16 @@ from inertia.arrays import Float
 from inertia.mass.triangles.kernels import BlockKernel
 from inertia.native import Kernel
 
-ROWS = 36
-"""Ten sums on their grids, their remainders, what the bounds need, Σ |n|, and the extents."""
+ADDED, ROWS = 30, 38
+"""Ten sums on their grids, their remainders, what the bounds need, Σ |n|; with the extents, stored and sheared."""
+
+_ABI = "ddd" + "ddd" + "d" + "iii" + "ddd" + "ddd" + "pp"
 
 KERNEL = BlockKernel(
-    Kernel("inertia.mass.triangles.fine_kernel", "sum_facets", "pi" + 2 * "ddd" + "d" + "pp", wide=True),
-    Kernel("inertia.mass.triangles.fine_kernel", "sum_faces", "ppi" + 2 * "ddd" + "d" + "pp", wide=True),
+    Kernel("inertia.mass.triangles.fine_kernel", "sum_facets", "pi" + _ABI, wide=True),
+    Kernel("inertia.mass.triangles.fine_kernel", "sum_faces", "ppi" + _ABI, wide=True),
     columns=ROWS,
-    room=32,
+    room=35,
 )
 
 REACH = 1.6 * 2.0**24
@@ -47,7 +59,30 @@ REACH = 1.6 * 2.0**24
 BITS = 50
 """Bits of a sum on its grid."""
 
+SHARE = 2.0**-3
+"""Of a step, what the factors of a shear times a step are multiples of."""
+
+WORTHWHILE = 32.0
+"""Times smaller the volume of a cell has to become by a shear."""
+
 _AMPLE = 64.0
+_FINEST = 2.0**-23  # of a step before the shear: sums of three products are exact below 2⁵³ shares of it
+_SMALLEST = 2.0**-1000
+
+
+@dataclass(frozen=True)
+class Shear:
+    """The axes i, j, k with x_j − p x_i and x_k − q x_i − r x_j for x_j and x_k, (p, q, r), and the steps (3,) then."""
+
+    axes: tuple[int, int, int]
+    factors: tuple[float, float, float]
+    steps: tuple[float, ...]
+
+    def matrix(self) -> Float:
+        """Return what coordinates (3,) are multiplied by, (3, 3)."""
+        (i, j, k), matrix = self.axes, np.eye(3)
+        matrix[[j, k, k], [i, i, j]] = np.negative(self.factors)
+        return matrix
 
 
 @dataclass(frozen=True)
@@ -57,6 +92,17 @@ class Grid:
     origin: tuple[float, ...]
     steps: tuple[float, ...]
     unit: float
+    shear: Shear | None = None
+
+    @property
+    def finer(self) -> tuple[float, ...]:
+        """The steps of the coordinates as they are multiplied."""
+        return self.steps if self.shear is None else self.shear.steps
+
+    def numbers(self) -> tuple[float, ...]:
+        """Return what the kernels take."""
+        axes, factors = ((-1, -1, -1), (0.0, 0.0, 0.0)) if self.shear is None else (self.shear.axes, self.shear.factors)
+        return *self.origin, *self.steps, self.unit, *axes, *factors, *self.finer
 
 
 @dataclass(frozen=True, eq=False)
@@ -64,7 +110,8 @@ class FineSums:
     """The ten sums (10,) about the origin of the grid, their remainders, and what the bounds need.
 
     `edges` and `places` (3,) are the sums of the squares of two edges and of the first corner, `terms`, `size` and
-    `rest` those of the magnitudes of the three terms of d, of d, and of its remainder.
+    `rest` those of the magnitudes of the three terms of d, of d, and of its remainder; `far` (2,) has the largest
+    magnitudes of the two coordinates that a shear changes.
     """
 
     grid: Grid
@@ -75,11 +122,13 @@ class FineSums:
     terms: float
     size: float
     rest: float
+    far: Float
 
     @classmethod
-    def of(cls, grid: Grid, added: Float) -> FineSums:
+    def of(cls, grid: Grid, added: Float, far: Float) -> FineSums:
         """Name the sums (29,) of the columns."""
-        return cls(grid, added[:10], added[10:20], added[20:23], added[23:26], *added[26:29].tolist())
+        terms, size, rest = added[26:29].tolist()
+        return cls(grid, added[:10], added[10:20], added[20:23], added[23:26], terms, size, rest, far)
 
 
 def grid_for(origin: Float, low: Float, high: Float, largest: float) -> Grid | None:
@@ -88,20 +137,83 @@ def grid_for(origin: Float, low: Float, high: Float, largest: float) -> Grid | N
     reach = np.maximum(reach, 2.0**-40 * reach.max())
     farthest = np.maximum(np.abs(low), np.abs(high)) + 2.0 * reach
     steps = [_power_above(max(1.25 * a / REACH, b * 2.0**-49)) for a, b in zip(reach, farthest, strict=True)]
-    unit = _power_above(max(_AMPLE * float(np.prod(reach)), largest) * 2.0**-BITS)
-    if not 2.0**-300 < unit < 2.0**300:
-        return None
     tops = [1.5 * 2.0**52 * step for step in steps]
-    return Grid(tuple((x + top) - top for x, top in zip(origin.tolist(), tops, strict=True)), tuple(steps), unit)
+    about = tuple((x + top) - top for x, top in zip(origin.tolist(), tops, strict=True))
+    return _checked(Grid(about, tuple(steps), _unit(reach, largest)))
 
 
 def sample_grid(origin: Float, corners: Float, count: int) -> Grid | None:
-    """Return the grid for `count` triangles of which these (n, 3, 3) are a sample."""
+    """Return the grid for `count` triangles of which these (n, 3, 3) are a sample, sheared where that is worth it."""
     points = corners.reshape(-1, 3)
-    a = np.abs(corners[:, 0] - origin)
+    low, high = _extents(points)
+    plain = grid_for(origin, low, high, 4.0 * count * _largest_term(corners - origin))
+    if plain is None:
+        return None
+    mean = points.mean(axis=0)
+    shear = _along_the_part(points - mean)
+    least, most = _extents((points - mean) @ shear.matrix().T)
+    about = grid_for(mean + np.linalg.solve(shear.matrix(), 0.5 * (least + most)), low, high, 0.0)
+    if about is None:
+        return plain
+    shear = _on_steps(shear, about.steps, 0.5 * (most - least))
+    if math.prod(shear.steps) * WORTHWHILE > math.prod(plain.steps):
+        return plain
+    placed = (corners - np.array(about.origin)) @ shear.matrix().T
+    unit = _unit(np.abs(placed).max(axis=(0, 1)), 4.0 * count * _largest_term(placed))
+    return _checked(replace(about, unit=unit, shear=shear))
+
+
+def grid_again(origin: Float, low: Float, high: Float, sums: FineSums) -> Grid | None:
+    """Return the grid for triangles in this box whose sums are on a grid that does not suit them."""
+    before = sums.grid.shear
+    grid = grid_for(origin if before is None else np.array(sums.grid.origin), low, high, 4.0 * sums.terms)
+    if grid is None or before is None:
+        return grid
+    reach = np.maximum(high - grid.origin, grid.origin - low)
+    reach[list(before.axes[1:])] = sums.far
+    return _checked(replace(grid, unit=_unit(reach, 4.0 * sums.terms), shear=_on_steps(before, grid.steps, reach)))
+
+
+def _along_the_part(points: Float) -> Shear:
+    """Return the shear that leaves the coordinates (n, 3) without correlation, the longest first, without its steps."""
+    products = points.T @ points
+    i = int(np.argmax(products.diagonal()))
+    by = products[i] / max(float(products[i, i]), _SMALLEST)
+    rest = points - np.outer(points[:, i], by)
+    products = rest.T @ rest
+    j, k = sorted({0, 1, 2} - {i}, key=lambda axis: -float(products[axis, axis]))
+    last = float(products[j, k]) / max(float(products[j, j]), _SMALLEST)
+    return Shear((i, j, k), (float(by[j]), float(by[k]) - last * float(by[j]), last), (0.0,) * 3)
+
+
+def _on_steps(shear: Shear, coarse: tuple[float, ...], reach: Float) -> Shear:
+    """Return the shear with steps for coordinates that reach so far (3,), and factors to suit."""
+    i, j, k = shear.axes
+    steps = list(coarse)
+    for axis in (j, k):
+        steps[axis] = min(coarse[axis], max(_power_above(1.4 * float(reach[axis]) / REACH), _FINEST * coarse[axis]))
+    shares = (SHARE * a / b for a, b in ((steps[j], steps[i]), (steps[k], steps[i]), (steps[k], coarse[j])))
+    p, q, r = (round(factor / share) * share for factor, share in zip(shear.factors, shares, strict=True))
+    return Shear(shear.axes, (p, q, r), tuple(steps))
+
+
+def _extents(points: Float) -> tuple[Float, Float]:
+    return points.min(axis=0), points.max(axis=0)
+
+
+def _largest_term(corners: Float) -> float:
+    """Return the largest sum of the magnitudes of the terms of d, of triangles (n, 3, 3) about the origin."""
+    a = np.abs(corners[:, 0])
     u, v = (np.abs(corners[:, k] - corners[:, 0]) for k in (1, 2))
-    terms = sum(a[:, i] * (u[:, i - 2] * v[:, i - 1] + u[:, i - 1] * v[:, i - 2]) for i in range(3))
-    return grid_for(origin, points.min(axis=0), points.max(axis=0), 4.0 * count * float(np.max(terms)))
+    return float(np.max(sum(a[:, i] * (u[:, i - 2] * v[:, i - 1] + u[:, i - 1] * v[:, i - 2]) for i in range(3))))
+
+
+def _unit(reach: Float, largest: float) -> float:
+    return _power_above(max(_AMPLE * float(np.prod(reach)), largest) * 2.0**-BITS)
+
+
+def _checked(grid: Grid) -> Grid | None:
+    return grid if 2.0**-300 < grid.unit < 2.0**300 else None
 
 
 def _power_above(value: float) -> float:

@@ -6,13 +6,13 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from functools import cache
-from math import prod, sqrt
+from math import inf, prod, sqrt
 
 import numpy as np
 
 from inertia.arrays import Float
-from inertia.mass.moments import PAIRS, Moments, dyadic, over, times
-from inertia.mass.triangles.fine_sums import BITS, REACH
+from inertia.mass.moments import PAIRS, Moments, congruent, dot, dyadic, over, six, times
+from inertia.mass.triangles.fine_sums import BITS, REACH, SHARE, FineSums, Shear
 from inertia.mass.triangles.kernels import BLOCK, DEPTH, LANES
 from inertia.mass.triangles.sums import Sums
 
@@ -123,31 +123,75 @@ def fine_values(sums: Sums) -> tuple[list[Fraction], list[float]] | None:
     fine, grid, count = sums.fine, sums.fine.grid, sums.count
     box = list(zip(sums.low.tolist(), sums.high.tolist(), grid.origin, grid.steps, strict=True))
     far = [max(abs(a - o), abs(b - o)) / step + 1.0 for a, b, o, step in box]
-    if max(far) > REACH or any(max(abs(a), abs(b)) > 2.0**50 * step for a, b, _, step in box):
+    if any(max(abs(a), abs(b)) > 2.0**50 * step for a, b, _, step in box):
         return None
-    cube = prod(grid.steps)
-    squares = [k / step**2 for k, step in zip(fine.edges.tolist(), grid.steps, strict=True)]
+    moved = [0.0, 0.0, 0.0]
+    if grid.shear is not None:
+        far, moved = _sheared(far, fine, grid.shear)
+    if max(far) > REACH:
+        return None
+    cube = prod(grid.finer)
+    squares = [k / step**2 for k, step in zip(fine.edges.tolist(), grid.finer, strict=True)]
     long = [sqrt(2.0 * count * square) for square in squares]
     edges = sum(long)
-    places = [sqrt(k) / step for k, step in zip(fine.places.tolist(), grid.steps, strict=True)]
+    places = [sqrt(k) / step for k, step in zip(fine.places.tolist(), grid.finer, strict=True)]
     arms = sum(places[i] * sqrt(5.0 * (squares[i - 2] + squares[i - 1] + 4.0 * count)) for i in range(3))
     unit, terms, total, rest = (k / cube for k in (grid.unit, fine.terms, fine.size, fine.rest))
     steps = unit * count
     if not 1.001 * terms + 4.0 * steps <= 2.0**BITS * unit:
         return None
     off = 12.1 * arms + 4.1 * max(far) * edges + 7.0 * (edges + 3.0 * count) + 14.0 * steps
+    if grid.shear is not None:
+        lengths = [sqrt(square) + sqrt(2.0 * count) for square in squares]
+        off += 5.0 * sum(moved[k] * lengths[k - 2] * lengths[k - 1] for k in range(3))
     bounds = [cube * ROUNDOFF * (off + 42.0 * rest)]
-    for r, step in zip(far, grid.steps, strict=True):
+    for r, step in zip(far, grid.finer, strict=True):
         product = r * (3.0 * off + 132.0 * rest) + 70.0 * total + 23.0 * 2.0**27 * steps
         bounds.append(cube * step * ROUNDOFF * product)
     for i, j in PAIRS:
         r, s = far[i], far[j]
         product = r * s * (12.0 * off + 528.0 * rest) + 320.0 * (r + s) * total + 23.0 * 2.0**53 * steps
-        bounds.append(cube * grid.steps[i] * grid.steps[j] * ROUNDOFF * product)
+        bounds.append(cube * grid.finer[i] * grid.finer[j] * ROUNDOFF * product)
     values = [Fraction(a) + Fraction(b) for a, b in zip(fine.high.tolist(), fine.low.tolist(), strict=True)]
+    if grid.shear is not None:
+        values, bounds = _unsheared(values, bounds, grid.shear)
     values[4:7] = (k / 2 for k in values[4:7])
     away = [Fraction(a) - Fraction(b) for a, b in zip(grid.origin, sums.origin.tolist(), strict=True)]
     return _about(values, away), [_AMPLY * bound for bound in bounds]
+
+
+def _sheared(far: list[float], fine: FineSums, shear: Shear) -> tuple[list[float], list[float]]:
+    """Return how far the sheared coordinates reach, and what their roundings move them by in u, both in steps.
+
+    They reach to infinity where multiples of a step may not be exact.
+    """
+    far, moved = list(far), [0.0, 0.0, 0.0]
+    (i, j, k), (p, q, r) = shear.axes, map(abs, shear.factors)
+    parts = {k: ((i, q), (j, r), (k, 1.0)), j: ((i, p), (j, 1.0))}
+    for (axis, factors), farthest in zip(parts.items(), fine.far.tolist()[::-1], strict=True):
+        step = shear.steps[axis]
+        own = [(far[each], factor * fine.grid.steps[each] / step) for each, factor in factors]
+        moved[axis] = sum(length for _, length in own) + 1.0
+        exact = sum(reach * length for reach, length in own) <= SHARE * 2.0**53
+        far[axis] = farthest / step + 1.0 if exact else inf
+    return far, moved
+
+
+def _unsheared(values: list[Fraction], bounds: list[float], shear: Shear) -> tuple[list[Fraction], list[float]]:
+    """Return the ten sums, twice that on the diagonal, and bounds on their errors, in the coordinates as stored."""
+    (i, j, k), (p, q, r) = shear.axes, map(Fraction, shear.factors)
+    rows = [[Fraction(a == b) for b in range(3)] for a in range(3)]
+    rows[j][i], rows[k][i], rows[k][j] = p, q + r * p, r
+    sizes = [list(map(abs, row)) for row in rows]
+    errors = list(map(Fraction, bounds))
+    return (
+        [values[0], *(dot(row, values[1:4]) for row in rows), *congruent(rows, six(values[4:]))],
+        [
+            bounds[0],
+            *map(float, (dot(row, errors[1:4]) for row in sizes)),
+            *map(float, congruent(sizes, six(errors[4:]))),
+        ],
+    )
 
 
 def _about(value: list[Fraction], d: list[Fraction]) -> list[Fraction]:

@@ -156,11 +156,10 @@ def block_rows(triangles: Triangles, frame: Frame) -> Iterator[tuple[int, Float]
 
 def _kernel_for(triangles: Triangles, frame: Frame) -> tuple[BlockKernel, tuple[float, ...]] | None:
     """Return the compiled kernel that pays, with the numbers of the frame that it takes."""
-    origin, grid = frame.origin.tolist(), frame.grid
-    if grid is not None and fine_sums.KERNEL.worthwhile(triangles):
-        return fine_sums.KERNEL, (*grid.origin, *grid.steps, grid.unit)
+    if frame.grid is not None and fine_sums.KERNEL.worthwhile(triangles):
+        return fine_sums.KERNEL, frame.grid.numbers()
     if frame.exponent == 0 and KERNEL.worthwhile(triangles):
-        return KERNEL, (*origin, int(frame.surface))
+        return KERNEL, (*frame.origin.tolist(), int(frame.surface))
     return None
 
 
@@ -171,17 +170,19 @@ def sums_of(triangles: Triangles, frame: Frame, blocks: Sequence[Float]) -> Sums
         return sum_in(replace(frame, grid=None), triangles)
     table = np.empty((*columns, sum(map(len, blocks))))
     np.concatenate([rows.T for rows in blocks], axis=1, out=table)
-    extents = table[-6:-3].min(axis=1), table[-3:].max(axis=1)
-    if frame.grid is None or columns == {SUMS + 6}:
+    added = SUMS if frame.grid is None or columns == {SUMS + 6} else fine_sums.ADDED
+    extents = table[added : added + 3].min(axis=1), table[added + 3 : added + 6].max(axis=1)
+    if frame.grid is None or added == SUMS:
         if not np.isfinite(table).all():
             _refuse_non_finite(triangles)
-        return Sums(frame.origin, frame.exponent, _add_blocks(table[:SUMS]), *extents, triangles.count)
+        return Sums(frame.origin, frame.exponent, _add_blocks(table[:added]), *extents, triangles.count)
     if not np.isfinite(table).all():  # nor is a coordinate, or products are beyond float64
         return sum_in(replace(frame, grid=None), triangles)
-    added = _add_blocks(table[:-6])
+    *fine, area = _add_blocks(table[:added])
     sums = np.full(SUMS, np.nan)
-    sums[11] = added[-1]
-    return Sums(frame.origin, frame.exponent, sums, *extents, triangles.count, FineSums.of(frame.grid, added[:-1]))
+    sums[11] = area
+    more = FineSums.of(frame.grid, np.array(fine), table[added + 6 :].max(axis=1))
+    return Sums(frame.origin, frame.exponent, sums, *extents, triangles.count, more)
 
 
 def in_float64(sums: Sums, triangles: Triangles, progress: Progress | None = None) -> Sums:
