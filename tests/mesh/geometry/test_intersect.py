@@ -1,6 +1,7 @@
 """Signs and crossings against rational arithmetic, overlap against separating planes and cells."""
 
 import itertools
+from collections.abc import Iterator
 from fractions import Fraction
 
 import numpy as np
@@ -8,6 +9,7 @@ import pytest
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
+from inertia import native
 from inertia.mesh.geometry.boxes import BoxTree, overlapping
 from inertia.mesh.geometry.hubs import hubs, near_around
 from inertia.mesh.geometry.intersect import compiled_crossings, crossings, overlap, vectorised_crossings
@@ -74,6 +76,19 @@ def interiors_cross(one, other) -> bool:
     return max(start) < min(stop)
 
 
+@pytest.fixture(scope="class", params=["compiled", "integers"])
+def exactly(request: pytest.FixtureRequest) -> Iterator[None]:
+    """Decide what floating point does not by the compiled kernel, and without it."""
+    with pytest.MonkeyPatch.context() as patch:
+        if request.param == "integers":
+            patch.setenv("INERTIA_NATIVE", "0")
+        else:
+            for limit in ("SHIPPED_ABOVE", "LOAD_ABOVE", "COMPILE_ABOVE"):
+                patch.setattr(native, limit, 0)
+        yield
+
+
+@pytest.mark.usefixtures("exactly")
 class TestOrientation:
     @given(st.lists(st.tuples(anything, anything, anything), min_size=4, max_size=4))
     @settings(deadline=None)
@@ -91,6 +106,17 @@ class TestOrientation:
         point = plane.mean(axis=0)
         point[2] += ulps * np.spacing(point[2])
         assert orient3d(*plane, point) == rational_sign(*plane.tolist(), point.tolist())
+
+    @given(seed=st.integers(0, 2**32 - 1), exponent=st.integers(-300, 300), bits=st.integers(1, 52))
+    @settings(deadline=None, max_examples=30)
+    def test_rows_of_points_near_a_plane_are_decided_together(self, seed, exponent, bits):
+        rng = np.random.default_rng(seed)
+        a, b, c = np.round(np.ldexp(rng.uniform(-1, 1, (3, 20, 3)), bits))
+        weights = rng.integers(-2, 3, (2, 20, 1))
+        d = a + weights[0] * (b - a) + weights[1] * (c - a)
+        points = np.ldexp([a, b, c, d * (1 + rng.integers(-1, 2, d.shape) * 2.0**-52)], exponent)
+        expected = [rational_sign(*four.tolist()) for four in points.transpose(1, 0, 2)]
+        assert orient3d(*points).tolist() == expected
 
     def test_products_that_underflow_do_not_mislead(self):
         points = np.random.default_rng(5).integers(-1000, 1001, (3000, 4, 3))

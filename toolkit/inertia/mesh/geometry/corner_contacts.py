@@ -17,7 +17,7 @@ from inertia.mesh.geometry.edge_fans import layered
 from inertia.mesh.geometry.halfedges import half_edges
 from inertia.mesh.geometry.triangle_pairs import orient3d
 
-_AT_ONCE = 1 << 15  # pairs of triangles looked at together
+_AT_ONCE = 1 << 12  # pairs of triangles looked at together
 
 
 def beyond_corners(vertices: Float, faces: Int, shell: Int, body: Int, turned: Bool, boxes: Float, pairs: Int) -> Int:
@@ -44,12 +44,23 @@ def beyond_corners(vertices: Float, faces: Int, shell: Int, body: Int, turned: B
         key = low * len(boxes) + high
         pair = np.minimum(np.searchsorted(keys, key), len(keys) - 1)
         asked = np.flatnonzero((keys[pair] == key) & ~beyond[pair])
-        for start in range(0, len(asked), _AT_ONCE):
-            some = asked[start : start + _AT_ONCE]
+        asked = asked[np.argsort(_times_before(pair[asked]), kind="stable")]  # one of many may tell of two shells
+        while len(asked):
+            some, asked = asked[:_AT_ONCE], asked[_AT_ONCE:]
             common, there = _common_corners(corners, faces, i[some], j[some])
             there &= (~(common & np.roll(common, -1, axis=1)) | clear[i[some]]).all(axis=1)
             beyond[pair[some[~there]]] = True
+            asked = asked[~beyond[pair[asked]]]
     return pairs[beyond]
+
+
+def _times_before(values: Int) -> Int:
+    """Return how often each of the numbers (k,) stands before its place."""
+    order = np.argsort(values, kind="stable")
+    first = np.searchsorted(values[order], values[order])
+    times = np.empty(len(values), np.int64)
+    times[order] = np.arange(len(values)) - first
+    return times
 
 
 def _share_corners(faces: Int, shell: Int, pairs: Int) -> Bool:
@@ -105,15 +116,37 @@ def _in_boxes(a: Float, b: Float, same: Bool) -> Bool:
 
     Where one ends along an axis and the other begins, they meet at corners that lie there, and so on of these.
     """
-    left_a, left_b = np.ones(a.shape[:2], bool), np.ones(b.shape[:2], bool)
-    apart = np.zeros(len(a), bool)
+    shown = np.zeros(len(a), bool)
+    which, left_a, left_b = np.arange(len(a)), np.ones(a.shape[:2], bool), np.ones(b.shape[:2], bool)
     for _ in range(3):
-        low_a, low_b = (np.where(left[..., None], k, np.inf).min(axis=1) for k, left in ((a, left_a), (b, left_b)))
-        high_a, high_b = (np.where(left[..., None], k, -np.inf).max(axis=1) for k, left in ((a, left_a), (b, left_b)))
-        apart |= ((low_a > high_b) | (low_b > high_a)).any(axis=1)
-        for ends, begins in ((high_a == low_b, high_a), (low_a == high_b, low_a)):
-            at = begins[:, None]
-            left_a &= (~ends[:, None] | (a == at)).all(axis=2)
-            left_b &= (~ends[:, None] | (b == at)).all(axis=2)
-    shown: Bool = apart | (same.any(axis=2) | ~left_a).all(axis=1) | (same.any(axis=1) | ~left_b).all(axis=1)
+        (low_a, high_a), (low_b, high_b) = (_extents(k[which], left) for k, left in ((a, left_a), (b, left_b)))
+        ends, begins = high_a == low_b, low_a == high_b
+        for meet, at in ((ends, high_a), (begins, low_a)):
+            left_a &= _all(~meet[:, None] | (a[which] == at[:, None]))
+            left_b &= _all(~meet[:, None] | (b[which] == at[:, None]))
+        apart = _any((low_a > high_b) | (low_b > high_a))
+        there = _all(_any(same[which]) | ~left_a) | _all(_any(same[which].transpose(0, 2, 1)) | ~left_b)
+        shown[which[apart | there]] = True
+        more = ~apart & ~there & (_any(ends) | _any(begins))
+        which, left_a, left_b = which[more], left_a[more], left_b[more]
     return shown
+
+
+def _extents(corners: Float, left: Bool) -> tuple[Float, Float]:
+    """Return the least and the largest coordinates (k, 3) of those corners (k, 3, 3) that are left (k, 3)."""
+    least, most = (np.where(left[..., None], corners, limit) for limit in (np.inf, -np.inf))
+    return (
+        np.minimum(np.minimum(least[:, 0], least[:, 1]), least[:, 2]),
+        np.maximum(np.maximum(most[:, 0], most[:, 1]), most[:, 2]),
+    )
+
+
+def _all(three: Bool) -> Bool:
+    """Say where all of three (..., 3) are true, which takes a tenth of numpy's time along an axis so short."""
+    every: Bool = three[..., 0] & three[..., 1] & three[..., 2]
+    return every
+
+
+def _any(three: Bool) -> Bool:
+    some: Bool = three[..., 0] | three[..., 1] | three[..., 2]
+    return some

@@ -20,6 +20,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from inertia.arrays import Float, Int
+from inertia.native import Kernel, address
 
 Sign = NDArray[np.int8]
 
@@ -30,6 +31,11 @@ _EPSILON = 2.0**-53
 _RELATIVE = (7 + 56 * _EPSILON) * _EPSILON  # error, over the same sum with every product taken positive
 _UNDERFLOW = 2.0**-1070  # more than the products together lose when they fall below the normal numbers
 _ROWS = 1 << 15  # decided in integers at a time
+
+_SIGNS = Kernel("inertia.mesh.geometry.crossing_kernel", "exact_signs", "pipp")
+_WORK = 10  # times what integrating a triangle costs, in integers
+_ROOM = 256  # numbers that the kernel needs
+_LARGEST = 2.0**300  # of which the products of three are numbers
 
 
 def orient3d(a: Float, b: Float, c: Float, d: Float) -> Sign:
@@ -51,7 +57,7 @@ def orient3d(a: Float, b: Float, c: Float, d: Float) -> Sign:
     unsure = sign == UNSURE
     if unsure.any():
         points = [np.broadcast_to(point, (*sign.shape, 3))[unsure] for point in (a, b, c, d)]
-        sign[unsure] = _in_integers(np.stack(points, axis=1))
+        sign[unsure] = _exactly(np.stack(points, axis=1))
     return sign
 
 
@@ -69,6 +75,18 @@ def orient3d_filter(a: Float, b: Float, c: Float, d: Float) -> Sign:
         # Comparing this way round, what has overflowed is unsure.
         decided = np.abs(determinant) > bound
     return np.where(decided, sign, UNSURE).astype(np.int8)
+
+
+def _exactly(points: Float) -> Sign:
+    """Return the sign for rows of four points (n, 4, 3), compiled where that pays and integers need not be long."""
+    if not _SIGNS.worthwhile(_WORK * len(points)) or float(np.abs(points).max()) > _LARGEST:
+        return _in_integers(points)
+    sign, work = np.empty(len(points), np.int8), np.empty(_ROOM)
+    _SIGNS.function(address(points), len(points), address(work), address(sign))
+    unsure = sign == UNSURE
+    if unsure.any():
+        sign[unsure] = _in_integers(points[unsure])
+    return sign
 
 
 def _in_integers(points: Float) -> Sign:
