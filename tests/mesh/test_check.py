@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from tests.mesh.solids import Mesh, cube, facets, inside_out, joined, moebius, part, sphere
+from tests.mesh.solids import Mesh, cube, cylinder, facets, inside_out, joined, moebius, part, sphere
 
 import inertia
 from inertia.errors import GeometryError
@@ -477,3 +477,17 @@ def test_within_a_context_for_it_a_part_is_checked_once_in_each_way() -> None:
         assert check(replace(open_cube)) is not report
     assert check(open_cube) is not report
     assert check(open_cube).findings == report.findings
+
+
+def test_a_shell_that_crosses_itself_is_found_behind_thousands_of_bodies_that_cross() -> None:
+    rng = np.random.default_rng(1)
+    sticks = []
+    for k in range(30):
+        vertices, faces = cylinder(2.2, 0.2 + 0.003 * k)
+        turn = np.linalg.qr(rng.normal(size=(3, 3)))[0]
+        sticks.append(((vertices - [0, 0, 1.1]) @ (turn * np.linalg.det(turn)), faces))
+    vertices, faces = cylinder(2.0, 0.5)
+    vertices[-1, 2] = -1.0  # the middle of one end, pushed through the other
+    report = check(part(joined(*sticks, (np.add(vertices, [10, 0, 0]), faces))), parts="separate")
+    found = {finding.code: finding for finding in report.findings}
+    assert found["self_intersection"].count == 24

@@ -303,6 +303,21 @@ class TestEngines:
         for triangles in both:
             assert listed(compiled_crossings(triangles)) == listed(vectorised_crossings(triangles))
 
+    @pytest.mark.parametrize("seed", range(4))
+    def test_of_labelled_triangles_those_of_one_label_are_compared(self, seed):
+        rng = np.random.default_rng(seed)
+        corners = rng.integers(-3, 4, (150, 3, 3)).astype(float)
+        corners = np.concatenate([corners, corners[:40], corners[:20]])  # copies of one label, and of others
+        triangles, labels = surface(corners), rng.integers(0, 3, len(corners)).astype(np.int32)
+        every, among = crossings(triangles, limit=10**6), crossings(triangles, limit=10**6, labels=labels)
+        same = labels[every.pairs[:, 0]] == labels[every.pairs[:, 1]]
+        assert 0 < same.sum() < len(same)
+        assert np.array_equal(among.pairs, every.pairs[same])
+        np.testing.assert_allclose(among.points, every.points[same], rtol=0, atol=1e-13)  # copies stand in for others
+        assert among.total == same.sum()
+        whole = labels.astype(np.int64)
+        assert listed(compiled_crossings(triangles, whole)) == listed(vectorised_crossings(triangles, whole))
+
     def test_a_fine_flat_surface_turned_in_space_does_not_cross_itself(self):
         x, y = np.meshgrid(np.arange(40.0), np.arange(40.0), indexing="ij")
         plane = np.stack([x, y, 0 * x], axis=-1)
@@ -518,8 +533,12 @@ def test_triangles_around_one_vertex_cross_as_all_their_pairs_say(turns: int, se
     crossed = crossings(both, limit=10**6)
     expected = np.concatenate([pairs for pairs, *_ in vectorised_crossings(both)])
     assert (expected < 1500).all(axis=1).any() == (turns > 1)
-    assert np.array_equal(crossed.pairs, expected[np.lexsort(expected.T[::-1])])
+    expected = expected[np.lexsort(expected.T[::-1])]
+    assert np.array_equal(crossed.pairs, expected)
     assert crossed.total == len(expected)
+    labels = np.arange(both.count) % 2
+    among = crossings(both, limit=10**6, labels=labels)
+    assert np.array_equal(among.pairs, expected[labels[expected[:, 0]] == labels[expected[:, 1]]])
 
 
 def test_of_triangles_around_one_vertex_few_pairs_are_compared() -> None:

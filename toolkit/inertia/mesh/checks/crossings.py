@@ -36,7 +36,7 @@ _AT_ONCE = 1 << 18  # triangles compared with boxes of other bodies at a time
 _LAST_DIGITS = 2.0**-21  # depth of a contact of float32, at most, over the largest coordinate
 _TRIED = 3  # places on a patch at which the winding number is asked for
 _CLEAR = 100.0  # how many times deeper than a contact rays must find a crossing, to leave no doubt that it is one
-_CROSSINGS = 10_000  # crossings looked for, before those between different shells are taken out
+_CROSSINGS = 10_000  # crossings listed
 
 
 def overlapping_bodies(surface: SurfaceTopology) -> Evidence | None:
@@ -347,13 +347,14 @@ def self_intersections(surface: SurfaceTopology) -> Evidence | None:
     from inertia.mesh.geometry.intersect import CONTACT, crossings
 
     triangles = surface.triangles
-    pairs = once("crossings", triangles, lambda: crossings(triangles, limit=_CROSSINGS))
-    labels = surface.closure.labels[pairs.pairs]
-    same = (labels[:, 0] == labels[:, 1]) | (not surface.shells)
-    if not same.any():
+    labels = surface.closure.labels if surface.shells else None
+    pairs = once(
+        ("crossings", labels is None), triangles, lambda: crossings(triangles, limit=_CROSSINGS, labels=labels)
+    )
+    pair, count = pairs.pairs, len(pairs.pairs)
+    if not count:
         return None
-    pair, place = pairs.pairs[same], middle(pairs.points[same][:1])
-    count = int(same.sum())
+    place = middle(pairs.points[:1])
     figures: dict[str, object] = {
         "at_least": "at least " if pairs.truncated else "",
         "one": pair[0, 0],

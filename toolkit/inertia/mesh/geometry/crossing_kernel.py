@@ -398,15 +398,18 @@ def cross(own, one, other, signs, work):
     return 1
 
 
-def find_crossings(own_at, boxes_at, order_at, count, work_at, stack_at, starts_at, pairs_at, room, steps, state_at):
+def find_crossings(
+    own_at, boxes_at, order_at, labels_at, count, work_at, stack_at, starts_at, pairs_at, room, steps, state_at
+):
     """Descend for at most `steps` pairs of boxes, or until no room for 4 more pairs of triangles is left.
 
+    Triangles of different labels, in the order of their numbers, are not compared.
     `stack` holds (level, one, other) still to be opened; the boxes of a level begin at `starts`; `state` is (how many
     pairs of boxes wait, pairs written, the last triangle looked at), and then six signs.
     """
     own = carray(own_at, (count, 9), np.float64)
     boxes = carray(boxes_at, (2 * count + 64, 6), np.float32)
-    order = carray(order_at, (count,), np.int64)
+    order, labels = carray(order_at, (count,), np.int64), carray(labels_at, (count,), np.int64)
     work = carray(work_at, (18 + TERMS,), np.float64)
     stack = carray(stack_at, (256, 3), np.int64)
     starts = carray(starts_at, (64,), np.int64)
@@ -439,7 +442,7 @@ def find_crossings(own_at, boxes_at, order_at, count, work_at, stack_at, starts_
                 if level > 1:
                     stack[waiting, 0], stack[waiting, 1], stack[waiting, 2] = level - 1, a, b
                     waiting += 1
-                elif a != b and cross(own, a, b, signs, work) != 0:
+                elif a != b and labels[order[a]] == labels[order[b]] and cross(own, a, b, signs, work) != 0:
                     pairs[written, 0] = min(order[a], order[b])
                     pairs[written, 1] = max(order[a], order[b])
                     written += 1

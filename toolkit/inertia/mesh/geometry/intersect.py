@@ -29,7 +29,7 @@ from inertia.native import Kernel
 _MODULE = "inertia.mesh.geometry.crossing_kernel"
 CODES = Kernel(_MODULE, "morton_codes", "pipidpp")
 ENCLOSE = Kernel(_MODULE, "enclose", "pippi" + "dddd" + "pp")
-COMPILED = Kernel(_MODULE, "find_crossings", "pppi" + "pppp" + "iip")
+COMPILED = Kernel(_MODULE, "find_crossings", "ppppi" + "pppp" + "iip")
 
 _WORK = (
     4  # times what integrating a triangle costs: compiling, 6 s once for a machine, is for 100,000 triangles or more
@@ -81,7 +81,11 @@ class Crossings:
 
 
 def crossings(
-    a: Triangles, b: Triangles | None = None, limit: int = 100, progress: Progress | None = None
+    a: Triangles,
+    b: Triangles | None = None,
+    limit: int = 100,
+    progress: Progress | None = None,
+    labels: NDArray[np.integer[Any]] | None = None,
 ) -> Crossings:
     """Find the triangles of `a` that cross triangles of `b`, or one another where `b` is None.
 
@@ -91,6 +95,7 @@ def crossings(
     Parameters
     ----------
     limit : pairs listed at most; all are counted
+    labels : (n,) of the triangles of `a`, where those of different labels are not to be compared with one another
 
     >>> from inertia.mesh.part import Surface
     >>> flat = Surface([[0, 0, 0], [4, 0, 0], [0, 4, 0]], [[0, 1, 2]])
@@ -98,7 +103,7 @@ def crossings(
     >>> crossings(flat, upright).points
     array([[1.5, 1.5, 0. ]])
     """
-    copies, runs = _searched(a, b)
+    copies, runs = _searched(a, b, None if labels is None else np.asarray(labels, np.int64))
     pairs, points, total = np.empty((0, 2), np.int64), np.empty((0, 3)), 0
     for crossed, places, done in runs:
         if len(crossed):
@@ -141,8 +146,8 @@ class _Copies:
     start: Int
 
     @classmethod
-    def among(cls, triangles: Triangles) -> _Copies | None:
-        """Find the copies among triangles; None where there are none."""
+    def among(cls, triangles: Triangles, labels: Int | None) -> _Copies | None:
+        """Find the copies among triangles, of one label each; None where there are none."""
         keys = np.empty(triangles.count, np.uint64)
         for at in range(0, len(keys), _STEPPED):
             words = (triangles.corners(at, at + _STEPPED) + 0.0).view(np.uint64)
@@ -154,8 +159,10 @@ class _Copies:
             return None
         which = np.flatnonzero(np.isin(keys, again))
         first = np.arange(len(keys))
-        faces = merge_equal_vertices(triangles.select(which))[1]
-        first[which] = which[first_equal(np.sort(faces, axis=1))]
+        rows = np.sort(merge_equal_vertices(triangles.select(which))[1], axis=1)
+        if labels is not None:
+            rows = np.column_stack([rows, labels[which]])
+        first[which] = which[first_equal(rows)]
         members = np.argsort(first, kind="stable")
         firsts, start, count = np.unique(first[members], return_index=True, return_counts=True)
         return None if len(firsts) == len(keys) else cls(firsts, count, members, start)
@@ -176,11 +183,11 @@ class _Copies:
         return np.sort(np.concatenate(crossed), axis=1), np.concatenate(where), int((count[:, 0] * count[:, 1]).sum())
 
 
-def _crossings_at_hubs(triangles: Triangles, vertices: Float, faces: Int, hub: Int) -> Crossed:
+def _crossings_at_hubs(triangles: Triangles, vertices: Float, faces: Int, hub: Int, labels: Int | None) -> Crossed:
     """Yield what `vectorised_crossings` does, of triangles that meet in great numbers at some vertices."""
     left = np.flatnonzero(hub < 0)
     plain = compiled_crossings if COMPILED.worthwhile(_WORK * len(left)) else vectorised_crossings
-    for pairs, places, done in plain(triangles.select(left)):
+    for pairs, places, done in plain(triangles.select(left), None if labels is None else labels[left]):
         yield left[pairs], places, 0.5 * done
     vertices_of = np.unique(hub[hub >= 0]).tolist()
     for k, vertex in enumerate(vertices_of):
@@ -189,16 +196,24 @@ def _crossings_at_hubs(triangles: Triangles, vertices: Float, faces: Int, hub: I
         between = near_pairs(vertices, faces[own], faces[left], crossing=True)
         for near, those in ((among, own), (between, left)):
             for i, j, _ in near:
-                crossed, places = crossing(vertices, faces[own[i]], faces[those[j]])
-                pairs = np.column_stack([own[i[crossed]], those[j[crossed]]])
+                i, j = _of_one_label(labels, own[i], those[j])
+                crossed, places = crossing(vertices, faces[i], faces[j])
+                pairs = np.column_stack([i[crossed], j[crossed]])
                 yield np.sort(pairs, axis=1), places, 0.5 + 0.5 * k / len(vertices_of)
         left = np.concatenate([left, own])
 
 
-def vectorised_crossings(triangles: Triangles) -> Crossed:
-    """Yield the triangles that cross one another, by numpy."""
+def _of_one_label(labels: Int | None, i: Int, j: Int) -> tuple[Int, Int]:
+    """Return those of pairs of triangles that are to be compared."""
+    same = slice(None) if labels is None else labels[i] == labels[j]
+    return i[same], j[same]
+
+
+def vectorised_crossings(triangles: Triangles, labels: Int | None = None) -> Crossed:
+    """Yield the triangles that cross one another, of one label where there are `labels` (n,), by numpy."""
     vertices, faces = merge_equal_vertices(triangles)
     for i, j, done in near_pairs(vertices, faces, None, crossing=True):
+        i, j = _of_one_label(labels, i, j)
         crossed, places = crossing(vertices, faces[i], faces[j])
         yield np.column_stack([i[crossed], j[crossed]]), places, done
 
@@ -251,34 +266,39 @@ class CompiledTree:
         return cls(order, own, boxes, starts, levels)
 
 
-def _searched(a: Triangles, b: Triangles | None) -> tuple[_Copies | None, Crossed]:
+def _searched(a: Triangles, b: Triangles | None, labels: Int | None = None) -> tuple[_Copies | None, Crossed]:
     """Return what finds the crossings by whatever takes least, and the copies of triangles that it leaves out."""
     if b is not None:
         return None, _crossings_between(a, b)
-    copies = _Copies.among(a)
-    alone = a if copies is None else a.select(copies.first)
+    copies = _Copies.among(a, labels)
+    if copies is None:
+        alone = a
+    else:
+        alone, labels = a.select(copies.first), None if labels is None else labels[copies.first]
     if (fans := hubs(alone)) is not None:
-        return copies, _crossings_at_hubs(alone, *fans)
-    return copies, compiled_crossings(alone) if COMPILED.worthwhile(_WORK * a.count) else vectorised_crossings(alone)
+        return copies, _crossings_at_hubs(alone, *fans, labels)
+    plain = compiled_crossings if COMPILED.worthwhile(_WORK * a.count) else vectorised_crossings
+    return copies, plain(alone, labels)
 
 
-def compiled_crossings(triangles: Triangles) -> Crossed:
+def compiled_crossings(triangles: Triangles, labels: Int | None = None) -> Crossed:
     """Yield what `vectorised_crossings` does, in another order, by the compiled kernel."""
     count = triangles.count
     if not count:
         return
     tree = CompiledTree.over(triangles)
     if tree is None:
-        yield from vectorised_crossings(triangles)
+        yield from vectorised_crossings(triangles, labels)
         return
     stack, state = np.zeros((256, 3), np.int64), np.zeros(9, np.int64)
     stack[0, 0], state[0] = tree.levels - 1, 1
     work, pairs = np.empty(_SCRATCH), np.empty((_CROSSED, 2), np.int64)
-    of_tree = _address(tree.corners), _address(tree.boxes), _address(tree.order), count
+    own = np.zeros(count, np.int64) if labels is None else labels
+    of_tree = _address(tree.corners), _address(tree.boxes), _address(tree.order), _address(own), count
     tables = *of_tree, _address(work), _address(stack), _address(tree.starts)
     COMPILED.function(*tables, _address(pairs), _CROSSED, _PATIENCE * count, _address(state))
     if state[0] and state[1] < _CROSSED // 2 and slanted(triangles, tree.order):
-        yield from vectorised_crossings(triangles)
+        yield from vectorised_crossings(triangles, labels)
         return
     while True:
         done = float(state[2] / count) if state[0] else 1.0
