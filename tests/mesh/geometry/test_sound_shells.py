@@ -41,6 +41,14 @@ def matryoshka(count: int, ratio: float) -> list[Mesh]:
     return [solid if k % 2 == 0 else inside_out(solid) for k, solid in enumerate(solids)]
 
 
+def links(step: float) -> list[Mesh]:
+    """Return rings of a chain, each upright in the next where they are not too far apart."""
+    vertices, faces = ring(16, 8, 1.0, 0.25)
+    upright = vertices[:, [0, 2, 1]], faces[:, ::-1]
+    chain = [((vertices, faces), upright)[k % 2] for k in range(6)]
+    return [(np.add(own, [step * k, 0, 0]), around) for k, (own, around) in enumerate(chain)]
+
+
 BLOCK = box((-0.6, -0.6, -0.6), (2.6, 2.6, 2.6))
 BOWTIE = (
     np.array([[x, y, z] for z in (-3.0, 3.0) for x, y in ((-3, -3), (3, 3), (3, -3), (-3, 3))]),
@@ -64,11 +72,15 @@ SOUND: dict[str, tuple[list[Mesh], int]] = {
     ),
     "a body in the hole of a ring": ([ring(), sphere(radius=1.5)], 2),
     "a cavity in a ring": ([ring(), inside_out(ring(tube=0.5))], 1),
+    "links of a chain": (links(1.3), 6),
+    "links of a chain as cavities": ([box((-2, -2, -2), (9, 2, 2)), *map(inside_out, links(1.3))], 1),
     "far from the origin": ([(v + 1e5, f) for v, f in matryoshka(5, 0.7)], 3),
 }
 
 UNSOUND: dict[str, list[Mesh]] = {
     "pores that break through": [BLOCK, *pores(0.45), inside_out(sphere((2.5, 2.5, 2.5), 0.3))],
+    "links of a chain that cross": links(1.7),
+    "a last link of a chain that crosses its neighbour": [*links(1.3)[:5], *links(1.38)[5:]],
     "pores that meet": [BLOCK, *pores(0.51)],
     "a pore in a corner": [BLOCK, *pores(0.3), inside_out(box((2.5, 2.5, 2.5), (2.6, 2.6, 2.6)))],
     "a pore that is no cavity": [BLOCK, *pores(0.45)[1:], inside_out(pores(0.45)[0])],

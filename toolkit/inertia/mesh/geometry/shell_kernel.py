@@ -18,8 +18,8 @@ COLUMNS = 12
 FAR, FARTHEST = 1 << 61, 1 << 62
 """Added to how far shells of a family are from each other, where that is not told by their numbers; of two families."""
 
-MEETS, INSIDE, AROUND = 1, 2, 4
-"""What a shell's box does to that of another: meet it, lie in it, hold it."""
+MEETS, INSIDE, AROUND, NEAR = 1, 2, 4, 8
+"""What a shell's box does to that of another: meet it, lie in it, hold it; come near triangles of the shell around."""
 
 FIRST, SECOND, THIRD = 0.4140625, 0.3515625, 0.234375
 """Weights of the corners for a place on a triangle: in no plane of symmetry, so that few rays pass through edges."""
@@ -116,8 +116,8 @@ def curve_places(table_at, shells, cells, noise, stored, bits, box_at, places_at
     return 0
 
 
-def meet_boxes(table_at, order_at, places_at, count, family_at, boxes_at, nodes_at, stack_at, flags_at):
-    """Enclose boxes two by two, and say which of them meet others of their family, lie in one and hold one.
+def meet_boxes(table_at, order_at, places_at, count, family_at, boxes_at, nodes_at, stack_at, flags_at, zones_at):
+    """Enclose boxes two by two, and say which of them meet others of their family, lie in one and hold one, and where.
 
     Shells are looked at in order, in which their families ascend, and `places` along the curve in each. Two nodes
     are joined before their neighbours where the places of the shells between them differ in lower bits, so that the
@@ -125,7 +125,7 @@ def meet_boxes(table_at, order_at, places_at, count, family_at, boxes_at, nodes_
     trees", High Performance Graphics 2012). Node k < `count` is the k-th shell, and has in `nodes`, (2 count, 2), the
     root of its family, if it is the last of it; others have the two nodes that they join. The boxes written,
     (2 count, 6), are float32: rounding never changes an order, so that those that overlap still meet. `stack` has room
-    for 512 rows.
+    for 512 rows. `zones`, (count, 6), empty ones at first, come to enclose what each has in common with others.
     """
     table = carray(table_at, (count, COLUMNS), np.float64)
     order = carray(order_at, (count,), np.int64)
@@ -134,7 +134,7 @@ def meet_boxes(table_at, order_at, places_at, count, family_at, boxes_at, nodes_
     boxes = carray(boxes_at, (2 * count, 6), np.float32)
     nodes = carray(nodes_at, (2 * count, 2), np.int64)
     stack = carray(stack_at, (512, 2), np.int64)
-    flags = carray(flags_at, (count,), np.uint8)
+    flags, zones = carray(flags_at, (count,), np.uint8), carray(zones_at, (count, 6), np.float64)
     waiting, built = 0, count
     one = order[0]
     for k in range(count):
@@ -157,7 +157,7 @@ def meet_boxes(table_at, order_at, places_at, count, family_at, boxes_at, nodes_
                 boxes[built, axis + 3] = max(boxes[before, axis + 3], boxes[node, axis + 3])
             nodes[built, 0], nodes[built, 1] = before, node
             if overlap(boxes, before, node):
-                descend(table, order, boxes, nodes, stack, waiting, flags, count, before, node)
+                descend(table, order, boxes, nodes, stack, waiting, flags, zones, count, before, node)
             node = built
             built += 1
         if last:
@@ -190,7 +190,7 @@ def girth(boxes, node):
 
 
 @njit(error_model="numpy", forceinline=True)
-def descend(table, order, boxes, nodes, stack, base, flags, count, one, other):
+def descend(table, order, boxes, nodes, stack, base, flags, zones, count, one, other):
     """Compare the shells in two nodes whose boxes overlap; rows of the stack from `base` on are free."""
     stack[base, 0], stack[base, 1] = one, other
     waiting = base + 1
@@ -198,7 +198,7 @@ def descend(table, order, boxes, nodes, stack, base, flags, count, one, other):
         waiting -= 1
         p, q = stack[waiting, 0], stack[waiting, 1]
         if p < count and q < count:
-            compare(table, flags, order[p], order[q])
+            compare(table, flags, zones, order[p], order[q])
             continue
         if p < count or (q >= count and girth(boxes, q) > girth(boxes, p)):
             p, q = q, p
@@ -210,7 +210,7 @@ def descend(table, order, boxes, nodes, stack, base, flags, count, one, other):
 
 
 @njit(error_model="numpy", forceinline=True)
-def compare(table, flags, one, other):
+def compare(table, flags, zones, one, other):
     """Write down what the boxes of two shells do to each other."""
     apart, a_in_b, b_in_a = False, True, True
     for axis in range(3):
@@ -222,6 +222,10 @@ def compare(table, flags, one, other):
     if not apart:
         flags[one] |= MEETS
         flags[other] |= MEETS
+        for axis in range(3):
+            low, high = max(table[one, axis], table[other, axis]), min(table[one, axis + 3], table[other, axis + 3])
+            zones[one, axis], zones[one, axis + 3] = min(zones[one, axis], low), max(zones[one, axis + 3], high)
+            zones[other, axis], zones[other, axis + 3] = min(zones[other, axis], low), max(zones[other, axis + 3], high)
     if a_in_b:
         flags[one] |= INSIDE
         flags[other] |= AROUND
@@ -394,5 +398,24 @@ def near_children(
             blur = BLUR * math.sqrt(sides * (mx * mx + my * my + mz * mz))
             if not height - blur > (1.0 + 1e-12) * math.sqrt(radii[child]) * normal:
                 near[k] = 1
-                flags[child] |= MEETS
+                flags[child] |= NEAR
+    return 0
+
+
+def in_zones(vertices_at, vertices, faces_at, labels_at, count, zones_at, shells, inside_at):
+    """Mark the triangles whose boxes meet the zone of their shell."""
+    corners = carray(vertices_at, (vertices, 3), np.float64)
+    faces = carray(faces_at, (count, 3), np.int64)
+    labels = carray(labels_at, (count,), np.int32)
+    zones = carray(zones_at, (shells, 6), np.float64)
+    inside = carray(inside_at, (count,), np.uint8)
+    for k in range(count):
+        shell = labels[k]
+        if shell < 0:
+            continue
+        meets = True
+        for axis in range(3):
+            a, b, c = corners[faces[k, 0], axis], corners[faces[k, 1], axis], corners[faces[k, 2], axis]
+            meets &= min(a, b, c) <= zones[shell, axis + 3] and zones[shell, axis] <= max(a, b, c)
+        inside[k] = meets
     return 0

@@ -35,12 +35,13 @@ from inertia.native import Kernel, address
 _MODULE = "inertia.mesh.geometry.shell_kernel"
 _MEASURE = Kernel(_MODULE, "measure_shells", "pippi" + "pi")
 _PLACES = Kernel(_MODULE, "curve_places", "pi" + "dddi" + "pp")
-_MEET = Kernel(_MODULE, "meet_boxes", "pppi" + "ppppp")
+_MEET = Kernel(_MODULE, "meet_boxes", "pppi" + "pppppp")
 _CAST = Kernel(_MODULE, "cast_rays", "pippi" + "pi" + "pppp" + "ppip" + "i" + "ddddd" + "pp")
 _NEAR = Kernel(_MODULE, "near_children", "pippi" + "pi" + "ppppp" + "ppp")
+_ZONES = Kernel(_MODULE, "in_zones", "pippi" + "pi" + "p")
 _CHUNK = 1 << 14
 _COLUMNS = 12  # as the kernels have them
-_MEETS, _INSIDE, _AROUND = 1, 2, 4
+_MEETS, _INSIDE, _AROUND, _NEARBY = 1, 2, 4, 8
 _NOISE = 1e-13  # rounding of a volume, over the sum of its terms' largest magnitudes
 _STORED = 2.0**-50  # the same, for each time that a sum is rounded
 _CLEAR = 2e-10  # of another shell, over the size of the part: what is nearer is not asked by rays
@@ -71,7 +72,7 @@ def sound_nesting(triangles: Triangles, closure: Closure, *, streamed: bool = Fa
     if (
         not count
         or closure.crowded
-        or not all(kernel.worthwhile(triangles.count) for kernel in (_MEASURE, _PLACES, _MEET, _CAST, _NEAR))
+        or not all(kernel.worthwhile(triangles.count) for kernel in (_MEASURE, _PLACES, _MEET, _CAST, _NEAR, _ZONES))
     ):
         return None
     table = np.zeros((count, _COLUMNS))
@@ -122,17 +123,19 @@ def _chunks(triangles: Triangles, closure: Closure) -> Iterator[tuple[slice, int
 
 def _meeting(
     table: Float, order: Int, places: NDArray[np.uint64], family: Int
-) -> tuple[NDArray[np.uint8], NDArray[np.float32], Int]:
+) -> tuple[NDArray[np.uint8], NDArray[np.float32], Int, Float]:
     """Return what the boxes of shells do to others of their family, those in order with enclosing ones, and the nodes.
 
-    `places` along a space-filling curve sort those of a family.
+    Returns boxes around what each has in common with others, too. `places` along a space-filling curve sort those of a
+    family.
     """
     count = len(order)
     boxes, nodes = np.empty((2 * count, 6), np.float32), np.empty((2 * count, 2), np.int64)
     stack, flags = np.empty((512, 2), np.int64), np.zeros(count, np.uint8)
-    tables = (each.ctypes.data for each in (family, boxes, nodes, stack, flags))
+    zones = np.repeat([[np.inf, -np.inf]], count, axis=0).repeat(3, axis=1)
+    tables = (each.ctypes.data for each in (family, boxes, nodes, stack, flags, zones))
     _MEET.function(address(table), address(order), address(places), count, *tables)
-    return flags, boxes, nodes
+    return flags, boxes, nodes, zones
 
 
 def _nest(
@@ -183,7 +186,7 @@ def _apart(
     count = len(table)
     ranked = np.argsort(parent[order], kind="stable")
     order = order[ranked]
-    flags, boxes, nodes = _meeting(table, order, places[ranked], parent)
+    flags, boxes, nodes, zones = _meeting(table, order, places[ranked], parent)
     near = np.zeros(triangles.count, np.uint8)
     if (parent >= 0).any():
         ranges = np.searchsorted(parent[order], np.arange(count)[:, None] + (0, 1))
@@ -191,14 +194,18 @@ def _apart(
         of_shells = address(table), count, *map(address, (radii, boxes, nodes, order, ranges))
         for which, *chunk in _chunks(triangles, closure):
             _NEAR.function(*chunk, *of_shells, near[which].ctypes.data, address(flags), address(room))
-    meeting: Bool = (flags & _MEETS) != 0
+    meeting: Bool = (flags & (_MEETS | _NEARBY)) != 0
     if not meeting.any():
         return True
     if streamed:
         return False
-    # Each region is a family of its own: the shell around it, as far as it is near, and those in it that are.
-    labels = closure.labels
-    inside, around = np.flatnonzero(meeting[labels] & (labels >= 0)), np.flatnonzero(near)
+    # Each region is a family of its own: the shell around it, as far as it is near, and what meets there in it.
+    labels, within = closure.labels, np.zeros(triangles.count, np.uint8)
+    nearby = (flags & _NEARBY) != 0
+    zones[nearby] = table[nearby, :6]
+    for which, *chunk in _chunks(triangles, closure):
+        _ZONES.function(*chunk, address(zones), count, within[which].ctypes.data)
+    inside, around = np.flatnonzero(within), np.flatnonzero(near)
     if len(inside) == triangles.count and not len(around):
         own = triangles
     else:
