@@ -196,10 +196,10 @@ class Moments:
             vector(dot(row, self.origin) for row in rows),
             size * self.zeroth,
             vector(size * dot(row, self.first) for row in rows),
-            six(size * k for k in congruent(rows, self.second)),
+            six(size * k for k in _congruent(rows, self.second)),
             size * self.zeroth_bound,
             vector(size * dot(row, self.first_bound) for row in largest),
-            six(size * k for k in congruent(largest, self.second_bound)),
+            six(size * k for k in _congruent(largest, self.second_bound)),
         )
 
     def turned(self, axes: Sequence[Sequence[Fraction]], origin: Sequence[Fraction]) -> Moments:
@@ -216,7 +216,7 @@ class Moments:
         largest = [[abs(k) for k in column] for column in columns]
         first, tensor = ((1 + 2 * skew) * k for k in self.error_norms)
         along = vector(min(dot(column, self.first_bound), first) for column in largest)
-        across = congruent(largest, self.second_bound)
+        across = _congruent(largest, self.second_bound)
         trace = sum(self.second[:3], ZERO) + sum(self.second_bound[:3], ZERO)
         shift, weight = skew * norm_above(away), abs(self.zeroth) + self.zeroth_bound
         lever = (1 + skew) * norm_above(self.first) + first
@@ -226,7 +226,7 @@ class Moments:
             vector(dot(column, away) for column in columns),
             self.zeroth,
             vector(dot(column, self.first) for column in columns),
-            congruent(columns, self.second),
+            _congruent(columns, self.second),
             self.zeroth_bound,
             vector(k + off for k in along),
             six(min(k, tensor) + Fraction(5, 2) * skew * trace + displaced for k in across),
@@ -483,7 +483,7 @@ def dot(a: Iterable[Fraction], b: Iterable[Fraction]) -> Fraction:
     return sum((x * y for x, y in zip(a, b, strict=True)), ZERO)
 
 
-def congruent(columns: Sequence[Sequence[Fraction]], second: Six) -> Six:
+def _congruent(columns: Sequence[Sequence[Fraction]], second: Six) -> Six:
     """Return the elements of Rᵀ S R from the columns of R and the elements of S."""
     xx, yy, zz, yz, zx, xy = second
     rows = (xx, xy, zx), (xy, yy, yz), (zx, yz, zz)

@@ -7,11 +7,13 @@ from dataclasses import dataclass
 from fractions import Fraction
 from functools import cache
 from math import inf, prod, sqrt
+from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from inertia.arrays import Float
-from inertia.mass.moments import PAIRS, Moments, congruent, dot, dyadic, over, six, times
+from inertia.mass.moments import PAIRS, Moments, dyadic, over, times
 from inertia.mass.triangles.fine_sums import BITS, REACH, SHARE, FineSums, Shear
 from inertia.mass.triangles.kernels import BLOCK, DEPTH, LANES
 from inertia.mass.triangles.sums import Sums
@@ -179,19 +181,25 @@ def _sheared(far: list[float], fine: FineSums, shear: Shear) -> tuple[list[float
 
 def _unsheared(values: list[Fraction], bounds: list[float], shear: Shear) -> tuple[list[Fraction], list[float]]:
     """Return the ten sums, twice that on the diagonal, and bounds on their errors, in the coordinates as stored."""
-    (i, j, k), (p, q, r) = shear.axes, map(Fraction, shear.factors)
-    rows = [[Fraction(a == b) for b in range(3)] for a in range(3)]
-    rows[j][i], rows[k][i], rows[k][j] = p, q + r * p, r
-    sizes = [list(map(abs, row)) for row in rows]
-    errors = list(map(Fraction, bounds))
+    (i, j, k), (one, two, three) = shear.axes, map(Fraction, shear.factors)
+    # Over common denominators: rational arithmetic would look for common factors at every step.
+    (p, q, r), e = over([one, two + three * one, three])
+    rows = np.array([[e if a == b else 0 for b in range(3)] for a in range(3)], object)
+    rows[j, i], rows[k, i], rows[k, j] = p, q, r
+    whole, d = over(values)
+    first, second = rows @ np.array(whole[1:4], object), rows @ _matrix(whole[4:], object) @ rows.T
+    size = np.abs(rows / e).astype(np.float64)
+    larger = size @ _matrix(bounds[4:], np.float64) @ size.T
     return (
-        [values[0], *(dot(row, values[1:4]) for row in rows), *congruent(rows, six(values[4:]))],
-        [
-            bounds[0],
-            *map(float, (dot(row, errors[1:4]) for row in sizes)),
-            *map(float, congruent(sizes, six(errors[4:]))),
-        ],
+        [values[0], *(Fraction(n, d * e) for n in first), *(Fraction(second[a], d * e * e) for a in PAIRS)],
+        [bounds[0], *(size @ bounds[1:4]).tolist(), *(float(larger[a]) for a in PAIRS)],
     )
+
+
+def _matrix(six: Sequence[int] | Sequence[float], kind: type) -> NDArray[Any]:
+    """Return the symmetric matrix (3, 3) of six elements."""
+    xx, yy, zz, yz, zx, xy = six
+    return np.array([[xx, xy, zx], [xy, yy, yz], [zx, yz, zz]], kind)
 
 
 def _about(value: list[Fraction], d: list[Fraction]) -> list[Fraction]:
