@@ -206,6 +206,34 @@ def test_fixed_joints_are_lumped(props: inertia.MassProperties, audited: Callabl
     assert whole.stated.inertia == pytest.approx((props + other).inertia, rel=1e-12)
 
 
+def test_links_in_any_order_are_lumped_with_what_they_hang_from(audited: Callable[..., Audit]) -> None:
+    """Two trees of links with no extent, of which the places are products of 4 × 4 matrices."""
+    rng = np.random.default_rng(7)
+    names = [f"l{k}" for k in range(60)]
+    frames, joints, roots = [np.eye(4), np.eye(4)], [], [0, 1]
+    for k in range(2, len(names)):
+        above, turn, place = int(rng.integers(k)), float(rng.uniform(-3, 3)), rng.uniform(-1, 1, 3)
+        c, s = np.cos(turn), np.sin(turn)
+        own = np.block([[np.array([[c, -s, 0], [s, c, 0], [0, 0, 1]]), place[:, None]], [0, 0, 0, 1]])
+        frames.append(frames[above] @ own)
+        roots.append(roots[above])
+        origin = f'<origin xyz="{" ".join(map(repr, place.tolist()))}" rpy="0 0 {turn!r}"/>'
+        parent = f'<parent link="{names[above]}"/><child link="{names[k]}"/>'
+        joints.append(f'<joint name="j{k}" type="fixed">{parent}{origin}</joint>')
+    masses = rng.uniform(1, 2, len(names))
+    order = rng.permutation(len(names)).tolist()
+    links = [link(names[k], inertial(float(masses[k]), np.zeros(3), np.eye(3))) for k in order]
+    audit = audited(*links, joints="".join(joints), lump=True)
+    assert [each.name for each in audit.links] == [names[k] for k in order if k < 2]
+    for each in audit.links:
+        own = [k for k in range(len(names)) if names[roots[k]] == each.name]
+        mass = masses[own].sum()
+        assert each.stated is not None
+        assert each.stated.mass == pytest.approx(mass, rel=1e-14)
+        center = sum(masses[k] * frames[k][:3, 3] for k in own) / mass
+        assert each.stated.center == pytest.approx(center, abs=1e-13)
+
+
 def test_arguments_are_checked(tmp_path: Path, audited: Callable[..., Audit]) -> None:
     with pytest.raises(inertia.UsageError, match="between 0 and 1"):
         inertia.audit(tmp_path / "x.urdf", tolerance=2.0)

@@ -222,11 +222,9 @@ def _weights(geometries: Sequence[Geometry], densities: float | Mapping[str, flo
 def _lumped(robot: Robot, subjects: Sequence[Subject]) -> Iterator[Subject]:
     """Yield the links with those that hang from them by fixed joints, Steiner terms included."""
     by_name = {subject.name: subject for subject in subjects}
-    places = {link.name: _root(robot, link) for link in robot.links}
-    for root in (link for link in robot.links if places[link.name][0] == link.name):
-        members = [(name, where) for name, (top, where) in places.items() if top == root.name]
+    for root, members in _fixed_together(robot).items():
         if len(members) == 1:
-            yield by_name[root.name]
+            yield by_name[root]
             continue
         stated = [
             _moved(subject.stated.body, where)
@@ -237,7 +235,7 @@ def _lumped(robot: Robot, subjects: Sequence[Subject]) -> Iterator[Subject]:
         weights = [subject.densities for subject, _ in groups]
         known = None if any(each is None for each in weights) else tuple(w for each in weights for w in each or ())
         yield Subject(
-            root.name,
+            root,
             Statement(together(stated), np.eye(3)) if stated else None,
             [each.moved(where) for subject, where in groups for each in subject.shapes],
             [each.moved(where) for subject, where in groups for each in subject.collisions],
@@ -248,18 +246,29 @@ def _lumped(robot: Robot, subjects: Sequence[Subject]) -> Iterator[Subject]:
         )
 
 
-def _root(robot: Robot, link: Link) -> tuple[str, Placement]:
+def _fixed_together(robot: Robot) -> dict[str, list[tuple[str, Placement]]]:
+    """Return each link that hangs from none by a fixed joint, the links that hang from it so, and where these are."""
     by_name = {each.name: each for each in robot.links}
-    where, seen = Placement(), {link.name}
-    while link.parent in by_name and link.parent not in seen:
-        where = link.placement.then(where)
-        link = by_name[link.parent]
-        seen.add(link.name)
-    if link.parent in seen:
-        raise ReadError(
-            f"{robot.path}: link {link.name!r} hangs from itself by fixed joints: turn one of them round", code="cycle"
-        )
-    return link.name, where
+    places: dict[str, tuple[str, Placement]] = {}
+    for link in robot.links:
+        above, seen = [link], {link.name}
+        while (here := above[-1]).name not in places and here.parent in by_name:
+            if here.parent in seen:
+                raise ReadError(
+                    f"{robot.path}: link {here.name!r} hangs from itself by fixed joints: turn one of them round",
+                    code="cycle",
+                )
+            above.append(by_name[here.parent])
+            seen.add(here.parent)
+        places.setdefault(here.name, (here.name, Placement()))
+        for each, parent in zip(above[-2::-1], above[:0:-1], strict=True):
+            root, where = places[parent.name]
+            places[each.name] = root, where.then(each.placement)
+    together: dict[str, list[tuple[str, Placement]]] = {}
+    for link in robot.links:
+        root, where = places[link.name]
+        together.setdefault(root, []).append((link.name, where))
+    return {link.name: together[link.name] for link in robot.links if link.name in together}
 
 
 def _moved(body: Body, where: Placement) -> Body:
