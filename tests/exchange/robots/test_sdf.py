@@ -320,6 +320,52 @@ def test_a_model_is_placed_by_its_placement_frame(tmp_path: Path, by_include: bo
         assert np.allclose(np.c_[joint.placement.rotation, joint.placement.origin], (model @ where)[:3], atol=1e-14)
 
 
+@pytest.mark.parametrize("placed_by", ["", "tip"])
+def test_a_merged_model_lends_its_links_to_the_one_around_it(tmp_path: Path, placed_by: str) -> None:
+    (tmp_path / "tool").mkdir()
+    (tmp_path / "tool" / "tool.sdf").write_text(
+        text(
+            '<pose>7 7 7 0 0 0</pose><link name="upper"><pose>1 0 0 0 0.3 0</pose>'
+            "<visual name='v'><geometry><mesh><uri>upper.stl</uri></mesh></geometry></visual></link>"
+            '<link name="lower"/><model name="grip"><pose>0 0 1 0.2 0 0</pose><link name="finger"/></model>'
+            '<frame name="tip"><pose>0 1 0 0 0 0.4</pose></frame>'
+            '<frame name="own" attached_to="__model__"><pose relative_to="__model__">0 0 3 0.1 0 0</pose></frame>'
+            '<link name="last"><pose relative_to="own">0 2 0 0 0 0</pose></link>'
+            '<joint name="weld" type="fixed"><parent>__model__</parent><child>grip::finger</child></joint>'
+            '<joint name="turn" type="revolute"><parent>upper</parent><child>last</child>'
+            '<axis><xyz expressed_in="__model__">1 0 0</xyz></axis></joint>'
+        )
+    )
+    (tmp_path / "tool" / "upper.stl").write_bytes(b"")
+    frame = f"<placement_frame>{placed_by}</placement_frame>" if placed_by else ""
+    file = tmp_path / "a.sdf"
+    file.write_text(
+        text(
+            '<pose>0 0 5 0 0 0.7</pose><link name="base"><pose>1 1 0 0.5 0 0</pose></link><include merge="true">'
+            f'<uri>tool/tool.sdf</uri>{frame}<pose relative_to="base">0 2 0 0 0 0.9</pose></include>'
+        )
+    )
+    links = {link.name: link for link in read_robot(file).links}
+    assert list(links) == ["base", "upper", "lower", "last", "grip::finger"]
+    base = pose(0, 0, 5, 0, 0, 0.7) @ pose(1, 1, 0, 0.5, 0, 0)
+    tool = base @ pose(0, 2, 0, 0, 0, 0.9)
+    if placed_by:
+        tool = tool @ np.linalg.inv(pose(0, 1, 0, 0, 0, 0.4))
+    within = pose(1, 0, 0, 0, 0.3, 0)
+    back, last = np.linalg.inv(within), pose(0, 0, 3, 0.1, 0, 0) @ pose(0, 2, 0, 0, 0, 0)
+    for name, where in (("base", base), ("upper", tool @ within), ("lower", tool)):
+        joint = links[name].joint
+        assert joint is not None
+        assert same(joint.placement, where)
+    assert links["grip::finger"].parent == "upper"  # the first link, that a model goes with
+    assert same(links["grip::finger"].placement, back @ pose(0, 0, 1, 0.2, 0, 0))
+    turning = links["last"].joint
+    assert turning is not None
+    assert same(turning.placement, back @ last)
+    assert np.abs(turning.axis - last[0, :3]).max() < 1e-15
+    assert links["upper"].geometries[0].shape == tmp_path / "tool" / "upper.stl"
+
+
 def test_models_in_a_world_count_from_its_frames_and_from_one_another(tmp_path: Path) -> None:
     file = tmp_path / "a.sdf"
     file.write_text(

@@ -12,7 +12,7 @@ import math
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from pathlib import Path
-from xml.etree.ElementTree import Element
+from xml.etree.ElementTree import Element, SubElement
 
 import numpy as np
 
@@ -26,6 +26,7 @@ from inertia.standard_input import file_of
 
 _CONVENTION = CONVENTIONS["sdf"]
 _MODEL = "__model__"
+_PLACED = "_placement_frame"  # of the frame that stands for a merged model
 _DEEPEST = 32  # models that include one another
 _MOST = 1000  # models that are included in all: two in each would be 2³²
 _WATER = 1000.0  # kg/m³, what collisions weigh where an inertia is automatic and none is stated
@@ -137,6 +138,7 @@ def _include(place: Element, folder: Path, folders: dict[Element, Path], notes: 
     """Replace every ``<include>`` in a world or model by the model that it names, and keep where that one's file is."""
     if depth > _DEEPEST:
         raise ReadError(f"models include one another more than {_DEEPEST} deep")
+    merged: dict[Element, list[Element]] = {}
     for position, child in enumerate(list(place)):
         if child.tag == "model":
             _include(child, folder, folders, notes, depth + 1)
@@ -144,10 +146,10 @@ def _include(place: Element, folder: Path, folders: dict[Element, Path], notes: 
             continue
         uri = child.findtext("uri", "").strip()
         model, file = _included(uri, folder)
-        if model is None or _is_true(child.get("merge"), f"the included model {shown(uri)}, merge"):
-            notes[
-                f"the included model {shown(uri)} is not read: {'it is not there' if model is None else 'it is merged'}"
-            ] = None
+        merge = _is_true(child.get("merge"), f"the included model {shown(uri)}, merge")
+        if model is None or (merge and place.tag != "model"):
+            lacks = "it is not there" if model is None else "it is merged into what is no model"
+            notes[f"the included model {shown(uri)} is not read: {lacks}"] = None
             continue
         model.set("name", child.findtext("name", model.get("name", "")).strip())
         if placed := child.findtext("placement_frame", "").strip():
@@ -161,6 +163,38 @@ def _include(place: Element, folder: Path, folders: dict[Element, Path], notes: 
             raise ReadError(f"more than {_MOST} models are included")
         place[position] = model
         _include(model, file.parent, folders, notes, depth + 1)
+        if merge:
+            merged[model] = _merged(model, file.parent, folders)
+    if merged:
+        place[:] = [each for child in place for each in merged.get(child, [child])]
+
+
+def _merged(model: Element, folder: Path, folders: dict[Element, Path]) -> list[Element]:
+    """Return the elements of a model as elements of the one it is merged into, and a frame that stands for its own."""
+    proxy = f"_merged__{model.get('name', '')}__model__"
+    elements = [child for child in model if child.tag in ("link", "frame", "joint", "model")]
+    links = [child.get("name", "") for child in elements if child.tag == "link"]
+    for child in elements:
+        own = [child] if child.tag == "model" else list(child.iter())
+        for each in own:
+            for key in ("attached_to", "relative_to", "frame", "expressed_in"):
+                if each.get(key) == _MODEL:
+                    each.set(key, proxy)
+            if each.tag in ("parent", "child") and (each.text or "").strip() == _MODEL:
+                each.text = proxy
+        if child.tag == "frame" and not child.get("attached_to"):
+            child.set("attached_to", proxy)
+        if child.tag in ("link", "model") and not _relative_to(child):
+            pose = child.find("pose")
+            (SubElement(child, "pose") if pose is None else pose).set("relative_to", proxy)
+        if child.tag == "link":
+            folders[child] = folder
+    frame = Element("frame", {"name": proxy, "attached_to": model.get("canonical_link") or (*links, "")[0]})
+    pose = model.find("pose")
+    frame.append(Element("pose") if pose is None else pose)
+    frame[0].set("relative_to", _relative_to(model) or _MODEL)
+    frame.set(_PLACED, model.get("placement_frame", ""))
+    return [frame, *elements]
 
 
 def _included(uri: str, folder: Path) -> tuple[Element | None, Path]:
@@ -210,6 +244,11 @@ def _declare(place: Element, scope: str, frames: _Frames) -> None:
     for child, within in inner:
         if relative := _relative_to(child):
             frames.poses[within + _MODEL] = frames.find(relative, scope), frames.poses[within + _MODEL][1]
+    for tag, element in elements:
+        if tag == "frame" and (placed := element.get(_PLACED)):  # of a merged model, whose pose that is
+            full = scope + element.get("name", "")
+            outer, where = frames.poses[full]
+            frames.poses[full] = outer, where.then(frames.between(frames.find(placed, scope), full))
     if not scope:
         return
     if canonical := place.get("canonical_link"):
@@ -239,7 +278,7 @@ def _links(
             continue
         full = scope + element.get("name", "")
         name = full.removeprefix(drop)
-        geometries = tuple(_geometries(element, full, name, scope, frames, folder, notes))
+        geometries = tuple(_geometries(element, full, name, scope, frames, folders.get(element, folder), notes))
         joint = frames.joints.get(full)
         if joint is None:
             joint = Joint(name, None, frames.between("", full))
