@@ -497,10 +497,24 @@ def test_included_models_that_cannot_be_had_are_named(tmp_path: Path) -> None:
     uris = ["https://fuel.gazebosim.org/1.0/x/models/y", "", long]
     file.write_text(text('<link name="a"/>' + "".join(f"<include><uri>{uri}</uri></include>" for uri in uris)))
     assert [note.rpartition(": ")[2] for note in read_robot(file).notes] == ["it is not there"] * 3
+    (tmp_path / "arm.urdf").write_text('<robot name="arm"><link name="a"/></robot>')
+    file.write_text(text('<link name="a"/><include><uri>arm.urdf</uri></include>'))
+    assert read_robot(file).notes == (
+        "the included model 'arm.urdf' is not read: 'arm.urdf' holds no model of SDFormat",
+    )
     (tmp_path / "bad.sdf").write_text("<sdf><model")
     file.write_text(text('<link name="a"/><include><uri>bad.sdf</uri></include>'))
     with pytest.raises(inertia.ReadError, match=r"the included model 'bad.sdf': its XML is damaged"):
         read_robot(file)
+
+
+def test_a_population_is_said_not_to_be_read(tmp_path: Path) -> None:
+    file = tmp_path / "a.sdf"
+    crowd = '<population name="crowd"><model name="can"><link name="a"/></model></population>'
+    file.write_text(f'<sdf version="1.9"><world name="w">{crowd}<model name="m"><link name="b"/></model></world></sdf>')
+    robot = read_robot(file)
+    assert [link.name for link in robot.links] == ["b"]
+    assert robot.notes == ("population 'crowd' is not read: where its models lie is drawn by chance",)
 
 
 def test_what_is_there_twice_or_without_a_name_is_said(tmp_path: Path) -> None:

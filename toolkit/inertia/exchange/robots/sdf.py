@@ -116,6 +116,10 @@ def read_sdf(path: Path) -> Robot:
     places = [root, *root.findall("world")]
     for place in places:
         _include(place, path.parent, folders, notes, 0)
+        for crowd in place.findall("population"):
+            notes[f"population {shown(crowd.get('name', ''))} is not read: where its models lie is drawn by chance"] = (
+                None
+            )
     models = [model for place in places for model in place.findall("model")]
     frames = _Frames()
     scopes = [f"{model.get('name', '')}::" for model in models]
@@ -148,7 +152,9 @@ def _include(place: Element, folder: Path, folders: dict[Element, Path], notes: 
         model, file = _included(uri, folder)
         merge = _is_true(child.get("merge"), f"the included model {shown(uri)}, merge")
         if model is None or (merge and place.tag != "model"):
-            lacks = "it is not there" if model is None else "it is merged into what is no model"
+            lacks = "it is merged into what is no model" if model is not None else "it is not there"
+            if model is None and is_file(file):
+                lacks = f"{shown(file.name)} holds no model of SDFormat"
             notes[f"the included model {shown(uri)} is not read: {lacks}"] = None
             continue
         model.set("name", child.findtext("name", model.get("name", "")).strip())
