@@ -243,10 +243,13 @@ SHIPPED_HERE = native.of_shipped_level()
 
 @pytest.mark.skipif(not native.of_shipped_level(native.WIDE), reason="vectors of 512 bits")
 @pytest.mark.parametrize("shape", [Surface, facets])
+@pytest.mark.parametrize("thickness", [1.0, 1e-4])
 def test_vectors_of_512_bits_give_the_same_bits(
-    shape: Callable[[Surface], Triangles], monkeypatch: pytest.MonkeyPatch
+    thickness: float, shape: Callable[[Surface], Triangles], monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    surface = Surface(*ring(500, 203))
+    vertices, faces = ring(500, 203)
+    turn = np.linalg.qr(np.random.default_rng(4).normal(size=(3, 3)))[0]
+    surface = Surface((vertices * [1, 1, thickness]) @ turn, faces)
     triangles = surface if shape is Surface else shape(surface)
     own, answers = fine_sums.KERNEL, []
     for level in (native.LEVEL, native.WIDE):
@@ -255,8 +258,9 @@ def test_vectors_of_512_bits_give_the_same_bits(
         monkeypatch.setattr(fine_sums, "KERNEL", replace(own, facets=one, faces=other))
         sums = sum_triangles(triangles)
         assert sums.fine is not None
+        assert (sums.fine.grid.shear is not None) == (thickness < 1)
         fine = sums.fine.high, sums.fine.low, sums.fine.edges, sums.fine.places, [sums.fine.terms, sums.fine.size]
-        answers.append(np.concatenate([sums.sums, sums.low, sums.high, *fine]).tobytes())
+        answers.append(np.concatenate([sums.sums, sums.low, sums.high, sums.fine.far, *fine]).tobytes())
     assert answers[0] == answers[1]
 
 
