@@ -235,6 +235,31 @@ def test_where_the_sample_misleads_the_triangles_are_summed_again(large: float, 
         assert_near(triangles)
 
 
+@STORAGES
+@pytest.mark.parametrize("shape", [(1, 1, 1), *NEEDLES[1:3], *FOILS[1:]], ids=str)
+@pytest.mark.parametrize("several", [0, 10**6], ids=["fine", "double-double"])
+def test_errors_of_float64_sums_are_measured(
+    several: int, shape: tuple[float, ...], stored: Storage, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """By fine sums and by double-double ones: the bounds are the errors, and the sums those of float64."""
+    monkeypatch.setattr(sums, "MANY", 10**6)
+    monkeypatch.setattr(arithmetic, "MANY", 10**6)
+    monkeypatch.setattr(arithmetic, "SEVERAL", several)
+    vertices, faces = wavy_torus(1500)
+    triangles = stored(Surface(placed(vertices * shape, 2, 0.0, 30.0, 1.0), faces))
+    moments = solid_moments(triangles, "float64")
+    plain = moments_of(sum_triangles(triangles))
+    assert (moments.zeroth, moments.first, moments.second) == (plain.zeroth, plain.first, plain.second)
+    errors = [
+        abs(value - expected)
+        for value, expected in zip(
+            (moments.zeroth, *moments.first, *moments.second), true_moments(triangles, moments.origin), strict=True
+        )
+    ]
+    assert all(error <= bound for error, bound in zip(errors, bounds_of(moments), strict=True))
+    assert moments.zeroth_bound - errors[0] < F(4, 2**53) * abs(moments.zeroth)
+
+
 def test_the_figures_are_right_to_the_last_digit() -> None:
     triangles = Surface(*wavy_torus(3000))
     moments = solid_moments(triangles, "float64")

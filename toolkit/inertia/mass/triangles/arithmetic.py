@@ -23,7 +23,7 @@ from inertia.mass.triangles.moments_from_sums import (
     moments_with_bounds,
 )
 from inertia.mass.triangles.running_error import FEW, running_bounds
-from inertia.mass.triangles.sums import MANY, Frame, Sums, in_float64, sum_in, sum_triangles
+from inertia.mass.triangles.sums import MANY, Frame, Sums, grid_of, in_float64, sum_in, sum_triangles
 from inertia.mesh.part import Rounding
 from inertia.mesh.surface import Triangles
 
@@ -34,6 +34,9 @@ METHODS: dict[Arithmetic, str] = {
     "double-double": double_double.METHOD,
     "exact": exact.METHOD,
 }
+
+SEVERAL = 4_000
+"""Triangles above which the errors of float64 sums are measured by fine sums, which takes a quarter of the time."""
 
 _NEAR = 64.0
 
@@ -87,6 +90,11 @@ def _measured(triangles: Triangles, sums: Sums, progress: Progress | None) -> Fl
         return running_bounds(triangles, sums)
     if triangles.count > MANY and not double_double.compiled(triangles, sums):
         return None
+    if SEVERAL < triangles.count <= MANY and (grid := grid_of(triangles, sums.origin, sums.exponent)) is not None:
+        accurate = sum_in(Frame(sums.origin, 0, False, grid), triangles, progress)
+        fine = fine_values(_on_a_grid_that_suits(triangles, accurate, progress))
+        if fine is not None and _near(*fine):
+            return distances(sums, *fine)
     with np.errstate(over="ignore", invalid="ignore"), suppress(OverflowError, ValueError):  # beyond float64
         values = double_double.sum_in_double_double(triangles, sums, progress)
         return distances(sums, values, a_priori(values, sums, double_double.ROUNDINGS))

@@ -47,7 +47,7 @@ KERNEL = BlockKernel(
 MANY = 200_000
 """Triangles above which the sums are formed with the digits that float64 loses.
 
-Up to there double-double sums give these, for a thirtieth of looking for crossings.
+Up to there they are formed beside these where a bound is read.
 """
 
 _IN_RANGE = 100  # fifth powers of 2^±100 and their sums stay far from the ends of float64
@@ -193,10 +193,16 @@ def in_float64(sums: Sums, triangles: Triangles, progress: Progress | None = Non
 def frame_of(triangles: Triangles, *, surface: bool = False) -> Frame:
     """Choose the frame, from a sample of the triangles."""
     origin, exponent = local_frame(triangles)
-    grid = None
-    if triangles.count > MANY and exponent == 0 and not surface:
-        grid = sample_grid(origin, np.concatenate([triangles.sample(_SAMPLED), _scattered(triangles)]), triangles.count)
+    grid = grid_of(triangles, origin, exponent) if triangles.count > MANY and not surface else None
     return Frame(origin, exponent, surface, grid)
+
+
+def grid_of(triangles: Triangles, origin: Float, exponent: int) -> Grid | None:
+    """Choose the grid of fine sums of a solid; None where they are not to be had."""
+    if exponent != 0 or not fine_sums.KERNEL.worthwhile(triangles):
+        return None
+    corners = np.concatenate([triangles.sample(_SAMPLED), _scattered(triangles)])
+    return sample_grid(origin, corners, triangles.count)
 
 
 def _scattered(triangles: Triangles) -> Float:
