@@ -73,6 +73,11 @@ SOUND: dict[str, tuple[list[Mesh], int]] = {
     "a body in the hole of a ring": ([ring(), sphere(radius=1.5)], 2),
     "a cavity in a ring": ([ring(), inside_out(ring(tube=0.5))], 1),
     "links of a chain": (links(1.3), 6),
+    "balls whose boxes meet at a corner, where neither is": ([sphere(), sphere((1.8, 1.8, 1.8))], 2),
+    "pores whose boxes meet at a corner": (
+        [box((-2, -2, -2), (4, 4, 4)), inside_out(sphere()), inside_out(sphere((1.8, 1.8, 1.8)))],
+        1,
+    ),
     "links of a chain as cavities": ([box((-2, -2, -2), (9, 2, 2)), *map(inside_out, links(1.3))], 1),
     "far from the origin": ([(v + 1e5, f) for v, f in matryoshka(5, 0.7)], 3),
 }

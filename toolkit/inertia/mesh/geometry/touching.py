@@ -64,6 +64,8 @@ def touching_groups(triangles: Triangles, groups: Int, family: Int, *, first: bo
     family : (m,) that of each group, ascending
     first : whether to stop where there is one
     """
+    if len(groups) == 0:
+        return np.empty((0, 2), np.int64)
     if not _FIND.worthwhile(_WORK * len(groups)):
         return None
     tree = CompiledTree.over(triangles, groups)
