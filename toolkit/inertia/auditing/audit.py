@@ -264,11 +264,10 @@ def _fixed_together(robot: Robot) -> dict[str, list[tuple[str, Placement]]]:
         for each, parent in zip(above[-2::-1], above[:0:-1], strict=True):
             root, where = places[parent.name]
             places[each.name] = root, where.then(each.placement)
-    together: dict[str, list[tuple[str, Placement]]] = {}
-    for link in robot.links:
-        root, where = places[link.name]
-        together.setdefault(root, []).append((link.name, where))
-    return {link.name: together[link.name] for link in robot.links if link.name in together}
+    hung: dict[str, list[tuple[str, Placement]]] = {link.name: [] for link in robot.links}
+    for name, (root, where) in ((link.name, places[link.name]) for link in robot.links):
+        hung[root].append((name, where))
+    return {root: members for root, members in hung.items() if members}
 
 
 def _moved(body: Body, where: Placement) -> Body:
