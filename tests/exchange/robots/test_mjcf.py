@@ -277,7 +277,7 @@ def test_a_default_of_another_name_at_the_top_counts_for_all(tmp_path: Path) -> 
     [
         (body("", '<compiler inertiafromgeom="true"/>'), None),
         (body("", '<compiler fusestatic="true"/>'), "fusestatic is true"),
-        (body('<inertial pos="0 0 0" mass="1" diaginertia="1 1 1"/>', '<compiler inertiafromgeom="true"/>'), "geoms"),
+        (body('<inertial pos="0 0 0" mass="1" diaginertia="1 1 1"/>', '<compiler inertiafromgeom="true"/>'), None),
         (body("", '<compiler boundmass="0.1"/>'), "boundmass is set"),
         (body("", '<compiler boundmass="0"/>'), None),
         (body('<composite type="cable"/>'), "composite is not read"),
@@ -403,3 +403,67 @@ def test_geoms_without_a_weight_make_no_mass(tmp_path: Path) -> None:
     tree, notes = robot_tree(read_robot(file))
     assert [part.get("mass") for part in tree["part"]] == [None, 2.0]
     assert ["s is left out: the mass of a shell" in notes[0], "'cone' is no type" in notes[1]] == [True, True]
+
+
+STATED = '<inertial pos="0.1 0.2 0.3" mass="2" diaginertia="0.03 0.02 0.04"/>'
+
+
+@pytest.mark.parametrize(
+    ("inside", "mass"),
+    [
+        (STATED + '<geom size="0.1"/>', 4000 / 3 * np.pi * 1e-3),
+        ('<inertial pos="0 0 0" mass="-2" diaginertia="1 1 9"/><geom size="0.1" mass="3"/>', 3.0),
+        (STATED, 2.0),
+        (STATED + '<geom size="0.1" group="3"/>', 2.0),
+        (STATED + '<geom size="0.1" mass="0"/>', 2.0),
+    ],
+)
+def test_inertias_from_geoms_take_the_place_of_stated_ones(tmp_path: Path, inside: str, mass: float) -> None:
+    file = tmp_path / "a.xml"
+    file.write_text(body(inside, '<compiler inertiafromgeom="true" inertiagrouprange="0 2"/>'))
+    robot = read_robot(file)
+    tree, _ = robot_tree(robot)
+    assert inertia.Assembly.from_dict(tree).mass_properties().mass == pytest.approx(mass, rel=1e-15)
+    assert [note for note in robot.notes if "inertiafromgeom" in note] == (
+        [] if mass == 2.0 else ["inertiafromgeom is true: bodies weigh what their geoms do, whatever is stated of them"]
+    )
+    assert compile_model(file).body_mass[1] == pytest.approx(mass, rel=1e-12)
+
+
+ANGLE = [(0, 0), (2, 0), (2, 1), (1, 1), (1, 2), (0, 2)]
+SIDES = [(k, (k + 1) % 6, (k + 1) % 6 + 6) for k in range(6)] + [(k, (k + 1) % 6 + 6, k + 6) for k in range(6)]
+ENDS = [(0, 1, 2), (0, 2, 3), (0, 3, 4), (0, 4, 5)]
+
+
+@pytest.mark.parametrize(
+    ("filling", "mass"),
+    [("exact", 10 * 3.0), ("convex", 10 * 3.5), ("shell", 10 * (2 * 6.0 + 12 * 0.5))],
+)
+@pytest.mark.parametrize("weight", ['density="10"', 'mass="3"'])
+def test_meshes_weigh_by_their_solid_surface_or_hull(tmp_path: Path, filling: str, mass: float, weight: str) -> None:
+    """An angle with legs of 4 × 1 and 2 × 2, 0.5 high: of 3 m³ and 18 m² (12 around it), its hull of 3.5 m³."""
+    corners = [(x, y, z) for z in (0, 0.5) for x, y in ANGLE]
+    faces = [*SIDES, *((a, c, b) for a, b, c in ENDS), *((a + 6, b + 6, c + 6) for a, b, c in ENDS)]
+    lines = [f"v {x} {y} {z}" for x, y, z in corners] + [f"f {a + 1} {b + 1} {c + 1}" for a, b, c in faces]
+    (tmp_path / "angle.obj").write_text("\n".join(lines))
+    file = tmp_path / "a.xml"
+    mesh = f'<asset><mesh name="m" file="angle.obj" scale="2 1 1" inertia="{filling}"/></asset>'
+    file.write_text(body(f'<geom type="mesh" mesh="m" {weight} pos="0.1 0.2 0.3" euler="10 20 30"/>', mesh))
+    tree, notes = robot_tree(read_robot(file))
+    whole = inertia.Assembly.from_dict(tree).mass_properties()
+    assert whole.mass == pytest.approx(3.0 if "mass" in weight else mass, rel=1e-12)
+    assert notes == ()
+    model = compile_model(file)
+    turned = rotation_of_quaternion(model.body_iquat[1].tolist())
+    assert model.body_mass[1] == pytest.approx(whole.mass, rel=1e-6)
+    np.testing.assert_allclose(whole.center_of_mass, model.body_ipos[1], atol=1e-6)
+    np.testing.assert_allclose(
+        whole.inertia, turned @ np.diag(model.body_inertia[1]) @ turned.T, atol=1e-5 * whole.mass
+    )
+
+
+def test_a_mesh_of_an_unknown_filling_is_refused(tmp_path: Path) -> None:
+    file = tmp_path / "a.xml"
+    file.write_text(body("", '<asset><mesh name="m" file="m.obj" inertia="hollow"/></asset>'))
+    with pytest.raises(ReadError, match="mesh 'm', inertia is 'hollow': it must be legacy, exact, shell, convex"):
+        read_robot(file)

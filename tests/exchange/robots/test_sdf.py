@@ -7,10 +7,12 @@ from typing import Any
 import numpy as np
 import pytest
 from tests.exchange import solid
+from tests.mesh import solids
 
 import inertia
 from inertia.exchange.robots.links import Link, Placement, Primitive
 from inertia.exchange.robots.read import read_robot
+from inertia.exchange.robots.tree import robot_tree
 
 MODEL = """<?xml version="1.0"?>
 <!-- <robot> is not what this is -->
@@ -239,6 +241,36 @@ def test_an_automatic_inertia_is_not_stated(tmp_path: Path) -> None:
     file = tmp_path / "a.sdf"
     file.write_text(text('<link name="a"><inertial auto="true"><density>1</density></inertial></link>'))
     assert read_robot(file).links[0].inertial is None
+
+
+@pytest.mark.parametrize(
+    ("densities", "mass", "masses"),
+    [(("", ""), "10", (5.0, 5.0)), (("300", "100"), "10", (7.5, 2.5)), (("300", "100"), "", (300.0, 100.0))],
+)
+def test_an_automatic_inertia_is_scaled_to_the_mass_that_is_stated(
+    tmp_path: Path, densities: tuple[str, str], mass: str, masses: tuple[float, float]
+) -> None:
+    """Two cubes of 1 m side by side, one of them by a mesh in another scale; by hand, and as Drake has it."""
+    vertices, faces = solids.box((-2, -0.5, -0.25), (2, 0.5, 0.25))
+    lines = [f"v {x} {y} {z}" for x, y, z in vertices] + [f"f {a + 1} {b + 1} {c + 1}" for a, b, c in faces]
+    (tmp_path / "cube.obj").write_text("\n".join(lines))
+    own = [f"<density>{density}</density>" if density else "" for density in densities]
+    shapes = "<box><size>1 1 1</size></box>", "<mesh><uri>cube.obj</uri><scale>0.25 1 2</scale></mesh>"
+    collisions = "".join(
+        f'<collision name="c{k}"><pose>{k} 0 0 0 0 0</pose>{own[k]}<geometry>{shapes[k]}</geometry></collision>'
+        for k in range(2)
+    )
+    inertial = f'<inertial auto="true">{f"<mass>{mass}</mass>" if mass else ""}</inertial>'
+    file = tmp_path / "a.sdf"
+    file.write_text(text(f'<link name="a">{inertial}{collisions}</link>'))
+    tree, notes = robot_tree(read_robot(file))
+    whole = inertia.Assembly.from_dict(tree).mass_properties()
+    a, b = masses
+    assert notes == ()
+    assert whole.mass == pytest.approx(a + b, rel=1e-15)
+    assert whole.center_of_mass == pytest.approx([b / (a + b), 0, 0], abs=1e-15)
+    beside = (a + b) / 6 + a * b / (a + b)
+    assert np.diag(whole.inertia) == pytest.approx([(a + b) / 6, beside, beside], rel=1e-14)
 
 
 @pytest.fixture

@@ -286,3 +286,49 @@ def test_without_its_package_the_extra_is_named(tmp_path: Path, monkeypatch: pyt
     monkeypatch.setattr("importlib.util.find_spec", lambda name: None)
     with pytest.raises(inertia.ReadError, match=r"pip install 'inertia\[usd\]'"):
         read_robot(file)
+
+
+TWO = """#usda 1.0
+(metersPerUnit = 1)
+def Xform "a" (prepend apiSchemas = ["PhysicsRigidBodyAPI"]) {{
+    {a}
+}}
+def Xform "b" (prepend apiSchemas = ["PhysicsRigidBodyAPI"]) {{
+    {b}
+}}
+def PhysicsFixedJoint "glue"
+{{
+    rel physics:body0 = </a>
+    rel physics:body1 = </b>
+    {joint}
+}}
+"""
+
+
+@pytest.mark.parametrize(
+    ("says", "parent"), [("", "a"), ("bool physics:jointEnabled = 1", "a"), ("bool physics:jointEnabled = 0", None)]
+)
+def test_a_joint_that_is_not_enabled_fixes_nothing(tmp_path: Path, says: str, parent: str | None) -> None:
+    stage = tmp_path / "s.usda"
+    stage.write_text(TWO.format(a="", b="", joint=says))
+    assert [link.parent for link in read_robot(stage).links] == [None, parent]
+
+
+def test_later_cylinders_and_capsules_are_read_where_their_ends_are_alike(tmp_path: Path) -> None:
+    stage = tmp_path / "s.usda"
+    radii = "double radiusTop = 0.25\ndouble radiusBottom = {}\ndouble height = 4\n"
+    alike = radii.format(0.25)
+    a = f'def Cylinder_1 "pin" {{\n{alike}}}\ndef Capsule_1 "pill" {{\n{alike}}}'
+    stage.write_text(TWO.format(a=a, b=f'def Cylinder_1 "shaft" {{\n{radii.format(0.5)}}}', joint=""))
+    a, b = read_robot(stage).links
+    assert [each.shape for each in a.geometries] == [Primitive("cylinder", (0.25, 4)), Primitive("capsule", (0.25, 4))]
+    assert b.geometries[0].shape == "a Cylinder_1 of two radii cannot be weighed"
+
+
+def test_what_is_passed_over_is_said(tmp_path: Path) -> None:
+    stage = tmp_path / "s.usda"
+    stage.write_text(TWO.format(a='def TetMesh "gel" {}', b="bool physics:rigidBodyEnabled = 0", joint=""))
+    assert read_robot(stage).notes == (
+        "'gel' below 'a' is left out: a TetMesh is not read",
+        "'b' is not enabled as a rigid body: it is counted as one",
+    )

@@ -146,9 +146,10 @@ def audit(
             progress((number + 1) / len(robot.links))
     if lump:
         subjects = list(_lumped(robot, subjects))
-    links = tuple(
-        judge(subject, [other for other in subjects if other is not subject], tolerance) for subject in subjects
-    )
+    alike: dict[tuple[float, ...], list[Subject]] = {}
+    for subject in subjects:
+        alike.setdefault(subject.figures, []).append(subject)
+    links = tuple(judge(subject, alike[subject.figures], tolerance) for subject in subjects)
     return Audit(robot, sha256(file_of(str(robot.path)).read_bytes()).hexdigest(), tolerance, links)
 
 

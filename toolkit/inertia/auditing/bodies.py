@@ -14,6 +14,7 @@ import numpy as np
 
 from inertia.arrays import Float
 from inertia.mass.tensor import point_inertia
+from inertia.mesh.geometry.hull import convex_hull
 
 
 class Body(NamedTuple):
@@ -115,17 +116,7 @@ class Shape:
     @cached_property
     def hull(self) -> Float | None:
         """The triangles (k, 3, 3) of the convex hull, wound outwards; None for what is flat."""
-        from scipy.spatial import ConvexHull, QhullError
-
-        try:
-            hull = ConvexHull(np.unique(self.corners.reshape(-1, 3), axis=0))
-        except (QhullError, ValueError):
-            return None
-        corners = hull.points[hull.simplices]
-        normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
-        inward = np.einsum("ij,ij->i", normals, hull.equations[:, :3]) < 0
-        corners[inward] = corners[inward, ::-1]
-        return np.ascontiguousarray(corners)
+        return convex_hull(self.corners.reshape(-1, 3))
 
     @cached_property
     def shell(self) -> Body:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Literal
 
 import numpy as np
@@ -136,7 +137,14 @@ class Subject:
     substitute: bool = False
     fault: str = ""
 
-    @property
+    @cached_property
+    def figures(self) -> tuple[float, ...]:
+        """Centre of mass and tensor as the file writes them; nothing where it states nothing."""
+        if self.stated is None:
+            return ()
+        return (*self.stated.body.center.tolist(), *self.stated.written.ravel().tolist())
+
+    @cached_property
     def context(self) -> Context | None:
         """What its claims are made about; None where there is nothing to compare."""
         if self.stated is None or not self.shapes or not self.stated.body.mass > 0:
@@ -145,12 +153,12 @@ class Subject:
         return Context(self.stated, shapes, collisions, self.densities)
 
 
-def judge(subject: Subject, others: Sequence[Subject], tolerance: float) -> LinkAudit:
+def judge(subject: Subject, alike: Sequence[Subject], tolerance: float) -> LinkAudit:
     """Return what can be said of a link.
 
     Parameters
     ----------
-    others : the other links of the file, whose numbers may have been copied
+    alike : the links of the file with the same centre and tensor, which may have been copied
     tolerance : relative difference up to which stated and computed agree
     """
     stated, name = subject.stated, subject.name
@@ -169,7 +177,7 @@ def judge(subject: Subject, others: Sequence[Subject], tolerance: float) -> Link
         if not subject.shapes and not subject.obstacles:
             findings = (*faults, Finding("no_geometry", "it has no mesh or primitive to compare with"))
         return LinkAudit(name, "unphysical" if faults else "unjudged", stated.body, None, (), None, findings, margin)
-    judgement = _judgement(subject, context, others, tolerance)
+    judgement = _judgement(subject, context, alike, tolerance)
     if not subject.substitute and judgement.state != "consistent":
         faults += [Finding("outside_hull", fault.sentence) for fault in physical.outside(stated, _hull(subject))]
     state, findings = judgement.state, (*faults, *judgement.findings, *subject.notes)
@@ -207,7 +215,7 @@ class _Judgement:
     of_mesh: bool = False
 
 
-def _judgement(subject: Subject, context: Context, others: Sequence[Subject], tolerance: float) -> _Judgement:
+def _judgement(subject: Subject, context: Context, alike: Sequence[Subject], tolerance: float) -> _Judgement:
     """Compare what is stated with what the shapes have, and look for what explains a difference."""
     computed, weights = _computed(subject, context)
     difference = _difference(context.stated.body, computed)
@@ -221,7 +229,7 @@ def _judgement(subject: Subject, context: Context, others: Sequence[Subject], to
         if implausible := _implausible(weights):
             return _Judgement("inconsistent", (implausible,), computed, weights)
         return _Judgement("consistent", (), computed, weights)
-    rest = ((other.name, other.stated, other.context) for other in others if other.stated is not None)
+    rest = ((other.name, other.context) for other in alike if other is not subject)
     search = singles(context, tolerance)
     named = search.named  # the moments of a sphere may be round, and zeros may be what rounding leaves
     exactly = named is not None and named.residual <= _EXACTLY and named.codes != {"rounded"}

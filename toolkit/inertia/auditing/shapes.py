@@ -122,30 +122,28 @@ def cause(error: InertiaError) -> str:
 
 def _primitive(shape: Primitive) -> _Mesh:
     """Return a primitive of density 1 about its own centre, in closed form."""
-    sizes, center = np.array(shape.sizes), np.zeros(3)
+    sizes, center, volume = np.array(shape.sizes), np.zeros(3), shape.volume
     if not (sizes > 0).all():
         raise GeometryError(f"a {shape.kind} of {', '.join(f'{size:g}' for size in sizes)} m encloses nothing")
     if shape.kind == "box":
         squares = sizes**2 / 12
-        volume, corners = float(np.prod(sizes)), primitives.box(sizes / 2)
+        corners = primitives.box(sizes / 2)
     elif shape.kind in ("sphere", "ellipsoid"):
         axes = sizes if len(sizes) == 3 else np.full(3, sizes[0])
         squares = axes**2 / 5
-        volume, corners = 4 / 3 * np.pi * float(np.prod(axes)), primitives.ball() * axes
+        corners = primitives.ball() * axes
     elif shape.kind == "cylinder":
         radius, length = sizes
         squares = np.array([radius**2 / 4, radius**2 / 4, length**2 / 12])
-        volume = np.pi * radius**2 * length
         corners = primitives.revolved(np.array([-1.0, 1.0]), np.ones(2)) * [radius, radius, length / 2]
     elif shape.kind == "cone":
         radius, height = sizes
         squares = np.array([3 / 20 * radius**2, 3 / 20 * radius**2, 3 / 80 * height**2])
-        volume, center = np.pi / 3 * radius**2 * height, np.array([0.0, 0.0, -height / 4])
+        center = np.array([0.0, 0.0, -height / 4])
         corners = primitives.revolved(np.array([-1.0, 1.0]), np.array([1.0, 0.0])) * [radius, radius, height / 2]
     else:
         radius, length = sizes
         barrel, ball = np.pi * radius**2 * length, 4 / 3 * np.pi * radius**3
-        volume = barrel + ball
         beside = (barrel * radius**2 / 4 + ball * radius**2 / 5) / volume
         # Two half balls, each 3r/8 beyond its face: ∫z² of a half ball about the middle of the barrel.
         along = (barrel * length**2 / 12 + ball * (radius**2 / 5 + length**2 / 4 + 3 / 8 * length * radius)) / volume
@@ -154,4 +152,4 @@ def _primitive(shape: Primitive) -> _Mesh:
         corners = ends + np.sign(ends[..., 2:]) * np.array([0, 0, length / 2])
     inertia = volume * (squares.sum() * np.eye(3) - np.diag(squares))
     error = ErrorBound("closed form", _ROUNDOFF, _ROUNDOFF, 0.0, _ROUNDOFF)
-    return _Mesh(MassProperties(float(volume), float(volume), center, inertia, error), corners)
+    return _Mesh(MassProperties(volume, volume, center, inertia, error), corners)

@@ -5,6 +5,7 @@ Names are as they may be printed (`inertia.errors.visible`).
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, field
 from fractions import Fraction
 from pathlib import Path
@@ -18,6 +19,7 @@ from inertia.mesh.part import Part
 
 Role = Literal["visual", "collision"]
 Motion = Literal["turns", "slides", "fixed", "other"]
+Filling = Literal["solid", "surface", "hull"]
 
 
 @dataclass(frozen=True, eq=False)
@@ -60,6 +62,19 @@ class Primitive:
     kind: Literal["box", "sphere", "cylinder", "capsule", "cone", "ellipsoid"]
     sizes: tuple[float, ...]
 
+    @property
+    def volume(self) -> float:
+        """What it encloses, m³."""
+        if self.kind == "box":
+            return math.prod(self.sizes)
+        if self.kind in ("sphere", "ellipsoid"):
+            return 4 / 3 * math.pi * math.prod(self.sizes if len(self.sizes) == 3 else self.sizes * 3)
+        radius, length = self.sizes
+        barrel = math.pi * radius**2 * length
+        if self.kind == "capsule":
+            return barrel + 4 / 3 * math.pi * radius**3
+        return barrel / 3 if self.kind == "cone" else barrel
+
 
 @dataclass(frozen=True, eq=False)
 class Geometry:
@@ -75,6 +90,7 @@ class Geometry:
         the file's own unit, or else the metre, counts
     density, mass : kg/m³, or kg, that the format has it weigh where nothing is stated of the link; None where it has
         no such rule
+    filling : of a mesh, what weighs that: the solid, its surface (kg/m² then), or its convex hull
     """
 
     name: str
@@ -84,9 +100,15 @@ class Geometry:
     scale: tuple[Fraction, Fraction, Fraction] | None = None
     density: float | None = None
     mass: float | None = None
+    filling: Filling = "solid"
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "name", visible(self.name))
+
+    @property
+    def weighs(self) -> bool:
+        """Whether the format has it weigh anything where nothing is stated of the link."""
+        return bool(self.density if self.mass is None else self.mass)
 
 
 @dataclass(frozen=True, eq=False)
@@ -130,6 +152,7 @@ class Link:
     placement : of its axes in those of `parent`
     fault : why what is stated of it cannot be read, a sentence; "" where it can
     joint : what it hangs on, whether that moves or not; None of a root, and where the format's joints are not read
+    mass : kg that geometries with densities weigh together, in proportion to these; None where nothing scales them
     """
 
     name: str
@@ -139,6 +162,7 @@ class Link:
     placement: Placement = field(default_factory=Placement)
     fault: str = ""
     joint: Joint | None = None
+    mass: float | None = None
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "name", visible(self.name))

@@ -17,7 +17,18 @@ import numpy as np
 
 from inertia.errors import ReadError
 from inertia.exchange.conventions import CONVENTIONS
-from inertia.exchange.robots.links import Geometry, Inertial, Joint, Link, Motion, Placement, Primitive, Robot, Role
+from inertia.exchange.robots.links import (
+    Filling,
+    Geometry,
+    Inertial,
+    Joint,
+    Link,
+    Motion,
+    Placement,
+    Primitive,
+    Robot,
+    Role,
+)
 from inertia.exchange.robots.mjcf_frames import Angles, along, numbers
 from inertia.exchange.robots.text import decimals, floats, robot_xml, scales
 from inertia.exchange.rotations import rotation_of_quaternion
@@ -32,6 +43,7 @@ _CHANGES = ("balanceinertia", "boundmass", "boundinertia", "settotalmass")  # wh
 _MOTIONS: dict[str, Motion] = {"hinge": "turns", "slide": "slides"}
 _WEIGHS = ("density", 1000.0), ("mass", -1.0)  # of a geom, and what they are by default: no mass of its own
 _NO_SOLID = ("plane", "hfield", "sdf")
+_FILLINGS: dict[str, Filling] = {"legacy": "solid", "exact": "solid", "shell": "surface", "convex": "hull"}
 _DEEPEST = 32  # files that include one another
 _NESTED = 200  # elements in one another
 _MOST = 1000  # files that are included in all: two in each would be 2³²
@@ -39,11 +51,12 @@ _MOST = 1000  # files that are included in all: two in each would be 2³²
 
 @dataclass(frozen=True)
 class _Mesh:
-    """A mesh of the assets: its file, and where its coordinates lie in its own axes."""
+    """A mesh of the assets: its file, where its coordinates lie in its own axes, and what of it weighs."""
 
     file: Path
     scale: tuple[Fraction, Fraction, Fraction]
     placement: Placement
+    filling: Filling
 
 
 @dataclass
@@ -96,8 +109,6 @@ def read_mjcf(path: Path) -> Robot:
     links = [link for world in root.findall("worldbody") for link in _bodies(world, None, "main", model, count)]
     if not links:
         raise ReadError("it holds no body", code="empty")
-    if model.compiler.get("inertiafromgeom") == "true" and any(link.inertial is not None for link in links):
-        model.note("inertiafromgeom is true: MuJoCo computes masses and tensors from the geoms, whatever is stated")
     if model.compiler.get("fusestatic") == "true":
         model.note("fusestatic is true: MuJoCo merges bodies without a joint with their parents")
     for key in _CHANGES:
@@ -165,7 +176,10 @@ def _mesh(element: Element, number: int, model: _Model) -> tuple[str, _Mesh | st
         return name, f"{what} is turned by refquat and scaled differently along its axes"
     # The reference position is taken off first, then the mesh is turned, then scaled.
     origin = -np.array([float(x), float(y), float(z)]) * (turn @ numbers(attributes, "refpos", 3, [0] * 3, what))
-    return name, _Mesh(file, (x, y, z), Placement(turn, origin))
+    filling = attributes.get("inertia", "legacy")
+    if filling not in _FILLINGS:
+        raise ReadError(f"{what}, inertia is {shown(filling)}: it must be {', '.join(_FILLINGS)}")
+    return name, _Mesh(file, (x, y, z), Placement(turn, origin), _FILLINGS[filling])
 
 
 def _within(
@@ -206,14 +220,19 @@ def _body(
         for number, (geom, place, inner) in geoms
     ]
     hangs = parent if not joints else None
+    shapes = tuple(geometry for geometry in geometries if geometry is not None)
+    stated = [each for each in inside if each[0].tag == "inertial"]
+    if stated and model.compiler.get("inertiafromgeom") == "true" and any(shape.weighs for shape in shapes):
+        stated = []
+        model.note("inertiafromgeom is true: bodies weigh what their geoms do, whatever is stated of them")
     try:
-        inertial, fault = _inertial([each for each in inside if each[0].tag == "inertial"], what, model), ""
+        inertial, fault = _inertial(stated, what, model), ""
     except ReadError as error:
         inertial, fault = None, str(error)
     yield Link(
         name,
         inertial,
-        tuple(geometry for geometry in geometries if geometry is not None),
+        shapes,
         hangs,
         placement if hangs else Placement(),
         fault,
@@ -302,7 +321,9 @@ def _shape(attributes: Attributes, what: str, number: int, where: Placement, mod
     if isinstance(mesh, str):
         return Geometry(name, role, mesh)
     placement = where.then(model.angles.placement(attributes, what)).then(mesh.placement)
-    return Geometry(attributes.get("name") or mesh.file.name, role, mesh.file, placement, mesh.scale)
+    return Geometry(
+        attributes.get("name") or mesh.file.name, role, mesh.file, placement, mesh.scale, filling=mesh.filling
+    )
 
 
 def _primitive(kind: str, attributes: Attributes, what: str, model: _Model) -> tuple[Placement, Primitive]:

@@ -291,10 +291,12 @@ def _links(
         else:
             above = joint.parent and joint.parent.removeprefix(drop)
             joint = replace(joint, name=joint.name.removeprefix(drop), parent=above)
-        inertial = _inertial(element, f"link {shown(name)}", notes)
+        what = f"link {shown(name)}"
+        inertial = _inertial(element, what, notes)
         fixed = joint.kind == "fixed" and joint.parent is not None
         parent, placement = (joint.parent, joint.placement) if fixed else (None, Placement())
-        yield Link(name, inertial, geometries, parent, placement, joint=joint)
+        _, mass = _automatic(element, what)
+        yield Link(name, inertial, geometries, parent, placement, joint=joint, mass=mass)
     for child in model.findall("model"):
         yield from _links(child, f"{scope}{child.get('name', '')}::", frames, drop, folder, folders, notes)
 
@@ -381,7 +383,7 @@ def _inertial(link: Element, what: str, notes: dict[str, None]) -> Inertial | No
 def _geometries(
     link: Element, full: str, name: str, scope: str, frames: _Frames, folder: Path, notes: dict[str, None]
 ) -> Iterator[Geometry]:
-    usual, mass = _automatic(link, f"link {shown(name)}, inertial", notes)
+    usual, _ = _automatic(link, f"link {shown(name)}")
     roles: tuple[Role, ...] = ("visual", "collision")
     for role in roles:
         for number, element in enumerate(link.findall(role), 1):
@@ -411,21 +413,18 @@ def _geometries(
                     solid = _primitive(kind, what)
             except ReadError as error:
                 solid = str(error)
-            yield Geometry(label, role, solid, placement, scale, density, None if density is None else mass)
+            yield Geometry(label, role, solid, placement, scale, density)
 
 
-def _automatic(link: Element, what: str, notes: dict[str, None]) -> tuple[float | None, float | None]:
-    """Return the density that collisions have by default where an inertia is automatic, and the mass of one alone."""
-    element = link.find("inertial")
+def _automatic(link: Element, what: str) -> tuple[float | None, float | None]:
+    """Return the density that collisions have by default where an inertia is automatic, and the mass of all of them."""
+    element, what = link.find("inertial"), f"{what}, inertial"
     if element is None or not _is_true(element.get("auto"), f"{what}, auto"):
         return None, None
     density, mass = (element.findtext(tag, "").strip() for tag in ("density", "mass"))
-    alone = len(link.findall("collision")) == 1
-    if mass and not alone:
-        notes[f"{what} is automatic: its collisions weigh by their densities, which are not scaled to its mass"] = None
     return (
         floats(density, 1, f"{what}, density")[0] if density else _WATER,
-        floats(mass, 1, f"{what}, mass")[0] if mass and alone else None,
+        floats(mass, 1, f"{what}, mass")[0] if mass else None,
     )
 
 

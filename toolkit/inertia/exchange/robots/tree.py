@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
@@ -9,9 +10,13 @@ from typing import Any
 import numpy as np
 
 from inertia.errors import GeometryError, UsageError
-from inertia.exchange.robots.links import Joint, Link, Placement, Primitive, Robot
+from inertia.exchange.robots.links import Geometry, Joint, Link, Placement, Primitive, Robot
 from inertia.exchange.rotations import rotation_of_quaternion
+from inertia.mass.analyse import analyse, sound_solids_only
 from inertia.mass.tensor import faults
+from inertia.mesh.geometry.hull import convex_hull
+from inertia.mesh.part import Part
+from inertia.mesh.read import read
 
 _FORMATS = ("urdf", "mjcf", "sdf", "usd")
 
@@ -19,7 +24,8 @@ _FORMATS = ("urdf", "mjcf", "sdf", "usd")
 def robot_tree(robot: Robot, joints: Mapping[str, float] | None = None) -> tuple[dict[str, Any], tuple[str, ...]]:
     """Return an assembly laid out as its file is, a part for each link, in metres; and what had to be decided.
 
-    Where nothing is stated of a link and the format has its geometries weigh something (MJCF), each is a part too.
+    Where nothing is stated of a link and the format has its geometries weigh something (MJCF, SDFormat), each is a part
+    too. Of meshes whose surface or convex hull weighs, the mass properties stand in its place.
 
     Parameters
     ----------
@@ -45,7 +51,7 @@ def robot_tree(robot: Robot, joints: Mapping[str, float] | None = None) -> tuple
     positions |= {name: _followed(name, known, positions) for name, joint in known.items() if joint.mimic}
     for link in robot.links:
         parts.append(_part(link, positions))
-        if link.inertial is None and any(geometry.mass != 0 and geometry.density for geometry in link.geometries):
+        if link.inertial is None and any(geometry.weighs for geometry in link.geometries):
             parts += _of_geometries(link, notes)
         elif link.inertial is None:
             as_a_rule = ", where programs take 1 kg and 1 kg m² for it" if robot.format == "sdf" else ""
@@ -89,26 +95,64 @@ def _part(link: Link, positions: Mapping[str, float]) -> dict[str, Any]:
 
 def _of_geometries(link: Link, notes: list[str]) -> list[dict[str, Any]]:
     """Return parts for the geometries that a link weighs by; what cannot be weighed is noted."""
-    parts = []
+    parts, volumes = [], []
     for number, geometry in enumerate(link.geometries):
-        if geometry.mass == 0 or (geometry.mass is None and not geometry.density):
+        if not geometry.weighs:
             continue
         name = f"{link.name}/{geometry.name}"
         twice = sum(other.name == geometry.name for other in link.geometries[:number])
         part: dict[str, Any] = {"name": f"{name} {twice + 1}" if twice else name, "parent": link.name}
-        if isinstance(geometry.shape, Path):
-            part |= {"file": str(geometry.shape.absolute()), "unit": "m"}
+        weight = {"density": geometry.density} if geometry.mass is None else {"mass": geometry.mass}
+        if isinstance(geometry.shape, Path) and geometry.filling != "solid":
+            part |= _figures(geometry, geometry.shape)
+        elif isinstance(geometry.shape, Path):
+            part |= {"file": str(geometry.shape.absolute()), "unit": "m"} | weight
             if geometry.scale is not None and set(geometry.scale) != {1}:
                 part["stretch"] = [float(k) for k in geometry.scale]
         elif isinstance(geometry.shape, Primitive) and min(geometry.shape.sizes) > 0:
-            part |= {"shape": geometry.shape.kind, "size": list(geometry.shape.sizes)}
+            part |= {"shape": geometry.shape.kind, "size": list(geometry.shape.sizes)} | weight
         else:
             why = geometry.shape if isinstance(geometry.shape, str) else "it encloses nothing"
             notes.append(f"link {link.name}, {geometry.name} is left out: {why}")
             continue
-        part |= {"density": geometry.density} if geometry.mass is None else {"mass": geometry.mass}
+        volumes.append(1.0 if link.mass is None else _volume(geometry))
         parts.append(part | _placed(geometry.placement))
+    if link.mass is not None:
+        weights = [part.pop("density") * volume for part, volume in zip(parts, volumes, strict=True)]
+        for part, weight in zip(parts, weights, strict=True):
+            part["mass"] = link.mass * (weight / sum(weights))
     return parts
+
+
+def _volume(geometry: Geometry) -> float:
+    """Return what a mesh or primitive encloses, m³."""
+    if isinstance(geometry.shape, Primitive):
+        return geometry.shape.volume
+    assert isinstance(geometry.shape, Path)
+    scale = math.prod(geometry.scale or (1,))
+    with sound_solids_only("the mass of a link is shared out among sound solids only"):
+        return abs(float(scale)) * analyse(read(geometry.shape, "m"), 1.0).properties.volume
+
+
+def _figures(geometry: Geometry, file: Path) -> dict[str, Any]:
+    """Return mass, centre of mass and tensor of the surface of a mesh, or of its convex hull."""
+    corners = read(file, "m").triangles.corners().reshape(-1, 3)
+    corners = corners * [float(k) for k in geometry.scale or (1, 1, 1)]
+    if geometry.filling == "hull":
+        hull = convex_hull(corners)
+        if hull is None:
+            raise GeometryError(f"{file.name} is flat: its convex hull encloses nothing")
+        corners = hull.reshape(-1, 3)
+    part = Part.from_arrays(corners, np.arange(len(corners)).reshape(-1, 3), unit="m")
+    thickness = 1.0 if geometry.filling == "surface" else None
+    properties = analyse(part, geometry.density or 1.0, shell=thickness).properties
+    if geometry.mass is not None:
+        properties = properties.with_mass(geometry.mass)
+    return {
+        "mass": properties.mass,
+        "center_of_mass": properties.center_of_mass.tolist(),
+        "inertia": properties.inertia.tolist(),
+    }
 
 
 def _placed(place: Placement) -> dict[str, Any]:

@@ -24,7 +24,8 @@ from inertia.mesh.readers.contents import shown
 from inertia.standard_input import NAME as STANDARD_INPUT
 from inertia.standard_input import file_of
 
-_SOLIDS = ("Mesh", "Cube", "Sphere", "Cylinder", "Capsule", "Cone")
+_SOLIDS = ("Mesh", "Cube", "Sphere", "Cylinder", "Cylinder_1", "Capsule", "Capsule_1", "Cone")
+_UNREAD = ("PointInstancer", "TetMesh", "NurbsPatch", "BasisCurves")
 _ONTO = {"X": [[0, 0, 1], [1, 0, 0], [0, 1, 0]], "Y": [[0, 1, 0], [0, 0, 1], [1, 0, 0]], "Z": np.eye(3)}
 """The turn that takes z to an axis."""
 _ELSEWHERE = 1e-5  # m, and of a rotation: more than float32 rounds
@@ -74,6 +75,11 @@ class _Stage:
         prim = self._stage.GetPrimAtPath(path) if path else None
         return prim if prim else None
 
+    def is_enabled(self, prim: Any) -> bool:
+        """Whether a prim moves as a rigid body, where it is one."""
+        body = self.physics.RigidBodyAPI(prim)
+        return not prim.HasAPI(self.physics.RigidBodyAPI) or body.GetRigidBodyEnabledAttr().Get() is not False
+
     def body_of(self, path: str) -> str | None:
         """Return the path of the body that a prim belongs to: itself, or the nearest above it."""
         while path not in self.labels and path:
@@ -117,6 +123,8 @@ def read_usd(path: Path) -> Robot:
         name = stage.labels[str(prim.GetPath())]
         parent, placement = hung.get(name, (None, Placement()))
         try:
+            if not stage.is_enabled(prim):
+                notes[f"{shown(prim.GetName())} is not enabled as a rigid body: it is counted as one"] = None
             geometries = tuple(_geometries(stage, prim, notes))
             inertial = _inertial(stage, prim, name, notes)
         except ReadError:
@@ -158,6 +166,8 @@ def _fixed_joints(stage: _Stage) -> Iterator[tuple[str, tuple[str, Placement]]]:
         if not joint.IsA(stage.physics.FixedJoint):
             continue
         joint = stage.physics.FixedJoint(joint)
+        if joint.GetJointEnabledAttr().Get() is False:
+            continue
         ends = [relation.GetTargets() for relation in (joint.GetBody0Rel(), joint.GetBody1Rel())]
         bodies = [stage.body_of(str(end[0])) if end else None for end in ends]
         if bodies[0] is None or bodies[1] is None or bodies[0] == bodies[1]:
@@ -283,7 +293,10 @@ def _geometries(stage: _Stage, body: Any, notes: dict[str, None]) -> Iterator[Ge
     rotation = _rotation(matrix)
     for prim in stage.prims:
         kind, where = prim.GetTypeName(), str(prim.GetPath())
-        if kind not in _SOLIDS or stage.body_of(where) != path:
+        if kind not in _SOLIDS + _UNREAD or stage.body_of(where) != path:
+            continue
+        if kind in _UNREAD:
+            notes[f"{shown(prim.GetName())} below {shown(body.GetName())} is left out: a {kind} is not read"] = None
             continue
         role: Role = "collision" if prim.HasAPI(stage.physics.CollisionAPI) else "visual"
         image, tokens = stage.geometry.Imageable(prim), stage.geometry.Tokens
@@ -342,16 +355,19 @@ def _primitive(stage: _Stage, kind: str, prim: Any, matrix: Float) -> tuple[Floa
     if kind == "Cube":
         size = float(typed.GetSizeAttr().Get(stage.time))
         return rotation, Primitive("box", (size * x, size * y, size * z))
-    radius = float(typed.GetRadiusAttr().Get(stage.time))
+    ends = (typed.GetRadiusTopAttr, typed.GetRadiusBottomAttr) if kind.endswith("_1") else (typed.GetRadiusAttr,)
+    radius, *other = (float(end().Get(stage.time)) for end in ends)
+    if other and other[0] != radius:
+        return rotation, f"a {kind} of two radii cannot be weighed"
     if kind == "Sphere":
         if x == y == z:
             return rotation, Primitive("sphere", (radius * x,))
         return rotation, Primitive("ellipsoid", (radius * x, radius * y, radius * z))
     onto = np.array(_ONTO[typed.GetAxisAttr().Get()], float)
     across, beside, along = (np.abs(onto.T) @ [x, y, z]).tolist()
-    if abs(across - beside) > _SKEW * across or (kind == "Capsule" and abs(across - along) > _SKEW * across):
+    if abs(across - beside) > _SKEW * across or (kind.startswith("Capsule") and abs(across - along) > _SKEW * across):
         return rotation, f"a {kind} of different scale along its axes cannot be weighed"
     height = float(typed.GetHeightAttr().Get(stage.time))
     sizes = radius * across, height * along
     names: dict[str, Literal["cylinder", "capsule", "cone"]] = {"Cylinder": "cylinder", "Capsule": "capsule"}
-    return rotation @ onto, Primitive(names.get(kind, "cone"), sizes)
+    return rotation @ onto, Primitive(names.get(kind.removesuffix("_1"), "cone"), sizes)
