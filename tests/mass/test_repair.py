@@ -5,10 +5,12 @@ from fractions import Fraction
 
 import numpy as np
 import pytest
+from tests.benchmarks.meshes import wavy_torus
 from tests.mass.parts import assert_within_bound, cells, cube, exact, facets, surface, weighed
 
 import inertia
 from inertia.errors import GeometryError, UsageError
+from inertia.mass.triangles import sums
 from inertia_meshes import catalogue, path
 from inertia_meshes.rational import Moments, moments
 from inertia_meshes.shapes import flipped, moved, sphere
@@ -250,3 +252,17 @@ class TestWeld:
         assert welded.inertia_change == pytest.approx(tensor_change(before, after), rel=1e-12)
         shift = [float(b - a) for a, b in zip(before.center_of_mass, after.center_of_mass, strict=True)]
         assert welded.center_of_mass_shift == pytest.approx(math.hypot(*shift), abs=1e-15)
+
+
+@pytest.mark.parametrize("limit", [100, 10**6], ids=["fine sums", "float64 sums"])
+def test_parts_whose_sums_have_more_digits_are_repaired_too(limit: int, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(sums, "MANY", limit)
+    vertices, faces = wavy_torus(1500)
+    whole = inertia.Part.from_arrays(vertices, faces, unit="m")
+    volume = float(moments(whole.triangles.corners()).volume)
+    turned = np.concatenate([faces[:7], faces[7:8, ::-1], faces[8:]])
+    repaired = inertia.repair(inertia.Part.from_arrays(vertices, turned, unit="m"))
+    assert [change.count for change in repaired.changes] == [1]
+    assert repaired.volume_after == pytest.approx(volume, rel=1e-15)
+    allowed = inertia.analyse(inertia.Part.from_arrays(vertices, faces[1:], unit="m"), 1.0, allow_faults=0.1)
+    assert allowed.properties.volume == pytest.approx(volume, rel=allowed.properties.error.volume)

@@ -19,8 +19,7 @@ import numpy as np
 
 from inertia.errors import ALLOW_FAULTS, GeometryError, Remedy, UsageError
 from inertia.mass.properties import ErrorBound
-from inertia.mass.triangles.moments_from_sums import moments_of
-from inertia.mass.triangles.sums import sum_triangles
+from inertia.mass.triangles.arithmetic import solid_moments
 from inertia.mesh.check import check
 from inertia.mesh.checks.findings import Finding, counted
 from inertia.mesh.checks.surface_topology import SurfaceTopology
@@ -137,4 +136,4 @@ def too_wide(part: Part, error: ErrorBound, size: float, allowed: float) -> Geom
 
 def room(part: Part) -> float:
     """Return the volume of a part, file units, about."""
-    return abs(float(moments_of(sum_triangles(part.triangles)).zeroth))
+    return abs(float(solid_moments(part.triangles, "float64").zeroth))

@@ -11,8 +11,7 @@ import numpy as np
 from inertia.mass.doubt import FILLED, doubt_error
 from inertia.mass.moments import Moments, inertia_tensor
 from inertia.mass.properties import ErrorBound
-from inertia.mass.triangles.moments_from_sums import moments_of
-from inertia.mass.triangles.sums import sum_triangles
+from inertia.mass.triangles.arithmetic import solid_moments
 from inertia.mesh import repair as mesh_repair
 from inertia.mesh.part import Part
 from inertia.mesh.repair import Change, Repair
@@ -104,8 +103,8 @@ def weld(part: Part, tolerance: float) -> Repaired:
 
 
 def _with_effect(part: Part, repair: Repair) -> Repaired:
-    before = moments_of(sum_triangles(part.triangles))
-    after = moments_of(sum_triangles(repair.part.triangles)) if repair.changes else before
+    before = solid_moments(part.triangles, "float64")
+    after = solid_moments(repair.part.triangles, "float64") if repair.changes else before
     unit = part.unit.metres
     result = _compared(repair, before, after, unit)
     if (filling := repair.part.filling) is None:
