@@ -7,6 +7,8 @@ from itertools import combinations_with_replacement, product
 
 import numpy as np
 import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
 
 from inertia.balancing.corrections.correction_plane import KitWeight
 from inertia.balancing.measured.positions import split_among
@@ -114,3 +116,37 @@ def test_steps_and_weights_do_not_pass_the_limit_of_the_whole(places, more):
     limited = split_among(vector, places, most_in_all=11.0, **more)
     assert 6.0 < abs(whole(limited)) <= 11.0
     assert split_among(vector, places, most_in_all=0.5, **more) == ()
+
+
+@settings(deadline=None, max_examples=40)
+@given(
+    st.integers(1, 4),
+    st.floats(0, 6.3),
+    st.lists(st.floats(-1, 0), min_size=1, max_size=2),
+    st.integers(1, 2),
+    st.floats(-1.2, 0.5),
+    st.floats(-1.2, 0.5),
+)
+def test_of_a_kit_no_choice_within_the_limit_is_nearer(
+    count: int, turn: float, sizes: list[float], most: int, far: float, limit: float
+) -> None:
+    """Against all choices there are."""
+    vector, cap = complex(10.0**far), 10.0**limit
+    angles = [turn + 2 * math.pi * k / count for k in range(count)]
+    kit = [KitWeight(f"w{k}", 10.0**size, None) for k, size in enumerate(sizes)]
+    at_one = [numbers for numbers in product(range(most + 1), repeat=len(kit)) if sum(numbers) <= most]
+    masses = [sum(n * weight.mass for n, weight in zip(numbers, kit, strict=True)) for numbers in at_one]
+    wholes = [
+        sum(mass * cmath.exp(1j * angle) for mass, angle in zip(choice, angles, strict=True))
+        for choice in product(masses, repeat=count)
+    ]
+    nearest = min(abs(each - vector) for each in wholes if abs(each) <= cap * (1 - 1e-5))
+    pieces = split_among(vector, angles, most_in_all=cap, kit=kit, most_pieces=most)
+    assert abs(whole(pieces)) <= cap * (1 + 1e-5)
+    assert abs(whole(pieces) - vector) <= nearest + 2e-5 * max(weight.mass for weight in kit)
+
+
+def test_masses_without_steps_reach_the_limit_of_the_whole() -> None:
+    for places in (None, [0.0, 0.5, 3.0]):
+        pieces = split_among(cmath.rect(11.0, 0.1), places, most_in_all=5.0)
+        assert whole(pieces) == pytest.approx(cmath.rect(5.0, 0.1))

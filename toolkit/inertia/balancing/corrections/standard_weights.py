@@ -108,6 +108,7 @@ def choose_weights(
     *,
     free: ArrayLike | None = None,
     aim: Literal["fewest", "smallest"] = "fewest",
+    largest: ArrayLike = math.inf,
 ) -> WeightChoice:
     """Choose weights.
 
@@ -120,6 +121,7 @@ def choose_weights(
     groups : (places in n, how many of them together at most): the weights of one position, or of one stock
     free : (t, f) complex, what a unit correction in planes without steps adds: those make up for what weights leave
     aim : "fewest" weights within the limits, or "smallest" residual; the latter also where no choice is within
+    largest : (t,) sizes of what the weights may add, in the same unit
 
     >>> turns = np.exp(1j * np.radians([0, 90, 180, 270]))
     >>> choice = choose_weights([10 * turns], [-20 - 9j], [2.0], [3] * 4)
@@ -135,7 +137,11 @@ def choose_weights(
     # In units of a typical weight's effect, so that the solver's own tolerances mean something.
     scale = unit * tolerances
     program = _WeightProgram(
-        np.divide(columns, scale[:, None]), np.divide(vectors, scale), np.asarray(most, float), tuple(groups)
+        np.divide(columns, scale[:, None]),
+        np.divide(vectors, scale),
+        np.asarray(most, float),
+        tuple(groups),
+        np.divide(np.broadcast_to(largest, tolerances.shape), scale),
     )
     solution = program.fewest((1 - _SAFE) / unit) if aim == "fewest" else None
     if solution is None:
@@ -155,6 +161,7 @@ class _WeightProgram:
     start: Complex
     most: Float
     groups: tuple[tuple[Sequence[int], int], ...]
+    largest: Float
 
     def fewest(self, tolerance: float, nodes: int | None = None) -> Float | None:
         """Return the fewest weights within the tolerance, and of those the smallest residual."""
@@ -216,13 +223,15 @@ class _WeightProgram:
             row = np.zeros(width)
             row[list(places)] = 1.0
             capped.append((row, 0.0, float(cap)))
-        reach = np.zeros((planes, width))
-        reach[:, -1] = radius == 0
         none = np.full(free, math.inf)
+        effects = np.hstack([self.effects, np.zeros((planes, 1))])
+        own = np.where(np.arange(width) < len(self.most), effects, 0.0)[np.isfinite(self.largest)]
+        reach = np.zeros((planes + len(own), width))
+        reach[:planes, -1] = radius == 0
         return Program(
-            effects=np.hstack([self.effects, np.zeros((planes, 1))]),
-            start=self.start,
-            radii=np.full(planes, radius),
+            effects=np.vstack([effects, own]),
+            start=np.concatenate([self.start, np.zeros(len(own))]),
+            radii=np.concatenate([np.full(planes, radius), self.largest[np.isfinite(self.largest)]]),
             reach=reach,
             lower=np.concatenate([np.zeros(len(self.most)), -none, [0.0]]),
             upper=np.concatenate([self.most, none, [math.inf]]),

@@ -16,7 +16,6 @@ from inertia.balancing.corrections.standard_weights import choose_weights
 _NOTHING = 1e-9  # of the whole: masses that are none
 _FOLLOWED = 64  # roundings followed up
 _OVER = 1e-6  # of a limit: what a correction that keeps it was rounded by
-_SHORTENED = 50  # times
 
 
 @dataclass(frozen=True)
@@ -64,24 +63,17 @@ def split_among(
     [(0, 0.443), (30, 0.591)]
     """
     places = None if angles is None else [angle % (2.0 * math.pi) for angle in angles]
-    for _ in range(_SHORTENED):
-        if places is None:
-            pieces = _anywhere(vector, step)
-        elif kit:
-            pieces = _of_kit(vector, places, kit, most_pieces)
-        else:
-            exact = _beside(vector, places, most) or _least_squares(vector, places, most)
-            pieces = _rounded(vector, exact, step, most)
-        size = abs(sum(piece.vector for piece in pieces))
-        if size <= most_in_all * (1 + _OVER):
-            return pieces
-        vector *= 0.98 * most_in_all / size
-    return ()
-
-
-def _anywhere(vector: complex, step: float) -> tuple[Piece, ...]:
-    best = min(_steps(abs(vector), step), key=lambda mass: abs(mass - abs(vector)))
-    return (Piece(angle_of(vector), best),) if best > 0 else ()
+    limit = most_in_all * (1 + _OVER)
+    if places is not None and kit:
+        return _of_kit(vector, places, kit, most_pieces, limit)
+    size = abs(vector)
+    within = vector * (most_in_all / size) if size > limit else vector
+    exact: tuple[Piece, ...]
+    if places is None:
+        exact, most = (Piece(angle_of(within), abs(within)),), math.inf
+    else:
+        exact = _beside(within, places, most) or _least_squares(within, places, most)
+    return _rounded(vector, exact, step, most, limit)
 
 
 def _beside(vector: complex, places: Sequence[float], most: float) -> tuple[Piece, ...]:
@@ -116,10 +108,8 @@ def _least_squares(vector: complex, places: Sequence[float], most: float) -> tup
     )
 
 
-def _rounded(vector: complex, pieces: tuple[Piece, ...], step: float, most: float) -> tuple[Piece, ...]:
-    """Round the masses up or down, one after the other, so that the whole stays nearest."""
-    if not step:
-        return pieces
+def _rounded(vector: complex, pieces: tuple[Piece, ...], step: float, most: float, limit: float) -> tuple[Piece, ...]:
+    """Round the masses up or down, one after the other, so that the whole stays nearest and its size within a limit."""
     ways: list[tuple[Piece, ...]] = [()]
     for piece in pieces:
         choices = [Piece(piece.angle, mass) for mass in _steps(piece.mass, step) if mass <= most]
@@ -127,7 +117,9 @@ def _rounded(vector: complex, pieces: tuple[Piece, ...], step: float, most: floa
         rest = sum(k.vector for k in pieces[len(ways[0]) :])
         ways.sort(key=lambda way: abs(sum((k.vector for k in way), rest) - vector))
         del ways[_FOLLOWED:]
-    return tuple(piece for piece in ways[0] if piece.mass > 0)
+    ways.append(())
+    nearest = next(way for way in ways if abs(sum(piece.vector for piece in way)) <= limit)
+    return tuple(piece for piece in nearest if piece.mass > 0)
 
 
 def _steps(mass: float, step: float) -> tuple[float, ...]:
@@ -137,7 +129,9 @@ def _steps(mass: float, step: float) -> tuple[float, ...]:
     return tuple(float(f"{k * step:.15g}") for k in (below, below + 1))
 
 
-def _of_kit(vector: complex, places: Sequence[float], kit: Sequence[KitWeight], most: int) -> tuple[Piece, ...]:
+def _of_kit(
+    vector: complex, places: Sequence[float], kit: Sequence[KitWeight], most: int, limit: float
+) -> tuple[Piece, ...]:
     slots = [(angle, weight) for angle in places for weight in kit]
     groups: list[tuple[list[int], int]] = [
         ([k for k, slot in enumerate(slots) if slot[0] == angle], most) for angle in places
@@ -154,6 +148,7 @@ def _of_kit(vector: complex, places: Sequence[float], kit: Sequence[KitWeight], 
         [min(most, weight.most) for _, weight in slots],
         groups,
         aim="smallest",
+        largest=[limit],
     )
     return tuple(
         Piece(angle, count * weight.mass, weight.name, count)
