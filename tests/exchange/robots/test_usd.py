@@ -10,6 +10,7 @@ from tests.exchange import solid
 import inertia
 from inertia.exchange.robots.links import Link, Primitive
 from inertia.exchange.robots.read import read_robot
+from inertia.exchange.robots.tree import robot_tree
 from inertia.mesh.part import Part
 from inertia_cli.main import main
 
@@ -332,3 +333,84 @@ def test_what_is_passed_over_is_said(tmp_path: Path) -> None:
         "'gel' below 'a' is left out: a TetMesh is not read",
         "'b' is not enabled as a rigid body: it is counted as one",
     )
+
+
+BODY = """#usda 1.0
+(metersPerUnit = 0.01
+ kilogramsPerUnit = 0.001)
+def Xform "a" (prepend apiSchemas = ["PhysicsRigidBodyAPI", "PhysicsMassAPI"])
+{{
+    {body}
+    def Cube "one" (prepend apiSchemas = ["PhysicsCollisionAPI", "PhysicsMassAPI", "MaterialBindingAPI"])
+    {{
+        double size = 100
+        {one}
+    }}
+    def Mesh "two" (prepend apiSchemas = ["PhysicsCollisionAPI", "PhysicsMassAPI", "PhysicsMeshCollisionAPI"])
+    {{
+        point3f[] points = [(50, -50, -50), (150, -50, -50), (50, 50, -50), (150, 50, -50),
+                            (50, -50, 50), (150, -50, 50), (50, 50, 50), (150, 50, 50)]
+        int[] faceVertexCounts = {counts}
+        int[] faceVertexIndices = {indices}
+        uniform token subdivisionScheme = "none"
+        {two}
+    }}
+    def Sphere "shown" {{
+    }}
+}}
+def Material "steel" (prepend apiSchemas = ["PhysicsMaterialAPI"])
+{{
+    float physics:density = 0.3
+}}
+"""
+CLOSED = {
+    "counts": "[4, 4, 4, 4, 4, 4]",
+    "indices": "[0, 2, 3, 1, 4, 5, 7, 6, 0, 1, 5, 4, 2, 6, 7, 3, 0, 4, 6, 2, 1, 3, 7, 5]",
+}
+POINTS = {
+    "counts": "[4, 4]",
+    "indices": "[0, 2, 3, 1, 4, 5, 7, 6]",
+    "two": 'uniform token physics:approximation = "convexHull"',
+}
+
+
+@pytest.mark.parametrize(
+    ("stated", "masses"),
+    [
+        ({}, (1000.0, 1000.0)),
+        (POINTS, (1000.0, 1000.0)),
+        ({"body": "float physics:mass = 10000"}, (5.0, 5.0)),
+        ({"body": "float physics:density = 0.5"}, (500.0, 500.0)),
+        ({"body": "float physics:density = 0.5", "one": "float physics:density = 0.1"}, (100.0, 500.0)),
+        ({"body": "float physics:mass = 10000", "one": "float physics:density = 3"}, (7.5, 2.5)),
+        ({"body": "float physics:mass = 10000", "one": "float physics:mass = 9000"}, (5.0, 5.0)),
+        ({"one": "float physics:mass = 9000", "two": "float physics:density = 0.2"}, (9.0, 200.0)),
+        ({"one": "rel material:binding:physics = </steel>"}, (300.0, 1000.0)),
+        ({"one": "rel material:binding:physics = </steel>\nfloat physics:density = 0.1"}, (100.0, 1000.0)),
+    ],
+)
+def test_bodies_without_a_tensor_weigh_what_collides_of_them(
+    tmp_path: Path, stated: dict[str, str], masses: tuple[float, float]
+) -> None:
+    """Two cubes of 1 m side by side, by the rules of UsdPhysics: lengths are in cm here, masses in g."""
+    stage = tmp_path / "s.usda"
+    stage.write_text(BODY.format(**{"body": "", "one": "", "two": "", **CLOSED, **stated}))
+    tree, _ = robot_tree(read_robot(stage))
+    whole = inertia.Assembly.from_dict(tree).mass_properties()
+    a, b = masses
+    assert whole.mass == pytest.approx(a + b, rel=1e-7)  # float32 in the file
+    assert whole.center_of_mass == pytest.approx([b / (a + b), 0, 0], abs=1e-7)
+    beside = (a + b) / 6 + a * b / (a + b)
+    assert np.diag(whole.inertia) == pytest.approx([(a + b) / 6, beside, beside], rel=1e-7)
+
+
+def test_what_cannot_be_weighed_is_refused_by_name_or_said(tmp_path: Path) -> None:
+    stage = tmp_path / "s.usda"
+    stage.write_text(BODY.format(body="", one="", **{**POINTS, "two": ""}))
+    with pytest.raises(inertia.GeometryError, match=r"a/two: open: .*solids only"):
+        robot_tree(read_robot(stage))
+    stage.write_text(
+        TWO.format(a="", b="float physics:mass = 3", joint="").replace("BodyAPI", 'BodyAPI", "PhysicsMassAPI')
+    )
+    notes = robot_tree(read_robot(stage))[1]
+    assert "link b states a mass of 3 kg, but no shape that has it: it is a group; give it a file or a mass" in notes

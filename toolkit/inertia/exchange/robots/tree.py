@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from inertia.errors import GeometryError, UsageError
+from inertia.errors import GeometryError, UsageError, reworded
 from inertia.exchange.robots.links import Geometry, Joint, Link, Placement, Primitive, Robot
 from inertia.exchange.rotations import rotation_of_quaternion
 from inertia.mass.analyse import analyse, sound_solids_only
@@ -24,8 +24,9 @@ _FORMATS = ("urdf", "mjcf", "sdf", "usd")
 def robot_tree(robot: Robot, joints: Mapping[str, float] | None = None) -> tuple[dict[str, Any], tuple[str, ...]]:
     """Return an assembly laid out as its file is, a part for each link, in metres; and what had to be decided.
 
-    Where nothing is stated of a link and the format has its geometries weigh something (MJCF, SDFormat), each is a part
-    too. Of meshes whose surface or convex hull weighs, the mass properties stand in its place.
+    Where nothing is stated of a link and the format has its geometries weigh something (MJCF, SDFormat, USD), each is a
+    part too. Of meshes in the robot's file, and of those whose surface or convex hull weighs, that has the mass
+    properties.
 
     Parameters
     ----------
@@ -55,7 +56,8 @@ def robot_tree(robot: Robot, joints: Mapping[str, float] | None = None) -> tuple
             parts += _of_geometries(link, notes)
         elif link.inertial is None:
             as_a_rule = ", where programs take 1 kg and 1 kg m² for it" if robot.format == "sdf" else ""
-            notes.append(f"link {link.name} states no mass: it is a group{as_a_rule}; give it a file or a mass")
+            states = "no mass" if link.mass is None else f"a mass of {link.mass:g} kg, but no shape that has it"
+            notes.append(f"link {link.name} states {states}: it is a group{as_a_rule}; give it a file or a mass")
         if link.joint is not None and link.joint.kind == "other":
             notes.append(f"joint {link.joint.name} neither turns nor slides about one axis: it is at its rest")
     return {"schema": 1, "name": robot.name or robot.path.stem, "unit": "m", "part": parts}, tuple(notes)
@@ -95,7 +97,7 @@ def _part(link: Link, positions: Mapping[str, float]) -> dict[str, Any]:
 
 def _of_geometries(link: Link, notes: list[str]) -> list[dict[str, Any]]:
     """Return parts for the geometries that a link weighs by; what cannot be weighed is noted."""
-    parts, volumes = [], []
+    parts, weights = [], []
     for number, geometry in enumerate(link.geometries):
         if not geometry.weighs:
             continue
@@ -103,8 +105,8 @@ def _of_geometries(link: Link, notes: list[str]) -> list[dict[str, Any]]:
         twice = sum(other.name == geometry.name for other in link.geometries[:number])
         part: dict[str, Any] = {"name": f"{name} {twice + 1}" if twice else name, "parent": link.name}
         weight = {"density": geometry.density} if geometry.mass is None else {"mass": geometry.mass}
-        if isinstance(geometry.shape, Path) and geometry.filling != "solid":
-            part |= _figures(geometry, geometry.shape)
+        if isinstance(geometry.shape, Part) or (isinstance(geometry.shape, Path) and geometry.filling != "solid"):
+            part |= _figures(geometry, geometry.shape, part["name"])
         elif isinstance(geometry.shape, Path):
             part |= {"file": str(geometry.shape.absolute()), "unit": "m"} | weight
             if geometry.scale is not None and set(geometry.scale) != {1}:
@@ -115,12 +117,14 @@ def _of_geometries(link: Link, notes: list[str]) -> list[dict[str, Any]]:
             why = geometry.shape if isinstance(geometry.shape, str) else "it encloses nothing"
             notes.append(f"link {link.name}, {geometry.name} is left out: {why}")
             continue
-        volumes.append(1.0 if link.mass is None else _volume(geometry))
+        if link.mass is not None:
+            weights.append(part["mass"] if "mass" in part else part.pop("density") * _volume(geometry))
         parts.append(part | _placed(geometry.placement))
     if link.mass is not None:
-        weights = [part.pop("density") * volume for part, volume in zip(parts, volumes, strict=True)]
-        for part, weight in zip(parts, weights, strict=True):
-            part["mass"] = link.mass * (weight / sum(weights))
+        for part, own in zip(parts, weights, strict=True):
+            part["mass"] = link.mass * (own / sum(weights))
+            if "inertia" in part:
+                part["inertia"] = (np.array(part["inertia"]) * (part["mass"] / own)).tolist()
     return parts
 
 
@@ -134,18 +138,25 @@ def _volume(geometry: Geometry) -> float:
         return abs(float(scale)) * analyse(read(geometry.shape, "m"), 1.0).properties.volume
 
 
-def _figures(geometry: Geometry, file: Path) -> dict[str, Any]:
-    """Return mass, centre of mass and tensor of the surface of a mesh, or of its convex hull."""
-    corners = read(file, "m").triangles.corners().reshape(-1, 3)
-    corners = corners * [float(k) for k in geometry.scale or (1, 1, 1)]
+def _figures(geometry: Geometry, mesh: Path | Part, name: str) -> dict[str, Any]:
+    """Return mass, centre of mass and tensor of a mesh, of its surface, or of its convex hull."""
+    surface = (mesh if isinstance(mesh, Part) else read(mesh, "m")).triangles
+    scale = [float(k) for k in geometry.scale or (1, 1, 1)]
+    corners = surface.corners() * scale
+    if math.prod(scale) < 0:
+        corners = corners[:, ::-1]
     if geometry.filling == "hull":
-        hull = convex_hull(corners)
+        hull = convex_hull(corners.reshape(-1, 3))
         if hull is None:
-            raise GeometryError(f"{file.name} is flat: its convex hull encloses nothing")
-        corners = hull.reshape(-1, 3)
-    part = Part.from_arrays(corners, np.arange(len(corners)).reshape(-1, 3), unit="m")
+            raise GeometryError(f"{name} is flat: its convex hull encloses nothing")
+        corners = hull
+    part = Part.from_arrays(corners.reshape(-1, 3), np.arange(3 * len(corners)).reshape(-1, 3), unit="m")
     thickness = 1.0 if geometry.filling == "surface" else None
-    properties = analyse(part, geometry.density or 1.0, shell=thickness).properties
+    try:
+        with sound_solids_only("a link weighs by sound solids only"):
+            properties = analyse(part, geometry.density or 1.0, shell=thickness).properties
+    except GeometryError as error:
+        raise reworded(error, error.words, (name,)) from None
     if geometry.mass is not None:
         properties = properties.with_mass(geometry.mass)
     return {

@@ -17,7 +17,18 @@ import numpy as np
 
 from inertia.arrays import Float
 from inertia.errors import ReadError
-from inertia.exchange.robots.links import Geometry, Inertial, Joint, Link, Motion, Placement, Primitive, Robot, Role
+from inertia.exchange.robots.links import (
+    Filling,
+    Geometry,
+    Inertial,
+    Joint,
+    Link,
+    Motion,
+    Placement,
+    Primitive,
+    Robot,
+    Role,
+)
 from inertia.exchange.rotations import rotation_of_quaternion
 from inertia.mesh.part import Part
 from inertia.mesh.readers.contents import shown
@@ -29,6 +40,7 @@ _UNREAD = ("PointInstancer", "TetMesh", "NurbsPatch", "BasisCurves")
 _ONTO = {"X": [[0, 0, 1], [1, 0, 0], [0, 1, 0]], "Y": [[0, 1, 0], [0, 0, 1], [1, 0, 0]], "Z": np.eye(3)}
 """The turn that takes z to an axis."""
 _ELSEWHERE = 1e-5  # m, and of a rotation: more than float32 rounds
+_WATER = 1000.0  # kg/m³, of what collides, where nothing else is said
 _LONGEST = 300  # characters of what OpenUSD says
 _SKEW = 1e-6  # of their lengths: axes at right angles to this are so up to what float32 stored of their matrix
 
@@ -80,6 +92,15 @@ class _Stage:
         body = self.physics.RigidBodyAPI(prim)
         return not prim.HasAPI(self.physics.RigidBodyAPI) or body.GetRigidBodyEnabledAttr().Get() is not False
 
+    def density_of_material(self, prim: Any) -> float:
+        """Return the density of the physics material that is bound to a prim, in units of the stage; 0 without one."""
+        from pxr import UsdShade
+
+        material, _ = UsdShade.MaterialBindingAPI(prim).ComputeBoundMaterial("physics")
+        if not material or not material.GetPrim().HasAPI(self.physics.MaterialAPI):
+            return 0.0
+        return float(self.physics.MaterialAPI(material.GetPrim()).GetDensityAttr().Get(self.time))
+
     def body_of(self, path: str) -> str | None:
         """Return the path of the body that a prim belongs to: itself, or the nearest above it."""
         while path not in self.labels and path:
@@ -126,7 +147,7 @@ def read_usd(path: Path) -> Robot:
             if not stage.is_enabled(prim):
                 notes[f"{shown(prim.GetName())} is not enabled as a rigid body: it is counted as one"] = None
             geometries = tuple(_geometries(stage, prim, notes))
-            inertial = _inertial(stage, prim, name, notes)
+            inertial, mass = _inertial(stage, prim, name, notes)
         except ReadError:
             raise
         except (
@@ -138,7 +159,7 @@ def read_usd(path: Path) -> Robot:
         ):  # what is against the schema is handed out
             raise ReadError(f"an attribute in {prim.GetPath()} has another type than its schema") from None
         joint = joints.get(name) or Joint(name, None, _frame(stage, prim))
-        links.append(Link(name, inertial, geometries, parent, placement, joint=joint))
+        links.append(Link(name, inertial, geometries, parent, placement, joint=joint, mass=mass))
     return Robot(path, "usd", stage.name, tuple(links), (*notes, *dict.fromkeys(stage.warnings())))
 
 
@@ -257,9 +278,10 @@ def _motion(stage: _Stage, prim: Any) -> tuple[Motion, Float]:
     return "other", np.eye(3)[2]
 
 
-def _inertial(stage: _Stage, prim: Any, name: str, notes: dict[str, None]) -> Inertial | None:
+def _inertial(stage: _Stage, prim: Any, name: str, notes: dict[str, None]) -> tuple[Inertial | None, float | None]:
+    """Return what is stated of a link; where that is its mass, kg, and not all, that of what collides of it."""
     if not prim.HasAPI(stage.physics.MassAPI):
-        return None
+        return None, None
     api = stage.physics.MassAPI(prim)
     mass = float(api.GetMassAttr().Get(stage.time))
     moments = np.array(api.GetDiagonalInertiaAttr().Get(stage.time), float)
@@ -272,20 +294,42 @@ def _inertial(stage: _Stage, prim: Any, name: str, notes: dict[str, None]) -> In
             notes[f"link {shown(name)} states no {' and no '.join(k for k, gap in missing.items() if gap)}"] = None
         elif float(api.GetDensityAttr().Get(stage.time)) > 0:
             notes[f"link {shown(name)} states a density alone: there is nothing to compare"] = None
-        return None
+        return None, mass * stage.kilograms if mass > 0 else None
     if not np.isfinite([mass, *moments, *quaternion]).all():
         raise ReadError(f"what {prim.GetPath()} states is not finite")
     matrix, _ = stage.place(prim)
     place = _rotation(matrix).T @ matrix @ center * stage.metres
     turn = rotation_of_quaternion(quaternion) if any(quaternion) else np.eye(3)
     tensor = np.diag(moments) * (stage.kilograms * stage.metres**2)
-    return Inertial(mass * stage.kilograms, Placement(turn, place), tensor)
+    return Inertial(mass * stage.kilograms, Placement(turn, place), tensor), None
+
+
+def _weight(stage: _Stage, prim: Any, body: str) -> tuple[float, float | None]:
+    """Return the density, kg/m³, and the mass, kg, of what collides where the mass of its body is not stated.
+
+    By the rules of UsdPhysics: of densities that of the nearest prim up to the body, then that of the physics material,
+    then that of water.
+    """
+    api, density, mass = stage.physics.MassAPI, 0.0, 0.0
+    if prim.HasAPI(api) and str(prim.GetPath()) != body:
+        mass = float(api(prim).GetMassAttr().Get(stage.time))
+    above = prim
+    while not density > 0:
+        if above.HasAPI(api):
+            density = float(api(above).GetDensityAttr().Get(stage.time))
+        if str(above.GetPath()) == body:
+            break
+        above = above.GetParent()
+    if not density > 0:
+        density = stage.density_of_material(prim)
+    cubed = stage.kilograms / stage.metres**3
+    return density * cubed if density > 0 else _WATER, mass * stage.kilograms if mass > 0 else None
 
 
 def _geometries(stage: _Stage, body: Any, notes: dict[str, None]) -> Iterator[Geometry]:
     path = str(body.GetPath())
     apart = [prim.GetName() for prim in stage.prims if _is_weighed_apart(stage, prim, path)]
-    if apart:
+    if apart and _states_mass(stage, body):
         notes[f"what {', '.join(map(shown, apart))} below {shown(body.GetName())} states of itself is not counted"] = (
             None
         )
@@ -305,16 +349,28 @@ def _geometries(stage: _Stage, body: Any, notes: dict[str, None]) -> Iterator[Ge
             continue  # a mark for the eye of who edits, what stands in for the body, or what is not shown
         a, b = stage.place(prim)
         inner, offset = rotation.T @ a, rotation.T @ (b - origin)
+        density, mass = (None, None) if role == "visual" else _weight(stage, prim, path)
+        mass = None if _states_mass(stage, body) else mass
         name = where.removeprefix(f"{path}/") if where != path else prim.GetName()
         if kind == "Mesh":
             if stage.geometry.Mesh(prim).GetSubdivisionSchemeAttr().Get() != stage.geometry.Tokens.none:
                 notes["meshes are taken as their points have them: no subdivision is applied"] = None
             shape = _mesh(stage, prim, inner, offset)
             scale = Fraction(repr(stage.metres))
-            yield Geometry(name, role, shape, scale=(scale, scale, scale))
+            hull = prim.HasAPI(stage.physics.MeshCollisionAPI) and (
+                stage.physics.MeshCollisionAPI(prim).GetApproximationAttr().Get() == stage.physics.Tokens.convexHull
+            )
+            filling: Filling = "hull" if hull else "solid"
+            scales = scale, scale, scale
+            yield Geometry(name, role, shape, scale=scales, density=density, mass=mass, filling=filling)
         else:
             turn, solid = _primitive(stage, kind, prim, inner)
-            yield Geometry(name, role, solid, Placement(turn, offset * stage.metres))
+            yield Geometry(name, role, solid, Placement(turn, offset * stage.metres), density=density, mass=mass)
+
+
+def _states_mass(stage: _Stage, body: Any) -> bool:
+    api = stage.physics.MassAPI
+    return body.HasAPI(api) and float(api(body).GetMassAttr().Get(stage.time)) > 0
 
 
 def _is_weighed_apart(stage: _Stage, prim: Any, body: str) -> bool:
