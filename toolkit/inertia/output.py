@@ -192,8 +192,12 @@ def _beside(path: Path) -> Iterator[tuple[Path, Path]]:
     """
     target = _target(path)
     _remove_left_behind(target.parent)
-    beside, lock = _new(target)
-    try:
+    beside, lock, is_alive = _another(target), None, False
+    try:  # a signal may come as soon as the file is there
+        while not is_alive:
+            lock, is_alive = _new(beside)
+            if not is_alive:
+                beside = _another(target)
         yield beside, target
     finally:
         with suppress(OSError):
@@ -213,19 +217,23 @@ def _target(path: Path) -> Path:
     return target
 
 
-def _new(target: Path) -> tuple[Path, int | None]:
-    """Return a new empty file beside another, and the descriptor that holds its lock, where there are locks."""
-    while True:
-        beside = target.with_name(f".{target.name[:_NAME]}.{os.urandom(6).hex()}.inertia")
-        lock = os.open(beside, os.O_RDWR | os.O_CREAT | os.O_EXCL, 0o666)
-        if sys.platform == "win32":  # where an open file can be neither renamed nor removed
-            os.close(lock)
-            return beside, None
-        with suppress(OSError):  # a file system without locks, or another run that takes this one for dead
-            fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
-        if os.fstat(lock).st_nlink:
-            return beside, lock
+def _another(target: Path) -> Path:
+    """Return a name of a temporary file beside another."""
+    return target.with_name(f".{target.name[:_NAME]}.{os.urandom(6).hex()}.inertia")
+
+
+def _new(beside: Path) -> tuple[int | None, bool]:
+    """Make a file; return the descriptor that holds its lock, where there are locks, and whether it is still there."""
+    lock = os.open(beside, os.O_RDWR | os.O_CREAT | os.O_EXCL, 0o666)
+    if sys.platform == "win32":  # where an open file can be neither renamed nor removed
         os.close(lock)
+        return None, True
+    with suppress(OSError):  # a file system without locks, or another run that takes this one for dead
+        fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
+    if os.fstat(lock).st_nlink:
+        return lock, True
+    os.close(lock)
+    return None, False
 
 
 @contextmanager
