@@ -23,7 +23,7 @@ from inertia.mass.moments import (
     total,
 )
 from inertia.mass.triangles import moments_from_sums
-from inertia.mass.triangles.sums import sum_triangles
+from inertia.mass.triangles.sums import in_float64, sum_triangles
 from inertia.mesh.surface import Surface, Triangles
 from inertia_meshes import rational
 
@@ -33,7 +33,8 @@ OUTWARD = [[0, 2, 1], [0, 1, 3], [1, 2, 3], [0, 3, 2]]
 
 
 def moments_of(triangles: Triangles, surface: bool = False) -> Moments:
-    return moments_from_sums.moments_of(sum_triangles(triangles, surface=surface), surface=surface)
+    sums = in_float64(sum_triangles(triangles, surface=surface), triangles)
+    return moments_from_sums.moments_of(sums, surface=surface)
 
 
 def exact_of(triangles: Triangles, about: Vector) -> rational.Moments:

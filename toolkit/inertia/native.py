@@ -113,6 +113,11 @@ class Kernel:
         code = self._load()
         return bool(code) or ((code is not None or count >= COMPILE_ABOVE) and _has_compiler())
 
+    @property
+    def is_shipped(self) -> bool:
+        """Whether machine code for this processor is shipped."""
+        return self._shipped is not None
+
     @functools.cached_property
     def function(self) -> Callable[..., int]:
         """The C function; the first use on a machine compiles it."""

@@ -20,7 +20,7 @@ from inertia.mass.triangles import arithmetic, running_error
 from inertia.mass.triangles.arithmetic import solid_moments
 from inertia.mass.triangles.moments_from_sums import moments_of
 from inertia.mass.triangles.running_error import FEW, running_bounds
-from inertia.mass.triangles.sums import Sums, sum_triangles
+from inertia.mass.triangles.sums import Sums, in_float64, sum_triangles
 from inertia.mesh.surface import Surface, Triangles
 from inertia_meshes import rational
 
@@ -41,7 +41,7 @@ def errors(triangles: Triangles, sums: Sums) -> list[Fraction]:
 
 
 def assert_bounded(triangles: Triangles) -> None:
-    sums = sum_triangles(triangles)
+    sums = in_float64(sum_triangles(triangles), triangles)
     reach = max(1.0, float(np.ldexp(np.maximum(sums.high - sums.origin, sums.origin - sums.low), sums.exponent).max()))
     underflow = F(100 * triangles.count, 2**1022) * F(reach) ** 4
     for error, bound in zip(errors(triangles, sums), running_bounds(triangles, sums).tolist(), strict=True):

@@ -17,10 +17,11 @@ import numpy as np
 
 from inertia.arrays import Bool, Float, Int
 from inertia.errors import GeometryError
+from inertia.mass.moments import Over, dyadic
 from inertia.mass.properties import CERTAIN, MassProperties
 from inertia.mass.triangles.arithmetic import METHODS, solid_moments
 from inertia.mass.triangles.kernels import BLOCK
-from inertia.mass.triangles.moments_from_sums import FLOAT64
+from inertia.mass.triangles.moments_from_sums import FLOAT64, fine_values
 from inertia.mass.triangles.sums import SUMS, Sums, sum_triangles
 from inertia.mesh.geometry.simple import MOST, at_hand, place, simple
 from inertia.mesh.surface import Surface
@@ -102,16 +103,20 @@ def small_properties(surface: Surface, unit: Unit, density: float) -> MassProper
         return None
     row = own.tolist()
     solid = SmallSolid(vertices.copy(), faces.copy(), sums, unit, density)  # which may be written to meanwhile
-    if not row[3] > 0:
+    if sums.fine is not None:
+        known = fine_values(sums)
+    elif row[3] > 0:
+        known = dyadic(row[3:13]), _a_priori(row, len(faces))
+    else:
         return None
-    if not _certain(row, len(faces)):
+    if known is None or not _certain(*known):
         try:
             whole = solid.properties()
         except GeometryError:
             return None
         return whole if whole.error.volume <= CERTAIN and whole.moments_within(CERTAIN) else None
     try:
-        mass, volume, center, tensor = _rounded(row, unit.metres, density)
+        mass, volume, center, tensor = _rounded(known[0], row[:3], unit.metres, density)
     except OverflowError:
         return None
     if not (0 < mass < inf and 0 < volume < inf and min(tensor[0], tensor[4], tensor[8]) > 0):
@@ -119,22 +124,31 @@ def small_properties(surface: Surface, unit: Unit, density: float) -> MassProper
     return MassProperties.of_small(mass, volume, np.array(center), np.array(tensor).reshape(3, 3), solid)
 
 
-def _certain(row: Sequence[float], count: int) -> bool:
-    """Say whether the volume and each principal moment are certain to a part in 10⁹, and the tensor is physical.
+def _a_priori(row: Sequence[float], count: int) -> list[float]:
+    """Return bounds on the errors of the ten sums, twice that on the diagonal.
 
-    The test is that of `MassProperties.moments_within`, with a bound on the tensor's error that is never smaller: of
-    what `inertia.mass.triangles.moments_from_sums` says, with every triangle as far out as the farthest.
+    They are those of `inertia.mass.triangles.moments_from_sums` with every triangle as far out as the farthest.
     """
     sums, low, high, origin = row[3:16], row[16:19], row[19:22], row[:3]
-    v = sums[0]
     reach = max(max(o - a, b - o) for o, a, b in zip(origin, low, high, strict=True))
-    size = (FLOAT64.normal + FLOAT64.bracket + FLOAT64.across(count) + 2) * _ROUNDOFF * (sums[10] + sums[12]) / v
-    if not 2 * size < CERTAIN:  # a volume of zero or below has an infinite or negative one
+    size = (FLOAT64.normal + FLOAT64.bracket + FLOAT64.across(count) + 2) * _ROUNDOFF * (sums[10] + sums[12])
+    return [size, *[3 * reach * size] * 3, *[12 * reach * reach * size] * 6]
+
+
+def _certain(values: Over, bounds: Sequence[float]) -> bool:
+    """Say whether the volume and each principal moment are certain to a part in 10⁹, and the tensor is physical.
+
+    The test is that of `MassProperties.moments_within`, with a bound on the tensor's error that is never smaller.
+    """
+    sums = [n / values[1] for n in values[0]]
+    v = sums[0]
+    if not 0 <= 2 * bounds[0] < CERTAIN * v:
         return False
+    size = bounds[0] / v
     x, y, z = (k / (4 * v) for k in sums[1:4])
     far = max(abs(x), abs(y), abs(z))
-    first = 0.75 * reach * size + far * size  # of the centre
-    second = 0.6 * reach * reach * size
+    first = max(bounds[1:4]) / (4 * v) + far * size  # of the centre
+    second = max(bounds[4:]) / (20 * v) + size * max(sums[4:7]) / (10 * v)
     xx, yy, zz = (k / (10 * v) - c * c for k, c in zip(sums[4:7], (x, y, z), strict=True))
     yz, zx, xy = sums[7] / (20 * v) - y * z, sums[8] / (20 * v) - z * x, sums[9] / (20 * v) - x * y
     trace = 2 * (xx + yy + zz)
@@ -149,21 +163,21 @@ def _certain(row: Sequence[float], count: int) -> bool:
     return body > 3 * error + 1e-14 and 2 * error < CERTAIN * (determinant - 1e-13)
 
 
-def _rounded(row: Sequence[float], metres: Fraction, density: float) -> tuple[float, float, list[float], list[float]]:
-    """Return mass, volume, centre and tensor of the sums, each rounded once.
+def _rounded(
+    sums: Over, origin: Sequence[float], metres: Fraction, density: float
+) -> tuple[float, float, list[float], list[float]]:
+    """Return mass, volume, centre and tensor of the sums about the origin, each rounded once.
 
     With Σd = A₀ and so on: V = A₀/6, c = o + A₁/(4 A₀), and Ixx = (8 A₀ (A₅ + A₆) − 5 (A₂² + A₃²))/(480 A₀).
     """
-    ratios = [k.as_integer_ratio() for k in row[3:13]]
-    unit = max(d for _, d in ratios)
-    v, x, y, z, xx, yy, zz, yz, zx, xy = (n * (unit // d) for n, d in ratios)
+    (v, x, y, z, xx, yy, zz, yz, zx, xy), unit = sums
     n, d = metres.numerator, metres.denominator
     w, e = density.as_integer_ratio()
     n3, d3 = n**3, d**3
     volume = n3 * v / (6 * d3 * unit)
     mass = w * n3 * v / (6 * d3 * unit * e)
     center = []
-    for o, k in zip(row[:3], (x, y, z), strict=True):
+    for o, k in zip(origin, (x, y, z), strict=True):
         on, od = o.as_integer_ratio()
         center.append(n * (4 * on * v + k * od) / (4 * d * od * v))
     over, times = 480 * d3 * d * d * e * v * unit, w * n3 * n * n

@@ -4,14 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from contextlib import suppress
-from fractions import Fraction
 from math import sqrt
 from typing import Literal
 
 import numpy as np
 
 from inertia.arrays import Float, Progress
-from inertia.mass.moments import Moments
+from inertia.mass.moments import Moments, Over, over
 from inertia.mass.rounding import as_written, shell_as_written
 from inertia.mass.triangles import double_double, exact, fine_sums
 from inertia.mass.triangles.moments_from_sums import (
@@ -23,7 +22,7 @@ from inertia.mass.triangles.moments_from_sums import (
     moments_with_bounds,
 )
 from inertia.mass.triangles.running_error import FEW, running_bounds
-from inertia.mass.triangles.sums import MANY, Frame, Sums, grid_of, in_float64, sum_in, sum_triangles
+from inertia.mass.triangles.sums import Frame, Sums, in_float64, sum_in, sum_triangles
 from inertia.mesh.part import Rounding
 from inertia.mesh.surface import Triangles
 
@@ -35,8 +34,8 @@ METHODS: dict[Arithmetic, str] = {
     "exact": exact.METHOD,
 }
 
-SEVERAL = 25_000
-"""Triangles above which fine sums measure the errors of float64 sums in less time than double-double ones."""
+COSTLY = 200_000
+"""Triangles above which double-double sums that are not compiled cost too much to measure errors by them."""
 
 _NEAR = 64.0
 
@@ -73,7 +72,7 @@ def solid_moments(
     if sums is None:
         sums = sum_triangles(triangles)
     if arithmetic == "float64" and sums.fine is not None:
-        fine = fine_values(sums := _on_a_grid_that_suits(triangles, sums, progress))
+        sums, fine = _on_a_grid_that_suits(triangles, sums, progress)
         if fine is not None and _near(*fine):
             return moments_with_bounds(*fine, sums)
         arithmetic = "double-double"
@@ -81,40 +80,39 @@ def solid_moments(
     if arithmetic == "float64":
         return moments_of(sums, running=_measured(triangles, sums, progress))
     values = double_double.sum_in_double_double(triangles, sums, progress)
-    return moments_with_bounds(values, a_priori(values, sums, double_double.ROUNDINGS), sums)
+    return moments_with_bounds(over(values), a_priori(values, sums, double_double.ROUNDINGS), sums)
 
 
 def _measured(triangles: Triangles, sums: Sums, progress: Progress | None) -> Float | None:
     """Return bounds on the errors of float64 sums that are near them; None where they would cost too much."""
     if triangles.count <= FEW:
         return running_bounds(triangles, sums)
-    if triangles.count > MANY and not double_double.compiled(triangles, sums):
+    if triangles.count > COSTLY and not double_double.compiled(triangles, sums):
         return None
-    if SEVERAL < triangles.count <= MANY and (grid := grid_of(triangles, sums.origin, sums.exponent)) is not None:
-        accurate = sum_in(Frame(sums.origin, 0, False, grid), triangles, progress)
-        fine = fine_values(_on_a_grid_that_suits(triangles, accurate, progress))
-        if fine is not None and _near(*fine):
-            return distances(sums, *fine)
     with np.errstate(over="ignore", invalid="ignore"), suppress(OverflowError, ValueError):  # beyond float64
         values = double_double.sum_in_double_double(triangles, sums, progress)
         return distances(sums, values, a_priori(values, sums, double_double.ROUNDINGS))
     return None
 
 
-def _on_a_grid_that_suits(triangles: Triangles, sums: Sums, progress: Progress | None) -> Sums:
-    """Return the sums, formed again where the sample misled that the grid was chosen from."""
-    if sums.fine is None or fine_values(sums) is not None:
-        return sums
+def _on_a_grid_that_suits(
+    triangles: Triangles, sums: Sums, progress: Progress | None
+) -> tuple[Sums, tuple[Over, list[float]] | None]:
+    """Return the sums, formed again where the sample misled that the grid was chosen from, and their values."""
+    if (values := fine_values(sums)) is not None or sums.fine is None:
+        return sums, values
     grid = fine_sums.grid_again(sums.origin, sums.low, sums.high, sums.fine)
-    return sum_in(Frame(sums.origin, 0, False, grid), triangles, progress)
+    again = sum_in(Frame(sums.origin, 0, False, grid), triangles, progress)
+    return again, fine_values(again)
 
 
-def _near(values: Sequence[Fraction], bounds: Sequence[float]) -> bool:
+def _near(values: Over, bounds: Sequence[float]) -> bool:
     """Say whether bounds are at most tens of times what rounding volume, centre and tensor to float64 may do.
 
     Σd s is compared with that of a body whose centre lies off by its radius of gyration, 4 Σd times that.
     """
-    volume, spread = abs(float(values[0])), sum(abs(float(k)) for k in values[4:7])
+    numbers, d = values
+    volume, spread = abs(numbers[0] / d), sum(abs(n / d) for n in numbers[4:7])
     sizes = volume, 4.0 * sqrt(volume * spread / 10.0), spread
     largest = bounds[0], max(bounds[1:4]), max(bounds[4:7])
     return all(bound <= _NEAR * ROUNDOFF * size for bound, size in zip(largest, sizes, strict=True))
@@ -135,4 +133,4 @@ def shell_moments(
     if arithmetic == "float64":
         return moments_of(sums, surface=True)
     values = double_double.sum_in_double_double(triangles, sums, progress, surface=True)
-    return moments_with_bounds(values, a_priori(values, sums, double_double.ROUNDINGS), sums, surface=True)
+    return moments_with_bounds(over(values), a_priori(values, sums, double_double.ROUNDINGS), sums, surface=True)

@@ -33,6 +33,7 @@ inequality has from the squares of the edges. Of the ten sums, f is 6, 24 x and 
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -133,9 +134,10 @@ class FineSums:
 
 def grid_for(origin: Float, low: Float, high: Float, largest: float) -> Grid | None:
     """Return a grid for a box about a local origin and for sums of |d| of about `largest`; None for extreme sizes."""
-    reach = np.maximum(high - origin, origin - low)
-    reach = np.maximum(reach, 2.0**-40 * reach.max())
-    farthest = np.maximum(np.abs(low), np.abs(high)) + 2.0 * reach
+    box = list(zip(origin.tolist(), low.tolist(), high.tolist(), strict=True))
+    reach = [max(b - o, o - a) for o, a, b in box]
+    reach = [max(k, 2.0**-40 * max(reach)) for k in reach]
+    farthest = [max(abs(a), abs(b)) + 2.0 * k for k, (_, a, b) in zip(reach, box, strict=True)]
     steps = [_power_above(max(1.25 * a / REACH, b * 2.0**-49)) for a, b in zip(reach, farthest, strict=True)]
     tops = [1.5 * 2.0**52 * step for step in steps]
     about = tuple((x + top) - top for x, top in zip(origin.tolist(), tops, strict=True))
@@ -144,22 +146,25 @@ def grid_for(origin: Float, low: Float, high: Float, largest: float) -> Grid | N
 
 def sample_grid(origin: Float, corners: Float, count: int) -> Grid | None:
     """Return the grid for `count` triangles of which these (n, 3, 3) are a sample, sheared where that is worth it."""
-    points = corners.reshape(-1, 3)
-    low, high = _extents(points)
+    points = np.ascontiguousarray(corners.reshape(-1, 3).T)  # along whose rows numpy is quick
+    low, high = points.min(axis=1), points.max(axis=1)
     plain = grid_for(origin, low, high, 4.0 * count * _largest_term(corners - origin))
-    if plain is None:
-        return None
-    mean = points.mean(axis=0)
-    shear = _along_the_part(points - mean)
-    least, most = _extents((points - mean) @ shear.matrix().T)
+    mean = points.sum(axis=1) / points.shape[1]
+    inner = points - mean[:, None]
+    products = inner @ inner.T
+    if plain is None or not _is_askew(products):
+        return plain
+    shear = _along_the_part(inner, products)
+    placed = shear.matrix() @ inner
+    least, most = placed.min(axis=1), placed.max(axis=1)
     about = grid_for(mean + np.linalg.solve(shear.matrix(), 0.5 * (least + most)), low, high, 0.0)
     if about is None:
         return plain
     shear = _on_steps(shear, about.steps, 0.5 * (most - least))
     if math.prod(shear.steps) * WORTHWHILE > math.prod(plain.steps):
         return plain
-    placed = (corners - np.array(about.origin)) @ shear.matrix().T
-    unit = _unit(np.abs(placed).max(axis=(0, 1)), 4.0 * count * _largest_term(placed))
+    sheared = (corners - np.array(about.origin)) @ shear.matrix().T
+    unit = _unit(np.abs(sheared).max(axis=(0, 1)).tolist(), 4.0 * count * _largest_term(sheared))
     return _checked(replace(about, unit=unit, shear=shear))
 
 
@@ -171,16 +176,27 @@ def grid_again(origin: Float, low: Float, high: Float, sums: FineSums) -> Grid |
         return grid
     reach = np.maximum(high - grid.origin, grid.origin - low)
     reach[list(before.axes[1:])] = sums.far
-    return _checked(replace(grid, unit=_unit(reach, 4.0 * sums.terms), shear=_on_steps(before, grid.steps, reach)))
+    return _checked(
+        replace(grid, unit=_unit(reach.tolist(), 4.0 * sums.terms), shear=_on_steps(before, grid.steps, reach))
+    )
 
 
-def _along_the_part(points: Float) -> Shear:
-    """Return the shear that leaves the coordinates (n, 3) without correlation, the longest first, without its steps."""
-    products = points.T @ points
+def _is_askew(products: Float) -> bool:
+    """Whether a shear may make the cell of points smaller by as much as it has to, from their ∑x xᵀ (3, 3)."""
+    (xx, xy, zx), (_, yy, yz), (_, _, zz) = products.tolist()
+    shrunk = xx * (yy * zz - yz * yz) - xy * (xy * zz - yz * zx) + zx * (xy * yz - yy * zx)
+    return bool(shrunk * WORTHWHILE < xx * yy * zz)  # the square of the ratio; extents are no more than a few times off
+
+
+def _along_the_part(points: Float, products: Float) -> Shear:
+    """Return the shear that leaves the coordinates (3, n) without correlation, the longest first, without its steps.
+
+    `products` are their ∑x xᵀ (3, 3).
+    """
     i = int(np.argmax(products.diagonal()))
     by = products[i] / max(float(products[i, i]), _SMALLEST)
-    rest = points - np.outer(points[:, i], by)
-    products = rest.T @ rest
+    rest = points - np.outer(by, points[i])
+    products = rest @ rest.T
     j, k = sorted({0, 1, 2} - {i}, key=lambda axis: -float(products[axis, axis]))
     last = float(products[j, k]) / max(float(products[j, j]), _SMALLEST)
     return Shear((i, j, k), (float(by[j]), float(by[k]) - last * float(by[j]), last), (0.0,) * 3)
@@ -197,19 +213,15 @@ def _on_steps(shear: Shear, coarse: tuple[float, ...], reach: Float) -> Shear:
     return Shear(shear.axes, (p, q, r), tuple(steps))
 
 
-def _extents(points: Float) -> tuple[Float, Float]:
-    return points.min(axis=0), points.max(axis=0)
-
-
 def _largest_term(corners: Float) -> float:
     """Return the largest sum of the magnitudes of the terms of d, of triangles (n, 3, 3) about the origin."""
-    a = np.abs(corners[:, 0])
-    u, v = (np.abs(corners[:, k] - corners[:, 0]) for k in (1, 2))
-    return float(np.max(sum(a[:, i] * (u[:, i - 2] * v[:, i - 1] + u[:, i - 1] * v[:, i - 2]) for i in range(3))))
+    first, second, third = corners.transpose(1, 2, 0)
+    a, u, v = np.abs(first), np.abs(second - first), np.abs(third - first)
+    return float((a * (u[[1, 2, 0]] * v[[2, 0, 1]] + u[[2, 0, 1]] * v[[1, 2, 0]])).sum(axis=0).max())
 
 
-def _unit(reach: Float, largest: float) -> float:
-    return _power_above(max(_AMPLE * float(np.prod(reach)), largest) * 2.0**-BITS)
+def _unit(reach: Sequence[float], largest: float) -> float:
+    return _power_above(max(_AMPLE * math.prod(reach), largest) * 2.0**-BITS)
 
 
 def _checked(grid: Grid) -> Grid | None:

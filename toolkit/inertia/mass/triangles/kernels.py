@@ -39,6 +39,10 @@ class BlockKernel:
         kernel = self.facets if isinstance(triangles, Facets) else self.faces
         return kernel.worthwhile(self.cost * triangles.count)
 
+    def is_shipped(self, triangles: Triangles) -> bool:
+        """Say whether the form that these triangles need is shipped as machine code for this processor."""
+        return (self.facets if isinstance(triangles, Facets) else self.faces).is_shipped
+
     def rows(self, triangles: Triangles, frame: tuple[float, ...]) -> Iterator[tuple[int, Float]]:
         """Yield the number of triangles done so far and the rows of the blocks that it took, (blocks, columns)."""
         table = self.table(triangles.count)

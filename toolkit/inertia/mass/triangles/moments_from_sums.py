@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from inertia.arrays import Float
-from inertia.mass.moments import PAIRS, Moments, dyadic, over, times
+from inertia.mass.moments import PAIRS, Moments, Over, dyadic, over, times
 from inertia.mass.triangles.fine_sums import BITS, REACH, SHARE, FineSums, Shear
 from inertia.mass.triangles.kernels import BLOCK, DEPTH, LANES
 from inertia.mass.triangles.sums import Sums
@@ -65,12 +65,10 @@ def moments_of(sums: Sums, *, surface: bool = False, running: Float | None = Non
     bounds = a_priori(values, sums, FLOAT64)
     if running is not None:
         bounds = [min(pair) for pair in zip(bounds, running.tolist(), strict=True)]  # of a NaN, the first
-    return moments_with_bounds(values, bounds, sums, surface=surface)
+    return moments_with_bounds(over(values), bounds, sums, surface=surface)
 
 
-def moments_with_bounds(
-    value: Sequence[Fraction], bounds: Sequence[float], sums: Sums, *, surface: bool = False
-) -> Moments:
+def moments_with_bounds(values: Over, bounds: Sequence[float], sums: Sums, *, surface: bool = False) -> Moments:
     """Turn ten sums in the frame of `sums`, and bounds on their errors, twice that on the diagonal, into moments.
 
     What underflow can add, at most 100 smallest normal numbers a triangle (in a shell 2⁻⁵⁰⁰, as a square root is
@@ -79,7 +77,7 @@ def moments_with_bounds(
     reach = _reach(sums)
     tiny = sums.count * (2.0**-500 if surface else 100 * 2.0**-1022) * max(1.0, *reach) ** 4
     zeroth, first, second = _factors(sums.exponent, surface)
-    k, d = over(value)
+    k, d = values
     b, e = dyadic([(k + tiny) * _INFLATED for k in bounds])
     return Moments.over(
         origin=dyadic(sums.origin.tolist()),
@@ -114,9 +112,10 @@ def distances(sums: Sums, accurate: Sequence[Fraction], bounds: Sequence[float])
     return np.array(result)
 
 
-def fine_values(sums: Sums) -> tuple[list[Fraction], list[float]] | None:
+def fine_values(sums: Sums) -> tuple[Over, list[float]] | None:
     """Return the ten sums with the digits that float64 loses, and bounds on their errors, twice that on the diagonal.
 
+    The sums are integers over a common denominator, as rational arithmetic would look for common factors at every step.
     The bounds are those of `inertia.mass.triangles.fine_sums`. None where the sums were not formed so, or on a grid
     that does not suit the part.
     """
@@ -154,12 +153,13 @@ def fine_values(sums: Sums) -> tuple[list[Fraction], list[float]] | None:
         r, s = far[i], far[j]
         product = r * s * (12.0 * off + 528.0 * rest) + 320.0 * (r + s) * total + 23.0 * 2.0**53 * steps
         bounds.append(cube * grid.finer[i] * grid.finer[j] * ROUNDOFF * product)
-    values = [Fraction(a) + Fraction(b) for a, b in zip(fine.high.tolist(), fine.low.tolist(), strict=True)]
+    parts, d = dyadic([*fine.high.tolist(), *fine.low.tolist()])
+    values: Over = [a + b for a, b in zip(parts[:10], parts[10:], strict=True)], d
     if grid.shear is not None:
         values, bounds = _unsheared(values, bounds, grid.shear)
-    values[4:7] = (k / 2 for k in values[4:7])
-    away = [Fraction(a) - Fraction(b) for a, b in zip(grid.origin, sums.origin.tolist(), strict=True)]
-    return _about(values, away), [_AMPLY * bound for bound in bounds]
+    origins, e = dyadic([*grid.origin, *sums.origin.tolist()])
+    away = [a - b for a, b in zip(origins[:3], origins[3:], strict=True)]
+    return _about(values, (away, e)), [_AMPLY * bound for bound in bounds]
 
 
 def _sheared(far: list[float], fine: FineSums, shear: Shear) -> tuple[list[float], list[float]]:
@@ -179,19 +179,18 @@ def _sheared(far: list[float], fine: FineSums, shear: Shear) -> tuple[list[float
     return far, moved
 
 
-def _unsheared(values: list[Fraction], bounds: list[float], shear: Shear) -> tuple[list[Fraction], list[float]]:
+def _unsheared(values: Over, bounds: list[float], shear: Shear) -> tuple[Over, list[float]]:
     """Return the ten sums, twice that on the diagonal, and bounds on their errors, in the coordinates as stored."""
     (i, j, k), (one, two, three) = shear.axes, map(Fraction, shear.factors)
-    # Over common denominators: rational arithmetic would look for common factors at every step.
     (p, q, r), e = over([one, two + three * one, three])
     rows = np.array([[e if a == b else 0 for b in range(3)] for a in range(3)], object)
     rows[j, i], rows[k, i], rows[k, j] = p, q, r
-    whole, d = over(values)
+    whole, d = values
     first, second = rows @ np.array(whole[1:4], object), rows @ _matrix(whole[4:], object) @ rows.T
     size = np.abs(rows / e).astype(np.float64)
     larger = size @ _matrix(bounds[4:], np.float64) @ size.T
     return (
-        [values[0], *(Fraction(n, d * e) for n in first), *(Fraction(second[a], d * e * e) for a in PAIRS)],
+        ([whole[0] * e * e, *(e * n for n in first), *(second[a] for a in PAIRS)], d * e * e),
         [bounds[0], *(size @ bounds[1:4]).tolist(), *(float(larger[a]) for a in PAIRS)],
     )
 
@@ -202,15 +201,19 @@ def _matrix(six: Sequence[int] | Sequence[float], kind: type) -> NDArray[Any]:
     return np.array([[xx, xy, zx], [xy, yy, yz], [zx, yz, zz]], kind)
 
 
-def _about(value: list[Fraction], d: list[Fraction]) -> list[Fraction]:
-    """Return the sums of a closed surface about a point that is `d` before their origin."""
-    volume, first = value[0], value[1:4]
-    moved = [f + 4 * k * volume for f, k in zip(first, d, strict=True)]
-    second = []
-    for k, (i, j) in enumerate(PAIRS):
-        shift = 5 * (d[i] * first[j] + d[j] * first[i]) + 20 * d[i] * d[j] * volume
-        second.append(value[4 + k] + (shift / 2 if i == j else shift))
-    return [volume, *moved, *second]
+def _about(values: Over, away: Over) -> Over:
+    """Return the sums of a closed surface about a point that is so far before their origin, once that on the diagonal.
+
+    They come with twice that on the diagonal.
+    """
+    (volume, *sums), d = values
+    (first, second), (a, e) = (sums[:3], sums[3:]), away
+    moved = [2 * e * (e * f + 4 * k * volume) for f, k in zip(first, a, strict=True)]
+    around = [
+        (1 if i == j else 2) * (e * e * s + 5 * e * (a[i] * first[j] + a[j] * first[i]) + 20 * a[i] * a[j] * volume)
+        for s, (i, j) in zip(second, PAIRS, strict=True)
+    ]
+    return [2 * e * e * volume, *moved, *around], 2 * d * e * e
 
 
 def _reach(sums: Sums) -> list[float]:

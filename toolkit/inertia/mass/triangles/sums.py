@@ -44,16 +44,16 @@ KERNEL = BlockKernel(
     Kernel("inertia.mass.triangles.moment_kernel", "sum_faces", "ppi" + "ddd" + "ipp"),
     columns=SUMS + 6,
 )
-MANY = 200_000
-"""Triangles above which the sums are formed with the digits that float64 loses.
+MANY = 4_000
+"""Triangles above which the sums of a solid have the digits that float64 loses, where their kernel is shipped."""
 
-Up to there they are formed beside these where a bound is read.
-"""
+_MANY_ELSEWHERE = 200_000  # so that what a run compiles first has no say in its figures
 
 _IN_RANGE = 100  # fifth powers of 2^±100 and their sums stay far from the ends of float64
 _LARGEST_EXPONENT = 1000
 _SAMPLED = 64
-_GOLDEN = (math.sqrt(5.0) - 1.0) / 2.0
+_SCATTERED = np.sort(np.arange(1, _SAMPLED + 1) * (math.sqrt(5.0) - 1.0) / 2.0 % 1.0)
+"""Where triangles are picked that no regular order of equal bodies hides the size of the whole from."""
 _NUMPY_CHUNK = 16 * BLOCK
 
 
@@ -192,31 +192,21 @@ def in_float64(sums: Sums, triangles: Triangles, progress: Progress | None = Non
 
 def frame_of(triangles: Triangles, *, surface: bool = False) -> Frame:
     """Choose the frame, from a sample of the triangles."""
-    origin, exponent = local_frame(triangles)
-    grid = grid_of(triangles, origin, exponent) if triangles.count > MANY and not surface else None
-    return Frame(origin, exponent, surface, grid)
-
-
-def grid_of(triangles: Triangles, origin: Float, exponent: int) -> Grid | None:
-    """Choose the grid of fine sums of a solid; None where they are not to be had."""
-    if exponent != 0 or not fine_sums.KERNEL.worthwhile(triangles):
-        return None
-    corners = np.concatenate([triangles.sample(_SAMPLED), _scattered(triangles)])
-    return sample_grid(origin, corners, triangles.count)
-
-
-def _scattered(triangles: Triangles) -> Float:
-    """Return corners that no regular order of equal bodies hides the size of the whole from, as even steps may."""
-    places = np.arange(1, _SAMPLED + 1) * _GOLDEN % 1.0 * triangles.count
-    return triangles.select(np.sort(places.astype(np.int64))).corners()
-
-
-def local_frame(triangles: Triangles) -> tuple[Float, int]:
-    """Choose the local origin, from a sample of the triangles, and a power of two where the size asks for one."""
-    sample = triangles.sample(_SAMPLED).reshape(-1, 3)
+    sample = triangles.sample(_SAMPLED)
     if not np.isfinite(sample).all():
         _refuse_non_finite(triangles)
-    low, high = sample.min(axis=0), sample.max(axis=0)
+    origin, exponent = local_frame(sample)
+    least = MANY if fine_sums.KERNEL.is_shipped(triangles) else _MANY_ELSEWHERE
+    if surface or exponent or triangles.count <= least or not fine_sums.KERNEL.worthwhile(triangles):
+        return Frame(origin, exponent, surface, None)
+    corners = np.concatenate([sample, triangles.select((_SCATTERED * triangles.count).astype(np.int64)).corners()])
+    return Frame(origin, exponent, surface, sample_grid(origin, corners, triangles.count))
+
+
+def local_frame(sample: Float) -> tuple[Float, int]:
+    """Choose the local origin from triangles (n, 3, 3), and a power of two where the size asks for one."""
+    points = np.ascontiguousarray(sample.reshape(-1, 3).T)  # along whose rows numpy is quick
+    low, high = points.min(axis=1), points.max(axis=1)
     with np.errstate(over="ignore"):
         origin = low + 0.5 * (high - low) if np.isfinite(high - low).all() else 0.5 * low + 0.5 * high
         exponent = math.frexp(float(np.maximum(high - origin, origin - low).max()))[1]
