@@ -14,7 +14,7 @@ A kernel is a Python function over pointers and numbers, in a module that import
 kernels. It may not allocate, raise or call Python, and it returns an int64. What it calls must become part of it
 (`inline="always"` or `forceinline=True`): a call that is left in the machine code leads nowhere when that is loaded.
 Set `INERTIA_NATIVE=0` to do without compiled kernels: the numpy paths give the same bits, more slowly; but for the
-Taylor method and sums over more than 200,000 triangles, which they give to rounding.
+Taylor method and sums over more than 4,000 triangles, which they give to rounding.
 """
 
 from __future__ import annotations
