@@ -45,7 +45,7 @@ def most(a, b, c, d):
 
 
 def measure_shells(vertices_at, vertices, faces_at, labels_at, count, table_at, shells):
-    """Add triangles to the rows of their shells; volumes are about a place on the first triangle of each."""
+    """Add triangles to the rows of their shells, zero at first; volumes are about a place on the first triangle."""
     corners = carray(vertices_at, (vertices, 3), np.float64)
     faces = carray(faces_at, (count, 3), np.int64)
     labels = carray(labels_at, (count,), np.int32)
@@ -61,6 +61,7 @@ def measure_shells(vertices_at, vertices, faces_at, labels_at, count, table_at, 
         if table[row, 11] == 0.0:
             for axis in range(3):
                 a, b, c = corners[p, axis], corners[q, axis], corners[r, axis]
+                table[row, axis], table[row, 3 + axis] = a, a
                 table[row, 8 + axis] = FIRST * a + SECOND * b + THIRD * c
         lx, ly, lz = table[row, 0], table[row, 1], table[row, 2]
         hx, hy, hz = table[row, 3], table[row, 4], table[row, 5]
@@ -125,7 +126,7 @@ def meet_boxes(table_at, order_at, places_at, count, family_at, boxes_at, nodes_
     trees", High Performance Graphics 2012). Node k < `count` is the k-th shell, and has in `nodes`, (2 count, 2), the
     root of its family, if it is the last of it; others have the two nodes that they join. The boxes written,
     (2 count, 6), are float32: rounding never changes an order, so that those that overlap still meet. `stack` has room
-    for 512 rows. `zones`, (count, 6), empty ones at first, come to enclose what each has in common with others.
+    for 512 rows. `zones`, (count, 6), come to enclose what each that meets others has in common with them.
     """
     table = carray(table_at, (count, COLUMNS), np.float64)
     order = carray(order_at, (count,), np.int64)
@@ -210,6 +211,17 @@ def descend(table, order, boxes, nodes, stack, base, flags, zones, count, one, o
 
 
 @njit(error_model="numpy", forceinline=True)
+def meet(table, flags, zones, one, other):
+    """Enlarge the zone of a shell by what its box has in common with another's."""
+    known = flags[one] & MEETS
+    for axis in range(3):
+        low, high = max(table[one, axis], table[other, axis]), min(table[one, axis + 3], table[other, axis + 3])
+        zones[one, axis] = min(zones[one, axis], low) if known else low
+        zones[one, axis + 3] = max(zones[one, axis + 3], high) if known else high
+    flags[one] |= MEETS
+
+
+@njit(error_model="numpy", forceinline=True)
 def compare(table, flags, zones, one, other):
     """Write down what the boxes of two shells do to each other."""
     apart, a_in_b, b_in_a = False, True, True
@@ -220,12 +232,8 @@ def compare(table, flags, zones, one, other):
         a_in_b &= lower <= low and high <= higher
         b_in_a &= low <= lower and higher <= high
     if not apart:
-        flags[one] |= MEETS
-        flags[other] |= MEETS
-        for axis in range(3):
-            low, high = max(table[one, axis], table[other, axis]), min(table[one, axis + 3], table[other, axis + 3])
-            zones[one, axis], zones[one, axis + 3] = min(zones[one, axis], low), max(zones[one, axis + 3], high)
-            zones[other, axis], zones[other, axis + 3] = min(zones[other, axis], low), max(zones[other, axis + 3], high)
+        meet(table, flags, zones, one, other)
+        meet(table, flags, zones, other, one)
     if a_in_b:
         flags[one] |= INSIDE
         flags[other] |= AROUND

@@ -76,7 +76,6 @@ def sound_nesting(triangles: Triangles, closure: Closure, *, streamed: bool = Fa
     ):
         return None
     table = np.zeros((count, _COLUMNS))
-    table[:, :3], table[:, 3:6] = np.inf, -np.inf
     for _, *chunk in _chunks(triangles, closure):
         _MEASURE.function(*chunk, address(table), count)
     box, places, bits = np.empty((2, 3)), np.empty(count, np.uint64), max(count.bit_length(), _LEAST_BITS)
@@ -126,13 +125,13 @@ def _meeting(
 ) -> tuple[NDArray[np.uint8], NDArray[np.float32], Int, Float]:
     """Return what the boxes of shells do to others of their family, those in order with enclosing ones, and the nodes.
 
-    Returns boxes around what each has in common with others, too. `places` along a space-filling curve sort those of a
-    family.
+    Returns boxes around what each that meets others has in common with them, too. `places` along a space-filling curve
+    sort those of a family.
     """
     count = len(order)
     boxes, nodes = np.empty((2 * count, 6), np.float32), np.empty((2 * count, 2), np.int64)
     stack, flags = np.empty((512, 2), np.int64), np.zeros(count, np.uint8)
-    zones = np.repeat([[np.inf, -np.inf]], count, axis=0).repeat(3, axis=1)
+    zones = np.empty((count, 6))  # of those that meet others
     tables = (each.ctypes.data for each in (family, boxes, nodes, stack, flags, zones))
     _MEET.function(address(table), address(order), address(places), count, *tables)
     return flags, boxes, nodes, zones
@@ -203,6 +202,7 @@ def _apart(
     labels, within = closure.labels, np.zeros(triangles.count, np.uint8)
     nearby = (flags & _NEARBY) != 0
     zones[nearby] = table[nearby, :6]
+    zones[~meeting] = np.inf, np.inf, np.inf, -np.inf, -np.inf, -np.inf
     for which, *chunk in _chunks(triangles, closure):
         _ZONES.function(*chunk, address(zones), count, within[which].ctypes.data)
     inside, around = np.flatnonzero(within), np.flatnonzero(near)
