@@ -154,7 +154,8 @@ def _paired_in_order(
     if components > 1:
         for groups, base in zip(done, firsts, strict=True):
             for group, first in groups.labels:
-                group[:] = np.where(group < 0, -1, number[group + (base + first)])
+                own = number[group + np.int32(base + first)]
+                group[:] = np.where(group < 0, -1, own) if groups.repeated else own
     elif repeated or waiting.pieces > sum(len(groups.labels) for groups in done):
         np.minimum(labels, 0, out=labels)
     return waiting.open_edges, components, labels, repeated

@@ -21,6 +21,9 @@ FAR, FARTHEST = 1 << 61, 1 << 62
 MEETS, INSIDE, AROUND, NEAR = 1, 2, 4, 8
 """What a shell's box does to that of another: meet it, lie in it, hold it; come near triangles of the shell around."""
 
+DIGIT, DIGITS = 11, 6
+"""Bits that places are sorted by at a time, and how often that is enough for all of them."""
+
 FIRST, SECOND, THIRD = 0.4140625, 0.3515625, 0.234375
 """Weights of the corners for a place on a triangle: in no plane of symmetry, so that few rays pass through edges."""
 
@@ -114,6 +117,37 @@ def curve_places(table_at, shells, cells, noise, stored, bits, box_at, places_at
             middle = 0.5 * table[k, axis] + 0.5 * table[k, 3 + axis]
             code |= spread(np.uint64(max((middle - box[0, axis]) * factor, 0.0))) << np.uint64(axis)
         places[k] = code >> np.uint64(bits - 1) << np.uint64(bits) | np.uint64(k)
+    return 0
+
+
+def sort_places(places_at, room_at, counts_at, count, bits):
+    """Sort places by what is above their last `bits`, which ascend, digit by digit from the last; see `DIGITS`."""
+    one = carray(places_at, (count,), np.uint64)
+    other = carray(room_at, (count,), np.uint64)
+    counts = carray(counts_at, (DIGITS, 1 << DIGIT), np.int64)
+    last, digits = np.uint64((1 << DIGIT) - 1), (64 - bits + DIGIT - 1) // DIGIT
+    for k in range(count):
+        key = one[k] >> np.uint64(bits)
+        for digit in range(digits):
+            counts[digit, key & last] += 1
+            key >>= np.uint64(DIGIT)
+    moved = False
+    for digit in range(digits):
+        by, first = np.uint64(bits + digit * DIGIT), 0
+        for k in range(1 << DIGIT):
+            number = counts[digit, k]
+            counts[digit, k] = first
+            first += number
+        for k in range(count):
+            key = one[k]
+            at = (key >> by) & last
+            place = counts[digit, at]
+            counts[digit, at] = place + 1
+            other[place] = key
+        one, other, moved = other, one, not moved
+    if moved:
+        for k in range(count):
+            other[k] = one[k]
     return 0
 
 

@@ -35,12 +35,15 @@ from inertia.native import Kernel, address
 _MODULE = "inertia.mesh.geometry.shell_kernel"
 _MEASURE = Kernel(_MODULE, "measure_shells", "pippi" + "pi")
 _PLACES = Kernel(_MODULE, "curve_places", "pi" + "dddi" + "pp")
+_SORT = Kernel(_MODULE, "sort_places", "pppii")
 _MEET = Kernel(_MODULE, "meet_boxes", "pppi" + "pppppp")
 _CAST = Kernel(_MODULE, "cast_rays", "pippi" + "pi" + "pppp" + "ppip" + "i" + "ddddd" + "pp")
 _NEAR = Kernel(_MODULE, "near_children", "pippi" + "pi" + "ppppp" + "ppp")
 _ZONES = Kernel(_MODULE, "in_zones", "pippi" + "pi" + "p")
+_KERNELS = _MEASURE, _PLACES, _SORT, _MEET, _CAST, _NEAR, _ZONES
 _CHUNK = 1 << 14
-_COLUMNS = 12  # as the kernels have them
+_COLUMNS, _COUNTS = 12, (6, 1 << 11)  # as the kernels have them
+_FEW = 1 << 12  # shells that numpy sorts in less time than it takes to clear the counts
 _MEETS, _INSIDE, _AROUND, _NEARBY = 1, 2, 4, 8
 _NOISE = 1e-13  # rounding of a volume, over the sum of its terms' largest magnitudes
 _STORED = 2.0**-50  # the same, for each time that a sum is rounded
@@ -69,11 +72,7 @@ def sound_nesting(triangles: Triangles, closure: Closure, *, streamed: bool = Fa
 
     """
     count = closure.components
-    if (
-        not count
-        or closure.crowded
-        or not all(kernel.worthwhile(triangles.count) for kernel in (_MEASURE, _PLACES, _MEET, _CAST, _NEAR, _ZONES))
-    ):
+    if not count or closure.crowded or not all(kernel.worthwhile(triangles.count) for kernel in _KERNELS):
         return None
     table = np.zeros((count, _COLUMNS))
     for _, *chunk in _chunks(triangles, closure):
@@ -85,7 +84,11 @@ def sound_nesting(triangles: Triangles, closure: Closure, *, streamed: bool = Fa
     size = float((box[1] - box[0]).max())
     if abs(math.frexp(size)[1]) > _IN_RANGE:
         return None
-    places.sort()
+    if count < _FEW:
+        places.sort()
+    else:
+        room, counts = np.empty_like(places), np.zeros(_COUNTS, np.int64)
+        _SORT.function(address(places), address(room), address(counts), count, bits)
     order = (places & np.uint64((1 << bits) - 1)).astype(np.int64)
     places >>= np.uint64(bits)
     volume = table[:, 6]

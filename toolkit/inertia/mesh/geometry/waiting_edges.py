@@ -64,11 +64,17 @@ class WaitingEdges:
 
     def add_pieces(self, number: int) -> int:
         """Append pieces that nothing joins yet; return the number of the first."""
-        first = self.pieces
-        if first + number > len(self._parent):
-            self._parent = np.resize(self._parent, 2 * (first + number))
+        first = self._room_for(number)
+        self._parent[first : self.pieces] = np.arange(first, self.pieces, dtype=np.int32)
+        return first
+
+    def _room_for(self, number: int) -> int:
+        """Append so many pieces without numbers; return the number of the first."""
+        first, before = self.pieces, self.parent
         self.pieces += number
-        self._parent[first : self.pieces] = np.arange(first, self.pieces)
+        if self.pieces > len(self._parent):
+            self._parent = np.empty(2 * self.pieces, np.int32)
+            self._parent[:first] = before
         return first
 
     def add(self, edges: NDArray[np.uint64], pieces: NDArray[np.int32]) -> None:
@@ -90,8 +96,8 @@ class WaitingEdges:
 
     def join(self, other: WaitingEdges) -> int:
         """Append all that another has; return the number of its first piece."""
-        first = self.add_pieces(other.pieces)
-        self._parent[first : self.pieces] = other.parent + first
+        first = self._room_for(other.pieces)
+        np.add(other.parent, np.int32(first), out=self._parent[first : self.pieces])
         edges, pieces = other.left()
         self.add(edges, pieces + np.int32(first))
         self.logs += other.logs
@@ -113,7 +119,9 @@ class WaitingEdges:
         parent = self.parent
         while not np.array_equal(above := parent[parent], parent):
             parent = above
-        return np.unique(parent, return_inverse=True)[1].astype(np.int32)
+        firsts = parent == np.arange(len(parent), dtype=np.int32)
+        number: NDArray[np.int32] = np.cumsum(firsts, dtype=np.int32)[parent] - np.int32(1)
+        return number
 
     def _pair(self, edges: NDArray[np.uint64], pieces: NDArray[np.int32], count: int | None = None) -> None:
         if len(edges) == 0:
