@@ -467,3 +467,25 @@ def test_a_mesh_of_an_unknown_filling_is_refused(tmp_path: Path) -> None:
     file.write_text(body("", '<asset><mesh name="m" file="m.obj" inertia="hollow"/></asset>'))
     with pytest.raises(ReadError, match="mesh 'm', inertia is 'hollow': it must be legacy, exact, shell, convex"):
         read_robot(file)
+
+
+def test_a_total_mass_that_is_set_scales_all(tmp_path: Path) -> None:
+    solid.file(tmp_path)
+    file = tmp_path / "a.xml"
+    inner = f'<body name="b" pos="1 0 0">{STATED}</body><geom type="capsule" size="0.1 0.3" pos="0 1 0"/>'
+    mesh = '<asset><mesh name="m" file="upper arm.obj" scale="2 1 1"/></asset>'
+    before = f'<compiler settotalmass="14"/>{mesh}'
+    file.write_text(body(f'<geom type="mesh" mesh="m" density="2"/><geom size="0.2" mass="3"/>{inner}', before))
+    model = compile_model(file)
+    robot = read_robot(file)
+    whole = inertia.Assembly.from_dict(robot_tree(robot)[0]).mass_properties()
+    assert whole.mass == pytest.approx(14.0, rel=1e-15)
+    assert robot.notes == ("settotalmass is set: all weigh 14 kg together, for which masses and tensors are scaled",)
+    tensor, centers = np.zeros((3, 3)), np.add(model.body_ipos[1:], [[0, 0, 0], [1, 0, 0]])
+    center = np.average(centers, axis=0, weights=model.body_mass[1:])
+    for k, d in zip((1, 2), centers - center, strict=True):
+        turned = rotation_of_quaternion(model.body_iquat[k].tolist())
+        tensor += turned @ np.diag(model.body_inertia[k]) @ turned.T
+        tensor += model.body_mass[k] * (d @ d * np.eye(3) - np.outer(d, d))
+    np.testing.assert_allclose(whole.center_of_mass, center, atol=1e-6)
+    np.testing.assert_allclose(whole.inertia, tensor, atol=1e-5)

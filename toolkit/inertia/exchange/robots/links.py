@@ -171,13 +171,17 @@ class Link:
 
 @dataclass(frozen=True, eq=False)
 class Robot:
-    """What a file holds: its links, in its order, and what reading had to decide, in sentences."""
+    """What a file holds: its links, in its order, and what reading had to decide, in sentences.
+
+    `mass` is what the format has the links scaled to, all together, kg; None where it does not.
+    """
 
     path: Path
     format: str
     name: str
     links: tuple[Link, ...]
     notes: tuple[str, ...] = ()
+    mass: float | None = None
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "name", visible(self.name))

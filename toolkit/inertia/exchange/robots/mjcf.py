@@ -39,7 +39,7 @@ from inertia.standard_input import file_of
 Attributes = Mapping[str, str]
 
 _UNREAD = ("composite", "flexcomp", "attach", "replicate", "plugin")
-_CHANGES = ("balanceinertia", "boundmass", "boundinertia", "settotalmass")  # what MuJoCo does to what is stated
+_CHANGES = ("balanceinertia", "boundmass", "boundinertia")  # what MuJoCo does to what is stated
 _MOTIONS: dict[str, Motion] = {"hinge": "turns", "slide": "slides"}
 _WEIGHS = ("density", 1000.0), ("mass", -1.0)  # of a geom, and what they are by default: no mass of its own
 _NO_SOLID = ("plane", "hfield", "sdf")
@@ -114,7 +114,10 @@ def read_mjcf(path: Path) -> Robot:
     for key in _CHANGES:
         if model.compiler.get(key, "false") not in ("false", "0", "-1"):
             model.note(f"{key} is set: MuJoCo changes the masses or tensors that are stated")
-    return Robot(path, "mjcf", root.get("model", ""), tuple(links), tuple(model.notes))
+    mass = float(numbers(model.compiler, "settotalmass", 1, [-1.0], "compiler")[0])
+    if mass > 0:
+        model.note(f"settotalmass is set: all weigh {mass:g} kg together, for which masses and tensors are scaled")
+    return Robot(path, "mjcf", root.get("model", ""), tuple(links), tuple(model.notes), mass if mass > 0 else None)
 
 
 def _include(element: Element, folder: Path, here: Path, files: list[Path], depth: int, level: int) -> None:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -60,6 +60,8 @@ def robot_tree(robot: Robot, joints: Mapping[str, float] | None = None) -> tuple
             notes.append(f"link {link.name} states {states}: it is a group{as_a_rule}; give it a file or a mass")
         if link.joint is not None and link.joint.kind == "other":
             notes.append(f"joint {link.joint.name} neither turns nor slides about one axis: it is at its rest")
+    if robot.mass is not None:
+        _scale([part for part in parts if "mass" in part or "density" in part], robot.mass)
     return {"schema": 1, "name": robot.name or robot.path.stem, "unit": "m", "part": parts}, tuple(notes)
 
 
@@ -97,7 +99,7 @@ def _part(link: Link, positions: Mapping[str, float]) -> dict[str, Any]:
 
 def _of_geometries(link: Link, notes: list[str]) -> list[dict[str, Any]]:
     """Return parts for the geometries that a link weighs by; what cannot be weighed is noted."""
-    parts, weights = [], []
+    parts = []
     for number, geometry in enumerate(link.geometries):
         if not geometry.weighs:
             continue
@@ -117,25 +119,28 @@ def _of_geometries(link: Link, notes: list[str]) -> list[dict[str, Any]]:
             why = geometry.shape if isinstance(geometry.shape, str) else "it encloses nothing"
             notes.append(f"link {link.name}, {geometry.name} is left out: {why}")
             continue
-        if link.mass is not None:
-            weights.append(part["mass"] if "mass" in part else part.pop("density") * _volume(geometry))
         parts.append(part | _placed(geometry.placement))
     if link.mass is not None:
-        for part, own in zip(parts, weights, strict=True):
-            part["mass"] = link.mass * (own / sum(weights))
-            if "inertia" in part:
-                part["inertia"] = (np.array(part["inertia"]) * (part["mass"] / own)).tolist()
+        _scale(parts, link.mass)
     return parts
 
 
-def _volume(geometry: Geometry) -> float:
-    """Return what a mesh or primitive encloses, m³."""
-    if isinstance(geometry.shape, Primitive):
-        return geometry.shape.volume
-    assert isinstance(geometry.shape, Path)
-    scale = math.prod(geometry.scale or (1,))
-    with sound_solids_only("the mass of a link is shared out among sound solids only"):
-        return abs(float(scale)) * analyse(read(geometry.shape, "m"), 1.0).properties.volume
+def _scale(parts: Sequence[dict[str, Any]], mass: float) -> None:
+    """Have parts weigh so much together (kg), in proportion to what they do."""
+    weights = [part["mass"] if "mass" in part else part.pop("density") * _volume(part) for part in parts]
+    for part, weight in zip(parts, weights, strict=True):
+        part["mass"] = mass * (weight / sum(weights))
+        if "inertia" in part:
+            part["inertia"] = (np.array(part["inertia"]) * (part["mass"] / weight)).tolist()
+
+
+def _volume(part: Mapping[str, Any]) -> float:
+    """Return what the shape or the mesh of a part encloses, m³."""
+    if "shape" in part:
+        return Primitive(part["shape"], tuple(part["size"])).volume
+    with sound_solids_only("masses are shared out among sound solids only"):
+        volume = analyse(read(part["file"], part["unit"]), 1.0).properties.volume
+    return float(volume * abs(math.prod(part.get("stretch", (1.0,)))))
 
 
 def _figures(geometry: Geometry, mesh: Path | Part, name: str) -> dict[str, Any]:
