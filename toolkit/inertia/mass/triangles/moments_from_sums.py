@@ -159,7 +159,15 @@ def fine_values(sums: Sums) -> tuple[Over, list[float]] | None:
         values, bounds = _unsheared(values, bounds, grid.shear)
     origins, e = dyadic([*grid.origin, *sums.origin.tolist()])
     away = [a - b for a, b in zip(origins[:3], origins[3:], strict=True)]
-    return _about(values, (away, e)), [_AMPLY * bound for bound in bounds]
+    return _shortened(_about(values, (away, e)), min(bounds)), [_AMPLY * bound for bound in bounds]
+
+
+def _shortened(values: Over, bound: float) -> Over:
+    """Return dyadic numbers without the bits below a billionth of a bound, which all that follows would carry."""
+    numbers, d = values
+    n, e = bound.as_integer_ratio()
+    spare = (n * d // e).bit_length() - 31
+    return ([k >> spare for k in numbers], d >> spare) if 0 < spare < d.bit_length() else values
 
 
 def _sheared(far: list[float], fine: FineSums, shear: Shear) -> tuple[list[float], list[float]]:
