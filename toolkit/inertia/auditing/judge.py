@@ -166,7 +166,11 @@ def judge(subject: Subject, alike: Sequence[Subject], tolerance: float) -> LinkA
         unreadable = Finding("unreadable", subject.fault, None, "state it anew")
         return LinkAudit(name, "inconsistent", None, None, (), None, (unreadable, *subject.obstacles))
     if stated is None or (stated.body.mass == 0 and not stated.body.inertia.any()):
-        words = "no mass properties for it" if stated is None else "a mass of 0 and no tensor: it counts as a frame"
+        words = (
+            "no mass properties for it, or none that count"
+            if stated is None
+            else "a mass of 0 and no tensor: it counts as a frame"
+        )
         missing = Finding("nothing_stated", f"the file states {words}")
         return LinkAudit(name, "unjudged", None, None, (), None, (missing, *subject.obstacles))
     faults = [Finding("unphysical", fault.sentence) for fault in physical.faults(stated)]
