@@ -150,3 +150,15 @@ def test_masses_without_steps_reach_the_limit_of_the_whole() -> None:
     for places in (None, [0.0, 0.5, 3.0]):
         pieces = split_among(cmath.rect(11.0, 0.1), places, most_in_all=5.0)
         assert whole(pieces) == pytest.approx(cmath.rect(5.0, 0.1))
+
+
+@pytest.mark.parametrize("step", [0.0, 0.3, 1.0])
+def test_masses_at_the_limit_of_a_position_are_kept(step: float) -> None:
+    """The least squares put the limit there, but for a rounding."""
+    rng = np.random.default_rng(1)
+    for _ in range(300):
+        vector, places = complex(*rng.normal(size=2)), rng.uniform(0, 6.3, rng.integers(1, 7)).tolist()
+        most = abs(vector) * rng.uniform(0.05, 0.6)
+        pieces = split_among(vector, places, most=most, step=step * most)
+        assert all(piece.mass <= most * (1 + 1e-6) for piece in pieces)
+        assert abs(whole(pieces) - vector) <= abs(vector) * (1 + 1e-9)

@@ -112,7 +112,7 @@ def _rounded(vector: complex, pieces: tuple[Piece, ...], step: float, most: floa
     """Round the masses up or down, one after the other, so that the whole stays nearest and its size within a limit."""
     ways: list[tuple[Piece, ...]] = [()]
     for piece in pieces:
-        choices = [Piece(piece.angle, mass) for mass in _steps(piece.mass, step) if mass <= most]
+        choices = [Piece(piece.angle, mass) for mass in _steps(piece.mass, step) if mass <= most * (1 + _OVER)]
         ways = [(*way, choice) for way, choice in product(ways, choices)]
         rest = sum(k.vector for k in pieces[len(ways[0]) :])
         ways.sort(key=lambda way: abs(sum((k.vector for k in way), rest) - vector))
