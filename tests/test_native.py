@@ -187,9 +187,14 @@ def test_a_kernel_is_compiled_for_many_triangles_and_loaded_for_fewer(
     cache: Path, compiled: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     def worthwhile() -> list[bool]:
-        return [corner_keys.FACES.worthwhile(count) for count in (LOAD_ABOVE - 1, LOAD_ABOVE, COMPILE_ABOVE)]
+        answers = []
+        for count in (LOAD_ABOVE - 1, LOAD_ABOVE, COMPILE_ABOVE):
+            forget_kernels(monkeypatch)
+            answers.append(corner_keys.FACES.worthwhile(count))
+        return answers
 
     assert worthwhile() == [False, False, True]
+    assert [corner_keys.FACES.worthwhile(COMPILE_ABOVE // 3)] * 3 == [True] * 3
     put(cache, compiled, compiled.read_bytes())
     assert worthwhile() == [False, True, True]
     monkeypatch.setenv("INERTIA_NATIVE", "0")

@@ -17,7 +17,7 @@ from pathlib import Path
 from statistics import median
 from typing import Any
 
-from .claims import NUMBER, README, Claim, Outcome
+from .claims import README, Claim, Outcome
 from .extremes.sweep import Tally, sweep
 from .measure import ROOT, python_module
 from .table import apart, targets
@@ -79,10 +79,9 @@ def _exceeded(words: str) -> Outcome:
     return Outcome(f"{tally.exceeded()} of {compared:,} over 100 other meshes, by fractions", tally.exceeded() == 0)
 
 
-def _typical(words: str) -> Outcome:
-    low, high = map(float, NUMBER.findall(words))
+def _typical(_: str) -> Outcome:
     ratios = [ratio for values in _swept().ratios["float64"].values() for ratio in values if ratio < float("inf")]
-    return Outcome(f"{median(ratios):.0f} times, the median", low / VARY <= median(ratios) <= high * VARY)
+    return Outcome(f"{median(ratios):.1f} times, the median", median(ratios) <= 5.0)
 
 
 def _honest(words: str) -> Outcome:
@@ -137,7 +136,7 @@ DOCS = (
         "docs/accuracy.md", "Double-double is some four times as dear as float64", partial(_dear, "double-double", 4.0)
     ),
     Claim("docs/accuracy.md", "some fifty times", partial(_dear, "exact", 50.0)),
-    Claim("docs/accuracy.md", "It is typically 20 to 60 times the error", _typical),
+    Claim("docs/accuracy.md", "of what follows from several of them, a few times the error", _typical),
     Claim("docs/accuracy.md", "of some seventy thousand errors none exceeds its bound", _exceeded),
     Claim("docs/extremes.md", "Errors beyond their bound: 0", _exceeded),
     Claim("docs/honesty.md", "the error exceeds the claim in 0 of", _honest),

@@ -125,8 +125,8 @@ They do not all compute the same:
 | trimesh `mass_properties` | yes | – | yes | yes | – | |
 | MuJoCo, compiling a model, `inertia="exact"` | yes | – | yes | yes | – | normals, a bounding volume tree |
 
-Up to 4,000 triangles the sums are formed once more with twice the digits, above that with the digits that float64
-loses. The numpy row is `INERTIA_NATIVE=0`; its answers have the same bits up to 4,000 triangles, and agree within
+Up to 1,024 triangles the sums are formed once more with twice the digits, above that with the digits that float64
+loses. The numpy row is `INERTIA_NATIVE=0`; its answers have the same bits up to 1,024 triangles, and agree within
 their bounds above that.
 
 ## The figures: small parts

@@ -239,7 +239,7 @@ class TestAccuracy:
         assert max(error.volume, error.mass, error.inertia) <= 1e-12
 
     def test_nothing_dearer_runs_than_the_accuracy_needs(self):
-        part = inertia.read(path("sphere.stl"))
+        part = inertia.read(path("t_handle.stl"))
         error = inertia.mass_properties(part).error
         reached = max(error.volume, error.mass, error.inertia)
         assert inertia.mass_properties(part, accuracy=reached).error == error

@@ -154,16 +154,13 @@ def test_float32_records_give_what_the_same_numbers_in_float64_do(case: Case, ru
 
 
 @pytest.mark.parametrize(("power", "case"), list(nearly_equal()), ids=lambda k: k.name if isinstance(k, Case) else "")
-def test_axes_of_nearly_equal_moments_are_bounded_or_span_a_plane(power: int, case: Case) -> None:
+def test_axes_of_nearly_equal_moments_are_bounded(power: int, case: Case) -> None:
     truth = Truth.of(case.triangles.corners())
     for rung in RUNGS:
         decomposition = properties(solid_moments(case.triangles, rung), rung).principal_within(0.0)
-        told_apart = rung != "float64" or power < 15
-        assert (decomposition.kind, decomposition.equal) == (
-            ("asymmetric", ()) if told_apart else ("oblate", ((0, 1),))
-        )
-        for k in range(3) if told_apart else (2,):
-            assert truth.angle(decomposition.axes[:, k].tolist(), k) <= decomposition.axis_bounds[k] < 0.1
+        assert (decomposition.kind, decomposition.equal) == ("asymmetric", ())
+        for k in range(3):
+            assert truth.angle(decomposition.axes[:, k].tolist(), k) <= decomposition.axis_bounds[k] < 0.2
 
 
 def test_bounds_hold_over_a_sweep_and_are_typically_near() -> None:

@@ -14,7 +14,7 @@ A kernel is a Python function over pointers and numbers, in a module that import
 kernels. It may not allocate, raise or call Python, and it returns an int64. What it calls must become part of it
 (`inline="always"` or `forceinline=True`): a call that is left in the machine code leads nowhere when that is loaded.
 Set `INERTIA_NATIVE=0` to do without compiled kernels: the numpy paths give the same bits, more slowly; but for the
-Taylor method and sums over more than 4,000 triangles, which they give to rounding.
+Taylor method and sums over more than 1,024 triangles, which they give to rounding.
 """
 
 from __future__ import annotations
@@ -97,13 +97,19 @@ class Kernel:
     def __init__(self, module: str, name: str, abi: str, *, fused: bool = False, wide: bool = False) -> None:
         self.module, self.name, self.abi, self.fused = module, name, abi, fused
         self.levels = (WIDE, LEVEL) if wide else (LEVEL,)
+        self._asked = 0
 
     def worthwhile(self, count: int) -> bool:
-        """Say whether the work on `count` triangles repays compiling or loading the kernel."""
+        """Say whether the work on `count` triangles repays compiling or loading the kernel.
+
+        What was asked before counts too: a loop over small parts is as much work as a large part.
+        """
         if os.environ.get("INERTIA_NATIVE") == "0":
             return False
         if "function" in self.__dict__:
             return True
+        self._asked += count
+        count = self._asked
         if count < SHIPPED_ABOVE:
             return False
         if self._shipped is not None:

@@ -100,18 +100,16 @@ centre and tensor): {typical}.
 {sweep}
 
 The bounds of the dearer methods are within a few times the error: what is left is the rounding of the result. In
-float64 meshes of up to {few} triangles, as all of these are, are gone through a second time: what the sums are off by
-is found, and only the roundings within a triangle are taken in the worst direction, each at half a unit in the last
-place of the number that was rounded. Where a body has small moments beside large ones, the bound of the smallest is as
-large as the error of the others can make it.
+float64, sums over up to {many:,} triangles, as all of these are, are formed a second time in double-double, and the
+bound is what those in float64 are off by. Where a body has small moments beside large ones, the bound of the smallest
+is as large as the error of the others can make it.
 
 “Before rounding” compares the sums before the result is rounded to float64. The principal moments of the dearer
 methods are computed from rationals, so their bound is the rounding itself. Refused, because for these coordinates and
 that method the volume cannot be told from zero: {refused}.
 
-Beyond these, and up to {many:,} triangles, double-double sums say how far off those in float64 are. Larger meshes
-are summed with the digits that float64 loses, with a quarter of the double-double work. Bound over
-error, the medians of {bodies} wavy tori, each turned and scaled at random, against exact integers:
+Larger meshes are summed with the digits that float64 loses, with a quarter of the double-double work. Bound over error,
+the medians of {bodies} wavy tori, each turned and scaled at random, against exact integers:
 
 {growth}
 

@@ -5,7 +5,6 @@ from __future__ import annotations
 from statistics import median
 from typing import Any
 
-from inertia.mass.triangles.running_error import FEW
 from inertia.mass.triangles.sums import MANY
 
 from .answers import PROGRAMS
@@ -48,7 +47,6 @@ def text(document: dict[str, Any]) -> str:
         large=_large(document.get("large")),
         sweep="\n\n".join(f"{rung}:\n\n{_sweep(counts[rung])}" for rung in RUNGS),
         typical=", ".join(f"{rung} {_typical(counts[rung])}" for rung in RUNGS),
-        few=FEW,
         many=MANY,
         bodies=BODIES,
         growth=_growth(document["growth"]),
@@ -216,8 +214,7 @@ def _sweep(counts: dict[str, Row]) -> str:
 def _growth(sizes: list[Row]) -> str:
     lines = []
     for size in sizes:
-        few, many = size["triangles"] <= FEW, size["triangles"] <= MANY
-        bound = "running" if few else "double-double" if many else "more digits"
+        bound = "double-double" if size["triangles"] <= MANY else "more digits"
         medians = (as_number(row["median"]) for row in size["ratios"].values())
         lines.append([f"{size['triangles']:,}", bound, *medians])
     return as_table(["triangles", "bound", *sizes[0]["ratios"]], lines)

@@ -13,7 +13,7 @@ import numpy as np
 
 from inertia.arrays import Float
 from inertia.errors import GeometryError, UsageError
-from inertia.mass.moments import PAIRS, ZERO, Moments, Vector
+from inertia.mass.moments import PAIRS, ZERO, Moments, Vector, vector
 from inertia.mass.properties import ErrorBound, MassProperties
 from inertia.mesh.part import Part
 from inertia.mesh.surface import Triangles
@@ -86,7 +86,9 @@ def chord_error(
     mass : kg, where it was weighed: then it has no error of this kind
     """
     f = part.unit.metres
-    origin = (moments.origin[0] / f, moments.origin[1] / f, moments.origin[2] / f)
+    if moments.zeroth:
+        moments = moments.about(moments.centroid)  # where the bounds on centre and tensor are near their least
+    origin = vector(k / f for k in moments.origin)
     tolerance = f"{chord:g} {part.unit.name}" if isinstance(chord, float) else f"{chord.max():.3g} {part.unit.name}"
     source = "" if isinstance(chord, float) else " that reading chose"
     method = f"bounds from the chord tolerance {tolerance}{source}"

@@ -4,13 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from contextlib import suppress
-from math import sqrt
+from math import isfinite, sqrt
 from typing import Literal
 
 import numpy as np
 
-from inertia.arrays import Float, Progress
-from inertia.mass.moments import Moments, Over, over
+from inertia.arrays import Progress
+from inertia.mass.moments import Moments, Over, dyadic
 from inertia.mass.rounding import as_written, shell_as_written
 from inertia.mass.triangles import double_double, exact, fine_sums
 from inertia.mass.triangles.moments_from_sums import (
@@ -21,7 +21,6 @@ from inertia.mass.triangles.moments_from_sums import (
     moments_of,
     moments_with_bounds,
 )
-from inertia.mass.triangles.running_error import FEW, running_bounds
 from inertia.mass.triangles.sums import Frame, Sums, in_float64, sum_in, sum_triangles
 from inertia.mesh.part import Rounding
 from inertia.mesh.surface import Triangles
@@ -78,20 +77,26 @@ def solid_moments(
         arithmetic = "double-double"
     sums = in_float64(sums, triangles, progress)
     if arithmetic == "float64":
-        return moments_of(sums, running=_measured(triangles, sums, progress))
-    values = double_double.sum_in_double_double(triangles, sums, progress)
-    return moments_with_bounds(over(values), a_priori(values, sums, double_double.ROUNDINGS), sums)
+        return moments_of(sums, bounds=_measured(triangles, sums, progress))
+    return _of_more_digits(triangles, sums, progress, surface=False)
 
 
-def _measured(triangles: Triangles, sums: Sums, progress: Progress | None) -> Float | None:
+def _of_more_digits(triangles: Triangles, sums: Sums, progress: Progress | None, *, surface: bool) -> Moments:
+    """Return the moments of double-double sums."""
+    high, low = double_double.sum_in_double_double(triangles, sums, progress, surface=surface)
+    parts, d = dyadic([*high, *low])
+    values = [a + b for a, b in zip(parts[:10], parts[10:], strict=True)], d
+    return moments_with_bounds(values, a_priori(high, sums, double_double.ROUNDINGS), sums, surface=surface)
+
+
+def _measured(triangles: Triangles, sums: Sums, progress: Progress | None) -> list[float] | None:
     """Return bounds on the errors of float64 sums that are near them; None where they would cost too much."""
-    if triangles.count <= FEW:
-        return running_bounds(triangles, sums)
     if triangles.count > COSTLY and not double_double.compiled(triangles, sums):
         return None
     with np.errstate(over="ignore", invalid="ignore"), suppress(OverflowError, ValueError):  # beyond float64
-        values = double_double.sum_in_double_double(triangles, sums, progress)
-        return distances(sums, values, a_priori(values, sums, double_double.ROUNDINGS))
+        high, low = double_double.sum_in_double_double(triangles, sums, progress)
+        bounds = distances(sums, high, low, a_priori(high, sums, double_double.ROUNDINGS))
+        return bounds if all(map(isfinite, bounds)) else None
     return None
 
 
@@ -101,8 +106,8 @@ def _on_a_grid_that_suits(
     """Return the sums, formed again where the sample misled that the grid was chosen from, and their values."""
     if (values := fine_values(sums)) is not None or sums.fine is None:
         return sums, values
-    grid = fine_sums.grid_again(sums.origin, sums.low, sums.high, sums.fine)
-    again = sum_in(Frame(sums.origin, 0, False, grid), triangles, progress)
+    grid = fine_sums.grid_again(sums.low, sums.high, sums.fine)
+    again = sum_in(Frame(sums.origin, 0, False, None) if grid is None else Frame.on(grid), triangles, progress)
     return again, fine_values(again)
 
 
@@ -132,5 +137,4 @@ def shell_moments(
         return shell_as_written(shell_moments(triangles, arithmetic, sums, progress), triangles, sums, rounding)
     if arithmetic == "float64":
         return moments_of(sums, surface=True)
-    values = double_double.sum_in_double_double(triangles, sums, progress, surface=True)
-    return moments_with_bounds(over(values), a_priori(values, sums, double_double.ROUNDINGS), sums, surface=True)
+    return _of_more_digits(triangles, sums, progress, surface=True)

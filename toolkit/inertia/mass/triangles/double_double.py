@@ -12,18 +12,19 @@ are exact, so the answers have the same bits.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator
 from fractions import Fraction
 
 import numpy as np
 
 from inertia.arrays import Float, Progress
-from inertia.mass.double_words import UNIT, Pair, near_sum
+from inertia.mass.double_words import UNIT, Pair
 from inertia.mass.triangles.kernels import BLOCK, DEPTH, LANES, BlockKernel
 from inertia.mass.triangles.moments_from_sums import Roundings
 from inertia.mass.triangles.sums import Sums
 from inertia.mesh.surface import Triangles
-from inertia.native import Kernel
+from inertia.native import SHIPPED_ABOVE, Kernel
 
 METHOD = "double-double, a-priori bound"
 
@@ -35,10 +36,11 @@ additions for each s, their product, two additions), two for the sum of the bloc
 
 _TERMS = 10
 _KERNEL = BlockKernel(
-    Kernel("inertia.mass.triangles.double_double_kernel", "sum_facets", "pi" + "ddd" + "pp"),
-    Kernel("inertia.mass.triangles.double_double_kernel", "sum_faces", "ppi" + "ddd" + "pp"),
+    Kernel("inertia.mass.triangles.double_double_kernel", "sum_facets", "pi" + "ddd" + "pp", wide=True),
+    Kernel("inertia.mass.triangles.double_double_kernel", "sum_faces", "ppi" + "ddd" + "pp", wide=True),
     columns=2 * _TERMS,
     cost=2,
+    least=SHIPPED_ABOVE,
 )
 _CHUNK = 32 * BLOCK
 
@@ -50,8 +52,11 @@ def compiled(triangles: Triangles, sums: Sums) -> bool:
 
 def sum_in_double_double(
     triangles: Triangles, sums: Sums, progress: Progress | None = None, *, surface: bool = False
-) -> tuple[Fraction, ...]:
-    """Return the ten sums of a solid or shell, in the frame of the float64 `sums` of the same triangles."""
+) -> tuple[list[float], list[float]]:
+    """Return the ten sums of a solid or shell, in the frame of the float64 `sums` of the same triangles.
+
+    Of each there is the sum in float64, and what that leaves of it.
+    """
     if not surface and compiled(triangles, sums):
         runs = _KERNEL.rows(triangles, tuple(sums.origin.tolist()))
     else:
@@ -62,7 +67,9 @@ def sum_in_double_double(
         if progress is not None:
             progress(stop / triangles.count)
     table = np.concatenate(blocks).reshape(-1, _TERMS, 2)
-    return tuple(near_sum(pairs.ravel().tolist()) for pairs in table.transpose(1, 0, 2))
+    terms = table.transpose(1, 0, 2).reshape(_TERMS, -1).tolist()
+    high = [math.fsum(each) for each in terms]
+    return high, [math.fsum((*each, -most)) for each, most in zip(terms, high, strict=True)]
 
 
 def _vectorised(triangles: Triangles, origin: Float, exponent: int, surface: bool) -> Iterator[tuple[int, Float]]:

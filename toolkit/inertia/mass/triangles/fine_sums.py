@@ -40,7 +40,7 @@ import numpy as np
 
 from inertia.arrays import Float
 from inertia.mass.triangles.kernels import BlockKernel
-from inertia.native import Kernel
+from inertia.native import Kernel, address
 
 ADDED, ROWS = 30, 38
 """Ten sums on their grids, their remainders, what the bounds need, Σ |n|; with the extents, stored and sheared."""
@@ -53,6 +53,9 @@ KERNEL = BlockKernel(
     columns=ROWS,
     room=35,
 )
+
+_SAMPLE = Kernel("inertia.mass.triangles.sample_kernel", "measure_sample", "pip")
+_STATISTICS = 16  # as `sample_kernel.COLUMNS`
 
 REACH = 1.6 * 2.0**24
 """Steps to the farthest corner: 12 of their squares are below 2⁵³."""
@@ -116,62 +119,94 @@ class FineSums:
     """
 
     grid: Grid
-    high: Float
-    low: Float
-    edges: Float
-    places: Float
+    high: list[float]
+    low: list[float]
+    edges: list[float]
+    places: list[float]
     terms: float
     size: float
     rest: float
-    far: Float
+    far: list[float]
 
     @classmethod
-    def of(cls, grid: Grid, added: Float, far: Float) -> FineSums:
+    def of(cls, grid: Grid, added: list[float], far: list[float]) -> FineSums:
         """Name the sums (29,) of the columns."""
-        terms, size, rest = added[26:29].tolist()
+        terms, size, rest = added[26:29]
         return cls(grid, added[:10], added[10:20], added[20:23], added[23:26], terms, size, rest, far)
 
 
-def grid_for(origin: Float, low: Float, high: Float, largest: float) -> Grid | None:
+def grid_for(origin: Sequence[float], low: Sequence[float], high: Sequence[float], largest: float) -> Grid | None:
     """Return a grid for a box about a local origin and for sums of |d| of about `largest`; None for extreme sizes."""
-    box = list(zip(origin.tolist(), low.tolist(), high.tolist(), strict=True))
+    box = list(zip(origin, low, high, strict=True))
     reach = [max(b - o, o - a) for o, a, b in box]
     reach = [max(k, 2.0**-40 * max(reach)) for k in reach]
     farthest = [max(abs(a), abs(b)) + 2.0 * k for k, (_, a, b) in zip(reach, box, strict=True)]
     steps = [_power_above(max(1.25 * a / REACH, b * 2.0**-49)) for a, b in zip(reach, farthest, strict=True)]
     tops = [1.5 * 2.0**52 * step for step in steps]
-    about = tuple((x + top) - top for x, top in zip(origin.tolist(), tops, strict=True))
+    about = tuple((x + top) - top for x, top in zip(origin, tops, strict=True))
     return _checked(Grid(about, tuple(steps), _unit(reach, largest)))
 
 
-def sample_grid(origin: Float, corners: Float, count: int) -> Grid | None:
-    """Return the grid for `count` triangles of which these (n, 3, 3) are a sample, sheared where that is worth it."""
-    points = np.ascontiguousarray(corners.reshape(-1, 3).T)  # along whose rows numpy is quick
-    low, high = points.min(axis=1), points.max(axis=1)
-    plain = grid_for(origin, low, high, 4.0 * count * _largest_term(corners - origin))
-    mean = points.sum(axis=1) / points.shape[1]
-    inner = points - mean[:, None]
-    products = inner @ inner.T
-    if plain is None or not _is_askew(products):
-        return plain
-    shear = _along_the_part(inner, products)
-    placed = shear.matrix() @ inner
-    least, most = placed.min(axis=1), placed.max(axis=1)
-    about = grid_for(mean + np.linalg.solve(shear.matrix(), 0.5 * (least + most)), low, high, 0.0)
-    if about is None:
-        return plain
-    shear = _on_steps(shear, about.steps, 0.5 * (most - least))
-    if math.prod(shear.steps) * WORTHWHILE > math.prod(plain.steps):
-        return plain
-    sheared = (corners - np.array(about.origin)) @ shear.matrix().T
-    unit = _unit(np.abs(sheared).max(axis=(0, 1)).tolist(), 4.0 * count * _largest_term(sheared))
-    return _checked(replace(about, unit=unit, shear=shear))
+@dataclass(frozen=True, eq=False)
+class Sample:
+    """Some of the triangles (n, 3, 3), with the extents and the mean of their corners, (3,).
+
+    `products` are the elements xx, yy, zz, yz, zx, xy of ∑x xᵀ about the mean, `largest` is the largest sum of the
+    magnitudes of the terms of d about the middle of the extents.
+    """
+
+    corners: Float
+    low: list[float]
+    high: list[float]
+    mean: list[float]
+    products: list[float]
+    largest: float
+
+    @classmethod
+    def of(cls, corners: Float) -> Sample:
+        """Measure triangles."""
+        out = np.empty(_STATISTICS)
+        _SAMPLE.function(address(corners), len(corners), address(out))
+        *each, largest = out.tolist()
+        return cls(corners, each[:3], each[3:6], each[6:9], each[9:], largest)
+
+    @property
+    def is_finite(self) -> bool:
+        """Whether all coordinates are finite, and their sums."""
+        return math.isfinite(sum(self.mean))
+
+    @property
+    def is_askew(self) -> bool:
+        """Whether a shear may make the cell of the corners smaller by as much as it has to."""
+        xx, yy, zz, yz, zx, xy = self.products
+        shrunk = xx * (yy * zz - yz * yz) - xy * (xy * zz - yz * zx) + zx * (xy * yz - yy * zx)
+        return shrunk * WORTHWHILE < xx * yy * zz  # the square of the ratio; extents are no more than a few times off
+
+    def grid(self, origin: Sequence[float], count: int) -> Grid | None:
+        """Return the grid for `count` triangles that these were taken from, sheared where that is worth it."""
+        plain = grid_for(origin, self.low, self.high, 4.0 * count * self.largest)
+        if plain is None or not self.is_askew:
+            return plain
+        inner = np.ascontiguousarray((self.corners - self.mean).reshape(-1, 3).T)
+        shear = _along_the_part(inner)
+        placed = shear.matrix() @ inner
+        least, most = placed.min(axis=1), placed.max(axis=1)
+        middle = self.mean + np.linalg.solve(shear.matrix(), 0.5 * (least + most))
+        about = grid_for(middle.tolist(), self.low, self.high, 0.0)
+        if about is None:
+            return plain
+        shear = _on_steps(shear, about.steps, 0.5 * (most - least))
+        if math.prod(shear.steps) * WORTHWHILE > math.prod(plain.steps):
+            return plain
+        sheared = (self.corners - np.array(about.origin)) @ shear.matrix().T
+        unit = _unit(np.abs(sheared).max(axis=(0, 1)).tolist(), 4.0 * count * Sample.of(sheared).largest)
+        return _checked(replace(about, unit=unit, shear=shear))
 
 
-def grid_again(origin: Float, low: Float, high: Float, sums: FineSums) -> Grid | None:
+def grid_again(low: Float, high: Float, sums: FineSums) -> Grid | None:
     """Return the grid for triangles in this box whose sums are on a grid that does not suit them."""
     before = sums.grid.shear
-    grid = grid_for(origin if before is None else np.array(sums.grid.origin), low, high, 4.0 * sums.terms)
+    grid = grid_for(sums.grid.origin, low.tolist(), high.tolist(), 4.0 * sums.terms)
     if grid is None or before is None:
         return grid
     reach = np.maximum(high - grid.origin, grid.origin - low)
@@ -181,18 +216,9 @@ def grid_again(origin: Float, low: Float, high: Float, sums: FineSums) -> Grid |
     )
 
 
-def _is_askew(products: Float) -> bool:
-    """Whether a shear may make the cell of points smaller by as much as it has to, from their ∑x xᵀ (3, 3)."""
-    (xx, xy, zx), (_, yy, yz), (_, _, zz) = products.tolist()
-    shrunk = xx * (yy * zz - yz * yz) - xy * (xy * zz - yz * zx) + zx * (xy * yz - yy * zx)
-    return bool(shrunk * WORTHWHILE < xx * yy * zz)  # the square of the ratio; extents are no more than a few times off
-
-
-def _along_the_part(points: Float, products: Float) -> Shear:
-    """Return the shear that leaves the coordinates (3, n) without correlation, the longest first, without its steps.
-
-    `products` are their ∑x xᵀ (3, 3).
-    """
+def _along_the_part(points: Float) -> Shear:
+    """Return the shear that leaves the coordinates (3, n) without correlation, the longest first, without its steps."""
+    products = points @ points.T
     i = int(np.argmax(products.diagonal()))
     by = products[i] / max(float(products[i, i]), _SMALLEST)
     rest = points - np.outer(by, points[i])
@@ -211,13 +237,6 @@ def _on_steps(shear: Shear, coarse: tuple[float, ...], reach: Float) -> Shear:
     shares = (SHARE * a / b for a, b in ((steps[j], steps[i]), (steps[k], steps[i]), (steps[k], coarse[j])))
     p, q, r = (round(factor / share) * share for factor, share in zip(shear.factors, shares, strict=True))
     return Shear(shear.axes, (p, q, r), tuple(steps))
-
-
-def _largest_term(corners: Float) -> float:
-    """Return the largest sum of the magnitudes of the terms of d, of triangles (n, 3, 3) about the origin."""
-    first, second, third = corners.transpose(1, 2, 0)
-    a, u, v = np.abs(first), np.abs(second - first), np.abs(third - first)
-    return float((a * (u[[1, 2, 0]] * v[[2, 0, 1]] + u[[2, 0, 1]] * v[[1, 2, 0]])).sum(axis=0).max())
 
 
 def _unit(reach: Sequence[float], largest: float) -> float:

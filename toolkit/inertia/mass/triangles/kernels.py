@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from inertia.arrays import Float
+from inertia.mesh.geometry.simple import place
 from inertia.mesh.surface import Facets, Triangles
 from inertia.native import Kernel
 
@@ -24,20 +25,21 @@ _FACETS_CHUNK, _FACES_CHUNK = 32 * BLOCK, 256 * BLOCK  # records may be read fro
 class BlockKernel:
     """The two forms of a kernel, for binary STL records and for faces over vertices, and the columns of its rows.
 
-    `cost` is what its work on a triangle counts for where the question is whether compiling or loading it pays,
-    `room` how many rows of lanes it needs beside the corners and the columns.
+    `cost` is what its work on a triangle counts for where the question is whether compiling or loading it pays, `least`
+    what any number of them counts for, `room` how many rows of lanes it needs beside the corners and the columns.
     """
 
     facets: Kernel
     faces: Kernel
     columns: int
     cost: int = 1
+    least: int = 0
     room: int = 0
 
     def worthwhile(self, triangles: Triangles) -> bool:
         """Say whether the work repays compiling or loading the form that these triangles need."""
         kernel = self.facets if isinstance(triangles, Facets) else self.faces
-        return kernel.worthwhile(self.cost * triangles.count)
+        return kernel.worthwhile(max(self.least, self.cost * triangles.count))
 
     def is_shipped(self, triangles: Triangles) -> bool:
         """Say whether the form that these triangles need is shipped as machine code for this processor."""
@@ -60,11 +62,11 @@ class BlockKernel:
     ) -> Float:
         """Return the rows of the blocks of those from `start` on, which are `records`, as they stand in the table."""
         room = np.empty((9 + self.columns + self.room) * LANES + 8)
-        scratch = room[-room.ctypes.data % 64 // 8 :]  # on a cache line, for the widest vectors
+        scratch = room[-place(room) % 64 // 8 :]  # on a cache line, for the widest vectors
         rows = table[start // BLOCK : -(-(start + len(records)) // BLOCK)]
-        own = *frame, scratch.ctypes.data, rows.ctypes.data
+        own = *frame, place(scratch), place(rows)
         if isinstance(triangles, Facets):
-            self.facets.function(records.ctypes.data, len(records), *own)
+            self.facets.function(place(records), len(records), *own)
         else:
-            self.faces.function(triangles.vertices.ctypes.data, records.ctypes.data, len(records), *own)
+            self.faces.function(place(triangles.vertices), place(records), len(records), *own)
         return rows

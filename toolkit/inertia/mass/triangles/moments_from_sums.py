@@ -12,7 +12,6 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from inertia.arrays import Float
 from inertia.mass.moments import PAIRS, Moments, Over, dyadic, over, times
 from inertia.mass.triangles.fine_sums import BITS, REACH, SHARE, FineSums, Shear
 from inertia.mass.triangles.kernels import BLOCK, DEPTH, LANES
@@ -50,22 +49,18 @@ blocks and one for the final sum.
 """
 
 
-def moments_of(sums: Sums, *, surface: bool = False, running: Float | None = None) -> Moments:
+def moments_of(sums: Sums, *, surface: bool = False, bounds: Sequence[float] | None = None) -> Moments:
     """Turn the sums over triangles into moments with bounds, in the file's unit.
 
     For a solid, V = Σd/6, ∫x = Σd s/24, ∫x xᵀ = Σd(…)/120 (twice that on the diagonal); for a shell, with |n| for d,
-    A = Σ|n|/2, ∫x = Σ|n|s/6, ∫x xᵀ = Σ|n|(…)/24. The bounds are the a-priori ones of `moments_with_bounds`, or those of
-    a second evaluation where they are smaller.
+    A = Σ|n|/2, ∫x = Σ|n|s/6, ∫x xᵀ = Σ|n|(…)/24.
 
     Parameters
     ----------
-    running : (10,) such bounds, of `inertia.mass.triangles.running_error` or `distances`, where they are at hand
+    bounds : (10,) on the errors of the sums, twice that on the diagonal; the a-priori ones where they are left out
     """
-    values = tuple(map(Fraction, sums.sums[:10].tolist()))
-    bounds = a_priori(values, sums, FLOAT64)
-    if running is not None:
-        bounds = [min(pair) for pair in zip(bounds, running.tolist(), strict=True)]  # of a NaN, the first
-    return moments_with_bounds(over(values), bounds, sums, surface=surface)
+    values = sums.sums[:10].tolist()
+    return moments_with_bounds(dyadic(values), bounds or a_priori(values, sums, FLOAT64), sums, surface=surface)
 
 
 def moments_with_bounds(values: Over, bounds: Sequence[float], sums: Sums, *, surface: bool = False) -> Moments:
@@ -99,17 +94,16 @@ def _factors(exponent: int, surface: bool) -> tuple[Fraction, Fraction, Fraction
     return unit / zeroth, unit * shrink / first, unit * shrink**2 / second
 
 
-def distances(sums: Sums, accurate: Sequence[Fraction], bounds: Sequence[float]) -> Float:
+def distances(sums: Sums, high: Sequence[float], low: Sequence[float], bounds: Sequence[float]) -> list[float]:
     """Return bounds (10,) on the errors of Σd, Σd s and Σd(…) of a solid, twice that on the diagonal.
 
-    They are the distances from sums of more digits, and the bounds on the errors of these.
+    They are the distances from sums of more digits, in two parts, and the bounds on the errors of these.
     """
     result = []
-    for number, (k, exact, bound) in enumerate(zip(sums.sums[:10].tolist(), accurate, bounds, strict=True)):
-        (n, d), (m, e) = k.as_integer_ratio(), exact.as_integer_ratio()
-        apart = abs(n * e - m * d) / (d * e)
+    for number, (k, a, b, bound) in enumerate(zip(sums.sums[:10].tolist(), high, low, bounds, strict=True)):
+        apart = abs((k - a) - b) + 4.0 * ROUNDOFF * (abs(k - a) + abs(b))  # with what rounding did to it
         result.append((2 if number in (4, 5, 6) else 1) * apart + bound)
-    return np.array(result)
+    return result
 
 
 def fine_values(sums: Sums) -> tuple[Over, list[float]] | None:
@@ -132,10 +126,10 @@ def fine_values(sums: Sums) -> tuple[Over, list[float]] | None:
     if max(far) > REACH:
         return None
     cube = prod(grid.finer)
-    squares = [k / step**2 for k, step in zip(fine.edges.tolist(), grid.finer, strict=True)]
+    squares = [k / step**2 for k, step in zip(fine.edges, grid.finer, strict=True)]
     long = [sqrt(2.0 * count * square) for square in squares]
     edges = sum(long)
-    places = [sqrt(k) / step for k, step in zip(fine.places.tolist(), grid.finer, strict=True)]
+    places = [sqrt(k) / step for k, step in zip(fine.places, grid.finer, strict=True)]
     arms = sum(places[i] * sqrt(5.0 * (squares[i - 2] + squares[i - 1] + 4.0 * count)) for i in range(3))
     unit, terms, total, rest = (k / cube for k in (grid.unit, fine.terms, fine.size, fine.rest))
     steps = unit * count
@@ -153,13 +147,13 @@ def fine_values(sums: Sums) -> tuple[Over, list[float]] | None:
         r, s = far[i], far[j]
         product = r * s * (12.0 * off + 528.0 * rest) + 320.0 * (r + s) * total + 23.0 * 2.0**53 * steps
         bounds.append(cube * grid.finer[i] * grid.finer[j] * ROUNDOFF * product)
-    parts, d = dyadic([*fine.high.tolist(), *fine.low.tolist()])
+    parts, d = dyadic(fine.high + fine.low)
     values: Over = [a + b for a, b in zip(parts[:10], parts[10:], strict=True)], d
     if grid.shear is not None:
         values, bounds = _unsheared(values, bounds, grid.shear)
-    origins, e = dyadic([*grid.origin, *sums.origin.tolist()])
-    away = [a - b for a, b in zip(origins[:3], origins[3:], strict=True)]
-    return _shortened(_about(values, (away, e)), min(bounds)), [_AMPLY * bound for bound in bounds]
+    (v, x, y, z, *second), d = values
+    once = [2 * v, 2 * x, 2 * y, 2 * z, *second[:3], *(2 * k for k in second[3:])], 2 * d
+    return _shortened(once, min(bounds)), [_AMPLY * bound for bound in bounds]
 
 
 def _shortened(values: Over, bound: float) -> Over:
@@ -178,7 +172,7 @@ def _sheared(far: list[float], fine: FineSums, shear: Shear) -> tuple[list[float
     far, moved = list(far), [0.0, 0.0, 0.0]
     (i, j, k), (p, q, r) = shear.axes, map(abs, shear.factors)
     parts = {k: ((i, q), (j, r), (k, 1.0)), j: ((i, p), (j, 1.0))}
-    for (axis, factors), farthest in zip(parts.items(), fine.far.tolist()[::-1], strict=True):
+    for (axis, factors), farthest in zip(parts.items(), fine.far[::-1], strict=True):
         step = shear.steps[axis]
         own = [(far[each], factor * fine.grid.steps[each] / step) for each, factor in factors]
         moved[axis] = sum(length for _, length in own) + 1.0
@@ -209,21 +203,6 @@ def _matrix(six: Sequence[int] | Sequence[float], kind: type) -> NDArray[Any]:
     return np.array([[xx, xy, zx], [xy, yy, yz], [zx, yz, zz]], kind)
 
 
-def _about(values: Over, away: Over) -> Over:
-    """Return the sums of a closed surface about a point that is so far before their origin, once that on the diagonal.
-
-    They come with twice that on the diagonal.
-    """
-    (volume, *sums), d = values
-    (first, second), (a, e) = (sums[:3], sums[3:]), away
-    moved = [2 * e * (e * f + 4 * k * volume) for f, k in zip(first, a, strict=True)]
-    around = [
-        (1 if i == j else 2) * (e * e * s + 5 * e * (a[i] * first[j] + a[j] * first[i]) + 20 * a[i] * a[j] * volume)
-        for s, (i, j) in zip(second, PAIRS, strict=True)
-    ]
-    return [2 * e * e * volume, *moved, *around], 2 * d * e * e
-
-
 def _reach(sums: Sums) -> list[float]:
     """Return the largest distances from the origin along the axes, in the scaled frame."""
     farthest = np.maximum(np.abs(sums.high - sums.origin), np.abs(sums.low - sums.origin))
@@ -232,13 +211,13 @@ def _reach(sums: Sums) -> list[float]:
 
 
 _AMPLY = 1.0 + 1e-5
-"""More than the arithmetic of the bounds, and what a shift by half a step makes of the errors, can add."""
+"""More than the arithmetic of the bounds can add."""
 
 _INFLATED = 1.0 + 1e-9
 """More than the arithmetic of the bounds, the products of two γ and the roundings of P and D can take from them."""
 
 
-def a_priori(value: Sequence[Fraction], sums: Sums, roundings: Roundings) -> list[float]:
+def a_priori(value: Sequence[float], sums: Sums, roundings: Roundings) -> list[float]:
     """Return a-priori bounds on the errors of Σd, Σd s and Σd(…), twice that on the diagonal.
 
     A product of k numbers and sums each known to a relative error of u is off by at most γₖ = k u/(1 − k u) of its
@@ -263,10 +242,8 @@ def a_priori(value: Sequence[Fraction], sums: Sums, roundings: Roundings) -> lis
     normal, corner, bracket = (k * unit for k in (roundings.normal, roundings.corner, roundings.bracket))
     magnitude, total = float(sums.sums[10]) * _INFLATED, float(sums.sums[12]) * _INFLATED
     slack = 1e-12 * (magnitude + total)  # far more than the errors of the sums that take part here
-    negative = max(total - float(value[0]) + slack, 0.0)
-    weighted = [
-        min(6 * x * x * total, max(float(value[4 + i]), 0.0) + 6 * x * x * negative) for i, x in enumerate(reach)
-    ]
+    negative = max(total - value[0] + slack, 0.0)
+    weighted = [min(6 * x * x * total, max(value[4 + i], 0.0) + 6 * x * x * negative) for i, x in enumerate(reach)]
     first = [
         3 * x * normal * magnitude
         + corner * min(3 * x * total, sqrt(6 * total) * sqrt(e))

@@ -33,10 +33,10 @@ from numpy.typing import NDArray
 from inertia.arrays import Float, Progress
 from inertia.errors import GeometryError
 from inertia.mass.triangles import fine_sums
-from inertia.mass.triangles.fine_sums import FineSums, Grid, sample_grid
+from inertia.mass.triangles.fine_sums import FineSums, Grid, Sample
 from inertia.mass.triangles.kernels import BLOCK, DEPTH, LANES, BlockKernel
 from inertia.mesh.surface import Facets, Triangles, first_non_finite
-from inertia.native import Kernel
+from inertia.native import COMPILE_ABOVE, Kernel
 
 SUMS = 13
 KERNEL = BlockKernel(
@@ -44,15 +44,15 @@ KERNEL = BlockKernel(
     Kernel("inertia.mass.triangles.moment_kernel", "sum_faces", "ppi" + "ddd" + "ipp"),
     columns=SUMS + 6,
 )
-MANY = 4_000
+MANY = 1_024
 """Triangles above which the sums of a solid have the digits that float64 loses, where their kernel is shipped."""
 
-_MANY_ELSEWHERE = 200_000  # so that what a run compiles first has no say in its figures
+_MANY_ELSEWHERE = COMPILE_ABOVE  # so that what was compiled before has no say in the figures
 
 _IN_RANGE = 100  # fifth powers of 2^±100 and their sums stay far from the ends of float64
 _LARGEST_EXPONENT = 1000
 _SAMPLED = 64
-_SCATTERED = np.sort(np.arange(1, _SAMPLED + 1) * (math.sqrt(5.0) - 1.0) / 2.0 % 1.0)
+_SCATTERED = np.sort(np.arange(1, 2 * _SAMPLED + 1) * (math.sqrt(5.0) - 1.0) / 2.0 % 1.0)
 """Where triangles are picked that no regular order of equal bodies hides the size of the whole from."""
 _NUMPY_CHUNK = 16 * BLOCK
 
@@ -82,6 +82,11 @@ class Frame:
     exponent: int
     surface: bool
     grid: Grid | None
+
+    @classmethod
+    def on(cls, grid: Grid) -> Frame:
+        """Return the frame of a fine grid, about its origin."""
+        return cls(np.array(grid.origin), 0, False, grid)
 
 
 def sum_triangles(triangles: Triangles, *, surface: bool = False, progress: Progress | None = None) -> Sums:
@@ -175,13 +180,14 @@ def sums_of(triangles: Triangles, frame: Frame, blocks: Sequence[Float]) -> Sums
     if frame.grid is None or added == SUMS:
         if not np.isfinite(table).all():
             _refuse_non_finite(triangles)
-        return Sums(frame.origin, frame.exponent, _add_blocks(table[:added]), *extents, triangles.count)
+        sums = np.array(_add_blocks(table[:added]))
+        return Sums(frame.origin, frame.exponent, sums, *extents, triangles.count)
     if not np.isfinite(table).all():  # nor is a coordinate, or products are beyond float64
         return sum_in(replace(frame, grid=None), triangles)
     *fine, area = _add_blocks(table[:added])
     sums = np.full(SUMS, np.nan)
     sums[11] = area
-    more = FineSums.of(frame.grid, np.array(fine), table[added + 6 :].max(axis=1))
+    more = FineSums.of(frame.grid, fine, table[added + 6 :].max(axis=1).tolist())
     return Sums(frame.origin, frame.exponent, sums, *extents, triangles.count, more)
 
 
@@ -192,36 +198,42 @@ def in_float64(sums: Sums, triangles: Triangles, progress: Progress | None = Non
 
 def frame_of(triangles: Triangles, *, surface: bool = False) -> Frame:
     """Choose the frame, from a sample of the triangles."""
-    sample = triangles.sample(_SAMPLED)
-    if not np.isfinite(sample).all():
-        _refuse_non_finite(triangles)
-    origin, exponent = local_frame(sample)
     least = MANY if fine_sums.KERNEL.is_shipped(triangles) else _MANY_ELSEWHERE
-    if surface or exponent or triangles.count <= least or not fine_sums.KERNEL.worthwhile(triangles):
-        return Frame(origin, exponent, surface, None)
-    corners = np.concatenate([sample, triangles.select((_SCATTERED * triangles.count).astype(np.int64)).corners()])
-    return Frame(origin, exponent, surface, sample_grid(origin, corners, triangles.count))
-
-
-def local_frame(sample: Float) -> tuple[Float, int]:
-    """Choose the local origin from triangles (n, 3, 3), and a power of two where the size asks for one."""
-    points = np.ascontiguousarray(sample.reshape(-1, 3).T)  # along whose rows numpy is quick
+    if not surface and triangles.count > least and fine_sums.KERNEL.worthwhile(triangles):
+        sample = Sample.of(triangles.select((_SCATTERED * triangles.count).astype(np.int64)).corners())
+        if sample.is_finite:
+            origin, exponent = _local_frame(sample.low, sample.high)
+            grid = None if exponent else sample.grid(origin, triangles.count)
+            return Frame(np.array(origin), exponent, False, None) if grid is None else Frame.on(grid)
+    points = np.ascontiguousarray(triangles.sample(_SAMPLED).reshape(-1, 3).T)  # along whose rows numpy is quick
     low, high = points.min(axis=1), points.max(axis=1)
-    with np.errstate(over="ignore"):
-        origin = low + 0.5 * (high - low) if np.isfinite(high - low).all() else 0.5 * low + 0.5 * high
-        exponent = math.frexp(float(np.maximum(high - origin, origin - low).max()))[1]
-    if abs(exponent) <= _IN_RANGE:
-        return origin, 0
-    return origin, -max(-_LARGEST_EXPONENT, min(_LARGEST_EXPONENT, exponent))
+    if not (np.isfinite(low).all() and np.isfinite(high).all()):
+        _refuse_non_finite(triangles)
+    origin, exponent = _local_frame(low.tolist(), high.tolist())
+    return Frame(np.array(origin), exponent, surface, None)
 
 
-def _add_blocks(table: Float) -> Float:
+def _local_frame(low: Sequence[float], high: Sequence[float]) -> tuple[list[float], int]:
+    """Choose the local origin from extents (3,), and a power of two where the size asks for one."""
+    box = list(zip(low, high, strict=True))
+    fits = all(math.isfinite(b - a) for a, b in box)
+    origin = [a + 0.5 * (b - a) if fits else 0.5 * a + 0.5 * b for a, b in box]
+    exponent = math.frexp(max(max(b - o, o - a) for o, (a, b) in zip(origin, box, strict=True)))[1]
+    if abs(exponent) > _IN_RANGE:
+        return origin, -max(-_LARGEST_EXPONENT, min(_LARGEST_EXPONENT, exponent))
+    return origin, 0
+
+
+def _add_blocks(table: Float) -> list[float]:
     """Add the blocks: 16 at a time as a binary tree, then exactly, rounded once."""
+    if table.shape[1] == 1:
+        only: list[float] = (table[:, 0] + 0.0).tolist()  # no sum is −0
+        return only
     rows = np.zeros((len(table), -(-table.shape[1] // 16) * 16))
     rows[:, : table.shape[1]] = table
     for _ in range(4):
         rows = rows[:, 0::2] + rows[:, 1::2]
-    return np.array([math.fsum(row) for row in rows.tolist()])
+    return [math.fsum(row) for row in rows.tolist()]
 
 
 def _refuse_non_finite(triangles: Triangles) -> None:
