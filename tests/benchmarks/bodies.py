@@ -1,6 +1,7 @@
 """Many bodies in one mesh, beside one body of as many triangles: ``python -m tests.benchmarks.bodies [NAME ...]``.
 
-Prints CPU seconds of `inertia.analyse` in memory, the best of three, for each arrangement, and what it answers.
+Prints CPU seconds from a binary STL file and from memory to the answer, the best of three, for each arrangement, and
+what it answers.
 """
 
 from __future__ import annotations
@@ -8,6 +9,9 @@ from __future__ import annotations
 import argparse
 import time
 from collections.abc import Callable
+from functools import partial
+from pathlib import Path
+from tempfile import TemporaryDirectory
 
 import numpy as np
 
@@ -16,6 +20,7 @@ from inertia.arrays import Float, Int
 from inertia.mesh.part import Part
 
 from ..mesh import solids
+from .batch import stl
 from .meshes import wavy_torus
 
 Mesh = tuple[Float, Int]
@@ -78,11 +83,11 @@ KINDS: dict[str, Callable[[], Mesh]] = {
 }
 
 
-def seconds(part: Part) -> tuple[float, str]:
+def seconds(part: Callable[[], Part]) -> tuple[float, str]:
     """Return the CPU time of one analysis, and how many bodies there are or why there is no answer."""
     started = time.process_time()
     try:
-        says = f"{inertia.analyse(part).bodies} bodies"
+        says = f"{inertia.analyse(part()).bodies} bodies"
     except inertia.GeometryError as refusal:
         says = str(refusal)[:60]
     return time.process_time() - started, says
@@ -95,9 +100,18 @@ def main() -> None:
     for name in parser.parse_args().names or KINDS:
         mesh = KINDS[name]()
         alike = wavy_torus(len(mesh[1]))
-        runs = [[seconds(Part.from_arrays(*each)) for each in (mesh, alike)] for _ in range(_ROUNDS)]
-        many, one = (min(run[k][0] for run in runs) for k in (0, 1))
-        print(f"{name:30s} {len(mesh[1]):9,} triangles {many:7.3f} s, {many / one:5.1f} × one body: {runs[0][0][1]}")
+        with TemporaryDirectory() as folder:
+            paths = [Path(folder, f"{k}.stl") for k in range(2)]
+            for path, (vertices, faces) in zip(paths, (mesh, alike), strict=True):
+                path.write_bytes(stl(vertices[faces]))
+            sources = [partial(inertia.read, path, unit="mm") for path in paths]
+            sources += [partial(Part.from_arrays, *each, unit="mm") for each in (mesh, alike)]
+            runs = [[seconds(source) for source in sources] for _ in range(_ROUNDS)]
+        many, one, held, lone = (min(run[k][0] for run in runs) for k in range(4))
+        print(
+            f"{name:30s} {len(mesh[1]):9,} triangles: from file {many:7.3f} s, {many / one:5.1f} × one body, "
+            f"in memory {held:7.3f} s, {held / lone:5.1f} ×: {runs[0][0][1]}"
+        )
 
 
 if __name__ == "__main__":
