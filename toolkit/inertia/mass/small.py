@@ -21,7 +21,7 @@ from inertia.mass.moments import Over, dyadic
 from inertia.mass.properties import CERTAIN, MassProperties
 from inertia.mass.triangles.arithmetic import METHODS, solid_moments
 from inertia.mass.triangles.kernels import BLOCK
-from inertia.mass.triangles.moments_from_sums import FLOAT64, fine_values
+from inertia.mass.triangles.moments_from_sums import FLOAT64, fine_values, roughest
 from inertia.mass.triangles.sums import SUMS, Sums, sum_triangles
 from inertia.mesh.geometry.simple import MOST, at_hand, place, simple
 from inertia.mesh.surface import Surface
@@ -98,15 +98,13 @@ def small_properties(surface: Surface, unit: Unit, density: float) -> MassProper
         usable = simple(vertices, faces, table)
         if usable[0]:
             sums = sum_triangles(surface)
-            own = np.concatenate([sums.origin, sums.sums, sums.low, sums.high])
     if not usable[0] or sums.exponent:
         return None
-    row = own.tolist()
     solid = SmallSolid(vertices.copy(), faces.copy(), sums, unit, density)  # which may be written to meanwhile
     if sums.fine is not None:
         known = fine_values(sums)
-    elif row[3] > 0:
-        known = dyadic(row[3:13]), _a_priori(row, len(faces))
+    elif sums.sums[0] > 0:
+        known = dyadic(sums.sums[:10].tolist()), roughest(sums, FLOAT64)
     else:
         return None
     if known is None or not _certain(*known):
@@ -116,23 +114,12 @@ def small_properties(surface: Surface, unit: Unit, density: float) -> MassProper
             return None
         return whole if whole.error.volume <= CERTAIN and whole.moments_within(CERTAIN) else None
     try:
-        mass, volume, center, tensor = _rounded(known[0], row[:3], unit.metres, density)
+        mass, volume, center, tensor = _rounded(known[0], sums.origin.tolist(), unit.metres, density)
     except OverflowError:
         return None
     if not (0 < mass < inf and 0 < volume < inf and min(tensor[0], tensor[4], tensor[8]) > 0):
         return None
     return MassProperties.of_small(mass, volume, np.array(center), np.array(tensor).reshape(3, 3), solid)
-
-
-def _a_priori(row: Sequence[float], count: int) -> list[float]:
-    """Return bounds on the errors of the ten sums, twice that on the diagonal.
-
-    They are those of `inertia.mass.triangles.moments_from_sums` with every triangle as far out as the farthest.
-    """
-    sums, low, high, origin = row[3:16], row[16:19], row[19:22], row[:3]
-    reach = max(max(o - a, b - o) for o, a, b in zip(origin, low, high, strict=True))
-    size = (FLOAT64.normal + FLOAT64.bracket + FLOAT64.across(count) + 2) * _ROUNDOFF * (sums[10] + sums[12])
-    return [size, *[3 * reach * size] * 3, *[12 * reach * reach * size] * 6]
 
 
 def _certain(values: Over, bounds: Sequence[float]) -> bool:

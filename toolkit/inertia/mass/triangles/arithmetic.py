@@ -20,6 +20,7 @@ from inertia.mass.triangles.moments_from_sums import (
     fine_values,
     moments_of,
     moments_with_bounds,
+    roughest,
 )
 from inertia.mass.triangles.sums import Frame, Sums, in_float64, sum_in, sum_triangles
 from inertia.mesh.part import Rounding
@@ -95,7 +96,7 @@ def _measured(triangles: Triangles, sums: Sums, progress: Progress | None) -> li
         return None
     with np.errstate(over="ignore", invalid="ignore"), suppress(OverflowError, ValueError):  # beyond float64
         high, low = double_double.sum_in_double_double(triangles, sums, progress)
-        bounds = distances(sums, high, low, a_priori(high, sums, double_double.ROUNDINGS))
+        bounds = distances(sums, high, low, roughest(sums, double_double.ROUNDINGS))
         return bounds if all(map(isfinite, bounds)) else None
     return None
 

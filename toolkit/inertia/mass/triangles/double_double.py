@@ -66,8 +66,8 @@ def sum_in_double_double(
         blocks.append(rows)
         if progress is not None:
             progress(stop / triangles.count)
-    table = np.concatenate(blocks).reshape(-1, _TERMS, 2)
-    terms = table.transpose(1, 0, 2).reshape(_TERMS, -1).tolist()
+    table = blocks[0] if len(blocks) == 1 else np.concatenate(blocks)
+    terms = table.reshape(-1, _TERMS, 2).transpose(1, 0, 2).reshape(_TERMS, -1).tolist()
     high = [math.fsum(each) for each in terms]
     return high, [math.fsum((*each, -most)) for each, most in zip(terms, high, strict=True)]
 

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from functools import cache
-from math import inf, prod, sqrt
+from math import inf, ldexp, prod, sqrt
 from typing import Any
 
 import numpy as np
@@ -205,9 +205,8 @@ def _matrix(six: Sequence[int] | Sequence[float], kind: type) -> NDArray[Any]:
 
 def _reach(sums: Sums) -> list[float]:
     """Return the largest distances from the origin along the axes, in the scaled frame."""
-    farthest = np.maximum(np.abs(sums.high - sums.origin), np.abs(sums.low - sums.origin))
-    reach: list[float] = (np.ldexp(farthest, sums.exponent) * _INFLATED).tolist()
-    return reach
+    box = zip(sums.low.tolist(), sums.high.tolist(), sums.origin.tolist(), strict=True)
+    return [ldexp(max(abs(b - o), abs(a - o)), sums.exponent) * _INFLATED for a, b, o in box]
 
 
 _AMPLY = 1.0 + 1e-5
@@ -215,6 +214,14 @@ _AMPLY = 1.0 + 1e-5
 
 _INFLATED = 1.0 + 1e-9
 """More than the arithmetic of the bounds, the products of two γ and the roundings of P and D can take from them."""
+
+
+def roughest(sums: Sums, roundings: Roundings) -> list[float]:
+    """Return bounds like `a_priori`, with every triangle as far out as the farthest; larger, and sooner formed."""
+    reach = _reach(sums)
+    count = roundings.normal + roundings.bracket + roundings.across(sums.count) + 2
+    size = count * float(roundings.unit) * _INFLATED * float(sums.sums[10] + sums.sums[12])
+    return [size, *(3 * r * size for r in reach), *(12 * reach[i] * reach[j] * size for i, j in PAIRS)]
 
 
 def a_priori(value: Sequence[float], sums: Sums, roundings: Roundings) -> list[float]:
