@@ -116,7 +116,7 @@ class Kernel:
             return True
         if count < LOAD_ABOVE:
             return False
-        code = self._load()
+        code = self._kept
         return bool(code) or ((code is not None or count >= COMPILE_ABOVE) and _has_compiler())
 
     @property
@@ -140,6 +140,10 @@ class Kernel:
                 with contextlib.suppress(OSError):
                     return self.shipped_as(level).read_bytes()
         return None
+
+    @functools.cached_property
+    def _kept(self) -> bytes | None:
+        return self._load()  # once, as loops ask often
 
     @property
     def _symbol(self) -> str:

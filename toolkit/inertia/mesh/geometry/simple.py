@@ -34,7 +34,7 @@ _own = threading.local()
 
 def at_hand() -> bool:
     """Say whether the compiled pass is, or can be had for the price of what it saves."""
-    return _KERNEL.worthwhile(_REPAYS)
+    return _KERNEL.is_shipped and _KERNEL.worthwhile(_REPAYS)  # to compile it takes many seconds
 
 
 def simple(vertices: Float, faces: Int, table: Int, *, pieces: bool = False) -> Bool:
