@@ -124,15 +124,19 @@ class RowsInFile:
     def select(self, index: NDArray[Any]) -> NDArray[Any]:
         """Return the rows picked by an index or mask array."""
         places = np.flatnonzero(index) if index.dtype == bool else index
-        order = np.argsort(places, kind="stable")
-        ordered = places[order]
+        if len(places) > 1 and (places[1:] < places[:-1]).any():
+            order = np.argsort(places, kind="stable")
+            rows = self.select(places[order])
+            back = np.empty_like(rows)
+            back[order] = rows
+            return back
         rows = np.empty(len(places), self._row)
-        ends = np.flatnonzero(np.diff(ordered, append=self.count + _GAP) >= _GAP) + 1
+        ends = np.flatnonzero(np.diff(places, append=self.count + _GAP) >= _GAP) + 1
         for first, last in pairwise([0, *ends.tolist()]):
             for some in range(first, last, _SCANNED):
-                run = ordered[some : min(some + _SCANNED, last)]
+                run = places[some : min(some + _SCANNED, last)]
                 block = self.block(int(run[0]), int(run[-1]) + 1)
-                rows[order[some : some + len(run)]] = block[run - run[0]]
+                rows[some : some + len(run)] = block[run - run[0]]
         return rows
 
     def _read(self, size: int, at: int) -> bytes:
