@@ -9,6 +9,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.spatial import ConvexHull
+from tests.benchmarks.meshes import wavy_torus
 from tests.mass.parts import assert_within_bound, cells, cube, exact, facets, surface, weighed
 
 import inertia
@@ -218,6 +219,14 @@ class TestOrientation:
         result = inertia.analyse(inward, orientation="absolute")
         np.testing.assert_array_equal(result.properties.inertia, inertia.mass_properties(outward).inertia)
         assert result.notes == ("1 of 1 shells turned, as absolute orientation was asked for",)
+
+    @pytest.mark.parametrize("count", [900, 1100, 5000])
+    def test_an_inward_surface_of_any_size_is_turned(self, count):
+        vertices, faces = wavy_torus(count)
+        turned = inertia.analyse(inertia.Part.from_arrays(vertices, faces[:, ::-1]), orientation="absolute").properties
+        outward = inertia.analyse(inertia.Part.from_arrays(vertices, faces)).properties
+        assert turned.volume == pytest.approx(outward.volume, rel=1e-15)
+        np.testing.assert_allclose(turned.inertia, outward.inertia, rtol=1e-13, atol=1e-13 * outward.inertia.max())
 
     def test_a_right_surface_stays_as_it_is(self):
         result = inertia.analyse(surface(*HOLLOW), orientation="absolute")

@@ -19,7 +19,7 @@ from inertia.mass.triangles import arithmetic
 from inertia.mass.triangles.arithmetic import solid_moments
 from inertia.mass.triangles.double_double import ROUNDINGS, sum_in_double_double
 from inertia.mass.triangles.moments_from_sums import a_priori, distances, moments_of
-from inertia.mass.triangles.sums import MANY, Sums, in_float64, sum_triangles
+from inertia.mass.triangles.sums import MANY, PlainSums, in_float64, sum_triangles
 from inertia.mesh.surface import Surface, Triangles
 from inertia_meshes import rational
 
@@ -28,7 +28,7 @@ OUTWARD = [[0, 2, 1], [0, 1, 3], [1, 2, 3], [0, 3, 2]]
 ROUNDED = 1 + F(1, 10**9)  # the bounds are sums in float64 themselves
 
 
-def errors(triangles: Triangles, sums: Sums) -> list[Fraction]:
+def errors(triangles: Triangles, sums: PlainSums) -> list[Fraction]:
     """Return how far the ten sums of a closed surface are from the exact ones, twice that on the diagonal."""
     size = F(2) ** sums.exponent
     exact = rational.moments(triangles.corners()).moved(*(-F(k) for k in sums.origin.tolist()))
@@ -39,7 +39,7 @@ def errors(triangles: Triangles, sums: Sums) -> list[Fraction]:
     return [abs(a - b) for a, b in zip(computed, true, strict=True)]
 
 
-def measured(triangles: Triangles, sums: Sums) -> list[float]:
+def measured(triangles: Triangles, sums: PlainSums) -> list[float]:
     """Return what double-double sums say of the errors of the sums."""
     high, low = sum_in_double_double(triangles, sums)
     return distances(sums, high, low, a_priori(high, sums, ROUNDINGS))

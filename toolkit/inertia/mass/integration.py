@@ -15,7 +15,6 @@ from inertia.arrays import Bool, Float, Int, Parts, Progress
 from inertia.errors import SHELL, GeometryError, Remedy, UsageError, placed
 from inertia.mass.moments import Moments
 from inertia.mass.triangles.arithmetic import METHODS, Arithmetic, arithmetics, shell_moments, solid_moments
-from inertia.mass.triangles.moments_from_sums import moments_of
 from inertia.mass.triangles.sums import SummedFacets, Sums, sum_triangles
 from inertia.mesh.checks.findings import Finding, Report, around, middle, once
 from inertia.mesh.geometry.closure import Closure, closure
@@ -151,7 +150,7 @@ def surface_integrals(
     pieces = shells(triangles, topology) if several and bodies is None else ()
     proven = counts_once(triangles)
     sound = bool(pieces) and not topology.crowded and soundly_nested(triangles, topology, pieces)
-    wrong = _wrong(triangles, pieces, moments_of(sums)) if absolute and not (turned or shell or proven) else ()
+    wrong = _wrong(triangles, pieces, sums) if absolute and not (turned or shell or proven) else ()
     if len(wrong):
         if pieces:
             _check(part, intersections, parts, allowance).require_fit("absolute", turned=True)
@@ -255,10 +254,11 @@ def naming(part: Part) -> Iterator[None]:
         raise placed(fault, part.name) from None
 
 
-def _wrong(triangles: Triangles, pieces: tuple[Shell, ...], whole: Moments) -> Int:
+def _wrong(triangles: Triangles, pieces: tuple[Shell, ...], sums: Sums) -> Int:
     """Return the numbers of the shells that absolute orientation turns."""
     if pieces:
         return absolute_orientation(pieces)
+    whole = solid_moments(triangles, "float64", sums)
     if abs(whole.zeroth) <= whole.zeroth_bound:
         whole = solid_moments(triangles, "exact")
     return np.arange(1 if whole.zeroth < -whole.zeroth_bound else 0)
@@ -441,7 +441,7 @@ def _named_regions(regions: Regions) -> tuple[tuple[str, ...], NDArray[np.int32]
 
 def surface_area(sums: Sums) -> float:
     """Return the surface area Σ|n|/2 in the file's unit."""
-    n, d = float(sums.sums[11]).as_integer_ratio()
+    n, d = sums.area.as_integer_ratio()
     up, down = max(-2 * sums.exponent, 0), max(2 * sums.exponent, 0)
     return (n << up) / (d << (down + 1))
 

@@ -41,7 +41,7 @@ def as_written(moments: Moments, triangles: Triangles, sums: Sums, rounding: Rou
     if exactly and rounding.remainder is not None and isinstance(triangles, Surface):
         return moments + _change(triangles, rounding.remainder(), sums, rounding.distance)
     longest = 4.0 * float(_reach(sums).max())  # no edge is longer than 2 √3 times the reach
-    area = float(np.ldexp(sums.sums[11], -2 * sums.exponent)) / 2 * _INFLATED
+    area = float(np.ldexp(sums.area, -2 * sums.exponent)) / 2 * _INFLATED
     area += _RELATIVE * sums.count * longest * longest  # of a needle, |n| is the difference of larger numbers
     return moments + _within(sums, rounding.distance, area, 3.0 * longest * sums.count, share=1.0)
 

@@ -22,7 +22,7 @@ from inertia.mass.properties import CERTAIN, MassProperties
 from inertia.mass.triangles.arithmetic import METHODS, solid_moments
 from inertia.mass.triangles.kernels import BLOCK
 from inertia.mass.triangles.moments_from_sums import FLOAT64, fine_values, roughest
-from inertia.mass.triangles.sums import SUMS, Sums, sum_triangles
+from inertia.mass.triangles.sums import SUMS, PlainSums, Sums, sum_triangles
 from inertia.mesh.geometry.simple import MOST, at_hand, place, simple
 from inertia.mesh.surface import Surface
 from inertia.native import Kernel, threads
@@ -92,8 +92,8 @@ def small_properties(surface: Surface, unit: Unit, density: float) -> MassProper
     table = np.array([[0, len(vertices), 0, len(faces)]])
     if len(faces) <= BLOCK:
         rows, usable = small_sums(vertices, faces, table)
-        own = rows[0]
-        sums = Sums(own[:3], 0, own[3 : 3 + SUMS], own[3 + SUMS : 6 + SUMS], own[6 + SUMS : 9 + SUMS], len(faces))
+        origin, own, low, high, _ = np.split(rows[0], np.cumsum([3, SUMS, 3, 3]))
+        sums: Sums = PlainSums(origin, 0, low, high, len(faces), float(own[11]), own)
     else:
         usable = simple(vertices, faces, table)
         if usable[0]:
@@ -101,12 +101,12 @@ def small_properties(surface: Surface, unit: Unit, density: float) -> MassProper
     if not usable[0] or sums.exponent:
         return None
     solid = SmallSolid(vertices.copy(), faces.copy(), sums, unit, density)  # which may be written to meanwhile
-    if sums.fine is not None:
-        known = fine_values(sums)
-    elif sums.sums[0] > 0:
-        known = dyadic(sums.sums[:10].tolist()), roughest(sums, FLOAT64)
+    if isinstance(sums, PlainSums):
+        if not sums.sums[0] > 0:
+            return None
+        known: tuple[Over, list[float]] | None = dyadic(sums.sums[:10].tolist()), roughest(sums, FLOAT64)
     else:
-        return None
+        known = fine_values(sums)
     if known is None or not _certain(*known):
         try:
             whole = solid.properties()

@@ -22,7 +22,7 @@ from inertia.mass.triangles.moments_from_sums import (
     moments_with_bounds,
     roughest,
 )
-from inertia.mass.triangles.sums import Frame, Sums, in_float64, sum_in, sum_triangles
+from inertia.mass.triangles.sums import Frame, PlainSums, Sums, SumsOnGrid, in_float64, sum_in, sum_triangles
 from inertia.mesh.part import Rounding
 from inertia.mesh.surface import Triangles
 
@@ -71,18 +71,18 @@ def solid_moments(
         return exact.exact_moments(triangles, progress)
     if sums is None:
         sums = sum_triangles(triangles)
-    if arithmetic == "float64" and sums.fine is not None:
+    if arithmetic == "float64" and isinstance(sums, SumsOnGrid):
         sums, fine = _on_a_grid_that_suits(triangles, sums, progress)
         if fine is not None and _near(*fine):
             return moments_with_bounds(*fine, sums)
         arithmetic = "double-double"
-    sums = in_float64(sums, triangles, progress)
+    plain = in_float64(sums, triangles, progress)
     if arithmetic == "float64":
-        return moments_of(sums, bounds=_measured(triangles, sums, progress))
-    return _of_more_digits(triangles, sums, progress, surface=False)
+        return moments_of(plain, bounds=_measured(triangles, plain, progress))
+    return _of_more_digits(triangles, plain, progress, surface=False)
 
 
-def _of_more_digits(triangles: Triangles, sums: Sums, progress: Progress | None, *, surface: bool) -> Moments:
+def _of_more_digits(triangles: Triangles, sums: PlainSums, progress: Progress | None, *, surface: bool) -> Moments:
     """Return the moments of double-double sums."""
     high, low = double_double.sum_in_double_double(triangles, sums, progress, surface=surface)
     parts, d = dyadic([*high, *low])
@@ -90,7 +90,7 @@ def _of_more_digits(triangles: Triangles, sums: Sums, progress: Progress | None,
     return moments_with_bounds(values, a_priori(high, sums, double_double.ROUNDINGS), sums, surface=surface)
 
 
-def _measured(triangles: Triangles, sums: Sums, progress: Progress | None) -> list[float] | None:
+def _measured(triangles: Triangles, sums: PlainSums, progress: Progress | None) -> list[float] | None:
     """Return bounds on the errors of float64 sums that are near them; None where they would cost too much."""
     if triangles.count > COSTLY and not double_double.compiled(triangles, sums):
         return None
@@ -102,10 +102,10 @@ def _measured(triangles: Triangles, sums: Sums, progress: Progress | None) -> li
 
 
 def _on_a_grid_that_suits(
-    triangles: Triangles, sums: Sums, progress: Progress | None
+    triangles: Triangles, sums: SumsOnGrid, progress: Progress | None
 ) -> tuple[Sums, tuple[Over, list[float]] | None]:
     """Return the sums, formed again where the sample misled that the grid was chosen from, and their values."""
-    if (values := fine_values(sums)) is not None or sums.fine is None:
+    if (values := fine_values(sums)) is not None:
         return sums, values
     grid = fine_sums.grid_again(sums.low, sums.high, sums.fine)
     again = sum_in(Frame(sums.origin, 0, False, None) if grid is None else Frame.on(grid), triangles, progress)
@@ -136,6 +136,7 @@ def shell_moments(
         sums = sum_triangles(triangles, surface=True)
     if rounding is not None:
         return shell_as_written(shell_moments(triangles, arithmetic, sums, progress), triangles, sums, rounding)
+    plain = in_float64(sums, triangles)
     if arithmetic == "float64":
-        return moments_of(sums, surface=True)
-    return _of_more_digits(triangles, sums, progress, surface=True)
+        return moments_of(plain, surface=True)
+    return _of_more_digits(triangles, plain, progress, surface=True)

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from inertia.mass.moments import PAIRS, Moments, Over, dyadic, over, times
 from inertia.mass.triangles.fine_sums import BITS, REACH, SHARE, FineSums, Shear
 from inertia.mass.triangles.kernels import BLOCK, DEPTH, LANES
-from inertia.mass.triangles.sums import Sums
+from inertia.mass.triangles.sums import PlainSums, Sums, SumsOnGrid
 
 ROUNDOFF = 2.0**-53
 
@@ -49,7 +49,7 @@ blocks and one for the final sum.
 """
 
 
-def moments_of(sums: Sums, *, surface: bool = False, bounds: Sequence[float] | None = None) -> Moments:
+def moments_of(sums: PlainSums, *, surface: bool = False, bounds: Sequence[float] | None = None) -> Moments:
     """Turn the sums over triangles into moments with bounds, in the file's unit.
 
     For a solid, V = Σd/6, ∫x = Σd s/24, ∫x xᵀ = Σd(…)/120 (twice that on the diagonal); for a shell, with |n| for d,
@@ -94,7 +94,7 @@ def _factors(exponent: int, surface: bool) -> tuple[Fraction, Fraction, Fraction
     return unit / zeroth, unit * shrink / first, unit * shrink**2 / second
 
 
-def distances(sums: Sums, high: Sequence[float], low: Sequence[float], bounds: Sequence[float]) -> list[float]:
+def distances(sums: PlainSums, high: Sequence[float], low: Sequence[float], bounds: Sequence[float]) -> list[float]:
     """Return bounds (10,) on the errors of Σd, Σd s and Σd(…) of a solid, twice that on the diagonal.
 
     They are the distances from sums of more digits, in two parts, and the bounds on the errors of these.
@@ -113,7 +113,7 @@ def fine_values(sums: Sums) -> tuple[Over, list[float]] | None:
     The bounds are those of `inertia.mass.triangles.fine_sums`. None where the sums were not formed so, or on a grid
     that does not suit the part.
     """
-    if sums.fine is None:
+    if not isinstance(sums, SumsOnGrid):
         return None
     fine, grid, count = sums.fine, sums.fine.grid, sums.count
     box = list(zip(sums.low.tolist(), sums.high.tolist(), grid.origin, grid.steps, strict=True))
@@ -216,7 +216,7 @@ _INFLATED = 1.0 + 1e-9
 """More than the arithmetic of the bounds, the products of two γ and the roundings of P and D can take from them."""
 
 
-def roughest(sums: Sums, roundings: Roundings) -> list[float]:
+def roughest(sums: PlainSums, roundings: Roundings) -> list[float]:
     """Return bounds like `a_priori`, with every triangle as far out as the farthest; larger, and sooner formed."""
     reach = _reach(sums)
     count = roundings.normal + roundings.bracket + roundings.across(sums.count) + 2
@@ -224,7 +224,7 @@ def roughest(sums: Sums, roundings: Roundings) -> list[float]:
     return [size, *(3 * r * size for r in reach), *(12 * reach[i] * reach[j] * size for i, j in PAIRS)]
 
 
-def a_priori(value: Sequence[float], sums: Sums, roundings: Roundings) -> list[float]:
+def a_priori(value: Sequence[float], sums: PlainSums, roundings: Roundings) -> list[float]:
     """Return a-priori bounds on the errors of Σd, Σd s and Σd(…), twice that on the diagonal.
 
     A product of k numbers and sums each known to a relative error of u is off by at most γₖ = k u/(1 − k u) of its

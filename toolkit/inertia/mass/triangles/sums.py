@@ -59,19 +59,31 @@ _NUMPY_CHUNK = 16 * BLOCK
 
 @dataclass(frozen=True, eq=False)
 class Sums:
-    """The thirteen sums in the scaled local frame, and the extents as stored.
+    """Σ |n| of triangles in the scaled local frame, where a coordinate x enters as (x − origin)·2^exponent.
 
-    A coordinate x enters as (x − origin)·2^exponent. `sums` is (13,); `origin`, `low` and `high` are (3,), as stored.
-    Where `fine` has the first ten with more digits, `sums` has Σ |n| alone, and NaN for the others (`in_float64`).
+    `origin` and the extents `low` and `high` are (3,), as stored; `count` is the number of triangles.
     """
 
     origin: Float
     exponent: int
-    sums: Float
     low: Float
     high: Float
     count: int
-    fine: FineSums | None = None
+    area: float
+
+
+@dataclass(frozen=True, eq=False)
+class PlainSums(Sums):
+    """The thirteen sums (13,) in float64."""
+
+    sums: Float
+
+
+@dataclass(frozen=True, eq=False)
+class SumsOnGrid(Sums):
+    """The first ten sums with the digits that float64 loses."""
+
+    fine: FineSums
 
 
 @dataclass(frozen=True)
@@ -181,19 +193,20 @@ def sums_of(triangles: Triangles, frame: Frame, blocks: Sequence[Float]) -> Sums
         if not np.isfinite(table).all():
             _refuse_non_finite(triangles)
         sums = np.array(_add_blocks(table[:added]))
-        return Sums(frame.origin, frame.exponent, sums, *extents, triangles.count)
+        return PlainSums(frame.origin, frame.exponent, *extents, triangles.count, float(sums[11]), sums)
     if not np.isfinite(table).all():  # nor is a coordinate, or products are beyond float64
         return sum_in(replace(frame, grid=None), triangles)
     *fine, area = _add_blocks(table[:added])
-    sums = np.full(SUMS, np.nan)
-    sums[11] = area
     more = FineSums.of(frame.grid, fine, table[added + 6 :].max(axis=1).tolist())
-    return Sums(frame.origin, frame.exponent, sums, *extents, triangles.count, more)
+    return SumsOnGrid(frame.origin, frame.exponent, *extents, triangles.count, area, more)
 
 
-def in_float64(sums: Sums, triangles: Triangles, progress: Progress | None = None) -> Sums:
+def in_float64(sums: Sums, triangles: Triangles, progress: Progress | None = None) -> PlainSums:
     """Return the thirteen sums in float64, of the same triangles in the same frame."""
-    return sums if sums.fine is None else sum_in(Frame(sums.origin, sums.exponent, False, None), triangles, progress)
+    if not isinstance(sums, PlainSums):
+        sums = sum_in(Frame(sums.origin, sums.exponent, False, None), triangles, progress)
+    assert isinstance(sums, PlainSums)
+    return sums
 
 
 def frame_of(triangles: Triangles, *, surface: bool = False) -> Frame:
