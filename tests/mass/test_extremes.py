@@ -157,10 +157,11 @@ def test_float32_records_give_what_the_same_numbers_in_float64_do(case: Case, ru
 def test_axes_of_nearly_equal_moments_are_bounded(power: int, case: Case) -> None:
     truth = Truth.of(case.triangles.corners())
     for rung in RUNGS:
+        far = 0.2 if (rung, power) == ("float64", 15) else 0.1
         decomposition = properties(solid_moments(case.triangles, rung), rung).principal_within(0.0)
         assert (decomposition.kind, decomposition.equal) == ("asymmetric", ())
         for k in range(3):
-            assert truth.angle(decomposition.axes[:, k].tolist(), k) <= decomposition.axis_bounds[k] < 0.2
+            assert truth.angle(decomposition.axes[:, k].tolist(), k) <= decomposition.axis_bounds[k] < far
 
 
 def test_bounds_hold_over_a_sweep_and_are_typically_near() -> None:

@@ -220,6 +220,14 @@ def address(array: Any) -> int:
     return ctypes.addressof(ctypes.c_char.from_buffer(array))
 
 
+def place(array: Any) -> int:
+    """Return where any contiguous array lies."""
+    try:
+        return address(array)
+    except (TypeError, ValueError):  # it is read-only, or empty
+        return int(array.ctypes.data)
+
+
 def threads() -> int:
     """Return how many threads may run kernels at once: one a processor, or as few as the environment allows."""
     processors = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1

@@ -10,6 +10,7 @@ J. Picot, L. Rideau, *Accurate calculation of Euclidean norms using double-word 
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from typing import Any
@@ -85,10 +86,15 @@ def folded(values: Pair) -> Pair:
     return values[0]
 
 
+def near_pair(values: Sequence[float]) -> tuple[float, float]:
+    """Return the sum of floats in float64, and what that leaves of it, each rounded once."""
+    high = math.fsum(values)
+    return high, math.fsum((*values, -high))
+
+
 def near_sum(values: list[float]) -> Fraction:
     """Add up floats to within a part in 2¹⁰⁵."""
-    high = math.fsum(values)
-    (n, d), (m, e) = high.as_integer_ratio(), math.fsum([*values, -high]).as_integer_ratio()
+    (n, d), (m, e) = map(float.as_integer_ratio, near_pair(values))
     last = max(d, e)  # powers of two
     return Fraction(n * (last // d) + m * (last // e), last)
 

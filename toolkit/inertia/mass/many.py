@@ -24,9 +24,9 @@ from inertia.mass.density import ASSUMED
 from inertia.mass.integrand import ELEMENTS
 from inertia.mass.small import small_sums
 from inertia.mass.triangles.kernels import BLOCK
-from inertia.mesh.geometry.simple import at_hand, place
+from inertia.mesh.geometry.simple import at_hand
 from inertia.mesh.part import Part
-from inertia.native import Kernel
+from inertia.native import Kernel, place
 from inertia.units import length_unit
 
 _KERNEL = Kernel("inertia.mass.triangles.results_kernel", "mass_results", "pippp")

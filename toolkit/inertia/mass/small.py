@@ -23,9 +23,9 @@ from inertia.mass.triangles.arithmetic import METHODS, solid_moments
 from inertia.mass.triangles.kernels import BLOCK
 from inertia.mass.triangles.moments_from_sums import FLOAT64, fine_values, roughest
 from inertia.mass.triangles.sums import SUMS, PlainSums, Sums, sum_triangles
-from inertia.mesh.geometry.simple import MOST, at_hand, place, simple
+from inertia.mesh.geometry.simple import MOST, at_hand, simple
 from inertia.mesh.surface import Surface
-from inertia.native import Kernel, threads
+from inertia.native import Kernel, place, threads
 from inertia.units import Unit
 
 _KERNEL = Kernel("inertia.mass.triangles.small_kernel", "sum_small", "pipipippp", wide=True)
@@ -92,8 +92,9 @@ def small_properties(surface: Surface, unit: Unit, density: float) -> MassProper
     table = np.array([[0, len(vertices), 0, len(faces)]])
     if len(faces) <= BLOCK:
         rows, usable = small_sums(vertices, faces, table)
-        origin, own, low, high, _ = np.split(rows[0], np.cumsum([3, SUMS, 3, 3]))
-        sums: Sums = PlainSums(origin, 0, low, high, len(faces), float(own[11]), own)
+        row = rows[0]
+        own, low, high = row[3 : 3 + SUMS], row[3 + SUMS : 6 + SUMS], row[6 + SUMS : 9 + SUMS]
+        sums: Sums = PlainSums(row[:3], 0, low, high, len(faces), float(own[11]), own)
     else:
         usable = simple(vertices, faces, table)
         if usable[0]:

@@ -10,7 +10,7 @@ from typing import Literal
 import numpy as np
 
 from inertia.arrays import Progress
-from inertia.mass.moments import Moments, Over, dyadic
+from inertia.mass.moments import Moments, Over
 from inertia.mass.rounding import as_written, shell_as_written
 from inertia.mass.triangles import double_double, exact, fine_sums
 from inertia.mass.triangles.moments_from_sums import (
@@ -18,6 +18,7 @@ from inertia.mass.triangles.moments_from_sums import (
     a_priori,
     distances,
     fine_values,
+    in_two_parts,
     moments_of,
     moments_with_bounds,
     roughest,
@@ -85,9 +86,8 @@ def solid_moments(
 def _of_more_digits(triangles: Triangles, sums: PlainSums, progress: Progress | None, *, surface: bool) -> Moments:
     """Return the moments of double-double sums."""
     high, low = double_double.sum_in_double_double(triangles, sums, progress, surface=surface)
-    parts, d = dyadic([*high, *low])
-    values = [a + b for a, b in zip(parts[:10], parts[10:], strict=True)], d
-    return moments_with_bounds(values, a_priori(high, sums, double_double.ROUNDINGS), sums, surface=surface)
+    bounds = a_priori(high, sums, double_double.ROUNDINGS)
+    return moments_with_bounds(in_two_parts(high, low), bounds, sums, surface=surface)
 
 
 def _measured(triangles: Triangles, sums: PlainSums, progress: Progress | None) -> list[float] | None:

@@ -12,14 +12,13 @@ are exact, so the answers have the same bits.
 
 from __future__ import annotations
 
-import math
 from collections.abc import Iterator
 from fractions import Fraction
 
 import numpy as np
 
 from inertia.arrays import Float, Progress
-from inertia.mass.double_words import UNIT, Pair
+from inertia.mass.double_words import UNIT, Pair, near_pair
 from inertia.mass.triangles.kernels import BLOCK, DEPTH, LANES, BlockKernel
 from inertia.mass.triangles.moments_from_sums import Roundings
 from inertia.mass.triangles.sums import Sums
@@ -68,8 +67,8 @@ def sum_in_double_double(
             progress(stop / triangles.count)
     table = blocks[0] if len(blocks) == 1 else np.concatenate(blocks)
     terms = table.reshape(-1, _TERMS, 2).transpose(1, 0, 2).reshape(_TERMS, -1).tolist()
-    high = [math.fsum(each) for each in terms]
-    return high, [math.fsum((*each, -most)) for each, most in zip(terms, high, strict=True)]
+    high, low = zip(*map(near_pair, terms), strict=True)
+    return list(high), list(low)
 
 
 def _vectorised(triangles: Triangles, origin: Float, exponent: int, surface: bool) -> Iterator[tuple[int, Float]]:

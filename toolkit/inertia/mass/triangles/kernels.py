@@ -10,9 +10,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from inertia.arrays import Float
-from inertia.mesh.geometry.simple import place
 from inertia.mesh.surface import Facets, Triangles
-from inertia.native import Kernel
+from inertia.native import Kernel, place
 
 LANES, DEPTH = 32, 32
 BLOCK = LANES * DEPTH

@@ -94,6 +94,12 @@ def _factors(exponent: int, surface: bool) -> tuple[Fraction, Fraction, Fraction
     return unit / zeroth, unit * shrink / first, unit * shrink**2 / second
 
 
+def in_two_parts(high: Sequence[float], low: Sequence[float]) -> Over:
+    """Return ten sums of two floats each over one denominator."""
+    parts, d = dyadic([*high, *low])
+    return [a + b for a, b in zip(parts[:10], parts[10:], strict=True)], d
+
+
 def distances(sums: PlainSums, high: Sequence[float], low: Sequence[float], bounds: Sequence[float]) -> list[float]:
     """Return bounds (10,) on the errors of Σd, Σd s and Σd(…) of a solid, twice that on the diagonal.
 
@@ -147,8 +153,7 @@ def fine_values(sums: Sums) -> tuple[Over, list[float]] | None:
         r, s = far[i], far[j]
         product = r * s * (12.0 * off + 528.0 * rest) + 320.0 * (r + s) * total + 23.0 * 2.0**53 * steps
         bounds.append(cube * grid.finer[i] * grid.finer[j] * ROUNDOFF * product)
-    parts, d = dyadic(fine.high + fine.low)
-    values: Over = [a + b for a, b in zip(parts[:10], parts[10:], strict=True)], d
+    values = in_two_parts(fine.high, fine.low)
     if grid.shear is not None:
         values, bounds = _unsheared(values, bounds, grid.shear)
     (v, x, y, z, *second), d = values

@@ -12,13 +12,11 @@ from __future__ import annotations
 
 import mmap
 import threading
-from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from inertia.arrays import Bool, Float, Int
-from inertia.native import Kernel, address
+from inertia.native import Kernel, address, place
 
 MOST = 200_000
 """Triangles of a surface that is looked at, at most."""
@@ -76,11 +74,3 @@ def _tables() -> mmap.mmap:
     if hasattr(mmap, "MADV_NOHUGEPAGE"):
         memory.madvise(mmap.MADV_NOHUGEPAGE)
     return memory
-
-
-def place(array: NDArray[Any]) -> int:
-    """Return where a contiguous array lies."""
-    try:
-        return address(array)
-    except (TypeError, ValueError):  # it is read-only, or empty
-        return int(array.ctypes.data)
