@@ -115,7 +115,7 @@ def test_edges_of_four_triangles_are_named_as_what_was_not_looked_at() -> None:
     part = stored(joined(cube(), cube((1, 1, 0))))
     analysis = inertia.analyse(part, memory=MEMORY)
     assert (analysis.bodies, analysis.properties.volume) == (2, pytest.approx(2e-9))
-    assert "nor whether material lies on material at 1 edges of more than two triangles" in analysis.notes[-1]
+    assert "nor whether material lies on material at 1 edge of more than two triangles" in analysis.notes[-1]
 
 
 REFUSED: dict[str, dict[str, Any]] = {

@@ -33,30 +33,48 @@ def norm(values: list[Fraction]) -> Fraction:
     return sum((k * k for k in values), F(0))
 
 
+def assert_within_bounds(answer: inertia.Many, k: int, mesh: Mesh, density: float, f: Fraction) -> None:
+    """Compare the figures of mesh k, of a unit of f metres, with the exact ones."""
+    vertices, faces = mesh
+    weight = F(density)
+    exact = rational.moments(vertices[faces])
+    volume = exact.volume * f**3
+    centre = [x / exact.volume * f for x in exact.first]
+    xx, yy, zz, yz, zx, xy = (
+        weight * (s * f**5 - centre[i] * centre[j] * volume)
+        for s, (i, j) in zip(exact.second, ((0, 0), (1, 1), (2, 2), (1, 2), (2, 0), (0, 1)), strict=True)
+    )
+    tensor = [yy + zz, -xy, -zx, -xy, zz + xx, -yz, -zx, -yz, xx + yy]
+    assert abs(F(answer.volume[k]) - volume) <= F(answer.volume_error[k]) * volume
+    assert abs(F(answer.mass[k]) - weight * volume) <= F(answer.volume_error[k]) * weight * volume
+    off = norm([F(a) - b for a, b in zip(answer.center_of_mass[k].tolist(), centre, strict=True)])
+    assert off <= F(answer.center_of_mass_error[k]) ** 2
+    off = norm([F(a) - b for a, b in zip(answer.inertia[k].ravel().tolist(), tensor, strict=True)])
+    assert off <= F(answer.inertia_error[k]) ** 2 * norm(tensor)
+
+
 def test_each_figure_is_within_its_bound_of_the_exact_one() -> None:
     meshes = [shaped(seed) for seed in range(40)]
     density = np.linspace(0.5, 3.0, len(meshes))
     answer = inertia.many([v for v, _ in meshes], [f for _, f in meshes], density, unit="mm")
     assert answer.answered.all()
     assert answer.refusals == {}
-    for k, (vertices, faces) in enumerate(meshes):
-        f, weight = F(1, 1000), F(float(density[k]))
-        exact = rational.moments(vertices[faces])
-        volume = exact.volume * f**3
-        centre = [x / exact.volume * f for x in exact.first]
-        xx, yy, zz, yz, zx, xy = (
-            weight * (s * f**5 - centre[i] * centre[j] * volume)
-            for s, (i, j) in zip(exact.second, ((0, 0), (1, 1), (2, 2), (1, 2), (2, 0), (0, 1)), strict=True)
-        )
-        tensor = [yy + zz, -xy, -zx, -xy, zz + xx, -yz, -zx, -yz, xx + yy]
-        assert abs(F(answer.volume[k]) - volume) <= F(answer.volume_error[k]) * volume
-        assert abs(F(answer.mass[k]) - weight * volume) <= F(answer.volume_error[k]) * weight * volume
-        off = norm([F(a) - b for a, b in zip(answer.center_of_mass[k].tolist(), centre, strict=True)])
-        assert off <= F(answer.center_of_mass_error[k]) ** 2
-        off = norm([F(a) - b for a, b in zip(answer.inertia[k].ravel().tolist(), tensor, strict=True)])
-        assert off <= F(answer.inertia_error[k]) ** 2 * norm(tensor)
+    for k, mesh in enumerate(meshes):
+        assert_within_bounds(answer, k, mesh, float(density[k]), F(1, 1000))
         assert answer.volume_error[k] < 1e-11
         assert answer.inertia_error[k] < 1e-9
+
+
+@pytest.mark.parametrize("size", [1e-30, 1e-29, 3e-29, 1e-20, 1e20, 2e29, 4e29, 6e29])
+@pytest.mark.parametrize("density", [1e-150, 1.0, 1e15, 1e30])
+def test_bounds_hold_where_the_squares_of_tensors_are_beyond_float64(size: float, density: float) -> None:
+    vertices, faces = ball(1)
+    turn = np.linalg.qr(np.random.default_rng(5).normal(size=(3, 3)))[0]
+    turn[0] *= np.linalg.det(turn)
+    meshes = [(vertices * [1, 1, thickness] @ turn * size, faces) for thickness in (1.0, 1e-2, 1e-4, 1e-6)]
+    answer = inertia.many([v for v, _ in meshes], [f for _, f in meshes], density, unit="m")
+    for k in np.flatnonzero(answer.answered).tolist():
+        assert_within_bounds(answer, k, meshes[k], density, F(1))
 
 
 def test_the_figures_are_those_of_one_mesh_by_itself() -> None:

@@ -191,7 +191,7 @@ def _beside(path: Path) -> Iterator[tuple[Path, Path]]:
     It is gone afterwards, unless it was renamed.
     """
     target = _target(path)
-    _remove_left_behind(target.parent)
+    remove_left_behind(target.parent)
     beside, lock, is_alive = _another(target), None, False
     try:  # a signal may come as soon as the file is there
         while not is_alive:
@@ -248,7 +248,7 @@ def temporary_folder() -> Iterator[Path]:
     if wanted and not os.access(wanted, os.W_OK | os.X_OK):
         raise WriteError(f"TMPDIR is {wanted}, where no temporary files can be written: set it to another folder")
     try:
-        _remove_left_behind(Path(tempfile.gettempdir()))
+        remove_left_behind()
         temporary = tempfile.TemporaryDirectory(prefix=".", suffix=f".{os.urandom(6).hex()}.inertia")
     except OSError as error:
         raise WriteError(
@@ -267,11 +267,18 @@ def temporary_folder() -> Iterator[Path]:
                 os.close(lock)
 
 
-def _remove_left_behind(folder: Path) -> None:
-    """Remove the temporary files and folders of this user's runs that have died: nobody holds their locks."""
+def remove_left_behind(folder: Path | None = None) -> None:
+    """Remove the temporary files and folders of this user's runs that have died: nobody holds their locks.
+
+    Those in a folder, or in the system's one for temporary files.
+    """
     if sys.platform == "win32":
         return
     try:
+        if folder is None:
+            import tempfile
+
+            folder = Path(tempfile.gettempdir())
         names = [file for file in folder.iterdir() if _TEMPORARY.fullmatch(file.name)]
     except OSError:  # it can perhaps be written to, but not listed
         return

@@ -52,7 +52,7 @@ def errors(triangles: Triangles, sums: PlainSums) -> list[Fraction]:
 def measured(triangles: Triangles, sums: PlainSums) -> list[float]:
     """Return what double-double sums say of the errors of the sums."""
     high, low = sum_in_double_double(triangles, sums)
-    return distances(sums, high, low, roughest(sums, ROUNDINGS))
+    return distances(sums, high, low, roughest(sums, ROUNDINGS.most(sums.count)))
 
 
 def assert_bounded(triangles: Triangles) -> None:

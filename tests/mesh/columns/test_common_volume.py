@@ -95,3 +95,11 @@ def test_compiled_and_vectorised_sums_agree_within_their_bounds(kind: str, monke
         assert those[0] != 0
         assert these == pytest.approx(those, rel=1e-13, abs=1e-14)
         assert max(these[1], those[1]) < 1e-9
+
+
+def test_bodies_of_which_no_triangle_lies_above_one_of_the_other_share_nothing() -> None:
+    around, within = corners(ring(64, 8, 1.0, 0.25)), 0.6 * corners(sphere(splits=3))
+    volume, rounding = common_volume(around, within)
+    assert abs(volume) <= rounding < 1e-12
+    beside = np.array([[0.5, 0.5, -0.1], [0.6, 0.6, 0.1]])  # a box that the ring reaches into, and the ball does not
+    assert surplus_volume(within, beside) == (0.0, 0.0)

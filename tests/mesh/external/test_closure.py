@@ -152,6 +152,14 @@ def test_edges_that_do_not_fit_are_paired_on_disk_and_nothing_stays_there(on_dis
     assert not temporary(on_disk.folder) - ({left_behind.name} if os.name == "nt" else set())
 
 
+@pytest.mark.skipif(os.name == "nt", reason="there nobody holds locks")
+def test_what_a_killed_run_has_left_is_removed_by_one_that_needs_no_file(on_disk: OnDisk) -> None:
+    left_behind = on_disk.folder / ".killed.0123456789ab.inertia"
+    left_behind.mkdir()
+    external_closure(on_disk.surface, 1000 * on_disk.room)
+    assert not temporary(on_disk.folder)
+
+
 def test_an_interruption_leaves_nothing_on_disk(on_disk: OnDisk) -> None:
     def interrupt(done: float) -> None:
         if done > 0.5:

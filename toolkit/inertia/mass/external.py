@@ -18,7 +18,7 @@ from inertia.mass.integration import Group, Integral, naming, refuse_flat, surfa
 from inertia.mass.moments import Moments
 from inertia.mass.triangles.arithmetic import METHODS, arithmetics, shell_moments, solid_moments
 from inertia.mass.triangles.sums import Frame, SummedFacets, block_rows, frame_of, sum_triangles, sums_of
-from inertia.mesh.checks.findings import Finding, Report
+from inertia.mesh.checks.findings import Finding, Report, counted
 from inertia.mesh.external.closure import Pairing, external_closure, room_for
 from inertia.mesh.external.faults import edge_faults, shell_findings
 from inertia.mesh.external.memory import RESERVE, WHOLE, fits, in_bytes, resident
@@ -108,7 +108,7 @@ def external_integrals(
         pieces = _shells(part, pairing, room)
         doubts = _require(part, shell_findings(triangles, pairing, pieces, part.unit.name, extents)) if pieces else ()
     elif pairing.irregular is None:
-        raise _too_little(part, f"{topology.crowded} edges of more than two triangles")
+        raise _too_little(part, f"{counted(topology.crowded, 'edge')} of more than two triangles")
     integral = Integral(
         groups=(),
         method=METHODS["float64"],
@@ -151,7 +151,7 @@ def _shells(part: Part, pairing: Pairing, room: int) -> tuple[Shell, ...]:
     """Return the shells of a closed surface; none where it has one, or all of them are bodies that lie apart."""
     triangles, topology = part.triangles, pairing.closure
     if pairing.irregular is None:
-        raise _too_little(part, f"{topology.crowded} edges of more than two triangles")
+        raise _too_little(part, f"{counted(topology.crowded, 'edge')} of more than two triangles")
     count = topology.components
     if count == 1 or sound_bodies(triangles, topology, streamed=True) == count:
         return ()
@@ -177,8 +177,10 @@ def _too_little(part: Part, what: str) -> UsageError:
 
 def _note(memory: float, distributed: bool, pieces: tuple[Shell, ...], crowded: int) -> str:
     """Say what was not looked for."""
-    others = ", nor whether bodies share space" if len(pieces) > 1 else ""
-    edges = f", nor whether material lies on material at {crowded} edges of more than two triangles" if crowded else ""
+    several = ", nor whether bodies share space" if len(bodies(pieces)) > 1 else ", nor whether its shells meet"
+    others = several if len(pieces) > 1 else ""
+    which = counted(crowded, "edge")
+    edges = f", nor whether material lies on material at {which} of more than two triangles" if crowded else ""
     how = "by the workers of a Dask scheduler" if distributed else f"within {in_bytes(memory)} of memory"
     return f"checked {how}: triangles that cross were not looked for{others}{edges}"
 

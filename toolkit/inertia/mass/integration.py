@@ -15,6 +15,7 @@ from inertia.arrays import Bool, Float, Int, Parts, Progress
 from inertia.errors import SHELL, GeometryError, Remedy, UsageError, placed
 from inertia.mass.moments import Moments
 from inertia.mass.triangles.arithmetic import METHODS, Arithmetic, arithmetics, shell_moments, solid_moments
+from inertia.mass.triangles.block_sums import sum_block
 from inertia.mass.triangles.sums import SummedFacets, Sums, sum_triangles
 from inertia.mesh.checks.findings import Finding, Report, around, middle, once
 from inertia.mesh.geometry.closure import Closure, closure
@@ -128,9 +129,10 @@ def surface_integrals(
     tries = arithmetics(accuracy)
     paired, summed = (0.6, 1.0) if shell or accuracy is None else (0.1, 0.2)
     looked = _looked_at(triangles, intersections) if not shell else None
-    summed_meanwhile = None
+    summed_meanwhile = of_block = None
     if looked == SIMPLE:
         topology = once("closure", triangles, lambda: Closure.simple(triangles.count))
+        of_block = sum_block(triangles)
     else:
         with naming(part):
             summed_meanwhile = SummedFacets(triangles, surface=shell) if isinstance(triangles, Facets) else None
@@ -141,7 +143,7 @@ def surface_integrals(
         if summed_meanwhile is not None:
             sums = summed_meanwhile.sums(summing)
         else:
-            sums = sum_triangles(triangles, surface=shell, progress=summing)
+            sums = of_block or sum_triangles(triangles, surface=shell, progress=summing)
     extents = np.array([sums.low, sums.high])
     if not usable(extents).all() or (topology.open_edges and not shell):
         _check(part, intersections).require_fit()

@@ -20,17 +20,14 @@ from inertia.errors import GeometryError
 from inertia.mass.moments import Over, dyadic
 from inertia.mass.properties import CERTAIN, MassProperties
 from inertia.mass.triangles.arithmetic import METHODS, solid_moments
+from inertia.mass.triangles.block_sums import of_row, sum_each
 from inertia.mass.triangles.kernels import BLOCK
 from inertia.mass.triangles.moments_from_sums import FLOAT64, fine_values, roughest
-from inertia.mass.triangles.sums import SUMS, PlainSums, Sums, sum_triangles
+from inertia.mass.triangles.sums import PlainSums, Sums, sum_triangles
 from inertia.mesh.geometry.simple import MOST, at_hand, simple
 from inertia.mesh.surface import Surface
-from inertia.native import Kernel, place, threads
+from inertia.native import threads
 from inertia.units import Unit
-
-_KERNEL = Kernel("inertia.mass.triangles.small_kernel", "sum_small", "pipipippp", wide=True)
-_COLUMNS = 3 + SUMS + 6 + 20
-_ROOM = 48 * 32 + 8
 
 _SHARE = 25_000  # triangles, two milliseconds of work for a thread
 
@@ -39,10 +36,9 @@ _INFLATED = 1.0 + 1e-9
 
 
 def small_sums(vertices: Float, faces: Int, table: Int) -> tuple[Float, Bool]:
-    """Return a row for each surface of a batch (see `simple`), and which of them are simple and could be summed.
+    """Return a row for each surface of a batch, as `sum_each` does, and which of them are simple and could be summed.
 
-    A row holds the origin, the thirteen sums and the extents of `inertia.mass.triangles.sums`, and the first ten sums
-    in double-double, high and low. Many surfaces are shared out among threads.
+    Many surfaces are shared out among threads.
     """
     shares = min(threads(), len(table), int(table[:, 3].sum()) // _SHARE)
     if shares < 2:
@@ -56,13 +52,7 @@ def small_sums(vertices: Float, faces: Int, table: Int) -> tuple[Float, Bool]:
 
 def _sums_alone(vertices: Float, faces: Int, table: Int) -> tuple[Float, Bool]:
     usable = simple(vertices, faces, table)
-    rows, room = np.empty((len(table), _COLUMNS)), np.empty(_ROOM)
-    scratch = place(room)
-    _KERNEL.function(
-        place(vertices), len(vertices), place(faces), len(faces), place(table), len(table), place(usable),
-        scratch + -scratch % 64, place(rows),
-    )  # fmt: skip
-    return rows, usable
+    return sum_each(vertices, faces, table, usable), usable
 
 
 @dataclass(frozen=True, eq=False)
@@ -92,9 +82,7 @@ def small_properties(surface: Surface, unit: Unit, density: float) -> MassProper
     table = np.array([[0, len(vertices), 0, len(faces)]])
     if len(faces) <= BLOCK:
         rows, usable = small_sums(vertices, faces, table)
-        row = rows[0]
-        own, low, high = row[3 : 3 + SUMS], row[3 + SUMS : 6 + SUMS], row[6 + SUMS : 9 + SUMS]
-        sums: Sums = PlainSums(row[:3], 0, low, high, len(faces), float(own[11]), own)
+        sums: Sums = of_row(rows[0], len(faces))
     else:
         usable = simple(vertices, faces, table)
         if usable[0]:
@@ -105,7 +93,10 @@ def small_properties(surface: Surface, unit: Unit, density: float) -> MassProper
     if isinstance(sums, PlainSums):
         if not sums.sums[0] > 0:
             return None
-        known: tuple[Over, list[float]] | None = dyadic(sums.sums[:10].tolist()), roughest(sums, FLOAT64)
+        known: tuple[Over, list[float]] | None = (
+            dyadic(sums.sums[:10].tolist()),
+            roughest(sums, FLOAT64.most(len(faces))),
+        )
     else:
         known = fine_values(sums)
     if known is None or not _certain(*known):

@@ -23,7 +23,16 @@ from inertia.mass.triangles.moments_from_sums import (
     moments_with_bounds,
     roughest,
 )
-from inertia.mass.triangles.sums import Frame, PlainSums, Sums, SumsOnGrid, in_float64, sum_in, sum_triangles
+from inertia.mass.triangles.sums import (
+    CAME_ALONG,
+    Frame,
+    PlainSums,
+    Sums,
+    SumsOnGrid,
+    in_float64,
+    sum_in,
+    sum_triangles,
+)
 from inertia.mesh.part import Rounding
 from inertia.mesh.surface import Triangles
 
@@ -94,9 +103,11 @@ def _measured(triangles: Triangles, sums: PlainSums, progress: Progress | None) 
     """Return bounds on the errors of float64 sums that are near them; None where they would cost too much."""
     if triangles.count > COSTLY and not double_double.compiled(triangles, sums):
         return None
+    if sums.finer is not None:
+        return distances(sums, *sums.finer, roughest(sums, CAME_ALONG))
     with np.errstate(over="ignore", invalid="ignore"), suppress(OverflowError, ValueError):  # beyond float64
         high, low = double_double.sum_in_double_double(triangles, sums, progress)
-        bounds = distances(sums, high, low, roughest(sums, double_double.ROUNDINGS))
+        bounds = distances(sums, high, low, roughest(sums, double_double.ROUNDINGS.most(sums.count)))
         return bounds if all(map(isfinite, bounds)) else None
     return None
 

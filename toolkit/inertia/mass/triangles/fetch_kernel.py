@@ -141,3 +141,18 @@ def fetch_faces(vertices, faces, start, count, corner_at, corner):
             k = start + whole
             four_faces(vertices, faces, k, min(k + 1, last), min(k + 2, last), last, address(corner_at, whole * 8))
         pad(corner, filled)
+
+
+@njit(inline="always")
+def lowered(least, a, b, c):
+    """Return the least of an extent and three coordinates.
+
+    What is added keeps LLVM from storing it under a mask, which AMD's processors without AVX-512 are slow at.
+    """
+    return min(least + 0.0, min(a, min(b, c)))
+
+
+@njit(inline="always")
+def raised(most, a, b, c):
+    """Return the largest of an extent and three coordinates."""
+    return max(most + 0.0, max(a, max(b, c)))

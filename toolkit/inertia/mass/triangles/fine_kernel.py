@@ -10,7 +10,7 @@ import numpy as np
 from numba import carray, njit
 
 from inertia.mass.triangles.double_double_kernel import fma
-from inertia.mass.triangles.fetch_kernel import DEPTH, LANES, fetch_faces, fetch_facets
+from inertia.mass.triangles.fetch_kernel import DEPTH, LANES, fetch_faces, fetch_facets, lowered, raised
 
 HIGH, LOW, EDGES, PLACES, TERMS, SIZE, REST, AREA = 0, 10, 20, 23, 26, 27, 28, 29
 """Rows of the ten sums, their remainders, the squares of edges and first corners, |the terms of d|, |d|, |its
@@ -74,8 +74,8 @@ def place(corner, hold, fine, k, origin, step):
         f, g, h = (a + top) - top, (b + top) - top, (c + top) - top
         hold[A + k, j], hold[A + 3 + k, j], hold[A + 6 + k, j] = f - origin, g - origin, h - origin
         hold[R + k, j], hold[R + 3 + k, j], hold[R + 6 + k, j] = a - f, b - g, c - h
-        fine[LEAST + k, j] = min(fine[LEAST + k, j], min(a, min(b, c)))
-        fine[MOST + k, j] = max(fine[MOST + k, j], max(a, max(b, c)))
+        fine[LEAST + k, j] = lowered(fine[LEAST + k, j], a, b, c)
+        fine[MOST + k, j] = raised(fine[MOST + k, j], a, b, c)
 
 
 @njit(inline="always")
@@ -95,7 +95,7 @@ def shear(hold, fine, axes, factors, finer, finest):
             f, g = ((b + v) + near) - near, ((c + w) + far) - far
             hold[A + corner + j, n], hold[A + corner + k, n] = f, g
             hold[R + corner + j, n], hold[R + corner + k, n] = (b - f) + v, (c - g) + w
-            fine[FAR, n], fine[FAR + 1, n] = max(fine[FAR, n], abs(f)), max(fine[FAR + 1, n], abs(g))
+            fine[FAR, n], fine[FAR + 1, n] = max(fine[FAR, n] + 0.0, abs(f)), max(fine[FAR + 1, n] + 0.0, abs(g))
 
 
 @njit(inline="always")

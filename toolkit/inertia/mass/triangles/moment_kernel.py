@@ -8,7 +8,7 @@ from __future__ import annotations
 import numpy as np
 from numba import carray, njit
 
-from inertia.mass.triangles.fetch_kernel import DEPTH, LANES, fetch_faces, fetch_facets
+from inertia.mass.triangles.fetch_kernel import DEPTH, LANES, fetch_faces, fetch_facets, lowered, raised
 
 ROWS = 19
 
@@ -64,12 +64,12 @@ def add(corner, total, ox, oy, oz, surface):
         total[10, j] += size
         total[11, j] += area
         total[12, j] += abs(weight)
-        total[13, j] = min(total[13, j], min(x0, min(x1, x2)))
-        total[14, j] = min(total[14, j], min(y0, min(y1, y2)))
-        total[15, j] = min(total[15, j], min(z0, min(z1, z2)))
-        total[16, j] = max(total[16, j], max(x0, max(x1, x2)))
-        total[17, j] = max(total[17, j], max(y0, max(y1, y2)))
-        total[18, j] = max(total[18, j], max(z0, max(z1, z2)))
+        total[13, j] = lowered(total[13, j], x0, x1, x2)
+        total[14, j] = lowered(total[14, j], y0, y1, y2)
+        total[15, j] = lowered(total[15, j], z0, z1, z2)
+        total[16, j] = raised(total[16, j], x0, x1, x2)
+        total[17, j] = raised(total[17, j], y0, y1, y2)
+        total[18, j] = raised(total[18, j], z0, z1, z2)
 
 
 @njit(inline="always")

@@ -39,6 +39,10 @@ class Roundings:
         within = min(DEPTH, -(-count // LANES)) + LANES.bit_length() - 1
         return within + min(self.blocks, (-(-count // BLOCK)).bit_length() + 1)
 
+    def most(self, count: int) -> float:
+        """Return a bound on the error of any of the ten sums over so many triangles, relative to what enters."""
+        return (self.normal + self.bracket + self.across(count) + 2) * float(self.unit)
+
 
 FLOAT64 = Roundings(Fraction(1, 2**53), normal=8, corner=3, bracket=10, blocks=5)
 """The roundings of `inertia.mass.triangles.sums`.
@@ -221,11 +225,13 @@ _INFLATED = 1.0 + 1e-9
 """More than the arithmetic of the bounds, the products of two γ and the roundings of P and D can take from them."""
 
 
-def roughest(sums: PlainSums, roundings: Roundings) -> list[float]:
-    """Return bounds like `a_priori`, with every triangle as far out as the farthest; larger, and sooner formed."""
+def roughest(sums: PlainSums, relative: float) -> list[float]:
+    """Return bounds like `a_priori` with every triangle as far out as the farthest: larger, and sooner formed.
+
+    `relative` bounds the error relative to the magnitudes that enter.
+    """
     reach = _reach(sums)
-    count = roundings.normal + roundings.bracket + roundings.across(sums.count) + 2
-    size = count * float(roundings.unit) * _INFLATED * float(sums.sums[10] + sums.sums[12])
+    size = relative * _INFLATED * float(sums.sums[10] + sums.sums[12])
     return [size, *(3 * r * size for r in reach), *(12 * reach[i] * reach[j] * size for i, j in PAIRS)]
 
 

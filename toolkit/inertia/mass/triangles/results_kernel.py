@@ -27,6 +27,7 @@ each: no term passes through more."""
 
 ROUNDED = 2.0**-52  # once to float64, and all that double-double leaves
 INFLATED = 1.0 + 1e-9  # more than the arithmetic of the bounds can lose
+NORMAL = 2.0**-900  # far above the numbers that have fewer digits
 CERTAIN = 1e-9  # as `inertia.mass.properties.CERTAIN`
 
 
@@ -81,6 +82,16 @@ def is_sure(tensor, error):
     body = p * (q * r - yz * yz) - xy * (xy * r + yz * zx) - zx * (xy * yz + q * zx)
     physical = (p > 0) and (q > 0) and (r > 0) and (body > 3.0 * error + 1e-14)
     return physical and 2.0 * error < CERTAIN * (determinant - 1e-13)
+
+
+@njit(error_model="numpy", forceinline=True)
+def norm(xx, yy, zz, yz, zx, xy):
+    """Return the Frobenius norm of a symmetric matrix, of whose elements the squares may be beyond float64."""
+    largest = max(max(abs(xx), abs(yy), abs(zz)), max(abs(yz), abs(zx), abs(xy)))
+    if not 0.0 < largest < np.inf:
+        return largest
+    xx, yy, zz, yz, zx, xy = xx / largest, yy / largest, zz / largest, yz / largest, zx / largest, xy / largest
+    return largest * np.sqrt((xx * xx + yy * yy + zz * zz) + 2.0 * (yz * yz + zx * zx + xy * xy))
 
 
 @njit(error_model="numpy", forceinline=True)
@@ -145,15 +156,14 @@ def mass_results(rows_at, meshes, densities_at, units_at, out_at):
         oyz = second_bound((apart(sums, accurate, 7) + lost) / 120.0, by, bz, y, z, weight)
         ozx = second_bound((apart(sums, accurate, 8) + lost) / 120.0, bz, bx, z, x, weight)
         oxy = second_bound((apart(sums, accurate, 9) + lost) / 120.0, bx, by, x, y, weight)
-        squares = ((oyy + ozz) ** 2 + (ozz + oxx) ** 2 + (oxx + oyy) ** 2) + 2.0 * (oyz**2 + ozx**2 + oxy**2)
-        norm = np.sqrt((ixx**2 + iyy**2 + izz**2) + 2.0 * (iyz**2 + izx**2 + ixy**2))
-        distance = np.sqrt(bx[1] ** 2 + by[1] ** 2 + bz[1] ** 2) / least + A_PRIORI * reach
+        lost = norm(oyy + ozz, ozz + oxx, oxx + oyy, oyz, ozx, oxy) * (units[6] * density)
+        distance = norm(bx[1], by[1], bz[1], 0.0, 0.0, 0.0) / least + A_PRIORI * reach
         volume_error = off / (v / 6.0) * INFLATED + ROUNDED
         center_error = distance * units[2] * INFLATED + ROUNDED * np.sqrt(far)
-        inertia_error = np.sqrt(squares) * (units[6] * density) / norm * INFLATED + ROUNDED
+        whole = norm(ixx, iyy, izz, iyz, izx, ixy)
+        inertia_error = lost / whole * INFLATED + ROUNDED
         result[VOLUME_ERROR], result[CENTER_ERROR], result[INERTIA_ERROR] = volume_error, center_error, inertia_error
         sure = is_sure(tensor, inertia_error) and volume_error <= CERTAIN and abs(center_error) < np.inf
-        total = abs(ixx) + abs(iyy) + abs(izz) + abs(iyz) + abs(izx) + abs(ixy)
-        sure = sure and total < np.inf and vh > 0.0 and 0.0 < result[MASS] < np.inf
+        sure = sure and NORMAL < whole < np.inf and vh > NORMAL and NORMAL < result[MASS] < np.inf
         result[SURE] = 1.0 if sure else 0.0
     return 0

@@ -44,6 +44,9 @@ KERNEL = BlockKernel(
     Kernel("inertia.mass.triangles.moment_kernel", "sum_faces", "ppi" + "ddd" + "ipp"),
     columns=SUMS + 6,
 )
+CAME_ALONG = 1e-28
+"""As `results_kernel.A_PRIORI`."""
+
 MANY = 1_024
 """Triangles above which the sums of a solid have the digits that float64 loses, where their kernel is shipped."""
 
@@ -74,9 +77,13 @@ class Sums:
 
 @dataclass(frozen=True, eq=False)
 class PlainSums(Sums):
-    """The thirteen sums (13,) in float64."""
+    """The thirteen sums (13,) in float64; the first ten in double-double, high and low, where they came along.
+
+    These are off by at most `CAME_ALONG` of the magnitudes that enter.
+    """
 
     sums: Float
+    finer: tuple[list[float], list[float]] | None = None
 
 
 @dataclass(frozen=True, eq=False)

@@ -164,6 +164,8 @@ def _under_both(one: Float, other: Float, i: Int, j: Int) -> tuple[float, float]
 
     The bound is over the largest coordinate and the rounding of one step.
     """
+    if len(i) == 0:
+        return 0.0, 0.0
     if not _SUM.worthwhile(max(len(i), SHIPPED_ABOVE)):  # numpy takes as long for one pair as loading does
         parts = [slice(start, start + _AT_ONCE) for start in range(0, len(i), _AT_ONCE)]
         sums = [_vectorised(one[i[part]], other[j[part]]) for part in parts]

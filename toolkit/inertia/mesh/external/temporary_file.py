@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from inertia.errors import Remedy, WriteError
 from inertia.mesh.external.memory import in_bytes
-from inertia.output import temporary_folder
+from inertia.output import remove_left_behind, temporary_folder
 
 MEMORY = Remedy("analyse", "memory", "BYTES")
 
@@ -31,6 +31,7 @@ class TemporaryFile:
 
     def __init__(self, size: int, stack: ExitStack) -> None:
         if size == 0:
+            remove_left_behind()
             return
         self._folder = stack.enter_context(temporary_folder())
         require_space(self._folder, size)

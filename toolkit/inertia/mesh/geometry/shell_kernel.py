@@ -30,6 +30,12 @@ FIRST, SECOND, THIRD = 0.4140625, 0.3515625, 0.234375
 BLUR = 1e-14
 """What a height times the sides of a triangle is rounded by, at most, over the product of their lengths."""
 
+SHARE = 2.0**-20
+"""Of a squared height, that it has to be larger than what it is compared with; a quarter of it for the rounding."""
+
+TINY = 2.0**-900
+"""Above what squares that underflow are off by."""
+
 
 @njit(error_model="numpy", forceinline=True)
 def least(a, b, c, d):
@@ -92,18 +98,22 @@ def measure_shells(vertices_at, vertices, faces_at, labels_at, count, table_at, 
     return 0
 
 
-def curve_places(table_at, shells, cells, noise, stored, bits, box_at, places_at):
+def curve_places(table_at, shells, cells, noise, stored, bits, box_at, boxes_at, places_at):
     """Write the box of all shells, (2, 3), and the place of each along a Z-order curve, its number in the last `bits`.
 
-    Returns 1 where a volume is not known to have a sign, or the boxes are points.
+    Their own boxes, (n, 6), are written as float32: rounding never changes an order, so that those that overlap still
+    meet. Returns 1 where a volume is not known to have a sign, or the boxes are points.
     """
     table = carray(table_at, (shells, COLUMNS), np.float64)
     box = carray(box_at, (2, 3), np.float64)
+    boxes = carray(boxes_at, (shells, 6), np.float32)
     places = carray(places_at, (shells,), np.uint64)
     lx, ly, lz, hx, hy, hz = table[0, 0], table[0, 1], table[0, 2], table[0, 3], table[0, 4], table[0, 5]
     for k in range(shells):
         lx, ly, lz = min(lx, table[k, 0]), min(ly, table[k, 1]), min(lz, table[k, 2])
         hx, hy, hz = max(hx, table[k, 3]), max(hy, table[k, 4]), max(hz, table[k, 5])
+        for axis in range(6):
+            boxes[k, axis] = np.float32(table[k, axis])
         if not abs(table[k, 6]) > (noise + table[k, 11] * stored) * table[k, 7]:
             return 1
     box[0, 0], box[0, 1], box[0, 2], box[1, 0], box[1, 1], box[1, 2] = lx, ly, lz, hx, hy, hz
@@ -151,7 +161,10 @@ def sort_places(places_at, room_at, counts_at, count, bits):
     return 0
 
 
-def meet_boxes(table_at, order_at, places_at, count, family_at, boxes_at, nodes_at, stack_at, flags_at, zones_at):
+def meet_boxes(
+    table_at, single_at, order_at, places_at, count,
+    family_at, boxes_at, nodes_at, stack_at, flags_at, zones_at, spots_at,
+):  # fmt: skip
     """Enclose boxes two by two, and say which of them meet others of their family, lie in one and hold one, and where.
 
     Shells are looked at in order, in which their families ascend, and `places` along the curve in each. Two nodes
@@ -159,22 +172,25 @@ def meet_boxes(table_at, order_at, places_at, count, family_at, boxes_at, nodes_
     boxes of nodes are mostly apart (T. Karras, "Maximizing parallelism in the construction of BVHs, octrees, and k-d
     trees", High Performance Graphics 2012). Node k < `count` is the k-th shell, and has in `nodes`, (2 count, 2), the
     root of its family, if it is the last of it; others have the two nodes that they join. The boxes written,
-    (2 count, 6), are float32: rounding never changes an order, so that those that overlap still meet. `stack` has room
-    for 512 rows. `zones`, (count, 6), come to enclose what each that meets others has in common with them.
+    (2 count, 6), are float32, as those of the shells in `single` are. `stack` has room for 512 rows. `zones`,
+    (count, 6), come to enclose what each that meets others has in common with them, `spots`, (count, 6), the places on
+    those that lie in the box of each that holds others.
     """
     table = carray(table_at, (count, COLUMNS), np.float64)
+    single = carray(single_at, (count, 6), np.float32)
     order = carray(order_at, (count,), np.int64)
     places = carray(places_at, (count,), np.uint64)
     family = carray(family_at, (count,), np.int64)
     boxes = carray(boxes_at, (2 * count, 6), np.float32)
-    nodes = carray(nodes_at, (2 * count, 2), np.int64)
+    nodes = carray(nodes_at, (2 * count, 2), np.int32)
     stack = carray(stack_at, (512, 2), np.int64)
     flags, zones = carray(flags_at, (count,), np.uint8), carray(zones_at, (count, 6), np.float64)
+    spots = carray(spots_at, (count, 6), np.float64)
     waiting, built = 0, count
     one = order[0]
     for k in range(count):
         for axis in range(6):
-            boxes[k, axis] = np.float32(table[one, axis])
+            boxes[k, axis] = single[one, axis]
         # How far the node that ends here is from the next: equal places are told apart by their numbers.
         key = np.int64(k ^ (k + 1))
         other = order[min(k + 1, count - 1)]
@@ -187,12 +203,16 @@ def meet_boxes(table_at, order_at, places_at, count, family_at, boxes_at, nodes_
         while waiting > 0 and stack[waiting - 1, 1] < min(key, FARTHEST):
             waiting -= 1
             before = stack[waiting, 0]
+            apart = False
             for axis in range(3):
-                boxes[built, axis] = min(boxes[before, axis], boxes[node, axis])
-                boxes[built, axis + 3] = max(boxes[before, axis + 3], boxes[node, axis + 3])
+                low, high = boxes[before, axis], boxes[before, axis + 3]
+                lower, higher = boxes[node, axis], boxes[node, axis + 3]
+                apart |= (high < lower) | (higher < low)
+                boxes[built, axis] = lower if lower < low else low
+                boxes[built, axis + 3] = higher if higher > high else high
             nodes[built, 0], nodes[built, 1] = before, node
-            if overlap(boxes, before, node):
-                descend(table, order, boxes, nodes, stack, waiting, flags, zones, count, before, node)
+            if not apart:
+                descend(table, order, boxes, nodes, stack, waiting, flags, zones, spots, count, before, node)
             node = built
             built += 1
         if last:
@@ -225,7 +245,7 @@ def girth(boxes, node):
 
 
 @njit(error_model="numpy", forceinline=True)
-def descend(table, order, boxes, nodes, stack, base, flags, zones, count, one, other):
+def descend(table, order, boxes, nodes, stack, base, flags, zones, spots, count, one, other):
     """Compare the shells in two nodes whose boxes overlap; rows of the stack from `base` on are free."""
     stack[base, 0], stack[base, 1] = one, other
     waiting = base + 1
@@ -233,7 +253,7 @@ def descend(table, order, boxes, nodes, stack, base, flags, zones, count, one, o
         waiting -= 1
         p, q = stack[waiting, 0], stack[waiting, 1]
         if p < count and q < count:
-            compare(table, flags, zones, order[p], order[q])
+            compare(table, flags, zones, spots, order[p], order[q])
             continue
         if p < count or (q >= count and girth(boxes, q) > girth(boxes, p)):
             p, q = q, p
@@ -256,7 +276,19 @@ def meet(table, flags, zones, one, other):
 
 
 @njit(error_model="numpy", forceinline=True)
-def compare(table, flags, zones, one, other):
+def hold(table, flags, spots, inner, outer):
+    """Write down that the box of a shell lies in that of another."""
+    known = flags[outer] & AROUND
+    for axis in range(3):
+        x = table[inner, 8 + axis]
+        spots[outer, axis] = min(spots[outer, axis], x) if known else x
+        spots[outer, axis + 3] = max(spots[outer, axis + 3], x) if known else x
+    flags[inner] |= INSIDE
+    flags[outer] |= AROUND
+
+
+@njit(error_model="numpy", forceinline=True)
+def compare(table, flags, zones, spots, one, other):
     """Write down what the boxes of two shells do to each other."""
     apart, a_in_b, b_in_a = False, True, True
     for axis in range(3):
@@ -269,11 +301,9 @@ def compare(table, flags, zones, one, other):
         meet(table, flags, zones, one, other)
         meet(table, flags, zones, other, one)
     if a_in_b:
-        flags[one] |= INSIDE
-        flags[other] |= AROUND
+        hold(table, flags, spots, one, other)
     if b_in_a:
-        flags[other] |= INSIDE
-        flags[one] |= AROUND
+        hold(table, flags, spots, other, one)
 
 
 @njit(error_model="numpy", forceinline=True)
@@ -289,21 +319,23 @@ def upwards(ax, ay, bx, by):
 
 def cast_rays(
     vertices_at, vertices, faces_at, labels_at, count,
-    table_at, shells, flags_at, signs_at, numbers_at, radii_at,
+    table_at, shells, flags_at, spots_at, signs_at, numbers_at, radii_at,
     points_at, whose_at, points, cells_at, across, x, y, step_x, step_y, margin, sums_at, depths_at,
 ):  # fmt: skip
     """Add what triangles cross of the rays from points upwards to the sums and depths of the points' shells.
 
     Points (x, y, z) lie in order of `across` × `across` cells of the xy plane, each of which begins at `cells`. To the
     sum goes the number of the shell that is crossed, to the depth its sign, each as often as it is crossed. `radii` are
-    the squares of those of the shells that lie in others, about the middles of their boxes. Returns 1 where a point is
-    nearer than the margin to another shell, so that it cannot be told.
+    the squares of those of the shells that lie in others, about the middles of their boxes; what lies in the box of one
+    that holds others has its points in `spots`. Returns 1 where a point is nearer than the margin to another shell, so
+    that it cannot be told.
     """
     corners = carray(vertices_at, (vertices, 3), np.float64)
     faces = carray(faces_at, (count, 3), np.int64)
     labels = carray(labels_at, (count,), np.int32)
     table = carray(table_at, (shells, COLUMNS), np.float64)
     flags = carray(flags_at, (shells,), np.uint8)
+    spots = carray(spots_at, (shells, 6), np.float64)
     signs = carray(signs_at, (shells,), np.int64)
     numbers = carray(numbers_at, (shells,), np.int64)
     radii = carray(radii_at, (shells,), np.float64)
@@ -317,23 +349,32 @@ def cast_rays(
         shell = labels[k]
         if shell < 0:
             continue
-        if flags[shell] & INSIDE:
+        flag = flags[shell]
+        if not flag & (INSIDE | AROUND):
+            continue
+        p, q, r = faces[k, 0], faces[k, 1], faces[k, 2]
+        x0, y0, z0 = corners[p, 0], corners[p, 1], corners[p, 2]
+        x1, y1, z1 = corners[q, 0], corners[q, 1], corners[q, 2]
+        x2, y2, z2 = corners[r, 0], corners[r, 1], corners[r, 2]
+        if flag & INSIDE:
             mx = 0.5 * table[shell, 0] + 0.5 * table[shell, 3]
             my = 0.5 * table[shell, 1] + 0.5 * table[shell, 4]
             mz = 0.5 * table[shell, 2] + 0.5 * table[shell, 5]
-            for corner in range(3):
-                at = faces[k, corner]
-                dx, dy, dz = corners[at, 0] - mx, corners[at, 1] - my, corners[at, 2] - mz
-                radii[shell] = max(radii[shell], dx * dx + dy * dy + dz * dz)
-        if not flags[shell] & AROUND:
+            d0 = (x0 - mx) * (x0 - mx) + (y0 - my) * (y0 - my) + (z0 - mz) * (z0 - mz)
+            d1 = (x1 - mx) * (x1 - mx) + (y1 - my) * (y1 - my) + (z1 - mz) * (z1 - mz)
+            d2 = (x2 - mx) * (x2 - mx) + (y2 - my) * (y2 - my) + (z2 - mz) * (z2 - mz)
+            radii[shell] = most(radii[shell], d0, d1, d2)
+        if not flag & AROUND:
             continue
-        p, q, r = faces[k, 0], faces[k, 1], faces[k, 2]
-        lx = min(corners[p, 0], corners[q, 0], corners[r, 0]) - margin
-        hx = max(corners[p, 0], corners[q, 0], corners[r, 0]) + margin
-        ly = min(corners[p, 1], corners[q, 1], corners[r, 1]) - margin
-        hy = max(corners[p, 1], corners[q, 1], corners[r, 1]) + margin
-        lz = min(corners[p, 2], corners[q, 2], corners[r, 2]) - margin
-        hz = max(corners[p, 2], corners[q, 2], corners[r, 2]) + margin
+        lx, hx = least(x0, x1, x2, x2) - margin, most(x0, x1, x2, x2) + margin
+        ly, hy = least(y0, y1, y2, y2) - margin, most(y0, y1, y2, y2) + margin
+        lz, hz = least(z0, z1, z2, z2) - margin, most(z0, z1, z2, z2) + margin
+        # Points beside those of shells in its box, or below them, are outside.
+        lx, hx = max(lx, spots[shell, 0]), min(hx, spots[shell, 3])
+        ly, hy = max(ly, spots[shell, 1]), min(hy, spots[shell, 4])
+        bottom = spots[shell, 2]
+        if (hx < lx) | (hy < ly) | (hz < bottom):  # as most are: one branch costs less than several
+            continue
         left = int(max((lx - x) * step_x - 1e-6, 0.0))
         right = min(int(max((hx - x) * step_x + 1e-6, 0.0)), across - 1)
         near = int(max((ly - y) * step_y - 1e-6, 0.0))
@@ -343,11 +384,11 @@ def cast_rays(
                 break
             for at in range(cells[row * across + left], cells[row * across + right + 1]):
                 px, py, pz = place[at, 0], place[at, 1], place[at, 2]
-                if hz < pz or px < lx or hx < px or py < ly or hy < py or whose[at] == shell:
+                if hz < pz or pz < bottom or px < lx or hx < px or py < ly or hy < py or whose[at] == shell:
                     continue
-                ax, ay, az = corners[p, 0] - px, corners[p, 1] - py, corners[p, 2] - pz
-                bx, by, bz = corners[q, 0] - px, corners[q, 1] - py, corners[q, 2] - pz
-                cx, cy, cz = corners[r, 0] - px, corners[r, 1] - py, corners[r, 2] - pz
+                ax, ay, az = x0 - px, y0 - py, z0 - pz
+                bx, by, bz = x1 - px, y1 - py, z1 - pz
+                cx, cy, cz = x2 - px, y2 - py, z2 - pz
                 turns = upwards(ax, ay, bx, by) + upwards(bx, by, cx, cy) + upwards(cx, cy, ax, ay)
                 if lz <= pz:
                     bx, by, bz, cx, cy, cz = bx - ax, by - ay, bz - az, cx - ax, cy - ay, cz - az
@@ -363,6 +404,13 @@ def cast_rays(
                     sums[whose[at]] += turns * numbers[shell]
                     depths[whose[at]] += turns * signs[shell]
     return unclear
+
+
+@njit(error_model="numpy", forceinline=True)
+def overlaps(boxes, row, lx, ly, lz, hx, hy, hz):
+    """Say whether a box has a point in common with another."""
+    beside = (boxes[row, 3] < lx) | (hx < boxes[row, 0]) | (boxes[row, 4] < ly) | (hy < boxes[row, 1])
+    return not (beside | (boxes[row, 5] < lz) | (hz < boxes[row, 2]))
 
 
 def near_children(
@@ -394,7 +442,7 @@ def near_children(
     table = carray(table_at, (shells, COLUMNS), np.float64)
     radii = carray(radii_at, (shells,), np.float64)
     boxes = carray(boxes_at, (2 * shells, 6), np.float32)
-    nodes = carray(nodes_at, (2 * shells, 2), np.int64)
+    nodes = carray(nodes_at, (2 * shells, 2), np.int32)
     order = carray(order_at, (shells,), np.int64)
     ranges = carray(ranges_at, (shells, 2), np.int64)
     near = carray(near_at, (count,), np.uint8)
@@ -408,37 +456,35 @@ def near_children(
         ax, ay, az = corners[p, 0], corners[p, 1], corners[p, 2]
         bx, by, bz = corners[q, 0], corners[q, 1], corners[q, 2]
         cx, cy, cz = corners[r, 0], corners[r, 1], corners[r, 2]
-        lx, ly, lz = np.float32(min(ax, bx, cx)), np.float32(min(ay, by, cy)), np.float32(min(az, bz, cz))
-        hx, hy, hz = np.float32(max(ax, bx, cx)), np.float32(max(ay, by, cy)), np.float32(max(az, bz, cz))
+        lx, ly, lz = least(ax, bx, cx, cx), least(ay, by, cy, cy), least(az, bz, cz, cz)
+        hx, hy, hz = most(ax, bx, cx, cx), most(ay, by, cy, cy), most(az, bz, cz, cz)
+        lx, ly, lz = np.float32(lx), np.float32(ly), np.float32(lz)
+        hx, hy, hz = np.float32(hx), np.float32(hy), np.float32(hz)
         ux, uy, uz, vx, vy, vz = bx - ax, by - ay, bz - az, cx - ax, cy - ay, cz - az
         nx, ny, nz = uy * vz - uz * vy, uz * vx - ux * vz, ux * vy - uy * vx
-        normal = math.sqrt(nx * nx + ny * ny + nz * nz)
+        normal = nx * nx + ny * ny + nz * nz
         sides = (ux * ux + uy * uy + uz * uz) * (vx * vx + vy * vy + vz * vz)
         stack[0] = nodes[ranges[shell, 1] - 1, 0]
         waiting = 1
         while waiting > 0:
             waiting -= 1
             row = stack[waiting]
-            if not (
-                lx <= boxes[row, 3]
-                and boxes[row, 0] <= hx
-                and ly <= boxes[row, 4]
-                and boxes[row, 1] <= hy
-                and lz <= boxes[row, 5]
-                and boxes[row, 2] <= hz
-            ):
-                continue
             if row >= shells:
-                stack[waiting], stack[waiting + 1] = nodes[row, 1], nodes[row, 0]
-                waiting += 2
+                if overlaps(boxes, row, lx, ly, lz, hx, hy, hz):
+                    stack[waiting], stack[waiting + 1] = nodes[row, 1], nodes[row, 0]
+                    waiting += 2
                 continue
             child = order[row]
             mx = 0.5 * table[child, 0] + 0.5 * table[child, 3] - ax
             my = 0.5 * table[child, 1] + 0.5 * table[child, 4] - ay
             mz = 0.5 * table[child, 2] + 0.5 * table[child, 5] - az
-            height = abs(mx * nx + my * ny + mz * nz)
-            blur = BLUR * math.sqrt(sides * (mx * mx + my * my + mz * mz))
-            if not height - blur > (1.0 + 1e-12) * math.sqrt(radii[child]) * normal:
+            height = mx * nx + my * ny + mz * nz
+            height *= height
+            blur = BLUR * BLUR * sides * (mx * mx + my * my + mz * mz)
+            # The sphere first, as it tells most apart: a branch that is hard to predict costs more.
+            if height * (1.0 - SHARE) > radii[child] * normal and blur + TINY < SHARE * SHARE / 16.0 * height:
+                continue
+            if overlaps(boxes, row, lx, ly, lz, hx, hy, hz):
                 near[k] = 1
                 flags[child] |= NEAR
     return 0

@@ -33,12 +33,12 @@ from inertia.mesh.surface import Surface, Triangles
 from inertia.native import Kernel, address
 
 _MODULE = "inertia.mesh.geometry.shell_kernel"
-_MEASURE = Kernel(_MODULE, "measure_shells", "pippi" + "pi")
-_PLACES = Kernel(_MODULE, "curve_places", "pi" + "dddi" + "pp")
+_MEASURE = Kernel(_MODULE, "measure_shells", "pippi" + "pi", fused=True)
+_PLACES = Kernel(_MODULE, "curve_places", "pi" + "dddi" + "ppp")
 _SORT = Kernel(_MODULE, "sort_places", "pppii")
-_MEET = Kernel(_MODULE, "meet_boxes", "pppi" + "pppppp")
-_CAST = Kernel(_MODULE, "cast_rays", "pippi" + "pi" + "pppp" + "ppip" + "i" + "ddddd" + "pp")
-_NEAR = Kernel(_MODULE, "near_children", "pippi" + "pi" + "ppppp" + "ppp")
+_MEET = Kernel(_MODULE, "meet_boxes", "ppppi" + "ppppppp")
+_CAST = Kernel(_MODULE, "cast_rays", "pippi" + "pi" + "ppppp" + "ppip" + "i" + "ddddd" + "pp")
+_NEAR = Kernel(_MODULE, "near_children", "pippi" + "pi" + "ppppp" + "ppp", fused=True)
 _ZONES = Kernel(_MODULE, "in_zones", "pippi" + "pi" + "p")
 _KERNELS = _MEASURE, _PLACES, _SORT, _MEET, _CAST, _NEAR, _ZONES
 _CHUNK = 1 << 14
@@ -77,8 +77,9 @@ def sound_nesting(triangles: Triangles, closure: Closure, *, streamed: bool = Fa
     table = np.zeros((count, _COLUMNS))
     for _, *chunk in _chunks(triangles, closure):
         _MEASURE.function(*chunk, address(table), count)
-    box, places, bits = np.empty((2, 3)), np.empty(count, np.uint64), max(count.bit_length(), _LEAST_BITS)
-    of_places = float(CELLS), _NOISE, _STORED, bits, address(box), address(places)
+    box, boxes = np.empty((2, 3)), np.empty((count, 6), np.float32)
+    places, bits = np.empty(count, np.uint64), max(count.bit_length(), _LEAST_BITS)
+    of_places = float(CELLS), _NOISE, _STORED, bits, address(box), address(boxes), address(places)
     if _PLACES.function(address(table), count, *of_places):
         return None
     size = float((box[1] - box[0]).max())
@@ -92,7 +93,7 @@ def sound_nesting(triangles: Triangles, closure: Closure, *, streamed: bool = Fa
     order = (places & np.uint64((1 << bits) - 1)).astype(np.int64)
     places >>= np.uint64(bits)
     volume = table[:, 6]
-    flags, *_ = _meeting(table, order, places, np.zeros(count, np.int64))
+    flags, *_, spots = _meeting(table, boxes, order, places, np.zeros(count, np.int64))
     parent, radii, depth = np.full(count, -1), np.zeros(count), np.zeros(count, np.int64)
     if not flags.any():
         return (parent, depth) if (volume > 0).all() else None
@@ -100,48 +101,56 @@ def sound_nesting(triangles: Triangles, closure: Closure, *, streamed: bool = Fa
         return None
     signs = np.where(volume > 0, 1, -1)
     if (flags & _INSIDE).any():
-        nest = _nest(triangles, closure, table, flags, signs, size)
+        nest = _nest(triangles, closure, table, flags, spots, signs, size)
         if nest is None:
             return None
         parent, depth, radii = nest
     if ((depth % 2 == 0) != (signs > 0)).any():
         return None
-    return (parent, depth) if _apart(triangles, closure, table, order, places, parent, radii, streamed) else None
+    apart = _apart(triangles, closure, table, boxes, order, places, parent, radii, streamed)
+    return (parent, depth) if apart else None
 
 
 def _chunks(triangles: Triangles, closure: Closure) -> Iterator[tuple[slice, int, int, int, int, int]]:
     """Yield the triangles chunk by chunk: which they are, and where vertices, faces and labels lie, with numbers."""
     surface = triangles if isinstance(triangles, Surface) else None
-    each = np.arange(3 * _CHUNK).reshape(-1, 3)
-    for start in range(0, triangles.count, _CHUNK):
-        labels = closure.labels[start : start + _CHUNK]
+    size = triangles.count if type(triangles) is Surface else _CHUNK  # whatever has its arrays in memory is one chunk
+    each = np.arange(3 * _CHUNK if surface is None else 0).reshape(-1, 3)
+    for start in range(0, triangles.count, size):
+        labels = closure.labels[start : start + size]
         if surface is None:
-            vertices, faces = np.ascontiguousarray(triangles.corners(start, start + _CHUNK)).reshape(-1, 3), each
+            vertices, faces = np.ascontiguousarray(triangles.corners(start, start + size)).reshape(-1, 3), each
         else:
-            vertices, faces = surface.vertices, np.ascontiguousarray(surface.block(start, start + _CHUNK))
+            vertices, faces = surface.vertices, np.ascontiguousarray(surface.block(start, start + size))
         places = vertices.ctypes.data, len(vertices), faces.ctypes.data, labels.ctypes.data
         yield slice(start, start + len(labels)), *places, len(labels)
 
 
 def _meeting(
-    table: Float, order: Int, places: NDArray[np.uint64], family: Int
-) -> tuple[NDArray[np.uint8], NDArray[np.float32], Int, Float]:
+    table: Float, single: NDArray[np.float32], order: Int, places: NDArray[np.uint64], family: Int
+) -> tuple[NDArray[np.uint8], NDArray[np.float32], NDArray[np.int32], Float, Float]:
     """Return what the boxes of shells do to others of their family, those in order with enclosing ones, and the nodes.
 
-    Returns boxes around what each that meets others has in common with them, too. `places` along a space-filling curve
-    sort those of a family.
+    Returns boxes around what each that meets others has in common with them, too, and around the places on those whose
+    boxes lie in that of each that holds others. `places` along a space-filling curve sort those of a family.
     """
     count = len(order)
-    boxes, nodes = np.empty((2 * count, 6), np.float32), np.empty((2 * count, 2), np.int64)
+    boxes, nodes = np.empty((2 * count, 6), np.float32), np.empty((2 * count, 2), np.int32)
     stack, flags = np.empty((512, 2), np.int64), np.zeros(count, np.uint8)
-    zones = np.empty((count, 6))  # of those that meet others
-    tables = (each.ctypes.data for each in (family, boxes, nodes, stack, flags, zones))
-    _MEET.function(address(table), address(order), address(places), count, *tables)
-    return flags, boxes, nodes, zones
+    zones, spots = np.empty((2, count, 6))  # of those that meet others, and hold others
+    tables = map(address, (family, boxes, nodes, stack, flags, zones, spots))
+    _MEET.function(*map(address, (table, single, order, places)), count, *tables)
+    return flags, boxes, nodes, zones, spots
 
 
 def _nest(
-    triangles: Triangles, closure: Closure, table: Float, flags: NDArray[np.uint8], signs: Int, size: float
+    triangles: Triangles,
+    closure: Closure,
+    table: Float,
+    flags: NDArray[np.uint8],
+    spots: Float,
+    signs: Int,
+    size: float,
 ) -> tuple[Int, Int, Float] | None:
     """Return what shell each is next inside (−1 is none), how many are around it, and the squares of their radii."""
     count = len(table)
@@ -157,7 +166,7 @@ def _nest(
     cells = np.searchsorted(cell[ranked], np.arange(across * across + 1))
     numbers = np.frombuffer(os.urandom(8 * count), np.int64).copy()
     sums, depth, radii = np.zeros(count, np.int64), np.zeros(count, np.int64), np.zeros(count)
-    of_shells = [address(each) for each in (flags, signs, numbers, radii)]
+    of_shells = [address(each) for each in (flags, spots, signs, numbers, radii)]
     of_points = address(points), address(whose), len(whose), address(cells), across
     for _, *chunk in _chunks(triangles, closure):
         if _CAST.function(
@@ -178,6 +187,7 @@ def _apart(
     triangles: Triangles,
     closure: Closure,
     table: Float,
+    single: NDArray[np.float32],
     order: Int,
     places: NDArray[np.uint64],
     parent: Int,
@@ -188,7 +198,7 @@ def _apart(
     count = len(table)
     ranked = np.argsort(parent[order], kind="stable")
     order = order[ranked]
-    flags, boxes, nodes, zones = _meeting(table, order, places[ranked], parent)
+    flags, boxes, nodes, zones, _ = _meeting(table, single, order, places[ranked], parent)
     near = np.zeros(triangles.count, np.uint8)
     if (parent >= 0).any():
         ranges = np.searchsorted(parent[order], np.arange(count)[:, None] + (0, 1))
