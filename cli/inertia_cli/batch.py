@@ -109,7 +109,7 @@ _DEFAULTS = {"orientation": "stored", "parts": "together"}
 
 def run(options: argparse.Namespace) -> int:
     """Run ``inertia batch``."""
-    from inertia.batching.batch import engine_for, setup_for, tasks_for
+    from inertia.batching.batch import engine_for, setup_for, sharded, tasks_for
     from inertia.batching.table import merge, write_batch
     from inertia.tables import require_table
 
@@ -132,10 +132,18 @@ def run(options: argparse.Namespace) -> int:
                 asked[name] = values[""] if set(values) == {""} else values
         setup = setup_for(options.verb, asked, timeout=options.timeout, memory=options.memory, wording=as_option)
         engine = engine_for(setup, options.jobs, options.dask)
-        tasks = tasks_for(options.paths, setup, manifest=options.manifest, shard=options.shard)
+        everything = tasks_for(options.paths, setup, manifest=options.manifest)
+        tasks = sharded(everything, options.shard)
         with _Progress(len(tasks)) as progress:
             summary = write_batch(
-                output, tasks, setup, engine, shard=options.shard, timings=options.timings, progress=progress
+                output,
+                tasks,
+                setup,
+                engine,
+                shard=options.shard,
+                everything=everything,
+                timings=options.timings,
+                progress=progress,
             )
     if output is None:
         print(summary.text(), file=sys.stderr)

@@ -177,3 +177,55 @@ def test_what_is_missing_of_a_table_to_be_merged_is_named(tmp_path: Path, capsys
         error = capsys.readouterr().err
         assert says in error
         assert "all.csv" not in error
+
+
+@pytest.fixture
+def shards(parts: str, tmp_path: Path) -> list[Path]:
+    tables = [tmp_path / f"shard{k}.jsonl" for k in (1, 2)]
+    for number, table in enumerate(tables, 1):
+        batch(parts, "-o", table, "--shard", f"{number}/2")
+    return tables
+
+
+@pytest.mark.parametrize(
+    ("text", "says"),
+    [
+        ('{"path": "x', "row 1: "),
+        ("{}\n", "row 1: it has not the columns that the table has"),
+        ("[1]\n", "row 1: it has not the columns that the table has"),
+        ("", "it has 0 of 3 rows: run its shard again"),
+    ],
+)
+def test_a_damaged_shard_is_named(
+    text: str, says: str, shards: list[Path], tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    shards[1].write_text(text)
+    assert batch("--merge", *shards, "-o", tmp_path / "all.jsonl") == 3
+    assert f"cannot read {shards[1]}" in (error := capsys.readouterr().err)
+    assert says in error
+    assert not (tmp_path / "all.jsonl").exists()
+
+
+def test_what_stands_beside_a_damaged_shard_is_named_too(
+    shards: list[Path], tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    (tmp_path / "shard2.jsonl.meta.json").write_text("[]")
+    assert batch("--merge", *shards, "-o", tmp_path / "all.jsonl") == 3
+    assert f"cannot read {shards[1]}" in capsys.readouterr().err
+
+
+def test_shards_of_a_folder_that_grew_are_no_whole(
+    shards: list[Path], parts: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    (tmp_path / "part00.stl").write_bytes(path("cube.stl").read_bytes())
+    batch(parts, "-o", shards[1], "--shard", "2/2", "--force")
+    assert batch("--merge", *shards, "-o", tmp_path / "all.jsonl") == 2
+    assert "another list of files" in capsys.readouterr().err
+
+
+def test_a_file_where_finished_rows_are_kept_is_refused_at_once(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    (tmp_path / "t.csv.parts").write_text("mine")
+    assert batch(path("cube.stl"), "-o", tmp_path / "t.csv") == 2
+    assert "t.csv.parts, where finished rows are kept, is no folder" in capsys.readouterr().err

@@ -83,15 +83,27 @@ _inputs: ContextVar[dict[Path | int, None] | None] = ContextVar("inputs", defaul
 @contextmanager
 def sparing_inputs(inputs: Iterable[Path | int]) -> Iterator[None]:
     """Refuse, in the context, to write over any of some files, or one that is read there (`note_input`)."""
-    before = _inputs.set(dict.fromkeys(inputs))
-    try:
+    with inputs_noted() as noted:
+        noted.update(dict.fromkeys(inputs))
         yield
+
+
+@contextmanager
+def inputs_noted() -> Iterator[dict[Path | int, None]]:
+    """Yield the files that are noted in the context, by `note_input`."""
+    noted: dict[Path | int, None] = {}
+    before = _inputs.set(noted)
+    try:
+        yield noted
     finally:
         _inputs.reset(before)
 
 
 def note_input(file: Path | int) -> None:
-    """Note a file that is read, by its path or descriptor, as one that a command must not write over."""
+    """Note a file that is read, by its path or descriptor, as one that a command must not write over.
+
+    One that is looked for and is not there is noted too: what is answered without it may not stand once it is there.
+    """
     inputs = _inputs.get()
     if inputs is not None:
         inputs[file] = None

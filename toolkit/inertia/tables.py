@@ -198,21 +198,38 @@ def read_table(path: Path) -> tuple[dict[str, Any], Iterator[dict[str, Any]]]:
         if path.suffix.lower() == ".parquet":
             file = load_pyarrow().parquet.ParquetFile(path)
             about = json.loads((file.schema_arrow.metadata or {})[b"inertia"])
-            return about, (row for batch in file.iter_batches() for row in batch.to_pylist())
+            kinds = _kinds(about)
+            return about, _sound_rows(path, kinds, (row for batch in file.iter_batches() for row in batch.to_pylist()))
         with path.open("rb"):
             pass
         about = json.loads(_beside(path).read_text(encoding="utf-8"))
-        kinds = {column["name"]: column["kind"] for column in about["columns"]}
-        if path.suffix.lower() == ".csv":
-            return about, _csv_rows(path, kinds)
-        return about, _json_rows(path)
+        kinds = _kinds(about)
+        return about, _sound_rows(path, kinds, _csv_rows(path, kinds) if path.suffix.lower() == ".csv" else _json_rows(path))
     except OSError as error:
         missing = error.errno == errno.ENOENT and os.fspath(error.filename or path) == os.fspath(_beside(path))
         beside = f"there is no {_beside(path).name} beside it, which says what it holds: keep them together"
         says = f"cannot read {path}: {beside if missing else reason_of(error)}"
         raise ReadError(visible(says), code="no_file") from None
-    except (KeyError, ValueError) as error:
+    except (KeyError, TypeError, ValueError) as error:
         raise ReadError(f"cannot read {path}: it is no table that a batch wrote ({visible(str(error))})") from None
+
+
+def _kinds(about: Any) -> dict[str, str]:
+    return {column["name"]: column["kind"] for column in about["columns"]}
+
+
+def _sound_rows(path: Path, kinds: Mapping[str, str], rows: Iterator[Any]) -> Iterator[dict[str, Any]]:
+    """Yield rows that have the columns of the table; raise `ReadError` at the first that has not."""
+    number = 0
+    try:
+        for number, row in enumerate(rows, 1):
+            if not isinstance(row, dict) or row.keys() != kinds.keys():
+                raise ValueError("it has not the columns that the table has")
+            yield row
+            number += 1
+    except (KeyError, TypeError, ValueError, OSError) as error:
+        why = visible(str(error))
+        raise ReadError(f"cannot read {path}, row {number or 1}: {why}: it is damaged, write it again") from None
 
 
 def _json_rows(path: Path) -> Iterator[dict[str, Any]]:

@@ -6,6 +6,7 @@ import json
 import os
 import stat
 import sys
+import sysconfig
 import threading
 import time
 import warnings
@@ -19,6 +20,7 @@ from inertia.batching.columns import COLUMNS, State
 from inertia.batching.sources import Task, local_copy
 from inertia.errors import GeometryError, InertiaError, ReadError, Remedy, Sentence, Wording, visible
 from inertia.mesh.version import sha256_of
+from inertia.output import inputs_noted
 
 Row = dict[str, Any]
 T = TypeVar("T")
@@ -78,16 +80,22 @@ class Setup:
 
 
 class Used(NamedTuple):
-    """A file that an answer rests on, as it was: its size and time are None where it is not there."""
+    """A file that an answer rests on, as it was: its size and time are None where it is not there.
+
+    Of what is not on this machine, as a URL, it is not known whether it has changed.
+    """
 
     path: str
     size: int | None
     time_ns: int | None
     sha256: str | None
+    here: bool = True
 
     @property
     def unchanged(self) -> bool:
-        """Whether it still has those contents."""
+        """Whether it still has those contents; of the same size and time of change, it is taken to have them."""
+        if not self.here:
+            return False
         try:
             status = Path(self.path).stat()
         except OSError:
@@ -122,8 +130,9 @@ def answer(task: Task, setup: Setup) -> Answer:
         row.update(state=state, exit_code=code, message=worded(Sentence(*words)))
 
     options = setup.options_of(task)
+    before = _status(file)
     with ExitStack() as stack:
-        opened = stack.enter_context(_opened())
+        opened, noted = stack.enter_context(_opened()), stack.enter_context(inputs_noted())
         stack.enter_context(warnings.catch_warnings())
         warnings.simplefilter("ignore")
         warnings.simplefilter("error", RuntimeWarning)  # as on the command line: an overflow is no ground for an answer
@@ -148,7 +157,13 @@ def answer(task: Task, setup: Setup) -> Answer:
         if row["sha256"] is None:
             with suppress(OSError, ValueError):
                 row["sha256"] = _digest(Path(file))
-    files = _used([file, *opened], row["sha256"]) if file == task.path else _used([task.archive or task.path], None)
+    if file == task.path:
+        others = (os.fspath(name) for name in noted if isinstance(name, Path))
+        files = _used([file, *opened, *others], row["sha256"], before)
+    elif task.member:
+        files = _used([task.archive], None)
+    else:
+        files = (Used(task.path, None, None, None, False),)
     row["seconds"] = time.perf_counter() - started
     return Answer(row, files)
 
@@ -204,7 +219,17 @@ def _opened() -> Iterator[dict[str, None]]:
 
 
 _hooked: list[bool] = []
-_OURS = tuple({sys.prefix, sys.base_prefix, str(Path(__file__).parent.parent), "/proc/", "/sys/", "/dev/"})
+_OURS = tuple(
+    f"{folder}{os.sep}"
+    for folder in {
+        *(sysconfig.get_path(name) for name in ("stdlib", "platstdlib", "purelib", "platlib")),
+        str(Path(os.__file__).parent),
+        str(Path(__file__).parent.parent),
+        "/proc",
+        "/sys",
+    }
+)
+"""Folders with what belongs to the program and to Python, and what is no file."""
 
 
 def _audit(event: str, arguments: tuple[Any, ...]) -> None:
@@ -214,8 +239,16 @@ def _audit(event: str, arguments: tuple[Any, ...]) -> None:
             _open_files.append(name)
 
 
-def _used(names: list[str], digest: str | None) -> tuple[Used, ...]:
-    """Return files as they are; `digest` is that of the first."""
+def _status(name: str) -> tuple[int, int] | None:
+    """Return the size and time of change of a file; None where there is none."""
+    with suppress(OSError, ValueError):
+        status = os.stat(name)
+        return status.st_size, status.st_mtime_ns
+    return None
+
+
+def _used(names: list[str], digest: str | None, before: tuple[int, int] | None = None) -> tuple[Used, ...]:
+    """Return files as they are; `digest` is that of the first, which had that size and time of change before."""
     files = []
     for number, name in enumerate(dict.fromkeys(names)):
         try:
@@ -223,8 +256,9 @@ def _used(names: list[str], digest: str | None) -> tuple[Used, ...]:
             status = path.stat()
             if not stat.S_ISREG(status.st_mode):
                 continue
-            sha256 = digest if number == 0 and digest else _digest(path)
-            files.append(Used(name, status.st_size, status.st_mtime_ns, sha256))
+            known = number == 0 and digest is not None and before is not None
+            size, time_ns = before if known else (status.st_size, status.st_mtime_ns)  # type: ignore[misc]
+            files.append(Used(name, size, time_ns, digest if known else _digest(path)))
         except (OSError, ValueError):
             files.append(Used(name, None, None, None))
     return tuple(files)

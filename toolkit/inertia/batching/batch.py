@@ -48,7 +48,7 @@ def batch(
     UsageError : an argument is not usable, a glob matches nothing
     """
     setup = setup_for(verb, options, timeout=timeout, memory=memory)
-    tasks = tasks_for(paths, setup, manifest=manifest, shard=shard)
+    tasks = sharded(tasks_for(paths, setup, manifest=manifest), shard)
     engine = engine_for(setup, jobs, dask)
     return (answer.row for answer in in_order(tasks, engine))
 
@@ -81,12 +81,15 @@ def tasks_for(
     setup: Setup,
     *,
     manifest: str | os.PathLike[str] | None = None,
-    shard: tuple[int, int] | None = None,
 ) -> list[Task]:
-    """Return the files of a batch, or of one of its shards: every n-th, so that those of one folder spread."""
+    """Return the files of a batch."""
     names = [paths] if isinstance(paths, str | os.PathLike) else paths
     listed = None if manifest is None else os.fspath(manifest)
-    tasks = tasks_of((os.fspath(name) for name in names), setup.verb, listed)
+    return tasks_of((os.fspath(name) for name in names), setup.verb, listed)
+
+
+def sharded(tasks: list[Task], shard: tuple[int, int] | None) -> list[Task]:
+    """Return the files of a shard, if there are shards: every n-th, so that those of one folder spread."""
     if shard is None:
         return tasks
     number, count = shard

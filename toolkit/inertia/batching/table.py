@@ -33,7 +33,6 @@ _SOON, _LATER = 0.5, 0.02
 """s after which a part is written, and the share of the time so far that it is later on: there are few parts, then."""
 
 _PART = re.compile(r"[0-9a-f]{16}\.jsonl")
-_LIMITED = ("crashed", "timed_out")
 
 
 def write_batch(
@@ -43,6 +42,7 @@ def write_batch(
     engine: Callable[[], Engine],
     *,
     shard: tuple[int, int] | None = None,
+    everything: Sequence[Task] = (),
     timings: bool = False,
     progress: Callable[[Summary], None] | None = None,
 ) -> Summary:
@@ -53,6 +53,7 @@ def write_batch(
     path : of the table, which may be there already only where it is to be replaced; None to print JSON lines, of
         which no part is kept
     tasks : the files
+    everything : those of all shards, where there are any
     engine : called where there is something to answer for
     shard : which of how many the tasks are
     timings : whether the seconds stand in the table, whose bytes are then never the same
@@ -63,7 +64,7 @@ def write_batch(
         "version": __version__,
         "verb": setup.verb,
         "options": {name: _plain(value) for name, value in setup.options.items()},
-        **({} if shard is None else {"shard": list(shard)}),
+        **({} if shard is None else {"shard": list(shard), "files": _list_of(everything)}),
     }
     for task in tasks:
         note_input(Path(task.archive or task.path))
@@ -82,6 +83,12 @@ def write_batch(
     return summary
 
 
+def _list_of(tasks: Sequence[Task]) -> dict[str, Any]:
+    """Return how many files there are, and what tells their list from others."""
+    digest = sha256(repr([(task.path, sorted(task.options.items())) for task in tasks]).encode()).hexdigest()
+    return {"count": len(tasks), "sha256": digest}
+
+
 def _plain(value: Any) -> Any:
     """Return the value of an option as JSON has it."""
     if isinstance(value, dict):
@@ -95,6 +102,9 @@ class Parts:
 
     def __init__(self, folder: Path | None, setup: Setup) -> None:
         self._folder, self._setup = folder, setup
+        self._limits = [setup.timeout, setup.memory]
+        if folder is not None and folder.exists() and not folder.is_dir():
+            raise UsageError(f"{folder}, where finished rows are kept, is no folder: remove it, or name another table")
         self._rows: list[bytes] = []
         self._started = self._saved = time.monotonic()
         self._places: dict[bytes, tuple[Path, int]] = {}
@@ -110,7 +120,8 @@ class Parts:
             file.seek(offset)
             entry = json.loads(file.readline())
         row, files = entry["row"], [Used(*each) for each in entry["files"]]
-        if row["state"] in _LIMITED and entry["limits"] != [self._setup.timeout, self._setup.memory]:
+        # What could not be read may have been written meanwhile; limits may keep any file from an answer.
+        if row["state"] == "unreadable" or (row["state"] != "answered" and entry["limits"] != self._limits):
             return None
         unchanged = within(self._setup.timeout, lambda: all(file.unchanged for file in files), False)
         return Answer(row, tuple(files), True) if unchanged else None
@@ -121,7 +132,7 @@ class Parts:
             return
         entry = {
             "key": self._key(task).hex(),
-            "limits": [self._setup.timeout, self._setup.memory],
+            "limits": self._limits,
             "row": answer.row,
             "files": answer.files,
         }
@@ -175,7 +186,7 @@ def merge(path: Path, tables: Sequence[Path]) -> Summary:
     Raises `UsageError` where they do not belong together, or one is missing.
     """
     opened = [read_table(each) for each in tables]
-    abouts = [{name: value for name, value in about.items() if name != "shard"} for about, _ in opened]
+    abouts = [{name: value for name, value in about.items() if name not in ("shard", "files")} for about, _ in opened]
     for each, about in zip(tables, abouts, strict=True):
         if about.get("schema") != SCHEMA:
             raise ReadError(f"cannot read {each}: it is no table of a batch")
@@ -187,14 +198,24 @@ def merge(path: Path, tables: Sequence[Path]) -> Summary:
     if missing or len(shards) != count or any(shard[1:] != (count,) for shard in shards):
         which = f"shard {min(missing)} of {count} is missing" if missing else "they are not the shards of one batch"
         raise UsageError(f"{which}: give the table of each shard, once")
+    lists = [about["files"] for about, _ in opened]
+    for each, files in zip(tables, lists, strict=True):
+        if files != lists[0]:
+            raise UsageError(f"{each} is of another list of files than {tables[0]}: run all shards again on one list")
     verb = abouts[0]["verb"]
     order = sorted(range(count), key=lambda k: shards[k])
+    lengths = [0] * count
     summary = Summary(verb, 0)
     with table_writer(path, COLUMNS[verb], {name: abouts[0][name] for name in abouts[0] if name != "columns"}) as write:
         for rows in zip_longest(*(opened[k][1] for k in order)):
-            for row in rows:
+            for k, row in zip(order, rows, strict=True):
                 if row is not None:
+                    lengths[k] += 1
                     summary.files += 1
                     summary.count(row, False)
                     write(row)
+        for k in range(count):
+            number = shards[k][0]
+            if lengths[k] != (wanted := len(range(number - 1, lists[0]["count"], count))):
+                raise ReadError(f"cannot read {tables[k]}: it has {lengths[k]} of {wanted} rows: run its shard again")
     return summary

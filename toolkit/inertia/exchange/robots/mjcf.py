@@ -133,6 +133,7 @@ def _include(element: Element, folder: Path, here: Path, files: list[Path], dept
         name = child.get("file", "")
         file = next((place for place in (folder / name, here / name) if place.is_file()), None)
         if file is None:
+            note_input(folder / name)
             raise ReadError(f"the included file {shown(name)} is not there: looked for {folder / name}", code="no_file")
         files.append(file)
         note_input(file)

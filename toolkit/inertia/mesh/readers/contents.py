@@ -26,6 +26,7 @@ from inertia.mesh.shape import Shape
 from inertia.mesh.surface import Facets, Surface
 from inertia.mesh.tree import MeshNode
 from inertia.mesh.version import refer_to
+from inertia.output import note_input
 from inertia.units import Unit
 
 UNNAMED = "default"
@@ -128,6 +129,7 @@ def beneath(folder: Path, name: str) -> Path:
             code="outside_folder",
         )
     if missing:
+        note_input(base / name)
         raise ReadError(
             f"it needs the file {shown(name)} beside it, which is not there: keep them together", code="no_file"
         )

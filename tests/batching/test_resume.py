@@ -1,0 +1,113 @@
+"""What an earlier run has answered counts only where nothing that it rests on has changed."""
+
+import json
+import os
+import shutil
+from contextlib import closing
+from pathlib import Path
+
+import pytest
+
+from inertia.batching.answer import Answer, Setup, answer
+from inertia.batching.sources import Task
+from inertia.batching.table import Parts
+from inertia_meshes import path
+
+CUBE, BOX, CUT = path("cube.stl"), path("box.stl"), path("broken/truncated.stl")
+
+
+def kept(task: Task, setup: Setup, folder: Path) -> Answer:
+    """Keep the answer of a run."""
+    first = answer(task, setup)
+    with closing(Parts(folder, setup)) as parts:
+        parts.add(task, first)
+    return first
+
+
+def test_a_file_that_was_refused_for_memory_is_asked_for_with_more(tmp_path: Path) -> None:
+    task, folder = Task(str(CUBE)), tmp_path / "a.csv.parts"
+    less, more = Setup("analyse", memory=1 << 20), Setup("analyse", memory=1 << 33)
+    with closing(Parts(folder, less)) as parts:
+        parts.add(task, Answer(less.empty(task) | {"state": "refused"}, ()))
+    assert Parts(folder, less).answer(task) is not None
+    assert Parts(folder, more).answer(task) is None
+
+
+@pytest.mark.parametrize("name", ["cut.stl", "none.stl"])
+def test_a_file_that_could_not_be_read_is_read_again(name: str, tmp_path: Path) -> None:
+    file, setup, folder = tmp_path / name, Setup("analyse"), tmp_path / "a.csv.parts"
+    if name == "cut.stl":
+        shutil.copy(CUT, file)
+    assert kept(Task(str(file)), setup, folder).row["state"] == "unreadable"
+    assert Parts(folder, setup).answer(Task(str(file))) is None
+
+
+def test_what_is_behind_a_url_is_asked_for_again(tmp_path: Path) -> None:
+    pytest.importorskip("fsspec")
+    file, setup, folder = tmp_path / "x.stl", Setup("analyse"), tmp_path / "a.csv.parts"
+    shutil.copy(CUBE, file)
+    task = Task(file.as_uri())
+    assert kept(task, setup, folder).row["state"] == "answered"
+    assert Parts(folder, setup).answer(task) is None
+
+
+@pytest.mark.parametrize("there", [True, False])
+def test_a_mesh_of_a_robot_that_comes_or_changes_is_noticed(there: bool, tmp_path: Path) -> None:
+    robot, mesh = tmp_path / "robot.urdf", tmp_path / "part.stl"
+    robot.write_text(
+        '<robot name="r"><link name="a"><inertial><mass value="1"/><inertia ixx="1" iyy="1" izz="1" ixy="0" ixz="0"'
+        ' iyz="0"/></inertial><collision><geometry><mesh filename="part.stl"/></geometry></collision></link></robot>'
+    )
+    if there:
+        shutil.copy(CUBE, mesh)
+    setup, folder, task = Setup("audit"), tmp_path / "a.csv.parts", Task(str(robot))
+    first = kept(task, setup, folder)
+    assert Parts(folder, setup).answer(task) is not None or first.row["state"] == "unreadable"
+    shutil.copy(BOX, mesh)
+    os.utime(mesh, (1, 1))
+    assert Parts(folder, setup).answer(task) is None
+
+
+def test_a_file_that_changes_while_it_is_answered_for_is_asked_for_again(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    file, setup, folder = tmp_path / "x.stl", Setup("analyse"), tmp_path / "a.csv.parts"
+    shutil.copy(CUBE, file)
+    verbs = vars(__import__("inertia.batching.answer", fromlist=["_VERBS"]))["_VERBS"]
+    plain = verbs["analyse"]
+
+    def changed(*given: object) -> None:
+        plain(*given)
+        shutil.copy(BOX, file)
+        os.utime(file, (2, 2))
+
+    monkeypatch.setitem(verbs, "analyse", changed)
+    assert kept(Task(str(file)), setup, folder).row["state"] == "answered"
+    assert Parts(folder, setup).answer(Task(str(file))) is None
+
+
+@pytest.mark.skipif(not os.access("/dev/shm", os.W_OK), reason="there is no /dev/shm")
+def test_files_in_shared_memory_are_files() -> None:
+    folder = Path("/dev/shm") / f"inertia-test-{os.getpid()}"
+    folder.mkdir()
+    try:
+        shutil.copy(CUBE, folder / "x.stl")
+        files = answer(Task(str(folder / "x.stl")), Setup("analyse")).files
+        assert [file.path for file in files] == [str(folder / "x.stl")]
+        robot = folder / "robot.urdf"
+        robot.write_text(
+            '<robot name="r"><link name="a"><collision><geometry><mesh filename="x.stl"/></geometry></collision>'
+            "</link></robot>"
+        )
+        files = answer(Task(str(robot)), Setup("audit")).files
+        assert str(folder / "x.stl") in [file.path for file in files]
+    finally:
+        shutil.rmtree(folder)
+
+
+def test_a_kept_row_is_one_line_of_json(tmp_path: Path) -> None:
+    folder = tmp_path / "a.csv.parts"
+    kept(Task(str(CUBE)), Setup("analyse"), folder)
+    (part,) = folder.iterdir()
+    (line,) = part.read_text().splitlines()
+    assert json.loads(line)["row"]["path"] == str(CUBE)
