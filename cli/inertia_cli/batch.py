@@ -5,10 +5,12 @@ from __future__ import annotations
 import argparse
 import sys
 import time
+from functools import cache
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from inertia.errors import UsageError
+from inertia.errors import FieldPath, Remedy, UsageError
+from inertia.report.numerals import significant
 from inertia_cli.options import (
     accuracy,
     add_density,
@@ -104,6 +106,8 @@ _OPTIONS = (
     "unit", "format", "unpack_limit", "mass", "shell", "accuracy", "union", "orientation", "intersections", "parts",
     "allow_faults", "tolerance", "lump", "time",
 )  # fmt: skip
+_WEIGHED = ("density", "material")
+_OF_A_MERGE = ("merge", "output", "force", "strict", "json")
 _DEFAULTS = {"orientation": "stored", "parts": "together"}
 
 
@@ -120,6 +124,10 @@ def run(options: argparse.Namespace) -> int:
     if options.merge is not None:
         if options.paths:
             raise UsageError("--merge takes tables only: leave the files out")
+        for action in _parser()._actions:
+            given = action.option_strings and getattr(options, action.dest, action.default) != action.default
+            if given and action.dest not in _OF_A_MERGE:
+                raise UsageError(f"{action.option_strings[0]} has no meaning with --merge: leave it out")
         assert output is not None
         summary = merge(output, [Path(name) for name in options.merge])
     else:
@@ -127,10 +135,17 @@ def run(options: argparse.Namespace) -> int:
             raise UsageError("there are no files: name some, or a --manifest")
         asked = {name: getattr(options, name) for name in _OPTIONS}
         asked = {name: value for name, value in asked.items() if value not in (None, _DEFAULTS.get(name))}
-        for name in ("density", "material"):
+        for name in _WEIGHED:
             if (values := by_name(name, getattr(options, name))) is not None:
                 asked[name] = values[""] if set(values) == {""} else values
-        setup = setup_for(options.verb, asked, timeout=options.timeout, memory=options.memory, wording=as_option)
+        setup = setup_for(
+            options.verb,
+            asked,
+            timeout=options.timeout,
+            memory=options.memory,
+            offered=(*_OPTIONS, *_WEIGHED),
+            wording=_worded,
+        )
         engine = engine_for(setup, options.jobs, options.dask)
         everything = tasks_for(options.paths, setup, manifest=options.manifest)
         tasks = sharded(everything, options.shard)
@@ -150,6 +165,25 @@ def run(options: argparse.Namespace) -> int:
     else:
         show(options.json, summary.document, summary.text)
     return _REFUSED if options.strict and summary.refused else 0
+
+
+def _worded(word: Remedy | FieldPath) -> str:
+    """Return the option of this command that a remedy is, or that of the command which is asked of every file.
+
+    >>> [_worded(Remedy(*remedy)) for remedy in (("analyse", "union", True), ("repair",), ("check",))]
+    ['--union', '`inertia analyse --repair`', '`inertia check`']
+    """
+    option = as_option(word)
+    elsewhere = option.startswith("--") and option.partition(" ")[0] not in _parser()._option_string_actions
+    return f"`inertia analyse {option}`" if elsewhere else option
+
+
+@cache
+def _parser() -> argparse.ArgumentParser:
+    """Return the parser of this command alone."""
+    parsers = argparse.ArgumentParser().add_subparsers()
+    add(parsers)
+    return parsers.choices["batch"]
 
 
 def _shard(text: str) -> tuple[int, int]:
@@ -188,7 +222,7 @@ class _Progress:
         rate = done / (now - self._started)
         left = f"{_time((self._files - summary.rows) / rate)} left" if rate else "time left not known"
         states = ", ".join(f"{count} {state}" for state, count in sorted(summary.states.items()))
-        text = f"{summary.rows} of {self._files} files, {rate:.3g} files/s, {left}: {states}"
+        text = f"{summary.rows} of {self._files} files, {significant(rate, 3, 3)} files/s, {left}: {states}"
         if not self._terminal:
             print(f"inertia: {text}", file=sys.stderr, flush=True)
             return

@@ -12,7 +12,7 @@ from fractions import Fraction
 from typing import TYPE_CHECKING, Any, TypeVar
 
 from inertia.errors import InertiaError, ReadError, UsageError
-from inertia.estimate import Estimate
+from inertia.estimate import Estimate, relative_figure
 from inertia.standard_input import NAME as STANDARD_INPUT
 from inertia.standard_input import file_of
 
@@ -98,7 +98,7 @@ def add_faults(parser: Any) -> None:
 def _share(text: str) -> float:
     """Return a relative figure, which may be written in percent."""
     try:
-        return float(text[:-1]) / 100 if text.endswith("%") else float(text)
+        return relative_figure(text)
     except ValueError:
         raise argparse.ArgumentTypeError(f"{text!r} is no number, as 0.01 or 1%") from None
 

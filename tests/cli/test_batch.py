@@ -27,7 +27,7 @@ def parts(tmp_path: Path) -> str:
 
 
 def batch(*arguments: str | Path) -> int:
-    return main(["batch", *map(str, arguments), "--jobs", "1"])
+    return main(["batch", *map(str, arguments), *(() if "--merge" in arguments else ("--jobs", "1"))])
 
 
 @pytest.mark.parametrize("suffix", ["csv", "jsonl", "parquet"])
@@ -56,7 +56,7 @@ def test_sentences_name_options_of_the_command(tmp_path: Path) -> None:
     batch(path("broken/missing_face.stl"), "-o", tmp_path / "table.csv")
     with (tmp_path / "table.csv").open() as file:
         first = next(csv.DictReader(file))
-    assert "use --shell THICKNESS or --repair" in first["message"]
+    assert "use --shell THICKNESS or `inertia analyse --repair`" in first["message"]
 
 
 def test_the_exit_code_is_0_unless_asked_to_be_strict(parts: str, tmp_path: Path) -> None:

@@ -35,7 +35,7 @@ def stl(tmp_path: Path, corners: np.ndarray, name: str = "part.stl") -> str:
 @pytest.mark.parametrize(
     ("arguments", "says"),
     [
-        (["batch", "a.stl", "--memory", "-5MB"], "memory is -5000000: it must be positive, in bytes"),
+        (["batch", "a.stl", "--memory", "-5MB"], "memory is -5000000: it must be positive and finite, in bytes"),
         (["batch", "a.stl", "--timeout", "-1e3"], "timeout is -1000.0: it must be positive and finite"),
         (["analyse", str(path("cube.stl")), "--density", "-1e3"], "density is -1000 kg/m³: it must be positive"),
         (["analyse", str(path("cube.stl")), "--mass", "-inf"], "mass is -inf kg: it must be"),

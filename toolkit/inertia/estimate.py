@@ -61,6 +61,31 @@ class Estimate(float):
         return float(self), self.uncertainty
 
 
+def relative_figure(text: str) -> float:
+    """Return a relative figure, which may be written in percent; raises `ValueError` where it is none.
+
+    >>> relative_figure("0.01"), relative_figure("1%")
+    (0.01, 0.01)
+    """
+    return float(text[:-1]) / 100 if text.endswith("%") else float(text)
+
+
+def scale_of(text: str) -> Estimate:
+    """Return the scale 1 with its uncertainty, from ``1±0.001`` or ``±0.1%``; raises `ValueError` where it is none."""
+    return Estimate.parse(text if text[:1].isdigit() else f"1{text}")
+
+
+def written(value: object) -> str:
+    """Return a value as a sentence quotes it: an estimate as it is written, all else as Python writes it.
+
+    >>> print(written(Estimate(-0.1)), written(Estimate(-0.1, 0.02)), written("-0.1"))
+    -0.1 -0.1±0.02 '-0.1'
+    """
+    if not isinstance(value, Estimate):
+        return repr(value)
+    return f"{value}±{value.uncertainty!r}" if value.uncertainty else str(value)
+
+
 def uncertainty_of(number: float | None) -> float:
     """Return the standard uncertainty of a number: 0 of one that states none."""
     return number.uncertainty if isinstance(number, Estimate) else 0.0

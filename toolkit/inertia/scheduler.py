@@ -20,13 +20,25 @@ def connected(address: str, threads: int) -> Iterator[Any]:
     address : of the scheduler, "local" for one in this process
     threads : of that one
 
-    Raises `UsageError` where Dask is not installed, or no scheduler answers.
+    Raises `UsageError` where Dask is not installed, the address is none, or no scheduler answers.
     """
     try:
         import dask
         import distributed
+        from distributed.comm import get_address_host
     except ImportError:
         raise UsageError("Dask is not installed: run pip install 'inertia[dask]'", code="needs_package") from None
+
+    class Client(distributed.Client):  # type: ignore[misc]
+        """One that is closed where it is only half made: collected as it is, it waits for long and prints its fault."""
+
+        def __init__(self, *arguments: Any, **options: Any) -> None:
+            try:
+                super().__init__(*arguments, **options)
+            except BaseException:
+                self.close()
+                raise
+
     with ExitStack() as stack:
         scheduler: Any = address
         if address == "local":
@@ -40,8 +52,15 @@ def connected(address: str, threads: int) -> Iterator[Any]:
                     silence_logs=50,
                 )
             )
+        else:
+            try:
+                get_address_host(address)  # it asks for a known scheme and a port
+            except (TypeError, ValueError) as error:
+                raise UsageError(
+                    f"{visible(str(address))} is no address of a Dask scheduler ({error}): give one as tcp://host:8786"
+                ) from None
         try:
-            client = distributed.Client(scheduler, timeout=_PATIENCE, set_as_default=False)
+            client = Client(scheduler, timeout=_PATIENCE, set_as_default=False)
         except (OSError, ValueError) as error:
             raise UsageError(f"no Dask scheduler answers at {visible(address)}: {error}") from None
         yield stack.enter_context(client)

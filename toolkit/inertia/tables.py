@@ -204,7 +204,8 @@ def read_table(path: Path) -> tuple[dict[str, Any], Iterator[dict[str, Any]]]:
             pass
         about = json.loads(_beside(path).read_text(encoding="utf-8"))
         kinds = _kinds(about)
-        return about, _sound_rows(path, kinds, _csv_rows(path, kinds) if path.suffix.lower() == ".csv" else _json_rows(path))
+        rows = _csv_rows(path, kinds) if path.suffix.lower() == ".csv" else _json_rows(path)
+        return about, _sound_rows(path, kinds, rows)
     except OSError as error:
         missing = error.errno == errno.ENOENT and os.fspath(error.filename or path) == os.fspath(_beside(path))
         beside = f"there is no {_beside(path).name} beside it, which says what it holds: keep them together"

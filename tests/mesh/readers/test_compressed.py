@@ -97,9 +97,18 @@ REFUSED = {
     "many.tar": (tarred(**{f"{k}.off": MESH for k in range(9)}), "9 meshes, 0.off, .*, 4.off and 4 more"),
     "none.zip": (zipped(**{"a.txt": b"words", "b.txt": b"words"}), "it holds no mesh, but a.txt, b.txt: give a mesh"),
     "empty.zip": (zipped(), "it holds no mesh, but nothing"),
-    "nested.off.gz": (gzip.compress(gzip.compress(MESH)), "gzip of gzip, and archives in archives are not opened"),
-    "nested.gz": (gzip.compress(zipped(**{"a.off": MESH})), "gzip of zip, and archives in archives are not opened"),
-    "inner.zip": (zipped(**{"a.off.gz": gzip.compress(MESH)}), "a.off.gz in it: neither its contents nor"),
+    "nested.off.gz": (
+        gzip.compress(gzip.compress(MESH)),
+        "nested.off, which is packed as gzip, and archives in archives are not opened",
+    ),
+    "nested.gz": (
+        gzip.compress(zipped(**{"a.off": MESH})),
+        "nested, which is packed as zip, and archives in archives are not opened",
+    ),
+    "inner.zip": (
+        zipped(**{"a.off.gz": gzip.compress(MESH)}),
+        "it holds a.off.gz, which is packed as gzip, and archives in",
+    ),
     "cut.off.gz": (gzip.compress(MESH)[:-9], "it is a damaged gzip file"),
     "cut.off.bz2": (bz2.compress(MESH)[:-9], "it is a damaged bzip2 file"),
     "cut.off.xz": (lzma.compress(MESH)[:-9], "it is a damaged xz file"),

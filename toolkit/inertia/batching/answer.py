@@ -242,7 +242,7 @@ def _audit(event: str, arguments: tuple[Any, ...]) -> None:
 def _status(name: str) -> tuple[int, int] | None:
     """Return the size and time of change of a file; None where there is none."""
     with suppress(OSError, ValueError):
-        status = os.stat(name)
+        status = Path(name).stat()
         return status.st_size, status.st_mtime_ns
     return None
 

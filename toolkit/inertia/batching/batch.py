@@ -2,8 +2,12 @@
 
 from __future__ import annotations
 
+import math
 import os
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Container, Iterable, Iterator
+from difflib import get_close_matches
+from numbers import Integral, Real
+from operator import index
 from pathlib import Path
 from typing import Any
 
@@ -11,9 +15,11 @@ from inertia.batching.answer import Row, Setup
 from inertia.batching.columns import COLUMNS
 from inertia.batching.engines import Engine, Processes, in_order, processors
 from inertia.batching.sources import OPTIONS, Task, tasks_of
-from inertia.errors import UsageError
+from inertia.errors import Remedy, UsageError, Wording
 from inertia.mass.density import densities
 from inertia.units import length_unit
+
+_ARGUMENT = Remedy("batch", "verb")  # one of them: the others are worded alike
 
 
 def batch(
@@ -41,7 +47,8 @@ def batch(
     memory : bytes that a file may take (Linux)
     manifest : a manifest of whatever name
     shard : (i, n): every n-th file from the i-th, counted from 1
-    **options : of the verb, for all files: unit, density, material, mass, accuracy, ...; a file's own come first
+    **options : of the verb, for all files: unit, density, material, mass, accuracy, ...; a file's own come first, and
+        None is as if it were left out
 
     Raises
     ------
@@ -53,27 +60,58 @@ def batch(
     return (answer.row for answer in in_order(tasks, engine))
 
 
-def setup_for(verb: str, options: dict[str, Any], **limits: Any) -> Setup:
-    """Return what is asked of all files; raise `UsageError` where it cannot be."""
-    if verb not in COLUMNS:
+def setup_for(
+    verb: str,
+    options: dict[str, Any],
+    *,
+    timeout: float | None = None,
+    memory: float | None = None,
+    offered: Container[str] | None = None,
+    wording: Wording = str,
+) -> Setup:
+    """Return what is asked of all files; raise `UsageError` where it cannot be.
+
+    Parameters
+    ----------
+    offered : the names of options that there are where this is asked from; all without it
+    """
+    if not isinstance(verb, str) or verb not in COLUMNS:
         raise UsageError(f"verb is {verb!r}: use one of {', '.join(COLUMNS)}")
     for name in options:
         if name not in OPTIONS[verb]:
-            raise UsageError(f"{name} is no option of {verb}: use one of {', '.join(OPTIONS[verb])}")
-    timeout, memory = limits["timeout"], limits["memory"]
-    if timeout is not None and not 0 < timeout < float("inf"):
-        raise UsageError(f"timeout is {timeout!r}: it must be positive and finite, in seconds")
-    if memory is not None:
-        if not memory > 0:
-            raise UsageError(f"memory is {memory!r}: it must be positive, in bytes")
-        if not Path("/proc/self/status").exists():
-            raise UsageError("memory of a process is limited on Linux only: leave the limit out")
+            raise _unknown(name, verb, [each for each in OPTIONS[verb] if offered is None or each in offered], wording)
+    options = {name: value for name, value in options.items() if value is not None}
+    _require_positive("timeout", timeout, "seconds")
+    _require_positive("memory", memory, "bytes")
+    if memory is not None and not Path("/proc/self/status").exists():
+        raise UsageError("memory of a process is limited on Linux only: leave the limit out")
     # What is wrong whatever the file is said once.
     if "unit" in options:
+        if not isinstance(options["unit"], str):
+            raise UsageError(f"unit is {options['unit']!r}: give its name, as 'mm'")
         length_unit(options["unit"])
     if verb == "analyse":
         densities(options.get("density"), options.get("material"), options.get("mass"))
-    return Setup(verb, options, **limits)
+    # The worker hands its limit on to the system, which takes whole numbers only.
+    limits = None if timeout is None else float(timeout), None if memory is None else math.ceil(memory)
+    return Setup(verb, options, *limits, wording)
+
+
+def _unknown(name: str, verb: str, known: list[str], wording: Wording) -> UsageError:
+    """Return that a verb has no option of that name, and which it has: first the one that may be meant."""
+
+    def said(name: str) -> str:
+        return wording(_ARGUMENT._replace(argument=name))
+
+    close = get_close_matches(name, known, n=1)
+    others = ", ".join(said(each) for each in known if each not in close)
+    first = f"{said(close[0])}, or " if close else ""
+    return UsageError(f"{said(name)} is no option of {verb}: use {first}one of {others}")
+
+
+def _require_positive(name: str, value: float | None, unit: str) -> None:
+    if value is not None and not (isinstance(value, Real) and 0 < value < math.inf):
+        raise UsageError(f"{name} is {value!r}: it must be positive and finite, in {unit}")
 
 
 def tasks_for(
@@ -83,16 +121,27 @@ def tasks_for(
     manifest: str | os.PathLike[str] | None = None,
 ) -> list[Task]:
     """Return the files of a batch."""
-    names = [paths] if isinstance(paths, str | os.PathLike) else paths
-    listed = None if manifest is None else os.fspath(manifest)
-    return tasks_of((os.fspath(name) for name in names), setup.verb, listed)
+    one = isinstance(paths, str | bytes | os.PathLike) or not isinstance(paths, Iterable)
+    names: Any = [paths] if one else paths
+    listed = None if manifest is None else _path(manifest)
+    return tasks_of(map(_path, names), setup.verb, listed)
+
+
+def _path(name: Any) -> str:
+    path = os.fspath(name) if isinstance(name, os.PathLike) else name
+    if not isinstance(path, str):
+        raise UsageError(f"a path is {name!r}: give it as text or as a pathlib.Path")
+    return path
 
 
 def sharded(tasks: list[Task], shard: tuple[int, int] | None) -> list[Task]:
     """Return the files of a shard, if there are shards: every n-th, so that those of one folder spread."""
     if shard is None:
         return tasks
-    number, count = shard
+    try:
+        number, count = map(index, shard)
+    except (TypeError, ValueError):
+        raise UsageError(f"shard is {shard!r}: give two whole numbers, as (3, 8)") from None
     if not 1 <= number <= count:
         raise UsageError(f"shard {number} of {count} is none: the first is 1, the last {count}")
     return tasks[number - 1 :: count]
@@ -100,8 +149,8 @@ def sharded(tasks: list[Task], shard: tuple[int, int] | None) -> list[Task]:
 
 def engine_for(setup: Setup, jobs: int | None, dask: str | None) -> Callable[[], Engine]:
     """Return what makes what answers: `jobs` processes here, or the workers of a Dask scheduler."""
-    if jobs is not None and jobs < 1:
-        raise UsageError(f"jobs is {jobs}: give the number of worker processes, 1 or more")
+    if jobs is not None and not (isinstance(jobs, Integral) and jobs >= 1):
+        raise UsageError(f"jobs is {jobs!r}: give the number of worker processes, 1 or more")
     count = jobs or processors()
     if dask is None:
         return lambda: Processes(setup, count)

@@ -18,6 +18,7 @@ import math
 from collections import Counter
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
+from decimal import Decimal
 from typing import Any
 
 import numpy as np
@@ -95,15 +96,18 @@ class Lot:
                 lines.append(
                     line(
                         "" if k else label,
-                        f"plane {plane['id']}: median {plane['median']:.3g}, 99.865 % below {plane['upper']:.3g}, "
-                        f"{_percent(plane['share_out'])} out ({plane['out']} counted), Ppk {_figure(plane['ppk'])}",
+                        f"plane {plane['id']}: median {_plain(plane['median'])}, 99.865 % below "
+                        f"{_plain(plane['upper'])}, {_percent(plane['share_out'])} out ({plane['out']} counted), "
+                        f"Ppk {_figure(plane['ppk'])}",
                     )
                 )
         if document["expected_out"] is not None:
             share = f"{_percent(document['expected_out'])} of parts, by the stated tolerances of each rotor"
             lines.append(line("Expected out", share))
         if document["variance"]:
-            causes = ", ".join(f"{name} {100 * share:.2g} %" for name, share in [*document["variance"].items()][:6])
+            causes = ", ".join(
+                f"{name} {_plain(100 * share, 2)} %" for name, share in [*document["variance"].items()][:6]
+            )
             lines.append(line("Variance", f"in plane {document['worst_plane']}: {causes}"))
         if (halved := document["halved"]) is not None:
             lines.append(
@@ -255,8 +259,18 @@ def _finite(value: float) -> float | None:
 
 
 def _figure(value: float | None) -> str:
-    return "not defined: nothing scatters" if value is None else f"{value:.3g}"
+    return "not defined: nothing scatters" if value is None else _plain(value)
 
 
 def _percent(share: float) -> str:
-    return f"{100 * share:.3g} %" if share >= 1e-8 or share == 0 else "below 0.000001 %"
+    return f"{_plain(100 * share)} %" if share >= 1e-8 or share == 0 else "below 0.000001 %"
+
+
+def _plain(value: float, digits: int = 3) -> str:
+    """Return a value with so many significant digits, and in a power of ten only where it is next to nothing.
+
+    >>> _plain(100.0, 2), _plain(2500.0), _plain(0.00003), _plain(0.5), _plain(1e-9)
+    ('100', '2500', '0.00003', '0.5', '1e-09')
+    """
+    text = f"{value:.{digits}g}"
+    return text if 0 < abs(value) < 1e-7 else f"{Decimal(text):f}"

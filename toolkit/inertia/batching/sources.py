@@ -4,22 +4,24 @@ from __future__ import annotations
 
 import csv
 import glob
+import io
 import os
 import re
 import sys
 from codecs import BOM_UTF8, BOM_UTF16_BE, BOM_UTF16_LE
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import ExitStack, contextmanager, suppress
+from itertools import chain, repeat
 from pathlib import Path
 from typing import Any, NamedTuple
 
-from inertia.encoding import require_no_utf_16
+from inertia.encoding import text_of
 from inertia.errors import ReadError, Remedy, UsageError, placed, visible
-from inertia.estimate import Estimate
-from inertia.mesh.readers.compressed import ARCHIVE, UNPACK_LIMIT, member_copy, meshes_in
-from inertia.output import temporary_folder
+from inertia.estimate import Estimate, relative_figure, scale_of
+from inertia.mesh.readers.compressed import ARCHIVE, UNPACK_LIMIT, is_packed, member_copy, meshes_in
+from inertia.output import note_input, temporary_folder
 from inertia.standard_input import NAME as STANDARD_INPUT
-from inertia.standard_input import reason_of
+from inertia.standard_input import NO_FILE, reason_of
 from inertia.tables import cell_text, load_pyarrow
 
 _URL = re.compile(r"[a-z][a-z0-9+.-]+::?//")
@@ -36,13 +38,20 @@ class Task(NamedTuple):
     ----------
     path : as the row has it
     options : its own, beside those of all files
-    archive, member : where it lies in an archive: that, and the name in it
+    archive, member : where it lies in an archive: that, and the name in it; "" of an archive that is not opened
     """
 
     path: str
     options: Mapping[str, Any] = {}
     archive: str = ""
     member: str = ""
+
+
+class Cell(NamedTuple):
+    """What a cell of a manifest holds: what reads it, which raises `ValueError`, and in words."""
+
+    read: Callable[[str], Any]
+    holds: str
 
 
 def _flag(text: str) -> bool:
@@ -53,49 +62,54 @@ def _flag(text: str) -> bool:
     raise ValueError(text)
 
 
-def _by_name(read: Callable[[str], Any]) -> Callable[[str], Any]:
-    """Return what reads a value, or several as ``housing=2700; shaft=7850``."""
+def _by_name(cell: Cell) -> Cell:
+    """Return a cell with such a value, or several as ``housing=2700; shaft=7850``."""
 
     def value(text: str) -> Any:
         if "=" not in text:
-            return read(text)
+            return cell.read(text)
         pairs = (entry.rpartition("=") for entry in text.split(";"))
-        return {name.strip(): read(one) for name, _, one in pairs}
+        return {name.strip(): cell.read(one) for name, _, one in pairs}
 
-    return value
+    return Cell(value, f"{cell.holds}, or one for each region or body as housing=2700; shaft=7850")
 
 
 def _accuracy(text: str) -> float | str:
     return "exact" if text == "exact" else float(text)
 
 
-def _material(text: str) -> str:
-    return text.strip()
+def _estimate(example: str) -> Cell:
+    return Cell(Estimate.parse, f"a number, alone or with its standard uncertainty as {example}")
 
 
-_MESH: dict[str, Callable[[str], Any]] = {
-    "unit": str, "format": str, "unpack_limit": float, "orientation": str, "intersections": _flag, "parts": str,
+_NUMBER = Cell(float, "a number")
+_TEXT = Cell(str.strip, "text")
+_FLAG = Cell(_flag, "yes or no")
+
+_MESH = {
+    "unit": _TEXT, "format": _TEXT, "unpack_limit": _NUMBER, "orientation": _TEXT, "intersections": _FLAG,
+    "parts": _TEXT,
 }  # fmt: skip
-OPTIONS: dict[str, dict[str, Callable[[str], Any]]] = {
+OPTIONS: dict[str, dict[str, Cell]] = {
     "analyse": {
         **_MESH,
-        "density": _by_name(Estimate.parse),
-        "material": _by_name(_material),
-        "mass": Estimate.parse,
-        "accuracy": _accuracy,
-        "shell": Estimate.parse,
-        "wire": Estimate.parse,
-        "union": _flag,
-        "allow_faults": float,
-        "tessellated": _flag,
-        "chord": float,
-        "class_tolerance": float,
-        "sigma": float,
-        "scale": Estimate.parse,
+        "density": _by_name(_estimate("7850±50")),
+        "material": _by_name(_TEXT),
+        "mass": _estimate("1.2±0.001"),
+        "accuracy": Cell(_accuracy, "a number, or exact"),
+        "shell": _estimate("1.5±0.1"),
+        "wire": _estimate("1.5±0.1"),
+        "union": _FLAG,
+        "allow_faults": Cell(relative_figure, "a number, as 0.01 or 1%"),
+        "tessellated": _FLAG,
+        "chord": _NUMBER,
+        "class_tolerance": _NUMBER,
+        "sigma": _NUMBER,
+        "scale": Cell(scale_of, "1 with its standard uncertainty, as 1±0.001"),
     },
     "check": _MESH,
-    "balance": {"time": float},
-    "audit": {"density": _by_name(float), "tolerance": float, "lump": _flag},
+    "balance": {"time": _NUMBER},
+    "audit": {"density": _by_name(_NUMBER), "tolerance": _NUMBER, "lump": _FLAG},
 }
 """The options of each verb, and how each is read from a cell of a manifest."""
 
@@ -112,23 +126,23 @@ def tasks_of(paths: Iterable[str], verb: str, manifest: str | None = None) -> li
     ReadError : a manifest cannot be read
     """
     tasks: dict[Any, Task] = {}
-    for path in paths:
-        if not path:
-            raise UsageError("the path of a file is empty: name a file, or leave it out")
-        if path.lower().endswith((".csv", ".parquet")) and not (verb == "audit" and path.lower().endswith(".csv")):
-            rows = _rows(path, verb)
-        elif path == STANDARD_INPUT:
-            rows = (Task(line) for line in _lines())
-            rows = _some(rows, "standard input names no file: give it a path a line")
-        else:
-            rows = (Task(name) for name in _matching(path))
-        for task in rows:
-            for each in _members(task):
-                tasks.setdefault((each.path, repr(each.options)), each)
-    for task in () if manifest is None else _rows(manifest, verb):
-        for each in _members(task):
+    named = chain.from_iterable(_named(path, verb) for path in paths)
+    for task in chain(named, () if manifest is None else _rows(manifest, verb)):
+        for each in _members(task, verb):
             tasks.setdefault((each.path, repr(each.options)), each)
     return list(tasks.values())
+
+
+def _named(path: str, verb: str) -> Iterable[Task]:
+    """Return the files that an argument names; it may be a glob of manifests too, by its ending."""
+    if not path:
+        raise UsageError("the path of a file is empty: name a file, or leave it out")
+    if path.lower().endswith((".csv", ".parquet")) and not (verb == "audit" and path.lower().endswith(".csv")):
+        manifests = [path] if _URL.match(path) else _matching(path)
+        return chain.from_iterable(_rows(name, verb) for name in manifests)
+    if path == STANDARD_INPUT:
+        return _some(map(Task, _lines()), "standard input names no file: give it a path a line")
+    return map(Task, _matching(path))
 
 
 def _some(rows: Iterable[Task], otherwise: str) -> Iterator[Task]:
@@ -157,8 +171,11 @@ def _matching(pattern: str) -> list[str]:
     """Return the files that a path, a glob or a URL stands for."""
     if _URL.match(pattern):
         return _remote(pattern)
-    if not glob.has_magic(pattern) or Path(pattern).exists():
+    if "\0" in pattern or not glob.has_magic(pattern):  # no name has a zero byte
         return [pattern]
+    with suppress(OSError):  # it may be too long for a name
+        if Path(pattern).exists():
+            return [pattern]
     names = sorted({name for name in _globbed(pattern) if not Path(name).is_dir()})
     if not names:
         raise UsageError(f"{visible(pattern)} matches no file: check it, with quotation marks round it in a shell")
@@ -224,24 +241,39 @@ def _remote(pattern: str) -> list[str]:
     return names
 
 
-def _members(task: Task) -> Iterator[Task]:
+def _members(task: Task, verb: str) -> Iterator[Task]:
     """Yield a task for every mesh in an archive that has several, or an archive; the task itself for all others."""
+    if task.path == STANDARD_INPUT:  # which an argument alone stands for: among files, one has that name
+        task = task._replace(path=f".{os.sep}{STANDARD_INPUT}")
     names: list[str] = []
-    if ARCHIVE.search(task.path) and not _URL.match(task.path):
+    if _is_archive(task.path):
+        if "unpack_limit" not in OPTIONS[verb]:
+            yield task._replace(archive=task.path)
+            return
         with suppress(ReadError, OSError):  # it is said of the archive when it is its turn
             names = meshes_in(Path(task.path))
-    if len(names) < 2 and not any(map(ARCHIVE.search, names)):
+    if len(names) < 2 and not any(map(is_packed, names)):
         yield task
         return
     for name in names:
         yield Task(f"{task.path}/{name}", task.options, task.path, name)
 
 
+def _is_archive(path: str) -> bool:
+    """Say whether a file is one by its name; what is no regular file, as a pipe, is left to whoever answers for it."""
+    if ARCHIVE.search(path) and not _URL.match(path):
+        with suppress(OSError):
+            return Path(path).is_file()
+    return False
+
+
 def _rows(manifest: str, verb: str) -> Iterator[Task]:
-    """Yield a task for every row of a manifest, whose paths are relative to it."""
+    """Yield a task for every row of a manifest, whose paths are relative to it, and names as they stand."""
     known = OPTIONS[verb]
-    number = 1
-    for number, row in enumerate(_records(manifest), 2):
+    path = Path(manifest)
+    folder = Path() if path.is_relative_to("/dev") else path.parent  # no file lies beside a pipe of the shell's
+    number = None
+    for number, row in _records(manifest):
         where = f"{visible(manifest)}, row {number}"
         column = next((name for name in _PATHS if name in row), None)
         if column is None:
@@ -249,69 +281,79 @@ def _rows(manifest: str, verb: str) -> Iterator[Task]:
                 f"{visible(manifest)} has no column 'path', but {', '.join(repr(visible(name)) for name in row)}: name "
                 "the column of paths so, and put commas between columns"
             )
-        path, options = row[column], {}
-        if path is not None and not isinstance(path, str):
-            raise UsageError(f"{where}: the path is {visible(str(path))}, which is no text")
-        for name, value in row.items():
-            if name == column or not name or name.startswith("#") or value in (None, ""):
+        name, options = row[column], {}
+        if name is not None and not isinstance(name, str):
+            raise UsageError(f"{where}: the path is {visible(str(name))}, which is no text")
+        for option, value in row.items():
+            if option == column or not option or option.startswith("#") or value in (None, ""):
                 continue
-            if name not in known:
+            if option not in known:
                 raise UsageError(
-                    f"{visible(manifest)}: column {visible(name)!r} is no option of {verb} ({', '.join(known)}): "
+                    f"{visible(manifest)}: column {visible(option)!r} is no option of {verb} ({', '.join(known)}): "
                     "rename it, or put # before its name to have it passed over"
                 )
             try:
-                options[name] = known[name](str(value).strip())
+                options[option] = known[option].read(str(value).strip())
             except ValueError:
-                raise UsageError(f"{where}: {name} is {visible(str(value))!r}, which it cannot be") from None
-        if not path:
+                raise UsageError(f"{where}: {option} is {visible(str(value))!r}: give {known[option].holds}") from None
+        if not name:
             raise UsageError(f"{where}: the path is empty")
-        for name in _matching(path if _URL.match(path) else str(Path(manifest).parent / path)):
-            yield Task(name, options)
-    if number == 1:
+        yield Task(name if _URL.match(name) else str(folder / name), options)
+    if number is None:
         raise UsageError(f"{visible(manifest)} names no file: give it a row for each")
 
 
-def _records(manifest: str) -> Iterator[Mapping[str, Any]]:
+def _records(manifest: str) -> Iterator[tuple[int, Mapping[str, Any]]]:
+    """Yield the rows of a manifest, each with its number in a spreadsheet, where the names of columns are row 1."""
+    if _URL.match(manifest):
+        raise UsageError(f"{visible(manifest)} is a URL, and a manifest is read from a file: copy it to this machine")
     path = Path(manifest)
+    note_input(path)
     if path.suffix.lower() == ".parquet":
         pyarrow = load_pyarrow()
         try:
-            for batch in pyarrow.parquet.ParquetFile(path).iter_batches():
-                yield from batch.to_pylist()
+            batches = pyarrow.parquet.ParquetFile(path).iter_batches()
+            yield from enumerate(chain.from_iterable(batch.to_pylist() for batch in batches), 2)
         except OSError as error:
             raise _unreadable(manifest, error) from None
         except pyarrow.ArrowException as error:
             says = f"cannot read {visible(manifest)}: it is no Parquet table ({visible(str(error))})"
             raise ReadError(f"{says}: write it again", code="wrong_format") from None
         return
+    rows = csv.reader(io.StringIO(_text(manifest), newline=""), strict=True)
+    names: list[str] = []
     try:
-        with path.open("rb") as file:
-            require_no_utf_16(file.read(4))
-        with path.open(encoding="utf-8-sig", newline="") as file:
-            rows = csv.DictReader(file, strict=True)
-            names = [name for name in rows.fieldnames or () if name]
-            twice = next((name for name in names if names.count(name) > 1), None)
-            if twice is not None:
-                raise UsageError(f"{visible(manifest)} has two columns {visible(twice)!r}: leave one out")
-            for row in rows:
-                if any(row.pop(None, ())):  # cells behind the last column
-                    raise UsageError(
-                        f"{visible(manifest)}, line {rows.line_num}: it has more cells than there are columns: put "
-                        "quotation marks round a cell with a comma in it"
-                    )
-                yield {name: cell_text(value) for name, value in row.items() if name and value is not None}
-    except OSError as error:
-        raise _unreadable(manifest, error) from None
-    except ReadError as error:
-        raise placed(error, f"cannot read {visible(manifest)}") from None
-    except UnicodeDecodeError:
-        says = "it is no table in UTF-8: save it as CSV in UTF-8"
-        raise ReadError(f"cannot read {visible(manifest)}: {says}", code="encoding") from None
+        for number, cells in enumerate(rows, 1):
+            if not names:
+                names = cells
+                twice = next((name for name in names if name and names.count(name) > 1), None)
+                if twice is not None:
+                    raise UsageError(f"{visible(manifest)} has two columns {visible(twice)!r}: leave one out")
+                continue
+            if any(cells[len(names) :]):
+                raise UsageError(
+                    f"{visible(manifest)}, line {rows.line_num}: it has more cells than there are columns: put "
+                    "quotation marks round a cell with a comma in it"
+                )
+            if cells:
+                values = zip(names, chain(cells, repeat("")), strict=False)
+                yield number, {name: cell_text(value) for name, value in values if name}
     except csv.Error as error:
         raise ReadError(
             f"cannot read {visible(manifest)}: it is no CSV ({error}): write it again", code="table"
         ) from None
+
+
+def _text(manifest: str) -> str:
+    """Return the text of a manifest, which is read once: it may come out of a pipe."""
+    try:
+        return text_of(Path(manifest).read_bytes(), "save it as CSV in UTF-8")
+    except OSError as error:
+        raise _unreadable(manifest, error) from None
+    except ReadError as error:
+        raise placed(error, f"cannot read {visible(manifest)}") from None
+    except ValueError:  # a zero byte in the name
+        raise ReadError(f"cannot read {visible(manifest)}: {NO_FILE}", code="no_file") from None
 
 
 def _unreadable(manifest: str, error: OSError) -> ReadError:
@@ -328,7 +370,14 @@ def local_copy(task: Task, unpack_limit: float | None = None) -> Iterator[str]:
                 path = stack.enter_context(copy)
             except ReadError as error:
                 raise placed(error, f"cannot read {task.path}") from None
+            except OSError as error:  # it was there when the archives were listed
+                raise _unreadable(task.path, error) from None
             yield str(path)
+    elif task.archive:
+        says = (
+            f"cannot read {visible(task.path)}: archives are opened for meshes only: unpack it and give the files in it"
+        )
+        raise ReadError(says, code="not_read")
     elif _URL.match(task.path):
         with temporary_folder() as folder:
             path = folder / f"part{Path(task.path).suffix}"

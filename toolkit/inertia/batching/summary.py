@@ -14,6 +14,7 @@ from inertia.batching.lot import Lot
 from inertia.errors import visible
 from inertia.mesh.checks.findings import counted
 from inertia.report.numerals import row as line
+from inertia.report.numerals import significant
 
 _LISTED = 10
 _FIGURES = re.compile(r"[-+]?\d[\d.,]*(?:e[-+]?\d+)?")
@@ -100,7 +101,7 @@ class Summary:
         if self.assumed_units:
             lines.append(line("Unit", f"assumed for {counted(self.assumed_units, 'file')}"))
         lines += [
-            line("Slowest" if number == 0 else "", f"{seconds:.3g} s  {path}")
+            line("Slowest" if number == 0 else "", f"{significant(seconds, 3, 6)} s  {path}")
             for number, (seconds, path) in enumerate(self._slowest())
         ]
         return "\n".join([*lines, *self.lot.text()])

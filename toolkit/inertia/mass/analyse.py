@@ -27,7 +27,7 @@ from inertia.errors import (
     require_kind,
     reworded,
 )
-from inertia.estimate import uncertainty_of
+from inertia.estimate import uncertainty_of, written
 from inertia.mass.density import Densities, densities
 from inertia.mass.integration import Integral, cell_integrals, surface_integrals, wire_integrals
 from inertia.mass.moments import dyadic
@@ -570,7 +570,7 @@ def _require_accuracy(accuracy: Accuracy) -> None:
 def _require_uncertain(part: Part, sigma: float | None, scale: float | None, coverage: float | None) -> None:
     """Raise `UsageError` where what is said to be uncertain cannot be."""
     if sigma is not None and not (isinstance(sigma, Real) and 0 < sigma < math.inf):
-        raise UsageError(f"sigma is {sigma!r} {part.unit.name}: it must be positive and finite")
+        raise UsageError(f"sigma is {written(sigma)} {part.unit.name}: it must be positive and finite")
     if sigma is not None and (part.shape is not None or part.chord is not None):
         raise UsageError(
             f"the vertices of {part.name} were made from its true shape when it was read, and have no noise of their "
@@ -581,10 +581,10 @@ def _require_uncertain(part: Part, sigma: float | None, scale: float | None, cov
             f"the scale is {scale:g}: coordinates are taken as stored, so that it is 1 with an uncertainty, as 1±0.001"
         )
     if coverage is not None and not (isinstance(coverage, Real) and 0 < coverage < math.inf):
-        raise UsageError(f"the coverage factor is {coverage!r}: it must be positive and finite, as 2")
+        raise UsageError(f"the coverage factor is {written(coverage)}: it must be positive and finite, as 2")
 
 
 def _length(value: float, name: str, unit: str) -> Fraction:
     if not (isinstance(value, Real) and 0 < value < math.inf):
-        raise UsageError(f"the {name} is {value!r} {unit}: it must be positive and finite")
+        raise UsageError(f"the {name} is {written(value)} {unit}: it must be positive and finite")
     return Fraction(float(value))

@@ -7,14 +7,16 @@ this run that goes when it has been read. An archive within an archive is not op
 from __future__ import annotations
 
 import atexit
+import math
 import re
 from collections.abc import Callable, Iterable, Iterator
 from contextlib import ExitStack, contextmanager
 from pathlib import Path, PurePosixPath
 from typing import IO, Any, NamedTuple
 
-from inertia.errors import ReadError, Remedy, visible
+from inertia.errors import InertiaError, ReadError, Remedy, visible
 from inertia.mesh.readers.formats import EXTENSIONS, format_of_zip
+from inertia.mesh.version import CHANGED
 from inertia.output import temporary_folder
 
 UNPACK_LIMIT = 2.0
@@ -23,6 +25,7 @@ UNPACK_LIMIT = 2.0
 ARCHIVE = re.compile(r"(?i)\.(zip|tar|tgz|tbz2?|txz|tar\.(gz|bz2|xz))$")
 """The names of archives that may hold several files."""
 
+_COMPRESSED = re.compile(r"(?i)\.(gz|bz2|xz|gzip|lzma)$")
 _MEMBERS = 10_000  # entries of an archive that are looked at
 _BLOCK = 2**20
 _NAMED = 5
@@ -61,36 +64,43 @@ def unpacked(path: Path, kind: str, limit: float) -> Iterator[Unpacked]:
 
     Raises `ReadError` where it is damaged or encrypted, unpacks to more, or holds no mesh or several.
     """
-    bytes_left = limit * 2**30
-    with temporary_folder() as folder, _damage(kind):
-        source, name, how = path, path.name, kind
-        if kind not in ("zip", "tar"):
-            module = next(module for other, module in _STREAMS.values() if other == kind)
-            opened: Callable[[Path], IO[bytes]] = __import__(module).open
-            source, name = folder / "stream", re.sub(r"(?i)\.(gz|bz2|xz|gzip|lzma)$", "", path.name)
-            with opened(path) as stream:
-                _copy(stream, source, bytes_left)
-            with source.open("rb") as file:
-                head = file.read(512)
-            if name.lower().endswith((".tgz", ".tbz", ".tbz2", ".txz")) or _is_tar(head):
-                how, name = f"{kind} and tar", ""
-            elif inner := packed_as(source, head):
-                raise ReadError(
-                    f"it is {kind} of {inner}, and archives in archives are not opened: unpack it", code="not_read"
-                )
-        if how == "zip":
-            source, name = _from_zip(source, folder / "part", bytes_left)
-        elif how.endswith("tar"):
-            source, name = _from_tar(source, folder / "part", bytes_left)
-            (folder / "stream").unlink(missing_ok=True)
+    with temporary_folder() as folder:
+        with _damage(kind):
+            source, name, how = _mesh_of(path, kind, folder, limit * 2**30)
         suffix = PurePosixPath(name).suffix.lower()
         if suffix in _MESHES:
             source = source.rename(folder / f"part{suffix}")
+        if inner := packed_as(source, _head(source)):
+            holds = f"it holds {visible(name)}, which is packed as {inner}"
+            raise ReadError(f"{holds}, and archives in archives are not opened: unpack it first", code="not_read")
         yield Unpacked(source, visible(name), f"unpacked from {how}: {visible(name)}, {source.stat().st_size} bytes")
 
 
+def _mesh_of(path: Path, kind: str, folder: Path, limit: float) -> tuple[Path, str, str]:
+    """Return where in a folder the mesh in a packed file now lies, its name, and what it was unpacked from."""
+    if kind == "zip":
+        return *_from_zip(path, folder / "part", limit), kind
+    if kind == "tar":
+        return *_from_tar(path, folder / "part", limit), kind
+    module = next(module for other, module in _STREAMS.values() if other == kind)
+    opened: Callable[[Path], IO[bytes]] = __import__(module).open
+    name = _COMPRESSED.sub("", path.name)
+    with opened(path) as stream:
+        source = _copy(stream, folder / "stream", limit)
+    if not (name.lower().endswith((".tgz", ".tbz", ".tbz2", ".txz")) or _is_tar(_head(source))):
+        return source, name, kind
+    unpacked = _from_tar(source, folder / "part", limit)
+    source.unlink()
+    return *unpacked, f"{kind} and tar"
+
+
+def _head(path: Path) -> bytes:
+    with path.open("rb") as file:
+        return file.read(512)
+
+
 def meshes_in(path: Path) -> list[str]:
-    """Return the names of all meshes and archives in a zip or tar archive, in its order.
+    """Return the names of all meshes, packed or not, and archives in a zip or tar archive, in its order.
 
     Raises `ReadError` where it is damaged.
     """
@@ -100,11 +110,17 @@ def meshes_in(path: Path) -> list[str]:
     with _damage("zip or tar"):
         if zipfile.is_zipfile(path):
             with zipfile.ZipFile(path) as archive:
-                names = [info.filename for info in archive.infolist() if not info.is_dir()]
+                names = _zip_files(archive)
         else:
             with tarfile.open(path) as stream:
-                names = [member.name for member in stream if member.isreg()]
-    return [name for name in dict.fromkeys(names) if _is_mesh(name) or _is_archive(name)]
+                names = [name for name, _ in _tar_files(stream)]
+    return [name for name in dict.fromkeys(names) if _is_mesh(name) or is_packed(name)]
+
+
+def is_packed(name: str) -> bool:
+    """Say whether a file in an archive is, by its name, an archive or a compressed mesh."""
+    mesh = _COMPRESSED.sub("", name)
+    return "__MACOSX" not in name and (ARCHIVE.search(name) is not None or (mesh != name and _is_mesh(mesh)))
 
 
 @contextmanager
@@ -115,51 +131,87 @@ def member_copy(path: Path, name: str, limit: float) -> Iterator[Path]:
     """
     import zipfile
 
-    bytes_left, suffix = limit * 2**30, PurePosixPath(name).suffix.lower()
-    with _damage("zip or tar"):
-        if not zipfile.is_zipfile(path):
-            places = _tar_members(path, bytes_left)[name]
-            _require_one(name, len(places))
-            yield places[0]
-            return
-        with temporary_folder() as folder:
-            with zipfile.ZipFile(path) as archive:
-                info = _in_zip(archive, name)
-                if info.flag_bits & 1:
-                    raise ReadError("it is encrypted: unpack it and give the mesh in it", code="encrypted")
-                with archive.open(info) as stream:
-                    copy = _copy(stream, folder / f"part{suffix}", bytes_left)
-            yield copy
+    bytes_left = limit * 2**30
+    with temporary_folder() as folder:
+        with _damage("zip or tar"):
+            if zipfile.is_zipfile(path):
+                copy = _zip_member(path, name, folder / f"part{_suffix(name)}", bytes_left)
+            else:
+                copy = _tar_member(path, name, bytes_left)
+        yield copy
 
 
-_last_tar: list[tuple[object, ExitStack, dict[str, list[Path]]]] = []
+def _zip_member(path: Path, name: str, to: Path, limit: float) -> Path:
+    import zipfile
+
+    with zipfile.ZipFile(path) as archive:
+        info = _in_zip(archive, name)
+        if info.flag_bits & 1:
+            raise ReadError("it is encrypted: unpack it and give the mesh in it", code="encrypted")
+        with archive.open(info) as stream:
+            return _copy(stream, to, limit)
 
 
-def _tar_members(path: Path, limit: float) -> dict[str, list[Path]]:
-    """Return where the meshes of a tar archive lie unpacked, by their names: one each, unless names repeat."""
+class _Tar(NamedTuple):
+    """A tar archive that is unpacked: where the files of each name lie, or why they do not; and what removes them."""
+
+    version: object
+    files: dict[str, list[Path]]
+    refusal: ReadError | None
+    stack: ExitStack
+
+
+_last_tar: list[_Tar] = []
+
+
+def _tar_member(path: Path, name: str, limit: float) -> Path:
+    status = path.stat()
+    version = str(path), status.st_ino, status.st_size, status.st_mtime_ns, limit
+    if not _last_tar or _last_tar[0].version != version:
+        _forget_tar()
+        _last_tar.append(_unpacked_tar(path, limit, version))
+    if (refusal := _last_tar[0].refusal) is not None:
+        raise refusal
+    places = _last_tar[0].files.get(name)
+    if places == []:
+        raise _astray()
+    _require_one(name, len(places or ()))
+    assert places is not None
+    return places[0]
+
+
+def _unpacked_tar(path: Path, limit: float, version: object) -> _Tar:
+    """Unpack the meshes of a tar archive: one for each name, unless names repeat; none for a link that leads astray."""
     import tarfile
 
-    status = path.stat()
-    version = str(path), status.st_ino, status.st_size, status.st_mtime_ns
-    if not _last_tar or _last_tar[0][0] != version:
-        _forget_tar()
-        stack, files = ExitStack(), dict[str, list[Path]]()
+    files: dict[str, list[Path]] = {}
+    copies: dict[tuple[int, str], Path] = {}  # a file that several links share is there once
+    used, refusal = 0, None
+    with ExitStack() as stack, tarfile.open(path) as archive:
         folder = stack.enter_context(temporary_folder())
-        _last_tar.append((version, stack, files))
-        with tarfile.open(path) as archive:
-            for number, member in enumerate(archive):
-                wanted = member.isreg() and (_is_mesh(member.name) or _is_archive(member.name))
-                if wanted and (stream := archive.extractfile(member)) is not None:
-                    place = folder / f"{number}{PurePosixPath(member.name).suffix.lower()}"
-                    files.setdefault(member.name, []).append(_copy(stream, place, limit))
-                    limit -= member.size
-    return _last_tar[0][2]
+        for name, member in _tar_files(archive):
+            if not (_is_mesh(name) or is_packed(name)):
+                continue
+            places = files.setdefault(name, [])
+            if member.islnk():
+                continue
+            key = member.offset_data, _suffix(name)
+            if key not in copies:
+                try:
+                    copies[key] = _tar_copy(archive, member, folder / f"{len(copies)}{key[1]}", limit, used)
+                except ReadError as error:  # too large, all of them together
+                    refusal = error
+                    break
+                used += member.size
+            if copies[key] not in places:
+                places.append(copies[key])
+        return _Tar(version, files, refusal, stack.pop_all())
 
 
 @atexit.register
 def _forget_tar() -> None:
     while _last_tar:
-        _last_tar.pop()[1].close()
+        _last_tar.pop().stack.close()
 
 
 def _is_mesh(name: str) -> bool:
@@ -167,8 +219,11 @@ def _is_mesh(name: str) -> bool:
     return path.suffix.lower() in _MESHES and not path.name.startswith(".") and "__MACOSX" not in name
 
 
-def _is_archive(name: str) -> bool:
-    return ARCHIVE.search(name) is not None and "__MACOSX" not in name
+def _suffix(name: str) -> str:
+    """Return the ending of the name of a mesh or an archive; of a compressed mesh, both of its endings."""
+    mesh = PurePosixPath(_COMPRESSED.sub("", name)).suffix.lower()
+    suffix = PurePosixPath(name).suffix.lower()
+    return f"{mesh}{suffix}" if mesh in _MESHES and mesh != suffix else suffix
 
 
 def _is_tar(head: bytes) -> bool:
@@ -179,8 +234,7 @@ def _from_zip(path: Path, to: Path, limit: float) -> tuple[Path, str]:
     import zipfile
 
     with zipfile.ZipFile(path) as archive:
-        files = [info.filename for info in archive.infolist() if not info.is_dir()]
-        info = _in_zip(archive, _mesh_among(files))
+        info = _in_zip(archive, _mesh_among(_zip_files(archive)))
         if info.flag_bits & 1:
             raise ReadError("it is encrypted: unpack it and give the mesh in it", code="encrypted")
         with archive.open(info) as stream:
@@ -192,19 +246,50 @@ def _from_tar(path: Path, to: Path, limit: float) -> tuple[Path, str]:
 
     with tarfile.open(path, "r:") as archive:
         files: dict[str, list[Any]] = {}
-        for number, member in enumerate(archive):
-            if number >= _MEMBERS:
-                raise ReadError(
-                    f"it has more than {_MEMBERS} entries: unpack it and give the mesh in it", code="too_large"
-                )
-            if member.isreg():
-                files.setdefault(member.name, []).append(member)
+        for name, member in _tar_files(archive, _MEMBERS):
+            same = files.setdefault(name, [])
+            if member not in same:
+                same.append(member)
         name = _mesh_among(files)
         _require_one(name, len(files[name]))
-        stream = archive.extractfile(files[name][0])
-        assert stream is not None  # it is a regular file
-        with stream:
-            return _copy(stream, to, limit), name
+        if files[name][0].islnk():
+            raise _astray()
+        return _tar_copy(archive, files[name][0], to, limit), name
+
+
+def _zip_files(archive: Any) -> list[str]:
+    """Return the names of all files in a zip archive."""
+    import zipfile
+
+    names: list[str] = archive.namelist()
+    if "" in names:  # what is before a zero byte, which is the whole name
+        raise zipfile.BadZipFile("a file in it has no name")
+    return [name for name in names if not name.endswith("/")]
+
+
+def _tar_copy(archive: Any, member: Any, to: Path, limit: float, used: int = 0) -> Path:
+    with archive.extractfile(member) as stream:
+        return _copy(stream, to, limit, used)
+
+
+def _astray() -> ReadError:
+    says = "it is a hard link to a file that is not before it: pack it again, with that file"
+    return ReadError(says, code="damaged_archive")
+
+
+def _tar_files(archive: Any, most: float = math.inf) -> Iterator[tuple[str, Any]]:
+    """Yield the name of every file in a tar archive, and the entry with its contents: of a hard link, another one's.
+
+    A link to no file that is before it comes with its own entry.
+    """
+    files: dict[PurePosixPath, Any] = {}
+    for number, member in enumerate(archive):
+        if number >= most:
+            raise ReadError(f"it has more than {most} entries: unpack it and give the mesh in it", code="too_large")
+        if member.isreg() or member.islnk():
+            entry = files.get(PurePosixPath(member.linkname), member) if member.islnk() else member
+            files[PurePosixPath(member.name)] = entry
+            yield member.name, entry
 
 
 _MESHES = frozenset(suffix for suffixes in EXTENSIONS.values() for suffix in suffixes)
@@ -217,6 +302,8 @@ def _in_zip(archive: Any, name: str) -> Any:
 
 
 def _require_one(name: str, count: int) -> None:
+    if count == 0:  # when the archive was listed, it was there
+        raise ReadError(CHANGED, code="changed")
     if count > 1:
         raise ReadError(
             f"it holds {count} files called {visible(name)}, and nothing says which is meant: pack it again, each "
@@ -244,9 +331,9 @@ def _mesh_among(files: Iterable[str]) -> str:
     raise ReadError(f"it holds no mesh, but {listed + more if seen else 'nothing'}: give a mesh", code="empty")
 
 
-def _copy(stream: IO[bytes], to: Path, limit: float) -> Path:
-    """Write a stream to a file, and stop at the limit."""
-    size = 0
+def _copy(stream: IO[bytes], to: Path, limit: float, used: int = 0) -> Path:
+    """Write a stream to a file, and stop at the limit, of which some is used already."""
+    size = used
     with to.open("xb") as file:
         while block := stream.read(_BLOCK):
             size += len(block)
@@ -262,25 +349,17 @@ def _copy(stream: IO[bytes], to: Path, limit: float) -> Path:
 
 @contextmanager
 def _damage(kind: str) -> Iterator[None]:
-    """Turn what the decompressors raise into a `ReadError`."""
-    import lzma
-    import tarfile
-    import zipfile
-    import zlib
-
-    damage = (EOFError, zlib.error, lzma.LZMAError, tarfile.TarError, zipfile.BadZipFile, zipfile.LargeZipFile)
+    """Turn what the decompressors and the parsers of archives raise, which may be anything, into a `ReadError`."""
     try:
         yield
-    except damage as error:
-        raise ReadError(
-            f"it is a damaged {kind} file ({visible(str(error))}): pack it again", code="damaged_archive"
-        ) from None
+    except (InertiaError, MemoryError):
+        raise
     except (NotImplementedError, RuntimeError) as error:
         raise ReadError(
             f"it is a {kind} file that is not read ({visible(str(error))}): unpack it", code="not_read"
         ) from None
-    except OSError as error:
-        if error.errno is not None:
+    except Exception as error:
+        if isinstance(error, OSError) and error.errno is not None:
             raise
         raise ReadError(
             f"it is a damaged {kind} file ({visible(str(error))}): pack it again", code="damaged_archive"

@@ -1,0 +1,202 @@
+"""What a batch cannot use is refused in a sentence, and what it advises can be followed."""
+
+import csv
+import json
+import math
+import re
+import sys
+from pathlib import Path
+from types import SimpleNamespace
+from typing import Any
+
+import pytest
+
+import inertia
+from inertia import Estimate
+from inertia.batching.lot import Lot
+from inertia.batching.summary import Summary
+from inertia_cli import batch
+from inertia_cli.main import build_parser, main
+from inertia_meshes import path
+
+CUBE, OPEN, FLIPPED = (path(name) for name in ("cube.stl", "broken/missing_face.stl", "broken/flipped_face.stl"))
+
+
+def batch_options() -> set[str]:
+    """Return the options of the command."""
+    subparsers = next(action for action in build_parser()._actions if isinstance(action.choices, dict))
+    assert isinstance(subparsers.choices, dict)
+    return set(subparsers.choices["batch"]._option_string_actions)
+
+
+@pytest.mark.parametrize(
+    ("arguments", "says"),
+    [
+        ({"memory": "4GB"}, "memory is '4GB': it must be positive and finite, in bytes"),
+        ({"memory": math.inf}, "memory is inf: it must be positive and finite, in bytes"),
+        ({"memory": -1}, "memory is -1: it must be positive and finite, in bytes"),
+        ({"timeout": "60"}, "timeout is '60': it must be positive and finite, in seconds"),
+        ({"timeout": [60]}, r"timeout is \[60\]: it must be positive and finite, in seconds"),
+        ({"jobs": "2"}, "jobs is '2': give the number of worker processes, 1 or more"),
+        ({"jobs": 2.0}, "jobs is 2.0: give the number of worker processes, 1 or more"),
+        ({"jobs": 0}, "jobs is 0: give the number of worker processes, 1 or more"),
+        ({"shard": "1/2"}, r"shard is '1/2': give two whole numbers, as \(3, 8\)"),
+        ({"shard": (1, 2, 3)}, r"shard is \(1, 2, 3\): give two whole numbers"),
+        ({"shard": (1.0, 2.0)}, r"shard is \(1.0, 2.0\): give two whole numbers"),
+        ({"shard": 1}, "shard is 1: give two whole numbers"),
+        ({"paths": bytes(CUBE)}, "a path is b'.*cube.stl': give it as text or as a pathlib.Path"),
+        ({"paths": [bytes(CUBE)]}, "a path is b'.*cube.stl': give it as text or as a pathlib.Path"),
+        ({"paths": [CUBE, None]}, "a path is None: "),
+        ({"paths": None}, "a path is None: "),
+        ({"manifest": b"list.csv"}, "a path is b'list.csv': "),
+        ({"unit": 1}, "unit is 1: give its name, as 'mm'"),
+        ({"verb": ["analyse"]}, r"verb is \['analyse'\]: use one of analyse, "),
+        ({"dask": 8786}, "8786 is no address of a Dask scheduler .*: give one as tcp://host:8786"),
+        ({"densty": 7850.0}, "densty is no option of analyse: use density, or one of unit, "),
+        ({"time": 3}, "time is no option of analyse: use one of unit, .*chord, "),
+    ],
+    ids=str,
+)
+def test_an_argument_that_is_not_usable_is_refused(arguments: dict[str, Any], says: str) -> None:
+    with pytest.raises(inertia.UsageError, match=f"^{says}"):
+        list(inertia.batch(**{"paths": CUBE, "jobs": 1, **arguments}))
+
+
+def test_what_is_none_is_not_asked_for() -> None:
+    (row,) = inertia.batch(CUBE, jobs=1, unit=None, density=None, format=None, orientation=None)
+    assert (row["state"], row["unit"], row["unit_from"]) == ("answered", "mm", "assumed")
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="memory of a process is limited on Linux only")
+def test_limits_may_be_numbers_of_any_kind() -> None:
+    (row,) = inertia.batch(CUBE, jobs=1, memory=4e9, timeout=60, shard=[1, 1])  # type: ignore[arg-type]
+    assert row["state"] == "answered"
+
+
+@pytest.mark.parametrize(
+    "arguments", [("--time", "3"), ("--lump",), ("--tolerance", "0.1"), ("--verb", "check", "--allow-faults", "0.1")]
+)
+def test_the_command_lists_its_own_options(arguments: tuple[str, ...], capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["batch", str(CUBE), *arguments]) == 2
+    said = capsys.readouterr().err
+    refused = next(word for word in reversed(arguments) if word.startswith("--"))
+    assert said.startswith(f"inertia: {refused} is no option of ")
+    listed = said.partition(": use one of ")[2].split(", ")
+    assert "--unit" in listed
+    assert {option.strip() for option in listed} <= batch_options()
+
+
+@pytest.mark.parametrize("verb", ["analyse", "check"])
+def test_what_only_another_command_has_is_said_to_be_of_that_one(
+    verb: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    table = tmp_path / "table.csv"
+    assert main(["batch", str(OPEN), str(FLIPPED), "--verb", verb, "-o", str(table), "--jobs", "1"]) == 0
+    with table.open() as file:
+        messages = [row["message"] for row in csv.DictReader(file)]
+    said = " ".join([*messages, capsys.readouterr().out]).replace(str(OPEN), "").replace(str(FLIPPED), "")
+    assert said.count("`inertia analyse --repair`") == 4
+    own = re.sub("`[^`]*`", "", said)
+    assert set(re.findall(r"--[a-z-]+", own)) <= batch_options()
+
+
+@pytest.mark.parametrize("stated", ["-0.1", "-0.1±0.01", "nan"])
+@pytest.mark.parametrize(("option", "what"), [("shell", "shell thickness"), ("wire", "wire cross-section")])
+def test_a_thickness_is_said_as_it_was_written(
+    option: str, what: str, stated: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    with pytest.raises(inertia.UsageError, match=f"^the {what} is {stated} mm"):
+        inertia.analyse(inertia.read(CUBE), **{option: Estimate.parse(stated)})  # type: ignore[arg-type]
+    assert main(["analyse", str(CUBE), f"--{option}={stated}"]) == 2
+    assert f"the {what} is {stated} mm" in capsys.readouterr().err
+    if option == "shell":
+        main(["batch", str(CUBE), f"--{option}={stated}", "--jobs", "1"])
+        assert f"the {what} is {stated} mm" in capsys.readouterr().out
+
+
+@pytest.mark.parametrize("argument", ["sigma", "coverage"])
+def test_what_else_may_be_an_estimate_is_said_as_a_number(argument: str) -> None:
+    with pytest.raises(inertia.UsageError, match=r" is -1.0\b"):
+        inertia.analyse(inertia.read(CUBE), **{argument: Estimate(-1)})  # type: ignore[arg-type]
+
+
+@pytest.mark.parametrize("address", ["foo", "", "tcp://foo", "foo://host:8786", "host:port"])
+def test_what_is_no_address_is_refused_at_once(address: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    distributed = pytest.importorskip("distributed")
+    monkeypatch.setattr(distributed.Client, "start", lambda *_, **__: pytest.fail("a scheduler is looked for"))
+    with pytest.raises(inertia.UsageError, match=f"^{address} is no address of a Dask scheduler .*: give one as tcp:"):
+        list(inertia.batch(CUBE, dask=address))
+
+
+def test_a_client_without_a_scheduler_is_closed(monkeypatch: pytest.MonkeyPatch) -> None:
+    distributed = pytest.importorskip("distributed")
+    clients = []
+
+    async def fails(client: Any, **_: Any) -> None:
+        clients.append(client)
+        raise ValueError("half-made")
+
+    monkeypatch.setattr(distributed.Client, "_ensure_connected", fails)
+    with pytest.raises(inertia.UsageError, match=r"no Dask scheduler answers at tcp://.*: half-made"):
+        list(inertia.batch(CUBE, dask="tcp://127.0.0.1:1"))
+    assert [client.status for client in clients] == ["closed"]
+
+
+@pytest.mark.parametrize(
+    "arguments",
+    [
+        ("--manifest", "nosuch.csv"), ("--verb", "check"), ("--density", "3"), ("--jobs", "1"), ("--shard", "1/2"),
+        ("--no-intersections",), ("--timings",), ("--memory", "4GB"), ("--orientation", "absolute"),
+    ],
+    ids=" ".join,
+)  # fmt: skip
+def test_options_without_a_meaning_for_a_merge_are_refused(
+    arguments: tuple[str, ...], tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    shard, merged = tmp_path / "shard.jsonl", tmp_path / "merged.jsonl"
+    main(["batch", str(CUBE), "-o", str(shard), "--shard", "1/1", "--jobs", "1"])
+    merge = ["batch", "--merge", str(shard), "-o", str(merged)]
+    assert main([*merge, *arguments]) == 2
+    assert f"{arguments[0].replace('--no-', '--')} has no meaning with --merge" in capsys.readouterr().err
+    assert not merged.exists()
+    assert main([*merge, "--strict", "--json", "--force"]) == 0
+
+
+def rotor(number: int, size: float, upper: float, within: float) -> dict[str, Any]:
+    """Return the row of a rotor, over a limit of 1 g mm."""
+    row: dict[str, Any] = {"state": "answered", "exit_code": 0, "verdict": "fail", "path": f"{number}.toml"}
+    for plane in "ab":
+        row |= {f"permissible_{plane}_gmm": 1.0, f"residual_95_{plane}_gmm": upper}
+        for name in ("initial", "residual"):
+            row |= {f"{name}_{plane}_gmm": size, f"{name}_{plane}_deg": 90.0 * number}
+    shares = json.dumps({"drill: depth": [1.0, 1.0]})
+    return row | {"within": within, "shares": shares, "seconds": 4321.0}
+
+
+def test_figures_of_a_summary_are_written_as_people_write_them() -> None:
+    summary = Summary("balance", 3)
+    for number in range(3):
+        summary.count(rotor(number, 2500.0, 2500.0, 1.0 - 3e-7), stored=False)
+    text = summary.text()
+    assert not re.search(r"\d\.?e[+-]\d", text)
+    assert "Variance          in plane A: between rotors 100 %" in text
+    assert "Expected out      0.00003 % of parts" in text
+    assert "100 % out (3 counted)" in text
+    assert "4321 s  2.toml" in text
+
+
+def test_a_lot_of_nothing_out_says_so() -> None:
+    lot = Lot()
+    for number in range(3):
+        lot.count(rotor(number, 1e-3, 2e-3, 1.0))
+    assert "0 % of parts" in "\n".join(lot.text())
+
+
+def test_progress_is_written_as_people_write_it(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    seconds = iter([0.0, 0.0005])
+    monkeypatch.setattr(batch, "EVERY", 0.0)
+    monkeypatch.setattr(batch, "time", SimpleNamespace(monotonic=lambda: next(seconds)))
+    main(["batch", str(CUBE), "--jobs", "1"])
+    assert "1 of 1 files, 2000 files/s, 0 s left: 1 answered" in capsys.readouterr().err
