@@ -214,6 +214,17 @@ def test_what_stands_beside_a_damaged_shard_is_named_too(
     assert f"cannot read {shards[1]}" in capsys.readouterr().err
 
 
+def test_a_shard_that_does_not_say_what_it_is_of_is_named(
+    shards: list[Path], tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    beside = tmp_path / "shard2.jsonl.meta.json"
+    about = json.loads(beside.read_text())
+    del about["files"]
+    beside.write_text(json.dumps(about))
+    assert batch("--merge", *shards, "-o", tmp_path / "all.jsonl") == 3
+    assert f"cannot read {shards[1]}: it does not say how many files there are" in capsys.readouterr().err
+
+
 def test_shards_of_a_folder_that_grew_are_no_whole(
     shards: list[Path], parts: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:

@@ -198,8 +198,10 @@ def merge(path: Path, tables: Sequence[Path]) -> Summary:
     if missing or len(shards) != count or any(shard[1:] != (count,) for shard in shards):
         which = f"shard {min(missing)} of {count} is missing" if missing else "they are not the shards of one batch"
         raise UsageError(f"{which}: give the table of each shard, once")
-    lists = [about["files"] for about, _ in opened]
+    lists = [about.get("files") or {} for about, _ in opened]
     for each, files in zip(tables, lists, strict=True):
+        if "count" not in files:
+            raise ReadError(f"cannot read {each}: it does not say how many files there are: run its shard again")
         if files != lists[0]:
             raise UsageError(f"{each} is of another list of files than {tables[0]}: run all shards again on one list")
     verb = abouts[0]["verb"]
