@@ -10,9 +10,10 @@ from tests.mesh.solids import Mesh, box, cube, facets, inside_out, joined, ring,
 
 import inertia
 from inertia import native
+from inertia.mesh.geometry import sound_shells
 from inertia.mesh.geometry.closure import closure
 from inertia.mesh.geometry.shells import bodies, shells, soundly_nested
-from inertia.mesh.geometry.sound_shells import sound_bodies
+from inertia.mesh.geometry.sound_shells import nesting_of, sound_bodies
 from inertia.mesh.part import Part
 from inertia.mesh.surface import Surface, Triangles
 
@@ -143,3 +144,89 @@ def test_shells_that_cross_themselves_are_still_looked_for_one_by_one() -> None:
     assert counted(dented) == 1
     with pytest.raises(inertia.GeometryError, match="cross"):
         inertia.analyse(Part.from_arrays(dented.vertices, dented.faces, "mm"), density=1000.0)
+
+
+def packing(mesh: Mesh, step: float, seed: int, side: int = 4) -> list[Mesh]:
+    """Return copies in a lattice of closest packing, turned as one, so that the boxes of neighbours meet."""
+    cells = np.array(list(product(range(side), repeat=3)))
+    places = (cells[:, None] + np.array([[0, 0, 0], [0.5, 0.5, 0], [0.5, 0, 0.5], [0, 0.5, 0.5]])).reshape(-1, 3)
+    return [turned((mesh[0] + step * np.sqrt(2) * place, mesh[1]), seed) for place in places]
+
+
+def bars(gap: float, seed: int) -> list[Mesh]:
+    """Return long bars side by side, some way along each other, turned as one."""
+    shifts = np.random.default_rng(seed).uniform(-2, 2, 64)
+    cells = product(range(8), repeat=2)
+    return [
+        turned(box((x * (1 + gap), y * (1 + gap), shift), (x * (1 + gap) + 1, y * (1 + gap) + 1, shift + 40)), seed)
+        for (x, y), shift in zip(cells, shifts, strict=True)
+    ]
+
+
+PARTED: dict[str, list[Mesh]] = {
+    "balls": packing(sphere(splits=2), 2.00003, 0),
+    "cubes": packing(cube((-0.5, -0.5, -0.5)), 1.5, 1),
+    "bars": bars(1e-4, 2),
+    "links of a chain": links(1.3),
+    "small balls beside a large one": [
+        sphere(splits=4),
+        *(
+            sphere(tuple(Rotation.from_rotvec([0, 2.4 * k, 0]).apply([0, k / 25 - 1.2, 1.08])), 0.05, 1)
+            for k in range(60)
+        ),
+    ],
+}
+
+
+@pytest.mark.parametrize("name", PARTED)
+def test_between_most_shells_whose_boxes_meet_a_plane_is_found(name: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    compared: list[int] = []
+    monkeypatch.setattr(sound_shells, "touching_groups", lambda own, *_, **__: compared.append(own.count))
+    meshes = PARTED[name]
+    counted(joined(*meshes))
+    assert sum(compared) <= 0.02 * sum(len(faces) for _, faces in meshes)
+
+
+@pytest.mark.parametrize("depth", [0.1, 1e-3, 1e-6, 1e-9, 1e-12])
+@pytest.mark.parametrize("seed", range(4))
+def test_bodies_that_share_space_are_never_parted(depth: float, seed: int) -> None:
+    meshes = bars(1e-3, seed) + packing(sphere((60, 0, 0), splits=2), 2.01, seed, 2)
+    for k, (x, y, z) in (
+        (9, (0, 1, 0)),
+        (70, (-1, 1, 0)),
+    ):  # the next lies that way, as they are before they are turned
+        vertices, faces = meshes[k]
+        way = Rotation.random(random_state=seed).apply([x, y, z]) / np.sqrt(x * x + y * y)
+        gap = (meshes[k + 1][0] @ way).min() - (vertices @ way).max()
+        meshes[k] = vertices + (gap + depth) * way, faces
+    surface = joined(*meshes)
+    nesting = nesting_of(surface, closure(surface))
+    assert nesting is not None
+    assert {9, 10, 70, 71} <= set(nesting.suspects.tolist())
+    assert len(nesting.suspects) < 12
+
+
+def test_a_shell_that_is_looked_at_too_often_is_compared_as_a_whole(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(sound_shells, "_LOOKS", 2)
+    monkeypatch.setattr(sound_shells, "_ANYWAY", 0)
+    assert counted(joined(*PARTED["balls"])) == len(PARTED["balls"])
+    crossing = [*PARTED["balls"][:-1], sphere((0.1, 0, 0), splits=2)]
+    surface = joined(*crossing)
+    nesting = nesting_of(surface, closure(surface))
+    assert nesting is None or len(nesting.suspects)
+
+
+def test_what_meets_at_a_face_of_boxes_shares_no_space() -> None:
+    assert counted(joined(cube(), cube((1, 0.25, 0.25)), cube((-0.4, 0.25, 1)))) == 3
+    assert counted(joined(cube(), cube((1 - 1e-12, 0.25, 0.25)))) is None
+
+
+def test_which_shells_may_meet_is_known_beside_those_that_do_not() -> None:
+    meshes = [BLOCK, *pores(0.45), *(inside_out(pore) for pore in pores(0.3)), *PARTED["links of a chain"]]
+    meshes[-6:] = [(np.add(vertices, [10, 0, 0]), faces) for vertices, faces in meshes[-6:]]
+    touching = [*meshes, sphere((0, 0, 10), 0.5), cube((0, 0, 10.9), 1.0)]
+    surface = joined(*touching)
+    nesting = nesting_of(surface, closure(surface))
+    assert nesting is not None
+    assert nesting.suspects.tolist() == [len(touching) - 2, len(touching) - 1]
+    assert nesting.bodies == 1 + 27 + 6 + 2

@@ -23,12 +23,13 @@ from inertia.mesh.geometry.intersect import crosses, to_be_examined
 from inertia.mesh.geometry.shells import Shell, absolute_orientation, shells, soundly_nested
 from inertia.mesh.geometry.shells import bodies as bodies_of
 from inertia.mesh.geometry.simple import MOST, PIECES, SIMPLE, at_hand, simple, states
-from inertia.mesh.geometry.sound_shells import sound_bodies
+from inertia.mesh.geometry.sound_shells import Nesting, nesting_of
 from inertia.mesh.part import Cells, Part, Regions
 from inertia.mesh.shape import Solid
 from inertia.mesh.surface import Facets, Surface, Triangles, counts_once, usable
 
 _SMALL = 20_000  # triangles; in a larger surface, pairing the edges by themselves costs next to nothing
+_MOSTLY = 0.5  # of a surface: what is more is checked as a whole
 
 _WIRE = Remedy("analyse", "wire", "AREA")
 _ANY_WIRE = Remedy("analyse", "wire")
@@ -148,8 +149,12 @@ def surface_integrals(
     if not usable(extents).all() or (topology.open_edges and not shell):
         _check(part, intersections).require_fit()
     several = not shell and (topology.components != 1 or topology.crowded > 0)
-    bodies = sound_bodies(triangles, topology) if several and not named else None
-    pieces = shells(triangles, topology) if several and bodies is None else ()
+    nesting = nesting_of(triangles, topology) if several and not named else None
+    near = None
+    if nesting is not None and len(nesting.suspects) and parts == "together":
+        near = _where_near(part, topology, nesting, extents)
+    apart = nesting is not None and (near is not None or not len(nesting.suspects))
+    pieces = shells(triangles, topology) if several and not apart else ()
     proven = counts_once(triangles)
     sound = bool(pieces) and not topology.crowded and soundly_nested(triangles, topology, pieces)
     wrong = _wrong(triangles, pieces, sums) if absolute and not (turned or shell or proven) else ()
@@ -173,8 +178,9 @@ def surface_integrals(
             yield replace(integral, notes=(note,), turned=turn)
         return
     examined = not shell and to_be_examined(triangles, intersections, topology.crowded)
-    report = None
-    if examined and not proven and not _simple(triangles, topology, bodies is not None, looked) and crosses(triangles):
+    report = near
+    among = None if near is None else topology.labels  # what crosses between shells is in the report
+    if examined and not proven and not _simple(triangles, topology, apart, looked) and crosses(triangles, labels=among):
         report = _sound(part, intersections, parts, allowance, absolute)
     integral = Integral(
         groups=(),
@@ -182,7 +188,7 @@ def surface_integrals(
         triangles=triangles.count,
         cells=0,
         closed=topology.open_edges == 0,
-        bodies=len(bodies_of(pieces)) if pieces else bodies or topology.components,
+        bodies=len(bodies_of(pieces)) if pieces else nesting.bodies if nesting else topology.components,
         area=surface_area(sums),
         extents=extents,
         crossings_examined=examined or (proven and not shell),
@@ -239,6 +245,27 @@ def _sound(part: Part, intersections: bool | None, parts: Parts, allowance: floa
     report = _check(part, intersections, parts, allowance)
     report.require_fit(turned=turned)
     return report
+
+
+def _where_near(part: Part, topology: Closure, nesting: Nesting, extents: Float) -> Report | None:
+    """Return what is found of the shells that may meet others; None where they have faults, or are most of the part.
+
+    Those around them are checked with them, for their depths.
+    """
+    if part.chord is not None or part.filling is not None:
+        return None
+    shells = around = nesting.suspects
+    while len(around):
+        around = np.setdiff1d(nesting.parent[around], -1)
+        shells = np.union1d(shells, around)
+    labels = topology.labels
+    which = np.flatnonzero(np.isin(labels, shells))
+    if len(which) > _MOSTLY * len(labels):
+        return None
+    from inertia.mesh.check import check_some  # slow to import, and most surfaces need none
+
+    report = check_some(part, which, extents)
+    return report if report.fit else None
 
 
 def _check(part: Part, intersections: bool | None = None, parts: Parts = "together", allowance: float = 0.0) -> Report:

@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
+from dataclasses import replace
 
 import numpy as np
 
-from inertia.arrays import Parts
+from inertia.arrays import Float, Int, Parts
 from inertia.errors import UsageError, require_kind
 from inertia.mesh.checks.cells import CellTopology
 from inertia.mesh.checks.findings import Finding, Report, Severity, once
@@ -15,7 +16,7 @@ from inertia.mesh.checks.surface_topology import SurfaceTopology
 from inertia.mesh.geometry.edges import pieces
 from inertia.mesh.geometry.intersect import to_be_examined
 from inertia.mesh.part import Cells, Part
-from inertia.mesh.surface import Triangles, counts_once
+from inertia.mesh.surface import Surface, counts_once
 
 _IN_TURN: tuple[Subject, ...] = ("maps", "sides", "space")
 _ORDER: tuple[Severity, ...] = ("error", "warning", "note")
@@ -49,17 +50,31 @@ def check(
     def report() -> Report:
         if isinstance(surface, Cells):
             return _check_cells(part, CellTopology(surface, part.unit.name), intersections)
-        return _check_surface(part, surface, intersections, parts == "separate", allowance)
+        if unusable := next(findings("triangles", surface), None):
+            return _nothing_to_measure(part, surface.count, unusable)
+        topology = SurfaceTopology.of(part, separate=parts == "separate", room=allowance)
+        return _check_surface(part, topology, intersections)
 
     return once(("report", intersections, parts, allowance), part, report)
 
 
-def _check_surface(
-    part: Part, triangles: Triangles, intersections: bool | None, separate: bool, allowance: float
-) -> Report:
-    if unusable := next(findings("triangles", triangles), None):
-        return _nothing_to_measure(part, triangles.count, unusable)
-    surface = SurfaceTopology.of(part, separate=separate, room=allowance)
+def check_some(part: Part, which: Int, box: Float) -> Report:
+    """Check some triangles by themselves, for all but triangles of one shell that cross.
+
+    Parameters
+    ----------
+    part : a surface whose triangles do not stand for another shape, and of which no holes were filled
+    which : (k,), the numbers of the triangles, ascending: whole shells with usable coordinates
+    box : (2, 3), that of all triangles; findings state numbers and places as those of all do
+    """
+    corners = part.triangles.select(which).corners()
+    surface = Surface(corners.reshape(-1, 3), np.arange(corners.size // 3).reshape(-1, 3))
+    some = Part(surface, part.unit, part.unit_from, part.source)
+    return _check_surface(some, replace(SurfaceTopology.of(some), numbers=which, extents=box), False)
+
+
+def _check_surface(part: Part, surface: SurfaceTopology, intersections: bool | None) -> Report:
+    triangles, separate = surface.triangles, surface.separate
     remarks = [*findings("surface", surface)]
     flat = [*findings("volume", surface)] if surface.bounds else []
     if surface.bounds:

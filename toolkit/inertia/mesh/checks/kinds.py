@@ -76,6 +76,8 @@ class Kind:
         evidence = known[self.evidence]
         if evidence is None:
             return None
+        if isinstance(subject, SurfaceTopology):
+            evidence = subject.as_numbered(evidence)
         figures = {"count": _Count(evidence.count), **evidence.figures}
         figures |= zip(("first", "second"), evidence.faces, strict=False)
         if evidence.place is not None and isinstance(subject, SurfaceTopology | CellTopology):

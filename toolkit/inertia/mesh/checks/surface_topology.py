@@ -41,6 +41,8 @@ class SurfaceTopology:
     chord : (m,), how far the true surface may be from each triangle, where that is known
     separate : whether each body is taken by itself
     allowed : whether it is the caller who allows for the room
+    numbers : (m,), of the triangles in the part, where these are some of it
+    extents : (2, 3), least and greatest coordinates of the part, likewise
     """
 
     triangles: Triangles
@@ -54,6 +56,8 @@ class SurfaceTopology:
     chord: Float | None
     separate: bool
     allowed: bool
+    numbers: Int | None = None
+    extents: Float | None = None
     whole: ClassVar[bool] = True
     """Whether all triangles of the part are there; see `inertia.mesh.external.faults`."""
 
@@ -205,7 +209,13 @@ class SurfaceTopology:
 
     def around(self, place: Place) -> str:
         """Return a place in words."""
-        return around(place, self.box)
+        return around(place, self.box if self.extents is None else self.extents)
+
+    def as_numbered(self, evidence: Evidence) -> Evidence:
+        """Return evidence whose triangles have their numbers in the part."""
+        if self.numbers is None:
+            return evidence
+        return replace(evidence, faces=listed(self.numbers[list(evidence.faces)]))
 
     def at_edges(self, mask: Bool) -> Evidence | None:
         """Count the edges; give the triangles at the first of them and the middle of the first."""

@@ -120,9 +120,10 @@ def crossings(
     return Crossings(pairs, points, total, total > len(pairs))
 
 
-def crosses(a: Triangles, b: Triangles | None = None) -> bool:
+def crosses(a: Triangles, b: Triangles | None = None, *, labels: NDArray[np.integer[Any]] | None = None) -> bool:
     """Say whether a triangle of `a` crosses one of `b`, or another of `a` where `b` is None: see `crossings`."""
-    return any(len(crossed) for crossed, _, _ in _searched(a, b)[1])
+    of = None if labels is None else np.asarray(labels, np.int64)
+    return any(len(crossed) for crossed, _, _ in _searched(a, b, of)[1])
 
 
 Crossed = Iterator[tuple[Int, Float, float]]

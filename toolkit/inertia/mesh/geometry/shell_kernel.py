@@ -13,7 +13,8 @@ from numba import carray, njit
 from inertia.mesh.geometry.crossing_kernel import spread
 
 COLUMNS = 12
-"""Numbers for each shell: its box, 6 × its volume, the size of the terms, a place on it, how many triangles it has."""
+"""Numbers for each shell: its box, 6 × its volume, the sum of its terms' largest magnitudes squared, a place on it, how
+many triangles it has."""
 
 FAR, FARTHEST = 1 << 61, 1 << 62
 """Added to how far shells of a family are from each other, where that is not told by their numbers; of two families."""
@@ -88,8 +89,7 @@ def measure_shells(vertices_at, vertices, faces_at, labels_at, count, table_at, 
             vx, vy, vz = x2 - x0, y2 - y0, z2 - z0
             ax, ay, az = x0 - x, y0 - y, z0 - z
             volume += ax * (uy * vz - uz * vy) + ay * (uz * vx - ux * vz) + az * (ux * vy - uy * vx)
-            sizes = (ax * ax + ay * ay + az * az) * (ux * ux + uy * uy + uz * uz) * (vx * vx + vy * vy + vz * vz)
-            size += math.sqrt(sizes)
+            size += (ax * ax + ay * ay + az * az) * (ux * ux + uy * uy + uz * uz) * (vx * vx + vy * vy + vz * vz)
             k += 1
         table[row, 0], table[row, 1], table[row, 2] = lx, ly, lz
         table[row, 3], table[row, 4], table[row, 5] = hx, hy, hz
@@ -114,7 +114,9 @@ def curve_places(table_at, shells, cells, noise, stored, bits, box_at, boxes_at,
         hx, hy, hz = max(hx, table[k, 3]), max(hy, table[k, 4]), max(hz, table[k, 5])
         for axis in range(6):
             boxes[k, axis] = np.float32(table[k, axis])
-        if not abs(table[k, 6]) > (noise + table[k, 11] * stored) * table[k, 7]:
+        # The sum of n numbers is no more than the root of n times that of their squares.
+        size, count = table[k, 7], table[k, 11]
+        if not (size > TINY and abs(table[k, 6]) > (noise + count * stored) * math.sqrt(count * size)):
             return 1
     box[0, 0], box[0, 1], box[0, 2], box[1, 0], box[1, 1], box[1, 2] = lx, ly, lz, hx, hy, hz
     size = max(hx - lx, hy - ly, hz - lz)
@@ -167,11 +169,11 @@ def meet_boxes(
 ):  # fmt: skip
     """Enclose boxes two by two, and say which of them meet others of their family, lie in one and hold one, and where.
 
-    Shells are looked at in order, in which their families ascend, and `places` along the curve in each. Two nodes
-    are joined before their neighbours where the places of the shells between them differ in lower bits, so that the
-    boxes of nodes are mostly apart (T. Karras, "Maximizing parallelism in the construction of BVHs, octrees, and k-d
-    trees", High Performance Graphics 2012). Node k < `count` is the k-th shell, and has in `nodes`, (2 count, 2), the
-    root of its family, if it is the last of it; others have the two nodes that they join. The boxes written,
+    Shells are looked at in order; `family`, which ascends, and `places` along the curve in each are those in order. Two
+    nodes are joined before their neighbours where the places of the shells between them differ in lower bits, so that
+    the boxes of nodes are mostly apart (T. Karras, "Maximizing parallelism in the construction of BVHs, octrees, and
+    k-d trees", High Performance Graphics 2012). Node k < `count` is the k-th shell, and has in `nodes`, (2 count, 2),
+    the root of its family, if it is the last of it; others have the two nodes that they join. The boxes written,
     (2 count, 6), are float32, as those of the shells in `single` are. `stack` has room for 512 rows. `zones`,
     (count, 6), come to enclose what each that meets others has in common with them, `spots`, (count, 6), the places on
     those that lie in the box of each that holds others.
@@ -186,19 +188,20 @@ def meet_boxes(
     stack = carray(stack_at, (512, 2), np.int64)
     flags, zones = carray(flags_at, (count,), np.uint8), carray(zones_at, (count, 6), np.float64)
     spots = carray(spots_at, (count, 6), np.float64)
-    waiting, built = 0, count
-    one = order[0]
-    for k in range(count):
+    for k in range(count):  # by themselves, as these places in memory are far apart
+        one = order[k]
         for axis in range(6):
             boxes[k, axis] = single[one, axis]
+    waiting, built = 0, count
+    for k in range(count):
         # How far the node that ends here is from the next: equal places are told apart by their numbers.
         key = np.int64(k ^ (k + 1))
-        other = order[min(k + 1, count - 1)]
-        last = k == count - 1 or family[one] != family[other]
+        after = min(k + 1, count - 1)
+        last = k == count - 1 or family[k] != family[after]
         if last:
             key |= FARTHEST
-        elif places[k] != places[k + 1]:
-            key = FAR + np.int64(places[k] ^ places[k + 1])
+        elif places[k] != places[after]:
+            key = FAR + np.int64(places[k] ^ places[after])
         node = k
         while waiting > 0 and stack[waiting - 1, 1] < min(key, FARTHEST):
             waiting -= 1
@@ -221,7 +224,6 @@ def meet_boxes(
         else:
             stack[waiting, 0], stack[waiting, 1] = node, key
             waiting += 1
-        one = other
     return 0
 
 
@@ -276,7 +278,7 @@ def meet(table, flags, zones, one, other):
 
 
 @njit(error_model="numpy", forceinline=True)
-def hold(table, flags, spots, inner, outer):
+def hold(table, flags, zones, spots, inner, outer):
     """Write down that the box of a shell lies in that of another."""
     known = flags[outer] & AROUND
     for axis in range(3):
@@ -289,21 +291,21 @@ def hold(table, flags, spots, inner, outer):
 
 @njit(error_model="numpy", forceinline=True)
 def compare(table, flags, zones, spots, one, other):
-    """Write down what the boxes of two shells do to each other."""
+    """Write down what the boxes of two shells do to each other; what meets at a face of boxes shares no space."""
     apart, a_in_b, b_in_a = False, True, True
     for axis in range(3):
         low, high = table[one, axis], table[one, axis + 3]
         lower, higher = table[other, axis], table[other, axis + 3]
-        apart |= high < lower or higher < low
+        apart |= high <= lower or higher <= low
         a_in_b &= lower <= low and high <= higher
         b_in_a &= low <= lower and higher <= high
     if not apart:
         meet(table, flags, zones, one, other)
         meet(table, flags, zones, other, one)
     if a_in_b:
-        hold(table, flags, spots, one, other)
+        hold(table, flags, zones, spots, one, other)
     if b_in_a:
-        hold(table, flags, spots, other, one)
+        hold(table, flags, zones, spots, other, one)
 
 
 @njit(error_model="numpy", forceinline=True)
@@ -413,6 +415,24 @@ def overlaps(boxes, row, lx, ly, lz, hx, hy, hz):
     return not (beside | (boxes[row, 5] < lz) | (hz < boxes[row, 2]))
 
 
+@njit(error_model="numpy", forceinline=True)
+def sphere(table, radii, shell):
+    """Return the middle of a sphere around a shell, and the square of its radius."""
+    x = 0.5 * table[shell, 0] + 0.5 * table[shell, 3]
+    y = 0.5 * table[shell, 1] + 0.5 * table[shell, 4]
+    return x, y, 0.5 * table[shell, 2] + 0.5 * table[shell, 5], radii[shell]
+
+
+@njit(error_model="numpy", forceinline=True)
+def passes(x, y, z, square, nx, ny, nz, sides):
+    """Say whether a plane is sure to pass a sphere, given from a place in the plane; `sides` as for `BLUR`, squared."""
+    height = x * nx + y * ny + z * nz
+    height *= height
+    blur = BLUR * BLUR * sides * (x * x + y * y + z * z)
+    clear = height * (1.0 - SHARE) > square * (nx * nx + ny * ny + nz * nz)
+    return clear & (blur + TINY < SHARE * SHARE / 16.0 * height)
+
+
 def near_children(
     vertices_at,
     vertices,
@@ -448,23 +468,31 @@ def near_children(
     near = carray(near_at, (count,), np.uint8)
     flags = carray(flags_at, (shells,), np.uint8)
     stack = carray(stack_at, (512,), np.int64)
+    before, root, only = np.int32(-1), 0, False
+    x, y, z, square = 0.0, 0.0, 0.0, 0.0
     for k in range(count):
         shell = labels[k]
         if shell < 0 or ranges[shell, 0] == ranges[shell, 1]:
             continue
+        if shell != before:  # triangles of a shell mostly follow one another
+            before, root = shell, nodes[ranges[shell, 1] - 1, 0]
+            only = root < shells
+            if only:
+                x, y, z, square = sphere(table, radii, order[root])
         p, q, r = faces[k, 0], faces[k, 1], faces[k, 2]
         ax, ay, az = corners[p, 0], corners[p, 1], corners[p, 2]
         bx, by, bz = corners[q, 0], corners[q, 1], corners[q, 2]
         cx, cy, cz = corners[r, 0], corners[r, 1], corners[r, 2]
+        ux, uy, uz, vx, vy, vz = bx - ax, by - ay, bz - az, cx - ax, cy - ay, cz - az
+        nx, ny, nz = uy * vz - uz * vy, uz * vx - ux * vz, ux * vy - uy * vx
+        sides = (ux * ux + uy * uy + uz * uz) * (vx * vx + vy * vy + vz * vz)
+        if only and passes(x - ax, y - ay, z - az, square, nx, ny, nz, sides):
+            continue
         lx, ly, lz = least(ax, bx, cx, cx), least(ay, by, cy, cy), least(az, bz, cz, cz)
         hx, hy, hz = most(ax, bx, cx, cx), most(ay, by, cy, cy), most(az, bz, cz, cz)
         lx, ly, lz = np.float32(lx), np.float32(ly), np.float32(lz)
         hx, hy, hz = np.float32(hx), np.float32(hy), np.float32(hz)
-        ux, uy, uz, vx, vy, vz = bx - ax, by - ay, bz - az, cx - ax, cy - ay, cz - az
-        nx, ny, nz = uy * vz - uz * vy, uz * vx - ux * vz, ux * vy - uy * vx
-        normal = nx * nx + ny * ny + nz * nz
-        sides = (ux * ux + uy * uy + uz * uz) * (vx * vx + vy * vy + vz * vz)
-        stack[0] = nodes[ranges[shell, 1] - 1, 0]
+        stack[0] = root
         waiting = 1
         while waiting > 0:
             waiting -= 1
@@ -475,35 +503,12 @@ def near_children(
                     waiting += 2
                 continue
             child = order[row]
-            mx = 0.5 * table[child, 0] + 0.5 * table[child, 3] - ax
-            my = 0.5 * table[child, 1] + 0.5 * table[child, 4] - ay
-            mz = 0.5 * table[child, 2] + 0.5 * table[child, 5] - az
-            height = mx * nx + my * ny + mz * nz
-            height *= height
-            blur = BLUR * BLUR * sides * (mx * mx + my * my + mz * mz)
+            if not only:
+                x, y, z, square = sphere(table, radii, child)
             # The sphere first, as it tells most apart: a branch that is hard to predict costs more.
-            if height * (1.0 - SHARE) > radii[child] * normal and blur + TINY < SHARE * SHARE / 16.0 * height:
+            if passes(x - ax, y - ay, z - az, square, nx, ny, nz, sides):
                 continue
             if overlaps(boxes, row, lx, ly, lz, hx, hy, hz):
                 near[k] = 1
                 flags[child] |= NEAR
-    return 0
-
-
-def in_zones(vertices_at, vertices, faces_at, labels_at, count, zones_at, shells, inside_at):
-    """Mark the triangles whose boxes meet the zone of their shell."""
-    corners = carray(vertices_at, (vertices, 3), np.float64)
-    faces = carray(faces_at, (count, 3), np.int64)
-    labels = carray(labels_at, (count,), np.int32)
-    zones = carray(zones_at, (shells, 6), np.float64)
-    inside = carray(inside_at, (count,), np.uint8)
-    for k in range(count):
-        shell = labels[k]
-        if shell < 0:
-            continue
-        meets = True
-        for axis in range(3):
-            a, b, c = corners[faces[k, 0], axis], corners[faces[k, 1], axis], corners[faces[k, 2], axis]
-            meets &= min(a, b, c) <= zones[shell, axis + 3] and zones[shell, axis] <= max(a, b, c)
-        inside[k] = meets
     return 0

@@ -22,7 +22,7 @@ from numpy.typing import NDArray
 from inertia.arrays import Bool, Float, Int
 from inertia.mesh.geometry.boxes import BoxTree, overlapping
 from inertia.mesh.geometry.closure import Closure
-from inertia.mesh.geometry.sound_shells import sound_nesting
+from inertia.mesh.geometry.sound_shells import Nesting, sound_nesting
 from inertia.mesh.geometry.touching import touching_bodies
 from inertia.mesh.geometry.winding import windings, windings_each, windings_under
 from inertia.mesh.surface import Triangles
@@ -113,7 +113,7 @@ def shells(triangles: Triangles, closure: Closure) -> tuple[Shell, ...]:
         volumes[scarce], noise[scarce] = _exact_volumes(triangles, closure.labels, np.flatnonzero(scarce), exponent)
     signs = np.where(np.abs(volumes) > noise, np.sign(volumes), 0).astype(np.int64)
     nesting = sound_nesting(triangles, closure) if count > FEW and signs.all() else None
-    around = _containers(triangles, order, local, boxes, signs) if nesting is None else _ancestors(*nesting)
+    around = _containers(triangles, order, local, boxes, signs) if nesting is None else _ancestors(nesting)
     slivers = set(_slivers(volumes, signs, around))
     if slivers:
         signs[list(slivers)] = 0
@@ -262,11 +262,11 @@ def _exact_volumes(triangles: Triangles, labels: NDArray[np.int32], shells: Int,
     return np.array([float(unit * total) for total in totals.tolist()]), _STORED * areas * farthest
 
 
-def _ancestors(parent: Int, depth: Int) -> list[list[int]]:
+def _ancestors(nesting: Nesting) -> list[list[int]]:
     """Return for each shell the numbers of the shells around it, ascending."""
-    around: list[list[int]] = [[] for _ in parent]
-    for number in np.argsort(depth).tolist():
-        outer = int(parent[number])
+    around: list[list[int]] = [[] for _ in nesting.parent]
+    for number in np.argsort(nesting.depth).tolist():
+        outer = int(nesting.parent[number])
         around[number] = [] if outer < 0 else sorted([*around[outer], outer])
     return around
 

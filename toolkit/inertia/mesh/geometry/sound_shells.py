@@ -21,6 +21,7 @@ from __future__ import annotations
 import math
 import os
 from collections.abc import Iterator
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -28,23 +29,25 @@ from numpy.typing import NDArray
 from inertia.arrays import Bool, Float, Int
 from inertia.mesh.geometry.boxes import CELLS
 from inertia.mesh.geometry.closure import Closure
-from inertia.mesh.geometry.touching import touching_groups
+from inertia.mesh.geometry.touching import FIND, touching_groups
 from inertia.mesh.surface import Surface, Triangles
 from inertia.native import Kernel, address
 
-_MODULE = "inertia.mesh.geometry.shell_kernel"
+_MODULE, _PARTING = "inertia.mesh.geometry.shell_kernel", "inertia.mesh.geometry.parting_kernel"
 _MEASURE = Kernel(_MODULE, "measure_shells", "pippi" + "pi", fused=True)
 _PLACES = Kernel(_MODULE, "curve_places", "pi" + "dddi" + "ppp")
 _SORT = Kernel(_MODULE, "sort_places", "pppii")
 _MEET = Kernel(_MODULE, "meet_boxes", "ppppi" + "ppppppp")
 _CAST = Kernel(_MODULE, "cast_rays", "pippi" + "pi" + "ppppp" + "ppip" + "i" + "ddddd" + "pp")
 _NEAR = Kernel(_MODULE, "near_children", "pippi" + "pi" + "ppppp" + "ppp", fused=True)
-_ZONES = Kernel(_MODULE, "in_zones", "pippi" + "pi" + "p")
-_KERNELS = _MEASURE, _PLACES, _SORT, _MEET, _CAST, _NEAR, _ZONES
+_COPY = Kernel(_PARTING, "copy_shells", "pippi" + "ipipp" + "pppi")
+_PART = Kernel(_PARTING, "part_shells", "pippp" + "ippppi" + "pppi" + "ppppi", fused=True)
+_KERNELS = _MEASURE, _PLACES, _SORT, _MEET, _CAST, _NEAR, _COPY, _PART, FIND
 _CHUNK = 1 << 14
 _COLUMNS, _COUNTS = 12, (6, 1 << 11)  # as the kernels have them
 _FEW = 1 << 12  # shells that numpy sorts in less time than it takes to clear the counts
-_MEETS, _INSIDE, _AROUND, _NEARBY = 1, 2, 4, 8
+_MEETS, _INSIDE, _NEARBY, _WHOLE = 1, 2, 8, 16
+_LOOKS, _ANYWAY = 64, 1 << 18  # how often the triangles of a shell are looked at; how many of them in any case
 _NOISE = 1e-13  # rounding of a volume, over the sum of its terms' largest magnitudes
 _STORED = 2.0**-50  # the same, for each time that a sum is rounded
 _CLEAR = 2e-10  # of another shell, over the size of the part: what is nearer is not asked by rays
@@ -53,17 +56,43 @@ _IN_RANGE = 100  # powers of two, of sizes whose products are far from the ends 
 _POINTS = 2  # in a cell of those by which they are looked up, about
 
 
+class Nesting(NamedTuple):
+    """How the shells of a surface lie in one another, each wound as its depth asks.
+
+    Attributes
+    ----------
+    parent : (n,), the shell that each is next inside; −1 is none
+    depth : (n,), how many shells are around it
+    suspects : those that may meet one next inside them, or another beside them; no others meet any
+    """
+
+    parent: Int
+    depth: Int
+    suspects: Int
+
+    @property
+    def bodies(self) -> int:
+        """How many bodies there are: shells at even depths, with those next inside them, their cavities."""
+        return int((self.depth % 2 == 0).sum())
+
+
 def sound_bodies(triangles: Triangles, closure: Closure, *, streamed: bool = False) -> int | None:
     """Return how many bodies a surface bounds whose shells are soundly nested; None where that is not shown.
 
-    A body is a shell at an even depth, with those next inside it, its cavities. For the arguments see `sound_nesting`.
+    For the arguments see `nesting_of`.
     """
     nesting = sound_nesting(triangles, closure, streamed=streamed)
-    return None if nesting is None else int((nesting[1] % 2 == 0).sum())
+    return None if nesting is None else nesting.bodies
 
 
-def sound_nesting(triangles: Triangles, closure: Closure, *, streamed: bool = False) -> tuple[Int, Int] | None:
-    """Return what shell each is next inside (−1 is none) and its depth, where all are soundly nested; None otherwise.
+def sound_nesting(triangles: Triangles, closure: Closure, *, streamed: bool = False) -> Nesting | None:
+    """Return the nesting of shells that are soundly nested; None where that is not shown. See `nesting_of`."""
+    nesting = nesting_of(triangles, closure, streamed=streamed)
+    return None if nesting is None or len(nesting.suspects) else nesting
+
+
+def nesting_of(triangles: Triangles, closure: Closure, *, streamed: bool = False) -> Nesting | None:
+    """Return how shells are nested, where all are wound as their depth asks and few may meet; None otherwise.
 
     Parameters
     ----------
@@ -93,22 +122,24 @@ def sound_nesting(triangles: Triangles, closure: Closure, *, streamed: bool = Fa
     order = (places & np.uint64((1 << bits) - 1)).astype(np.int64)
     places >>= np.uint64(bits)
     volume = table[:, 6]
-    flags, *_, spots = _meeting(table, boxes, order, places, np.zeros(count, np.int64))
     parent, radii, depth = np.full(count, -1), np.zeros(count), np.zeros(count, np.int64)
-    if not flags.any():
-        return (parent, depth) if (volume > 0).all() else None
-    if streamed and not (flags & _INSIDE).any():
+    tree = _Boxes.of(table, boxes, order, places, np.zeros(count, np.int64))
+    inner = (tree.flags & _INSIDE).any()
+    if streamed and tree.flags.any() and not inner:
         return None
     signs = np.where(volume > 0, 1, -1)
-    if (flags & _INSIDE).any():
-        nest = _nest(triangles, closure, table, flags, spots, signs, size)
+    if inner:
+        nest = _nest(triangles, closure, table, tree, signs, size)
         if nest is None:
             return None
         parent, depth, radii = nest
     if ((depth % 2 == 0) != (signs > 0)).any():
         return None
-    apart = _apart(triangles, closure, table, boxes, order, places, parent, radii, streamed)
-    return (parent, depth) if apart else None
+    if inner:
+        ranked = np.argsort(parent[order], kind="stable")
+        tree = _Boxes.of(table, boxes, order[ranked], places[ranked], parent[order[ranked]])
+    suspects = _suspects(triangles, closure, table, tree, parent, radii, streamed)
+    return None if suspects is None else Nesting(parent, depth, suspects)
 
 
 def _chunks(triangles: Triangles, closure: Closure) -> Iterator[tuple[slice, int, int, int, int, int]]:
@@ -126,35 +157,49 @@ def _chunks(triangles: Triangles, closure: Closure) -> Iterator[tuple[slice, int
         yield slice(start, start + len(labels)), *places, len(labels)
 
 
-def _meeting(
-    table: Float, single: NDArray[np.float32], order: Int, places: NDArray[np.uint64], family: Int
-) -> tuple[NDArray[np.uint8], NDArray[np.float32], NDArray[np.int32], Float, Float]:
-    """Return what the boxes of shells do to others of their family, those in order with enclosing ones, and the nodes.
+class _Boxes(NamedTuple):
+    """The boxes of shells, those in order with enclosing ones, and what they do to others of their family.
 
-    Returns boxes around what each that meets others has in common with them, too, and around the places on those whose
-    boxes lie in that of each that holds others. `places` along a space-filling curve sort those of a family.
+    Attributes
+    ----------
+    order : (n,), the shells family by family, along a space-filling curve in each
+    flags : (n,), what the box of each does to others
+    boxes, nodes : as `meet_boxes` leaves them
+    zones : around what each that meets others has in common with their boxes
+    spots : around the places on those shells whose boxes lie in that of each that holds others
     """
-    count = len(order)
-    boxes, nodes = np.empty((2 * count, 6), np.float32), np.empty((2 * count, 2), np.int32)
-    stack, flags = np.empty((512, 2), np.int64), np.zeros(count, np.uint8)
-    zones, spots = np.empty((2, count, 6))  # of those that meet others, and hold others
-    tables = map(address, (family, boxes, nodes, stack, flags, zones, spots))
-    _MEET.function(*map(address, (table, single, order, places)), count, *tables)
-    return flags, boxes, nodes, zones, spots
+
+    order: Int
+    flags: NDArray[np.uint8]
+    boxes: NDArray[np.float32]
+    nodes: NDArray[np.int32]
+    zones: Float
+    spots: Float
+
+    @classmethod
+    def of(
+        cls, table: Float, single: NDArray[np.float32], order: Int, places: NDArray[np.uint64], family: Int
+    ) -> _Boxes:
+        """Enclose the boxes of shells; `places` along the curve, and families, are those of the shells in order."""
+        count = len(order)
+        boxes, nodes = np.empty((2 * count, 6), np.float32), np.empty((2 * count, 2), np.int32)
+        stack, flags, (zones, spots) = np.empty((512, 2), np.int64), np.zeros(count, np.uint8), np.empty((2, count, 6))
+        tables = map(address, (family, boxes, nodes, stack, flags, zones, spots))
+        _MEET.function(*map(address, (table, single, order, places)), count, *tables)
+        return cls(order, flags, boxes, nodes, zones, spots)
 
 
 def _nest(
     triangles: Triangles,
     closure: Closure,
     table: Float,
-    flags: NDArray[np.uint8],
-    spots: Float,
+    tree: _Boxes,
     signs: Int,
     size: float,
 ) -> tuple[Int, Int, Float] | None:
     """Return what shell each is next inside (−1 is none), how many are around it, and the squares of their radii."""
     count = len(table)
-    inner = np.flatnonzero(flags & _INSIDE)
+    inner = np.flatnonzero(tree.flags & _INSIDE)
     points = table[inner, 8:11]
     corner, extent = points[:, :2].min(axis=0), np.ptp(points[:, :2], axis=0)
     across = max(int(np.sqrt(len(inner) / _POINTS)), 1)
@@ -166,7 +211,7 @@ def _nest(
     cells = np.searchsorted(cell[ranked], np.arange(across * across + 1))
     numbers = np.frombuffer(os.urandom(8 * count), np.int64).copy()
     sums, depth, radii = np.zeros(count, np.int64), np.zeros(count, np.int64), np.zeros(count)
-    of_shells = [address(each) for each in (flags, spots, signs, numbers, radii)]
+    of_shells = [address(each) for each in (tree.flags, tree.spots, signs, numbers, radii)]
     of_points = address(points), address(whose), len(whose), address(cells), across
     for _, *chunk in _chunks(triangles, closure):
         if _CAST.function(
@@ -183,41 +228,34 @@ def _nest(
     return parent, depth, radii
 
 
-def _apart(
+def _suspects(
     triangles: Triangles,
     closure: Closure,
     table: Float,
-    single: NDArray[np.float32],
-    order: Int,
-    places: NDArray[np.uint64],
+    tree: _Boxes,
     parent: Int,
     radii: Float,
     streamed: bool,
-) -> bool:
-    """Say whether it is shown that no shell meets one next inside it or another in its region."""
-    count = len(table)
-    ranked = np.argsort(parent[order], kind="stable")
-    order = order[ranked]
-    flags, boxes, nodes, zones, _ = _meeting(table, single, order, places[ranked], parent)
+) -> Int | None:
+    """Return the shells that may meet one next inside them or another in their region; None where these are many."""
+    count, order, none = len(table), tree.order, np.empty(0, np.int64)
     near = np.zeros(triangles.count, np.uint8)
     if (parent >= 0).any():
         ranges = np.searchsorted(parent[order], np.arange(count)[:, None] + (0, 1))
         room = np.empty(512, np.int64)
-        of_shells = address(table), count, *map(address, (radii, boxes, nodes, order, ranges))
+        of_shells = address(table), count, *map(address, (radii, tree.boxes, tree.nodes, order, ranges))
         for which, *chunk in _chunks(triangles, closure):
-            _NEAR.function(*chunk, *of_shells, near[which].ctypes.data, address(flags), address(room))
-    meeting: Bool = (flags & (_MEETS | _NEARBY)) != 0
-    if not meeting.any():
-        return True
+            _NEAR.function(*chunk, *of_shells, near[which].ctypes.data, address(tree.flags), address(room))
+    if not (tree.flags & (_MEETS | _NEARBY)).any():
+        return none
     if streamed:
-        return False
+        return None
+    labels = closure.labels
+    meeting, within = _unparted(triangles, closure, table, tree, parent)
+    if (nearby := (tree.flags & _NEARBY) != 0).any():
+        within |= nearby[labels] & (labels >= 0)
+        meeting |= nearby
     # Each region is a family of its own: the shell around it, as far as it is near, and what meets there in it.
-    labels, within = closure.labels, np.zeros(triangles.count, np.uint8)
-    nearby = (flags & _NEARBY) != 0
-    zones[nearby] = table[nearby, :6]
-    zones[~meeting] = np.inf, np.inf, np.inf, -np.inf, -np.inf, -np.inf
-    for which, *chunk in _chunks(triangles, closure):
-        _ZONES.function(*chunk, address(zones), count, within[which].ctypes.data)
     inside, around = np.flatnonzero(within), np.flatnonzero(near)
     if len(inside) == triangles.count and not len(around):
         own = triangles
@@ -227,7 +265,39 @@ def _apart(
     place = np.empty(count, np.int64)
     place[order] = np.arange(1, count + 1) + (parent[order] + 1) * (count + 1)
     shells = np.flatnonzero(np.bincount(labels[around], minlength=count))
-    keys = np.sort(np.concatenate([place[meeting], base[shells]]))
+    keys = np.concatenate([place[meeting], base[shells]])
+    ranked = np.argsort(keys)
+    keys, whose = keys[ranked], np.concatenate([np.flatnonzero(meeting), shells])[ranked]
     groups = np.concatenate([np.searchsorted(keys, k)[labels[which]] for k, which in ((place, inside), (base, around))])
     pairs = touching_groups(own, groups, keys // (count + 1), first=True)
-    return pairs is not None and len(pairs) == 0
+    return None if pairs is None else np.unique(whose[pairs])
+
+
+def _unparted(
+    triangles: Triangles, closure: Closure, table: Float, tree: _Boxes, parent: Int
+) -> tuple[Bool, NDArray[np.uint8]]:
+    """Return the shells that may meet others in their region, and which triangles they may do it with."""
+    count = len(table)
+    counts = np.where(tree.flags & _MEETS, table[:, 11], 0).astype(np.int64)
+    flags, within = np.zeros(count, np.uint8), np.zeros(triangles.count, np.uint8)
+    if not counts.any():
+        return flags != 0, within
+    starts, slots = np.cumsum(counts) - counts, int(counts.sum())
+    ends = starts.copy()
+    numbers, points = np.empty(slots, np.int64), np.empty((3, 3 * slots), np.float32)
+    of_copies = address(tree.flags), address(tree.zones), address(ends), address(numbers), address(points), slots
+    for part, *chunk in _chunks(triangles, closure):
+        _COPY.function(*chunk, part.start, address(table), count, *of_copies)
+    last, most = 2 * count - len(np.unique(parent)), int((ends - starts).max())
+    if not most:
+        return flags != 0, within
+    spare, which = np.empty((6, 3 * most), np.float32), np.empty((2, most), np.int64)
+    patience, work, stack = _LOOKS * counts + _ANYWAY, np.empty((8, 3)), np.empty((512, 2), np.int64)
+    of_tree = address(tree.order), address(tree.boxes), address(tree.nodes), last
+    of_points = address(starts), address(ends), address(numbers), address(points), slots
+    room = address(patience), address(spare), address(which), most, address(work), address(stack)
+    _PART.function(address(table), count, *of_tree, *of_points, *room, address(flags), address(within), triangles.count)
+    whole = (flags & _WHOLE) != 0
+    if whole.any():
+        within |= whole[closure.labels] & (closure.labels >= 0)
+    return (flags & _MEETS) != 0, within

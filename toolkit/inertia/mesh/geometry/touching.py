@@ -13,7 +13,7 @@ from inertia.mesh.geometry.intersect import CompiledTree
 from inertia.mesh.surface import Triangles
 from inertia.native import Kernel
 
-_FIND = Kernel("inertia.mesh.geometry.touching_kernel", "find_touching", "pppi" + "pi" + "pppp" + "ip")
+FIND = Kernel("inertia.mesh.geometry.touching_kernel", "find_touching", "pppi" + "pi" + "pppp" + "ip")
 _PAIRS = 1 << 14  # pairs of triangles listed at a time
 _WORK = 16  # times what integrating a triangle costs, about, where the boxes of two bodies meet
 
@@ -66,7 +66,7 @@ def touching_groups(triangles: Triangles, groups: Int, family: Int, *, first: bo
     """
     if len(groups) == 0:
         return np.empty((0, 2), np.int64)
-    if not _FIND.worthwhile(_WORK * len(groups)):
+    if not FIND.worthwhile(_WORK * len(groups)):
         return None
     tree = CompiledTree.over(triangles, groups)
     if tree is None:
@@ -80,7 +80,7 @@ def touching_groups(triangles: Triangles, groups: Int, family: Int, *, first: bo
     tables += [_address(table) for table in (axis, stack, tree.starts, pairs)]
     results = [np.empty((0, 2), np.int64)]
     while state[0] and not (first and len(results) > 1):
-        _FIND.function(*tables, _PAIRS, _address(state))
+        FIND.function(*tables, _PAIRS, _address(state))
         if state[1]:
             results.append(np.unique(np.sort(pairs[: state[1]], axis=1), axis=0))
     return np.unique(np.concatenate(results), axis=0)

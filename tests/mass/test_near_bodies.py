@@ -1,0 +1,89 @@
+"""Of many bodies, those that may meet are checked by themselves: the answers are those of a check of them all."""
+
+from itertools import product
+
+import numpy as np
+import pytest
+from scipy.spatial.transform import Rotation
+from tests.mesh.solids import Mesh, box, inside_out, joined, ring, sphere
+
+import inertia
+from inertia.mass import integration
+from inertia.mesh import check
+from inertia.mesh.checks.findings import Report
+from inertia.mesh.checks.surface_topology import SurfaceTopology
+from inertia.mesh.part import Part
+
+TURN = Rotation.from_euler("xyz", [0.3, 0.5, 0.7])
+APART = [(np.add(TURN.apply(own), [4.0 * x, 4.0 * y, 0]), faces) for x, y in product(range(8), range(6))
+         for own, faces in [ring(16, 7, 1.0, 0.25)]]  # fmt: skip
+HOUSING = [box((-9, -9, -9), (-3, -3, -3)), inside_out(box((-8, -8, -8), (-4, -4, -4)))]
+
+
+def blocks(gap: float) -> list[Mesh]:
+    """Return two blocks, turned, one before the other."""
+    two = box((0, 0, 0), (1, 1, 1)), box((0.2, 0.1, 1 + gap), (0.9, 0.7, 2 + gap))
+    return [(TURN.apply(own) - [6, 6, 6], faces) for own, faces in two]
+
+
+def part(*meshes: Mesh) -> Part:
+    surface = joined(*meshes)
+    return Part.from_arrays(surface.vertices, surface.faces, "mm")
+
+
+@pytest.fixture
+def checked(monkeypatch: pytest.MonkeyPatch) -> list[int]:
+    """Return the triangles of each check, as they come."""
+    counts: list[int] = []
+    check_surface = check._check_surface
+
+    def noted(part: Part, surface: SurfaceTopology, intersections: bool | None) -> Report:
+        counts.append(surface.count)
+        return check_surface(part, surface, intersections)
+
+    monkeypatch.setattr(check, "_check_surface", noted)
+    return counts
+
+
+@pytest.mark.parametrize(
+    ("near", "together", "doubts"),
+    [
+        (blocks(1e-17), 24, 1),  # it is nothing beside 1
+        (blocks(-1e-8), 24, 1),
+        ([*HOUSING, *blocks(1e-17)], 48, 1),
+        ([*HOUSING, box((-8, -7, -7), (-7, -6, -6))], 36, 0),
+    ],
+    ids=["two blocks", "blocks with a common slice", "two blocks in a housing", "a block at the wall of its housing"],
+)
+def test_those_that_touch_are_checked_by_themselves(
+    near: list[Mesh], together: int, doubts: int, checked: list[int], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    whole = part(*APART, *near)
+    found = inertia.analyse(whole, density=1000.0)
+    assert checked == [together]
+    monkeypatch.setattr(integration, "_MOSTLY", 0.0)
+    again = inertia.analyse(whole, density=1000.0)
+    assert checked == [together, whole.triangles.count]
+    assert found.bodies == again.bodies == len(APART) + len(near) - (len(near) > 2)
+    assert (again.properties.inertia == found.properties.inertia).all()
+    assert again.properties.error.inertia == found.properties.error.inertia
+    assert len(found.doubts) == doubts
+    assert [str(doubt.message) for doubt in found.doubts] == [str(doubt.message) for doubt in again.doubts]
+
+
+@pytest.mark.parametrize("near", [blocks(-0.01), [*HOUSING, sphere((-4, -6, -6), 0.5)]])
+def test_faults_are_those_of_the_whole(near: list[Mesh], monkeypatch: pytest.MonkeyPatch) -> None:
+    whole = part(*APART, *near)
+    with pytest.raises(inertia.GeometryError) as by_themselves:
+        inertia.analyse(whole, density=1000.0)
+    monkeypatch.setattr(integration, "_MOSTLY", 0.0)
+    with pytest.raises(inertia.GeometryError) as together:
+        inertia.analyse(whole, density=1000.0)
+    assert str(by_themselves.value) == str(together.value)
+
+
+def test_triangles_of_one_body_that_cross_are_found_beside_bodies_that_touch() -> None:
+    vertices, faces = sphere((-5, 0, 0), splits=2)
+    vertices[0] = [-6.5, 0, 0]  # through the other side
+    with pytest.raises(inertia.GeometryError, match="self-intersection"):
+        inertia.analyse(part(*APART, *blocks(1e-17), (vertices, faces)), density=1000.0)
