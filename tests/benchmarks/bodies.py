@@ -59,7 +59,42 @@ def _chain(count: int) -> Mesh:
     upright = vertices[:, [0, 2, 1]], faces[:, ::-1]
     places = np.array([[1.3, 0, 0]]) * np.arange(count)[:, None]
     flat, other = (_copies(mesh, places[k::2]) for k, mesh in enumerate([(vertices, faces), upright]))
-    return np.concatenate([flat[0], other[0]]), np.concatenate([flat[1], other[1] + len(flat[0])])
+    return _joined(flat, other)
+
+
+def _pores(count: int) -> Mesh:
+    """Return a ball with pores in it, of which no two boxes meet."""
+    places = _lattice(count, 2.5)
+    places -= places.mean(axis=0)
+    ball = solids.sphere(radius=2.0 * np.abs(places).max(), splits=6)
+    return _joined(ball, _copies(solids.sphere(splits=2), places, np.full(len(places), -1.0)))
+
+
+def _packed(count: int) -> Mesh:
+    """Return balls in the closest packing, a hundredth apart."""
+    corners = np.array([[0, 0, 0], [0.5, 0.5, 0], [0.5, 0, 0.5], [0, 0.5, 0.5]])
+    places = (_lattice(count // 4, 1.0)[:, None] + corners).reshape(-1, 3)
+    return _copies(solids.sphere(splits=2), 2.02 * np.sqrt(2.0) * places)
+
+
+def _bars(count: int) -> Mesh:
+    """Return long bars side by side, along no axis, each of whose boxes meets those of hundreds of others."""
+    vertices, faces = solids.box((0, 0, 0), (0.1, 0.1, 8))
+    turn = np.linalg.qr([[1.0, 1, 0.3], [-1, 1, 0.5], [0.4, -0.2, 1]])[0]
+    places = 0.2 * np.stack(np.divmod(np.arange(count), round(np.sqrt(count))), axis=-1) @ turn[:2]
+    return _copies((vertices @ turn, faces), places)
+
+
+def _touching(count: int) -> Mesh:
+    """Return rings apart, and two blocks beside them of which one stands on the other, askew."""
+    rings = _copies(solids.ring(16, 7, 1.0, 0.25), _lattice(count, 3.0))
+    turn = np.linalg.qr([[1.0, 1, 0.3], [-1, 1, 0.5], [0.4, -0.2, 1]])[0]
+    blocks = _joined(solids.box((0, 0, 0), (1, 1, 1)), solids.box((0.2, 0.1, 1), (0.9, 0.7, 2)))
+    return _joined(rings, (blocks[0] @ turn - 5, blocks[1]))
+
+
+def _joined(one: Mesh, other: Mesh) -> Mesh:
+    return np.concatenate([one[0], other[0]]), np.concatenate([one[1], other[1] + len(one[0])])
 
 
 def _tetrahedra(count: int, step: float) -> Mesh:
@@ -78,6 +113,10 @@ KINDS: dict[str, Callable[[], Mesh]] = {
     "300 shells in each other": lambda: _shells(300),
     "3,000 shells in each other": lambda: _shells(3_000),
     "3,000 rings of a chain": lambda: _chain(3_000),
+    "3,375 pores in a ball": lambda: _pores(3_375),
+    "2,916 balls in the closest packing": lambda: _packed(2_916),
+    "10,000 bars side by side, askew": lambda: _bars(10_000),
+    "4,096 rings, and two blocks that touch": lambda: _touching(4_096),
     "512 cubes that overlap": lambda: _copies(solids.cube(), _lattice(512, 0.7)),
     "8,000 tetrahedra that overlap": lambda: _tetrahedra(8_000, 0.45),
 }
@@ -109,7 +148,7 @@ def main() -> None:
             runs = [[seconds(source) for source in sources] for _ in range(_ROUNDS)]
         many, one, held, lone = (min(run[k][0] for run in runs) for k in range(4))
         print(
-            f"{name:30s} {len(mesh[1]):9,} triangles: from file {many:7.3f} s, {many / one:5.1f} × one body, "
+            f"{name:38s} {len(mesh[1]):9,} triangles: from file {many:7.3f} s, {many / one:5.1f} × one body, "
             f"in memory {held:7.3f} s, {held / lone:5.1f} ×: {runs[0][0][1]}"
         )
 

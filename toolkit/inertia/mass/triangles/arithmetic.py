@@ -47,7 +47,7 @@ METHODS: dict[Arithmetic, str] = {
 COSTLY = 200_000
 """Triangles above which double-double sums that are not compiled cost too much to measure errors by them."""
 
-_NEAR = 64.0
+_NEAR, _FEW = 64.0, 8_192
 
 FINEST = 1.2e-16
 """Smallest relative accuracy that results in float64 can have: their rounding is up to 1.1e-16."""
@@ -83,7 +83,7 @@ def solid_moments(
         sums = sum_triangles(triangles)
     if arithmetic == "float64" and isinstance(sums, SumsOnGrid):
         sums, fine = _on_a_grid_that_suits(triangles, sums, progress)
-        if fine is not None and _near(*fine):
+        if fine is not None and _near(*fine, triangles.count):
             return moments_with_bounds(*fine, sums)
         arithmetic = "double-double"
     plain = in_float64(sums, triangles, progress)
@@ -123,16 +123,18 @@ def _on_a_grid_that_suits(
     return again, fine_values(again)
 
 
-def _near(values: Over, bounds: Sequence[float]) -> bool:
+def _near(values: Over, bounds: Sequence[float], count: int) -> bool:
     """Say whether bounds are at most tens of times what rounding volume, centre and tensor to float64 may do.
 
-    Σd s is compared with that of a body whose centre lies off by its radius of gyration, 4 Σd times that.
+    Of few triangles, where more digits take little time, they are to be no more than that. Σd s is compared with that
+    of a body whose centre lies off by its radius of gyration, 4 Σd times that.
     """
     numbers, d = values
     volume, spread = abs(numbers[0] / d), sum(abs(n / d) for n in numbers[4:7])
     sizes = volume, 4.0 * sqrt(volume * spread / 10.0), spread
     largest = bounds[0], max(bounds[1:4]), max(bounds[4:7])
-    return all(bound <= _NEAR * ROUNDOFF * size for bound, size in zip(largest, sizes, strict=True))
+    within = (_NEAR if count > _FEW else 1.0) * ROUNDOFF
+    return all(bound <= within * size for bound, size in zip(largest, sizes, strict=True))
 
 
 def shell_moments(

@@ -54,8 +54,8 @@ KERNEL = BlockKernel(
     room=35,
 )
 
-_SAMPLE = Kernel("inertia.mass.triangles.sample_kernel", "measure_sample", "pip")
-_STATISTICS = 16  # as `sample_kernel.COLUMNS`
+_SAMPLE = Kernel("inertia.mass.triangles.sample_kernel", "measure_sample", "piip")
+_STATISTICS = 24  # as `sample_kernel.COLUMNS`
 
 REACH = 1.6 * 2.0**24
 """Steps to the farthest corner: 12 of their squares are below 2⁵³."""
@@ -149,26 +149,30 @@ def grid_for(origin: Sequence[float], low: Sequence[float], high: Sequence[float
 
 @dataclass(frozen=True, eq=False)
 class Sample:
-    """Some of the triangles (n, 3, 3), with the extents and the mean of their corners, (3,).
+    """Some of `count` triangles, (n, 3, 3), with the extents and the mean of their corners, (3,).
 
-    `products` are the elements xx, yy, zz, yz, zx, xy of ∑x xᵀ about the mean, `largest` is the largest sum of the
-    magnitudes of the terms of d about the middle of the extents.
+    `plain` is a grid for all of them, where it is sure that no shear is worth it. `products` are the elements xx, yy,
+    zz, yz, zx, xy of ∑x xᵀ about the mean, `largest` is the largest sum of the magnitudes of the terms of d about the
+    middle of the extents.
     """
 
     corners: Float
+    count: int
     low: list[float]
     high: list[float]
     mean: list[float]
     products: list[float]
     largest: float
+    plain: Grid | None
 
     @classmethod
-    def of(cls, corners: Float) -> Sample:
-        """Measure triangles."""
+    def of(cls, corners: Float, count: int) -> Sample:
+        """Measure triangles, taken from so many."""
         out = np.empty(_STATISTICS)
-        _SAMPLE.function(address(corners), len(corners), address(out))
-        *each, largest = out.tolist()
-        return cls(corners, each[:3], each[3:6], each[6:9], each[9:], largest)
+        _SAMPLE.function(address(corners), len(corners), count, address(out))
+        each = out.tolist()
+        plain = Grid(tuple(each[17:20]), tuple(each[20:23]), each[23]) if each[16] else None
+        return cls(corners, count, each[:3], each[3:6], each[6:9], each[9:15], each[15], plain)
 
     @property
     def is_finite(self) -> bool:
@@ -182,8 +186,9 @@ class Sample:
         shrunk = xx * (yy * zz - yz * yz) - xy * (xy * zz - yz * zx) + zx * (xy * yz - yy * zx)
         return shrunk * WORTHWHILE < xx * yy * zz  # the square of the ratio; extents are no more than a few times off
 
-    def grid(self, origin: Sequence[float], count: int) -> Grid | None:
-        """Return the grid for `count` triangles that these were taken from, sheared where that is worth it."""
+    def grid(self, origin: Sequence[float]) -> Grid | None:
+        """Return the grid for all triangles, sheared where that is worth it."""
+        count = self.count
         plain = grid_for(origin, self.low, self.high, 4.0 * count * self.largest)
         if plain is None or not self.is_askew:
             return plain
@@ -199,7 +204,7 @@ class Sample:
         if math.prod(shear.steps) * WORTHWHILE > math.prod(plain.steps):
             return plain
         sheared = (self.corners - np.array(about.origin)) @ shear.matrix().T
-        unit = _unit(np.abs(sheared).max(axis=(0, 1)).tolist(), 4.0 * count * Sample.of(sheared).largest)
+        unit = _unit(np.abs(sheared).max(axis=(0, 1)).tolist(), 4.0 * count * Sample.of(sheared, count).largest)
         return _checked(replace(about, unit=unit, shear=shear))
 
 

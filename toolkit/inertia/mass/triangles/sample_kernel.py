@@ -6,25 +6,64 @@ Imported only to be compiled (`inertia.native`).
 from __future__ import annotations
 
 import numpy as np
-from numba import carray
+from numba import carray, njit
 
-LOW, HIGH, MEAN, PRODUCTS, LARGEST, COLUMNS = 0, 3, 6, 9, 15, 16
-"""Places of the extents, of the mean of the corners, of ∑x xᵀ about it (xx, yy, zz, yz, zx, xy) and of the largest sum
-of the magnitudes of the terms of d."""
+LOW, HIGH, MEAN, PRODUCTS, LARGEST, PLAIN, ABOUT, STEPS, UNIT, COLUMNS = 0, 3, 6, 9, 15, 16, 17, 20, 23, 24
+"""Places of the extents, of the mean of the corners, of ∑x xᵀ about it (xx, yy, zz, yz, zx, xy), of the largest sum of
+the magnitudes of the terms of d, of whether there is a grid that suits, and of that: origin, steps, the step of d."""
+
+REACH, AMPLE, LAST_BIT, WORTHWHILE = 1.6 * 2.0**24, 64.0, 2.0**-50, 32.0  # as `fine_sums` has them
+SMALLEST, LARGEST_SIZE = 2.0**-90, 2.0**90
 
 
-def measure_sample(corners_at, count, out_at):
-    """Write the statistics of `count` triangles, those of d about the middle of the extents."""
+@njit(error_model="numpy", forceinline=True)
+def power_above(value):
+    """Return the least power of two above a positive number."""
+    power = 1.0
+    while power <= value:
+        power *= 2.0
+    while 0.5 * power > value:
+        power *= 0.5
+    return power
+
+
+@njit(error_model="numpy", forceinline=True)
+def choose_grid(out, total):
+    """Write the grid for `total` triangles as `fine_sums.grid_for` chooses it; none if it may be scaled or sheared."""
+    largest, product = 0.0, 1.0
+    for axis in range(3):
+        low, high = out[LOW + axis], out[HIGH + axis]
+        origin = low + 0.5 * (high - low)
+        out[ABOUT + axis], out[STEPS + axis] = origin, max(high - origin, origin - low)
+        largest = max(largest, out[STEPS + axis])
+    xx, yy, zz, yz = out[PRODUCTS], out[PRODUCTS + 1], out[PRODUCTS + 2], out[PRODUCTS + 3]
+    zx, xy = out[PRODUCTS + 4], out[PRODUCTS + 5]
+    shrunk = xx * (yy * zz - yz * yz) - xy * (xy * zz - yz * zx) + zx * (xy * yz - yy * zx)
+    if not SMALLEST < largest < LARGEST_SIZE or shrunk * WORTHWHILE < xx * yy * zz:
+        return
+    for axis in range(3):
+        origin, reach = out[ABOUT + axis], max(out[STEPS + axis], 2.0**-40 * largest)
+        product *= reach
+        farthest = max(abs(out[LOW + axis]), abs(out[HIGH + axis])) + 2.0 * reach
+        step = power_above(max(1.25 * reach / REACH, farthest * 2.0**-49))
+        top = 1.5 * 2.0**52 * step
+        out[ABOUT + axis], out[STEPS + axis] = (origin + top) - top, step
+    out[UNIT] = power_above(max(AMPLE * product, 4.0 * total * out[LARGEST]) * LAST_BIT)
+    out[PLAIN] = 2.0**-300 < out[UNIT] < 2.0**300
+
+
+def measure_sample(corners_at, count, total, out_at):
+    """Write the statistics of `count` of `total` triangles, those of d about the middle of their box, and the grid."""
     corners = carray(corners_at, (count, 9), np.float64)
     out = carray(out_at, (COLUMNS,), np.float64)
     out[:] = 0.0
     for axis in range(3):
-        low, high, total = np.inf, -np.inf, 0.0
+        low, high, added = np.inf, -np.inf, 0.0
         for n in range(count):
             a, b, c = corners[n, axis], corners[n, 3 + axis], corners[n, 6 + axis]
             low, high = min(low, min(a, min(b, c))), max(high, max(a, max(b, c)))
-            total += (a + b) + c
-        out[LOW + axis], out[HIGH + axis], out[MEAN + axis] = low, high, total / (3 * count)
+            added += (a + b) + c
+        out[LOW + axis], out[HIGH + axis], out[MEAN + axis] = low, high, added / (3 * count)
     x, y, z = (0.5 * (out[LOW] + out[HIGH]), 0.5 * (out[LOW + 1] + out[HIGH + 1]), 0.5 * (out[LOW + 2] + out[HIGH + 2]))
     mx, my, mz = out[MEAN], out[MEAN + 1], out[MEAN + 2]
     for n in range(count):
@@ -41,4 +80,6 @@ def measure_sample(corners_at, count, out_at):
         vx, vy, vz = abs(corners[n, 6] - ax), abs(corners[n, 7] - ay), abs(corners[n, 8] - az)
         d = abs(ax - x) * (uy * vz + uz * vy) + abs(ay - y) * (uz * vx + ux * vz) + abs(az - z) * (ux * vy + uy * vx)
         out[LARGEST] = max(out[LARGEST], d)
+    if np.isfinite(mx + my + mz):
+        choose_grid(out, total)
     return 0

@@ -220,10 +220,13 @@ def frame_of(triangles: Triangles, *, surface: bool = False) -> Frame:
     """Choose the frame, from a sample of the triangles."""
     least = MANY if fine_sums.KERNEL.is_shipped(triangles) else _MANY_ELSEWHERE
     if not surface and triangles.count > least and fine_sums.KERNEL.worthwhile(triangles):
-        sample = Sample.of(triangles.select((_SCATTERED * triangles.count).astype(np.int64)).corners())
+        places = (_SCATTERED * triangles.count).astype(np.int64)
+        sample = Sample.of(triangles.select(places).corners(), triangles.count)
+        if sample.plain is not None:
+            return Frame.on(sample.plain)
         if sample.is_finite:
             origin, exponent = _local_frame(sample.low, sample.high)
-            grid = None if exponent else sample.grid(origin, triangles.count)
+            grid = None if exponent else sample.grid(origin)
             return Frame(np.array(origin), exponent, False, None) if grid is None else Frame.on(grid)
     points = np.ascontiguousarray(triangles.sample(_SAMPLED).reshape(-1, 3).T)  # along whose rows numpy is quick
     low, high = points.min(axis=1), points.max(axis=1)
