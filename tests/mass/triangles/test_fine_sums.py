@@ -29,12 +29,14 @@ from tests.mesh.solids import cube, facets
 from inertia import native
 from inertia.mass.triangles import arithmetic, sums
 from inertia.mass.triangles.arithmetic import solid_moments
+from inertia.mass.triangles.fine_sums import Sample
 from inertia.mass.triangles.kernels import BLOCK
 from inertia.mass.triangles.moments_from_sums import fine_values, moments_of
 from inertia.mass.triangles.sums import (
     Frame,
     PlainSums,
     SumsOnGrid,
+    _local_frame,
     block_rows,
     frame_of,
     in_float64,
@@ -281,3 +283,29 @@ def test_where_the_digits_are_too_few_for_a_near_bound_there_are_double_double_s
     assert_within_bounds(triangles, moments)
     assert fine is not None
     assert 6 * moments.zeroth_bound < F(fine[1][0]) / 1000
+
+
+@pytest.mark.parametrize("turn", [3, 5, 2000])
+@pytest.mark.parametrize("count", [1100, 2000, 4000])
+def test_bounds_of_few_triangles_are_no_more_than_rounding_whatever_the_shape(count: int, turn: int) -> None:
+    vertices, faces = wavy_torus(count)
+    triangles = Surface(placed(vertices * (1, 1, 1e-6), turn, 0.0, 1.0, 1.0), faces)
+    moments = solid_moments(triangles, "float64")
+    assert_within_bounds(triangles, moments)
+    assert moments.zeroth_bound <= abs(F(moments.zeroth)) / 2**53
+    assert max(moments.second_bound) <= sum(map(abs, moments.second[:3])) / 2**52
+
+
+def test_the_grid_that_is_chosen_in_compiled_code_is_the_same() -> None:
+    rng, plain = np.random.default_rng(4), 0
+    for case in range(400):
+        corners = rng.normal(size=(128, 3, 3)) * 10 ** rng.uniform(-3, 3, 3) * 10 ** rng.uniform(-8, 8)
+        corners += (case % 3) * 10 ** rng.uniform(-3, 9) * np.abs(corners).max()
+        if case % 7 == 0:  # powers of two, on which steps begin
+            corners = np.exp2(np.round(np.log2(np.abs(corners))))
+        if case % 11 == 0:
+            corners[..., case % 3] = 1.5
+        sample = Sample.of(corners, 10 ** (3 + case % 6))
+        plain += sample.plain is not None
+        assert sample.plain in (None, sample.grid(_local_frame(sample.low, sample.high)[0]))
+    assert plain > 300
