@@ -92,6 +92,14 @@ def test_a_zero_byte_in_a_path_has_its_row(name: str, tmp_path: Path) -> None:
     unreadable(given, name, NO_FILE)
 
 
+@pytest.mark.parametrize("verb", ["analyse", "check", "balance", "audit"])
+@pytest.mark.parametrize("name", ["a\0b.urdf", "a\ud800b.urdf"])
+def test_what_no_file_can_be_called_is_no_file_for_any_verb(name: str, verb: str) -> None:
+    (row,) = rows(name, verb=verb)
+    assert (row["state"], row["exit_code"]) == ("unreadable", 3)
+    assert NO_FILE in row["message"]
+
+
 @pytest.mark.parametrize("name", ["a\0b.csv", "a\0*.csv"])
 def test_a_zero_byte_in_the_path_of_a_manifest_is_said(name: str) -> None:
     with pytest.raises(inertia.ReadError, match=NO_FILE):

@@ -128,3 +128,5 @@ def test_an_unknown_material_brings_the_nearest_names_and_the_whole_list() -> No
     assert all(name in str(e.value) for name in DENSITIES)
     with pytest.raises(UsageError, match="unknown material 'xyzzy': use one of abs, "):
         density_of("xyzzy")
+    with pytest.raises(UsageError, match=r"unknown material 7850: .* or give a density"):
+        density_of(7850)  # type: ignore[arg-type]

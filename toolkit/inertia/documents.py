@@ -28,7 +28,7 @@ from inertia.arrays import of_rotation
 from inertia.encoding import text_of
 from inertia.errors import FieldPath, GeometryError, ReadError, UsageError, Word, placed, visible
 from inertia.estimate import Estimate
-from inertia.standard_input import NO_FILE, file_of, reason_of
+from inertia.standard_input import file_of, reason_of
 
 Read = Callable[[Any, str], Any]
 
@@ -167,8 +167,6 @@ class Document(ABC):
             raise placed(error, f"cannot read {name}") from None
         except OSError as error:
             raise ReadError(f"cannot read {name}: {reason_of(error)}", code="no_file") from None
-        except ValueError:  # a zero byte in the name
-            raise ReadError(f"cannot read {name}: {NO_FILE}", code="no_file") from None
         if not text.strip():
             raise ReadError(f"cannot read {name}: it is empty: write {article} {cls.noun} into it", code="empty_file")
         return cls.loads(text, Path(path).parent, name)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import atexit
 import errno
+import os
 import sys
 from contextlib import ExitStack
 from functools import cache
@@ -36,10 +37,19 @@ def reason_of(error: OSError) -> str:
 
 
 def file_of(name: str) -> Path:
-    """Return the file to be read that a name stands for: of `-` one that holds all of standard input until the end."""
+    """Return the file to be read that a name stands for: of `-` one that holds all of standard input until the end.
+
+    Raises `FileNotFoundError` for what no file can be called.
+    """
     if name == NAME:
         note_input(DESCRIPTOR)
         return _spooled()
+    try:
+        possible = b"\0" not in os.fsencode(name)
+    except UnicodeEncodeError:
+        possible = False
+    if not possible:
+        raise FileNotFoundError(errno.ENOENT, os.strerror(errno.ENOENT), name)
     note_input(path := Path(name))
     return path
 

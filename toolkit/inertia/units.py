@@ -78,7 +78,7 @@ def length_unit(name: str) -> Unit:
     >>> length_unit("inch").metres
     Fraction(127, 5000)
     """
-    key = name.strip()
+    key = str(name).strip()
     for candidate in (key, key.lower(), key.lower().removesuffix("s")):
         candidate = _ALIASES.get(candidate, candidate)
         if candidate in _UNITS:

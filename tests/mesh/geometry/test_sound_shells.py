@@ -10,7 +10,7 @@ from tests.mesh.solids import Mesh, box, cube, facets, inside_out, joined, ring,
 
 import inertia
 from inertia import native
-from inertia.mesh.geometry import sound_shells
+from inertia.mesh.geometry import sound_shells, touching
 from inertia.mesh.geometry.closure import closure
 from inertia.mesh.geometry.shells import bodies, shells, soundly_nested
 from inertia.mesh.geometry.sound_shells import nesting_of, sound_bodies
@@ -230,3 +230,14 @@ def test_which_shells_may_meet_is_known_beside_those_that_do_not() -> None:
     assert nesting is not None
     assert nesting.suspects.tolist() == [len(touching) - 2, len(touching) - 1]
     assert nesting.bodies == 1 + 27 + 6 + 2
+
+
+def test_where_more_shells_may_meet_than_are_listed_it_is_not_said_which(monkeypatch: pytest.MonkeyPatch) -> None:
+    meshes = [turned(mesh, 3) for x in range(12) for mesh in (cube((3.0 * x, 0, 0)), cube((3.0 * x, 0.2, 0.999)))]
+    surface = joined(*meshes)
+    pieces = closure(surface)
+    nesting = nesting_of(surface, pieces)
+    assert nesting is not None
+    assert len(nesting.suspects) == 24
+    monkeypatch.setattr(touching, "_PAIRS", 8)
+    assert nesting_of(surface, pieces) is None

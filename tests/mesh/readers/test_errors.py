@@ -12,6 +12,7 @@ import sys
 import zipfile
 import zlib
 from pathlib import Path
+from typing import cast
 
 import numpy as np
 import pytest
@@ -476,6 +477,8 @@ def test_unknown_units_and_formats_are_wrong_usage(tmp_path: Path) -> None:
     (tmp_path / "a.stl").write_bytes(binary_stl())
     with pytest.raises(UsageError, match="unknown unit 'furlong'"):
         read(tmp_path / "a.stl", unit="furlong")
+    with pytest.raises(UsageError, match="unknown unit 1000: use one of m"):
+        read(tmp_path / "a.stl", unit=cast(str, 1000))
     with pytest.raises(UsageError, match="unknown format 'dwg': use one of stl"):
         read(tmp_path / "a.stl", format="dwg")
 

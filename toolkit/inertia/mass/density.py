@@ -135,7 +135,7 @@ def density_of(material: str) -> float:
     >>> density_of("steel")
     7850.0
     """
-    key = material.strip().lower().replace(" ", "-").replace("_", "-")
+    key = str(material).strip().lower().replace(" ", "-").replace("_", "-")
     key = _ALIASES.get(key, key)
     if key not in DENSITIES:
         close = get_close_matches(key, [*DENSITIES, *_ALIASES], n=3)

@@ -32,7 +32,7 @@ from inertia.mesh.readers.formats import FORMATS, HEAD, format_of_name, sniff
 from inertia.mesh.readers.strangers import stranger
 from inertia.mesh.tree import MeshTree
 from inertia.mesh.version import CHANGED, Version, unchanged
-from inertia.standard_input import NO_FILE, file_of, reason_of
+from inertia.standard_input import file_of, reason_of
 from inertia.units import DEFAULT_UNIT, Unit, UnitFrom, length_unit
 
 _SMALL = 10_000_000  # bytes
@@ -205,8 +205,6 @@ def _contents(
 @contextmanager
 def _opened(name: str) -> Iterator[tuple[Path, bytes, Version]]:
     """Yield where a file is, how it begins, and its version, which is the same when it has been read."""
-    if "\0" in name:
-        raise ReadError(NO_FILE, code="no_file")
     try:
         path = file_of(name)
         status = path.stat()
@@ -220,8 +218,6 @@ def _opened(name: str) -> Iterator[tuple[Path, bytes, Version]]:
             yield path, head, version
     except OSError as error:
         raise ReadError(reason_of(error), code="no_file") from error
-    except UnicodeEncodeError as error:
-        raise ReadError(NO_FILE, code="no_file") from error
     except MemoryError as error:
         if status.st_size < _SMALL:
             says = f"its counts ask for more memory than there is, though it has {status.st_size} bytes only: "

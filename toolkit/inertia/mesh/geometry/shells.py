@@ -141,7 +141,7 @@ def soundly_nested(triangles: Triangles, closure: Closure, shells: Sequence[Shel
     """Say whether it is sure that no two shells meet, and that each is wound as its depth asks."""
     if any(shell.winding_outside != shell.depth % 2 or shell.kind != WOUND[shell.depth % 2] for shell in shells):
         return False
-    met = touching_bodies(triangles, closure.labels, np.array([shell.box for shell in shells]), first=True)
+    met = touching_bodies(triangles, closure.labels, np.array([shell.box for shell in shells]), few=True)
     return met is not None and len(met) == 0
 
 

@@ -269,7 +269,7 @@ def _suspects(
     ranked = np.argsort(keys)
     keys, whose = keys[ranked], np.concatenate([np.flatnonzero(meeting), shells])[ranked]
     groups = np.concatenate([np.searchsorted(keys, k)[labels[which]] for k, which in ((place, inside), (base, around))])
-    pairs = touching_groups(own, groups, keys // (count + 1), first=True)
+    pairs = touching_groups(own, groups, keys // (count + 1), few=True)
     return None if pairs is None else np.unique(whose[pairs])
 
 

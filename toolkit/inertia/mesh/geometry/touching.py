@@ -24,7 +24,7 @@ def touching_bodies(
     boxes: Float,
     *,
     among: Bool | None = None,
-    first: bool = False,
+    few: bool = False,
 ) -> Int | None:
     """Return the pairs of bodies whose triangles may meet; those of other pairs are sure not to.
 
@@ -33,11 +33,11 @@ def touching_bodies(
     labels : (n,) the body of each triangle, −1 of those in none
     boxes : (m, 2, 3), least and greatest coordinates of the bodies, finite
     among : (m,), the bodies whose boxes meet others; None where that is not known
-    first : whether to stop where there is one
+    few : whether to stop where there are more than some thousand
 
     Returns
     -------
-    pairs : (k, 2), ascending, the lower number first; None where there is no kernel for it
+    pairs : (k, 2), ascending, the lower number first; None where there is no kernel for it, or it was stopped
     """
     bodies = BoxTree(boxes[:, 0], boxes[:, 1])
     if among is None:
@@ -51,18 +51,18 @@ def touching_bodies(
     rank = np.empty(len(boxes), np.int64)
     rank[bodies.order] = np.arange(len(boxes))
     own = triangles if within.all() else triangles.select(which)
-    pairs = touching_groups(own, rank[labels[which]], np.zeros(len(boxes), np.int64), first=first)
+    pairs = touching_groups(own, rank[labels[which]], np.zeros(len(boxes), np.int64), few=few)
     return None if pairs is None else np.unique(np.sort(bodies.order[pairs], axis=1), axis=0)
 
 
-def touching_groups(triangles: Triangles, groups: Int, family: Int, *, first: bool = False) -> Int | None:
+def touching_groups(triangles: Triangles, groups: Int, family: Int, *, few: bool = False) -> Int | None:
     """Return the pairs (k, 2) of groups, of one family, whose triangles may meet; those of other pairs are sure not to.
 
     Parameters
     ----------
     groups : (n,) the group of each triangle
     family : (m,) that of each group, ascending
-    first : whether to stop where there is one
+    few : whether to stop where there are more than some thousand, and return None
     """
     if len(groups) == 0:
         return np.empty((0, 2), np.int64)
@@ -79,10 +79,12 @@ def touching_groups(triangles: Triangles, groups: Int, family: Int, *, first: bo
     tables += [len(label), _address(family), len(family)]
     tables += [_address(table) for table in (axis, stack, tree.starts, pairs)]
     results = [np.empty((0, 2), np.int64)]
-    while state[0] and not (first and len(results) > 1):
+    while state[0]:
         FIND.function(*tables, _PAIRS, _address(state))
         if state[1]:
             results.append(np.unique(np.sort(pairs[: state[1]], axis=1), axis=0))
+        if few and state[0]:
+            return None
     return np.unique(np.concatenate(results), axis=0)
 
 
