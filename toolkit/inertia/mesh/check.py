@@ -67,10 +67,13 @@ def check_some(part: Part, which: Int, box: Float) -> Report:
     which : (k,), the numbers of the triangles, ascending: whole shells with usable coordinates
     box : (2, 3), that of all triangles; findings state numbers and places as those of all do
     """
-    corners = part.triangles.select(which).corners()
-    surface = Surface(corners.reshape(-1, 3), np.arange(corners.size // 3).reshape(-1, 3))
+    corners = part.triangles.select(which).corners().reshape(-1, 3)
+    surface = Surface(corners, np.arange(len(corners)).reshape(-1, 3))
     some = Part(surface, part.unit, part.unit_from, part.source)
-    return _check_surface(some, replace(SurfaceTopology.of(some), numbers=which, extents=box), False)
+    topology = SurfaceTopology.of(some)
+    # With the corners of the box, contacts may be as deep as in the whole part, and places have as many digits.
+    vertices = np.concatenate([topology.vertices, box])
+    return _check_surface(some, replace(topology, vertices=vertices, numbers=which), False)
 
 
 def _check_surface(part: Part, surface: SurfaceTopology, intersections: bool | None) -> Report:

@@ -42,7 +42,6 @@ class SurfaceTopology:
     separate : whether each body is taken by itself
     allowed : whether it is the caller who allows for the room
     numbers : (m,), of the triangles in the part, where these are some of it
-    extents : (2, 3), least and greatest coordinates of the part, likewise
     """
 
     triangles: Triangles
@@ -57,7 +56,6 @@ class SurfaceTopology:
     separate: bool
     allowed: bool
     numbers: Int | None = None
-    extents: Float | None = None
     whole: ClassVar[bool] = True
     """Whether all triangles of the part are there; see `inertia.mesh.external.faults`."""
 
@@ -209,7 +207,7 @@ class SurfaceTopology:
 
     def around(self, place: Place) -> str:
         """Return a place in words."""
-        return around(place, self.box if self.extents is None else self.extents)
+        return around(place, self.box)
 
     def as_numbered(self, evidence: Evidence) -> Evidence:
         """Return evidence whose triangles have their numbers in the part."""
