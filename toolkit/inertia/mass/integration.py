@@ -254,12 +254,12 @@ def _where_near(part: Part, topology: Closure, nesting: Nesting, extents: Float)
     """
     if part.chord is not None or part.filling is not None:
         return None
-    shells = around = nesting.suspects
-    while len(around):
-        around = np.setdiff1d(nesting.parent[around], -1)
-        shells = np.union1d(shells, around)
+    chosen, shells = np.zeros(topology.components + 1, bool), nesting.suspects  # the last is that of triangles in none
+    while len(shells):
+        chosen[shells] = True
+        shells = np.setdiff1d(nesting.parent[shells], -1)
     labels = topology.labels
-    which = np.flatnonzero(np.isin(labels, shells))
+    which = np.flatnonzero(chosen[labels])
     if len(which) > _MOSTLY * len(labels):
         return None
     from inertia.mesh.check import check_some  # slow to import, and most surfaces need none

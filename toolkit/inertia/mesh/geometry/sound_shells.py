@@ -127,8 +127,10 @@ def nesting_of(triangles: Triangles, closure: Closure, *, streamed: bool = False
     volume = table[:, 6]
     parent, radii, depth = np.full(count, -1), np.zeros(count), np.zeros(count, np.int64)
     tree = _Boxes.of(table, boxes, order, places, np.zeros(count, np.int64))
+    if not tree.flags.any():
+        return Nesting(parent, depth, np.empty(0, np.int64)) if (volume > 0).all() else None
     inner = (tree.flags & _INSIDE).any()
-    if streamed and tree.flags.any() and not inner:
+    if streamed and not inner:
         return None
     signs = np.where(volume > 0, 1, -1)
     if inner:
