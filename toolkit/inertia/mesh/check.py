@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
-from dataclasses import replace
+from dataclasses import dataclass, fields, replace
 
 import numpy as np
 
 from inertia.arrays import Float, Int, Parts
 from inertia.errors import UsageError, require_kind
 from inertia.mesh.checks.cells import CellTopology
-from inertia.mesh.checks.findings import Finding, Report, Severity, once
+from inertia.mesh.checks.findings import Evidence, Finding, Report, Severity, listed, once
 from inertia.mesh.checks.kinds import Subject, findings
 from inertia.mesh.checks.surface_topology import SurfaceTopology
 from inertia.mesh.geometry.edges import pieces
@@ -58,6 +58,17 @@ def check(
     return once(("report", intersections, parts, allowance), part, report)
 
 
+@dataclass(frozen=True, eq=False)
+class _WholeShells(SurfaceTopology):
+    """Some shells of a surface; `numbers` (m,) says which triangles they have in it."""
+
+    numbers: Int
+
+    def as_numbered(self, evidence: Evidence) -> Evidence:
+        """Return evidence whose triangles have their numbers in the part."""
+        return replace(evidence, faces=listed(self.numbers[list(evidence.faces)]))
+
+
 def check_some(part: Part, which: Int, box: Float) -> Report:
     """Check some triangles by themselves, for all but triangles of one shell that cross.
 
@@ -72,8 +83,9 @@ def check_some(part: Part, which: Int, box: Float) -> Report:
     some = Part(surface, part.unit, part.unit_from, part.source)
     topology = SurfaceTopology.of(some)
     # With the corners of the box, contacts may be as deep as in the whole part, and places have as many digits.
-    vertices = np.concatenate([topology.vertices, box])
-    return _check_surface(some, replace(topology, vertices=vertices, numbers=which), False)
+    known = {each.name: getattr(topology, each.name) for each in fields(topology)}
+    known["vertices"] = np.concatenate([topology.vertices, box])
+    return _check_surface(some, _WholeShells(**known, numbers=which), False)
 
 
 def _check_surface(part: Part, surface: SurfaceTopology, intersections: bool | None) -> Report:

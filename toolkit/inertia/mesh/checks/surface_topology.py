@@ -41,7 +41,6 @@ class SurfaceTopology:
     chord : (m,), how far the true surface may be from each triangle, where that is known
     separate : whether each body is taken by itself
     allowed : whether it is the caller who allows for the room
-    numbers : (m,), of the triangles in the part, where these are some of it
     """
 
     triangles: Triangles
@@ -55,7 +54,6 @@ class SurfaceTopology:
     chord: Float | None
     separate: bool
     allowed: bool
-    numbers: Int | None = None
     whole: ClassVar[bool] = True
     """Whether all triangles of the part are there; see `inertia.mesh.external.faults`."""
 
@@ -211,9 +209,7 @@ class SurfaceTopology:
 
     def as_numbered(self, evidence: Evidence) -> Evidence:
         """Return evidence whose triangles have their numbers in the part."""
-        if self.numbers is None:
-            return evidence
-        return replace(evidence, faces=listed(self.numbers[list(evidence.faces)]))
+        return evidence
 
     def at_edges(self, mask: Bool) -> Evidence | None:
         """Count the edges; give the triangles at the first of them and the middle of the first."""
