@@ -35,13 +35,13 @@ def part(*meshes: Mesh) -> Part:
 def checked(monkeypatch: pytest.MonkeyPatch) -> list[int]:
     """Return the triangles of each check, as they come."""
     counts: list[int] = []
-    check_surface = check._check_surface
+    original = check.check_surface
 
     def noted(part: Part, surface: SurfaceTopology, intersections: bool | None) -> Report:
         counts.append(surface.count)
-        return check_surface(part, surface, intersections)
+        return original(part, surface, intersections)
 
-    monkeypatch.setattr(check, "_check_surface", noted)
+    monkeypatch.setattr(check, "check_surface", noted)
     return counts
 
 
@@ -61,7 +61,7 @@ def test_those_that_touch_are_checked_by_themselves(
     whole = part(*APART, *near)
     found = inertia.analyse(whole, density=1000.0)
     assert checked == [together]
-    monkeypatch.setattr(integration, "_MOSTLY", 0.0)
+    monkeypatch.setattr(integration, "MOSTLY", 0.0)
     again = inertia.analyse(whole, density=1000.0)
     assert checked == [together, whole.triangles.count]
     assert found.bodies == again.bodies == len(APART) + len(near) - (len(near) > 2)
@@ -76,7 +76,7 @@ def test_faults_are_those_of_the_whole(near: list[Mesh], monkeypatch: pytest.Mon
     whole = part(*APART, *near)
     with pytest.raises(inertia.GeometryError) as by_themselves:
         inertia.analyse(whole, density=1000.0)
-    monkeypatch.setattr(integration, "_MOSTLY", 0.0)
+    monkeypatch.setattr(integration, "MOSTLY", 0.0)
     with pytest.raises(inertia.GeometryError) as together:
         inertia.analyse(whole, density=1000.0)
     assert str(by_themselves.value) == str(together.value)

@@ -36,7 +36,7 @@ from inertia.mass.triangles.sums import (
     Frame,
     PlainSums,
     SumsOnGrid,
-    _local_frame,
+    local_frame,
     block_rows,
     frame_of,
     in_float64,
@@ -307,5 +307,5 @@ def test_the_grid_that_is_chosen_in_compiled_code_is_the_same() -> None:
             corners[..., case % 3] = 1.5
         sample = Sample.of(corners, 10 ** (3 + case % 6))
         plain += sample.plain is not None
-        assert sample.plain in (None, sample.grid(_local_frame(sample.low, sample.high)[0]))
+        assert sample.plain in (None, sample.grid(local_frame(sample.low, sample.high)[0]))
     assert plain > 300

@@ -207,8 +207,8 @@ def test_bodies_that_share_space_are_never_parted(depth: float, seed: int) -> No
 
 
 def test_a_shell_that_is_looked_at_too_often_is_compared_as_a_whole(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(sound_shells, "_LOOKS", 2)
-    monkeypatch.setattr(sound_shells, "_ANYWAY", 0)
+    monkeypatch.setattr(sound_shells, "LOOKS", 2)
+    monkeypatch.setattr(sound_shells, "ANYWAY", 0)
     assert counted(joined(*PARTED["balls"])) == len(PARTED["balls"])
     crossing = [*PARTED["balls"][:-1], sphere((0.1, 0, 0), splits=2)]
     surface = joined(*crossing)
@@ -239,5 +239,5 @@ def test_where_more_shells_may_meet_than_are_listed_it_is_not_said_which(monkeyp
     nesting = nesting_of(surface, pieces)
     assert nesting is not None
     assert len(nesting.suspects) == 24
-    monkeypatch.setattr(touching, "_PAIRS", 8)
+    monkeypatch.setattr(touching, "PAIRS", 8)
     assert nesting_of(surface, pieces) is None

@@ -29,7 +29,7 @@ from inertia.mesh.shape import Solid
 from inertia.mesh.surface import Facets, Surface, Triangles, counts_once, usable
 
 _SMALL = 20_000  # triangles; in a larger surface, pairing the edges by themselves costs next to nothing
-_MOSTLY = 0.5  # of a surface: what is more is checked as a whole
+MOSTLY = 0.5  # of a surface: what is more is checked as a whole
 
 _WIRE = Remedy("analyse", "wire", "AREA")
 _ANY_WIRE = Remedy("analyse", "wire")
@@ -260,7 +260,7 @@ def _where_near(part: Part, topology: Closure, nesting: Nesting, extents: Float)
         shells = np.setdiff1d(nesting.parent[shells], -1)
     labels = topology.labels
     which = np.flatnonzero(chosen[labels])
-    if len(which) > _MOSTLY * len(labels):
+    if len(which) > MOSTLY * len(labels):
         return None
     from inertia.mesh.check import check_some  # slow to import, and most surfaces need none
 

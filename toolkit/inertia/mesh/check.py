@@ -53,7 +53,7 @@ def check(
         if unusable := next(findings("triangles", surface), None):
             return _nothing_to_measure(part, surface.count, unusable)
         topology = SurfaceTopology.of(part, separate=parts == "separate", room=allowance)
-        return _check_surface(part, topology, intersections)
+        return check_surface(part, topology, intersections)
 
     return once(("report", intersections, parts, allowance), part, report)
 
@@ -85,10 +85,11 @@ def check_some(part: Part, which: Int, box: Float) -> Report:
     # With the corners of the box, contacts may be as deep as in the whole part, and places have as many digits.
     known = {each.name: getattr(topology, each.name) for each in fields(topology)}
     known["vertices"] = np.concatenate([topology.vertices, box])
-    return _check_surface(some, _WholeShells(**known, numbers=which), False)
+    return check_surface(some, _WholeShells(**known, numbers=which), False)
 
 
-def _check_surface(part: Part, surface: SurfaceTopology, intersections: bool | None) -> Report:
+def check_surface(part: Part, surface: SurfaceTopology, intersections: bool | None) -> Report:
+    """Check a surface whose topology is known."""
     triangles, separate = surface.triangles, surface.separate
     remarks = [*findings("surface", surface)]
     flat = [*findings("volume", surface)] if surface.bounds else []

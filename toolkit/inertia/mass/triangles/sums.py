@@ -225,18 +225,18 @@ def frame_of(triangles: Triangles, *, surface: bool = False) -> Frame:
         if sample.plain is not None:
             return Frame.on(sample.plain)
         if sample.is_finite:
-            origin, exponent = _local_frame(sample.low, sample.high)
+            origin, exponent = local_frame(sample.low, sample.high)
             grid = None if exponent else sample.grid(origin)
             return Frame(np.array(origin), exponent, False, None) if grid is None else Frame.on(grid)
     points = np.ascontiguousarray(triangles.sample(_SAMPLED).reshape(-1, 3).T)  # along whose rows numpy is quick
     low, high = points.min(axis=1), points.max(axis=1)
     if not (np.isfinite(low).all() and np.isfinite(high).all()):
         _refuse_non_finite(triangles)
-    origin, exponent = _local_frame(low.tolist(), high.tolist())
+    origin, exponent = local_frame(low.tolist(), high.tolist())
     return Frame(np.array(origin), exponent, surface, None)
 
 
-def _local_frame(low: Sequence[float], high: Sequence[float]) -> tuple[list[float], int]:
+def local_frame(low: Sequence[float], high: Sequence[float]) -> tuple[list[float], int]:
     """Choose the local origin from extents (3,), and a power of two where the size asks for one."""
     box = list(zip(low, high, strict=True))
     fits = all(math.isfinite(b - a) for a, b in box)

@@ -50,7 +50,7 @@ _CHUNK = 1 << 14
 _COLUMNS, _COUNTS = 12, (6, 1 << 11)  # as the kernels have them
 _FEW = 1 << 12  # shells that numpy sorts in less time than it takes to clear the counts
 _MEETS, _INSIDE, _NEARBY, _WHOLE = 1, 2, 8, 16
-_LOOKS, _ANYWAY = 64, 1 << 18  # how often the triangles of a shell are looked at; how many of them in any case
+LOOKS, ANYWAY = 64, 1 << 18  # how often the triangles of a shell are looked at; how many of them in any case
 _NOISE = 1e-13  # rounding of a volume, over the sum of its terms' largest magnitudes
 _STORED = 2.0**-50  # the same, for each time that a sum is rounded
 _CLEAR = 2e-10  # of another shell, over the size of the part: what is nearer is not asked by rays
@@ -297,7 +297,7 @@ def _unparted(
     if not most:
         return flags != 0, within
     spare, which = np.empty((6, 3 * most), np.float32), np.empty((2, most), np.int64)
-    patience, work, stack = _LOOKS * counts + _ANYWAY, np.empty((8, 3)), np.empty((512, 2), np.int64)
+    patience, work, stack = LOOKS * counts + ANYWAY, np.empty((8, 3)), np.empty((512, 2), np.int64)
     of_tree = address(tree.order), address(tree.boxes), address(tree.nodes), last
     of_points = address(starts), address(ends), address(numbers), address(points), slots
     room = address(patience), address(spare), address(which), most, address(work), address(stack)

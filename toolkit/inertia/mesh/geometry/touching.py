@@ -14,7 +14,7 @@ from inertia.mesh.surface import Triangles
 from inertia.native import Kernel
 
 FIND = Kernel("inertia.mesh.geometry.touching_kernel", "find_touching", "pppi" + "pi" + "pppp" + "ip")
-_PAIRS = 1 << 14  # pairs of triangles listed at a time
+PAIRS = 1 << 14  # pairs of triangles listed at a time
 _WORK = 16  # times what integrating a triangle costs, about, where the boxes of two bodies meet
 
 
@@ -74,13 +74,13 @@ def touching_groups(triangles: Triangles, groups: Int, family: Int, *, few: bool
     label = groups[tree.order]
     axis, stack, state = np.zeros(3), np.zeros((256, 3), np.int64), np.array([1, 0])
     stack[0, 0] = tree.levels - 1
-    pairs = np.empty((_PAIRS, 2), np.int64)
+    pairs = np.empty((PAIRS, 2), np.int64)
     tables = [_address(table) for table in (tree.corners, tree.boxes, label)]
     tables += [len(label), _address(family), len(family)]
     tables += [_address(table) for table in (axis, stack, tree.starts, pairs)]
     results = [np.empty((0, 2), np.int64)]
     while state[0]:
-        FIND.function(*tables, _PAIRS, _address(state))
+        FIND.function(*tables, PAIRS, _address(state))
         if state[1]:
             results.append(np.unique(np.sort(pairs[: state[1]], axis=1), axis=0))
         if few and state[0]:
