@@ -93,6 +93,15 @@ def _touching(count: int) -> Mesh:
     return _joined(rings, (blocks[0] @ turn - 5, blocks[1]))
 
 
+def _wall(count: int) -> Mesh:
+    """Return bricks in a bond, face on face, along no axis."""
+    turn = np.linalg.qr([[1.0, 1, 0.3], [-1, 1, 0.5], [0.4, -0.2, 1]])[0]
+    places = _lattice(count, 1.0) * [2, 1, 1]
+    places[:, 0] += places[:, 2] % 2
+    vertices, faces = _copies(solids.box((0, 0, 0), (2, 1, 1)), places)
+    return vertices @ turn, faces
+
+
 def _joined(one: Mesh, other: Mesh) -> Mesh:
     return np.concatenate([one[0], other[0]]), np.concatenate([one[1], other[1] + len(one[0])])
 
@@ -117,6 +126,7 @@ KINDS: dict[str, Callable[[], Mesh]] = {
     "2,916 balls in the closest packing": lambda: _packed(2_916),
     "10,000 bars side by side, askew": lambda: _bars(10_000),
     "4,096 rings, and two blocks that touch": lambda: _touching(4_096),
+    "512 bricks of a wall, askew": lambda: _wall(512),
     "512 cubes that overlap": lambda: _copies(solids.cube(), _lattice(512, 0.7)),
     "8,000 tetrahedra that overlap": lambda: _tetrahedra(8_000, 0.45),
 }

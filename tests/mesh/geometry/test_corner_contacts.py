@@ -11,7 +11,7 @@ from inertia.arrays import Float
 from inertia.mesh.check import check
 from inertia.mesh.checks.surface_topology import SurfaceTopology
 from inertia.mesh.columns import common_volume
-from inertia.mesh.geometry import intersect
+from inertia.mesh.geometry import contact_planes, intersect, near_triangles
 from inertia.mesh.geometry.corner_contacts import beyond_corners
 
 TETRAHEDRON = np.array([[0, 2, 1], [0, 1, 3], [1, 2, 3], [0, 3, 2]])
@@ -102,7 +102,12 @@ def test_wedges_around_one_edge_are_left_out_where_none_lies_on_another(start: i
 def test_bodies_of_voxels_are_not_compared_one_by_one(monkeypatch: pytest.MonkeyPatch) -> None:
     filled = np.random.default_rng(1).random((14, 14, 14)) < 0.4
     compared: list[int] = []
-    for module, name in ((intersect, "overlap"), (intersect, "touching"), (common_volume, "common_volume")):
+    for module, name in (
+        (intersect, "overlap"),
+        (contact_planes, "touching_depths"),
+        (near_triangles, "touching_triangles"),
+        (common_volume, "common_volume"),
+    ):
         monkeypatch.setattr(module, name, lambda a, b, *rest: compared.append(len(a)))
     assert check(boundary_of(filled)).fit
     assert not compared

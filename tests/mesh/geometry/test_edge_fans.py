@@ -6,9 +6,11 @@ from itertools import pairwise
 
 import numpy as np
 import pytest
+from scipy.spatial.transform import Rotation
 
-from inertia.mesh.geometry.closure import closure
-from inertia.mesh.geometry.edge_fans import fans
+from inertia.mesh.cut import block
+from inertia.mesh.geometry.closure import closure, merge_equal_vertices
+from inertia.mesh.geometry.edge_fans import crowded, fans
 from inertia.mesh.geometry.halfedges import half_edges
 from inertia.mesh.surface import Surface
 
@@ -100,3 +102,31 @@ def test_a_thousand_copies_of_a_triangle_are_paired_with_as_many_turned_ones() -
     pairing = closure(Surface(vertices, faces))
     assert (pairing.open_edges, pairing.components) == (0, 1000)
     assert pairing.labels.tolist() == [*range(1000)] * 2
+
+
+@pytest.mark.parametrize("seed", range(20))
+def test_angles_ascend_round_an_edge_however_it_is_turned(seed: int) -> None:
+    """The first half-plane, others that rounding makes all but the same before and behind it, and a few anywhere."""
+    rng = np.random.default_rng(seed)
+    angles = np.concatenate([np.zeros(4), [np.pi / 2, np.pi, np.pi, 3 * np.pi / 2], rng.uniform(0, 2 * np.pi, 3)])
+    points = rng.uniform(0.5, 2, (len(angles), 1)) * np.column_stack([np.cos(angles), np.sin(angles)])
+    vertices, faces = around(points)
+    vertices = vertices @ Rotation.random(random_state=rng).as_matrix().T + rng.normal(size=3)
+    edges = half_edges(faces)
+    member = np.flatnonzero(edges.uses[edges.edge] > 2)
+    result = fans(vertices, faces, edges, member, edges.edge[member])
+    assert (np.diff(result.angle) >= -1e-14).all()
+    own = angles[faces.max(axis=1)[result.half_edge // 3] - 2]
+    assert np.cos(result.angle) == pytest.approx(np.cos(own - own[0]), abs=1e-13)
+
+
+def test_solids_side_by_side_at_an_edge_do_not_lie_on_one_another() -> None:
+    """A cube and a larger block on it, turned: rounding moves their sides in one plane into each other, or apart."""
+    cube = block([0, 0, 0], np.eye(3)).corners()
+    both = np.concatenate([cube, np.add(cube * [1, 2, 1], [0, 0, 1])])
+    for seed in range(60):
+        corners = both @ Rotation.random(random_state=seed).as_matrix().T
+        vertices, faces = merge_equal_vertices(Surface(corners.reshape(-1, 3), np.arange(72).reshape(-1, 3)))
+        alike = np.zeros(24, np.int64)
+        found, _ = crowded(vertices, faces, half_edges(faces), alike, alike > 0, 1e-6)
+        assert found.tolist() == []

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from itertools import groupby
+from collections.abc import Iterator, Sequence
+from itertools import chain, groupby
+from typing import NamedTuple
 
 import numpy as np
 
@@ -52,27 +53,28 @@ def cutters(surface: SurfaceTopology) -> Evidence | None:
 def contacts(surface: SurfaceTopology) -> Evidence | None:
     """Measure what bodies share that are wound alike, in columns; where it is no fault, it is in doubt."""
     from inertia.mesh.columns.common_volume import common_volume
-    from inertia.mesh.geometry.intersect import CONTACT, contact_depth, crosses, touching
+    from inertia.mesh.geometry.intersect import CONTACT
+    from inertia.mesh.geometry.near_triangles import crossing_triangles, touching_triangles
 
     doubts, first, places = [], [], []
-    for turned, groups, near, boxes in _near_bodies(surface, alike=True):
-        a, b = (turned.select(group[meets.all(axis=1)]) for group, meets in zip(groups, near, strict=True))
-        if not surface.separate and not touching(a, b):
+    for several in _near_bodies(surface, alike=True):
+        several = [pair for pair in several if pair.depth > 0]
+        if not several:
             continue
-        measured = common_volume(*(turned.vertices[turned.faces[group]] for group in groups))
-        if measured is None:
-            depth = contact_depth(surface.vertices, float(np.ptp(boxes, axis=1).max(axis=1).min()))
-            volume = _smaller(surface, groups)
-            if not surface.separate:
-                volume = min(volume, _within(depth, np.concatenate([a.corners(), b.corners()])))
-        elif measured[0] > measured[1] or crosses(a, b):
-            volume = max(measured[0], 0.0) + measured[1]
-        else:
-            continue
-        common = np.stack([boxes[:, 0].max(axis=0), boxes[:, 1].min(axis=0)])
-        doubts.append(Doubt.within(common, 0.0, volume))
-        first += [group[0] for group in groups]
-        places.append(middle(common))
+        corners = several[0].corners
+        of_pair, i, j = touching_triangles(corners, [pair.inside_boxes for pair in several])
+        asked = range(len(several)) if surface.separate else np.unique(of_pair).tolist()
+        measured = {k: common_volume(*(corners[group] for group in several[k].groups)) for k in asked}
+        unclear = [k for k, volume in measured.items() if volume is not None and volume[0] <= volume[1]]
+        which = np.flatnonzero(np.isin(of_pair, unclear))
+        crossed = of_pair[which[crossing_triangles(corners, i[which], j[which])]]
+        for k in np.setdiff1d(asked, np.setdiff1d(unclear, crossed)).tolist():
+            pair, volume = several[k], measured[k]
+            common = np.stack([pair.boxes[:, 0].max(axis=0), pair.boxes[:, 1].min(axis=0)])
+            most = max(volume[0], 0.0) + volume[1] if volume is not None else _shared_at_most(surface, pair)
+            doubts.append(Doubt.within(common, 0.0, most))
+            first += [group[0] for group in pair.groups]
+            places.append(middle(common))
     doubt = Doubt.joined(doubts)
     if doubt is None:
         return None
@@ -80,12 +82,22 @@ def contacts(surface: SurfaceTopology) -> Evidence | None:
     return Evidence(len(doubts), listed(np.array(first)), places[0], figures, doubt=doubt)
 
 
-def _within(depth: float, corners: Float) -> float:
-    """Return the volume of all that is no farther than a depth from triangles, at most."""
+def _shared_at_most(surface: SurfaceTopology, pair: _Pair) -> float:
+    """Return the volume that two bodies share at most: what is no deeper than a contact, if that is known of them."""
+    from inertia.mesh.geometry.intersect import contact_depth
+
+    depth = pair.depth
+    if not surface.separate:
+        depth = min(depth, contact_depth(surface.vertices, float(np.ptp(pair.boxes, axis=1).max(axis=1).min())))
+    volume = _smaller(surface, pair.groups)
+    if depth == np.inf:
+        return volume
+    corners = pair.corners[np.concatenate(pair.inside_boxes)]
     sides = np.roll(corners, -1, axis=1) - corners
     area = np.linalg.norm(np.cross(sides[:, 0], sides[:, 1]), axis=1).sum()
     perimeter = np.linalg.norm(sides, axis=2).sum()
-    return float(depth * area + np.pi * depth**2 * perimeter / 2 + 4 / 3 * np.pi * depth**3 * len(corners))
+    within = depth * area + np.pi * depth**2 * perimeter / 2 + 4 / 3 * np.pi * depth**3 * len(corners)
+    return min(volume, float(within))
 
 
 def _sharing_space(surface: SurfaceTopology, *, alike: bool) -> Evidence | None:
@@ -98,17 +110,18 @@ def _sharing_space(surface: SurfaceTopology, *, alike: bool) -> Evidence | None:
     for several in _several_at_once(surface, alike=alike):
         if truncated := len(first) >= 2 * SHARING:
             break
-        sure = _sure_to_share(surface, several) if places and surface.chord is None else np.zeros(len(several), bool)
-        for (turned, groups, (a, b), boxes), shared in zip(several, sure.tolist(), strict=True):
+        sure = _sure_to_share(several) if places and surface.chord is None else np.zeros(len(several), bool)
+        for pair, shared in zip(several, sure.tolist(), strict=True):
             if not shared:
-                place = overlap(turned.select(a), turned.select(b))
+                a, b = (pair.surface.select(which) for which in pair.columns)
+                place = overlap(a, b)
                 if place is None:
-                    place = _place_at_edges(surface, groups, boxes)
+                    place = _place_at_edges(surface, pair.groups, pair.boxes)
                 if place is None:
                     continue
                 places.append(place)
-                depths.append(_chord_depth(surface, turned.select(a), turned.select(b), groups))
-            first += [group[0] for group in groups]
+                depths.append(_chord_depth(surface, a, b, pair.groups))
+            first += [group[0] for group in pair.groups]
     if not places:
         return None
     advice: tuple[Word, ...] = ()
@@ -119,22 +132,48 @@ def _sharing_space(surface: SurfaceTopology, *, alike: bool) -> Evidence | None:
     return Evidence(len(first) // 2, listed(np.array(first)), places[0], figures, advice=advice)
 
 
-Pair = tuple[Surface, list[Int], list[Int], Float]
-"""Two bodies: the surface, turned; their triangles; those of them above and below the other body; their boxes."""
+class _Pair(NamedTuple):
+    """Two bodies that come near each other.
+
+    Attributes
+    ----------
+    surface : with every shell turned as its depth asks, and the `corners` (n, 3, 3) of its triangles
+    groups : the triangles of both
+    reach : along which axes (k, 3) each of these reaches into the other's box
+    boxes : (2, 2, 3)
+    depth : how deep places lie that they share, at most, where a plane shows that they only touch; else infinity
+    """
+
+    surface: Surface
+    corners: Float
+    groups: tuple[Int, Int]
+    reach: tuple[Bool, Bool]
+    boxes: Float
+    depth: float
+
+    @property
+    def inside_boxes(self) -> tuple[Int, Int]:
+        """The triangles that reach into the other's box."""
+        one, other = (group[reach.all(axis=1)] for group, reach in zip(self.groups, self.reach, strict=True))
+        return one, other
+
+    @property
+    def columns(self) -> tuple[Int, Int]:
+        """Those above and below the other's box: they matter for winding numbers, what lies beside it does not."""
+        one, other = (group[reach[:, :2].all(axis=1)] for group, reach in zip(self.groups, self.reach, strict=True))
+        return one, other
 
 
-def _several_at_once(surface: SurfaceTopology, *, alike: bool) -> Iterator[list[Pair]]:
+def _several_at_once(surface: SurfaceTopology, *, alike: bool) -> Iterator[list[_Pair]]:
     """Yield pairs of bodies that may share more than next to nothing: the first, and then several at a time."""
     least = SLIVER * sum(abs(shell.signed_volume) for shell in surface.shells)
-    several: list[Pair] = []
+    several: list[_Pair] = []
     triangles, most = 0, 0
-    for turned, groups, near, boxes in _near_bodies(surface, alike=alike):
-        if _smaller(surface, groups) <= least:
+    for pair in chain.from_iterable(_near_bodies(surface, alike=alike)):
+        if pair.depth < np.inf or _smaller(surface, pair.groups) <= least:
             continue
-        # What lies above or below the other body matters for winding numbers, what lies beside it does not.
-        columns = [group[meets[:, :2].all(axis=1)] for group, meets in zip(groups, near, strict=True)]
-        several.append((turned, groups, columns, boxes))
-        triangles += sum(map(len, columns))
+        several.append(pair)
+        triangles += sum(map(len, pair.columns))
         if triangles > most:
             yield several
             several, triangles, most = [], 0, TOGETHER
@@ -142,24 +181,22 @@ def _several_at_once(surface: SurfaceTopology, *, alike: bool) -> Iterator[list[
         yield several
 
 
-def _sure_to_share(surface: SurfaceTopology, pairs: list[Pair]) -> Bool:
+def _sure_to_share(pairs: list[_Pair]) -> Bool:
     """Say of which pairs one look shows that they share space."""
     from inertia.mesh.geometry.common_places import sure_to_share
 
-    used = [np.concatenate(columns) for _, _, columns, _ in pairs]
-    turned = pairs[0][0]
-    ends = np.cumsum([len(columns[k]) for _, _, columns, _ in pairs for k in range(2)]).tolist()
-    starts = [0, *ends]
-    ranges = [np.arange(start, stop) for start, stop in zip(starts, ends, strict=False)]
-    boxes = np.array([boxes for *_, boxes in pairs])
+    used = [pair.columns for pair in pairs]
+    ends = np.cumsum([len(which) for both in used for which in both]).tolist()
+    ranges = [np.arange(start, stop) for start, stop in zip([0, *ends], ends, strict=False)]
+    boxes = np.array([pair.boxes for pair in pairs])
     size = np.ptp(boxes, axis=2).max(axis=2).min(axis=1)
-    depth = _LAST_DIGITS * float(np.abs(turned.vertices).max())
-    corners = turned.vertices[turned.faces[np.concatenate(used)]]
+    depth = _LAST_DIGITS * float(np.abs(pairs[0].surface.vertices).max())
+    corners = pairs[0].corners[np.concatenate([which for both in used for which in both])]
     sides = list(zip(ranges[::2], ranges[1::2], strict=True))
     return sure_to_share(corners, sides, boxes[:, :, 0].max(axis=1), boxes[:, :, 1].min(axis=1), size, depth)
 
 
-def _chord_depth(surface: SurfaceTopology, a: Surface, b: Surface, groups: list[Int]) -> float:
+def _chord_depth(surface: SurfaceTopology, a: Surface, b: Surface, groups: Sequence[Int]) -> float:
     """Return the depth that the chord tolerances of two bodies explain; 0 where they share space deeper than that."""
     from inertia.mesh.geometry.intersect import overlap
 
@@ -169,18 +206,17 @@ def _chord_depth(surface: SurfaceTopology, a: Surface, b: Surface, groups: list[
     return depth if overlap(a, b, depth) is None else 0.0
 
 
-def _smaller(surface: SurfaceTopology, groups: list[Int]) -> float:
+def _smaller(surface: SurfaceTopology, groups: Sequence[Int]) -> float:
     """Return the volume of the outer shell of the smaller of two bodies."""
     volumes = [surface.shells[surface.closure.labels[group[0]]].signed_volume for group in groups]
     return float(min(map(abs, volumes)))
 
 
-def _near_bodies(surface: SurfaceTopology, *, alike: bool) -> Iterator[tuple[Surface, list[Int], list[Bool], Float]]:
-    """Yield pairs of bodies that come near each other, wound alike or not.
+def _near_bodies(surface: SurfaceTopology, *, alike: bool) -> Iterator[list[_Pair]]:
+    """Yield pairs of bodies that come near each other, wound alike or not, several at a time."""
+    from inertia.mesh.geometry.contact_planes import touching_depths
+    from inertia.mesh.geometry.intersect import contact_depths
 
-    Yields the surface with every shell turned as its depth asks, the triangles of both, along which axes (k, 3) they
-    reach into the other's box, and both boxes (2, 2, 3).
-    """
     parts = surface.turned_bodies
     boxes = np.array([surface.shells[body.shells[0]].box for body in parts])
     outward = [surface.shells[body.shells[0]].kind == "outward" for body in parts]
@@ -192,7 +228,7 @@ def _near_bodies(surface: SurfaceTopology, *, alike: bool) -> Iterator[tuple[Sur
     triangles_of = members(surface.closure)
     groups = [np.concatenate([triangles_of[number] for number in body.shells]) for body in parts]
     turned = _turned(surface)
-    corners = surface.vertices[surface.faces]
+    corners = turned.vertices[turned.faces]
     low, high = corners.min(axis=1), corners.max(axis=1)
     if pairs is None and not surface.separate:
         # Where no triangle of one comes near the other, they are apart or nested, which their shells show.
@@ -202,15 +238,25 @@ def _near_bodies(surface: SurfaceTopology, *, alike: bool) -> Iterator[tuple[Sur
     numbers, first = np.array(meeting, np.int64).reshape(-1, 2), 0
     sizes = np.array([len(group) for group in groups])
     ends = np.cumsum(sizes[numbers].sum(axis=1))
+    depths, both = contact_depths(surface.vertices, boxes[numbers]) / 2, boxes[numbers]
+    room = depths[:, None, None]
+    inside = (both[:, ::-1, 0] <= both[:, :, 0] + room) & (both[:, :, 1] <= both[:, ::-1, 1] + room)
+    nested = np.repeat(np.any(inside.all(axis=2), axis=1), 2)
     while first < len(numbers):
         last = max(first + 1, int(np.searchsorted(ends, (ends[first - 1] if first else 0) + _AT_ONCE, side="right")))
-        several = numbers[first:last]
-        which = np.concatenate([groups[number] for number in several.ravel().tolist()])
-        count = sizes[several.ravel()]
-        box = np.repeat(boxes[several[:, ::-1].ravel()], count, axis=0)
-        reach = np.split((low[which] <= box[:, 1]) & (box[:, 0] <= high[which]), np.cumsum(count)[:-1])
-        for k, (one, other) in enumerate(meeting[first:last]):
-            yield turned, [groups[one], groups[other]], reach[2 * k : 2 * k + 2], boxes[[one, other]]
+        each, deep = numbers[first:last].ravel(), depths[first:last]
+        own = [groups[number] for number in each.tolist()]
+        which, count = np.concatenate(own), sizes[each]
+        box = np.repeat(both[first:last, ::-1].reshape(-1, 2, 3), count, axis=0)
+        room = np.repeat(np.repeat(deep, 2), count)[:, None]
+        reach = (low[which] <= box[:, 1]) & (box[:, 0] <= high[which])
+        near = ((low[which] <= box[:, 1] + room) & (box[:, 0] <= high[which] + room)).all(axis=1)
+        near |= np.repeat(nested[2 * first : 2 * last], count)  # all, where one may lie in the other
+        cuts = np.cumsum(count)[:-1]
+        reaches, nearby = np.split(reach, cuts), [k[taken] for k, taken in zip(own, np.split(near, cuts), strict=True)]
+        found = touching_depths(corners, list(zip(nearby[::2], nearby[1::2], strict=True)), deep).tolist()
+        several = zip(own[::2], own[1::2], reaches[::2], reaches[1::2], both[first:last], found, strict=True)
+        yield [_Pair(turned, corners, (a, b), (of_a, of_b), box, depth) for a, b, of_a, of_b, box, depth in several]
         first = last
 
 
@@ -266,7 +312,7 @@ def overlap_at_edges(surface: SurfaceTopology) -> Evidence | None:
     return Evidence(len(first), listed(np.unique(first)), middle(places[np.lexsort(places.T)[:1]]))
 
 
-def _place_at_edges(surface: SurfaceTopology, groups: list[Int], boxes: Float) -> Place | None:
+def _place_at_edges(surface: SurfaceTopology, groups: Sequence[Int], boxes: Float) -> Place | None:
     """Return the middle of an edge that two bodies have in common and around which they share space."""
     crowded, shared = np.zeros(len(surface.faces), bool), np.ones(len(surface.vertices), bool)
     crowded[surface.at_crowded_edges] = True

@@ -11,12 +11,12 @@ import numpy as np
 from inertia.arrays import Bool, Float, Int
 from inertia.mesh.geometry.closure import merge_equal_vertices
 from inertia.mesh.geometry.intersect import FACING
+from inertia.mesh.geometry.near_triangles import COMPARED, near_triangles
 from inertia.mesh.geometry.triangle_pairs import crossing, unit_normals
 from inertia.mesh.geometry.winding import windings_each
 from inertia.mesh.surface import Surface
 
 _PLACES = 12, 84  # tried in each box, and then in those where none of these was inside both
-_COMPARED = 1 << 12  # pairs of triangles of two bodies, at most, of which those that cross are looked for
 _CROSSED = 8  # places of each pair of bodies at such crossings
 _STEPS = np.array([0.8191725133961645, 0.6710436067037893, 0.5497004779019703])
 _CLEAR = 4.0  # times deeper than a contact
@@ -85,18 +85,8 @@ def _under_crossings(corners: Float, sides: Sequence[tuple[Int, Int]], depth: Fl
 
     Where there are fewer than s, the first is repeated; pairs of bodies with many triangles are passed over.
     """
-    counts = np.array([[len(one), len(other)] for one, other in sides])
-    few = counts.prod(axis=1) <= _COMPARED
-    work = np.where(few, counts.prod(axis=1), 0)
-    owner = np.repeat(np.arange(len(sides)), work)
-    rank = np.arange(len(owner)) - np.repeat(np.cumsum(work) - work, work)
-    begins = np.cumsum(counts, axis=0) - counts
-    one, other = (np.concatenate([side[k] for side in sides]) for k in range(2))
-    i = one[begins[owner, 0] + rank // counts[owner, 1]]
-    j = other[begins[owner, 1] + rank % counts[owner, 1]]
-    lowest, highest = corners.min(axis=1), corners.max(axis=1)
-    near = ((lowest[i] <= highest[j]) & (lowest[j] <= highest[i])).all(axis=1)
-    owner, i, j = owner[near], i[near], j[near]
+    few = [(one, other) if len(one) * len(other) <= COMPARED else (one[:0], other[:0]) for one, other in sides]
+    owner, i, j = near_triangles(corners, few)
     vertices, faces = merge_equal_vertices(Surface(corners.reshape(-1, 3), np.arange(3 * len(corners)).reshape(-1, 3)))
     crossed, middles = crossing(vertices, faces[i], faces[j])
     owner, normals = owner[crossed], unit_normals(corners)

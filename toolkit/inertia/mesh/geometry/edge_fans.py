@@ -69,7 +69,9 @@ def fans(vertices: Float, faces: Int, edges: HalfEdges, half_edge: Int, group: I
     with_reference = (facing == facing[reference]).all(axis=1)
     quarter = np.choose(side + 1, [3, np.where(with_reference, 0, 2), 1])
     angle, height = _angles(u, v, w, reference)
-    angle = np.clip(angle, *np.array([[0, 0], [0, np.pi], [np.pi, np.pi], [np.pi, 2 * np.pi]])[quarter].T)
+    low, high = np.array([[0, 0], [0, np.pi], [np.pi, np.pi], [np.pi, 2 * np.pi]])[quarter].T
+    # Rounding may take an angle across the reference: a full turn off.
+    angle = np.clip(angle - 2 * np.pi * np.round((angle - (low + high) / 2) / (2 * np.pi)), low, high)
     order = np.lexsort((angle, quarter, group))
     beyond = _sorted_exactly(order, group, quarter, u, v, w)
     plane = np.concatenate([[0], np.cumsum(beyond)]) if len(order) else order

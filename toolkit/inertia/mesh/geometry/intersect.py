@@ -21,7 +21,7 @@ from inertia.mesh.geometry.closure import closure, merge_equal_vertices
 from inertia.mesh.geometry.edges import first_equal
 from inertia.mesh.geometry.hubs import hubs, near_around
 from inertia.mesh.geometry.oriented_boxes import OrientedBoxes
-from inertia.mesh.geometry.triangle_pairs import crossing, orient3d_filter, unit, unit_normals
+from inertia.mesh.geometry.triangle_pairs import crossing, held_apart, unit, unit_normals
 from inertia.mesh.geometry.winding import windings
 from inertia.mesh.surface import Surface, Triangles
 from inertia.native import Kernel
@@ -386,23 +386,19 @@ def overlap(a: Triangles, b: Triangles, contact: float = 0.0) -> tuple[float, fl
     return None
 
 
-def touching(a: Triangles, b: Triangles) -> bool:
-    """Say whether there are triangles of two surfaces that neither's plane holds apart, as far as float64 can tell."""
-    vertices, faces_a, faces_b = _welded_together(a, b)
-    for i, j, _ in near_pairs(vertices, faces_a, faces_b, touching=True):
-        apart = np.zeros(len(i), bool)
-        for points, planes in ((faces_a[i], faces_b[j]), (faces_b[j], faces_a[i])):
-            plane = vertices[planes]
-            side = orient3d_filter(plane[:, None, 0], plane[:, None, 1], plane[:, None, 2], vertices[points])
-            apart |= (side == 1).all(axis=1) | (side == -1).all(axis=1)
-        if not apart.all():
-            return True
-    return False
-
-
 def contact_depth(vertices: Float, size: float) -> float:
     """Return the depth below which bodies only touch, the smaller of them being of this size."""
     return max(CONTACT * size, _LAST_DIGITS * _last_digit(vertices))
+
+
+def contact_depths(vertices: Float, boxes: Float) -> Float:
+    """Return what `contact_depth` does for pairs of bodies with boxes (k, 2, 2, 3), or less."""
+    size = np.ptp(boxes, axis=2).max(axis=2).min(axis=1)
+    largest = np.abs(boxes).max(axis=(1, 2, 3))
+    with np.errstate(over="ignore", under="ignore"):
+        single = largest.astype(np.float32) if (vertices.astype(np.float32) == vertices).all() else largest
+    depths: Float = np.maximum(CONTACT * size, _LAST_DIGITS * np.spacing(single))
+    return depths
 
 
 def _above_and_below(vertices: Float, faces: Int, low: Float, high: Float) -> Int:
@@ -471,14 +467,19 @@ def _places(vertices: Float, faces_a: Int, faces_b: Int, depth: float) -> Iterat
     near_a, near_b = np.zeros(len(faces_a), bool), np.zeros(len(faces_b), bool)
     for i, j, _ in near_pairs(vertices, faces_a, faces_b, touching=True):
         near_a[i] = near_b[j] = True
-        crossed, middles = crossing(vertices, faces_a[i], faces_b[j])
+        corners_a, corners_b = vertices[faces_a[i]], vertices[faces_b[j]]
+        passes_a = ~held_apart(corners_a, normals_a[i], corners_b, depth)
+        passes_b = ~held_apart(corners_b, normals_b[j], corners_a, depth)
+        both, of_a, of_b = (np.flatnonzero(which) for which in (passes_a & passes_b, passes_a, passes_b))
+        crossed, middles = crossing(vertices, faces_a[i[both]], faces_b[j[both]])
+        crossed = both[crossed]
         inwards = -(normals_a[i[crossed]] + normals_b[j[crossed]])
         size = np.linalg.norm(inwards, axis=1, keepdims=True)
         apart = size[:, 0] > FACING
         yield middles[apart] + 2 * depth * inwards[apart] / size[apart] ** 2, depth / 2
         beside = [
-            beside_edges(vertices, faces_a[i], normals_a[i], faces_b[j], depth),
-            beside_edges(vertices, faces_b[j], normals_b[j], faces_a[i], depth),
+            beside_edges(vertices, faces_a[i[of_a]], normals_a[i[of_a]], faces_b[j[of_a]], depth),
+            beside_edges(vertices, faces_b[j[of_b]], normals_b[j[of_b]], faces_a[i[of_b]], depth),
         ]
         yield np.concatenate(beside), depth / 2
     for faces, normals, near in ((faces_a, normals_a, near_a), (faces_b, normals_b, near_b)):

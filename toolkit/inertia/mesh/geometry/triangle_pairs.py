@@ -19,7 +19,7 @@ from collections.abc import Callable
 import numpy as np
 from numpy.typing import NDArray
 
-from inertia.arrays import Float, Int
+from inertia.arrays import Bool, Float, Int
 from inertia.native import Kernel, address
 
 Sign = NDArray[np.int8]
@@ -130,6 +130,15 @@ def crossing(vertices: Float, faces_a: Int, faces_b: Int) -> tuple[Int, Float]:
     meet = orient3d(a[:, 0], a[:, 1], b[:, 0], b[:, 1]) < 0
     meet &= orient3d(a[:, 0], a[:, 2], b[:, 2], b[:, 0]) < 0
     return pair[meet], _middles(a[meet], b[meet])
+
+
+def held_apart(corners: Float, normals: Float, others: Float, margin: Float | float) -> Bool:
+    """Say which triangles `others` (k, 3, 3) lie farther than a margin on one side of the planes of others."""
+    heights = np.einsum("kci,ki->kc", others - corners[:, :1], normals)
+    least = np.minimum(np.minimum(heights[:, 0], heights[:, 1]), heights[:, 2])
+    most = np.maximum(np.maximum(heights[:, 0], heights[:, 1]), heights[:, 2])
+    apart: Bool = (least > margin) | (most < -margin)
+    return apart
 
 
 def _sides(predicate: Callable[[Float, Float, Float, Float], Sign], points: Float, planes: Float) -> Sign:
