@@ -10,6 +10,7 @@ from typing import NamedTuple
 import numpy as np
 import pytest
 from tests.mesh.solids import cube, facets, joined, ring, sphere
+from tests.mesh.test_flush_bodies import block_in_blocks
 
 from inertia.errors import UsageError, WriteError
 from inertia.mesh.external import buckets
@@ -38,6 +39,7 @@ def soups() -> dict[str, np.ndarray]:
         "repeated corners": np.concatenate([corners[:50], point, corners[50:]]),
         "loose triangles": rng.normal(size=(3000, 3, 3)).astype(np.float32),
         "cubes edge to edge": facets(joined(cube(), cube((1, 1, 0)), cube((2, 2, 0)))).corners().astype(np.float32),
+        "bodies face on face": block_in_blocks(30, 2).corners().astype(np.float32),
         "zeros of both signs": np.where(corners == 0, -corners, corners),
         "one edge for all": np.stack([[[0, 0, 0], [0, 0, 1], [k, 1, 0]] for k in range(2500)]).astype(np.float32),
     }

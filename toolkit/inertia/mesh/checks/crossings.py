@@ -15,6 +15,7 @@ from inertia.mesh.checks.surface_topology import SurfaceTopology
 from inertia.mesh.doubt import Doubt
 from inertia.mesh.geometry.boxes import BoxTree, overlapping
 from inertia.mesh.geometry.closure import Closure, closure, components
+from inertia.mesh.geometry.contact_depth import CONTACT, contact_depth, contact_depths
 from inertia.mesh.geometry.edges import Place
 from inertia.mesh.geometry.halfedges import half_edges
 from inertia.mesh.geometry.shells import (
@@ -53,7 +54,6 @@ def cutters(surface: SurfaceTopology) -> Evidence | None:
 def contacts(surface: SurfaceTopology) -> Evidence | None:
     """Measure what bodies share that are wound alike, in columns; where it is no fault, it is in doubt."""
     from inertia.mesh.columns.common_volume import common_volume
-    from inertia.mesh.geometry.intersect import CONTACT
     from inertia.mesh.geometry.near_triangles import crossing_triangles, touching_triangles
 
     doubts, first, places = [], [], []
@@ -84,8 +84,6 @@ def contacts(surface: SurfaceTopology) -> Evidence | None:
 
 def _shared_at_most(surface: SurfaceTopology, pair: _Pair) -> float:
     """Return the volume that two bodies share at most: what is no deeper than a contact, if that is known of them."""
-    from inertia.mesh.geometry.intersect import contact_depth
-
     depth = pair.depth
     if not surface.separate:
         depth = min(depth, contact_depth(surface.vertices, float(np.ptp(pair.boxes, axis=1).max(axis=1).min())))
@@ -215,7 +213,6 @@ def _smaller(surface: SurfaceTopology, groups: Sequence[Int]) -> float:
 def _near_bodies(surface: SurfaceTopology, *, alike: bool) -> Iterator[list[_Pair]]:
     """Yield pairs of bodies that come near each other, wound alike or not, several at a time."""
     from inertia.mesh.geometry.contact_planes import touching_depths
-    from inertia.mesh.geometry.intersect import contact_depths
 
     parts = surface.turned_bodies
     boxes = np.array([surface.shells[body.shells[0]].box for body in parts])
@@ -337,7 +334,6 @@ def _layered(
     Where `ends` are given, edges between two of these vertices are looked at alone.
     """
     from inertia.mesh.geometry.edge_fans import crowded
-    from inertia.mesh.geometry.intersect import contact_depth
 
     if len(which) == 0:
         return np.empty(0, np.int64), np.empty((0, 3))
@@ -390,7 +386,7 @@ def _meeting_cavities(surface: SurfaceTopology) -> Iterator[tuple[Body, list[tup
 
 def self_intersections(surface: SurfaceTopology) -> Evidence | None:
     """Find triangles of one shell (of any piece, where there are no shells) that cross each other."""
-    from inertia.mesh.geometry.intersect import CONTACT, crossings
+    from inertia.mesh.geometry.intersect import crossings
 
     triangles = surface.triangles
     labels = surface.closure.labels if surface.shells else None
@@ -457,8 +453,6 @@ def _doubled(surface: SurfaceTopology, pairs: Int) -> Doubt | None:
 
 def _shallow(surface: SurfaceTopology, crossed: Int) -> float:
     """Return the contact tolerance times the area of the triangles that cross: a volume that counts as a contact."""
-    from inertia.mesh.geometry.intersect import contact_depth
-
     corners = surface.vertices[surface.faces[crossed]]
     sides = corners[:, 1:] - corners[:, :1]
     area = np.linalg.norm(np.cross(sides[:, 0], sides[:, 1]), axis=1).sum() / 2

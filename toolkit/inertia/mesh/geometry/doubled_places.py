@@ -8,7 +8,8 @@ import numpy as np
 
 from inertia.arrays import Bool, Float, Int
 from inertia.mesh.geometry.closure import closure, merge_equal_vertices
-from inertia.mesh.geometry.intersect import FACING, beside_edges, contact_depth, near_pairs
+from inertia.mesh.geometry.contact_depth import contact_depth
+from inertia.mesh.geometry.intersect import FACING, beside_edges, near_pairs
 from inertia.mesh.geometry.triangle_pairs import crossing, unit_normals
 from inertia.mesh.surface import Triangles
 

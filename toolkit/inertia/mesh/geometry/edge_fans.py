@@ -9,12 +9,13 @@ On which side of one half-plane another lies, `inertia.mesh.geometry.triangle_pa
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cache
 
 import numpy as np
 
 from inertia.arrays import Bool, Float, Int
+from inertia.mesh.geometry.contact_depth import CONTACT, contact_depth
 from inertia.mesh.geometry.halfedges import HalfEdges
 from inertia.mesh.geometry.triangle_pairs import Sign, orient3d, unit
 
@@ -42,8 +43,8 @@ class Fans:
     angle: Float
     height: Float
 
-    def select(self, which: Bool) -> Fans:
-        """Return the directed edges that a mask picks."""
+    def select(self, which: Bool | Int) -> Fans:
+        """Return the directed edges that a mask or numbers pick."""
         return Fans(*(each[which] for each in vars(self).values()))
 
 
@@ -87,7 +88,8 @@ def links(vertices: Float, faces: Int, edges: HalfEdges, piece: Int) -> Int:
 
     A piece of surface that has such an edge both ways equally often is closed there by itself, unless it is a sheet of
     no thickness, as all such are one. The others are joined by angle, and of several in one half-plane those that hang
-    together already. Where that leaves an edge open, all of them are joined; so are triangles without area there.
+    together already; half-planes that rounding alone tells apart, so that material lies on material, are one. Where
+    that leaves an edge open, all of them are joined; so are triangles without area there.
 
     Parameters
     ----------
@@ -114,7 +116,8 @@ def links(vertices: Float, faces: Int, edges: HalfEdges, piece: Int) -> Int:
     entangled = surplus[edge] != 0
     clumped = entangled | ~lies[member]
     together = _chain(member[clumped] // 3, 2 * edge[clumped] + entangled[clumped])
-    pairs, ties = _brackets(vertices, faces, edges, around.select(surplus[around.group] == 0))
+    around = _as_if_exact(vertices, faces, around.select(surplus[around.group] == 0))
+    pairs, ties = _brackets(vertices, faces, edges, around)
     pairs = np.concatenate([sheets, together, pairs])
     return np.concatenate([pairs, _untied(ties, pairs, piece)]) if ties else pairs
 
@@ -148,7 +151,25 @@ def crowded(
     around = fans(vertices, faces, edges, member, _numbered(edges.edge[member], body[member // 3]))
     if len(around.group) == 0:
         return np.empty(0, np.int64), np.empty((0, 3))
-    step = np.where(around.opens != turned[around.half_edge // 3], 1, -1)
+    planes, groups, _, times, _, depth = _wedges(around, np.where(around.opens != turned[around.half_edge // 3], 1, -1))
+    deep = depth > contact
+    most = np.maximum.reduceat(np.where(deep, times, -len(times)), groups)
+    least = np.minimum.reduceat(np.where(deep, times, len(times)), groups)
+    half_edge = around.half_edge[planes[groups[most - least > 1]]]
+    ends = np.stack([vertices[edges.tail[half_edge]], vertices[edges.head[half_edge]]])
+    return half_edge // 3, ends[0] / 2 + ends[1] / 2
+
+
+def _wedges(around: Fans, step: Int) -> tuple[Int, Int, Int, Int, Float, Float]:
+    """Look at the wedges between half-planes, each behind one of them as the angle grows.
+
+    Returns
+    -------
+    planes, groups : (p,) where triangles of a half-plane begin, (g,) where half-planes of a group do among these
+    after : (p,), the half-plane behind the wedge
+    times : (p,), how often material counts in it, more than ahead of the group's first half-plane
+    width, depth : (p,), its angle, and its thickness at the lower one of the triangles beside it
+    """
     planes, _ = _runs(around.plane)
     groups, _ = _runs(around.group[planes])
     count = np.diff(np.append(groups, len(planes)))
@@ -159,12 +180,40 @@ def crowded(
     after[groups + count - 1] = groups
     width = np.where(after > np.arange(len(planes)), angle[after] - angle, angle[after] + 2 * np.pi - angle)
     depth = np.sin(np.clip(width, 0, np.pi / 2)) * np.minimum(height, height[after])
-    deep = depth > contact
-    most = np.maximum.reduceat(np.where(deep, times, -len(times)), groups)
-    least = np.minimum.reduceat(np.where(deep, times, len(times)), groups)
-    half_edge = around.half_edge[planes[groups[most - least > 1]]]
-    ends = np.stack([vertices[edges.tail[half_edge]], vertices[edges.head[half_edge]]])
-    return half_edge // 3, ends[0] / 2 + ends[1] / 2
+    return planes, groups, after, times, width, depth
+
+
+def _as_if_exact(vertices: Float, faces: Int, around: Fans) -> Fans:
+    """Make one half-plane of two between which material lies on other material, as thin as rounding makes it.
+
+    As where they are one exactly, what ends there comes before what begins then. Where material fills the space around
+    an edge or none does, but for such wedges, it is taken to fill it.
+    """
+    if len(around.group) == 0:
+        return around
+    # By these triangles alone, so that the answer is the same whatever else is known of the surface.
+    rounding = contact_depth(vertices[faces[around.half_edge // 3]], 0.0)
+    planes, groups, after, times, width, depth = _wedges(around, np.where(around.opens, 1, -1))
+    thin = (width <= CONTACT) | (depth <= rounding)
+    count = np.diff(np.append(groups, len(planes)))
+    most = np.maximum.reduceat(np.where(thin, -len(times), times), groups)
+    least = np.minimum.reduceat(np.where(thin, len(times), times), groups)
+    base = np.minimum.reduceat(times, groups)
+    level = times - np.repeat(np.where(most == least, np.minimum(base, least - 1), base), count)
+    begins, ends = (np.add.reduceat(which.astype(np.int64), planes) for which in (around.opens, ~around.opens))
+    joined = thin & (level > 1) & (ends[after] <= level - begins)
+    if not joined.any():
+        return around
+    new, last = np.ones(len(planes), bool), groups + count - 1
+    new[1:] = ~joined[:-1]
+    new[groups] = True
+    plane = np.cumsum(new) - 1
+    number = np.arange(len(plane))
+    wraps = joined[last]
+    number[plane[last[wraps]]] = plane[groups[wraps]]  # round the whole turn
+    plane = number[np.repeat(plane, np.diff(np.append(planes, len(around.plane))))]
+    around = replace(around, plane=plane)
+    return around.select(np.lexsort((around.opens, plane)))
 
 
 def layered(vertices: Float, faces: Int, edges: HalfEdges, body: Int, turned: Bool) -> Bool:

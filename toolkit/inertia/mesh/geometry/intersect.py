@@ -18,6 +18,7 @@ from numpy.typing import NDArray
 from inertia.arrays import Float, Int, Progress
 from inertia.mesh.geometry.boxes import CELLS, BoxTree, overlapping
 from inertia.mesh.geometry.closure import closure, merge_equal_vertices
+from inertia.mesh.geometry.contact_depth import contact_depth
 from inertia.mesh.geometry.edges import first_equal
 from inertia.mesh.geometry.hubs import hubs, near_around
 from inertia.mesh.geometry.oriented_boxes import OrientedBoxes
@@ -46,10 +47,6 @@ _FACTORS = np.array([0x9E3779B97F4A7C15, 0xBF58476D1CE4E5B9, 0x94D049BB133111EB]
 _LARGEST = 1000  # exponent of a power of two that coordinates are multiplied by
 EXAMINED = 200_000
 """Triangles up to which crossings are looked for without being asked: a tenth of a second."""
-CONTACT = 1e-6
-"""Depth below which bodies only touch, over the largest extent of the smaller one."""
-
-_LAST_DIGITS = 4  # the same, over the spacing of the stored numbers at the largest coordinate
 FACING = 0.02
 """|Sum of two unit normals| below which two faces face each other."""
 
@@ -386,34 +383,11 @@ def overlap(a: Triangles, b: Triangles, contact: float = 0.0) -> tuple[float, fl
     return None
 
 
-def contact_depth(vertices: Float, size: float) -> float:
-    """Return the depth below which bodies only touch, the smaller of them being of this size."""
-    return max(CONTACT * size, _LAST_DIGITS * _last_digit(vertices))
-
-
-def contact_depths(vertices: Float, boxes: Float) -> Float:
-    """Return what `contact_depth` does for pairs of bodies with boxes (k, 2, 2, 3), or less."""
-    size = np.ptp(boxes, axis=2).max(axis=2).min(axis=1)
-    largest = np.abs(boxes).max(axis=(1, 2, 3))
-    with np.errstate(over="ignore", under="ignore"):
-        single = largest.astype(np.float32) if (vertices.astype(np.float32) == vertices).all() else largest
-    depths: Float = np.maximum(CONTACT * size, _LAST_DIGITS * np.spacing(single))
-    return depths
-
-
 def _above_and_below(vertices: Float, faces: Int, low: Float, high: Float) -> Int:
     """Return the faces that meet lines along z through a box."""
     corners = vertices[faces][:, :, :2]
     meets = ((corners.min(axis=1) <= high[:2]) & (low[:2] <= corners.max(axis=1))).all(axis=1)
     return faces[np.flatnonzero(meets)]
-
-
-def _last_digit(vertices: Float) -> float:
-    """Return the spacing at the largest coordinate: of float32 if all are such numbers, else of float64."""
-    largest = np.abs(vertices).max()
-    with np.errstate(over="ignore", under="ignore"):
-        single = vertices.astype(np.float32)
-    return float(np.spacing(np.float32(largest) if (single == vertices).all() else largest))
 
 
 def _in_common_box(a: Triangles, b: Triangles) -> tuple[Int, Int]:

@@ -1,0 +1,135 @@
+"""Solids cut into bodies that lie face on face, turned so that rounding moves their faces: as many bodies, no refusal.
+
+The faces of two such bodies lie in one plane but for the last digits, and are triangulated differently; where they have
+an edge in common, material lies on material there, or a gap between, as rounding has it.
+"""
+
+from itertools import product
+
+import numpy as np
+import pytest
+from scipy.spatial.transform import Rotation
+
+import inertia
+from inertia.arrays import Float, Int
+from inertia.mesh.geometry.closure import closure, vectorised_closure
+from inertia.mesh.part import Part
+from inertia.mesh.surface import Surface
+
+Mesh = tuple[Float, Int]
+SIDES = np.array([[0, 1, 3, 2], [4, 6, 7, 5], [0, 4, 5, 1], [2, 3, 7, 6], [0, 2, 6, 4], [1, 5, 7, 3]])
+
+
+def cut(low: Float, high: Float, count: int, rng: np.random.Generator) -> list[tuple[Float, Float]]:
+    """Return boxes that fill a box."""
+    if count == 1:
+        return [(low, high)]
+    axis = int(rng.integers(3))
+    at = low[axis] + rng.choice([0.25, 0.5, 0.75, 1 / 3]) * (high[axis] - low[axis])
+    upper, lower = (np.where(np.arange(3) == axis, at, corner) for corner in (high, low))
+    first = int(rng.integers(1, count))
+    return cut(low, upper, first, rng) + cut(lower, high, count - first, rng)
+
+
+def box(low: Float, high: Float, rng: np.random.Generator) -> Mesh:
+    """Return a box whose sides are cut along either diagonal."""
+    vertices = np.array(list(product(*np.stack([low, high]).T)))
+    turned = [np.roll(side, rng.integers(2)) for side in SIDES]
+    return vertices, np.concatenate([[side[[0, 1, 2]], side[[0, 2, 3]]] for side in turned])
+
+
+def sector(radii: Float, angles: Float, heights: Float, rng: np.random.Generator) -> Mesh:
+    """Return a sector of a ring, of as many flats as there are angles less one."""
+    count = len(angles)
+    around = np.column_stack([np.cos(angles), np.sin(angles), 0 * angles])
+    vertices = np.concatenate([radius * around + [0, 0, z] for z, radius in product(heights, radii)])
+    k = np.arange(count - 1)
+    sides = [(k + count, k + 1 + count, k + 1 + 3 * count, k + 3 * count), (k + 1, k, k + 2 * count, k + 1 + 2 * count)]
+    sides += [(k, k + 1, k + 1 + count, k + count)]
+    sides += [(k + 1 + 2 * count, k + 2 * count, k + 3 * count, k + 1 + 3 * count)]
+    ends = [(0, count, 3 * count, 2 * count), (2 * count - 1, count - 1, 3 * count - 1, 4 * count - 1)]
+    quads = np.concatenate([*(np.column_stack(side) for side in sides), ends])
+    turned = [np.roll(side, rng.integers(2)) for side in quads]
+    return vertices, np.concatenate([[side[[0, 1, 2]], side[[0, 2, 3]]] for side in turned])
+
+
+def placed(solids: list[Mesh], rng: np.random.Generator, *, single: bool) -> Surface:
+    """Return solids as one surface, turned and moved, rounded to float32 where it is asked for."""
+    starts = np.cumsum([0, *(len(vertices) for vertices, _ in solids)])
+    faces = np.concatenate([faces + start for (_, faces), start in zip(solids, starts[:-1], strict=True)])
+    vertices = np.concatenate([vertices for vertices, _ in solids]) @ Rotation.random(random_state=rng).as_matrix().T
+    vertices += rng.choice([0.0, 10.0]) * rng.normal(size=3)
+    return Surface(vertices.astype(np.float32).astype(float) if single else vertices, faces)
+
+
+def volume_of(mesh: Mesh) -> float:
+    corners = mesh[0][mesh[1]]
+    return float(np.einsum("ij,ij->", corners[:, 0], np.cross(corners[:, 1], corners[:, 2]))) / 6
+
+
+def answered(solids: list[Mesh], surface: Surface, *, single: bool) -> None:
+    """Compare what is answered with what was cut."""
+    analysis = inertia.analyse(Part(surface))
+    assert analysis.bodies == len(solids)
+    volume = sum(map(volume_of, solids))
+    tolerance = 1e-5 if single else 1e-12
+    assert inertia.mass_properties(Part(surface)).volume == pytest.approx(volume * 1e-9, rel=tolerance)
+
+
+@pytest.mark.parametrize(
+    ("thickness", "single"), [(1.0, True), (1e-3, True), (1.0, False), (1e-3, False), (1e-6, False)]
+)
+@pytest.mark.parametrize("seed", range(6))
+def test_a_block_cut_into_blocks(seed: int, thickness: float, single: bool) -> None:
+    rng = np.random.default_rng(seed)
+    boxes = cut(np.zeros(3), rng.uniform(0.5, 3, 3) * [1, 1, thickness], int(rng.integers(2, 20)), rng)
+    solids = [box(low, high, rng) for low, high in boxes if rng.random() < 0.9]
+    answered(solids, placed(solids, rng, single=single), single=single)
+
+
+@pytest.mark.parametrize("single", [False, True])
+@pytest.mark.parametrize("seed", range(6))
+def test_rings_cut_into_sectors(seed: int, single: bool) -> None:
+    rng = np.random.default_rng(seed)
+    radii, heights = np.cumsum(rng.uniform(0.3, 1, 4)), np.cumsum(rng.uniform(0.2, 1, 3))
+    around, flats = int(rng.integers(3, 9)), int(rng.integers(1, 4))
+    solids = [
+        sector(radii[[i, i + 1]], 2 * np.pi * (j + np.linspace(0, 1, flats + 1)) / around, heights[[k, k + 1]], rng)
+        for i, j, k in product(range(3), range(around), range(2))
+    ]
+    answered(solids, placed(solids, rng, single=single), single=single)
+
+
+@pytest.mark.parametrize("single", [False, True])
+def test_laminations_of_a_rotor_lie_on_one_another(single: bool) -> None:
+    rng = np.random.default_rng(1)
+    flats = 2 * np.pi * np.linspace(0, 1, 25)
+    half = [
+        sector(np.array([1.0, 3.0]), angles, 0.05 * np.array([level, level + 1]), rng)
+        for level, angles in product(range(8), (flats[:13], flats[12:]))
+    ]
+    answered(half, placed(half, rng, single=single), single=single)
+
+
+def block_in_blocks(count: int, seed: int) -> Surface:
+    """Return a block cut into blocks, turned, as float32."""
+    rng = np.random.default_rng(seed)
+    solids = [box(low, high, rng) for low, high in cut(np.zeros(3), np.array([3.0, 2, 1]), count, rng)]
+    return placed(solids, rng, single=True)
+
+
+def test_the_bodies_are_the_same_in_any_order() -> None:
+    surface, own = block_in_blocks(40, 7), np.repeat(np.arange(40), 12)
+    for order in (np.arange(480), np.random.default_rng(1).permutation(480)):
+        shuffled = Surface(surface.vertices, surface.faces[order])
+        for labels in (closure(shuffled).labels, vectorised_closure(shuffled).labels):
+            assert len(np.unique(np.column_stack([labels, own[order]]), axis=0)) == 40
+
+
+def test_what_overlaps_by_more_than_rounding_is_refused() -> None:
+    rng = np.random.default_rng(3)
+    for deep in (1e-4, 1e-2):
+        low, high = np.zeros(3), np.ones(3)
+        solids = [box(low, high, rng), box(low + np.array([0, 0, 1 - deep]), high + np.array([0, 0, 1]), rng)]
+        with pytest.raises(inertia.GeometryError, match="overlapping bodies"):
+            inertia.analyse(Part(placed(solids, rng, single=False)))
