@@ -371,8 +371,17 @@ def list_versions(folder: Path) -> list[str]:
     return versions
 
 
-if __name__ == "__main__":
-    if sys.argv[1:2] == ["--versions"]:
-        print(*list_versions(Path(sys.argv[2])))
+def main() -> None:
+    """Run what the command line asks for."""
+    parser = argparse.ArgumentParser(prog="python docs/build_site.py", description=(__doc__ or "").split("\n", 1)[0])
+    parser.add_argument("folder", nargs="?", type=Path, default=ROOT / "build/site", metavar="FOLDER", help="the site")
+    parser.add_argument("--versions", action="store_true", help="list the sites FOLDER/1.2.3, and build none")
+    asked = parser.parse_args()
+    if asked.versions:
+        print(*list_versions(asked.folder))
     else:
-        build(Path(sys.argv[1] if len(sys.argv) > 1 else ROOT / "build/site"))
+        build(asked.folder)
+
+
+if __name__ == "__main__":
+    main()

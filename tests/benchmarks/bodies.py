@@ -93,6 +93,13 @@ def _touching(count: int) -> Mesh:
     return _joined(rings, (blocks[0] @ turn - 5, blocks[1]))
 
 
+def _pile(count: int) -> Mesh:
+    """Return discs that lie on one another, along no axis."""
+    turn = np.linalg.qr([[1.0, 1, 0.3], [-1, 1, 0.5], [0.4, -0.2, 1]])[0]
+    vertices, faces = _copies(solids.cylinder(0.1, 1.0, 64), np.arange(count)[:, None] * [0, 0, 0.1])
+    return vertices @ turn, faces
+
+
 def _wall(count: int) -> Mesh:
     """Return bricks in a bond, face on face, along no axis."""
     turn = np.linalg.qr([[1.0, 1, 0.3], [-1, 1, 0.5], [0.4, -0.2, 1]])[0]
@@ -127,6 +134,7 @@ KINDS: dict[str, Callable[[], Mesh]] = {
     "10,000 bars side by side, askew": lambda: _bars(10_000),
     "4,096 rings, and two blocks that touch": lambda: _touching(4_096),
     "512 bricks of a wall, askew": lambda: _wall(512),
+    "100 discs of a pile, askew": lambda: _pile(100),
     "512 cubes that overlap": lambda: _copies(solids.cube(), _lattice(512, 0.7)),
     "8,000 tetrahedra that overlap": lambda: _tetrahedra(8_000, 0.45),
 }
