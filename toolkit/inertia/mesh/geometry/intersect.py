@@ -440,11 +440,11 @@ def _places(vertices: Float, faces_a: Int, faces_b: Int, depth: float) -> Iterat
     normals_a, normals_b = unit_normals(vertices[faces_a]), unit_normals(vertices[faces_b])
     near_a, near_b = np.zeros(len(faces_a), bool), np.zeros(len(faces_b), bool)
     for i, j, _ in near_pairs(vertices, faces_a, faces_b, touching=True):
-        near_a[i] = near_b[j] = True
         corners_a, corners_b = vertices[faces_a[i]], vertices[faces_b[j]]
         passes_a = ~held_apart(corners_a, normals_a[i], corners_b, depth)
         passes_b = ~held_apart(corners_b, normals_b[j], corners_a, depth)
         both, of_a, of_b = (np.flatnonzero(which) for which in (passes_a & passes_b, passes_a, passes_b))
+        near_a[i[both]] = near_b[j[both]] = True
         crossed, middles = crossing(vertices, faces_a[i[both]], faces_b[j[both]])
         crossed = both[crossed]
         inwards = -(normals_a[i[crossed]] + normals_b[j[crossed]])
