@@ -1,8 +1,8 @@
-"""Types that signatures share: arrays by their entries, progress, how windings are read; and scipy's rotations."""
+"""Types that signatures share: arrays by their entries, progress, how windings are read; rotations of scipy; runs."""
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from typing import Any, Literal
 
 import numpy as np
@@ -33,3 +33,16 @@ Orientation = Literal["stored", "absolute"]
 
 Parts = Literal["together", "separate"]
 """Whether the bodies of a part are one solid, in which nothing may count twice, or each is integrated by itself."""
+
+
+def runs_of(sizes: Int, most: int) -> Iterator[slice]:
+    """Yield one run of items (k,) after the other, whose sizes add up to `most` at most, or single ones.
+
+    >>> [(run.start, run.stop) for run in runs_of(np.array([3, 1, 9, 2, 2]), 4)]
+    [(0, 2), (2, 3), (3, 5)]
+    """
+    ends, first = np.cumsum(sizes), 0
+    while first < len(ends):
+        last = max(first + 1, int(np.searchsorted(ends, ends[first] - sizes[first] + most, side="right")))
+        yield slice(first, last)
+        first = last

@@ -4,18 +4,17 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from itertools import chain, groupby
-from typing import NamedTuple
 
 import numpy as np
 
 from inertia.arrays import Bool, Float, Int
 from inertia.errors import SEPARATE, Word
 from inertia.mesh.checks.findings import Evidence, listed, middle, once
+from inertia.mesh.checks.near_bodies import Pair, meeting_boxes, near_bodies
 from inertia.mesh.checks.surface_topology import SurfaceTopology
 from inertia.mesh.doubt import Doubt
-from inertia.mesh.geometry.boxes import BoxTree, overlapping
 from inertia.mesh.geometry.closure import Closure, closure, components
-from inertia.mesh.geometry.contact_depth import CONTACT, contact_depth, contact_depths
+from inertia.mesh.geometry.contact_depth import CONTACT, contact_depth
 from inertia.mesh.geometry.edges import Place
 from inertia.mesh.geometry.halfedges import half_edges
 from inertia.mesh.geometry.shells import (
@@ -23,7 +22,6 @@ from inertia.mesh.geometry.shells import (
     Body,
     absolute_orientation,
     members,
-    nested,
 )
 from inertia.mesh.geometry.winding import misplaced_volume
 from inertia.mesh.surface import Surface
@@ -34,7 +32,6 @@ TOGETHER = 1 << 14
 SHARING = 10_000
 """Pairs of bodies that share space that are counted: a second or two."""
 
-_AT_ONCE = 1 << 18  # triangles compared with boxes of other bodies at a time
 _LAST_DIGITS = 2.0**-21  # depth of a contact of float32, at most, over the largest coordinate
 _TRIED = 3  # places on a patch at which the winding number is asked for
 _CLEAR = 100.0  # how many times deeper than a contact rays must find a crossing, to leave no doubt that it is one
@@ -57,7 +54,7 @@ def contacts(surface: SurfaceTopology) -> Evidence | None:
     from inertia.mesh.geometry.near_triangles import crossing_triangles, touching_triangles
 
     doubts, first, places = [], [], []
-    for several in _near_bodies(surface, alike=True):
+    for several in near_bodies(surface, alike=True):
         several = [pair for pair in several if pair.depth > 0]
         if not several:
             continue
@@ -82,7 +79,7 @@ def contacts(surface: SurfaceTopology) -> Evidence | None:
     return Evidence(len(doubts), listed(np.array(first)), places[0], figures, doubt=doubt)
 
 
-def _shared_at_most(surface: SurfaceTopology, pair: _Pair) -> float:
+def _shared_at_most(surface: SurfaceTopology, pair: Pair) -> float:
     """Return the volume that two bodies share at most: what is no deeper than a contact, if that is known of them."""
     depth = pair.depth
     if not surface.separate:
@@ -130,44 +127,12 @@ def _sharing_space(surface: SurfaceTopology, *, alike: bool) -> Evidence | None:
     return Evidence(len(first) // 2, listed(np.array(first)), places[0], figures, advice=advice)
 
 
-class _Pair(NamedTuple):
-    """Two bodies that come near each other.
-
-    Attributes
-    ----------
-    surface : with every shell turned as its depth asks, and the `corners` (n, 3, 3) of its triangles
-    groups : the triangles of both
-    reach : along which axes (k, 3) each of these reaches into the other's box
-    boxes : (2, 2, 3)
-    depth : how deep places lie that they share, at most, where a plane shows that they only touch; else infinity
-    """
-
-    surface: Surface
-    corners: Float
-    groups: tuple[Int, Int]
-    reach: tuple[Bool, Bool]
-    boxes: Float
-    depth: float
-
-    @property
-    def inside_boxes(self) -> tuple[Int, Int]:
-        """The triangles that reach into the other's box."""
-        one, other = (group[reach.all(axis=1)] for group, reach in zip(self.groups, self.reach, strict=True))
-        return one, other
-
-    @property
-    def columns(self) -> tuple[Int, Int]:
-        """Those above and below the other's box: they matter for winding numbers, what lies beside it does not."""
-        one, other = (group[reach[:, :2].all(axis=1)] for group, reach in zip(self.groups, self.reach, strict=True))
-        return one, other
-
-
-def _several_at_once(surface: SurfaceTopology, *, alike: bool) -> Iterator[list[_Pair]]:
+def _several_at_once(surface: SurfaceTopology, *, alike: bool) -> Iterator[list[Pair]]:
     """Yield pairs of bodies that may share more than next to nothing: the first, and then several at a time."""
     least = SLIVER * sum(abs(shell.signed_volume) for shell in surface.shells)
-    several: list[_Pair] = []
+    several: list[Pair] = []
     triangles, most = 0, 0
-    for pair in chain.from_iterable(_near_bodies(surface, alike=alike)):
+    for pair in chain.from_iterable(near_bodies(surface, alike=alike)):
         if pair.depth < np.inf or _smaller(surface, pair.groups) <= least:
             continue
         several.append(pair)
@@ -179,7 +144,7 @@ def _several_at_once(surface: SurfaceTopology, *, alike: bool) -> Iterator[list[
         yield several
 
 
-def _sure_to_share(pairs: list[_Pair]) -> Bool:
+def _sure_to_share(pairs: list[Pair]) -> Bool:
     """Say of which pairs one look shows that they share space."""
     from inertia.mesh.geometry.common_places import sure_to_share
 
@@ -208,88 +173,6 @@ def _smaller(surface: SurfaceTopology, groups: Sequence[Int]) -> float:
     """Return the volume of the outer shell of the smaller of two bodies."""
     volumes = [surface.shells[surface.closure.labels[group[0]]].signed_volume for group in groups]
     return float(min(map(abs, volumes)))
-
-
-def _near_bodies(surface: SurfaceTopology, *, alike: bool) -> Iterator[list[_Pair]]:
-    """Yield pairs of bodies that come near each other, wound alike or not, several at a time."""
-    from inertia.mesh.geometry.contact_planes import touching_depths
-
-    parts = surface.turned_bodies
-    boxes = np.array([surface.shells[body.shells[0]].box for body in parts])
-    outward = [surface.shells[body.shells[0]].kind == "outward" for body in parts]
-    pairs = _touching_bodies(surface, parts, boxes)
-    meeting = _meeting(boxes) if pairs is None else pairs
-    meeting = [(one, other) for one, other in meeting if (outward[one] == outward[other]) == alike]
-    if not meeting:
-        return
-    triangles_of = members(surface.closure)
-    groups = [np.concatenate([triangles_of[number] for number in body.shells]) for body in parts]
-    turned = _turned(surface)
-    corners = turned.vertices[turned.faces]
-    low, high = corners.min(axis=1), corners.max(axis=1)
-    if pairs is None and not surface.separate:
-        # Where no triangle of one comes near the other, they are apart or nested, which their shells show.
-        both = np.array(meeting)
-        near_both = _reaching(both, groups, low, high, boxes) & _reaching(both[:, ::-1], groups, low, high, boxes)
-        meeting = [pair for pair, reach in zip(meeting, near_both, strict=True) if reach]
-    numbers, first = np.array(meeting, np.int64).reshape(-1, 2), 0
-    sizes = np.array([len(group) for group in groups])
-    ends = np.cumsum(sizes[numbers].sum(axis=1))
-    depths, both = contact_depths(surface.vertices, boxes[numbers]) / 2, boxes[numbers]
-    room = depths[:, None, None]
-    inside = (both[:, ::-1, 0] <= both[:, :, 0] + room) & (both[:, :, 1] <= both[:, ::-1, 1] + room)
-    nested = np.repeat(np.any(inside.all(axis=2), axis=1), 2)
-    while first < len(numbers):
-        last = max(first + 1, int(np.searchsorted(ends, (ends[first - 1] if first else 0) + _AT_ONCE, side="right")))
-        each, deep = numbers[first:last].ravel(), depths[first:last]
-        own = [groups[number] for number in each.tolist()]
-        which, count = np.concatenate(own), sizes[each]
-        box = np.repeat(both[first:last, ::-1].reshape(-1, 2, 3), count, axis=0)
-        room = np.repeat(np.repeat(deep, 2), count)[:, None]
-        reach = (low[which] <= box[:, 1]) & (box[:, 0] <= high[which])
-        near = ((low[which] <= box[:, 1] + room) & (box[:, 0] <= high[which] + room)).all(axis=1)
-        near |= np.repeat(nested[2 * first : 2 * last], count)  # all, where one may lie in the other
-        cuts = np.cumsum(count)[:-1]
-        reaches, nearby = np.split(reach, cuts), [k[taken] for k, taken in zip(own, np.split(near, cuts), strict=True)]
-        found = touching_depths(corners, list(zip(nearby[::2], nearby[1::2], strict=True)), deep).tolist()
-        several = zip(own[::2], own[1::2], reaches[::2], reaches[1::2], both[first:last], found, strict=True)
-        yield [_Pair(turned, corners, (a, b), (of_a, of_b), box, depth) for a, b, of_a, of_b, box, depth in several]
-        first = last
-
-
-def _touching_bodies(surface: SurfaceTopology, parts: tuple[Body, ...], boxes: Float) -> list[tuple[int, int]] | None:
-    """Return the pairs of bodies that may share space, ascending; None where that was not looked for.
-
-    Where no triangles of two bodies meet, these are apart or one lies in the other: that is no fault where shells are
-    turned as their depth asks, and where bodies are taken by themselves their boxes show it.
-    """
-    if len(parts) < 2 or surface.touching is None:
-        return None
-    body_of = surface.body_of
-    pairs = np.sort(body_of[surface.touching], axis=1)
-    pairs = pairs[(pairs[:, 0] >= 0) & (pairs[:, 0] < pairs[:, 1])]
-    if surface.separate:
-        inside = nested(boxes)
-        pairs = np.concatenate([pairs, np.sort(inside, axis=1)])
-    one, other = boxes[pairs.T]
-    meet = ((one[:, 0] < other[:, 1]) & (other[:, 0] < one[:, 1])).all(axis=1)
-    return [(one, other) for one, other in np.unique(pairs[meet], axis=0).tolist()]
-
-
-def _reaching(pairs: Int, groups: list[Int], low: Float, high: Float, boxes: Float) -> Bool:
-    """Say of which pairs (k, 2) of bodies a triangle of the first reaches into the box of the second."""
-    sizes = np.array([len(group) for group in groups])[pairs[:, 0]]
-    ends = np.cumsum(sizes)
-    reach, first = np.zeros(len(pairs), bool), 0
-    while first < len(pairs):
-        last = max(first + 1, int(np.searchsorted(ends, ends[first] - sizes[first] + _AT_ONCE, side="right")))
-        which = np.concatenate([groups[one] for one in pairs[first:last, 0].tolist()])
-        box = np.repeat(boxes[pairs[first:last, 1]], sizes[first:last], axis=0)
-        near = ((low[which] <= box[:, 1]) & (box[:, 0] <= high[which])).all(axis=1)
-        starts = ends[first:last] - sizes[first:last] - (ends[first] - sizes[first])
-        reach[first:last] = np.logical_or.reduceat(near, starts)
-        first = last
-    return reach
 
 
 def overlap_at_edges(surface: SurfaceTopology) -> Evidence | None:
@@ -370,7 +253,7 @@ def _meeting_cavities(surface: SurfaceTopology) -> Iterator[tuple[Body, list[tup
     parts = surface.turned_bodies
     if surface.touching is None:
         for body in parts:
-            yield body, _meeting(np.array([surface.shells[number].box for number in body.shells]))
+            yield body, meeting_boxes(np.array([surface.shells[number].box for number in body.shells]))
         return
     body_of = surface.body_of
     pairs = surface.touching[(body_of[surface.touching[:, 0]] == body_of[surface.touching[:, 1]])]
@@ -488,7 +371,7 @@ def _sharing_vertices(faces: Int) -> Int:
 
 def _misplaced(surface: SurfaceTopology, crossed: Int) -> float:
     """Return about how much volume counts more than once, or less than not at all, by rays; 0 if they meet none."""
-    corners = surface.vertices[_turned(surface).faces]
+    corners = surface.turned.corners()
     for near in (corners, corners[crossed]):
         misplaced = misplaced_volume(corners, np.stack([near.min(axis=(0, 1)), near.max(axis=(0, 1))]))
         if misplaced > 0:
@@ -503,19 +386,3 @@ def _in_words(surface: SurfaceTopology, about: float, doubt: Doubt | None) -> st
         share = f" ({100 * about / volume:.2g} % of the stored volume)" if volume > 0 else ""
         return f": about {about:.2g} {surface.unit}³{share}"
     return ": too little for rays to meet it" if doubt is None else f": up to {doubt.volume:.2g} {surface.unit}³"
-
-
-def _turned(surface: SurfaceTopology) -> Surface:
-    """Return the triangles with every shell turned as its depth asks; as they are, where bodies are separate."""
-    faces = surface.faces.copy()
-    wrong = np.isin(surface.closure.labels, surface.wrong_shells)
-    faces[wrong] = faces[wrong, ::-1]
-    return Surface(surface.vertices, faces)
-
-
-def _meeting(boxes: Float) -> list[tuple[int, int]]:
-    """Return the pairs of boxes (n, 2, 3) that overlap, ascending."""
-    if len(boxes) < 2:
-        return []
-    tree = BoxTree(boxes[:, 0], boxes[:, 1])
-    return sorted((int(i), int(j)) for ones, others, _ in overlapping(tree) for i, j in zip(ones, others, strict=True))

@@ -17,7 +17,7 @@ from inertia.mesh.geometry.edges import Edges, Loop, Place
 from inertia.mesh.geometry.shells import WOUND, Body, Shell
 from inertia.mesh.geometry.sound_shells import sound_nesting
 from inertia.mesh.part import Part
-from inertia.mesh.surface import Triangles
+from inertia.mesh.surface import Surface, Triangles
 
 State = Literal["sheet", "sound", "inverted", "overlapping"]
 _STATES: dict[tuple[str, int], State] = {
@@ -109,6 +109,14 @@ class SurfaceTopology:
     def wrong_shells(self) -> list[int]:
         """The numbers of the shells that are not wound as their depth asks; none where bodies are separate."""
         return [] if self.separate else shells.absolute_orientation(self.shells).tolist()
+
+    @cached_property
+    def turned(self) -> Surface:
+        """The triangles with every shell turned as its depth asks; as they are, where bodies are separate."""
+        faces = self.faces.copy()
+        wrong = np.isin(self.closure.labels, self.wrong_shells)
+        faces[wrong] = faces[wrong, ::-1]
+        return Surface(self.vertices, faces)
 
     @cached_property
     def turned_bodies(self) -> tuple[Body, ...]:

@@ -13,13 +13,13 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from inertia.arrays import Bool, Float, Int
+from inertia.arrays import Bool, Float, Int, runs_of
 from inertia.mesh.geometry.near_triangles import ranges
 from inertia.mesh.geometry.triangle_pairs import orient3d, unit_normals
 
 _SAMPLE = 12  # corners of each body that all planes are compared with,
 _TRIED = 8  # of what is left of a pair, the planes of the largest triangles that are compared with all corners
-_AT_ONCE = 1 << 14  # planes compared with samples together
+_AT_ONCE = 1 << 14  # planes compared with samples, and triangles with planes, together
 _ROUNDING = 2.0**-48  # of a height, over how far the corners of a pair are from each other: a dozen of roundings
 
 
@@ -108,12 +108,13 @@ class _Pairs:
     def _depths(self, planes: Int) -> Float:
         """Return how deep pairs reach over planes: the first body above and the second below."""
         depths = 2 * self.room[self.pair[planes]]
-        for body in range(2):
-            count = self.counts[self.pair[planes], body]
-            which, owner = ranges(self.starts[self.pair[planes], body], count)
-            over = self._heights(which, planes[owner]) * (-1 if body else 1)
-            deepest = np.maximum.reduceat(over.max(axis=1), np.cumsum(count) - count) if len(planes) else depths
-            depths += np.maximum(deepest, 0.0)
+        for body, sign in ((0, 1), (1, -1)):
+            counts = self.counts[self.pair[planes], body]
+            for run in runs_of(counts, _AT_ONCE):
+                some, count = planes[run], counts[run]
+                which, owner = ranges(self.starts[self.pair[some], body], count)
+                over = (sign * self._heights(which, some[owner])).max(axis=1)
+                depths[run] += np.maximum(np.maximum.reduceat(over, np.cumsum(count) - count), 0.0)
         return depths
 
     def _heights(self, which: Int, planes: Int) -> Float:

@@ -6,7 +6,7 @@ from collections.abc import Iterator, Sequence
 
 import numpy as np
 
-from inertia.arrays import Float, Int
+from inertia.arrays import Float, Int, runs_of
 from inertia.mesh.geometry.boxes import BoxTree, overlapping
 from inertia.mesh.geometry.closure import merge_equal_vertices
 from inertia.mesh.geometry.triangle_pairs import crossing, held_apart, orient3d_filter, unit_normals
@@ -72,14 +72,9 @@ def _near(corners: Float, sides: Sequence[tuple[Int, Int]]) -> Iterator[tuple[In
     """Yield what `near_triangles` returns, in pieces, whatever the number of triangles."""
     work = np.array([len(one) * len(other) for one, other in sides], np.int64)
     few = np.flatnonzero(work <= COMPARED)
-    ends = np.cumsum(work[few])
-    first = 0
-    while first < len(few):
-        start = ends[first] - work[few[first]]
-        last = max(first + 1, int(np.searchsorted(ends, start + _AT_ONCE, side="right")))
-        owner, i, j = near_triangles(corners, [sides[k] for k in few[first:last].tolist()])
-        yield few[first + owner], i, j
-        first = last
+    for run in runs_of(work[few], _AT_ONCE):
+        owner, i, j = near_triangles(corners, [sides[k] for k in few[run].tolist()])
+        yield few[run][owner], i, j
     for k in np.flatnonzero(work > COMPARED).tolist():
         trees = [BoxTree(corners[own].min(axis=1), corners[own].max(axis=1)) for own in sides[k]]
         for i, j, _ in overlapping(*trees, touching=True):

@@ -1,0 +1,151 @@
+"""Pairs of bodies that come near each other, and whether they only touch."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import NamedTuple
+
+import numpy as np
+
+from inertia.arrays import Bool, Float, Int, runs_of
+from inertia.mesh.checks.surface_topology import SurfaceTopology
+from inertia.mesh.geometry.boxes import BoxTree, overlapping
+from inertia.mesh.geometry.contact_depth import contact_depths
+from inertia.mesh.geometry.shells import Body, members, nested
+from inertia.mesh.surface import Surface
+
+_AT_ONCE = 1 << 18  # triangles compared with boxes of other bodies at a time
+
+
+class Pair(NamedTuple):
+    """Two bodies that come near each other.
+
+    Attributes
+    ----------
+    surface : with every shell turned as its depth asks, and the `corners` (n, 3, 3) of its triangles
+    groups : the triangles of both
+    reach : along which axes (k, 3) each of these reaches into the other's box
+    boxes : (2, 2, 3)
+    depth : how deep places lie that they share, at most, where a plane shows that they only touch; else infinity
+    """
+
+    surface: Surface
+    corners: Float
+    groups: tuple[Int, Int]
+    reach: tuple[Bool, Bool]
+    boxes: Float
+    depth: float
+
+    @property
+    def inside_boxes(self) -> tuple[Int, Int]:
+        """The triangles that reach into the other's box."""
+        one, other = (group[reach.all(axis=1)] for group, reach in zip(self.groups, self.reach, strict=True))
+        return one, other
+
+    @property
+    def columns(self) -> tuple[Int, Int]:
+        """Those above and below the other's box: they matter for winding numbers, what lies beside it does not."""
+        one, other = (group[reach[:, :2].all(axis=1)] for group, reach in zip(self.groups, self.reach, strict=True))
+        return one, other
+
+
+class _Bodies(NamedTuple):
+    """The bodies of a surface: this, turned, with the corners of its triangles; the triangles and the box of each."""
+
+    surface: Surface
+    corners: Float
+    low: Float
+    high: Float
+    groups: list[Int]
+    boxes: Float
+
+    @property
+    def sizes(self) -> Int:
+        """How many triangles each has, (m,)."""
+        return np.array([len(group) for group in self.groups])
+
+    def compared(self, numbers: Int, depths: Float) -> list[Pair]:
+        """Compare pairs (k, 2) of bodies that touch where they share space no deeper than (k,)."""
+        from inertia.mesh.geometry.contact_planes import touching_depths
+
+        boxes, room = self.boxes[numbers], depths[:, None, None]
+        others = boxes[:, ::-1]
+        inside = (others[:, :, 0] <= boxes[:, :, 0] + room) & (boxes[:, :, 1] <= others[:, :, 1] + room)
+        nested = np.repeat(np.any(inside.all(axis=2), axis=1), 2)
+        groups = [self.groups[number] for number in numbers.ravel().tolist()]
+        which, count = np.concatenate(groups), self.sizes[numbers.ravel()]
+        box, margin = (
+            np.repeat(others.reshape(-1, 2, 3), count, axis=0),
+            np.repeat(np.repeat(depths, 2), count)[:, None],
+        )
+        low, high = self.low[which], self.high[which]
+        reach = (low <= box[:, 1]) & (box[:, 0] <= high)
+        near = ((low <= box[:, 1] + margin) & (box[:, 0] <= high + margin)).all(axis=1)
+        near |= np.repeat(nested, count)  # all, where one may lie in the other
+        cuts = np.cumsum(count)[:-1]
+        reaches, taken = np.split(reach, cuts), np.split(near, cuts)
+        sides = [group[which] for group, which in zip(groups, taken, strict=True)]
+        deep = touching_depths(self.corners, list(zip(sides[::2], sides[1::2], strict=True)), depths).tolist()
+        pairs = zip(groups[::2], groups[1::2], reaches[::2], reaches[1::2], boxes, deep, strict=True)
+        return [Pair(self.surface, self.corners, (a, b), (of_a, of_b), box, k) for a, b, of_a, of_b, box, k in pairs]
+
+
+def near_bodies(surface: SurfaceTopology, *, alike: bool) -> Iterator[list[Pair]]:
+    """Yield pairs of bodies that come near each other, wound alike or not, several at a time."""
+    parts = surface.turned_bodies
+    boxes = np.array([surface.shells[body.shells[0]].box for body in parts])
+    outward = [surface.shells[body.shells[0]].kind == "outward" for body in parts]
+    pairs = _touching_bodies(surface, parts, boxes)
+    meeting = meeting_boxes(boxes) if pairs is None else pairs
+    meeting = [(one, other) for one, other in meeting if (outward[one] == outward[other]) == alike]
+    if not meeting:
+        return
+    triangles_of = members(surface.closure)
+    groups = [np.concatenate([triangles_of[number] for number in body.shells]) for body in parts]
+    corners = surface.turned.corners()
+    bodies = _Bodies(surface.turned, corners, corners.min(axis=1), corners.max(axis=1), groups, boxes)
+    numbers = np.array(meeting, np.int64)
+    if pairs is None and not surface.separate:
+        # Where no triangle of one comes near the other, they are apart or nested, which their shells show.
+        numbers = numbers[_reaching(numbers, bodies) & _reaching(numbers[:, ::-1], bodies)]
+    depths = contact_depths(surface.vertices, boxes[numbers]) / 2
+    for run in runs_of(bodies.sizes[numbers].sum(axis=1), _AT_ONCE):
+        yield bodies.compared(numbers[run], depths[run])
+
+
+def _touching_bodies(surface: SurfaceTopology, parts: tuple[Body, ...], boxes: Float) -> list[tuple[int, int]] | None:
+    """Return the pairs of bodies that may share space, ascending; None where that was not looked for.
+
+    Where no triangles of two bodies meet, these are apart or one lies in the other: that is no fault where shells are
+    turned as their depth asks, and where bodies are taken by themselves their boxes show it.
+    """
+    if len(parts) < 2 or surface.touching is None:
+        return None
+    body_of = surface.body_of
+    pairs = np.sort(body_of[surface.touching], axis=1)
+    pairs = pairs[(pairs[:, 0] >= 0) & (pairs[:, 0] < pairs[:, 1])]
+    if surface.separate:
+        inside = nested(boxes)
+        pairs = np.concatenate([pairs, np.sort(inside, axis=1)])
+    one, other = boxes[pairs.T]
+    meet = ((one[:, 0] < other[:, 1]) & (other[:, 0] < one[:, 1])).all(axis=1)
+    return [(one, other) for one, other in np.unique(pairs[meet], axis=0).tolist()]
+
+
+def _reaching(pairs: Int, bodies: _Bodies) -> Bool:
+    """Say of which pairs (k, 2) of bodies a triangle of the first reaches into the box of the second."""
+    sizes, reach = bodies.sizes[pairs[:, 0]], np.zeros(len(pairs), bool)
+    for run in runs_of(sizes, _AT_ONCE):
+        which = np.concatenate([bodies.groups[one] for one in pairs[run, 0].tolist()])
+        box = np.repeat(bodies.boxes[pairs[run, 1]], sizes[run], axis=0)
+        near = ((bodies.low[which] <= box[:, 1]) & (box[:, 0] <= bodies.high[which])).all(axis=1)
+        reach[run] = np.logical_or.reduceat(near, np.cumsum(sizes[run]) - sizes[run])
+    return reach
+
+
+def meeting_boxes(boxes: Float) -> list[tuple[int, int]]:
+    """Return the pairs of boxes (n, 2, 3) that overlap, ascending."""
+    if len(boxes) < 2:
+        return []
+    tree = BoxTree(boxes[:, 0], boxes[:, 1])
+    return sorted((int(i), int(j)) for ones, others, _ in overlapping(tree) for i, j in zip(ones, others, strict=True))
