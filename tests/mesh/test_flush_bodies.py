@@ -111,6 +111,42 @@ def test_laminations_of_a_rotor_lie_on_one_another(single: bool) -> None:
     answered(half, placed(half, rng, single=single), single=single)
 
 
+def voxels(cells: set[tuple[int, int, int]], rng: np.random.Generator) -> Mesh:
+    """Return the boundary of cells of a grid, inside out where they are a hole."""
+    vertices, faces = [], []
+    for cell in sorted(cells):
+        corners, _ = box(np.array(cell, float), np.array(cell) + 1.0, rng)
+        for side, (axis, step) in zip(SIDES, product(range(3), (-1, 1)), strict=True):
+            if tuple(np.add(cell, step * (np.arange(3) == axis))) not in cells:
+                faces += [np.add([[0, 1, 2], [0, 2, 3]], 4 * len(vertices))]
+                vertices.append(corners[np.roll(side, rng.integers(2))])
+    points, number = np.unique(np.concatenate(vertices), axis=0, return_inverse=True)
+    return points, number.ravel()[np.concatenate(faces)]
+
+
+FRAME = set(product(range(3), range(3), range(1))) - {(1, 1, 0)}
+SLOT = set(product(range(3), range(2), range(2))) - {(1, 0, 1), (1, 1, 1)}
+HOLLOW = set(product(range(3), repeat=3)) - {(1, 1, 1)}
+TROUGH = set(product(range(3), range(5), range(2))) - {(1, 1, 1), (1, 2, 1), (1, 3, 1)}
+FILLED = {
+    "a core in a frame": [FRAME, {(1, 1, 0)}],
+    "a magnet in a slot": [SLOT, {(1, 0, 1), (1, 1, 1)}],
+    "two magnets in a slot": [SLOT, {(1, 0, 1)}, {(1, 1, 1)}],
+    "an insert in a void": [HOLLOW, {(1, 1, 1)}],
+    "a magnet in a pocket": [TROUGH, {(1, 1, 1), (1, 2, 1), (1, 3, 1)}],
+    "half a pocket": [TROUGH, {(1, 1, 1), (1, 2, 1)}],
+}
+
+
+@pytest.mark.parametrize("single", [False, True])
+@pytest.mark.parametrize("name", FILLED)
+def test_what_fills_a_pocket_lies_beside_what_it_fills(name: str, single: bool) -> None:
+    for seed in range(12):
+        rng = np.random.default_rng(seed)
+        solids = [voxels(cells, rng) for cells in FILLED[name]]
+        answered(solids, placed(solids, rng, single=single), single=single)
+
+
 def block_in_blocks(count: int, seed: int) -> Surface:
     """Return a block cut into blocks, turned, as float32."""
     rng = np.random.default_rng(seed)

@@ -12,9 +12,15 @@ CONTACT = 1e-6
 _LAST_DIGITS = 4  # the same, over the spacing of the stored numbers at the largest coordinate
 
 
+def last_digits(largest: float, *, single: bool) -> float:
+    """Return the same where rounding alone counts, by the largest coordinate, and whether all are of float32."""
+    fits = single and largest <= float(np.finfo(np.float32).max)
+    return _LAST_DIGITS * float(np.spacing(np.float32(largest) if fits else np.float64(largest)))
+
+
 def contact_depth(vertices: Float, size: float) -> float:
     """Return the depth below which bodies only touch, the smaller of them being of this size."""
-    return max(CONTACT * size, _LAST_DIGITS * _last_digit(vertices))
+    return max(CONTACT * size, last_digits(float(np.abs(vertices).max()), single=are_single(vertices)))
 
 
 def contact_depths(vertices: Float, boxes: Float) -> Float:
@@ -22,14 +28,12 @@ def contact_depths(vertices: Float, boxes: Float) -> Float:
     size = np.ptp(boxes, axis=2).max(axis=2).min(axis=1)
     largest = np.abs(boxes).max(axis=(1, 2, 3))
     with np.errstate(over="ignore", under="ignore"):
-        single = largest.astype(np.float32) if (vertices.astype(np.float32) == vertices).all() else largest
-    depths: Float = np.maximum(CONTACT * size, _LAST_DIGITS * np.spacing(single))
+        spacing = np.spacing(largest.astype(np.float32) if are_single(vertices) else largest)
+    depths: Float = np.maximum(CONTACT * size, _LAST_DIGITS * spacing)
     return depths
 
 
-def _last_digit(vertices: Float) -> float:
-    """Return the spacing at the largest coordinate: of float32 if all are such numbers, else of float64."""
-    largest = np.abs(vertices).max()
+def are_single(vertices: Float) -> bool:
+    """Say whether all coordinates are numbers of float32."""
     with np.errstate(over="ignore", under="ignore"):
-        single = vertices.astype(np.float32)
-    return float(np.spacing(np.float32(largest) if (single == vertices).all() else largest))
+        return bool((vertices.astype(np.float32) == vertices).all())

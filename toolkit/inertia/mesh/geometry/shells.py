@@ -22,10 +22,11 @@ from numpy.typing import NDArray
 from inertia.arrays import Bool, Float, Int
 from inertia.mesh.geometry.boxes import BoxTree, overlapping
 from inertia.mesh.geometry.closure import Closure
+from inertia.mesh.geometry.contact_depth import are_single, last_digits
 from inertia.mesh.geometry.sound_shells import Nesting, sound_nesting
 from inertia.mesh.geometry.touching import touching_bodies
 from inertia.mesh.geometry.winding import windings, windings_each, windings_under
-from inertia.mesh.surface import Triangles
+from inertia.mesh.surface import Facets, Triangles
 
 _CHUNK = 1 << 16
 WOUND: tuple[Literal["outward"], Literal["inward"]] = ("outward", "inward")
@@ -42,6 +43,8 @@ _MANY = 1 << 12  # triangles of a shell, of which few are picked before they are
 _SAMPLES = 8  # places on a shell that are tried, for the one that is clearest of the other shell
 _UNDER = 1e-10  # how far under the surface those places are, over the size of the part
 _CLEAR = 2 * _UNDER  # of the surface around it: what is nearer is asked in integers
+_DEEP = 8.0  # last digits, four times, under the surface that places are which rounding does not decide about
+_TRIED = 64  # such places
 _NOISE = 1e-13  # rounding of a volume, over the sum of its terms' largest magnitudes
 _STORED = 2.0**-50  # rounding of a stored coordinate, relative to it; what it can do to a volume is that times the area
 
@@ -113,7 +116,7 @@ def shells(triangles: Triangles, closure: Closure) -> tuple[Shell, ...]:
         volumes[scarce], noise[scarce] = _exact_volumes(triangles, closure.labels, np.flatnonzero(scarce), exponent)
     signs = np.where(np.abs(volumes) > noise, np.sign(volumes), 0).astype(np.int64)
     nesting = sound_nesting(triangles, closure) if count > FEW and signs.all() else None
-    around = _containers(triangles, order, local, boxes, signs) if nesting is None else _ancestors(nesting)
+    around = _containers(triangles, order, local, boxes, signs, exponent) if nesting is None else _ancestors(nesting)
     slivers = set(_slivers(volumes, signs, around))
     if slivers:
         signs[list(slivers)] = 0
@@ -272,48 +275,87 @@ def _ancestors(nesting: Nesting) -> list[list[int]]:
 
 
 def _containers(
-    triangles: Triangles, order: list[Int], local: Callable[[Float], Float], boxes: Float, signs: Int
+    triangles: Triangles, order: list[Int], local: Callable[[Float], Float], boxes: Float, signs: Int, exponent: int
 ) -> list[list[int]]:
     """Return for each shell the numbers of the shells around it."""
-    pairs = nested(boxes)
+    pairs = nested(boxes, last_digits(float(np.abs(boxes).max()), single=True))
     pairs = pairs[signs[pairs[:, 0]] != 0]
+    if len(pairs) == 0:
+        return [[] for _ in order]
+    digits = last_digits(float(np.abs(boxes).max()), single=_are_single(triangles))
+    pairs = pairs[_within(boxes[:, 0], boxes[:, 1], pairs[:, 1], pairs[:, 0], digits)]
+    blur = float(np.ldexp(digits, -exponent))
     inside = np.zeros(len(pairs), bool)
     shells, place = np.unique(pairs[:, 1], return_inverse=True)
     samples = _drawn(triangles, order, shells)
-    places = _under(triangles, samples, local)
-    for which, winding, clearance in _windings_around(triangles, order, local, pairs, places[place]):
+    places = _under(triangles, samples, local, _UNDER)
+    margin = max(4 * _UNDER, 4 * blur)
+    for which, winding, clearance in _windings_around(triangles, order, local, pairs, places[place], margin):
         every, clearest = np.arange(len(winding)), clearance.argmax(axis=1)
         around_it, clear = winding[every, clearest], clearance[every, clearest]
-        for k in np.flatnonzero(clear < _CLEAR):
-            corners = triangles.select(order[pairs[which[k], 0]]).corners()
+        for k in np.flatnonzero(clear < max(_CLEAR, 2 * blur)):
+            outer, inner = pairs[which[k]].tolist()
+            corners = triangles.select(order[outer]).corners()
             exact, decided = windings_under(triangles.select(samples[place[which[k]]]).corners(), corners)
             around_it[k] = exact[decided][0] if decided.any() else around_it[k]
+            if signs[inner] > 0:  # what rounding decides at its surface, the middle of the body may show
+                deep = _winding_within(triangles, order[inner], local, local(corners), max(_DEEP * blur, 16 * _UNDER))
+                around_it[k] = around_it[k] if deep is None else deep
         inside[which] = around_it != 0
     nestings = set(map(tuple, pairs[inside].tolist()))
+    every_around: list[set[int]] = [set() for _ in order]
+    for outer, inner in nestings:
+        every_around[inner].add(outer)
     around: list[list[int]] = [[] for _ in order]
     for outer, inner in sorted(nestings):
-        if outer < inner or (inner, outer) not in nestings:  # of two that coincide, the first contains the other
-            around[inner].append(outer)
+        if (inner, outer) in nestings:  # two that coincide
+            # Inside a body, a cavity holds the insert that fills it; elsewhere, a body holds the cavity in it.
+            common = every_around[outer] & every_around[inner]
+            first = 1 if sum(int(signs[k]) for k in common) < 1 else -1
+            ahead = outer < inner if signs[outer] == signs[inner] else signs[outer] == first
+            if not ahead:
+                continue
+        around[inner].append(outer)
     return around
 
 
-def nested(boxes: Float) -> Int:
-    """Return the pairs (k, 2), ascending, of a box and another that it contains (equal ones do)."""
+def _winding_within(
+    triangles: Triangles, members: Int, local: Callable[[Float], Float], outer: Float, depth: float
+) -> int | None:
+    """Return the winding number of a shell, (n, 3, 3), around a place that far inside a body; None if none is clear."""
+    own = local(triangles.select(members).corners())
+    some = members[:: len(members) // _TRIED + 1]
+    places = _under(triangles, some[None], local, depth)[0]
+    winding, clearance = windings(places, own, 2 * depth)
+    around_it, clear = windings(places, outer, 2 * depth)
+    clear = np.where(winding == 1, np.minimum(clearance, clear), 0.0)
+    best = int(clear.argmax())
+    return int(around_it[best]) if clear[best] >= depth / 2 else None
+
+
+def _are_single(triangles: Triangles) -> bool:
+    """Say whether all coordinates are numbers of float32."""
+    chunks = range(0, triangles.count, _CHUNK)
+    return isinstance(triangles, Facets) or all(are_single(triangles.corners(k, k + _CHUNK)) for k in chunks)
+
+
+def nested(boxes: Float, room: float = 0.0) -> Int:
+    """Return the pairs (k, 2), ascending, of a box and another that it contains, but for some room (equal ones do)."""
     low, high = np.ascontiguousarray(boxes[:, 0]), np.ascontiguousarray(boxes[:, 1])
     pairs = [np.empty((0, 2), np.int64)]
     for i, j, _ in overlapping(BoxTree(low, high), touching=True):
-        pairs += [np.column_stack(two)[_within(low, high, two[1], two[0])] for two in ((i, j), (j, i))]
+        pairs += [np.column_stack(two)[_within(low, high, two[1], two[0], room)] for two in ((i, j), (j, i))]
     return np.unique(np.concatenate(pairs), axis=0)
 
 
-def _within(low: Float, high: Float, inner: Int, outer: Int) -> Bool:
-    """Say which boxes lie within others (equal ones do)."""
-    inside: Bool = np.all((low[outer] <= low[inner]) & (high[inner] <= high[outer]), axis=1)
+def _within(low: Float, high: Float, inner: Int, outer: Int, room: float) -> Bool:
+    """Say which boxes lie within others, but for some room (equal ones do)."""
+    inside: Bool = np.all((low[outer] <= low[inner] + room) & (high[inner] <= high[outer] + room), axis=1)
     return inside
 
 
 def _windings_around(
-    triangles: Triangles, order: list[Int], local: Callable[[Float], Float], pairs: Int, points: Float
+    triangles: Triangles, order: list[Int], local: Callable[[Float], Float], pairs: Int, points: Float, margin: float
 ) -> Iterator[tuple[Int, Int, Float]]:
     """Yield numbers of pairs (outer, inner), and the winding numbers of the outer one around points (k, s, 3) each.
 
@@ -329,7 +371,7 @@ def _windings_around(
         winding, clearance = np.zeros(len(inner), np.int64), np.full(len(inner), np.inf)
         for chunk in range(0, len(members), _CHUNK):
             corners = local(triangles.select(members[chunk : chunk + _CHUNK]).corners())
-            more, distance = windings(inner, corners, 4 * _UNDER)
+            more, distance = windings(inner, corners, margin)
             winding += more
             np.minimum(clearance, distance, out=clearance)
         yield which, winding.reshape(count, -1), clearance.reshape(count, -1)
@@ -338,7 +380,7 @@ def _windings_around(
     for which in np.split(rest, np.searchsorted(ends, np.arange(_CHUNK, ends[-1], _CHUNK))) if len(rest) else ():
         members = np.concatenate([order[outer] for outer in pairs[which, 0].tolist()])
         owner = np.repeat(np.arange(len(which)), sizes[pairs[which, 0]])
-        yield which, *windings_each(points[which], local(triangles.select(members).corners()), owner, 4 * _UNDER)
+        yield which, *windings_each(points[which], local(triangles.select(members).corners()), owner, margin)
 
 
 def _drawn(triangles: Triangles, order: list[Int], shells: Int) -> Int:
@@ -363,10 +405,10 @@ def _drawn(triangles: Triangles, order: list[Int], shells: Int) -> Int:
     return members[ranked[(np.cumsum(sizes) - sizes)[:, None] + turn]]
 
 
-def _under(triangles: Triangles, samples: Int, local: Callable[[Float], Float]) -> Float:
-    """Return places (k, s, 3) just under the surface at triangles (k, s), on the side of the material."""
+def _under(triangles: Triangles, samples: Int, local: Callable[[Float], Float], depth: float) -> Float:
+    """Return places (k, s, 3) under the surface at triangles (k, s), on the side of the material."""
     corners = local(triangles.select(samples.ravel()).corners())
     normal = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
     length = np.linalg.norm(normal, axis=1, keepdims=True)
-    places: Float = corners.mean(axis=1) - _UNDER * normal / np.where(length > 0, length, 1)
+    places: Float = corners.mean(axis=1) - depth * normal / np.where(length > 0, length, 1)
     return places.reshape(*samples.shape, 3)
