@@ -15,7 +15,7 @@ from functools import cache
 import numpy as np
 
 from inertia.arrays import Bool, Float, Int
-from inertia.mesh.geometry.contact_depth import CONTACT, contact_depth
+from inertia.mesh.geometry.contact_depth import CONTACT, are_single, last_digits
 from inertia.mesh.geometry.halfedges import HalfEdges
 from inertia.mesh.geometry.triangle_pairs import Sign, orient3d, unit
 
@@ -34,6 +34,7 @@ class Fans:
     opens : (k,), whether material begins behind the triangle as the angle grows
     angle : (k,), rad, from the first triangle of the group on, rounded
     height : (k,), distance of the triangle's third corner from the edge
+    blur : (k,), rad, what the rounding of stored coordinates turns the triangle by, at most
     """
 
     half_edge: Int
@@ -42,6 +43,7 @@ class Fans:
     opens: Bool
     angle: Float
     height: Float
+    blur: Float
 
     def select(self, which: Bool | Int) -> Fans:
         """Return the directed edges that a mask or numbers pick."""
@@ -80,7 +82,8 @@ def fans(vertices: Float, faces: Int, edges: HalfEdges, half_edge: Int, group: I
     # In one half-plane, what ends comes before what begins: bodies that touch there stay apart.
     first = np.lexsort((opens[order], plane))
     order, plane = order[first], plane[first]
-    return Fans(half_edge[order], group[order], plane, opens[order], angle[order], height[order])
+    blur = _blur(u, v, w, height)
+    return Fans(half_edge[order], group[order], plane, opens[order], angle[order], height[order], blur[order])
 
 
 def links(vertices: Float, faces: Int, edges: HalfEdges, piece: Int) -> Int:
@@ -116,7 +119,7 @@ def links(vertices: Float, faces: Int, edges: HalfEdges, piece: Int) -> Int:
     entangled = surplus[edge] != 0
     clumped = entangled | ~lies[member]
     together = _chain(member[clumped] // 3, 2 * edge[clumped] + entangled[clumped])
-    around = _as_if_exact(vertices, faces, around.select(surplus[around.group] == 0))
+    around = _as_if_exact(around.select(surplus[around.group] == 0))
     pairs, ties = _brackets(vertices, faces, edges, around)
     pairs = np.concatenate([sheets, together, pairs])
     return np.concatenate([pairs, _untied(ties, pairs, piece)]) if ties else pairs
@@ -168,7 +171,8 @@ def _wedges(around: Fans, step: Int) -> tuple[Int, Int, Int, Int, Float, Float]:
     planes, groups : (p,) where triangles of a half-plane begin, (g,) where half-planes of a group do among these
     after : (p,), the half-plane behind the wedge
     times : (p,), how often material counts in it, more than ahead of the group's first half-plane
-    width, depth : (p,), its angle, and its thickness at the lower one of the triangles beside it
+    width, depth : (p,), its angle, and its thickness at the lower one of the triangles beside it; 0 where rounding may
+        have made it
     """
     planes, _ = _runs(around.plane)
     groups, _ = _runs(around.group[planes])
@@ -180,10 +184,12 @@ def _wedges(around: Fans, step: Int) -> tuple[Int, Int, Int, Int, Float, Float]:
     after[groups + count - 1] = groups
     width = np.where(after > np.arange(len(planes)), angle[after] - angle, angle[after] + 2 * np.pi - angle)
     depth = np.sin(np.clip(width, 0, np.pi / 2)) * np.minimum(height, height[after])
+    blur = np.minimum.reduceat(around.blur, planes)
+    depth[width <= blur + blur[after]] = 0
     return planes, groups, after, times, width, depth
 
 
-def _as_if_exact(vertices: Float, faces: Int, around: Fans) -> Fans:
+def _as_if_exact(around: Fans) -> Fans:
     """Make one half-plane of two between which material lies on other material, as thin as rounding makes it.
 
     As where they are one exactly, what ends there comes before what begins then. Where material fills the space around
@@ -191,10 +197,8 @@ def _as_if_exact(vertices: Float, faces: Int, around: Fans) -> Fans:
     """
     if len(around.group) == 0:
         return around
-    # By these triangles alone, so that the answer is the same whatever else is known of the surface.
-    rounding = contact_depth(vertices[faces[around.half_edge // 3]], 0.0)
     planes, groups, after, times, width, depth = _wedges(around, np.where(around.opens, 1, -1))
-    thin = (width <= CONTACT) | (depth <= rounding)
+    thin = (width <= CONTACT) | (depth == 0)
     count = np.diff(np.append(groups, len(planes)))
     most = np.maximum.reduceat(np.where(thin, -len(times), times), groups)
     least = np.minimum.reduceat(np.where(thin, len(times), times), groups)
@@ -301,6 +305,24 @@ def _angles(u: Float, v: Float, w: Float, reference: Int) -> tuple[Float, Float]
         angle = np.arctan2(np.einsum("ij,ij->i", arm, y), np.einsum("ij,ij->i", arm, x))
         height = np.linalg.norm(arm, axis=1)
     return np.nan_to_num(angle % (2 * np.pi)), height
+
+
+def _blur(u: Float, v: Float, w: Float, height: Float) -> Float:
+    """Return by what angle the rounding of points turns the half-planes from u→v through w, (k,) heights above it.
+
+    Where w lies beyond an end of a short edge, that of its ends counts as often as it is far. By these points alone, so
+    that the answer is the same whatever else is known of a surface.
+    """
+    if len(u) == 0:
+        return height
+    points = np.stack([u, v, w])
+    digit = last_digits(float(np.abs(points).max()), single=are_single(points)) / 4
+    with np.errstate(over="ignore", under="ignore", divide="ignore", invalid="ignore"):
+        along, length = unit(v - u), np.linalg.norm(v - u, axis=1)
+        share = np.einsum("ij,ij->i", w - u, along) / length
+        blur = digit * (1 + np.abs(share) + np.abs(1 - share)) / height
+    turned: Float = np.nan_to_num(blur)
+    return turned
 
 
 def _sorted_exactly(order: Int, group: Int, quarter: Sign, u: Float, v: Float, w: Float) -> Bool:
