@@ -147,6 +147,15 @@ def test_what_fills_a_pocket_lies_beside_what_it_fills(name: str, single: bool) 
         answered(solids, placed(solids, rng, single=single), single=single)
 
 
+@pytest.mark.parametrize("moved", [1e-12, 1e-8, 3e-7])
+def test_an_insert_that_is_a_little_off_its_void_is_in_it(moved: float) -> None:
+    for seed in range(12):
+        rng = np.random.default_rng(seed)
+        wall, (vertices, faces) = (voxels(cells, rng) for cells in FILLED["an insert in a void"])
+        solids = [wall, (vertices + np.array([moved, 0, 0]), faces)]
+        answered(solids, placed(solids, rng, single=False), single=False)
+
+
 def block_in_blocks(count: int, seed: int) -> Surface:
     """Return a block cut into blocks, turned, as float32."""
     rng = np.random.default_rng(seed)

@@ -22,7 +22,7 @@ from numpy.typing import NDArray
 from inertia.arrays import Bool, Float, Int
 from inertia.mesh.geometry.boxes import BoxTree, overlapping
 from inertia.mesh.geometry.closure import Closure
-from inertia.mesh.geometry.contact_depth import are_single, last_digits
+from inertia.mesh.geometry.contact_depth import CONTACT, are_single, last_digits
 from inertia.mesh.geometry.sound_shells import Nesting, sound_nesting
 from inertia.mesh.geometry.touching import touching_bodies
 from inertia.mesh.geometry.winding import windings, windings_each, windings_under
@@ -43,8 +43,7 @@ _MANY = 1 << 12  # triangles of a shell, of which few are picked before they are
 _SAMPLES = 8  # places on a shell that are tried, for the one that is clearest of the other shell
 _UNDER = 1e-10  # how far under the surface those places are, over the size of the part
 _CLEAR = 2 * _UNDER  # of the surface around it: what is nearer is asked in integers
-_DEEP = 8.0  # last digits, four times, under the surface that places are which rounding does not decide about
-_TRIED = 64  # such places
+_TRIED = 64  # places farther under the surface of a body, where its surface does not tell
 _NOISE = 1e-13  # rounding of a volume, over the sum of its terms' largest magnitudes
 _STORED = 2.0**-50  # rounding of a stored coordinate, relative to it; what it can do to a volume is that times the area
 
@@ -278,28 +277,30 @@ def _containers(
     triangles: Triangles, order: list[Int], local: Callable[[Float], Float], boxes: Float, signs: Int, exponent: int
 ) -> list[list[int]]:
     """Return for each shell the numbers of the shells around it."""
-    pairs = nested(boxes, last_digits(float(np.abs(boxes).max()), single=True))
+    largest, contact = float(np.abs(boxes).max()), CONTACT * np.ptp(boxes, axis=1).max(axis=1)
+    pairs = nested(boxes, np.maximum(contact, last_digits(largest, single=True)))
     pairs = pairs[signs[pairs[:, 0]] != 0]
     if len(pairs) == 0:
         return [[] for _ in order]
-    digits = last_digits(float(np.abs(boxes).max()), single=_are_single(triangles))
-    pairs = pairs[_within(boxes[:, 0], boxes[:, 1], pairs[:, 1], pairs[:, 0], digits)]
-    blur = float(np.ldexp(digits, -exponent))
+    contact = np.maximum(contact, last_digits(largest, single=_are_single(triangles)))
+    pairs = pairs[_within(boxes[:, 0], boxes[:, 1], pairs[:, 1], pairs[:, 0], contact)]
+    near = np.maximum(2 * np.ldexp(contact, -exponent), _CLEAR)
     inside = np.zeros(len(pairs), bool)
     shells, place = np.unique(pairs[:, 1], return_inverse=True)
     samples = _drawn(triangles, order, shells)
     places = _under(triangles, samples, local, _UNDER)
-    margin = max(4 * _UNDER, 4 * blur)
+    margin = 2 * float(near[shells].max(initial=_CLEAR))
     for which, winding, clearance in _windings_around(triangles, order, local, pairs, places[place], margin):
         every, clearest = np.arange(len(winding)), clearance.argmax(axis=1)
         around_it, clear = winding[every, clearest], clearance[every, clearest]
-        for k in np.flatnonzero(clear < max(_CLEAR, 2 * blur)):
+        for k in np.flatnonzero(clear < near[pairs[which, 1]]):
             outer, inner = pairs[which[k]].tolist()
             corners = triangles.select(order[outer]).corners()
-            exact, decided = windings_under(triangles.select(samples[place[which[k]]]).corners(), corners)
-            around_it[k] = exact[decided][0] if decided.any() else around_it[k]
-            if signs[inner] > 0:  # what rounding decides at its surface, the middle of the body may show
-                deep = _winding_within(triangles, order[inner], local, local(corners), max(_DEEP * blur, 16 * _UNDER))
+            if clear[k] < _CLEAR:
+                exact, decided = windings_under(triangles.select(samples[place[which[k]]]).corners(), corners)
+                around_it[k] = exact[decided][0] if decided.any() else around_it[k]
+            if signs[inner] > 0:  # what a contact decides at its surface, the middle of the body may show
+                deep = _winding_within(triangles, order[inner], local, local(corners), float(near[inner]))
                 around_it[k] = around_it[k] if deep is None else deep
         inside[which] = around_it != 0
     nestings = set(map(tuple, pairs[inside].tolist()))
@@ -320,10 +321,13 @@ def _containers(
 
 
 def _winding_within(
-    triangles: Triangles, members: Int, local: Callable[[Float], Float], outer: Float, depth: float
+    triangles: Triangles, members: Int, local: Callable[[Float], Float], outer: Float, near: float
 ) -> int | None:
-    """Return the winding number of a shell, (n, 3, 3), around a place that far inside a body; None if none is clear."""
-    own = local(triangles.select(members).corners())
+    """Return the winding number of a shell, (n, 3, 3), around a place farther in a body than what is near it.
+
+    None if no such place is found.
+    """
+    own, depth = local(triangles.select(members).corners()), 4 * near
     some = members[:: len(members) // _TRIED + 1]
     places = _under(triangles, some[None], local, depth)[0]
     winding, clearance = windings(places, own, 2 * depth)
@@ -339,18 +343,20 @@ def _are_single(triangles: Triangles) -> bool:
     return isinstance(triangles, Facets) or all(are_single(triangles.corners(k, k + _CHUNK)) for k in chunks)
 
 
-def nested(boxes: Float, room: float = 0.0) -> Int:
-    """Return the pairs (k, 2), ascending, of a box and another that it contains, but for some room (equal ones do)."""
+def nested(boxes: Float, room: Float | None = None) -> Int:
+    """Return the pairs (k, 2), ascending, of a box and another that it contains, but for the other's room (m,)."""
     low, high = np.ascontiguousarray(boxes[:, 0]), np.ascontiguousarray(boxes[:, 1])
+    room = np.zeros(len(boxes)) if room is None else room
     pairs = [np.empty((0, 2), np.int64)]
     for i, j, _ in overlapping(BoxTree(low, high), touching=True):
         pairs += [np.column_stack(two)[_within(low, high, two[1], two[0], room)] for two in ((i, j), (j, i))]
     return np.unique(np.concatenate(pairs), axis=0)
 
 
-def _within(low: Float, high: Float, inner: Int, outer: Int, room: float) -> Bool:
-    """Say which boxes lie within others, but for some room (equal ones do)."""
-    inside: Bool = np.all((low[outer] <= low[inner] + room) & (high[inner] <= high[outer] + room), axis=1)
+def _within(low: Float, high: Float, inner: Int, outer: Int, room: Float) -> Bool:
+    """Say which boxes lie within others, but for their room (equal ones do)."""
+    more = room[inner, None]
+    inside: Bool = np.all((low[outer] <= low[inner] + more) & (high[inner] <= high[outer] + more), axis=1)
     return inside
 
 
