@@ -5,8 +5,8 @@ the sign of their volumes. In a sound solid w = 0 around every outward shell (po
 around every inward one (the wall of a cavity). An outward shell at w ≥ 1 counts its inside twice; an inward
 one at w = 0 is inside out.
 
-Where one shell lies on another, what counts is the material just under it: an insert is inside the cavity
-that it fills, and the cavity is not inside the insert.
+Where one shell lies on another, what counts is the material just under it, and of a body its middle: an
+insert is inside the cavity that it fills, and the cavity is not inside the insert.
 """
 
 from __future__ import annotations
@@ -303,18 +303,22 @@ def _containers(
                 deep = _winding_within(triangles, order[inner], local, local(corners), float(near[inner]))
                 around_it[k] = around_it[k] if deep is None else deep
         inside[which] = around_it != 0
-    nestings = set(map(tuple, pairs[inside].tolist()))
-    every_around: list[set[int]] = [set() for _ in order]
+    return _in_turn(set(map(tuple, pairs[inside].tolist())), signs)
+
+
+def _in_turn(nestings: set[tuple[int, int]], signs: Int) -> list[list[int]]:
+    """Return for each shell those around it, of two that coincide the one that is around the other as they are wound.
+
+    Inside a body, a cavity holds the insert that fills it; elsewhere, a body holds the cavity in it.
+    """
+    found: list[set[int]] = [set() for _ in signs]
     for outer, inner in nestings:
-        every_around[inner].add(outer)
-    around: list[list[int]] = [[] for _ in order]
+        found[inner].add(outer)
+    around: list[list[int]] = [[] for _ in signs]
     for outer, inner in sorted(nestings):
-        if (inner, outer) in nestings:  # two that coincide
-            # Inside a body, a cavity holds the insert that fills it; elsewhere, a body holds the cavity in it.
-            common = every_around[outer] & every_around[inner]
-            first = 1 if sum(int(signs[k]) for k in common) < 1 else -1
-            ahead = outer < inner if signs[outer] == signs[inner] else signs[outer] == first
-            if not ahead:
+        if (inner, outer) in nestings:
+            first = 1 if sum(int(signs[k]) for k in found[outer] & found[inner]) < 1 else -1
+            if not (outer < inner if signs[outer] == signs[inner] else signs[outer] == first):
                 continue
         around[inner].append(outer)
     return around
