@@ -79,8 +79,10 @@ class _Pairs:
     def planes(self, most: Float) -> tuple[Int, Int, Float]:
         """Return the pairs that touch at the plane of a triangle, this triangle, and how deep they reach over it."""
         left = np.flatnonzero(self.normals.any(axis=1))
-        samples, cuts = self._samples(), range(_AT_ONCE, len(left), _AT_ONCE)
-        left = left[np.concatenate([self._passes(some, samples, most) for some in np.split(left, cuts)])]
+        samples = self._samples()
+        for some in (samples[:, :, :: _SAMPLE // 3], samples):
+            pieces = np.split(left, range(_AT_ONCE, len(left), _AT_ONCE))
+            left = left[np.concatenate([self._passes(piece, some, most) for piece in pieces])]
         sides = self.corners[left, 1:] - self.corners[left, :1]
         area = np.linalg.norm(np.cross(sides[:, 0], sides[:, 1]), axis=1)
         left = left[np.lexsort((-area, self.pair[left]))]

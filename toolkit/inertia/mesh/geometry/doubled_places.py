@@ -10,7 +10,7 @@ from inertia.arrays import Bool, Float, Int
 from inertia.mesh.geometry.closure import closure, merge_equal_vertices
 from inertia.mesh.geometry.contact_depth import contact_depth
 from inertia.mesh.geometry.intersect import FACING, beside_edges, near_pairs
-from inertia.mesh.geometry.triangle_pairs import crossing, unit_normals
+from inertia.mesh.geometry.triangle_pairs import crossing, heights_over, unit_normals
 from inertia.mesh.surface import Triangles
 
 _DEPTHS = (1.0, 1e2, 1e4)  # at which a crossing is looked at, over the depth of a contact
@@ -37,10 +37,7 @@ def places_of_doubt(triangles: Triangles, size: float) -> Iterator[Float]:
         alike = (same & np.roll(same, (-1, -1), axis=(1, 2))).any(axis=(1, 2))
         apart = (shared < 2) | ((shared == 2) & alike)
         i, j, shared = i[apart], j[apart], shared[apart]
-        heights = [
-            np.einsum("kij,kj->ki", vertices[faces[b]] - vertices[faces[a][:, :1]], normals[a])
-            for a, b in ((i, j), (j, i))
-        ]
+        heights = [heights_over(vertices[faces[a]], normals[a], vertices[faces[b]]) for a, b in ((i, j), (j, i))]
         places = [np.empty((0, 3))]
         cut = np.ones(len(i), bool)
         for height in heights:  # what cuts less deep is no crossing that matters, and edges beside it are looked at
@@ -54,14 +51,14 @@ def places_of_doubt(triangles: Triangles, size: float) -> Iterator[Float]:
         places += [middles[meets] + k * depth * inwards for k in _DEPTHS]
         for (a, b), height in zip(((i, j), (j, i)), heights, strict=True):
             lies = (np.abs(height) < depth / 2).sum(axis=1) >= 2
-            a, b = a[lies], b[lies]
+            a, b, height = a[lies], b[lies], height[lies]
             for one, other in ((0, 1), (1, 0)):  # sides of either may hold them apart, as of neighbours in one plane
                 both = a, b
                 meets = ~_beside(
                     vertices[faces[both[one]]], vertices[faces[both[other]]], normals[both[one]], depth / 2
                 )
-                a, b = a[meets], b[meets]
-            places.append(beside_edges(vertices, faces[a], normals[a], faces[b], depth))
+                a, b, height = a[meets], b[meets], height[meets]
+            places.append(beside_edges(vertices, faces[a], normals[a], faces[b], height, depth))
             covered = _under_centroid(vertices[faces[a]], vertices[faces[b]], normals[a], depth)
             places.append(vertices[faces[b[covered]]].mean(axis=1) - depth * normals[b[covered]])
         yield np.concatenate(places)

@@ -22,7 +22,7 @@ from inertia.mesh.geometry.contact_depth import contact_depth
 from inertia.mesh.geometry.edges import first_equal
 from inertia.mesh.geometry.hubs import hubs, near_around
 from inertia.mesh.geometry.oriented_boxes import OrientedBoxes
-from inertia.mesh.geometry.triangle_pairs import crossing, held_apart, unit, unit_normals
+from inertia.mesh.geometry.triangle_pairs import crossing, heights_over, held_apart, unit, unit_normals
 from inertia.mesh.geometry.winding import windings
 from inertia.mesh.surface import Surface, Triangles
 from inertia.native import Kernel
@@ -441,8 +441,9 @@ def _places(vertices: Float, faces_a: Int, faces_b: Int, depth: float) -> Iterat
     near_a, near_b = np.zeros(len(faces_a), bool), np.zeros(len(faces_b), bool)
     for i, j, _ in near_pairs(vertices, faces_a, faces_b, touching=True):
         corners_a, corners_b = vertices[faces_a[i]], vertices[faces_b[j]]
-        passes_a = ~held_apart(corners_a, normals_a[i], corners_b, depth)
-        passes_b = ~held_apart(corners_b, normals_b[j], corners_a, depth)
+        over_a = heights_over(corners_a, normals_a[i], corners_b)
+        over_b = heights_over(corners_b, normals_b[j], corners_a)
+        passes_a, passes_b = (~held_apart(over, depth) for over in (over_a, over_b))
         both, of_a, of_b = (np.flatnonzero(which) for which in (passes_a & passes_b, passes_a, passes_b))
         near_a[i[both]] = near_b[j[both]] = True
         crossed, middles = crossing(vertices, faces_a[i[both]], faces_b[j[both]])
@@ -452,8 +453,8 @@ def _places(vertices: Float, faces_a: Int, faces_b: Int, depth: float) -> Iterat
         apart = size[:, 0] > FACING
         yield middles[apart] + 2 * depth * inwards[apart] / size[apart] ** 2, depth / 2
         beside = [
-            beside_edges(vertices, faces_a[i[of_a]], normals_a[i[of_a]], faces_b[j[of_a]], depth),
-            beside_edges(vertices, faces_b[j[of_b]], normals_b[j[of_b]], faces_a[i[of_b]], depth),
+            beside_edges(vertices, faces_a[i[of_a]], normals_a[i[of_a]], faces_b[j[of_a]], over_a[of_a], depth),
+            beside_edges(vertices, faces_b[j[of_b]], normals_b[j[of_b]], faces_a[i[of_b]], over_b[of_b], depth),
         ]
         yield np.concatenate(beside), depth / 2
     for faces, normals, near in ((faces_a, normals_a, near_a), (faces_b, normals_b, near_b)):
@@ -464,16 +465,18 @@ def _places(vertices: Float, faces_a: Int, faces_b: Int, depth: float) -> Iterat
         yield vertices[faces[tried]].mean(axis=1) - depth * normals[tried], 0.0
 
 
-def beside_edges(vertices: Float, faces: Int, normals: Float, others: Int, depth: float) -> Float:
-    """Return places under `faces`, on both sides of those edges of `others` that lie in and cut them."""
-    corners = vertices[faces]
+def beside_edges(vertices: Float, faces: Int, normals: Float, others: Int, over: Float, depth: float) -> Float:
+    """Return places under `faces`, on both sides of those edges of `others` that lie in and cut them.
+
+    `over` (k, 3) are the heights of the corners of `others` over `faces`.
+    """
+    level = np.abs(over) < depth / 2
     places = []
     for tail, head in ((0, 1), (1, 2), (2, 0)):
-        u, v = (vertices[others[:, end]] for end in (tail, head))
-        heights = [np.einsum("kj,kj->k", end - corners[:, 0], normals) for end in (u, v)]
         # A closed surface has every edge both ways: one of them is enough.
-        lies = (np.maximum(*np.abs(heights)) < depth / 2) & (others[:, tail] < others[:, head])
-        u, v, inside, normal = u[lies], v[lies], corners[lies], normals[lies]
+        lies = np.flatnonzero(level[:, tail] & level[:, head] & (others[:, tail] < others[:, head]))
+        u, v = (vertices[others[lies, end]] for end in (tail, head))
+        inside, normal = vertices[faces[lies]], normals[lies]
         start, stop = np.zeros(len(u)), np.ones(len(u))
         for k in range(3):
             inwards = unit(np.cross(normal, inside[:, (k + 1) % 3] - inside[:, k]))

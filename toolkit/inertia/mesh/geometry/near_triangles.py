@@ -9,14 +9,13 @@ import numpy as np
 from inertia.arrays import Float, Int, runs_of
 from inertia.mesh.geometry.boxes import BoxTree, overlapping
 from inertia.mesh.geometry.closure import merge_equal_vertices
-from inertia.mesh.geometry.triangle_pairs import crossing, held_apart, orient3d_filter, unit_normals
+from inertia.mesh.geometry.triangle_pairs import UNSURE, cross_signs, crossing, parted
 from inertia.mesh.surface import Surface
 
 COMPARED = 1 << 12
 """Pairs of triangles of two bodies, at most, that are compared without a tree."""
 
 _AT_ONCE = 1 << 18  # pairs of triangles compared together
-_SURE = 1e-12  # of how far triangles are from each other: heights that rounding does not make
 
 
 def ranges(starts: Int, counts: Int) -> tuple[Int, Int]:
@@ -45,27 +44,28 @@ def near_triangles(corners: Float, sides: Sequence[tuple[Int, Int]]) -> tuple[In
 
 def touching_triangles(corners: Float, sides: Sequence[tuple[Int, Int]]) -> tuple[Int, Int, Int]:
     """Return pairs of triangles that neither's plane holds apart, as far as float64 can tell, as `near_triangles`."""
-    found = [(np.empty(0, np.int64),) * 3]
-    for near in _near(corners, sides):
-        for k in (1, 2):
-            plane = corners[near[k]]
-            others = corners[near[3 - k]]
-            far = np.abs(others - plane[:, :1]).max(axis=(1, 2))
-            left = np.flatnonzero(~held_apart(plane, unit_normals(plane), others, _SURE * far))
-            plane = plane[left, None]
-            side = orient3d_filter(plane[:, :, 0], plane[:, :, 1], plane[:, :, 2], others[left])
-            left = left[~((side == 1).all(axis=1) | (side == -1).all(axis=1))]
-            near = near[0][left], near[1][left], near[2][left]
-        found.append(near)
+    found, faces = [(np.empty(0, np.int64),) * 3], _faces(corners)
+    for owner, i, j in _near(corners, sides):
+        left = np.flatnonzero(~parted(corners.reshape(-1, 3), faces[i], faces[j]))
+        found.append((owner[left], i[left], j[left]))
     of_pair, i, j = (np.concatenate(column) for column in zip(*found, strict=True))
     return of_pair, i, j
 
 
 def crossing_triangles(corners: Float, i: Int, j: Int) -> Int:
     """Return which pairs of triangles (k,), (k,) cross."""
-    both = corners[np.column_stack([i, j]).ravel()].reshape(-1, 3)
-    vertices, faces = merge_equal_vertices(Surface(both, np.arange(len(both)).reshape(-1, 3)))
-    return crossing(vertices, faces[0::2], faces[1::2])[0]
+    faces = _faces(corners)
+    sign = cross_signs(corners.reshape(-1, 3), faces[i], faces[j])
+    unsure = np.flatnonzero(sign == UNSURE)
+    both = corners[np.column_stack([i[unsure], j[unsure]]).ravel()]
+    vertices, welded = merge_equal_vertices(Surface(both.reshape(-1, 3), _faces(both)))
+    crossed, _ = crossing(vertices, welded[0::2], welded[1::2])
+    return np.union1d(np.flatnonzero(sign == 1), unsure[crossed])
+
+
+def _faces(corners: Float) -> Int:
+    """Return the faces (t, 3) of triangles (t, 3, 3) each of which has corners of its own."""
+    return np.arange(3 * len(corners)).reshape(-1, 3)
 
 
 def _near(corners: Float, sides: Sequence[tuple[Int, Int]]) -> Iterator[tuple[Int, Int, Int]]:

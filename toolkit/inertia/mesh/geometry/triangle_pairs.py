@@ -20,7 +20,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from inertia.arrays import Bool, Float, Int
-from inertia.native import Kernel, address
+from inertia.native import Kernel, address, place
 
 Sign = NDArray[np.int8]
 
@@ -33,6 +33,8 @@ _UNDERFLOW = 2.0**-1070  # more than the products together lose when they fall b
 _ROWS = 1 << 15  # decided in integers at a time
 
 _SIGNS = Kernel("inertia.mesh.geometry.crossing_kernel", "exact_signs", "pipp")
+_CROSS = Kernel("inertia.mesh.geometry.pair_kernel", "cross_pairs", "pippi" + "pppp")
+_PART = Kernel("inertia.mesh.geometry.pair_kernel", "part_pairs", "pippi" + "pp")
 _WORK = 10  # times what integrating a triangle costs, in integers
 _ROOM = 256  # numbers that the kernel needs
 _LARGEST = 2.0**300  # of which the products of three are numbers
@@ -105,6 +107,39 @@ def _in_integers(points: Float) -> Sign:
 
 def crossing(vertices: Float, faces_a: Int, faces_b: Int) -> tuple[Int, Float]:
     """Return which pairs of welded faces (k, 3) cross, and the middles of the segments that they share."""
+    which = np.flatnonzero(cross_signs(vertices, faces_a, faces_b))
+    crossed, middles = _crossing(vertices, faces_a[which], faces_b[which])
+    return which[crossed], middles
+
+
+def cross_signs(vertices: Float, faces_a: Int, faces_b: Int) -> Sign:
+    """Say which pairs of faces (k, 3) cross, welded or not, as far as a kernel tells: 1, 0, or `UNSURE`."""
+    sign = np.full(len(faces_a), UNSURE, np.int8)
+    if _CROSS.worthwhile(len(sign)):
+        tables = [np.ascontiguousarray(table) for table in (vertices, faces_a, faces_b)]
+        points, one, other = map(place, tables)
+        work = np.empty((2, 9)), np.empty(_ROOM), np.empty(6, np.int64)
+        _CROSS.function(points, len(vertices), one, other, len(sign), *map(address, work), place(sign))
+    return sign
+
+
+def parted(vertices: Float, faces_a: Int, faces_b: Int) -> Bool:
+    """Say of which pairs of faces (k, 3) floating point shows that the plane of one holds both apart."""
+    if _PART.worthwhile(len(faces_a)):
+        tables = [np.ascontiguousarray(table) for table in (vertices, faces_a, faces_b)]
+        points, one, other = map(place, tables)
+        own, apart = np.empty((2, 9)), np.empty(len(faces_a), bool)
+        _PART.function(points, len(vertices), one, other, len(apart), address(own), place(apart))
+        return apart
+    apart = np.zeros(len(faces_a), bool)
+    for plane, others in ((faces_a, faces_b), (faces_b, faces_a)):
+        left = np.flatnonzero(~apart)
+        side = _sides(orient3d_filter, vertices[others[left]], vertices[plane[left]])
+        apart[left] = (side == 1).all(axis=1) | (side == -1).all(axis=1)
+    return apart
+
+
+def _crossing(vertices: Float, faces_a: Int, faces_b: Int) -> tuple[Int, Float]:
     shared = faces_a[:, :, None] == faces_b[:, None, :]
     pair = np.flatnonzero(shared.sum(axis=(1, 2)) < 2)
     sides: list[Sign] = []
@@ -132,11 +167,16 @@ def crossing(vertices: Float, faces_a: Int, faces_b: Int) -> tuple[Int, Float]:
     return pair[meet], _middles(a[meet], b[meet])
 
 
-def held_apart(corners: Float, normals: Float, others: Float, margin: Float | float) -> Bool:
-    """Say which triangles `others` (k, 3, 3) lie farther than a margin on one side of the planes of others."""
-    heights = np.einsum("kci,ki->kc", others - corners[:, :1], normals)
-    least = np.minimum(np.minimum(heights[:, 0], heights[:, 1]), heights[:, 2])
-    most = np.maximum(np.maximum(heights[:, 0], heights[:, 1]), heights[:, 2])
+def heights_over(corners: Float, normals: Float, others: Float) -> Float:
+    """Return the heights (k, 3) of the corners of triangles `others` (k, 3, 3) over planes of triangles (k, 3, 3)."""
+    over: Float = np.einsum("kci,ki->kc", others - corners[:, :1], normals)
+    return over
+
+
+def held_apart(over: Float, margin: float) -> Bool:
+    """Say where three heights (k, 3) are farther than a margin on one side."""
+    least = np.minimum(np.minimum(over[:, 0], over[:, 1]), over[:, 2])
+    most = np.maximum(np.maximum(over[:, 0], over[:, 1]), over[:, 2])
     apart: Bool = (least > margin) | (most < -margin)
     return apart
 

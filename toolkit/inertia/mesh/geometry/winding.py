@@ -16,7 +16,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from inertia.arrays import Bool, Float, Int
+from inertia.native import Kernel, place
 
+_WIND = Kernel("inertia.mesh.geometry.winding_kernel", "wind", "pipidpp")
 _RAYS = 128  # along an axis of a box, for a volume
 _PAIRS = 1 << 20  # pairs of a triangle and a point looked at together
 
@@ -37,6 +39,13 @@ def windings(points: Float, corners: Float, margin: float) -> tuple[Int, Float]:
     """
     winding = np.zeros(len(points), np.int64)
     clearance = np.full(len(points), np.inf)
+    if _WIND.worthwhile(len(corners)):
+        order = np.argsort(points[:, 0], kind="stable")
+        along, triangles = points[order], np.ascontiguousarray(corners)
+        sizes = len(points), len(corners)
+        _WIND.function(place(along), sizes[0], place(triangles), sizes[1], margin, place(winding), place(clearance))
+        back = np.argsort(order)
+        return winding[back], clearance[back]
     low, high = corners.min(axis=1) - margin, corners.max(axis=1) + margin
     for triangle, point in candidates(points, low, high):
         _wind(points, corners, low, high, triangle, point, winding, clearance)
