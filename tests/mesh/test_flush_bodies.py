@@ -74,6 +74,11 @@ def answered(solids: list[Mesh], surface: Surface, *, single: bool) -> None:
     volume = sum(map(volume_of, solids))
     tolerance = 1e-5 if single else 1e-12
     assert inertia.mass_properties(Part(surface)).volume == pytest.approx(volume * 1e-9, rel=tolerance)
+    mirrored = Surface(surface.vertices * [-1, 1, 1], surface.faces)
+    with pytest.raises(inertia.GeometryError) as refusal:
+        inertia.analyse(Part(mirrored))
+    assert refusal.value.code == "inward"
+    assert inertia.analyse(Part(mirrored), orientation="absolute").bodies == len(solids)
 
 
 @pytest.mark.parametrize(
@@ -178,3 +183,19 @@ def test_what_overlaps_by_more_than_rounding_is_refused() -> None:
         solids = [box(low, high, rng), box(low + np.array([0, 0, 1 - deep]), high + np.array([0, 0, 1]), rng)]
         with pytest.raises(inertia.GeometryError, match="overlapping bodies"):
             inertia.analyse(Part(placed(solids, rng, single=False)))
+
+
+@pytest.mark.parametrize("single", [False, True])
+@pytest.mark.parametrize("seed", range(8))
+def test_one_body_inside_out_among_those_that_it_touches_is_called_so(seed: int, single: bool) -> None:
+    rng = np.random.default_rng(seed)
+    low, high = np.zeros(3), np.ones(3)
+    vertices, faces = box(low, high, rng)
+    steps = np.array([[0, 0, 0], [0, 0, 1], [1, 0, 0], [0, 0, 2]])
+    solids = [(vertices + step, faces) for step in steps]
+    surface = placed(solids, rng, single=single)
+    wrong = np.repeat(np.arange(4), 12) == rng.integers(4)
+    part = Part(Surface(surface.vertices, np.where(wrong[:, None], surface.faces[:, ::-1], surface.faces)))
+    errors = [finding.code for finding in inertia.check(part).findings if finding.severity == "error"]
+    assert errors == ["inverted_body"]
+    assert inertia.analyse(part, orientation="absolute").bodies == 4

@@ -40,6 +40,7 @@ def soups() -> dict[str, np.ndarray]:
         "loose triangles": rng.normal(size=(3000, 3, 3)).astype(np.float32),
         "cubes edge to edge": facets(joined(cube(), cube((1, 1, 0)), cube((2, 2, 0)))).corners().astype(np.float32),
         "bodies face on face": block_in_blocks(30, 2).corners().astype(np.float32),
+        "bodies face on face, inside out": block_in_blocks(30, 2).corners()[:, ::-1].astype(np.float32),
         "zeros of both signs": np.where(corners == 0, -corners, corners),
         "one edge for all": np.stack([[[0, 0, 0], [0, 0, 1], [k, 1, 0]] for k in range(2500)]).astype(np.float32),
     }

@@ -113,10 +113,7 @@ class SurfaceTopology:
     @cached_property
     def turned(self) -> Surface:
         """The triangles with every shell turned as its depth asks; as they are, where bodies are separate."""
-        faces = self.faces.copy()
-        wrong = np.isin(self.closure.labels, self.wrong_shells)
-        faces[wrong] = faces[wrong, ::-1]
-        return Surface(self.vertices, faces)
+        return Surface(self.vertices, self._with_turned(self.wrong_shells))
 
     @cached_property
     def turned_bodies(self) -> tuple[Body, ...]:
@@ -176,8 +173,19 @@ class SurfaceTopology:
 
     @cached_property
     def duplicates(self) -> tuple[Int, Int]:
-        """The triangles that repeat an earlier one: wound the same way, and the opposite way."""
-        return edges.duplicates(self.faces)
+        """The triangles that repeat an earlier one: wound the same way, and the opposite way.
+
+        Shells that are inside out are turned for it: what touches them is wound as they are.
+        """
+        inverted = [shell.number for shell in self.in_state("inverted")]
+        return edges.duplicates(self._with_turned(inverted))
+
+    def _with_turned(self, numbers: list[int]) -> Int:
+        """Return the faces, those of some shells turned."""
+        faces = self.faces.copy()
+        turned = np.isin(self.closure.labels, numbers)
+        faces[turned] = faces[turned, ::-1]
+        return faces
 
     @property
     def outward(self) -> bool | None:

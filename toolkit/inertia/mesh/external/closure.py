@@ -42,6 +42,7 @@ from inertia.mesh.external.temporary_file import MEMORY, TemporaryFile
 from inertia.mesh.geometry.closure import Closure, merge_equal_vertices
 from inertia.mesh.geometry.edge_fans import links
 from inertia.mesh.geometry.edges import Edges
+from inertia.mesh.geometry.enclosed import inside_out
 from inertia.mesh.geometry.halfedges import half_edges
 from inertia.mesh.geometry.leaves import BY_PLACE, ROW, RUN, Limits, paired_by_place
 from inertia.mesh.surface import Facets, Triangles
@@ -262,7 +263,8 @@ def _exactly(triangles: Triangles, halves: Int, parent: NDArray[np.uint32]) -> t
     joined = numbers[member[start[regular][:, None] + [0, 1]] // 3]
     if (uses > 2).any():
         piece = roots_of(parent, numbers).astype(np.int64)
-        more = links(vertices, faces, directed, np.unique(piece, return_inverse=True)[1])
+        turned = faces[:, ::-1] if inside_out(triangles) else faces  # as in memory
+        more = links(vertices, turned, half_edges(turned), np.unique(piece, return_inverse=True)[1])
         joined = np.concatenate([joined, numbers[more]])
     low, high = np.minimum(directed.tail, directed.head), np.maximum(directed.tail, directed.head)
     odd: Bool = ~regular

@@ -23,6 +23,7 @@ from inertia.arrays import Bool, Float, Int
 from inertia.mesh.geometry.boxes import BoxTree, overlapping
 from inertia.mesh.geometry.closure import Closure
 from inertia.mesh.geometry.contact_depth import CONTACT, are_single, last_digits
+from inertia.mesh.geometry.enclosed import Local, boxes_of, enclosed, scaling
 from inertia.mesh.geometry.sound_shells import Nesting, sound_nesting
 from inertia.mesh.geometry.touching import touching_bodies
 from inertia.mesh.geometry.winding import windings, windings_each, windings_under
@@ -44,8 +45,10 @@ _SAMPLES = 8  # places on a shell that are tried, for the one that is clearest o
 _UNDER = 1e-10  # how far under the surface those places are, over the size of the part
 _CLEAR = 2 * _UNDER  # of the surface around it: what is nearer is asked in integers
 _TRIED = 64  # places farther under the surface of a body, where its surface does not tell
-_NOISE = 1e-13  # rounding of a volume, over the sum of its terms' largest magnitudes
 _STORED = 2.0**-50  # rounding of a stored coordinate, relative to it; what it can do to a volume is that times the area
+
+_Corners = Callable[[Int], Float]
+"""The corners (k, 3, 3) of triangles by their numbers (k,)."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -99,24 +102,20 @@ def shells(triangles: Triangles, closure: Closure) -> tuple[Shell, ...]:
     count = closure.components
     if count == 0:
         return ()
-    boxes = _boxes(triangles, closure.labels, count)
-    low, high = boxes[:, 0].min(axis=0), boxes[:, 1].max(axis=0)
-    centre = low / 2 + high / 2
-    exponent = int(np.frexp((high / 2 - low / 2).max())[1])
-
-    def local(corners: Float) -> Float:
-        """Shift to the middle and scale by a power of two, so that no digit and no exponent is lost."""
-        scaled: Float = np.ldexp(corners - centre, -exponent)
-        return scaled
-
+    boxes = boxes_of(triangles, closure.labels, count)
+    local, exponent = scaling(boxes)
     order = members(closure)
-    volumes, noise = _volumes(triangles, closure.labels, local, local(boxes).mean(axis=1))
+    volumes, noise = enclosed(triangles, closure.labels, local, local(boxes).mean(axis=1))
     if (scarce := np.abs(volumes) <= noise).any():
         volumes[scarce], noise[scarce] = _exact_volumes(triangles, closure.labels, np.flatnonzero(scarce), exponent)
     signs = np.where(np.abs(volumes) > noise, np.sign(volumes), 0).astype(np.int64)
     nesting = sound_nesting(triangles, closure) if count > FEW and signs.all() else None
-    around = _containers(triangles, order, local, boxes, signs, exponent) if nesting is None else _ancestors(nesting)
-    slivers = set(_slivers(volumes, signs, around))
+    sense = -1 if volumes.sum() < 0 else 1  # what is inside out is nested as it is when turned
+    if nesting is None:
+        around = _containers(triangles, order, local, boxes, sense * signs, sense, exponent)
+    else:
+        around = _ancestors(nesting)
+    slivers = set(_slivers(volumes, sense * signs, around))
     if slivers:
         signs[list(slivers)] = 0
         around = [[outer for outer in outside if outer not in slivers] for outside in around]
@@ -204,41 +203,6 @@ def _slivers(volumes: Float, signs: Int, around: list[list[int]]) -> list[int]:
     return [k for k in np.flatnonzero(small).tolist() if signs[k] and signs[around[k]].sum() != (signs[k] < 0)]
 
 
-def _boxes(triangles: Triangles, labels: NDArray[np.int32], count: int) -> Float:
-    boxes = np.empty((count, 2, 3))
-    boxes[:, 0], boxes[:, 1] = np.inf, -np.inf
-    for start in range(0, triangles.count, _CHUNK):
-        label = labels[start : start + _CHUNK]
-        order = np.argsort(label, kind="stable")
-        order = order[label[order] >= 0]
-        if len(order) == 0:
-            continue
-        corners = triangles.corners(start, start + _CHUNK)[order]
-        present, begin = np.unique(label[order], return_index=True)
-        least, greatest = corners.min(axis=1), corners.max(axis=1)
-        boxes[present, 0] = np.minimum(boxes[present, 0], np.minimum.reduceat(least, begin))
-        boxes[present, 1] = np.maximum(boxes[present, 1], np.maximum.reduceat(greatest, begin))
-    return boxes
-
-
-def _volumes(
-    triangles: Triangles, labels: NDArray[np.int32], local: Callable[[Float], Float], origins: Float
-) -> tuple[Float, Float]:
-    """Return each shell's signed volume, ∑ a·(b−a)×(c−a) / 6 about its own origin, and what rounding can do to it."""
-    volume, magnitude = np.zeros(len(origins)), np.zeros(len(origins))
-    for start in range(0, triangles.count, _CHUNK):
-        label = labels[start : start + _CHUNK]
-        labelled = label >= 0
-        label = label[labelled]
-        corners = local(triangles.corners(start, start + _CHUNK)[labelled]) - origins[label, None]
-        a, b, c = corners.transpose(1, 0, 2)
-        terms = (a * np.cross(b - a, c - a)).sum(axis=1)
-        largest = np.sqrt((a * a).sum(axis=1) * ((b - a) ** 2).sum(axis=1) * ((c - a) ** 2).sum(axis=1))
-        volume += np.bincount(label, terms, len(origins))
-        magnitude += np.bincount(label, largest, len(origins))
-    return volume / 6, _NOISE * magnitude / 6
-
-
 def _exact_volumes(triangles: Triangles, labels: NDArray[np.int32], shells: Int, exponent: int) -> tuple[Float, Float]:
     """Return the signed volumes, ∑ a·b×c / 6 in integers, of the shells numbered, and what storing can do to them.
 
@@ -274,9 +238,14 @@ def _ancestors(nesting: Nesting) -> list[list[int]]:
 
 
 def _containers(
-    triangles: Triangles, order: list[Int], local: Callable[[Float], Float], boxes: Float, signs: Int, exponent: int
+    triangles: Triangles, order: list[Int], local: Local, boxes: Float, signs: Int, sense: int, exponent: int
 ) -> list[list[int]]:
-    """Return for each shell the numbers of the shells around it."""
+    """Return for each shell the numbers of the shells around it, the surface being turned where `sense` is −1."""
+
+    def corners_of(which: Int) -> Float:
+        corners: Float = triangles.select(which).corners()[:, ::sense]
+        return corners
+
     largest, contact = float(np.abs(boxes).max()), CONTACT * np.ptp(boxes, axis=1).max(axis=1)
     pairs = nested(boxes, np.maximum(contact, last_digits(largest, single=True)))
     pairs = pairs[signs[pairs[:, 0]] != 0]
@@ -288,19 +257,19 @@ def _containers(
     inside = np.zeros(len(pairs), bool)
     shells, place = np.unique(pairs[:, 1], return_inverse=True)
     samples = _drawn(triangles, order, shells)
-    places = _under(triangles, samples, local, _UNDER)
+    places = _under(corners_of, samples, local, _UNDER)
     margin = 2 * float(near[shells].max(initial=_CLEAR))
-    for which, winding, clearance in _windings_around(triangles, order, local, pairs, places[place], margin):
+    for which, winding, clearance in _windings_around(corners_of, order, local, pairs, places[place], margin):
         every, clearest = np.arange(len(winding)), clearance.argmax(axis=1)
         around_it, clear = winding[every, clearest], clearance[every, clearest]
         for k in np.flatnonzero(clear < near[pairs[which, 1]]):
             outer, inner = pairs[which[k]].tolist()
-            corners = triangles.select(order[outer]).corners()
+            corners = corners_of(order[outer])
             if clear[k] < _CLEAR:
-                exact, decided = windings_under(triangles.select(samples[place[which[k]]]).corners(), corners)
+                exact, decided = windings_under(corners_of(samples[place[which[k]]]), corners)
                 around_it[k] = exact[decided][0] if decided.any() else around_it[k]
             if signs[inner] > 0:  # what a contact decides at its surface, the middle of the body may show
-                deep = _winding_within(triangles, order[inner], local, local(corners), float(near[inner]))
+                deep = _winding_within(corners_of, order[inner], local, local(corners), float(near[inner]))
                 around_it[k] = around_it[k] if deep is None else deep
         inside[which] = around_it != 0
     return _in_turn(set(map(tuple, pairs[inside].tolist())), signs)
@@ -324,16 +293,14 @@ def _in_turn(nestings: set[tuple[int, int]], signs: Int) -> list[list[int]]:
     return around
 
 
-def _winding_within(
-    triangles: Triangles, members: Int, local: Callable[[Float], Float], outer: Float, near: float
-) -> int | None:
+def _winding_within(corners_of: _Corners, members: Int, local: Local, outer: Float, near: float) -> int | None:
     """Return the winding number of a shell, (n, 3, 3), around a place farther in a body than what is near it.
 
     None if no such place is found.
     """
-    own, depth = local(triangles.select(members).corners()), 4 * near
+    own, depth = local(corners_of(members)), 4 * near
     some = members[:: len(members) // _TRIED + 1]
-    places = _under(triangles, some[None], local, depth)[0]
+    places = _under(corners_of, some[None], local, depth)[0]
     winding, clearance = windings(places, own, 2 * depth)
     around_it, clear = windings(places, outer, 2 * depth)
     clear = np.where(winding == 1, np.minimum(clearance, clear), 0.0)
@@ -365,7 +332,7 @@ def _within(low: Float, high: Float, inner: Int, outer: Int, room: Float) -> Boo
 
 
 def _windings_around(
-    triangles: Triangles, order: list[Int], local: Callable[[Float], Float], pairs: Int, points: Float, margin: float
+    corners_of: _Corners, order: list[Int], local: Local, pairs: Int, points: Float, margin: float
 ) -> Iterator[tuple[Int, Int, Float]]:
     """Yield numbers of pairs (outer, inner), and the winding numbers of the outer one around points (k, s, 3) each.
 
@@ -380,7 +347,7 @@ def _windings_around(
         inner = points[which].reshape(-1, 3)
         winding, clearance = np.zeros(len(inner), np.int64), np.full(len(inner), np.inf)
         for chunk in range(0, len(members), _CHUNK):
-            corners = local(triangles.select(members[chunk : chunk + _CHUNK]).corners())
+            corners = local(corners_of(members[chunk : chunk + _CHUNK]))
             more, distance = windings(inner, corners, margin)
             winding += more
             np.minimum(clearance, distance, out=clearance)
@@ -390,7 +357,7 @@ def _windings_around(
     for which in np.split(rest, np.searchsorted(ends, np.arange(_CHUNK, ends[-1], _CHUNK))) if len(rest) else ():
         members = np.concatenate([order[outer] for outer in pairs[which, 0].tolist()])
         owner = np.repeat(np.arange(len(which)), sizes[pairs[which, 0]])
-        yield which, *windings_each(points[which], local(triangles.select(members).corners()), owner, margin)
+        yield which, *windings_each(points[which], local(corners_of(members)), owner, margin)
 
 
 def _drawn(triangles: Triangles, order: list[Int], shells: Int) -> Int:
@@ -415,9 +382,9 @@ def _drawn(triangles: Triangles, order: list[Int], shells: Int) -> Int:
     return members[ranked[(np.cumsum(sizes) - sizes)[:, None] + turn]]
 
 
-def _under(triangles: Triangles, samples: Int, local: Callable[[Float], Float], depth: float) -> Float:
+def _under(corners_of: _Corners, samples: Int, local: Local, depth: float) -> Float:
     """Return places (k, s, 3) under the surface at triangles (k, s), on the side of the material."""
-    corners = local(triangles.select(samples.ravel()).corners())
+    corners = local(corners_of(samples.ravel()))
     normal = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
     length = np.linalg.norm(normal, axis=1, keepdims=True)
     places: Float = corners.mean(axis=1) - depth * normal / np.where(length > 0, length, 1)
