@@ -90,6 +90,7 @@ BROKEN = {
     "inward": lambda: joined(turned(ring())),
     "one inward": lambda: joined(ring(), turned(sphere((9, 9, 9)))),
     "both inward": lambda: joined(turned(ring()), turned(sphere((9, 9, 9)))),
+    "one inward on others": lambda: joined(cube(), turned(cube((0, 0, 1))), cube((0, 0, 2))),
     "one in another": lambda: joined(sphere((0, 0, 0), 5), sphere((0, 0, 0), 2)),
     "a sheet of two sides": lambda: joined(ring(), turned(ring())),
     "two such sheets": lambda: joined(ring(), turned(ring()), sphere((9, 9, 9), 2.5), turned(sphere((9, 9, 9), 2.5))),

@@ -104,8 +104,8 @@ def external_integrals(
     pieces: tuple[Shell, ...] = ()
     doubts: tuple[Finding, ...] = ()
     if not shell:
-        _require(part, edge_faults(triangles, pairing, part.unit.name, extents))
-        pieces = _shells(part, pairing, room)
+        pieces = _shells(part, pairing, room) if topology.open_edges == 0 else ()
+        _require(part, edge_faults(triangles, pairing, pieces, part.unit.name, extents))
         doubts = _require(part, shell_findings(triangles, pairing, pieces, part.unit.name, extents)) if pieces else ()
     elif pairing.irregular is None:
         raise _too_little(part, f"{counted(topology.crowded, 'edge')} of more than two triangles")

@@ -8,6 +8,7 @@ from functools import cached_property
 from typing import Any, ClassVar, Literal
 
 import numpy as np
+from numpy.typing import NDArray
 
 from inertia.arrays import Bool, Float, Int
 from inertia.mesh.checks.findings import Evidence, around, listed, middle, once
@@ -89,6 +90,11 @@ class SurfaceTopology:
     def bounds(self) -> bool:
         """Whether the surface bounds a volume, of whatever sign."""
         return bool(self.edges.balanced.all())
+
+    @property
+    def labels(self) -> NDArray[np.int32]:
+        """The shell of each face, (m,)."""
+        return self.closure.labels
 
     @cached_property
     def evidence(self) -> dict[Callable[[Any], Evidence | None], Evidence | None]:
@@ -183,7 +189,7 @@ class SurfaceTopology:
     def _with_turned(self, numbers: list[int]) -> Int:
         """Return the faces, those of some shells turned."""
         faces = self.faces.copy()
-        turned = np.isin(self.closure.labels, numbers)
+        turned = np.isin(self.labels, numbers)
         faces[turned] = faces[turned, ::-1]
         return faces
 

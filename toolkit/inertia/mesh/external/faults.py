@@ -10,6 +10,9 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import ClassVar
 
+import numpy as np
+from numpy.typing import NDArray
+
 from inertia.arrays import Float, Int
 from inertia.errors import SHELL, Sentence
 from inertia.mesh.checks.crossings import crossing_cavities, cutters, overlap_at_edges, overlapping_bodies
@@ -49,6 +52,11 @@ class _Irregular(SurfaceTopology):
         """Number of triangles of the whole surface."""
         return self.surface.count
 
+    @property
+    def labels(self) -> NDArray[np.int32]:
+        """The shell of each face."""
+        return self.closure.labels[self.numbers]
+
     def cancels(self) -> bool:
         """Say whether the whole surface bounds no more than rounding makes."""
         return bounds_nothing(self.surface, self.box)
@@ -60,10 +68,12 @@ class _Irregular(SurfaceTopology):
         return Evidence(len(which), listed(self.numbers[which]), middle(self.vertices[self.faces[which[0]]]))
 
 
-def edge_faults(triangles: Triangles, pairing: Pairing, unit: str, extents: Float) -> Iterator[Finding]:
+def edge_faults(
+    triangles: Triangles, pairing: Pairing, shells: tuple[Shell, ...], unit: str, extents: Float
+) -> Iterator[Finding]:
     """Yield the errors that irregular edges are, the most important first."""
     if pairing.irregular is not None:
-        surface = _topology(triangles, pairing.irregular, pairing, (), unit, extents)
+        surface = _topology(triangles, pairing.irregular, pairing, shells, unit, extents)
         errors = (kind for kind in KINDS if kind.subject == "surface" and kind.severity == "error")
         yield from (finding for kind in errors if (finding := kind.finding(surface)))
     elif pairing.closure.open_edges:
