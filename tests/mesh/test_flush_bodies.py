@@ -199,3 +199,20 @@ def test_one_body_inside_out_among_those_that_it_touches_is_called_so(seed: int,
     errors = [finding.code for finding in inertia.check(part).findings if finding.severity == "error"]
     assert errors == ["inverted_body"]
     assert inertia.analyse(part, orientation="absolute").bodies == 4
+
+
+@pytest.mark.parametrize("deep", [1e-13, 1e-11, 1e-9, 3e-7])
+@pytest.mark.parametrize("seed", range(4))
+def test_what_bodies_share_by_contact_is_in_the_bounds(seed: int, deep: float) -> None:
+    rng = np.random.default_rng(seed)
+    low, high = np.zeros(3), np.ones(3)
+    above = box(np.array([0.1, 0.2, 1 - deep]), np.array([0.9, 0.9, 1.5]), rng)
+    turned = Rotation.random(random_state=rng).as_matrix().T
+    solids = [(vertices @ turned, faces) for vertices, faces in (box(low, high, rng), above)]
+    starts = [0, len(solids[0][0])]
+    faces = np.concatenate([faces + start for (_, faces), start in zip(solids, starts, strict=True)])
+    part = Part(Surface(np.concatenate([vertices for vertices, _ in solids]), faces))
+    (doubt,) = inertia.check(part).doubts
+    assert doubt.doubt is not None
+    shared = 0.8 * 0.7 * deep
+    assert 0.99 * shared <= doubt.doubt.volume <= 20 * shared

@@ -32,6 +32,7 @@ TOGETHER = 1 << 14
 SHARING = 10_000
 """Pairs of bodies that share space that are counted: a second or two."""
 
+_NEXT_TO_NONE = 2.0**-40  # of the smaller of two bodies: a volume that is not measured
 _LAST_DIGITS = 2.0**-21  # depth of a contact of float32, at most, over the largest coordinate
 _TRIED = 3  # places on a patch at which the winding number is asked for
 _CLEAR = 100.0  # how many times deeper than a contact rays must find a crossing, to leave no doubt that it is one
@@ -50,7 +51,6 @@ def cutters(surface: SurfaceTopology) -> Evidence | None:
 
 def contacts(surface: SurfaceTopology) -> Evidence | None:
     """Measure what bodies share that are wound alike, in columns; where it is no fault, it is in doubt."""
-    from inertia.mesh.columns.common_volume import common_volume
     from inertia.mesh.geometry.near_triangles import crossing_triangles, touching_triangles
 
     doubts, first, places = [], [], []
@@ -61,15 +61,14 @@ def contacts(surface: SurfaceTopology) -> Evidence | None:
         corners = several[0].corners
         of_pair, i, j = touching_triangles(corners, [pair.inside_boxes for pair in several])
         asked = range(len(several)) if surface.separate else np.unique(of_pair).tolist()
-        measured = {k: common_volume(*(corners[group] for group in several[k].groups)) for k in asked}
-        unclear = [k for k, volume in measured.items() if volume is not None and volume[0] <= volume[1]]
+        shared = {k: _shared(surface, several[k]) for k in asked}
+        unclear = [k for k, (_, clear) in shared.items() if not clear]
         which = np.flatnonzero(np.isin(of_pair, unclear))
         crossed = of_pair[which[crossing_triangles(corners, i[which], j[which])]]
         for k in np.setdiff1d(asked, np.setdiff1d(unclear, crossed)).tolist():
-            pair, volume = several[k], measured[k]
+            pair = several[k]
             common = np.stack([pair.boxes[:, 0].max(axis=0), pair.boxes[:, 1].min(axis=0)])
-            most = max(volume[0], 0.0) + volume[1] if volume is not None else _shared_at_most(surface, pair)
-            doubts.append(Doubt.within(common, 0.0, most))
+            doubts.append(Doubt.within(common, 0.0, shared[k][0]))
             first += [group[0] for group in pair.groups]
             places.append(middle(common))
     doubt = Doubt.joined(doubts)
@@ -79,20 +78,39 @@ def contacts(surface: SurfaceTopology) -> Evidence | None:
     return Evidence(len(doubts), listed(np.array(first)), places[0], figures, doubt=doubt)
 
 
-def _shared_at_most(surface: SurfaceTopology, pair: Pair) -> float:
-    """Return the volume that two bodies share at most: what is no deeper than a contact, if that is known of them."""
-    depth = pair.depth
+def _shared(surface: SurfaceTopology, pair: Pair) -> tuple[float, bool]:
+    """Return the volume that two bodies share at most, and whether it is sure that they share any."""
+    from inertia.mesh.columns.common_volume import common_volume
+
+    smaller = _smaller(surface, pair.groups)
+    most = min(smaller, _within(pair, pair.depth))
+    if most <= _NEXT_TO_NONE * smaller:
+        return most, False
+    measured = common_volume(*(pair.corners[group] for group in pair.groups))
+    if measured is not None:
+        volume, rounding = measured
+        return min(most, max(volume, 0.0) + rounding), volume > rounding
     if not surface.separate:
-        depth = min(depth, contact_depth(surface.vertices, float(np.ptp(pair.boxes, axis=1).max(axis=1).min())))
-    volume = _smaller(surface, pair.groups)
+        size = float(np.ptp(pair.boxes, axis=1).max(axis=1).min())
+        most = min(most, _within(pair, contact_depth(surface.vertices, size)))
+    return most, True
+
+
+def _within(pair: Pair, depth: float) -> float:
+    """Return the volume that two bodies share at most that share no place deeper than this.
+
+    It is near the surface of either, which is that of triangles in the other's box, but for what is at the box's sides.
+    """
     if depth == np.inf:
-        return volume
-    corners = pair.corners[np.concatenate(pair.inside_boxes)]
-    sides = np.roll(corners, -1, axis=1) - corners
-    area = np.linalg.norm(np.cross(sides[:, 0], sides[:, 1]), axis=1).sum()
-    perimeter = np.linalg.norm(sides, axis=2).sum()
-    within = depth * area + np.pi * depth**2 * perimeter / 2 + 4 / 3 * np.pi * depth**3 * len(corners)
-    return min(volume, float(within))
+        return depth
+    x, y, z = np.maximum(pair.boxes[:, 1].min(axis=0) - pair.boxes[:, 0].max(axis=0), 0.0)
+    near = []
+    for which in pair.inside_boxes:
+        sides = pair.corners[which] - np.roll(pair.corners[which], 1, axis=1)
+        area = np.linalg.norm(np.cross(sides[:, 0], sides[:, 1]), axis=1).sum()  # of their two faces
+        edges = np.pi * depth**2 * np.linalg.norm(sides, axis=2).sum() / 2
+        near.append(depth * area + edges + 4 / 3 * np.pi * depth**3 * len(which))
+    return float(min(near) + 2 * depth * (x * y + y * z + z * x))
 
 
 def _sharing_space(surface: SurfaceTopology, *, alike: bool) -> Evidence | None:
