@@ -333,3 +333,19 @@ def test_archives_are_opened_for_meshes_only(verb: str, tmp_path: Path) -> None:
     assert row["sha256"] is not None
     (missing,) = rows(tmp_path / "none.zip", verb=verb)
     unreadable(missing, tmp_path / "none.zip", NO_FILE)
+
+
+@pytest.mark.parametrize("kind", ["gz", "xz"])
+def test_an_archive_that_unpacks_to_too_much_is_not_read_to_its_end_for_its_names(kind: str, tmp_path: Path) -> None:
+    zeros = bytes(5 * 2**20)
+    members = [("a.stl", CUBE), ("b.stl", HANDLE), ("zeros.bin", zeros), ("c.stl", CUBE)]
+    file = tarred(tmp_path / f"parts.tar.{kind}", members, mode=f"w:{kind}")
+    with file.open("r+b") as stream:  # damage behind the zeros is not met
+        stream.seek(-200, os.SEEK_END)
+        stream.write(bytes(200))
+    (row,) = rows(file, unpack_limit=0.001)
+    unreadable(row, file, "it unpacks to more than 0.001 GiB: it is a decompression bomb, or give ")
+    whole = tarred(tmp_path / "whole.tar.gz", members, mode="w:gz")
+    assert [row["state"] for row in rows(whole)] == ["answered"] * 3
+    plain = tarred(tmp_path / "parts.tar", members)
+    assert [row["state"] for row in rows(plain, unpack_limit=0.001)] == ["answered"] * 3

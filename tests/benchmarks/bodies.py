@@ -10,6 +10,7 @@ import argparse
 import time
 from collections.abc import Callable
 from functools import partial
+from itertools import product
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
@@ -18,6 +19,7 @@ import numpy as np
 import inertia
 from inertia.arrays import Float, Int
 from inertia.mesh.part import Part
+from inertia_meshes import shapes
 
 from ..mesh import solids
 from .batch import stl
@@ -109,6 +111,25 @@ def _wall(count: int) -> Mesh:
     return vertices @ turn, faces
 
 
+def _bolted(side: int) -> Mesh:
+    """Return a plate and bolts that fill its bores, their heads on it, along no axis."""
+    profile = [(0, -0.5), (0.5, -0.5), (0.5, 1), (0.9, 1), (0.9, 1.4), (0, 1.4)]
+    lower, upper = (shapes.circle(0.5, z, 48) for z in (0, 1))
+    square = np.array([[1, -1, 0], [1, 1, 0], [-1, 1, 0], [-1, -1, 0]], float)
+    raised = shapes.moved(square, 0, 0, 1)
+    bored = [shapes.flipped(shapes.ring(square, lower)), shapes.ring(raised, upper)]
+    bored.append(shapes.flipped(shapes.band(lower, upper)))
+    walls, last = shapes.band(square, raised).reshape(4, 2, 3, 3), side - 1
+    corners = []
+    for i, j in product(range(side), repeat=2):
+        outer = walls[[i == last, j == last, i == 0, j == 0]].reshape(-1, 3, 3)
+        cell = np.concatenate([*bored, outer, shapes.revolved(profile, 48)])
+        corners.append(shapes.moved(cell, 2 * i, 2 * j, 0))
+    turn = np.linalg.qr([[1.0, 1, 0.3], [-1, 1, 0.5], [0.4, -0.2, 1]])[0]
+    vertices = np.concatenate(corners).reshape(-1, 3) @ turn
+    return vertices, np.arange(len(vertices)).reshape(-1, 3)
+
+
 def _joined(one: Mesh, other: Mesh) -> Mesh:
     return np.concatenate([one[0], other[0]]), np.concatenate([one[1], other[1] + len(one[0])])
 
@@ -135,6 +156,7 @@ KINDS: dict[str, Callable[[], Mesh]] = {
     "4,096 rings, and two blocks that touch": lambda: _touching(4_096),
     "512 bricks of a wall, askew": lambda: _wall(512),
     "100 discs of a pile, askew": lambda: _pile(100),
+    "25 bolts in a plate, askew": lambda: _bolted(5),
     "512 cubes that overlap": lambda: _copies(solids.cube(), _lattice(512, 0.7)),
     "8,000 tetrahedra that overlap": lambda: _tetrahedra(8_000, 0.45),
 }

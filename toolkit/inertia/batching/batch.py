@@ -17,6 +17,7 @@ from inertia.batching.engines import Engine, Processes, in_order, processors
 from inertia.batching.sources import OPTIONS, Task, tasks_of
 from inertia.errors import Remedy, UsageError, Wording
 from inertia.mass.density import densities
+from inertia.mesh.readers.compressed import UNPACK_LIMIT
 from inertia.units import length_unit
 
 _ARGUMENT = Remedy("batch", "verb")  # one of them: the others are worded alike
@@ -83,6 +84,7 @@ def setup_for(
     options = {name: value for name, value in options.items() if value is not None}
     _require_positive("timeout", timeout, "seconds")
     _require_positive("memory", memory, "bytes")
+    _require_positive("unpack_limit", options.get("unpack_limit"), "GiB")
     if memory is not None and not Path("/proc/self/status").exists():
         raise UsageError("memory of a process is limited on Linux only: leave the limit out")
     # What is wrong whatever the file is said once.
@@ -124,7 +126,8 @@ def tasks_for(
     one = isinstance(paths, str | bytes | os.PathLike) or not isinstance(paths, Iterable)
     names: Any = [paths] if one else paths
     listed = None if manifest is None else _path(manifest)
-    return tasks_of(map(_path, names), setup.verb, listed)
+    limit = setup.options.get("unpack_limit")
+    return tasks_of(map(_path, names), setup.verb, listed, UNPACK_LIMIT if limit is None else limit)
 
 
 def _path(name: Any) -> str:

@@ -114,11 +114,13 @@ OPTIONS: dict[str, dict[str, Cell]] = {
 """The options of each verb, and how each is read from a cell of a manifest."""
 
 
-def tasks_of(paths: Iterable[str], verb: str, manifest: str | None = None) -> list[Task]:
+def tasks_of(
+    paths: Iterable[str], verb: str, manifest: str | None = None, unpack_limit: float = UNPACK_LIMIT
+) -> list[Task]:
     """Return a task for every file that is named, in an order that depends on the names alone; each file once.
 
     A glob stands for its files in the order of their names, a manifest for its rows, an archive for its meshes, and
-    ``-`` for the paths on standard input.
+    ``-`` for the paths on standard input. What an archive may unpack to, GiB, is its own option's, or `unpack_limit`.
 
     Raises
     ------
@@ -128,7 +130,7 @@ def tasks_of(paths: Iterable[str], verb: str, manifest: str | None = None) -> li
     tasks: dict[Any, Task] = {}
     named = chain.from_iterable(_named(path, verb) for path in paths)
     for task in chain(named, () if manifest is None else _rows(manifest, verb)):
-        for each in _members(task, verb):
+        for each in _members(task, verb, unpack_limit):
             tasks.setdefault((each.path, repr(each.options)), each)
     return list(tasks.values())
 
@@ -241,7 +243,7 @@ def _remote(pattern: str) -> list[str]:
     return names
 
 
-def _members(task: Task, verb: str) -> Iterator[Task]:
+def _members(task: Task, verb: str, unpack_limit: float) -> Iterator[Task]:
     """Yield a task for every mesh in an archive that has several, or an archive; the task itself for all others."""
     if task.path == STANDARD_INPUT:  # which an argument alone stands for: among files, one has that name
         task = task._replace(path=f".{os.sep}{STANDARD_INPUT}")
@@ -251,7 +253,7 @@ def _members(task: Task, verb: str) -> Iterator[Task]:
             yield task._replace(archive=task.path)
             return
         with suppress(ReadError, OSError):  # it is said of the archive when it is its turn
-            names = meshes_in(Path(task.path))
+            names = meshes_in(Path(task.path), task.options.get("unpack_limit", unpack_limit))
     if len(names) < 2 and not any(map(is_packed, names)):
         yield task
         return

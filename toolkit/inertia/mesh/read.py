@@ -17,6 +17,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import replace
 from importlib import import_module
+from numbers import Real
 from pathlib import Path
 from typing import Any
 
@@ -86,11 +87,11 @@ def read(
     (4, 'mm', 'off')
     """
     override = None if unit is None else length_unit(unit)
-    if not 0 < coarser < math.inf:
+    if not (isinstance(coarser, Real) and 0 < coarser < math.inf):
         raise UsageError(f"coarser is {coarser!r}: it must be positive and finite")
     if format is not None and format not in FORMATS:
         raise UsageError(f"unknown format {format!r}: use one of {', '.join(FORMATS)}")
-    if not 0 < unpack_limit < math.inf:
+    if not (isinstance(unpack_limit, Real) and 0 < unpack_limit < math.inf):
         raise UsageError(f"unpack_limit is {unpack_limit!r}: it must be positive and finite, in GiB")
     if not isinstance(path, str | os.PathLike):
         from inertia.mesh.objects import part_of

@@ -99,10 +99,10 @@ def _head(path: Path) -> bytes:
         return file.read(512)
 
 
-def meshes_in(path: Path) -> list[str]:
+def meshes_in(path: Path, limit: float = UNPACK_LIMIT) -> list[str]:
     """Return the names of all meshes, packed or not, and archives in a zip or tar archive, in its order.
 
-    Raises `ReadError` where it is damaged.
+    Raises `ReadError` where it is damaged, or a compressed tar archive unpacks to more than a limit in GiB.
     """
     import tarfile
     import zipfile
@@ -112,8 +112,9 @@ def meshes_in(path: Path) -> list[str]:
             with zipfile.ZipFile(path) as archive:
                 names = _zip_files(archive)
         else:
+            room = math.inf if _is_tar(_head(path)) else limit * 2**30
             with tarfile.open(path) as stream:
-                names = [name for name, _ in _tar_files(stream)]
+                names = [name for name, _ in _tar_files(stream, room=room)]
     return [name for name in dict.fromkeys(names) if _is_mesh(name) or is_packed(name)]
 
 
@@ -277,15 +278,17 @@ def _astray() -> ReadError:
     return ReadError(says, code="damaged_archive")
 
 
-def _tar_files(archive: Any, most: float = math.inf) -> Iterator[tuple[str, Any]]:
+def _tar_files(archive: Any, most: float = math.inf, room: float = math.inf) -> Iterator[tuple[str, Any]]:
     """Yield the name of every file in a tar archive, and the entry with its contents: of a hard link, another one's.
 
-    A link to no file that is before it comes with its own entry.
+    A link to no file that is before it comes with its own entry. Only so many entries are read, and bytes.
     """
     files: dict[PurePosixPath, Any] = {}
     for number, member in enumerate(archive):
         if number >= most:
             raise ReadError(f"it has more than {most} entries: unpack it and give the mesh in it", code="too_large")
+        if archive.offset > room:
+            raise _bomb(room)
         if member.isreg() or member.islnk():
             entry = files.get(PurePosixPath(member.linkname), member) if member.islnk() else member
             files[PurePosixPath(member.name)] = entry
@@ -338,13 +341,14 @@ def _copy(stream: IO[bytes], to: Path, limit: float, used: int = 0) -> Path:
         while block := stream.read(_BLOCK):
             size += len(block)
             if size > limit:
-                raise ReadError(
-                    f"it unpacks to more than {limit / 2**30:g} GiB: it is a decompression bomb, or give ",
-                    _MORE,
-                    code="too_large",
-                )
+                raise _bomb(limit)
             file.write(block)
     return to
+
+
+def _bomb(limit: float) -> ReadError:
+    says = f"it unpacks to more than {limit / 2**30:g} GiB: it is a decompression bomb, or give "
+    return ReadError(says, _MORE, code="too_large")
 
 
 @contextmanager
