@@ -216,3 +216,50 @@ def test_what_bodies_share_by_contact_is_in_the_bounds(seed: int, deep: float) -
     assert doubt.doubt is not None
     shared = 0.8 * 0.7 * deep
     assert 0.99 * shared <= doubt.doubt.volume <= 20 * shared
+
+
+def wound(solids: list[Mesh], inside_out: list[bool]) -> list[Mesh]:
+    return [
+        (vertices, faces[:, :: -1 if wrong else 1]) for (vertices, faces), wrong in zip(solids, inside_out, strict=True)
+    ]
+
+
+@pytest.mark.parametrize("assembly_is_wrong", [False, True])
+@pytest.mark.parametrize("seed", range(8))
+def test_an_assembly_beside_a_large_body_of_the_other_winding(seed: int, assembly_is_wrong: bool) -> None:
+    rng = np.random.default_rng(seed)
+    radii, angles = np.array([1.0, 2, 3]), 2 * np.pi * np.linspace(0, 1, 7)
+    solids = [sector(radii[[i, i + 1]], angles[[j, j + 1]], np.array([0.0, 1]), rng) for i in (0, 1) for j in range(6)]
+    solids += [voxels(cells, rng) for cells in FILLED["an insert in a void"]]
+    solids[-2:] = [(vertices + np.array([5, 0, 0]), faces) for vertices, faces in solids[-2:]]
+    solids.append(box(np.array([-40.0, 0, 0]), np.array([-10.0, 30, 30]), rng))
+    wrong = [assembly_is_wrong] * 14 + [not assembly_is_wrong]
+    part = Part(placed(wound(solids, wrong), rng, single=seed % 2 == 1))
+    assert {finding.code for finding in inertia.check(part).findings if finding.severity == "error"} == {
+        "inverted_body"
+    }
+    analysis = inertia.analyse(part, orientation="absolute")
+    assert analysis.bodies == 15
+    assert analysis.properties.volume == pytest.approx(1e-9 * sum(map(volume_of, solids)), rel=1e-5)
+
+
+def test_bodies_that_enclose_as_much_as_one_inside_out_are_the_same_in_any_order() -> None:
+    rng = np.random.default_rng(1)
+    solids = [voxels(cells, rng) for cells in FILLED["an insert in a void"]]
+    solids.append(box(np.array([10.0, 0, 0]), np.array([13.0, 3, 3]), rng))
+    surface = placed(wound(solids, [False, False, True]), rng, single=False)
+    for seed in range(6):
+        faces = np.random.default_rng(seed).permutation(surface.faces)
+        assert inertia.analyse(Part(Surface(surface.vertices, faces)), orientation="absolute").bodies == 3
+
+
+@pytest.mark.parametrize("inside_out", [False, True])
+def test_copies_of_a_body_are_called_so_however_it_is_wound(inside_out: bool) -> None:
+    rng = np.random.default_rng(1)
+    solids = [box(np.zeros(3), np.ones(3), rng)] * 2 + [box(np.array([1.0, 0, 0]), np.array([2.0, 1, 1]), rng)]
+    for both in (solids, solids[:2]):
+        part = Part(placed(wound(both, [inside_out, inside_out, False][: len(both)]), rng, single=False))
+        assert ("duplicate_face", "error") in {(k.code, k.severity) for k in inertia.check(part).findings}
+        with pytest.raises(inertia.GeometryError) as refusal:
+            inertia.analyse(part, orientation="absolute")
+        assert refusal.value.code == "duplicate_face"

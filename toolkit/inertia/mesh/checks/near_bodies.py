@@ -9,9 +9,9 @@ import numpy as np
 
 from inertia.arrays import Bool, Float, Int, runs_of
 from inertia.mesh.checks.surface_topology import SurfaceTopology
-from inertia.mesh.geometry.boxes import BoxTree, overlapping
+from inertia.mesh.geometry.boxes import BoxTree, nested, overlapping
 from inertia.mesh.geometry.contact_depth import contact_depths
-from inertia.mesh.geometry.shells import Body, members, nested
+from inertia.mesh.geometry.shells import Body, members
 from inertia.mesh.surface import Surface
 
 _AT_ONCE = 1 << 18  # triangles compared with boxes of other bodies at a time

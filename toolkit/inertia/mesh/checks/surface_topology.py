@@ -119,7 +119,10 @@ class SurfaceTopology:
     @cached_property
     def turned(self) -> Surface:
         """The triangles with every shell turned as its depth asks; as they are, where bodies are separate."""
-        return Surface(self.vertices, self._with_turned(self.wrong_shells))
+        faces = self.faces.copy()
+        wrong = np.isin(self.labels, self.wrong_shells)
+        faces[wrong] = faces[wrong, ::-1]
+        return Surface(self.vertices, faces)
 
     @cached_property
     def turned_bodies(self) -> tuple[Body, ...]:
@@ -181,17 +184,22 @@ class SurfaceTopology:
     def duplicates(self) -> tuple[Int, Int]:
         """The triangles that repeat an earlier one: wound the same way, and the opposite way.
 
-        Shells that are inside out are turned for it: what touches them is wound as they are.
+        Where one of two bodies that touch is inside out, its triangles are wound as those that they touch: these are
+        counted as if it were turned.
         """
-        inverted = [shell.number for shell in self.in_state("inverted")]
-        return edges.duplicates(self._with_turned(inverted))
-
-    def _with_turned(self, numbers: list[int]) -> Int:
-        """Return the faces, those of some shells turned."""
-        faces = self.faces.copy()
-        turned = np.isin(self.labels, numbers)
-        faces[turned] = faces[turned, ::-1]
-        return faces
+        same, opposite = edges.duplicates(self.faces)
+        inverted = np.isin(self.labels, [shell.number for shell in self.in_state("inverted")])
+        if len(same) == 0 or not inverted.any():
+            return same, opposite
+        first = edges.first_equal(np.sort(self.faces, axis=1))
+        twice = np.bincount(first, minlength=len(first))[first] == 2
+        touching = same[twice[same] & (inverted[same] != inverted[first[same]])]
+        # What has all of its triangles in common with another is a copy of it.
+        both = np.sort(self.labels[np.stack([touching, first[touching]])], axis=0)
+        pairs, which, common = np.unique(both, axis=1, return_inverse=True, return_counts=True)
+        sizes = np.array([shell.triangles for shell in self.shells])
+        touching = touching[(common < sizes[pairs].min(axis=0))[which.ravel()]]
+        return np.setdiff1d(same, touching), np.union1d(opposite, touching)
 
     @property
     def outward(self) -> bool | None:

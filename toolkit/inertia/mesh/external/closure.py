@@ -39,12 +39,11 @@ from inertia.mesh.external.buckets import (
 )
 from inertia.mesh.external.memory import in_bytes
 from inertia.mesh.external.temporary_file import MEMORY, TemporaryFile
-from inertia.mesh.geometry.closure import Closure, merge_equal_vertices
-from inertia.mesh.geometry.edge_fans import links
+from inertia.mesh.geometry.closure import Closure, links_turned, merge_equal_vertices, sharing
 from inertia.mesh.geometry.edges import Edges
-from inertia.mesh.geometry.enclosed import inside_out
 from inertia.mesh.geometry.halfedges import half_edges
 from inertia.mesh.geometry.leaves import BY_PLACE, ROW, RUN, Limits, paired_by_place
+from inertia.mesh.geometry.senses import senses_of
 from inertia.mesh.surface import Facets, Triangles
 from inertia.native import threads
 
@@ -163,7 +162,7 @@ def external_closure(
             closed = closed_by_place(triangles, room, salt, stack, _part_of(progress, 0.0, 1.0))
         if closed is not None:
             nothing = np.empty(0, np.int64)
-            return Pairing(closed, _exactly(triangles, nothing, np.empty(0, np.uint32))[0], None)
+            return Pairing(closed, _exactly(triangles, nothing, np.empty(0, np.uint32), steps_for(0, salt))[0], None)
     steps = steps_for(count, salt)
     parent = np.arange(count, dtype=np.uint32)
     left = room - 4 * count
@@ -185,7 +184,7 @@ def external_closure(
             odd += len(paired.irregular) + paired.left_out
     irregular, (open_edges, crowded, _) = None, steps.state.tolist()
     if odd <= len(halves):
-        irregular, joined = _exactly(triangles, np.sort(halves[:odd]).astype(np.int64), parent)
+        irregular, joined = _exactly(triangles, np.sort(halves[:odd]).astype(np.int64), parent, steps)
         steps.join(parent, joined)
         uses, surplus = irregular.edges.uses, irregular.edges.forward - irregular.edges.backward
         crowded, open_edges = int((uses > 2).sum()), int(np.abs(surplus).sum())
@@ -243,7 +242,7 @@ def _pair(
     return halves, odd
 
 
-def _exactly(triangles: Triangles, halves: Int, parent: NDArray[np.uint32]) -> tuple[Irregular, Int]:
+def _exactly(triangles: Triangles, halves: Int, parent: NDArray[np.uint32], steps: Steps) -> tuple[Irregular, Int]:
     """Pair irregular directed edges by their coordinates; return those that are, and the triangles that they join."""
     numbers = np.unique(halves // 3)
     some = triangles.select(numbers)
@@ -263,8 +262,11 @@ def _exactly(triangles: Triangles, halves: Int, parent: NDArray[np.uint32]) -> t
     joined = numbers[member[start[regular][:, None] + [0, 1]] // 3]
     if (uses > 2).any():
         piece = roots_of(parent, numbers).astype(np.int64)
-        turned = faces[:, ::-1] if inside_out(triangles) else faces  # as in memory
-        more = links(vertices, turned, half_edges(turned), np.unique(piece, return_inverse=True)[1])
+        whole = parent.copy()
+        steps.join(whole, np.concatenate([joined, numbers[sharing(directed)]]))
+        pieces = steps.number(whole)
+        turned = senses_of(triangles, whole.view(np.int32), pieces)[whole[numbers]] < 0
+        more = links_turned(vertices, faces, directed, np.unique(piece, return_inverse=True)[1], turned)
         joined = np.concatenate([joined, numbers[more]])
     low, high = np.minimum(directed.tail, directed.head), np.maximum(directed.tail, directed.head)
     odd: Bool = ~regular

@@ -14,7 +14,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from inertia.arrays import Float, Int
+from inertia.arrays import Bool, Float, Int
 from inertia.mesh.geometry.oriented_boxes import OrientedBoxes
 
 _CHUNK = 1 << 16  # pairs of boxes opened at a time
@@ -105,6 +105,23 @@ def overlapping(a: BoxTree, b: BoxTree | None = None, *, touching: bool = False)
             i, j = np.minimum(i, j), np.maximum(i, j)
             i, j = i[i < j], j[i < j]
         yield i, j, done
+
+
+def nested(boxes: Float, room: Float | None = None) -> Int:
+    """Return the pairs (k, 2), ascending, of a box and another that it contains, but for the other's room (m,)."""
+    low, high = np.ascontiguousarray(boxes[:, 0]), np.ascontiguousarray(boxes[:, 1])
+    room = np.zeros(len(boxes)) if room is None else room
+    pairs = [np.empty((0, 2), np.int64)]
+    for i, j, _ in overlapping(BoxTree(low, high), touching=True):
+        pairs += [np.column_stack(two)[within(low, high, two[1], two[0], room)] for two in ((i, j), (j, i))]
+    return np.unique(np.concatenate(pairs), axis=0)
+
+
+def within(low: Float, high: Float, inner: Int, outer: Int, room: Float) -> Bool:
+    """Say which boxes lie within others, but for their room (equal ones do)."""
+    more = room[inner, None]
+    inside: Bool = np.all((low[outer] <= low[inner] + more) & (high[inner] <= high[outer] + more), axis=1)
+    return inside
 
 
 def _children(i: Int, j: Int, a: BoxTree, b: BoxTree, height: int, among: bool) -> tuple[Int, Int]:

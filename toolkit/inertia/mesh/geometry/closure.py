@@ -32,9 +32,9 @@ from numpy.typing import NDArray
 from inertia.arrays import Bool, Float, Int, Progress
 from inertia.mesh.geometry.corner_keys import FACES, FACETS
 from inertia.mesh.geometry.edge_fans import links
-from inertia.mesh.geometry.enclosed import inside_out
 from inertia.mesh.geometry.halfedges import HalfEdges, half_edges
 from inertia.mesh.geometry.pairing import paired_edges
+from inertia.mesh.geometry.senses import senses_of
 from inertia.mesh.surface import Facets, Surface, Triangles
 
 _SALTS = 15  # seven and seven for a vertex, one for the edges: see `edge_kernel`
@@ -143,22 +143,36 @@ def components(pairs: Int, count: int) -> Int:
         label = moved
 
 
-def pieces_of_surface(vertices: Float, faces: Int, edges: HalfEdges, whole: Triangles | None = None) -> Int:
+def pieces_of_surface(vertices: Float, faces: Int, edges: HalfEdges) -> Int:
     """Return for each face (m, 3) the first of those that it hangs together with by paired edges.
 
     Edges of two triangles that run opposite ways are paired; those of more as `inertia.mesh.geometry.edge_fans` says,
-    where a surface is inside out as when it is turned. `whole` is all of the surface, unless the faces are.
+    of bodies that are inside out as when they are turned.
     """
     two = (edges.uses == 2) & (edges.surplus == 0)
     pairs = edges.by_edge[two[edges.edge[edges.by_edge]]].reshape(-1, 2) // 3
     piece = components(pairs, len(faces))
     if (edges.uses > 2).any():
-        if inside_out(Surface(vertices, faces) if whole is None else whole):
-            faces = faces[:, ::-1]
-            edges = half_edges(faces)
-        more = links(vertices, faces, edges, piece)
+        whole, labels = np.unique(components(np.concatenate([pairs, sharing(edges)]), len(faces)), return_inverse=True)
+        sense = senses_of(Surface(vertices, faces), labels.astype(np.int32), len(whole))
+        more = links_turned(vertices, faces, edges, piece, sense[labels] < 0)
         piece = components(np.concatenate([pairs, more]), len(faces))
     return piece
+
+
+def sharing(edges: HalfEdges) -> Int:
+    """Return pairs of triangles (k, 2) that link all that have an edge in common which more than two have."""
+    member = edges.by_edge[(edges.uses > 2)[edges.edge[edges.by_edge]]]
+    same = np.diff(edges.edge[member]) == 0
+    return np.column_stack([member[:-1][same], member[1:][same]]) // 3
+
+
+def links_turned(vertices: Float, faces: Int, edges: HalfEdges, piece: Int, turned: Bool) -> Int:
+    """Return what `links` does where faces (m,) are turned, with all that have edges in common with them."""
+    if turned.any():
+        faces = np.where(turned[:, None], faces[:, ::-1], faces)
+        edges = half_edges(faces)
+    return links(vertices, faces, edges, piece)
 
 
 def vectorised_closure(triangles: Triangles) -> Closure:
@@ -169,7 +183,7 @@ def vectorised_closure(triangles: Triangles) -> Closure:
     if len(whole) == 0:
         return Closure(0, 0, labels, len(faces), 0)
     edges = half_edges(faces[whole])
-    piece = pieces_of_surface(vertices, faces[whole], edges, triangles)
+    piece = pieces_of_surface(vertices, faces[whole], edges)
     first, number = np.unique(piece, return_inverse=True)
     labels[whole] = number
     open_edges, many = int(np.abs(edges.surplus).sum()), int((edges.uses > 2).sum())

@@ -1,4 +1,4 @@
-"""Boxes of pieces of a surface, and the volumes that these enclose."""
+"""Pieces of a surface: their boxes, the volumes that they enclose, and some triangles of each."""
 
 from __future__ import annotations
 
@@ -7,22 +7,15 @@ from collections.abc import Callable
 import numpy as np
 from numpy.typing import NDArray
 
-from inertia.arrays import Float
+from inertia.arrays import Float, Int
 from inertia.mesh.surface import Triangles
 
 _CHUNK = 1 << 16
+_SAMPLES = 8  # triangles of a piece that are drawn
+_MANY = 1 << 12  # triangles of a piece, of which few are picked before they are sorted
 _NOISE = 1e-13  # rounding of a volume, over the sum of its terms' largest magnitudes
 
 Local = Callable[[Float], Float]
-
-
-def inside_out(triangles: Triangles) -> bool:
-    """Say whether a surface encloses less than nothing, beyond rounding: all or most of it is inside out."""
-    whole = np.broadcast_to(np.int32(0), triangles.count)
-    boxes = boxes_of(triangles, whole, 1)
-    local, _ = scaling(boxes)
-    volume, noise = enclosed(triangles, whole, local, local(boxes).mean(axis=1))
-    return bool(volume[0] < -noise[0])
 
 
 def scaling(boxes: Float) -> tuple[Local, int]:
@@ -73,3 +66,28 @@ def enclosed(triangles: Triangles, labels: NDArray[np.int32], local: Local, orig
         volume += np.bincount(label, terms, len(origins))
         magnitude += np.bincount(label, largest, len(origins))
     return volume / 6, _NOISE * magnitude / 6
+
+
+def drawn(triangles: Triangles, order: list[Int], pieces: Int) -> Int:
+    """Draw `_SAMPLES` triangles of each piece by lot (k, s), which is cast by their corners and not by their order.
+
+    `order` are the numbers of the triangles of every piece, `pieces` (k,) those that are asked for.
+    """
+    sizes = np.array([len(order[piece]) for piece in pieces.tolist()], np.int64)
+    members = np.concatenate([np.empty(0, np.int64), *(order[piece] for piece in pieces.tolist())])
+    lot = np.empty(len(members), np.uint64)
+    for start in range(0, len(members), _CHUNK):
+        corners = triangles.select(members[start : start + _CHUNK]).corners() + 0.0
+        mixed = np.zeros(corners.shape[:2], np.uint64)
+        for axis in range(3):
+            mixed = (mixed ^ corners[..., axis].view(np.uint64)) * np.uint64(0x9E3779B97F4A7C15)
+            mixed ^= mixed >> np.uint64(32)
+        lot[start : start + _CHUNK] = mixed.sum(axis=1) * np.uint64(0xBF58476D1CE4E5B9)
+    owner, ends, few = np.repeat(np.arange(len(pieces)), sizes), np.cumsum(sizes), np.ones(len(lot), bool)
+    for k in np.flatnonzero(sizes > _MANY):  # so that only few need sorting
+        own = slice(ends[k] - sizes[k], ends[k])
+        few[own] = lot[own] <= np.partition(lot[own], _SAMPLES - 1)[_SAMPLES - 1]
+    members, lot, owner = members[few], lot[few], owner[few]
+    ranked, sizes = np.lexsort((lot, owner)), np.bincount(owner, minlength=len(pieces))
+    turn = np.arange(_SAMPLES) % sizes[:, None]
+    return members[ranked[(np.cumsum(sizes) - sizes)[:, None] + turn]]

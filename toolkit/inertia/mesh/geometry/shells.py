@@ -19,11 +19,12 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from inertia.arrays import Bool, Float, Int
-from inertia.mesh.geometry.boxes import BoxTree, overlapping
+from inertia.arrays import Float, Int
+from inertia.mesh.geometry.boxes import nested, within
 from inertia.mesh.geometry.closure import Closure
 from inertia.mesh.geometry.contact_depth import CONTACT, are_single, last_digits
-from inertia.mesh.geometry.enclosed import Local, boxes_of, enclosed, scaling
+from inertia.mesh.geometry.enclosed import Local, boxes_of, drawn, enclosed, scaling
+from inertia.mesh.geometry.senses import senses
 from inertia.mesh.geometry.sound_shells import Nesting, sound_nesting
 from inertia.mesh.geometry.touching import touching_bodies
 from inertia.mesh.geometry.winding import windings, windings_each, windings_under
@@ -40,8 +41,6 @@ FEW = 40
 """Shells of which it takes least to look at each pair."""
 
 _ALONE = 1 << 15  # triangles of a shell, times shells that it may hold, above which it is taken by itself
-_MANY = 1 << 12  # triangles of a shell, of which few are picked before they are sorted
-_SAMPLES = 8  # places on a shell that are tried, for the one that is clearest of the other shell
 _UNDER = 1e-10  # how far under the surface those places are, over the size of the part
 _CLEAR = 2 * _UNDER  # of the surface around it: what is nearer is asked in integers
 _TRIED = 64  # places farther under the surface of a body, where its surface does not tell
@@ -110,9 +109,9 @@ def shells(triangles: Triangles, closure: Closure) -> tuple[Shell, ...]:
         volumes[scarce], noise[scarce] = _exact_volumes(triangles, closure.labels, np.flatnonzero(scarce), exponent)
     signs = np.where(np.abs(volumes) > noise, np.sign(volumes), 0).astype(np.int64)
     nesting = sound_nesting(triangles, closure) if count > FEW and signs.all() else None
-    sense = -1 if volumes.sum() < 0 else 1  # what is inside out is nested as it is when turned
+    sense = senses(triangles, order, local, boxes, volumes, signs)  # what is inside out is nested as it is when turned
     if nesting is None:
-        around = _containers(triangles, order, local, boxes, sense * signs, sense, exponent)
+        around = _containers(triangles, order, local, boxes, sense * signs, sense[closure.labels], exponent)
     else:
         around = _ancestors(nesting)
     slivers = set(_slivers(volumes, sense * signs, around))
@@ -238,12 +237,14 @@ def _ancestors(nesting: Nesting) -> list[list[int]]:
 
 
 def _containers(
-    triangles: Triangles, order: list[Int], local: Local, boxes: Float, signs: Int, sense: int, exponent: int
+    triangles: Triangles, order: list[Int], local: Local, boxes: Float, signs: Int, sense: Int, exponent: int
 ) -> list[list[int]]:
-    """Return for each shell the numbers of the shells around it, the surface being turned where `sense` is −1."""
+    """Return for each shell the numbers of the shells around it, triangles being turned whose `sense` (n,) is −1."""
 
     def corners_of(which: Int) -> Float:
-        corners: Float = triangles.select(which).corners()[:, ::sense]
+        corners: Float = triangles.select(which).corners()
+        turned = sense[which] < 0
+        corners[turned] = corners[turned, ::-1]
         return corners
 
     largest, contact = float(np.abs(boxes).max()), CONTACT * np.ptp(boxes, axis=1).max(axis=1)
@@ -252,11 +253,11 @@ def _containers(
     if len(pairs) == 0:
         return [[] for _ in order]
     contact = np.maximum(contact, last_digits(largest, single=_are_single(triangles)))
-    pairs = pairs[_within(boxes[:, 0], boxes[:, 1], pairs[:, 1], pairs[:, 0], contact)]
+    pairs = pairs[within(boxes[:, 0], boxes[:, 1], pairs[:, 1], pairs[:, 0], contact)]
     near = np.maximum(2 * np.ldexp(contact, -exponent), _CLEAR)
     inside = np.zeros(len(pairs), bool)
     shells, place = np.unique(pairs[:, 1], return_inverse=True)
-    samples = _drawn(triangles, order, shells)
+    samples = drawn(triangles, order, shells)
     places = _under(corners_of, samples, local, _UNDER)
     margin = 2 * float(near[shells].max(initial=_CLEAR))
     for which, winding, clearance in _windings_around(corners_of, order, local, pairs, places[place], margin):
@@ -314,23 +315,6 @@ def _are_single(triangles: Triangles) -> bool:
     return isinstance(triangles, Facets) or all(are_single(triangles.corners(k, k + _CHUNK)) for k in chunks)
 
 
-def nested(boxes: Float, room: Float | None = None) -> Int:
-    """Return the pairs (k, 2), ascending, of a box and another that it contains, but for the other's room (m,)."""
-    low, high = np.ascontiguousarray(boxes[:, 0]), np.ascontiguousarray(boxes[:, 1])
-    room = np.zeros(len(boxes)) if room is None else room
-    pairs = [np.empty((0, 2), np.int64)]
-    for i, j, _ in overlapping(BoxTree(low, high), touching=True):
-        pairs += [np.column_stack(two)[_within(low, high, two[1], two[0], room)] for two in ((i, j), (j, i))]
-    return np.unique(np.concatenate(pairs), axis=0)
-
-
-def _within(low: Float, high: Float, inner: Int, outer: Int, room: Float) -> Bool:
-    """Say which boxes lie within others, but for their room (equal ones do)."""
-    more = room[inner, None]
-    inside: Bool = np.all((low[outer] <= low[inner] + more) & (high[inner] <= high[outer] + more), axis=1)
-    return inside
-
-
 def _windings_around(
     corners_of: _Corners, order: list[Int], local: Local, pairs: Int, points: Float, margin: float
 ) -> Iterator[tuple[Int, Int, Float]]:
@@ -358,28 +342,6 @@ def _windings_around(
         members = np.concatenate([order[outer] for outer in pairs[which, 0].tolist()])
         owner = np.repeat(np.arange(len(which)), sizes[pairs[which, 0]])
         yield which, *windings_each(points[which], local(corners_of(members)), owner, margin)
-
-
-def _drawn(triangles: Triangles, order: list[Int], shells: Int) -> Int:
-    """Draw `_SAMPLES` triangles of each shell by lot (k, s), which is cast by their corners and not by their order."""
-    sizes = np.array([len(order[shell]) for shell in shells.tolist()], np.int64)
-    members = np.concatenate([np.empty(0, np.int64), *(order[shell] for shell in shells.tolist())])
-    lot = np.empty(len(members), np.uint64)
-    for start in range(0, len(members), _CHUNK):
-        corners = triangles.select(members[start : start + _CHUNK]).corners() + 0.0
-        mixed = np.zeros(corners.shape[:2], np.uint64)
-        for axis in range(3):
-            mixed = (mixed ^ corners[..., axis].view(np.uint64)) * np.uint64(0x9E3779B97F4A7C15)
-            mixed ^= mixed >> np.uint64(32)
-        lot[start : start + _CHUNK] = mixed.sum(axis=1) * np.uint64(0xBF58476D1CE4E5B9)
-    owner, ends, few = np.repeat(np.arange(len(shells)), sizes), np.cumsum(sizes), np.ones(len(lot), bool)
-    for k in np.flatnonzero(sizes > _MANY):  # so that only few need sorting
-        own = slice(ends[k] - sizes[k], ends[k])
-        few[own] = lot[own] <= np.partition(lot[own], _SAMPLES - 1)[_SAMPLES - 1]
-    members, lot, owner = members[few], lot[few], owner[few]
-    ranked, sizes = np.lexsort((lot, owner)), np.bincount(owner, minlength=len(shells))
-    turn = np.arange(_SAMPLES) % sizes[:, None]
-    return members[ranked[(np.cumsum(sizes) - sizes)[:, None] + turn]]
 
 
 def _under(corners_of: _Corners, samples: Int, local: Local, depth: float) -> Float:

@@ -1,0 +1,75 @@
+"""Pieces of a surface that are inside out, whole bodies with what is in them.
+
+The wall of a void encloses less than nothing too. What tells is what is outermost around a piece, if anything is: that
+bounds material, so that it is inside out where it encloses less than nothing, and then so is all that lies in it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from inertia.arrays import Bool, Float, Int
+from inertia.mesh.geometry.boxes import nested
+from inertia.mesh.geometry.enclosed import Local, boxes_of, drawn, enclosed, scaling
+from inertia.mesh.geometry.triangle_pairs import unit
+from inertia.mesh.geometry.winding import windings
+from inertia.mesh.surface import Triangles
+
+_UNDER = (1e-3, 1e-6)  # how far under the surface of a piece it is asked what is around it, over its size
+
+
+def senses_of(triangles: Triangles, labels: NDArray[np.int32], count: int) -> Int:
+    """Return what `senses` does, (count,), for pieces that labels (n,) tell; −1 is in none."""
+    boxes = boxes_of(triangles, labels, count)
+    if not np.isfinite(boxes).all():  # which is refused elsewhere
+        return np.ones(count, np.int64)
+    local, _ = scaling(boxes)
+    volumes, noise = enclosed(triangles, labels, local, local(boxes).mean(axis=1))
+    signs = np.where(np.abs(volumes) > noise, np.sign(volumes), 0).astype(np.int64)
+    if (signs >= 0).all():
+        return np.ones(count, np.int64)
+    order = np.argsort(labels, kind="stable")
+    pieces = np.split(order, np.searchsorted(labels[order], np.arange(count)))[1:]
+    return senses(triangles, pieces, local, boxes, volumes, signs)
+
+
+def senses(triangles: Triangles, pieces: Sequence[Int], local: Local, boxes: Float, volumes: Float, signs: Int) -> Int:
+    """Return 1 for pieces that are as they should be, and −1 for those that are inside out with what they lie in.
+
+    Parameters
+    ----------
+    pieces : the numbers of the triangles of each
+    local : what brings coordinates to order one
+    boxes, volumes, signs : (k, 2, 3), (k,), (k,), of each; 0 where rounding may have made a volume
+    """
+    sense = np.where(signs < 0, -1, 1)
+    if (signs >= 0).all():
+        return sense
+    pairs, size = nested(boxes), np.abs(volumes)
+    pairs = pairs[size[pairs[:, 0]] > size[pairs[:, 1]]]
+    outers, starts, counts = np.unique(pairs[:, 0], return_index=True, return_counts=True)
+    for k in np.argsort(-size[outers], kind="stable").tolist():  # whatever is around a piece is larger
+        outer, inner = int(outers[k]), pairs[starts[k] : starts[k] + counts[k], 1]
+        if len(other := inner[sense[inner] != sense[outer]]):
+            sense[other[_lies_in(triangles, pieces, local, boxes, other, outer)]] = sense[outer]
+    return sense
+
+
+def _lies_in(triangles: Triangles, pieces: Sequence[Int], local: Local, boxes: Float, inner: Int, outer: int) -> Bool:
+    """Say which pieces (k,) lie in another, in whose box they are: most places in them are, if any are found."""
+    samples = drawn(triangles, list(pieces), inner)
+    corners = local(triangles.select(samples.ravel()).corners()).reshape(*samples.shape, 3, 3)
+    size = np.ptp(local(boxes[inner]), axis=1).max(axis=1)[:, None, None]
+    a, b, c = np.moveaxis(corners, 2, 0)
+    middles, normals = corners.mean(axis=2), unit(np.cross(b - a, c - a))
+    places = np.concatenate([middles + side * depth * size * normals for depth in _UNDER for side in (-1, 1)], axis=1)
+    around, _ = windings(places.reshape(-1, 3), local(triangles.select(pieces[outer]).corners()), 0.0)
+    inside = np.ones(len(inner), bool)
+    for k, (piece, held) in enumerate(zip(inner.tolist(), around.reshape(len(inner), -1) != 0, strict=True)):
+        own, _ = windings(places[k], local(triangles.select(pieces[piece]).corners()), 0.0)
+        if (within := own != 0).any():
+            inside[k] = 2 * held[within].sum() > within.sum()
+    return inside
