@@ -154,7 +154,7 @@ def surface_integrals(
     if nesting is not None and len(nesting.suspects) and parts == "together":
         near = _where_near(part, topology, nesting, extents)
     apart = nesting is not None and (near is not None or not len(nesting.suspects))
-    pieces = shells(triangles, topology) if several and not apart else ()
+    pieces = once("shells", triangles, lambda: shells(triangles, topology)) if several and not apart else ()
     proven = counts_once(triangles)
     sound = bool(pieces) and not topology.crowded and soundly_nested(triangles, topology, pieces)
     wrong = _wrong(triangles, pieces, sums) if absolute and not (turned or shell or proven) else ()

@@ -68,7 +68,9 @@ class SurfaceTopology:
         def topology() -> tuple[Float, Int, Edges, Closure, tuple[Shell, ...]]:
             vertices, faces = merge_equal_vertices(triangles)
             pairs, pieces = edges.pair_edges(faces), once("closure", triangles, lambda: closure(triangles))
-            return vertices, faces, pairs, pieces, shells.shells(triangles, pieces) if pairs.balanced.all() else ()
+            if not pairs.balanced.all():
+                return vertices, faces, pairs, pieces, ()
+            return vertices, faces, pairs, pieces, once("shells", triangles, lambda: shells.shells(triangles, pieces))
 
         def surface() -> SurfaceTopology:
             known = once("topology", triangles, topology) if triangles.count <= _KEPT else topology()

@@ -263,9 +263,10 @@ def _exactly(triangles: Triangles, halves: Int, parent: NDArray[np.uint32], step
     if (uses > 2).any():
         piece = roots_of(parent, numbers).astype(np.int64)
         whole = parent.copy()
-        steps.join(whole, np.concatenate([joined, numbers[sharing(directed)]]))
+        shared = numbers[sharing(directed)]
+        steps.join(whole, np.concatenate([joined, shared]))
         pieces = steps.number(whole)
-        turned = senses_of(triangles, whole.view(np.int32), pieces)[whole[numbers]] < 0
+        turned = senses_of(triangles, whole.view(np.int32), pieces, np.unique(whole[shared]))[whole[numbers]] < 0
         more = links_turned(vertices, faces, directed, np.unique(piece, return_inverse=True)[1], turned)
         joined = np.concatenate([joined, numbers[more]])
     low, high = np.minimum(directed.tail, directed.head), np.maximum(directed.tail, directed.head)

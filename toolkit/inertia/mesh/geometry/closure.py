@@ -153,8 +153,10 @@ def pieces_of_surface(vertices: Float, faces: Int, edges: HalfEdges) -> Int:
     pairs = edges.by_edge[two[edges.edge[edges.by_edge]]].reshape(-1, 2) // 3
     piece = components(pairs, len(faces))
     if (edges.uses > 2).any():
-        whole, labels = np.unique(components(np.concatenate([pairs, sharing(edges)]), len(faces)), return_inverse=True)
-        sense = senses_of(Surface(vertices, faces), labels.astype(np.int32), len(whole))
+        shared = sharing(edges)
+        whole, labels = np.unique(components(np.concatenate([pairs, shared]), len(faces)), return_inverse=True)
+        asked = np.unique(labels[shared])
+        sense = senses_of(Surface(vertices, faces), labels.astype(np.int32), len(whole), asked)
         more = links_turned(vertices, faces, edges, piece, sense[labels] < 0)
         piece = components(np.concatenate([pairs, more]), len(faces))
     return piece

@@ -21,7 +21,7 @@ from inertia.mesh.surface import Triangles
 _UNDER = (1e-3, 1e-6)  # how far under the surface of a piece it is asked what is around it, over its size
 
 
-def senses_of(triangles: Triangles, labels: NDArray[np.int32], count: int) -> Int:
+def senses_of(triangles: Triangles, labels: NDArray[np.int32], count: int, asked: Int) -> Int:
     """Return what `senses` does, (count,), for pieces that labels (n,) tell; −1 is in none."""
     boxes = boxes_of(triangles, labels, count)
     if not np.isfinite(boxes).all():  # which is refused elsewhere
@@ -33,10 +33,18 @@ def senses_of(triangles: Triangles, labels: NDArray[np.int32], count: int) -> In
         return np.ones(count, np.int64)
     order = np.argsort(labels, kind="stable")
     pieces = np.split(order, np.searchsorted(labels[order], np.arange(count)))[1:]
-    return senses(triangles, pieces, local, boxes, volumes, signs)
+    return senses(triangles, pieces, local, boxes, volumes, signs, asked)
 
 
-def senses(triangles: Triangles, pieces: Sequence[Int], local: Local, boxes: Float, volumes: Float, signs: Int) -> Int:
+def senses(
+    triangles: Triangles,
+    pieces: Sequence[Int],
+    local: Local,
+    boxes: Float,
+    volumes: Float,
+    signs: Int,
+    asked: Int | None = None,
+) -> Int:
     """Return 1 for pieces that are as they should be, and −1 for those that are inside out with what they lie in.
 
     Parameters
@@ -44,17 +52,26 @@ def senses(triangles: Triangles, pieces: Sequence[Int], local: Local, boxes: Flo
     pieces : the numbers of the triangles of each
     local : what brings coordinates to order one
     boxes, volumes, signs : (k, 2, 3), (k,), (k,), of each; 0 where rounding may have made a volume
+    asked : the pieces (m,) that matter; all unless given
     """
     sense = np.where(signs < 0, -1, 1)
     if (signs >= 0).all():
         return sense
-    pairs, size = nested(boxes), np.abs(volumes)
+    pairs, size, own = nested(boxes), np.abs(volumes), sense.copy()
     pairs = pairs[size[pairs[:, 0]] > size[pairs[:, 1]]]
+    # Where all that may be around a piece are as it is, so is the outermost.
+    open_ = np.zeros(len(sense), bool)
+    open_[pairs[own[pairs[:, 0]] != own[pairs[:, 1]], 1]] = True
+    if asked is not None:
+        open_[np.setdiff1d(np.arange(len(open_)), asked)] = False
+    pairs = pairs[open_[pairs[:, 1]]]
     outers, starts, counts = np.unique(pairs[:, 0], return_index=True, return_counts=True)
     for k in np.argsort(-size[outers], kind="stable").tolist():  # whatever is around a piece is larger
         outer, inner = int(outers[k]), pairs[starts[k] : starts[k] + counts[k], 1]
-        if len(other := inner[sense[inner] != sense[outer]]):
-            sense[other[_lies_in(triangles, pieces, local, boxes, other, outer)]] = sense[outer]
+        inner = inner[open_[inner]]
+        if len(inner):
+            held = inner[_lies_in(triangles, pieces, local, boxes, inner, outer)]
+            sense[held], open_[held] = own[outer], False
     return sense
 
 

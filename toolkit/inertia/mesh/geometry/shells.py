@@ -109,11 +109,11 @@ def shells(triangles: Triangles, closure: Closure) -> tuple[Shell, ...]:
         volumes[scarce], noise[scarce] = _exact_volumes(triangles, closure.labels, np.flatnonzero(scarce), exponent)
     signs = np.where(np.abs(volumes) > noise, np.sign(volumes), 0).astype(np.int64)
     nesting = sound_nesting(triangles, closure) if count > FEW and signs.all() else None
-    sense = senses(triangles, order, local, boxes, volumes, signs)  # what is inside out is nested as it is when turned
     if nesting is None:
+        sense = senses(triangles, order, local, boxes, volumes, signs)  # what is inside out is nested as when turned
         around = _containers(triangles, order, local, boxes, sense * signs, sense[closure.labels], exponent)
     else:
-        around = _ancestors(nesting)
+        sense, around = np.ones_like(signs), _ancestors(nesting)
     slivers = set(_slivers(volumes, sense * signs, around))
     if slivers:
         signs[list(slivers)] = 0
