@@ -58,7 +58,13 @@ def test_no_refusal_under_absolute_orientation_asks_for_it(first: int) -> None:
 
 def test_what_no_orientation_mends_is_said() -> None:
     with pytest.raises(GeometryError, match="however its shells are turned: move the bodies apart, or use union"):
-        inertia.analyse(pile(169), orientation="absolute")
+        inertia.analyse(pile(787), orientation="absolute")
+
+
+@pytest.mark.parametrize(("seed", "volume"), [(14, 3.0), (533, 7.4852813742), (584, 36 * 2**0.5)])
+def test_bodies_inside_out_on_others_are_turned(seed: int, volume: float) -> None:
+    answer = inertia.mass_properties(pile(seed), orientation="absolute")
+    assert answer.volume == pytest.approx(volume, rel=1e-9)
 
 
 @pytest.mark.parametrize("wall", [1e-11, 1e-13, 1e-15])

@@ -58,6 +58,7 @@ _LEAF = 1 << 16  # triangles of a leaf, about
 _SAMPLED = 64  # triangles a leaf that its planes are from
 _FIXED = 32_000_000  # bytes for each thread's tables, and for a leaf that it reads
 _FEWEST = 1 << 20  # triangles in memory, for which pairing by place repays its start
+_TURNING = 48  # bytes a triangle that it takes to find out what is inside out
 _WAITING = 2  # bytes a triangle that the edges between leaves may take
 
 
@@ -162,7 +163,7 @@ def external_closure(
             closed = closed_by_place(triangles, room, salt, stack, _part_of(progress, 0.0, 1.0))
         if closed is not None:
             nothing = np.empty(0, np.int64)
-            return Pairing(closed, _exactly(triangles, nothing, np.empty(0, np.uint32), steps_for(0, salt))[0], None)
+            return Pairing(closed, _exactly(triangles, nothing, np.empty(0, np.uint32), steps_for(0, salt), 0)[0], None)
     steps = steps_for(count, salt)
     parent = np.arange(count, dtype=np.uint32)
     left = room - 4 * count
@@ -184,7 +185,7 @@ def external_closure(
             odd += len(paired.irregular) + paired.left_out
     irregular, (open_edges, crowded, _) = None, steps.state.tolist()
     if odd <= len(halves):
-        irregular, joined = _exactly(triangles, np.sort(halves[:odd]).astype(np.int64), parent, steps)
+        irregular, joined = _exactly(triangles, np.sort(halves[:odd]).astype(np.int64), parent, steps, left)
         steps.join(parent, joined)
         uses, surplus = irregular.edges.uses, irregular.edges.forward - irregular.edges.backward
         crowded, open_edges = int((uses > 2).sum()), int(np.abs(surplus).sum())
@@ -242,8 +243,13 @@ def _pair(
     return halves, odd
 
 
-def _exactly(triangles: Triangles, halves: Int, parent: NDArray[np.uint32], steps: Steps) -> tuple[Irregular, Int]:
-    """Pair irregular directed edges by their coordinates; return those that are, and the triangles that they join."""
+def _exactly(
+    triangles: Triangles, halves: Int, parent: NDArray[np.uint32], steps: Steps, room: int
+) -> tuple[Irregular, Int]:
+    """Pair irregular directed edges by their coordinates; return those that are, and the triangles that they join.
+
+    Bodies that are inside out are paired as when turned where there is room, in bytes, to find out which are.
+    """
     numbers = np.unique(halves // 3)
     some = triangles.select(numbers)
     vertices, faces = merge_equal_vertices(some)
@@ -262,11 +268,12 @@ def _exactly(triangles: Triangles, halves: Int, parent: NDArray[np.uint32], step
     joined = numbers[member[start[regular][:, None] + [0, 1]] // 3]
     if (uses > 2).any():
         piece = roots_of(parent, numbers).astype(np.int64)
-        whole = parent.copy()
-        shared = numbers[sharing(directed)]
-        steps.join(whole, np.concatenate([joined, shared]))
-        pieces = steps.number(whole)
-        turned = senses_of(triangles, whole.view(np.int32), pieces, np.unique(whole[shared]))[whole[numbers]] < 0
+        turned = np.zeros(len(faces), bool)
+        if room >= _TURNING * triangles.count:
+            shared, whole = numbers[sharing(directed)], parent.copy()
+            steps.join(whole, np.concatenate([joined, shared]))
+            pieces = steps.number(whole)
+            turned = senses_of(triangles, whole.view(np.int32), pieces, np.unique(whole[shared]))[whole[numbers]] < 0
         more = links_turned(vertices, faces, directed, np.unique(piece, return_inverse=True)[1], turned)
         joined = np.concatenate([joined, numbers[more]])
     low, high = np.minimum(directed.tail, directed.head), np.maximum(directed.tail, directed.head)

@@ -18,6 +18,7 @@ from inertia.mesh.geometry.triangle_pairs import unit
 from inertia.mesh.geometry.winding import windings
 from inertia.mesh.surface import Triangles
 
+_CHUNK = 1 << 16
 _UNDER = (1e-3, 1e-6)  # how far under the surface of a piece it is asked what is around it, over its size
 
 
@@ -83,10 +84,18 @@ def _lies_in(triangles: Triangles, pieces: Sequence[Int], local: Local, boxes: F
     a, b, c = np.moveaxis(corners, 2, 0)
     middles, normals = corners.mean(axis=2), unit(np.cross(b - a, c - a))
     places = np.concatenate([middles + side * depth * size * normals for depth in _UNDER for side in (-1, 1)], axis=1)
-    around, _ = windings(places.reshape(-1, 3), local(triangles.select(pieces[outer]).corners()), 0.0)
+    around = _windings(triangles, pieces[outer], local, places.reshape(-1, 3))
     inside = np.ones(len(inner), bool)
     for k, (piece, held) in enumerate(zip(inner.tolist(), around.reshape(len(inner), -1) != 0, strict=True)):
-        own, _ = windings(places[k], local(triangles.select(pieces[piece]).corners()), 0.0)
+        own = _windings(triangles, pieces[piece], local, places[k])
         if (within := own != 0).any():
             inside[k] = 2 * held[within].sum() > within.sum()
     return inside
+
+
+def _windings(triangles: Triangles, numbers: Int, local: Local, points: Float) -> Int:
+    """Return the winding numbers of some triangles around points (k, 3)."""
+    winding = np.zeros(len(points), np.int64)
+    for start in range(0, len(numbers), _CHUNK):
+        winding += windings(points, local(triangles.select(numbers[start : start + _CHUNK]).corners()), 0.0)[0]
+    return winding

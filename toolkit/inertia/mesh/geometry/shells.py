@@ -113,8 +113,9 @@ def shells(triangles: Triangles, closure: Closure) -> tuple[Shell, ...]:
         sense = senses(triangles, order, local, boxes, volumes, signs)  # what is inside out is nested as when turned
         around = _containers(triangles, order, local, boxes, sense * signs, sense[closure.labels], exponent)
     else:
-        sense, around = np.ones_like(signs), _ancestors(nesting)
-    slivers = set(_slivers(volumes, sense * signs, around))
+        around = _ancestors(nesting)
+    most = -1 if volumes.sum() < -noise.sum() else 1  # as most of the surface is wound
+    slivers = set(_slivers(volumes, most * signs, around))
     if slivers:
         signs[list(slivers)] = 0
         around = [[outer for outer in outside if outer not in slivers] for outside in around]
