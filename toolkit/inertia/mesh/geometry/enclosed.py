@@ -34,6 +34,12 @@ def scaling(boxes: Float) -> tuple[Local, int]:
     return local, exponent
 
 
+def members_of(labels: NDArray[np.int32], count: int) -> list[Int]:
+    """Return the numbers of the triangles of each piece, ascending; labels (n,) of −1 are in none."""
+    order = np.argsort(labels, kind="stable")
+    return np.split(order, np.searchsorted(labels[order], np.arange(count)))[1:]
+
+
 def boxes_of(triangles: Triangles, labels: NDArray[np.int32], count: int) -> Float:
     """Return the boxes (count, 2, 3) of pieces; labels (n,) of −1 are in none."""
     boxes = np.empty((count, 2, 3))

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from inertia.arrays import Bool, Float, Int
 from inertia.mesh.geometry.boxes import nested
-from inertia.mesh.geometry.enclosed import Local, boxes_of, drawn, enclosed, scaling
+from inertia.mesh.geometry.enclosed import Local, boxes_of, drawn, enclosed, members_of, scaling
 from inertia.mesh.geometry.triangle_pairs import unit
 from inertia.mesh.geometry.winding import windings
 from inertia.mesh.surface import Triangles
@@ -32,9 +32,7 @@ def senses_of(triangles: Triangles, labels: NDArray[np.int32], count: int, asked
     signs = np.where(np.abs(volumes) > noise, np.sign(volumes), 0).astype(np.int64)
     if (signs >= 0).all():
         return np.ones(count, np.int64)
-    order = np.argsort(labels, kind="stable")
-    pieces = np.split(order, np.searchsorted(labels[order], np.arange(count)))[1:]
-    return senses(triangles, pieces, local, boxes, volumes, signs, asked)
+    return senses(triangles, members_of(labels, count), local, boxes, volumes, signs, asked)
 
 
 def senses(

@@ -23,7 +23,7 @@ from inertia.arrays import Float, Int
 from inertia.mesh.geometry.boxes import nested, within
 from inertia.mesh.geometry.closure import Closure
 from inertia.mesh.geometry.contact_depth import CONTACT, are_single, last_digits
-from inertia.mesh.geometry.enclosed import Local, boxes_of, drawn, enclosed, scaling
+from inertia.mesh.geometry.enclosed import Local, boxes_of, drawn, enclosed, members_of, scaling
 from inertia.mesh.geometry.senses import senses
 from inertia.mesh.geometry.sound_shells import Nesting, sound_nesting
 from inertia.mesh.geometry.touching import touching_bodies
@@ -184,9 +184,7 @@ def absolute_orientation(shells: Sequence[Shell]) -> Int:
 
 def members(closure: Closure) -> list[Int]:
     """Return the numbers of the triangles of each component, ascending."""
-    order = np.argsort(closure.labels, kind="stable")
-    starts = np.searchsorted(closure.labels[order], np.arange(closure.components))
-    return np.split(order, starts)[1:]
+    return members_of(closure.labels, closure.components)
 
 
 def bounds_nothing(triangles: Triangles, box: Float) -> bool:
