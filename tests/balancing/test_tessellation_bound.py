@@ -12,7 +12,7 @@ from inertia import UsageError
 from inertia.balancing.axis.shaft import Shaft
 from inertia.balancing.tessellation_bound import chord_uncertainty, curved_faces
 from inertia.balancing.unbalance import Unbalance
-from inertia.mesh.geometry.closure import merge_equal_vertices
+from inertia.mesh.geometry.faces import merge_equal_vertices
 from inertia.mesh.surface import Surface
 from inertia_meshes.shapes import box, mapped, moved, revolved, sphere
 

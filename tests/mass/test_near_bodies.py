@@ -5,7 +5,7 @@ from itertools import product
 import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
-from tests.mesh.solids import Mesh, box, inside_out, joined, ring, sphere
+from tests.mesh.solids import Mesh, box, cube, inside_out, joined, ring, sphere
 
 import inertia
 from inertia.mass import integration
@@ -24,6 +24,10 @@ def blocks(gap: float) -> list[Mesh]:
     """Return two blocks, turned, one before the other."""
     two = box((0, 0, 0), (1, 1, 1)), box((0.2, 0.1, 1 + gap), (0.9, 0.7, 2 + gap))
     return [(TURN.apply(own) - [6, 6, 6], faces) for own, faces in two]
+
+
+PAIR = joined(cube((-6, -6, -6)), cube((-5, -5, -6)))
+PAIR = TURN.apply(PAIR.vertices).astype(np.float32).astype(float), PAIR.faces
 
 
 def part(*meshes: Mesh) -> Part:
@@ -52,8 +56,19 @@ def checked(monkeypatch: pytest.MonkeyPatch) -> list[int]:
         (blocks(-1e-8), 24, 1),
         ([*HOUSING, *blocks(1e-17)], 48, 1),
         ([*HOUSING, box((-8, -7, -7), (-7, -6, -6))], 36, 0),
+        ([cube((-6, -6, -6)), cube((-5, -6, -6))], 24, 0),
+        ([cube((-6, -6, -6)), cube((-5, -5, -6))], 24, 0),
+        ([PAIR], 24, 0),
     ],
-    ids=["two blocks", "blocks with a common slice", "two blocks in a housing", "a block at the wall of its housing"],
+    ids=[
+        "two blocks",
+        "blocks with a common slice",
+        "two blocks in a housing",
+        "a block at the wall of its housing",
+        "cubes with a common side",
+        "cubes with a common edge",
+        "cubes with a common edge, turned, of float32",
+    ],
 )
 def test_those_that_touch_are_checked_by_themselves(
     near: list[Mesh], together: int, doubts: int, checked: list[int], monkeypatch: pytest.MonkeyPatch
@@ -64,14 +79,25 @@ def test_those_that_touch_are_checked_by_themselves(
     monkeypatch.setattr(integration, "MOSTLY", 0.0)
     again = inertia.analyse(whole, density=1000.0)
     assert checked == [together, whole.triangles.count]
-    assert found.bodies == again.bodies == len(APART) + len(near) - (len(near) > 2)
+    bodies = len(APART) + 2 if together == 24 else len(APART) + len(near) - 1
+    assert found.bodies == again.bodies == bodies
     assert (again.properties.inertia == found.properties.inertia).all()
     assert again.properties.error.inertia == found.properties.error.inertia
     assert len(found.doubts) == doubts
     assert [str(doubt.message) for doubt in found.doubts] == [str(doubt.message) for doubt in again.doubts]
 
 
-@pytest.mark.parametrize("near", [blocks(-0.01), [*HOUSING, sphere((-4, -6, -6), 0.5)]])
+@pytest.mark.parametrize(
+    "near",
+    [
+        blocks(-0.01),
+        [*HOUSING, sphere((-4, -6, -6), 0.5)],
+        [cube((-6, -6, -6)), box((-6, -6, -6), (-5, -5.5, -4))],
+        [cube((-6, -6, -6)), inside_out(cube((-5, -6, -6)))],
+        [cube((-6, -6, -6)), cube((-6, -6, -6))],
+        [inside_out(PAIR)],
+    ],
+)
 def test_faults_are_those_of_the_whole(near: list[Mesh], monkeypatch: pytest.MonkeyPatch) -> None:
     whole = part(*APART, *near)
     with pytest.raises(inertia.GeometryError) as by_themselves:

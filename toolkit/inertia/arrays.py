@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
-from typing import Any, Literal
+from itertools import pairwise
+from typing import Any, Literal, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,6 +12,7 @@ from numpy.typing import NDArray
 Float = NDArray[np.float64]
 Int = NDArray[np.int64]
 Bool = NDArray[np.bool_]
+_T = TypeVar("_T", bound=np.generic)
 
 
 def of_rotation(value: Any, size: int) -> Any:
@@ -33,6 +35,15 @@ Orientation = Literal["stored", "absolute"]
 
 Parts = Literal["together", "separate"]
 """Whether the bodies of a part are one solid, in which nothing may count twice, or each is integrated by itself."""
+
+
+def cut_by(values: NDArray[_T], sizes: Int) -> list[NDArray[_T]]:
+    """Cut rows into pieces of sizes (k,) that follow one another: `numpy.split` takes six times as long for many.
+
+    >>> cut_by(np.arange(4), np.array([1, 0, 3]))
+    [array([0]), array([], dtype=int64), array([1, 2, 3])]
+    """
+    return [values[first:last] for first, last in pairwise([0, *np.cumsum(sizes).tolist()])]
 
 
 def runs_of(sizes: Int, most: int) -> Iterator[slice]:

@@ -12,7 +12,7 @@ from scipy.spatial.transform import Rotation
 from inertia import GeometryError, UsageError
 from inertia.balancing.axis.cylinder_fit import fit_axis
 from inertia.balancing.axis.journals import axis_candidates
-from inertia.mesh.geometry.closure import merge_equal_vertices
+from inertia.mesh.geometry.faces import merge_equal_vertices
 from inertia.mesh.read import read
 from inertia.mesh.surface import Surface
 from inertia_meshes import path

@@ -14,14 +14,8 @@ from tests.mesh.solids import cube, facets, joined, part, ring, sphere
 
 from inertia import mass_properties
 from inertia.errors import GeometryError
-from inertia.mesh.geometry.closure import (
-    Closure,
-    closure,
-    compiled_closure,
-    components,
-    merge_equal_vertices,
-    vectorised_closure,
-)
+from inertia.mesh.geometry.closure import Closure, closure, compiled_closure, vectorised_closure
+from inertia.mesh.geometry.faces import components, merge_equal_vertices
 from inertia.mesh.geometry.leaves import BY_PLACE
 from inertia.mesh.surface import Facets, Surface, Triangles
 from inertia.native import LOAD_ABOVE

@@ -9,8 +9,9 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from inertia.mesh.cut import block
-from inertia.mesh.geometry.closure import closure, merge_equal_vertices
+from inertia.mesh.geometry.closure import closure
 from inertia.mesh.geometry.edge_fans import crowded, fans
+from inertia.mesh.geometry.faces import merge_equal_vertices
 from inertia.mesh.geometry.halfedges import half_edges
 from inertia.mesh.surface import Surface
 

@@ -10,7 +10,6 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from tests.mesh.solids import Mesh, cube, joined, moebius, ring
 
-from inertia.mesh.geometry.closure import merge_equal_vertices, repeated_corners
 from inertia.mesh.geometry.edges import (
     Edges,
     Loop,
@@ -21,6 +20,7 @@ from inertia.mesh.geometry.edges import (
     pair_edges,
     pieces,
 )
+from inertia.mesh.geometry.faces import merge_equal_vertices, repeated_corners
 
 CUBE = cube((5, 5, 5), size=10)
 NODE = st.integers(0, 6)

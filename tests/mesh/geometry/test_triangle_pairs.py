@@ -9,7 +9,7 @@ import pytest
 
 from inertia import native
 from inertia.mesh.geometry.near_triangles import crossing_triangles, touching_triangles
-from inertia.mesh.geometry.triangle_pairs import UNSURE, cross_signs, crossing, parted
+from inertia.mesh.geometry.triangle_pairs import UNSURE, cross_signs, crossing, orient3d, parted
 from inertia.mesh.geometry.winding import windings
 
 from .test_intersect import interiors_cross, rational_sign
@@ -53,6 +53,25 @@ def compiled(monkeypatch: pytest.MonkeyPatch) -> None:
 @pytest.mark.parametrize("seed", range(4))
 @pytest.mark.parametrize("points", PLACES)
 class TestKernels:
+    def test_sides_of_planes_are_those_of_rational_arithmetic(self, points: Callable, seed: int) -> None:
+        rng = np.random.default_rng(seed)
+        table = points(rng)
+        some = table[rng.integers(0, len(table), (8, 4, 5))]
+        some[-1, 0, 0] = 2.0**600  # too large for the kernel
+        a, b, c, d = (
+            some[:, 0],
+            some[:, 1, :1],
+            some[:, 2, ::-1],
+            some[0, 3],
+        )  # rows, columns, backwards, one row of all
+        sign = orient3d(a, b, c, d)
+        expected = [
+            [rational_sign(*(point.tolist() for point in four)) for four in zip(*row, strict=True)]
+            for row in zip(*(np.broadcast_to(each, some[:, 0].shape) for each in (a, b, c, d)), strict=True)
+        ]
+        assert sign.tolist() == expected
+        assert orient3d(a, b, np.ascontiguousarray(c), d).tolist() == expected
+
     def test_crossings_are_those_of_rational_arithmetic(self, points: Callable, seed: int) -> None:
         rng = np.random.default_rng(seed)
         vertices = points(rng)

@@ -14,7 +14,7 @@ from inertia.assembly.tree import Node, PartTree
 from inertia.errors import GeometryError
 from inertia.mesh.columns.common_volume import common_volume
 from inertia.mesh.geometry.boxes import BoxTree, overlapping
-from inertia.mesh.geometry.closure import merge_equal_vertices, repeated_corners
+from inertia.mesh.geometry.faces import merge_equal_vertices, repeated_corners
 from inertia.mesh.manifold import exponent_of, solid
 from inertia.mesh.surface import Surface
 

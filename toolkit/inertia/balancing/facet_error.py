@@ -24,7 +24,7 @@ import numpy as np
 from inertia.arrays import Bool, Float, Int
 from inertia.balancing.axis.shaft import Shaft
 from inertia.balancing.facet_surfaces import Cone, FacetMesh, recognise
-from inertia.mesh.geometry.closure import components, merge_equal_vertices
+from inertia.mesh.geometry.faces import components, merge_equal_vertices
 from inertia.mesh.part import Part
 
 _CURVED = math.radians(35.0)  # of edges between facets of no known surface: a circle has eleven and more

@@ -14,8 +14,8 @@ import numpy as np
 
 from inertia.arrays import Bool, Float, Int
 from inertia.balancing.axis.cylinder_fit import across
-from inertia.mesh.geometry.closure import components
 from inertia.mesh.geometry.edges import pair_edges
+from inertia.mesh.geometry.faces import components
 
 SHARP = math.radians(60.0)
 """Edges that turn by this or more are true ones."""

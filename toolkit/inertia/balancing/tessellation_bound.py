@@ -22,8 +22,8 @@ from inertia.balancing.bounds import Uncertainty
 from inertia.balancing.corrections.operation import Operation
 from inertia.balancing.facet_error import FacetLayers
 from inertia.errors import UsageError
-from inertia.mesh.geometry.closure import components, merge_equal_vertices
 from inertia.mesh.geometry.edges import pair_edges
+from inertia.mesh.geometry.faces import components, merge_equal_vertices
 from inertia.mesh.part import Part
 from inertia.mesh.surface import Surface
 

@@ -20,7 +20,8 @@ from numpy.typing import ArrayLike
 from inertia.arrays import Float, Int
 from inertia.errors import GeometryError, placed
 from inertia.mesh.check import check
-from inertia.mesh.geometry.closure import Closure, closure, merge_equal_vertices, repeated_corners
+from inertia.mesh.geometry.closure import Closure, closure
+from inertia.mesh.geometry.faces import merge_equal_vertices, repeated_corners
 from inertia.mesh.geometry.shells import bodies, members, shells
 from inertia.mesh.manifold import exponent_of, solid
 from inertia.mesh.part import Part, Regions, Rounding

@@ -26,8 +26,8 @@ from inertia.errors import UNION, GeometryError, placed
 from inertia.mesh.checks.findings import counted
 from inertia.mesh.doubt import Doubt
 from inertia.mesh.geometry.boxes import BoxTree, overlapping
-from inertia.mesh.geometry.closure import components, merge_equal_vertices, repeated_corners
 from inertia.mesh.geometry.edges import pair_edges
+from inertia.mesh.geometry.faces import components, merge_equal_vertices, repeated_corners
 from inertia.mesh.geometry.halfedges import half_edges
 from inertia.mesh.geometry.intersect import overlap
 from inertia.mesh.part import Part, Regions, Rounding

@@ -23,7 +23,7 @@ from inertia.mesh.arrangement.contacts import contacts, edge_name
 from inertia.mesh.arrangement.integers import Triangles, scaled, side, through
 from inertia.mesh.arrangement.windings import Probe, Sides, probe, sides
 from inertia.mesh.check import check
-from inertia.mesh.geometry.closure import components, repeated_corners
+from inertia.mesh.geometry.faces import components, repeated_corners
 from inertia.mesh.geometry.halfedges import half_edges
 from inertia.mesh.manifold import exponent_of
 from inertia.mesh.part import Part, Regions, Rounding

@@ -20,8 +20,8 @@ from inertia.dynamics.models.deforming.joints import JointedPart
 from inertia.dynamics.scene.body import SceneBody
 from inertia.mass.principal import principal
 from inertia.mesh.geometry.cell_shapes import KINDS, volume_blocks
-from inertia.mesh.geometry.closure import repeated_corners
 from inertia.mesh.geometry.edges import first_equal
+from inertia.mesh.geometry.faces import repeated_corners
 from inertia.mesh.part import Cells, Part
 from inertia.mesh.surface import Surface, Triangles
 from inertia.recording.drawing import Color

@@ -14,8 +14,8 @@ import numpy as np
 
 from inertia.arrays import Float, Int
 from inertia.balancing.axis.cylinder_fit import across, circle
-from inertia.mesh.geometry.closure import components, merge_equal_vertices
 from inertia.mesh.geometry.edges import pair_edges
+from inertia.mesh.geometry.faces import components, merge_equal_vertices
 from inertia.mesh.surface import Triangles
 
 _WALL = math.sin(math.radians(3.0))

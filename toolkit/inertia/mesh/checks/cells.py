@@ -17,8 +17,8 @@ from inertia.arrays import Bool, Int
 from inertia.mesh.checks.findings import Evidence, around, counted, listed, middle
 from inertia.mesh.geometry.cell_maps import TANGLED, Jacobians, jacobians
 from inertia.mesh.geometry.cell_shapes import FLAT_TRIANGLES, KINDS, known_volume_blocks, numbered_blocks
-from inertia.mesh.geometry.closure import components, repeated_corners
 from inertia.mesh.geometry.edges import Place, first_equal
+from inertia.mesh.geometry.faces import components, repeated_corners
 from inertia.mesh.part import Cells
 from inertia.mesh.surface import Surface, usable
 

@@ -13,9 +13,10 @@ from inertia.mesh.checks.findings import Evidence, listed, middle, once
 from inertia.mesh.checks.near_bodies import Pair, meeting_boxes, near_bodies
 from inertia.mesh.checks.surface_topology import SurfaceTopology
 from inertia.mesh.doubt import Doubt
-from inertia.mesh.geometry.closure import Closure, closure, components
+from inertia.mesh.geometry.closure import Closure, closure
 from inertia.mesh.geometry.contact_depth import CONTACT, contact_depth
 from inertia.mesh.geometry.edges import Place
+from inertia.mesh.geometry.faces import components
 from inertia.mesh.geometry.halfedges import half_edges
 from inertia.mesh.geometry.shells import (
     SLIVER,
@@ -61,7 +62,7 @@ def contacts(surface: SurfaceTopology) -> Evidence | None:
         corners = several[0].corners
         of_pair, i, j = touching_triangles(corners, [pair.inside_boxes for pair in several])
         asked = range(len(several)) if surface.separate else np.unique(of_pair).tolist()
-        shared = {k: _shared(surface, several[k]) for k in asked}
+        shared = _shared(surface, several, asked)
         unclear = [k for k, (_, clear) in shared.items() if not clear]
         which = np.flatnonzero(np.isin(of_pair, unclear))
         crossed = of_pair[which[crossing_triangles(corners, i[which], j[which])]]
@@ -78,39 +79,53 @@ def contacts(surface: SurfaceTopology) -> Evidence | None:
     return Evidence(len(doubts), listed(np.array(first)), places[0], figures, doubt=doubt)
 
 
-def _shared(surface: SurfaceTopology, pair: Pair) -> tuple[float, bool]:
-    """Return the volume that two bodies share at most, and whether it is sure that they share any."""
+def _shared(surface: SurfaceTopology, pairs: Sequence[Pair], asked: Sequence[int]) -> dict[int, tuple[float, bool]]:
+    """Return the volume that pairs of bodies share at most, and whether it is sure that they share any."""
     from inertia.mesh.columns.common_volume import common_volume
 
-    smaller = _smaller(surface, pair.groups)
-    most = min(smaller, _within(pair, pair.depth))
-    if most <= _NEXT_TO_NONE * smaller:
-        return most, False
-    measured = common_volume(*(pair.corners[group] for group in pair.groups))
-    if measured is not None:
-        volume, rounding = measured
-        return min(most, max(volume, 0.0) + rounding), volume > rounding
-    if not surface.separate:
-        size = float(np.ptp(pair.boxes, axis=1).max(axis=1).min())
-        most = min(most, _within(pair, contact_depth(surface.vertices, size)))
-    return most, True
+    some = [pairs[k] for k in asked]
+    smaller = np.array([_smaller(surface, pair.groups) for pair in some])
+    most = np.minimum(smaller, _within(some, np.array([pair.depth for pair in some])))
+    shared = {k: (least, False) for k, least in zip(asked, most.tolist(), strict=True)}
+    for at in np.flatnonzero(most > _NEXT_TO_NONE * smaller).tolist():
+        pair, least = some[at], float(most[at])
+        measured = common_volume(*(pair.corners[group] for group in pair.groups))
+        if measured is not None:
+            volume, rounding = measured
+            shared[asked[at]] = min(least, max(volume, 0.0) + rounding), volume > rounding
+            continue
+        if not surface.separate:
+            size = float(np.ptp(pair.boxes, axis=1).max(axis=1).min())
+            depth = contact_depth(surface.vertices, size)
+            least = min(least, float(_within([pair], np.array([depth]))[0]))
+        shared[asked[at]] = least, True
+    return shared
 
 
-def _within(pair: Pair, depth: float) -> float:
-    """Return the volume that two bodies share at most that share no place deeper than this.
+def _within(pairs: Sequence[Pair], depth: Float) -> Float:
+    """Return the volume that pairs of bodies share at most that share no place deeper than (k,).
 
     It is near the surface of either, which is that of triangles in the other's box, but for what is at the box's sides.
     """
-    if depth == np.inf:
-        return depth
-    x, y, z = np.maximum(pair.boxes[:, 1].min(axis=0) - pair.boxes[:, 0].max(axis=0), 0.0)
-    near = []
-    for which in pair.inside_boxes:
-        sides = pair.corners[which] - np.roll(pair.corners[which], 1, axis=1)
-        area = np.linalg.norm(np.cross(sides[:, 0], sides[:, 1]), axis=1).sum()  # of their two faces
-        edges = np.pi * depth**2 * np.linalg.norm(sides, axis=2).sum() / 2
-        near.append(depth * area + edges + 4 / 3 * np.pi * depth**3 * len(which))
-    return float(min(near) + 2 * depth * (x * y + y * z + z * x))
+    most = np.full(len(pairs), np.inf)
+    known = np.flatnonzero(depth < np.inf)
+    if len(known) == 0:
+        return most
+    some, deep = [pairs[k] for k in known.tolist()], depth[known]
+    boxes = np.array([pair.boxes for pair in some])
+    x, y, z = np.maximum(boxes[:, :, 1].min(axis=1) - boxes[:, :, 0].max(axis=1), 0.0).T
+    near = np.full(len(some), np.inf)
+    for body in range(2):
+        which = [pair.inside_boxes[body] for pair in some]
+        owner = np.repeat(np.arange(len(some)), [len(own) for own in which])
+        corners = some[0].corners[np.concatenate(which)]
+        sides = corners - np.roll(corners, 1, axis=1)
+        areas = np.linalg.norm(np.cross(sides[:, 0], sides[:, 1]), axis=1)  # of their two faces
+        lengths = np.linalg.norm(sides, axis=2).sum(axis=1)
+        number, area, length = (np.bincount(owner, each, len(some)) for each in (None, areas, lengths))
+        near = np.minimum(near, deep * area + np.pi * deep**2 * length / 2 + 4 / 3 * np.pi * deep**3 * number)
+    most[known] = near + 2 * deep * (x * y + y * z + z * x)
+    return most
 
 
 def _sharing_space(surface: SurfaceTopology, *, alike: bool) -> Evidence | None:
@@ -201,7 +216,7 @@ def overlap_at_edges(surface: SurfaceTopology) -> Evidence | None:
     if len(surface.duplicates[0]):  # which are an error by themselves
         return None
     body_of = surface.body_of
-    which = surface.at_crowded_edges
+    which = surface.edges.at_crowded
     labels = surface.closure.labels[which]
     inverted = np.isin(labels, [shell.number for shell in surface.in_state("inverted")])
     first, places = _layered(surface, which, body_of[labels], inverted, float(np.ptp(surface.box, axis=0).max()))
@@ -213,7 +228,7 @@ def overlap_at_edges(surface: SurfaceTopology) -> Evidence | None:
 def _place_at_edges(surface: SurfaceTopology, groups: Sequence[Int], boxes: Float) -> Place | None:
     """Return the middle of an edge that two bodies have in common and around which they share space."""
     crowded, shared = np.zeros(len(surface.faces), bool), np.ones(len(surface.vertices), bool)
-    crowded[surface.at_crowded_edges] = True
+    crowded[surface.edges.at_crowded] = True
     own = [group[crowded[group]] for group in groups]
     for group in own:
         used = np.zeros_like(shared)

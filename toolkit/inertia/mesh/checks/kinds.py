@@ -26,8 +26,8 @@ from inertia.mesh.checks.doubled_cells import shared_space
 from inertia.mesh.checks.findings import Evidence, Finding, Severity, counted, listed, middle
 from inertia.mesh.checks.surface_topology import SurfaceTopology
 from inertia.mesh.doubt import Doubt
-from inertia.mesh.geometry.closure import repeated_corners
 from inertia.mesh.geometry.edges import flat
+from inertia.mesh.geometry.faces import repeated_corners
 from inertia.mesh.geometry.shells import Shell
 from inertia.mesh.repairs.weld import closing_distance
 from inertia.mesh.surface import Surface, Triangles, usable

@@ -2,19 +2,23 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from typing import NamedTuple
+from collections.abc import Iterator, Sequence
+from functools import partial
+from typing import NamedTuple, TypeVar
 
 import numpy as np
 
-from inertia.arrays import Bool, Float, Int, runs_of
+from inertia.arrays import Bool, Float, Int, cut_by, runs_of
+from inertia.mesh.checks.findings import once
 from inertia.mesh.checks.surface_topology import SurfaceTopology
 from inertia.mesh.geometry.boxes import BoxTree, nested, overlapping
 from inertia.mesh.geometry.contact_depth import contact_depths
 from inertia.mesh.geometry.shells import Body, members
 from inertia.mesh.surface import Surface
 
+_T = TypeVar("_T")
 _AT_ONCE = 1 << 18  # triangles compared with boxes of other bodies at a time
+_KEPT = 4  # times that many, of which what was found is kept for another look: tens of megabytes
 
 
 class Pair(NamedTuple):
@@ -24,7 +28,7 @@ class Pair(NamedTuple):
     ----------
     surface : with every shell turned as its depth asks, and the `corners` (n, 3, 3) of its triangles
     groups : the triangles of both
-    reach : along which axes (k, 3) each of these reaches into the other's box
+    inside, beside : which of these reach into the other's box, and which into the column along z that it is in
     boxes : (2, 2, 3)
     depth : how deep places lie that they share, at most, where a plane shows that they only touch; else infinity
     """
@@ -32,21 +36,22 @@ class Pair(NamedTuple):
     surface: Surface
     corners: Float
     groups: tuple[Int, Int]
-    reach: tuple[Bool, Bool]
+    inside: tuple[Bool, Bool]
+    beside: tuple[Bool, Bool]
     boxes: Float
     depth: float
 
     @property
     def inside_boxes(self) -> tuple[Int, Int]:
         """The triangles that reach into the other's box."""
-        one, other = (group[reach.all(axis=1)] for group, reach in zip(self.groups, self.reach, strict=True))
-        return one, other
+        (one, other), (of_one, of_other) = self.groups, self.inside
+        return one[of_one], other[of_other]
 
     @property
     def columns(self) -> tuple[Int, Int]:
         """Those above and below the other's box: they matter for winding numbers, what lies beside it does not."""
-        one, other = (group[reach[:, :2].all(axis=1)] for group, reach in zip(self.groups, self.reach, strict=True))
-        return one, other
+        (one, other), (of_one, of_other) = self.groups, self.beside
+        return one[of_one], other[of_other]
 
 
 class _Bodies(NamedTuple):
@@ -82,12 +87,16 @@ class _Bodies(NamedTuple):
         reach = (low <= box[:, 1]) & (box[:, 0] <= high)
         near = ((low <= box[:, 1] + margin) & (box[:, 0] <= high + margin)).all(axis=1)
         near |= np.repeat(nested, count)  # all, where one may lie in the other
-        cuts = np.cumsum(count)[:-1]
-        reaches, taken = np.split(reach, cuts), np.split(near, cuts)
-        sides = [group[which] for group, which in zip(groups, taken, strict=True)]
-        deep = touching_depths(self.corners, list(zip(sides[::2], sides[1::2], strict=True)), depths).tolist()
-        pairs = zip(groups[::2], groups[1::2], reaches[::2], reaches[1::2], boxes, deep, strict=True)
-        return [Pair(self.surface, self.corners, (a, b), (of_a, of_b), box, k) for a, b, of_a, of_b, box, k in pairs]
+        beside = reach[:, 0] & reach[:, 1]
+        taken, *reaches = (_in_twos(cut_by(which, count)) for which in (near, beside & reach[:, 2], beside))
+        both = _in_twos(groups)
+        sides = [(a[of_a], b[of_b]) for (a, b), (of_a, of_b) in zip(both, taken, strict=True)]
+        deep = touching_depths(self.corners, sides, depths).tolist()
+        return [Pair(self.surface, self.corners, *each) for each in zip(both, *reaches, boxes, deep, strict=True)]
+
+
+def _in_twos(items: Sequence[_T]) -> list[tuple[_T, _T]]:
+    return list(zip(items[::2], items[1::2], strict=True))
 
 
 def near_bodies(surface: SurfaceTopology, *, alike: bool) -> Iterator[list[Pair]]:
@@ -109,8 +118,9 @@ def near_bodies(surface: SurfaceTopology, *, alike: bool) -> Iterator[list[Pair]
         # Where no triangle of one comes near the other, they are apart or nested, which their shells show.
         numbers = numbers[_reaching(numbers, bodies) & _reaching(numbers[:, ::-1], bodies)]
     depths = contact_depths(surface.vertices, boxes[numbers]) / 2
-    for run in runs_of(bodies.sizes[numbers].sum(axis=1), _AT_ONCE):
-        yield bodies.compared(numbers[run], depths[run])
+    for k, run in enumerate(runs_of(bodies.sizes[numbers].sum(axis=1), _AT_ONCE)):
+        comparing = partial(bodies.compared, numbers[run], depths[run])
+        yield once(("near", alike, k), surface, comparing) if k < _KEPT else comparing()
 
 
 def _touching_bodies(surface: SurfaceTopology, parts: tuple[Body, ...], boxes: Float) -> list[tuple[int, int]] | None:

@@ -13,8 +13,9 @@ from numpy.typing import NDArray
 from inertia.arrays import Bool, Float, Int
 from inertia.mesh.checks.findings import Evidence, around, listed, middle, once
 from inertia.mesh.geometry import edges, shells
-from inertia.mesh.geometry.closure import Closure, closure, merge_equal_vertices
+from inertia.mesh.geometry.closure import Closure, closure
 from inertia.mesh.geometry.edges import Edges, Loop, Place
+from inertia.mesh.geometry.faces import merge_equal_vertices
 from inertia.mesh.geometry.shells import WOUND, Body, Shell
 from inertia.mesh.geometry.sound_shells import sound_nesting
 from inertia.mesh.part import Part
@@ -176,11 +177,6 @@ class SurfaceTopology:
         shell = labels[which].astype(np.int64)
         turned = np.isin(shell, self.wrong_shells)
         return beyond_corners(self.vertices, self.faces[which], shell, self.body_of[shell], turned, boxes, pairs)
-
-    @cached_property
-    def at_crowded_edges(self) -> Int:
-        """The triangles with an edge that more than two share, ascending."""
-        return np.unique(self.edges.users[np.repeat(self.edges.non_manifold, self.edges.uses)])
 
     @cached_property
     def duplicates(self) -> tuple[Int, Int]:

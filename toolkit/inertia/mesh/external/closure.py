@@ -1,7 +1,7 @@
 """Closure and components of a surface in bounded memory: its edges partitioned by their keys, paired bucket by bucket.
 
 A closed surface is paired by place, which is cheaper (`inertia.mesh.geometry.leaves`). Of any other, and where the
-memory is short, the directed edges become records in buckets (see `inertia.mesh.external.buckets`), here or by the
+memory is short, the directed edges become records in buckets (see `inertia.mesh.geometry.edge_buckets`), here or by the
 workers of a Dask scheduler. Triangles at an edge that is used once each way belong together: they are joined in one
 array of 4 bytes a triangle. All other edges are irregular, and looked at again by their coordinates, exactly.
 (J. S. Vitter, "Algorithms and data structures for external memory", Foundations and Trends in Theoretical Computer
@@ -24,31 +24,17 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from inertia.arrays import Bool, Float, Int, Progress
+from inertia.arrays import Int, Progress
 from inertia.errors import UsageError
-from inertia.mesh.external.buckets import (
-    BUCKET,
-    CHUNK,
-    REPEATED,
-    SALTS,
-    Runs,
-    Sorter,
-    Steps,
-    roots_of,
-    steps_for,
-)
 from inertia.mesh.external.memory import in_bytes
+from inertia.mesh.external.runs import Runs
 from inertia.mesh.external.temporary_file import MEMORY, TemporaryFile
-from inertia.mesh.geometry.closure import Closure, links_turned, merge_equal_vertices, sharing
-from inertia.mesh.geometry.edges import Edges
-from inertia.mesh.geometry.halfedges import half_edges
+from inertia.mesh.geometry.closure import Closure
+from inertia.mesh.geometry.edge_buckets import BUCKET, MOST, REPEATED, SALTS, Sorter, Steps, irregular_halves, steps_for
+from inertia.mesh.geometry.irregular_edges import Irregular, irregular_edges
 from inertia.mesh.geometry.leaves import BY_PLACE, ROW, RUN, Limits, paired_by_place
-from inertia.mesh.geometry.senses import senses_of
 from inertia.mesh.surface import Facets, Triangles
 from inertia.native import threads
-
-MOST = 2**32 // 3 - 1
-"""Triangles whose directed edges can be numbered in 32 bits."""
 
 _LEAST = 1 << 24  # bytes beside the array of triangles, at least
 _EXACTLY = 4096  # bytes that a directed edge takes when it is looked at exactly, with its triangle
@@ -60,25 +46,6 @@ _FIXED = 32_000_000  # bytes for each thread's tables, and for a leaf that it re
 _FEWEST = 1 << 20  # triangles in memory, for which pairing by place repays its start
 _TURNING = 48  # bytes a triangle that it takes to find out what is inside out
 _WAITING = 2  # bytes a triangle that the edges between leaves may take
-
-
-@dataclass(frozen=True, eq=False)
-class Irregular:
-    """The edges that are not used once each way; `users` of `edges` are numbers of triangles of the whole surface.
-
-    Attributes
-    ----------
-    triangles : those that have such an edge
-    numbers : (m,), which they are in the whole surface, ascending
-    vertices, faces : the different vertices of these, and the faces over them
-    edges : the irregular ones
-    """
-
-    triangles: Triangles
-    numbers: Int
-    vertices: Float
-    faces: Int
-    edges: Edges
 
 
 @dataclass(frozen=True, eq=False)
@@ -163,7 +130,8 @@ def external_closure(
             closed = closed_by_place(triangles, room, salt, stack, _part_of(progress, 0.0, 1.0))
         if closed is not None:
             nothing = np.empty(0, np.int64)
-            return Pairing(closed, _exactly(triangles, nothing, np.empty(0, np.uint32), steps_for(0, salt), 0)[0], None)
+            none = irregular_edges(triangles, nothing, np.empty(0, np.uint32), steps_for(0, salt), turning=False)[0]
+            return Pairing(closed, none, None)
     steps = steps_for(count, salt)
     parent = np.arange(count, dtype=np.uint32)
     left = room - 4 * count
@@ -172,7 +140,10 @@ def external_closure(
         with ExitStack() as stack:
             runs = Runs(count, left, _LEAST // 2, stack)
             repeated = _partition(triangles, runs, steps, parent, _part_of(progress, 0.0, 0.5))
-            halves, odd = _pair(runs, steps, parent, most, _part_of(progress, 0.5, 1.0))
+            buffer, pairing = np.empty((2 * BUCKET, 3), np.uint32), _part_of(progress, 0.5, 1.0)
+            halves, odd = irregular_halves(
+                runs.buckets, lambda number: runs.bucket(number, buffer), steps, parent, most, pairing
+            )
     else:
         repeated, odd, halves = 0, 0, np.empty(most, np.uint32)
         for paired in workers.pair(salt, most, _part_of(progress, 0.0, 1.0)):
@@ -185,14 +156,15 @@ def external_closure(
             odd += len(paired.irregular) + paired.left_out
     irregular, (open_edges, crowded, _) = None, steps.state.tolist()
     if odd <= len(halves):
-        irregular, joined = _exactly(triangles, np.sort(halves[:odd]).astype(np.int64), parent, steps, left)
+        which, turning = np.sort(halves[:odd]).astype(np.int64), left >= _TURNING * count
+        irregular, joined = irregular_edges(triangles, which, parent, steps, turning=turning)
         steps.join(parent, joined)
         uses, surplus = irregular.edges.uses, irregular.edges.forward - irregular.edges.backward
         crowded, open_edges = int((uses > 2).sum()), int(np.abs(surplus).sum())
-    components = steps.number(parent)
-    labels = parent.view(np.int32)
+    components, labels = steps.number(parent), parent.view(np.int32)
+    shells = np.unique(labels[irregular.edges.at_crowded if irregular else []]).astype(np.int64)
     first = int(halves[:odd].min()) // 3 if odd else None
-    return Pairing(Closure(open_edges, components, labels, repeated, crowded), irregular, first)
+    return Pairing(Closure(open_edges, components, labels, repeated, crowded, shells), irregular, first)
 
 
 def closed_by_place(
@@ -225,92 +197,6 @@ def _partition(triangles: Triangles, runs: Runs, steps: Steps, parent: NDArray[n
         repeated += len(points)
         progress(last / triangles.count)
     return repeated
-
-
-def _pair(
-    runs: Runs, steps: Steps, parent: NDArray[np.uint32], room: int, progress: Progress
-) -> tuple[NDArray[np.uint32], int]:
-    """Join triangles at regular edges; return the irregular directed edges, `room` at most, and how many there are."""
-    halves, odd = np.empty(room, np.uint32), 0
-    buffer = np.empty((2 * BUCKET, 3), np.uint32)
-    for number in range(runs.buckets):
-        pairs, irregular = steps.pairs(lambda: runs.bucket(number, buffer))  # noqa: B023  # it is used at once
-        steps.join(parent, pairs)
-        if irregular:
-            for records in runs.bucket(number, buffer):
-                odd = steps.irregular(records, halves, odd)
-        progress((number + 1) / runs.buckets)
-    return halves, odd
-
-
-def _exactly(
-    triangles: Triangles, halves: Int, parent: NDArray[np.uint32], steps: Steps, room: int
-) -> tuple[Irregular, Int]:
-    """Pair irregular directed edges by their coordinates; return those that are, and the triangles that they join.
-
-    Bodies that are inside out are paired as when turned where there is room, in bytes, to find out which are.
-    """
-    numbers = np.unique(halves // 3)
-    some = triangles.select(numbers)
-    vertices, faces = merge_equal_vertices(some)
-    order = np.argsort(_first_uses(triangles, vertices), kind="stable")
-    vertices, faces = vertices[order], np.argsort(order)[faces]
-    directed = half_edges(faces)
-    marked = np.zeros(3 * len(faces), bool)
-    marked[3 * np.searchsorted(numbers, halves // 3) + halves % 3] = True
-    member = directed.by_edge[marked[directed.by_edge]]
-    edge = directed.edge[member]
-    leads = np.append(True, edge[1:] != edge[:-1])[: len(edge)]
-    start = np.flatnonzero(leads)
-    uses = np.diff(np.append(start, len(edge)))
-    forward = np.add.reduceat(directed.direction[member] > 0, start, dtype=np.int64) if len(start) else uses
-    regular = (uses == 2) & (forward == 1)
-    joined = numbers[member[start[regular][:, None] + [0, 1]] // 3]
-    if (uses > 2).any():
-        piece = roots_of(parent, numbers).astype(np.int64)
-        turned = np.zeros(len(faces), bool)
-        if room >= _TURNING * triangles.count:
-            shared, whole = numbers[sharing(directed)], parent.copy()
-            steps.join(whole, np.concatenate([joined, shared]))
-            pieces = steps.number(whole)
-            turned = senses_of(triangles, whole.view(np.int32), pieces, np.unique(whole[shared]))[whole[numbers]] < 0
-        more = links_turned(vertices, faces, directed, np.unique(piece, return_inverse=True)[1], turned)
-        joined = np.concatenate([joined, numbers[more]])
-    low, high = np.minimum(directed.tail, directed.head), np.maximum(directed.tail, directed.head)
-    odd: Bool = ~regular
-    first = member[start[odd]]
-    users = numbers[member[np.repeat(odd, uses)] // 3]
-    edges = Edges(np.column_stack([low[first], high[first]]), forward[odd], (uses - forward)[odd], users)
-    return Irregular(some, numbers, vertices, faces, edges), joined
-
-
-def _first_uses(triangles: Triangles, vertices: Float) -> Int:
-    """Return the number of the first corner of the surface at each vertex: whoever numbers them all goes by that."""
-    first = np.full(len(vertices), 3 * triangles.count)
-    if len(vertices) == 0:
-        return first
-    hashes = _mixed(vertices)
-    order = np.argsort(hashes, kind="stable")
-    ranked = hashes[order]
-    some = np.zeros(1 << 16, bool)
-    some[ranked >> np.uint64(48)] = True
-    for start in range(0, triangles.count, CHUNK):
-        corners = triangles.corners(start, start + CHUNK).reshape(-1, 3) + 0.0
-        mixed = _mixed(corners)
-        which = np.flatnonzero(some[mixed >> np.uint64(48)])
-        rank = np.minimum(np.searchsorted(ranked, mixed[which]), len(ranked) - 1)
-        same = (vertices[order[rank]] == corners[which]).all(axis=1)
-        np.minimum.at(first, order[rank[same]], 3 * start + which[same])
-    return first
-
-
-def _mixed(points: Float) -> NDArray[np.uint64]:
-    """Return a number for each point (k, 3) that is the same for the same coordinates, and seldom for others."""
-    mixed = np.zeros(len(points), np.uint64)
-    for bits in points.view(np.uint64).T:
-        mixed = (mixed ^ bits) * np.uint64(0x9E3779B97F4A7C15)
-        mixed ^= mixed >> np.uint64(29)
-    return mixed * np.uint64(0xBF58476D1CE4E5B9)
 
 
 def _part_of(progress: Progress | None, start: float, stop: float) -> Progress:

@@ -19,7 +19,8 @@ from inertia.mesh.checks.crossings import crossing_cavities, cutters, overlap_at
 from inertia.mesh.checks.findings import Evidence, Finding, around, listed, middle
 from inertia.mesh.checks.kinds import KINDS, findings
 from inertia.mesh.checks.surface_topology import SurfaceTopology
-from inertia.mesh.external.closure import Irregular, Pairing
+from inertia.mesh.external.closure import Pairing
+from inertia.mesh.geometry.irregular_edges import Irregular
 from inertia.mesh.geometry.shells import Shell, bounds_nothing
 from inertia.mesh.surface import Triangles
 

@@ -19,8 +19,8 @@ from numpy.typing import NDArray
 
 from inertia.arrays import Int, Progress
 from inertia.errors import InertiaError, ReadError, UsageError, visible
-from inertia.mesh.external.buckets import BYTES, Sorter, bits_for, steps_for
 from inertia.mesh.external.closure import Paired
+from inertia.mesh.geometry.edge_buckets import BYTES, Sorter, bits_for, steps_for
 from inertia.mesh.part import Part
 from inertia.mesh.readers.ply import read_ply
 from inertia.mesh.readers.stl import HEADER, is_binary_stl

@@ -9,7 +9,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from inertia.arrays import Bool, Float, Int
-from inertia.mesh.geometry.closure import merge_equal_vertices
+from inertia.mesh.geometry.faces import merge_equal_vertices
 from inertia.mesh.geometry.intersect import FACING
 from inertia.mesh.geometry.near_triangles import COMPARED, near_triangles
 from inertia.mesh.geometry.triangle_pairs import crossing, unit_normals

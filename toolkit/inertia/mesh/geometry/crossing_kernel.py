@@ -187,15 +187,6 @@ def exact_sign(own, a, i, b, j, c, k, d, l, work):
     return distilled(terms, count)
 
 
-def exact_signs(points_at, count, work_at, signs_at):
-    """Write what `exact_sign` returns for rows of four points."""
-    points, signs = carray(points_at, (count, 12), np.float64), carray(signs_at, (count,), np.int8)
-    work = carray(work_at, (18 + TERMS,), np.float64)
-    for k in range(count):
-        signs[k] = exact_sign(points, k, 0, k, 1, k, 2, k, 3, work)
-    return 0
-
-
 @njit(error_model="numpy", forceinline=True)
 def filtered(determinant, size, wx, wy, wz):
     """Return the sign of a determinant where floating point decides it; `size` is the sum with positive products."""

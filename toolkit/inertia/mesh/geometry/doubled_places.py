@@ -7,8 +7,9 @@ from collections.abc import Iterator
 import numpy as np
 
 from inertia.arrays import Bool, Float, Int
-from inertia.mesh.geometry.closure import closure, merge_equal_vertices
+from inertia.mesh.geometry.closure import closure
 from inertia.mesh.geometry.contact_depth import contact_depth
+from inertia.mesh.geometry.faces import merge_equal_vertices
 from inertia.mesh.geometry.intersect import FACING, beside_edges, near_pairs
 from inertia.mesh.geometry.triangle_pairs import crossing, heights_over, unit_normals
 from inertia.mesh.surface import Triangles

@@ -1,6 +1,6 @@
 """Edges of a triangle surface by their number of triangles, boundary loops, duplicate and flat triangles.
 
-It works by sorting, on the faces that `inertia.mesh.geometry.closure.merge_equal_vertices` returns, and is for the
+It works by sorting, on the faces that `inertia.mesh.geometry.faces.merge_equal_vertices` returns, and is for the
 details; whether a surface is closed at all, `inertia.mesh.geometry.closure` says sooner. Triangles with a repeated
 corner have no edges here.
 """
@@ -14,7 +14,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from inertia.arrays import Bool, Float, Int
-from inertia.mesh.geometry.closure import components, repeated_corners
+from inertia.mesh.geometry.faces import components, repeated_corners
 
 Place = tuple[float, float, float]
 
@@ -61,6 +61,11 @@ class Edges:
         """Edges of more than two triangles, (e,)."""
         many: Bool = self.uses > 2
         return many
+
+    @property
+    def at_crowded(self) -> Int:
+        """The triangles with an edge that more than two have, ascending."""
+        return np.unique(self.users[np.repeat(self.non_manifold, self.uses)])
 
     @property
     def balanced(self) -> Bool:

@@ -2,18 +2,28 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 
 import numpy as np
 from numpy.typing import NDArray
 
-from inertia.arrays import Float, Int
-from inertia.mesh.surface import Triangles
+from inertia.arrays import Float, Int, cut_by
+from inertia.mesh.surface import Surface, Triangles
+from inertia.native import Kernel, address
 
 _CHUNK = 1 << 16
 _SAMPLES = 8  # triangles of a piece that are drawn
 _MANY = 1 << 12  # triangles of a piece, of which few are picked before they are sorted
-_NOISE = 1e-13  # rounding of a volume, over the sum of its terms' largest magnitudes
+_CACHED = 1 << 14  # triangles that the compiled pass reads at a time
+_COLUMNS = 12  # as the kernel has them
+_TINY = 2.0**-900  # above what squares that underflow are off by
+MEASURE = Kernel("inertia.mesh.geometry.shell_kernel", "measure_shells", "pippi" + "pi", fused=True)
+
+NOISE = 1e-13
+"""Rounding of a volume, over the sum of its terms' largest magnitudes."""
+
+STORED = 2.0**-50
+"""The same, for each time that a sum is rounded."""
 
 Local = Callable[[Float], Float]
 
@@ -37,7 +47,8 @@ def scaling(boxes: Float) -> tuple[Local, int]:
 def members_of(labels: NDArray[np.int32], count: int) -> list[Int]:
     """Return the numbers of the triangles of each piece, ascending; labels (n,) of −1 are in none."""
     order = np.argsort(labels, kind="stable")
-    return np.split(order, np.searchsorted(labels[order], np.arange(count)))[1:]
+    sizes = np.bincount(labels[labels >= 0], minlength=count)
+    return cut_by(order[len(order) - sizes.sum() :], sizes)
 
 
 def boxes_of(triangles: Triangles, labels: NDArray[np.int32], count: int) -> Float:
@@ -71,7 +82,40 @@ def enclosed(triangles: Triangles, labels: NDArray[np.int32], local: Local, orig
         largest = np.sqrt((a * a).sum(axis=1) * ((b - a) ** 2).sum(axis=1) * ((c - a) ** 2).sum(axis=1))
         volume += np.bincount(label, terms, len(origins))
         magnitude += np.bincount(label, largest, len(origins))
-    return volume / 6, _NOISE * magnitude / 6
+    return volume / 6, NOISE * magnitude / 6
+
+
+def measured(triangles: Triangles, labels: NDArray[np.int32], count: int) -> Float:
+    """Return the box, six times the volume and other numbers of each piece (count, 12): see `shell_kernel`."""
+    table = np.zeros((count, _COLUMNS))
+    for _, *chunk in chunks(triangles, labels):
+        MEASURE.function(*chunk, address(table), count)
+    return table
+
+
+def all_outward(triangles: Triangles, labels: NDArray[np.int32], count: int) -> bool:
+    """Say whether all pieces are sure to enclose more than nothing; where it takes long to find out, they are not."""
+    if not MEASURE.worthwhile(triangles.count):
+        return False
+    _, _, _, _, _, _, volume, squares, _, _, _, number = measured(triangles, labels, count).T
+    with np.errstate(over="ignore", invalid="ignore"):
+        sure = volume > (NOISE + number * STORED) * np.sqrt(number * squares)
+    return bool((sure & (squares > _TINY)).all())
+
+
+def chunks(triangles: Triangles, labels: NDArray[np.int32]) -> Iterator[tuple[slice, int, int, int, int, int]]:
+    """Yield the triangles chunk by chunk: which they are, and where vertices, faces and labels lie, with numbers."""
+    surface = triangles if isinstance(triangles, Surface) else None
+    size = triangles.count if type(triangles) is Surface else _CACHED  # whatever has its arrays in memory is one chunk
+    each = np.arange(3 * _CACHED if surface is None else 0).reshape(-1, 3)
+    for start in range(0, triangles.count, size):
+        own = labels[start : start + size]
+        if surface is None:
+            vertices, faces = np.ascontiguousarray(triangles.corners(start, start + size)).reshape(-1, 3), each
+        else:
+            vertices, faces = surface.vertices, np.ascontiguousarray(surface.block(start, start + size))
+        places = vertices.ctypes.data, len(vertices), faces.ctypes.data, own.ctypes.data
+        yield slice(start, start + len(own)), *places, len(own)
 
 
 def drawn(triangles: Triangles, order: list[Int], pieces: Int) -> Int:

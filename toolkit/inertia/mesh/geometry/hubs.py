@@ -12,7 +12,7 @@ import numpy as np
 
 from inertia.arrays import Float, Int
 from inertia.mesh.geometry.boxes import BoxTree, overlapping
-from inertia.mesh.geometry.closure import merge_equal_vertices
+from inertia.mesh.geometry.faces import merge_equal_vertices
 from inertia.mesh.surface import Triangles
 
 _EVERY = 16  # one of so many triangles is looked at first,

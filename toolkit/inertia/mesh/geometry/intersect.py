@@ -17,9 +17,10 @@ from numpy.typing import NDArray
 
 from inertia.arrays import Float, Int, Progress
 from inertia.mesh.geometry.boxes import CELLS, BoxTree, overlapping
-from inertia.mesh.geometry.closure import closure, merge_equal_vertices
+from inertia.mesh.geometry.closure import closure
 from inertia.mesh.geometry.contact_depth import contact_depth
 from inertia.mesh.geometry.edges import first_equal
+from inertia.mesh.geometry.faces import merge_equal_vertices
 from inertia.mesh.geometry.hubs import hubs, near_around
 from inertia.mesh.geometry.oriented_boxes import OrientedBoxes
 from inertia.mesh.geometry.triangle_pairs import crossing, heights_over, held_apart, unit, unit_normals

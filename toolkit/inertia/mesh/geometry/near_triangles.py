@@ -8,7 +8,7 @@ import numpy as np
 
 from inertia.arrays import Float, Int, runs_of
 from inertia.mesh.geometry.boxes import BoxTree, overlapping
-from inertia.mesh.geometry.closure import merge_equal_vertices
+from inertia.mesh.geometry.faces import merge_equal_vertices
 from inertia.mesh.geometry.triangle_pairs import UNSURE, cross_signs, crossing, parted
 from inertia.mesh.surface import Surface
 

@@ -8,10 +8,37 @@ from __future__ import annotations
 import numpy as np
 from numba import carray, njit
 
-from inertia.mesh.geometry.crossing_kernel import ORIENT3D, TERMS, UNSURE, cross
+from inertia.mesh.geometry.crossing_kernel import ORIENT3D, TERMS, UNSURE, cross, exact_sign, orient
+from inertia.mesh.geometry.edge_kernel import pointer
 
 UNDERFLOW = 2.0**-1070  # as in `triangle_pairs`
 LARGEST = 2.0**300  # of which the products of three are numbers
+EVERYWHERE = 1 << 60  # numbers from a place in memory on: no array is that long
+
+
+def orient_points(places_at, rows, columns, own_at, work_at, signs_at):
+    """Write the sign of (b − a) × (c − a) · (d − a) for a table of four points each, or `UNSURE`.
+
+    `places` (4, 4) has for a, b, c and d where the first of them lies, and how many numbers it is to the next row, to
+    the next column and to the next coordinate; none of these is negative.
+    """
+    places = carray(places_at, (4, 4), np.int64)
+    own, work = carray(own_at, (4, 3), np.float64), carray(work_at, (18 + TERMS,), np.float64)
+    signs = carray(signs_at, (rows, columns), np.int8)
+    for row in range(rows):
+        for column in range(columns):
+            largest = 0.0
+            for k in range(4):
+                points = carray(pointer(places[k, 0]), (EVERYWHERE,), np.float64)
+                at = row * places[k, 1] + column * places[k, 2]
+                for axis in range(3):
+                    own[k, axis] = points[at + axis * places[k, 3]]
+                    largest = max(largest, abs(own[k, axis]))
+            sign = orient(own, 0, 0, 1, 0, 2, 0, 3, 0)
+            if sign == UNSURE and largest <= LARGEST:
+                sign = exact_sign(own, 0, 0, 1, 0, 2, 0, 3, 0, work)
+            signs[row, column] = sign
+    return 0
 
 
 @njit(error_model="numpy", forceinline=True)

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from inertia.arrays import Bool, Float, Int
 from inertia.mesh.geometry.boxes import nested
-from inertia.mesh.geometry.enclosed import Local, boxes_of, drawn, enclosed, members_of, scaling
+from inertia.mesh.geometry.enclosed import Local, all_outward, boxes_of, drawn, enclosed, members_of, scaling
 from inertia.mesh.geometry.triangle_pairs import unit
 from inertia.mesh.geometry.winding import windings
 from inertia.mesh.surface import Triangles
@@ -24,6 +24,8 @@ _UNDER = (1e-3, 1e-6)  # how far under the surface of a piece it is asked what i
 
 def senses_of(triangles: Triangles, labels: NDArray[np.int32], count: int, asked: Int) -> Int:
     """Return what `senses` does, (count,), for pieces that labels (n,) tell; −1 is in none."""
+    if all_outward(triangles, labels, count):
+        return np.ones(count, np.int64)
     boxes = boxes_of(triangles, labels, count)
     if not np.isfinite(boxes).all():  # which is refused elsewhere
         return np.ones(count, np.int64)

@@ -23,7 +23,6 @@ from __future__ import annotations
 
 import math
 import os
-from collections.abc import Iterator
 from typing import NamedTuple
 
 import numpy as np
@@ -32,12 +31,12 @@ from numpy.typing import NDArray
 from inertia.arrays import Bool, Float, Int
 from inertia.mesh.geometry.boxes import CELLS
 from inertia.mesh.geometry.closure import Closure
+from inertia.mesh.geometry.enclosed import MEASURE, NOISE, STORED, chunks, measured
 from inertia.mesh.geometry.touching import FIND, touching_groups
-from inertia.mesh.surface import Surface, Triangles
+from inertia.mesh.surface import Triangles
 from inertia.native import Kernel, address
 
 _MODULE, _PARTING = "inertia.mesh.geometry.shell_kernel", "inertia.mesh.geometry.parting_kernel"
-_MEASURE = Kernel(_MODULE, "measure_shells", "pippi" + "pi", fused=True)
 _PLACES = Kernel(_MODULE, "curve_places", "pi" + "dddi" + "ppp")
 _SORT = Kernel(_MODULE, "sort_places", "pppii")
 _MEET = Kernel(_MODULE, "meet_boxes", "ppppi" + "ppppppp")
@@ -45,17 +44,15 @@ _CAST = Kernel(_MODULE, "cast_rays", "pippi" + "pi" + "ppppp" + "ppip" + "i" + "
 _NEAR = Kernel(_MODULE, "near_children", "pippi" + "pi" + "ppppp" + "ppp", fused=True)
 _COPY = Kernel(_PARTING, "copy_shells", "pippi" + "ipipp" + "pppi")
 _PART = Kernel(_PARTING, "part_shells", "pippp" + "ippppi" + "pppi" + "ppppi", fused=True)
-_KERNELS = _MEASURE, _PLACES, _SORT, _MEET, _CAST, _NEAR, _COPY, _PART, FIND
-_CHUNK = 1 << 14
-_COLUMNS, _COUNTS = 12, (6, 1 << 11)  # as the kernels have them
+_KERNELS = MEASURE, _PLACES, _SORT, _MEET, _CAST, _NEAR, _COPY, _PART, FIND
+_COUNTS = 6, 1 << 11  # as the kernels have them
 _FEW = 1 << 12  # shells that numpy sorts in less time than it takes to clear the counts
 _MEETS, _INSIDE, _NEARBY, _WHOLE = 1, 2, 8, 16
 LOOKS, ANYWAY = 64, 1 << 18  # how often the triangles of a shell are looked at; how many of them in any case
-_NOISE = 1e-13  # rounding of a volume, over the sum of its terms' largest magnitudes
-_STORED = 2.0**-50  # the same, for each time that a sum is rounded
 _CLEAR = 2e-10  # of another shell, over the size of the part: what is nearer is not asked by rays
 _LEAST_BITS = 3  # so that differences of places are below the kernel's FAR
 _IN_RANGE = 100  # powers of two, of sizes whose products are far from the ends of float64
+_MOSTLY = 0.5  # of the triangles: where more are of shells with edges of more than two, all of them are looked at
 _POINTS = 2  # in a cell of those by which they are looked up, about
 
 
@@ -66,7 +63,8 @@ class Nesting(NamedTuple):
     ----------
     parent : (n,), the shell that each is next inside; −1 is none
     depth : (n,), how many shells are around it
-    suspects : those that may meet one next inside them, or another beside them; no others meet any
+    suspects : those that may meet one next inside them, or another beside them, and those that have edges of more than
+        two triangles; no others meet any
     """
 
     parent: Int
@@ -103,15 +101,15 @@ def nesting_of(triangles: Triangles, closure: Closure, *, streamed: bool = False
     streamed : whether to do without what would hold triangles in memory
 
     """
-    count = closure.components
-    if not count or closure.crowded or not all(kernel.worthwhile(triangles.count) for kernel in _KERNELS):
+    count, crowded = closure.components, closure.crowded_shells
+    if not count or not all(kernel.worthwhile(triangles.count) for kernel in _KERNELS):
         return None
-    table = np.zeros((count, _COLUMNS))
-    for _, *chunk in _chunks(triangles, closure):
-        _MEASURE.function(*chunk, address(table), count)
+    if closure.crowded and not 0 < np.isin(closure.labels, crowded).mean() < _MOSTLY:
+        return None
+    table = measured(triangles, closure.labels, count)
     box, boxes = np.empty((2, 3)), np.empty((count, 6), np.float32)
     places, bits = np.empty(count, np.uint64), max(count.bit_length(), _LEAST_BITS)
-    of_places = float(CELLS), _NOISE, _STORED, bits, address(box), address(boxes), address(places)
+    of_places = float(CELLS), NOISE, STORED, bits, address(box), address(boxes), address(places)
     if _PLACES.function(address(table), count, *of_places):
         return None
     size = float((box[1] - box[0]).max())
@@ -128,7 +126,7 @@ def nesting_of(triangles: Triangles, closure: Closure, *, streamed: bool = False
     parent, radii, depth = np.full(count, -1), np.zeros(count), np.zeros(count, np.int64)
     tree = _Boxes.of(table, boxes, order, places, np.zeros(count, np.int64))
     if not tree.flags.any():
-        return Nesting(parent, depth, np.empty(0, np.int64)) if (volume > 0).all() else None
+        return Nesting(parent, depth, crowded) if (volume > 0).all() else None
     inner = (tree.flags & _INSIDE).any()
     if streamed and not inner:
         return None
@@ -144,22 +142,7 @@ def nesting_of(triangles: Triangles, closure: Closure, *, streamed: bool = False
         ranked = np.argsort(parent[order], kind="stable")
         tree = _Boxes.of(table, boxes, order[ranked], places[ranked], parent[order[ranked]])
     suspects = _suspects(triangles, closure, table, tree, parent, radii, streamed)
-    return None if suspects is None else Nesting(parent, depth, suspects)
-
-
-def _chunks(triangles: Triangles, closure: Closure) -> Iterator[tuple[slice, int, int, int, int, int]]:
-    """Yield the triangles chunk by chunk: which they are, and where vertices, faces and labels lie, with numbers."""
-    surface = triangles if isinstance(triangles, Surface) else None
-    size = triangles.count if type(triangles) is Surface else _CHUNK  # whatever has its arrays in memory is one chunk
-    each = np.arange(3 * _CHUNK if surface is None else 0).reshape(-1, 3)
-    for start in range(0, triangles.count, size):
-        labels = closure.labels[start : start + size]
-        if surface is None:
-            vertices, faces = np.ascontiguousarray(triangles.corners(start, start + size)).reshape(-1, 3), each
-        else:
-            vertices, faces = surface.vertices, np.ascontiguousarray(surface.block(start, start + size))
-        places = vertices.ctypes.data, len(vertices), faces.ctypes.data, labels.ctypes.data
-        yield slice(start, start + len(labels)), *places, len(labels)
+    return None if suspects is None else Nesting(parent, depth, np.union1d(suspects, crowded))
 
 
 class _Boxes(NamedTuple):
@@ -218,7 +201,7 @@ def _nest(
     sums, depth, radii = np.zeros(count, np.int64), np.zeros(count, np.int64), np.zeros(count)
     of_shells = [address(each) for each in (tree.flags, tree.spots, signs, numbers, radii)]
     of_points = address(points), address(whose), len(whose), address(cells), across
-    for _, *chunk in _chunks(triangles, closure):
+    for _, *chunk in chunks(triangles, closure.labels):
         if _CAST.function(
             *chunk, address(table), count, *of_shells, *of_points, *corner.tolist(), *steps.tolist(), _CLEAR * size,
             address(sums), address(depth),
@@ -249,7 +232,7 @@ def _suspects(
         ranges = np.searchsorted(parent[order], np.arange(count)[:, None] + (0, 1))
         room = np.empty(512, np.int64)
         of_shells = address(table), count, *map(address, (radii, tree.boxes, tree.nodes, order, ranges))
-        for which, *chunk in _chunks(triangles, closure):
+        for which, *chunk in chunks(triangles, closure.labels):
             _NEAR.function(*chunk, *of_shells, near[which].ctypes.data, address(tree.flags), address(room))
     if not (tree.flags & (_MEETS | _NEARBY)).any():
         return none
@@ -291,7 +274,7 @@ def _unparted(
     ends = starts.copy()
     numbers, points = np.empty(slots, np.int64), np.empty((3, 3 * slots), np.float32)
     of_copies = address(tree.flags), address(tree.zones), address(ends), address(numbers), address(points), slots
-    for part, *chunk in _chunks(triangles, closure):
+    for part, *chunk in chunks(triangles, closure.labels):
         _COPY.function(*chunk, part.start, address(table), count, *of_copies)
     last, most = 2 * count - len(np.unique(parent)), int((ends - starts).max())
     if not most:

@@ -14,7 +14,8 @@ and fast robust geometric predicates", Discrete & Computational Geometry 18 (199
 
 from __future__ import annotations
 
-from collections.abc import Callable
+import math
+from collections.abc import Callable, Iterable
 
 import numpy as np
 from numpy.typing import NDArray
@@ -32,12 +33,11 @@ _RELATIVE = (7 + 56 * _EPSILON) * _EPSILON  # error, over the same sum with ever
 _UNDERFLOW = 2.0**-1070  # more than the products together lose when they fall below the normal numbers
 _ROWS = 1 << 15  # decided in integers at a time
 
-_SIGNS = Kernel("inertia.mesh.geometry.crossing_kernel", "exact_signs", "pipp")
+_SIGNS = Kernel("inertia.mesh.geometry.pair_kernel", "orient_points", "piippp")
 _CROSS = Kernel("inertia.mesh.geometry.pair_kernel", "cross_pairs", "pippi" + "pppp")
 _PART = Kernel("inertia.mesh.geometry.pair_kernel", "part_pairs", "pippi" + "pp")
 _WORK = 10  # times what integrating a triangle costs, in integers
 _ROOM = 256  # numbers that the kernel needs
-_LARGEST = 2.0**300  # of which the products of three are numbers
 
 
 def orient3d(a: Float, b: Float, c: Float, d: Float) -> Sign:
@@ -55,11 +55,46 @@ def orient3d(a: Float, b: Float, c: Float, d: Float) -> Sign:
     >>> orient3d(*np.array([[0.0, 0, 0], [1, 0, 0], [0, 1, 0], [0.1, 0.2, 1e-300]]))
     array(1, dtype=int8)
     """
-    sign = orient3d_filter(a, b, c, d)
+    points = a, b, c, d
+    shape = np.broadcast_shapes(*(point.shape for point in points))
+    sign = _compiled(points, shape[:-1], 1)
+    if sign is None:
+        sign = orient3d_filter(*points)
     unsure = sign == UNSURE
     if unsure.any():
-        points = [np.broadcast_to(point, (*sign.shape, 3))[unsure] for point in (a, b, c, d)]
-        sign[unsure] = _exactly(np.stack(points, axis=1))
+        sign[unsure] = _exactly(np.stack([np.broadcast_to(point, shape)[unsure] for point in points]))
+    return sign
+
+
+def _exactly(points: Float) -> Sign:
+    """Return the sign for columns of four points (4, n, 3), compiled where that pays and integers need not be long."""
+    sign = _compiled(points, points.shape[1:2], _WORK)
+    if sign is None:
+        return _in_integers(points.transpose(1, 0, 2))
+    unsure = sign == UNSURE
+    if unsure.any():
+        sign[unsure] = _in_integers(points.transpose(1, 0, 2)[unsure])
+    return sign
+
+
+def _compiled(points: Iterable[Float], shape: tuple[int, ...], work: int) -> Sign | None:
+    """Return what `orient3d` does, or `UNSURE`, by a kernel; None where it does not pay or reads no such tables.
+
+    `work` is how many times as long it takes as integrating a triangle, without the kernel.
+    """
+    if len(shape) > 2 or not _SIGNS.worthwhile(work * math.prod(shape)):
+        return None
+    places, sign = np.zeros((4, 4), np.int64), np.empty(shape, np.int8)
+    for row, point in zip(places, points, strict=True):
+        steps = [step if size > 1 else 0 for size, step in zip(point.shape, point.strides, strict=True)]
+        if point.dtype != np.float64 or min(steps) < 0 or any(step % 8 for step in steps):
+            return None
+        row[4 - len(steps) :] = steps
+        row //= 8
+        row[0] = point.ctypes.data
+    rows, columns = (1, 1, *shape)[-2:]
+    room = np.empty((4, 3)), np.empty(_ROOM)
+    _SIGNS.function(address(places), rows, columns, *map(address, room), place(sign))
     return sign
 
 
@@ -77,18 +112,6 @@ def orient3d_filter(a: Float, b: Float, c: Float, d: Float) -> Sign:
         # Comparing this way round, what has overflowed is unsure.
         decided = np.abs(determinant) > bound
     return np.where(decided, sign, UNSURE).astype(np.int8)
-
-
-def _exactly(points: Float) -> Sign:
-    """Return the sign for rows of four points (n, 4, 3), compiled where that pays and integers need not be long."""
-    if not _SIGNS.worthwhile(_WORK * len(points)) or float(np.abs(points).max()) > _LARGEST:
-        return _in_integers(points)
-    sign, work = np.empty(len(points), np.int8), np.empty(_ROOM)
-    _SIGNS.function(address(points), len(points), address(work), address(sign))
-    unsure = sign == UNSURE
-    if unsure.any():
-        sign[unsure] = _in_integers(points[unsure])
-    return sign
 
 
 def _in_integers(points: Float) -> Sign:

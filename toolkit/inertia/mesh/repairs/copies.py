@@ -12,7 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from inertia.arrays import Int
-from inertia.mesh.geometry.closure import components
+from inertia.mesh.geometry.faces import components
 from inertia.mesh.geometry.halfedges import half_edges
 
 

@@ -16,7 +16,7 @@ import numpy as np
 
 from inertia.arrays import Float, Int
 from inertia.errors import SHELL, GeometryError
-from inertia.mesh.geometry.closure import components
+from inertia.mesh.geometry.faces import components
 from inertia.mesh.geometry.halfedges import HalfEdges
 from inertia.mesh.geometry.triangle_pairs import unit
 

@@ -14,8 +14,9 @@ import numpy as np
 
 from inertia.arrays import Bool, Float, Int
 from inertia.errors import GeometryError
-from inertia.mesh.geometry.closure import components, pieces_of_surface
+from inertia.mesh.geometry.faces import components
 from inertia.mesh.geometry.halfedges import HalfEdges
+from inertia.mesh.geometry.pieces import pieces_of_surface
 from inertia.mesh.geometry.triangle_pairs import unit_normals
 from inertia.mesh.geometry.winding import windings
 from inertia.mesh.repairs.holes import around

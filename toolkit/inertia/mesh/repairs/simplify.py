@@ -15,7 +15,7 @@ from typing import Any
 import numpy as np
 
 from inertia.errors import CHECK
-from inertia.mesh.geometry.closure import merge_equal_vertices, repeated_corners
+from inertia.mesh.geometry.faces import merge_equal_vertices, repeated_corners
 from inertia.mesh.manifold import exponent_of, solid
 from inertia.mesh.repairs.weld import compact, diagonal
 from inertia.mesh.surface import Surface, Triangles

@@ -14,8 +14,9 @@ import numpy as np
 
 from inertia.arrays import Float, Int
 from inertia.errors import GeometryError, UsageError
-from inertia.mesh.geometry.closure import closure, components, merge_equal_vertices, repeated_corners
+from inertia.mesh.geometry.closure import closure
 from inertia.mesh.geometry.edges import duplicates
+from inertia.mesh.geometry.faces import components, merge_equal_vertices, repeated_corners
 from inertia.mesh.surface import LARGEST, Surface, Triangles, usable
 
 _LARGEST = 0.1  # tolerance, over the diagonal of the part's box

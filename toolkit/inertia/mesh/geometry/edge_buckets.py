@@ -1,23 +1,20 @@
 """Directed edges of triangles as records in buckets, by the first bits of their keys; the edges of a bucket, paired.
 
 A record has 12 bytes: the 64-bit key of the edge, whose lowest bit says which way it runs, and the number of the
-directed edge, 3 × triangle + side. Runs of records are sorted by bucket and kept in memory where they fit, else in a
-temporary file. What a bucket has in all runs is counted in a table inside the cache. There are two forms of each step:
-compiled, and by numpy for any triangles.
+directed edge, 3 × triangle + side. What a bucket has is counted in a table inside the cache. There are two forms of
+each step: compiled, and by numpy for any triangles.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator
-from contextlib import ExitStack
+from collections.abc import Callable, Iterable
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from inertia.arrays import Bool, Int
-from inertia.mesh.external.temporary_file import TemporaryFile
-from inertia.mesh.geometry.corner_keys import FACETS
+from inertia.arrays import Bool, Int, Progress
+from inertia.mesh.geometry.corner_keys import FACETS, Keys, corner_keys
 from inertia.mesh.surface import Facets, Triangles
 from inertia.native import Kernel, address
 
@@ -39,66 +36,17 @@ BUCKET = 1 << 16
 """Records in a bucket, about, or twice as many: the table of their edges lies in the cache."""
 CHUNK = 1 << 15
 """Triangles that are read at a time."""
+MOST = 2**32 // 3 - 1
+"""Triangles whose directed edges can be numbered in 32 bits."""
 REPEATED = 0xFFFFFFFF
 """In place of the piece of a triangle with a repeated corner."""
 
-_RUN = 3 * (8 + BYTES)  # bytes of memory that a triangle of a run takes
-
-
-class Runs:
-    """Records of directed edges, in runs sorted by bucket: in memory where they fit in `room` bytes, else in a file."""
-
-    def __init__(self, count: int, room: int, slack: int, stack: ExitStack) -> None:
-        self.bits = bits_for(count)
-        self.in_memory = 3 * BYTES * count + _RUN * min(count, CHUNK) <= room // 2
-        self._arrays: list[NDArray[np.uint32]] = []
-        self._starts: list[Int] = []
-        self._begin: list[int] = []
-        if self.in_memory:
-            self.length = min(count, max(CHUNK, room // 4 // _RUN))
-            return
-        self.length = min(count, max(CHUNK, (room - slack) // _RUN))
-        self._file = TemporaryFile(3 * BYTES * count, stack)
-
-    @property
-    def buckets(self) -> int:
-        """How many there are."""
-        return int(1 << self.bits)
-
-    def add(self, records: NDArray[np.uint32], starts: Int) -> None:
-        """Keep a run (n, 3), whose bucket b is `starts[b]:starts[b + 1]`."""
-        self._starts.append(starts)
-        if self.in_memory:
-            self._arrays.append(records.copy())
-            return
-        self._begin.append(self._file.reserve(records.nbytes))
-        self._file.write(records, self._begin[-1])
-
-    def bucket(self, number: int, buffer: NDArray[np.uint32]) -> Iterator[NDArray[np.uint32]]:
-        """Yield what all runs have of a bucket, in pieces no longer than the buffer, which they may lie in."""
-        filled = 0
-        for run, starts in enumerate(self._starts):
-            at, stop = int(starts[number]), int(starts[number + 1])
-            if self.in_memory:
-                for first in range(at, stop, len(buffer)):
-                    yield self._arrays[run][first : min(first + len(buffer), stop)]
-                continue
-            while at < stop:
-                size = min(stop - at, len(buffer) - filled)
-                self._file.read(buffer[filled : filled + size], self._begin[run] + BYTES * at)
-                at, filled = at + size, filled + size
-                if filled == len(buffer):
-                    yield buffer
-                    filled = 0
-        if filled:
-            yield buffer[:filled]
-
 
 class Compiled:
-    """The steps by the compiled kernels; numpy makes the keys of faces over vertices."""
+    """The steps by the compiled kernels; numpy makes the keys of faces over vertices, unless theirs are at hand."""
 
-    def __init__(self, salt: NDArray[np.uint64]) -> None:
-        self._salt, self._by_numpy = np.array(salt), Vectorised(salt)
+    def __init__(self, salt: NDArray[np.uint64], corners: Keys | None = None) -> None:
+        self._salt, self._by_numpy, self._corners = np.array(salt), Vectorised(salt), corners
         self._table, self._uses = np.zeros((BUCKET, 2), np.uint64), np.zeros((BUCKET, 2), np.uint32)
         self._pairs, self._rows = np.empty((BUCKET, 2), np.uint32), np.empty((CHUNK, 3), np.uint64)
         self.state = np.zeros(3, np.int64)
@@ -108,10 +56,10 @@ class Compiled:
         self, triangles: Triangles, start: int, stop: int, keys: NDArray[np.uint64], counts: Int, bits: int
     ) -> int:
         """Write the keys of the edges of triangles `start:stop`, and count them by bucket; 0 for a repeated corner."""
-        if not isinstance(triangles, Facets):
+        if self._corners is None and not isinstance(triangles, Facets):
             return self._by_numpy.keys(triangles, start, stop, keys, counts, bits)
-        block, salt, rows = triangles.block(start, stop), address(self._salt), address(self._rows)
-        FACETS.function(block.ctypes.data, stop - start, salt, rows, rows, False)
+        (self._corners or corner_keys(triangles, self._salt))(start, stop, self._rows, None)
+        salt, rows = address(self._salt), address(self._rows)
         return KEYS.function(rows, stop - start, salt, keys.ctypes.data, address(counts), len(counts), 64 - bits)
 
     def scatter(
@@ -260,9 +208,33 @@ class Sorter:
         return self._records[: starts[-1]], starts, np.concatenate([np.empty(0, np.int64), *repeated])
 
 
-def steps_for(count: int, salt: NDArray[np.uint64]) -> Steps:
-    """Return the form of the steps for so many triangles."""
-    return Compiled(salt) if all(kernel.worthwhile(count) for kernel in _KERNELS) else Vectorised(salt)
+def irregular_halves(
+    buckets: int,
+    records: Callable[[int], Iterable[NDArray[np.uint32]]],
+    steps: Steps,
+    parent: NDArray[np.uint32],
+    room: int,
+    progress: Progress | None = None,
+) -> tuple[NDArray[np.uint32], int]:
+    """Join triangles at regular edges; return the irregular directed edges, `room` at most, and how many there are.
+
+    `records` gives those of a bucket, piece by piece.
+    """
+    halves, odd = np.empty(room, np.uint32), 0
+    for number in range(buckets):
+        pairs, irregular = steps.pairs(lambda: records(number))  # noqa: B023  # it is used at once
+        steps.join(parent, pairs)
+        if irregular:
+            for piece in records(number):
+                odd = steps.irregular(piece, halves, odd)
+        if progress is not None:
+            progress((number + 1) / buckets)
+    return halves, odd
+
+
+def steps_for(count: int, salt: NDArray[np.uint64], corners: Keys | None = None) -> Steps:
+    """Return the form of the steps for so many triangles, whose corners have keys at hand or not."""
+    return Compiled(salt, corners) if all(kernel.worthwhile(count) for kernel in _KERNELS) else Vectorised(salt)
 
 
 def bits_for(count: int) -> int:

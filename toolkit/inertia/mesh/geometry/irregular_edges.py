@@ -1,0 +1,110 @@
+"""Edges that are not used once each way, looked at by their coordinates, exactly, with the triangles that have them."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from inertia.arrays import Bool, Float, Int
+from inertia.mesh.geometry.edge_buckets import CHUNK, Steps, roots_of
+from inertia.mesh.geometry.edges import Edges
+from inertia.mesh.geometry.faces import merge_equal_vertices
+from inertia.mesh.geometry.halfedges import half_edges
+from inertia.mesh.geometry.pieces import links_turned, sharing
+from inertia.mesh.geometry.senses import senses_of
+from inertia.mesh.surface import Triangles
+
+
+@dataclass(frozen=True, eq=False)
+class Irregular:
+    """The edges that are not used once each way; `users` of `edges` are numbers of triangles of the whole surface.
+
+    Attributes
+    ----------
+    triangles : those that have such an edge
+    numbers : (m,), which they are in the whole surface, ascending
+    vertices, faces : the different vertices of these, and the faces over them
+    edges : the irregular ones
+    """
+
+    triangles: Triangles
+    numbers: Int
+    vertices: Float
+    faces: Int
+    edges: Edges
+
+
+def irregular_edges(
+    triangles: Triangles, halves: Int, parent: NDArray[np.uint32], steps: Steps, *, turning: bool = True
+) -> tuple[Irregular, Int]:
+    """Pair irregular directed edges by their coordinates; return those that are, and the triangles (k, 2) they join.
+
+    Parameters
+    ----------
+    halves : their numbers, ascending, 3 × triangle + side; regular ones whose keys collided may be among them
+    parent, steps : what the regular edges have joined, and how
+    turning : whether to find out which bodies are inside out (48 bytes a triangle), to pair them as when turned
+    """
+    numbers = np.unique(halves // 3)
+    some = triangles.select(numbers)
+    vertices, faces = merge_equal_vertices(some)
+    order = np.argsort(_first_uses(triangles, vertices), kind="stable")
+    vertices, faces = vertices[order], np.argsort(order)[faces]
+    directed = half_edges(faces)
+    marked = np.zeros(3 * len(faces), bool)
+    marked[3 * np.searchsorted(numbers, halves // 3) + halves % 3] = True
+    member = directed.by_edge[marked[directed.by_edge]]
+    edge = directed.edge[member]
+    leads = np.append(True, edge[1:] != edge[:-1])[: len(edge)]
+    start = np.flatnonzero(leads)
+    uses = np.diff(np.append(start, len(edge)))
+    forward = np.add.reduceat(directed.direction[member] > 0, start, dtype=np.int64) if len(start) else uses
+    regular = (uses == 2) & (forward == 1)
+    joined = numbers[member[start[regular][:, None] + [0, 1]] // 3]
+    if (uses > 2).any():
+        piece = roots_of(parent, numbers).astype(np.int64)
+        turned = np.zeros(len(faces), bool)
+        if turning:
+            shared, whole = numbers[sharing(directed)], parent.copy()
+            steps.join(whole, np.concatenate([joined, shared]))
+            pieces = steps.number(whole)
+            turned = senses_of(triangles, whole.view(np.int32), pieces, np.unique(whole[shared]))[whole[numbers]] < 0
+        more = links_turned(vertices, faces, directed, np.unique(piece, return_inverse=True)[1], turned)
+        joined = np.concatenate([joined, numbers[more]])
+    low, high = np.minimum(directed.tail, directed.head), np.maximum(directed.tail, directed.head)
+    odd: Bool = ~regular
+    first = member[start[odd]]
+    users = numbers[member[np.repeat(odd, uses)] // 3]
+    edges = Edges(np.column_stack([low[first], high[first]]), forward[odd], (uses - forward)[odd], users)
+    return Irregular(some, numbers, vertices, faces, edges), joined
+
+
+def _first_uses(triangles: Triangles, vertices: Float) -> Int:
+    """Return the number of the first corner of the surface at each vertex: whoever numbers them all goes by that."""
+    first = np.full(len(vertices), 3 * triangles.count)
+    if len(vertices) == 0:
+        return first
+    hashes = _mixed(vertices)
+    order = np.argsort(hashes, kind="stable")
+    ranked = hashes[order]
+    some = np.zeros(1 << 16, bool)
+    some[ranked >> np.uint64(48)] = True
+    for start in range(0, triangles.count, CHUNK):
+        corners = triangles.corners(start, start + CHUNK).reshape(-1, 3) + 0.0
+        mixed = _mixed(corners)
+        which = np.flatnonzero(some[mixed >> np.uint64(48)])
+        rank = np.minimum(np.searchsorted(ranked, mixed[which]), len(ranked) - 1)
+        same = (vertices[order[rank]] == corners[which]).all(axis=1)
+        np.minimum.at(first, order[rank[same]], 3 * start + which[same])
+    return first
+
+
+def _mixed(points: Float) -> NDArray[np.uint64]:
+    """Return a number for each point (k, 3) that is the same for the same coordinates, and seldom for others."""
+    mixed = np.zeros(len(points), np.uint64)
+    for bits in points.view(np.uint64).T:
+        mixed = (mixed ^ bits) * np.uint64(0x9E3779B97F4A7C15)
+        mixed ^= mixed >> np.uint64(29)
+    return mixed * np.uint64(0xBF58476D1CE4E5B9)
