@@ -63,7 +63,7 @@ class TestKernels:
             some[:, 1, :1],
             some[:, 2, ::-1],
             some[0, 3],
-        )  # rows, columns, backwards, one row of all
+        )
         sign = orient3d(a, b, c, d)
         expected = [
             [rational_sign(*(point.tolist() for point in four)) for four in zip(*row, strict=True)]
