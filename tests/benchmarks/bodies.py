@@ -95,6 +95,12 @@ def _touching(count: int) -> Mesh:
     return _joined(rings, (blocks[0] @ turn - 5, blocks[1]))
 
 
+def _sharing(count: int) -> Mesh:
+    """Return rings apart, and two cubes beside them that have a side in common."""
+    rings = _copies(solids.ring(16, 7, 1.0, 0.25), _lattice(count, 3.0))
+    return _joined(rings, _copies(solids.cube(), np.array([[-5.0, -5, -5], [-4, -5, -5]])))
+
+
 def _pile(count: int) -> Mesh:
     """Return discs that lie on one another, along no axis."""
     turn = np.linalg.qr([[1.0, 1, 0.3], [-1, 1, 0.5], [0.4, -0.2, 1]])[0]
@@ -154,6 +160,8 @@ KINDS: dict[str, Callable[[], Mesh]] = {
     "2,916 balls in the closest packing": lambda: _packed(2_916),
     "10,000 bars side by side, askew": lambda: _bars(10_000),
     "4,096 rings, and two blocks that touch": lambda: _touching(4_096),
+    "4,096 rings, and two cubes with a common side": lambda: _sharing(4_096),
+    "8,000 cubes face on face": lambda: _copies(solids.cube(), _lattice(8_000, 1.0)),
     "512 bricks of a wall, askew": lambda: _wall(512),
     "100 discs of a pile, askew": lambda: _pile(100),
     "25 bolts in a plate, askew": lambda: _bolted(5),

@@ -8,8 +8,9 @@ import pytest
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 from tests.mass.spectra import eigenvalues
-from tests.mesh.solids import box, cube, joined, sphere
+from tests.mesh.solids import box, cube, joined, part, sphere
 
+from inertia import mass_properties
 from inertia.errors import GeometryError, UsageError
 from inertia.mass.moments import Moments
 from inertia.mass.properties import ErrorBound, MassProperties
@@ -161,6 +162,18 @@ def test_a_mass_is_positive_and_finite(mass: float) -> None:
     with pytest.raises(UsageError, match=r"^mass is .* kg: it must be positive and finite") as e:
         MassProperties(1.0, 1.0, [0, 0, 0], np.eye(3)).with_mass(mass)
     assert e.value.exit_code == 2
+
+
+@pytest.mark.parametrize("value", [True, "two", None], ids=str)
+def test_what_is_no_number_is_no_mass(value: object) -> None:
+    with pytest.raises(UsageError, match=r"^mass is .*: it must be a number of kg$"):
+        MassProperties(1.0, 1.0, [0, 0, 0], np.eye(3)).with_mass(value)
+
+
+@pytest.mark.parametrize("value", [True, "dense"], ids=str)
+def test_what_is_no_number_is_no_density(value: object) -> None:
+    with pytest.raises(UsageError, match=r"^density is .*: it must be a number of kg/m³$"):
+        mass_properties(part(cube()), density=value)
 
 
 @pytest.mark.parametrize("volume", [-1.0, -1e-300, math.inf, math.nan], ids=str)

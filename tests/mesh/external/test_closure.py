@@ -69,7 +69,7 @@ def test_the_pairing_is_that_of_the_coordinates(name: str, native: str, monkeypa
         expected.crowded,
     )
     assert found.labels.tolist() == expected.labels.tolist()
-    assert found.crowded_shells.tolist() == expected.crowded_shells.tolist()
+    assert found.at_crowded.tolist() == expected.at_crowded.tolist()
 
 
 @pytest.mark.parametrize("native", ["1", "0"])
@@ -87,8 +87,8 @@ def test_the_pairing_by_keys_in_memory_is_that_of_the_coordinates(
     found, expected = closure_by_keys(surface, salt), vectorised_closure(surface)
     assert found is not None
     assert found.labels.tolist() == expected.labels.tolist()
-    assert found.crowded_shells.tolist() == expected.crowded_shells.tolist()
-    assert len(found.crowded_shells) or not found.crowded
+    assert found.at_crowded.tolist() == expected.at_crowded.tolist()
+    assert len(found.at_crowded) or not found.crowded
     for name in ("open_edges", "components", "repeated", "crowded"):
         assert getattr(found, name) == getattr(expected, name)
 

@@ -102,12 +102,12 @@ def densities(
     for key, value in _mapping(density).items():
         if key in named:
             raise UsageError(f"both a density and a material are given{f' for {key!r}' if key else ''}: give one")
-        named[key] = _positive(value, f"density{f' of {key!r}' if key else ''}", "kg/m³")
+        named[key] = positive(value, f"density{f' of {key!r}' if key else ''}", "kg/m³")
     source: DensityFrom = "option" if _mapping(density) else "material" if named else "assumed"
     if mass is not None:
         if "" in named:
             raise UsageError("both a mass and a density are given: give the one that was measured")
-        mass = _positive(mass, "mass", "kg")
+        mass = positive(mass, "mass", "kg")
         source = "mass"
     default = named.pop("", None if named else ASSUMED)
     return Densities(default, named, source, mass)
@@ -119,11 +119,14 @@ def _mapping(value: T | Mapping[str, T] | None) -> Mapping[str, T]:
     return value if isinstance(value, Mapping) else {"": value}
 
 
-def _positive(value: float, name: str, unit: str) -> float:
+def positive(value: float, name: str, unit: str) -> float:
+    """Return a positive, finite number, with its uncertainty, if it has one; raises `UsageError` for all else."""
     try:
         number = value if isinstance(value, Estimate) else float(value)
     except (TypeError, ValueError):
-        raise UsageError(f"{name} is {value!r}: it must be a number of {unit}") from None
+        number = None
+    if number is None or isinstance(value, bool):
+        raise UsageError(f"{name} is {value!r}: it must be a number of {unit}")
     if not (number > 0 and math.isfinite(number)):
         raise UsageError(f"{name} is {number:g} {unit}: it must be positive and finite")
     return number

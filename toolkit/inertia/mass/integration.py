@@ -179,9 +179,10 @@ def surface_integrals(
         return
     examined = not shell and to_be_examined(triangles, intersections, topology.crowded)
     report = near
-    among = None if near is None else topology.labels  # what crosses between shells is in the report
-    if examined and not proven and not _simple(triangles, topology, apart, looked) and crosses(triangles, labels=among):
-        report = _sound(part, intersections, parts, allowance, absolute)
+    if examined and not proven and not _simple(triangles, topology, apart, looked):
+        crossed, examined = _crossed(triangles, topology, apart, intersections)
+        if crossed:
+            report = _sound(part, intersections, parts, allowance, absolute)
     integral = Integral(
         groups=(),
         method=METHODS["float64"],
@@ -239,6 +240,20 @@ def _simple(triangles: Triangles, topology: Closure, apart: bool, looked: int | 
     first = np.cumsum(sizes) - sizes
     faces = (np.arange(len(corners)) - 3 * np.repeat(first, 3 * sizes)).reshape(-1, 3)
     return bool(simple(corners, faces, np.column_stack([3 * first, 3 * sizes, first, sizes]), pieces=True).all())
+
+
+def _crossed(triangles: Triangles, topology: Closure, apart: bool, intersections: bool | None) -> tuple[bool, bool]:
+    """Say whether triangles cross, and whether all were looked through; `apart`, where what shells do is known.
+
+    Of a surface that is not looked through without being asked, the shells with edges of more than two triangles are.
+    """
+    if not apart or topology.components == 1:
+        return crosses(triangles), True
+    labels = topology.labels
+    if to_be_examined(triangles, intersections):
+        return crosses(triangles, labels=labels), True
+    which = np.flatnonzero(np.isin(labels, np.unique(labels[topology.at_crowded])))
+    return crosses(triangles.select(which), labels=labels[which]), len(which) == len(labels)
 
 
 def _sound(part: Part, intersections: bool | None, parts: Parts, allowance: float, turned: bool) -> Report:

@@ -18,6 +18,7 @@ from numpy.typing import ArrayLike
 from inertia.arrays import Float
 from inertia.errors import UNIT, GeometryError, UsageError
 from inertia.mass import principal as principals
+from inertia.mass.density import positive
 from inertia.mass.eigen import Spectrum
 from inertia.mass.moments import ZERO, Moments, Six, dyadic, nearby, norm_above, norm_above_of
 from inertia.mass.tensor import array_of, exact_point, faults, rotation_of
@@ -344,8 +345,7 @@ class MassProperties:
 
         The mass is exact as given; what was uncertain in the old one goes over to the tensor, which is its multiple.
         """
-        if not 0 < mass < np.inf:
-            raise UsageError(f"mass is {mass!r} kg: it must be positive and finite")
+        mass = positive(mass, "mass", "kg")
         _require_mass(self._moments)
         moments = self._moments.weighed(Fraction(mass))
         try:

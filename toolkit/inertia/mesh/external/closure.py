@@ -162,9 +162,9 @@ def external_closure(
         uses, surplus = irregular.edges.uses, irregular.edges.forward - irregular.edges.backward
         crowded, open_edges = int((uses > 2).sum()), int(np.abs(surplus).sum())
     components, labels = steps.number(parent), parent.view(np.int32)
-    shells = np.unique(labels[irregular.edges.at_crowded if irregular else []]).astype(np.int64)
+    at_crowded = irregular.edges.at_crowded if irregular else np.empty(0, np.int64)
     first = int(halves[:odd].min()) // 3 if odd else None
-    return Pairing(Closure(open_edges, components, labels, repeated, crowded, shells), irregular, first)
+    return Pairing(Closure(open_edges, components, labels, repeated, crowded, at_crowded), irregular, first)
 
 
 def closed_by_place(

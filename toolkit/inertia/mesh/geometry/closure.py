@@ -65,7 +65,7 @@ class Closure:
         a repeated corner
     repeated : triangles with a repeated corner (they have no area and take part in nothing)
     crowded : edges that more than two triangles share
-    crowded_shells : the components that have such edges, ascending; empty also where these are too many to be looked at
+    at_crowded : the triangles that have such edges, ascending; none also where these are too many to be looked at
     """
 
     open_edges: int
@@ -73,7 +73,7 @@ class Closure:
     labels: NDArray[np.int32]
     repeated: int
     crowded: int
-    crowded_shells: Int = field(default_factory=lambda: np.empty(0, np.int64))
+    at_crowded: Int = field(default_factory=lambda: np.empty(0, np.int64))
 
     @classmethod
     def simple(cls, count: int) -> Closure:
@@ -130,7 +130,7 @@ def closure_by_keys(triangles: Triangles, salt: NDArray[np.uint64]) -> Closure |
     steps.join(parent, joined)
     edges, components, labels = irregular.edges, steps.number(parent), parent.view(np.int32)
     open_edges, crowded = int(np.abs(edges.forward - edges.backward).sum()), int(edges.non_manifold.sum())
-    return Closure(open_edges, components, labels, len(repeated), crowded, np.unique(labels[edges.at_crowded]))
+    return Closure(open_edges, components, labels, len(repeated), crowded, edges.at_crowded)
 
 
 def vectorised_closure(triangles: Triangles) -> Closure:
@@ -145,5 +145,5 @@ def vectorised_closure(triangles: Triangles) -> Closure:
     first, number = np.unique(piece, return_inverse=True)
     labels[whole] = number
     open_edges, many = int(np.abs(edges.surplus).sum()), edges.uses > 2
-    shells = np.unique(number[np.flatnonzero(many[edges.edge]) // 3])
-    return Closure(open_edges, len(first), labels, len(faces) - len(whole), int(many.sum()), shells)
+    at_many = whole[np.unique(np.flatnonzero(many[edges.edge]) // 3)]
+    return Closure(open_edges, len(first), labels, len(faces) - len(whole), int(many.sum()), at_many)

@@ -348,9 +348,8 @@ def _sorted_exactly(order: Int, group: Int, quarter: Sign, u: Float, v: Float, w
 
 
 def _numbered(one: Int, other: Int) -> Int:
-    """Number the different pairs of two arrays (k,)."""
-    number: Int = np.unique(np.column_stack([one, other]), axis=0, return_inverse=True)[1].ravel()
-    return number
+    """Number the different pairs of two arrays (k,), whose entries are no less than 0, in their order."""
+    return np.unique(one * (other.max(initial=0) + 1) + other, return_inverse=True)[1]
 
 
 def _chain(triangle: Int, group: Int) -> Int:

@@ -31,7 +31,11 @@ from numpy.typing import NDArray
 from inertia.arrays import Bool, Float, Int
 from inertia.mesh.geometry.boxes import CELLS
 from inertia.mesh.geometry.closure import Closure
+from inertia.mesh.geometry.edge_fans import layered
+from inertia.mesh.geometry.edges import duplicates
 from inertia.mesh.geometry.enclosed import MEASURE, NOISE, STORED, chunks, measured
+from inertia.mesh.geometry.faces import merge_equal_vertices
+from inertia.mesh.geometry.halfedges import half_edges
 from inertia.mesh.geometry.touching import FIND, touching_groups
 from inertia.mesh.surface import Triangles
 from inertia.native import Kernel, address
@@ -52,7 +56,6 @@ LOOKS, ANYWAY = 64, 1 << 18  # how often the triangles of a shell are looked at;
 _CLEAR = 2e-10  # of another shell, over the size of the part: what is nearer is not asked by rays
 _LEAST_BITS = 3  # so that differences of places are below the kernel's FAR
 _IN_RANGE = 100  # powers of two, of sizes whose products are far from the ends of float64
-_MOSTLY = 0.5  # of the triangles: where more are of shells with edges of more than two, all of them are looked at
 _POINTS = 2  # in a cell of those by which they are looked up, about
 
 
@@ -63,8 +66,8 @@ class Nesting(NamedTuple):
     ----------
     parent : (n,), the shell that each is next inside; −1 is none
     depth : (n,), how many shells are around it
-    suspects : those that may meet one next inside them, or another beside them, and those that have edges of more than
-        two triangles; no others meet any
+    suspects : those that may meet one next inside them, or another beside them, and those of whose material some may
+        lie on other material around an edge of more than two triangles; no others meet any, but at such edges
     """
 
     parent: Int
@@ -101,10 +104,10 @@ def nesting_of(triangles: Triangles, closure: Closure, *, streamed: bool = False
     streamed : whether to do without what would hold triangles in memory
 
     """
-    count, crowded = closure.components, closure.crowded_shells
+    count = closure.components
     if not count or not all(kernel.worthwhile(triangles.count) for kernel in _KERNELS):
         return None
-    if closure.crowded and not 0 < np.isin(closure.labels, crowded).mean() < _MOSTLY:
+    if closure.crowded and not len(closure.at_crowded):
         return None
     table = measured(triangles, closure.labels, count)
     box, boxes = np.empty((2, 3)), np.empty((count, 6), np.float32)
@@ -126,7 +129,8 @@ def nesting_of(triangles: Triangles, closure: Closure, *, streamed: bool = False
     parent, radii, depth = np.full(count, -1), np.zeros(count), np.zeros(count, np.int64)
     tree = _Boxes.of(table, boxes, order, places, np.zeros(count, np.int64))
     if not tree.flags.any():
-        return Nesting(parent, depth, crowded) if (volume > 0).all() else None
+        suspects = _layered(triangles, closure, parent, depth) if (volume > 0).all() else None
+        return None if suspects is None else Nesting(parent, depth, suspects)
     inner = (tree.flags & _INSIDE).any()
     if streamed and not inner:
         return None
@@ -142,7 +146,22 @@ def nesting_of(triangles: Triangles, closure: Closure, *, streamed: bool = False
         ranked = np.argsort(parent[order], kind="stable")
         tree = _Boxes.of(table, boxes, order[ranked], places[ranked], parent[order[ranked]])
     suspects = _suspects(triangles, closure, table, tree, parent, radii, streamed)
-    return None if suspects is None else Nesting(parent, depth, np.union1d(suspects, crowded))
+    more = None if suspects is None else _layered(triangles, closure, parent, depth)
+    return None if suspects is None or more is None else Nesting(parent, depth, np.union1d(suspects, more))
+
+
+def _layered(triangles: Triangles, closure: Closure, parent: Int, depth: Int) -> Int | None:
+    """Return the shells some of whose material may lie on other material at edges; None where triangles are copies."""
+    which = closure.at_crowded
+    if len(which) == 0:
+        return which
+    shell = closure.labels[which].astype(np.int64)
+    vertices, faces = merge_equal_vertices(triangles.select(which))
+    if len(duplicates(faces)[0]):
+        return None
+    edges, body = half_edges(faces), np.where(depth[shell] % 2 == 1, parent[shell], shell)
+    may = layered(vertices, faces, edges, body, np.zeros(len(faces), bool))
+    return np.unique(shell[may[edges.edge].reshape(-1, 3).any(axis=1)])
 
 
 class _Boxes(NamedTuple):
