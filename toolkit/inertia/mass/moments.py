@@ -13,7 +13,7 @@ from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, field, replace
 from fractions import Fraction
 from functools import cached_property
-from math import isqrt, lcm
+from math import gcd, isqrt, lcm
 from typing import TYPE_CHECKING, Any
 
 from inertia.arrays import Float
@@ -159,25 +159,24 @@ class Moments:
 
         With d = origin − point: ∫x → ∫x + d V and ∫x xᵀ → ∫x xᵀ + d ∫xᵀ + ∫x dᵀ + d dᵀ V.
         """
-        d = [o - p for o, p in zip(self.origin, point, strict=True)]
-        f, fb = self.first, self.first_bound
-        v, vb = self.zeroth, self.zeroth_bound
+        here, own = over(tuple(point)), self.numbers
+        lever, d = _plus(own["origin"], ([-k for k in here[0]], here[1]))
+        arm = [abs(k) for k in lever], d
         norms = None
         if self.norms is not None:
-            far, (first, tensor) = norm_above(d), self.error_norms
-            norms = first + far * vb, tensor + 3 * far * first + Fraction(3, 2) * far**2 * vb
-        return Moments(
-            vector(point),
-            v,
-            vector(f[i] + d[i] * v for i in range(3)),
-            six(self.second[k] + d[i] * f[j] + d[j] * f[i] + d[i] * d[j] * v for k, (i, j) in enumerate(PAIRS)),
-            vb,
-            vector(fb[i] + abs(d[i]) * vb for i in range(3)),
-            six(
-                self.second_bound[k] + abs(d[i]) * fb[j] + abs(d[j]) * fb[i] + abs(d[i] * d[j]) * vb
-                for k, (i, j) in enumerate(PAIRS)
-            ),
+            far, (off, tensor), vb = norm_above_of(lever, d), self.error_norms, self.zeroth_bound
+            norms = off + far * vb, tensor + 3 * far * off + Fraction(3, 2) * far**2 * vb
+        first, second = _shifted((lever, d), own["zeroth"], own["first"], own["second"])
+        first_bound, second_bound = _shifted(arm, own["zeroth_bound"], own["first_bound"], own["second_bound"])
+        return Moments.over(
             norms,
+            origin=here,
+            zeroth=own["zeroth"],
+            first=first,
+            second=second,
+            zeroth_bound=own["zeroth_bound"],
+            first_bound=first_bound,
+            second_bound=second_bound,
         )
 
     def stretched(self, rows: Sequence[Sequence[Fraction]]) -> Moments:
@@ -274,16 +273,8 @@ class Moments:
         if self.norms is not None or moved.norms is not None:
             (a, b), (c, d) = self.error_norms, moved.error_norms
             norms = a + c, b + d
-        return Moments(
-            self.origin,
-            self.zeroth + moved.zeroth,
-            vector(a + b for a, b in zip(self.first, moved.first, strict=True)),
-            six(a + b for a, b in zip(self.second, moved.second, strict=True)),
-            self.zeroth_bound + moved.zeroth_bound,
-            vector(a + b for a, b in zip(self.first_bound, moved.first_bound, strict=True)),
-            six(a + b for a, b in zip(self.second_bound, moved.second_bound, strict=True)),
-            norms,
-        )
+        sums = {name: _plus(self.numbers[name], moved.numbers[name]) for name in _FIELDS if name != "origin"}
+        return Moments.over(norms, origin=self.numbers["origin"], **sums)
 
     @property
     def centroid(self) -> Vector:
@@ -385,6 +376,25 @@ def _together(a: Over, b: Over) -> tuple[tuple[list[int], list[int]], int]:
     d = lcm(a[1], b[1])
     p, q = d // a[1], d // b[1]
     return ([p * k for k in a[0]], [q * k for k in b[0]]), d
+
+
+def _plus(*terms: Over) -> Over:
+    """Add rows of numbers, in lowest terms together."""
+    d = lcm(*(own for _, own in terms))
+    rows = [[d // own * k for k in numbers] for numbers, own in terms]
+    sums = [sum(column) for column in zip(*rows, strict=True)]
+    common = gcd(d, *sums)
+    return [k // common for k in sums], d // common
+
+
+def _shifted(lever: Over, zeroth: Over, first: Over, second: Over) -> tuple[Over, Over]:
+    """Return first and second moments about a point from which a lever leads to where they were about."""
+    (d, own), (f, g), ((v,), e) = lever, first, zeroth
+    crossed = [d[i] * f[j] + d[j] * f[i] for i, j in PAIRS], own * g
+    return (
+        _plus(first, ([k * v for k in d], own * e)),
+        _plus(second, crossed, ([d[i] * d[j] * v for i, j in PAIRS], own * own * e)),
+    )
 
 
 def dyadic(values: Sequence[float]) -> Over:
