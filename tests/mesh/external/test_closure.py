@@ -16,7 +16,7 @@ from inertia.errors import UsageError, WriteError
 from inertia.mesh.external import closure as external
 from inertia.mesh.external.closure import closed_by_place, external_closure, room_for
 from inertia.mesh.geometry import edge_buckets as buckets
-from inertia.mesh.geometry.closure import closure_by_keys, vectorised_closure
+from inertia.mesh.geometry.closure import paired_by_keys, vectorised_closure
 from inertia.mesh.geometry.faces import merge_equal_vertices
 from inertia.mesh.surface import FACET, Facets, Surface
 
@@ -72,20 +72,20 @@ def test_the_pairing_is_that_of_the_coordinates(name: str, native: str, monkeypa
     assert found.at_crowded.tolist() == expected.at_crowded.tolist()
 
 
-@pytest.mark.parametrize("native", ["1", "0"])
 @pytest.mark.parametrize("over_vertices", [False, True])
 @pytest.mark.parametrize("name", SOUPS)
 def test_the_pairing_by_keys_in_memory_is_that_of_the_coordinates(
-    name: str, over_vertices: bool, native: str, monkeypatch: pytest.MonkeyPatch
+    name: str, over_vertices: bool, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setenv("INERTIA_NATIVE", native)
+    monkeypatch.setattr("inertia.native.SHIPPED_ABOVE", 0)
     surface, salt = stored(SOUPS[name]), np.random.default_rng(2).integers(1 << 60, size=15).astype(np.uint64)
-    found = closure_by_keys(Surface(*merge_equal_vertices(surface)) if over_vertices else surface, salt)
+    found = paired_by_keys(Surface(*merge_equal_vertices(surface)) if over_vertices else surface, salt)
     few = {"closed", "a hole", "a copy", "one turned", "repeated corners", "zeros of both signs"}
     assert (found is not None) == (name in few)
     monkeypatch.setattr("inertia.mesh.geometry.closure.SHARE", 0.1)
-    found, expected = closure_by_keys(surface, salt), vectorised_closure(surface)
-    assert found is not None
+    known, expected = paired_by_keys(surface, salt), vectorised_closure(surface)
+    assert known is not None
+    found, _ = known
     assert found.labels.tolist() == expected.labels.tolist()
     assert found.at_crowded.tolist() == expected.at_crowded.tolist()
     assert len(found.at_crowded) or not found.crowded

@@ -14,13 +14,13 @@ import numpy as np
 
 from inertia.arrays import Float, Progress
 from inertia.errors import UsageError
-from inertia.mass.integration import Group, Integral, naming, refuse_flat, surface_area
+from inertia.mass.integration import Group, Integral, naming, refuse_faults, refuse_flat, surface_area
 from inertia.mass.moments import Moments
 from inertia.mass.triangles.arithmetic import METHODS, arithmetics, shell_moments, solid_moments
 from inertia.mass.triangles.sums import Frame, SummedFacets, block_rows, frame_of, sum_triangles, sums_of
-from inertia.mesh.checks.findings import Finding, Report, counted
+from inertia.mesh.checks.edge_faults import edge_faults, shell_findings
+from inertia.mesh.checks.findings import Finding, counted
 from inertia.mesh.external.closure import Pairing, external_closure, room_for
-from inertia.mesh.external.faults import edge_faults, shell_findings
 from inertia.mesh.external.memory import RESERVE, WHOLE, fits, in_bytes, resident
 from inertia.mesh.external.shuffle import DaskWorkers
 from inertia.mesh.external.temporary_file import MEMORY
@@ -105,8 +105,8 @@ def external_integrals(
     doubts: tuple[Finding, ...] = ()
     if not shell:
         pieces = _shells(part, pairing, room) if topology.open_edges == 0 else ()
-        _require(part, edge_faults(triangles, pairing, pieces, part.unit.name, extents))
-        doubts = _require(part, shell_findings(triangles, pairing, pieces, part.unit.name, extents)) if pieces else ()
+        refuse_faults(part, edge_faults(part, topology, pairing.irregular, pieces, extents, pairing.triangle))
+        doubts = _shell_doubts(part, pairing, pieces, extents) if pieces else ()
     elif pairing.irregular is None:
         raise _too_little(part, f"{counted(topology.crowded, 'edge')} of more than two triangles")
     integral = Integral(
@@ -129,7 +129,7 @@ def external_integrals(
             yield Integral(**{**vars(integral), "groups": (Group("1", whole),), "method": METHODS[arithmetic]})
         elif whole.zeroth < -whole.zeroth_bound and not pieces:
             pieces = _only(part, pairing, whole, extents, room)
-            _require(part, shell_findings(triangles, pairing, pieces, part.unit.name, extents))
+            _shell_doubts(part, pairing, pieces, extents)
         elif arithmetic == tries[-1]:
             refuse_flat(part, whole, extents)
 
@@ -140,11 +140,10 @@ def _rows(triangles: Triangles, frame: Frame) -> Float:
         return np.concatenate([rows for _, rows in block_rows(triangles, frame)])
 
 
-def _require(part: Part, remarks: Iterator[Finding]) -> tuple[Finding, ...]:
-    """Raise `GeometryError` for the first error; return what leaves some of the volume in doubt."""
-    report = Report(part.source, part.triangles.count, 0, False, False, None, 0, (), (), tuple(remarks))
-    report.require_fit()
-    return report.doubts
+def _shell_doubts(part: Part, pairing: Pairing, pieces: tuple[Shell, ...], extents: Float) -> tuple[Finding, ...]:
+    """Raise `GeometryError` for what is wrong with shells; return what leaves some of the volume in doubt."""
+    assert pairing.irregular is not None
+    return refuse_faults(part, shell_findings(part, pairing.closure, pairing.irregular, pieces, extents))
 
 
 def _shells(part: Part, pairing: Pairing, room: int) -> tuple[Shell, ...]:

@@ -18,7 +18,7 @@ from inertia.mass.triangles.arithmetic import METHODS, Arithmetic, arithmetics, 
 from inertia.mass.triangles.block_sums import sum_block
 from inertia.mass.triangles.sums import SummedFacets, Sums, sum_triangles
 from inertia.mesh.checks.findings import Finding, Report, around, middle, once
-from inertia.mesh.geometry.closure import Closure, closure
+from inertia.mesh.geometry.closure import Closure, closure, paired_by_keys
 from inertia.mesh.geometry.intersect import crosses, to_be_examined
 from inertia.mesh.geometry.shells import Shell, absolute_orientation, shells, soundly_nested
 from inertia.mesh.geometry.shells import bodies as bodies_of
@@ -146,8 +146,10 @@ def surface_integrals(
         else:
             sums = of_block or sum_triangles(triangles, surface=shell, progress=summing)
     extents = np.array([sums.low, sums.high])
-    if not usable(extents).all() or (topology.open_edges and not shell):
+    if not usable(extents).all():
         _check(part, intersections).require_fit()
+    if topology.open_edges and not shell:
+        _refuse_open(part, intersections, extents)
     several = not shell and (topology.components != 1 or topology.crowded > 0)
     nesting = nesting_of(triangles, topology) if several and not named else None
     near = None
@@ -317,6 +319,23 @@ def _turned(triangles: Triangles, which: NDArray[np.bool_]) -> Triangles:
     faces = triangles.faces.copy()
     faces[which] = faces[which, ::-1]
     return Surface(triangles.vertices, faces)
+
+
+def _refuse_open(part: Part, intersections: bool | None, extents: Float) -> None:
+    """Raise `GeometryError` for an open surface: by what is at its irregular edges, if nothing else is asked for."""
+    known = None if intersections else paired_by_keys(part.triangles)
+    if known is not None:
+        from inertia.mesh.checks.edge_faults import edge_faults  # slow to import, and most surfaces need none
+
+        refuse_faults(part, edge_faults(part, *known, (), extents))
+    _check(part, intersections).require_fit()
+
+
+def refuse_faults(part: Part, remarks: Iterable[Finding]) -> tuple[Finding, ...]:
+    """Raise `GeometryError` for the first error; return what leaves some of the volume in doubt."""
+    report = Report(part.source, part.triangles.count, 0, False, False, None, 0, (), (), tuple(remarks))
+    report.require_fit()
+    return report.doubts
 
 
 def refuse_flat(part: Part, whole: Moments, box: Float) -> None:

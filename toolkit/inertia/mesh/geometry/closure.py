@@ -44,10 +44,11 @@ from inertia.mesh.geometry.edge_buckets import (
 )
 from inertia.mesh.geometry.faces import merge_equal_vertices, repeated_corners
 from inertia.mesh.geometry.halfedges import half_edges
-from inertia.mesh.geometry.irregular_edges import irregular_edges
+from inertia.mesh.geometry.irregular_edges import Irregular, irregular_edges
 from inertia.mesh.geometry.pairing import paired_edges
 from inertia.mesh.geometry.pieces import pieces_of_surface
 from inertia.mesh.surface import Facets, Triangles
+from inertia.native import Kernel
 
 SHARE = 8
 """How many times as many triangles as irregular directed edges there are where these are looked at alone."""
@@ -97,10 +98,13 @@ def closure(triangles: Triangles, progress: Progress | None = None) -> Closure:
     >>> tetrahedron.open_edges, tetrahedron.components
     (0, 1)
     """
-    kernel = FACETS if isinstance(triangles, Facets) else FACES
-    if kernel.worthwhile(triangles.count):
+    if _keys(triangles).worthwhile(triangles.count):
         return compiled_closure(triangles, progress)
     return vectorised_closure(triangles)
+
+
+def _keys(triangles: Triangles) -> Kernel:
+    return FACETS if isinstance(triangles, Facets) else FACES
 
 
 def compiled_closure(
@@ -111,13 +115,17 @@ def compiled_closure(
     paired = paired_edges(triangles, salt, progress)
     if paired is not None:
         return Closure(*paired, crowded=0)
-    return closure_by_keys(triangles, salt) or vectorised_closure(triangles)
+    known = paired_by_keys(triangles, salt)
+    return vectorised_closure(triangles) if known is None else known[0]
 
 
-def closure_by_keys(triangles: Triangles, salt: NDArray[np.uint64]) -> Closure | None:
-    """Return what `closure` does, of edges whose keys show them not to be used once each way; None where many are."""
-    count = triangles.count
-    if count > MOST:
+def paired_by_keys(triangles: Triangles, salt: NDArray[np.uint64] | None = None) -> tuple[Closure, Irregular] | None:
+    """Return what `closure` does, and the edges that are not used once each way.
+
+    None stands where these are many, and where there are no compiled kernels. `salt` (15,) is as in `compiled_closure`.
+    """
+    count, salt = triangles.count, process_salt() if salt is None else salt
+    if count > MOST or not _keys(triangles).worthwhile(count):
         return None
     steps, parent = steps_for(count, salt, corner_keys(triangles, salt.copy())), np.arange(count, dtype=np.uint32)
     records, starts, repeated = Sorter(steps, count, bits_for(count)).run(triangles, 0, count, 0)
@@ -130,7 +138,7 @@ def closure_by_keys(triangles: Triangles, salt: NDArray[np.uint64]) -> Closure |
     steps.join(parent, joined)
     edges, components, labels = irregular.edges, steps.number(parent), parent.view(np.int32)
     open_edges, crowded = int(np.abs(edges.forward - edges.backward).sum()), int(edges.non_manifold.sum())
-    return Closure(open_edges, components, labels, len(repeated), crowded, edges.at_crowded)
+    return Closure(open_edges, components, labels, len(repeated), crowded, edges.at_crowded), irregular
 
 
 def vectorised_closure(triangles: Triangles) -> Closure:

@@ -1,7 +1,7 @@
-"""What is wrong with a surface whose edges were paired in bounded memory: the findings of `inertia.mesh.check`.
+"""What is wrong with a surface, by its irregular edges and its shells alone: the findings of `inertia.mesh.check`.
 
-They are made of the triangles at irregular edges and of the shells alone. What takes a search of the whole surface,
-for triangles that cross and for bodies that share space, is not among them.
+So an open surface is refused at once, and one that is larger than the memory can be checked. What takes a search of the
+whole surface, for triangles that cross and for bodies that share space, is not among them.
 """
 
 from __future__ import annotations
@@ -19,9 +19,10 @@ from inertia.mesh.checks.crossings import crossing_cavities, cutters, overlap_at
 from inertia.mesh.checks.findings import Evidence, Finding, around, listed, middle
 from inertia.mesh.checks.kinds import KINDS, findings
 from inertia.mesh.checks.surface_topology import SurfaceTopology
-from inertia.mesh.external.closure import Pairing
+from inertia.mesh.geometry.closure import Closure
 from inertia.mesh.geometry.irregular_edges import Irregular
 from inertia.mesh.geometry.shells import Shell, bounds_nothing
+from inertia.mesh.part import Part
 from inertia.mesh.surface import Triangles
 
 _SEARCHES = (crossing_cavities, cutters, overlap_at_edges, overlapping_bodies)
@@ -70,45 +71,51 @@ class _Irregular(SurfaceTopology):
 
 
 def edge_faults(
-    triangles: Triangles, pairing: Pairing, shells: tuple[Shell, ...], unit: str, extents: Float
+    part: Part,
+    closure: Closure,
+    irregular: Irregular | None,
+    shells: tuple[Shell, ...],
+    extents: Float,
+    triangle: int | None = None,
 ) -> Iterator[Finding]:
-    """Yield the errors that irregular edges are, the most important first."""
-    if pairing.irregular is not None:
-        surface = _topology(triangles, pairing.irregular, pairing, shells, unit, extents)
+    """Yield the errors that irregular edges are, the most important first.
+
+    Parameters
+    ----------
+    irregular : None where these are too many to be looked at; then, `triangle` is one that has such an edge, if any has
+    shells : of a closed surface; none of others
+    extents : (2, 3), of the whole surface
+    """
+    if irregular is not None:
+        surface = _topology(part, irregular, closure, shells, extents)
         errors = (kind for kind in KINDS if kind.subject == "surface" and kind.severity == "error")
         yield from (finding for kind in errors if (finding := kind.finding(surface)))
-    elif pairing.closure.open_edges:
-        assert pairing.triangle is not None
-        place = middle(triangles.corners(pairing.triangle, pairing.triangle + 1)[0])
+    elif closure.open_edges:
+        assert triangle is not None
+        place = middle(part.triangles.corners(triangle, triangle + 1)[0])
         statement = (
-            f"open: {pairing.closure.open_edges} edges without an opposite partner, which are too many to be chained "
-            f"in this memory, one of them {around(place, extents)} at triangle {pairing.triangle}"
+            f"open: {closure.open_edges} edges without an opposite partner, which are too many to be chained "
+            f"in this memory, one of them {around(place, extents)} at triangle {triangle}"
         )
         message = Sentence(statement, ": close the mesh, or use ", SHELL)
-        yield Finding("open", "error", message, pairing.closure.open_edges, (pairing.triangle,), place)
+        yield Finding("open", "error", message, closure.open_edges, (triangle,), place)
 
 
 def shell_findings(
-    triangles: Triangles, pairing: Pairing, shells: tuple[Shell, ...], unit: str, extents: Float
+    part: Part, closure: Closure, irregular: Irregular, shells: tuple[Shell, ...], extents: Float
 ) -> Iterator[Finding]:
     """Yield what the shells of a closed surface tell without a search."""
-    assert pairing.irregular is not None
-    surface = _topology(triangles, pairing.irregular, pairing, shells, unit, extents)
+    surface = _topology(part, irregular, closure, shells, extents)
     own = (kind for kind in KINDS if kind.subject == "shells" and kind.evidence not in _SEARCHES)
     nothing = [*findings("volume", surface)]
     yield from nothing or (finding for kind in own if (finding := kind.finding(surface)))
 
 
 def _topology(
-    triangles: Triangles,
-    irregular: Irregular,
-    pairing: Pairing,
-    shells: tuple[Shell, ...],
-    unit: str,
-    extents: Float,
+    part: Part, irregular: Irregular, closure: Closure, shells: tuple[Shell, ...], extents: Float
 ) -> _Irregular:
     return _Irregular(
-        irregular.triangles, unit, irregular.vertices, irregular.faces, irregular.edges, pairing.closure, shells,
+        irregular.triangles, part.unit.name, irregular.vertices, irregular.faces, irregular.edges, closure, shells,
         room=0.0, chord=None, separate=False, allowed=False, numbers=irregular.numbers, extents=extents,
-        surface=triangles,
+        surface=part.triangles,
     )  # fmt: skip
