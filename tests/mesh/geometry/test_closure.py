@@ -373,9 +373,15 @@ def test_progress_rises_to_the_end() -> None:
 def test_merging_numbers_equal_points_in_the_order_of_their_use(soup: Surface) -> None:
     number: dict[tuple, int] = {}
     faces = [[number.setdefault(tuple(corner), len(number)) for corner in face] for face in soup.corners().tolist()]
-    vertices, merged = merge_equal_vertices(soup)
-    assert merged.tolist() == faces
-    assert [tuple(vertex) for vertex in vertices.tolist()] == list(number)
+    own = soup.corners().reshape(-1, 3)
+    table = np.concatenate([own, [[7.0, 7.0, 7.0]], own])  # twice, and a vertex that no triangle uses
+    order = np.random.default_rng(len(own)).permutation(len(table))
+    places = np.argsort(order)
+    either = np.where(np.arange(len(own)) % 2, places[: len(own)], places[len(own) + 1 :]).reshape(-1, 3)
+    for surface in (soup, Surface(table[order], either)):
+        vertices, merged = merge_equal_vertices(surface)
+        assert merged.tolist() == faces
+        assert [tuple(vertex) for vertex in vertices.tolist()] == list(number)
 
 
 @settings(deadline=None)

@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from inertia.arrays import Bool, Int
-from inertia.mesh.surface import Triangles
+from inertia.mesh.surface import Surface, Triangles
 
 
 def merge_equal_vertices(triangles: Triangles) -> tuple[NDArray[np.float64], Int]:
@@ -14,19 +14,26 @@ def merge_equal_vertices(triangles: Triangles) -> tuple[NDArray[np.float64], Int
 
     Vertices are numbered in the order in which the triangles first use them. Nothing is moved or left out.
     """
-    points = triangles.corners().reshape(-1, 3) + 0.0
+    if type(triangles) is Surface:  # few of whose vertices are the same
+        points, corner = triangles.vertices + 0.0, triangles.faces.reshape(-1)
+        first = np.full(len(points), len(corner))
+        first[corner[::-1]] = np.arange(len(corner))[::-1]  # the last that is written stays
+    else:
+        points, corner, first = triangles.corners().reshape(-1, 3) + 0.0, None, None
     order = np.lexsort(points.T)
     ranked = points[order]
-    first = np.ones(len(ranked), bool)
-    first[1:] = (ranked[1:] != ranked[:-1]).any(axis=1)
-    group = np.cumsum(first) - 1
-    inverse = np.empty(len(points), np.int64)
-    inverse[order] = group
-    earliest = np.minimum.reduceat(order, np.flatnonzero(first)) if len(order) else order
-    by_use = np.argsort(earliest)
-    number = np.empty_like(by_use)
+    leads = np.ones(len(ranked), bool)
+    leads[1:] = (ranked[1:] != ranked[:-1]).any(axis=1)
+    group = np.empty(len(points), np.int64)
+    group[order] = np.cumsum(leads) - 1
+    starts = np.flatnonzero(leads)
+    uses = order if first is None else first[order]
+    earliest = np.minimum.reduceat(uses, starts) if len(order) else order
+    by_use = np.argsort(earliest)[: np.count_nonzero(earliest < 3 * triangles.count)]
+    number = np.empty(len(earliest), np.int64)
     number[by_use] = np.arange(len(by_use))
-    return points[earliest[by_use]], number[inverse].reshape(-1, 3)
+    faces = number[group] if corner is None else number[group][corner]
+    return ranked[starts[by_use]], faces.reshape(-1, 3)
 
 
 def repeated_corners(faces: Int) -> Bool:
