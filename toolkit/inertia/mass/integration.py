@@ -322,12 +322,15 @@ def _turned(triangles: Triangles, which: NDArray[np.bool_]) -> Triangles:
 
 
 def _refuse_open(part: Part, intersections: bool | None, extents: Float) -> None:
-    """Raise `GeometryError` for an open surface: by what is at its irregular edges, if nothing else is asked for."""
+    """Raise `GeometryError` for an open surface: by what is at its irregular edges, unless it is cracked there."""
     known = None if intersections else paired_by_keys(part.triangles)
     if known is not None:
         from inertia.mesh.checks.edge_faults import edge_faults  # slow to import, and most surfaces need none
+        from inertia.mesh.repairs.weld import may_close
 
-        refuse_faults(part, edge_faults(part, *known, (), extents))
+        edges = known[1].edges
+        if not may_close(known[1].vertices, extents, edges.ends, edges.forward - edges.backward):
+            refuse_faults(part, edge_faults(part, *known, (), extents))
     _check(part, intersections).require_fit()
 
 

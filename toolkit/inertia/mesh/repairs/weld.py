@@ -139,6 +139,20 @@ def closing_distance(triangles: Triangles, vertices: Float, ends: Int, surplus: 
     return named if closed else None
 
 
+def may_close(vertices: Float, box: Float, ends: Int, surplus: Int) -> bool:
+    """Say whether welding the ends of open edges closes a surface, so that `closing_distance` has to look at all of it.
+
+    Parameters
+    ----------
+    vertices : those at open edges, at least, (n, 3); `box` (2, 3) is that of all
+    ends, surplus : as of `closing_distance`
+    """
+    ends, surplus = ends[surplus != 0], surplus[surplus != 0]
+    if len(ends) > _EDGES:
+        return False
+    return _closing(vertices, np.unique(ends), ends, surplus, _CRACK * diagonal(box) * _ABOVE) is not None
+
+
 def _closing(vertices: Float, numbers: Int, ends: Int, surplus: Int, limit: float) -> float | None:
     """Return the smallest distance up to `limit` that closes the open edges when the numbered vertices are welded."""
     from scipy.spatial import cKDTree
