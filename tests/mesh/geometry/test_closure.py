@@ -378,7 +378,9 @@ def test_merging_numbers_equal_points_in_the_order_of_their_use(soup: Surface) -
     order = np.random.default_rng(len(own)).permutation(len(table))
     places = np.argsort(order)
     either = np.where(np.arange(len(own)) % 2, places[: len(own)], places[len(own) + 1 :]).reshape(-1, 3)
-    for surface in (soup, Surface(table[order], either)):
+    shared = np.array([*number, (7.0, 7.0, 7.0), *[*number][:1]])[::-1]  # fewer than corners, in most soups
+    few = Surface(shared, len(shared) - 1 - np.array(faces).reshape(-1, 3))
+    for surface in (soup, Surface(table[order], either), few):
         vertices, merged = merge_equal_vertices(surface)
         assert merged.tolist() == faces
         assert [tuple(vertex) for vertex in vertices.tolist()] == list(number)

@@ -57,7 +57,7 @@ class SurfaceTopology:
     separate: bool
     allowed: bool
     whole: ClassVar[bool] = True
-    """Whether all triangles of the part are there; see `inertia.mesh.external.faults`."""
+    """Whether all triangles of the part are there; see `inertia.mesh.checks.edge_faults`."""
 
     @classmethod
     def of(cls, part: Part, *, separate: bool = False, room: float = 0.0) -> SurfaceTopology:

@@ -14,7 +14,7 @@ def merge_equal_vertices(triangles: Triangles) -> tuple[NDArray[np.float64], Int
 
     Vertices are numbered in the order in which the triangles first use them. Nothing is moved or left out.
     """
-    if type(triangles) is Surface:  # few of whose vertices are the same
+    if type(triangles) is Surface and len(triangles.vertices) < 3 * triangles.count:  # few are the same, or unused
         points, corner = triangles.vertices + 0.0, triangles.faces.reshape(-1)
         first = np.full(len(points), len(corner))
         first[corner[::-1]] = np.arange(len(corner))[::-1]  # the last that is written stays
