@@ -81,7 +81,7 @@ def small_properties(surface: Surface, unit: Unit, density: float) -> MassProper
         return None
     table = np.array([[0, len(vertices), 0, len(faces)]])
     if len(faces) <= BLOCK:
-        rows, usable = small_sums(vertices, faces, table)
+        rows, usable = _sums_alone(vertices, faces, table)
         sums: Sums = of_row(rows[0], len(faces))
     else:
         usable = simple(vertices, faces, table)
@@ -90,13 +90,11 @@ def small_properties(surface: Surface, unit: Unit, density: float) -> MassProper
     if not usable[0] or sums.exponent:
         return None
     solid = SmallSolid(vertices.copy(), faces.copy(), sums, unit, density)  # which may be written to meanwhile
+    known: tuple[Over, list[float]] | None
     if isinstance(sums, PlainSums):
         if not sums.sums[0] > 0:
             return None
-        known: tuple[Over, list[float]] | None = (
-            dyadic(sums.sums[:10].tolist()),
-            roughest(sums, FLOAT64.most(len(faces))),
-        )
+        known = dyadic(sums.sums[:10].tolist()), roughest(sums, FLOAT64.most(len(faces)))
     else:
         known = fine_values(sums)
     if known is None or not _certain(*known):

@@ -32,9 +32,9 @@ def sum_each(vertices: Float, faces: Int, table: Int, usable: Bool) -> Float:
 
 def of_row(row: Float, count: int) -> PlainSums:
     """Return the sums over so many triangles that a row holds."""
-    sums, low, high = np.split(row[3 : 9 + SUMS], [SUMS, SUMS + 3])
-    finer = row[9 + SUMS :].reshape(-1, 2).T.tolist()
-    return PlainSums(row[:3], 0, low, high, count, float(sums[11]), sums, (finer[0], finer[1]))
+    end = 3 + SUMS
+    sums, low, high, finer = row[3:end], row[end : end + 3], row[end + 3 : end + 6], row[end + 6 :].tolist()
+    return PlainSums(row[:3], 0, low, high, count, float(sums[11]), sums, (finer[::2], finer[1::2]))
 
 
 def sum_block(triangles: Triangles) -> PlainSums | None:

@@ -59,10 +59,9 @@ def states(vertices: Float, faces: Int, table: Int) -> Int:
     """Return of each surface of a batch `SIMPLE`, or `PIECES` where it is so in several, or more; see `simple`."""
     if not hasattr(_own, "tables"):
         _own.tables = _tables()
-    room = int(table[:, 1].max(initial=1))
-    ids, result = np.empty(room, np.int32), np.empty(len(table), np.int64)
+    ids, result = np.empty(len(vertices), np.int32), np.empty(len(table), np.int64)
     _KERNEL.function(
-        place(vertices), len(vertices), place(faces), len(faces), place(table), len(table), place(ids), room,
+        place(vertices), len(vertices), place(faces), len(faces), place(table), len(table), place(ids), len(ids),
         address(_own.tables), place(result),
     )  # fmt: skip
     return result
