@@ -81,15 +81,16 @@ def contacts(surface: SurfaceTopology) -> Evidence | None:
 
 def _shared(surface: SurfaceTopology, pairs: Sequence[Pair], asked: Sequence[int]) -> dict[int, tuple[float, bool]]:
     """Return the volume that pairs of bodies share at most, and whether it is sure that they share any."""
-    from inertia.mesh.columns.common_volume import common_volume
+    from inertia.mesh.columns.common_volume import common_volumes
 
     some = [pairs[k] for k in asked]
     smaller = np.array([_smaller(surface, pair.groups) for pair in some])
     most = np.minimum(smaller, _within(some, np.array([pair.depth for pair in some])))
     shared = {k: (least, False) for k, least in zip(asked, most.tolist(), strict=True)}
-    for at in np.flatnonzero(most > _NEXT_TO_NONE * smaller).tolist():
+    more = np.flatnonzero(most > _NEXT_TO_NONE * smaller).tolist()
+    volumes = common_volumes(pairs[0].corners, [some[at].groups for at in more])
+    for at, measured in zip(more, volumes, strict=True):
         pair, least = some[at], float(most[at])
-        measured = common_volume(*(pair.corners[group] for group in pair.groups))
         if measured is not None:
             volume, rounding = measured
             shared[asked[at]] = min(least, max(volume, 0.0) + rounding), volume > rounding

@@ -13,12 +13,12 @@ edges and rounded coordinates change it by no more than rounding does.
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from typing import Any
 
 import numpy as np
 
-from inertia.arrays import Float, Int
+from inertia.arrays import Float, Int, runs_of
 from inertia.mesh.geometry.boxes import BoxTree, overlapping
 from inertia.native import SHIPPED_ABOVE, Kernel, address
 
@@ -29,15 +29,18 @@ MOST_OF_ITSELF = 1 << 18
 """Pairs of triangles of one surface that are: a second or two; few that take longer cross by rounding alone."""
 
 _AT_ONCE = 1 << 15
-_FEW = 1 << 12  # pairs of triangles, at most, that are compared without a tree
+_TOGETHER = 1 << 14  # triangles of pairs of surfaces that are looked at together
 _ROUNDING = 2.0**-49  # of an area or a height, over the breadth of a pair times the largest coordinate: 16 roundings
 _UP = 1 + 1e-9  # more than sums of positive terms lose
 
 _SUM = Kernel("inertia.mesh.columns.clipping_kernel", "sum_pairs", "pipi" + "ppi" + "pp")
 _CORNERS = 24  # of a polygon of the kernel
 
+Measured = tuple[float, float] | None
+"""A volume, and a bound on its rounding; None where that is too much work."""
 
-def common_volume(a: Float, b: Float) -> tuple[float, float] | None:
+
+def common_volume(a: Float, b: Float) -> Measured:
     """Return ∫ w_a w_b dV for two closed surfaces, and a bound on its rounding; None where that is too much work.
 
     Parameters
@@ -50,24 +53,63 @@ def common_volume(a: Float, b: Float) -> tuple[float, float] | None:
     >>> volume, rounding < 1e-10
     (0.0625, True)
     """
-    boxes = np.array([[k.min(axis=(0, 1)), k.max(axis=(0, 1))] for k in (a, b)])
-    low, high = boxes[:, 0].max(axis=0), boxes[:, 1].min(axis=0)
-    if (high <= low).any():
-        return 0.0, 0.0
-    axes = np.roll(np.arange(3), 2 - int(np.argmin(high - low)))  # z is where the common box is thinnest
-    exponent = int(np.frexp((high - low).max())[1])
-    surfaces = []
-    for corners in (a, b):
-        within = (corners.min(axis=1) < high)[:, axes[:2]].all(axis=1) & (corners.max(axis=1) > low).all(axis=1)
-        surfaces.append(np.ldexp(corners[within] - low, -exponent)[..., axes])
-    largest = float(np.ldexp(np.abs(boxes).max(), -exponent)) + 2.0
+    together = np.concatenate([a, b])
+    return common_volumes(together, [(np.arange(len(a)), np.arange(len(a), len(together)))])[0]
+
+
+def common_volumes(corners: Float, pairs: Sequence[tuple[Int, Int]]) -> list[Measured]:
+    """Return what `common_volume` does of pairs of closed surfaces, each the numbers of its triangles.
+
+    Parameters
+    ----------
+    corners : (n, 3, 3), of all triangles
+    """
+    sizes = np.array([len(a) + len(b) for a, b in pairs], np.int64)
+    runs = (pairs[run] for run in runs_of(sizes, _TOGETHER))
+    return [measured for several in runs for measured in _of_several(corners, several)]
+
+
+def _of_several(corners: Float, pairs: Sequence[tuple[Int, Int]]) -> list[Measured]:
+    """Return the common volume of each of these pairs: as many as are looked at together."""
+    sides, extents, boxes = [], [], np.empty((2, len(pairs), 2, 3))
+    for body, groups in enumerate(zip(*pairs, strict=True)):
+        sizes = np.array([len(group) for group in groups])
+        own = corners[np.concatenate(groups)]
+        least, most = _extents(own)
+        starts = np.cumsum(sizes) - sizes
+        boxes[body, :, 0], boxes[body, :, 1] = np.minimum.reduceat(least, starts), np.maximum.reduceat(most, starts)
+        sides.append((own, np.repeat(np.arange(len(pairs)), sizes)))
+        extents.append((least, most))
+    low, high = boxes[:, :, 0].max(axis=0), boxes[:, :, 1].min(axis=0)
+    meet, size = (low < high).all(axis=1), high - low
+    axes = (np.arange(3) + 1 + np.argmin(size, axis=1)[:, None]) % 3  # z is where the common box is thinnest
+    exponent = np.frexp(size.max(axis=1))[1]
+    surfaces, owners = [], []
+    for (own, owner), (least, most) in zip(sides, extents, strict=True):
+        below = least < high[owner]
+        below[np.arange(len(below)), axes[owner, 2]] = True
+        which = np.flatnonzero(meet[owner] & (below & (most > low[owner])).all(axis=1))
+        of = owner[which]
+        local = np.ldexp(own[which] - low[of, None], -exponent[of, None, None])
+        surfaces.append(np.take_along_axis(local, axes[of, None], axis=2))
+        owners.append(of)
     one, other = surfaces
-    if not len(one) or not len(other):
-        return 0.0, 0.0
-    return _with_pairs(_over_each_other(one, other), MOST_PAIRS, one, other, largest, exponent)
+    over = _over_each_other(one, other, owners)
+    if over is None and len(pairs) == 1:
+        return [None]
+    if over is None:
+        half = len(pairs) // 2
+        return _of_several(corners, pairs[:half]) + _of_several(corners, pairs[half:])
+    i, j = over
+    ends = np.searchsorted(owners[0][i], np.arange(len(pairs) + 1))
+    largest = np.ldexp(np.abs(boxes).max(axis=(0, 2, 3)), -exponent) + 2.0
+    return [
+        _measured(*_under_both(one, other, i[start:stop], j[start:stop]), far, power)
+        for start, stop, far, power in zip(ends, ends[1:], largest.tolist(), exponent.tolist(), strict=False)
+    ]
 
 
-def surplus_volume(corners: Float, box: Float) -> tuple[float, float] | None:
+def surplus_volume(corners: Float, box: Float) -> Measured:
     """Return ∫ w (w − 1) / 2 dV over a box, and a bound on its rounding; None where that is too much work.
 
     It is no less than ∫ |w − [w > 0]| dV: what counts beyond once for the inside of a surface, or less than not at all.
@@ -97,34 +139,17 @@ def surplus_volume(corners: Float, box: Float) -> tuple[float, float] | None:
     upward, signs = _upward(triangles)
     volume = float(((1 - signs) * (signs != 0) * _integrals(upward, 2)).sum()) / 2
     rounding = float(np.ptp(triangles, axis=1).sum()) * largest * _ROUNDING
-    near = overlapping(BoxTree(*_rectangles(triangles)))
-    return _with_pairs(near, MOST_OF_ITSELF, triangles, triangles, largest, exponent, volume, rounding)
+    over = _gathered(overlapping(BoxTree(*_rectangles(triangles))), MOST_OF_ITSELF)
+    if over is None:
+        return None
+    more, blur = _under_both(triangles, triangles, *over)
+    return _measured(volume + more, blur, largest, exponent, rounding)
 
 
-def _with_pairs(
-    near: Iterable[tuple[Int, Int, Any]],
-    most: int,
-    one: Float,
-    other: Float,
-    largest: float,
-    exponent: int,
-    volume: float = 0.0,
-    rounding: float = 0.0,
-) -> tuple[float, float] | None:
-    """Add what pairs of triangles have under both to a volume and its rounding; None where there are more than `most`.
-
-    They are in units of 2^`exponent`, the answer is in those of the surface.
-    """
-    pairs = []
-    for i, j, _ in near:
-        pairs.append((i, j))
-        if sum(len(i) for i, _ in pairs) > most:
-            return None
-    for i, j in pairs:
-        more, blur = _under_both(one, other, i, j)
-        volume, rounding = volume + more, rounding + blur * largest * _ROUNDING
-    scale = 3 * exponent
-    return float(np.ldexp(volume, scale)), float(np.ldexp(rounding * _UP, scale))
+def _measured(volume: float, blur: float, largest: float, exponent: int, rounding: float = 0.0) -> tuple[float, float]:
+    """Return a volume and its rounding, which blur adds to, in units of 2^`exponent`, in those of the surface."""
+    rounding += blur * largest * _ROUNDING
+    return float(np.ldexp(volume, 3 * exponent)), float(np.ldexp(rounding * _UP, 3 * exponent))
 
 
 def _cut_to(corners: Float, size: Float) -> Float:
@@ -143,20 +168,41 @@ def _cut_to(corners: Float, size: Float) -> Float:
     return fan
 
 
-def _over_each_other(one: Float, other: Float) -> Iterable[tuple[Int, Int, Any]]:
-    """Return the pairs of triangles whose projections' rectangles meet, in pieces, as `overlapping`."""
-    rectangles = [_rectangles(corners) for corners in (one, other)]
-    if len(one) * len(other) > _FEW:
-        return overlapping(*(BoxTree(*each) for each in rectangles))
-    (low, high), (lowest, highest) = rectangles
-    i, j = np.nonzero(((low[:, None] <= highest) & (lowest <= high[:, None])).all(axis=2))
-    return [(i, j, 1.0)]
+def _over_each_other(one: Float, other: Float, owners: Sequence[Int]) -> tuple[Int, Int] | None:
+    """Return the pairs of triangles of one owner whose projections' rectangles meet, ascending; None if too many."""
+    if not len(one) or not len(other):
+        return np.empty(0, np.int64), np.empty(0, np.int64)
+    trees = (BoxTree(*_rectangles(corners, owner)) for corners, owner in zip((one, other), owners, strict=True))
+    over = _gathered(overlapping(*trees), MOST_PAIRS)
+    if over is None:
+        return None
+    i, j = np.divmod(np.sort(over[0] * len(other) + over[1]), len(other))
+    return i, j
 
 
-def _rectangles(corners: Float) -> tuple[Float, Float]:
-    low, high = corners.min(axis=1), corners.max(axis=1)
-    low[:, 2], high[:, 2] = 0, 1
+def _gathered(near: Iterable[tuple[Int, Int, Any]], most: int) -> tuple[Int, Int] | None:
+    """Return all pairs of triangles at once; None where there are more than `most`."""
+    pairs, count = [], 0
+    for i, j, _ in near:
+        pairs.append((i, j))
+        count += len(i)
+        if count > most:
+            return None
+    i, j = (np.concatenate(side) for side in zip(*pairs, strict=True))
+    return i, j
+
+
+def _rectangles(corners: Float, owner: Int | float = 0) -> tuple[Float, Float]:
+    """Return boxes around projections, each owner's at heights of its own."""
+    low, high = _extents(corners)
+    low[:, 2], high[:, 2] = 2 * owner, 2 * owner + 1
     return low, high
+
+
+def _extents(corners: Float) -> tuple[Float, Float]:
+    """Return the least and the largest coordinates (n, 3) of triangles, in a tenth of numpy's time along an axis."""
+    a, b, c = corners[:, 0], corners[:, 1], corners[:, 2]
+    return np.minimum(np.minimum(a, b), c), np.maximum(np.maximum(a, b), c)
 
 
 def _under_both(one: Float, other: Float, i: Int, j: Int) -> tuple[float, float]:

@@ -15,9 +15,13 @@ from inertia.arrays import Bool, Float, Int
 from inertia.mesh.geometry.boxes import BoxTree, overlapping
 from inertia.mesh.geometry.edge_fans import layered
 from inertia.mesh.geometry.halfedges import half_edges
-from inertia.mesh.geometry.triangle_pairs import orient3d
+from inertia.mesh.geometry.triangle_pairs import LARGEST, orient3d
+from inertia.native import Kernel, address, place
 
 _AT_ONCE = 1 << 12  # pairs of triangles looked at together
+_SETTLE = Kernel("inertia.mesh.geometry.corner_kernel", "settle_pairs", "pppi" + "pipippp")
+_WORK = 20  # times what integrating a triangle costs, without the kernel
+_ROOM = 256  # numbers that the kernel needs
 
 
 def beyond_corners(vertices: Float, faces: Int, shell: Int, body: Int, turned: Bool, boxes: Float, pairs: Int) -> Int:
@@ -44,6 +48,8 @@ def beyond_corners(vertices: Float, faces: Int, shell: Int, body: Int, turned: B
         key = low * len(boxes) + high
         pair = np.minimum(np.searchsorted(keys, key), len(keys) - 1)
         asked = np.flatnonzero((keys[pair] == key) & ~beyond[pair])
+        asked = asked[_settle(corners, faces, clear, np.column_stack([i[asked], j[asked], pair[asked]]), beyond)]
+        asked = asked[~beyond[pair[asked]]]
         asked = asked[np.argsort(_times_before(pair[asked]), kind="stable")]  # one of many may tell of two shells
         while len(asked):
             some, asked = asked[:_AT_ONCE], asked[_AT_ONCE:]
@@ -52,6 +58,20 @@ def beyond_corners(vertices: Float, faces: Int, shell: Int, body: Int, turned: B
             beyond[pair[some[~there]]] = True
             asked = asked[~beyond[pair[asked]]]
     return pairs[beyond]
+
+
+def _settle(corners: Float, faces: Int, clear: Bool, listed: Int, beyond: Bool) -> Int:
+    """Mark pairs of shells by a kernel, of listed triangles (k, 3) of them; return which of these it leaves open."""
+    if np.abs(corners).max() > LARGEST or not _SETTLE.worthwhile(_WORK * len(listed)):
+        return np.arange(len(listed))
+    unsure, own, work = np.zeros(len(listed), bool), np.empty((4, 9)), np.empty(_ROOM)
+    tables = [np.ascontiguousarray(table) for table in (corners, faces, clear, listed)]
+    *triangles, pairs = map(place, tables)
+    _SETTLE.function(
+        *triangles, len(faces), pairs, len(listed), place(beyond), len(beyond), address(own), address(work),
+        place(unsure),
+    )  # fmt: skip
+    return np.flatnonzero(unsure)
 
 
 def _times_before(values: Int) -> Int:

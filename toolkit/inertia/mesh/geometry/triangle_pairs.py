@@ -28,6 +28,9 @@ Sign = NDArray[np.int8]
 UNSURE = 2
 """What `orient3d_filter` returns where floating point does not decide."""
 
+LARGEST = 2.0**300
+"""The largest coordinate that kernels decide exact signs of: products of three such numbers are numbers."""
+
 _EPSILON = 2.0**-53
 _RELATIVE = (7 + 56 * _EPSILON) * _EPSILON  # error, over the same sum with every product taken positive
 _UNDERFLOW = 2.0**-1070  # more than the products together lose when they fall below the normal numbers
