@@ -13,10 +13,11 @@ import inertia
 from inertia.errors import GeometryError
 from inertia.mesh.check import check
 from inertia.mesh.checks import surface_topology
-from inertia.mesh.checks.findings import Finding, Report, checking_once
+from inertia.mesh.checks.findings import Finding, Report
 from inertia.mesh.part import Part
 from inertia.mesh.repair import repair
 from inertia.mesh.surface import Surface
+from inertia.once import checking_once
 
 CUBE = cube((5, 5, 5), size=10)
 

@@ -7,7 +7,7 @@ from scipy.spatial.transform import Rotation
 from tests.mesh.solids import box, ring, sphere
 
 from inertia.mesh.columns import common_volume as module
-from inertia.mesh.columns.common_volume import common_volume, surplus_volume
+from inertia.mesh.columns.common_volume import common_volume, common_volumes, surplus_volume
 
 
 def corners(mesh: tuple[np.ndarray, np.ndarray]) -> np.ndarray:
@@ -74,6 +74,24 @@ def test_too_many_pairs_are_not_begun(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(module, "MOST_OF_ITSELF", 100)
     both = np.concatenate([ball, ball + 0.1])
     assert surplus_volume(both, np.array([both.min(axis=(0, 1)), both.max(axis=(0, 1))])) is None
+
+
+def test_pairs_that_are_looked_at_together_have_what_each_has_alone(monkeypatch: pytest.MonkeyPatch) -> None:
+    rng = np.random.default_rng(1)
+    solids = [corners(mesh) for mesh in (sphere(splits=2), ring(24, 8, 1.0, 0.3), box((0, 0, 0), (1, 2, 0.5)))]
+    bodies = [2.0 ** rng.integers(-2, 3) * (solids[k % 3] + rng.normal(0, 0.4, 3)) for k in range(60)]
+    ends = np.cumsum([len(body) for body in bodies])
+    groups = [np.arange(end - len(body), end) for body, end in zip(bodies, ends, strict=True)]
+    pairs = [tuple(rng.choice(60, 2, replace=False)) for _ in range(200)]
+    alone = [common_volume(bodies[i], bodies[j]) for i, j in pairs]
+    assert sum(volume > rounding for volume, rounding in filter(None, alone)) > 20
+    every = np.concatenate(bodies), [(groups[i], groups[j]) for i, j in pairs]
+    assert common_volumes(*every) == alone
+    assert common_volumes(every[0], []) == []
+    monkeypatch.setattr(module, "MOST_PAIRS", 800)
+    fewer = [common_volume(bodies[i], bodies[j]) for i, j in pairs]
+    assert 0 < fewer.count(None) < 100
+    assert common_volumes(*every) == fewer
 
 
 @pytest.mark.parametrize("kind", ["anyhow", "on a lattice", "the same", "below the plane"])

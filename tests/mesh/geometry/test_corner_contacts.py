@@ -76,6 +76,18 @@ def test_those_that_are_left_out_share_no_space(seed: int, turn: bool) -> None:
     assert left_out  # though they have corners in common
 
 
+@pytest.mark.parametrize("seed", range(6))
+@pytest.mark.parametrize("size", [1.0, 2.0**310])
+def test_pairs_are_the_same_without_the_kernel(seed: int, size: float, monkeypatch: pytest.MonkeyPatch) -> None:
+    solids = tetrahedra(seed, 60) * size  # the kernel forms no products of coordinates so large
+    if seed % 2:
+        solids = solids @ Rotation.random(random_state=seed).as_matrix().T
+    compiled = pairs_beyond(solids)
+    assert 0 < len(compiled) < len(solids) * (len(solids) - 1) // 2
+    monkeypatch.setenv("INERTIA_NATIVE", "0")
+    assert pairs_beyond(solids) == compiled
+
+
 @pytest.mark.parametrize(
     ("moved", "beyond"),
     [((1, 1, 0), False), ((1, 1, 1), False), ((1, 0, 0), False), ((1, 1, 0.5), True), ((0, 0, 0), True)],

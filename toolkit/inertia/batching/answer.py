@@ -279,7 +279,7 @@ def _part(file: str, options: Mapping[str, Any], row: Row) -> tuple[Any, dict[st
 def _analyse(file: str, options: Mapping[str, Any], row: Row, worded: _Worded) -> None:
     from inertia.exchange.rotations import quaternion_of
     from inertia.mass.analyse import analyse
-    from inertia.mesh.checks.findings import checking_once
+    from inertia.once import checking_once
 
     part, others = _part(file, options, row)
     with checking_once():

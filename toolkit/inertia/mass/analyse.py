@@ -36,10 +36,11 @@ from inertia.mass.properties import MassProperties
 from inertia.mass.small import small_properties
 from inertia.mass.tensor import exact_point
 from inertia.mass.triangles.arithmetic import FINEST
-from inertia.mesh.checks.findings import Finding, checking_once
+from inertia.mesh.checks.findings import Finding
 from inertia.mesh.geometry.simple import MOST
 from inertia.mesh.part import Cells, Part
 from inertia.mesh.surface import Facets, Surface
+from inertia.once import checking_once
 
 if TYPE_CHECKING:
     from inertia.mesh.external.shuffle import DaskWorkers  # seldom needed

@@ -17,7 +17,7 @@ from inertia.mass.moments import Moments
 from inertia.mass.triangles.arithmetic import METHODS, Arithmetic, arithmetics, shell_moments, solid_moments
 from inertia.mass.triangles.block_sums import sum_block
 from inertia.mass.triangles.sums import SummedFacets, Sums, sum_triangles
-from inertia.mesh.checks.findings import Finding, Report, around, middle, once
+from inertia.mesh.checks.findings import Finding, Report, around, middle
 from inertia.mesh.geometry.closure import Closure, closure, paired_by_keys
 from inertia.mesh.geometry.intersect import crosses, to_be_examined
 from inertia.mesh.geometry.shells import Shell, absolute_orientation, shells, soundly_nested
@@ -27,6 +27,7 @@ from inertia.mesh.geometry.sound_shells import Nesting, nesting_of
 from inertia.mesh.part import Cells, Part, Regions
 from inertia.mesh.shape import Solid
 from inertia.mesh.surface import Facets, Surface, Triangles, counts_once, usable
+from inertia.once import once
 
 _SMALL = 20_000  # triangles; in a larger surface, pairing the edges by themselves costs next to nothing
 MOSTLY = 0.5  # of a surface: what is more is checked as a whole

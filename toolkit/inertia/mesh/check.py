@@ -10,13 +10,14 @@ import numpy as np
 from inertia.arrays import Float, Int, Parts
 from inertia.errors import UsageError, require_kind
 from inertia.mesh.checks.cells import CellTopology
-from inertia.mesh.checks.findings import Evidence, Finding, Report, Severity, listed, once
+from inertia.mesh.checks.findings import Evidence, Finding, Report, Severity, listed
 from inertia.mesh.checks.kinds import Subject, findings
 from inertia.mesh.checks.surface_topology import SurfaceTopology
 from inertia.mesh.geometry.edges import pieces
 from inertia.mesh.geometry.intersect import to_be_examined
 from inertia.mesh.part import Cells, Part
 from inertia.mesh.surface import Surface, counts_once
+from inertia.once import once
 
 _IN_TURN: tuple[Subject, ...] = ("maps", "sides", "space")
 _ORDER: tuple[Severity, ...] = ("error", "warning", "note")

@@ -9,7 +9,7 @@ import numpy as np
 
 from inertia.arrays import Bool, Float, Int
 from inertia.errors import SEPARATE, Word
-from inertia.mesh.checks.findings import Evidence, listed, middle, once
+from inertia.mesh.checks.findings import Evidence, listed, middle
 from inertia.mesh.checks.near_bodies import Pair, meeting_boxes, near_bodies
 from inertia.mesh.checks.surface_topology import SurfaceTopology
 from inertia.mesh.doubt import Doubt
@@ -26,6 +26,7 @@ from inertia.mesh.geometry.shells import (
 )
 from inertia.mesh.geometry.winding import misplaced_volume
 from inertia.mesh.surface import Surface
+from inertia.once import once
 
 TOGETHER = 1 << 14
 """Triangles of pairs of bodies that are looked at together."""

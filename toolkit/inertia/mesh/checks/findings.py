@@ -2,11 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Hashable, Iterator, Mapping
-from contextlib import contextmanager
-from contextvars import ContextVar
+from collections.abc import Mapping
 from dataclasses import dataclass, field
-from typing import Any, Literal, TypeVar
+from typing import Literal
 
 import numpy as np
 
@@ -141,37 +139,6 @@ class Report:
             if turned and faults[0].turnable:
                 message = (faults[0].statement, _HOWEVER_TURNED, UNION)
             raise GeometryError(*message, *more, places=(self.source.path or "the part",), code=faults[0].code)
-
-
-_Result = TypeVar("_Result")
-
-_known: ContextVar[dict[Hashable, tuple[object, Any]] | None] = ContextVar("known", default=None)
-"""What was found out in a context that looks once, each with what it is about, so that its identity stays its own."""
-
-
-@contextmanager
-def checking_once() -> Iterator[None]:
-    """Let a part that is checked again in the same way, within this context, have the report that it had.
-
-    What does not depend on the way is not looked for again either.
-    """
-    before = _known.get()
-    token = _known.set({} if before is None else before)
-    try:
-        yield
-    finally:
-        _known.reset(token)
-
-
-def once(what: Hashable, about: object, find: Callable[[], _Result]) -> _Result:
-    """Return what `find` returns, or has returned in this context for `what` about the same object."""
-    if (known := _known.get()) is None:
-        return find()
-    key = what, id(about)
-    if key not in known:
-        known[key] = about, find()
-    result: _Result = known[key][1]
-    return result
 
 
 @dataclass(frozen=True)

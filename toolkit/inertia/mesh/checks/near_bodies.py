@@ -8,13 +8,13 @@ from typing import NamedTuple, TypeVar
 
 import numpy as np
 
-from inertia.arrays import Bool, Float, Int, cut_by, runs_of
-from inertia.mesh.checks.findings import once
+from inertia.arrays import Bool, Float, Int, cut_by, distinct_pairs, runs_of
 from inertia.mesh.checks.surface_topology import SurfaceTopology
 from inertia.mesh.geometry.boxes import BoxTree, nested, overlapping
 from inertia.mesh.geometry.contact_depth import contact_depths
 from inertia.mesh.geometry.shells import Body, members
 from inertia.mesh.surface import Surface
+from inertia.once import once
 
 _T = TypeVar("_T")
 _AT_ONCE = 1 << 18  # triangles compared with boxes of other bodies at a time
@@ -139,7 +139,7 @@ def _touching_bodies(surface: SurfaceTopology, parts: tuple[Body, ...], boxes: F
         pairs = np.concatenate([pairs, np.sort(inside, axis=1)])
     one, other = boxes[pairs.T]
     meet = ((one[:, 0] < other[:, 1]) & (other[:, 0] < one[:, 1])).all(axis=1)
-    return [(one, other) for one, other in np.unique(pairs[meet], axis=0).tolist()]
+    return [(one, other) for one, other in distinct_pairs(pairs[meet]).tolist()]
 
 
 def _reaching(pairs: Int, bodies: _Bodies) -> Bool:

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from inertia.arrays import Bool, Float, Int
-from inertia.mesh.checks.findings import Evidence, around, listed, middle, once
+from inertia.mesh.checks.findings import Evidence, around, listed, middle
 from inertia.mesh.geometry import edges, shells
 from inertia.mesh.geometry.closure import Closure, closure
 from inertia.mesh.geometry.edges import Edges, Loop, Place
@@ -20,6 +20,7 @@ from inertia.mesh.geometry.shells import WOUND, Body, Shell
 from inertia.mesh.geometry.sound_shells import sound_nesting
 from inertia.mesh.part import Part
 from inertia.mesh.surface import Surface, Triangles
+from inertia.once import once
 
 State = Literal["sheet", "sound", "inverted", "overlapping"]
 _STATES: dict[tuple[str, int], State] = {

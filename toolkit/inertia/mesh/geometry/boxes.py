@@ -14,10 +14,14 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from inertia.arrays import Bool, Float, Int
+from inertia.arrays import Bool, Float, Int, distinct_pairs
 from inertia.mesh.geometry.oriented_boxes import OrientedBoxes
+from inertia.native import Kernel, address, place
 
 _CHUNK = 1 << 16  # pairs of boxes opened at a time
+_PAIR = Kernel("inertia.mesh.geometry.tree_kernel", "pair_trees", "ppi" * 2 + "pi" + "ii" + "pppi")
+_WAITING = 512  # pairs that wait to be opened, as the kernel has it
+_WORK = 4  # times what integrating a triangle costs, for a box, without the kernel
 _LEAST = 1e-300  # size below which boxes stay in their order: that its inverse overflows must not matter
 PATIENCE = 16
 """Pairs of boxes, over their number, that are opened before any along other axes are made."""
@@ -54,6 +58,15 @@ class BoxTree:
         """Boxes around the same triangles along other axes; None where these are not known."""
         return None if self.corners is None else OrientedBoxes.around(self.corners[self.order])
 
+    @cached_property
+    def rows(self) -> tuple[Float, Int]:
+        """Boxes (k, 6) level by level, least and greatest coordinates, and where those of each level start."""
+        sizes = [low.shape[1] for low in self.low]
+        boxes = np.empty((sum(sizes), 6))
+        for column, levels in ((0, self.low), (3, self.high)):
+            np.concatenate(levels, axis=1, out=boxes.T[column : column + 3])
+        return boxes, np.cumsum([0, *sizes])
+
     def level(self, height: int) -> tuple[Float, Float]:
         """Return the boxes (3, k) that enclose 2**height of those given; above the root there is the root."""
         height = min(height, len(self.low) - 1)
@@ -75,35 +88,59 @@ def overlapping(a: BoxTree, b: BoxTree | None = None, *, touching: bool = False)
     done : fraction of the search that is done
     """
     other = a if b is None else b
+    if a.corners is None and _PAIR.worthwhile(_WORK * (len(a.order) + len(other.order))):
+        pairs = _compiled_pairs(a, other, b is None, touching)
+    else:
+        pairs = _vectorised_pairs(a, other, b is None, touching)
+    for i, j, done in pairs:
+        i, j = a.order[i], other.order[j]
+        if b is None:
+            i, j = np.minimum(i, j), np.maximum(i, j)
+            i, j = i[i < j], j[i < j]
+        yield i, j, done
+
+
+def _compiled_pairs(a: BoxTree, b: BoxTree, among: bool, touching: bool) -> Iterator[tuple[Int, Int, float]]:
+    """Yield the pairs of boxes that overlap, by their places in the order; `among` one tree, each pair once."""
+    stack, done = np.zeros((_WAITING, 3), np.int64), np.zeros(1)
+    stack[0, 0], stack[-1, 0] = max(len(a.low), len(b.low)) - 1, 1
+    group = np.empty(0, np.int64) if a.group is None else np.ascontiguousarray(a.group, np.int64)
+    trees = [part for tree in (a, b) for part in (*map(place, tree.rows), len(tree.low))]
+    while stack[-1, 0]:
+        pairs = np.empty((_CHUNK, 2), np.int64)
+        count = _PAIR.function(
+            *trees, place(group), len(group), among, touching, address(stack), address(done), address(pairs), _CHUNK
+        )
+        yield pairs[:count, 0], pairs[:count, 1], float(done[0])
+
+
+def _vectorised_pairs(a: BoxTree, b: BoxTree, among: bool, touching: bool) -> Iterator[tuple[Int, Int, float]]:
+    """Yield what `_compiled_pairs` does, in the same order, but for pairs of triangles that are sure not to meet."""
     below = np.less_equal if touching else np.less
     root = np.zeros(1, np.int64)
-    todo = [(max(len(a.low), len(other.low)) - 1, root, root, 1.0)]
-    done, patience = 0.0, PATIENCE * (len(a.order) + len(other.order))
+    todo = [(max(len(a.low), len(b.low)) - 1, root, root, 1.0)]
+    done, patience = 0.0, PATIENCE * (len(a.order) + len(b.order))
     while todo:
         height, i, j, share = todo.pop()
         if len(i) > _CHUNK:
             half = len(i) // 2
             todo += [(height, i[half:], j[half:], share / 2), (height, i[:half], j[:half], share / 2)]
             continue
-        (low_a, high_a), (low_b, high_b) = a.level(height), other.level(height)
+        (low_a, high_a), (low_b, high_b) = a.level(height), b.level(height)
         for axis in range(3):
             overlaps = below(low_a[axis, i], high_b[axis, j]) & below(low_b[axis, j], high_a[axis, i])
             i, j = i[overlaps], j[overlaps]
-        if b is None and a.group is not None:
+        if among and a.group is not None:
             mixed = a.group[i << height] < a.group[np.minimum((j + 1) << height, len(a.group)) - 1]
             i, j = i[mixed], j[mixed]
         patience -= len(i)
-        if patience < 0 and a.oriented is not None and other.oriented is not None:
-            meet = a.oriented.meeting(other.oriented, height, i, j)
+        if patience < 0 and a.oriented is not None and b.oriented is not None:
+            meet = a.oriented.meeting(b.oriented, height, i, j)
             i, j = i[meet], j[meet]
         if height > 0 and len(i):
-            todo.append((height - 1, *_children(i, j, a, other, height - 1, b is None), share))
+            todo.append((height - 1, *_children(i, j, a, b, height - 1, among), share))
             continue
         done += share
-        i, j = a.order[i], other.order[j]
-        if b is None:
-            i, j = np.minimum(i, j), np.maximum(i, j)
-            i, j = i[i < j], j[i < j]
         yield i, j, done
 
 
@@ -114,7 +151,7 @@ def nested(boxes: Float, room: Float | None = None) -> Int:
     pairs = [np.empty((0, 2), np.int64)]
     for i, j, _ in overlapping(BoxTree(low, high), touching=True):
         pairs += [np.column_stack(two)[within(low, high, two[1], two[0], room)] for two in ((i, j), (j, i))]
-    return np.unique(np.concatenate(pairs), axis=0)
+    return distinct_pairs(np.concatenate(pairs))
 
 
 def within(low: Float, high: Float, inner: Int, outer: Int, room: Float) -> Bool:

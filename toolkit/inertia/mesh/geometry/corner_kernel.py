@@ -13,6 +13,7 @@ from numba import carray, njit
 
 from inertia.mesh.geometry.crossing_kernel import TERMS, UNSURE, exact_sign, orient
 
+
 @njit(error_model="numpy", forceinline=True)
 def sign_of(own, a, b, c, d, l, work):
     """Return on which side of corners 0, 1 and 2 of rows a, b and c lies corner l of row d, exactly, or `UNSURE`."""
@@ -48,10 +49,10 @@ def lie_at(own, row, left, axis, value):
 @njit(error_model="numpy", forceinline=True)
 def all_common(same, left, of):
     """Say whether all corners that are left are common."""
+    every = True
     for k in range(3):
-        if left >> k & 1 and not has_common(same, k, of):
-            return False
-    return True
+        every &= not left >> k & 1 or has_common(same, k, of)
+    return every
 
 
 @njit(error_model="numpy", forceinline=True)

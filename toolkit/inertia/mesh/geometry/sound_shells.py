@@ -39,6 +39,7 @@ from inertia.mesh.geometry.halfedges import half_edges
 from inertia.mesh.geometry.touching import FIND, touching_groups
 from inertia.mesh.surface import Triangles
 from inertia.native import Kernel, address
+from inertia.once import once
 
 _MODULE, _PARTING = "inertia.mesh.geometry.shell_kernel", "inertia.mesh.geometry.parting_kernel"
 _PLACES = Kernel(_MODULE, "curve_places", "pi" + "dddi" + "ppp")
@@ -102,8 +103,11 @@ def nesting_of(triangles: Triangles, closure: Closure, *, streamed: bool = False
     ----------
     triangles : of a closed surface with finite coordinates
     streamed : whether to do without what would hold triangles in memory
-
     """
+    return once(("nesting", streamed), closure, lambda: _nesting(triangles, closure, streamed))
+
+
+def _nesting(triangles: Triangles, closure: Closure, streamed: bool) -> Nesting | None:
     count = closure.components
     if not count or not all(kernel.worthwhile(triangles.count) for kernel in _KERNELS):
         return None

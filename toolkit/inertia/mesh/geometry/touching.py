@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from inertia.arrays import Bool, Float, Int
+from inertia.arrays import Bool, Float, Int, distinct_pairs
 from inertia.mesh.geometry.boxes import BoxTree, overlapping
 from inertia.mesh.geometry.intersect import CompiledTree
 from inertia.mesh.surface import Triangles
@@ -52,7 +52,7 @@ def touching_bodies(
     rank[bodies.order] = np.arange(len(boxes))
     own = triangles if within.all() else triangles.select(which)
     pairs = touching_groups(own, rank[labels[which]], np.zeros(len(boxes), np.int64), few=few)
-    return None if pairs is None else np.unique(np.sort(bodies.order[pairs], axis=1), axis=0)
+    return None if pairs is None else distinct_pairs(np.sort(bodies.order[pairs], axis=1))
 
 
 def touching_groups(triangles: Triangles, groups: Int, family: Int, *, few: bool = False) -> Int | None:
@@ -82,10 +82,10 @@ def touching_groups(triangles: Triangles, groups: Int, family: Int, *, few: bool
     while state[0]:
         FIND.function(*tables, PAIRS, _address(state))
         if state[1]:
-            results.append(np.unique(np.sort(pairs[: state[1]], axis=1), axis=0))
+            results.append(distinct_pairs(np.sort(pairs[: state[1]], axis=1)))
         if few and state[0]:
             return None
-    return np.unique(np.concatenate(results), axis=0)
+    return distinct_pairs(np.concatenate(results))
 
 
 def _address(array: NDArray[Any]) -> int:
