@@ -1,10 +1,12 @@
 """Pairing the edges: both paths against fractions, on soups of every kind of defect."""
 
+import os
 import subprocess
 import sys
 from collections import Counter, defaultdict
 from collections.abc import Callable
 from fractions import Fraction
+from unittest.mock import patch
 
 import numpy as np
 import pytest
@@ -12,7 +14,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from tests.mesh.solids import cube, facets, joined, part, ring, sphere
 
-from inertia import mass_properties
+from inertia import mass_properties, native
 from inertia.errors import GeometryError
 from inertia.mesh.geometry.closure import Closure, closure, compiled_closure, vectorised_closure
 from inertia.mesh.geometry.faces import components, merge_equal_vertices
@@ -368,9 +370,10 @@ def test_progress_rises_to_the_end() -> None:
     assert 0 < fractions[0] < fractions[-1] <= 1
 
 
+@pytest.mark.parametrize("compiled", ["0", "1"])
 @settings(deadline=None)
 @given(soup=soups())
-def test_merging_numbers_equal_points_in_the_order_of_their_use(soup: Surface) -> None:
+def test_merging_numbers_equal_points_in_the_order_of_their_use(compiled: str, soup: Surface) -> None:
     number: dict[tuple, int] = {}
     faces = [[number.setdefault(tuple(corner), len(number)) for corner in face] for face in soup.corners().tolist()]
     own = soup.corners().reshape(-1, 3)
@@ -381,9 +384,19 @@ def test_merging_numbers_equal_points_in_the_order_of_their_use(soup: Surface) -
     shared = np.array([*number, (7.0, 7.0, 7.0), *[*number][:1]])[::-1]  # fewer than corners, in most soups
     few = Surface(shared, len(shared) - 1 - np.array(faces).reshape(-1, 3))
     for surface in (soup, Surface(table[order], either), few):
-        vertices, merged = merge_equal_vertices(surface)
+        with patch.dict(os.environ, INERTIA_NATIVE=compiled), patch.object(native, "SHIPPED_ABOVE", 0):
+            vertices, merged = merge_equal_vertices(surface)
         assert merged.tolist() == faces
         assert [tuple(vertex) for vertex in vertices.tolist()] == list(number)
+
+
+def test_points_that_are_not_finite_are_merged_where_they_are_equal() -> None:
+    nan, inf = np.nan, np.inf
+    points = np.array([[0, nan, 0], [0, nan, 0], [0, -0.0, 0], [-0.0, 0, 0], [inf, 0, 0], [inf, 0, 0]])
+    with patch.object(native, "SHIPPED_ABOVE", 0):
+        vertices, faces = merge_equal_vertices(Surface(points, [[0, 1, 2], [3, 4, 5]]))
+    assert faces.tolist() == [[0, 1, 2], [2, 3, 3]]  # no NaN equals another
+    assert np.array_equal(vertices, points[[0, 1, 2, 4]], equal_nan=True)
 
 
 @settings(deadline=None)

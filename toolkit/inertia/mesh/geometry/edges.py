@@ -132,12 +132,14 @@ def first_equal(rows: Int) -> Int:
 
 def duplicates(faces: Int) -> tuple[Int, Int]:
     """Return the faces that repeat an earlier one: wound the same way, and (only) the opposite way."""
-    corners = np.sort(faces, axis=1)
+    corners, number = np.sort(faces, axis=1), np.arange(len(faces))
+    again = first_equal(corners) != number
+    if not again.any():
+        return number[:0], number[:0]
     turned = np.take_along_axis(faces, (np.argmin(faces, axis=1)[:, None] + 1) % 3, axis=1) != corners[:, 1:2]
-    number = np.arange(len(faces))
     distinct = ~repeated_corners(faces)
     same = (first_equal(np.hstack([corners, turned])) != number) & distinct
-    opposite = (first_equal(corners) != number) & distinct & ~same
+    opposite = again & distinct & ~same
     return np.flatnonzero(same), np.flatnonzero(opposite)
 
 

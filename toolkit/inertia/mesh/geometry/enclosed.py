@@ -51,8 +51,10 @@ def members_of(labels: NDArray[np.int32], count: int) -> list[Int]:
     return cut_by(order[len(order) - sizes.sum() :], sizes)
 
 
-def boxes_of(triangles: Triangles, labels: NDArray[np.int32], count: int) -> Float:
-    """Return the boxes (count, 2, 3) of pieces; labels (n,) of −1 are in none."""
+def boxes_of(triangles: Triangles, labels: NDArray[np.int32], count: int, *, finite: bool = False) -> Float:
+    """Return the boxes (count, 2, 3) of pieces; labels (n,) of −1 are in none. `finite` is what is known of all."""
+    if finite and MEASURE.worthwhile(triangles.count):
+        return measured(triangles, labels, count)[:, :6].reshape(-1, 2, 3)
     boxes = np.empty((count, 2, 3))
     boxes[:, 0], boxes[:, 1] = np.inf, -np.inf
     for start in range(0, triangles.count, _CHUNK):

@@ -101,7 +101,7 @@ def shells(triangles: Triangles, closure: Closure) -> tuple[Shell, ...]:
     count = closure.components
     if count == 0:
         return ()
-    boxes = boxes_of(triangles, closure.labels, count)
+    boxes = boxes_of(triangles, closure.labels, count, finite=True)
     local, exponent = scaling(boxes)
     order = members(closure)
     volumes, noise = enclosed(triangles, closure.labels, local, local(boxes).mean(axis=1))
