@@ -12,6 +12,7 @@ from scipy.spatial.transform import Rotation
 
 import inertia
 from inertia.arrays import Float, Int
+from inertia.mesh.cut import block
 from inertia.mesh.geometry.closure import closure, vectorised_closure
 from inertia.mesh.part import Part
 from inertia.mesh.surface import Surface
@@ -263,3 +264,18 @@ def test_copies_of_a_body_are_called_so_however_it_is_wound(inside_out: bool) ->
         with pytest.raises(inertia.GeometryError) as refusal:
             inertia.analyse(part, orientation="absolute")
         assert refusal.value.code == "duplicate_face"
+
+
+@pytest.mark.parametrize("value", [np.nan, np.inf, -np.inf, 1e76, 1e200])
+@pytest.mark.parametrize("seed", range(3))
+def test_bodies_with_edges_in_common_and_a_corner_that_is_no_usable_number_are_refused(seed: int, value: float) -> None:
+    rng = np.random.default_rng(seed)
+    once = block([0, 0, 0], np.eye(3)).corners()
+    places = rng.integers(0, 4, (40, 3)).astype(float)
+    corners = (once + np.unique(places, axis=0)[:, None, None]).reshape(-1, 3)
+    corners[(corners == corners[rng.integers(len(corners))]).all(axis=1), rng.integers(3)] = value
+    part = Part.from_arrays(corners, np.arange(len(corners)).reshape(-1, 3), "mm")
+    for options in ({}, {"orientation": "absolute"}, {"parts": "separate"}, {"accuracy": "exact"}, {"union": True}):
+        with pytest.raises(inertia.GeometryError) as refusal:
+            inertia.analyse(part, **options)
+        assert refusal.value.code == "non_finite"

@@ -282,6 +282,14 @@ def test_a_one_sided_surface_and_an_open_one_are_refused() -> None:
             inertia.unite(Part.from_arrays(vertices, triangles))
 
 
+@pytest.mark.parametrize("far", [1e76, 1e100, 1e308])
+def test_a_coordinate_beyond_those_that_are_usable_is_refused(far: float) -> None:
+    vertices, faces = solids.sphere(splits=2)
+    vertices[3] *= far
+    with pytest.raises(inertia.GeometryError, match="beyond 1e75"):
+        inertia.unite(Part.from_arrays(vertices, faces))
+
+
 def test_a_surface_that_faces_inward_has_no_union() -> None:
     with pytest.raises(inertia.GeometryError, match=r"no point has a winding number of 1 or more.*inertia\.repair"):
         inertia.unite(solids.part(BAD["inside out"]))

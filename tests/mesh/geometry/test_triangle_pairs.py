@@ -127,3 +127,16 @@ def test_some_planes_part_triangles() -> None:
     vertices = np.array([[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1], [1, 0, 1], [0, 1, 2], [0, 0, -1]], float)
     faces = np.array([[0, 1, 2]] * 3)
     assert parted(vertices, faces, np.array([[3, 4, 5], [3, 4, 6], [0, 4, 5]])).tolist() == [True, False, False]
+
+
+@pytest.mark.parametrize("value", [np.nan, np.inf, -np.inf])
+def test_points_that_are_no_numbers_leave_the_memory_beside_alone(value: float) -> None:
+    kernel = native.Kernel("inertia.mesh.geometry.pair_kernel", "orient_points", "piippp")
+    points = np.random.default_rng(0).normal(size=(4, 200, 3))
+    points[0, :, 1] = value
+    table = np.zeros((4, 4), np.int64)
+    table[:, 0], table[:, 2:] = native.place(points) + 8 * 600 * np.arange(4), [3, 1]
+    own, work, signs = np.empty((4, 3)), np.full(1024, 7.0), np.empty(200, np.int8)
+    kernel.function(native.place(table), 1, 200, *map(native.place, (own, work, signs)))
+    assert (signs == UNSURE).all()
+    assert (work[256:] == 7.0).all()  # beyond the numbers that it needs

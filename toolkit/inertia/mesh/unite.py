@@ -27,7 +27,7 @@ from inertia.mesh.geometry.faces import components, repeated_corners
 from inertia.mesh.geometry.halfedges import half_edges
 from inertia.mesh.manifold import exponent_of
 from inertia.mesh.part import Part, Regions, Rounding
-from inertia.mesh.surface import Surface, counts_once
+from inertia.mesh.surface import Surface, counts_once, usable
 
 _EPSILON = 2.0**-53
 _FLAT = 16 * _EPSILON  # more than the rounding of a cross product, over its terms
@@ -162,7 +162,7 @@ def _in_order(part: Part) -> tuple[Float, Int, Int]:
     Raises `GeometryError` where they do not bound anything, so that winding numbers could not be counted.
     """
     points = part.triangles.corners().reshape(-1, 3) + 0.0
-    if len(points) == 0 or not np.isfinite(points).all():
+    if len(points) == 0 or not usable(points).all():
         check(part).require_fit()
     order = np.lexsort(points.T[::-1])
     first = np.ones(len(points), bool)

@@ -62,7 +62,7 @@ def beyond_corners(vertices: Float, faces: Int, shell: Int, body: Int, turned: B
 
 def _settle(corners: Float, faces: Int, clear: Bool, listed: Int, beyond: Bool) -> Int:
     """Mark pairs of shells by a kernel, of listed triangles (k, 3) of them; return which of these it leaves open."""
-    if np.abs(corners).max() > LARGEST or not _SETTLE.worthwhile(_WORK * len(listed)):
+    if not np.abs(corners).max() <= LARGEST or not _SETTLE.worthwhile(_WORK * len(listed)):
         return np.arange(len(listed))
     unsure, own, work = np.zeros(len(listed), bool), np.empty((4, 9)), np.empty(_ROOM)
     tables = [np.ascontiguousarray(table) for table in (corners, faces, clear, listed)]

@@ -125,7 +125,7 @@ def two_product(a, b):
 
 @njit(error_model="numpy", forceinline=True)
 def distilled(terms, count):
-    """Return the sign of the exact sum of `count` terms."""
+    """Return the sign of the exact sum of `count` terms; `UNSURE` where one is no number."""
     for _ in range(PASSES):
         rest = 0.0
         left = 0
@@ -140,6 +140,8 @@ def distilled(terms, count):
             return 1 if total > 0 else -1
         if left == 0:
             return 0
+        if left == count:  # the first term leaves an error only where it is no number
+            return UNSURE
         terms[left] = total
         count = left + 1
     return UNSURE

@@ -9,7 +9,7 @@ from inertia.mesh.geometry.edge_fans import links
 from inertia.mesh.geometry.faces import components
 from inertia.mesh.geometry.halfedges import HalfEdges, half_edges
 from inertia.mesh.geometry.senses import senses_of
-from inertia.mesh.surface import Surface
+from inertia.mesh.surface import Surface, usable
 
 
 def pieces_of_surface(vertices: Float, faces: Int, edges: HalfEdges) -> Int:
@@ -39,7 +39,12 @@ def sharing(edges: HalfEdges) -> Int:
 
 
 def links_turned(vertices: Float, faces: Int, edges: HalfEdges, piece: Int, turned: Bool) -> Int:
-    """Return what `links` does where faces (m,) are turned, with all that have edges in common with them."""
+    """Return what `links` does where faces (m,) are turned, with all that have edges in common with them.
+
+    Around edges of a surface with coordinates that are not usable, which is refused, all belong together.
+    """
+    if not usable(vertices).all():
+        return sharing(edges)
     if turned.any():
         faces = np.where(turned[:, None], faces[:, ::-1], faces)
         edges = half_edges(faces)
