@@ -83,7 +83,7 @@ def _of_several(corners: Float, pairs: Sequence[tuple[Int, Int]]) -> list[Measur
     low, high = boxes[:, :, 0].max(axis=0), boxes[:, :, 1].min(axis=0)
     meet, size = (low < high).all(axis=1), high - low
     axes = (np.arange(3) + 1 + np.argmin(size, axis=1)[:, None]) % 3  # z is where the common box is thinnest
-    exponent = np.frexp(size.max(axis=1))[1]
+    exponent = np.frexp(np.where(meet, size.max(axis=1), 1.0))[1]
     surfaces, owners = [], []
     for (own, owner), (least, most) in zip(sides, extents, strict=True):
         below = least < high[owner]
