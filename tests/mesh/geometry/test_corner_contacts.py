@@ -118,7 +118,7 @@ def test_bodies_of_voxels_are_not_compared_one_by_one(monkeypatch: pytest.Monkey
         (intersect, "overlap"),
         (contact_planes, "touching_depths"),
         (near_triangles, "touching_triangles"),
-        (common_volume, "common_volume"),
+        (common_volume, "common_volumes"),
     ):
         monkeypatch.setattr(module, name, lambda a, b, *rest: compared.append(len(a)))
     assert check(boundary_of(filled)).fit
