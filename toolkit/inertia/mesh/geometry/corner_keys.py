@@ -9,19 +9,19 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from inertia.mesh.surface import Facets, Triangles
+from inertia.mesh.surface import Facets, Surface, Triangles
 from inertia.native import Kernel, address
 
 _MODULE = "inertia.mesh.geometry.edge_kernel"
-FACETS = Kernel(_MODULE, "key_facets", "pippp" + "i")
-FACES = Kernel(_MODULE, "key_faces", "pippipp" + "i")
+FACETS = Kernel(_MODULE, "key_facets", "pipp")
+FACES = Kernel(_MODULE, "key_faces", "pipip")
 KEYS = Kernel(_MODULE, "key_vertices", "pipp")
 
 BLOCK = 8192
 """Triangles whose corners' keys are computed at a time."""
 
-Keys = Callable[[int, int, NDArray[np.uint64], NDArray[np.float32] | None], None]
-"""Writes the keys of the corners of triangles `start:stop`, and, where that is wanted, their coordinates."""
+Keys = Callable[[int, int, NDArray[np.uint64]], None]
+"""Writes the keys of the corners of triangles `start:stop`."""
 
 
 def corner_keys(triangles: Triangles, salt: NDArray[np.uint64]) -> Keys:
@@ -29,24 +29,25 @@ def corner_keys(triangles: Triangles, salt: NDArray[np.uint64]) -> Keys:
     if isinstance(triangles, Facets):
         facets, key_facets = triangles, FACETS.function
 
-        def of_facets(start: int, stop: int, rows: NDArray[np.uint64], points: NDArray[np.float32] | None) -> None:
+        def of_facets(start: int, stop: int, rows: NDArray[np.uint64]) -> None:
             records = facets.block(start, stop)
-            wanted = points is not None
-            at = address(points if wanted else rows), wanted
-            key_facets(records.ctypes.data, stop - start, address(salt), address(rows), *at)
+            key_facets(records.ctypes.data, stop - start, address(salt), address(rows))
 
         return of_facets
-    surface, vertices, key_faces = triangles, triangles.vertices, FACES.function
-    of = np.empty(len(vertices), np.uint64)
-    KEYS.function(vertices.ctypes.data, len(vertices), address(salt), of.ctypes.data)
+    surface, key_faces, of = triangles, FACES.function, vertex_keys(triangles, salt)
 
-    def of_faces(start: int, stop: int, rows: NDArray[np.uint64], points: NDArray[np.float32] | None) -> None:
+    def of_faces(start: int, stop: int, rows: NDArray[np.uint64]) -> None:
         faces = surface.block(start, stop)
-        those = of.ctypes.data, vertices.ctypes.data, len(vertices)
-        wanted = points is not None
-        key_faces(faces.ctypes.data, len(faces), *those, address(rows), address(points if wanted else rows), wanted)
+        key_faces(faces.ctypes.data, len(faces), of.ctypes.data, len(of), address(rows))
 
     return of_faces
+
+
+def vertex_keys(surface: Surface, salt: NDArray[np.uint64]) -> NDArray[np.uint64]:
+    """Return the keys of vertices (n,), by random numbers (15,)."""
+    of = np.empty(len(surface.vertices), np.uint64)
+    KEYS.function(surface.vertices.ctypes.data, len(of), address(salt), of.ctypes.data)
+    return of
 
 
 def shares_of(count: int, parts: int) -> list[int]:

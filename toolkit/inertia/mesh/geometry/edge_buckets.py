@@ -58,7 +58,7 @@ class Compiled:
         """Write the keys of the edges of triangles `start:stop`, and count them by bucket; 0 for a repeated corner."""
         if self._corners is None and not isinstance(triangles, Facets):
             return self._by_numpy.keys(triangles, start, stop, keys, counts, bits)
-        (self._corners or corner_keys(triangles, self._salt))(start, stop, self._rows, None)
+        (self._corners or corner_keys(triangles, self._salt))(start, stop, self._rows)
         salt, rows = address(self._salt), address(self._rows)
         return KEYS.function(rows, stop - start, salt, keys.ctypes.data, address(counts), len(counts), 64 - bits)
 

@@ -12,8 +12,7 @@ from numba.extending import intrinsic
 
 S29, S32 = np.uint64(29), np.uint64(32)
 LOW = np.uint64(0xFFFFFFFF)
-ONE = np.uint64(1)
-TWO = np.uint64(2)
+ONE, TWO, FOUR, EIGHT = (np.uint64(k) for k in (1, 2, 4, 8))
 NONE = np.uint64(0xFFFFFFFFFFFFFFFF)
 """Indices are unsigned throughout: numba looks whether one with a sign is negative, each time."""
 
@@ -37,8 +36,11 @@ BLOCK = 64
 ENTRY = 16
 """Bytes of an entry of the table: the key of an edge that waits, its lowest bit 1, and 2 × its label + that bit."""
 
-UNSEEN = np.int32(-2)
-"""Label of a triangle that no search has come to."""
+FEW = 16
+"""Triangles of a leaf whose edges' keys are computed together."""
+
+ALL, WAYS = np.uint64(7), np.uint64(3)
+"""The edges of a triangle, and the ways that one can run, as bits."""
 
 AHEAD = np.uint64(16)
 FAR = 1000
@@ -324,6 +326,15 @@ def close_group(table_at, capacity, parent_at, labels_at, group, edges_at, piece
     return number
 
 
+@njit(inline="always")
+def hold(key, way, place, table_at, mask, upper, edges, slots, count):
+    """Write what the table is to have of an edge, and where, and send for what it has there."""
+    slot = (key >> S4) & mask
+    prefetch(table_at, np.int64(slot << S3))
+    slots[count] = slot
+    edges[count] = (key & upper) | place + uint64(way)
+
+
 def pair_leaf(
     rows_at,
     runs_at,
@@ -344,73 +355,87 @@ def pair_leaf(
 
     A row has the keys of the corners and which edges are used in this leaf alone (`pack`, `descend`); of the others,
     `edges` are the keys with the way that they run, `pieces` whose they are, and state[0] says how many. An entry of
-    the table is the key of an edge and, for each way that it runs, 4 × the triangle + the side, where triangles count
-    from 1; there is room for all. So `partners` has who is across each side: 0 stands for nobody, and is written to
-    like the others, which spares a branch. state[1] counts edges used once; a second use of the same way sets state[3].
-    `labels` has one more in front. They are put in place of the first 32 bits of the rows; that of the first piece is
+    the table has upper bits of a key, 4 × the triangle + the side of its first use, where triangles count from 1, and
+    two bits that say which ways the edge runs; there is room for all. The keys are (r + 2 a)(r + 2 b) modulo 2⁶⁴ with
+    an odd r, of which other bits say where an entry goes; all of them tell edges apart but for 40 · 2⁻⁶³. So
+    `partners` has who is across each side: 0 stands for nobody, and is written to like the others, which spares a
+    branch. state[1] counts edges used once; a second use of the same way sets state[3]. `labels` has one more in front,
+    and a byte for each behind. They are put in place of the first 32 bits of the rows; that of the first piece is
     given.
     """
     runs = carray(runs_at, (number, 2), np.int64)
     salt = carray(salt_at, (SALTS,), np.uint64)
-    table = carray(table_at, (capacity, 2), np.uint64)
-    users = carray(table_at, (capacity, 4), np.uint32)
+    table = carray(table_at, (capacity,), np.uint64)
     partners = carray(partners_at, (4 * group + 4,), np.uint32)
     queue = carray(queue_at, (group + 1,), np.uint32)
     labels = carray(labels_at, (group + 1,), np.int32)
+    seen = carray(labels_at, (5 * (group + 1),), np.uint8)[4 * (group + 1) :]
     waits = carray(edges_at, (3 * group,), np.uint64)
     pieces = carray(pieces_at, (3 * group,), np.int32)
-    state = carray(state_at, (5 + 3 * BLOCK,), np.int64)
-    edges = carray(state_at, (5 + 3 * BLOCK,), np.uint64)[5:]
-    mask = uint64(capacity - 1)
+    state = carray(state_at, (5 + 6 * FEW,), np.int64)
+    room = carray(state_at, (5 + 6 * FEW,), np.uint64)
+    edges, slots = room[5 : 5 + 3 * FEW], room[5 + 3 * FEW :]
+    mask, r = uint64(capacity - 1), salt[2 * VERTEX] | ONE
+    shift = TWO
+    while uint64(4 * group + 3) >> (shift - TWO) != 0:
+        shift += ONE
+    places, upper = (ONE << (shift - TWO)) - ONE, ~((ONE << shift) - ONE)
     triangle, waiting = uint64(0), uint64(0)
-    again = np.uint32(0)
-    labels[0] = 0
+    labels[0], seen[0] = 0, 1
     for run in range(number):
+        begin, end = uint64(runs[run, 0]), uint64(runs[run, 0] + runs[run, 1])
+        ahead = uint64(runs[min(run + 1, number - 1), 0]) - begin  # the next run is elsewhere
         rows = carray(rows_at, (runs[run, 0] + runs[run, 1], 2), np.uint64)
-        ahead = runs[min(run + 1, number - 1), 0]
-        for first in range(0, runs[run, 1], BLOCK):
-            count = min(BLOCK, runs[run, 1] - first)
-            for k in range(count):
-                row = runs[run, 0] + first + k
-                prefetch(rows_at, (ahead + first + k) * 16)  # the next run is elsewhere
+        for first in range(begin, end, uint64(FEW)):
+            count = uint64(0)
+            for row in range(first, min(first + uint64(FEW), end)):
+                prefetch(rows_at, np.int64((row + ahead) << S4))
                 one, other = rows[row, 0], rows[row, 1]
                 u, v, w = one >> S24, (one << S16 | other >> S48) & PACKED, other >> S8 & PACKED
-                edge_keys(u, v, w, salt, edges, 3 * k, table_at, mask)
-            for k in range(count):
                 triangle += ONE
-                labels[triangle] = UNSEEN
-                own = rows[uint64(runs[run, 0] + first + k), 1]
-                if edges[3 * k] == 0:
+                seen[triangle] = 0
+                if u == v or v == w or w == u:
                     state[2] += 1
-                    labels[triangle] = -1
+                    labels[triangle], seen[triangle] = -1, 1
                     continue
-                for side in range(3):
-                    edge = edges[3 * k + side]
-                    place = triangle << TWO | uint64(side)
-                    if own >> uint64(side) & ONE == 0:
-                        waits[waiting] = edge
-                        pieces[waiting] = np.int32(triangle)
-                        waiting += ONE
-                        partners[place] = 0
-                        continue
-                    key = edge | ONE
-                    slot = home(key, mask)
-                    while (table[slot, 0] != 0) & (table[slot, 0] != key):  # one branch: which of both, none foresees
-                        slot = (slot + ONE) & mask
-                    table[slot, 0] = key
-                    way = TWO + (edge & ONE)
-                    again |= users[slot, way]
-                    users[slot, way] = np.uint32(place)
-                    partner = users[slot, way ^ ONE]
-                    partners[place] = partner
-                    partners[uint64(partner)] = np.uint32(place)
+                a, b, c = r + (u << ONE), r + (v << ONE), r + (w << ONE)
+                place = triangle << S4
+                # The edges that other leaves use as well are overwritten by the next.
+                hold(a * b, u < v, place | ONE, table_at, mask, upper, edges, slots, count)
+                count += other & ONE
+                hold(b * c, v < w, place | ONE | FOUR, table_at, mask, upper, edges, slots, count)
+                count += other >> ONE & ONE
+                hold(c * a, w < u, place | ONE | EIGHT, table_at, mask, upper, edges, slots, count)
+                count += other >> TWO & ONE
+                if other & ALL != ALL:
+                    for side in range(uint64(0), uint64(3)):
+                        if other >> side & ONE == 0:
+                            tail = u if side == 0 else (v if side == 1 else w)
+                            head = v if side == 0 else (w if side == 1 else u)
+                            waits[waiting] = edge_key(tail, head, salt)
+                            pieces[waiting] = np.int32(triangle)
+                            waiting += ONE
+                            partners[triangle << TWO | side] = 0
+            for k in range(count):
+                edge, slot = edges[k], slots[k]
+                held = table[slot]
+                while held * ((held ^ edge) >> shift) != 0:  # one branch: whether it is free or found, none foresees
+                    slot = (slot + ONE) & mask
+                    held = table[slot]
+                table[slot] = edge if held == 0 else held | edge & WAYS
+                if held & edge & WAYS != 0:
+                    state[3] = 1
+                place, partner = edge >> TWO & places, held >> TWO & places
+                partners[place] = np.uint32(partner)
+                partners[partner] = np.uint32(place)
     table[:] = 0
     before, alone = piece, uint64(0)
     head, tail = uint64(0), uint64(0)
     for first in range(uint64(1), triangle + ONE):
-        if labels[first] != UNSEEN:
+        if seen[first] != 0:
             continue
-        labels[first] = np.int32(piece)
+        start = tail
+        seen[first] = 1
         queue[tail] = np.uint32(first)
         tail += ONE
         while head < tail:  # breadth first, so that one step does not wait for the one before
@@ -420,20 +445,23 @@ def pair_leaf(
                 across = uint64(partners[place + uint64(side)] >> np.uint32(2))
                 alone += uint64(across == 0)
                 queue[tail] = np.uint32(across)
-                tail += uint64(labels[across] == UNSEEN)
-                labels[across] = np.int32(piece)
+                tail += uint64(seen[across] == 0)
+                seen[across] = 1
+        if start > 0 or tail < triangle:
+            for k in range(start, tail):
+                labels[uint64(queue[k])] = np.int32(piece)
         piece += 1
+    whole = tail == triangle and piece == before + 1
     for k in range(waiting):
-        pieces[k] = labels[uint64(pieces[k])]
+        pieces[k] = np.int32(before) if whole else labels[uint64(pieces[k])]
     state[0] = np.int64(waiting)
     state[1] += np.int64(alone - waiting)
-    state[3] |= np.int64(again != 0)
     triangle = uint64(0)
     for run in range(number):
         rows = carray(rows_at, (4 * (runs[run, 0] + runs[run, 1]),), np.int32)
         for row in range(uint64(runs[run, 0]), uint64(runs[run, 0] + runs[run, 1])):
             triangle += ONE
-            rows[row << TWO] = labels[triangle]
+            rows[row << TWO] = np.int32(before) if whole else labels[triangle]
     return piece - before
 
 
@@ -501,35 +529,26 @@ def repeated_edges(logs_at, number, bins, first, last, slots_at, places):
     return 0
 
 
-def key_facets(records_at, count, salt_at, rows_at, points_at, wanted):
-    """Give the corners of binary STL records their keys, three a row; where wanted, copy their coordinates."""
+def key_facets(records_at, count, salt_at, rows_at):
+    """Give the corners of binary STL records their keys, three a row."""
     halves = carray(records_at, (count * STRIDE_F4,), np.uint16)
     salt = carray(salt_at, (SALTS,), np.uint64)
     rows = carray(rows_at, (count, 3), np.uint64)
-    points = carray(points_at, (count, 9), np.uint32)
     for k in range(count):
         at = k * STRIDE_F4 + 6
         for corner in range(3):
             rows[k, corner] = corner_key(halves, at + 6 * corner, salt)
-    for k in range(count if wanted else 0):
-        for column in range(9):
-            points[k, column] = word(halves, k * STRIDE_F4 + 6 + 2 * column)
     return 0
 
 
-def key_faces(faces_at, count, vertex_keys_at, vertices_at, vertices, rows_at, points_at, wanted):
-    """Give the corners of faces the keys of their vertices, three a row; where wanted, copy their coordinates."""
+def key_faces(faces_at, count, vertex_keys_at, vertices, rows_at):
+    """Give the corners of faces the keys of their vertices, three a row."""
     faces = carray(faces_at, (count, 3), np.int64)
     of = carray(vertex_keys_at, (vertices,), np.uint64)
-    coordinates = carray(vertices_at, (vertices, 3), np.float64)
     rows = carray(rows_at, (count, 3), np.uint64)
-    points = carray(points_at, (count, 9), np.float32)
     for k in range(count):
         for corner in range(3):
             rows[k, corner] = of[faces[k, corner]]
-    for k in range(count if wanted else 0):
-        for column in range(9):
-            points[k, column] = np.float32(coordinates[faces[k, column // 3], column % 3])
     return 0
 
 

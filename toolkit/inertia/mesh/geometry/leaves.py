@@ -17,20 +17,21 @@ import numpy as np
 from numpy.typing import NDArray
 
 from inertia.arrays import Int, Progress
-from inertia.mesh.geometry.corner_keys import BLOCK, corner_keys, in_threads, load, shares_of
+from inertia.mesh.geometry.corner_keys import BLOCK, in_threads, load, shares_of, vertex_keys
 from inertia.mesh.geometry.place_tree import sample, tree
 from inertia.mesh.geometry.waiting_edges import EDGES, REPEATED, WaitingEdges, empty_table
-from inertia.mesh.surface import Triangles
+from inertia.mesh.surface import Facets, Triangles
 from inertia.native import Kernel, address
 
 LEAF = Kernel("inertia.mesh.geometry.edge_kernel", "pair_leaf", "ppip" + "pip" + "ppi" + "ppip")
 _PARTITION = "inertia.mesh.geometry.partition_kernel"
-DESCEND = Kernel(_PARTITION, "descend", "pipppip")
-PACK = Kernel(_PARTITION, "pack", "pipp")
-SCATTER = Kernel(_PARTITION, "scatter", "pipipippp")
-LABELS = Kernel(_PARTITION, "gather_labels", "pipipppp")
+_TREE = "ppppiip"
+PLACE_FACETS = Kernel(_PARTITION, "place_facets", "pip" + _TREE + "pippp")
+PLACE_FACES = Kernel(_PARTITION, "place_faces", "pipip" + _TREE + "pippp")
+LABEL_FACETS = Kernel(_PARTITION, "label_facets", "pi" + _TREE + "ppppp")
+LABEL_FACES = Kernel(_PARTITION, "label_faces", "pipi" + _TREE + "ppppp")
 
-BY_PLACE = LEAF, DESCEND, PACK, SCATTER, LABELS, EDGES, REPEATED
+BY_PLACE = LEAF, PLACE_FACETS, PLACE_FACES, LABEL_FACETS, LABEL_FACES, EDGES, REPEATED
 
 RUN = 64
 """Rows that lie together, as `partition_kernel` has them."""
@@ -40,7 +41,8 @@ ROW = 16
 _BIN = 16384  # paired edges whose keys are compared at a time
 _COPIED = 1 << 10  # runs that are copied at a time
 _REPORTED = 16 * BLOCK
-_STATE = 5 + 3 * 64
+_STATE = 5 + 6 * 16
+_ROOM = 9 * 32 // 2 + 4 + 32  # words for a block of triangles, as `partition_kernel` has them
 
 
 class Store(Protocol):
@@ -115,8 +117,8 @@ class _Desk:
         """
         if self._room < size:
             self._room = room = 5 * size // 4
-            self._table, self._partners = empty_table(4 * room), np.empty(4 * room + 4, np.int32)
-            self._queue, self._labels = np.empty(room + 1, np.int32), np.empty(room + 1, np.int32)
+            self._table, self._partners = empty_table(2 * room), np.empty(4 * room + 4, np.int32)
+            self._queue, self._labels = np.empty(room + 1, np.int32), np.empty(5 * (room + 1), np.uint8)
             self._edges, self._pieces = np.empty(3 * room, np.uint64), np.empty(3 * room, np.int32)
         self._state[:3] = 0
         number = LEAF.function(
@@ -148,11 +150,15 @@ class _Leaves:
         self._count, self._parts = triangles.count, parts
         depth = max((self._count // leaf).bit_length() - 1, 1)
         self._leaves = 1 << depth
-        self._salt, self._progress, self._limits = salt.copy(), progress, limits
+        self._triangles, self._salt, self._progress, self._limits = triangles, salt.copy(), progress, limits
+        if isinstance(triangles, Facets):
+            self._kernels, self._keys = (PLACE_FACETS, LABEL_FACETS), self._salt
+            self._vertices: tuple[int, ...] = ()
+        else:
+            self._kernels, self._keys = (PLACE_FACES, LABEL_FACES), vertex_keys(triangles, self._salt)
+            self._vertices = triangles.vertices.ctypes.data, len(triangles.vertices)
         self._bins = 1 << min((self._count // 16 // _BIN).bit_length(), 9)
-        self._keys = corner_keys(triangles, self._salt)
-        axes, planes, cells = self._tree = tree(sample(triangles, sampled * self._leaves), depth)
-        self._descent = address(axes), address(planes), address(cells), depth
+        self._tree = tree(sample(triangles, sampled * self._leaves), depth)
         self._cuts = shares_of(self._count, parts)
         most = max(stop - start for start, stop in pairwise(self._cuts))
         if limits is not None and limits.rows < self._count:
@@ -189,10 +195,8 @@ class _Leaves:
     def _scatter(self, which: int, stopped: threading.Event) -> tuple[list[_Segment], int]:
         """Put a share of the triangles into leaves; return the segments, and how many have a repeated corner."""
         begin = which * self._runs
-        heads, state = np.zeros(self._leaves, np.int64), np.array([begin])
-        rows, points = np.empty((BLOCK, 3), np.uint64), np.empty((BLOCK, 9), np.float32)
-        leaf, packed = np.empty(BLOCK, np.int64), np.empty((BLOCK, 2), np.uint64)
-        places = address(self._pool), self._parts * self._runs, address(heads), address(self._owners), address(state)
+        heads, state, room = np.zeros(self._leaves, np.int64), np.array([begin]), np.empty(_ROOM, np.int64)
+        pool = address(self._pool), self._parts * self._runs, address(heads), address(self._owners), address(state)
         (start, stop), repeated, segments = self._cuts[which : which + 2], 0, []
         first = start
         for at in range(start, stop, BLOCK):
@@ -200,15 +204,21 @@ class _Leaves:
             if state[0] - begin + size // RUN + min(size, self._leaves) > self._runs:
                 segments.append(self._spilled(self._segment(first, at, begin, heads, state)))
                 first, state[0], heads[:] = at, begin, 0
-            self._keys(at, at + size, rows, points)
-            DESCEND.function(address(points), size, *self._descent, address(leaf))
-            repeated += PACK.function(address(rows), size, address(leaf), address(packed))
-            SCATTER.function(address(packed), size, address(leaf), self._leaves, *places)
+            repeated += self._descended(self._kernels[0], at, at + size, (address(self._keys),), room, *pool)
             if stopped.is_set():
                 break
             if which == 0 and self._progress is not None and at % _REPORTED == 0:
                 self._progress(0.5 * (at + size) / stop)
         return [*segments, self._segment(first, stop, begin, heads, state)], repeated
+
+    def _descended(self, kernel: Kernel, start: int, stop: int, keys: tuple[int, ...], room: Int, *places: int) -> int:
+        """Run a kernel that finds the leaves of triangles `start:stop`."""
+        block, tree = self._triangles.block(start, stop), self._tree
+        return kernel.function(
+            block.ctypes.data, stop - start, *self._vertices, *keys,
+            address(tree.axes), address(tree.planes), address(tree.cells), address(tree.shifts), tree.levels,
+            tree.depth, address(room), *places,
+        )  # fmt: skip
 
     def _segment(self, first: int, last: int, begin: int, heads: Int, state: Int) -> _Segment:
         """Return the segment that lies in the runs of the pool from `begin` on."""
@@ -294,20 +304,17 @@ class _Leaves:
         result, number = np.empty(self._count, np.int32), np.append(number, np.int32(-1))
 
         def label(which: int, stopped: threading.Event) -> None:
-            rows, points = np.empty((BLOCK, 3), np.uint64), np.empty((BLOCK, 9), np.float32)
-            leaf, begin = np.empty(BLOCK, np.int64), which * self._runs
+            room, begin = np.empty(_ROOM, np.int64), which * self._runs
             for segment in segments:
                 if not self._cuts[which] <= segment.first < self._cuts[which + 1]:
                     continue
                 own = kept[begin * RUN : (begin + self._runs) * RUN] if segment.at is None else self._stored(segment)
                 heads, state = np.zeros(self._leaves, np.int64), np.zeros(1, np.int64)
-                places = self._leaves, address(heads), address(state), address(first)
+                places = address(own), address(heads), address(state), address(first)
                 for at in range(segment.first, segment.last, BLOCK):
                     size = min(BLOCK, segment.last - at)
-                    self._keys(at, at + size, rows, points)
-                    DESCEND.function(address(points), size, *self._descent, address(leaf))
                     some = result[at : at + size]
-                    LABELS.function(address(own), size, address(leaf), *places, address(some))
+                    self._descended(self._kernels[1], at, at + size, (), room, *places, address(some))
                     some[:] = number[some]
                     if stopped.is_set():
                         return

@@ -135,7 +135,7 @@ def _paired_in_order(
             groups.begin(labels[first:last], stop - last)
             for at in range(first, last, BLOCK):
                 size = min(BLOCK, last - at)
-                keys(at, at + size, rows, None)
+                keys(at, at + size, rows)
                 if stopped.is_set() or groups.pair(rows, size):
                     raise _Scattered
                 if progress is not None and which == 0 and at % _REPORTED == 0:

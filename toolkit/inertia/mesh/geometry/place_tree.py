@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -20,23 +22,50 @@ def sample(triangles: Triangles, number: int) -> NDArray[np.float32]:
     return some[np.arange(number) * len(some) // number]
 
 
-def tree(points: NDArray[np.float32], depth: int) -> tuple[Int, NDArray[np.float32], NDArray[np.float32]]:
-    """Return axes and planes (2^depth,) that halve the points (k 2^depth, 3), and again their halves, along the widest.
+@dataclass(frozen=True, eq=False)
+class Tree:
+    """A tree of planes, each node of which parts space into two or four along an axis.
 
-    Node 0 comes first, and the nodes 2 k + 1 and 2 k + 2 below and above node k. The cells (2^depth, 6) of the leaves
-    are their least and their greatest coordinates.
+    Attributes
+    ----------
+    axes : (k,) of the nodes, level by level
+    planes : (k, 4), ascending, of which those that a node does not have are infinite
+    cells : (leaves, 2, 4), the least and the greatest coordinates of the leaves
+    shifts : (32,), the number of children of a node as a power of two, level by level; and of nodes, from 16 on
+    levels : of nodes
     """
-    axes, planes = np.zeros(1 << depth, np.int64), np.zeros(1 << depth, np.float32)
-    nodes, cells = points[None], np.array([[-np.inf] * 3 + [np.inf] * 3], np.float32)
-    for level in range(depth):
+
+    axes: Int
+    planes: NDArray[np.float32]
+    cells: NDArray[np.float32]
+    shifts: Int
+    levels: int
+
+    @property
+    def depth(self) -> int:
+        """The number of leaves as a power of two."""
+        return len(self.cells).bit_length() - 1
+
+
+def tree(points: NDArray[np.float32], depth: int) -> Tree:
+    """Return the tree of 2^depth leaves that parts points (k 2^depth, 3) into equal shares, along the widest extent."""
+    each = [2] * (depth // 2) + [1] * (depth % 2)
+    axes, planes = [], []
+    nodes, cells = points[None], np.full((1, 2, 4), [[[-np.inf], [np.inf]]], np.float32)
+    for shift in each:
+        children = 1 << shift
         with np.errstate(over="ignore", invalid="ignore"):
             widest = np.ptp(nodes, axis=1).argmax(axis=1)
         along = np.take_along_axis(nodes, widest[:, None, None], axis=2)[:, :, 0]
-        half = along.shape[1] // 2
-        order = np.argpartition(along, half, axis=1)
-        here = slice((1 << level) - 1, (2 << level) - 1)
-        axes[here], planes[here] = widest, np.take_along_axis(along, order[:, half : half + 1], axis=1)[:, 0]
-        nodes = np.take_along_axis(nodes, order[:, :, None], axis=1).reshape(2 << level, half, 3)
-        cells = np.repeat(cells, 2, axis=0)
-        cells[np.arange(0, 2 << level, 2), 3 + widest] = cells[np.arange(1, 2 << level, 2), widest] = planes[here]
-    return axes, planes, cells
+        cuts = along.shape[1] // children * np.arange(1, children)
+        order = np.argpartition(along, cuts, axis=1)
+        between = np.take_along_axis(along, order[:, cuts], axis=1)
+        axes.append(widest)
+        planes.append(np.pad(between, ((0, 0), (0, 4 - len(cuts))), constant_values=np.inf))
+        nodes = np.take_along_axis(nodes, order[:, :, None], axis=1).reshape(children * len(nodes), -1, 3)
+        cells, which = np.repeat(cells, children, axis=0), np.arange(len(widest)) * children
+        for k in range(1, children):
+            cells[which + k - 1, 1, widest] = cells[which + k, 0, widest] = between[:, k - 1]
+    shifts = np.zeros(32, np.int64)
+    shifts[: len(each)], shifts[16 : 16 + len(each)] = each, np.append(0, np.cumsum(each))[:-1]
+    return Tree(np.concatenate(axes), np.ascontiguousarray(np.concatenate(planes)), cells, shifts, len(each))
