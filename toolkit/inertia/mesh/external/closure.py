@@ -40,8 +40,9 @@ _LEAST = 1 << 24  # bytes beside the array of triangles, at least
 _EXACTLY = 4096  # bytes that a directed edge takes when it is looked at exactly, with its triangle
 
 
-_LEAF = 1 << 16  # triangles of a leaf, about
-_SAMPLED = 64  # triangles a leaf that its planes are from
+_LEAF = 1 << 14  # triangles of a leaf, about
+_LARGEST = 1 << 18  # triangles of a leaf, at most
+_SAMPLED = 16  # triangles a leaf that its planes are from
 _FIXED = 32_000_000  # bytes for each thread's tables, and for a leaf that it reads
 _FEWEST = 1 << 20  # triangles in memory, for which pairing by place repays its start
 _TURNING = 48  # bytes a triangle that it takes to find out what is inside out
@@ -181,7 +182,7 @@ def closed_by_place(
     if rows < min(count, _FEWEST) or not all(kernel.worthwhile(count) for kernel in BY_PLACE):
         return None
     file = TemporaryFile(max(ROW * (count - rows), 0), stack)
-    limits = Limits(rows, 4 * _LEAF // RUN, (1 << 24) + _WAITING * count // parts, file)
+    limits = Limits(rows, _LARGEST // RUN, (1 << 24) + _WAITING * count // parts, file)
     paired = paired_by_place(triangles, _LEAF, _SAMPLED, parts, salt, progress, limits)
     return None if paired is None else Closure(*paired, crowded=0)
 

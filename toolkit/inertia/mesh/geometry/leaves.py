@@ -164,6 +164,7 @@ class _Leaves:
         if limits is not None and limits.rows < self._count:
             most = max(limits.rows // parts, BLOCK)
         self._largest = 0 if limits is None else limits.runs
+        self._piece = np.full(self._leaves, -1, np.int32)  # that all of a leaf is, where it is all of one
         self._runs = -(-most // RUN) + min(self._leaves, BLOCK) + self._leaves  # of a thread
         self._pool = np.empty((parts * (self._runs + self._largest) * RUN, 2), np.uint64)
         self._owners = np.empty(parts * self._runs, np.int64)
@@ -265,7 +266,10 @@ class _Leaves:
                 if segment.at is None:
                     runs.append(segment.runs[begin:end])
             runs += [own for own, _ in stored]
+            before = desk.repeated
             number, edges, pieces = desk.pair(self._pool, np.concatenate(runs), size, waiting.pieces)
+            if number == 1 and desk.repeated == before:
+                self._piece[leaf] = waiting.pieces
             waiting.add_pieces(number)
             waiting.add(edges, pieces)
             if desk.overfull or waiting.overfull or stopped.is_set():
@@ -273,7 +277,7 @@ class _Leaves:
             if limits is not None:
                 if desk.open or waiting.size > limits.waiting:
                     raise Unpaired
-                for own, at in stored:
+                for own, at in stored if self._piece[leaf] < 0 else ():
                     labels = self._pool.view(np.int32)[own[0, 0] : own[-1, 0] + RUN, 0]
                     limits.store.write(np.ascontiguousarray(labels), at)
             if which == 0 and self._progress is not None:
@@ -328,8 +332,10 @@ class _Leaves:
         assert segment.at is not None
         places = segment.runs[:, 0] // RUN
         labels, lowest = np.empty((len(places), RUN), np.int32), places.min(initial=places.max(initial=0))
-        for begin, end in pairwise(segment.of.tolist()):
-            if begin < end:
+        for piece, (begin, end) in zip(self._piece.tolist(), pairwise(segment.of.tolist()), strict=True):
+            if piece >= 0:
+                labels[places[begin:end] - lowest] = piece
+            elif begin < end:
                 some = np.empty((end - begin, RUN), np.int32)
                 self._limits.store.read(some, segment.at + begin * RUN * ROW)
                 labels[places[begin:end] - lowest] = some
