@@ -276,6 +276,7 @@ def test_a_coordinate_that_is_no_usable_number(value: float) -> None:
     assert (finding.count, finding.faces) == (len(expected), tuple(expected))
     assert f"triangle {expected[0]}:" in finding.message
     assert not report.fit
+    assert report.state == ("12 elements", "nothing else examined")
 
 
 def test_no_triangles() -> None:

@@ -452,6 +452,15 @@ def test_neither_the_order_nor_the_threads_change_anything(
     assert np.array_equal(pairing.labels, np.where(expected < 0, -1, rank[expected]))
 
 
+@pytest.mark.parametrize("triangles", [60_000, 120_000, 240_000])
+def test_places_beyond_float32_are_beyond_no_plane_that_is_not_there(triangles: int) -> None:
+    """Of triangles in no order a tree of planes in float32 is made, of which the last nodes may have one plane only."""
+    surface = joined(ring(300, triangles // 600))
+    large = Surface(1e60 * surface.vertices, surface.faces)
+    pairing = compiled_closure(large.select(np.random.default_rng(5).permutation(large.count)))
+    assert (pairing.open_edges, pairing.components, pairing.crowded) == (0, 1, 0)
+
+
 @pytest.mark.parametrize("kind", [Surface, Facets])
 def test_bodies_far_apart_and_triangles_at_one_place(kind: type[Triangles]) -> None:
     """What halves a sample of the triangles need not halve them all: nearly all lie in one leaf, or all begin there."""

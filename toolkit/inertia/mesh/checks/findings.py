@@ -64,7 +64,8 @@ class Report:
     ----------
     source : where the part came from
     triangles : number of triangles (cells, for a mesh of cells)
-    vertices : number of different vertices that they use
+    vertices : number of different vertices that they use; 0 where a coordinate is not usable, and nothing else was
+        examined: what follows is False, None, 0 or empty then
     closed : every edge is used an even number of times
     consistent : every edge is used both ways equally often, as far as that number allows
     outward : True where every shell is wound as its depth asks, False where every one is wound against it,
@@ -96,6 +97,8 @@ class Report:
     @property
     def state(self) -> tuple[str, ...]:
         """How many elements, vertices and bodies there are, and how they are wound, in words."""
+        if self.vertices == 0:  # there are none, or a coordinate is not usable
+            return counted(self.triangles, "element"), *(("nothing else examined",) if self.triangles else ())
         facing = {True: ("facing outward",), False: ("facing inward",), None: ()}[self.outward]
         return (
             counted(self.triangles, "element"),

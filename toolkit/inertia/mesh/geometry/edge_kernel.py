@@ -60,9 +60,8 @@ def word(halves, at):
 
 
 @njit(inline="always")
-def corner_key(halves, at, salt):
-    """Return the 60-bit key of a stored corner."""
-    x, y, z = word(halves, at), word(halves, at + 2), word(halves, at + 4)
+def key_of(x, y, z, salt):
+    """Return the 60-bit key of a corner by the patterns of its float32 coordinates."""
     high = salt[0] + x * salt[1] + y * salt[2] + z * salt[3]
     low = salt[VERTEX] + x * salt[VERTEX + 1] + y * salt[VERTEX + 2] + z * salt[VERTEX + 3]
     return (high >> S32 << S32 | low >> S32) >> S4
@@ -537,7 +536,8 @@ def key_facets(records_at, count, salt_at, rows_at):
     for k in range(count):
         at = k * STRIDE_F4 + 6
         for corner in range(3):
-            rows[k, corner] = corner_key(halves, at + 6 * corner, salt)
+            x = at + 6 * corner
+            rows[k, corner] = key_of(word(halves, x), word(halves, x + 2), word(halves, x + 4), salt)
     return 0
 
 

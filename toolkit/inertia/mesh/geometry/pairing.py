@@ -2,8 +2,8 @@
 
 Triangles that follow one another in a file mostly are neighbours, so that a group is what stands together there; of its
 edges few are left for the other groups. Where more wait for their partners than the cache holds, the triangles are put
-into groups by where they are in space: by the leaf of a tree of planes, each of which halves a sample of them (see
-`leaves`). What is found does not depend on the groups, nor on how many threads pair them.
+into groups by where they are in space: by the leaf of a tree of planes that part a sample of them into equal shares
+(see `leaves`). What is found does not depend on the groups, nor on how many threads pair them.
 """
 
 from __future__ import annotations

@@ -10,7 +10,7 @@ from llvmlite import ir
 from numba import carray, njit, types, uint64
 from numba.extending import intrinsic
 
-from inertia.mesh.geometry.edge_kernel import SALTS, VERTEX, prefetch
+from inertia.mesh.geometry.edge_kernel import SALTS, key_of, prefetch
 
 RUN = 64
 """Rows that lie together; see `put`."""
@@ -187,12 +187,9 @@ def put(u, v, w, leaf, pool_at, pool, heads, owners, state):
 
 
 @njit(inline="always")
-def key_of(words, at, salt):
-    """Return the 60-bit key of the corner that begins at `at`."""
-    x, y, z = uint64(words[at]), uint64(words[at + ONE]), uint64(words[at + TWO])
-    high = salt[0] + x * salt[1] + y * salt[2] + z * salt[3]
-    low = salt[VERTEX] + x * salt[VERTEX + 1] + y * salt[VERTEX + 2] + z * salt[VERTEX + 3]
-    return (high >> S32 << S32 | low >> S32) >> FOUR
+def corner_key(words, at, salt):
+    """Return the 60-bit key of the corner whose coordinates begin at `at`."""
+    return key_of(uint64(words[at]), uint64(words[at + ONE]), uint64(words[at + TWO]), salt)
 
 
 @njit(inline="always")
@@ -248,7 +245,11 @@ def place_facets(
         descend(points, room_at, uint64(number), levels, shifts, axes, planes, planes_at, cells_at, leaves)
         for k in range(uint64(number)):
             at = NINE * k
-            u, v, w = key_of(words, at, salt), key_of(words, at + THREE, salt), key_of(words, at + SIX, salt)
+            u, v, w = (
+                corner_key(words, at, salt),
+                corner_key(words, at + THREE, salt),
+                corner_key(words, at + SIX, salt),
+            )
             repeated += put(u, v, w, leaves[k], pool_at, pool, heads, owners, state)
     return repeated
 

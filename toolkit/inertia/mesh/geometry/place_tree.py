@@ -1,4 +1,4 @@
-"""A tree of planes that halves triangles by where they are in space, of a sample of them; see `leaves`."""
+"""A tree of planes that part triangles by where they are in space, by a sample of them; see `leaves`."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ class Tree:
     Attributes
     ----------
     axes : (k,) of the nodes, level by level
-    planes : (k, 4), ascending, of which those that a node does not have are infinite
+    planes : (k, 4), ascending; not a number in place of those that a node does not have, which nothing is beyond
     cells : (leaves, 2, 4), the least and the greatest coordinates of the leaves
     shifts : (32,), the number of children of a node as a power of two, level by level; and of nodes, from 16 on
     levels : of nodes
@@ -61,7 +61,7 @@ def tree(points: NDArray[np.float32], depth: int) -> Tree:
         order = np.argpartition(along, cuts, axis=1)
         between = np.take_along_axis(along, order[:, cuts], axis=1)
         axes.append(widest)
-        planes.append(np.pad(between, ((0, 0), (0, 4 - len(cuts))), constant_values=np.inf))
+        planes.append(np.pad(between, ((0, 0), (0, 4 - len(cuts))), constant_values=np.nan))
         nodes = np.take_along_axis(nodes, order[:, :, None], axis=1).reshape(children * len(nodes), -1, 3)
         cells, which = np.repeat(cells, children, axis=0), np.arange(len(widest)) * children
         for k in range(1, children):
