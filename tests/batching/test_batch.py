@@ -459,16 +459,16 @@ def test_a_file_whose_process_dies_twice_has_a_row_and_all_others_too(
 @LINUX
 def test_no_row_is_lost_and_none_comes_twice_when_workers_are_killed(tmp_path: Path) -> None:
     names = []
-    for number in range(120):
+    for number in range(240):
         names.append(tmp_path / f"{number:03}.stl")
-        names[-1].write_bytes(CUBE.read_bytes())
+        names[-1].write_bytes(HANDLE.read_bytes())
     result, kills = [], 0
     for row in inertia.batch(names, jobs=2):
         result.append(row)
-        if len(result) % 20 == 0 and (alive := workers()):
+        if len(result) % 10 == 0 and (alive := workers()):  # what was done ahead comes when none is left
             os.kill(alive[0], signal.SIGKILL)
             kills += 1
-    assert kills >= 3
+    assert kills >= 2
     assert [row["path"] for row in result] == list(map(str, names))
     assert {row["state"] for row in result} == {"answered"}
 
