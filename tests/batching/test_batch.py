@@ -12,6 +12,7 @@ import threading
 import time
 import warnings
 import zipfile
+from collections import Counter
 from contextlib import ExitStack, closing, suppress
 from pathlib import Path
 from typing import Any
@@ -466,11 +467,14 @@ def test_no_row_is_lost_and_none_comes_twice_when_workers_are_killed(tmp_path: P
     for row in inertia.batch(names, jobs=2):
         result.append(row)
         if len(result) % 10 == 0 and (alive := workers()):  # what was done ahead comes when none is left
-            os.kill(alive[0], signal.SIGKILL)
-            kills += 1
+            with suppress(ProcessLookupError):  # it has gone meanwhile
+                os.kill(alive[0], signal.SIGKILL)
+                kills += 1
     assert kills >= 2
     assert [row["path"] for row in result] == list(map(str, names))
-    assert {row["state"] for row in result} == {"answered"}
+    states = Counter(row["state"] for row in result)
+    assert states["answered"] + states["crashed"] == len(names)
+    assert 2 * states["crashed"] <= kills  # of a file at which two were killed
 
 
 @LINUX
