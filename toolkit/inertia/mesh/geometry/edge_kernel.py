@@ -352,7 +352,7 @@ def pair_leaf(
 ):
     """Pair the edges of a leaf of triangles, in an order that no processor foresees; return how many pieces there are.
 
-    A row has the keys of the corners and which edges are used in this leaf alone (`pack`, `descend`); of the others,
+    A row has the keys of the corners and which edges are used in this leaf alone (`put`, `descend`); of the others,
     `edges` are the keys with the way that they run, `pieces` whose they are, and state[0] says how many. An entry of
     the table has upper bits of a key, 4 × the triangle + the side of its first use, where triangles count from 1, and
     two bits that say which ways the edge runs; there is room for all. The keys are (r + 2 a)(r + 2 b) modulo 2⁶⁴ with
