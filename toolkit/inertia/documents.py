@@ -14,7 +14,7 @@ import re
 import tomllib
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import MISSING, InitVar, dataclass, field, fields
+from dataclasses import MISSING, InitVar, field, fields
 from difflib import get_close_matches
 from fractions import Fraction
 from numbers import Integral, Real
@@ -28,6 +28,7 @@ from inertia.arrays import of_rotation
 from inertia.encoding import text_of
 from inertia.errors import FieldPath, GeometryError, ReadError, UsageError, Word, placed, visible
 from inertia.estimate import Estimate
+from inertia.records import dataclass
 from inertia.standard_input import file_of, reason_of
 
 Read = Callable[[Any, str], Any]

@@ -5,12 +5,12 @@ Coordinates are kept as stored; results are multiplied by a power of `Unit.metre
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from difflib import get_close_matches
 from fractions import Fraction
 from typing import Literal
 
 from inertia.errors import UsageError
+from inertia.records import dataclass
 
 UnitFrom = Literal["option", "file", "assumed"]
 

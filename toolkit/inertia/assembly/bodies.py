@@ -8,7 +8,7 @@ goes with all of them, one of a scale s with s³, s⁴ and s⁵, one of the cent
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from fractions import Fraction
 from pathlib import Path
 from typing import NamedTuple
@@ -29,6 +29,7 @@ from inertia.mesh.part import Cells, Part
 from inertia.mesh.read import read, read_tree
 from inertia.mesh.regions import region_of
 from inertia.mesh.tree import MeshTree, determinant
+from inertia.records import dataclass
 from inertia.units import Unit
 
 _PI = Fraction(314159265358979323846264338327950288419716939937510582097494459, 10**62)

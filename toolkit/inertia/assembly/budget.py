@@ -10,7 +10,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -27,6 +26,7 @@ from inertia.errors import UsageError, placed, visible
 from inertia.mass.integrand import ELEMENTS
 from inertia.mass.properties import MassProperties
 from inertia.mesh.turns import TURN_BITS
+from inertia.records import dataclass
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

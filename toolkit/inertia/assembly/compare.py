@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
@@ -12,6 +11,7 @@ from inertia.arrays import Float
 from inertia.assembly.budget import Budget
 from inertia.assembly.lines import Line
 from inertia.mass.tensor import point_inertia
+from inertia.records import dataclass
 
 _SAME = 1e-12  # of the whole: less is rounding
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from pathlib import Path
 from typing import Any, Self
 
@@ -16,6 +16,7 @@ from inertia.assembly.tree import PartTree
 from inertia.documents import document_schema
 from inertia.errors import ReadError, placed
 from inertia.mesh.readers.formats import format_of_name
+from inertia.records import dataclass
 
 
 @dataclass(frozen=True, eq=False)

@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import re
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
 from fractions import Fraction
 from typing import Annotated, Any, ClassVar, Literal
 
@@ -47,6 +46,7 @@ from inertia.documents import (
 from inertia.errors import UsageError
 from inertia.mesh.tree import Matrix, determinant
 from inertia.mesh.turns import Quaternion, about
+from inertia.records import dataclass
 from inertia.units import length_unit
 
 _LENGTH = "the file's unit"

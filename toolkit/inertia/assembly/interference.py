@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from functools import lru_cache
 from typing import Any
 
@@ -17,6 +16,7 @@ from inertia.mesh.geometry.boxes import BoxTree, overlapping
 from inertia.mesh.geometry.faces import merge_equal_vertices, repeated_corners
 from inertia.mesh.manifold import exponent_of, solid
 from inertia.mesh.surface import Surface
+from inertia.records import dataclass
 
 _SHARE, _ROUND_SHARE = 1e-6, 5e-3
 """Of the smaller part's volume: less is contact; of round shapes, whose facets lie inside them, the second."""

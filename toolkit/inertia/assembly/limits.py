@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
@@ -15,6 +14,7 @@ from inertia.assembly.tree import PartTree
 from inertia.errors import FieldPath, UsageError, placed
 from inertia.mass.principal import principal
 from inertia.mass.properties import MassProperties
+from inertia.records import dataclass
 
 Verdict = Literal["pass", "fail", "undecided"]
 

@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
 
 import numpy as np
 
 from inertia.arrays import Float
+from inertia.records import dataclass
 
 _PLACES = (0, 0), (1, 1), (2, 2), (1, 2), (2, 0), (0, 1)  # of the six second moments
 ELEMENTS = (0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2)  # of the six of a tensor

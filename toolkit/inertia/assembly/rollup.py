@@ -8,7 +8,6 @@ c′ = R c + t seen from the centre of mass of all. Masses are counted in 2⁻²
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from fractions import Fraction
 from typing import NamedTuple
 
@@ -20,6 +19,7 @@ from inertia.assembly.frames import LENGTH_BITS, Frame, float_above
 from inertia.mass.moments import Moments, norm_above, six, vector
 from inertia.mass.properties import MassProperties
 from inertia.mesh.turns import TURN_BITS
+from inertia.records import dataclass
 
 _MASS_BITS, _SECOND_BITS = 256, 320
 _LOST = 2.0**-150  # relative: more than the integers drop

@@ -5,7 +5,7 @@ from __future__ import annotations
 import os
 from collections import Counter
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass, field, replace
+from dataclasses import field, replace
 from fnmatch import fnmatchcase
 from fractions import Fraction
 from functools import cached_property
@@ -28,6 +28,7 @@ from inertia.mass.properties import MassProperties
 from inertia.mesh.part import Part
 from inertia.mesh.tree import MeshTree
 from inertia.mesh.turns import TURN_BITS
+from inertia.records import dataclass
 from inertia.units import Unit, length_unit
 
 _MOST_COPIES = 1_000_000

@@ -6,7 +6,6 @@ Plain float64 in the axes of the link, for the search over mistakes; the certifi
 from __future__ import annotations
 
 from collections.abc import Iterable
-from dataclasses import dataclass
 from functools import cached_property
 from typing import NamedTuple
 
@@ -15,6 +14,7 @@ import numpy as np
 from inertia.arrays import Float
 from inertia.mass.tensor import point_inertia
 from inertia.mesh.geometry.hull import convex_hull
+from inertia.records import dataclass
 
 
 class Body(NamedTuple):

@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import cached_property
 
 import numpy as np
 
 from inertia.arrays import Float
 from inertia.auditing.bodies import Body, Shape, together
+from inertia.records import dataclass
 
 _SMALL = 0.02
 """Of the largest: elements that are smaller count as if they were as large."""

@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 
 import numpy as np
 
 from inertia.arrays import Float
 from inertia.auditing.bodies import Body, together
 from inertia.auditing.claim import Context, difference
+from inertia.records import dataclass
 
 DENSEST = 25_000.0
 """kg/m³ that no part of a machine exceeds (tungsten has 19,300)."""

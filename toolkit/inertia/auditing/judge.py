@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
 from functools import cached_property
 from typing import Literal
 
@@ -19,6 +18,7 @@ from inertia.auditing.placeholder import placeholder
 from inertia.auditing.search import Explanation, Search, pairs, singles
 from inertia.exchange.robots.links import Placement
 from inertia.mass.properties import MassProperties
+from inertia.records import dataclass
 
 State = Literal["consistent", "inconsistent", "unphysical", "unjudged"]
 

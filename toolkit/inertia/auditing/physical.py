@@ -8,7 +8,6 @@ the triangle rule of the principal moments).
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
 from fractions import Fraction
 from itertools import combinations
 
@@ -16,6 +15,7 @@ import numpy as np
 
 from inertia.arrays import Float
 from inertia.auditing.claim import Statement
+from inertia.records import dataclass
 
 _SLACK = 1e-9  # of the size of the hull: where the planes of a hull are rounded to
 _COARSE = 0.01  # of a tensor: decimals that leave more open are no figures at all

@@ -4,13 +4,14 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Iterator
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import NamedTuple
 
 from inertia.auditing.bodies import Body
 from inertia.auditing.claim import Claim, Context, Mistake, difference, mismatch
 from inertia.auditing.densities import is_plausible
 from inertia.auditing.hypotheses import KINDS
+from inertia.records import dataclass
 
 EXPLAINED = 0.02
 """Residual up to which a mistake explains what is stated."""

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from fractions import Fraction
 from pathlib import Path
 
@@ -20,6 +20,7 @@ from inertia.mesh import primitives
 from inertia.mesh.part import Part
 from inertia.mesh.read import read
 from inertia.mesh.surface import Surface
+from inertia.records import dataclass
 from inertia.units import METRE, Unit
 
 _ROUNDOFF = 2.0**-50

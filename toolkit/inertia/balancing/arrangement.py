@@ -5,12 +5,12 @@ from __future__ import annotations
 import itertools
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
 
 import numpy as np
 
 from inertia.arrays import Float, Int
 from inertia.balancing.unbalance import Complex
+from inertia.records import dataclass
 
 _BEGINNINGS = 24
 _GAIN = 1e-12  # relative: what leaves less by so little is no better

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import reduce
 from operator import add
 from pathlib import Path
@@ -49,6 +49,7 @@ from inertia.balancing.unbalance import Unbalance
 from inertia.balancing.verdict import Verdict, count_the_shop, judge
 from inertia.errors import GeometryError, UsageError, placed, require_kind
 from inertia.mass.properties import MassProperties
+from inertia.records import dataclass
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

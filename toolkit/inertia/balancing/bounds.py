@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import Literal
 
 import numpy as np
@@ -19,6 +19,7 @@ from inertia.balancing.axis.shaft import Shaft
 from inertia.errors import UsageError
 from inertia.mass.integrand import principal_elements
 from inertia.mass.properties import ErrorBound, MassProperties
+from inertia.records import dataclass
 
 Source = Literal["arithmetic", "tessellation", "axis", "density", "measurement", "input"]
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
 from typing import Annotated, Any, ClassVar, Literal
 
 from inertia.arrays import Float
@@ -23,6 +22,7 @@ from inertia.documents import (
     tables,
     text,
 )
+from inertia.records import dataclass
 
 _LENGTH = "the file's unit"
 _MANY = 1_000_000

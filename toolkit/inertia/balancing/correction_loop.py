@@ -14,7 +14,7 @@ import cmath
 import math
 from collections import Counter
 from collections.abc import Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import field, replace
 from time import thread_time
 
 import numpy as np
@@ -40,6 +40,7 @@ from inertia.balancing.tolerance import Tolerance
 from inertia.balancing.unbalance import Complex, Unbalance, plane_weights
 from inertia.errors import UsageError
 from inertia.mesh.part import Part
+from inertia.records import dataclass
 
 _SHARES = (0.7, 0.8)  # of the time left, for a plan and for another by what was cut
 _AS_PLANNED = 1.05

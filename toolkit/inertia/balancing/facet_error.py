@@ -16,7 +16,6 @@ generators is a mode of its own. Facets on no cylinder or cone have no such sum:
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
@@ -26,6 +25,7 @@ from inertia.balancing.axis.shaft import Shaft
 from inertia.balancing.facet_surfaces import Cone, FacetMesh, recognise
 from inertia.mesh.geometry.faces import components, merge_equal_vertices
 from inertia.mesh.part import Part
+from inertia.records import dataclass
 
 _CURVED = math.radians(35.0)  # of edges between facets of no known surface: a circle has eleven and more
 _ALIKE = 3.0  # lengths of neighbours along a curved profile, at most

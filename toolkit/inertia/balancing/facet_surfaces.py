@@ -8,7 +8,7 @@ that is far wider than all others of its patch is a true plane that was cut into
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 
@@ -16,6 +16,7 @@ from inertia.arrays import Bool, Float, Int
 from inertia.balancing.axis.cylinder_fit import across
 from inertia.mesh.geometry.edges import pair_edges
 from inertia.mesh.geometry.faces import components
+from inertia.records import dataclass
 
 SHARP = math.radians(60.0)
 """Edges that turn by this or more are true ones."""

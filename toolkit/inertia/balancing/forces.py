@@ -6,7 +6,6 @@ Frames and signs are those of `inertia.balancing.unbalance`; every vector here t
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
@@ -14,6 +13,7 @@ from numpy.typing import ArrayLike
 
 from inertia.balancing.unbalance import Complex, Unbalance
 from inertia.errors import UsageError
+from inertia.records import dataclass
 
 _NOTE, _WARN, _REFUSE = 0.3, 0.5, 0.7
 

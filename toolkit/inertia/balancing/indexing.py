@@ -16,7 +16,7 @@ from __future__ import annotations
 import itertools
 import math
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import NamedTuple
 
 import numpy as np
@@ -25,6 +25,7 @@ from inertia.arrays import Float, Int
 from inertia.balancing.arrangement import Answer, Choice, by_turning, sums_of
 from inertia.balancing.arrangement_program import by_program
 from inertia.balancing.unbalance import Complex
+from inertia.records import dataclass
 
 _ROWS = 1_000_000  # sums that are written down
 _WRITTEN = 9  # places whose orders are written down one by one; of more, their halves

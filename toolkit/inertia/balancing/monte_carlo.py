@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
 from operator import itemgetter
 from typing import Literal
 
@@ -20,6 +19,7 @@ from inertia.balancing.measured.readings import complex_of
 from inertia.balancing.unbalance import Complex
 from inertia.errors import UsageError
 from inertia.mass.tensor import array_of
+from inertia.records import dataclass
 
 Distribution = Literal["normal", "uniform", "disc", "rayleigh"]
 

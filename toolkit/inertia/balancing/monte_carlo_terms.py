@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, fields
+from dataclasses import fields
 
 import numpy as np
 
@@ -15,6 +15,7 @@ from inertia.balancing.corrections.milling import arc_unbalance, flat_unbalance
 from inertia.balancing.corrections.operation import Operation
 from inertia.balancing.monte_carlo import Term
 from inertia.balancing.unbalance import Complex, Unbalance, plane_weights
+from inertia.records import dataclass
 
 _AXIS = ("axis at bearing A", "axis at bearing B", "axis tilt, uneven transverse moments")
 

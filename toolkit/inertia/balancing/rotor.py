@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from fractions import Fraction
 from functools import cached_property
 from pathlib import Path
@@ -28,6 +28,7 @@ from inertia.balancing.tolerance import Planes, Tolerance
 from inertia.balancing.unbalance import PointMass, Unbalance
 from inertia.documents import Document, FieldError, document_schema, plain, section_of, table_of
 from inertia.errors import FieldPath, UsageError
+from inertia.records import dataclass
 from inertia.units import Unit, length_unit
 
 KeyConvention = Literal["H", "F", "N"]

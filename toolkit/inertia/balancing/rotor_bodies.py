@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from itertools import combinations
 from pathlib import Path
 from typing import Literal
@@ -28,6 +28,7 @@ from inertia.mesh.part import Cells, Part, Rounding
 from inertia.mesh.read import read
 from inertia.mesh.regions import region_of
 from inertia.mesh.surface import Surface
+from inertia.records import dataclass
 
 ChordFrom = Literal["given", "read", "shape", "estimated", "mesh", "exact"]
 

@@ -7,7 +7,6 @@ into SI units and radians; angles and signs are those of `inertia.balancing.unba
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
 from typing import Annotated, Any, ClassVar, Literal
 
 from inertia.arrays import Float
@@ -34,6 +33,7 @@ from inertia.documents import (
 )
 from inertia.errors import UsageError
 from inertia.mass.density import density_of
+from inertia.records import dataclass
 from inertia.units import length_unit
 
 _LENGTH = "the file's unit"

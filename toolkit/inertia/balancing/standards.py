@@ -7,11 +7,12 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import Any
 
 from inertia.balancing.tolerance import GRADES, Planes, Tolerance, api, iso_21940_11, mil_std_167_1
 from inertia.balancing.unbalance import Unbalance
+from inertia.records import dataclass
 
 CATEGORIES: dict[str, tuple[float, tuple[str, ...]]] = {
     "BV-1": (16.0, ("ceiling and attic fans, window units",)),

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import Literal
 
 from inertia.balancing.forces import carried_masses
 from inertia.balancing.unbalance import Unbalance
 from inertia.errors import UsageError
+from inertia.records import dataclass
 
 GRADES: dict[float, tuple[str, ...]] = {
     4000.0: ("crank drives of large slow marine diesel engines, inherently unbalanced",),

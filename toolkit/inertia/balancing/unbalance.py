@@ -15,7 +15,7 @@ from __future__ import annotations
 import cmath
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import Literal
 
 import numpy as np
@@ -27,6 +27,7 @@ from inertia.balancing.axis.shaft import Shaft
 from inertia.balancing.bounds import Source, Uncertainty
 from inertia.errors import UsageError
 from inertia.mass.properties import ErrorBound, MassProperties
+from inertia.records import dataclass
 
 Kind = Literal["balanced", "static", "couple", "quasi-static", "dynamic"]
 Complex = NDArray[np.complex128]

@@ -7,7 +7,7 @@ tolerance, once the shop's work scatters as stated.
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import Literal
 
 from inertia.balancing.bounds import Source, Uncertainty
@@ -16,6 +16,7 @@ from inertia.balancing.monte_carlo import Scatter
 from inertia.balancing.shop_units import GRAM_MILLIMETRE
 from inertia.balancing.tolerance import Planes, Tolerance
 from inertia.balancing.unbalance import Unbalance, plane_weights
+from inertia.records import dataclass
 
 Outcome = Literal["pass", "fail", "undecided", "conditional"]
 

@@ -12,7 +12,7 @@ import time
 import warnings
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import ExitStack, contextmanager, suppress
-from dataclasses import dataclass, field
+from dataclasses import field
 from pathlib import Path
 from typing import Any, NamedTuple, TypeVar
 
@@ -21,6 +21,7 @@ from inertia.batching.sources import Task, local_copy
 from inertia.errors import GeometryError, InertiaError, ReadError, Remedy, Sentence, Wording, visible
 from inertia.mesh.version import sha256_of
 from inertia.output import inputs_noted
+from inertia.records import dataclass
 
 Row = dict[str, Any]
 T = TypeVar("T")

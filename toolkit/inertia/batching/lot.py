@@ -17,7 +17,7 @@ import json
 import math
 from collections import Counter
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import field
 from decimal import Decimal
 from typing import Any
 
@@ -25,6 +25,7 @@ import numpy as np
 
 from inertia.arrays import Float
 from inertia.balancing.unbalance import Complex
+from inertia.records import dataclass
 from inertia.report.numerals import row as line
 from inertia.report.numerals import wrapped
 

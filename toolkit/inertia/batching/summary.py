@@ -6,13 +6,14 @@ import heapq
 import re
 from collections import Counter
 from collections.abc import Iterator
-from dataclasses import dataclass, field
+from dataclasses import field
 from typing import Any
 
 from inertia.batching.columns import STATES
 from inertia.batching.lot import Lot
 from inertia.errors import visible
 from inertia.mesh.checks.findings import counted
+from inertia.records import dataclass
 from inertia.report.numerals import row as line
 from inertia.report.numerals import significant
 

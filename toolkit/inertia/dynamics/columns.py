@@ -11,7 +11,7 @@ import json
 import os
 import re
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import field
 from itertools import product
 from typing import Any
 
@@ -19,6 +19,7 @@ import numpy as np
 
 from inertia.arrays import Float
 from inertia.output import require_writable, whole
+from inertia.records import dataclass
 from inertia.tables import load_pyarrow
 
 FORMATS = (".csv", ".npz", ".parquet")

@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field, replace
+from dataclasses import field, replace
 
 from inertia.arrays import Float
 from inertia.dynamics.kinematics import quaternion
+from inertia.records import dataclass
 
 
 @dataclass(frozen=True, eq=False)

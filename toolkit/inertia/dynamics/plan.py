@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
-from dataclasses import dataclass
 from difflib import get_close_matches
 
 from inertia.arrays import Float
@@ -12,6 +11,7 @@ from inertia.dynamics.models.catalogue import MODELS
 from inertia.dynamics.models.model import SHARE, Candidate, Model, Problem, angle_text
 from inertia.dynamics.scene.document import Scene
 from inertia.errors import FieldPath, placed
+from inertia.records import dataclass
 
 
 @dataclass(frozen=True, eq=False)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 import os
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field, replace
+from dataclasses import field, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -22,6 +22,7 @@ from inertia.dynamics.motion import Event, Motion
 from inertia.dynamics.plan import Plan
 from inertia.dynamics.scene.document import Scene
 from inertia.errors import GeometryError, UsageError, visible
+from inertia.records import dataclass
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

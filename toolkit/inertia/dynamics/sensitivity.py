@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field, replace
+from dataclasses import field, replace
 from functools import cached_property
 from typing import Any
 
@@ -23,6 +23,7 @@ from inertia.dynamics.scene.document import Scene
 from inertia.dynamics.scene.sections import Settings, Start
 from inertia.errors import GeometryError, UsageError, require_kind
 from inertia.mass.tensor import faults
+from inertia.records import dataclass
 
 ELEMENTS = ((0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2))
 """The six elements of the tensor, in the order of their columns: xx, yy, zz, xy, xz, yz."""

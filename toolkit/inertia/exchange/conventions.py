@@ -7,7 +7,6 @@ it said what another program means by *ixy*. `inertia.mass.tensor` states the si
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
@@ -15,6 +14,7 @@ from numpy.typing import ArrayLike
 
 from inertia.arrays import Float
 from inertia.mass.tensor import array_of
+from inertia.records import dataclass
 
 Products = Literal["elements", "integrals", "none"]
 

@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 import re
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
 from decimal import Decimal
 from typing import Any
 from xml.sax.saxutils import quoteattr
@@ -16,6 +15,7 @@ from numpy.typing import NDArray
 from inertia import __version__
 from inertia.exchange.conventions import Convention
 from inertia.mass.properties import MassProperties
+from inertia.records import dataclass
 
 _WORDS = (  # of Python, Modelica and MATLAB, and of what is written: no identifier in one of them
     "algorithm and annotation as assembly assert assertion async await block boolean break case catch class classdef "

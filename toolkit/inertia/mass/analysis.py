@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import field
 from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Literal
@@ -18,6 +18,7 @@ from inertia.mass.principal import Principal
 from inertia.mass.properties import ErrorBound, MassProperties
 from inertia.mesh.checks.findings import Finding
 from inertia.mesh.part import DRAWN, Part
+from inertia.records import dataclass
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

@@ -8,12 +8,12 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass
 from difflib import get_close_matches
 from typing import Literal, TypeVar
 
 from inertia.errors import UsageError
 from inertia.estimate import Estimate
+from inertia.records import dataclass
 
 T = TypeVar("T")
 DensityFrom = Literal["option", "material", "mass", "file", "assumed"]

@@ -11,13 +11,13 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
 from fractions import Fraction
 from typing import Any
 
 import numpy as np
 
 from inertia.arrays import Float
+from inertia.records import dataclass
 
 UNIT = 2.0**-103
 """What an operation may be off by, relative to the magnitudes that enter it."""

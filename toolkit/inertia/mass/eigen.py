@@ -22,13 +22,13 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Iterator, Sequence
-from dataclasses import dataclass
 from fractions import Fraction
 from math import isqrt
 
 import numpy as np
 
 from inertia.arrays import Float
+from inertia.records import dataclass
 
 _BITS = 400
 """Bits kept below the smallest element: a part in 10⁶⁰ of the smallest moment of a needle of aspect 10³⁰."""

@@ -11,7 +11,6 @@ without thickness leave nothing open.
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
 from decimal import ROUND_CEILING, Context
 from numbers import Real
 
@@ -28,6 +27,7 @@ from inertia.mesh.geometry.intersect import crossings
 from inertia.mesh.part import Part
 from inertia.mesh.repair import repair
 from inertia.mesh.unite import unite
+from inertia.records import dataclass
 
 _CROSSINGS = 2_000  # that are united in a second or two
 _LEAST, _MOST = 1e-9, 0.5  # worth allowing for, and above that the fault is not small

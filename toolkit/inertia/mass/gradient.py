@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 
@@ -12,6 +12,7 @@ from inertia.mass.analyse import analyse
 from inertia.mass.integrand import matrix_of, principal_rates
 from inertia.mass.principal import Principal
 from inertia.mesh.part import Part
+from inertia.records import dataclass
 
 
 @dataclass(frozen=True, eq=False)

@@ -13,7 +13,6 @@ derivative is that of ∫x dm over the mass, and that of the tensor needs no Ste
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass
 from fractions import Fraction
 from functools import cached_property
 from typing import Literal
@@ -30,6 +29,7 @@ from inertia.mass.properties import MassProperties
 from inertia.mesh.geometry.edges import first_equal
 from inertia.mesh.part import Cells, Part
 from inertia.mesh.surface import Facets
+from inertia.records import dataclass
 
 ELEMENTS = ((0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2))
 """The axes of the six elements of a tensor, in the order of `responses`: xx, yy, zz, xy, xz, yz."""

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Collection, Iterable, Iterator
 from contextlib import contextmanager
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from difflib import get_close_matches
 from typing import Literal
 
@@ -28,6 +28,7 @@ from inertia.mesh.part import Cells, Part, Regions
 from inertia.mesh.shape import Solid
 from inertia.mesh.surface import Facets, Surface, Triangles, counts_once, usable
 from inertia.once import once
+from inertia.records import dataclass
 
 _SMALL = 20_000  # triangles; in a larger surface, pairing the edges by themselves costs next to nothing
 MOSTLY = 0.5  # of a surface: what is more is checked as a whole

@@ -9,7 +9,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
 from fractions import Fraction
 from itertools import pairwise
 from typing import Any
@@ -27,6 +26,7 @@ from inertia.mass.triangles.kernels import BLOCK
 from inertia.mesh.geometry.simple import at_hand
 from inertia.mesh.part import Part
 from inertia.native import Kernel, place
+from inertia.records import dataclass
 from inertia.units import length_unit
 
 _KERNEL = Kernel("inertia.mass.triangles.results_kernel", "mass_results", "pippp")

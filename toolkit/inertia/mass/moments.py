@@ -10,13 +10,14 @@ only: I_xx = ∫(y² + z²), I_xy = −∫xy.
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import field, replace
 from fractions import Fraction
 from functools import cached_property
 from math import gcd, isqrt, lcm
 from typing import TYPE_CHECKING, Any
 
 from inertia.arrays import Float
+from inertia.records import dataclass
 
 Over = tuple[list[int], int]
 """Numerators, and the positive denominator that they have in common, which may share factors with all of them."""

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
 from fractions import Fraction
 from typing import Literal
 
@@ -15,6 +14,7 @@ from inertia.errors import UNIT, GeometryError, UsageError
 from inertia.mass.eigen import Spectrum, spectrum
 from inertia.mass.moments import Moments
 from inertia.mass.tensor import array_of
+from inertia.records import dataclass
 
 InertiaClass = Literal["spherical", "prolate", "oblate", "asymmetric", "rotor"]
 

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import field
 from fractions import Fraction
 from functools import cached_property
 from typing import TYPE_CHECKING, Any, Protocol
@@ -22,6 +22,7 @@ from inertia.mass.density import positive
 from inertia.mass.eigen import Spectrum
 from inertia.mass.moments import ZERO, Moments, Six, dyadic, nearby, norm_above, norm_above_of
 from inertia.mass.tensor import array_of, exact_point, faults, rotation_of
+from inertia.records import dataclass
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from fractions import Fraction
 
 import numpy as np
@@ -15,6 +15,7 @@ from inertia.mass.triangles.arithmetic import solid_moments
 from inertia.mesh import repair as mesh_repair
 from inertia.mesh.part import Part
 from inertia.mesh.repair import Change, Repair
+from inertia.records import dataclass
 
 
 @dataclass(frozen=True)

@@ -9,7 +9,6 @@ there, it is asked.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from fractions import Fraction
 from math import inf
 
@@ -27,6 +26,7 @@ from inertia.mass.triangles.sums import PlainSums, Sums, sum_triangles
 from inertia.mesh.geometry.simple import MOST, at_hand, simple
 from inertia.mesh.surface import Surface
 from inertia.native import threads
+from inertia.records import dataclass
 from inertia.units import Unit
 
 _SHARE = 25_000  # triangles, two milliseconds of work for a thread

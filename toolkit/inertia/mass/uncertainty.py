@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from fractions import Fraction
 from functools import cached_property
 
@@ -32,6 +32,7 @@ from inertia.mass.principal import Principal
 from inertia.mass.properties import MassProperties
 from inertia.mass.tensor import exact_point, point_inertia
 from inertia.mesh.part import Cells
+from inertia.records import dataclass
 
 _ORDER = (0, 1, 2, 5, 4, 3)  # of `ELEMENTS` among the second moments of `inertia.mass.moments`
 _APART = 2.0  # standard uncertainties of the difference of two moments, below which they may be equal

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import sys
 from collections.abc import Iterable
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from fractions import Fraction
 from functools import cached_property
 from typing import Literal
@@ -28,6 +28,7 @@ from inertia.mass.properties import CERTAIN, ErrorBound, MassProperties
 from inertia.mass.tessellation import chord_error
 from inertia.mesh.doubt import Doubt
 from inertia.mesh.part import Part
+from inertia.records import dataclass
 
 
 @dataclass(frozen=True, eq=False)

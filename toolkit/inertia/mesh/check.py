@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
-from dataclasses import dataclass, fields, replace
+from dataclasses import fields, replace
 
 import numpy as np
 
@@ -18,6 +18,7 @@ from inertia.mesh.geometry.intersect import to_be_examined
 from inertia.mesh.part import Cells, Part
 from inertia.mesh.surface import Surface, counts_once
 from inertia.once import once
+from inertia.records import dataclass
 
 _IN_TURN: tuple[Subject, ...] = ("maps", "sides", "space")
 _ORDER: tuple[Severity, ...] = ("error", "warning", "note")

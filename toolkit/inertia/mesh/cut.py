@@ -11,7 +11,7 @@ half as far inside. Its second moment of area is too large by a share of about 4
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -28,6 +28,7 @@ from inertia.mesh.part import Part, Regions, Rounding
 from inertia.mesh.repairs.holes import around
 from inertia.mesh.repairs.weld import compact
 from inertia.mesh.surface import Surface
+from inertia.records import dataclass
 
 SEGMENTS = 64
 """Sides of a round tool: its vertices are 0.08 % of the radius outside the circle."""

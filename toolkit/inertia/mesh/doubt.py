@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
-from dataclasses import dataclass
 
 import numpy as np
 
 from inertia.arrays import Float
+from inertia.records import dataclass
 
 
 @dataclass(frozen=True, eq=False)

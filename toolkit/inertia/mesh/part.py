@@ -12,7 +12,7 @@ Coordinates are never multiplied by a unit.
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, field
+from dataclasses import field
 from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -26,6 +26,7 @@ from inertia.mesh.doubt import Doubt
 from inertia.mesh.shape import Shape
 from inertia.mesh.surface import Facets, Surface, Triangles
 from inertia.mesh.version import Version
+from inertia.records import dataclass
 from inertia.units import DEFAULT_UNIT, Unit, UnitFrom, length_unit, multiple_of
 
 if TYPE_CHECKING:

@@ -17,7 +17,7 @@ A shell that crosses itself stays as it is: `inertia.mesh.unite` unites it with 
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 
@@ -46,6 +46,7 @@ from inertia.mesh.repairs.weld import (
 )
 from inertia.mesh.surface import Surface, Triangles
 from inertia.mesh.unite import unite
+from inertia.records import dataclass
 
 _CRACK = 1e-6  # width of a crack that is closed unasked, over the diagonal of the part's box
 _NAMED = 5  # triangles named in a change

@@ -24,10 +24,10 @@ surface are of unit length and at right angles, those of a curve need not be.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import Literal
 
 from inertia.arrays import Float
+from inertia.records import dataclass
 
 CurveKind = Literal["line", "ellipse", "parabola", "hyperbola", "spline"]
 SurfaceKind = Literal["plane", "cylinder", "cone", "sphere", "torus", "extrusion", "revolution", "offset", "spline"]

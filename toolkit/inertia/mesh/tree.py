@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import field
 from fractions import Fraction
 from operator import mul
 
 from inertia.errors import UsageError
 from inertia.mesh.part import Part
+from inertia.records import dataclass
 
 Matrix = tuple[tuple[Fraction, ...], ...]
 """A (3, 3) matrix by rows."""

@@ -10,7 +10,7 @@ Triangles are put in an order that depends on their coordinates alone, so that t
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import NamedTuple
 
 import numpy as np
@@ -28,6 +28,7 @@ from inertia.mesh.geometry.halfedges import half_edges
 from inertia.mesh.manifold import exponent_of
 from inertia.mesh.part import Part, Regions, Rounding
 from inertia.mesh.surface import Surface, counts_once, usable
+from inertia.records import dataclass
 
 _EPSILON = 2.0**-53
 _FLAT = 16 * _EPSILON  # more than the rounding of a cross product, over its terms

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -15,6 +14,7 @@ from inertia.arrays import Float
 from inertia.recording.drawing import STRIPS, Color
 from inertia.recording.screen import DARK_GROUND
 from inertia.recording.writer import Recording
+from inertia.records import dataclass
 
 WIDTH, HEIGHT = 160.0, 100.0
 """Of a chart's box, in units of the view, whose y points down."""

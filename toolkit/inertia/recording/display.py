@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -25,6 +25,7 @@ from inertia.mesh.geometry.faces import repeated_corners
 from inertia.mesh.part import Cells, Part
 from inertia.mesh.surface import Surface, Triangles
 from inertia.recording.drawing import Color
+from inertia.records import dataclass
 
 STEEL = (150, 165, 185)
 PART_COLORS = (STEEL, (200, 150, 110), (130, 180, 140), (190, 140, 180), (180, 175, 120), (120, 170, 190))

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 
@@ -16,6 +16,7 @@ from inertia.recording import entities
 from inertia.recording.drawing import thinned
 from inertia.recording.summary import figure
 from inertia.recording.writer import Recording, blocks
+from inertia.records import dataclass
 
 PATH = (130, 130, 130)
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -14,6 +13,7 @@ from inertia.arrays import Float
 from inertia.recording import entities
 from inertia.recording.summary import figure
 from inertia.recording.writer import Recording
+from inertia.records import dataclass
 
 if TYPE_CHECKING:
     import rerun.blueprint as rrb

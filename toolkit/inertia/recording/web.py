@@ -16,7 +16,6 @@ import shutil
 import zlib
 from collections.abc import Iterable, Iterator, Mapping
 from contextlib import contextmanager, suppress
-from dataclasses import dataclass
 from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
 from importlib.metadata import distribution
 from importlib.resources import files
@@ -32,6 +31,7 @@ from inertia.output import require_writable, temporary_folder, whole
 from inertia.recording import viewer
 from inertia.recording.provenance import properties
 from inertia.recording.record import record
+from inertia.records import dataclass
 
 _NO_RECORDING = "http://127.0.0.1:9/none.rrd"
 """What the server is told to show, so that it does not listen for recordings."""

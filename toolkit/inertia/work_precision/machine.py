@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import os
 import platform
-from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
+
+from inertia.records import dataclass
 
 
 @dataclass(frozen=True)

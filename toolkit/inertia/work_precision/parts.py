@@ -5,7 +5,6 @@ from __future__ import annotations
 import contextlib
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
 from fractions import Fraction
 from functools import partial
 
@@ -24,6 +23,7 @@ from inertia.mesh.read import read
 from inertia.mesh.repairs.simplify import FEWEST, Simplified, halvings
 from inertia.mesh.surface import Triangles
 from inertia.native import COMPILE_ABOVE
+from inertia.records import dataclass
 from inertia.work_precision.rows import Measurement, PartRow, Relative, Simplification, Skipped
 from inertia.work_precision.stopwatch import Stopwatch, Timing
 

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Hashable, Sequence
-from dataclasses import dataclass
 from itertools import groupby
 from typing import Generic, Literal
 
 from inertia.mesh.checks.findings import counted
+from inertia.records import dataclass
 from inertia.work_precision.rows import PartRow, R, SceneRow, Skipped
 
 Wanted = float | Literal["exact"]

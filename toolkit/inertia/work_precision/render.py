@@ -5,12 +5,13 @@ from __future__ import annotations
 import re
 import textwrap
 from collections.abc import Callable, Iterable, Iterator, Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import asdict
 from typing import Any, Generic
 
 import numpy as np
 
 from inertia.errors import Remedy, Sentence, Wording
+from inertia.records import dataclass
 from inertia.report.numerals import LABEL, number, row
 from inertia.work_precision.recommend import duration
 from inertia.work_precision.rows import PartRow, R, Relative, SceneRow, front

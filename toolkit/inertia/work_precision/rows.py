@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import field
 from typing import Generic, TypeVar
 
 from inertia.mass.properties import MassProperties
+from inertia.records import dataclass
 from inertia.work_precision.stopwatch import Timing
 
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import cached_property, partial
 
 import numpy as np
@@ -17,6 +17,7 @@ from inertia.dynamics.run import Run
 from inertia.dynamics.scene.document import Scene
 from inertia.dynamics.simulate import simulate
 from inertia.errors import GeometryError, Sentence, UsageError
+from inertia.records import dataclass
 from inertia.work_precision.rows import Measurement, SceneRow, Skipped
 from inertia.work_precision.stopwatch import Stopwatch, Timing
 

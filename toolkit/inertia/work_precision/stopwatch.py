@@ -5,11 +5,11 @@ from __future__ import annotations
 import math
 import time
 from collections.abc import Callable
-from dataclasses import dataclass
 from statistics import median
 from typing import TypeVar
 
 from inertia.errors import UsageError
+from inertia.records import dataclass
 
 T = TypeVar("T")
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 import time
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from numbers import Real
 from typing import TYPE_CHECKING, Generic, overload
 
@@ -14,6 +14,7 @@ from inertia.errors import UsageError, require_kind
 from inertia.mass.analyse import analyse
 from inertia.mass.analysis import Accuracy, Analysis
 from inertia.mesh.part import Cells, Part
+from inertia.records import dataclass
 from inertia.work_precision.machine import Machine, this_machine
 from inertia.work_precision.recommend import Recommendation, part_recommendations, scene_recommendations
 from inertia.work_precision.rows import PartRow, R, SceneRow, Skipped

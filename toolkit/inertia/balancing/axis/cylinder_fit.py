@@ -6,11 +6,10 @@ too deep, while their corners lie on it.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 
 from inertia.arrays import Float, Int
+from inertia.records import dataclass
 
 _STEPS = 50
 _SETTLED = 1e-11  # of the size, and rad

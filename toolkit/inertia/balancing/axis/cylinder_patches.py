@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
 
 import numpy as np
 
@@ -17,6 +16,7 @@ from inertia.balancing.axis.cylinder_fit import across, circle
 from inertia.mesh.geometry.edges import pair_edges
 from inertia.mesh.geometry.faces import components, merge_equal_vertices
 from inertia.mesh.surface import Triangles
+from inertia.records import dataclass
 
 _WALL = math.sin(math.radians(3.0))
 _SMOOTH = math.cos(math.radians(35.0))  # a polygon of eleven sides or more is a circle

@@ -7,7 +7,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -19,6 +18,7 @@ from inertia.errors import UsageError
 from inertia.mass.tensor import array_of
 from inertia.mesh.repairs.weld import require_finite
 from inertia.mesh.surface import Triangles
+from inertia.records import dataclass
 
 TOLERANCE = 2e-4
 """How far vertices may be off their cylinder, and cylinders off a common axis: of the mesh's diagonal."""

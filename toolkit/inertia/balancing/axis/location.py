@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 
@@ -13,6 +13,7 @@ from inertia.balancing.axis.shaft import Shaft
 from inertia.balancing.rotor import Rotor
 from inertia.balancing.rotor_bodies import RotorBody
 from inertia.errors import FieldPath, GeometryError, UsageError
+from inertia.records import dataclass
 
 _JOURNALS = FieldPath("axis.journals")
 _OFFERED = 5

@@ -5,7 +5,7 @@ Frames and signs are those of `inertia.balancing.unbalance`.
 
 from __future__ import annotations
 
-from dataclasses import InitVar, dataclass, field
+from dataclasses import InitVar, field
 from functools import cached_property
 from typing import Literal
 
@@ -16,6 +16,7 @@ from inertia.arrays import Float
 from inertia.documents import FieldError, joined
 from inertia.mass.properties import MassProperties
 from inertia.mass.tensor import array_of
+from inertia.records import dataclass
 
 _COINCIDENT = 1e-9  # of the bearings' distance from the origin: no direction is left
 _PARALLEL = 1e-6  # rad

@@ -7,12 +7,12 @@ where the shaft would have to run for the couple to vanish.
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
 
 import numpy as np
 
 from inertia.balancing.axis.shaft import Shaft
 from inertia.mass.properties import MassProperties
+from inertia.records import dataclass
 
 
 @dataclass(frozen=True)

@@ -10,7 +10,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
 
 import numpy as np
 
@@ -20,6 +19,7 @@ from inertia.balancing.corrections.milling import ArcCutter
 from inertia.balancing.corrections.standard_weights import WeightTool
 from inertia.balancing.corrections.steps import Steps
 from inertia.balancing.unbalance import Complex
+from inertia.records import dataclass
 
 DIRECTIONS = 36
 _TANGENTS = 64

@@ -7,10 +7,10 @@ from __future__ import annotations
 
 import cmath
 import math
-from dataclasses import dataclass
 from typing import Literal
 
 from inertia.errors import UsageError
+from inertia.records import dataclass
 
 Process = Literal["add", "remove", "drill_radial", "drill_axial", "mill", "mill_arc", "kit"]
 PROCESSES: tuple[Process, ...] = ("add", "remove", "drill_radial", "drill_axial", "mill", "mill_arc", "kit")

@@ -8,7 +8,6 @@ is lost, and what comes back is in the discs, so it is the best of all.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -16,6 +15,7 @@ from numpy.typing import ArrayLike, NDArray
 from inertia.arrays import Float
 from inertia.balancing.corrections.quiet_stdout import quiet_stdout
 from inertia.errors import GeometryError
+from inertia.records import dataclass
 
 Complex = NDArray[np.complex128]
 

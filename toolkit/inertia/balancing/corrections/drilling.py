@@ -20,7 +20,6 @@ from __future__ import annotations
 import cmath
 import math
 from abc import abstractmethod
-from dataclasses import dataclass
 
 import numpy as np
 
@@ -30,6 +29,7 @@ from inertia.balancing.corrections.operation import Operation
 from inertia.balancing.corrections.tool import Ray, Tool
 from inertia.mesh.cut import drill
 from inertia.mesh.surface import Surface
+from inertia.records import dataclass
 
 _AROUND = 8  # rays along the wall of a hole
 _WITHIN = 0.999  # of the radius, where they run

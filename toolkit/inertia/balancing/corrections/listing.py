@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, field
+from dataclasses import field
 
 import numpy as np
 
@@ -13,6 +13,7 @@ from inertia.balancing.corrections.places import GAIN, Places, Spot, largest
 from inertia.balancing.corrections.standard_weights import WeightTool
 from inertia.balancing.corrections.steps import allowed
 from inertia.balancing.unbalance import Complex
+from inertia.records import dataclass
 
 _LISTED = 700_000  # plans of one plane that are listed
 _SPOTS = 700_000  # places of one plane that are listed

@@ -7,12 +7,12 @@ from __future__ import annotations
 
 import cmath
 import math
-from dataclasses import dataclass
 
 from inertia.balancing.corrections.correction_plane import angle_of
 from inertia.balancing.corrections.operation import Operation
 from inertia.balancing.corrections.tool import Tool
 from inertia.errors import UsageError
+from inertia.records import dataclass
 
 _APART = math.radians(10)  # between masses that share a correction, as their size is not known
 _PARALLEL = 1e-9

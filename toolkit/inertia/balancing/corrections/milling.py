@@ -18,7 +18,6 @@ from __future__ import annotations
 import cmath
 import math
 from abc import abstractmethod
-from dataclasses import dataclass
 from functools import lru_cache
 
 import numpy as np
@@ -29,6 +28,7 @@ from inertia.balancing.corrections.operation import Operation
 from inertia.balancing.corrections.tool import Ray, Tool
 from inertia.mesh.cut import block, ring_segment
 from inertia.mesh.surface import Surface
+from inertia.records import dataclass
 
 _DEEPEST = 0.5  # of the radius, where no limit is given: the chord then spans 120°
 _NODES = 32

@@ -5,8 +5,9 @@ Angles, signs and the shaft's frame are those of `inertia.balancing.unbalance`.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import Literal
+
+from inertia.records import dataclass
 
 Method = Literal["add", "remove"]
 Kind = Literal["point_mass", "drill_radial", "drill_axial", "mill_flat", "mill_arc", "weight"]

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections import Counter
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass, field
+from dataclasses import field
 from functools import reduce
 from time import thread_time
 
@@ -15,6 +15,7 @@ from inertia.arrays import Bool, Float, Int
 from inertia.balancing.corrections.standard_weights import WeightTool
 from inertia.balancing.corrections.steps import Steps, room_beside
 from inertia.balancing.unbalance import Complex
+from inertia.records import dataclass
 
 Spot = tuple[int, int, int]
 """Steps, angle and setting of a place, by their numbers."""

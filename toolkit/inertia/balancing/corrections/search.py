@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 from inertia.balancing.corrections.laying_out import LAYOUTS, starts
 from inertia.balancing.corrections.listing import Listing
@@ -18,6 +18,7 @@ from inertia.balancing.corrections.moving import improve
 from inertia.balancing.corrections.places import FINE, GAIN, Places, Spot, worst_of
 from inertia.balancing.corrections.sharing import Sharing
 from inertia.balancing.unbalance import Complex
+from inertia.records import dataclass
 
 AIM = 0.75
 """Share of the tolerance that is to be left at most: what the shop's work scatters has to fit into the rest."""

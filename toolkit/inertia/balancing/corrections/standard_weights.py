@@ -10,7 +10,6 @@ from __future__ import annotations
 import cmath
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
@@ -21,6 +20,7 @@ from inertia.balancing.corrections.correction_plane import CorrectionPlane, KitW
 from inertia.balancing.corrections.disc_constrained_milp import Complex, Program, UnsettledError
 from inertia.balancing.corrections.operation import Operation
 from inertia.balancing.corrections.tool import Tool
+from inertia.records import dataclass
 
 _SAFE = 1e-5  # of a tolerance, kept from its limit for what rounding may do
 _LEEWAY = 4e-6  # of the unit that residuals are measured in

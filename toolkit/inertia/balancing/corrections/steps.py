@@ -7,7 +7,6 @@ them go. So how close they may be depends on how deep they *are*, not on how dee
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
 
 import numpy as np
 
@@ -16,6 +15,7 @@ from inertia.balancing.corrections.correction_plane import FULL_TURN, Correction
 from inertia.balancing.corrections.drilling import Drill, RadialDrill
 from inertia.balancing.corrections.milling import ArcCutter, Cutter
 from inertia.balancing.corrections.tool import Tool
+from inertia.records import dataclass
 
 _FINE = math.radians(0.5)  # between angles where any may be set
 _ANGLES = 1440  # tried around the shaft; finer steps are set where the places are known

@@ -7,7 +7,6 @@ the more unbalance the larger its setting is.
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from dataclasses import dataclass
 
 import numpy as np
 
@@ -15,6 +14,7 @@ from inertia.arrays import Float
 from inertia.balancing.corrections.correction_plane import CorrectionPlane
 from inertia.balancing.corrections.operation import Operation
 from inertia.mesh.surface import Surface
+from inertia.records import dataclass
 
 
 @dataclass(frozen=True)

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
 from functools import cached_property, reduce
 from operator import add
 
@@ -19,6 +18,7 @@ from inertia.mesh.cut import Stock, stock
 from inertia.mesh.geometry.rays import inside
 from inertia.mesh.part import Part
 from inertia.mesh.surface import Surface
+from inertia.records import dataclass
 
 _TOUCHING = 1e-6  # m: bodies with a gap no wider than this are one wall
 _PROUD = 0.01  # of the radius: how far the part may stand out of it

@@ -12,7 +12,6 @@ McGraw-Hill, chapter 4).
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
 from itertools import combinations
 
 import numpy as np
@@ -22,6 +21,7 @@ from inertia.arrays import Float
 from inertia.balancing.measured.readings import complex_of
 from inertia.balancing.unbalance import Complex
 from inertia.errors import GeometryError, UsageError
+from inertia.records import dataclass
 
 _PARALLEL = 1e-9  # sine of the angle between two weights
 _SAME = 1e-3  # of an unbalance: places no farther apart are one

@@ -13,7 +13,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 
@@ -27,6 +27,7 @@ from inertia.balancing.measured.trial_weights import unbalance_for_weight
 from inertia.balancing.shop_units import angular_speed
 from inertia.balancing.unbalance import Complex
 from inertia.errors import GeometryError, UsageError
+from inertia.records import dataclass
 
 COVERAGE = 2.0
 """Of the standard uncertainty, for about 95 % of the magnitude of an unbalance."""

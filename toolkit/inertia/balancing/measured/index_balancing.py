@@ -8,8 +8,6 @@ seat that turns with the rotor cannot be told from the rotor (ISO 21940-14).
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 from numpy.typing import ArrayLike
 
@@ -18,6 +16,7 @@ from inertia.balancing.measured.readings import complex_of
 from inertia.balancing.unbalance import Complex
 from inertia.errors import UsageError
 from inertia.mass.tensor import array_of
+from inertia.records import dataclass
 
 _APART = 0.1  # smallest singular value over the largest: positions about 12° apart
 

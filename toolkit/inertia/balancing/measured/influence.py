@@ -12,7 +12,6 @@ Goodman, T. P. (1964), A least-squares method for computing balance corrections,
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import Literal, get_args
 
 import numpy as np
@@ -24,6 +23,7 @@ from inertia.balancing.measured.min_max import min_max_in_discs
 from inertia.balancing.measured.readings import complex_of
 from inertia.balancing.unbalance import Complex
 from inertia.errors import GeometryError, UsageError
+from inertia.records import dataclass
 
 Criterion = Literal["least squares", "min-max"]
 """What the weights make least: the sum of the squares of the readings, or the largest of them."""

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass, field, replace
+from dataclasses import field, replace
 from functools import cached_property
 from pathlib import Path
 from typing import Any, ClassVar, TypeVar
@@ -25,6 +25,7 @@ from inertia.balancing.shop_units import GRAM_MILLIMETRE, OUNCE_INCH, in_degrees
 from inertia.balancing.unbalance import Complex
 from inertia.documents import Document, FieldError, Section, document_schema, plain, section_of
 from inertia.errors import UsageError
+from inertia.records import dataclass
 from inertia.units import length_unit
 
 AMPLITUDE, PHASE = 0.02, 2.0

@@ -7,7 +7,6 @@ Lengths are in the file's `unit`, angles in degrees, masses in grams, vibration 
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
 from datetime import date, time
 from typing import Annotated, Any, ClassVar, Literal, get_args
 
@@ -31,6 +30,7 @@ from inertia.documents import (
     text,
 )
 from inertia.errors import UsageError
+from inertia.records import dataclass
 
 Method = Literal["influence coefficients", "without phase", "balancing machine"]
 

@@ -9,7 +9,7 @@ weights come from the planner of `inertia.balance`, by the measured unbalance an
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 
@@ -28,6 +28,7 @@ from inertia.balancing.unbalance import Complex
 from inertia.balancing.verdict import Outcome
 from inertia.documents import FieldError
 from inertia.errors import GeometryError, UsageError, placed, require_kind
+from inertia.records import dataclass
 
 _GRAVEST = ("fail", "undecided", "conditional", "pass")
 

@@ -5,13 +5,13 @@ from __future__ import annotations
 import cmath
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
 from itertools import product
 
 import numpy as np
 
 from inertia.balancing.corrections.correction_plane import KitWeight, angle_of
 from inertia.balancing.corrections.standard_weights import choose_weights
+from inertia.records import dataclass
 
 _NOTHING = 1e-9  # of the whole: masses that are none
 _FOLLOWED = 64  # roundings followed up

@@ -7,7 +7,6 @@ the angles and that of the phases have to be where they were.
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Annotated, Any, ClassVar, Literal
 
@@ -31,6 +30,7 @@ from inertia.documents import (
     text,
 )
 from inertia.errors import UsageError
+from inertia.records import dataclass
 
 _GRAM = 1e-3
 

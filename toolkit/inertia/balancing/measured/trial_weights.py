@@ -9,7 +9,6 @@ from __future__ import annotations
 
 import cmath
 import math
-from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
@@ -19,6 +18,7 @@ from inertia.arrays import Float
 from inertia.balancing.measured.readings import complex_of
 from inertia.balancing.unbalance import Complex
 from inertia.errors import UsageError
+from inertia.records import dataclass
 
 WEIGHT_SHARE = 0.1
 """Centrifugal force of a trial weight over the weight of the rotor."""

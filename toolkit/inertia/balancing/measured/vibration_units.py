@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
 
 from inertia.balancing.measured.trial_weights import STANDARD_GRAVITY
 from inertia.errors import UsageError
+from inertia.records import dataclass
 
 
 @dataclass(frozen=True)

@@ -7,7 +7,7 @@ of others, so that one vector instruction serves eight of them.
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from itertools import pairwise
 
 import numpy as np
@@ -19,6 +19,7 @@ from inertia.dynamics.integrators.taylor import STEP_COST, Taylor, order_of
 from inertia.dynamics.integrators.terms import HEAD, VECTOR
 from inertia.dynamics.kinematics import quaternion
 from inertia.native import Kernel, address
+from inertia.records import dataclass
 
 _KERNEL = Kernel("inertia.dynamics.integrators.lanes_kernel", "follow_bodies", "piiipiiddppp", fused=True)
 _ROWS, _WORK, _FORCE = 33, 23, 12  # of the kernel

@@ -11,7 +11,6 @@ from __future__ import annotations
 import functools
 from abc import ABC, abstractmethod
 from collections.abc import Callable
-from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
@@ -24,6 +23,7 @@ from inertia.dynamics.kinematics import quaternion
 from inertia.dynamics.observer import meanwhile
 from inertia.errors import GeometryError, UsageError
 from inertia.native import Kernel, address
+from inertia.records import dataclass
 
 MAX_STEPS = 200_000_000
 """The most steps of a run (a minute or more): one that needs more is refused, or stops."""

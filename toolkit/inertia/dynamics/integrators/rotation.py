@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
 from functools import cached_property
 from typing import ClassVar
 
@@ -16,6 +15,7 @@ from inertia.dynamics.loads.load import Load
 from inertia.dynamics.observer import Observer
 from inertia.errors import GeometryError, UsageError
 from inertia.mass.tensor import array_of
+from inertia.records import dataclass
 
 _SLOWEST = 1e-9
 """Of the rate that the loads have elsewhere: a unit of time that is slower would leave float64."""

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import field, replace
 
 import numpy as np
 
 from inertia.arrays import Float
 from inertia.dynamics.kinematics import quaternion
+from inertia.records import dataclass
 
 HEAD, VECTOR = 10, 17
 """Numbers that `Terms.packed` gives to the whole body, and to each vector fixed in space."""

@@ -16,7 +16,6 @@ body axis 3, only g ± l: l = 0. Where it is zero, nothing is.
 from __future__ import annotations
 
 import functools
-from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -26,6 +25,7 @@ from inertia.dynamics.arguments import at_index, first_index, moments_of, vector
 from inertia.dynamics.kinematics import quaternion
 from inertia.dynamics.kinematics.euler_angles import SINGULAR_SINE, turn_about
 from inertia.errors import GeometryError
+from inertia.records import dataclass
 
 
 @dataclass(frozen=True, eq=False)

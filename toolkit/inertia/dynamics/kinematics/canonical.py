@@ -6,8 +6,6 @@ Angles, rates and momenta are arrays (…, 3) in the order φ, θ, ψ; their con
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 from numpy.typing import ArrayLike
 
@@ -16,6 +14,7 @@ from inertia.dynamics.arguments import moments_of, vectors
 from inertia.dynamics.kinematics import euler_angles
 from inertia.dynamics.kinematics.euler_angles import Convention, Frame, dot, raise_if_singular, rate_axes
 from inertia.errors import UsageError
+from inertia.records import dataclass
 
 
 @dataclass(frozen=True, eq=False)

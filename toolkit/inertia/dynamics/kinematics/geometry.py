@@ -6,7 +6,6 @@ Angular velocities and moments are resolved along principal axes. The curves on 
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
@@ -18,6 +17,7 @@ from inertia.dynamics.kinematics.euler_angles import dot
 from inertia.errors import GeometryError
 from inertia.mass.principal import CLASS_TOLERANCE
 from inertia.mass.tensor import array_of
+from inertia.records import dataclass
 
 Rolling = Literal["outside", "inside", "none"]
 

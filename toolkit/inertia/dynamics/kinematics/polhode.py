@@ -12,7 +12,6 @@ Every amplitude is a sum of positive terms, c² by way of `stability.separatrix_
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -23,6 +22,7 @@ from inertia.dynamics.kinematics.stability import separatrix_distance
 from inertia.dynamics.special.elliptic import first_kind
 from inertia.errors import GeometryError
 from inertia.mass.tensor import array_of
+from inertia.records import dataclass
 
 _SHARES = 0.2, 0.45, 0.7, 0.9  # of the way to the separatrix, in 2T/L²
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
 from typing import Annotated
 
 import numpy as np
@@ -14,6 +13,7 @@ from inertia.dynamics.integrators.terms import Terms
 from inertia.dynamics.kinematics import quaternion
 from inertia.dynamics.loads.load import Load, TurningBody, across
 from inertia.errors import FieldPath, GeometryError
+from inertia.records import dataclass
 
 STANDARD_GRAVITY = (0.0, 0.0, -9.80665)
 

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from collections.abc import Callable
-from dataclasses import dataclass, fields
+from dataclasses import fields
 from pathlib import Path
 from typing import Any, ClassVar, Protocol
 
@@ -18,6 +18,7 @@ import numpy as np
 from inertia.arrays import Float
 from inertia.documents import Section
 from inertia.dynamics.integrators.terms import Terms
+from inertia.records import dataclass
 
 
 class TurningBody(Protocol):

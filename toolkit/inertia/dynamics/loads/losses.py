@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
 from typing import Annotated
 
 import numpy as np
@@ -12,6 +11,7 @@ from inertia.arrays import Float
 from inertia.documents import number
 from inertia.dynamics.integrators.terms import Terms
 from inertia.dynamics.loads.load import Load, TurningBody
+from inertia.records import dataclass
 
 
 @dataclass(frozen=True, eq=False)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from dataclasses import dataclass, fields
+from dataclasses import fields
 from decimal import Decimal, localcontext
 from fractions import Fraction
 from functools import cached_property
@@ -17,6 +17,7 @@ from inertia.documents import FieldError, Reader, choice, number, numbers
 from inertia.dynamics.kinematics import quaternion
 from inertia.dynamics.loads.gravity import across_gradient
 from inertia.dynamics.loads.load import Load, TurningBody
+from inertia.records import dataclass
 
 PRIMARIES = {
     "earth": (3.986004418e14, 6378137.0),

@@ -6,7 +6,6 @@ import csv
 import io
 import math
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Annotated, Any, Literal
 
@@ -20,6 +19,7 @@ from inertia.dynamics.loads.load import Load, TurningBody
 from inertia.encoding import text_of
 from inertia.errors import ReadError, UsageError, placed
 from inertia.output import note_input
+from inertia.records import dataclass
 from inertia.standard_input import reason_of
 
 _STANDS_OUT = 30.0  # times the median of the changes between two probes, that a jump changes a function by

@@ -9,7 +9,6 @@ from __future__ import annotations
 import math
 from abc import ABC, abstractmethod
 from collections.abc import Mapping
-from dataclasses import dataclass
 from functools import cached_property
 from typing import ClassVar
 
@@ -26,6 +25,7 @@ from inertia.dynamics.models.rational import Exact, rounded
 from inertia.dynamics.motion import Motion
 from inertia.dynamics.scene.document import Scene
 from inertia.mass.principal import principal
+from inertia.records import dataclass
 
 SHARE = 0.1
 """Part of the accuracy asked for that a smaller model may cost."""

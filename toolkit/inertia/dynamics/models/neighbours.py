@@ -8,12 +8,12 @@ that a bound needs.
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
 
 import numpy as np
 
 from inertia.arrays import Float
 from inertia.dynamics.kinematics import quaternion
+from inertia.records import dataclass
 
 INSTANTS = 33
 """Instants at which neighbours are compared, evenly spaced, and as many more towards the start."""

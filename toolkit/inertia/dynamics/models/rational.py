@@ -7,7 +7,6 @@ moment is 1e-10 rad after a million radians. Typed numbers count as the exact nu
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
 from fractions import Fraction
 from math import isqrt
 
@@ -18,6 +17,7 @@ from inertia.dynamics.scene.body import SceneBody
 from inertia.dynamics.scene.document import Scene
 from inertia.mass.eigen import Frame, frame_near
 from inertia.mass.moments import inertia_tensor
+from inertia.records import dataclass
 
 Quaternion = tuple[Fraction, Fraction, Fraction, Fraction]
 """Scalar last, of any length."""

@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from inertia.arrays import Float
+from inertia.records import dataclass
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
 
 import numpy as np
 
@@ -13,6 +12,7 @@ from inertia.dynamics.kinematics.euler_angles import from_angles
 from inertia.dynamics.models.heavy.top import HeavyTop
 from inertia.dynamics.motion import Motion
 from inertia.dynamics.plots.subject import Subject
+from inertia.records import dataclass
 
 _LEVELS = 9
 _UPRIGHT = 1e-9  # sine of a tilt, below which it has no direction to change in

@@ -13,7 +13,6 @@ from __future__ import annotations
 
 import functools
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
 from fractions import Fraction
 from itertools import pairwise
 from typing import Any
@@ -22,6 +21,7 @@ import numpy as np
 
 from inertia.arrays import Float
 from inertia.dynamics.reference.long import Long, Number, plain
+from inertia.records import dataclass
 
 Rates = Callable[[Number, Sequence[Number]], Sequence[Number]]
 """Takes the time in s and a state, floats, arrays or `Long`s, to the rates of the state."""

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Literal
@@ -22,6 +22,7 @@ from inertia.mass.properties import MassProperties
 from inertia.mass.tensor import array_of, faults, steiner
 from inertia.mesh.part import Cells, Part
 from inertia.mesh.read import read
+from inertia.records import dataclass
 
 if TYPE_CHECKING:
     from inertia.assembly.tree import Node

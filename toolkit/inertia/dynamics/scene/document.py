@@ -7,7 +7,7 @@ Every field is checked, unknown ones are refused, and an error names the field b
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field, fields
+from dataclasses import field, fields
 from functools import cached_property
 from pathlib import Path
 from typing import Any, ClassVar
@@ -27,6 +27,7 @@ from inertia.dynamics.scene.body import SceneBody, build
 from inertia.dynamics.scene.parts import build_parts
 from inertia.dynamics.scene.sections import BodySource, Constraint, Frame, Settings, Start
 from inertia.errors import FieldPath, GeometryError, ReadError, UsageError, placed
+from inertia.records import dataclass
 
 _SECTIONS = ("schema", "body", "part", "start", "constraint", "load", "run")
 _FAR = 10.0  # sizes of the body

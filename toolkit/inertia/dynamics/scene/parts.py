@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import MISSING, dataclass, fields
+from dataclasses import MISSING, fields
 from pathlib import Path
 from typing import Annotated, Any, ClassVar
 
@@ -15,6 +15,7 @@ from inertia.dynamics.models.deforming.joints import Joint, JointedPart
 from inertia.dynamics.scene.body import SceneBody, integrated
 from inertia.dynamics.scene.sections import BodySource
 from inertia.mesh.part import Part
+from inertia.records import dataclass
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import Annotated, Any, ClassVar, Literal
 
 import numpy as np
@@ -11,6 +10,7 @@ from inertia.arrays import Float, of_rotation
 from inertia.documents import FieldError, Section, choice, estimate, integer, number, numbers, text
 from inertia.dynamics.kinematics import quaternion
 from inertia.estimate import uncertainty_of
+from inertia.records import dataclass
 
 Frame = Literal["principal", "part", "space"]
 Kind = Literal["free", "fixed_point", "hinge", "rolling", "sliding"]

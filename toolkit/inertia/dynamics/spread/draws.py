@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Set
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -14,6 +13,7 @@ from inertia.dynamics.kinematics import quaternion
 from inertia.dynamics.models.model import Problem
 from inertia.dynamics.models.rational import rounded
 from inertia.dynamics.scene.document import Scene
+from inertia.records import dataclass
 
 _ASIDE = 4.0 * 2.0**-52
 _SYMMETRIC = np.array([[1.0, 1.0, -1.0], [1.0, -1.0, 1.0], [-1.0, 1.0, 1.0]])

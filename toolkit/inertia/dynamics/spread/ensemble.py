@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from contextlib import closing
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -21,6 +21,7 @@ from inertia.dynamics.spread.quantities import Reference, States, quantity, requ
 from inertia.dynamics.spread.results import Results, gathered
 from inertia.dynamics.spread.workers import blocks_of
 from inertia.errors import GeometryError, UsageError, require_kind
+from inertia.records import dataclass
 
 _USUAL = ("deviation", "tilt", "spin")
 _REGRESSED = 1_000_000  # draws that a regression takes, at most

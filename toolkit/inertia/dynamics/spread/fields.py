@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Mapping
-from dataclasses import dataclass, fields, replace
+from dataclasses import fields, replace
 from difflib import get_close_matches
 from itertools import permutations
 from numbers import Real
@@ -19,6 +19,7 @@ from inertia.dynamics.models.deforming.jointed_body import JointedBody
 from inertia.dynamics.scene.body import SceneBody
 from inertia.dynamics.scene.document import Scene
 from inertia.errors import GeometryError
+from inertia.records import dataclass
 
 _BODY = ("mass", "center_of_mass", "inertia", "principal_moments")
 _OF_PART = ("density", "scale")

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import warnings
 from collections.abc import Iterator
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -17,6 +16,7 @@ from inertia.dynamics.spread.fields import changed
 from inertia.dynamics.spread.many import Motions, follow_many
 from inertia.dynamics.spread.quantities import Reference, States, quantity
 from inertia.errors import InertiaError, reworded
+from inertia.records import dataclass
 
 STATES: tuple[str, ...] = ("followed", "refused", "not followed")
 """What becomes of a draw: it is in the results; its numbers make no scene; no model reaches the accuracy."""

@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 import zlib
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
 from itertools import product
 
 import numpy as np
@@ -17,6 +16,7 @@ from inertia.dynamics.scene.document import Scene
 from inertia.dynamics.spread.fields import value_at
 from inertia.errors import UsageError
 from inertia.estimate import Estimate
+from inertia.records import dataclass
 
 MOST = 100_000_000
 """Runs of an ensemble, at most."""

@@ -7,7 +7,7 @@ made as a scene, and one whose estimate does not reach the accuracy to be follow
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from types import SimpleNamespace
 
 import numpy as np
@@ -28,6 +28,7 @@ from inertia.dynamics.spread.draws import Draws, field_of, hinged
 from inertia.dynamics.spread.fields import changed
 from inertia.dynamics.spread.quantities import States
 from inertia.errors import InertiaError
+from inertia.records import dataclass
 
 _FREE = ("spherical top", "steady axis", "symmetric top", "asymmetric top")
 _KNOWN = ("deviation", "tilt", "spin", "energy", "attitude", "angular_velocity", "angular_momentum")

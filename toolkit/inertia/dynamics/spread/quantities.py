@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import field
 
 import numpy as np
 
@@ -12,6 +12,7 @@ from inertia.arrays import Bool, Float
 from inertia.dynamics.kinematics import quaternion
 from inertia.dynamics.run import Run
 from inertia.errors import UsageError
+from inertia.records import dataclass
 
 _VECTORS = {"attitude": 4, "angular_velocity": 3, "angular_momentum": 3, "position": 3}
 _COMPONENT = re.compile(r"(.+)\[(\d+)\]")

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
 from functools import cached_property
 from itertools import islice
 
@@ -13,6 +12,7 @@ from numpy.typing import NDArray
 from inertia.arrays import Bool, Float
 from inertia.dynamics.spread.follow import FOLLOWED, STATES, Block, Task
 from inertia.errors import UsageError
+from inertia.records import dataclass
 
 PERCENTILES = (5.0, 50.0, 95.0)
 """What is stated of a quantity where nothing else is asked for."""

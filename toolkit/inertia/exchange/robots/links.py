@@ -6,7 +6,7 @@ Names are as they may be printed (`inertia.errors.visible`).
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, field
+from dataclasses import field
 from fractions import Fraction
 from pathlib import Path
 from typing import Literal
@@ -16,6 +16,7 @@ import numpy as np
 from inertia.arrays import Float
 from inertia.errors import visible
 from inertia.mesh.part import Part
+from inertia.records import dataclass
 
 Role = Literal["visual", "collision"]
 Motion = Literal["turns", "slides", "fixed", "other"]

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import field
 from typing import NamedTuple
 from xml.parsers import expat
 
@@ -16,6 +16,7 @@ from inertia.exchange.conventions import CONVENTIONS
 from inertia.exchange.robots.links import Robot
 from inertia.exchange.writing import hyphens_apart, number, numbers, printable
 from inertia.mass.properties import MassProperties
+from inertia.records import dataclass
 from inertia.standard_input import file_of
 
 

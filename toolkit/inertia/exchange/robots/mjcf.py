@@ -8,7 +8,7 @@ attached and replicated models. A body without a joint hangs from its parent as 
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass, field, replace
+from dataclasses import field, replace
 from fractions import Fraction
 from pathlib import Path
 from xml.etree.ElementTree import Element
@@ -34,6 +34,7 @@ from inertia.exchange.robots.text import decimals, floats, robot_xml, scales
 from inertia.exchange.rotations import rotation_of_quaternion
 from inertia.mesh.readers.contents import shown
 from inertia.output import note_input
+from inertia.records import dataclass
 from inertia.standard_input import file_of
 
 Attributes = Mapping[str, str]

@@ -7,7 +7,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass
 
 import numpy as np
 
@@ -17,6 +16,7 @@ from inertia.exchange.robots.links import Placement
 from inertia.exchange.robots.text import floats
 from inertia.exchange.rotations import rotation_of_quaternion
 from inertia.mesh.readers.contents import shown
+from inertia.records import dataclass
 
 _UNITS = {"degree": math.pi / 180, "radian": 1.0}
 _ORIENTATIONS = ("quat", "axisangle", "euler", "xyaxes", "zaxis")

@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass, field, replace
+from dataclasses import field, replace
 from pathlib import Path
 from xml.etree.ElementTree import Element, SubElement
 
@@ -22,6 +22,7 @@ from inertia.exchange.robots.links import Geometry, Inertial, Joint, Link, Motio
 from inertia.exchange.robots.text import decimals, floats, is_file, mesh_file, robot_xml, scales
 from inertia.exchange.rotations import rotation_of_quaternion, rotation_of_rpy
 from inertia.mesh.readers.contents import shown
+from inertia.records import dataclass
 from inertia.standard_input import file_of
 
 _CONVENTION = CONVENTIONS["sdf"]

@@ -12,7 +12,6 @@ import csv
 import io
 import tomllib
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
 from fractions import Fraction
 from pathlib import Path
 from typing import Annotated, Any, ClassVar, Literal
@@ -26,6 +25,7 @@ from inertia.errors import ReadError, UsageError
 from inertia.exchange.robots.links import Geometry, Inertial, Link, Placement, Robot
 from inertia.exchange.robots.text import decimals
 from inertia.mesh.readers.contents import shown
+from inertia.records import dataclass
 from inertia.standard_input import file_of
 from inertia.tables import cell_text
 from inertia.units import length_unit

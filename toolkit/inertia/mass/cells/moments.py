@@ -8,7 +8,6 @@ enough points are exact but for rounding, and rounding has a bound (`quadrature`
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
 from fractions import Fraction
 from typing import Literal
 
@@ -33,6 +32,7 @@ from inertia.mass.moments import PAIRS, ZERO, Moments, six, vector
 from inertia.mesh.geometry.cell_shapes import KINDS, numbered_blocks, volume_blocks
 from inertia.mesh.geometry.edges import first_equal
 from inertia.mesh.part import CellBlock, Cells, Rounding
+from inertia.records import dataclass
 
 _COARSE = (12,)
 """Gauss points of the rule that a curved wire's rule is compared with."""

@@ -30,7 +30,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from dataclasses import dataclass
 from fractions import Fraction
 
 import numpy as np
@@ -42,6 +41,7 @@ from inertia.mass.cells.shape_functions import Table, table
 from inertia.mass.double_words import Pair, folded, near_sum
 from inertia.mass.moments import PAIRS, Moments
 from inertia.mesh.part import CellBlock, Cells
+from inertia.records import dataclass
 
 UNIT_ROUNDOFF = 2.0**-53
 

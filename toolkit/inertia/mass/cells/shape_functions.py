@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
 from decimal import Decimal, localcontext
 from fractions import Fraction
 from functools import lru_cache
@@ -21,6 +20,7 @@ from numpy.typing import NDArray
 from inertia.arrays import Float
 from inertia.mass.double_words import Pair
 from inertia.mesh.geometry.cell_shapes import KINDS, Kind, Point, Powers, coefficients
+from inertia.records import dataclass
 
 _DIGITS = 60
 _HALF, _ONE = Decimal("0.5"), Decimal(1)

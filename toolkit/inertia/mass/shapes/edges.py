@@ -11,7 +11,6 @@ gap g, has an area of at most g².
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 
 import numpy as np
 
@@ -20,6 +19,7 @@ from inertia.mass.shapes import splines
 from inertia.mass.shapes.faces import DIFFERENCE, NODES, WEIGHTS, flux, walk
 from inertia.mass.shapes.surfaces import surface_jets
 from inertia.mesh.shape import Face, Trim
+from inertia.records import dataclass
 
 _STRIP = ((0.5 - 0.5 / 3**0.5, 0.5), (0.5 + 0.5 / 3**0.5, 0.5))  # Gauss's rule of two points on 0 to 1
 _POINT = 1e-6  # of the size, that an edge is long at most which has one side, as at a pole

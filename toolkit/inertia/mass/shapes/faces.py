@@ -17,7 +17,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 
@@ -27,6 +27,7 @@ from inertia.mass.moments import PAIRS
 from inertia.mass.shapes import splines
 from inertia.mass.shapes.surfaces import curve_jets, inner_of, profile_of, root, surface_jets
 from inertia.mesh.shape import Face, Patch, Spline, Trim
+from inertia.records import dataclass
 
 Integrand = Callable[[Float], Float]
 """Jets (3, n, 3) of points → values (n, 11) for each unit of du dv."""

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from fractions import Fraction
 
 import numpy as np
@@ -17,6 +17,7 @@ from inertia.mass.shapes.edges import EdgeError, closing
 from inertia.mass.shapes.faces import Domain, Integrand, Pieces, flux, sheet, walk
 from inertia.mass.shapes.surfaces import inner_of, moved, require_curve, require_patch, surface_jets
 from inertia.mesh.shape import Curve, Face, Solid, Trim
+from inertia.records import dataclass
 
 _EPSILON = 2.0**-53
 _OPERATIONS = 64.0  # roundings that a term of a sum may have been through

@@ -17,7 +17,6 @@ above 4·2⁶⁰ + 2·2⁶⁰, and a float64 quotient of such a number by p is o
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
 from fractions import Fraction
 
 import numpy as np
@@ -28,6 +27,7 @@ from inertia.errors import GeometryError
 from inertia.mass.moments import Moments
 from inertia.mesh.surface import Triangles, first_non_finite
 from inertia.native import Kernel
+from inertia.records import dataclass
 
 METHOD = "exact (integer arithmetic)"
 

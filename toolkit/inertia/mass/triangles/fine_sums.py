@@ -34,13 +34,14 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 
 from inertia.arrays import Float
 from inertia.mass.triangles.kernels import BlockKernel
 from inertia.native import Kernel, address
+from inertia.records import dataclass
 
 ADDED, ROWS = 30, 38
 """Ten sums on their grids, their remainders, what the bounds need, Σ |n|; with the extents, stored and sheared."""

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -12,6 +11,7 @@ from numpy.typing import NDArray
 from inertia.arrays import Float
 from inertia.mesh.surface import Facets, Triangles
 from inertia.native import Kernel, place
+from inertia.records import dataclass
 
 LANES, DEPTH = 32, 32
 BLOCK = LANES * DEPTH

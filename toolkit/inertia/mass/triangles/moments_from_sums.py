@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from fractions import Fraction
 from functools import cache
 from math import inf, ldexp, prod, sqrt
@@ -16,6 +15,7 @@ from inertia.mass.moments import PAIRS, Moments, Over, dyadic, over, times
 from inertia.mass.triangles.fine_sums import BITS, REACH, SHARE, FineSums, Shear
 from inertia.mass.triangles.kernels import BLOCK, DEPTH, LANES
 from inertia.mass.triangles.sums import PlainSums, Sums, SumsOnGrid
+from inertia.records import dataclass
 
 ROUNDOFF = 2.0**-53
 

@@ -24,7 +24,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -37,6 +37,7 @@ from inertia.mass.triangles.fine_sums import FineSums, Grid, Sample
 from inertia.mass.triangles.kernels import BLOCK, DEPTH, LANES, BlockKernel
 from inertia.mesh.surface import Facets, Triangles, first_non_finite
 from inertia.native import Kernel
+from inertia.records import dataclass
 
 SUMS = 13
 KERNEL = BlockKernel(

@@ -8,7 +8,6 @@ from __future__ import annotations
 
 from collections import defaultdict
 from collections.abc import Sequence
-from dataclasses import dataclass
 from functools import cmp_to_key
 from math import gcd
 
@@ -16,6 +15,7 @@ import numpy as np
 
 from inertia.arrays import Bool, Int
 from inertia.mesh.arrangement.integers import Place, Triangles, Vector, cross, minus
+from inertia.records import dataclass
 
 _Name = tuple[int, int]
 

@@ -8,11 +8,11 @@ come in an order that looks random, so that the tree is shallow.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from itertools import pairwise
 from math import inf
 
 from inertia.mesh.arrangement.integers import Line, Point, meet, scaled, side
+from inertia.records import dataclass
 
 _CLEAR = 1e-12  # of a coordinate: far more than it is rounded by
 _SPREAD, _MODULUS = 2_654_435_761, 1 << 32  # multiplicative hashing (D. E. Knuth)

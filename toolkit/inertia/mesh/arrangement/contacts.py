@@ -8,7 +8,7 @@ in one plane divide each other by their edges.
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, field
+from dataclasses import field
 from typing import cast
 
 import numpy as np
@@ -18,6 +18,7 @@ from inertia.mesh.arrangement.cells import Segment
 from inertia.mesh.arrangement.integers import Line, Point, Triangles, Vector, cross, meet, side, through
 from inertia.mesh.geometry.boxes import BoxTree, overlapping
 from inertia.mesh.geometry.triangle_pairs import UNSURE, Sign, crossing, orient3d, orient3d_filter
+from inertia.records import dataclass
 
 _COPLANAR = -1  # the first part of a line's name where it is not the number of a triangle
 _CLEARLY = 1e-3  # sine of an angle that no rounding turns

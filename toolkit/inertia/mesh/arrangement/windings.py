@@ -7,14 +7,13 @@ lies right above the place counts as if the ray were moved aside a little, and a
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 
 from inertia.arrays import Bool, Float, Int, Progress
 from inertia.mesh.arrangement.cells import Cell
 from inertia.mesh.arrangement.integers import Line, Point, Triangles, scaled
 from inertia.mesh.geometry.winding import candidates
+from inertia.records import dataclass
 
 _EPSILON = 2.0**-53
 _ORIENT2D = (3 + 16 * _EPSILON) * _EPSILON  # Shewchuk's first stage, as in `crossing_kernel`

@@ -6,7 +6,6 @@ stored coordinates are equal. Cells are numbered through all blocks.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from functools import cached_property
 from typing import NamedTuple
 
@@ -21,6 +20,7 @@ from inertia.mesh.geometry.edges import Place, first_equal
 from inertia.mesh.geometry.faces import components, repeated_corners
 from inertia.mesh.part import Cells
 from inertia.mesh.surface import Surface, usable
+from inertia.records import dataclass
 
 
 class _Faces(NamedTuple):

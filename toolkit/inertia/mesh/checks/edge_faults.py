@@ -7,7 +7,6 @@ whole surface, for triangles that cross and for bodies that share space, is not 
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
 from typing import ClassVar
 
 import numpy as np
@@ -24,6 +23,7 @@ from inertia.mesh.geometry.irregular_edges import Irregular
 from inertia.mesh.geometry.shells import Shell, bounds_nothing
 from inertia.mesh.part import Part
 from inertia.mesh.surface import Triangles
+from inertia.records import dataclass
 
 _SEARCHES = (crossing_cavities, cutters, overlap_at_edges, overlapping_bodies)
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import field
 from typing import Literal
 
 import numpy as np
@@ -14,6 +14,7 @@ from inertia.mesh.doubt import Doubt
 from inertia.mesh.geometry.edges import Loop, Place
 from inertia.mesh.geometry.shells import Shell
 from inertia.mesh.part import Source
+from inertia.records import dataclass
 
 Severity = Literal["error", "warning", "note"]
 

@@ -7,7 +7,7 @@ are the first two triangles (or cells), `{around}` is the place in words, other 
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import Any, Literal
 
 import numpy as np
@@ -31,6 +31,7 @@ from inertia.mesh.geometry.faces import repeated_corners
 from inertia.mesh.geometry.shells import Shell
 from inertia.mesh.repairs.weld import closing_distance
 from inertia.mesh.surface import Surface, Triangles, usable
+from inertia.records import dataclass
 
 Subject = Literal[
     "triangles", "surface", "volume", "shells", "crossings", "contacts", "nodes", "cells", "maps", "sides", "space"

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import cached_property
 from typing import Any, ClassVar, Literal
 
@@ -21,6 +21,7 @@ from inertia.mesh.geometry.sound_shells import sound_nesting
 from inertia.mesh.part import Part
 from inertia.mesh.surface import Surface, Triangles
 from inertia.once import once
+from inertia.records import dataclass
 
 State = Literal["sheet", "sound", "inverted", "overlapping"]
 _STATES: dict[tuple[str, int], State] = {

@@ -18,7 +18,6 @@ from __future__ import annotations
 import os
 from collections.abc import Iterator
 from contextlib import ExitStack
-from dataclasses import dataclass
 from typing import Protocol
 
 import numpy as np
@@ -35,6 +34,7 @@ from inertia.mesh.geometry.irregular_edges import Irregular, irregular_edges
 from inertia.mesh.geometry.leaves import BY_PLACE, ROW, RUN, Limits, paired_by_place
 from inertia.mesh.surface import Facets, Triangles
 from inertia.native import threads
+from inertia.records import dataclass
 
 _LEAST = 1 << 24  # bytes beside the array of triangles, at least
 _EXACTLY = 4096  # bytes that a directed edge takes when it is looked at exactly, with its triangle

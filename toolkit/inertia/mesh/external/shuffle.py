@@ -9,7 +9,6 @@ from __future__ import annotations
 import operator
 from asyncio import CancelledError
 from collections.abc import Callable, Iterable, Iterator, Sequence
-from dataclasses import dataclass
 from functools import lru_cache
 from pathlib import Path
 from typing import Any, TypeVar
@@ -25,6 +24,7 @@ from inertia.mesh.part import Part
 from inertia.mesh.readers.ply import read_ply
 from inertia.mesh.readers.stl import HEADER, is_binary_stl
 from inertia.mesh.surface import FacesInFile, Facets, FacetsInFile, Surface, Triangles
+from inertia.records import dataclass
 
 T = TypeVar("T")
 

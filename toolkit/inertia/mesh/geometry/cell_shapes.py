@@ -24,7 +24,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
 from fractions import Fraction
 from functools import cache
 from itertools import product
@@ -35,6 +34,7 @@ from numpy.typing import NDArray
 
 from inertia.errors import GeometryError
 from inertia.mesh.part import CellBlock, Cells
+from inertia.records import dataclass
 
 Point = tuple[Fraction, ...]
 Powers = tuple[int, ...]

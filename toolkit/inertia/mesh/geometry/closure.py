@@ -24,7 +24,7 @@ else depends on the numbers.
 from __future__ import annotations
 
 import os
-from dataclasses import dataclass, field
+from dataclasses import field
 from functools import cache
 from itertools import pairwise
 
@@ -49,6 +49,7 @@ from inertia.mesh.geometry.pairing import paired_edges
 from inertia.mesh.geometry.pieces import pieces_of_surface
 from inertia.mesh.surface import Facets, Triangles
 from inertia.native import Kernel
+from inertia.records import dataclass
 
 SHARE = 8
 """How many times as many triangles as irregular directed edges there are where these are looked at alone."""

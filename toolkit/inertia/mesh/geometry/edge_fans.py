@@ -9,7 +9,7 @@ On which side of one half-plane another lies, `inertia.mesh.geometry.triangle_pa
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import cache
 
 import numpy as np
@@ -18,6 +18,7 @@ from inertia.arrays import Bool, Float, Int
 from inertia.mesh.geometry.contact_depth import CONTACT, are_single, last_digits
 from inertia.mesh.geometry.halfedges import HalfEdges
 from inertia.mesh.geometry.triangle_pairs import Sign, orient3d, unit
+from inertia.records import dataclass
 
 _AT_ONCE = 1 << 18  # signs decided at a time
 

@@ -9,12 +9,12 @@ from __future__ import annotations
 
 from collections import defaultdict
 from collections.abc import Iterator
-from dataclasses import dataclass
 
 import numpy as np
 
 from inertia.arrays import Bool, Float, Int
 from inertia.mesh.geometry.faces import components, repeated_corners
+from inertia.records import dataclass
 
 Place = tuple[float, float, float]
 

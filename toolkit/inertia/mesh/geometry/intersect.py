@@ -9,7 +9,6 @@ edge and inside each crossing: if the bodies overlap, one of these places is ins
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -27,6 +26,7 @@ from inertia.mesh.geometry.triangle_pairs import crossing, heights_over, held_ap
 from inertia.mesh.geometry.winding import windings
 from inertia.mesh.surface import Surface, Triangles
 from inertia.native import Kernel
+from inertia.records import dataclass
 
 _MODULE = "inertia.mesh.geometry.crossing_kernel"
 CODES = Kernel(_MODULE, "morton_codes", "pipidpp")

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 from numpy.typing import NDArray
 
@@ -15,6 +13,7 @@ from inertia.mesh.geometry.halfedges import half_edges
 from inertia.mesh.geometry.pieces import links_turned, sharing
 from inertia.mesh.geometry.senses import senses_of
 from inertia.mesh.surface import Triangles
+from inertia.records import dataclass
 
 
 @dataclass(frozen=True, eq=False)

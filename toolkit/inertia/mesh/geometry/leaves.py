@@ -8,7 +8,7 @@ does not hold goes, sorted by leaf, to segments of a temporary file, of which a 
 from __future__ import annotations
 
 import threading
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import partial
 from itertools import count, pairwise
 from typing import Protocol
@@ -22,6 +22,7 @@ from inertia.mesh.geometry.place_tree import sample, tree
 from inertia.mesh.geometry.waiting_edges import EDGES, REPEATED, WaitingEdges, empty_table
 from inertia.mesh.surface import Facets, Triangles
 from inertia.native import Kernel, address
+from inertia.records import dataclass
 
 LEAF = Kernel("inertia.mesh.geometry.edge_kernel", "pair_leaf", "ppip" + "pip" + "ppi" + "ppip")
 _PARTITION = "inertia.mesh.geometry.partition_kernel"

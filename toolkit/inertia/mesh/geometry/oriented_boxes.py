@@ -7,11 +7,10 @@ its triangles' corners is as thin as they are (S. Gottschalk, M. C. Lin and D. M
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 
 from inertia.arrays import Bool, Float, Int
+from inertia.records import dataclass
 
 _ROUNDING = 2.0**-44  # more than the rounding of projections, over the largest coordinate
 _HIGHEST = 10  # 2^10 triangles and more are as well enclosed in any box

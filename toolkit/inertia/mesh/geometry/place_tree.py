@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 from numpy.typing import NDArray
 
 from inertia.arrays import Int
 from inertia.mesh.surface import Facets, Triangles
+from inertia.records import dataclass
 
 _READ, _EVERY = 512, 16  # triangles that are read together, and every so manieth of which is taken
 

@@ -12,7 +12,6 @@ insert is inside the cavity that it fills, and the cavity is not inside the inse
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass
 from fractions import Fraction
 from typing import Literal
 
@@ -29,6 +28,7 @@ from inertia.mesh.geometry.sound_shells import Nesting, sound_nesting
 from inertia.mesh.geometry.touching import touching_bodies
 from inertia.mesh.geometry.winding import windings, windings_each, windings_under
 from inertia.mesh.surface import Facets, Triangles
+from inertia.records import dataclass
 
 _CHUNK = 1 << 16
 WOUND: tuple[Literal["outward"], Literal["inward"]] = ("outward", "inward")

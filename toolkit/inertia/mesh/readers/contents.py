@@ -12,7 +12,6 @@ import re
 import warnings
 from codecs import BOM_UTF8
 from collections.abc import Iterable, Iterator, Sequence
-from dataclasses import dataclass
 from pathlib import Path, PureWindowsPath
 from typing import Any
 
@@ -27,6 +26,7 @@ from inertia.mesh.surface import Facets, Surface
 from inertia.mesh.tree import MeshNode
 from inertia.mesh.version import refer_to
 from inertia.output import note_input
+from inertia.records import dataclass
 from inertia.units import Unit
 
 UNNAMED = "default"

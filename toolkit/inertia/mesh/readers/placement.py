@@ -8,7 +8,6 @@ by four more.
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator
-from dataclasses import dataclass
 from fractions import Fraction
 from functools import cache
 
@@ -18,6 +17,7 @@ from inertia.arrays import Float, Int
 from inertia.mesh.part import Rounding
 from inertia.mesh.readers.decimals import remainders
 from inertia.mesh.tree import Motion
+from inertia.records import dataclass
 
 Exact = list[list[Fraction]]
 """The rows of a (4, 4) matrix."""

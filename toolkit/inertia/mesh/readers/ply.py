@@ -10,7 +10,7 @@ from __future__ import annotations
 import struct
 from codecs import BOM_UTF8
 from collections.abc import Iterator
-from dataclasses import dataclass, field
+from dataclasses import field
 from pathlib import Path
 from typing import Any
 
@@ -23,6 +23,7 @@ from inertia.mesh.external.memory import fits
 from inertia.mesh.readers.contents import Contents, numbers, shown, split_polygons, text_of
 from inertia.mesh.readers.decimals import rounding_of
 from inertia.mesh.surface import FacesInFile, RowsInFile
+from inertia.records import dataclass
 
 _TYPES = {
     "char": "b", "int8": "b", "uchar": "B", "uint8": "B",

@@ -8,7 +8,7 @@ Source: 3MF Consortium, "Core Specification" 1.3, sections 3 and 4, and "Product
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass, field, replace
+from dataclasses import field, replace
 from functools import cached_property, partial
 from pathlib import Path
 from xml.parsers import expat
@@ -34,6 +34,7 @@ from inertia.mesh.readers.decimals import rounding_of, written
 from inertia.mesh.readers.placement import Exact, Placement
 from inertia.mesh.readers.zip import inflate
 from inertia.mesh.tree import MeshNode, unique
+from inertia.records import dataclass
 from inertia.units import Unit, length_unit
 
 _UNITS = ("micron", "millimeter", "centimeter", "inch", "foot", "meter")

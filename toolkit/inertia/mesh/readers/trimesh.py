@@ -11,7 +11,7 @@ from __future__ import annotations
 import importlib
 import io
 from collections.abc import Callable, Hashable, Iterable, Iterator, Mapping
-from dataclasses import dataclass, field
+from dataclasses import field
 from typing import Any, NamedTuple
 from xml.etree import ElementTree
 from xml.etree.ElementTree import Element
@@ -32,6 +32,7 @@ from inertia.mesh.readers.contents import (
     shown,
 )
 from inertia.mesh.readers.placement import Placement
+from inertia.records import dataclass
 from inertia.units import Unit
 
 _DEPTH_LIMIT = 200

@@ -7,13 +7,12 @@ surface that is there twice. Two triangles: two surfaces coincide there. Nothing
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 
 from inertia.arrays import Int
 from inertia.mesh.geometry.faces import components
 from inertia.mesh.geometry.halfedges import half_edges
+from inertia.records import dataclass
 
 
 @dataclass(frozen=True, eq=False)

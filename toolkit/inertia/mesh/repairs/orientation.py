@@ -8,8 +8,6 @@ the surface is one-sided. The fewer triangles are turned, in a tie those that do
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 
 from inertia.arrays import Bool, Float, Int
@@ -20,6 +18,7 @@ from inertia.mesh.geometry.pieces import pieces_of_surface
 from inertia.mesh.geometry.triangle_pairs import unit_normals
 from inertia.mesh.geometry.winding import windings
 from inertia.mesh.repairs.holes import around
+from inertia.records import dataclass
 
 _NOISE = 1e-13  # rounding of a volume, over the sum of the largest that its terms could be
 _UNDER = 1e-9  # how far under a shell it is asked what is around it, over the shell's extent

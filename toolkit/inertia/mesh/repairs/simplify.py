@@ -9,7 +9,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -19,6 +18,7 @@ from inertia.mesh.geometry.faces import merge_equal_vertices, repeated_corners
 from inertia.mesh.manifold import exponent_of, solid
 from inertia.mesh.repairs.weld import compact, diagonal
 from inertia.mesh.surface import Surface, Triangles
+from inertia.records import dataclass
 
 FEWEST = 4
 """Triangles that bound a volume."""

@@ -7,7 +7,6 @@ largest move says how far it went.
 from __future__ import annotations
 
 from bisect import bisect_left
-from dataclasses import dataclass
 from decimal import ROUND_CEILING, Context
 
 import numpy as np
@@ -18,6 +17,7 @@ from inertia.mesh.geometry.closure import closure
 from inertia.mesh.geometry.edges import duplicates
 from inertia.mesh.geometry.faces import components, merge_equal_vertices, repeated_corners
 from inertia.mesh.surface import LARGEST, Surface, Triangles, usable
+from inertia.records import dataclass
 
 _LARGEST = 0.1  # tolerance, over the diagonal of the part's box
 _CRACK = 1e-3  # width of a crack, over the diagonal of the part's box

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
-from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -21,6 +20,7 @@ from inertia.recording.screen import Screen, drift_plot, eye, finished, plot, sp
 from inertia.recording.series import drift_unit, write_angular_velocity, write_drift
 from inertia.recording.summary import summary, title
 from inertia.recording.writer import Recording
+from inertia.records import dataclass
 
 if TYPE_CHECKING:
     import rerun.blueprint as rrb

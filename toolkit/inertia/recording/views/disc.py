@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -42,6 +41,7 @@ from inertia.recording.screen import (
 from inertia.recording.series import drift_unit, write_drift, write_energy, write_events
 from inertia.recording.summary import summary, title
 from inertia.recording.writer import Recording
+from inertia.records import dataclass
 
 if TYPE_CHECKING:
     import rerun.blueprint as rrb

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -20,6 +20,7 @@ from inertia.recording.playback import Playback, largest, playback
 from inertia.recording.screen import Screen, eye, finished, plot, space_view, text_view
 from inertia.recording.summary import figure, markdown, sentence, title
 from inertia.recording.writer import Recording
+from inertia.records import dataclass
 
 if TYPE_CHECKING:
     import rerun.blueprint as rrb

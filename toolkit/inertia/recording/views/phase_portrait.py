@@ -5,7 +5,6 @@ Of a body on an axle, and of the tilt of a heavy symmetric top, whose potential 
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -19,6 +18,7 @@ from inertia.recording.drawing import MOMENTUM, OMEGA, TRAIL, Color, thinned
 from inertia.recording.entities import EFFECTIVE_POTENTIAL, PHASE_PORTRAIT
 from inertia.recording.playback import Frames
 from inertia.recording.writer import Recording
+from inertia.records import dataclass
 
 if TYPE_CHECKING:
     import rerun.blueprint as rrb

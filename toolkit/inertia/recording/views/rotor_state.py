@@ -9,7 +9,6 @@ from __future__ import annotations
 import math
 import re
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
 
 import numpy as np
 
@@ -26,6 +25,7 @@ from inertia.recording.spin_marks import meridian
 from inertia.recording.views.rotor_target import AFTER, BEFORE, FAINT, INK, PERMISSIBLE, PLACE, WHITE, broken
 from inertia.recording.views.rotor_text import bearing_bounds, force_text, plane_bounds, resolved, states, vector_text
 from inertia.recording.writer import Recording
+from inertia.records import dataclass
 
 BODY, UNBALANCE = (150, 165, 185, 110), rgb(YELLOW)
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -39,6 +38,7 @@ from inertia.recording.summary import summary, title
 from inertia.recording.views.loads import write_weight
 from inertia.recording.views.phase_portrait import PhasePortrait, phase_portrait
 from inertia.recording.writer import Recording
+from inertia.records import dataclass
 
 if TYPE_CHECKING:
     import rerun.blueprint as rrb

@@ -8,7 +8,6 @@ toward A.
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
 
@@ -28,6 +27,7 @@ from inertia.balancing.tolerance import Share, Tolerance
 from inertia.balancing.unbalance import Kind as UnbalanceKind
 from inertia.balancing.verdict import Outcome, Verdict
 from inertia.mesh.part import Part
+from inertia.records import dataclass
 
 MM = 1e3
 """mm in a metre."""

@@ -5,11 +5,11 @@ from __future__ import annotations
 import cmath
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
 from typing import Literal
 
 from markupsafe import Markup
 
+from inertia.records import dataclass
 from inertia.report.svg.canvas import Canvas, Point, rectangular
 
 _WIDTH, _HEIGHT = 61.0, 60.0

@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 
 import numpy as np
 from markupsafe import Markup
 
 from inertia.arrays import Float
+from inertia.records import dataclass
 from inertia.report.balance.data import BearingRow, PlaneRow
 from inertia.report.numerals import plain
 from inertia.report.svg.canvas import Canvas, levels, text_width

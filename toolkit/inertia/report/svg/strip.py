@@ -7,10 +7,10 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
 
 from markupsafe import Markup
 
+from inertia.records import dataclass
 from inertia.report.balance.data import OperationRow, PlaneRow
 from inertia.report.numerals import fixed, plain
 from inertia.report.svg.canvas import Canvas, levels, text_width

@@ -11,7 +11,6 @@ I and h depend on time alone and are worked out once for all nodes; the fixed-po
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
 
 import numpy as np
 from numpy.polynomial.legendre import leggauss, legvander
@@ -19,6 +18,7 @@ from numpy.polynomial.legendre import leggauss, legvander
 from inertia.arrays import Float
 from inertia.dynamics.computing_time import Watch
 from inertia.dynamics.kinematics import quaternion
+from inertia.records import dataclass
 
 NODES = 12
 _ITERATIONS = 60

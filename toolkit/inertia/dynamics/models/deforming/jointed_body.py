@@ -6,7 +6,6 @@ x ↦ R x + p; that of the root takes them to themselves.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from difflib import get_close_matches
 from functools import cached_property
 
@@ -17,6 +16,7 @@ from inertia.arrays import Float
 from inertia.documents import FieldError
 from inertia.dynamics.kinematics import quaternion
 from inertia.dynamics.models.deforming.joints import Joint, JointedPart
+from inertia.records import dataclass
 
 _ROUNDED = 16 * 2.0**-52
 """Relative: what poses and sums over the parts are rounded by."""

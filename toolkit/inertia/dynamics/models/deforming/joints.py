@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from copy import copy
-from dataclasses import InitVar, dataclass, field
+from dataclasses import InitVar, field
 from functools import cached_property
 
 import numpy as np
@@ -19,6 +19,7 @@ from inertia.arrays import Float
 from inertia.documents import FieldError, number, numbers
 from inertia.errors import GeometryError
 from inertia.mass.tensor import faults
+from inertia.records import dataclass
 
 
 @dataclass(frozen=True, eq=False)

@@ -10,7 +10,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from dataclasses import dataclass
 from itertools import pairwise
 
 import numpy as np
@@ -24,6 +23,7 @@ from inertia.dynamics.motion import Motion
 from inertia.dynamics.observer import observing
 from inertia.errors import GeometryError, UsageError
 from inertia.mass.tensor import array_of
+from inertia.records import dataclass
 
 _EPSILON = 2.0**-52
 _PHASE = 2.0  # rad, at most, by which anything turns in one of the first, longest steps

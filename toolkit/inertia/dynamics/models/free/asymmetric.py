@@ -26,7 +26,6 @@ the third angle follows from φ' = G (2T − ω·M of the axis)/|L⊥|².
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 
 import numpy as np
 
@@ -44,6 +43,7 @@ from inertia.dynamics.special.double_double import (
     times,
 )
 from inertia.dynamics.special.elementary import Number, columns, cos, packed, select, sin, sqrt, where
+from inertia.records import dataclass
 
 _ENDLESS = 1e200
 """Half a period of u on the separatrix: no time is that long."""

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
@@ -12,6 +10,7 @@ from inertia.dynamics.arguments import at_index, first_index, vectors
 from inertia.dynamics.special.elementary import Number, anywhere, columns, frexp, ldexp, maximum, packed, where
 from inertia.errors import GeometryError, UsageError
 from inertia.mass.tensor import VALIDITY_TOLERANCE
+from inertia.records import dataclass
 
 NEGLIGIBLE = 1e-70
 """A component of ω counts as zero below this part of the largest: no body is steadier."""

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 from abc import abstractmethod
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import ClassVar, Literal
 
 import numpy as np
@@ -20,6 +20,7 @@ from inertia.dynamics.models.free.initial_conditions import NEGLIGIBLE
 from inertia.dynamics.models.model import AXIS_PAIRS, NEARLY_EQUAL, Candidate, Model, Problem
 from inertia.dynamics.models.neighbours import InputBound, growth, instants_of, nudge_of, parted
 from inertia.dynamics.motion import Motion
+from inertia.records import dataclass
 
 _ORDINAL = ("smallest", "intermediate", "largest")
 _NUDGE = 1e-9  # relative, of the spin of neighbours

@@ -18,11 +18,11 @@ parameters that make the integrals of the third kind carry a passage through the
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
 from decimal import Decimal, getcontext
 
 from inertia.dynamics.special.decimal_elliptic import PI, complete, first_kind, pair
 from inertia.dynamics.special.double_double import Pair
+from inertia.records import dataclass
 
 ZERO, ONE = Decimal(0), Decimal(1)
 

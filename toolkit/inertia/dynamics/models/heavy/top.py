@@ -8,7 +8,6 @@ point. Angles are z-x-z: φ about the vertical, θ the tilt of axis 3, ψ about 
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
 from functools import cached_property
 from typing import Literal
 
@@ -24,6 +23,7 @@ from inertia.dynamics.models.heavy.nutation import Nutation
 from inertia.dynamics.motion import Event, Motion
 from inertia.errors import GeometryError, UsageError
 from inertia.mass.tensor import array_of
+from inertia.records import dataclass
 
 Kind = Literal["sleeping", "steady precession", "pendulum", "cusp", "loops", "no reversal"]
 

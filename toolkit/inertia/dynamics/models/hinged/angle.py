@@ -7,7 +7,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
 from fractions import Fraction
 
 import numpy as np
@@ -16,6 +15,7 @@ from inertia.arrays import Float
 from inertia.dynamics.computing_time import Watch
 from inertia.dynamics.models.rational import root
 from inertia.errors import GeometryError
+from inertia.records import dataclass
 
 _EPS = 2.0**-52
 _ORDER = 24

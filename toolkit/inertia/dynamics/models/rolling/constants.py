@@ -13,12 +13,11 @@ each is used over its half.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 
 from inertia.arrays import Float
 from inertia.dynamics.models.rolling.equations import RollingBody
+from inertia.records import dataclass
 
 _TERMS = 64
 """The series converge like (θ/π)ⁿ, and θ goes to π/2."""

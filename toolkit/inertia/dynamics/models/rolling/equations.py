@@ -11,7 +11,6 @@ The functions here are arithmetic alone: they take floats or arrays, with s = si
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from functools import cached_property
 from typing import TypeVar
 
@@ -20,6 +19,7 @@ import numpy as np
 from inertia.arrays import Float
 from inertia.errors import GeometryError
 from inertia.mass.tensor import VALIDITY_TOLERANCE
+from inertia.records import dataclass
 
 Number = TypeVar("Number", float, Float)
 """A float or an array."""

@@ -10,7 +10,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -19,6 +18,7 @@ from inertia.arrays import Float
 from inertia.dynamics.computing_time import Watch
 from inertia.dynamics.models.rolling.equations import RollingBody, angular_acceleration
 from inertia.errors import GeometryError
+from inertia.records import dataclass
 
 FLAT = 1e-6
 """Where the plane and the rim, or the plane and the centre of mass in units of R, come closer, the body lies down."""

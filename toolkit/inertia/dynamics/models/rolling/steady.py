@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
 
 from inertia.dynamics.models.rolling.equations import RollingBody, angular_acceleration, reaction
 from inertia.errors import GeometryError, UsageError
+from inertia.records import dataclass
 
 
 @dataclass(frozen=True)

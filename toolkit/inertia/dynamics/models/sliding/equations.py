@@ -18,7 +18,6 @@ Rauch-Wojciechowski, Sköldstam & Glad, Regul. Chaotic Dyn. 10 (2005) 333.
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
 from functools import cached_property
 from typing import ClassVar
 
@@ -29,6 +28,7 @@ from inertia.dynamics.integrators.rotation import RotationProblem, power_of_two
 from inertia.dynamics.integrators.terms import Terms
 from inertia.dynamics.kinematics import quaternion
 from inertia.errors import GeometryError
+from inertia.records import dataclass
 
 
 @dataclass(frozen=True, eq=False)

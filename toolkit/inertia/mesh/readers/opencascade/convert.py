@@ -8,7 +8,7 @@ from __future__ import annotations
 import json
 import os
 import sys
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -16,6 +16,7 @@ import numpy as np
 
 from inertia.arrays import Float, Int
 from inertia.mesh.shape import Face, Patch, Shape, Solid
+from inertia.records import dataclass
 
 if TYPE_CHECKING:
     from inertia.mesh.readers.opencascade.facets import Facets

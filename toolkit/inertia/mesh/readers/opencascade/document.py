@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -24,6 +23,7 @@ from OCP import (
 )
 
 from inertia.mesh.readers.opencascade.kernel import bodies_of, colour_of, has_faces, labels
+from inertia.records import dataclass
 
 Colour = tuple[float, float, float]
 _DEEP = 200

@@ -6,7 +6,6 @@ How far follows from the face, where it is a plane, a cylinder, a cone, a sphere
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -15,6 +14,7 @@ from OCP import BRep, BRepMesh, BRepTools, IMeshTools, TopAbs, TopExp, TopLoc
 from inertia.arrays import Float, Int
 from inertia.mesh.readers.opencascade.kernel import bounds_something, cast, kind_of, parts_of, shape_map
 from inertia.mesh.shape import Patch
+from inertia.records import dataclass
 
 _BETWEEN_SAMPLES = 9 / 8
 
