@@ -102,6 +102,22 @@ def _with_own(dataclass: Made) -> type:
     return WithOwn
 
 
+def _mixed(dataclass: Made) -> type:
+    @dataclass(frozen=True)
+    class Base:
+        """A class."""
+
+        a: int
+
+    @dataclasses.dataclass(frozen=True)
+    class Mixed(Base):
+        """One of the standard library, as users derive them."""
+
+        b: int = 2
+
+    return Mixed
+
+
 CASES: list[tuple[Callable[[Made], type], tuple[Any, ...], dict[str, Any]]] = [
     (_frozen, (1,), {}),
     (_frozen, (1, [2], 3.0), {"d": "e"}),
@@ -118,6 +134,8 @@ CASES: list[tuple[Callable[[Made], type], tuple[Any, ...], dict[str, Any]]] = [
     (_by_name, (), {}),
     (_by_name, (1,), {"b": None}),
     (_with_own, (3,), {}),
+    (_mixed, (1,), {}),
+    (_mixed, (1, 3), {}),
 ]
 
 

@@ -3,7 +3,7 @@
 The standard library writes up to five methods of each class as text and compiles them, a millisecond a class: a fifth
 of the time that a small part takes, as dozens of classes are imported of which few are made. Here `__init__` is
 compiled for the first instance, and the other methods are functions that serve all classes. The fields are those of the
-standard library, so that `dataclasses.fields`, `replace` and `asdict` know the classes.
+standard library, which knows the classes as its own; those derived from others it makes whole.
 """
 
 from __future__ import annotations
@@ -24,11 +24,14 @@ else:
         """Return the class as a data class, as `dataclasses.dataclass` does."""
 
         def made(cls: type) -> type:
+            derived = any(map(dataclasses.is_dataclass, cls.__mro__[1:]))
+            if derived or any("InitVar" in str(kind) for kind in getattr(cls, "__annotations__", {}).values()):
+                return dataclasses.dataclass(eq=eq, frozen=frozen, kw_only=kw_only)(cls)
             dataclasses.dataclass(init=False, repr=False, eq=False, kw_only=kw_only)(cls)
-            names = [each.name for each in dataclasses.fields(cls)]
             methods = {"__init__": _FirstInit(cls), "__repr__": _repr}
             if frozen:
-                methods |= _frozen(cls, frozenset(names))
+                cls.__dataclass_params__.frozen = True
+                methods |= _frozen(cls, frozenset(each.name for each in dataclasses.fields(cls)))
             if eq:
                 methods |= _compared(tuple(each.name for each in dataclasses.fields(cls) if each.compare), frozen)
             for name, method in methods.items():
@@ -58,34 +61,27 @@ else:
 
     def _init_of(cls: type) -> Callable[..., None]:
         """Compile the `__init__` of a class."""
-        own = {each.name for each in dataclasses.fields(cls)}
-        pseudo = [
-            each for name, each in cls.__dataclass_fields__.items() if name not in own and "InitVar" in str(each.type)
-        ]
-        scope: dict[str, Any] = {"_put": object.__setattr__, "_none": _MADE_ANEW}
-        positional, named, body, types = ["self"], [], [], {}
-        for each in cls.__dataclass_fields__.values():
-            name, value = each.name, each.name
-            if name not in own and each not in pseudo:  # a class variable
-                continue
-            parameter = name
+        scope: dict[str, Any] = {"_put": object.__setattr__, "_anew": _MADE_ANEW}
+        positional, named, body, types = ["self"], [], [], {"return": None}
+        for each in dataclasses.fields(cls):
+            parameter = value = name = each.name
             if each.default is not dataclasses.MISSING:
                 scope[f"_default_{name}"], parameter = each.default, f"{name}=_default_{name}"
             elif each.default_factory is not dataclasses.MISSING:
-                scope[f"_make_{name}"], parameter = each.default_factory, f"{name}=_none"
-                value = f"_make_{name}() if {name} is _none else {name}" if each.init else f"_make_{name}()"
+                scope[f"_make_{name}"], parameter = each.default_factory, f"{name}=_anew"
+                value = f"_make_{name}() if {name} is _anew else {name}" if each.init else f"_make_{name}()"
             if each.init:
                 (named if each.kw_only else positional).append(parameter)
                 types[name] = each.type
-            if name in own and (each.init or value != name):
+            if each.init or value != name:
                 body.append(f"_put(self, {name!r}, {value})")
         if hasattr(cls, "__post_init__"):
-            body.append(f"self.__post_init__({', '.join(each.name for each in pseudo)})")
+            body.append("self.__post_init__()")
         parameters = ", ".join([*positional, *(["*", *named] if named else [])])
         exec(f"def __init__({parameters}):\n " + "\n ".join(body or ["pass"]), scope)
         init: Callable[..., None] = scope["__init__"]
         init.__qualname__, init.__module__ = f"{cls.__qualname__}.__init__", cls.__module__
-        init.__annotations__ = {**types, "return": None}
+        init.__annotations__ = types
         return init
 
     @recursive_repr()
